@@ -162,7 +162,8 @@ TEST_F(ConvertTest, tiles_outside_the_box_are_counted_but_not_read) {
   EXPECT_EQ(read_cloud(folder / "out.las").gps_times, (std::vector<double>{2.5, 3.5, 4.5}));
   expect_error({"convert", "tiles", "-o", "none.las", "--crop", "0,0,1,1"},
                "no points inside --crop 0,0,1,1");
-  expect_error({"convert", "tiles", "-o", "tiles/a.las", "--overwrite"}, "tiles/a.las: is read from as well");
+  expect_error({"convert", "tiles", "-o", "tiles/a.las", "--overwrite"},
+               "tiles/a.las: the output is also an input");
 }
 
 TEST_F(ConvertTest, an_index_is_what_alidade_index_makes) {
@@ -268,7 +269,7 @@ TEST_F(ConvertTest, wrong_options_are_errors_before_anything_is_read) {
   write("survey.las", "no cloud at all, which nobody gets to know");
   const Words words = {"convert", "survey.las", "-o", "out.las"};
   expect_error({"convert", "survey.las", "-o", "out.txt"},
-               "out.txt: unknown output format; expected a name that ends in .las");
+               "out.txt: unknown output format; expected the extension .las");
   expect_error({"convert", "survey.las", "-o", "survey.las", "--overwrite"}, "the output is also an input");
   expect_error(with(words, {"--crop", ""}), "--crop: expected a box or a file, found nothing");
   expect_error(with(words, {"--crop", "1,2,3"}), "--crop: expected x0,y0,x1,y1 or");

@@ -111,7 +111,7 @@ TEST_F(CopcQueryTest, points_outside_their_cube_are_one_error_on_any_number_of_t
     all.insert(all.end(), {"--threads", threads});
     const ProgramResult result = run(all);
     EXPECT_EQ(result.exit_code, 2);
-    EXPECT_TRUE(contains(result.err, "the point is outside the cube of its node; expected a place from"));
+    EXPECT_TRUE(contains(result.err, "the point is outside the cube of its node; expected a position from"));
     if (first.empty()) first = result.err;
     EXPECT_EQ(result.err, first);
   }

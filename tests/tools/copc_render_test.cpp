@@ -70,7 +70,7 @@ TEST_F(CopcRenderTest, a_first_look_stays_if_the_rest_of_the_cloud_is_damaged) {
   write_copc(sample);
   const ProgramResult result = render("out.png", {"--preview", "now.png", "--preview-points", "300"});
   EXPECT_EQ(result.exit_code, 2);
-  EXPECT_TRUE(contains(result.err, "damaged")) << result.err;
+  EXPECT_TRUE(contains(result.err, "corrupt")) << result.err;
   EXPECT_FALSE(std::filesystem::exists(folder / "out.png"));
   EXPECT_TRUE(std::filesystem::exists(folder / "now.png"));
 }

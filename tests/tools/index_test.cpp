@@ -184,7 +184,7 @@ TEST_F(IndexTest, verify_of_another_file_is_an_error) {
   write_square("square.xyz");
   const ProgramResult result = run({"info", "--verify", "square.xyz"});
   EXPECT_EQ(result.exit_code, 2);
-  EXPECT_TRUE(contains(result.err, "square.xyz: has no checksums")) << result.err;
+  EXPECT_TRUE(contains(result.err, "square.xyz: no checksums")) << result.err;
   EXPECT_TRUE(contains(run({"info", "--verify", "absent"}).err, "absent: cannot open the file"));
 }
 

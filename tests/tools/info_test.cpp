@@ -83,7 +83,7 @@ TEST_F(InfoTest, header_box_that_is_not_that_of_the_points_is_told) {
     return run({"info", "yard.las"}).out;
   };
   EXPECT_TRUE(contains(with_max_x(max_x + 0.002), "header box up to 0.0020 wider than the points"));
-  EXPECT_TRUE(contains(with_max_x(max_x - 1.5), "header box leaves out points by up to 1.5000"));
+  EXPECT_TRUE(contains(with_max_x(max_x - 1.5), "header box excludes points by up to 1.5000"));
 }
 
 TEST_F(InfoTest, table_for_people_names_points_and_bounds) {

@@ -115,13 +115,13 @@ TEST_F(LongRenderTest, interrupted_it_keeps_a_checkpoint_and_ends_with_130) {
   program.send(SIGINT);
   const ProgramResult result = program.wait();
   EXPECT_EQ(result.exit_code, 130) << result.err;
-  EXPECT_TRUE(contains(result.err, "state keeps what has been computed")) << result.err;
+  EXPECT_TRUE(contains(result.err, "saved to state; the same command with --resume")) << result.err;
   EXPECT_EQ(names(), (Words{"now.png", "square.xyz", "state"}));
   const ProgramResult other = run(with(words, {"--resume"}));
   EXPECT_EQ(other.exit_code, 2);
   EXPECT_TRUE(contains(other.err,
-                       "state: the checkpoint belongs to another image: made with number of samples "
-                       "100000, asked for 300"))
+                       "state: this checkpoint belongs to another picture: it has number of samples "
+                       "100000, this run has 300"))
       << other.err;
   EXPECT_FALSE(contains(other.err, "% of its samples after")) << other.err;
   EXPECT_FALSE(std::filesystem::exists(folder / "out.png"));
@@ -225,7 +225,7 @@ TEST_F(LongRenderTest, goes_on_with_the_picture_however_its_name_is_typed) {
     write("state", checkpoint);
     const ProgramResult result = run(with(words, {"-o", name, "--resume"}));
     EXPECT_EQ(result.exit_code, 0) << result.err;
-    EXPECT_TRUE(contains(result.err, "going on from state: " + name + " has ")) << result.err;
+    EXPECT_TRUE(contains(result.err, "resuming from state: " + name + " has ")) << result.err;
   }
   std::filesystem::remove(folder / "out.png");
   write("state", checkpoint);
@@ -377,7 +377,8 @@ TEST_F(LongRenderTest, mistakes_are_told_before_the_work) {
   expect({"-o", "out.png", "--checkpoint", "out.png"}, "out.png: also the name of an image");
   expect({"-o", "out.png", "--checkpoint", "a.png", "--preview", "a.png"},
          "a.png: preview and checkpoint have the same name");
-  expect({"-o", "out.png", "--checkpoint", "square.xyz", "--overwrite"}, "square.xyz: is read from as well");
+  expect({"-o", "out.png", "--checkpoint", "square.xyz", "--overwrite"},
+         "square.xyz: the output is also an input");
   expect({"-o", "out.png", "--checkpoint", "absent/state"}, "absent/state");
   expect({"-o", "out.png", "--time-limit", "-1"}, "--time-limit");
   expect({"-o", "out.png", "--target-noise", "0"}, "--target-noise");

@@ -101,7 +101,7 @@ TEST_F(OutputTest, standard_input_is_never_replaced_either) {
                   folder / "places.csv");
   const ProgramResult result = program.wait();
   EXPECT_EQ(result.exit_code, 2);
-  EXPECT_TRUE(contains(result.err, "places.csv: is read from as well")) << result.err;
+  EXPECT_TRUE(contains(result.err, "places.csv: the output is also an input")) << result.err;
   EXPECT_EQ(read("places.csv"), "x,y,z\n100,200,5\n");
 }
 

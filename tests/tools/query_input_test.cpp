@@ -243,7 +243,7 @@ TEST_F(QueryInputTest, conditions_that_mean_nothing_are_refused) {
       {ray, {"--count", "--occluded"}, "--occluded"},
       {ray, {"-o", "out.xyz"}, "out.xyz: unknown output format"},
       {ray, {"--format", "las"}, "LAS output requires a file"},
-      {ray, {"--count", "-o", "out.las"}, "out.las: LAS holds points"},
+      {ray, {"--count", "-o", "out.las"}, "out.las: LAS cannot store"},
       {box, {"--radius", "1"}, "--radius does not apply to boxes"},
       {box, {"--measure", "t"}, "--measure does not apply to boxes"},
       {cone, {"--radius", "1"}, "--radius does not apply to cones"},

@@ -195,7 +195,7 @@ TEST_F(QueryTest, classes_choose_points) {
   EXPECT_EQ(result.out, "ray_id,count\n0,3\n") << result.err;
   const ProgramResult without = run({"query", "tiny.xyz", "--point", "0,0,0", "--class", "2"});
   EXPECT_EQ(without.exit_code, 2);
-  EXPECT_TRUE(contains(without.err, "tiny.xyz: points have no classification")) << without.err;
+  EXPECT_TRUE(contains(without.err, "tiny.xyz: --class requires classification")) << without.err;
 }
 
 TEST_F(QueryTest, index_file_gives_the_same_answers_as_the_cloud_it_was_made_of) {

@@ -101,8 +101,8 @@ TEST_F(RenderCameraTest, mistakes_about_cameras_are_told_before_the_work) {
   expect({"--camera", "fold.json", "-o", "out.png"}, "the distortion folds over");
   expect({"--camera", "model", "--panorama", "1,2,3", "-o", "out.png"}, "--panorama");
   expect({"--camera-name", "a", "-o", "out.png"}, "--camera-name requires --camera");
-  expect({"--panorama", "1,2", "-o", "out.png"}, "expected 3 numbers with commas between");
-  expect({"--panorama", "1,2,3,4", "-o", "out.png"}, "expected 3 numbers with commas between");
+  expect({"--panorama", "1,2", "-o", "out.png"}, "expected 3 numbers separated by commas");
+  expect({"--panorama", "1,2,3,4", "-o", "out.png"}, "expected 3 numbers separated by commas");
   expect({"--panorama", "1,2,x", "-o", "out.png"}, "--panorama");
   expect({"--orthographic", "side", "--resolution", "1", "-o", "out.png"}, "expected top, found 'side'");
   expect({"--orthographic", "top", "-o", "out.png"}, "--orthographic requires --resolution");

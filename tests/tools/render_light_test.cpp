@@ -36,7 +36,7 @@ TEST_F(RenderLightTest, sun_by_time_and_position_is_told_and_stored) {
   ASSERT_EQ(result.exit_code, 0) << result.err;
   // Another air than the published example's changes the elevation by less than 0.01 degrees.
   EXPECT_TRUE(contains(result.err, "alidade: sun at azimuth 194.34")) << result.err;
-  EXPECT_TRUE(contains(result.err, "(+y taken for true north), elevation 39.8")) << result.err;
+  EXPECT_TRUE(contains(result.err, "(+y assumed to be true north), elevation 39.8")) << result.err;
   EXPECT_TRUE(contains(read("out.png"), "alidade:sun")) << "not stored";
   EXPECT_TRUE(contains(read("out.png"), "2003-10-17T19:30:30Z at latitude 39.742476"));
 }

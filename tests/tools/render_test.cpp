@@ -91,11 +91,11 @@ TEST_F(RenderCommandTest, cloud_without_points_has_no_view) {
         "z\nend_header\n");
   const ProgramResult result = run(small({"--cloud", "empty.ply", "-o", "out.png"}));
   EXPECT_EQ(result.exit_code, 2);
-  EXPECT_TRUE(contains(result.err, "empty.ply: the cloud missing points")) << result.err;
+  EXPECT_TRUE(contains(result.err, "empty.ply: the cloud has no points")) << result.err;
   ASSERT_EQ(run({"index", "empty.ply", "-o", "empty.alidade", "-q"}).exit_code, 0);
   const ProgramResult of_index = run(small({"--cloud", "empty.alidade", "-o", "out.png"}));
   EXPECT_EQ(of_index.exit_code, 2);
-  EXPECT_TRUE(contains(of_index.err, "empty.alidade: the cloud missing points")) << of_index.err;
+  EXPECT_TRUE(contains(of_index.err, "empty.alidade: the cloud has no points")) << of_index.err;
 }
 
 TEST_F(RenderCommandTest, missing_part_that_writes_pictures_is_told_before_the_work) {
@@ -181,16 +181,16 @@ TEST_F(RenderCommandTest, options_of_adapted_radii_leave_the_others_as_the_scene
   };
   const std::string own = R"({"neighbours": 3, "factor": 1.5, "max": 0.5})";
   EXPECT_TRUE(contains(said(own, {"--radius-factor", "2"}),
-                       "at most radius 2 times the distance to neighbour 3, 0.5"));
+                       "radius 2 times the distance to neighbour 3, at most 0.5"));
   EXPECT_TRUE(contains(said(own, {"--radius-neighbours", "5", "--radius-max", "0.25"}),
-                       "at most radius 1.5 times the distance to neighbour 5, 0.25"));
+                       "radius 1.5 times the distance to neighbour 5, at most 0.25"));
   EXPECT_TRUE(contains(said(own, {"--radius", "adapted"}),
-                       "at most radius 1.5 times the distance to neighbour 3, 0.5"));
+                       "radius 1.5 times the distance to neighbour 3, at most 0.5"));
   EXPECT_FALSE(contains(said(own, {"--radius-max", "auto"}), "at most 0.5"));
   EXPECT_TRUE(contains(said(own, {"--radius", "0.125"}), "spheres of radius 0.125\n"));
   EXPECT_TRUE(contains(said(own, {"--radius", "auto"}), "(from the spacing of the points)"));
   EXPECT_TRUE(contains(said("0.125", {"--radius-max", "0.25"}),
-                       "at most radius 0.75 times the distance to neighbour 8, 0.25"));
+                       "radius 0.75 times the distance to neighbour 8, at most 0.25"));
 }
 
 TEST_F(RenderCommandTest, max_level_of_points_without_levels_is_an_error) {

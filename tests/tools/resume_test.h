@@ -48,8 +48,7 @@ class ResumeTest : public ProgramTest {
     program.send(SIGINT);
     const ProgramResult result = program.wait();
     ASSERT_EQ(result.exit_code, 130) << result.err;
-    EXPECT_TRUE(contains(result.err, "state keeps what has been computed; the same command with --resume"))
-        << result.err;
+    EXPECT_TRUE(contains(result.err, "saved to state; the same command with --resume")) << result.err;
   }
 
   /// Runs a command whole; then kills it again and again soon after its checkpoint has grown, goes on from
@@ -72,13 +71,13 @@ class ResumeTest : public ProgramTest {
       program.send(SIGKILL);
       const ProgramResult result = program.wait();
       killed += result.signal == SIGKILL ? 1 : 0;
-      resumed += contains(result.err, "alidade: going on from state: ") ? 1 : 0;
+      resumed += contains(result.err, "alidade: resuming from state: ") ? 1 : 0;
     }
     EXPECT_GT(killed, 0);
     EXPECT_GT(resumed, 0);
     const ProgramResult last = run(cut);
     ASSERT_EQ(last.exit_code, 0) << last.err;
-    EXPECT_TRUE(contains(last.err, "alidade: going on from state: ")) << last.err;
+    EXPECT_TRUE(contains(last.err, "alidade: resuming from state: ")) << last.err;
     for (std::size_t i = 1; i < outputs.size(); i += 2)
       EXPECT_TRUE(read(outputs[i]) == read("whole_" + outputs[i])) << outputs[i];
     EXPECT_FALSE(has_checkpoint());

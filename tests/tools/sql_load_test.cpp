@@ -65,7 +65,7 @@ TEST_F(SqlLoadTest, a_file_becomes_a_table) {
   EXPECT_EQ(result.exit_code, 0) << result.err;
   EXPECT_EQ(result.out, "");
   EXPECT_TRUE(contains(result.err, "storing: 400 points")) << result.err;
-  EXPECT_TRUE(contains(result.err, "stored alidade: 400 points as table points of square.db")) << result.err;
+  EXPECT_TRUE(contains(result.err, "stored 400 points as table points of square.db")) << result.err;
   EXPECT_EQ(points("square.db"), 400);
   EXPECT_EQ(names(), (Words{"square.db", "square.xyz"}));
   EXPECT_EQ(load({"square.xyz", "quiet.db"}, {"-q"}).err, "");

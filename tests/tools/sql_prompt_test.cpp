@@ -126,7 +126,7 @@ TEST_F(SqlPromptTest, statements_are_typed_edited_and_called_back) {
                                "caf\xc3\xa9"
                                "3\r\n"));
     EXPECT_TRUE(terminal.edits(".explain on\n", k_prompt));
-    EXPECT_TRUE(terminal.edits(up + up + "\n", "1 of 8 chunks read"));
+    EXPECT_TRUE(terminal.edits(up + up + "\n", "read 1 of 8 chunks"));
     EXPECT_TRUE(terminal.edits(".quit\n", ""));
     EXPECT_EQ(terminal.exit_code(), 0);
   }

@@ -32,7 +32,7 @@ class MapsResumeTest : public ResumeTest {
   void expect_another_run(const Words& command, const std::string& difference) {
     const ProgramResult result = run(with(command, {"--resume"}));
     EXPECT_EQ(result.exit_code, 2) << difference;
-    EXPECT_TRUE(contains(result.err, "state: is the checkpoint of another run: made with " + difference))
+    EXPECT_TRUE(contains(result.err, "state: this checkpoint belongs to another run: it has " + difference))
         << result.err;
     EXPECT_FALSE(contains(result.err, "discs block")) << "surfaces were measured before: " << result.err;
     EXPECT_EQ(names(), (Words{"state", "yard.xyz"}));
@@ -73,20 +73,20 @@ TEST_F(MapsResumeTest, a_map_goes_on_from_a_checkpoint_of_the_same_run_only) {
   const Words fine = with(words, {"--resolution", "0.05"});
   interrupt(fine);
   EXPECT_EQ(run(fine).exit_code, 2) << "neither gone on from nor replaced";
-  expect_another_run(with(words, {"--resolution", "0.1"}), "--resolution 0.05, asked for 0.1");
-  expect_another_run(with(fine, {"--tz", "1"}), "--target-height none, asked for 1");
+  expect_another_run(with(words, {"--resolution", "0.1"}), "--resolution 0.05, this run has 0.1");
+  expect_another_run(with(fine, {"--tz", "1"}), "--target-height none, this run has 1");
   expect_another_run(with(fine, {"--observer", "1,2,7"}), "--observer 1.5,2.7,1.6, asked for");
   expect_another_run({"visibility", "sky", "yard.xyz", "-o", "sky.tif", "--checkpoint", "state"},
-                     "command raster, asked for sky");
+                     "command raster, this run has sky");
   write("yard.xyz", read("yard.xyz") + "2 2 0.5\n");
-  expect_another_run(fine, "number of points 3800, asked for 3801");
+  expect_another_run(fine, "number of points 3800, this run has 3801");
 }
 
 TEST_F(MapsResumeTest, a_run_for_another_day_does_not_go_on_from_the_checkpoint) {
   const Words words{"visibility", "sun", "yard.xyz", "--resolution", "0.01",  "--place",
                     "48,11",      "-o",  "sun.tif",  "--checkpoint", "state", "--from"};
   interrupt(with(words, {"2026-06-21"}));
-  expect_another_run(with(words, {"2026-06-22"}), "--from 2026-06-21, asked for 2026-06-22");
+  expect_another_run(with(words, {"2026-06-22"}), "--from 2026-06-21, this run has 2026-06-22");
 }
 
 TEST_F(MapsResumeTest, the_checkpoint_is_neither_map_nor_picture) {

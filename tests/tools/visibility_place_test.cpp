@@ -27,7 +27,7 @@ TEST_F(VisibilityPlaceTest, a_position_on_either_side_of_the_wall_is_chosen) {
       run({"visibility", "place", "site.csv", "--observers", "candidates.csv", "--count", "2",
            "--target-spacing", "0.5", "-o", "best.json", "--curve", "best.png"});
   EXPECT_EQ(result.exit_code, 0) << result.err;
-  EXPECT_NE(result.err.find("2 places see "), std::string::npos) << result.err;
+  EXPECT_NE(result.err.find("2 positions see "), std::string::npos) << result.err;
   const Json file = Json::parse(read("best.json"));
   ASSERT_EQ(file["places"].size(), 2u);
   const Json &first = file["places"][0], &second = file["places"][1];
@@ -104,7 +104,7 @@ TEST_F(VisibilityPlaceTest, what_cannot_be_done_is_said) {
   fails_with({"--class-weights", "6:2"}, "expected CLASS=WEIGHT, such as 6=2.5, found");
   fails_with({"--class-weights", "6=1,6=2"}, "duplicate weight of class 6");
   fails_with({"--class-weights", "256=1"}, "--class-weights");
-  fails_with({"--target-classes", "40"}, "site.csv: the cloud missing points of the target classes");
+  fails_with({"--target-classes", "40"}, "site.csv: the cloud has no points of the target classes");
   fails_with({"--target-spacing", "1e-6"}, "target spacing too small for the extent of the cloud");
   fails_with({"--count", "0"}, "--count");
   const ProgramResult nobody = position({"--count", "1", "-o", "b.csv"});

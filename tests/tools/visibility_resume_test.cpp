@@ -29,13 +29,13 @@ TEST_F(ResumeTest, interrupted_it_keeps_a_checkpoint_and_ends_with_130) {
   EXPECT_TRUE(contains(refused.err, "state: the file exists; expected --resume")) << refused.err;
   const ProgramResult other = run(with(words, {"--resume", "--transparency", "2"}));
   EXPECT_EQ(other.exit_code, 2);
-  EXPECT_TRUE(contains(other.err,
-                       "state: is the checkpoint of another run: made with --transparency none, asked for 2"))
+  EXPECT_TRUE(contains(
+      other.err, "state: this checkpoint belongs to another run: it has --transparency none, this run has 2"))
       << other.err;
   write("square.xyz", read("square.xyz") + "101 201 5.5\n");
   const ProgramResult cloud = run(with(words, {"--resume"}));
   EXPECT_EQ(cloud.exit_code, 2);
-  EXPECT_TRUE(contains(cloud.err, "made with number of points 400, asked for 401")) << cloud.err;
+  EXPECT_TRUE(contains(cloud.err, "it has number of points 400, this run has 401")) << cloud.err;
   EXPECT_FALSE(std::filesystem::exists(folder / "seen.las"));
 }
 
@@ -59,13 +59,14 @@ TEST_F(ResumeTest, other_outputs_and_threads_are_the_same_run_another_reference_
   write("site.las", moved);
   const ProgramResult refused = run(others);
   EXPECT_EQ(refused.exit_code, 2);
-  EXPECT_TRUE(contains(refused.err, "state: is the checkpoint of another run: made with reference system "))
+  EXPECT_TRUE(
+      contains(refused.err, "state: this checkpoint belongs to another run: it has reference system "))
       << refused.err;
 
   write("site.las", site);
   const ProgramResult resumed = run(others);
   EXPECT_EQ(resumed.exit_code, 0) << resumed.err;
-  EXPECT_TRUE(contains(resumed.err, "alidade: going on from state: ")) << resumed.err;
+  EXPECT_TRUE(contains(resumed.err, "alidade: resuming from state: ")) << resumed.err;
   EXPECT_TRUE(read("b.las") == read("whole.las"));
   EXPECT_TRUE(read("b.csv") == read("whole.csv"));
 }

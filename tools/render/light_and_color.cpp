@@ -17,11 +17,11 @@ std::string without_blanks_around(const std::string& text) {
   return begin == std::string::npos ? "" : text.substr(begin, text.find_last_not_of(' ') + 1 - begin);
 }
 
-/// Two numbers with a comma between, as maps show them: blanks around the comma are no matter.
+/// Two numbers separated by a comma, as maps show them: blanks around the comma are no matter.
 glm::dvec2 parse_pair(const std::string& text, double largest_first, double largest_second) {
   const std::size_t comma = text.find(',');
   if (comma == std::string::npos)
-    throw UsageError("expected two numbers with a comma between, found '" + text + "'");
+    throw UsageError("expected two numbers separated by a comma, found '" + text + "'");
   return {parse_number(without_blanks_around(text.substr(0, comma)), -largest_first, largest_first),
           parse_number(without_blanks_around(text.substr(comma + 1)), -largest_second, largest_second)};
 }

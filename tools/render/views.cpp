@@ -19,7 +19,7 @@ template <std::size_t count>
 std::array<double, count> parse_coordinates(const std::string& text) {
   const std::vector<std::string> words = split_list(text);
   if (words.size() != count) {
-    throw UsageError(fmt::format("expected {} numbers with commas between, found '{}'", count, text));
+    throw UsageError(fmt::format("expected {} numbers separated by commas, found '{}'", count, text));
   }
   std::array<double, count> numbers{};
   for (std::size_t i = 0; i < count; ++i)
