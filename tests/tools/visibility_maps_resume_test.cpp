@@ -75,7 +75,7 @@ TEST_F(MapsResumeTest, a_map_goes_on_from_a_checkpoint_of_the_same_run_only) {
   EXPECT_EQ(run(fine).exit_code, 2) << "neither gone on from nor replaced";
   expect_another_run(with(words, {"--resolution", "0.1"}), "--resolution 0.05, this run has 0.1");
   expect_another_run(with(fine, {"--tz", "1"}), "--target-height none, this run has 1");
-  expect_another_run(with(fine, {"--observer", "1,2,7"}), "--observer 1.5,2.7,1.6, asked for");
+  expect_another_run(with(fine, {"--observer", "1,2,7"}), "--observer 1.5,2.7,1.6, this run has");
   expect_another_run({"visibility", "sky", "yard.xyz", "-o", "sky.tif", "--checkpoint", "state"},
                      "command raster, this run has sky");
   write("yard.xyz", read("yard.xyz") + "2 2 0.5\n");
