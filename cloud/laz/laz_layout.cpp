@@ -146,7 +146,7 @@ VariableLengthRecord laszip_record(const LazLayout& layout) {
   VariableLengthRecord record{
       .user_id = k_laszip_user_id,
       .record_id = k_laszip_record_id,
-      .description = "how the points are compressed",
+      .description = "how the points are packed",
       .data = std::vector<std::uint8_t>(k_items_offset + k_item_bytes * layout.items.size()),
       .extended = false};
   const std::span<std::byte> data = std::as_writable_bytes(std::span(record.data));
