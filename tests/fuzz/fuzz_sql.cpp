@@ -18,7 +18,7 @@ namespace {
 sqlite3* open_database() {
   sqlite3* database = nullptr;
   sqlite3_open(":memory:", &database);
-  alidade::add_functions(database);
+  alidade::database::add_functions(database);
   const auto no_chance = [](sqlite3_context* context, int, sqlite3_value**) {
     sqlite3_result_int(context, 7);
   };
@@ -37,7 +37,7 @@ sqlite3* open_database() {
 std::optional<std::vector<std::string>> answer(sqlite3* database, const std::string& sql) {
   sqlite3_stmt* made = nullptr;
   if (sqlite3_prepare_v2(database, sql.c_str(), -1, &made, nullptr) != SQLITE_OK) return std::nullopt;
-  const alidade::StatementHandle statement(made);
+  const alidade::database::StatementHandle statement(made);
   if (made == nullptr || sqlite3_stmt_readonly(made) == 0 || sqlite3_stmt_isexplain(made) != 0)
     return std::nullopt;
   for (int i = 1; i <= sqlite3_bind_parameter_count(made); ++i) sqlite3_bind_double(made, i, 0.5 * i);
