@@ -151,7 +151,7 @@ refused 'no server' 'cannot connect to the server' info 'postgresql://127.0.0.1:
 refused 'no coordinates' 'missing numeric column y; expected x, y and z, found x' info "$(table wages)"
 sql "CREATE TABLE words(x text, y text, z text); CREATE TABLE bright AS SELECT 1 AS x, 2 AS y, 3 AS z, 70000 AS intensity"
 refused 'a table of texts' 'missing numeric column x' info "$(table words)"
-refused 'a value that cannot be' 'row 1: intensity is out of the attribute'\''s range; expected 0 to 65535, found 70000' \
+refused 'a value that cannot be' 'row 1: intensity out of the range of the attribute; expected 0 to 65535, found 70000' \
   convert "$(table bright)" -o bright.las
 refused 'a view that fails' 'division by zero' info "$(sql 'CREATE VIEW broken AS SELECT x, y, z / 0 AS z FROM bright'; table broken)"
 sql 'INSERT INTO points SELECT * FROM points WHERE id = 1'
