@@ -27,12 +27,13 @@ namespace alidade {
 /// steps. A node does not store its frame: the root's is known, and a child's follows from its parent's
 /// (child_corner).
 ///
-/// Children need not be the eight octants of one split: levels of the octree are collapsed until the eight
-/// slots are used. Their cells are disjoint and stand in Morton order. Exceptions: points that are too many
-/// for a leaf but stand in a cell that is not split further are divided by number, in Morton order; and in a
-/// layered octree the first slot may be a leaf with a sample of the points of the whole cell. At level 8,
-/// slots with equal boxes hold points of one position only, in any organisation; the lowest ids are in the first
-/// of them.
+/// Children are not the eight octants of one split: each bit of the Morton key splits a cell in two halves,
+/// and the eight slots are used for those halves of halves that a ray is expected to meet least often
+/// (octree/building/collapsed_tree.h). Their cells are disjoint and in Morton order. Exceptions: points that
+/// are too many for a leaf but lie in a cell that is not split further are divided by number, in Morton
+/// order; and in a layered octree the first slot may be a leaf with a sample of the points of the whole cell.
+/// At level 8, slots with equal boxes hold points of one position only, in any organisation; the lowest ids
+/// are in the first of them.
 ///
 /// From frames of level 16 (k_exact_frame_level) on, the points below a node stand one after another: those
 /// of its leaves, then those below its inner children in slot order.
@@ -55,11 +56,10 @@ constexpr int k_max_level_drop = 7;
 constexpr int k_min_frame_level = 8;
 constexpr int k_max_leaf_size = 32;
 
-/// Nodes on the longest possible way down. Adaptive and fixed octrees: 24 for frames from level 32 down to 9,
-/// 8 for cells below a frame of level 8, 11 that split points of one cell by number. Layered ones: each node
-/// takes at least two of the 96 bits of a position, or drops the frame by seven levels (three times at most,
-/// once more down to level 8), and 11 again.
-constexpr int k_max_tree_depth = 48 + 4 + 11;
+/// Nodes on the longest possible way down: each takes at least one of the 96 bits of a position, or drops the
+/// frame by seven levels (three times at most, once more down to level 8), or splits the points of one cell
+/// by number (11 times).
+constexpr int k_max_tree_depth = 96 + 4 + 11;
 
 constexpr bool is_inner(std::uint8_t kind) {
   return kind >= k_inner_kind;
@@ -102,8 +102,8 @@ enum class Organisation : std::uint8_t {
   layered,   ///< every node holds a sample of the points in its cell, coarse to fine
 };
 
-/// The flat arrays of an octree, as traversals read them. A *storage index* is a point's number in the order of the
-/// leaves; its id, the row in the cloud, is point_id(view, storage index).
+/// The flat arrays of an octree, as traversals read them. A *storage index* is a point's number in the order
+/// of the leaves; its id, the row in the cloud, is point_id(view, storage index).
 struct TreeView {
   Lattice lattice;
   LatticePosition base{0};  ///< lattice position of the root frame's corner
@@ -115,15 +115,15 @@ struct TreeView {
   int level_count = 0;
   Bounds bounds;                ///< of the points, world
   const Node* nodes = nullptr;  ///< the root is nodes[0]
-  /// Leaf of c points that starts at storage index p: coordinates[3p .. 3p + 3c) = c x, c y, c z: steps from the
-  /// corner of its parent node's frame, divided by 2^coordinate_shift(level). Readable for
+  /// Leaf of c points that starts at storage index p: coordinates[3p .. 3p + 3c) = c x, c y, c z: steps from
+  /// the corner of its parent node's frame, divided by 2^coordinate_shift(level). Readable for
   /// k_coordinate_padding values past the end.
   const std::uint16_t* coordinates = nullptr;
   /// Row in the cloud by storage index; null if the cloud's rows stand in the order of the storage indices.
   const std::uint32_t* ids = nullptr;
   /// Exact positions of the points in leaves under frames above level 16, whose coordinates are not exact;
-  /// null if there are none. These points stand at the storage indices from first_exact on: positions[storage index -
-  /// first_exact].
+  /// null if there are none. These points stand at the storage indices from first_exact on: positions[storage
+  /// index - first_exact].
   const LatticePosition* positions = nullptr;
   std::uint32_t first_exact = 0;  ///< meaningless without positions
   /// Spacing of the point at each storage index (octree/spacing.h), and the greatest below each slot of each

@@ -120,9 +120,9 @@ struct RayQuery {
   double spacing_factor = 0.0;
   /// At most so many points: the first ones by the measure. `closest` is k = 1 whatever stands here.
   std::size_t k = k_all;
-  /// Only spheres that the ray enters at or after this position (entry >= entry_min). The default admits spheres
-  /// the ray starts in, whose entry lies before t_min. A renderer sets a small positive value: rays that
-  /// leave a surface then never hit it again.
+  /// Only spheres that the ray enters at or after this position (entry >= entry_min). The default admits
+  /// spheres the ray starts in, whose entry lies before t_min. A renderer sets a small positive value: rays
+  /// that leave a surface then never hit it again.
   double entry_min = -std::numeric_limits<double>::infinity();
   /// Only points of the levels 0 to max_level of a layered octree (coarse to fine): a thinned cloud. Level of
   /// a point: TreeView::level_count.

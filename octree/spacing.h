@@ -29,9 +29,9 @@ struct Spacing {
 };
 
 /// Measures nearest-neighbour spacing on up to `sample_count` points taken evenly in octree order (so every
-/// position counts by its number of points). Points at the same position are no neighbours of each other. A cloud
-/// of fewer than two distinct positions gives zeros. Deterministic. Cost: microseconds per sample. max_level: of
-/// the cloud that these levels of a layered octree make.
+/// position counts by its number of points). Points at the same position are no neighbours of each other. A
+/// cloud of fewer than two distinct positions gives zeros. Deterministic. Cost: microseconds per sample.
+/// max_level: of the cloud that these levels of a layered octree make.
 Spacing measure_spacing(const Octree& octree, std::size_t sample_count = 20000, int max_level = k_all_levels);
 
 /// Sphere radius that closes a scanned surface: the renderer's "radius": "auto". Always > 0: where no
@@ -45,8 +45,8 @@ double automatic_radius(const Octree& octree, int max_level = k_all_levels);
 //   const auto hit = closest(octree, ray, {.radius = 0.5, .spacing_factor = 1.0});
 //
 // The spacing of a point is the distance to its n-th nearest neighbour: of the points that stand at another
-// position, nearest first, the n-th; infinite if there are fewer. It is rounded up to eight significant bits (by
-// at most 0.8 %), and that number is what all queries take as the spacing.
+// position, nearest first, the n-th; infinite if there are fewer. It is rounded up to eight significant bits
+// (by at most 0.8 %), and that number is what all queries take as the spacing.
 
 constexpr int k_most_spacing_neighbours = 64;
 

@@ -33,8 +33,7 @@ struct OctreeArrays {
   HugeArray<Node> nodes;
   HugeArray<std::uint16_t> coordinates;
   HugeArray<std::uint32_t> ids;
-  /// By storage index, as long as the cloud, but only the pages of storage indices from TreeView::first_exact on are ever
-  /// touched.
+  /// By storage index, as long as the cloud, but only the pages from TreeView::first_exact on are ever touched.
   HugeArray<LatticePosition> positions;
 };
 
@@ -87,6 +86,7 @@ PointRange point_range(const SortedPoints<Entry>& sorted, std::uint32_t begin, s
 struct ChildRange {
   PointRange points;
   bool is_leaf = false;
+  std::uint32_t cell = 0;  ///< index in the CollapsedTree that planned it, if one did
 };
 
 /// The children of a node in the making.
@@ -118,6 +118,15 @@ struct SplitRules {
     return range.count() <= static_cast<std::uint32_t>(leaf_size);
   }
 
+  /// Whether a range is too small to be split, or consists of one cell.
+  bool is_bottom(const PointRange& range) const {
+    if (organisation == Organisation::fixed) return !has_cells(range);
+    return range.bit < 0 || range.count() <= static_cast<std::uint32_t>(std::max(1, 3 * leaf_size / 8));
+  }
+
+  /// Whether a range becomes a leaf where frames are small enough.
+  bool may_be_leaf(const PointRange& range) const { return is_small(range) && !has_cells(range); }
+
   /// Whether a range that does not fit a leaf, or whose cell is too large for one, consists of smaller cells.
   bool has_cells(const PointRange& range) const {
     if (organisation == Organisation::fixed) return range.level() > cell_level;
@@ -127,9 +136,8 @@ struct SplitRules {
   /// Whether a range of few points becomes a leaf under this frame. 16 bits hold positions without loss up to
   /// frames of level 16; above, exact positions are stored where points are too sparse for smaller frames.
   bool fits_leaf(const PointRange& range, int frame_level) const {
-    return is_small(range) && !has_cells(range) &&
-           (frame_level <= k_exact_frame_level || range.level() > k_exact_frame_level ||
-            range.count() <= k_few_points);
+    return may_be_leaf(range) && (frame_level <= k_exact_frame_level || range.level() > k_exact_frame_level ||
+                                  range.count() <= k_few_points);
   }
 
   /// Nodes of a layered octree stay above the lowest level, except those of one position: there, equal boxes
@@ -159,83 +167,63 @@ struct SplitRules {
   }
 };
 
-template <class Entry>
-ChildRange child_range(const SortedPoints<Entry>& sorted, std::uint32_t begin, std::uint32_t end,
-                       const SplitRules& rules, int frame_level) {
-  const PointRange points = point_range(sorted, begin, end);
-  return {points, rules.fits_leaf(points, frame_level)};
-}
-
 /// Eight equal parts; in Morton order, so that at the lowest level only parts of one position can have equal
 /// boxes: where the bit is decided in which the first and the last point of two parts differ, one of the
 /// boxes ends. Where they are not quite equal the smaller ones come first: if only these are leaves, their
 /// points, which take the storage indices before those of inner children, are the first in the order too.
 template <class Entry>
-ChildList split_by_number(const SortedPoints<Entry>& sorted, const PointRange& range, const SplitRules& rules,
+ChildList split_by_number(const SortedPoints<Entry>& sorted, const ChildRange& range, const SplitRules& rules,
                           int frame_level) {
   ChildList parts;
-  const std::uint32_t size = range.count() / k_node_width, larger_parts = range.count() % k_node_width;
-  std::uint32_t begin = range.begin;
+  const std::uint32_t count = range.points.count();
+  const std::uint32_t size = count / k_node_width, larger_parts = count % k_node_width;
+  std::uint32_t begin = range.points.begin;
   for (std::uint32_t part = 0; part < k_node_width; ++part) {
     const std::uint32_t end = begin + size + (part + larger_parts >= k_node_width ? 1 : 0);
-    if (begin < end) parts.add(child_range(sorted, begin, end, rules, frame_level));
+    const PointRange points = point_range(sorted, begin, std::max(end, begin + 1));
+    if (begin < end) parts.add({points, rules.fits_leaf(points, frame_level), range.cell});
     begin = end;
   }
   return parts;
 }
 
-/// The cells that a range's smallest cell consists of: its octants, or in a layered octree its halves, since
-/// beside the sample eight octants would not fit.
+/// The first point of the upper half of a range: with the highest bit set in which keys differ. Requires
+/// points that differ.
 template <class Entry>
-ChildList split_cell(const SortedPoints<Entry>& sorted, const PointRange& range, const SplitRules& rules,
-                     int frame_level) {
-  const bool halves = rules.organisation == Organisation::layered;
-  const int shift = halves ? range.bit : 3 * (range.level() - 1);
-  const auto digit = [&](std::uint32_t i) {
-    return static_cast<unsigned>(sorted[i].key() >> shift) & (halves ? 1 : 7);
-  };
-  ChildList cells;
-  for (std::uint32_t begin = range.begin; begin < range.end;) {
-    const unsigned here = digit(begin);
-    std::uint32_t low = begin, high = range.end;  // digit(low) == here; digit(high) > here or past the end
-    while (high - low > 1) {
-      const std::uint32_t middle = low + (high - low) / 2;
-      (digit(middle) == here ? low : high) = middle;
-    }
-    cells.add(child_range(sorted, begin, high, rules, frame_level));
-    begin = high;
+std::uint32_t first_of_upper_half(const SortedPoints<Entry>& sorted, const PointRange& range) {
+  std::uint32_t low = range.begin, high = range.end - 1;  // the bit is clear at low and set at high
+  while (high - low > 1) {
+    const std::uint32_t middle = low + (high - low) / 2;
+    ((sorted[middle].key() >> range.bit & 1) != 0 ? high : low) = middle;
   }
-  return cells;
+  return high;
 }
 
-/// At most `width` children for a range, in Morton order: cells are opened, the largest first, until the
-/// slots are used. Requires range.count() > 0.
+/// At most `width` children for a range of a layered octree, in Morton order: cells are halved, the largest
+/// first, until the slots are used, so that coarse levels have points everywhere. Requires range.count() > 0.
 template <class Entry>
-ChildList choose_children(const SortedPoints<Entry>& sorted, const PointRange& range, const SplitRules& rules,
-                          int frame_level, int width) {
-  if (rules.splits_by_number(range, frame_level)) return split_by_number(sorted, range, rules, frame_level);
-  const auto is_larger = [&](const PointRange& a, const PointRange& b) {
-    const bool halves = rules.organisation == Organisation::layered;
-    const int size_a = halves ? a.bit : a.level(), size_b = halves ? b.bit : b.level();
-    return size_a != size_b ? size_a > size_b : a.count() > b.count();
-  };
-
+ChildList halve_largest(const SortedPoints<Entry>& sorted, const PointRange& range, const SplitRules& rules,
+                        int frame_level, int width) {
+  if (rules.splits_by_number(range, frame_level)) return split_by_number(sorted, {range}, rules, frame_level);
   ChildList children;
   children.add({range, rules.fits_leaf(range, frame_level)});
-  std::array<ChildList, k_node_width> cells;  // of children[i]; empty = not asked yet
-  for (;;) {
+  const auto is_larger = [](const PointRange& a, const PointRange& b) {
+    return a.bit != b.bit ? a.bit > b.bit : a.count() > b.count();
+  };
+  while (children.count < width) {
     int chosen = -1;
     for (int i = 0; i < children.count; ++i) {
       const PointRange& cell = children[i].points;
-      if (!rules.opens(cell, frame_level) || (chosen >= 0 && !is_larger(cell, children[chosen].points)))
-        continue;
-      if (cells[i].count == 0) cells[i] = split_cell(sorted, cell, rules, frame_level);
-      if (children.count - 1 + cells[i].count <= width) chosen = i;
+      if (rules.opens(cell, frame_level) && (chosen < 0 || is_larger(cell, children[chosen].points)))
+        chosen = i;
     }
     if (chosen < 0) break;
-    const ChildList opened = std::exchange(cells[chosen], {});
-    children[chosen] = opened[0];
-    for (int i = 1; i < opened.count; ++i) children.add(opened[i]);
+    const PointRange cell = children[chosen].points;
+    const std::uint32_t middle = first_of_upper_half(sorted, cell);
+    const PointRange lower = point_range(sorted, cell.begin, middle),
+                     upper = point_range(sorted, middle, cell.end);
+    children[chosen] = {lower, rules.fits_leaf(lower, frame_level)};
+    children.add({upper, rules.fits_leaf(upper, frame_level)});
   }
   std::sort(children.begin(), children.end(),
             [](const ChildRange& a, const ChildRange& b) { return a.points.begin < b.points.begin; });

@@ -3,16 +3,17 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <cstdint>
 #include <utility>
 #include <vector>
 
-#include "octree/building/node_draft.h"
+#include "octree/building/collapsed_tree.h"
 #include "octree/parallel_loops.h"
 
 namespace alidade {
 
-/// What a TreeBuilder tells of the tree beside its arrays.
+/// What is known of a tree beside its arrays.
 struct TreeSummary {
   StepBox box;
   int level_count = 0;
@@ -22,8 +23,8 @@ struct TreeSummary {
 /// Makes nodes and leaves of sorted points. The top of the tree is made first, by one thread, down to
 /// subtrees of bounded size; these are made side by side, and their nodes put behind those of the top in
 /// order. So the result is the same for any number of threads. Leaves under frames above k_exact_frame_level
-/// belong to the top; they take their storage indices from the end of the order downwards, all others from its begin
-/// upwards.
+/// belong to the top; they take their storage indices from the end of the order downwards, all others from
+/// its begin upwards.
 template <class Entry>
 class TreeBuilder {
  public:
@@ -35,12 +36,17 @@ class TreeBuilder {
         arrays_(arrays),
         writer_(arrays, base),
         subtree_size_(std::max<std::size_t>(std::size_t{1} << 15, sorted.size() / 256)),
+        widening_(usual_width()),
         exact_begin_(static_cast<std::uint32_t>(sorted.size())) {}
 
   TreeSummary build(int root_level) {
     top_.resize(1);
     top_boxes_.resize(1);
-    build_top(point_range(sorted_, 0, exact_begin_), root_level, 0, 1);
+    const PointRange all = point_range(sorted_, 0, exact_begin_);
+    CollapsedTree<Entry> plan(sorted_, rules_, widening_);
+    if (is_planned())
+      plan.plan(all, [&](const PointRange& range) { return is_subtree(range, range.level()); });
+    build_top(plan, {all}, root_level, 0, 1);
     make_batches();
     for_each_in_order(batches_.size(), [&](std::size_t i) { build_batch(batches_[i]); });
     finish_top();
@@ -73,9 +79,32 @@ class TreeBuilder {
     int level_count = 0;
   };
 
-  /// Whether the box of the node is known: no subtree stands below.
-  bool build_top(const PointRange& range, int level, std::uint32_t index, int depth) {
-    NodeDraft draft = draft_node(range, level);
+  /// Layered octrees choose children node by node, since each takes a sample out.
+  bool is_planned() const { return rules_.organisation != Organisation::layered; }
+
+  bool is_subtree(const PointRange& range, int frame_level) const {
+    return frame_level <= k_exact_frame_level && range.count() <= subtree_size_;
+  }
+
+  /// Lattice steps across the cells that hold about eight points, as the median of samples; at least one
+  /// step. A query whose spheres close the surface widens boxes by about as much.
+  float usual_width() const {
+    constexpr std::size_t k_samples = 1023, k_points = 16;
+    std::vector<int> bits;
+    if (sorted_.size() <= k_points) return 1.0f;
+    const std::size_t last = sorted_.size() - 1 - k_points;
+    for (std::size_t sample = 0; sample < k_samples; ++sample) {
+      const std::size_t i = last * sample / (k_samples - 1);
+      bits.push_back(highest_bit(sorted_[i].key() ^ sorted_[i + k_points].key()));
+    }
+    std::ranges::nth_element(bits, bits.begin() + k_samples / 2);
+    return std::exp2(static_cast<float>(bits[k_samples / 2]) / 3.0f - 0.5f) + 1.0f;
+  }
+
+  /// Whether the box of the node is known: no subtree is below.
+  bool build_top(const CollapsedTree<Entry>& plan, const ChildRange& range, int level, std::uint32_t index,
+                 int depth) {
+    NodeDraft draft = draft_node(plan, range, level);
     const std::uint32_t count = draft.leaf_point_count();
     if (level > k_exact_frame_level) {
       draft.first_point = exact_begin_ -= count;
@@ -96,12 +125,12 @@ class TreeBuilder {
       const ChildRange& child = draft.children[slot];
       if (child.is_leaf) continue;
       const int child_level = rules_.child_frame_level(child.points, level);
-      if (child_level <= k_exact_frame_level && child.points.count() <= subtree_size_) {
+      if (is_subtree(child.points, child_level)) {
         subtrees_.push_back({child.points, child_level, depth + 1, child_index, next_index_});
         next_index_ += child.points.count();
         is_known = false;
       } else {
-        is_known &= build_top(child.points, child_level, child_index, depth + 1);
+        is_known &= build_top(plan, child, child_level, child_index, depth + 1);
         draft.boxes[slot] = top_boxes_[child_index];
       }
       ++child_index;
@@ -129,18 +158,21 @@ class TreeBuilder {
 
   void build_batch(Batch& batch) {
     batch.nodes.resize(batch.end - batch.first);
+    CollapsedTree<Entry> plan(sorted_, rules_, widening_);
     for (std::size_t i = batch.first; i < batch.end; ++i) {
       const Subtree& subtree = subtrees_[i];
-      top_boxes_[subtree.root] = build_node(batch, subtree.points, subtree.level, i - batch.first,
+      if (is_planned()) plan.plan(subtree.points, [](const PointRange&) { return false; });
+      top_boxes_[subtree.root] = build_node(batch, plan, {subtree.points}, subtree.level, i - batch.first,
                                             subtree.first_index, subtree.depth);
       sorted_.use_up(subtree.points.begin, subtree.points.end);
     }
   }
 
-  /// Builds the node for a range into batch.nodes[index]; its points take the storage indices from first_index on.
-  StepBox build_node(Batch& batch, const PointRange& range, int level, std::size_t index,
-                     std::uint32_t first_index, int depth) {
-    NodeDraft draft = draft_node(range, level);
+  /// Builds the node for a range into batch.nodes[index]; its points take the storage indices from
+  /// first_index on.
+  StepBox build_node(Batch& batch, const CollapsedTree<Entry>& plan, const ChildRange& range, int level,
+                     std::size_t index, std::uint32_t first_index, int depth) {
+    NodeDraft draft = draft_node(plan, range, level);
     draft.first_point = first_index;
     write_leaves(draft);
     draft.first_child = static_cast<std::uint32_t>(batch.nodes.size());
@@ -151,7 +183,7 @@ class TreeBuilder {
     for (int slot = 0; slot < draft.children.count; ++slot) {
       const ChildRange& child = draft.children[slot];
       if (child.is_leaf) continue;
-      draft.boxes[slot] = build_node(batch, child.points, rules_.child_frame_level(child.points, level),
+      draft.boxes[slot] = build_node(batch, plan, child, rules_.child_frame_level(child.points, level),
                                      child_index++, next, depth + 1);
       next += child.points.count();
     }
@@ -159,21 +191,22 @@ class TreeBuilder {
     return draft.box();
   }
 
-  NodeDraft draft_node(PointRange range, int level) {
+  NodeDraft draft_node(const CollapsedTree<Entry>& plan, const ChildRange& range, int level) {
+    const PointRange& points = range.points;
     NodeDraft draft;
     draft.level = level;
-    if (level < 32) draft.corner = steps_of(sorted_[range.begin]) >> Steps(level) << Steps(level);
-    const bool has_sample =
-        rules_.organisation == Organisation::layered && range.bit >= 0 && !rules_.is_small(range);
-    if (!has_sample) {
-      draft.children = choose_children(sorted_, range, rules_, level, k_node_width);
-      return draft;
-    }
-    const std::uint32_t sample_end = move_sample_to_front(range);
-    draft.children.add({point_range(sorted_, range.begin, sample_end), true});
-    const ChildList below = choose_children(sorted_, point_range(sorted_, sample_end, range.end), rules_,
+    if (level < 32) draft.corner = steps_of(sorted_[points.begin]) >> Steps(level) << Steps(level);
+    if (is_planned()) {
+      draft.children = plan.children(range, level);
+    } else if (points.bit < 0 || rules_.is_small(points)) {
+      draft.children = halve_largest(sorted_, points, rules_, level, k_node_width);
+    } else {
+      const std::uint32_t sample_end = move_sample_to_front(points);
+      draft.children.add({point_range(sorted_, points.begin, sample_end), true});
+      const ChildList below = halve_largest(sorted_, point_range(sorted_, sample_end, points.end), rules_,
                                             level, k_node_width - 1);
-    for (const ChildRange& child : below) draft.children.add({child.points, false});
+      for (const ChildRange& child : below) draft.children.add({child.points, false});
+    }
     return draft;
   }
 
@@ -245,6 +278,7 @@ class TreeBuilder {
   OctreeArrays& arrays_;
   const LeafWriter writer_;
   const std::size_t subtree_size_;
+  const float widening_;
   std::uint32_t next_index_ = 0, exact_begin_;
   std::vector<Node> top_;           ///< children stand behind their parents; roots of subtrees are kept free
   std::vector<StepBox> top_boxes_;  ///< of the nodes of the top

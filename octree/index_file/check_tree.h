@@ -26,16 +26,16 @@ struct TreeFault {
 /// levels. Cost: two passes over the nodes, on one thread; 6 B per node.
 std::optional<TreeFault> find_broken_link(const TreeView& tree);
 
-/// Whether every id is a row: below the point count. Cost: one pass over the ids from storage index `begin` up to
-/// `end`.
+/// Whether every id is a row: below the point count. Cost: one pass over the ids from storage index `begin`
+/// up to `end`.
 std::optional<TreeFault> find_bad_id(const TreeView& tree, std::uint32_t begin, std::uint32_t end);
 
-/// Whether the answers are those of the points: every storage index stands in one leaf, every id occurs once, every
-/// box holds the points below it, coordinates agree with exact positions, the bounds are those of the
-/// points, slots of one position have the lowest ids in the first of them, and spacings are numbers that are the
-/// same for all points of a slot of one position. Requires that find_broken_link()
-/// and find_bad_id() find nothing. Cost: one pass over all arrays, one more over points of one position for each
-/// level they take; in parallel; 12 B per node and 1/4 B per point.
+/// Whether the answers are those of the points: every storage index stands in one leaf, every id occurs once,
+/// every box holds the points below it, coordinates agree with exact positions, the bounds are those of the
+/// points, slots of one position have the lowest ids in the first of them, and spacings are numbers that are
+/// the same for all points of a slot of one position. Requires that find_broken_link() and find_bad_id() find
+/// nothing. Cost: one pass over all arrays, one more over points of one position for each level they take; in
+/// parallel; 12 B per node and 1/4 B per point.
 std::optional<TreeFault> find_misplaced_point(const TreeView& tree);
 
 /// Whether every slot spacing is the greatest of the spacings below. Requires spacings, and that

@@ -23,7 +23,8 @@
 //     use(index.columns().colors[hit->point_id]);
 //
 // A damaged file is an Error, never a crash, however it is used. Who pays for that, and when:
-// - open_index() checks all counts, sizes and storage indices, the first page, and the metadata with their checksums,
+// - open_index() checks all counts, sizes and storage indices, the first page, and the metadata with their
+//   checksums,
 //   and opens a file of any number of points in under 10 ms.
 // - octree() reads nodes and ids once (about 5 bytes per point), in parallel, before the first query:
 //   checksums, links and ids. Queries then end and stay inside the arrays. About a quarter of a second of

@@ -222,7 +222,7 @@ SectionEntry read_section(const HeaderFields& page, std::size_t number, const In
       align_to_page(header.sections.empty() ? k_index_page : header.sections.back().end());
   page.require(entry.index == begin, at + 8, fmt::format("wrong offset of {}", name(entry.kind)),
                fmt::format("byte {}", begin), fmt::format("byte {}", entry.index));
-  // Indexs stay within the file, since every section before this one did.
+  // Offsets stay within the file, since every section before this one did.
   const std::uint64_t room = header.file_bytes - std::min(begin, header.file_bytes);
   page.require(entry.bytes <= room, at + 16, fmt::format("{} exceed the file", name(entry.kind)),
                fmt::format("at most {} bytes", room), entry.bytes);

@@ -52,14 +52,14 @@ struct Slots {
 };
 
 /// Slots of a node at the lowest level whose points all have equal positions. Boxes are exact there, and ids
-/// rise from point to point and from slot to slot of one position (node.h); so only the first point of the first
-/// such slot can be the answer to `closest` without a filter and with all levels. This is what keeps a ray
-/// through a million equal points from testing each.
-struct Indexs {
+/// rise from point to point and from slot to slot of one position (node.h); so only the first point of the
+/// first such slot can be the answer to `closest` without a filter and with all levels. This is what keeps a
+/// ray through a million equal points from testing each.
+struct SamePositions {
   unsigned single = 0;  ///< bit per slot: one position
-  unsigned twins = 0;   ///< of these, those at the storage index of slot 0, without slot 0
+  unsigned twins = 0;   ///< of these, those at the position of slot 0, without slot 0
 
-  explicit Indexs(const Node& node) {
+  explicit SamePositions(const Node& node) {
     std::uint64_t spread = 0, difference = 0;
     for (int axis = 0; axis < 3; ++axis) {
       std::uint64_t low, high;

@@ -28,7 +28,7 @@ using ChildLanes = hn::CappedTag<float, k_node_width>;
 /// Lanes for the points of a leaf.
 using PointLanes = hn::CappedTag<float, 16>;
 
-/// As many values as D has lanes, from any storage index.
+/// As many values as D has lanes, from any address.
 template <class D, class T>
 HWY_INLINE hn::Vec<D> load_as_float(D d, const T* values) {
   const hn::RebindToSigned<D> ints;
@@ -56,7 +56,7 @@ inline std::uint32_t index_of_lowest_bit(std::uint32_t bits) {
   return static_cast<std::uint32_t>(std::countr_zero(bits));
 }
 
-/// Where points lie relative to a line through the storage index that x, y, z count from: t along it, and the square of
+/// Where points lie relative to a line through the point that x, y, z count from: t along it, and the square of
 /// the distance.
 template <class V>
 struct OnLine {
@@ -71,13 +71,13 @@ HWY_INLINE OnLine<V> on_line(const V& x, const V& y, const V& z, const V& along_
   return {t, hn::MulAdd(across_z, across_z, hn::MulAdd(across_y, across_y, hn::Mul(across_x, across_x)))};
 }
 
-/// The coordinates of a leaf's points, counted from a storage index near its frame's corner, in metres.
+/// The coordinates of a leaf's points, counted from a position near its frame's corner, in metres.
 struct LeafCoordinates {
   using V = hn::Vec<PointLanes>;
 
-  /// scale: of the lattice; storage index: from the corner of the frame.
+  /// lattice_scale: metres per step; position: metres from the corner of the frame.
   HWY_INLINE LeafCoordinates(const TreeView& tree, const Leaf& leaf, int level, const float* lattice_scale,
-                             const float* index)
+                             const float* position)
       : values(tree.coordinates + std::size_t{3} * leaf.first), count(static_cast<int>(leaf.count)) {
     const PointLanes d;
     const int shift = coordinate_shift(level);
@@ -86,7 +86,7 @@ struct LeafCoordinates {
       scale[axis] = hn::Set(d, lattice_scale[axis] * step);
       // Coordinates lose up to a step when they are shifted; half of it on either side of the middle.
       origin[axis] =
-          hn::Set(d, index[axis] - (shift > 0 ? 0.5f * lattice_scale[axis] * (step - 1.0f) : 0.0f));
+          hn::Set(d, position[axis] - (shift > 0 ? 0.5f * lattice_scale[axis] * (step - 1.0f) : 0.0f));
     }
   }
   /// What is lost of them. Nothing unless they are shifted.

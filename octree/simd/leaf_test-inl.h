@@ -18,7 +18,7 @@ HWY_BEFORE_NAMESPACE();
 namespace alidade::simd {
 namespace HWY_NAMESPACE {
 
-/// A ray from its storage index `start` (local t) on, relative to a frame's corner, in floats of four: position,
+/// A ray from `start` (local t) on, relative to a frame's corner, in floats of four: position,
 /// direction, RayLimits.
 HWY_INLINE void relative_to(const RayUnderWay& ray, double start, const double* corner, float* from,
                             float* along, float* limits) {
@@ -121,7 +121,7 @@ class LeafTest {
   template <int vectors>
   HWY_NOINLINE void visit_vectors(const RayUnderWay& ray, const Leaf& leaf, std::uint32_t count,
                                   const Index& index, float t_near) const {
-    // Around the storage index where the ray enters the leaf's box numbers are small, and so are errors.
+    // Around the point where the ray enters the leaf's box numbers are small, and so are errors.
     const auto start = static_cast<double>(t_near);
     alignas(16) float from[4], along[4], limits[4];
     relative_to(ray, start, index.corner, from, along, limits);

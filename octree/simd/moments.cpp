@@ -114,7 +114,7 @@ class SumsAround {
  private:
   static constexpr int k_columns = 16, k_lanes = hn::MaxLanes(PointLanes()), k_parts = k_columns / k_lanes;
 
-  /// The storage index from the corner of a frame, in units of the reach.
+  /// The position from the corner of a frame, in units of the reach.
   void local_index(const std::array<std::uint32_t, 3>& corner, float* index) const {
     for (int axis = 0; axis < 3; ++axis)
       index[axis] = static_cast<float>((index_[axis] - tree_.lattice.scale[axis] * corner[axis]) / reach_);

@@ -9,8 +9,8 @@
 
 namespace alidade::simd {
 
-/// Sums over the points around a storage index. Offsets p from it are in units of the reach; the weight of a point is
-/// (1 - |p|^2)^2, and 0 beyond the reach.
+/// Sums over the points around a position. Offsets p from it are in units of the reach; the weight of a point
+/// is (1 - |p|^2)^2, and 0 beyond the reach.
 struct Moments {
   float weight = 0.0f;
   float count = 0.0f;  ///< of points within reach

@@ -57,7 +57,7 @@ enum class Radii {
 ///
 /// Boxes are tested in float against the ray's line widened by `box_radius`, which exceeds the radius by more
 /// than everything that can go wrong between the float test and the double decision. With F the width of the
-/// root's frame and r the radius, all storage indices relative to the root's corner, in units of 2^-24: rounding of
+/// root's frame and r the radius, all positions relative to the root's corner, in units of 2^-24: rounding of
 /// the lattice's scale, of 1/d and of their products with corner and grid step at most 4 F (corner and grid
 /// steps together stay below F), of the ray's local origin F + r, of the four sums in t at most 8 F + 7 r,
 /// of the widening 4 r. The sum stays below 13 (F + r); the budget is 16 (F + r). Where points have radii of
@@ -143,13 +143,13 @@ struct alignas(32) RayBoxes {
   }
 };
 
-/// Limits of a ray's storage indices, local t within k_far.
+/// Limits along a ray, local t within k_far.
 struct RayLimits {
   double t_min, t_max, entry_min;
   double cut;  ///< the best point's measure is not beyond
 };
 
-/// What else is known of a ray on its way, a cache line of it. Indexs are told by local t, which counts from
+/// What else is known of a ray on its way, a cache line of it. Lengths are in local t, which counts from
 /// where the ray enters the root's box, so that origins far away cost no precision.
 struct alignas(64) RayState {
   RayLimits limits;

@@ -59,9 +59,9 @@ class RayWalk {
                               traversed.leaf_test.own_radii(), slot_spacings(tree, at_.node), t_near_);
     single_ = 0;
     if (at_.level == k_min_frame_level && traversed.skips_twins) {
-      const Indexs indices(node);
-      met &= ~indices.twins;
-      single_ = indices.single;
+      const SamePositions same(node);
+      met &= ~same.twins;
+      single_ = same.single;
     }
     leaves_ = met & slots.leaf;
     inner_ = slots.inner;
@@ -253,9 +253,9 @@ class RayStream {
     const Slots slots(node);
     unsigned single = 0, wanted = slots.leaf | (frame.depth < traversed_.max_depth ? slots.inner : 0u);
     if (frame.level == k_min_frame_level && traversed_.skips_twins) {
-      const Indexs indices(node);
-      wanted &= ~indices.twins;
-      single = indices.single;
+      const SamePositions same(node);
+      wanted &= ~same.twins;
+      single = same.single;
     }
     for (unsigned rest = wanted; rest != 0; rest &= rest - 1) {
       const int slot = std::countr_zero(rest);

@@ -62,7 +62,7 @@ const Search<Bounds>& search<Bounds>(InstructionSet instruction_set);
 /// Along there: a direction of length 1 but for rounding, no lengths beyond what floats can square, no line
 /// so far away that all points are equally near, and no radii of the points' own.
 bool suits_lanes(const TreeView& tree, const Ray& ray, const RayQuery& query);
-/// From there: no lengths beyond what floats can square, no storage index so far away that all points are equally
+/// From there: no lengths beyond what floats can square, no point so far away that all points are equally
 /// near.
 bool suits_lanes(const TreeView& tree, const glm::dvec3& point, const PointQuery& query);
 /// Any box.

@@ -42,7 +42,7 @@ HWY_INLINE Course set_up(const QuerySetup& setup, const RayUnderWay& under_way) 
   double enter = -std::numeric_limits<double>::infinity(), leave = std::numeric_limits<double>::infinity();
   double inverse[3], way = 0.0;
   for (int axis = 0; axis < 3; ++axis) {
-    // The sign is taken here and nowhere else, so that -0.0 cannot be seen differently in two storage indices.
+    // The sign is taken here and nowhere else, so that -0.0 cannot be seen differently in two computations.
     const double d = ray.direction[axis];
     const double sign = d < 0.0 ? -1.0 : 1.0;
     inverse[axis] = sign / std::max(std::fabs(d), 1e-12);
