@@ -46,7 +46,7 @@ std::uint64_t head_checksum(std::vector<std::byte> head) {
                .found = fmt::format("{:016x}", found)});
 }
 
-/// Writes all bytes at a offset; false with errno set if it cannot.
+/// Writes all bytes at an offset; false with errno set if it cannot.
 bool write_fully(int descriptor, std::uint64_t offset, std::span<const std::byte> bytes) {
   while (!bytes.empty()) {
     const ::ssize_t count = ::pwrite(descriptor, bytes.data(), bytes.size(), static_cast<::off_t>(offset));

@@ -19,7 +19,7 @@ std::uint64_t checksum(std::span<const std::byte> bytes);
 void append_checksums(std::initializer_list<std::span<const std::byte>> arrays,
                       std::vector<std::uint64_t>& sums);
 
-/// Sections of a file are summed in blocks, so that threads can share the work and damage has a offset.
+/// Sections of a file are summed in blocks, so that threads can share the work and damage can be located.
 inline constexpr std::size_t k_checksum_block = std::size_t{1} << 20;
 
 /// Number of blocks in so many bytes; the last one may be short.

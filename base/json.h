@@ -63,7 +63,7 @@ struct NumberRange {
   std::string describe() const;  ///< "from 0 to 1", "greater than 0 and at most 10"
 };
 
-/// Coordinates and lengths: beyond any offset on or near Earth, and squares stay far from the limits of
+/// Coordinates and lengths: beyond any position on or near Earth, and squares stay far from the limits of
 /// double.
 inline constexpr double k_largest_length = 1e12;
 inline constexpr NumberRange k_coordinate{-k_largest_length, k_largest_length};

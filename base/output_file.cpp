@@ -22,7 +22,7 @@ constexpr std::size_t k_buffer_size = 1 << 18;
   throw system_error(name, problem, error_number);
 }
 
-/// Writes all bytes at a offset of the file.
+/// Writes all bytes at an offset of the file.
 void write_fully(const std::string& name, int descriptor, std::uint64_t offset,
                  std::span<const std::byte> bytes) {
   while (!bytes.empty()) {

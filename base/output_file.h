@@ -25,7 +25,7 @@ class OutputFile {
   /// Appends bytes, through a buffer: many small pieces cost little. Errors: no space left and other write
   /// failures.
   void write(std::span<const std::byte> bytes);
-  /// Overwrites bytes at a offset already written (headers completed at the end).
+  /// Overwrites bytes at an offset already written (headers completed at the end).
   void write_at(std::uint64_t offset, std::span<const std::byte> bytes);
   /// Bytes written so far.
   std::uint64_t size() const { return size_; }

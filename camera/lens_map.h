@@ -13,7 +13,7 @@ namespace alidade::camera {
 
 /// A distortion ready for use both ways. It holds from the middle of the film up to where its radial part
 /// stops growing: beyond that position it folds over, and what lies there would be seen twice.
-/// undistort(distort(position)) is `position` to a few units in the last position.
+/// undistort(distort(position)) is `position` to a few units in the last place.
 class DistortionMap {
  public:
   /// Positions beyond `largest_radius` of the ideal film do not occur.

@@ -74,7 +74,7 @@ constexpr std::uint16_t k_model_type = 1024, k_geographic_type = 2048, k_project
                         k_vertical_type = 4096;
 constexpr std::uint16_t k_geographic_model = 2, k_geocentric_model = 3;
 
-/// The first value of a GeoTIFF key, of those that are stored in offset, that is accepted.
+/// The first value of a GeoTIFF key, of those that are stored in the directory itself, that is accepted.
 template <class Accepts>
 std::optional<std::uint16_t> value_of_key(const Crs& crs, std::uint16_t key, const Accepts& accepts) {
   for (std::size_t i = 4; i + 3 < crs.geotiff_keys.size(); i += 4) {

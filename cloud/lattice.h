@@ -25,7 +25,7 @@ struct Lattice {
   bool operator==(const Lattice&) const = default;
 };
 
-/// Lattice steps -> world. The only position where this is computed: every part of Alidade (brute force, index,
+/// Lattice steps -> world. The only code that computes this: every part of Alidade (brute force, index,
 /// writers) sees the same double for the same point. Two roundings per axis, never fused.
 inline glm::dvec3 to_world(const Lattice& lattice, const LatticePosition& position) {
   return {lattice.offset.x + lattice.scale.x * position.x, lattice.offset.y + lattice.scale.y * position.y,

@@ -83,7 +83,7 @@ class TableReader : public CloudReader {
   /// columns of one name; more than 4096; no x or no y. A missing z is said in the warnings.
   void set_columns(std::vector<TableColumn> columns, const std::string& location);
 
-  /// Shows every row to `visit`, in order. A point without a offset has NaN coordinates. An Error means that
+  /// Shows every row to `visit`, in order. A point without a position has NaN coordinates. An Error means that
   /// this and the following rows cannot be had.
   virtual void visit_rows(const RowVisitor& visit, const Progress& progress) = 0;
 

@@ -40,7 +40,7 @@ struct PixelRectangle {
   int left = 0, top = 0, right = 0, bottom = 0;
 };
 
-/// The two images have not the same size (or not the same position in their display windows).
+/// The two images differ in size (or in position within their display windows).
 class SizeMismatch : public Error {
  public:
   using Error::Error;

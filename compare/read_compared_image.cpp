@@ -15,7 +15,7 @@ namespace {
 
 /// How to go through the stored picture so as to meet its pixels in upright order.
 struct Walk {
-  bool is_turned;                     ///< rows and columns change positions
+  bool is_turned;                     ///< rows and columns are exchanged
   std::ptrdiff_t first, right, down;  ///< in pixels of the stored picture
 };
 

@@ -23,7 +23,7 @@
 namespace alidade::database {
 namespace {
 
-/// Where a offset lies along the Morton curve.
+/// Where a position lies along the Morton curve.
 WideMortonKey morton_key_of(const LatticePosition& position) {
   constexpr std::uint32_t k_lowest = 0x80000000u;
   return wide_morton_key(static_cast<std::uint32_t>(position.x) ^ k_lowest,
@@ -31,7 +31,7 @@ WideMortonKey morton_key_of(const LatticePosition& position) {
                          static_cast<std::uint32_t>(position.z) ^ k_lowest);
 }
 
-/// The rows of a cloud along that curve, which is the same for all clouds; rows at one offset as they were.
+/// The rows of a cloud along that curve, which is the same for all clouds; rows at one position as they were.
 /// Requires fewer than 2^32. Memory at the peak: 36 bytes per row.
 std::vector<std::uint32_t> morton_order(const std::vector<LatticePosition>& positions) {
   if (positions.empty()) return {};

@@ -84,7 +84,7 @@ class ScratchFile {
 };
 
 /// Brings points along a Morton curve that come in pieces, of which memory holds one: pieces are sorted, put
-/// into a file without a name, and merged. Points of one offset come by id. The order depends on the points
+/// into a file without a name, and merged. Points of one position come by id. The order depends on the points
 /// alone, neither on the pieces nor on the number of threads.
 class PointStream {
  public:

@@ -10,10 +10,10 @@
 
 namespace alidade::image {
 
-/// Where Linux distributions keep DejaVu Sans, the first of them Debian's position.
+/// Where Linux distributions keep DejaVu Sans, Debian's folder first.
 std::span<const std::filesystem::path> font_files();
 
-/// The font of legends: the first of the positions that is a file. Errors: none is; the message names the
+/// The font of legends: the first of these paths that is a file. Errors: none is; the message names the
 /// package that brings one.
 std::filesystem::path find_font(std::span<const std::filesystem::path> positions = font_files());
 

@@ -81,7 +81,7 @@ float value_of(const Film& film, std::size_t pixel, const Channel& channel, cons
       return film.distance[pixel];
     case Layer::normal:
       return film.normal[pixel][i];
-    // A pixel without a surface stays 0 0 0; infinite depth tells it from a real offset.
+    // A pixel without a surface stays 0 0 0; infinite depth distinguishes it from a real position.
     case Layer::position:
       return film.id[pixel] == 0 ? 0.0f : static_cast<float>(film.position[pixel][i] - offset[i]);
     case Layer::albedo:

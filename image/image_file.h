@@ -25,7 +25,7 @@ struct ImageFacts {
 };
 
 /// Writes the film by the extension of `output.file`: .exr with the layers asked for, .png (8 bit) or .jpg
-/// with exposure and the sRGB curve, .tif as GeoTIFF, like PNG with alpha and with its offset on the ground,
+/// with exposure and the sRGB curve, .tif as GeoTIFF, like PNG with alpha and with its position on the ground,
 /// which must be known. The film must hold colour and alpha, for EXR the
 /// layers. The file appears whole or not at all. Channel names and metadata keys: docs/scene_format.md.
 /// Errors: unknown extension, a layer that the film lacks, existing file without `overwrite`, a full disk and

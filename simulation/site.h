@@ -126,7 +126,7 @@ struct SiteHit {
   bool operator==(const SiteHit&) const = default;
 };
 
-/// A position made of exact surfaces: the ground truth for scans, images and visibility. Immutable; safe to ask
+/// A site made of exact surfaces: the ground truth for scans, images and visibility. Immutable; safe to ask
 /// from many threads.
 ///
 ///   const Site site = courtyard();

@@ -18,7 +18,7 @@ enum class RowForm { csv, json, geojson };
 /// By the extension: .csv, .json or .geojson; empty for any other.
 std::optional<RowForm> row_form(const std::filesystem::path& file);
 
-/// What is said of a whole file, beside its rows. CSV has no position for it.
+/// What is said of a whole file, beside its rows. CSV cannot hold it.
 struct RowFileHead {
   std::string command{};                   ///< command line, or empty
   std::vector<std::string> cloud_files{};  ///< what the points come from

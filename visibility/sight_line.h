@@ -15,7 +15,7 @@
 
 namespace alidade::visibility {
 
-/// Direction of the i-th of positions that spread evenly around a middle, in turns, [0, 1): each is turned by
+/// Direction of the i-th of directions that spread evenly around a middle, in turns, [0, 1): each is turned by
 /// the golden angle, (3 - sqrt 5) / 2 of a turn, from the one before. Source: Vogel, A better way to
 /// construct the sunflower head, 1979.
 inline double golden_turns(int i) {

@@ -65,7 +65,7 @@ struct E57Field {
   int bits() const;
 };
 
-/// From the axes of a scan or image to those of the file: rotation * offset + translation.
+/// From the axes of a scan or image to those of the file: rotation * position + translation.
 struct E57Pose {
   glm::dmat3 rotation{1.0};
   glm::dvec3 translation{0.0};

@@ -26,7 +26,7 @@ class E57Node {
 
   /// The first child of this name.
   E57Node child(const char* name) const { return {*pages_, element_.child(name), where_}; }
-  /// Another element, spoken of at the same offset.
+  /// Another element, reported at the same offset.
   E57Node descend(pugi::xml_node element) const { return {*pages_, element, where_}; }
 
   /// All text of the element, without blanks at its ends.

@@ -228,7 +228,7 @@ LasRecords read_las_records(InputFile& file, const LasHeader& header, std::vecto
       if (first && record.record_id == k_copc_info_id)
         result.copc_info = {record.offset, read_values<std::byte>(file, record)};
     } else {
-      // libLAS wrote WKT before the standard had a offset for it. The record is handed on too.
+      // libLAS wrote WKT before the standard had a record for it. The record is handed on too.
       bool problem = false;
       if (record.is("liblas", 2112)) liblas_wkt = read_wkt(file, record, problem);
       result.others.push_back({.user_id = record.user_id,

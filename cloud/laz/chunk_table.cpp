@@ -10,7 +10,7 @@
 #include "cloud/laz/layered_codec.h"
 #include "cloud/laz/value_coders.h"
 
-// Source: the chunk table as laszip 2 and 3 write it. At the offset of the points stands the offset of the
+// Source: the chunk table as laszip 2 and 3 write it. The offset of the points holds the offset of the
 // table, -1 if its writer could not go back; then the last eight bytes before extended records or the end of
 // the file hold it.
 
@@ -38,7 +38,7 @@ std::uint64_t find_table(InputFile& file, const LasHeader& header) {
     }
     return 0;
   }
-  // A writer that was interrupted leaves a offset that no table can have.
+  // A writer that was interrupted leaves an offset that no table can have.
   if (offset <= static_cast<std::int64_t>(header.points_offset)) return 0;
   return static_cast<std::uint64_t>(offset);
 }

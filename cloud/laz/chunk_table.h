@@ -24,7 +24,7 @@ struct LazChunk {
   bool operator==(const LazChunk&) const = default;
 };
 
-/// Bytes before the first chunk that tell the offset of the chunk table.
+/// Bytes before the first chunk that hold the offset of the chunk table.
 inline constexpr std::size_t k_laz_table_offset_bytes = 8;
 
 /// Most points that so many bytes can stand for: whatever the points are, each costs one symbol of 64 or more

@@ -49,7 +49,7 @@ struct PlyElement {
 struct PlyHeader {
   PlyFormat format = PlyFormat::ascii;
   std::vector<PlyElement> elements;
-  std::size_t vertex = 0;         ///< offset of the element "vertex"
+  std::size_t vertex = 0;         ///< index of the element "vertex"
   std::uint64_t data_offset = 0;  ///< first byte after the header
   std::uint64_t line_count = 0;   ///< lines of the header
 };

@@ -36,7 +36,7 @@ struct ServerTable {
   /// Null if there is none of that name.
   const NumberColumn* find(std::string_view name) const;
 
-  /// Condition for rows with a offset: x, y and z finite.
+  /// Condition for rows with a position: x, y and z finite.
   std::string has_place() const;
 };
 

@@ -21,7 +21,7 @@ struct Shard {
 };
 
 /// Reads "HOST/DATABASE" or "HOST:PORT/DATABASE"; addresses of IPv6 stand in brackets: "[::1]:5433/site".
-/// Errors: anything else, also a user or a password, which have no offset on a command line.
+/// Errors: anything else, also a user or a password, which do not belong on a command line.
 Shard parse_shard(std::string_view text);
 
 struct ShardPlanOptions {

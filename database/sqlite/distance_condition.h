@@ -17,7 +17,7 @@ struct DistanceCondition {
   std::optional<TokenRange> least, largest;  ///< limits on the distance, inclusive or not
 };
 
-/// What was found at a index where a condition may begin: a condition, or why one that is on dist_ray or
+/// What was found where a condition may begin: a condition, or why one that is on dist_ray or
 /// dist_plane cannot be used, or neither.
 struct ConditionAnswer {
   std::optional<DistanceCondition> condition;

@@ -83,7 +83,7 @@ void add(const DistanceLimit& limit, PointFilter& filter);
 ///     out depends on the plan: it must stand beside the condition on the distance that it is made of.
 /// Lengths in the unit of the coordinates; directions and normals of any length but zero. NULL for an
 /// argument gives NULL. Errors, in SQL: text or blobs for numbers, directions that are zero or not finite,
-/// offsets of the ray or plane that are not finite; the distance to a point that is not is NULL or infinite.
+/// positions of the ray or plane that are not finite; the distance to a point that is not is NULL or infinite.
 /// Answers SQLite's code.
 int add_functions(sqlite3* database);
 

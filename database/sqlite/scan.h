@@ -22,7 +22,7 @@ namespace alidade::database {
 /// In which order rows come.
 enum class RowOrder {
   stored,    ///< by chunk, within it along the Morton curve
-  t,         ///< by the offset on the line of the filter's first condition
+  t,         ///< by the position on the line of the filter's first condition
   distance,  ///< by the distance to it
 };
 

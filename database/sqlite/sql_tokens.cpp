@@ -45,7 +45,7 @@ class Scanner {
   }
 
  private:
-  /// The character `ahead` offsets on; 0 behind the end.
+  /// The character `ahead` bytes on; 0 behind the end.
   char peek(std::size_t ahead = 0) const { return at_ + ahead < sql_.size() ? sql_[at_ + ahead] : '\0'; }
 
   template <class Test>

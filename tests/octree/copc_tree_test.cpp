@@ -14,7 +14,7 @@
 #include "tests/cloud/copc/copc_builder.h"
 #include "tests/support/same_hits.h"
 
-// Answers from a COPC file in storage index against brute force over the cloud that is read from it.
+// Answers from a COPC file where it lies against brute force over the cloud that is read from it.
 
 namespace alidade {
 namespace {
@@ -47,12 +47,12 @@ template <class Target, class Query>
   return test::same_hits(std::span(found), std::span(expected));
 }
 
-class Indexs {
+class RandomTargets {
  public:
-  explicit Indexs(std::uint64_t seed) : engine_(seed) {}
+  explicit RandomTargets(std::uint64_t seed) : engine_(seed) {}
   double number(double low, double high) { return std::uniform_real_distribution(low, high)(engine_); }
   /// In the cube or beside it.
-  glm::dvec3 index() {
+  glm::dvec3 position() {
     const auto offset = [&] { return number(-80, 80); };
     return glm::dvec3(690000, 5325000, 500) + glm::dvec3(offset(), offset(), offset());
   }
@@ -66,26 +66,26 @@ TEST(CopcTreeTest, answers_equal_brute_force_over_the_loaded_cloud) {
   const CopcSample sample = build_copc(4000);
   const PointCloud cloud = test::read_memory(sample.bytes);
   const Opened opened(sample.bytes);
-  Indexs indices(7);
+  RandomTargets random(7);
   for (int i = 0; i < 60; ++i) {
     const Ray ray =
-        make_ray(indices.index(), indices.direction(), indices.number(-50, 0), indices.number(0, 200));
+        make_ray(random.position(), random.direction(), random.number(-50, 0), random.number(0, 200));
     for (const Measure measure : {Measure::distance, Measure::t, Measure::entry}) {
       EXPECT_TRUE(as_brute_force(opened.cache, cloud, ray, RayQuery{.radius = 2.0, .measure = measure}));
       EXPECT_TRUE(
           as_brute_force(opened.cache, cloud, ray, RayQuery{.radius = 5.0, .measure = measure, .k = 3}));
     }
     EXPECT_TRUE(as_brute_force(opened.cache, cloud, ray, RayQuery{.measure = Measure::distance, .k = 5}));
-    const Cone cone = make_cone(indices.index(), indices.direction(), 0.1, 0.5, 0.0, 150.0);
+    const Cone cone = make_cone(random.position(), random.direction(), 0.1, 0.5, 0.0, 150.0);
     EXPECT_TRUE(as_brute_force(opened.cache, cloud, cone, ConeQuery{}));
-    const Path path = make_path(std::vector{indices.index(), indices.index(), indices.index()});
+    const Path path = make_path(std::vector{random.position(), random.position(), random.position()});
     EXPECT_TRUE(as_brute_force(opened.cache, cloud, path, PathQuery{.radius = 3.0}));
-    const glm::dvec3 corner = indices.index();
+    const glm::dvec3 corner = random.position();
     EXPECT_TRUE(as_brute_force(opened.cache, cloud, Bounds{corner, corner + 20.0}, PointQuery{}));
-    EXPECT_TRUE(as_brute_force(opened.cache, cloud, indices.index(), PointQuery{.k = 9}));
-    EXPECT_TRUE(as_brute_force(opened.cache, cloud, indices.index(), PointQuery{.radius = 12.0}));
+    EXPECT_TRUE(as_brute_force(opened.cache, cloud, random.position(), PointQuery{.k = 9}));
+    EXPECT_TRUE(as_brute_force(opened.cache, cloud, random.position(), PointQuery{.radius = 12.0}));
     const HalfSpaces region{
-        {make_plane(indices.index(), indices.direction()), make_plane(indices.index(), indices.direction())}};
+        {make_plane(random.position(), random.direction()), make_plane(random.position(), random.direction())}};
     EXPECT_TRUE(as_brute_force(opened.cache, cloud, region, PointQuery{}));
   }
 }
@@ -159,9 +159,9 @@ TEST(CopcTreeTest, many_threads_with_little_room_answer_the_same) {
   const PointCloud cloud = test::read_memory(sample.bytes);
   const Opened opened(sample.bytes, {.byte_count = 4000});
   tbb::parallel_for(0, 100, [&](int i) {
-    Indexs indices(static_cast<std::uint64_t>(i));
-    const glm::dvec3 index = indices.index();
-    EXPECT_TRUE(as_brute_force(opened.cache, cloud, index, PointQuery{.radius = 20.0}));
+    RandomTargets random(static_cast<std::uint64_t>(i));
+    const glm::dvec3 position = random.position();
+    EXPECT_TRUE(as_brute_force(opened.cache, cloud, position, PointQuery{.radius = 20.0}));
   });
 }
 
@@ -172,11 +172,11 @@ TEST(CopcTreeTest, only_points_of_the_classes_are_there) {
   for (std::size_t i = 0; i < 60; ++i) classes.set(i);
   const Opened opened(sample.bytes, {.classes = classes});
   const auto wanted = [&](const Candidate& point) { return cloud.classifications[point.point_id] < 60; };
-  Indexs indices(3);
+  RandomTargets random(3);
   for (int i = 0; i < 50; ++i) {
-    const glm::dvec3 index = indices.index();
-    const auto found = ask(opened.cache, index, PointQuery{.k = 7});
-    const auto expected = brute_force::find(cloud, index, PointQuery{.k = 7, .filter = wanted});
+    const glm::dvec3 position = random.position();
+    const auto found = ask(opened.cache, position, PointQuery{.k = 7});
+    const auto expected = brute_force::find(cloud, position, PointQuery{.k = 7, .filter = wanted});
     EXPECT_TRUE(test::same_hits(std::span(found), std::span(expected)));
   }
 }
@@ -250,13 +250,13 @@ TEST(CopcSharedDataTest, a_file_from_elsewhere_answers_as_when_it_is_loaded) {
   const CopcFile file{InputFile(path)};
   const CopcCache cache(file, {});
   const Bounds box = cloud.bounds();
-  Indexs indices(11);
+  RandomTargets random(11);
   const auto inside = [&] {
     return box.min +
-           (box.max - box.min) * glm::dvec3(indices.number(0, 1), indices.number(0, 1), indices.number(0, 1));
+           (box.max - box.min) * glm::dvec3(random.number(0, 1), random.number(0, 1), random.number(0, 1));
   };
   for (int i = 0; i < 20; ++i) {
-    const Ray ray = make_ray(inside(), indices.direction(), -10.0, 10.0);
+    const Ray ray = make_ray(inside(), random.direction(), -10.0, 10.0);
     EXPECT_TRUE(as_brute_force(cache, cloud, ray, RayQuery{.radius = 0.02}));
     EXPECT_TRUE(as_brute_force(cache, cloud, inside(), PointQuery{.k = 20}));
   }

@@ -22,7 +22,7 @@ struct CopcSource {
   std::unique_ptr<CopcCache> cache;
 };
 
-/// Whether the run asks a COPC file in position: it is the only cloud, nothing but positions and classes is
+/// Whether the run reads a COPC file in place: it is the only cloud, nothing but positions and classes is
 /// needed of it, and nobody asked for it to be loaded. Errors: the file cannot be opened.
 bool asks_in_place(const QueryCommand& command, AnswerForm form);
 

@@ -35,7 +35,7 @@ struct VisibilityRequest : CloudRequest {
 /// A cloud, and what of it blocks sight.
 struct VisibilityCloud {
   IndexedCloud cloud;
-  AttributeColumns columns;                        ///< of `cloud`, which therefore stays in its position
+  AttributeColumns columns;                        ///< of `cloud`, which therefore must not move
   std::optional<visibility::Occluders> occluders;  ///< empty until they are measured
   std::string what_blocks;                         ///< the same in words
 

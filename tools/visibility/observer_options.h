@@ -33,7 +33,7 @@ inline constexpr const char* k_observer_group = "Observers";
 /// --target-height LENGTH: how far above its cell or point a target is looked at. At least 0.
 void add_target_height(const Options& command, std::optional<double>& height);
 
-/// Reads the observers, in the cloud's reference system, gives them their positions, and says these; what is
+/// Reads the observers, in the cloud's reference system, gives them their positions, and prints these; what is
 /// strange about them say_observer_remarks() tells, once occluders are measured. Those of the command line
 /// come first, then the file's, then the grid's. `ground` is asked for observers without z; if it is empty,
 /// the cloud's is found where it is needed. Errors: nobody was asked for; those of read_observers(),

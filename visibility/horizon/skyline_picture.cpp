@@ -76,7 +76,7 @@ struct Frame {
   }
 };
 
-/// Texts with a position that is not their left end.
+/// Texts that are not aligned at their left end.
 class Writer {
  public:
   Writer(image::Canvas& canvas, const image::Font& font) : canvas_(canvas), font_(font) {}

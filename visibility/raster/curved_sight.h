@@ -34,7 +34,7 @@ class SightCurve {
   SightCurve(double coefficient, double unit);
 
   double coefficient() const { return coefficient_; }
-  /// How far a position at this distance along the ground stands too high, in units of the cloud.
+  /// How far too high a position at this distance along the ground lies, in units of the cloud.
   double drop(double distance) const { return per_square_ * distance * distance; }
   /// Chords that a line over this distance along the ground is made of; finite.
   std::int64_t chord_count(double distance) const;

@@ -54,7 +54,7 @@ struct MapScale {
   int most_ticks = 7;
 };
 
-/// A position with its name.
+/// A named place.
 struct MapMark {
   glm::dvec2 position{0.0};
   std::string name{};  ///< empty: only the mark
