@@ -14,7 +14,7 @@
 #include "base/error.h"
 #include "octree/query.h"
 
-// The entrance of every query: what is refused, with what is wrong. Index and brute force ask here before
+// The entrance of every query: what is rejected, with what is wrong. Index and brute force ask here before
 // they look at a point. Nothing returned means: good.
 
 namespace alidade {

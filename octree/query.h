@@ -71,7 +71,7 @@ struct PathHit {
 //   the organisation of the octree, the instruction set and the number of threads.
 // - Order: by the measure, then by point id; so ties have one answer, too. All limits are inclusive.
 // - Empty octree, empty interval (t_min > t_max): no hit, count 0.
-// - Targets come from make_ray, make_cone, make_path, make_plane, which refuse zero, NaN and infinite input.
+// - Targets come from make_ray, make_cone, make_path, make_plane, which reject zero, NaN and infinite input.
 //   A target that breaks their promises (direction not of length 1 within 1e-6, numbers not finite) is an
 //   Error. Boxes may be infinite; an inverted box holds nothing.
 // - Batches run in parallel (oneTBB, as many threads as the caller's arena allows) and answer in the order of

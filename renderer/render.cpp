@@ -13,7 +13,7 @@
 namespace alidade::renderer {
 namespace {
 
-[[noreturn]] void refuse(const char* problem, const char* expected, const std::string& found) {
+[[noreturn]] void reject(const char* problem, const char* expected, const std::string& found) {
   throw Error({.problem = problem, .expected = expected, .found = found});
 }
 
@@ -21,16 +21,16 @@ void check_options(const Scene& scene, const RenderOptions& options) {
   if (!scene.camera) throw Error({.problem = "the scene has no camera"});
   const int samples = scene.render.samples;
   if (samples < 1 || samples > k_max_samples)
-    refuse("invalid number of samples", "1 to 16777216", std::to_string(samples));
+    reject("invalid number of samples", "1 to 16777216", std::to_string(samples));
   if (options.time_limit && !(*options.time_limit >= 0.0))
-    refuse("invalid time limit", "seconds, at least 0", std::to_string(*options.time_limit));
+    reject("invalid time limit", "seconds, at least 0", std::to_string(*options.time_limit));
   if (options.target_noise && !(*options.target_noise > 0.0))
-    refuse("invalid noise target", "a positive number", std::to_string(*options.target_noise));
+    reject("invalid noise target", "a positive number", std::to_string(*options.target_noise));
   if (options.checkpoint && !(options.checkpoint->interval > 0.0))
-    refuse("invalid checkpoint interval", "a positive number of seconds",
+    reject("invalid checkpoint interval", "a positive number of seconds",
            std::to_string(options.checkpoint->interval));
   if (options.preview && !(options.preview->interval >= 0.0 && options.preview->longest_side >= 1))
-    refuse("invalid preview options", "seconds, at least 0, and at least one pixel",
+    reject("invalid preview options", "seconds, at least 0, and at least one pixel",
            std::to_string(options.preview->interval));
 }
 

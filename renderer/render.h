@@ -37,7 +37,7 @@ struct CheckpointOptions {
   double interval =
       60.0;  ///< seconds from the end of one to the next, > 0; at least ten times what writing takes
   bool resume = false;    ///< go on from the file; where there is none, start
-  std::string picture{};  ///< what the picture is called; a checkpoint of another one is refused
+  std::string picture{};  ///< what the picture is called; a checkpoint of another one is rejected
   /// Told once the render goes on from the file.
   std::function<void()> resumed{};
   /// Told when a checkpoint cannot be written (a full disk); the render goes on. Without it, that ends the

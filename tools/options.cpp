@@ -76,7 +76,7 @@ double parse_distance_limit(const std::string& text) {
 }
 
 std::uint64_t parse_count(const std::string& text, std::uint64_t least, std::uint64_t most) {
-  const auto refuse = [&]() -> UsageError {
+  const auto reject = [&]() -> UsageError {
     return UsageError(fmt::format("expected an integer from {} to {}, found '{}'", least, most, text));
   };
   std::uint64_t count = 0;
@@ -85,10 +85,10 @@ std::uint64_t parse_count(const std::string& text, std::uint64_t least, std::uin
   if (error != std::errc() || stop != end) {
     // Written with an exponent: exact as long as it is below 2^53.
     const double number = parse_number(text);
-    if (!(number >= 0.0 && number <= 9007199254740992.0) || number != std::floor(number)) throw refuse();
+    if (!(number >= 0.0 && number <= 9007199254740992.0) || number != std::floor(number)) throw reject();
     count = static_cast<std::uint64_t>(number);
   }
-  if (count < least || count > most) throw refuse();
+  if (count < least || count > most) throw reject();
   return count;
 }
 

@@ -47,7 +47,7 @@ double azimuth_width(double azimuth_min, double azimuth_max) {
   return width < 0.0 ? width + k_full_turn : width;
 }
 
-[[noreturn]] void refuse(const std::string& source, std::string problem, std::string expected,
+[[noreturn]] void reject(const std::string& source, std::string problem, std::string expected,
                          std::string found) {
   throw Error({.file = source,
                .problem = std::move(problem),
@@ -57,7 +57,7 @@ double azimuth_width(double azimuth_min, double azimuth_max) {
 
 void require_range(const std::string& source, const char* what, double value, double least, double most) {
   if (value >= least && value <= most) return;
-  refuse(source, fmt::format("{} out of range", what), fmt::format("a number from {} to {}", least, most),
+  reject(source, fmt::format("{} out of range", what), fmt::format("a number from {} to {}", least, most),
          fmt::format("{}", value));
 }
 
@@ -71,11 +71,11 @@ void check_view(const std::string& source, const Observer& observer) {
   require_range(source, "elevation_min", observer.elevation_min, -90.0, 90.0);
   require_range(source, "elevation_max", observer.elevation_max, -90.0, 90.0);
   if (!(azimuth_width(observer.azimuth_min, observer.azimuth_max) > 0.0)) {
-    refuse(source, "empty field of view", "two different azimuths, clockwise from north",
+    reject(source, "empty field of view", "two different azimuths, clockwise from north",
            fmt::format("{} to {}", observer.azimuth_min, observer.azimuth_max));
   }
   if (observer.elevation_min > observer.elevation_max) {
-    refuse(source, "elevations out of order", "the lower elevation first",
+    reject(source, "elevations out of order", "the lower elevation first",
            fmt::format("{} to {}", observer.elevation_min, observer.elevation_max));
   }
 }
@@ -147,7 +147,7 @@ std::vector<Observer> place_observers(std::span<const GivenObserver> given, cons
     check_view(one.source, observer);
     const std::optional<double> foot = one.z ? one.z : ground(one.position);
     if (!foot) {
-      refuse(one.source, "no points of the cloud below the observer", "a position inside the cloud, or a z",
+      reject(one.source, "no points of the cloud below the observer", "a position inside the cloud, or a z",
              fmt::format("{}, {}", one.position.x, one.position.y));
     }
     observer.stands_on_ground = !one.z;
@@ -155,7 +155,7 @@ std::vector<Observer> place_observers(std::span<const GivenObserver> given, cons
     const glm::dvec3& eye = observer.position;
     for (const double coordinate : {eye.x, eye.y, eye.z}) {
       if (std::fabs(coordinate) <= k_largest_coordinate) continue;
-      refuse(one.source, "position out of range",
+      reject(one.source, "position out of range",
              fmt::format("coordinates from {} to {}", -k_largest_coordinate, k_largest_coordinate),
              fmt::format("{}, {}, {}", eye.x, eye.y, eye.z));
     }

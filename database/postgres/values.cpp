@@ -24,7 +24,7 @@ const char* skip_spaces(const char* text) {
 }
 
 /// Ends with the error that a text is none of the type.
-[[noreturn]] void refuse_text(const char* all, const char* type) {
+[[noreturn]] void reject_text(const char* all, const char* type) {
   ereport(ERROR, (errcode(ERRCODE_INVALID_TEXT_REPRESENTATION),
                   errmsg("invalid input syntax for type %s: \"%s\"", type, all)));
 }
@@ -34,13 +34,13 @@ const char* skip_spaces(const char* text) {
 void read_numbers(const char* text, const char* all, const char* type, std::span<double> numbers) {
   const char* position = skip_spaces(text);
   for (std::size_t i = 0; i < numbers.size(); ++i) {
-    if (*position != (i == 0 ? '(' : ',')) refuse_text(all, type);
+    if (*position != (i == 0 ? '(' : ',')) reject_text(all, type);
     // PostgreSQL's own parser, which only reads, asks for text that may be changed.
     char* end = nullptr;
     numbers[i] = float8in_internal(const_cast<char*>(position + 1), &end, type, all);
     position = skip_spaces(end);
   }
-  if (*position != ')' || *skip_spaces(position + 1) != '\0') refuse_text(all, type);
+  if (*position != ')' || *skip_spaces(position + 1) != '\0') reject_text(all, type);
 }
 
 using Six = std::array<double, 6>;
@@ -182,7 +182,7 @@ ALIDADE_SQL_FUNCTION(alidade_limit_in) {
   const std::size_t length = list == nullptr ? 0 : static_cast<std::size_t>(list - all);
   const bool is_ray = length == 3 && std::strncmp(all, "ray", length) == 0;
   const bool is_plane = length == 5 && std::strncmp(all, "plane", length) == 0;
-  if (!is_ray && !is_plane) refuse_text(all, "cloud_limit");
+  if (!is_ray && !is_plane) reject_text(all, "cloud_limit");
   std::array<double, 8> numbers;
   read_numbers(list, all, "cloud_limit", numbers);
   return datum_of(limit_of(is_ray ? DistanceKind::ray : DistanceKind::plane, numbers));

@@ -20,7 +20,7 @@ constexpr std::string_view k_signature{"PGCOPY\n\377\r\n\0", 11};
 constexpr std::size_t k_head = k_signature.size() + 2 * sizeof(std::int32_t);
 constexpr std::int32_t k_longest = 8;
 
-[[noreturn]] void refuse_rows(std::string expected, std::string found) {
+[[noreturn]] void reject_rows(std::string expected, std::string found) {
   throw Error({.problem = "the server sent invalid rows",
                .expected = std::move(expected),
                .found = std::move(found)});
@@ -99,10 +99,10 @@ void append_value(ServerType type, const ColumnValue& value, std::vector<std::by
 std::size_t CopyDecoder::take_head(std::span<const std::byte> bytes) {
   if (bytes.size() < k_head) return 0;
   if (std::memcmp(bytes.data(), k_signature.data(), k_signature.size()) != 0)
-    refuse_rows("rows of COPY in binary", "another signature");
+    reject_rows("rows of COPY in binary", "another signature");
   const auto flags = load<std::int32_t>(bytes.data() + k_signature.size(), std::endian::big);
   const auto more = load<std::int32_t>(bytes.data() + k_signature.size() + sizeof flags, std::endian::big);
-  if (flags != 0 || more != 0) refuse_rows("a header without flags", "flags");
+  if (flags != 0 || more != 0) reject_rows("a header without flags", "flags");
   offset_ = Offset::rows;
   return k_head;
 }
@@ -119,13 +119,13 @@ std::size_t CopyDecoder::take_row(std::span<const std::byte> bytes) {
     return at;
   }
   if (count < 0 || static_cast<std::size_t>(count) != fields_.size())
-    refuse_rows(std::to_string(fields_.size()) + " values in a row", std::to_string(count));
+    reject_rows(std::to_string(fields_.size()) + " values in a row", std::to_string(count));
   for (CopyField& field : fields_) {
     if (!has(sizeof(std::int32_t))) return 0;
     const auto length = load<std::int32_t>(bytes.data() + at, std::endian::big);
     at += sizeof length;
     if (length < -1 || length > k_longest)
-      refuse_rows("values of at most 8 bytes", std::to_string(length) + " bytes");
+      reject_rows("values of at most 8 bytes", std::to_string(length) + " bytes");
     const auto size = static_cast<std::size_t>(length < 0 ? 0 : length);
     if (!has(size)) return 0;
     field = bytes.subspan(at, size);
@@ -143,7 +143,7 @@ void CopyDecoder::add(std::span<const std::byte> bytes) {
   }
   while (!bytes.empty()) {
     if (offset_ == Offset::end)
-      refuse_rows("no data after the last row", std::to_string(bytes.size()) + " bytes");
+      reject_rows("no data after the last row", std::to_string(bytes.size()) + " bytes");
     const std::size_t taken = offset_ == Offset::head ? take_head(bytes) : take_row(bytes);
     if (taken == 0) break;
     bytes = bytes.subspan(taken);
@@ -153,7 +153,7 @@ void CopyDecoder::add(std::span<const std::byte> bytes) {
 }
 
 void CopyDecoder::finish() const {
-  if (offset_ != Offset::end) refuse_rows("an end marker after the last row", "none");
+  if (offset_ != Offset::end) reject_rows("an end marker after the last row", "none");
 }
 
 CopyRows::CopyRows(std::vector<StoredColumn> columns, const Lattice& lattice)

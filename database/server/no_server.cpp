@@ -9,7 +9,7 @@
 namespace alidade::database {
 namespace {
 
-[[noreturn]] void refuse(const ServerName& name) {
+[[noreturn]] void reject(const ServerName& name) {
   throw Error({.file = name.shown(),
                .problem = "this program was built without the PostgreSQL client library",
                .expected = "a build with libpq-dev or an equivalent package"});
@@ -20,21 +20,21 @@ namespace {
 const CloudFormat k_server_format{.name = "PostgreSQL",
                                   .is_named = is_server_name,
                                   .open = [](InputFile input, Damage) -> std::unique_ptr<CloudReader> {
-                                    refuse(ServerName(input.name()));
+                                    reject(ServerName(input.name()));
                                   }};
 
 bool has_server_parts(const std::string& name) {
-  refuse(ServerName(name));
+  reject(ServerName(name));
 }
 
 CloudPart read_server_part(const std::string& name, std::span<const PointFilter>, AttributeSet,
                            const Progress&) {
-  refuse(ServerName(name));
+  reject(ServerName(name));
 }
 
 StoredFiles store_on_server(const ServerName& name, const CloudInputs&, const ReadOptions&,
                             const ServerStoreOptions&) {
-  refuse(name);
+  reject(name);
 }
 
 }  // namespace alidade::database

@@ -189,7 +189,7 @@ bool CloudValues::put(const Target& target, std::size_t row, CopyField field) {
   return true;
 }
 
-void CloudValues::refuse(const Target& target, CopyField field, std::string location) {
+void CloudValues::reject(const Target& target, CopyField field, std::string location) {
   const NumberColumn& column = target.source.column;
   throw Error({.location = std::move(location),
                .problem = fmt::format("{} out of the range of the attribute", column.name),

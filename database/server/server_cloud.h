@@ -53,7 +53,7 @@ class CloudValues {
   template <class Offset>
   void put(std::size_t row, std::span<const CopyField> fields, const Offset& offset) {
     for (std::size_t i = 0; i < targets_.size(); ++i) {
-      if (!put(targets_[i], row, fields[i])) refuse(targets_[i], fields[i], offset());
+      if (!put(targets_[i], row, fields[i])) reject(targets_[i], fields[i], offset());
     }
   }
 
@@ -70,7 +70,7 @@ class CloudValues {
     double most = 0.0;  ///< of whole attributes
   };
   bool put(const Target& target, std::size_t row, CopyField field);
-  [[noreturn]] static void refuse(const Target& target, CopyField field, std::string location);
+  [[noreturn]] static void reject(const Target& target, CopyField field, std::string location);
 
   PointCloud& cloud_;
   std::vector<Target> targets_;

@@ -19,7 +19,7 @@ namespace {
 /// The version of the interface, which has been the same since PostgreSQL 8.2.
 constexpr const char* k_file = "libpq.so.5";
 
-[[noreturn]] void refuse_library() {
+[[noreturn]] void reject_library() {
   const char* const reason = ::dlerror();
   throw Error({.problem = "server connections require the PostgreSQL client library",
                .expected = "the package libpq5 or an equivalent",
@@ -32,13 +32,13 @@ class ServerLibrary {
   template <class Function>
   Function find(const char* name) const {
     void* const found = ::dlsym(library_, name);
-    if (found == nullptr) refuse_library();
+    if (found == nullptr) reject_library();
     return reinterpret_cast<Function>(found);
   }
 
   void* library_ = [] {
     void* const library = ::dlopen(k_file, RTLD_NOW | RTLD_LOCAL);
-    if (library == nullptr) refuse_library();
+    if (library == nullptr) reject_library();
     return library;
   }();
 

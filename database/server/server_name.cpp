@@ -15,12 +15,12 @@ namespace {
 constexpr std::string_view k_schemes[] = {"postgresql://", "postgres://"};
 constexpr const char* k_form = "postgresql://HOST:PORT/DATABASE?table=NAME";
 
-[[noreturn]] void refuse_name(std::string problem, std::string expected = k_form) {
+[[noreturn]] void reject_name(std::string problem, std::string expected = k_form) {
   throw Error({.problem = std::move(problem), .expected = std::move(expected)});
 }
 
-[[noreturn]] void refuse_password() {
-  refuse_name("password in a table name: command lines are visible to all users",
+[[noreturn]] void reject_password() {
+  reject_name("password in a table name: command lines are visible to all users",
               "the password in ~/.pgpass, PGPASSFILE or PGPASSWORD");
 }
 
@@ -33,11 +33,11 @@ std::string decoded(std::string_view text) {
       const std::string_view digits = text.substr(i + 1, 2);
       const auto [end, error] = std::from_chars(digits.data(), digits.data() + digits.size(), value, 16);
       if (digits.size() != 2 || error != std::errc() || end != digits.data() + 2 || value == 0)
-        refuse_name("the server name has a '%' without a character code", "%25 for a '%' itself");
+        reject_name("the server name has a '%' without a character code", "%25 for a '%' itself");
       character = static_cast<char>(value);
       i += 2;
     }
-    if (character == '\0') refuse_name("the server name contains NUL");
+    if (character == '\0') reject_name("the server name contains NUL");
     result += character;
   }
   return result;
@@ -110,25 +110,25 @@ ServerName::ServerName(std::string_view text) {
   if (at != std::string_view::npos) {
     const std::string user(words.substr(0, at));
     words.remove_prefix(at + 1);
-    if (decoded(user).find(':') != std::string::npos) refuse_password();
+    if (decoded(user).find(':') != std::string::npos) reject_password();
     take("user", user);
   }
   std::string_view location = split(words, '?');
   const auto [host, port, is_address] = split_host(split(location, '/'));
   if (port) {
     take("port", *port);
-    if (!parse_port(parameter("port"))) refuse_name("the port is not a number from 1 to 65535");
+    if (!parse_port(parameter("port"))) reject_name("the port is not a number from 1 to 65535");
   }
-  if (!is_address) refuse_name("invalid host of a server");
+  if (!is_address) reject_name("invalid host of a server");
   take("host", host);
   take("dbname", location);
   while (!words.empty()) {
     std::string_view value = split(words, '&');
     const std::string word = decoded(split(value, '='));
-    if (is_secret(word)) refuse_password();
+    if (is_secret(word)) reject_password();
     // A part of a password that has marks in it is no word, and must not be repeated either.
     if (word.empty() || word.find_first_not_of("abcdefghijklmnopqrstuvwxyz_") != std::string::npos)
-      refuse_name("the server name has a parameter that is not WORD=VALUE");
+      reject_name("the server name has a parameter that is not WORD=VALUE");
     if (word == "table")
       table = decoded(value);
     else if (word == "schema")

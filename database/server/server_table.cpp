@@ -124,12 +124,12 @@ CloudRow read_cloud_row(ServerConnection& connection, const std::string& schema,
       "'hex'), encode(geotiff_ascii, 'hex'),"
       " gps_time_is_standard FROM " +
       sql_name(schema) + "." + sql_name(name) + " LIMIT 2");
-  const auto refuse = [&](std::string problem, std::string expected, std::string found) {
+  const auto reject = [&](std::string problem, std::string expected, std::string found) {
     connection.fail(std::move(problem), std::move(expected), std::move(found), "table " + name);
   };
-  if (rows.size() != 1) refuse("it must have one row", "one row", rows.size() == 0 ? "none" : "several");
+  if (rows.size() != 1) reject("it must have one row", "one row", rows.size() == 0 ? "none" : "several");
   if (rows.whole(0, 0) != k_cloud_row_version)
-    refuse("unsupported version", std::to_string(k_cloud_row_version), rows.text(0, 0));
+    reject("unsupported version", std::to_string(k_cloud_row_version), rows.text(0, 0));
   CloudRow row;
   for (int axis = 0; axis < 3; ++axis) {
     row.lattice.scale[axis] = rows.number(0, 1 + axis);
@@ -137,12 +137,12 @@ CloudRow read_cloud_row(ServerConnection& connection, const std::string& schema,
     const bool is_possible = std::isnormal(row.lattice.scale[axis]) && row.lattice.scale[axis] > 0.0 &&
                              std::isfinite(row.lattice.offset[axis]);
     if (!is_possible) {
-      refuse("invalid lattice", "positive scales and finite offsets",
+      reject("invalid lattice", "positive scales and finite offsets",
              fmt::format("{} and {}", rows.text(0, 1 + axis), rows.text(0, 4 + axis)));
     }
   }
   const std::int64_t points = rows.whole(0, 7);
-  if (points < 0) refuse("negative number of points", {}, rows.text(0, 7));
+  if (points < 0) reject("negative number of points", {}, rows.text(0, 7));
   row.point_count = static_cast<std::uint64_t>(points);
   row.crs.wkt = rows.text(0, 8);
   for (int axis = 0; axis < 3 && !rows.is_null(0, 9); ++axis) {

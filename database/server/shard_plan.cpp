@@ -23,7 +23,7 @@
 namespace alidade::database {
 namespace {
 
-[[noreturn]] void refuse_shard(std::string_view text, std::string problem) {
+[[noreturn]] void reject_shard(std::string_view text, std::string problem) {
   // What is in front of an @ may be a password, which must not stand in a message.
   const std::size_t at = text.rfind('@');
   const std::string found(at == std::string_view::npos ? text : text.substr(at));
@@ -214,19 +214,19 @@ void write_files(const std::filesystem::path& folder, OrderedCloud& cloud, std::
 
 Shard parse_shard(std::string_view text) {
   if (text.find('@') != std::string_view::npos)
-    refuse_shard(text, "user or password in a shard name: use its user mapping");
+    reject_shard(text, "user or password in a shard name: use its user mapping");
   const std::size_t slash = text.rfind('/');
-  if (slash == std::string_view::npos) refuse_shard(text, "missing database in a shard name");
+  if (slash == std::string_view::npos) reject_shard(text, "missing database in a shard name");
   const auto [host, port, is_address] = split_host(text.substr(0, slash));
   Shard shard{.host = std::string(host), .database = std::string(text.substr(slash + 1))};
   if (port) {
     const std::optional<int> number = parse_port(*port);
-    if (!number) refuse_shard(text, "the port of a shard is not a number from 1 to 65535");
+    if (!number) reject_shard(text, "the port of a shard is not a number from 1 to 65535");
     shard.port = *number;
   }
-  if (!is_address) refuse_shard(text, "invalid host of a shard");
+  if (!is_address) reject_shard(text, "invalid host of a shard");
   if (!is_plain(shard.host) || shard.host.find('/') != std::string::npos || !is_plain(shard.database))
-    refuse_shard(text, "missing host or database in a shard name");
+    reject_shard(text, "missing host or database in a shard name");
   return shard;
 }
 

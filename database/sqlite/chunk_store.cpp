@@ -82,9 +82,9 @@ std::optional<ChunkLocation> BoxTree::chunk(std::uint64_t id) {
                        read_page(0, id / k_fan_out, k_everywhere)[static_cast<std::size_t>(id % k_fan_out)]};
 }
 
-void BoxTree::refuse(int level, std::uint64_t page, std::string problem, std::string expected,
+void BoxTree::reject(int level, std::uint64_t page, std::string problem, std::string expected,
                      std::string found) const {
-  refuse_stored({file_, fmt::format("{}, page {} of level {} of its boxes", table_, page, level),
+  reject_stored({file_, fmt::format("{}, page {} of level {} of its boxes", table_, page, level),
                  std::move(problem), std::move(expected), std::move(found)});
 }
 
@@ -99,7 +99,7 @@ std::vector<Bounds> BoxTree::read_page(int level, std::uint64_t page, const Boun
   if (fits) std::memcpy(pages.data(), page_.bytes(0).data(), size);
   page_.reset();
   if (!fits) {
-    refuse(level, page, is_there ? "wrong size of the boxes" : "missing",
+    reject(level, page, is_there ? "wrong size of the boxes" : "missing",
            fmt::format("{} bytes", pages.size() * sizeof(Sides)),
            is_there ? fmt::format("{} bytes", size) : "");
   }
@@ -107,7 +107,7 @@ std::vector<Bounds> BoxTree::read_page(int level, std::uint64_t page, const Boun
   for (const auto& [x, y, z, to_x, to_y, to_z] : pages) {
     boxes.push_back({{x, y, z}, {to_x, to_y, to_z}});
     if (lies_inside(boxes.back(), around)) continue;
-    refuse(level, page, "invalid box", "minimum and maximum of x, y, z inside the box of the page",
+    reject(level, page, "invalid box", "minimum and maximum of x, y, z inside the box of the page",
            fmt::format("{}, {}, {} to {}, {}, {}", x, y, z, to_x, to_y, to_z));
   }
   return boxes;
@@ -138,9 +138,9 @@ ChunkStore::ChunkStore(sqlite3* database, const std::string& schema, const std::
       values_(database, "SELECT data FROM " + part_name(schema, table, "value") + " WHERE id = ?",
               Readable::plain_tables, schema) {}
 
-void ChunkStore::refuse(std::uint64_t chunk, std::string problem, std::string expected,
+void ChunkStore::reject(std::uint64_t chunk, std::string problem, std::string expected,
                         std::string found) const {
-  refuse_stored({file_, fmt::format("{}, chunk {}", table_, chunk), std::move(problem), std::move(expected),
+  reject_stored({file_, fmt::format("{}, chunk {}", table_, chunk), std::move(problem), std::move(expected),
                  std::move(found)});
 }
 
@@ -156,7 +156,7 @@ std::shared_ptr<StoredChunk> ChunkStore::read(const ChunkLocation& offset) {
   positions_.bind(1, static_cast<std::int64_t>(id));
   if (!positions_.step()) {
     positions_.reset();
-    refuse(id, "missing", "a row of the table of chunks", "");
+    reject(id, "missing", "a row of the table of chunks", "");
   }
   const std::int64_t count = positions_.whole(0);
   const std::span<const std::byte> bytes = positions_.bytes(1);
@@ -171,7 +171,7 @@ std::shared_ptr<StoredChunk> ChunkStore::read(const ChunkLocation& offset) {
   }
   positions_.reset();
   if (!fits) {
-    refuse(id, "wrong size of the positions",
+    reject(id, "wrong size of the positions",
            fmt::format("{} bytes for each of {} points", sizeof(LatticePosition), count),
            fmt::format("{} bytes", size));
   }
@@ -179,7 +179,7 @@ std::shared_ptr<StoredChunk> ChunkStore::read(const ChunkLocation& offset) {
   for (const LatticePosition& position : chunk->positions) extent.grow(position);
   if (!chunk->positions.empty() &&
       (to_world(lattice_, extent.low) != offset.box.min || to_world(lattice_, extent.high) != offset.box.max))
-    refuse(id, "the points do not match their box", "the bounds of the points", "");
+    reject(id, "the points do not match their box", "the bounds of the points", "");
   return chunk;
 }
 
@@ -196,7 +196,7 @@ const std::byte* ChunkStore::bytes(StoredChunk& chunk, const StoredColumn& colum
   }
   // Each time, since columns may disagree about the blob they share.
   if (chunk.blobs[blob]->size() != size * chunk.positions.size()) {
-    refuse(chunk.id, fmt::format("wrong size of the values of {}", column.name),
+    reject(chunk.id, fmt::format("wrong size of the values of {}", column.name),
            fmt::format("{} bytes for each of {} points", size, chunk.positions.size()),
            fmt::format("{} bytes", chunk.blobs[blob]->size()));
   }

@@ -49,7 +49,7 @@ class BoxTree {
   std::vector<Bounds> read_page(int level, std::uint64_t page, const Bounds& around);
   void visit(int level, std::uint64_t page, const Bounds& around,
              const std::function<bool(const Bounds&)>& wanted, std::vector<ChunkLocation>& found);
-  [[noreturn]] void refuse(int level, std::uint64_t page, std::string problem, std::string expected,
+  [[noreturn]] void reject(int level, std::uint64_t page, std::string problem, std::string expected,
                            std::string found) const;
 
   std::string file_, table_;
@@ -83,7 +83,7 @@ class ChunkStore {
   const std::byte* bytes(StoredChunk& chunk, const StoredColumn& column, std::size_t row);
 
  private:
-  [[noreturn]] void refuse(std::uint64_t chunk, std::string problem, std::string expected,
+  [[noreturn]] void reject(std::uint64_t chunk, std::string problem, std::string expected,
                            std::string found) const;
 
   std::string file_, table_;

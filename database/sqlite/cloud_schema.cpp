@@ -54,9 +54,9 @@ class Described {
   }
 
  private:
-  [[noreturn]] void refuse(const std::string& part, std::string problem, std::string expected,
+  [[noreturn]] void reject(const std::string& part, std::string problem, std::string expected,
                            std::string found) const {
-    refuse_stored({file_of(database_, schema_), fmt::format("table {}_{}", table_, part), std::move(problem),
+    reject_stored({file_of(database_, schema_), fmt::format("table {}_{}", table_, part), std::move(problem),
                    std::move(expected), std::move(found)});
   }
   Statement statement(const std::string& part, const std::string& before, const std::string& behind) const {
@@ -64,9 +64,9 @@ class Described {
   }
   void read_cloud(CloudSchema& cloud) const {
     Statement row = statement("cloud", "SELECT * FROM ", "");
-    if (!row.step()) refuse("cloud", "empty table", "one row", "");
+    if (!row.step()) reject("cloud", "empty table", "one row", "");
     if (row.whole(0) != k_cloud_table_version) {
-      refuse("cloud", "unsupported version", std::to_string(k_cloud_table_version),
+      reject("cloud", "unsupported version", std::to_string(k_cloud_table_version),
              std::to_string(row.whole(0)));
     }
     for (int axis = 0; axis < 3; ++axis) {
@@ -74,7 +74,7 @@ class Described {
       cloud.lattice.offset[axis] = row.number(4 + axis);
       if (!(cloud.lattice.scale[axis] > 0.0) || !std::isfinite(cloud.lattice.scale[axis]) ||
           !std::isfinite(cloud.lattice.offset[axis])) {
-        refuse("cloud", "invalid lattice", "positive scales and finite offsets",
+        reject("cloud", "invalid lattice", "positive scales and finite offsets",
                fmt::format("scale {}, offset {}", cloud.lattice.scale[axis], cloud.lattice.offset[axis]));
       }
     }
@@ -82,7 +82,7 @@ class Described {
     const std::int64_t points = row.whole(7), chunks = row.whole(8);
     if (row.type(7) != SQLITE_INTEGER || row.type(8) != SQLITE_INTEGER || chunks < 0 || chunks > UINT32_MAX ||
         points < chunks || points > chunks * k_most_chunk_points) {
-      refuse("cloud", "invalid counts",
+      reject("cloud", "invalid counts",
              fmt::format("1 to {} points in each of 0 to {} chunks", k_most_chunk_points, UINT32_MAX),
              fmt::format("{} points in {} chunks", row.text(7), row.text(8)));
     }
@@ -114,17 +114,17 @@ class Described {
       if (!entry.is_null(7)) {
         const std::span<const std::byte> mark = entry.bytes(7);
         if (mark.size() != column.no_data.emplace().size())
-          refuse("column", "invalid nodata value", "8 bytes", column.name);
+          reject("column", "invalid nodata value", "8 bytes", column.name);
         std::memcpy(column.no_data->data(), mark.data(), mark.size());
       }
       const auto is_number = [&](int offset) { return entry.type(offset) == SQLITE_FLOAT; };
       if (entry.type(0) != SQLITE_TEXT || column.name.empty())
-        refuse("column", "column without a name", "a name", entry.text(0));
+        reject("column", "column without a name", "a name", entry.text(0));
       if (!is_possible(column) || !is_number(5) || !is_number(6))
-        refuse("column", "invalid column", "an integer within the bytes of a point", column.name);
+        reject("column", "invalid column", "an integer within the bytes of a point", column.name);
       cloud.columns.push_back(std::move(column));
     }
-    if (cloud.columns.empty()) refuse("column", "missing columns", "at least one", "none");
+    if (cloud.columns.empty()) reject("column", "missing columns", "at least one", "none");
     check_blobs(cloud.columns);
   }
 
@@ -133,13 +133,13 @@ class Described {
     for (const StoredColumn& column : columns) {
       const auto blob = static_cast<std::size_t>(column.blob);
       if (blob >= columns.size()) {
-        refuse("column", fmt::format("invalid blob of column {}", column.name),
+        reject("column", fmt::format("invalid blob of column {}", column.name),
                fmt::format("a number up to {}", columns.size() - 1), std::to_string(blob));
       }
       const StoredColumn*& first = first_of[blob];
       if (first == nullptr) first = &column;
       if (first->size != column.size) {
-        refuse("column",
+        reject("column",
                fmt::format("columns {} and {} state different sizes of one blob", first->name, column.name),
                std::to_string(first->size), std::to_string(column.size));
       }

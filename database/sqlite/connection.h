@@ -49,7 +49,7 @@ class SqliteError : public Error {
 };
 
 /// Throws the Error about tables of a cloud that say what cannot be.
-[[noreturn]] inline void refuse_stored(Error::Parts parts) {
+[[noreturn]] inline void reject_stored(Error::Parts parts) {
   throw SqliteError(SQLITE_CORRUPT_VTAB, std::move(parts));
 }
 

@@ -95,7 +95,7 @@ void set_limit(DistanceCondition& condition, const std::string& sign, TokenRange
   if (sign != "<" && sign != "<=") condition.least = limit;
 }
 
-ConditionAnswer refuse(std::string reason) {
+ConditionAnswer reject(std::string reason) {
   return {.condition = {}, .reason = std::move(reason)};
 }
 
@@ -134,24 +134,24 @@ ConditionAnswer read_condition(const TokenList& tokens, std::size_t begin) {
     const bool is_between = tokens.is_word(end, "between");
     const std::string sign = is_between ? ">=" : comparison(tokens, end, false);
     std::optional<std::size_t> limit_end = operand_end(tokens, end + 1);
-    if (sign.empty() || !limit_end) return refuse(k_no_limit);
+    if (sign.empty() || !limit_end) return reject(k_no_limit);
     limits.push_back({end + 1, *limit_end});
     set_limit(condition, sign, limits.back());
     end = *limit_end;
     if (is_between) {
       limit_end = tokens.is_word(end, "and") ? operand_end(tokens, end + 1) : std::nullopt;
-      if (!limit_end) return refuse(k_no_limit);
+      if (!limit_end) return reject(k_no_limit);
       limits.push_back({end + 1, *limit_end});
       set_limit(condition, "<=", limits.back());
       end = *limit_end;
     }
   }
-  if (!ends_condition(tokens, end)) return refuse(k_no_limit);
+  if (!ends_condition(tokens, end)) return reject(k_no_limit);
   condition.tokens = {begin, end};
   if (std::string reason = read_call(tokens, call, condition); !reason.empty())
-    return refuse(std::move(reason));
+    return reject(std::move(reason));
   if (!std::ranges::all_of(limits, [&](TokenRange range) { return is_steady(tokens, range); }))
-    return refuse("a function in the limit of a distance may be volatile");
+    return reject("a function in the limit of a distance may be volatile");
   return {.condition = std::move(condition), .reason = {}};
 }
 

@@ -110,7 +110,7 @@ void sort_by_id(CloudPart& part, const StoredCloud& stored) {
   for (const std::uint32_t row : order) {
     positions.push_back(part.cloud.positions[row]);
     if (!ids.empty() && ids.back() == part.ids[row])
-      stored.refuse(stored.schema().chunk_count, "duplicate point id", "unique ids",
+      stored.reject(stored.schema().chunk_count, "duplicate point id", "unique ids",
                     std::to_string(ids.back()));
     ids.push_back(part.ids[row]);
   }
@@ -192,7 +192,7 @@ class SqliteCloudReader final : public CloudReader {
         const std::uint64_t row = stored_.id(store, *chunk, i) - rows.first;
         if (row >= rows.count) continue;
         if (is_there[row])
-          stored_.refuse(id, "duplicate point id", "unique ids", std::to_string(rows.first + row));
+          stored_.reject(id, "duplicate point id", "unique ids", std::to_string(rows.first + row));
         is_there[row] = true;
         ++taken;
         cloud.positions[rows.target + row] = shift(chunk->positions[i]);
@@ -202,7 +202,7 @@ class SqliteCloudReader final : public CloudReader {
       tell(static_cast<double>(id + 1) / static_cast<double>(schema().chunk_count));
     }
     if (points != schema().point_count || taken != rows.count) {
-      stored_.refuse(schema().chunk_count, "missing points", std::to_string(schema().point_count),
+      stored_.reject(schema().chunk_count, "missing points", std::to_string(schema().point_count),
                      std::to_string(points));
     }
   }
@@ -266,13 +266,13 @@ Bounds StoredCloud::bounds() const {
 std::uint64_t StoredCloud::id(ChunkStore& store, StoredChunk& chunk, std::size_t i) const {
   const auto number = load<std::uint64_t>(store.bytes(chunk, schema_.columns.front(), i));
   if (number >= schema_.point_count) {
-    refuse(chunk.id, "ids do not match the rows", fmt::format("each id below {} once", schema_.point_count),
+    reject(chunk.id, "ids do not match the rows", fmt::format("each id below {} once", schema_.point_count),
            std::to_string(number));
   }
   return number;
 }
 
-void StoredCloud::refuse(std::uint64_t chunk, std::string problem, std::string expected,
+void StoredCloud::reject(std::uint64_t chunk, std::string problem, std::string expected,
                          std::string found) const {
   throw Error({.file = name_.file,
                .location = fmt::format("table {}, chunk {}", table_, chunk),

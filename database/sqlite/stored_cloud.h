@@ -72,7 +72,7 @@ class StoredCloud {
   /// The number of a point. Errors: ChunkStore's; there is no such number.
   std::uint64_t id(ChunkStore& store, StoredChunk& chunk, std::size_t i) const;
 
-  [[noreturn]] void refuse(std::uint64_t chunk, std::string problem, std::string expected,
+  [[noreturn]] void reject(std::uint64_t chunk, std::string problem, std::string expected,
                            std::string found) const;
 
  private:

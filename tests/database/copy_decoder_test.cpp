@@ -64,7 +64,7 @@ TEST(CopyDecoder, rows_are_read_wherever_they_are_cut) {
   }
 }
 
-TEST(CopyDecoder, what_is_no_rows_is_refused) {
+TEST(CopyDecoder, what_is_no_rows_is_rejected) {
   const std::string whole = all_of({k_head, k_row, k_tail});
   EXPECT_EQ(error_of(whole), "");
   for (std::size_t size = 0; size < whole.size(); ++size)

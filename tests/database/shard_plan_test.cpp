@@ -47,7 +47,7 @@ TEST(Shard, is_named_by_host_port_and_database) {
     EXPECT_NE(error_of([&] { parse_shard(wrong); }), "") << wrong;
 }
 
-TEST(Shard, passwords_are_refused_and_not_repeated) {
+TEST(Shard, passwords_are_rejected_and_not_repeated) {
   for (const char* const wrong : {"me:secret@db1/site", "postgresql://me:secret@db1/site"}) {
     const std::string error = error_of([&] { parse_shard(wrong); });
     EXPECT_NE(error.find("password"), std::string::npos);

@@ -57,7 +57,7 @@ void ask(const IndexFile& index) {
 }
 
 void use(std::span<const std::byte> bytes) {
-  // What may be built on a file that is refused in one function must hold in the next.
+  // What may be built on a file that is rejected in one function must hold in the next.
   try {
     const IndexFile index(InputFile(bytes, "input"));
     ask(index);

@@ -19,7 +19,7 @@ Bounds area(double x0, double y0, double x1, double y1) {
   return {{x0, y0, 0.0}, {x1, y1, 0.0}};
 }
 
-std::string refusal(const Bounds& of, double cell_size) {
+std::string rejection(const Bounds& of, double cell_size) {
   try {
     grid_over(of, cell_size);
   } catch (const Error& error) {
@@ -58,22 +58,22 @@ TEST(RasterGridTest, a_position_is_a_map_of_one_cell) {
   EXPECT_TRUE(cell_at(grid, {7, 7}));
 }
 
-TEST(RasterGridTest, too_many_cells_are_refused_and_their_number_said) {
+TEST(RasterGridTest, too_many_cells_are_rejected_and_their_number_said) {
   EXPECT_EQ(
-      refusal(area(0, 0, 100000, 50000), 1.0),
+      rejection(area(0, 0, 100000, 50000), 1.0),
       "map too large; expected at most 2147483648 cells: use larger cells or a smaller area, found 100000 "
       "x 50000 = 5e+09 cells of 1");
-  EXPECT_EQ(refusal(area(0, 0, 65536, 32768), 1.0), "");
-  EXPECT_NE(refusal(area(0, 0, 4e9, 0), 1.0), "");
+  EXPECT_EQ(rejection(area(0, 0, 65536, 32768), 1.0), "");
+  EXPECT_NE(rejection(area(0, 0, 4e9, 0), 1.0), "");
 }
 
 TEST(RasterGridTest, bad_areas_and_cell_sizes_are_errors) {
-  EXPECT_NE(refusal(area(0, 0, 1, 1), 0.0), "");
-  EXPECT_NE(refusal(area(0, 0, 1, 1), -1.0), "");
-  EXPECT_NE(refusal(area(0, 0, 1, 1), std::numeric_limits<double>::quiet_NaN()), "");
-  EXPECT_NE(refusal(area(1, 0, 0, 1), 1.0), "");
-  EXPECT_NE(refusal(area(0, 0, std::numeric_limits<double>::infinity(), 1), 1.0), "");
-  EXPECT_NE(refusal(area(1e15, 0, 1e15 + 1, 1), 1e-3), "");
+  EXPECT_NE(rejection(area(0, 0, 1, 1), 0.0), "");
+  EXPECT_NE(rejection(area(0, 0, 1, 1), -1.0), "");
+  EXPECT_NE(rejection(area(0, 0, 1, 1), std::numeric_limits<double>::quiet_NaN()), "");
+  EXPECT_NE(rejection(area(1, 0, 0, 1), 1.0), "");
+  EXPECT_NE(rejection(area(0, 0, std::numeric_limits<double>::infinity(), 1), 1.0), "");
+  EXPECT_NE(rejection(area(1e15, 0, 1e15 + 1, 1), 1e-3), "");
 }
 
 TEST(RasterGridTest, areas_are_cropped_to_what_they_share) {
@@ -81,7 +81,7 @@ TEST(RasterGridTest, areas_are_cropped_to_what_they_share) {
   EXPECT_TRUE(cropped(area(0, 0, 10, 10), area(11, 0, 12, 10)).empty());
 }
 
-TEST(RasterGridTest, more_memory_than_there_is_is_refused) {
+TEST(RasterGridTest, more_memory_than_there_is_is_rejected) {
   EXPECT_NO_THROW(check_memory(1, "a test"));
   EXPECT_THROW(check_memory(std::numeric_limits<std::uint64_t>::max(), "a test"), Error);
 }

@@ -42,7 +42,7 @@ TEST_F(Filter, is_asked_only_for_points_that_meet_all_other_conditions) {
   EXPECT_GT(asked, 1000u);
 }
 
-TEST_F(Filter, lets_closest_pass_what_it_refuses_and_take_the_next) {
+TEST_F(Filter, lets_closest_pass_what_it_rejects_and_take_the_next) {
   const Ray ray = make_ray({0, 0, 0}, {1, 0, 0});
   const Octree octree = build(three_points());
   RayQuery query{.radius = 1.0};

@@ -57,7 +57,7 @@ class CheckpointTest : public ::testing::Test {
   }
 
   /// The message of the error that going on ends in.
-  std::string refusal(const Scene& scene, const LoadedCloud* cloud, const RenderOptions& options) {
+  std::string rejection(const Scene& scene, const LoadedCloud* cloud, const RenderOptions& options) {
     try {
       render(scene, cloud, options);
     } catch (const Error& error) {
@@ -208,54 +208,54 @@ TEST_F(CheckpointTest, of_another_picture_is_an_error_that_names_the_difference)
   const LoadedCloud cloud = mixed_cloud();
   const Scene scene = mixed_scene();
   render_in_part(scene, &cloud, options(false), 0);
-  const auto expect_refusal = [&](const std::string& difference, const auto& change) {
+  const auto expect_rejection = [&](const std::string& difference, const auto& change) {
     Scene other = scene;
     LoadedCloud other_cloud = cloud;
     RenderOptions other_options = options(true);
     change(other, other_cloud, other_options);
-    const std::string message = refusal(other, &other_cloud, other_options);
+    const std::string message = rejection(other, &other_cloud, other_options);
     EXPECT_NE(message.find(difference), std::string::npos) << difference << ": " << message;
   };
-  expect_refusal("it has seed 42, this run has 2",
+  expect_rejection("it has seed 42, this run has 2",
                  [](Scene& other, LoadedCloud&, RenderOptions&) { other.render.seed = 2; });
-  expect_refusal("it has number of samples 5, this run has 6",
+  expect_rejection("it has number of samples 5, this run has 6",
                  [](Scene& other, LoadedCloud&, RenderOptions&) { other.render.samples = 6; });
-  expect_refusal("it has number of bounces 6, this run has 7",
+  expect_rejection("it has number of bounces 6, this run has 7",
                  [](Scene& other, LoadedCloud&, RenderOptions&) { other.render.max_bounces = 7; });
-  expect_refusal("it has picture a.exr, this run has b.exr",
+  expect_rejection("it has picture a.exr, this run has b.exr",
                  [](Scene&, LoadedCloud&, RenderOptions& asked) { asked.checkpoint->picture = "b.exr"; });
-  expect_refusal("it has target noise none, this run has 0.01",
+  expect_rejection("it has target noise none, this run has 0.01",
                  [](Scene&, LoadedCloud&, RenderOptions& asked) { asked.target_noise = 0.01; });
-  expect_refusal("it has noise sums kept, this run has not kept",
+  expect_rejection("it has noise sums kept, this run has not kept",
                  [](Scene&, LoadedCloud&, RenderOptions& asked) { asked.layers = {{Layer::color}}; });
-  expect_refusal("camera", [](Scene& other, LoadedCloud&, RenderOptions&) { other.camera->width = 71; });
-  expect_refusal("camera",
+  expect_rejection("camera", [](Scene& other, LoadedCloud&, RenderOptions&) { other.camera->width = 71; });
+  expect_rejection("camera",
                  [](Scene& other, LoadedCloud&, RenderOptions&) { other.camera->pose.position.x += 1e-12; });
-  expect_refusal("it has objects", [](Scene& other, LoadedCloud&, RenderOptions&) {
+  expect_rejection("it has objects", [](Scene& other, LoadedCloud&, RenderOptions&) {
     std::get<Sphere>(other.objects[2]).material = Metal{Rgb(0.9f), 0.31};
   });
-  expect_refusal("it has sky", [](Scene& other, LoadedCloud&, RenderOptions&) {
+  expect_rejection("it has sky", [](Scene& other, LoadedCloud&, RenderOptions&) {
     std::get<GradientSky>(other.sky).zenith.b = 0.9999999f;
   });
-  expect_refusal("it has sun", [](Scene& other, LoadedCloud&, RenderOptions&) { other.sun.reset(); });
-  expect_refusal("it has cloud settings", [](Scene& other, LoadedCloud&, RenderOptions&) {
+  expect_rejection("it has sun", [](Scene& other, LoadedCloud&, RenderOptions&) { other.sun.reset(); });
+  expect_rejection("it has cloud settings", [](Scene& other, LoadedCloud&, RenderOptions&) {
     other.cloud->normals = NormalMode::smooth;
   });
-  expect_refusal("it has radius 0.0",
+  expect_rejection("it has radius 0.0",
                  [](Scene&, LoadedCloud& other, RenderOptions&) { other.radius = 0.05; });
-  expect_refusal("it has points and colours",
+  expect_rejection("it has points and colours",
                  [](Scene&, LoadedCloud& other, RenderOptions&) { other.colors.back().x ^= 1; });
-  expect_refusal("it has number of points 3000, this run has 1",
+  expect_rejection("it has number of points 3000, this run has 1",
                  [](Scene&, LoadedCloud& other, RenderOptions&) {
                    other = test::loaded({{0, 0, 1}}, 0.06);
                  });
-  EXPECT_NE(refusal(scene, nullptr, options(true)).find("number of points"), std::string::npos);
+  EXPECT_NE(rejection(scene, nullptr, options(true)).find("number of points"), std::string::npos);
   // What follows from something else is not named instead of it.
-  expect_refusal("it has radius 0.05", [](Scene& other, LoadedCloud& other_cloud, RenderOptions&) {
+  expect_rejection("it has radius 0.05", [](Scene& other, LoadedCloud& other_cloud, RenderOptions&) {
     other.cloud->radius = other_cloud.radius = 0.07;
     other.camera->pose.position.z += 1.0;
   });
-  expect_refusal("it has cloud files , this run has b.las",
+  expect_rejection("it has cloud files , this run has b.las",
                  [](Scene& other, LoadedCloud& other_cloud, RenderOptions&) {
                    other.cloud->files = {"b.las"};
                    other_cloud.radius = 0.07;
@@ -325,7 +325,7 @@ TEST_F(CheckpointTest, of_another_kind_version_or_byte_order_is_told_apart) {
     test::seal_checkpoint(content);
     std::ofstream(file_, std::ios::binary)
         .write(reinterpret_cast<const char*>(content.data()), static_cast<std::streamsize>(content.size()));
-    return refusal(scene, nullptr, options(true));
+    return rejection(scene, nullptr, options(true));
   };
   EXPECT_NE(message_of(0, 0x12345678).find("byte 0: not an Alidade checkpoint"), std::string::npos);
   EXPECT_NE(message_of(8, 0x04030201).find("byte order"), std::string::npos);

@@ -13,7 +13,7 @@
 
 // The JSON Schemas are the reference for scene and camera files. Reader and schemas are compared by documents
 // that use every key, and by small changes to them: whatever the change, both must accept or both must
-// refuse.
+// reject.
 
 namespace alidade::test {
 

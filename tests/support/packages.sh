@@ -40,7 +40,7 @@ need() {
     echo "dev: error: install them as root: apt-get install ${missing[*]}" >&2
     return 2
   fi
-  echo "dev: installing them with ${as_root[*]:+sudo }apt-get (./dev --no-install refuses this)"
+  echo "dev: installing them with ${as_root[*]:+sudo }apt-get (./dev --no-install rejects this)"
   as_root+=(env DEBIAN_FRONTEND=noninteractive)
   local get=("${as_root[@]}" apt-get -y --no-install-recommends install "${missing[@]}")
   # The lists of packages are fetched only if they are absent or too old for what they name to be there still.

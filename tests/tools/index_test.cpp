@@ -199,7 +199,7 @@ TEST_F(IndexTest, existing_index_is_kept_without_overwrite) {
   EXPECT_EQ(info({"out.alidade"}).at("points"), 400);
 }
 
-TEST_F(IndexTest, a_name_that_is_none_of_an_index_is_refused) {
+TEST_F(IndexTest, a_name_that_is_none_of_an_index_is_rejected) {
   write_square("square.xyz");
   const ProgramResult result = run({"index", "square.xyz", "-o", "square.xyz", "--overwrite"});
   EXPECT_EQ(result.exit_code, 2);

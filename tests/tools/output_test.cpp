@@ -46,10 +46,10 @@ TEST_F(OutputTest, existing_output_is_kept_without_overwrite_and_replaced_with_i
         Words{"render", "--cloud", "square.xyz", "--size=8x8", "--samples=1", "-o", "out.png"}}) {
     const std::string& output = words.back();
     write(output, "precious");
-    const ProgramResult refused = run(words);
-    EXPECT_EQ(refused.exit_code, 2);
-    EXPECT_TRUE(contains(refused.err, "alidade: error: " + output + ": the file exists")) << refused.err;
-    EXPECT_TRUE(contains(refused.err, "--overwrite")) << refused.err;
+    const ProgramResult rejected = run(words);
+    EXPECT_EQ(rejected.exit_code, 2);
+    EXPECT_TRUE(contains(rejected.err, "alidade: error: " + output + ": the file exists")) << rejected.err;
+    EXPECT_TRUE(contains(rejected.err, "--overwrite")) << rejected.err;
     EXPECT_EQ(read(output), "precious");
     const std::string name = output;
     words.push_back("--overwrite");
@@ -117,7 +117,7 @@ TEST_F(OutputTest, bad_input_leaves_no_output) {
   EXPECT_EQ(names(), Words{"broken.las"});
 }
 
-TEST_F(OutputTest, unknown_kind_of_picture_is_refused_before_the_work) {
+TEST_F(OutputTest, unknown_kind_of_picture_is_rejected_before_the_work) {
   write_square("square.xyz");
   const ProgramResult result = run({"render", "--cloud", "square.xyz", "-o", "out.bmpx"});
   EXPECT_EQ(result.exit_code, 2);

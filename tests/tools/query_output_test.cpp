@@ -169,9 +169,9 @@ TEST_F(QueryOutputTest, existing_output_is_kept_without_overwrite_and_replaced_w
   write_tiny();
   for (const char* const name : {"out.csv", "out.las"}) {
     write(name, "precious");
-    const ProgramResult refused = ask({"absent.las", "-o", name}, k_ray);
-    EXPECT_EQ(refused.exit_code, 2);
-    EXPECT_TRUE(contains(refused.err, std::string(name) + ": the file exists")) << refused.err;
+    const ProgramResult rejected = ask({"absent.las", "-o", name}, k_ray);
+    EXPECT_EQ(rejected.exit_code, 2);
+    EXPECT_TRUE(contains(rejected.err, std::string(name) + ": the file exists")) << rejected.err;
     EXPECT_EQ(read(name), "precious");
     EXPECT_EQ(ask({"tiny.csv", "-q", "--overwrite", "-o", name}, k_ray).exit_code, 0);
     EXPECT_NE(read(name), "precious");

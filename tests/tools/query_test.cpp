@@ -105,7 +105,7 @@ TEST_F(QueryTest, limits_may_be_infinite_on_the_command_line_as_in_a_file) {
   EXPECT_EQ(ask({"--point", "3,0,-5", "--radius", "inf"}), ask({"--point", "3,0,-5"}));
 }
 
-TEST_F(QueryTest, limits_that_are_no_numbers_are_refused) {
+TEST_F(QueryTest, limits_that_are_no_numbers_are_rejected) {
   for (const Words& limit :
        {Words{"--t-min", "nan"}, Words{"--t-max", "1x"}, Words{"--radius", "-inf"}, Words{"--radius", "nan"},
         Words{"--entry-min", "nan"}, Words{"--radius", "-1"}}) {

@@ -116,12 +116,12 @@ TEST_F(SqlLoadTest, a_table_is_replaced_only_with_overwrite_and_only_if_it_is_a_
   write_square("square.xyz");
   write("one.xyz", "100 200 5\n");
   ASSERT_EQ(load({"square.xyz", "site.db"}).exit_code, 0);
-  const ProgramResult refused = load({"one.xyz", "site.db"});
-  EXPECT_EQ(refused.exit_code, 2);
-  EXPECT_TRUE(contains(refused.err,
+  const ProgramResult rejected = load({"one.xyz", "site.db"});
+  EXPECT_EQ(rejected.exit_code, 2);
+  EXPECT_TRUE(contains(rejected.err,
                        "site.db: the table points exists; expected another name, or "
                        "--overwrite"))
-      << refused.err;
+      << rejected.err;
   EXPECT_EQ(points("site.db"), 400);
   EXPECT_EQ(load({"one.xyz", "site.db"}, {"--overwrite"}).exit_code, 0);
   EXPECT_EQ(points("site.db"), 1);

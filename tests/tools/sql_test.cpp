@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// alidade sql: what it prints, what it refuses, and that nothing given to it becomes SQL but the statement.
+// alidade sql: what it prints, what it rejects, and that nothing given to it becomes SQL but the statement.
 #include <signal.h>
 
 #include <chrono>

@@ -119,9 +119,9 @@ TEST_F(VisibilityLinesTest, transparency_sees_through_one_wall_and_occluders_are
   EXPECT_EQ(visible({}), "0");
   EXPECT_EQ(visible({"--transparency", "2"}), "1");
   EXPECT_EQ(visible({"--ignore-classes", "6"}), "1");
-  const ProgramResult refused = lines({"--pairs", "pairs.csv", "-o", "m.csv", "--end-margin", "4"});
-  EXPECT_EQ(refused.exit_code, 2);
-  EXPECT_NE(refused.err.find("--end-margin exceeds the line from"), std::string::npos) << refused.err;
+  const ProgramResult rejected = lines({"--pairs", "pairs.csv", "-o", "m.csv", "--end-margin", "4"});
+  EXPECT_EQ(rejected.exit_code, 2);
+  EXPECT_NE(rejected.err.find("--end-margin exceeds the line from"), std::string::npos) << rejected.err;
   EXPECT_EQ(visible({"--end-margin", "3.5"}), "0");
 }
 
@@ -217,7 +217,7 @@ TEST_F(VisibilityLinesTest, names_of_clouds_in_capitals_tell_the_form_as_well) {
   EXPECT_EQ(read("A.Ply").substr(0, 3), "ply");
 }
 
-TEST_F(VisibilityLinesTest, two_outputs_of_one_name_are_refused) {
+TEST_F(VisibilityLinesTest, two_outputs_of_one_name_are_rejected) {
   const ProgramResult result = run({"visibility", "points", "site.csv", "--observer", "-4,0,1", "-o",
                                     "seen.las", "--lists", "./seen.las", "--overwrite"});
   EXPECT_EQ(result.exit_code, 2);

@@ -289,7 +289,7 @@ TEST_F(VisibilityPointsTest, strange_observers_are_warned_of) {
   EXPECT_EQ(quiet.err, "");
 }
 
-TEST_F(VisibilityPointsTest, clouds_in_degrees_are_refused_by_every_command) {
+TEST_F(VisibilityPointsTest, clouds_in_degrees_are_rejected_by_every_command) {
   PointCloud cloud = garden();
   cloud.crs.wkt = R"(GEOGCS["WGS 84",DATUM["WGS_1984",SPHEROID["WGS 84",6378137,298.257223563]],)"
                   R"(PRIMEM["Greenwich",0],UNIT["degree",0.0174532925199433]])";
@@ -324,9 +324,9 @@ TEST_F(VisibilityPointsTest, existing_output_is_kept_without_overwrite) {
   for (const char* const name : {"seen.las", "who.csv"}) {
     write(name, "precious");
     const Words words = with(k_points, {"--observer", k_eye, "-o", "seen.las", "--lists", "who.csv"});
-    const ProgramResult refused = run(words);
-    EXPECT_EQ(refused.exit_code, 2);
-    EXPECT_TRUE(contains(refused.err, std::string(name) + ": the file exists")) << refused.err;
+    const ProgramResult rejected = run(words);
+    EXPECT_EQ(rejected.exit_code, 2);
+    EXPECT_TRUE(contains(rejected.err, std::string(name) + ": the file exists")) << rejected.err;
     EXPECT_EQ(read(name), "precious");
     EXPECT_EQ(run(with(words, {"--overwrite", "-q"})).exit_code, 0);
     EXPECT_NE(read(name), "precious");

@@ -24,9 +24,9 @@ TEST_F(ResumeTest, interrupted_it_keeps_a_checkpoint_and_ends_with_130) {
   interrupt(words);
   EXPECT_EQ(names(), (Words{"square.xyz", "state"}));
 
-  const ProgramResult refused = run(words);
-  EXPECT_EQ(refused.exit_code, 2);
-  EXPECT_TRUE(contains(refused.err, "state: the file exists; expected --resume")) << refused.err;
+  const ProgramResult rejected = run(words);
+  EXPECT_EQ(rejected.exit_code, 2);
+  EXPECT_TRUE(contains(rejected.err, "state: the file exists; expected --resume")) << rejected.err;
   const ProgramResult other = run(with(words, {"--resume", "--transparency", "2"}));
   EXPECT_EQ(other.exit_code, 2);
   EXPECT_TRUE(contains(
@@ -57,11 +57,11 @@ TEST_F(ResumeTest, other_outputs_and_threads_are_the_same_run_another_reference_
   ASSERT_NE(zone, std::string::npos);
   moved[zone + 6] = '3';
   write("site.las", moved);
-  const ProgramResult refused = run(others);
-  EXPECT_EQ(refused.exit_code, 2);
+  const ProgramResult rejected = run(others);
+  EXPECT_EQ(rejected.exit_code, 2);
   EXPECT_TRUE(
-      contains(refused.err, "state: this checkpoint belongs to another run: it has reference system "))
-      << refused.err;
+      contains(rejected.err, "state: this checkpoint belongs to another run: it has reference system "))
+      << rejected.err;
 
   write("site.las", site);
   const ProgramResult resumed = run(others);
@@ -84,10 +84,10 @@ TEST_F(ResumeTest, without_a_checkpoint_yet_resume_starts_and_says_so) {
 TEST_F(ResumeTest, file_that_is_no_checkpoint_is_never_replaced_by_one) {
   write("notes.txt", "precious");
   for (const std::string flag : {"--overwrite", "--resume"}) {
-    const ProgramResult refused =
+    const ProgramResult rejected =
         run(with(k_points, {"--observer", "101,201,7", "-o", "out.las", "--checkpoint", "notes.txt", flag}));
-    EXPECT_EQ(refused.exit_code, 2);
-    EXPECT_TRUE(contains(refused.err, "notes.txt:byte 0: not a checkpoint of such a run")) << refused.err;
+    EXPECT_EQ(rejected.exit_code, 2);
+    EXPECT_TRUE(contains(rejected.err, "notes.txt:byte 0: not a checkpoint of such a run")) << rejected.err;
     EXPECT_EQ(read("notes.txt"), "precious");
   }
   const ProgramResult same =

@@ -53,7 +53,7 @@ TEST(ObserverGrid, of_a_single_position_has_one_cell) {
   EXPECT_EQ(grid[0].position, glm::dvec2(1, 2));
 }
 
-TEST(ObserverGrid, refuses_no_width_and_too_many_positions) {
+TEST(ObserverGrid, rejects_no_width_and_too_many_positions) {
   for (const double width : {0.0, -1.0, std::nan(""), HUGE_VAL})
     EXPECT_THROW(observer_grid(k_extent, width, slope), Error);
   EXPECT_THROW(observer_grid(k_extent, 1e-3, slope), Error);

@@ -214,7 +214,7 @@ TEST(PointVisibility, of_no_points_or_no_observers_is_empty) {
   EXPECT_EQ(sum(unseen.counts), 0u);
 }
 
-TEST(PointVisibility, refuses_a_number_of_lines_out_of_range) {
+TEST(PointVisibility, rejects_a_number_of_lines_out_of_range) {
   const Occluders occluders = garden().occluders();
   for (const int sub_rays : {0, -1, 256})
     EXPECT_THROW(point_visibility(occluders, k_observers, {.sub_rays = sub_rays}), Error) << sub_rays;
@@ -237,7 +237,7 @@ TEST(PointVisibility, progress_counts_all_lines_and_can_stop_them) {
   EXPECT_THROW(point_visibility(occluders, k_observers, options), Cancelled);
 }
 
-TEST(PointVisibility, what_does_not_fit_into_memory_is_refused_beforehand_and_its_size_said) {
+TEST(PointVisibility, what_does_not_fit_into_memory_is_rejected_beforehand_and_its_size_said) {
   constexpr std::uint64_t k_points = std::uint64_t{1} << 40;
   try {
     check_point_visibility(k_points, 64, {.with_blockers = true});

@@ -148,7 +148,7 @@ TEST(GroundSkyViews, are_seen_from_the_positions_that_a_viewshed_looks_at) {
   }
 }
 
-TEST(GroundSkyViews, of_more_cells_than_fit_into_the_memory_are_refused_beforehand) {
+TEST(GroundSkyViews, of_more_cells_than_fit_into_the_memory_are_rejected_beforehand) {
   const Occluders occluders(octree_of(yard()), {});
   const Ground ground = make_ground(occluders.octree(), {}, {.cell_size = 0.5, .reach = 1.0});
   RasterGrid grid;

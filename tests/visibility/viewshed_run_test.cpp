@@ -21,7 +21,7 @@ using namespace visibility;
 
 namespace {
 
-TEST(ViewshedRunTest, a_map_too_large_for_the_memory_is_refused_before_anything_is_laid_down) {
+TEST(ViewshedRunTest, a_map_too_large_for_the_memory_is_rejected_before_anything_is_laid_down) {
   Position position;
   const Observer eye = at(0, 0, 2);
   RasterGrid grid;

@@ -96,7 +96,7 @@ void add_answers(const Options& query, QueryCommand& command) {
              command.explain);
 }
 
-[[noreturn]] void refuse(const char* option, const FamilyWords& words) {
+[[noreturn]] void reject(const char* option, const FamilyWords& words) {
   throw Error({.problem = fmt::format("{} does not apply to {}", option, words.kind().plural)});
 }
 
@@ -131,11 +131,11 @@ void check_options(const QueryCommand& command) {
   const TargetFamily family = command.family;
   const FamilyWords& words = k_families[static_cast<std::size_t>(family)];
   const bool has_t = family == rays || family == cones || family == path;
-  if (command.radius && (family == cones || family == planes || family == boxes)) refuse("--radius", words);
-  if (command.measure && !has_t) refuse("--measure", words);
-  if (command.t_min && !has_t) refuse("--t-min", words);
-  if (command.t_max && !has_t) refuse("--t-max", words);
-  if (command.entry_min && family != rays) refuse("--entry-min", words);
+  if (command.radius && (family == cones || family == planes || family == boxes)) reject("--radius", words);
+  if (command.measure && !has_t) reject("--measure", words);
+  if (command.t_min && !has_t) reject("--t-min", words);
+  if (command.t_max && !has_t) reject("--t-max", words);
+  if (command.entry_min && family != rays) reject("--entry-min", words);
   if (command.entry_min && !command.radius)
     throw Error({.problem = "--entry-min requires a radius", .expected = "--radius R"});
   if (command.measure == Measure::entry && family == rays && !command.radius)

@@ -80,7 +80,7 @@ AttributeSet needed_attributes(const QueryCommand& command, bool all) {
   return command.classes ? AttributeSet(Attribute::classification) : AttributeSet();
 }
 
-[[noreturn]] void refuse_classes(const QueryCommand& command) {
+[[noreturn]] void reject_classes(const QueryCommand& command) {
   throw Error({.file = command.files.first_name().string(), .problem = "--class requires classification"});
 }
 
@@ -145,7 +145,7 @@ QueriedCloud load_needed(const QueryCommand& command, AnswerForm form) {
     return cloud;
   }
   line.finish();
-  if (command.classes && !cloud.part->attributes.contains(Attribute::classification)) refuse_classes(command);
+  if (command.classes && !cloud.part->attributes.contains(Attribute::classification)) reject_classes(command);
   cloud.indexed.cloud = std::move(cloud.part->cloud);
   cloud.indexed.octree = build(std::move(cloud.indexed.cloud));
   return cloud;
@@ -159,7 +159,7 @@ CandidateFilter class_filter(const QueryCommand& command, const IndexedCloud& cl
     // Files with classes make those of files without 0, even if nothing of them was read.
     if (RowIds(cloud.cloud.files).skipped_files() > 0)
       return [is_wanted = command.classes->test(0)](const Candidate&) { return is_wanted; };
-    refuse_classes(command);
+    reject_classes(command);
   }
   return [classes = *command.classes, classifications](const Candidate& point) {
     return classes.test(classifications[point.point_id]);

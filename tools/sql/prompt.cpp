@@ -247,11 +247,11 @@ class Prompt {
     } else if (name == ".explain" && (value == "on" || value == "off")) {
       run_.explain = value == "on";
     } else {
-      refuse(line);
+      reject(line);
     }
   }
 
-  [[noreturn]] static void refuse(const std::string& line) {
+  [[noreturn]] static void reject(const std::string& line) {
     throw Error({.problem = "unknown command", .expected = "a command listed by .help", .found = line});
   }
 

@@ -108,7 +108,7 @@ void bind_parameters(sqlite3_stmt* statement, std::vector<SqlParameter>& paramet
   }
 }
 
-[[noreturn]] void refuse_writing(const std::string& file, std::string location, std::string found) {
+[[noreturn]] void reject_writing(const std::string& file, std::string location, std::string found) {
   throw Error({.file = file,
                .location = std::move(location),
                .problem = "the statement is not read-only",
@@ -127,18 +127,18 @@ std::vector<database::Prepared> prepare_all(sqlite3* database, const std::string
     const std::size_t begin = tokens[i].begin;
     // Some statements that write do so beside the database, which is open for reading only.
     if (!tokens.is_one_of(i, {"select", "with", "values", "explain"}))
-      refuse_writing(file, database::text_location(text, begin), std::string(tokens.text(i)));
+      reject_writing(file, database::text_location(text, begin), std::string(tokens.text(i)));
     statements.push_back(database::prepare(database, text, begin, file));
     sqlite3_stmt* const statement = statements.back().statement.get();
     if (sqlite3_stmt_readonly(statement) == 0)
-      refuse_writing(file, database::text_location(text, begin), "a statement that writes");
+      reject_writing(file, database::text_location(text, begin), "a statement that writes");
     end = begin + statements.back().size;
     bind_parameters(statement, parameters);
   }
   return statements;
 }
 
-void refuse_unused(const std::vector<SqlParameter>& parameters) {
+void reject_unused(const std::vector<SqlParameter>& parameters) {
   for (std::size_t i = 0; i < parameters.size(); ++i) {
     if (parameters[i].is_used) continue;
     throw Error({.file = "--param",
@@ -215,7 +215,7 @@ void run_statements(const database::Connection& connection, const std::string& t
       connection.get(), k_steps, [](void*) { return interrupted() ? 1 : 0; }, nullptr);
   try {
     std::vector<database::Prepared> statements = prepare_all(connection.get(), text, file, run.parameters);
-    if (run.are_all_used) refuse_unused(run.parameters);
+    if (run.are_all_used) reject_unused(run.parameters);
     for (database::Prepared& prepared : statements) run_one(connection, prepared, run);
   } catch (const Error&) {
     // Such as that the file is locked, once nobody waits any more.

@@ -17,11 +17,11 @@ namespace {
 
 /// Errors that need no cloud: the output's name or position; options that mean nothing for this kind of output.
 void check_sky_request(const SkyRequest& request) {
-  const auto refuse = [](const std::string& option, const std::string& kind) {
+  const auto reject = [](const std::string& option, const std::string& kind) {
     throw Error({.problem = "option " + option + " does not apply to this output", .expected = kind});
   };
   if (request.is_map()) {
-    if (request.receiver) refuse("--receiver", "points (.las, .laz, .ply); cells of a map are horizontal");
+    if (request.receiver) reject("--receiver", "points (.las, .laz, .ply); cells of a map are horizontal");
   } else {
     const std::string extension = file_extension(request.output);
     if (extension != ".las" && extension != ".laz" && extension != ".ply") {
@@ -30,7 +30,7 @@ void check_sky_request(const SkyRequest& request) {
                    .expected = "the extension .las, .laz, .ply or .tif"});
     }
     if (const std::string option = given_map_option(request.map); !option.empty())
-      refuse(option, "a map (.tif)");
+      reject(option, "a map (.tif)");
   }
   check_writable(request.output, request.overwrite, request.inputs());
   check_checkpoint(request.checkpoint, request.overwrite, {{request.output, request.map.preview}},

@@ -30,7 +30,7 @@ struct ElevationSteps {
   double elevation(int step) const { return k_quarter * step / per_quarter; }
 };
 
-[[noreturn]] void refuse(const char* what, const std::string& expected, double found) {
+[[noreturn]] void reject(const char* what, const std::string& expected, double found) {
   throw Error({.problem = fmt::format("{} out of range", what),
                .expected = expected,
                .found = fmt::format("{}", found)});
@@ -41,7 +41,7 @@ int whole_steps(const char* what, double range, double step, double least, doubl
   constexpr double k_slack = 1e-6;
   const double steps = range / step;
   if (!(step >= least && step <= most) || std::fabs(steps - std::round(steps)) > k_slack * steps) {
-    refuse(what, fmt::format("degrees from {} to {}, with {} an integer multiple", least, most, range), step);
+    reject(what, fmt::format("degrees from {} to {}, with {} an integer multiple", least, most, range), step);
   }
   return static_cast<int>(std::round(steps));
 }
@@ -160,14 +160,14 @@ std::vector<HorizonDirection> horizon(const Occluders& occluders, const SightEnd
   const ElevationSteps steps{
       whole_steps("elevation resolution", k_quarter, options.resolution, 0.0001, 10.0)};
   const auto in_quarter = [](double elevation) { return elevation >= -k_quarter && elevation <= k_quarter; };
-  if (!in_quarter(options.elevation_min)) refuse("minimum elevation", "-90 to 90", options.elevation_min);
-  if (!in_quarter(options.elevation_max)) refuse("maximum elevation", "-90 to 90", options.elevation_max);
-  if (!(options.max_distance >= 0.0)) refuse("maximum distance", "at least 0", options.max_distance);
+  if (!in_quarter(options.elevation_min)) reject("minimum elevation", "-90 to 90", options.elevation_min);
+  if (!in_quarter(options.elevation_max)) reject("maximum elevation", "-90 to 90", options.elevation_max);
+  if (!(options.max_distance >= 0.0)) reject("maximum distance", "at least 0", options.max_distance);
   const double from = options.azimuth_min;
   double width = options.azimuth_max - from;
   if (width <= 0.0) width += k_turn;
   if (!(std::fabs(from) <= 2.0 * k_turn && width > 0.0))
-    refuse("azimuth range", "limits from -720 to 720", from);
+    reject("azimuth range", "limits from -720 to 720", from);
 
   // Limits on a multiple of a step count as on it.
   constexpr double k_slack = 1e-9;

@@ -93,7 +93,7 @@ TEST(E57SharedFiles, a_damaged_page_is_named) {
 }
 
 /// Damage of every kind to a sample is an Error, or hits bytes that nobody reads.
-void expect_refusal(const std::string& name) {
+void expect_rejection(const std::string& name) {
   const std::filesystem::path path = shared_data("e57/" + name);
   if (path.empty()) GTEST_SKIP() << k_no_shared_data;
   const std::vector<std::byte> file = test::read_bytes(path);
@@ -114,16 +114,16 @@ void expect_refusal(const std::string& name) {
 }
 
 TEST(E57SharedFiles, flipped_bits_and_lost_ends_of_bunny_are_errors) {
-  expect_refusal("bunnyDouble.e57");
+  expect_rejection("bunnyDouble.e57");
 }
 TEST(E57SharedFiles, flipped_bits_and_lost_ends_of_cube_are_errors) {
-  expect_refusal("ColouredCubeFloat.e57");
+  expect_rejection("ColouredCubeFloat.e57");
 }
 TEST(E57SharedFiles, flipped_bits_and_lost_ends_of_spherical_points_are_errors) {
-  expect_refusal("tiny_spherical.e57");
+  expect_rejection("tiny_spherical.e57");
 }
 TEST(E57SharedFiles, flipped_bits_and_lost_ends_of_two_scans_are_errors) {
-  expect_refusal("A_moved_B.e57");
+  expect_rejection("A_moved_B.e57");
 }
 
 }  // namespace

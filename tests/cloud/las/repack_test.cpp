@@ -57,7 +57,7 @@ TEST_P(RepackTest, las_packed_and_unpacked_again_is_the_same_byte_for_byte) {
   }
 }
 
-TEST_P(RepackTest, packs_as_many_extra_bytes_as_laz_has_and_refuses_more) {
+TEST_P(RepackTest, packs_as_many_extra_bytes_as_laz_has_and_rejects_more) {
   const fs::path folder = test::test_folder();
   for (const int extra : {8192, 8193}) {
     test::LasFile file;
@@ -208,7 +208,7 @@ TEST(RepackFileTest, points_are_unpacked_in_pieces_of_64_mb_however_well_they_we
   const std::optional<LazLayout> layout = read_packing(file, header, records);
   ASSERT_TRUE(layout);
   LargestPiece sink;
-  LazPoints(file, header, *layout, Damage::refuse).read(LazLayers{}, sink, {});
+  LazPoints(file, header, *layout, Damage::reject).read(LazLayers{}, sink, {});
   EXPECT_EQ(sink.all(), k_pieces * k_points);
   EXPECT_LE(sink.most() * k_record, k_most_bytes);
   EXPECT_GT(sink.most(), k_points);

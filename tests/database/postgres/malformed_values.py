@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""Texts and bytes that are no values, damaged at random: the server refuses them, or takes them and gives back the same.
+"""Texts and bytes that are no values, damaged at random: the server rejects them, or takes them and gives back the same.
 
 malformed_values.py CONNECTION: exits with 1 if the server went down, or a value it took does not come back.
 """
@@ -56,7 +56,7 @@ def main(connection):
                    EXECUTE format('SELECT %L::%I::text', once, type) INTO twice;
                    RETURN CASE WHEN once = twice THEN 'taken' ELSE 'changed: ' || written END;
                  EXCEPTION WHEN invalid_text_representation OR numeric_value_out_of_range OR invalid_parameter_value THEN
-                   RETURN 'refused';
+                   RETURN 'rejected';
                  END $$;"""]
     count = 0
     for type_name, text in VALID.items():
@@ -64,17 +64,17 @@ def main(connection):
             script.append(f"SELECT verdict('{type_name}', {quoted(damaged(r, text))});")
             count += 1
     answers, errors = psql(connection, "\n".join(script))
-    taken, refused = answers.count("taken"), answers.count("refused")
-    wrong = [line for line in answers if line not in ("taken", "refused")]
-    print(f"texts: {count} damaged, {taken} taken, {refused} refused")
-    if errors or wrong or taken + refused != count or taken < 100 or refused < 1000:
+    taken, rejected = answers.count("taken"), answers.count("rejected")
+    wrong = [line for line in answers if line not in ("taken", "rejected")]
+    print(f"texts: {count} damaged, {taken} taken, {rejected} rejected")
+    if errors or wrong or taken + rejected != count or taken < 100 or rejected < 1000:
         print(errors[:1000], wrong[:5])
         return 1
 
     # The same with bytes, in COPY's binary form: a head, then rows of fields with their length.
     head = b"PGCOPY\n\xff\r\n\0" + struct.pack("!ii", 0, 0)
     down = 0
-    results = {"taken": 0, "refused": 0}
+    results = {"taken": 0, "rejected": 0}
     for type_name, (bytes_before, doubles) in SIZES.items():
         for _ in range(20):
             value = bytearray(bytes([r.choice((1, 2, 0, 3, 255))] * bytes_before) + struct.pack(f"!{doubles}d", *[r.uniform(-9, 9)] * doubles))
@@ -89,11 +89,11 @@ def main(connection):
                                   "-c", "COPY t FROM stdin (FORMAT binary)", "-c", "SELECT count(v::text) FROM t"],
                                  input=data, capture_output=True)
             said = run.stderr.decode(errors="replace")
-            results["refused" if "ERROR" in said else "taken"] += 1
+            results["rejected" if "ERROR" in said else "taken"] += 1
             if "server closed" in said or "ERROR" not in said and run.stdout.strip() != b"1":
                 down += 1
                 print(type_name, bytes(value), said)
-    print(f"bytes: {results['taken']} taken, {results['refused']} refused")
+    print(f"bytes: {results['taken']} taken, {results['rejected']} rejected")
     return 0 if down == 0 and min(results.values()) > 10 else 1
 
 

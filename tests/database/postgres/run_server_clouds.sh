@@ -18,8 +18,8 @@ expect_part() {
   fi
 }
 
-# refused NAME TEXT WORD...: the program ends with 2 and says that
-refused() {
+# rejected NAME TEXT WORD...: the program ends with 2 and says that
+rejected() {
   local name=$1 text=$2 said code=0
   shift 2
   said=$("$program" "$@" 2>&1) || code=$?
@@ -88,11 +88,11 @@ for text in "points      20000" "CRS         WGS 84 / UTM zone 32N" "PostgreSQL 
 expect 'the index' 1 "$(sql "SELECT count(*) FROM pg_indexes WHERE tablename = 'points' AND indexdef LIKE '%brin (cloud_point(x, y, z))%'")"
 
 # A table is there as a whole or not at all, and only clouds are replaced.
-refused 'a table that is there' 'the table points exists' sql load yard.las "$(table points)"
+rejected 'a table that is there' 'the table points exists' sql load yard.las "$(table points)"
 "$program" sql load yard.las "$(table points)" --overwrite -q
 expect 'it was replaced' 20000 "$(sql 'SELECT count(*) FROM points')"
 sql 'CREATE TABLE wages(x int)'
-refused 'a table that is no cloud' 'expected a cloud, which has' sql load yard.las "$(table wages)" --overwrite
+rejected 'a table that is no cloud' 'expected a cloud, which has' sql load yard.las "$(table wages)" --overwrite
 expect 'it stays' wages "$(sql "SELECT relname FROM pg_class WHERE relname = 'wages'")"
 "$program" generate courtyard --points 400000 --seed 3 -o large.las -q
 # The server is slow, so that there is time to end the program while it stores.
@@ -141,21 +141,21 @@ expect 'nothing was dropped' 20000 "$(sql 'SELECT count(*) FROM points')"
 sql 'CREATE SCHEMA "other schema"'
 "$program" sql load yard.las "$(table points)&schema=other%20schema" -q
 expect 'a schema' 20000 "$(sql 'SELECT count(*) FROM "other schema".points')"
-refused 'a schema that is not there' 'unknown table' info "$(table points)&schema=nowhere"
+rejected 'a schema that is not there' 'unknown table' info "$(table points)&schema=nowhere"
 
 # What cannot be read is said.
-refused 'unknown table' 'unknown table; found' info "$(table nothing)"
-refused 'no table is named' 'ambiguous table' info "postgresql:///postgres?host=$cluster_folder/one"
-refused 'no such database' 'database "nothing" does not exist' info "postgresql:///nothing?host=$cluster_folder/one&table=points"
-refused 'no server' 'cannot connect to the server' info 'postgresql://127.0.0.1:1/postgres?table=points'
-refused 'no coordinates' 'missing numeric column y; expected x, y and z, found x' info "$(table wages)"
+rejected 'unknown table' 'unknown table; found' info "$(table nothing)"
+rejected 'no table is named' 'ambiguous table' info "postgresql:///postgres?host=$cluster_folder/one"
+rejected 'no such database' 'database "nothing" does not exist' info "postgresql:///nothing?host=$cluster_folder/one&table=points"
+rejected 'no server' 'cannot connect to the server' info 'postgresql://127.0.0.1:1/postgres?table=points'
+rejected 'no coordinates' 'missing numeric column y; expected x, y and z, found x' info "$(table wages)"
 sql "CREATE TABLE words(x text, y text, z text); CREATE TABLE bright AS SELECT 1 AS x, 2 AS y, 3 AS z, 70000 AS intensity"
-refused 'a table of texts' 'missing numeric column x' info "$(table words)"
-refused 'a value that cannot be' 'row 1: intensity out of the range of the attribute; expected 0 to 65535, found 70000' \
+rejected 'a table of texts' 'missing numeric column x' info "$(table words)"
+rejected 'a value that cannot be' 'row 1: intensity out of the range of the attribute; expected 0 to 65535, found 70000' \
   convert "$(table bright)" -o bright.las
-refused 'a view that fails' 'division by zero' info "$(sql 'CREATE VIEW broken AS SELECT x, y, z / 0 AS z FROM bright'; table broken)"
+rejected 'a view that fails' 'division by zero' info "$(sql 'CREATE VIEW broken AS SELECT x, y, z / 0 AS z FROM bright'; table broken)"
 sql 'INSERT INTO points SELECT * FROM points WHERE id = 1'
-refused 'more points than there were' 'expected 20000, found 20001' convert "$(table points)" -o more.las
+rejected 'more points than there were' 'expected 20000, found 20001' convert "$(table points)" -o more.las
 sql 'CREATE TABLE empty(x real, y real, z real)'
 expect_part 'no points' 'points      0' "$("$program" info "$(table empty)" 2>&1)"
 
@@ -170,10 +170,10 @@ for name in 'postgresql://me:geheim@127.0.0.1:1/db?table=points' 'postgresql:///
     if [[ $said == *heim* ]]; then expect "$words" 'no password' "$said"; fi
   done
 done
-refused 'a password in a name' 'expected the password in ~/.pgpass, PGPASSFILE or PGPASSWORD' info 'postgresql://me:geheim@h/db?table=points'
+rejected 'a password in a name' 'expected the password in ~/.pgpass, PGPASSFILE or PGPASSWORD' info 'postgresql://me:geheim@h/db?table=points'
 
 cluster_stop one
-refused 'a server that is down' 'cannot connect to the server' info "$(table points)"
+rejected 'a server that is down' 'cannot connect to the server' info "$(table points)"
 
 if ((failures > 0)); then exit 1; fi
 echo "all as expected"
