@@ -37,7 +37,8 @@ struct Bounds {
   glm::dvec3 center() const { return 0.5 * (min + max); }
 };
 
-/// Whether two boxes have a position in common, faces included. False if one is empty or a face is not a number.
+/// Whether two boxes have a position in common, faces included. False if one is empty or a face is not a
+/// number.
 inline bool meet(const Bounds& a, const Bounds& b) {
   return a.min.x <= b.max.x && b.min.x <= a.max.x && a.min.y <= b.max.y && b.min.y <= a.max.y &&
          a.min.z <= b.max.z && b.min.z <= a.max.z;

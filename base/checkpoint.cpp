@@ -23,7 +23,7 @@ namespace {
 constexpr CheckpointForm k_runs = {.magic = {'A', 'L', 'I', 'D', 'R', 'U', 'N', 'S'},
                                    .name = "a checkpoint of such a run",
                                    .fixed_bytes = 40,
-                                   .identity_bytes = 32};
+                                   .fingerprint_bytes = 32};
 constexpr std::uint32_t k_byte_order = 0x01020304, k_other_byte_order = 0x04030201, k_version = 1;
 constexpr std::size_t k_checksum = 24, k_record_bytes = 32, k_summed_bytes = 24;
 constexpr std::size_t k_most_pending = std::size_t{4} << 20;
@@ -60,14 +60,14 @@ bool write_fully(int descriptor, std::uint64_t offset, std::span<const std::byte
 
 }  // namespace
 
-std::vector<std::byte> checkpoint_head(const CheckpointForm& form, const Identity& identity,
+std::vector<std::byte> checkpoint_head(const CheckpointForm& form, const Fingerprint& fingerprint,
                                        const std::function<void(std::byte*)>& fill) {
   std::vector<std::byte> bytes(form.fixed_bytes);
-  append_identity(identity, bytes);
+  append_fingerprint(fingerprint, bytes);
   store(bytes.data(), form.magic);
   store(bytes.data() + 8, k_byte_order);
   store(bytes.data() + 12, k_version);
-  store(bytes.data() + form.identity_bytes, static_cast<std::uint32_t>(bytes.size() - form.fixed_bytes));
+  store(bytes.data() + form.fingerprint_bytes, static_cast<std::uint32_t>(bytes.size() - form.fixed_bytes));
   fill(bytes.data());
   store(bytes.data() + k_checksum, head_checksum(bytes));
   return bytes;
@@ -97,10 +97,10 @@ std::vector<std::byte> read_checkpoint_head(InputFile& file, const CheckpointFor
                   version);
     check(fixed);
     const std::uint64_t most = file.size() - form.fixed_bytes;
-    const auto identity = fixed.get<std::uint32_t>(form.identity_bytes);
-    fixed.require(identity <= most, form.identity_bytes, "corrupt checkpoint",
-                  fmt::format("a description of at most {} bytes", most), identity);
-    bytes.resize(form.fixed_bytes + identity);
+    const auto fingerprint = fixed.get<std::uint32_t>(form.fingerprint_bytes);
+    fixed.require(fingerprint <= most, form.fingerprint_bytes, "corrupt checkpoint",
+                  fmt::format("a description of at most {} bytes", most), fingerprint);
+    bytes.resize(form.fixed_bytes + fingerprint);
   }
   file.read_at(form.fixed_bytes, std::span(bytes).subspan(form.fixed_bytes));
   const HeaderFields whole(bytes, name);
@@ -111,13 +111,14 @@ std::vector<std::byte> read_checkpoint_head(InputFile& file, const CheckpointFor
   return bytes;
 }
 
-Identity identity_of(const CheckpointForm& form, std::span<const std::byte> head, const std::string& file) {
-  return read_identity(head.subspan(form.fixed_bytes), form.fixed_bytes, file);
+Fingerprint fingerprint_of(const CheckpointForm& form, std::span<const std::byte> head,
+                           const std::string& file) {
+  return read_fingerprint(head.subspan(form.fixed_bytes), form.fixed_bytes, file);
 }
 
-PartCheckpoint::PartCheckpoint(PartsOptions options, Identity identity)
+PartCheckpoint::PartCheckpoint(PartsOptions options, Fingerprint fingerprint)
     : options_(std::move(options)),
-      identity_(std::move(identity)),
+      fingerprint_(std::move(fingerprint)),
       written_(std::chrono::steady_clock::now()) {
   std::error_code error;
   if (!options_.resume || !std::filesystem::exists(options_.file, error)) return;
@@ -147,7 +148,7 @@ void PartCheckpoint::flush() noexcept {
   try {
     write();
   } catch (const std::exception&) {
-    // Nobody can be told any more; what is in the file stays.
+    // No caller can be informed any more; what is in the file stays.
     pending_.clear();
     pending_entries_.clear();
   }
@@ -165,8 +166,8 @@ void PartCheckpoint::open() {
 void PartCheckpoint::read() {
   InputFile file(options_.file);
   const std::vector<std::byte> head = read_checkpoint_head(file, k_runs, [](const HeaderFields&) {});
-  check_identity(identity_of(k_runs, head, file.name()), identity_, file.name(),
-                 {.of = "run", .same = "cloud and options"});
+  check_fingerprint(fingerprint_of(k_runs, head, file.name()), fingerprint_, file.name(),
+                    {.of = "run", .same = "cloud and options"});
   count_ = load<std::uint64_t>(head.data() + 16);
   size_ = head.size();
   std::vector<std::byte> record(k_record_bytes), answers;
@@ -198,7 +199,7 @@ void PartCheckpoint::read() {
 
 void PartCheckpoint::create() {
   const std::vector<std::byte> head =
-      checkpoint_head(k_runs, identity_, [this](std::byte* bytes) { store(bytes + 16, count_); });
+      checkpoint_head(k_runs, fingerprint_, [this](std::byte* bytes) { store(bytes + 16, count_); });
   OutputFile file(options_.file, true);
   file.write(head);
   file.commit();

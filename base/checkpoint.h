@@ -19,7 +19,7 @@
 #include "base/error.h"
 #include "base/fingerprint.h"
 
-// Long runs that can be gone on with. A run is cut into parts of a fixed order, whose answers do not depend
+// Long runs that can be resumed. A run is cut into parts of a fixed order, whose answers do not depend
 // on each other. What is finished is kept in a file, so that a run that was interrupted or killed computes
 // the others only, and ends with the bytes of one that was not. Little endian.
 //
@@ -28,8 +28,8 @@
 //       12   4 B  1                      version of this format
 //       16   8 B                         number of parts
 //       24   8 B                         checksum of the head: of bytes 0 to `head`, this field taken as 0
-//       32   8 B                         bytes of the identity, which follows; both together are the head
-//       40        identity               base/fingerprint.h
+//       32   8 B                         bytes of the fingerprint, which follows; both together are the head
+//       40        fingerprint               base/fingerprint.h
 //     head        records                of each 8 B number of the part, 8 B bytes of its answers, 8 B
 //     checksum
 //                                        of these, 8 B checksum of the 24 B before, answers
@@ -43,29 +43,30 @@ class HeaderFields;
 class InputFile;
 
 /// How a kind of checkpoint begins: its magic, the byte order and the version of checkpoints, 8 bytes of the
-/// kind, the checksum of the head, further fields of the kind, and the identity of what is computed. The kinds are
-/// runs in parts (above) and pictures under way (renderer/checkpoint.h).
+/// kind, the checksum of the head, further fields of the kind, and the fingerprint of what is computed. The
+/// kinds are runs in parts (above) and pictures under way (renderer/checkpoint.h).
 struct CheckpointForm {
   std::array<char, 8> magic;
-  const char* name;            ///< in "is not NAME"
-  std::size_t fixed_bytes;     ///< before the identity
-  std::size_t identity_bytes;  ///< offset of the field with the length of the identity
+  const char* name;               ///< in "is not NAME"
+  std::size_t fixed_bytes;        ///< before the fingerprint
+  std::size_t fingerprint_bytes;  ///< offset of the field with the length of the fingerprint
 };
 
 /// The head of a checkpoint; `fill` stores the fields of the kind.
-std::vector<std::byte> checkpoint_head(const CheckpointForm& form, const Identity& identity,
+std::vector<std::byte> checkpoint_head(const CheckpointForm& form, const Fingerprint& fingerprint,
                                        const std::function<void(std::byte*)>& fill);
 
 /// Whether a file has the magic, of whatever version. Errors: those of InputFile.
 bool begins_as(InputFile& file, const CheckpointForm& form);
 
-/// Reads a head; `check` sees its fixed bytes before the identity is read. Errors: not a checkpoint of the kind;
-/// another byte order or version; damaged; those of `check`.
+/// Reads a head; `check` sees its fixed bytes before the fingerprint is read. Errors: not a checkpoint of the
+/// kind; another byte order or version; damaged; those of `check`.
 std::vector<std::byte> read_checkpoint_head(InputFile& file, const CheckpointForm& form,
                                             const std::function<void(const HeaderFields&)>& check);
 
-/// The identity in a head that was read from `file`.
-Identity identity_of(const CheckpointForm& form, std::span<const std::byte> head, const std::string& file);
+/// The fingerprint in a head that was read from `file`.
+Fingerprint fingerprint_of(const CheckpointForm& form, std::span<const std::byte> head,
+                           const std::string& file);
 
 struct PartsOptions {
   std::filesystem::path file{};
@@ -78,10 +79,10 @@ struct PartsOptions {
 /// The finished parts of a run. To be used by one thread at a time.
 class PartCheckpoint {
  public:
-  /// Reads what is there. `identity`: all that the answers depend on. Errors: the file is no checkpoint of a
+  /// Reads what is there. `fingerprint`: all that the answers depend on. Errors: the file is no checkpoint of a
   /// run; another byte order, version or run, naming the first thing that differs; damaged; in use by another
   /// process. Cost: the file is read once. Memory: 64 B per part in it.
-  PartCheckpoint(PartsOptions options, Identity identity);
+  PartCheckpoint(PartsOptions options, Fingerprint fingerprint);
   /// Writes what is finished and not yet written.
   ~PartCheckpoint();
   PartCheckpoint(const PartCheckpoint&) = delete;
@@ -90,7 +91,7 @@ class PartCheckpoint {
   std::string name() const { return options_.file.string(); }
   /// Whether the file is there.
   bool is_kept() const { return descriptor_ >= 0; }
-  /// Parts that are finished, and all; 0 of 0 before a run that is begun afresh is started.
+  /// Parts that are finished, and all; 0 of 0 before a run that is begun again is started.
   std::uint64_t finished() const { return entries_.size(); }
   std::uint64_t count() const { return count_; }
   /// Whether a part was asked for since that is not finished: then work has begun.
@@ -121,7 +122,7 @@ class PartCheckpoint {
   void write();
 
   PartsOptions options_;
-  Identity identity_;
+  Fingerprint fingerprint_;
   int descriptor_ = -1;
   std::uint64_t count_ = 0, size_ = 0;      ///< size_: bytes of the file that are whole records
   std::map<std::uint64_t, Entry> entries_;  ///< by part

@@ -12,8 +12,8 @@
 
 namespace alidade {
 
-/// A table as CSV: a header with the names of columns in any order, then rows with a cell for each. Blank lines are
-/// skipped. Errors name file and line.
+/// A table as CSV: a header with the names of columns in any order, then rows with a cell for each. Blank
+/// lines are skipped. Errors name file and line.
 ///
 ///   CsvTable table(file, column_of, "x,y[,z]");
 ///   while (table.next()) use(table.columns(), table.cells());
@@ -22,8 +22,9 @@ class CsvTable {
   /// The number of the column that a header calls so; empty for an unknown name.
   using ColumnOf = std::function<std::optional<std::size_t>(std::string_view name)>;
 
-  /// Reads the header; of a file without lines there is none. `form` is what it may be, for messages. Errors: numbers
-  /// instead of names; an unknown column; a column twice; more than k_most_columns; those of InputFile.
+  /// Reads the header; of a file without lines there is none. `form` is what it may be, for messages. Errors:
+  /// numbers instead of names; an unknown column; a column twice; more than k_most_columns; those of
+  /// InputFile.
   CsvTable(InputFile& file, const ColumnOf& column_of, std::string form);
 
   /// Reads the next row; false at the end. Errors: more or fewer cells than columns.

@@ -48,8 +48,8 @@ std::pair<std::string, std::string> telling_parts(const std::string& a, const st
 
 }  // namespace
 
-void check_identity(const Identity& made, const Identity& asked, const std::string& file,
-                    const FingerprintWords& words) {
+void check_fingerprint(const Fingerprint& made, const Fingerprint& asked, const std::string& file,
+                       const FingerprintWords& words) {
   for (std::size_t i = 0; i < std::max(made.size(), asked.size()); ++i) {
     const FingerprintEntry none{"cloud", "none"};
     const FingerprintEntry &before = i < made.size() ? made[i] : none,
@@ -65,8 +65,8 @@ void check_identity(const Identity& made, const Identity& asked, const std::stri
   }
 }
 
-void append_identity(const Identity& identity, std::vector<std::byte>& bytes) {
-  for (const FingerprintEntry& entry : identity) {
+void append_fingerprint(const Fingerprint& fingerprint, std::vector<std::byte>& bytes) {
+  for (const FingerprintEntry& entry : fingerprint) {
     std::size_t offset = bytes.size();
     bytes.resize(offset + k_lengths + entry.name.size() + entry.value.size());
     store(bytes.data() + offset, static_cast<std::uint32_t>(entry.name.size()));
@@ -77,8 +77,8 @@ void append_identity(const Identity& identity, std::vector<std::byte>& bytes) {
   }
 }
 
-Identity read_identity(std::span<const std::byte> bytes, std::size_t offset, const std::string& file) {
-  Identity identity;
+Fingerprint read_fingerprint(std::span<const std::byte> bytes, std::size_t offset, const std::string& file) {
+  Fingerprint fingerprint;
   const auto text = [](std::span<const std::byte> part) {
     return std::string(reinterpret_cast<const char*>(part.data()), part.size());
   };
@@ -93,12 +93,13 @@ Identity read_identity(std::span<const std::byte> bytes, std::size_t offset, con
                    .location = fmt::format("byte {}", offset),
                    .problem = "corrupt checkpoint: truncated fingerprint"});
     }
-    identity.push_back({text(bytes.subspan(k_lengths, name)), text(bytes.subspan(k_lengths + name, value))});
+    fingerprint.push_back(
+        {text(bytes.subspan(k_lengths, name)), text(bytes.subspan(k_lengths + name, value))});
     const std::size_t size = k_lengths + name + value;
     bytes = bytes.subspan(size);
     offset += size;
   }
-  return identity;
+  return fingerprint;
 }
 
 }  // namespace alidade

@@ -46,9 +46,9 @@ struct FingerprintEntry {
 
 /// All that results depend on, in a fixed order: what others follow from comes before them. Numbers are
 /// written so that different ones have different texts.
-using Identity = std::vector<FingerprintEntry>;
+using Fingerprint = std::vector<FingerprintEntry>;
 
-/// How messages call what an identity is of.
+/// How messages call what a fingerprint is of.
 struct FingerprintWords {
   std::string of = "picture";
   std::string same = "scene, cloud and options";  ///< what has to be the same
@@ -56,14 +56,14 @@ struct FingerprintWords {
 
 /// Errors: the first entry that differs, under `file`: "made with seed 1, asked for 2". Long texts are shown
 /// from where they differ.
-void check_identity(const Identity& made, const Identity& asked, const std::string& file,
-                    const FingerprintWords& words = {});
+void check_fingerprint(const Fingerprint& made, const Fingerprint& asked, const std::string& file,
+                       const FingerprintWords& words = {});
 
 /// Appends the entries as bytes: of each 4 B length of the name, 4 B length of the value, name, value.
-void append_identity(const Identity& identity, std::vector<std::byte>& bytes);
+void append_fingerprint(const Fingerprint& fingerprint, std::vector<std::byte>& bytes);
 
 /// Reads them back from bytes of `file` that begin at its byte `offset`. Errors: they do not end where an
 /// entry does.
-Identity read_identity(std::span<const std::byte> bytes, std::size_t offset, const std::string& file);
+Fingerprint read_fingerprint(std::span<const std::byte> bytes, std::size_t offset, const std::string& file);
 
 }  // namespace alidade

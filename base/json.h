@@ -42,13 +42,13 @@ struct JsonDocument {
 
   /// "LINE:COLUMN" of a byte, both from 1, columns counted in characters.
   std::string offset(std::size_t byte) const;
-  /// What stands at bytes [begin, end), shortened to one line of at most 40 characters.
+  /// What is at bytes [begin, end), shortened to one line of at most 40 characters.
   std::string quote(std::size_t begin, std::size_t end) const;
 };
 
 /// Parses strict JSON (RFC 8259: UTF-8, no comments, no trailing commas), nested at most 64 deep.
 /// What stands under a key of `unread`, at any depth, is checked but not kept: it becomes null. Errors: Error
-/// with line and column, for anything else, for a number beyond double, and for a key that stands twice in
+/// with line and column, for anything else, for a number beyond double, and for a key that is repeated in
 /// one object. Cost: linear; memory at most about 100 times the text that is kept.
 JsonDocument parse_json(std::string text, std::string name, std::span<const std::string_view> unread = {});
 

@@ -14,8 +14,8 @@
 
 namespace alidade {
 
-/// Bytes of the character that a text begins with: UTF-8 in its shortest form, without halves of UTF-16 and NUL.
-/// 0 if it begins with none.
+/// Bytes of the character that a text begins with: UTF-8 in its shortest form, without halves of UTF-16 and
+/// NUL. 0 if it begins with none.
 std::size_t utf8_character_size(std::string_view text);
 
 /// Whether a byte is one within a character of UTF-8, not its first.
@@ -44,8 +44,8 @@ bool is_blank(char character);
 /// The text without is_blank() characters at its ends.
 std::string_view trim(std::string_view text);
 
-/// The number a whole word stands for: decimal or scientific, with an optional sign, "nan", "inf"; empty if
-/// it is none. Never depends on the locale. Too large a number is infinite, too small a one is zero.
+/// The number a whole word represents: decimal or scientific, with an optional sign, "nan", "inf"; empty if
+/// it is not a number. Never depends on the locale. Too large a number is infinite, too small a one is zero.
 std::optional<double> parse_number(std::string_view word);
 
 /// The same for whole numbers without exponent; empty also if it does not fit.

@@ -51,7 +51,7 @@ double distance_to_fit(const std::array<double, 8>& across, const std::array<dou
   return (highest - lowest) / (2.0 * tangent);
 }
 
-/// How far aside the camera must stand at this distance for equal margins on both sides of one film axis.
+/// How far aside the camera must be at this distance for equal margins on both sides of one film axis.
 double position_to_center(const std::array<double, 8>& across, const std::array<double, 8>& ahead,
                           double distance) {
   double low = *std::min_element(across.begin(), across.end()),

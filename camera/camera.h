@@ -69,8 +69,9 @@ Camera resized(const Camera& camera, int width, int height);
 /// image.
 Camera overview_camera(const Bounds& bounds, int width, int height);
 
-/// Everything around a position: the whole sphere, the middle of the image looks north (+y), east (+x) is to the
-/// right of it. Column x of the image looks to azimuth 360 (x / width - 1/2) degrees, clockwise from north.
+/// Everything around a position: the whole sphere, the middle of the image looks north (+y), east (+x) is to
+/// the right of it. Column x of the image looks to azimuth 360 (x / width - 1/2) degrees, clockwise from
+/// north.
 Camera panorama_camera(const glm::dvec3& position, int width, int height);
 
 /// The box from straight above through parallel rays: north up, the borders of pixels at whole multiples of

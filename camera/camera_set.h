@@ -27,19 +27,19 @@ struct CameraSet {
 struct CameraFileOptions {
   /// What a trajectory lacks: image size and lens are taken from this camera, its pose is not used.
   std::optional<Camera> lens;
-  /// transforms.json: undo `applied_transform` and `applied_scale`, so that cameras stand in the world that
+  /// transforms.json: undo `applied_transform` and `applied_scale`, so that cameras are in the world that
   /// was there before the conversion.
   bool original_world = false;
 };
 
 /// Reads our camera file, a COLMAP model (a folder with cameras and images, .bin or .txt), transforms.json of
 /// nerfstudio and instant-ngp, OpenSfM's reconstruction.json (its first reconstruction), openMVG's
-/// sfm_data.json, or a trajectory as text, told apart by content. Formats and conventions: docs/cameras.md.
-/// Poses become camera-to-world, pixels get our convention. Lenses are not followed over their images: that
-/// is check_camera()'s work for the cameras one wants. Errors: Error with file and position: unknown formats and
-/// models, missing parts, counts beyond the file's size, rotations that are none, focal lengths of 0, names
-/// that stand twice. A file without any camera is an error. Cost: linear. Memory: a constant times the file's
-/// size without its points.
+/// sfm_data.json, or a trajectory as text, distinguished by content. Formats and conventions:
+/// docs/cameras.md. Poses become camera-to-world, pixels get our convention. Lenses are not followed over
+/// their images: that is check_camera()'s work for the cameras one wants. Errors: Error with file and
+/// position: unknown formats and models, missing parts, counts beyond the file's size, matrices that are not
+/// rotations, focal lengths of 0, names that are repeated. A file without any camera is an error. Cost:
+/// linear. Memory: a constant times the file's size without its points.
 CameraSet read_cameras(const std::filesystem::path& path, const CameraFileOptions& options = {});
 
 /// The same from the text of a file; `name` is used in messages and relative paths are taken relative to its
@@ -53,7 +53,7 @@ const NamedCamera& camera_called(const CameraSet& set, const std::string& name, 
 
 /// The camera of a picture in an E57 file: pinhole pictures, whose axes are x right, y up and -z ahead, as
 /// pinhole cameras; spherical ones, whose axes are x ahead, y left and z up and whose middle looks ahead, as
-/// equirectangular cameras. An image without a pose stands in the axes of the file. Empty for visual
+/// equirectangular cameras. An image without a pose is in the axes of the file. Empty for visual
 /// references, which have no camera, for cylindrical pictures, of which there is no lens, and for sizes and
 /// focal lengths that cameras cannot have.
 std::optional<Camera> camera_of(const E57Image& image, const E57Picture& picture);

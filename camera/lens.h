@@ -6,8 +6,8 @@
 #include <variant>
 
 // What lenses do, as plain numbers. A lens turns a direction in the camera's axes, (X, Y, Z) = (right, down,
-// forward), into a position on a film one focal length behind it; the camera's fx, fy, cx, cy turn that position
-// into pixels. u = X / Z, v = Y / Z; theta = angle off the axis. Formulas: docs/cameras.md.
+// forward), into a position on a film one focal length behind it; the camera's fx, fy, cx, cy turn that
+// position into pixels. u = X / Z, v = Y / Z; theta = angle off the axis. Formulas: docs/cameras.md.
 
 namespace alidade::camera {
 

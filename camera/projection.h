@@ -11,16 +11,16 @@
 
 namespace alidade::camera {
 
-/// A camera ready for use: film positions, in pixels, to rays and back. Inside the image project() and ray() are
-/// inverse to each other within 1e-9 pixel.
+/// A camera ready for use: film positions, in pixels, to rays and back. Inside the image project() and ray()
+/// are inverse to each other within 1e-9 pixel.
 class Projection {
  public:
   /// Cost: a microsecond. Nothing is checked; see check_camera().
   explicit Projection(const Camera& camera) : camera_(camera), lens_(camera.lens) {}
 
-  /// Ray through a film position; (0.5, 0.5) = centre of the top left pixel. Starts at the camera (orthographic:
-  /// in its plane), t_min = 0, unit direction. Empty where the lens has no view: outside a fisheye's circle,
-  /// beyond the fold of a distortion.
+  /// Ray through a film position; (0.5, 0.5) = centre of the top left pixel. Starts at the camera
+  /// (orthographic: in its plane), t_min = 0, unit direction. Empty where the lens has no view: outside a
+  /// fisheye's circle, beyond the fold of a distortion.
   std::optional<Ray> ray(const glm::dvec2& film_position) const;
 
   /// Film position of a world point; it may lie outside the image. Empty if the lens does not see the point.
@@ -33,7 +33,7 @@ class Projection {
   LensMap lens_;
 };
 
-/// Errors: a size that is none; focal lengths that are not above 0; numbers that are not finite; parameters
+/// Errors: an invalid size; focal lengths not above 0; numbers that are not finite; parameters
 /// outside the lens's range; a distortion that folds over inside the image, with the radius in pixels up to
 /// which it can be inverted. What a lens merely does not see (outside a fisheye's circle) is no error.
 void check_camera(const Camera& camera);

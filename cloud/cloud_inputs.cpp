@@ -222,7 +222,7 @@ std::vector<fs::path> files_of_pattern(const fs::path& pattern) {
   return files;
 }
 
-/// The files that a name stands for.
+/// The files that a name represents.
 std::vector<fs::path> files_of_name(const fs::path& name) {
   std::error_code error;
   const fs::file_status status = fs::status(name, error);

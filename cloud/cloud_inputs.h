@@ -28,7 +28,7 @@ struct CloudFormat {
   std::unique_ptr<CloudReader> (*open)(InputFile input, Damage damage) = nullptr;
 };
 
-/// Formats that are asked in this order.
+/// Formats in the order in which they are tried.
 using CloudFormats = std::span<const CloudFormat* const>;
 
 extern const CloudFormat k_copc_format, k_las_format, k_e57_format, k_ply_format, k_pcd_format, k_ptx_format,
@@ -38,7 +38,7 @@ extern const CloudFormat k_copc_format, k_las_format, k_e57_format, k_ply_format
 /// whatever is text.
 CloudFormats file_formats();
 
-/// Others, which are asked first, and file_formats().
+/// Others, which are tried first, and file_formats().
 std::vector<const CloudFormat*> with_file_formats(std::initializer_list<const CloudFormat*> first);
 
 /// Where one cloud is stored. Nothing is open.
@@ -73,24 +73,26 @@ struct CloudInputs {
   void check_files() const;
 };
 
-/// The clouds that names of files, folders and patterns stand for, in the order of the names, each looked at
+/// The clouds that names of files, folders and patterns represent, in the order of the names, each examined
 /// once:
-/// - a name of one of the formats (CloudFormat::is_named) stands for itself;
+/// - a name of one of the formats (CloudFormat::is_named) represents itself;
 /// - what is neither a folder nor a pattern is one file, whether it is there or not;
 /// - a folder is the cloud files in it, not those of folders inside it: what ends in las, laz, ply, pcd, e57,
 ///   pts, ptx, xyz, txt or csv, in capitals or not;
-/// - a pattern is what it matches: * any characters but '/', ? one character, [a-c] one of these, [!a-c] one that
+/// - a pattern is what it matches: * any characters but '/', ? one character, [a-c] one of these, [!a-c] one
+///   that
 ///   is not, in the name of the file or of folders above it. If the name's last part has no '.', only cloud
-///   files are taken, as from a folder. If it is no pattern, it may be a folder, and stands for its files.
-/// A name that is there is taken as it stands, whatever characters are in it, and so are names of folders in a
-/// pattern. Hidden files (.name) and index files (.alidade) are left out unless named: by the first characters,
-/// or the extension, of the pattern. Links are what they lead to; one that leads nowhere is a file, which cannot
-/// be opened, as nobody shall miss it. The files of one name are sorted by the bytes of their paths; a file
-/// that two names stand for comes twice.
+///   files are taken, as from a folder. If it is no pattern, it may be a folder, and represents its files. A
+///   name that is there is taken as it stands, whatever characters are in it, and so are names of folders in a
+///   pattern. Hidden files (.name) and index files (.alidade) are left out unless named: by the first
+///   characters, or the extension, of the pattern. Links are what they lead to; one that leads nowhere is a
+///   file, which cannot be opened, as nobody shall miss it. The files of one name are sorted by the bytes of
+///   their paths; a file that two names represent comes twice.
 ///
 /// Errors: a folder without cloud files or that cannot be read; a pattern that matches none. Each says what
-/// was looked for. A file that is missing or damaged is none. Cost: one look into each folder concerned, and at
-/// the first bytes of each file, in parallel (oneTBB). `formats` must outlive what is returned.
+/// was looked for. A file that is missing or damaged does not count. Cost: one look into each folder
+/// concerned, and at the first bytes of each file, in parallel (oneTBB). `formats` must outlive what is
+/// returned.
 CloudInputs resolve_clouds(std::span<const std::filesystem::path> names,
                            CloudFormats formats = file_formats());
 

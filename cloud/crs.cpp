@@ -14,7 +14,7 @@ namespace alidade {
 
 namespace {
 
-/// Numbers by the word that they stand in, and for parameters its name: those of all such words in a row.
+/// Numbers by the word that they are in, and for parameters its name: those of all such words in a row.
 using Definition = std::map<std::string, std::vector<double>>;
 
 /// The numbers behind the name that `text` begins with: "Bessel",6377397.155,299.15],...
@@ -56,7 +56,7 @@ bool nearly_equal(double a, double b) {
 }
 
 /// Whether two projected systems, WKT of version 1, are defined by the same numbers: ellipsoid, prime
-/// meridian, units, and the parameters of the projection, which are told by the characters and digits of their
+/// meridian, units, and the parameters of the projection, which are given by the characters and digits of their
 /// names. Programs give systems, datums and projections names of their own, as "ETRS89 / UTM zone 32N" and
 /// "ETRS_1989_UTM_Zone_32N"; numbers they share up to their last digit. True does not say that the systems
 /// are one: datums on one ellipsoid lie up to some metres apart. False for what has no parameters, or other
@@ -165,7 +165,7 @@ std::optional<int> vertical_code(const Crs& crs) {
 }  // namespace
 
 bool is_geographic(const Crs& crs) {
-  // A projected system names the geographic one that it stands on, so the projected one decides.
+  // A projected system names the geographic one that it is on, so the projected one decides.
   if (!crs.wkt.empty()) {
     return !has_any(crs.wkt, {"PROJCS[", "PROJCRS[", "PROJECTEDCRS["}) &&
            (has_any(crs.wkt, {"GEOGCS[", "GEOGCRS[", "GEOGRAPHICCRS["}) ||

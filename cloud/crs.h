@@ -63,7 +63,7 @@ CrsAgreement compare_crs(const Crs& a, const Crs& b);
 
 /// Whether the system's horizontal coordinates are longitude and latitude: WKT of a geographic system (also
 /// as part of a compound one), or, without WKT, a GeoTIFF model type of 2; without a model type, keys that
-/// name a geographic system and no projected one. False for whatever cannot be told.
+/// name a geographic system and no projected one. False for whatever cannot be determined.
 bool is_geographic(const Crs& crs);
 
 /// Whether the system's origin is the centre of the Earth: WKT of a geocentric system or, without WKT, a

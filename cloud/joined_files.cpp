@@ -149,7 +149,7 @@ void JoinedRecords::join(std::size_t first) {
   for (std::size_t i = first; i < kept; ++i) earlier_.insert(i);
 }
 
-// It does not ask what floats of the size of the coordinates could tell apart: far from the origin that is
+// It does not ask what floats of the size of the coordinates could distinguish: far from the origin that is
 // centimetres.
 void warn_of_rounding(const CloudSource& source, PointCloud& cloud) {
   constexpr double k_matters = 1e-6;

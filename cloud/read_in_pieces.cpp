@@ -124,7 +124,7 @@ class Joining {
   }
 
   /// Takes over what the first file says about its points. How times are counted, the first file says that has
-  /// some and can say; tells which other one counts another way.
+  /// some and can say; states which other one counts another way.
   void join_facts(const CloudSource& source) {
     if (cloud_.files.empty()) {
       cloud_.gps_time_is_standard = source.facts.gps_time_is_standard.value_or(false);

@@ -18,7 +18,7 @@ namespace alidade {
 void append_rows(PointCloud& cloud, AttributeSet filled, std::size_t count);
 
 /// Index of the cloud's extra dimension that means the same as `like`, made with zeros for all points if
-/// there is none. The values of `like` are not looked at. If a file has several of one meaning, `occurrence`
+/// there is none. The values of `like` are not examined. If a file has several of one meaning, `occurrence`
 /// counts them from 0.
 std::size_t find_extra_dimension(PointCloud& cloud, const ExtraDimension& like, std::size_t occurrence = 0);
 

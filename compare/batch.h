@@ -36,7 +36,7 @@ struct PairOutcome {
 
 /// Compares pairs on all threads; a pair that cannot be compared, also for lack of memory, spoils no other.
 /// The worst comes first: errors, then failures, then passes; among them the largest FLIP (without colours:
-/// the largest mean error of depth), then by name. Progress counts pairs, and is asked several times for each
+/// the largest mean error of depth), then by name. Progress counts pairs, and is called several times for each
 /// whether to go on. Errors: reports that cannot be written, or would replace a picture or a kept file;
 /// Cancelled. Memory: that of one pair for each thread, but of at most eight pairs and, unless a single one
 /// is larger, of 32 million pixels (about 3 GB) at a time.

@@ -110,7 +110,7 @@ std::vector<float> filtered(const ComparedImage& image, const std::vector<float>
                             int width, int height) {
   std::vector<float> result(static_cast<std::size_t>(width) * static_cast<std::size_t>(height) *
                             static_cast<std::size_t>(channels));
-  // OpenImageIO only reads the source, though it asks for a pointer that could be written through.
+  // OpenImageIO only reads the source, though it requests a pointer that could be written through.
   OIIO::ImageBuf source(OIIO::ImageSpec(image.width, image.height, channels, OIIO::TypeFloat),
                         const_cast<float*>(values.data()));
   OIIO::ImageBuf target(OIIO::ImageSpec(width, height, channels, OIIO::TypeFloat), result.data());

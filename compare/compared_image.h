@@ -27,7 +27,7 @@ struct ComparedImage {
   int largest_code = 0;            ///< of a display image: 255, 65535; 0: not whole numbers (linear, resized)
   std::vector<float> color;        ///< 3 per pixel; display: code / largest code; linear: as stored
   std::vector<float> alpha;        ///< 1 per pixel, not multiplied into display colours
-  std::vector<float> depth;        ///< layer Z, metres; is_depth() tells where there is nothing
+  std::vector<float> depth;        ///< layer Z, metres; is_depth() states where there is nothing
   std::vector<float> normals;      ///< layer N, 3 per pixel; 0 0 0 where there is nothing
   std::vector<std::uint32_t> ids;  ///< layer id: point id + 1; 0 where there is nothing
   std::vector<std::pair<std::string, std::string>> metadata;  ///< of our own pictures and of EXIF, as texts
@@ -50,7 +50,7 @@ class SizeMismatch : public Error {
 constexpr std::uint64_t k_most_compared_pixels = std::uint64_t{1} << 28;
 
 /// Reads an image of any format that OpenImageIO knows: the channels R G B, or a single one as grey, A, Z,
-/// N.X N.Y N.Z (also Nx Ny Nz) and id; others are not looked at. EXIF orientation is obeyed, CMYK turned into
+/// N.X N.Y N.Z (also Nx Ny Nz) and id; others are ignored. EXIF orientation is obeyed, CMYK turned into
 /// RGB, of several images in a file the first is taken. NaN and infinite values stay: the metrics count them.
 /// Whole ids may be stored as floating point, as long as all of them are exact: below 2^24 (half: 2^11).
 /// Memory for pixels is taken as they arrive, whatever size the file claims. Errors: no such file, not a

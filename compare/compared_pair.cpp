@@ -46,15 +46,15 @@ void remark_unused(const FlipOptions& flip, const ComparedImage& reference,
 
 void remark_differences(const ComparedImage& reference, const ComparedImage& test,
                         std::vector<std::string>& remarks) {
-  const auto tell = [&](const char* what, bool first, bool second) {
+  const auto warn = [&](const char* what, bool first, bool second) {
     if (first != second)
       remarks.push_back(fmt::format("ignoring {1}: only the {0} has it", first ? "reference" : "test", what));
   };
-  tell("colours", !reference.color.empty(), !test.color.empty());
-  tell("the depth layer", !reference.depth.empty(), !test.depth.empty());
-  tell("the normal layer", !reference.normals.empty(), !test.normals.empty());
-  tell("the id layer", !reference.ids.empty(), !test.ids.empty());
-  tell("alpha", !reference.alpha.empty(), !test.alpha.empty());
+  warn("colours", !reference.color.empty(), !test.color.empty());
+  warn("the depth layer", !reference.depth.empty(), !test.depth.empty());
+  warn("the normal layer", !reference.normals.empty(), !test.normals.empty());
+  warn("the id layer", !reference.ids.empty(), !test.ids.empty());
+  warn("alpha", !reference.alpha.empty(), !test.alpha.empty());
   if (reference.color.empty() || test.color.empty()) return;
   if (reference.encoding != test.encoding)
     remarks.push_back("one image has sRGB values, the other linear light: comparing display values");

@@ -21,7 +21,7 @@ struct ComparedPair {
 };
 
 /// Reads both, resizes the test, masks and crops as the options say. `remarks` gets what makes them differ
-/// before any pixel is looked at. Errors: those of compare_files() that concern files, sizes, masks and
+/// before any pixel is read. Errors: those of compare_files() that concern files, sizes, masks and
 /// crops.
 ComparedPair read_compared_pair(const std::filesystem::path& reference, const std::filesystem::path& test,
                                 const ComparisonOptions& options, std::vector<std::string>& remarks);

@@ -38,7 +38,7 @@ PictureFacts facts_of(const ComparedImage& image) {
   return {image.file, image.width, image.height, image.encoding, image.metadata, {}};
 }
 
-/// One comparison on its way. Progress is told in steps of about equal cost, counted in pixels.
+/// One comparison on its way. Progress is given in steps of about equal cost, counted in pixels.
 class ComparisonRun {
  public:
   ComparisonRun(ComparedPair pair, const ComparisonOptions& options, const Progress& progress,
@@ -91,13 +91,13 @@ class ComparisonRun {
     const LayerMetrics layers = comparison_.layers = layer_metrics(pair_.reference, pair_.test, pair_.mask);
     require(pair_.have_colors() || layers.depth || layers.normals || layers.ids, pair_.test,
             "nothing to compare with the reference", "a common layer");
-    const auto tell = [&](std::uint64_t pixels, const char* what) {
+    const auto warn = [&](std::uint64_t pixels, const char* what) {
       if (pixels > 0) remark(fmt::format("{} pixels {}", pixels, what));
     };
-    if (layers.depth) tell(layers.depth->invalid, "with NaN or negative depth are treated as background");
+    if (layers.depth) warn(layers.depth->invalid, "with NaN or negative depth are treated as background");
     if (layers.normals)
-      tell(layers.normals->invalid, "with NaN or infinite normals are treated as background");
-    if (layers.alpha) tell(layers.alpha->invalid, "with NaN or infinite alpha are ignored");
+      warn(layers.normals->invalid, "with NaN or infinite normals are treated as background");
+    if (layers.alpha) warn(layers.alpha->invalid, "with NaN or infinite alpha are ignored");
     for (ComparedImage* const image : {&pair_.reference, &pair_.test}) forget_layers(*image);
   }
 

@@ -54,7 +54,7 @@ enum class ChangeMap {
 
 struct ComparisonOptions {
   // What counts. All of it together: a pixel counts if everything lets it.
-  /// Of both pictures; all positions in the result are told from its top left corner.
+  /// Of both pictures; all positions in the result count from its top left corner.
   std::optional<PixelRectangle> crop;
   bool resize_to_reference = false;  ///< otherwise another size is SizeMismatch
   std::filesystem::path mask;  ///< image_mask.h, keep_light(); of the size of the reference before cropping
@@ -63,7 +63,7 @@ struct ComparisonOptions {
 
   FlipOptions flip;
 
-  std::optional<ColorModel> match;  ///< colours are fitted, and everything of colours told twice
+  std::optional<ColorModel> match;  ///< colours are fitted, and everything of colours given twice
   bool align = false;
   int largest_shift = 64;  ///< pixels
 

@@ -208,7 +208,7 @@ MapPixel pixel_of(const DifferenceMap& map, std::size_t i) {
   return map.mask.at(i) ? MapPixel{map.values[i], false} : MapPixel{};
 }
 
-/// The one that tells more of a change.
+/// The one that shows more of a change.
 MapPixel stronger(const MapPixel& a, const MapPixel& b) {
   if (std::isnan(b.value)) return std::isnan(a.value) && a.is_ignored ? b : a;
   return std::isnan(a.value) || std::abs(b.value) > std::abs(a.value) ? b : a;

@@ -45,7 +45,7 @@ DifferenceMap flip_difference(std::vector<float> flip, int width, const ImageMas
 
 /// Test minus reference of the depth layers, metres: positive is farther away in the test. A depth that is
 /// none (is_depth()) is nothing there. The range is the 98th percentile of the magnitudes, to both sides, at
-/// least 1 mm; what only one picture has is told apart. Both pictures must have depth and one size.
+/// least 1 mm; what only one picture has is distinguished. Both pictures must have depth and one size.
 DifferenceMap depth_difference(const ComparedImage& reference, const ComparedImage& test,
                                const ImageMask& mask);
 

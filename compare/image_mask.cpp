@@ -12,7 +12,7 @@
 namespace alidade::compare {
 namespace {
 
-/// Leaves the pixels of which `stays(pixel)` is true.
+/// Leaves the pixels for which `stays(pixel)` is true.
 template <typename Stays>
 void keep(ImageMask& mask, std::size_t pixels, const Stays& stays) {
   if (mask.counts.empty()) mask.counts.assign(pixels, 1);
@@ -66,7 +66,7 @@ std::uint64_t counted_pixels(const ImageMask& mask, std::size_t pixels) {
 }
 
 void keep_light(ImageMask& mask, const ComparedImage& mask_image, const ComparedImage& image) {
-  // Masks are often drawn in formats that know no data window, so only the size must be that of the image.
+  // Masks are often drawn in formats without a data window, so only the size must be that of the image.
   const auto size_of = [](const ComparedImage& of) {
     return std::to_string(of.width) + " x " + std::to_string(of.height);
   };

@@ -47,7 +47,7 @@ std::string stem_of(const std::string& name) {
   return fs::path(name).replace_extension().generic_string();
 }
 
-/// Name without extension -> how often it stands for a picture, and the last of those.
+/// Name without extension -> how many pictures have it, and the last of those.
 struct Stem {
   int count = 0;
   std::string name;

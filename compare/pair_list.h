@@ -14,14 +14,15 @@ struct ImagePair {
   std::filesystem::path reference, test;  ///< empty: there is no counterpart of the other one
 };
 
-/// The pictures of two folders and of the folders in them, told by their extension, paired by path and name;
-/// by name without extension where that tells one of each side. By name, '/' as in paths. Pictures without a
-/// counterpart are pairs with one side empty. Errors: no folder, nothing to compare, an unreadable folder.
+/// The pictures of two folders and of the folders in them, recognised by their extension, paired by path and
+/// name; by name without extension where that is unique on each side. By name, '/' as in paths. Pictures
+/// without a counterpart are pairs with one side empty. Errors: no folder, nothing to compare, an unreadable
+/// folder.
 std::vector<ImagePair> pairs_of_folders(const std::filesystem::path& reference,
                                         const std::filesystem::path& test);
 
 /// Pairs in the order of a CSV file with the header `reference,test` or `reference,test,name`; fields may
-/// stand in double quotes (doubled inside). Relative paths begin at the folder of the file; a missing name is
+/// are in double quotes (doubled inside). Relative paths begin at the folder of the file; a missing name is
 /// that of the test. Errors name the line: another header, another number of fields, an empty path, a quote
 /// without end.
 std::vector<ImagePair> read_pairs(const std::filesystem::path& file);

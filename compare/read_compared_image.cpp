@@ -58,7 +58,7 @@ void turn(std::vector<Value>& values, const Walk& walk, std::ptrdiff_t width, st
 
 }  // namespace
 
-/// Turns all layers as the EXIF field Orientation asks for (1 to 8; others are taken as 1, upright).
+/// Turns all layers as the EXIF field Orientation requests (1 to 8; others are taken as 1, upright).
 /// Source: CIPA DC-008 (Exif 2.32), 4.6.5.1, tag 274: which side of the picture row 0 and column 0 are.
 void turn_upright(ComparedImage& image, int orientation) {
   if (orientation < 2 || orientation > 8) return;
@@ -171,7 +171,7 @@ struct ChannelRun {
 };
 
 /// The wanted channels as runs of at most so many. A few others between them are read along, since compressed
-/// blocks are decoded anew for each run.
+/// blocks are decoded again for each run.
 std::vector<ChannelRun> runs_of(const std::vector<Target>& targets, int longest) {
   constexpr int k_widest_gap = 4;
   std::vector<int> channels;
@@ -225,7 +225,7 @@ class BandReader {
     runs_ = runs_of(targets_, static_cast<int>(std::clamp<std::size_t>(longest, 1, 16)));
   }
 
-  /// `file_size` in bytes tells how many pixels are likely to come.
+  /// `file_size` in bytes states how many pixels are likely to come.
   void read(std::uint64_t file_size) {
     reserve(file_size);
     for (int top = 0; top < spec_.height; top += rows_) {
@@ -260,7 +260,7 @@ class BandReader {
     }
   }
 
-  /// Ids beyond 2^24 would not survive as floats, and floats not as whole numbers: those would stand for
+  /// Ids beyond 2^24 would not survive as floats, and floats not as whole numbers: those would represent
   /// parts of 1.
   void read_ids(int top, int bottom) {
     const std::size_t first = width_ * static_cast<std::size_t>(top),
@@ -283,7 +283,7 @@ class BandReader {
                                                  spec_.y + bottom, 0, 1, run.begin, run.end, type, values)
                              : input_.read_scanlines(0, 0, spec_.y + top, spec_.y + bottom, 0, run.begin,
                                                      run.end, type, values);
-    // Of TIFF files OpenImageIO tells what is missing, but says that all is well.
+    // Of TIFF files OpenImageIO reports what is missing, but says that all is well.
     if (!is_read || input_.has_error()) {
       throw Error({.problem = "the image has missing pixels: " + image::image_trouble(input_.geterror())});
     }

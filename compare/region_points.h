@@ -28,7 +28,7 @@ std::vector<RegionPoint> region_points(std::span<const std::uint32_t> ids, const
                                        std::uint64_t point_count);
 
 /// These points of the cloud with all their attributes, scale, offset, reference system and records, and the
-/// number of the region in an extra dimension Region (uint32, from 1), which takes the place of one of that
+/// number of the region in an extra dimension Region (uint32, from 1), which replaces one of that
 /// name. Memory: a copy of these points.
 PointCloud points_of_regions(const PointCloud& cloud, std::span<const RegionPoint> points);
 

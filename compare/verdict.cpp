@@ -106,7 +106,7 @@ Value equal_ids(const Comparison& comparison) {
 
 Value shift(const Comparison& comparison) {
   if (!comparison.alignment) return {};
-  // A shift that nobody can rely on is none that was measured.
+  // An unreliable shift does not count as measured.
   if (!comparison.alignment->is_certain) return std::nan("");
   return std::hypot(comparison.alignment->shift_x, comparison.alignment->shift_y);
 }

@@ -35,7 +35,7 @@ struct PlaneCondition {
 };
 
 /// What a WHERE clause demands of points, as far as chunks of points can be tested for it. All of it must
-/// hold. A limit that is not a number is none that any point holds.
+/// hold. No point is within a limit that is not a number.
 struct PointFilter {
   std::vector<LineCondition> lines{};
   std::vector<PlaneCondition> planes{};

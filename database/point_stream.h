@@ -40,7 +40,7 @@ struct PointBlock {
   const LatticePosition* positions = nullptr;
   std::uint64_t first_id = 0;
   const std::uint32_t* rows = nullptr;  ///< the id of a point is first_id + its row; null: + its offset
-  std::vector<ValueBlob> blobs{};       ///< those without values stand for zeros
+  std::vector<ValueBlob> blobs{};       ///< those without values represent zeros
   std::vector<std::byte> memory{};      ///< where all that lies, if it is the block's own
 
   std::uint64_t id(std::uint32_t offset) const {

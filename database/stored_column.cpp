@@ -41,8 +41,8 @@ std::string cut(const std::string& name, std::size_t most) {
   return name.substr(0, most);
 }
 
-/// What every database, script and terminal takes for the same characters: control characters and bytes that are
-/// no UTF-8 become '_'. SQL ends names at a byte of 0.
+/// What every database, script and terminal takes for the same characters: control characters and bytes that
+/// are no UTF-8 become '_'. SQL ends names at a byte of 0.
 std::string readable(const std::string& name) {
   std::string text;
   for (std::string_view rest(name.c_str()); !rest.empty();) {
@@ -75,7 +75,7 @@ class Names {
   std::set<std::string> taken_ = k_taken;
 };
 
-/// A factor or a summand that is no number is none.
+/// NaN means no factor and no summand.
 double finite_or(bool is_given, double number, double otherwise) {
   return is_given && std::isfinite(number) ? number : otherwise;
 }

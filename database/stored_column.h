@@ -23,7 +23,7 @@ struct StoredColumn {
   int byte = 0;  ///< of the first of these bytes, within a point
   ScalarType type = ScalarType::uint8;
   double scale = 1.0, offset = 0.0;  ///< value = offset + scale * number, unless 1 and 0
-  /// The number that stands for none: NULL. As ExtraDimension's: widened to 8 bytes.
+  /// The number that means no value: NULL. As ExtraDimension's: widened to 8 bytes.
   std::optional<std::array<std::uint8_t, 8>> no_data{};
 };
 
@@ -37,9 +37,9 @@ struct AttributeParts {
 AttributeParts attribute_parts(Attribute attribute);
 
 /// Columns that hold all attributes of a cloud, blob by blob: id, then those that `info` names in its order
-/// (color as red, green, blue), then the extra dimensions. A name that SQL cannot tell from an earlier one
-/// or from one of PostgreSQL's own gets a number behind it; of long ones, 63 bytes are kept, as PostgreSQL
-/// does; control characters and what is no UTF-8 become '_'.
+/// (color as red, green, blue), then the extra dimensions. A name that SQL cannot distinguish from an earlier
+/// one or from one of PostgreSQL's own gets a number behind it; of long ones, 63 bytes are kept, as
+/// PostgreSQL does; control characters and what is no UTF-8 become '_'.
 std::vector<StoredColumn> stored_columns(const PointCloud& cloud);
 
 /// What SQL sees of a number in a blob: nothing (NULL) where it is the mark for no value; a whole number, the

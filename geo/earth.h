@@ -12,7 +12,7 @@
 
 namespace alidade::geo {
 
-/// Radius of the sphere that stands for the Earth, metres.
+/// Radius of the sphere that represents the Earth, metres.
 constexpr double k_earth_radius = 6'371'000.0;
 
 /// Unit vector towards an azimuth (degrees clockwise from north, +y) and an elevation (degrees above the
@@ -30,9 +30,9 @@ struct GroundPosition {
 };
 
 /// The position (x, y) in a reference system. Empty if the system is not known, lies nowhere on Earth (local,
-/// geocentric), or has no such position. The convergence is taken from the positions 0.0001 degrees (11 m) north
-/// and south, through PROJ, so it holds for every projection; it is good to 0.00001 degrees. For geographic
-/// systems x is the longitude and it is 0.
+/// geocentric), or has no such position. The convergence is taken from the positions 0.0001 degrees (11 m)
+/// north and south, through PROJ, so it holds for every projection; it is good to 0.00001 degrees. For
+/// geographic systems x is the longitude and it is 0.
 std::optional<GroundPosition> ground_position(const Crs& crs, const glm::dvec2& position);
 
 /// Longitude and latitude (degrees, WGS 84) of positions in a reference system; z stays as it is. Rounded to

@@ -99,8 +99,8 @@ GdalReference globe_reference();
 GdalTransformation transformation_between(const GdalReference& from, const GdalReference& to);
 
 /// The way from a file's reference system, `own`, WKT, empty if the file says nothing, to the cloud's; null
-/// if positions stay what they are, because both are the same or none is known. `source` is what an Error names.
-/// Errors: one is known and the other not; one that GDAL does not understand; there is no way.
+/// if positions stay what they are, because both are the same or none is known. `source` is what an Error
+/// names. Errors: one is known and the other not; one that GDAL does not understand; there is no way.
 GdalTransformation transformation_to_cloud(const std::string& own, const ObserverReference& reference,
                                            const std::string& source);
 

@@ -15,7 +15,7 @@ namespace alidade::geo {
 /// No map has more cells than this, 2^31.
 constexpr std::uint64_t k_most_cells = std::uint64_t{1} << 31;
 
-/// Where the cells of a map lie: squares in rows, north (+y) up. A value stands for the whole of its cell
+/// Where the cells of a map lie: squares in rows, north (+y) up. A value represents the whole of its cell
 /// (GDAL's "pixel is area").
 struct RasterGrid {
   glm::dvec2 north_west{0.0};  ///< outer corner of row 0, column 0
@@ -56,8 +56,8 @@ struct Raster {
 /// k_most_cells cells, whose number is said.
 RasterGrid grid_over(const Bounds& area, double cell_size);
 
-/// The cell that a position lies in; what lies on an edge of two belongs to the one in the east or south, on the
-/// outer edges to the outermost cell. Empty outside of the grid.
+/// The cell that a position lies in; what lies on an edge of two belongs to the one in the east or south, on
+/// the outer edges to the outermost cell. Empty outside of the grid.
 std::optional<glm::ivec2> cell_at(const RasterGrid& grid, const glm::dvec2& position);
 
 /// The common part of two areas, in x and y; empty if there is none. z is that of `area`.

@@ -51,12 +51,12 @@ inline constexpr Color16 k_no_value_color{32896};
 /// Title with its unit: "Height (m)".
 std::string title_text(const ColorKey& key);
 
-/// "599.13 to 611.2": both ends, less `origin`, with as many digits as tell them apart and no more than
+/// "599.13 to 611.2": both ends, less `origin`, with as many digits as distinguish them and no more than
 /// people read.
 std::string range_text(const ValueRange& range, double origin = 0.0);
 
 /// What a person wants to know about the scale: "599.13 to 611.2 m (percentiles 1 to 99; all 598 to 623 m),
-/// colour map terrain". Values count from the scale's origin, which is then told as well, as in legends: "0
+/// colour map terrain". Values count from the scale's origin, which is then stated as well, as in legends: "0
 /// to 2500 s (...); 0 s = 2024-06-09 20:27:06 GPS time, ...". Empty without a scale.
 std::string scale_text(const ColorKey& key);
 

@@ -33,11 +33,11 @@ inline constexpr std::array<NamedColorMap, 5> k_color_maps = {{{"viridis", Color
 
 std::string_view name(ColorMap map);
 
-/// Colour at a position in [0, 1], display-referred (sRGB); positions outside are taken as the nearest end, NaN as
-/// the low one. Linear between even steps. viridis, inferno and turbo differ from the published tables of
-/// 256 colours by at most 0.005 per channel (1.2 of 255).
-/// Sources: viridis and inferno: S. van der Walt, N. Smith, E. Firing, matplotlib 1.5 (2015), CC0. turbo:
-/// A. Mikhailov, Turbo, An Improved Rainbow Colormap for Visualization, Google AI Blog (2019), Apache-2.0.
+/// Colour at a position in [0, 1], display-referred (sRGB); positions outside are taken as the nearest end,
+/// NaN as the low one. Linear between even steps. viridis, inferno and turbo differ from the published tables
+/// of 256 colours by at most 0.005 per channel (1.2 of 255). Sources: viridis and inferno: S. van der Walt,
+/// N. Smith, E. Firing, matplotlib 1.5 (2015), CC0. turbo: A. Mikhailov, Turbo, An Improved Rainbow Colormap
+/// for Visualization, Google AI Blog (2019), Apache-2.0.
 glm::dvec3 map_color(ColorMap map, double position);
 
 /// Display-referred values in [0, 1] as a point's colour, rounded to the nearest.

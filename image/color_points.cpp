@@ -64,7 +64,7 @@ struct ColorAttribute {
   Attribute attribute;
 };
 
-/// Words that stand for one of the standard columns.
+/// Words that represent one of the standard columns.
 constexpr std::array<ColorAttribute, 11> k_color_attributes = {
     {{"rgb", Attribute::color},
      {"intensity", Attribute::intensity},

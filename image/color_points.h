@@ -30,7 +30,7 @@ std::optional<std::string> gps_weekday(std::int64_t week_seconds);
 /// The attributes this needs; none for height and normal.
 AttributeSet attributes_for(const PointColoring& coloring);
 
-/// Lets a wrong wish fail before points are read, as far as the beginnings of the files tell. `name` is the
+/// Lets a wrong wish fail before points are read, as far as the beginnings of the files show it. `name` is the
 /// cloud's in messages. Returns the attributes that were seen. Errors: none of the files has the attribute;
 /// the message lists what they have. Those of open_cloud().
 AttributeSet check_color_of_files(const PointColoring& coloring, const CloudInputs& inputs, Damage damage,
@@ -58,7 +58,7 @@ struct ColoredPoints {
 };
 
 /// Colours the points of a cloud. `coloring` comes from choose_color(); `columns` has what it needs, in rows
-/// by point id; `heights` are those of all points; `facts` tells reference system, files and the kind of GPS
+/// by point id; `heights` are those of all points; `facts` holds reference system, files and the kind of GPS
 /// time, and has no points. Points without a value get k_no_value_color. Rgb is left as it lies, and a
 /// normal's colour is known only where its surface is shaded: for both there are no colours, only the key.
 /// Memory: 6 bytes per point. Cost: up to six passes over the values, in parallel; the result does not depend

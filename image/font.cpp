@@ -16,7 +16,7 @@ namespace {
 
 constexpr char32_t k_replacement = 0xFFFD;
 
-/// The characters of UTF-8; the replacement character for every byte that is none.
+/// The characters of UTF-8; the replacement character for every invalid byte.
 std::vector<char32_t> characters_of(std::string_view text) {
   std::vector<char32_t> characters;
   for (std::size_t i = 0; i < text.size();) {
@@ -50,7 +50,8 @@ struct Font::Face {
     if (library != nullptr) FT_Done_FreeType(library);
   }
 
-  /// Calls visit(glyph, position where it begins) for every character, and returns the position behind the last.
+  /// Calls visit(glyph, position where it begins) for every character, and returns the position behind the
+  /// last.
   template <class Visit>
   int for_each_glyph(std::string_view text, int size, const Visit& visit) const {
     assert(size >= 1);

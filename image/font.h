@@ -37,7 +37,7 @@ class Font {
 
   /// `size`: pixels of the em square, which is about the distance of lines; at least 1.
   TextExtent measure(std::string_view text, int size) const;
-  /// The first character stands at x on the row `baseline`, the last above it.
+  /// The first character is at x on the row `baseline`, the last above it.
   void draw(Canvas& canvas, int x, int baseline, std::string_view text, int size, const Rgb8& color) const;
 
  private:

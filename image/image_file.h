@@ -27,13 +27,13 @@ struct ImageFacts {
 /// Writes the film by the extension of `output.file`: .exr with the layers asked for, .png (8 bit) or .jpg
 /// with exposure and the sRGB curve, .tif as GeoTIFF, like PNG with alpha and with its position on the ground,
 /// which must be known. The film must hold colour and alpha, for EXR the
-/// layers. The file appears whole or not at all. Channel names and metadata keys: docs/scene_format.md.
+/// layers. The file is written completely or not at all. Channel names and metadata keys: docs/scene_format.md.
 /// Errors: unknown extension, a layer that the film lacks, existing file without `overwrite`, a full disk and
 /// other write failures, anything OpenImageIO reports. Memory: the encoded picture.
 void write_image(const Film& film, const OutputSettings& output, const ImageFacts& facts, bool overwrite);
 
-/// Writes a canvas as PNG. The file appears whole or not at all. Errors: a name that does not end in .png; an
-/// existing file without `overwrite`; a full disk and other write failures.
+/// Writes a canvas as PNG. The file is written completely or not at all. Errors: a name that does not end in
+/// .png; an existing file without `overwrite`; a full disk and other write failures.
 void write_png(const Canvas& canvas, const std::filesystem::path& file, bool overwrite);
 
 }  // namespace alidade::image

@@ -69,9 +69,9 @@ LegendLayout lay_out_legend(const ColorKey& key, const Font& font,
 /// The legend as a picture.
 Canvas draw_legend(const ColorKey& key, const LegendLayout& layout, const Font& font);
 
-/// Writes the legend as PNG, with the font of find_font(). The file appears whole or not at all. The same
-/// bytes for the same key, size, font and version of FreeType. Errors: those of lay_out_legend(); a name that
-/// does not end in .png; an existing file without `overwrite`; a full disk and other write failures.
+/// Writes the legend as PNG, with the font of find_font(). The file is written completely or not at all. The
+/// same bytes for the same key, size, font and version of FreeType. Errors: those of lay_out_legend(); a name
+/// that does not end in .png; an existing file without `overwrite`; a full disk and other write failures.
 void write_legend(const ColorKey& key, const std::filesystem::path& file,
                   const std::optional<glm::ivec2>& size, bool overwrite);
 

@@ -6,7 +6,7 @@
 
 #include "base/error.h"
 
-// Apart from the writing, so that who only asks for the format does not load OpenImageIO.
+// Apart from the writing, so that who only requests the format does not load OpenImageIO.
 
 namespace alidade::image {
 

@@ -37,7 +37,7 @@ struct OutputSettings {
 
 enum class ImageFormat { exr, png, jpeg, geotiff };
 
-/// What the name of a picture asks for: .exr, .png, .jpg, .jpeg, .tif or .tiff, in upper or lower case; empty
+/// What the name of a picture requests: .exr, .png, .jpg, .jpeg, .tif or .tiff, in upper or lower case; empty
 /// for any other.
 std::optional<ImageFormat> image_format(const std::filesystem::path& file);
 

@@ -73,10 +73,10 @@ struct PointColoring {
 /// Largest magnitude a value can have to be shown; what is beyond counts as no value, as NaN does.
 inline constexpr double k_largest_value = 1e300;
 
-/// What a word of k_point_colors, or else the name of an attribute, asks for. The rest as by default.
+/// What a word of k_point_colors, or else the name of an attribute, requests. The rest as by default.
 PointColoring coloring_by(std::string_view word);
 
-/// The word that asks for it.
+/// The word that requests it.
 std::string color_word(const PointColoring& coloring);
 
 /// "#rrggbb", hexadecimal, display-referred; empty for anything else.
@@ -91,7 +91,7 @@ struct ClassStyle {
 /// All 256 classes: names of LAS 1.4 R15, table 17 (point formats 6 to 10); 8 and 12, reserved there, as in
 /// the formats before; "Reserved N" to 63, "User class N" from 64. Colours are the customary ones: ground
 /// brown, vegetation from light to dark green, buildings red, water blue, wires yellow. Reserved and user
-/// classes have colours of their own; no two of the 256 are equal. `changed` stands above all that.
+/// classes have colours of their own; no two of the 256 are equal. `changed` is above all that.
 std::array<ClassStyle, 256> class_styles(std::span<const ClassColor> changed = {});
 
 }  // namespace alidade::image

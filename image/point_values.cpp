@@ -131,7 +131,7 @@ constexpr int k_digit_bits = 16;
 constexpr std::size_t k_digits = std::size_t{1} << k_digit_bits;
 constexpr std::uint64_t k_sign = std::uint64_t{1} << 63;
 
-/// Whole numbers in the order of the doubles they stand for.
+/// Whole numbers in the order of the doubles they represent.
 std::uint64_t ordered_bits(double value) {
   const auto bits = std::bit_cast<std::uint64_t>(value + 0.0);  // no negative zero
   return (bits & k_sign) != 0 ? ~bits : bits | k_sign;

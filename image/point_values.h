@@ -41,7 +41,7 @@ const ExtraColumn* find_numbers(const AttributeColumns& columns, std::string_vie
 
 /// The values that this coloring shows, `heights` if it is the height; the columns must outlive it. Requires
 /// that it shows numbers and that the cloud has them (image/color_points.h). A number of returns of 0, which
-/// stands for none given, is NaN.
+/// means none given, is NaN.
 PointValues values_of(const PointColoring& coloring, const AttributeColumns& columns,
                       const PointValues& heights);
 
@@ -62,8 +62,8 @@ ValueExtent extent_of(const PointValues& values);
 ValueRange percentiles_of(const PointValues& values, const ValueExtent& extent,
                           const ValueRange& percentiles);
 
-/// Position of a value between the ends of a range: 0 at the low end and below, 1 at the high one and above, one
-/// half where both are equal; NaN for NaN.
+/// Position of a value between the ends of a range: 0 at the low end and below, 1 at the high one and above,
+/// one half where both are equal; NaN for NaN.
 double position_in(const ValueRange& range, double value);
 
 }  // namespace alidade::image

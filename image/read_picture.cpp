@@ -100,10 +100,10 @@ std::vector<float> linear_values() {
   return values;
 }
 
-/// Makes light of a value; counts those that are none.
-float light_of(float value, std::uint64_t& mended) {
+/// Converts a value to light; counts invalid ones.
+float light_of(float value, std::uint64_t& replaced) {
   if (value >= 0.0f && value <= k_most_light) return value;
-  ++mended;
+  ++replaced;
   if (!(value > 0.0f)) return 0.0f;
   return std::isinf(value) ? k_infinite_light : k_most_light;
 }
@@ -112,7 +112,7 @@ float light_of(float value, std::uint64_t& mended) {
 
 SkyPixels read_sky_image(const std::filesystem::path& file) {
   const std::uint64_t file_size = picture_file_size(file);
-  // Alpha is not looked at, so it must not be multiplied in either.
+  // Alpha is not examined, so it must not be multiplied in either.
   OIIO::ImageSpec hints;
   hints.attribute("oiio:UnassociatedAlpha", 1);
   const auto input = OIIO::ImageInput::open(file.string(), &hints);
@@ -125,7 +125,7 @@ SkyPixels read_sky_image(const std::filesystem::path& file) {
   const Channels channels = color_channels(spec);
   const bool is_read = input->read_image(0, 0, channels.begin, channels.begin + channels.count,
                                          OIIO::TypeFloat, pixels.values.data(), sizeof(Rgb));
-  // Of TIFF files OpenImageIO tells what is missing, but says that all is well.
+  // Of TIFF files OpenImageIO reports what is missing, but says that all is well.
   if (!is_read || input->has_error())
     fail(file, "the image has missing pixels: " + image_trouble(input->geterror()));
   if (channels.count == 1)
@@ -138,12 +138,12 @@ SkyPixels read_sky_image(const std::filesystem::path& file) {
         value[i] = linear[static_cast<std::size_t>(std::lround(std::clamp(value[i], 0.0f, 1.0f) * 65535.0f))];
     return pixels;
   }
-  std::uint64_t mended = 0;
+  std::uint64_t replaced = 0;
   for (Rgb& value : pixels.values)
-    for (int i = 0; i < 3; ++i) value[i] = light_of(value[i], mended);
-  if (mended > 0) {
+    for (int i = 0; i < 3; ++i) value[i] = light_of(value[i], replaced);
+  if (replaced > 0) {
     pixels.warning =
-        file.string() + ": " + std::to_string(channels.count == 1 ? mended / 3 : mended) +
+        file.string() + ": " + std::to_string(channels.count == 1 ? replaced / 3 : replaced) +
         " invalid radiances (negative, not finite or above 1e9): using 0 for negative values and NaN, "
         "65504 for infinity";
   }

@@ -28,8 +28,8 @@ struct SkyPixels {
 inline constexpr std::uint64_t k_most_sky_pixels = 1u << 27;
 
 /// Reads a sky from a picture in any format that OpenImageIO knows (EXR, HDR, TIFF, PNG, JPEG, ...): the
-/// channels R, G, B, else the first three, or one as grey; alpha is not looked at. Values are taken as
-/// linear, but those of whole-number formats as sRGB. Values that light cannot have are put right and told in
+/// channels R, G, B, else the first three, or one as grey; alpha is ignored. Values are taken as
+/// linear, but those of whole-number formats as sRGB. Values that light cannot have are put right and given in
 /// the warning: negative ones and NaN count as 0, infinite ones as 65504 (the largest half), those above 1e9
 /// as 1e9. Errors: no such file, not a picture, deep or 3D, a cut-out (its data window is not the whole), no
 /// pixels or more than k_most_sky_pixels, more than 4096 pixels per byte of the file (no format packs so

@@ -9,7 +9,7 @@
 namespace alidade {
 
 struct BuildOptions {
-  /// How points are spread over nodes; answers do not depend on it, except where a query asks for coarse
+  /// How points are spread over nodes; answers do not depend on it, except where a query requests coarse
   /// levels only.
   /// - adaptive: cells are split until they hold at most leaf_size points; the fastest and smallest.
   /// - fixed: a grid of cells of one size (cell_size). A cell with more than leaf_size points has several

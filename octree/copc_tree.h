@@ -55,8 +55,8 @@ struct CopcReads {
   std::uint64_t chunks_met = 0;  ///< decoded at least once
 };
 
-/// Points of a COPC file, node by node, decoded when they are asked for and kept while there is room. Thread
-/// safe: who asks for a node that another thread is decoding waits for it.
+/// Points of a COPC file, node by node, decoded when they are requested and kept while there is room. Thread
+/// safe: who requests a node that another thread is decoding waits for it.
 class CopcCache {
  public:
   struct Options {
@@ -104,7 +104,7 @@ class CopcCache {
 
 /// A COPC file as tree_query.h walks it: an octree on disk, asked where it lies. Its nodes are
 /// - cubes: nodes of the file's hierarchy, whose children are cubes and their own points;
-/// - own points of a cube, whose chunk is decoded when this node's children are asked for;
+/// - own points of a cube, whose chunk is decoded when this node's children are requested;
 /// - boxes of these points, and blocks of some points.
 /// point_id is the row in the order of the file, as in the cloud that read_cloud() gives.
 ///

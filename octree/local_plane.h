@@ -10,7 +10,7 @@ namespace alidade {
 
 /// The surface that the points around a position lie on.
 struct LocalPlane {
-  glm::dvec3 normal{0.0, 0.0, 1.0};  ///< unit; which of the two sides is not told
+  glm::dvec3 normal{0.0, 0.0, 1.0};  ///< unit; which of the two sides is not defined
   double trust = 0.0;                ///< 0: no surface here (foliage, lone points) .. 1: a plane
   double height = 0.0;               ///< of the position above the plane, along the normal, metres
   double thickness = 0.0;            ///< standard deviation of the points from the plane, metres

@@ -22,7 +22,7 @@ namespace alidade {
 ///         8 B    8 B    8 B    8 B    8 B    8 B    8 B    4 B          4 B
 ///
 /// Every node has a *frame*: a cell of the octree, 2^level lattice steps wide, level >= 8, whose lower corner
-/// is a multiple of its width. The children's boxes stand on the frame's own grid of 256 steps per axis; one
+/// is a multiple of its width. The children's boxes are on the frame's own grid of 256 steps per axis; one
 /// grid step is 2^(level - 8) lattice steps, so boxes are exact at level 8. low and high are inclusive grid
 /// steps. A node does not store its frame: the root's is known, and a child's follows from its parent's
 /// (child_corner).
@@ -119,10 +119,10 @@ struct TreeView {
   /// the corner of its parent node's frame, divided by 2^coordinate_shift(level). Readable for
   /// k_coordinate_padding values past the end.
   const std::uint16_t* coordinates = nullptr;
-  /// Row in the cloud by storage index; null if the cloud's rows stand in the order of the storage indices.
+  /// Row in the cloud by storage index; null if the cloud's rows are in the order of the storage indices.
   const std::uint32_t* ids = nullptr;
   /// Exact positions of the points in leaves under frames above level 16, whose coordinates are not exact;
-  /// null if there are none. These points stand at the storage indices from first_exact on: positions[storage
+  /// null if there are none. These points are at the storage indices from first_exact on: positions[storage
   /// index - first_exact].
   const LatticePosition* positions = nullptr;
   std::uint32_t first_exact = 0;  ///< meaningless without positions
@@ -143,7 +143,7 @@ struct TreeView {
   std::uint32_t exact_count() const { return positions ? point_count - first_exact : 0; }
 };
 
-/// Appends checksums of all that tells the points of a tree. Cost: as fast as memory delivers, about 16 bytes
+/// Appends checksums of all that defines the points of a tree. Cost: as fast as memory delivers, about 16 bytes
 /// per point.
 inline void append_tree_checksums(const TreeView& tree, std::vector<std::uint64_t>& sums) {
   const auto bytes_of = [](const auto* values, std::size_t count) {
@@ -162,7 +162,7 @@ inline std::uint64_t point_id(const TreeView& tree, std::uint32_t index) {
   return tree.ids ? tree.ids[index] : index;
 }
 
-/// What 16 bits of a spacing stand for, metres; infinity is possible.
+/// What 16 bits of a spacing represent, metres; infinity is possible.
 inline float spacing_of(std::uint16_t bits) {
   return std::bit_cast<float>(std::uint32_t{bits} << 16);
 }

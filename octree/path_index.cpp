@@ -14,9 +14,9 @@ constexpr int k_stack_size = 64 + 1;
 
 constexpr double k_infinity = std::numeric_limits<double>::infinity();
 
-/// Distances between the positions of two boxes, widened so that they also hold for the distance to a segment as
-/// project() computes it. With w the sum of the farthest coordinate differences and u = 2^-53, that errs by
-/// at most 16 u w in the cross product and its norm, 3 u w in the segment's direction, and 8 u w where t
+/// Distances between the positions of two boxes, widened so that they also hold for the distance to a segment
+/// as project() computes it. With w the sum of the farthest coordinate differences and u = 2^-53, that errs
+/// by at most 16 u w in the cross product and its norm, 3 u w in the segment's direction, and 8 u w where t
 /// falls on the wrong side of an end; squares that underflow hide distances below 1e-153.
 Interval distance_between(const Bounds& a, const Bounds& b) {
   std::array<Interval, 3> difference;

@@ -20,12 +20,12 @@
 namespace alidade {
 namespace {
 
-// 8 bits: 3 for the distance, of which 0 stands for none, and 5 for the direction.
+// 8 bits: 3 for the distance, of which 0 means none, and 5 for the direction.
 constexpr int k_directions = 32, k_levels = 7;
 // In spacings.
 constexpr double k_step = 0.1, k_gap = 0.2, k_reach = 2.5, k_least_support = 1.5;
-/// What lies within this of a line in some direction tells how far the sheet reaches there: some nine points
-/// between the edge and the reach.
+/// What lies within this of a line in some direction determines how far the sheet reaches there: some nine
+/// points between the edge and the reach.
 constexpr double k_half_width = 1.2;
 
 struct Axes {
@@ -113,7 +113,7 @@ constexpr double k_least_trust = 0.7;        // of a plane that is a surface
 constexpr double k_side_steps = 1022.0;
 constexpr std::uint32_t k_exists = 0x80000000u, k_below = 0x400u, k_length_mask = 31u;
 
-/// Lengths that five bits stand for, in units: 0, then from 2^-13 up to 4 by factors of the root of 2.
+/// Lengths that five bits represent, in units: 0, then from 2^-13 up to 4 by factors of the root of 2.
 constexpr std::array<double, 32> k_lengths = [] {
   std::array<double, 32> lengths{};
   double whole = 4.0;
@@ -161,7 +161,8 @@ struct Sheets {
   double lower = 0.0, upper = 0.0;
 };
 
-/// Of the points around a position, told from the moments of their heights; empty if they look like one sheet.
+/// Of the points around a position, estimated from the moments of their heights; empty if they look like one
+/// sheet.
 std::optional<Sheets> two_sheets(const Octree& octree, const glm::dvec3& position, double reach,
                                  const LocalPlane& plane) {
   const simd::HeightSums sums = simd::moment_sums(octree.instruction_set())
@@ -178,7 +179,7 @@ std::optional<Sheets> two_sheets(const Octree& octree, const glm::dvec3& positio
   const double skewness = third_central / (variance * std::sqrt(variance));
   const double kurtosis = fourth_central / (variance * variance);
   // 1 for two sharp values, 0.56 for an even spread, 0.33 for a bell curve. What looks like two sheets is
-  // looked at closely.
+  // examined closely.
   constexpr double k_two_values = 0.4;
   if (!(skewness * skewness + 1.0 > k_two_values * kurtosis)) return std::nullopt;
   const double middle = reach * mean - plane.height, half = 0.5 * reach * std::sqrt(variance);
@@ -186,7 +187,7 @@ std::optional<Sheets> two_sheets(const Octree& octree, const glm::dvec3& positio
   return Sheets{middle + half * (skewness - root), middle + half * (skewness + root)};
 }
 
-/// The plane of the sheet that the position stands on, where there are two; otherwise `plane`.
+/// The plane of the sheet that the position is on, where there are two; otherwise `plane`.
 LocalPlane choose_sheet(const Octree& octree, const glm::dvec3& position, double reach,
                         const LocalPlane& plane) {
   const std::optional<Sheets> sheets = two_sheets(octree, position, reach, plane);

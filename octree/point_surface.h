@@ -39,10 +39,10 @@ inline glm::dvec3 unpack_normal(const glm::uvec2& packed, double steps) {
 //   const PointSurface surface = surface_of(octree.view(), hit.point_id);
 
 /// The sheet of points that a point belongs to. Two sheets close together, such as both sides of a thin
-/// plate, are told apart where points keep nearer to their sheet than an eighth of what lies between them.
+/// plate, are distinguished where points keep nearer to their sheet than an eighth of what lies between them.
 struct PointSurface {
   bool exists = false;               ///< otherwise there is none: foliage, wires, lone points
-  glm::dvec3 normal{0.0, 0.0, 1.0};  ///< unit; which of the two sides is not told
+  glm::dvec3 normal{0.0, 0.0, 1.0};  ///< unit; which of the two sides is not defined
   double height = 0.0;               ///< of the point above its sheet, along the normal, metres
   double thickness = 0.0;            ///< standard deviation of the sheet's points from it, metres
 };
@@ -50,7 +50,7 @@ struct PointSurface {
 /// Spacings to this neighbour are what surfaces are meant to be fitted with.
 constexpr int k_surface_neighbours = 8;
 
-/// The same octree with the surface of every point, as surface_of() tells it. An octree that has surfaces is
+/// The same octree with the surface of every point, as surface_of() returns it. An octree that has surfaces is
 /// returned as it is. `progress` is in points. Requires spacings. Cost: about 5 microseconds of one thread
 /// per point, in parallel; 5 B per point. Where sheets end is measured, too (octree/point_surface.h). Points
 /// that stand off the sheet of their neighbours by more than half their spacing have a surface only with
@@ -78,7 +78,7 @@ struct SheetEdge {
 /// spacings reach least far, if they reach at least 1.5 spacings the other way; a fifth of a spacing is added
 /// for the gap between the last point and the edge. Edges farther away than 0.85 spacings are not kept.
 /// Sheets that end on both sides, such as lines of a scan far from each other, have no edge. position and
-/// spacing: of the point, metres, the spacing finite and above 0; surface: as surface_of() tells it. The same
+/// spacing: of the point, metres, the spacing finite and above 0; surface: as surface_of() returns it. The same
 /// bits on every instruction set. Cost: 3 microseconds.
 std::uint8_t fit_sheet_edge(const Octree& octree, const glm::dvec3& position, double spacing,
                             const PointSurface& surface);

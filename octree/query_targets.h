@@ -14,7 +14,7 @@
 
 namespace alidade {
 
-/// By what a tree tells its points apart.
+/// By what a tree distinguishes its points.
 enum class PointNaming { id, index };
 
 /// An octree as tree_query.h walks it: inner nodes by their frames, leaves as nodes of their own.

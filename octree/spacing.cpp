@@ -26,7 +26,7 @@ namespace {
 // open, and their 90th percentile is sqrt(ln 10 / (pi n)); so the factor f leaves open 10^(-f^2), here 0.3 %.
 constexpr double k_radius_factor = 1.6;
 
-/// Finds the n-th nearest of the points that stand at another position.
+/// Finds the n-th nearest of the points that are at another position.
 class Neighbours {
  public:
   Neighbours(const Octree& octree, int number, int max_level = k_all_levels)
@@ -122,8 +122,8 @@ std::vector<glm::dvec3> sample_positions(const Octree& octree, std::size_t sampl
 
 Spacing measure_spacing(const Octree& octree, std::size_t sample_count, int max_level) {
   std::vector<glm::dvec3> samples = sample_positions(octree, sample_count, max_level);
-  // A search passes over all points at its own position; so each position is searched once, however many points it
-  // holds.
+  // A search passes over all points at its own position; so each position is searched once, however many
+  // points it holds.
   std::ranges::sort(samples, before);
   std::vector<std::size_t> firsts;
   for (std::size_t i = 0; i < samples.size(); ++i) {
@@ -179,7 +179,7 @@ Octree with_spacings(const Octree& octree, int neighbours, const Progress& progr
   tree.spacings = made->points.data();
 
   made->slots = HugeArray<std::uint16_t>(std::size_t{k_node_width} * tree.node_count);
-  // Children stand behind their parents.
+  // Children are behind their parents.
   for (std::uint32_t index = tree.node_count; index-- > 0;) {
     std::ranges::copy(greatest_spacings(tree, made->slots.data(), index),
                       made->slots.data() + std::size_t{k_node_width} * index);
@@ -190,7 +190,7 @@ Octree with_spacings(const Octree& octree, int neighbours, const Progress& progr
 }
 
 double sphere_radius(const RayQuery& query, const Hit& hit) {
-  // Rounding of t is told apart from other spacings, which differ in eight bits.
+  // Rounding of t is distinguished from other spacings, which differ in eight bits.
   constexpr double k_rounding = 1e-8;
   const double half_chord = hit.t - hit.entry;
   const double radius = std::sqrt(hit.distance * hit.distance + half_chord * half_chord);

@@ -44,7 +44,7 @@ double automatic_radius(const Octree& octree, int max_level = k_all_levels);
 //   const Octree octree = with_spacings(build(cloud), 8);
 //   const auto hit = closest(octree, ray, {.radius = 0.5, .spacing_factor = 1.0});
 //
-// The spacing of a point is the distance to its n-th nearest neighbour: of the points that stand at another
+// The spacing of a point is the distance to its n-th nearest neighbour: of the points that are at another
 // position, nearest first, the n-th; infinite if there are fewer. It is rounded up to eight significant bits
 // (by at most 0.8 %), and that number is what all queries take as the spacing.
 
@@ -55,7 +55,7 @@ constexpr int k_most_spacing_neighbours = 64;
 /// point and 16 B per node. Errors: n below 1 or above k_most_spacing_neighbours.
 Octree with_spacings(const Octree& octree, int neighbours, const Progress& progress = {});
 
-/// The 16 bits that stand for a spacing, rounded up; see spacing_of(). Requires: not negative, not NaN.
+/// The 16 bits that represent a spacing, rounded up; see spacing_of(). Requires: not negative, not NaN.
 std::uint16_t spacing_bits(double metres);
 
 /// The radius that a point had when a query with a spacing_factor found it: the same bits whatever the ray,

@@ -51,7 +51,7 @@ struct HalfSpaces {
 /// The slab of `thickness` metres on the positive side of a plane. Errors: thickness negative or not finite.
 HalfSpaces make_slab(const Plane& plane, double thickness);
 
-/// A trajectory: straight segments from vertex to vertex. Positions on it are told by t, the length of the way
+/// A trajectory: straight segments from vertex to vertex. Positions on it are given by t, the length of the way
 /// from the first vertex, in metres.
 struct Path {
   std::vector<glm::dvec3> vertices;                         ///< two or more; consecutive ones differ
@@ -61,7 +61,7 @@ struct Path {
 };
 
 /// The entrance for paths from outside. Repeated vertices in a row are joined to one. Errors: a coordinate
-/// that is not finite (the message tells the vertex), fewer than two different vertices, limits NaN.
+/// that is not finite (the message states the vertex), fewer than two different vertices, limits NaN.
 Path make_path(const std::vector<glm::dvec3>& vertices,
                double t_min = -std::numeric_limits<double>::infinity(),
                double t_max = std::numeric_limits<double>::infinity());

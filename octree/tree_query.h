@@ -25,14 +25,14 @@
 // A *tree* is anything that shows bounds, points and children of a node. Nodes are values that the tree hands
 // out and takes back. To plug in another index, write a small struct with these members:
 // - R-tree: Node = pointer to a page; bounds as stored; children of inner pages; points of leaf pages.
-// - kd-tree: Node = range of the array and its box, halved at the split when children are asked for; points
+// - kd-tree: Node = range of the array and its box, halved at the split when children are requested; points
 // of
 //   ranges that are not split any more (or the one at the median).
 // - COPC, an octree on disk: Node = key of the hierarchy; bounds = its cell; points = those of its chunk,
 // read
 //   when asked for; children = the keys that exist. Inner nodes hold points, too, which is fine.
 // Bounds must hold all points at and below the node; they need not be tight. `point_id` is what answers and
-// ties are told apart by.
+// ties are distinguished by.
 //
 // A *target* is anything with a distance to a point and bounds on it for a box: octree/query_targets.h.
 
@@ -76,7 +76,7 @@ concept QueryTarget = requires(const T& target, const Bounds& box, const Reach& 
                                const typename T::Answer& answer) {
   /// The point as an answer if it meets all conditions. Decides exactly; all that follows only discards.
   { target.evaluate(position, point_id) } -> std::same_as<std::optional<typename T::Answer>>;
-  /// Whether answer a stands before answer b.
+  /// Whether answer a is before answer b.
   { target.precedes(answer, answer) } -> std::same_as<bool>;
   /// The value answers are ordered by before their ids.
   { target.measured(answer) } -> std::same_as<double>;
@@ -91,7 +91,7 @@ concept QueryTarget = requires(const T& target, const Bounds& box, const Reach& 
 
 /// How much work a query was.
 struct QueryStatistics {
-  std::uint64_t nodes_visited = 0;   ///< whose points and children were looked at
+  std::uint64_t nodes_visited = 0;   ///< whose points and children were examined
   std::uint64_t leaves_visited = 0;  ///< those of them with points
   std::uint64_t points_tested = 0;
   std::uint64_t pruned_by_distance = 0;  ///< nodes, with all below them
@@ -174,7 +174,7 @@ class Counter {
 
 /// Algorithm 1. The paper's steps are named on the right; k, r and the interval are held by `neighbors` and
 /// `target`. Nodes are tested when they become candidates rather than when they are popped, because the
-/// nearest child goes first (the order of C is free in the paper); k's limit is asked again then.
+/// nearest child goes first (the order of C is free in the paper); k's limit is compared again then.
 template <SpatialTree Tree, QueryTarget Target, class Neighbors>
 QueryStatistics tree_query(const Tree& tree, const Target& target, Neighbors& neighbors,
                            const Pruning& pruning = {}) {

@@ -13,7 +13,7 @@
 #include "base/fingerprint.h"
 #include "base/input_file.h"
 #include "base/output_file.h"
-#include "renderer/picture_identity.h"
+#include "renderer/picture_fingerprint.h"
 
 namespace alidade::renderer {
 
@@ -27,7 +27,7 @@ struct CheckpointHead {
   std::uint64_t samples_taken = 0;
   double seconds = 0.0;
   std::uint32_t samples = 0;  ///< per pixel, in the end
-  PictureFingerprint identity;
+  PictureFingerprint fingerprint;
   std::uint64_t head_bytes = 0;  ///< where the rest begins
 };
 
@@ -36,11 +36,11 @@ namespace {
 constexpr CheckpointForm k_pictures = {.magic = {'A', 'L', 'I', 'D', 'P', 'A', 'R', 'T'},
                                        .name = "an Alidade checkpoint",
                                        .fixed_bytes = 80,
-                                       .identity_bytes = 72};
+                                       .fingerprint_bytes = 72};
 
 /// Bytes of the head, its checksum included; sets head_bytes.
 std::vector<std::byte> encode_head(CheckpointHead& head) {
-  std::vector<std::byte> bytes = checkpoint_head(k_pictures, head.identity, [&head](std::byte* at) {
+  std::vector<std::byte> bytes = checkpoint_head(k_pictures, head.fingerprint, [&head](std::byte* at) {
     store(at + 16, head.file_bytes);
     store(at + 32, head.rest_checksum);
     store(at + 40, head.width);
@@ -78,7 +78,7 @@ CheckpointHead read_head(InputFile& file) {
   reader.require(head.seconds >= 0.0 && head.seconds < 1e12, 64, "corrupt checkpoint", "seconds",
                  head.seconds);
   head.samples = reader.get<std::uint32_t>(76);
-  head.identity = identity_of(k_pictures, bytes, file.name());
+  head.fingerprint = fingerprint_of(k_pictures, bytes, file.name());
   head.head_bytes = bytes.size();
   return head;
 }
@@ -206,10 +206,10 @@ void read_tiles(BlockReader& reader, const InputFile& file, int samples, Picture
   }
 }
 
-void check_head(const InputFile& file, const CheckpointHead& head, const PictureFingerprint& identity,
+void check_head(const InputFile& file, const CheckpointHead& head, const PictureFingerprint& fingerprint,
                 int samples, const PictureState& state) {
-  check_identity(head.identity, identity, file.name());
-  // The identity says all this as well; what follows must not rely on a text.
+  check_fingerprint(head.fingerprint, fingerprint, file.name());
+  // The fingerprint says all this as well; what follows must not rely on a text.
   if (head.width != static_cast<std::uint32_t>(state.grid.width()) ||
       head.height != static_cast<std::uint32_t>(state.grid.height()) || head.with_noise != state.with_noise ||
       head.samples != static_cast<std::uint32_t>(samples)) {
@@ -228,7 +228,7 @@ void check_head(const InputFile& file, const CheckpointHead& head, const Picture
 
 }  // namespace
 
-void write_checkpoint(const std::filesystem::path& path, const PictureFingerprint& identity, int samples,
+void write_checkpoint(const std::filesystem::path& path, const PictureFingerprint& fingerprint, int samples,
                       const PictureState& state, double seconds) {
   CheckpointHead head;
   head.width = static_cast<std::uint32_t>(state.grid.width());
@@ -238,7 +238,7 @@ void write_checkpoint(const std::filesystem::path& path, const PictureFingerprin
   head.samples_taken = state.sample_count();
   head.seconds = seconds;
   head.samples = static_cast<std::uint32_t>(samples);
-  head.identity = identity;
+  head.fingerprint = fingerprint;
   OutputFile file(path, true);
   file.write(encode_head(head));
   BlockWriter writer(file);
@@ -256,9 +256,10 @@ void write_checkpoint(const std::filesystem::path& path, const PictureFingerprin
   file.commit();
 }
 
-void read_checkpoint(InputFile file, const PictureFingerprint& identity, int samples, PictureState& state) {
+void read_checkpoint(InputFile file, const PictureFingerprint& fingerprint, int samples,
+                     PictureState& state) {
   const CheckpointHead head = read_head(file);
-  check_head(file, head, identity, samples, state);
+  check_head(file, head, fingerprint, samples, state);
   BlockReader reader(file, head.head_bytes);
   read_tiles(reader, file, samples, state);
   for_each_array(state, [&](const auto& values) { reader.take(std::as_writable_bytes(values)); });
@@ -280,7 +281,7 @@ CheckpointSummary read_checkpoint_summary(const std::filesystem::path& path) {
   InputFile file(path);
   const CheckpointHead head = read_head(file);
   CheckpointSummary summary;
-  if (!head.identity.empty()) summary.picture = head.identity.front().value;
+  if (!head.fingerprint.empty()) summary.picture = head.fingerprint.front().value;
   summary.samples_taken = head.samples_taken;
   const double all = double{1} * head.width * head.height * head.samples;
   if (all > 0.0) summary.share = std::clamp(static_cast<double>(head.samples_taken) / all, 0.0, 1.0);

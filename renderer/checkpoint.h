@@ -5,7 +5,7 @@
 #include <string>
 
 #include "base/input_file.h"
-#include "renderer/picture_identity.h"
+#include "renderer/picture_fingerprint.h"
 #include "renderer/picture_state.h"
 
 // Checkpoints: a picture under way in a file, so that a render which was interrupted or killed goes on and
@@ -22,9 +22,9 @@
 //       52   4 B                         samples that tiles are on their way to
 //       56   8 B                         camera samples taken
 //       64   8 B  double                 seconds spent
-//       72   4 B                         bytes of the identity, which follows; both together are the head
+//       72   4 B                         bytes of the fingerprint, which follows; both together are the head
 //       76   4 B                         camera samples for the whole, per pixel
-//       80        identity               per entry: 4 B length of name, 4 B length of value, name, value
+//       80        fingerprint               per entry: 4 B length of name, 4 B length of value, name, value
 //     head        tiles                  16 B each: samples, 1 if stopped, rays (8 B)
 //                 with noise: per tile   24 doubles, LevelSums
 //                 per row of tiles       means (3 doubles), counts of met surfaces (4 B) and with noise
@@ -32,16 +32,16 @@
 
 namespace alidade::renderer {
 
-/// Writes the state; the file appears whole or not at all, an earlier one stays until then. Nobody may change
-/// the state meanwhile. Memory: 2 MiB. Errors: those of OutputFile, above all a full disk.
-void write_checkpoint(const std::filesystem::path& file, const PictureFingerprint& identity, int samples,
+/// Writes the state; the file is written completely or not at all, an earlier one stays until then. Nobody
+/// may change the state meanwhile. Memory: 2 MiB. Errors: those of OutputFile, above all a full disk.
+void write_checkpoint(const std::filesystem::path& file, const PictureFingerprint& fingerprint, int samples,
                       const PictureState& state, double seconds);
 
-/// Reads a state back. `state` must have been made for the picture that is asked for; it is only of use if
+/// Reads a state back. `state` must have been made for the picture that is requested; it is only of use if
 /// nothing is thrown. `samples` is the number per pixel asked for. Errors: not a checkpoint; another byte
 /// order, version or picture, naming the first thing that differs; a file cut short, too long or damaged.
-/// Memory: the identity, at most the file's size, and 1 MiB.
-void read_checkpoint(InputFile file, const PictureFingerprint& identity, int samples, PictureState& state);
+/// Memory: the fingerprint, at most the file's size, and 1 MiB.
+void read_checkpoint(InputFile file, const PictureFingerprint& fingerprint, int samples, PictureState& state);
 
 /// Whether a file begins as checkpoints do, of whatever version. Errors: those of InputFile.
 bool is_checkpoint(const std::filesystem::path& file);

@@ -17,7 +17,7 @@
 namespace alidade::renderer {
 namespace {
 
-/// Where a ray stands in the camera's own axes, seen at distance 1 before the camera: its direction there, or
+/// Where a ray is in the camera's own axes, seen at distance 1 before the camera: its direction there, or
 /// for parallel rays its origin. Empty behind a right angle.
 std::optional<glm::dvec2> position_at_one(const Ray& ray, const camera::CameraPose& pose, bool is_parallel) {
   const glm::dvec3 way = is_parallel ? ray.origin - pose.position : ray.direction;
@@ -57,7 +57,7 @@ HalfSpaces view_planes(const camera::Camera& camera) {
         reach[side] = std::max(reach[side], glm::dot(*position, sides[side]));
     }
   }
-  // Between two positions looked at, a bent border may reach further; and numbers are rounded.
+  // Between two positions examined, a bent border may reach further; and numbers are rounded.
   const double slack = is_straight ? 1e-9 : 0.02;
   HalfSpaces planes;
   for (std::size_t side = 0; side < k_sides; ++side) {

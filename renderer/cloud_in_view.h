@@ -24,7 +24,7 @@ HalfSpaces view_planes(const camera::Camera& camera);
 /// below them, and so are nodes outside the cone around all that the camera sees. Without a camera, or with
 /// one of parallel rays, it goes level by level. The roots of all files in view are always among them,
 /// however many points they have. Files without nodes in view have none. Cost: in proportion to the nodes
-/// that are looked at, times the logarithm of their number.
+/// that are examined, times the logarithm of their number.
 std::vector<ChosenNodes> nodes_in_view(std::span<const std::unique_ptr<CopcFile>> files,
                                        const camera::Camera* camera, std::uint64_t most_points);
 

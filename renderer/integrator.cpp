@@ -11,7 +11,7 @@ constexpr std::uint32_t k_dimensions_per_vertex = 8;
 constexpr int k_first_roulette_vertex = 3;
 
 /// What a path remembers of the surfaces behind it.
-struct Trail {
+struct PathState {
   double pdf = 0.0;              ///< of the last direction; 0 when it was specular or the camera's
   bool scattered = false;        ///< whether there was anything but mirrors and glass
   glm::dvec3 scattered_at{0.0};  ///< the last such position
@@ -37,28 +37,26 @@ struct Vertex {
   Surface surface;
   Material material;
   Basis basis;
-  glm::dvec3 outgoing;  ///< in the basis
-  Departure departure;
+  glm::dvec3 wo;  ///< in the basis
+  RayOrigin ray_origin;
 
   Vertex(const Ray& ray, const Intersection& intersection, const Surface& surface_there, double roughness)
       : surface(surface_there),
         material(regularized(*surface.material, roughness)),
         basis(basis_around(surface.normal)),
-        outgoing(basis.to_local(-ray.direction)) {
-    departure.from = intersection.on_cloud ? Departure::From::point : Departure::From::object;
-    departure.index = intersection.index;
-    departure.center = intersection.center;
-    departure.radius = intersection.radius;
+        wo(basis.to_local(-ray.direction)) {
+    ray_origin.from = intersection.on_cloud ? RayOrigin::From::point : RayOrigin::From::object;
+    ray_origin.index = intersection.index;
+    ray_origin.center = intersection.center;
+    ray_origin.radius = intersection.radius;
   }
 
-  Departure leaving(const glm::dvec3& incoming) const {
-    Departure result = departure;
-    result.inward = incoming.z < 0.0;
+  RayOrigin leaving(const glm::dvec3& wi) const {
+    RayOrigin result = ray_origin;
+    result.inward = wi.z < 0.0;
     return result;
   }
-  Rgb eval(const glm::dvec3& incoming) const {
-    return renderer::eval(material, surface.color, outgoing, incoming);
-  }
+  Rgb eval(const glm::dvec3& wi) const { return renderer::eval(material, surface.color, wo, wi); }
 };
 
 /// Weight of sun or sky found by a ray against the same sampled, for its chance over that of the sample:
@@ -72,23 +70,23 @@ float mis_weight(double chance) {
 /// Rays of many paths that ask for one light each.
 struct LightRays {
   std::vector<Ray> rays;
-  std::vector<Departure> departures;
+  std::vector<RayOrigin> ray_origins;
   std::vector<std::size_t> paths;
   std::vector<Rgb> radiance;         ///< what the path gains if the light is seen
   std::vector<std::size_t> objects;  ///< of lamps: the emissive sphere
 
   void clear() {
     rays.clear();
-    departures.clear();
+    ray_origins.clear();
     paths.clear();
     radiance.clear();
     objects.clear();
   }
 
-  void add(std::size_t path, const Vertex& vertex, const glm::dvec3& direction, const glm::dvec3& incoming,
+  void add(std::size_t path, const Vertex& vertex, const glm::dvec3& direction, const glm::dvec3& wi,
            const Rgb& gain) {
-    rays.push_back({vertex.surface.departure, direction});
-    departures.push_back(vertex.leaving(incoming));
+    rays.push_back({vertex.surface.ray_origin, direction});
+    ray_origins.push_back(vertex.leaving(wi));
     paths.push_back(path);
     radiance.push_back(gain);
   }
@@ -97,65 +95,65 @@ struct LightRays {
 void sample_sun(const SunDisc& sun, std::size_t path, const Vertex& vertex, const Rgb& throughput,
                 Sampler& sampler, LightRays& asked) {
   const glm::dvec3 direction = sun.sample(sampler.next_2d());
-  const glm::dvec3 incoming = vertex.basis.to_local(direction);
-  const double found_chance = sun.solid_angle() * pdf(vertex.material, vertex.outgoing, incoming);
-  const Rgb light = sun.sample_weight() * vertex.eval(incoming) * (1.0f - mis_weight(found_chance));
-  if (light != Rgb(0.0f)) asked.add(path, vertex, direction, incoming, throughput * light);
+  const glm::dvec3 wi = vertex.basis.to_local(direction);
+  const double found_chance = sun.solid_angle() * pdf(vertex.material, vertex.wo, wi);
+  const Rgb light = sun.sample_weight() * vertex.eval(wi) * (1.0f - mis_weight(found_chance));
+  if (light != Rgb(0.0f)) asked.add(path, vertex, direction, wi, throughput * light);
 }
 
 void ask_sky(const SkyImage& sky, std::size_t path, const Vertex& vertex, const Rgb& throughput,
              Sampler& sampler, LightRays& asked) {
   const SkySample chosen = sky.sample(sampler.next_2d());
   if (chosen.pdf == 0.0) return;
-  const glm::dvec3 incoming = vertex.basis.to_local(chosen.direction);
-  const double found_chance = pdf(vertex.material, vertex.outgoing, incoming) / chosen.pdf;
+  const glm::dvec3 wi = vertex.basis.to_local(chosen.direction);
+  const double found_chance = pdf(vertex.material, vertex.wo, wi) / chosen.pdf;
   // In double: the parts may be too large or small for float, their ratio is not.
   const Rgb weight(glm::dvec3(chosen.radiance) / chosen.pdf);
-  const Rgb light = weight * vertex.eval(incoming) * (1.0f - mis_weight(found_chance));
-  if (light != Rgb(0.0f)) asked.add(path, vertex, chosen.direction, incoming, throughput * light);
+  const Rgb light = weight * vertex.eval(wi) * (1.0f - mis_weight(found_chance));
+  if (light != Rgb(0.0f)) asked.add(path, vertex, chosen.direction, wi, throughput * light);
 }
 
 void ask_lamp(const Lights& lights, std::size_t path, const Vertex& vertex, const Rgb& throughput,
               Sampler& sampler, LightRays& asked) {
   const double u_choice = sampler.next_1d();
-  const LightSample lamp = lights.sample(vertex.surface.departure, u_choice, sampler.next_2d());
-  const glm::dvec3 incoming = vertex.basis.to_local(lamp.direction);
-  const double both_pdf = lamp.pdf + pdf(vertex.material, vertex.outgoing, incoming);
-  const Rgb light = lamp.radiance * vertex.eval(incoming) / static_cast<float>(both_pdf);
+  const LightSample lamp = lights.sample(vertex.surface.ray_origin, u_choice, sampler.next_2d());
+  const glm::dvec3 wi = vertex.basis.to_local(lamp.direction);
+  const double both_pdf = lamp.pdf + pdf(vertex.material, vertex.wo, wi);
+  const Rgb light = lamp.radiance * vertex.eval(wi) / static_cast<float>(both_pdf);
   if (light == Rgb(0.0f)) return;
-  asked.add(path, vertex, lamp.direction, incoming, throughput * light);
+  asked.add(path, vertex, lamp.direction, wi, throughput * light);
   asked.objects.push_back(lamp.object);
 }
 
 /// Share that counts of a light found by way of mirrors and glass after scattering: the square of the chance
 /// to find it straight from the scattering position, which fills this share of the hemisphere there.
-float bundled_share(double visible_share, const Trail& trail) {
-  const double chance = std::min(1.0, visible_share * std::max(1.0, 2.0 * k_pi * trail.scattered_pdf));
+float bundled_share(double visible_share, const PathState& state) {
+  const double chance = std::min(1.0, visible_share * std::max(1.0, 2.0 * k_pi * state.scattered_pdf));
   return static_cast<float>(chance * chance);
 }
 
 /// Share of an emissive surface's light that counts for a ray which found it by itself.
-float lamp_share(const Lights& lights, const Intersection& intersection, const Trail& trail) {
-  if (intersection.on_cloud || !trail.scattered) return 1.0f;
-  if (trail.pdf == 0.0)
-    return bundled_share(lights.visible_share(intersection.index, trail.scattered_at), trail);
-  return static_cast<float>(trail.pdf / (trail.pdf + lights.pdf(intersection.index, trail.scattered_at)));
+float lamp_share(const Lights& lights, const Intersection& intersection, const PathState& state) {
+  if (intersection.on_cloud || !state.scattered) return 1.0f;
+  if (state.pdf == 0.0)
+    return bundled_share(lights.visible_share(intersection.index, state.scattered_at), state);
+  return static_cast<float>(state.pdf / (state.pdf + lights.pdf(intersection.index, state.scattered_at)));
 }
 
 /// The same for the sun.
-float sun_share(const SunDisc& sun, const Trail& trail) {
-  if (!trail.scattered) return 1.0f;
-  if (trail.pdf == 0.0) return bundled_share(sun.solid_angle() / (2.0 * k_pi), trail);
-  return mis_weight(sun.solid_angle() * trail.pdf);
+float sun_share(const SunDisc& sun, const PathState& state) {
+  if (!state.scattered) return 1.0f;
+  if (state.pdf == 0.0) return bundled_share(sun.solid_angle() / (2.0 * k_pi), state);
+  return mis_weight(sun.solid_angle() * state.pdf);
 }
 
 /// The same for the sky of a picture.
-float sky_share(const SkyImage& sky, const glm::dvec3& direction, const Trail& trail) {
-  if (!trail.scattered) return 1.0f;
+float sky_share(const SkyImage& sky, const glm::dvec3& direction, const PathState& state) {
+  if (!state.scattered) return 1.0f;
   const double sampled = sky.pdf(direction);
   if (sampled == 0.0) return 1.0f;
-  if (trail.pdf == 0.0) return bundled_share(k_spot_density / (2.0 * k_pi * sampled), trail);
-  return mis_weight(trail.pdf / sampled);
+  if (state.pdf == 0.0) return bundled_share(k_spot_density / (2.0 * k_pi * sampled), state);
+  return mis_weight(state.pdf / sampled);
 }
 
 /// All that trace_paths has under way.
@@ -174,7 +172,7 @@ class PathTracer {
       std::swap(now_, next_);
       next_.clear();
       met_.assign(now_.paths.size(), std::nullopt);
-      world_.nearest(now_.rays, now_.departures, met_);
+      world_.nearest(now_.rays, now_.ray_origins, met_);
       for (std::size_t i = 0; i < now_.paths.size(); ++i) advance(i, bounce);
       gather_from_afar(to_sun_);
       gather_from_afar(to_sky_);
@@ -189,26 +187,26 @@ class PathTracer {
 
     Sampler sampler;
     Rgb throughput{1.0f};
-    Trail trail;
+    PathState state;
   };
 
   /// The paths that have not ended, each with its next ray.
   struct Front {
     std::vector<std::size_t> paths;
     std::vector<Ray> rays;
-    std::vector<Departure> departures;
+    std::vector<RayOrigin> ray_origins;
 
     void clear() {
       paths.clear();
       rays.clear();
-      departures.clear();
+      ray_origins.clear();
     }
   };
 
-  void go_on(std::size_t path, const Ray& ray, const Departure& departure) {
+  void go_on(std::size_t path, const Ray& ray, const RayOrigin& ray_origin) {
     next_.paths.push_back(path);
     next_.rays.push_back(ray);
-    next_.departures.push_back(departure);
+    next_.ray_origins.push_back(ray_origin);
   }
 
   /// The i-th path of now_ to its next surface and off again.
@@ -221,16 +219,16 @@ class PathTracer {
     ++result.ray_count;
     if (!met) {
       Rgb light = sky_radiance(lights_.sky(), ray.direction);
-      if (lights_.sky_image() != nullptr) light *= sky_share(*lights_.sky_image(), ray.direction, way.trail);
+      if (lights_.sky_image() != nullptr) light *= sky_share(*lights_.sky_image(), ray.direction, way.state);
       if (lights_.sun())
-        light += lights_.sun()->radiance(ray.direction) * sun_share(*lights_.sun(), way.trail);
+        light += lights_.sun()->radiance(ray.direction) * sun_share(*lights_.sun(), way.state);
       result.radiance += way.throughput * light;
       return;
     }
     result.met_surface = true;
-    const Vertex vertex(ray, *met, world_.surface_at(ray, *met), way.trail.roughness);
+    const Vertex vertex(ray, *met, world_.surface_at(ray, *met), way.state.roughness);
     if (const auto* emissive = std::get_if<Emissive>(&vertex.material)) {
-      result.radiance += way.throughput * emissive->radiance * lamp_share(lights_, *met, way.trail);
+      result.radiance += way.throughput * emissive->radiance * lamp_share(lights_, *met, way.state);
       return;
     }
     if (bounce > max_bounces_) return;
@@ -246,7 +244,7 @@ class PathTracer {
         ask_sky(*lights_.sky_image(), path, vertex, way.throughput, sampler, to_sky_);
     }
 
-    const auto next = sample(vertex.material, vertex.surface.color, vertex.outgoing, u, u_choice);
+    const auto next = sample(vertex.material, vertex.surface.color, vertex.wo, u, u_choice);
     if (!next) return;
     way.throughput *= next->weight;
     if (bounce >= k_first_roulette_vertex) {
@@ -255,34 +253,33 @@ class PathTracer {
       if (!(u_roulette < survival)) return;
       way.throughput /= survival;
     }
-    go_on(path, {vertex.surface.departure, vertex.basis.to_world(next->incoming)},
-          vertex.leaving(next->incoming));
-    remember(*next, vertex, way.trail);
+    go_on(path, {vertex.surface.ray_origin, vertex.basis.to_world(next->wi)}, vertex.leaving(next->wi));
+    remember(*next, vertex, way.state);
   }
 
-  static void remember(const MaterialSample& next, const Vertex& vertex, Trail& trail) {
-    trail.pdf = next.pdf;
+  static void remember(const MaterialSample& next, const Vertex& vertex, PathState& state) {
+    state.pdf = next.pdf;
     if (next.specular) {
       // A curved mirror makes what is behind it small, and so more rarely met.
-      trail.roughness = std::min(2.0 * trail.roughness, k_diffuse_roughness);
+      state.roughness = std::min(2.0 * state.roughness, k_diffuse_roughness);
     } else {
-      trail.scattered = true;
-      trail.scattered_at = vertex.surface.departure;
-      trail.scattered_pdf = next.pdf;
-      trail.roughness = std::max(trail.roughness, roughness_of(vertex.material));
+      state.scattered = true;
+      state.scattered_at = vertex.surface.ray_origin;
+      state.scattered_pdf = next.pdf;
+      state.roughness = std::max(state.roughness, roughness_of(vertex.material));
     }
   }
 
   void gather_from_afar(LightRays& asked) {
     blocked_.assign(asked.rays.size(), 0);
-    world_.blocked(asked.rays, asked.departures, blocked_);
+    world_.blocked(asked.rays, asked.ray_origins, blocked_);
     for (std::size_t i = 0; i < asked.rays.size(); ++i) gather(asked, i, blocked_[i] == 0);
     asked.clear();
   }
 
   void gather_lamplight() {
     met_.assign(to_lamps_.rays.size(), std::nullopt);
-    world_.nearest(to_lamps_.rays, to_lamps_.departures, met_);
+    world_.nearest(to_lamps_.rays, to_lamps_.ray_origins, met_);
     for (std::size_t i = 0; i < to_lamps_.rays.size(); ++i)
       gather(to_lamps_, i, met_[i] && !met_[i]->on_cloud && met_[i]->index == to_lamps_.objects[i]);
     to_lamps_.clear();

@@ -171,7 +171,7 @@ LoadedCloud index_cloud(PointCloud&& cloud, AttributeSet attributes, const Cloud
 
 LoadedCloud load_cloud(const CloudSettings& settings, const CloudInputs& inputs, const Progress& progress,
                        const Progress& measuring) {
-  // Reading counts the work; what follows is asked whether to go on, at the count where reading ended.
+  // Reading counts the work; what follows only asks whether to go on, at the count where reading ended.
   std::uint64_t done = 0, total = 0;
   const Progress reading = [&](std::uint64_t bytes, std::uint64_t all_bytes) {
     done = bytes;

@@ -11,21 +11,20 @@
 namespace alidade::renderer {
 
 inline std::optional<MaterialSample> sample(const Lambertian& material, const Rgb& color,
-                                            const glm::dvec3& outgoing, const glm::dvec2& u) {
-  glm::dvec3 incoming = sample_cosine_hemisphere(u);
-  const double density = pdf_cosine_hemisphere(incoming.z);
+                                            const glm::dvec3& wo, const glm::dvec2& u) {
+  glm::dvec3 wi = sample_cosine_hemisphere(u);
+  const double density = pdf_cosine_hemisphere(wi.z);
   if (density <= 0.0) return std::nullopt;
-  if (outgoing.z < 0.0) incoming.z = -incoming.z;
-  return MaterialSample{incoming, material.albedo.value_or(color), density, false};
+  if (wo.z < 0.0) wi.z = -wi.z;
+  return MaterialSample{wi, material.albedo.value_or(color), density, false};
 }
 
-inline double pdf(const Lambertian&, const glm::dvec3& outgoing, const glm::dvec3& incoming) {
-  return outgoing.z * incoming.z > 0.0 ? pdf_cosine_hemisphere(std::fabs(incoming.z)) : 0.0;
+inline double pdf(const Lambertian&, const glm::dvec3& wo, const glm::dvec3& wi) {
+  return wo.z * wi.z > 0.0 ? pdf_cosine_hemisphere(std::fabs(wi.z)) : 0.0;
 }
 
-inline Rgb eval(const Lambertian& material, const Rgb& color, const glm::dvec3& outgoing,
-                const glm::dvec3& incoming) {
-  return material.albedo.value_or(color) * static_cast<float>(pdf(material, outgoing, incoming));
+inline Rgb eval(const Lambertian& material, const Rgb& color, const glm::dvec3& wo, const glm::dvec3& wi) {
+  return material.albedo.value_or(color) * static_cast<float>(pdf(material, wo, wi));
 }
 
 // Metal as a field of tiny mirrors: GGX distribution of their slopes with alpha = roughness^2, Smith's
@@ -36,7 +35,7 @@ inline Rgb eval(const Lambertian& material, const Rgb& color, const glm::dvec3& 
 // Masking-Shadowing Function, JCGT 2014; visible normals by spherical caps: Dupuy and Benyoub, HPG 2023;
 // Schlick 1994.
 
-double pdf(const Metal& material, const glm::dvec3& outgoing, const glm::dvec3& incoming);
+double pdf(const Metal& material, const glm::dvec3& wo, const glm::dvec3& wi);
 
 namespace {
 
@@ -65,9 +64,9 @@ double shadowed_share(const glm::dvec3& direction, double alpha) {
   return 0.5 * (std::sqrt(1.0 + alpha * alpha * tangent_sq) - 1.0);
 }
 
-/// A mirror normal, as often as it is seen from `outgoing` (z > 0).
-glm::dvec3 visible_normal(const glm::dvec3& outgoing, double alpha, const glm::dvec2& u) {
-  const glm::dvec3 stretched = glm::normalize(glm::dvec3(alpha * outgoing.x, alpha * outgoing.y, outgoing.z));
+/// A mirror normal, as often as it is seen from `wo` (z > 0).
+glm::dvec3 visible_normal(const glm::dvec3& wo, double alpha, const glm::dvec2& u) {
+  const glm::dvec3 stretched = glm::normalize(glm::dvec3(alpha * wo.x, alpha * wo.y, wo.z));
   const glm::dvec3 cap = sample_cone({1.0 - u.y, u.x}, 1.0 + stretched.z) + stretched;
   return glm::normalize(glm::dvec3(alpha * cap.x, alpha * cap.y, cap.z));
 }
@@ -78,11 +77,11 @@ struct Lobe {
   double value = 0.0;  ///< scattering function times cosine
 };
 
-Lobe lobe(const glm::dvec3& outgoing, const glm::dvec3& incoming, const glm::dvec3& half, double alpha) {
-  const double density = distribution(half, alpha) / (4.0 * outgoing.z);
-  const double shadowed_outgoing = shadowed_share(outgoing, alpha);
+Lobe lobe(const glm::dvec3& wo, const glm::dvec3& wi, const glm::dvec3& half, double alpha) {
+  const double density = distribution(half, alpha) / (4.0 * wo.z);
+  const double shadowed_outgoing = shadowed_share(wo, alpha);
   return {density / (1.0 + shadowed_outgoing),
-          density / (1.0 + shadowed_outgoing + shadowed_share(incoming, alpha))};
+          density / (1.0 + shadowed_outgoing + shadowed_share(wi, alpha))};
 }
 
 glm::dvec3 above(const glm::dvec3& direction, bool mirrored) {
@@ -96,40 +95,39 @@ bool is_mirror(const Metal& material) {
   return alpha_of(material) < 1e-4;
 }
 
-std::optional<MaterialSample> sample(const Metal& material, const Rgb& color, const glm::dvec3& outgoing,
+std::optional<MaterialSample> sample(const Metal& material, const Rgb& color, const glm::dvec3& wo,
                                      const glm::dvec2& u) {
-  if (outgoing.z == 0.0) return std::nullopt;
+  if (wo.z == 0.0) return std::nullopt;
   const Rgb reflectance = material.albedo.value_or(color);
   if (is_mirror(material)) {
-    return MaterialSample{
-        {-outgoing.x, -outgoing.y, outgoing.z}, schlick(reflectance, outgoing.z), 0.0, true};
+    return MaterialSample{{-wo.x, -wo.y, wo.z}, schlick(reflectance, wo.z), 0.0, true};
   }
   const double alpha = alpha_of(material);
-  const bool mirrored = outgoing.z < 0.0;
-  const glm::dvec3 view = above(outgoing, mirrored);
+  const bool mirrored = wo.z < 0.0;
+  const glm::dvec3 view = above(wo, mirrored);
   const glm::dvec3 half = visible_normal(view, alpha, u);
   const double cosine = glm::dot(view, half);
-  const glm::dvec3 incoming = glm::normalize(2.0 * cosine * half - view);
-  if (!(incoming.z > 0.0)) return std::nullopt;
-  const Lobe chosen = lobe(view, incoming, half, alpha);
-  return MaterialSample{above(incoming, mirrored),
+  const glm::dvec3 wi = glm::normalize(2.0 * cosine * half - view);
+  if (!(wi.z > 0.0)) return std::nullopt;
+  const Lobe chosen = lobe(view, wi, half, alpha);
+  return MaterialSample{above(wi, mirrored),
                         schlick(reflectance, cosine) * static_cast<float>(chosen.value / chosen.pdf),
                         chosen.pdf, false};
 }
 
-Rgb eval(const Metal& material, const Rgb& color, const glm::dvec3& outgoing, const glm::dvec3& incoming) {
-  if (is_mirror(material) || !(outgoing.z * incoming.z > 0.0)) return Rgb(0.0f);
-  const bool mirrored = outgoing.z < 0.0;
-  const glm::dvec3 view = above(outgoing, mirrored), light = above(incoming, mirrored);
+Rgb eval(const Metal& material, const Rgb& color, const glm::dvec3& wo, const glm::dvec3& wi) {
+  if (is_mirror(material) || !(wo.z * wi.z > 0.0)) return Rgb(0.0f);
+  const bool mirrored = wo.z < 0.0;
+  const glm::dvec3 view = above(wo, mirrored), light = above(wi, mirrored);
   const glm::dvec3 half = glm::normalize(view + light);
   return schlick(material.albedo.value_or(color), glm::dot(view, half)) *
          static_cast<float>(lobe(view, light, half, alpha_of(material)).value);
 }
 
-double pdf(const Metal& material, const glm::dvec3& outgoing, const glm::dvec3& incoming) {
-  if (is_mirror(material) || !(outgoing.z * incoming.z > 0.0)) return 0.0;
-  const bool mirrored = outgoing.z < 0.0;
-  const glm::dvec3 view = above(outgoing, mirrored), light = above(incoming, mirrored);
+double pdf(const Metal& material, const glm::dvec3& wo, const glm::dvec3& wi) {
+  if (is_mirror(material) || !(wo.z * wi.z > 0.0)) return 0.0;
+  const bool mirrored = wo.z < 0.0;
+  const glm::dvec3 view = above(wo, mirrored), light = above(wi, mirrored);
   return lobe(view, light, glm::normalize(view + light), alpha_of(material)).pdf;
 }
 
@@ -142,42 +140,37 @@ double fresnel_reflectance(double cosine, double index) {
   return 0.5 * (across * across + parallel * parallel);
 }
 
-std::optional<MaterialSample> sample(const Dielectric& material, const glm::dvec3& outgoing,
-                                     double u_choice) {
-  if (outgoing.z == 0.0) return std::nullopt;
-  const double index = outgoing.z > 0.0 ? material.refractive_index : 1.0 / material.refractive_index;
-  const double cosine = std::fabs(outgoing.z);
+std::optional<MaterialSample> sample(const Dielectric& material, const glm::dvec3& wo, double u_choice) {
+  if (wo.z == 0.0) return std::nullopt;
+  const double index = wo.z > 0.0 ? material.refractive_index : 1.0 / material.refractive_index;
+  const double cosine = std::fabs(wo.z);
   // Chosen in proportion to its share of the light, either way carries weight 1.
-  MaterialSample chosen{{-outgoing.x, -outgoing.y, outgoing.z}, Rgb(1.0f), 0.0, true};
+  MaterialSample chosen{{-wo.x, -wo.y, wo.z}, Rgb(1.0f), 0.0, true};
   if (u_choice >= fresnel_reflectance(cosine, index)) {
-    const double x = -outgoing.x / index, y = -outgoing.y / index;
+    const double x = -wo.x / index, y = -wo.y / index;
     const double z = std::sqrt(std::fmax(0.0, 1.0 - x * x - y * y));
-    chosen.incoming = glm::normalize(glm::dvec3(x, y, outgoing.z > 0.0 ? -z : z));
+    chosen.wi = glm::normalize(glm::dvec3(x, y, wo.z > 0.0 ? -z : z));
   }
   return chosen;
 }
 
-std::optional<MaterialSample> sample(const Material& material, const Rgb& color, const glm::dvec3& outgoing,
+std::optional<MaterialSample> sample(const Material& material, const Rgb& color, const glm::dvec3& wo,
                                      const glm::dvec2& u, double u_choice) {
-  if (const auto* lambertian = std::get_if<Lambertian>(&material))
-    return sample(*lambertian, color, outgoing, u);
-  if (const auto* metal = std::get_if<Metal>(&material)) return sample(*metal, color, outgoing, u);
-  if (const auto* dielectric = std::get_if<Dielectric>(&material))
-    return sample(*dielectric, outgoing, u_choice);
+  if (const auto* lambertian = std::get_if<Lambertian>(&material)) return sample(*lambertian, color, wo, u);
+  if (const auto* metal = std::get_if<Metal>(&material)) return sample(*metal, color, wo, u);
+  if (const auto* dielectric = std::get_if<Dielectric>(&material)) return sample(*dielectric, wo, u_choice);
   return std::nullopt;
 }
 
-Rgb eval(const Material& material, const Rgb& color, const glm::dvec3& outgoing, const glm::dvec3& incoming) {
-  if (const auto* lambertian = std::get_if<Lambertian>(&material))
-    return eval(*lambertian, color, outgoing, incoming);
-  if (const auto* metal = std::get_if<Metal>(&material)) return eval(*metal, color, outgoing, incoming);
+Rgb eval(const Material& material, const Rgb& color, const glm::dvec3& wo, const glm::dvec3& wi) {
+  if (const auto* lambertian = std::get_if<Lambertian>(&material)) return eval(*lambertian, color, wo, wi);
+  if (const auto* metal = std::get_if<Metal>(&material)) return eval(*metal, color, wo, wi);
   return Rgb(0.0f);
 }
 
-double pdf(const Material& material, const glm::dvec3& outgoing, const glm::dvec3& incoming) {
-  if (const auto* lambertian = std::get_if<Lambertian>(&material))
-    return pdf(*lambertian, outgoing, incoming);
-  if (const auto* metal = std::get_if<Metal>(&material)) return pdf(*metal, outgoing, incoming);
+double pdf(const Material& material, const glm::dvec3& wo, const glm::dvec3& wi) {
+  if (const auto* lambertian = std::get_if<Lambertian>(&material)) return pdf(*lambertian, wo, wi);
+  if (const auto* metal = std::get_if<Metal>(&material)) return pdf(*metal, wo, wi);
   return 0.0;
 }
 

@@ -36,13 +36,13 @@ struct Emissive {
 using Material = std::variant<Lambertian, Metal, Dielectric, Emissive>;
 
 // How a surface turns light. Directions are unit vectors that LEAVE the surface, in a frame whose z axis is
-// the outward normal: `outgoing` towards the viewer, `incoming` towards the light. z < 0 is the inside;
-// opaque materials look the same from both sides. `color` is the hit point's linear colour and stands in
+// the outward normal: `wo` towards the viewer, `wi` towards the light. z < 0 is the inside;
+// opaque materials look the same from both sides. `color` is the hit point's linear colour and is in
 // where the material has no albedo of its own.
 
 /// A direction a material has chosen.
 struct MaterialSample {
-  glm::dvec3 incoming{0.0, 0.0, 1.0};
+  glm::dvec3 wi{0.0, 0.0, 1.0};
   Rgb weight{0.0f};  ///< eval / pdf; for a specular choice the share of light it carries over its probability
   double pdf = 0.0;  ///< per solid angle; 0 for a specular choice, which has no density
   bool specular = false;  ///< mirror or refraction: a single direction, invisible to eval and pdf
@@ -50,15 +50,15 @@ struct MaterialSample {
 
 /// Chooses a direction from three even numbers in [0, 1). Empty: the light is absorbed. Never creates energy:
 /// the mean weight is at most 1 in each channel.
-std::optional<MaterialSample> sample(const Material& material, const Rgb& color, const glm::dvec3& outgoing,
+std::optional<MaterialSample> sample(const Material& material, const Rgb& color, const glm::dvec3& wo,
                                      const glm::dvec2& u, double u_choice);
 
-/// Scattering function TIMES the cosine of `incoming`. Zero for specular directions and for emissive
+/// Scattering function TIMES the cosine of `wi`. Zero for specular directions and for emissive
 /// surfaces.
-Rgb eval(const Material& material, const Rgb& color, const glm::dvec3& outgoing, const glm::dvec3& incoming);
+Rgb eval(const Material& material, const Rgb& color, const glm::dvec3& wo, const glm::dvec3& wi);
 
-/// Density per solid angle with which `sample` chooses `incoming`, specular choices left out.
-double pdf(const Material& material, const glm::dvec3& outgoing, const glm::dvec3& incoming);
+/// Density per solid angle with which `sample` chooses `wi`, specular choices left out.
+double pdf(const Material& material, const glm::dvec3& wo, const glm::dvec3& wi);
 
 /// Whether all the material's directions are specular, so that lights need not be sampled.
 bool is_specular(const Material& material);
@@ -76,6 +76,6 @@ Rgb albedo(const Material& material, const Rgb& color);
 /// reflection. Source: Born and Wolf, Principles of Optics, section 1.5.2.
 double fresnel_reflectance(double cosine, double index);
 
-std::optional<MaterialSample> sample(const Dielectric& material, const glm::dvec3& outgoing, double u_choice);
+std::optional<MaterialSample> sample(const Dielectric& material, const glm::dvec3& wo, double u_choice);
 
 }  // namespace alidade::renderer

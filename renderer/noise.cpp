@@ -54,7 +54,7 @@ class LevelVariances {
 double variance_share(const LevelSums& levels, std::uint32_t samples) {
   constexpr double k_largest_share = 2.0;
   const LevelVariances variances(levels, samples);
-  // With two samples, or without any difference, there is nothing to tell them apart.
+  // With two samples, or without any difference, there is nothing to distinguish them.
   if (samples == 2 || !(variances.of_one() > 0.0)) return 1.0;
   return std::clamp(samples * variances.of(samples) / variances.of_one(), 0.0, k_largest_share);
 }

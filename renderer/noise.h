@@ -18,9 +18,9 @@
 // and that of the first 2^j is V(j) - V(j + 1) on average: this is what LevelSums add up. They give every
 // V(j) but for one unknown, V at the last level. There V is taken as a part that falls as 1/2^j (what
 // independent samples do) plus a part that falls as 1/8^j (the fastest that scrambling gives, Owen 1997); the
-// last two levels tell the parts. The answer is right for any mixture of these, and too high, never too low,
-// for what falls at a rate between them. With n between powers of two the same rules give the variance of n
-// samples.
+// last two levels distinguish the parts. The answer is right for any mixture of these, and too high, never
+// too low, for what falls at a rate between them. With n between powers of two the same rules give the
+// variance of n samples.
 //
 // The sums are those of a tile: every pixel keeps its own sample variance, and the tile says how much less
 // than sample variance / n the variance of the mean is.
@@ -52,7 +52,7 @@ struct Noise {
 };
 
 /// The noise of a tile, on the safe side, unknown below two samples; its state must be kept with noise. Where
-/// a few pixels have most of the noise (the edge of a lamp), the sums of the tile tell little, and who asks
+/// a few pixels have most of the noise (the edge of a lamp), the sums of the tile mean little, and who asks
 /// again and again until they are low is misled. So they count as many times as there are pixels that matter,
 /// (sum of variances)^2 / sum of squared variances, against four times for what independent samples would
 /// leave. The luminance's standard deviation is taken as the weighted sum of those of the channels, which is

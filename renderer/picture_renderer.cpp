@@ -25,8 +25,8 @@ Clock::time_point after(Clock::time_point now, double seconds) {
 }  // namespace
 
 RenderWatch::RenderWatch(const RenderOptions& options, const PictureState& state, int samples,
-                         PictureFingerprint identity)
-    : options_(options), state_(state), samples_(samples), identity_(std::move(identity)) {
+                         PictureFingerprint fingerprint)
+    : options_(options), state_(state), samples_(samples), fingerprint_(std::move(fingerprint)) {
   if (options_.checkpoint) next_checkpoint_ = after(start_, options_.checkpoint->interval);
   done_ = state_.sample_count();
 }
@@ -81,7 +81,7 @@ void RenderWatch::write_checkpoint_if_due(Clock::time_point now) {
   const CheckpointOptions& checkpoint = *options_.checkpoint;
   try {
     const std::unique_lock<std::shared_mutex> alone(gate_);
-    write_checkpoint(checkpoint.file, identity_, samples_, state_, seconds());
+    write_checkpoint(checkpoint.file, fingerprint_, samples_, state_, seconds());
   } catch (const Error& error) {
     if (!checkpoint.failed) throw;
     checkpoint.failed(error);
@@ -106,7 +106,7 @@ void RenderWatch::finish() {
 
 void RenderWatch::save() {
   if (!options_.checkpoint) return;
-  write_checkpoint(options_.checkpoint->file, identity_, samples_, state_, seconds());
+  write_checkpoint(options_.checkpoint->file, fingerprint_, samples_, state_, seconds());
 }
 
 namespace {

@@ -12,7 +12,7 @@
 #include <vector>
 
 #include "renderer/noise.h"
-#include "renderer/picture_identity.h"
+#include "renderer/picture_fingerprint.h"
 #include "renderer/picture_state.h"
 #include "renderer/render.h"
 #include "renderer/tile_tracer.h"
@@ -23,10 +23,10 @@ namespace alidade::renderer {
 /// Whichever thread is at hand when something is due does it; the others go on.
 class RenderWatch {
  public:
-  /// The options and the state must outlive it. `identity` is that of the picture, for checkpoints; `samples`
-  /// those per pixel. Time begins now.
+  /// The options and the state must outlive it. `fingerprint` is that of the picture, for checkpoints;
+  /// `samples` those per pixel. Time begins now.
   RenderWatch(const RenderOptions& options, const PictureState& state, int samples,
-              PictureFingerprint identity);
+              PictureFingerprint fingerprint);
 
   /// To be held while samples are added to the state.
   std::shared_lock<std::shared_mutex> adding() { return std::shared_lock(gate_); }
@@ -37,7 +37,7 @@ class RenderWatch {
   /// Whether the time limit has been reached.
   bool time_is_up() const { return options_.time_limit && seconds() >= *options_.time_limit; }
 
-  /// Camera samples there will be in the end, as far as can be told.
+  /// Camera samples there will be in the end, as far as is known.
   void expect(std::uint64_t total) { expected_ = total; }
 
   /// Every pixel has a sample: the first preview, and from now on more.
@@ -46,7 +46,7 @@ class RenderWatch {
   /// The last report and preview.
   void finish();
 
-  /// Writes a checkpoint, if any are asked for. No thread may be at work.
+  /// Writes a checkpoint, if any are requested. No thread may be at work.
   void save();
 
   /// Spent on the picture, before a resumption included.
@@ -63,9 +63,9 @@ class RenderWatch {
   const RenderOptions& options_;
   const PictureState& state_;
   const int samples_;
-  const PictureFingerprint identity_;
+  const PictureFingerprint fingerprint_;
   const Clock::time_point start_ = Clock::now();
-  std::shared_mutex gate_;  ///< shared: the state grows; alone: it is looked at
+  std::shared_mutex gate_;  ///< shared: the state grows; alone: it is examined
   std::mutex mutex_;        ///< of all below
   Clock::time_point next_report_ = start_, next_preview_ = start_, next_checkpoint_ = start_;
   bool previews_ = false;
@@ -76,7 +76,7 @@ class RenderWatch {
 /// Brings a picture under way to its end, pass by pass, in parallel. Everything it is given must outlive it.
 class PictureRenderer {
  public:
-  /// `floor`: see noise_floor(). `film` has the layers of the pixels' centres that are asked for.
+  /// `floor`: see noise_floor(). `film` has the layers of the pixels' centres that are requested.
   PictureRenderer(const RenderTask& task, const RenderOptions& options, double floor, PictureState& state,
                   RenderWatch& watch, image::Film& film);
 

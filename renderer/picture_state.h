@@ -42,7 +42,7 @@ struct PictureState {
   std::vector<SumBand> bands;  ///< by row of tiles
   std::vector<TileState> tiles;
   std::vector<LevelSums> levels;  ///< by tile; empty without noise
-  int pass_end = 0;      ///< every tile is to reach this many samples, or stopped before, or more are asked
+  int pass_end = 0;  ///< every tile is to reach this many samples, or stopped before, or more are requested
   double seconds = 0.0;  ///< spent on it before the last resumption
 
   PictureState(int width, int height, bool with_noise);
@@ -60,9 +60,9 @@ void add_samples(PictureState& state, std::size_t tile, std::span<const PathResu
 /// keeps width and height at or below `longest_side`. Pixels without samples are black.
 image::Film reduced(const PictureState& state, int longest_side);
 
-/// Turns the sums into the film's colour and alpha, which must be empty, and its variance if that is asked
+/// Turns the sums into the film's colour and alpha, which must be empty, and its variance if that is requested
 /// for (the sums for noise must be there). Each band is freed as soon as it has been read, so that the film
-/// takes the place of the sums in memory.
+/// replaces the sums in memory.
 void move_into_film(PictureState& state, bool with_variance, image::Film& film);
 
 }  // namespace alidade::renderer

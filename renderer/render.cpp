@@ -38,7 +38,7 @@ bool wants(const RenderOptions& options, image::Layer layer) {
   return !options.layers || std::ranges::find(*options.layers, layer) != options.layers->end();
 }
 
-/// The layers that come from the pixels' centres, as far as they are asked for.
+/// The layers that come from the pixels' centres, as far as they are requested.
 std::vector<image::Layer> center_layers(const RenderOptions& options) {
   std::vector<image::Layer> layers = options.layers.value_or(image::all_layers());
   std::erase_if(layers, [](image::Layer layer) {
@@ -99,17 +99,17 @@ image::Film render(const Scene& scene, const LoadedCloud* cloud, const RenderOpt
   const double floor = noise_floor(scene.output.exposure);
 
   PictureState state(camera.width, camera.height, keeps_noise(options));
-  PictureFingerprint identity;
+  PictureFingerprint fingerprint;
   if (options.checkpoint) {
-    identity = picture_identity(scene, cloud, options);
+    fingerprint = picture_fingerprint(scene, cloud, options);
     const std::filesystem::path& file = options.checkpoint->file;
     if (options.checkpoint->resume && std::filesystem::exists(file)) {
-      read_checkpoint(InputFile(file), identity, scene.render.samples, state);
+      read_checkpoint(InputFile(file), fingerprint, scene.render.samples, state);
       if (options.checkpoint->resumed) options.checkpoint->resumed();
     }
   }
   image::Film film(camera.width, camera.height, center_layers(options));
-  RenderWatch watch(options, state, scene.render.samples, std::move(identity));
+  RenderWatch watch(options, state, scene.render.samples, std::move(fingerprint));
   try {
     PictureRenderer(task, options, floor, state, watch, film).run();
     watch.finish();

@@ -17,7 +17,7 @@
 
 namespace alidade::renderer {
 
-/// Changes whenever the same scene gives other bytes, so that no checkpoint goes on with samples of another
+/// Changes whenever the same scene gives other bytes, so that no checkpoint continues with samples of another
 /// kind.
 inline constexpr int k_picture_version = 2;
 
@@ -33,7 +33,7 @@ struct PreviewOptions {
 
 /// A file from which a render goes on that was interrupted or killed, and gives the same bytes.
 struct CheckpointOptions {
-  std::filesystem::path file;  ///< replaced whole or not at all; never removed by render()
+  std::filesystem::path file;  ///< replaced completely or not at all; never removed by render()
   double interval =
       60.0;  ///< seconds from the end of one to the next, > 0; at least ten times what writing takes
   bool resume = false;    ///< go on from the file; where there is none, start
@@ -83,7 +83,7 @@ struct RenderStatistics {
   std::size_t hurried_tiles = 0;        ///< those of them, or of all, that time kept from having all samples
 };
 
-/// Errors: the camera stands inside the sphere of a point (its number is told). Parallel rays have no such
+/// Errors: the camera stands inside the sphere of a point (its number is reported). Parallel rays have no such
 /// position.
 void check_camera_position(const camera::Camera& camera, const Scene& scene, const LoadedCloud& cloud);
 

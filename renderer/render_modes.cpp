@@ -18,7 +18,7 @@ void meet(const World& world, std::span<const CameraPath> paths, std::span<PathR
   rays.reserve(paths.size());
   for (const CameraPath& path : paths) rays.push_back(path.ray);
   std::vector<std::optional<Intersection>> met(rays.size());
-  world.nearest(rays, std::vector<Departure>(rays.size()), met);
+  world.nearest(rays, std::vector<RayOrigin>(rays.size()), met);
   for (std::size_t path = 0; path < paths.size(); ++path) {
     results[path] = {.met_surface = met[path].has_value(), .ray_count = 1};
     if (met[path])
@@ -53,7 +53,7 @@ double ambient_occlusion_distance(const RenderSettings& settings, const LoadedCl
 void trace_ambient_occlusion(const World& world, const Sky& sky, double ao_distance,
                              std::span<const CameraPath> paths, std::span<PathResult> results) {
   std::vector<Ray> rays;
-  std::vector<Departure> departures;
+  std::vector<RayOrigin> ray_origins;
   std::vector<std::size_t> asked;
   std::vector<Rgb> colors;
   meet(
@@ -69,18 +69,18 @@ void trace_ambient_occlusion(const World& world, const Sky& sky, double ao_dista
         Sampler sampler = paths[path].sampler;
         sampler.start_at(k_first_path_dimension);
         rays.push_back(
-            {surface.departure, basis_around(facing).to_world(sample_cosine_hemisphere(sampler.next_2d()))});
-        departures.push_back({.from = met.on_cloud ? Departure::From::point : Departure::From::object,
-                              .index = met.index,
-                              .center = met.center,
-                              .inward = glm::dot(facing, surface.normal) < 0.0,
-                              .radius = met.radius});
+            {surface.ray_origin, basis_around(facing).to_world(sample_cosine_hemisphere(sampler.next_2d()))});
+        ray_origins.push_back({.from = met.on_cloud ? RayOrigin::From::point : RayOrigin::From::object,
+                               .index = met.index,
+                               .center = met.center,
+                               .inward = glm::dot(facing, surface.normal) < 0.0,
+                               .radius = met.radius});
         asked.push_back(path);
         colors.push_back(seen.color);
       },
       [&](std::size_t path) { results[path].radiance = sky_radiance(sky, paths[path].ray.direction); });
   std::vector<std::uint8_t> blocked(rays.size());
-  world.blocked(rays, departures, blocked, ao_distance);
+  world.blocked(rays, ray_origins, blocked, ao_distance);
   for (std::size_t i = 0; i < rays.size(); ++i) {
     PathResult& result = results[asked[i]];
     ++result.ray_count;

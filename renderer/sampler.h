@@ -29,7 +29,7 @@ inline std::uint64_t mix_bits(std::uint64_t x) {
   return x ^ (x >> 31);
 }
 
-/// Owen scrambling for a number whose bits stand in reverse order: bit k of the result is bit k of x, flipped
+/// Owen scrambling for a number whose bits are in reverse order: bit k of the result is bit k of x, flipped
 /// or not depending on the bits below k and the seed.
 inline std::uint32_t scramble_reversed(std::uint32_t x, std::uint32_t seed) {
   x ^= x * 0x3d20adeau;

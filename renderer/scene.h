@@ -57,7 +57,7 @@ struct CloudSettings {
   bool partial = false;                      ///< ReadOptions::partial
   ColorDepth color_depth = ColorDepth::automatic;
   std::optional<double> radius;  ///< of the spheres, metres; empty = "auto", from the measured spacing
-  std::optional<AdaptedRadius> adapted_radius;  ///< takes the place of radius
+  std::optional<AdaptedRadius> adapted_radius;  ///< replaces radius
   HitMode hits = HitMode::entry;
   image::PointColoring color;
   Material material = Lambertian{};
@@ -143,7 +143,7 @@ struct Scene {
   std::vector<Object> objects;
   Sky sky = GradientSky{};
   std::optional<geo::Sun> sun;
-  std::optional<geo::SunByTime> sun_by_time;  ///< stands in for `sun`, which is made of it before rendering
+  std::optional<geo::SunByTime> sun_by_time;  ///< replaces `sun`, which is made of it before rendering
   std::string sun_origin;                     ///< how `sun` was made, for the metadata of pictures
   std::optional<camera::Camera> camera;       ///< empty = a view is chosen that shows the whole cloud
   RenderSettings render;

@@ -35,7 +35,7 @@ class SkyImage {
   /// as width times height, at least one. Memory: takes the pixels over and adds 8 bytes for each.
   SkyImage(image::SkyPixels pixels, double scale, double rotation);
 
-  /// Its pixels, scaled: what tells it from other skies.
+  /// Its pixels, scaled: what distinguishes it from other skies.
   const image::SkyPixels& pixels() const { return pixels_; }
 
   /// Radiance that comes along a unit direction towards the sky.
@@ -51,8 +51,8 @@ class SkyImage {
   double pdf(const glm::dvec3& direction) const { return pdf_of(radiance(direction)); }
 
  private:
-  /// A cell, which four middles of pixels bound, and a position in it, [0, 1] from left to right and from top to
-  /// bottom. Its left column is that of its number, its rows are the one above and that of its number; the
+  /// A cell, which four middles of pixels bound, and a position in it, [0, 1] from left to right and from top
+  /// to bottom. Its left column is that of its number, its rows are the one above and that of its number; the
   /// first and last row of cells reach from the outermost middles to the poles.
   struct Position {
     int column = 0, row = 0;

@@ -106,7 +106,7 @@ Surface on_sphere(const Ray& ray, double t, const glm::dvec3& center, double rad
   Surface surface;
   surface.normal = glm::normalize(ray.origin + t * ray.direction - center);
   // Put back on the sphere: a distant camera has left some rounding in t.
-  surface.position = surface.departure = center + radius * surface.normal;
+  surface.position = surface.ray_origin = center + radius * surface.normal;
   return surface;
 }
 
@@ -151,39 +151,39 @@ World::World(const Scene& scene, const LoadedCloud* cloud) : objects_(&scene.obj
   }
 }
 
-Intersection World::nearest_object(const Ray& ray, const Departure& departure) const {
+Intersection World::nearest_object(const Ray& ray, const RayOrigin& ray_origin) const {
   Intersection best;
   for (std::size_t index = 0; index < objects_->size(); ++index) {
-    const bool own = departure.from == Departure::From::object && departure.index == index;
+    const bool own = ray_origin.from == RayOrigin::From::object && ray_origin.index == index;
     const double t =
-        std::visit([&](const auto& object) { return intersect(object, ray, own, departure.inward); },
+        std::visit([&](const auto& object) { return intersect(object, ray, own, ray_origin.inward); },
                    (*objects_)[index]);
     if (t < best.t) best = {.t = t, .index = index};
   }
   return best;
 }
 
-std::optional<Intersection> World::nearest(const Ray& ray, const Departure& departure) const {
+std::optional<Intersection> World::nearest(const Ray& ray, const RayOrigin& ray_origin) const {
   std::optional<Intersection> met;
-  nearest({&ray, 1}, {&departure, 1}, {&met, 1});
+  nearest({&ray, 1}, {&ray_origin, 1}, {&met, 1});
   return met;
 }
 
-void World::nearest(std::span<const Ray> rays, std::span<const Departure> departures,
+void World::nearest(std::span<const Ray> rays, std::span<const RayOrigin> ray_origins,
                     std::span<std::optional<Intersection>> met) const {
   std::vector<Ray> asked;
   std::vector<std::size_t> numbers;
   for (std::size_t i = 0; i < rays.size(); ++i) {
-    Intersection best = nearest_object(rays[i], departures[i]);
-    if (cloud_ && departures[i].from == Departure::From::point && departures[i].inward) {
-      const Departure& departure = departures[i];
-      const double t = intersect_sphere(rays[i], departure.center, departure.radius, Roots::far_one);
+    Intersection best = nearest_object(rays[i], ray_origins[i]);
+    if (cloud_ && ray_origins[i].from == RayOrigin::From::point && ray_origins[i].inward) {
+      const RayOrigin& ray_origin = ray_origins[i];
+      const double t = intersect_sphere(rays[i], ray_origin.center, ray_origin.radius, Roots::far_one);
       if (t < best.t) {
         best = {.t = t,
                 .on_cloud = true,
-                .index = departure.index,
-                .center = departure.center,
-                .radius = departure.radius};
+                .index = ray_origin.index,
+                .center = ray_origin.center,
+                .radius = ray_origin.radius};
       }
     } else if (cloud_) {
       // The interval limits projections, which lie up to a radius behind the position of entry.
@@ -213,18 +213,18 @@ void World::nearest(std::span<const Ray> rays, std::span<const Departure> depart
   }
 }
 
-bool World::blocked(const Ray& ray, const Departure& departure) const {
+bool World::blocked(const Ray& ray, const RayOrigin& ray_origin) const {
   std::uint8_t answer = 0;
-  blocked({&ray, 1}, {&departure, 1}, {&answer, 1});
+  blocked({&ray, 1}, {&ray_origin, 1}, {&answer, 1});
   return answer != 0;
 }
 
-void World::blocked(std::span<const Ray> rays, std::span<const Departure> departures,
+void World::blocked(std::span<const Ray> rays, std::span<const RayOrigin> ray_origins,
                     std::span<std::uint8_t> answers, double reach) const {
   std::vector<Ray> asked;
   std::vector<std::size_t> numbers;
   for (std::size_t i = 0; i < rays.size(); ++i) {
-    answers[i] = nearest_object(rays[i], departures[i]).t < reach ? 1 : 0;
+    answers[i] = nearest_object(rays[i], ray_origins[i]).t < reach ? 1 : 0;
     if (answers[i] != 0 || !cloud_) continue;
     asked.push_back({rays[i].origin, rays[i].direction, 0.0, reach});
     numbers.push_back(i);
@@ -245,7 +245,7 @@ void World::smooth(const Ray& ray, const Intersection& intersection, Surface& su
   const glm::dvec3 facing = glm::dot(found.normal, ray.direction) > 0.0 ? -found.normal : found.normal;
   const double height = glm::dot(surface.position - intersection.center, facing);
   const double lift = k_departure_height * intersection.radius - height;
-  surface.departure += found.trust * lift * facing;
+  surface.ray_origin += found.trust * lift * facing;
   // Both face the ray, and so does their mean.
   surface.normal = glm::normalize(glm::mix(surface.normal, facing, found.trust));
 }
@@ -269,7 +269,7 @@ Surface World::surface_at(const Ray& ray, const Intersection& intersection) cons
   const auto& plane = std::get<GroundPlane>(object);
   Surface surface{.position = ray.origin + intersection.t * ray.direction, .material = &plane.material};
   surface.position.z = plane.height;
-  surface.departure = surface.position;
+  surface.ray_origin = surface.position;
   return surface;
 }
 

@@ -52,7 +52,7 @@ struct CloudGeometry {
 };
 
 /// Position in Surface::index space that a ray has just left, so that it does not meet it again.
-struct Departure {
+struct RayOrigin {
   enum class From { air, object, point } from = From::air;
   std::uint64_t index = 0;  ///< of the object, or point id
   glm::dvec3 center{0.0};   ///< of the point
@@ -72,7 +72,7 @@ struct Intersection {
 /// The hit position, ready for shading.
 struct Surface {
   glm::dvec3 position{0.0};
-  glm::dvec3 departure{0.0};  ///< where rays leave: `position`, but above the bumps of a smooth surface
+  glm::dvec3 ray_origin{0.0};  ///< where rays leave: `position`, but above the bumps of a smooth surface
   glm::dvec3 normal{0.0, 0.0, 1.0};  ///< outward, unit; may show away from the ray when it comes from inside
   Rgb color{1.0f};                   ///< linear colour of the point; white on objects
   const Material* material = nullptr;
@@ -87,26 +87,26 @@ class World {
 
   /// The nearest surface in front of the ray's origin. Between a sphere of the cloud and an object the
   /// smaller t wins. A ray that leaves a surface never meets that surface from the side it left to: the
-  /// departure says which; inside glass the far wall of the same sphere counts, and inside a glass point no
+  /// ray_origin says which; inside glass the far wall of the same sphere counts, and inside a glass point no
   /// other point is seen. Ray: t_min and t_max are ignored.
-  std::optional<Intersection> nearest(const Ray& ray, const Departure& departure) const;
+  std::optional<Intersection> nearest(const Ray& ray, const RayOrigin& ray_origin) const;
 
   /// Whether anything stands between the ray's origin and infinity.
-  bool blocked(const Ray& ray, const Departure& departure) const;
+  bool blocked(const Ray& ray, const RayOrigin& ray_origin) const;
 
   /// The same for many rays, which go through the cloud together: much faster. All of one length. `reach`:
   /// only what stands within so many metres of the origin blocks, of points those whose middle is passed
   /// there.
-  void nearest(std::span<const Ray> rays, std::span<const Departure> departures,
+  void nearest(std::span<const Ray> rays, std::span<const RayOrigin> ray_origins,
                std::span<std::optional<Intersection>> met) const;
-  void blocked(std::span<const Ray> rays, std::span<const Departure> departures,
+  void blocked(std::span<const Ray> rays, std::span<const RayOrigin> ray_origins,
                std::span<std::uint8_t> answers, double reach = std::numeric_limits<double>::infinity()) const;
 
   Surface surface_at(const Ray& ray, const Intersection& intersection) const;
 
   const std::vector<Object>& objects() const { return *objects_; }
 
-  /// From now on `watch` is told all rays that the octree is asked about.
+  /// From now on `watch` receives all rays that the octree is queried with.
   void watch_rays(RayWatch watch) { watch_ = std::move(watch); }
 
   /// Seconds that all threads together have spent in queries of the octree.
@@ -114,7 +114,7 @@ class World {
 
  private:
   void smooth(const Ray& ray, const Intersection& intersection, Surface& surface) const;
-  Intersection nearest_object(const Ray& ray, const Departure& departure) const;
+  Intersection nearest_object(const Ray& ray, const RayOrigin& ray_origin) const;
 
   const std::vector<Object>* objects_;
   std::optional<CloudGeometry> cloud_;

@@ -78,7 +78,7 @@ void fill_center_layers(const RenderTask& task, const TileBox& box, image::Film&
     }
   }
   std::vector<std::optional<Intersection>> met(rays.size());
-  task.world.nearest(rays, std::vector<Departure>(rays.size()), met);
+  task.world.nearest(rays, std::vector<RayOrigin>(rays.size()), met);
   for (std::size_t i = 0; i < rays.size(); ++i)
     if (met[i]) fill_pixel(task, rays[i], *met[i], pixels[i], film);
 }

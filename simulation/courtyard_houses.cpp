@@ -6,7 +6,7 @@
 
 #include "simulation/courtyard_parts.h"
 
-// Each wall is given from left to right as one stands before it, so the outside lies on the right hand of
+// Each wall is given from left to right as one is before it, so the outside lies on the right hand of
 // left -> right.
 
 namespace alidade::simulation::courtyard_parts {
@@ -52,7 +52,7 @@ WallPlan wall(const dvec2& left, const dvec2& right, double base, double top, co
       .left = left, .right = right, .base = base, .top = top, .tint = tint, .openings = std::move(openings)};
 }
 
-/// A dormer on a roof slope that falls to the south: its front stands at `position`, the roof behind it swallows
+/// A dormer on a roof slope that falls to the south: its front is at `position`, the roof behind it swallows
 /// the rest.
 void add_dormer(Objects& objects, const dvec2& position, double bottom) {
   constexpr double k_half = 0.85, k_height = 1.5, k_depth = 3.0;

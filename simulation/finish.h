@@ -41,11 +41,11 @@ struct Finish {
   SiteMaterial material = SiteMaterial::stone;
   glm::dvec3 tint{0.5};    ///< base colour, display-referred (sRGB), 0 .. 1
   glm::dvec2 size{0.0};    ///< see SiteMaterial
-  std::uint32_t seed = 0;  ///< tells like shapes apart
+  std::uint32_t seed = 0;  ///< distinguishes like shapes
 };
 
-/// Colour at one position, display-referred (sRGB), 0 .. 1. Made from hash noise with +, -, *, / and floor only,
-/// so it is the same bits on every machine.
+/// Colour at one position, display-referred (sRGB), 0 .. 1. Made from hash noise with +, -, *, / and floor
+/// only, so it is the same bits on every machine.
 glm::dvec3 color_of(const Finish& finish, const shapes::SurfacePoint& surface, const glm::dvec3& position);
 
 /// ASPRS class: 1 unclassified, 2 ground, 3 low and 5 high vegetation, 6 building, 9 water, 11 road surface;

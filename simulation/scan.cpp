@@ -144,7 +144,7 @@ std::uint16_t to_16_bits(double share) {
 /// What the beams of a batch share.
 struct Emission {
   std::uint64_t seed = 0;
-  std::uint64_t pass = 0;  ///< tells the noise of one scan from that of another
+  std::uint64_t pass = 0;  ///< separates the noise of one scan from that of another
   double range_noise = 0.0;
   double start_time = 0.0;  ///< GPS seconds
 };

@@ -113,7 +113,7 @@ struct ScanOptions {
   DroneScanner drone;
 };
 
-/// Takes the next points of a scan. `batch` stands on the scan's lattice and is only valid during the call.
+/// Takes the next points of a scan. `batch` is on the scan's lattice and is only valid during the call.
 using PointSink = std::function<void(const PointCloud& batch)>;
 
 /// A cloud without points that carries what all batches of a scan share: the lattice (1 mm, offset = the
@@ -129,7 +129,7 @@ AttributeSet scan_attributes();
 /// `sink`, in batches of some ten thousand in a fixed order, from one thread at a time. Traces in parallel
 /// (oneTBB). The points are the same on any number of threads and on any machine.
 ///
-/// How the number comes out exact without cutting anything off: a coarse survey of each station tells the
+/// How the number comes out exact without cutting anything off: a coarse survey of each station gives the
 /// share of its beams that meet something; from it one angular step for all stations is chosen that gives
 /// about terrestrial_share of the points. The flight then sends as many beams as points are missing, spread
 /// evenly over its lines; beams that miss the site are made up for by further passes, each as large as the

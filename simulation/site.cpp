@@ -35,7 +35,7 @@ struct Nearest {
   std::uint32_t object = 0;
 };
 
-/// Takes `object` if it is met before `nearest`, or at the same position and stands before it in the list.
+/// Takes `object` if it is met before `nearest`, or at the same position and is before it in the list.
 void offer(std::optional<Nearest>& nearest, const SiteObject& object, std::uint32_t index, const Ray& local) {
   Ray shortened = local;
   if (nearest) shortened.t_max = nearest->t;

@@ -8,8 +8,9 @@
 #include "tools/console.h"
 #include "tools/options.h"
 
-// A sub-command is one function: it declares its options on the program and returns what to do when it is chosen.
-// Work is done by the libraries; a command only reads options, calls, and prints. Bad input is thrown as Error.
+// A sub-command is one function: it declares its options on the program and returns what to do when it is
+// chosen. Work is done by the libraries; a command only reads options, calls, and prints. Bad input is thrown
+// as Error.
 
 namespace alidade::tools {
 
@@ -44,7 +45,7 @@ Command add_compare(const Options& program);
 Command add_visibility(const Options& program, const CommandLine& command_line);
 Command add_sql(const Options& program);
 
-/// Runs what the command line asks for, whose first word is the program's name. Errors: those of the commands.
+/// Runs what the command line requests, whose first word is the program's name. Errors: those of the commands.
 ExitCode run_program(const CommandLine& command_line);
 
 /// `alidade sql load` and `alidade sql shard-plan`.

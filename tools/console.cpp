@@ -42,7 +42,7 @@ void catch_interrupts() {
   sigaction(SIGINT, &action, nullptr);
   sigaction(SIGTERM, &action, nullptr);
   sigaction(SIGHUP, &action, nullptr);
-  // A file beyond the limit of its size is a failed write, which is told and leaves nothing behind.
+  // A file beyond the limit of its size is a failed write, which is reported and leaves nothing behind.
   struct sigaction ignored = {};
   ignored.sa_handler = SIG_IGN;
   sigaction(SIGXFSZ, &ignored, nullptr);

@@ -74,7 +74,7 @@ void write_to_stdout(std::string_view text);
 ///   line.finish();
 class ProgressLine {
  public:
-  /// `unit` is what the task counts in, as it stands behind a rate: "points", "camera rays".
+  /// `unit` is what the task counts in, as it is behind a rate: "points", "camera rays".
   ProgressLine(std::string task, std::string unit, Verbosity verbosity);
   /// Ends a line that was left in the middle.
   ~ProgressLine();

@@ -21,10 +21,10 @@
 
 namespace alidade::tools {
 
-/// The functions of the libraries that need OpenImageIO or GDAL, which bring some 250 libraries: loading these takes
-/// longer, and more memory, than all the work of most commands. So the functions stand in a module beside the
-/// program, and only a command that needs one loads it. Their contracts are those of their headers. Only the module makes
-/// an ImageModule: the program would have to link the functions.
+/// The functions of the libraries that need OpenImageIO or GDAL, which bring some 250 libraries: loading
+/// these takes longer, and more memory, than all the work of most commands. So the functions are in a module
+/// beside the program, and only a command that needs one loads it. Their contracts are those of their
+/// headers. Only the module makes an ImageModule: the program would have to link the functions.
 struct ImageModule {
   decltype(&renderer::write_image) write_image = &renderer::write_image;
   decltype(&image::write_legend) write_legend = &image::write_legend;
@@ -49,8 +49,8 @@ struct ImageModule {
   decltype(&compare::write_difference) write_difference = &compare::write_difference;
 };
 
-/// Loads the module, which then stays. Errors: it is not where the program was built or installed, or it lacks a
-/// library.
+/// Loads the module, which then stays. Errors: it is not where the program was built or installed, or it
+/// lacks a library.
 const ImageModule& image_module();
 
 }  // namespace alidade::tools

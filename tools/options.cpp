@@ -263,7 +263,7 @@ void add_threads(const Options& command, std::optional<int>& threads) {
 
 ExitCode with_threads(std::optional<int> threads, const std::function<ExitCode()>& work) {
   if (!threads) return work();
-  // The limit allows more threads than the machine has; the arena then asks for them.
+  // The limit allows more threads than the machine has; the arena then requests them.
   const tbb::global_control limit(tbb::global_control::max_allowed_parallelism,
                                   static_cast<std::size_t>(*threads));
   tbb::task_arena arena(*threads);

@@ -22,9 +22,9 @@
 #include "cloud/cloud_inputs.h"
 #include "tools/console.h"
 
-// The command line: declaring commands and options, options that several commands share, and the strict reading of
-// their values. A value with anything behind the number is an error, as is one outside its limits. The parser is CLI11,
-// which only options.cpp includes: it takes longer to compile than most commands.
+// The command line: declaring commands and options, options that several commands share, and the strict
+// reading of their values. A value with anything behind the number is an error, as is one outside its limits.
+// The parser is CLI11, which only options.cpp includes: it takes longer to compile than most commands.
 
 namespace CLI {
 class App;
@@ -90,10 +90,10 @@ class Option {
   CLI::Option* option_;
 };
 
-/// The options of a command, or those of them that stand under one heading of its manual. Copies mean the same
-/// command. `names` are as "-o,--output", or a word without hyphens for an operand; `kind` stands behind them in the manual,
-/// as FILE. Values go where `target` points, which must live as long as the program parses; whoever reads a value
-/// throws UsageError without the option's name.
+/// The options of a command, or those of them that stand under one heading of its manual. Copies mean the
+/// same command. `names` are as "-o,--output", or a word without hyphens for an operand; `kind` is behind
+/// them in the manual, as FILE. Values go where `target` points, which must live as long as the program
+/// parses; whoever reads a value throws UsageError without the option's name.
 class Options {
  public:
   using Take = std::function<void(const std::string&)>;
@@ -239,8 +239,8 @@ void add_threads(const Options& command, std::optional<int>& threads);
 ExitCode with_threads(std::optional<int> threads, const std::function<ExitCode()>& work);
 
 /// Lets a long task fail before it starts: Error if the file is one of `inputs` by whatever name ("-" is
-/// standard input; empty ones are none), exists and may not be replaced, is no regular file, or if its folder cannot be written
-/// to.
+/// standard input; empty ones are skipped), exists and may not be replaced, is no regular file, or if its
+/// folder cannot be written to.
 void check_writable(const std::filesystem::path& output, bool overwrite,
                     std::span<const std::filesystem::path> inputs = {});
 
@@ -278,7 +278,7 @@ struct RunRequest {
 /// Declares --partial, --threads, -q and -v.
 void add_run_options(const Options& command, RunRequest& request);
 
-/// What all commands on one cloud are asked.
+/// Options of all commands on one cloud.
 struct CloudRequest : RunRequest {
   CloudInputs files;
 

@@ -80,7 +80,7 @@ inline std::optional<double> crossing(const Occluders& occluders, const SightLin
   if (!position || !(*position >= 0.0 && *position <= line.length)) return std::nullopt;
   const glm::dvec3 offset = line.from.position + *position * line.direction - candidate.position;
   if (!(glm::dot(offset, offset) <= candidate.radius * candidate.radius)) return std::nullopt;
-  // Radii that are given are those of whole discs, and of widest ones spacings are not told by the radius.
+  // Radii that are given are those of whole discs, and of widest ones spacings do not follow from the radius.
   if (!occluders.options().radius && candidate.radius < occluders.largest_radius()) {
     const SheetEdge edge = edge_of(occluders.octree().view(), candidate.point_id, surface.normal);
     if (glm::dot(offset, edge.direction) * k_disc_share > edge.distance * candidate.radius)

@@ -84,7 +84,7 @@ using GroundHeight = std::function<std::optional<double>(const glm::dvec2& posit
 GivenObserver parse_observer(const std::string& text);
 
 /// Gives every observer its position: z as given or that of the ground, plus the height; what is empty comes
-/// from `defaults`. Nameless ones are called "observer N", from 1. `ground` is asked only for those without
+/// from `defaults`. Nameless ones are called "observer N", from 1. `ground` is called only for those without
 /// z. Errors, naming the source: a number that is not finite (max_distance may be infinite), a coordinate
 /// beyond 1e12, a height or distance below 0, elevations outside [-90, 90] or upside down, azimuths outside
 /// [-360, 720], equal, or going backwards by a turn or more; no ground below an observer without z.
@@ -95,7 +95,7 @@ std::vector<Observer> place_observers(std::span<const GivenObserver> given, cons
 constexpr double k_most_grid_observers = 1e6;
 
 /// Candidates for observers: the middles of square cells of this width that cover the extent and share its
-/// middle, row by row from the south-west, where there is ground to stand on; named "ROW-COLUMN" from 1.
+/// middle, row by row from the south-west, where there is ground to be on; named "ROW-COLUMN" from 1.
 /// `progress` is in cells. Errors: `width` not above 0 and finite; more than k_most_grid_observers cells; no
 /// ground anywhere.
 std::vector<GivenObserver> observer_grid(const Bounds& extent, double width, const GroundHeight& ground,

@@ -36,23 +36,24 @@ constexpr std::array<ObserverField, 7> k_observer_fields{{
 /// `y` must be there; `z`, `name`, `height`, `azimuth_min`, `azimuth_max`, `elevation_min`, `elevation_max`
 /// and `max_distance` may, also under the short names of observer_fields.h. An empty cell is as if it were
 /// not there; blank lines are skipped. Errors, naming line and column: an unknown or repeated name, a missing
-/// position, a cell that is no number, too many or too few cells; no row at all.
+/// position, a cell that is not a number, too many or too few cells; no row at all.
 std::vector<GivenObserver> read_observer_table(const std::filesystem::path& path);
 std::vector<GivenObserver> read_observer_table(InputFile& file);
 
-/// Turns positions into the cloud's reference system: those in `own`, WKT, empty if the file says nothing. z and
-/// heights stay as they are, in the cloud's unit. Positions are untouched if both systems are the same, or none
-/// is known. Errors: one is known and the other not; one that GDAL does not understand; a position that has no
-/// image.
+/// Turns positions into the cloud's reference system: those in `own`, WKT, empty if the file says nothing. z
+/// and heights stay as they are, in the cloud's unit. Positions are untouched if both systems are the same,
+/// or none is known. Errors: one is known and the other not; one that GDAL does not understand; a position
+/// that has no image.
 void to_cloud_reference(std::vector<GivenObserver>& observers, const std::string& own,
                         const geo::ObserverReference& reference);
 
-/// Reads observers from a file, in the cloud's reference system: CSV (observer_table.h) by its extension .csv or
-/// .txt, anything else as points of GeoJSON, GeoPackage or Shapefile. Attributes of the names of
-/// observer_fields.h and `name` are taken, in any case of characters; others are passed over. A point with z, or
-/// with an attribute z, has its foot there; others stand on the ground. A multi-point is as many observers.
-/// CSV, which tells no reference system, is in the cloud's. Errors: not such a file, damaged, no features,
-/// more than one layer; other geometries than points; an attribute that is no number; to_cloud_reference().
+/// Reads observers from a file, in the cloud's reference system: CSV (observer_table.h) by its extension .csv
+/// or .txt, anything else as points of GeoJSON, GeoPackage or Shapefile. Attributes of the names of
+/// observer_fields.h and `name` are taken, in any case of characters; others are passed over. A point with z,
+/// or with an attribute z, has its foot there; others are on the ground. A multi-point is as many observers.
+/// CSV, which names no reference system, is in the cloud's. Errors: not such a file, damaged, no features,
+/// more than one layer; other geometries than points; an attribute that is not a number;
+/// to_cloud_reference().
 std::vector<GivenObserver> read_observers(const std::filesystem::path& path,
                                           const geo::ObserverReference& reference);
 

@@ -91,14 +91,14 @@ class Occluders {
 struct SightEnd {
   glm::dvec3 position{0.0};
   /// Discs with their point within own_reach (metres), or 3 of their radii if these are more, whose plane
-  /// passes within own_thickness (metres) of the position are the surface that the end lies on. 0: a position in
-  /// the air.
+  /// passes within own_thickness (metres) of the position are the surface that the end lies on. 0: a position
+  /// in the air.
   double own_reach = 0.0, own_thickness = 0.0;
 };
 
 /// A line of sight; made by sight_line() and sight_ray().
 struct SightLine {
-  SightEnd from, to;                                        ///< `to` means nothing if the line has no end
+  SightEnd from, to;                                        ///< `to` does not apply if the line has no end
   glm::dvec3 direction{0.0, 0.0, 1.0};                      ///< of length 1
   double length = std::numeric_limits<double>::infinity();  ///< metres
 };
@@ -156,7 +156,7 @@ struct ChordLines {
 /// What blocks such lines, as sight_line.h has it for straight ones. Crossings are counted over all chords of
 /// a line, those of one point with two chords as one. Blocker::distance is from the line's start. Cost: that
 /// of the chords; with a transparency above 1 all that blocks a line is found, with 70 B for each point while
-/// some thousand chords are asked. Errors: not as many answers as lines.
+/// some thousand chords are handed over. Errors: not as many answers as lines.
 void first_blockers(const Occluders& occluders, const ChordLines& lines,
                     std::span<std::optional<Blocker>> blockers);
 

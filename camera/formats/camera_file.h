@@ -46,7 +46,7 @@ std::span<const ColmapModel> colmap_models();
 Camera camera_of_colmap(const ColmapModel& model, std::uint64_t width, std::uint64_t height,
                         std::span<const double> parameters);
 
-/// A camera's JSON with the error of `work` told at its position.
+/// A camera's JSON with the error of `work` located at its position.
 template <typename Work>
 auto at_node(const JsonNode& node, const Work& work) {
   try {

@@ -139,7 +139,7 @@ struct ColmapImage {
 };
 
 /// Joins the images of a COLMAP model with their cameras. Errors, without file and position: an id that stands
-/// twice, an image of an absent camera, a rotation or translation that is none, a name that is empty.
+/// twice, an image of an absent camera, an invalid rotation or translation, an empty name.
 class ColmapImages {
  public:
   void add_camera(std::uint32_t id, const Camera& camera);
@@ -299,7 +299,7 @@ CameraSet read_colmap_binary(InputFile cameras, InputFile images) {
 
 namespace {
 
-/// Runs `work` and tells file and line in errors that name none.
+/// Runs `work` and adds file and line to errors without them.
 template <typename Work>
 void at_line(const std::string& file, const LineWalk& lines, const Work& work) {
   try {

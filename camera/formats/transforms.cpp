@@ -139,7 +139,7 @@ void set_intrinsics(const FrameFields& fields, const JsonNode& frame, const std:
   camera.fy = focal_length(fields, 'y', h).value_or(camera.fx);
 }
 
-/// An affine map as rows of four numbers; 3 rows, or 4 of which the last is not looked at.
+/// An affine map as rows of four numbers; 3 rows, or 4 of which the last is not examined.
 struct Affine {
   glm::dmat3 linear{1.0};
   glm::dvec3 shift{0.0};

@@ -150,7 +150,7 @@ class E57Reader final : public CloudReader {
 
   using PointVisitor = std::function<void(const E57Points&)>;
 
-  /// Shows the points of one scan; tells which were left out and how finely the others are told apart.
+  /// Shows the points of one scan; reports which were left out and how finely the others are distinguished.
   E57LeftOut visit_scan(std::size_t scan, AttributeSet attributes, const Progress& progress,
                         const PointVisitor& visitor, glm::dvec3* resolution) {
     const E57Scan& about = scans()[scan];
@@ -167,7 +167,7 @@ class E57Reader final : public CloudReader {
     return reader.left_out();
   }
 
-  /// What the time stamps of each scan count from. Adjusted standard GPS time needs to know of every scan when
+  /// What the time stamps of each scan count from. Adjusted standard GPS time depends for every scan on when
   /// it began.
   void find_time_origins() {
     time_origins_.assign(scans().size(), 0.0);

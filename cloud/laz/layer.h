@@ -46,7 +46,7 @@ namespace alidade {
 /// Bytes of the items RGB14 and of what RGBNIR14 adds.
 inline constexpr std::size_t k_color_size = 6, k_near_infrared_size = 2;
 
-/// What the first layer of a layered LAZ chunk, that of returns and positions, tells all others about a
+/// What the first layer of a layered LAZ chunk, that of returns and positions, passes to all others about a
 /// point.
 struct LayeredPoint {
   enum Change : std::uint8_t {

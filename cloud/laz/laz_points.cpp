@@ -96,7 +96,7 @@ class ChunkUnpacker {
       points_done_ += point_count;
       offset += used;
       if (lost_.empty()) continue;
-      // Where the next chunk begins, only this one could have told.
+      // Only this chunk could have shown where the next one begins.
       lost_.back().count += header_.point_count - points_done_;
       break;
     }
@@ -106,8 +106,8 @@ class ChunkUnpacker {
  private:
   using Problem = std::optional<CorruptChunk>;
 
-  /// Unpacks the chunks of a batch, each by take(chunk, records, count, first point); tells what is wrong with
-  /// each.
+  /// Unpacks the chunks of a batch, each by take(chunk, records, count, first point); reports what is wrong
+  /// with each.
   template <class Take>
   std::vector<Problem> decode_at_once(std::span<const LazChunk> chunks, const Take& take) {
     std::vector<Problem> problems(chunks.size());
@@ -120,7 +120,7 @@ class ChunkUnpacker {
                                      });
         if (used != chunks[i].byte_count) throw CorruptChunk(k_other_end);
       } catch (const CorruptChunk& problem) {
-        // Which one is told must not depend on threads.
+        // Which one is reported must not depend on threads.
         problems[i] = problem;
       }
       progress_.add(chunks[i].byte_count);

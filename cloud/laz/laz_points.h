@@ -40,7 +40,7 @@ class LazPoints {
   /// are unpacked in parallel (oneTBB), the file is read by the calling thread, and the rows are the same on
   /// any number of threads. `progress` is in bytes.
   /// Errors: the first chunk that is damaged, with its number and that of the point within the file, both
-  /// from 0. With Damage::read_over such chunks are left out and told of instead; of a single stream, and of
+  /// from 0. With Damage::read_over such chunks are left out and reported instead; of a single stream, and of
   /// chunks without a table, all points from some thousand before the damage on are lost. Memory: some 16
   /// MiB (80 with Damage::read_over), or as much as the largest chunk packed and, if layered, unpacked;
   /// points that a file only claims to have take none.

@@ -194,7 +194,7 @@ PcdHeader read_pcd_header(InputFile& input, Damage damage) {
   take_point_count(scanner, lines, header);
   header.data_offset = scanner.offset();
   header.line_count = scanner.line_number();
-  // The sizes of compressed points stand before the data.
+  // The sizes of compressed points are before the data.
   const bool is_text = header.format == PcdFormat::ascii;
   if (header.format != PcdFormat::binary_compressed)
     check_room(input,

@@ -63,7 +63,7 @@ class Errors {
       DifferenceSums<Number> of_pixel;
       for (std::size_t i = channels_ * pixel; i < channels_ * (pixel + 1); ++i)
         of_pixel.add(difference_(i), i);
-      // A value that is no number makes none of the sum.
+      // A NaN makes the whole sum NaN.
       if (is_finite(of_pixel.sum_abs))
         sums.differences.add(of_pixel);
       else
@@ -157,7 +157,7 @@ ErrorMetrics error_metrics(const ComparedImage& reference, const ComparedImage& 
   const image::CurveTable* const to_curve = curve_of(test, encoding);
   const auto difference = [&](std::size_t i) {
     const float before = from[i * step], after = to[i * step];
-    // The curve would make a number of what is none.
+    // The curve would turn NaN into a number.
     if (!std::isfinite(before) || !std::isfinite(after)) return std::numeric_limits<double>::quiet_NaN();
     return static_cast<double>(to_curve ? to_curve->at(after) : after) -
            static_cast<double>(from_curve ? from_curve->at(before) : before);

@@ -33,7 +33,7 @@ struct FlipOptions {
   FlipRange range = FlipRange::automatic;
   ToneMapper tone_mapper = ToneMapper::aces;
   std::optional<double> start_exposure, stop_exposure;  ///< stops, -1000 .. 1000; found from the reference
-  std::optional<int> exposures;                         ///< 2 to 256; one per stop if not told
+  std::optional<int> exposures;                         ///< 2 to 256; one per stop if not given
   InstructionSet instruction_set = InstructionSet::best;
 };
 

@@ -255,8 +255,8 @@ ExposureRange exposure_range(const ComparedImage& reference, const ComparedImage
   const bool is_dark = !(luminances.most > 0.0);
   if (is_dark && !options.start_exposure && !options.stop_exposure) return {};
   const double light = light_of_target(options.tone_mapper);
-  const auto found = [&](const std::optional<double>& told, double luminance) {
-    return told ? *told : is_dark ? 0.0 : binary_logarithm(light / luminance);
+  const auto found = [&](const std::optional<double>& given, double luminance) {
+    return given ? *given : is_dark ? 0.0 : binary_logarithm(light / luminance);
   };
   ExposureRange range;
   range.start = found(options.start_exposure, luminances.most);

@@ -32,7 +32,7 @@ struct FlipFilters {
 FlipFilters flip_filters(double pixels_per_degree);
 
 /// The colour spaces of FLIP. Source: as FlipFilters; matrices of sRGB's primaries and D65 as the tool has
-/// them. CIE XYZ is told relative to the white point (1, 1, 1), and the opponent space YCxCz without its
+/// them. CIE XYZ is relative to the white point (1, 1, 1), and the opponent space YCxCz without its
 /// constant and factors (y = (Y + 16) / 116, x - y = Cx / 500, y - z = Cz / 200), which filters of sum 1 do
 /// not see.
 struct FlipColor {

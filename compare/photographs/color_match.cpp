@@ -74,7 +74,7 @@ class LineFitter {
  private:
   std::size_t half() const { return pairs_.size() / 2 + 1; }
 
-  /// Least squares over the pairs that `takes`; empty if they do not tell.
+  /// Least squares over the pairs that `takes`; empty if they do not determine one.
   template <typename Takes>
   std::optional<Line> least_squares(const Takes& takes) const {
     double w = 0.0, wx = 0.0, wy = 0.0;

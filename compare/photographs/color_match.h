@@ -26,7 +26,7 @@ struct RobustLine {
 /// (y - scale x - offset) / (|y| + m), m the median of |y|, since errors of light grow with it. 64 starts
 /// through one or two pairs chosen by a fixed seed, two concentration steps each (fit the half with the least
 /// residuals), the best eight until nothing changes; then least squares over all pairs within 2.5 standard
-/// deviations, told from the median residual. With 40 % of wrong pairs the chance that no start is free of
+/// deviations, estimated from the median residual. With 40 % of wrong pairs the chance that no start is free of
 /// them is below 1e-12. Empty if there are fewer than 4 pairs, or if x is 0 everywhere (free: of one value)
 /// in the half that fits best. The same for the same pairs in the same order. Cost: some microseconds per
 /// pair. Source: P. J. Rousseeuw, K. Van Driessen, Computing LTS Regression for Large Data Sets, Data Mining
@@ -34,7 +34,7 @@ struct RobustLine {
 std::optional<RobustLine> fit_robust_line(std::span<const FitPair> pairs, LineKind kind);
 
 // A photograph has another exposure and another white balance than a render. What is left when both are
-// fitted tells whether the scene differs or only the camera did.
+// fitted reports whether the scene differs or only the camera did.
 
 enum class ColorModel {
   exposure,  ///< a factor per channel: exposure and white balance
@@ -54,7 +54,7 @@ struct ColorMatch {
 /// at the ends of the codes, where cameras clip. Means of blocks have little noise and bear a few pixels of
 /// misalignment. The fit is then repeated once over all blocks within 2.5 robust standard deviations, which
 /// are the inliers.
-/// Empty if fewer than 16 blocks are left, or if a channel does not vary enough to tell (black; for affine:
+/// Empty if fewer than 16 blocks are left, or if a channel does not vary enough (black; for affine:
 /// of one value). Both pictures must have colours and the same size. Cost: one pass over the pixels, then
 /// some milliseconds per channel. The same result on any number of threads. Source: P. J. Rousseeuw, K. Van
 /// Driessen, Computing LTS Regression for Large Data Sets, Data Mining and Knowledge Discovery 12 (2006):

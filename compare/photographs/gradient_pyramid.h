@@ -20,9 +20,9 @@ struct GradientLevel {
 
 /// Gradients of the luminance of the display-referred colours; level 0 has the picture's size, each further
 /// one half of it, rounded up. A pixel (x, y) of a level is at (2 x, 2 y) of the one before. What counts:
-/// compare/photographs/alignment.h. Pixels whose neighbours count for more than half in the binomial filter count as
-/// well, so that single holes close. Requires levels >= 1. Memory: 8 bytes per pixel beside the result, which
-/// takes 4.
+/// compare/photographs/alignment.h. Pixels whose neighbours count for more than half in the binomial filter
+/// count as well, so that single holes close. Requires levels >= 1. Memory: 8 bytes per pixel beside the
+/// result, which takes 4.
 std::vector<GradientLevel> gradient_pyramid(const ComparedImage& image, const ImageMask& mask, int levels);
 
 }  // namespace alidade::compare

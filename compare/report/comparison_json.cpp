@@ -73,7 +73,7 @@ std::string match_text(const ColorMatch& match, ColorModel model) {
 
 std::string alignment_text(const Alignment& found, int largest_shift) {
   if (!found.is_certain)
-    return fmt::format("no shift up to {} pixels can be told; correlation of edges {:.3f}", largest_shift,
+    return fmt::format("no shift up to {} pixels stands out; correlation of edges {:.3f}", largest_shift,
                        found.score_unshifted);
   // No -0.00.
   const auto hundredths = [](double shift) { return std::round(100.0 * shift) / 100.0 + 0.0; };
@@ -100,7 +100,7 @@ std::vector<HowLine> how_lines(const Comparison& comparison) {
   std::vector<HowLine> lines;
   const auto add = [&](const char* name, std::string text) { lines.push_back({name, std::move(text)}); };
   if (options.crop)
-    add("Part", text_of(*options.crop) + " of both; places are told from its top left corner");
+    add("Part", text_of(*options.crop) + " of both; positions count from its top left corner");
   if (!options.mask.empty()) add("Mask", options.mask.filename().string());
   if (!options.keep.empty()) add("Only in", text_of(options.keep));
   if (!options.ignore.empty()) add("Ignored", text_of(options.ignore));

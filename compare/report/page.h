@@ -16,18 +16,18 @@ namespace alidade::compare {
 extern const std::string_view k_report_html, k_summary_html, k_style_css, k_page_js, k_tables_js, k_viewer_js,
     k_summary_js;
 
-/// The template with every {{name}} replaced by the value of that name; what is put in is not looked at
+/// The template with every {{name}} replaced by the value of that name; what is put in is not expanded
 /// again. Requires every name of the template to be given.
 std::string fill_page(std::string_view page,
                       const std::vector<std::pair<std::string_view, std::string_view>>& values);
 
-/// Text as it stands in HTML and in its quoted attributes.
+/// Text as it is in HTML and in its quoted attributes.
 std::string html_text(std::string_view text);
 
-/// JSON as it may stand in a script element: no "</script>" can end it early.
+/// JSON as it may be in a script element: no "</script>" can end it early.
 std::string script_json(std::string json);
 
-/// Writes a page, which appears whole or not at all. Errors: those of OutputFile.
+/// Writes a page, which is written completely or not at all. Errors: those of OutputFile.
 void write_page(const std::string& page, const std::filesystem::path& file, bool overwrite);
 
 /// The comparison as one page of HTML that needs nothing else: no network, no other file, no server. Pictures

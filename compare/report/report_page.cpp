@@ -75,7 +75,7 @@ Json map_json(const PagePicture& picture, const DifferenceMap& map) {
 
 Json views_json(const std::vector<PagePicture>& pictures) {
   const PagePicture& reference = pictures.front();
-  // The matched test stands behind the test as it is.
+  // The matched test is behind the test as it is.
   const bool is_matched = pictures.size() > 2 && pictures[2].id == "matched";
   const PagePicture& test = pictures[is_matched ? 2 : 1];
   const auto two = [&](const char* kind, const char* title, const char* note) {
@@ -84,9 +84,9 @@ Json views_json(const std::vector<PagePicture>& pictures) {
                 {"over", test.id},     {"left", reference.title},
                 {"right", test.title}, {"note", note}};
   };
-  Json views = {
-      two("swipe", "Swipe", "The reference left of the divider, the test right of it."),
-      two("blink", "Blink", "Reference and test in turn at the same place: what moves or flickers differs.")};
+  Json views = {two("swipe", "Swipe", "The reference left of the divider, the test right of it."),
+                two("blink", "Blink",
+                    "Reference and test in turn at the same position: what moves or flickers differs.")};
   for (const PagePicture& picture : pictures) {
     views.push_back(picture.map != nullptr ? map_json(picture, *picture.map)
                                            : Json{{"id", picture.id},

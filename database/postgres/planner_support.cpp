@@ -91,7 +91,7 @@ Node* simplify_distance(const SupportRequestSimplify& request, const char* line_
                                                  -1, InvalidOid, COERCE_IMPLICIT_CAST));
 }
 
-/// The operation that simplify_distance made; null if the node is none. Casts that are functions, and
+/// The operation that simplify_distance made; null if the node is not one. Casts that are functions, and
 /// domains, change or check the value: they stay.
 OpExpr* as_distance(Node* node) {
   while (IsA(node, RelabelType)) node = reinterpret_cast<Node*>(reinterpret_cast<RelabelType*>(node)->arg);
@@ -107,7 +107,7 @@ struct Symbol {
   const char* commuted;
 };
 
-/// What a comparison's function does, told by the function of PostgreSQL that it is.
+/// What a comparison's function does, by the function of PostgreSQL that it is.
 const Symbol* symbol_of(Oid function) {
   static constexpr Symbol k_symbols[] = {{float8lt, "<", ">"},
                                          {float8le, "<=", ">="},

@@ -23,7 +23,7 @@ const char* skip_spaces(const char* text) {
   return text + std::strspn(text, " \t\n\r\v\f");
 }
 
-/// Ends with the error that a text is none of the type.
+/// Ends with the error that a text is not of the type.
 [[noreturn]] void reject_text(const char* all, const char* type) {
   ereport(ERROR, (errcode(ERRCODE_INVALID_TEXT_REPRESENTATION),
                   errmsg("invalid input syntax for type %s: \"%s\"", type, all)));
@@ -35,7 +35,7 @@ void read_numbers(const char* text, const char* all, const char* type, std::span
   const char* position = skip_spaces(text);
   for (std::size_t i = 0; i < numbers.size(); ++i) {
     if (*position != (i == 0 ? '(' : ',')) reject_text(all, type);
-    // PostgreSQL's own parser, which only reads, asks for text that may be changed.
+    // PostgreSQL's own parser, which only reads, requests text that may be changed.
     char* end = nullptr;
     numbers[i] = float8in_internal(const_cast<char*>(position + 1), &end, type, all);
     position = skip_spaces(end);
@@ -81,7 +81,7 @@ CloudLimit limit_of(DistanceKind kind, const std::array<double, 8>& n) {
   return {.line = line_of(kind, n), .least = n[6], .largest = n[7], .kind = kind};
 }
 
-/// Numbers as exact as the setting extra_float_digits asks for, which by default is exactly.
+/// Numbers as exact as the setting extra_float_digits requests, which by default is exactly.
 template <class Numbers>
 Datum text_of(const char* prefix, const Numbers& numbers) {
   StringInfoData written;

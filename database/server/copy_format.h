@@ -51,7 +51,7 @@ class CopyRows {
 
   const std::vector<StoredColumn>& columns() const { return columns_; }
 
-  /// What stands before the first row and behind the last.
+  /// The text before the first row and behind the last.
   static std::vector<std::byte> head();
   static std::vector<std::byte> tail();
 

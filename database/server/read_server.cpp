@@ -127,7 +127,7 @@ class ServerCloudReader final : public CloudReader {
   explicit ServerCloudReader(const std::string& name) : server_(ServerName(name)) {
     about_.path = server_.connection().name();
     about_.format = "PostgreSQL";
-    // Until the survey tells, ids are taken for row numbers.
+    // Until the survey is done, ids are taken for row numbers.
     columns_ = value_columns(server_.table(), has_whole_ids());
     if (!cloud_row()) return;
     about_.version = std::to_string(k_cloud_row_version);
@@ -205,7 +205,7 @@ class ServerCloudReader final : public CloudReader {
     choice.is_sorted = ids_are_numbers_ && !(order.is_by_id && placer.is_one_piece());
 
     const std::uint64_t all = work();
-    const auto tell = [&] {
+    const auto report_progress = [&] {
       const double share =
           static_cast<double>(placer.done()) / static_cast<double>(std::max<std::uint64_t>(order.count, 1));
       report(progress, static_cast<std::uint64_t>(share * static_cast<double>(all)), all);
@@ -214,10 +214,10 @@ class ServerCloudReader final : public CloudReader {
         choice,
         [&](const ServerRow& row) {
           constexpr std::uint64_t k_rows_per_report = 1 << 14;
-          if (row.number % k_rows_per_report == 0) tell();
+          if (row.number % k_rows_per_report == 0) report_progress();
           placer.take(row);
         },
-        tell);
+        report_progress);
     placer.finish();
     about_.point_count = order.count;
     if (survey_) about_.dropped_count = survey_->dropped_count;

@@ -48,8 +48,8 @@ class CloudValues {
   /// The cloud has other rows now.
   void find_columns();
 
-  /// Fills a row with fields in the order of the columns. Errors: a value out of the attribute's range, told
-  /// with `offset`().
+  /// Fills a row with fields in the order of the columns. Errors: a value out of the attribute's range,
+  /// reported with `offset`().
   template <class Offset>
   void put(std::size_t row, std::span<const CopyField> fields, const Offset& offset) {
     for (std::size_t i = 0; i < targets_.size(); ++i) {

@@ -238,7 +238,7 @@ ServerRows ServerConnection::result(int wanted, const ServerWait& wait) {
   fail("the server reports an error", {}, words);
 }
 
-/// Takes what stands behind a result: nothing, or that the statement failed after all.
+/// Takes what is behind a result: nothing, or that the statement failed after all.
 void ServerConnection::finish_statement(const ServerWait& wait) {
   const ServerLibrary& library = server_library();
   for (wait_while_busy(wait); PGresult* const answer = library.get_result(connection_);

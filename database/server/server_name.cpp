@@ -60,7 +60,7 @@ bool is_secret(std::string word) {
   return word.find("password") != std::string::npos || word.find("secret") != std::string::npos;
 }
 
-/// What stands in front of the first of these marks; the rest, without it, stays in `text`.
+/// What is in front of the first of these marks; the rest, without it, stays in `text`.
 std::string_view split(std::string_view& text, char mark) {
   const std::size_t end = std::min(text.find(mark), text.size());
   const std::string_view front = text.substr(0, end);

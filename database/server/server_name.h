@@ -35,7 +35,7 @@ struct ServerName {
 struct HostAndPort {
   std::string_view host;
   std::optional<std::string_view> port{};
-  bool is_address = true;  ///< false: something stands behind the bracket
+  bool is_address = true;  ///< false: something is behind the bracket
 };
 HostAndPort split_host(std::string_view text);
 

@@ -60,7 +60,7 @@ CloudRow cloud_row(const PiecewiseCloud& whole, const Bounds& box);
 /// The statement that makes the table of that name, which is quoted already.
 std::string cloud_row_table(const std::string& quoted_name);
 
-/// The statement that fills it. A WKT that is no text to PostgreSQL (UTF-8 without NUL) is left out.
+/// The statement that fills it. A WKT that PostgreSQL does not accept as text (UTF-8 without NUL) is left out.
 std::string cloud_row_insert(const std::string& quoted_name, const CloudRow& row);
 
 /// A condition of SQL on x, y, z that holds wherever one of the filters does, and hardly anywhere else:

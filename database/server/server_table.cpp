@@ -69,7 +69,7 @@ ServerRows find_relation(ServerConnection& connection, const ServerName& name) {
 }
 
 void read_columns(ServerConnection& connection, const std::string& number, ServerTable& table) {
-  // Domains are read as what they stand on.
+  // Domains are read as what they are on.
   const ServerRows rows = connection.run(
       "SELECT a.attname, COALESCE(NULLIF(t.typbasetype, 0), t.oid)::int8, NOT a.attnotnull"
       " FROM pg_catalog.pg_attribute a JOIN pg_catalog.pg_type t ON t.oid = a.atttypid"

@@ -24,7 +24,7 @@ namespace alidade::database {
 namespace {
 
 [[noreturn]] void reject_shard(std::string_view text, std::string problem) {
-  // What is in front of an @ may be a password, which must not stand in a message.
+  // What is in front of an @ may be a password, which must not be in a message.
   const std::size_t at = text.rfind('@');
   const std::string found(at == std::string_view::npos ? text : text.substr(at));
   throw Error({.problem = std::move(problem),
@@ -40,7 +40,7 @@ bool is_plain(std::string_view name) {
   return !name.empty() && name.front() != '-' && std::ranges::none_of(name, is_strange);
 }
 
-// What servers are to do. Scripts are for psql, and run as a whole or not at all.
+// What servers are to do. Scripts are for psql, and run completely or not at all.
 
 /// What every script begins with: an error ends it, and nothing that it did stays. Whatever the client's
 /// settings say, names and texts end where they end here.
@@ -170,13 +170,13 @@ void write_text(const std::filesystem::path& path, const std::string& text) {
   file.commit();
 }
 
-/// Writes the next `count` rows, those of a shard, and tells their box.
+/// Writes the next `count` rows, those of a shard, and returns their box.
 Bounds write_rows(const std::filesystem::path& path, OrderedCloud& cloud, const CopyRows& rows,
-                  std::uint64_t count, const std::function<void(std::size_t)>& tell) {
+                  std::uint64_t count, const std::function<void(std::size_t)>& report_progress) {
   OutputFile file(path, false);
   const Bounds box = rows.copy(cloud, count, [&](std::span<const std::byte> bytes, std::size_t points) {
     file.write(bytes);
-    tell(points);
+    report_progress(points);
   });
   file.commit();
   return box;
@@ -192,7 +192,7 @@ void write_files(const std::filesystem::path& folder, OrderedCloud& cloud, std::
                  .expected = "at least one point for each shard"});
   }
   std::uint64_t done = 0;
-  const auto tell = [&](std::size_t count) {
+  const auto report_progress = [&](std::size_t count) {
     done += count;
     report(options.progress, done, size);
   };
@@ -200,7 +200,7 @@ void write_files(const std::filesystem::path& folder, OrderedCloud& cloud, std::
   for (std::size_t i = 0; i < shards.size(); ++i) {
     const std::string name = shard_name(i);
     const std::uint64_t count = size / shards.size() + (i < size % shards.size() ? 1 : 0);
-    boxes.push_back(write_rows(folder / (name + ".copy"), cloud, rows, count, tell));
+    boxes.push_back(write_rows(folder / (name + ".copy"), cloud, rows, count, report_progress));
     write_text(folder / (name + ".sql"), shard_script(options.table, rows.columns(), i, boxes.back()));
   }
   Bounds whole_box;

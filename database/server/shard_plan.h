@@ -20,7 +20,7 @@ struct Shard {
   bool operator==(const Shard&) const = default;
 };
 
-/// Reads "HOST/DATABASE" or "HOST:PORT/DATABASE"; addresses of IPv6 stand in brackets: "[::1]:5433/site".
+/// Reads "HOST/DATABASE" or "HOST:PORT/DATABASE"; addresses of IPv6 are in brackets: "[::1]:5433/site".
 /// Errors: anything else, also a user or a password, which do not belong on a command line.
 Shard parse_shard(std::string_view text);
 
@@ -35,7 +35,7 @@ struct ShardPlanOptions {
 /// alidade_pg: for shard i, from 1 on, its part of the points along a Morton curve (shard_i.copy), all parts
 /// equally large but for one point, and what makes its table (shard_i.sql); what makes the table over all of
 /// them for a server that asks the shards through postgres_fdw (coordinator.sql); and README.txt, which tells
-/// what to type. Every part states its box as a CHECK. The folder is there as a whole or not at all.
+/// what to type. Every part states its box as a CHECK. The folder is written completely or not at all.
 ///
 /// Errors: the folder exists or cannot be written; fewer points than shards; too many columns for PostgreSQL;
 /// a table's name that is empty, longer than 40 bytes or has control characters; those of reading. Cancelled.

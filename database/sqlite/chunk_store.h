@@ -38,7 +38,7 @@ class BoxTree {
   BoxTree(sqlite3* database, const std::string& schema, const std::string& table, std::uint64_t chunk_count);
 
   /// The chunks for whose box, and the boxes around it, `wanted` is true; by id. Errors: pages that are
-  /// missing or of another size; boxes that are none, or not inside that of their page. Cost: the pages that
+  /// missing or of another size; invalid boxes, or boxes not inside that of their page. Cost: the pages that
   /// it has to look at.
   std::vector<ChunkLocation> chunks(const std::function<bool(const Bounds&)>& wanted);
 
@@ -57,7 +57,7 @@ class BoxTree {
   Statement page_;
 };
 
-/// Points of a chunk, as they stand in the database.
+/// Points of a chunk, as they are in the database.
 struct StoredChunk {
   std::uint64_t id = 0;
   std::vector<LatticePosition> positions;

@@ -99,7 +99,7 @@ class Described {
     Statement entry = statement(
         "column", "SELECT name, blob, size, place, type, scale, \"offset\", no_data FROM ", " ORDER BY id");
     while (entry.step()) {
-      // Numbers that are too large are none of those that can be.
+      // Numbers that are too large are invalid.
       const auto small = [&](int offset, std::int64_t most) {
         const std::int64_t number = entry.whole(offset);
         return static_cast<int>(number >= 0 && number <= most ? number : -1);

@@ -12,7 +12,7 @@
 
 struct sqlite3;
 
-// A cloud in SQLite. A table of the module pointcloud, named NAME, stands on five ordinary tables:
+// A cloud in SQLite. A table of the module pointcloud, named NAME, is on five ordinary tables:
 //
 //   NAME_cloud   one row: format version, lattice, counts, reference system, how GPS times count
 //   NAME_column  what the columns are (StoredColumn), in their order
@@ -40,8 +40,8 @@ struct CloudSchema {
 void create_cloud_tables(sqlite3* database, const std::string& schema, const std::string& table,
                          const CloudSchema& cloud);
 
-/// Reads what create_cloud_tables() wrote. Errors: the tables are not there, are none, of another version, or
-/// say what cannot be.
+/// Reads what create_cloud_tables() wrote. Errors: the tables are missing, are not a cloud's, of another
+/// version, or say what cannot be.
 CloudSchema read_cloud_schema(sqlite3* database, const std::string& schema, const std::string& table);
 
 /// Removes the tables, those that are there, or what else has their names.

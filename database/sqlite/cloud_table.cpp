@@ -211,7 +211,7 @@ int find_function(sqlite3_vtab*, int count, const char* name,
   return SQLITE_INDEX_CONSTRAINT_FUNCTION;
 }
 
-/// The tables that only this module may write, where SQLite is told to be strict.
+/// The tables that only this module may write, where SQLite is set to be strict.
 int is_shadow(const char* name) {
   for (const char* const part : {"cloud", "column", "chunk", "value", "bounds"}) {
     if (sqlite3_stricmp(name, part) == 0) return 1;

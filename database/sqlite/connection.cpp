@@ -41,7 +41,7 @@ Connection::Connection(const std::filesystem::path& file, Mode mode, std::functi
     // A misspelt "name" would else be text, which is above every number.
     sqlite3_db_config(database_, SQLITE_DBCONFIG_DQS_DML, 0, nullptr);
     sqlite3_busy_handler(database_, wait_for_others, &is_given_up_);
-    // Opening looks at nothing; a file that is no database shows here.
+    // Opening reads nothing; a file that is not a database fails here.
     Statement(database_, "SELECT count(*) FROM sqlite_schema").step();
   } catch (...) {
     sqlite3_close(database_);

@@ -16,7 +16,7 @@ bool is_steady(const TokenList& tokens, TokenRange range) {
     // These words call functions of their name.
     if (tokens.is_one_of(i, {"like", "glob", "match", "regexp"})) return false;
     if (tokens.is_name(i) && tokens.is_sign(i + 1, "(")) return false;
-    // These signs call functions, too, and what they say of text that is no JSON is an error.
+    // These signs call functions, too, and what they return for text that is not JSON is an error.
     if (tokens.is_sign(i, "->") || tokens.is_sign(i, "->>")) return false;
   }
   return true;
@@ -40,7 +40,7 @@ std::optional<std::size_t> operand_end(const TokenList& tokens, std::size_t begi
   return i;
 }
 
-/// The comparison's sign as it reads with the distance in front; empty if it is none with limits.
+/// The comparison's sign as it reads with the distance in front; empty if the comparison sets no limit.
 std::string comparison(const TokenList& tokens, std::size_t index, bool is_reversed) {
   constexpr std::array<std::array<std::string_view, 2>, 6> k_signs = {
       {{"<", ">"}, {"<=", ">="}, {">", "<"}, {">=", "<="}, {"=", "="}, {"==", "="}}};
@@ -50,7 +50,7 @@ std::string comparison(const TokenList& tokens, std::size_t index, bool is_rever
   return {};
 }
 
-/// What stands in front of the name of a coordinate, with the dot; nothing if it is no column of that name.
+/// What is in front of the name of a coordinate, with the dot; nothing if it is no column of that name.
 std::optional<TokenRange> table_of(const TokenList& tokens, TokenRange column, std::string_view name) {
   if (column.begin == column.end) return std::nullopt;
   for (std::size_t i = column.begin; i < column.end; ++i) {

@@ -13,7 +13,7 @@ struct DistanceCondition {
   TokenRange tokens;
   std::string function;         ///< "dist_ray" or "dist_plane"
   std::vector<TokenRange> ray;  ///< its six numbers, or point and normal of a plane
-  TokenRange table;             ///< what stands in front of x, y, z with the dot behind it; empty if nothing
+  TokenRange table;             ///< what is in front of x, y, z with the dot behind it; empty if nothing
   std::optional<TokenRange> least, largest;  ///< limits on the distance, inclusive or not
 };
 

@@ -80,7 +80,7 @@ void add(const DistanceLimit& limit, PointFilter& filter);
 ///   ray_limit(ox,..,dz, least, largest), plane_limit(px,..,nz, least, largest), in_chunk(_chunk, limit):
 ///     in_chunk is 1 for every point; as a condition on a table of the module it may leave out points whose
 ///     distance is not within the limit, and leaves chunks unread that have no other. Which of them it leaves
-///     out depends on the plan: it must stand beside the condition on the distance that it is made of.
+///     out depends on the plan: it must be beside the condition on the distance that it is made of.
 /// Lengths in the unit of the coordinates; directions and normals of any length but zero. NULL for an
 /// argument gives NULL. Errors, in SQL: text or blobs for numbers, directions that are zero or not finite,
 /// positions of the ray or plane that are not finite; the distance to a point that is not is NULL or infinite.

@@ -234,7 +234,7 @@ class UseWatch {
     // The x, y, z of a view may be anything.
     if (action == SQLITE_READ && view != nullptr && sqlite3_stricmp(name, "_chunk") == 0)
       reason = "it queries a view with a column _chunk";
-    // A limit would draw another number than the condition that it stands for.
+    // A limit would draw another number than the condition that it represents.
     if (action == SQLITE_FUNCTION &&
         (sqlite3_stricmp(name, "random") == 0 || sqlite3_stricmp(name, "randomblob") == 0))
       reason = "it calls random or randomblob, which are volatile";

@@ -23,7 +23,7 @@ struct PrunedStatement {
 };
 
 /// Adds limits to the conditions on dist_ray and dist_plane of one statement that SQLite understands. They
-/// may stand in WHERE and ON, below AND, OR, NOT and parentheses, as
+/// may be in WHERE and ON, below AND, OR, NOT and parentheses, as
 ///   dist_ray(ox,oy,oz, dx,dy,dz, x,y,z) <= R    and with <, =, ==, >, >=, or with R in front
 ///   dist_ray(...) BETWEEN A AND B
 /// with x, y, z columns of one table (p.x, p.y, p.z), R a number, parameter, column or something in
@@ -52,7 +52,7 @@ struct Prepared {
 /// Prepares the statement of a text that begins at that byte; where conditions on dist_ray and dist_plane can
 /// leave chunks unread without changing the answer, such that they do. Rows, values, names of columns,
 /// parameters and errors are those of the text, with these exceptions: rows whose order the text leaves open
-/// may come in another one, and a condition that gives errors, but has no limit, is asked about other rows,
+/// may come in another one, and a condition that gives errors, but has no limit, is evaluated on other rows,
 /// since SQLite may then ask the conditions of a statement in another order. One that calls random() or
 /// randomblob(), a view included, is as given. Takes away an authorizer that the connection may have.
 ///

@@ -6,7 +6,7 @@
 #include <string_view>
 #include <vector>
 
-// SQL cut into the tokens that SQLite sees: https://www.sqlite.org/lang_keywords.html tells its quotes,
+// SQL cut into the tokens that SQLite sees: https://www.sqlite.org/lang_keywords.html states its quotes,
 // lang_comment.html, lang_expr.html its literals and parameters.
 
 namespace alidade::database {
@@ -28,7 +28,7 @@ struct SqlToken {
   std::size_t begin = 0, end = 0;
 };
 
-/// All tokens of the text, up to its end or a byte of value 0. White space and comments are none.
+/// All tokens of the text, up to its end or a byte of value 0. White space and comments are not tokens.
 std::vector<SqlToken> sql_tokens(std::string_view sql);
 
 /// Line and column of a byte, counted from 1: "2:14".

@@ -45,7 +45,7 @@ class ChunkWriter {
       chunk_.run_with(static_cast<std::int64_t>(first + chunk), static_cast<std::int64_t>(positions.size()),
                       std::as_bytes(positions));
     }
-    // Blob by blob, since those of one number stand beside each other.
+    // Blob by blob, since those of one number are beside each other.
     for (std::size_t blob = 0; blob < chunks.blobs.size(); ++blob) {
       const std::size_t size = count == 0 ? 0 : chunks.blobs[blob].size() / count;
       for (std::size_t chunk = 0; chunk < chunks.boxes.size(); ++chunk) {

@@ -23,7 +23,7 @@ struct StoreOptions {
 
 /// Stores a cloud in an SQLite database, which is made if it is not there, as a table that the module
 /// pointcloud reads (database/sqlite/cloud_schema.h): points along a Morton curve in chunks, all attributes,
-/// ids as their rows were. The table is there as a whole or not at all, and so is a new file, also if the
+/// ids as their rows were. The table is written completely or not at all, and so is a new file, also if the
 /// program is killed: then a hidden file may remain beside it, whose name ends in .part and a number. The
 /// bytes depend neither on memory nor on the number of threads.
 ///

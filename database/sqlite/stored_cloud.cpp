@@ -33,7 +33,7 @@ bool is_attribute(const StoredBlob& blob, Attribute attribute) {
   return true;
 }
 
-/// Parts of a blob cannot be told from each other, unless they are those of an attribute.
+/// Parts of a blob cannot be distinguished, unless they are those of an attribute.
 bool is_dimension(const StoredBlob& blob) {
   const StoredColumn& column = *blob.columns.front();
   return blob.columns.size() == 1 && column.byte == 0 &&
@@ -178,7 +178,7 @@ class SqliteCloudReader final : public CloudReader {
 
   /// Chunks lie along a curve, not in the order of rows: each piece is a pass over all of them.
   void take_rows(PointCloud& cloud, AttributeSet kept, const Rows& rows,
-                 const std::function<void(double share)>& tell) {
+                 const std::function<void(double share)>& report_progress) {
     const LatticeShift shift(schema().lattice, cloud.lattice, stored_.file());
     const StoredCloud::Columns columns(stored_, cloud, kept, rows.target);
     ChunkStore store = stored_.chunks();
@@ -199,7 +199,7 @@ class SqliteCloudReader final : public CloudReader {
         columns.copy(store, *chunk, i, row);
       }
       points += chunk->positions.size();
-      tell(static_cast<double>(id + 1) / static_cast<double>(schema().chunk_count));
+      report_progress(static_cast<double>(id + 1) / static_cast<double>(schema().chunk_count));
     }
     if (points != schema().point_count || taken != rows.count) {
       stored_.reject(schema().chunk_count, "missing points", std::to_string(schema().point_count),

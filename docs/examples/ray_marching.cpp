@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// ray_marching CLOUD: walks down a plumb line in steps as long as nothing can be in the way, and asks for the
+// ray_marching CLOUD: walks down a plumb line in steps as long as nothing can be in the way, and requests the
 // same answer in one query.
 #include <cstdio>
 

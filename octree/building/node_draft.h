@@ -147,7 +147,7 @@ struct SplitRules {
                                                                    : k_min_frame_level;
   }
 
-  /// Whether parts of a range can be told apart by boxes on the grid of this frame, or of any frame at all.
+  /// Whether parts of a range can be distinguished by boxes on the grid of this frame, or of any frame at all.
   bool is_resolved(const PointRange& range, int frame_level) const {
     return range.level() > frame_level - k_frame_bits || frame_level <= lowest_frame_level(range);
   }

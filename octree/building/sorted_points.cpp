@@ -112,7 +112,7 @@ void sort_by_key(Entry* from, Entry* to, std::size_t count) {
 // order of some thousand key ranges (buckets) of about equal size. Then each bucket is collected from all
 // chunks, sorted in the cache and written to its final position. Both steps are independent work for any number
 // of threads, every point is moved through memory only twice, and the input can be given back while the
-// second step reads it. Rows that stand in order stay in order throughout, so equal keys end up in the order
+// second step reads it. Rows that are in order stay in order throughout, so equal keys end up in the order
 // of their ids.
 
 namespace {

@@ -16,7 +16,7 @@ namespace alidade {
 using Steps = glm::uvec3;
 
 /// A point under way into the octree: Morton key, which holds its position without loss, and row. As large as
-/// the position it takes the place of; for clouds of at most 2^21 steps per axis.
+/// the position it replaces; for clouds of at most 2^21 steps per axis.
 struct NarrowEntry {
   using Key = std::uint64_t;
 

@@ -254,7 +254,7 @@ class TreeBuilder {
     std::vector<Waiting>().swap(waiting_);
   }
 
-  /// Top, then the batches in order, each without its roots, which stand in the top.
+  /// Top, then the batches in order, each without its roots, which are in the top.
   void join_nodes() {
     std::vector<std::size_t> begin{top_.size()};
     for (const Batch& batch : batches_)
@@ -280,7 +280,7 @@ class TreeBuilder {
   const std::size_t subtree_size_;
   const float widening_;
   std::uint32_t next_index_ = 0, exact_begin_;
-  std::vector<Node> top_;           ///< children stand behind their parents; roots of subtrees are kept free
+  std::vector<Node> top_;           ///< children are behind their parents; roots of subtrees are kept free
   std::vector<StepBox> top_boxes_;  ///< of the nodes of the top
   std::vector<Waiting> waiting_;
   std::vector<Subtree> subtrees_;

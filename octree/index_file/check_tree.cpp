@@ -19,7 +19,7 @@ namespace {
 
 using Array = TreeFault::Array;
 
-/// What find_broken_link() knows of a node when it comes to it.
+/// What find_broken_link() has found of a node when it comes to it.
 struct Rank {
   std::uint8_t level = 0;  ///< 0: no parent has named it yet
   std::uint8_t depth = 0;  ///< 1: the root

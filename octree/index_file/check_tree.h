@@ -30,7 +30,7 @@ std::optional<TreeFault> find_broken_link(const TreeView& tree);
 /// up to `end`.
 std::optional<TreeFault> find_bad_id(const TreeView& tree, std::uint32_t begin, std::uint32_t end);
 
-/// Whether the answers are those of the points: every storage index stands in one leaf, every id occurs once,
+/// Whether the answers are those of the points: every storage index is in one leaf, every id occurs once,
 /// every box holds the points below it, coordinates agree with exact positions, the bounds are those of the
 /// points, slots of one position have the lowest ids in the first of them, and spacings are numbers that are
 /// the same for all points of a slot of one position. Requires that find_broken_link() and find_bad_id() find

@@ -14,7 +14,7 @@
 #include "octree/octree.h"
 
 // Index files (.alidade): the octree over a cloud with all attributes of its points and all that the cloud's
-// files said about themselves, so that one file takes the place of the LAS and is asked without building
+// files said about themselves, so that one file replaces the LAS and is queried without building
 // anything. Flat little-endian arrays; docs/index_file.md has them byte by byte.
 //
 //   save_index("site.alidade", build(cloud), cloud);
@@ -29,7 +29,7 @@
 // - octree() reads nodes and ids once (about 5 bytes per point), in parallel, before the first query:
 //   checksums, links and ids. Queries then end and stay inside the arrays. About a quarter of a second of
 //   processor time for 10^8 points in memory, shared by the cores; otherwise as fast as the disk delivers.
-//   The nodes (about 1 byte per point) are copied; all else is asked in the map.
+//   The nodes (about 1 byte per point) are copied; all else is read from the mapped file.
 // - coordinates and attribute columns may hold any values without harm to a program; only verify_index()
 //   reads them all. Without it, a damaged coordinate is a wrong answer.
 
@@ -40,10 +40,10 @@ struct SaveIndexOptions {
   Progress progress{};     ///< in bytes written
 };
 
-/// Writes an index file; it appears whole or not at all. `cloud` is the one the octree was built over, with
-/// or without its positions: its attribute columns, coordinate reference system, records, files and warnings
-/// are stored too. Memory: next to nothing beside octree and cloud; arrays go out as they stand. Errors: a
-/// column whose length is not that of the octree; a cloud on another lattice; those of OutputFile.
+/// Writes an index file; it is written completely or not at all. `cloud` is the one the octree was built
+/// over, with or without its positions: its attribute columns, coordinate reference system, records, files
+/// and warnings are stored too. Memory: next to nothing beside octree and cloud; arrays go out as they stand.
+/// Errors: a column whose length is not that of the octree; a cloud on another lattice; those of OutputFile.
 void save_index(const std::filesystem::path& path, const Octree& octree, const PointCloud& cloud,
                 const SaveIndexOptions& options = {});
 

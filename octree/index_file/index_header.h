@@ -11,7 +11,7 @@
 #include "cloud/attributes.h"
 #include "octree/octree.h"
 
-// What stands in the sections of an index file (docs/index_file.md).
+// What is in the sections of an index file (docs/index_file.md).
 
 namespace alidade {
 
@@ -74,8 +74,8 @@ struct IndexHeader {
 
 /// Reads the header of a file from all of its bytes. Every count, size and storage index is checked against the
 /// file's size, the section table for order, gaps and overlaps, and the page against its own checksum. Cost:
-/// constant; nothing behind the first page is looked at. Errors: name the byte; a file of another byte order
-/// or version is told apart from a damaged one.
+/// constant; nothing behind the first page is read. Errors: name the byte; a file of another byte order
+/// or version is distinguished from a damaged one.
 IndexHeader read_index_header(std::span<const std::byte> file, const std::string& file_name);
 
 /// The page, checksum included.

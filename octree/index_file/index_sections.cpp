@@ -179,7 +179,7 @@ class Reader {
     require(used_ == bytes_.size(), 0, "extra bytes after the metadata", std::to_string(used_),
             bytes_.size());
   }
-  /// Complains about what stands `back` bytes before the next one unless what is asked holds.
+  /// Rejects what is `back` bytes before the next one unless the condition holds.
   template <class Found>
   void require(bool holds, std::size_t back, const char* problem, const std::string& expected,
                const Found& found) const {

@@ -13,7 +13,7 @@
 namespace alidade {
 namespace {
 
-/// Writes section after section, and in the end the page that tells where they are.
+/// Writes section after section, and in the end the page that states where they are.
 class IndexWriter {
  public:
   IndexWriter(const std::filesystem::path& path, bool overwrite, const Progress& progress,
@@ -136,7 +136,7 @@ void write_tree(IndexWriter& writer, const TreeView& tree) {
   writer.write(IndexSection::nodes, std::span(tree.nodes, tree.node_count));
   writer.begin(IndexSection::coordinates);
   writer.add(std::as_bytes(std::span(tree.coordinates, 3 * points)));
-  // Written as zeros, whatever stands in memory there.
+  // Written as zeros, whatever is in memory there.
   constexpr std::array<std::uint16_t, k_coordinate_padding> k_padding{};
   writer.add(std::as_bytes(std::span(k_padding)));
   writer.end();

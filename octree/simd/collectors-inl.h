@@ -16,15 +16,15 @@
 #include "octree/simd/ray_state.h"
 #include "octree/tree_walk.h"
 
-// What a search does with the points that lanes could not discard. Lanes tell of every point whether it may
+// What a search does with the points that lanes could not discard. Lanes describe every point whether it may
 // count, whether it certainly does, and limits of its measure; a *target* (octree/query_targets.h) decides in
-// double. Measures are told to lanes as floats, counted from a shift near the points.
+// double. Lanes take measures as floats, counted from a shift near the points.
 
 HWY_BEFORE_NAMESPACE();
 namespace alidade::simd {
 namespace HWY_NAMESPACE {
 
-/// What lanes tell of the points of a leaf.
+/// What lanes describe the points of a leaf.
 struct TestedPoints {
   std::uint32_t possible = 0;  ///< bit per point: may count
   std::uint32_t certain = 0;   ///< of these, those that do whatever rounding did; their measure is not known
@@ -40,7 +40,7 @@ auto decide(const TreeView& tree, const Target& target, const Leaf& leaf, std::u
 }
 
 /// The k first points. Points that certainly count wait undecided until the search is over: most fall behind
-/// the cut by then. The cut is the k-th smallest upper limit of a measure, so at least k points stand before
+/// the cut by then. The cut is the k-th smallest upper limit of a measure, so at least k points are before
 /// everything behind it. Where too many limits overlap for waiting, points are decided on the way.
 template <class Target>
 class NearestCollector {
@@ -205,7 +205,7 @@ class NearestCollector {
   Waiting* waiting_ = few_;
   std::vector<Waiting> many_;
   alignas(64) float highs_[k_lanes +
-                           k_most_sorted];  ///< the k smallest upper limits; what stands before is -infinity
+                           k_most_sorted];  ///< the k smallest upper limits; what is before is -infinity
   Waiting few_[k_few];
 };
 

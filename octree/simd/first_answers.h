@@ -42,7 +42,7 @@ inline std::uint32_t subtree_count(const TreeView& tree, const Frame& parent, in
 
 /// Which slots of a node need not be visited for the k first points: boxes are exact at the lowest level, so
 /// slots with equal boxes of one lattice position hold points that differ by their ids only, and node.h
-/// promises the lowest ids in the first of them. Once k points stand in the slots before, the rest cannot
+/// promises the lowest ids in the first of them. Once k points are in the slots before, the rest cannot
 /// count. Keeps queries among a million equal points from looking at each. Requires a frame of level
 /// k_min_frame_level.
 inline unsigned slots_after_k_equal(const TreeView& tree, const Frame& frame, std::size_t k) {
@@ -56,7 +56,7 @@ inline unsigned slots_after_k_equal(const TreeView& tree, const Frame& frame, st
            node.low[2][a] == node.low[2][b];
   };
   unsigned surplus = 0;
-  // Children stand in Morton order, so equal ones stand side by side.
+  // Children are in Morton order, so equal ones stand side by side.
   std::size_t before = 0;
   for (int slot = 1; slot < k_node_width; ++slot) {
     if (!is_one_position(slot) || !is_one_position(slot - 1) || !equal(slot, slot - 1)) {

@@ -26,7 +26,7 @@ HWY_INLINE void relative_to(const RayUnderWay& ray, double start, const double* 
   const hn::Rebind<float, decltype(d)> floats;
   const auto local_t = hn::Set(d, start), t = hn::Set(d, start + ray.state.shift);
   for (std::size_t lane = 0; lane < 4; lane += hn::Lanes(d)) {
-    // The fourth values are what stands behind; nobody asks for them.
+    // The fourth values are what is behind; nobody requests them.
     const auto direction = hn::LoadU(d, &ray.asked.direction.x + lane);
     const auto index = hn::MulAdd(t, direction, hn::LoadU(d, &ray.asked.origin.x + lane));
     hn::StoreU(hn::DemoteTo(floats, hn::Sub(index, hn::LoadU(d, corner + lane))), floats, from + lane);
@@ -38,7 +38,7 @@ HWY_INLINE void relative_to(const RayUnderWay& ray, double start, const double* 
 
 /// Tests the points of leaves against rays and keeps the best.
 ///
-/// Lanes compute t and distance of every point within `error` of the truth. That tells for nearly all points
+/// Lanes compute t and distance of every point within `error` of the truth. That decides for nearly all points
 /// whether they can count (most cannot) or certainly do, and bounds of their measure. Only where bounds
 /// overlap, or the edge of a condition is nearer than `error`, is a point decided in double
 /// (octree/candidate.h). So the answer is the same bits on every machine, at the price of floats.
@@ -83,7 +83,7 @@ class LeafTest {
   }
 
   /// The first `count` points of a leaf, whose box the ray's line enters at t_near (local; rounding does not
-  /// matter). For `any`, ray.state.found() tells whether to go on.
+  /// matter). For `any`, ray.state.found() reports whether to go on.
   HWY_INLINE void visit(const RayUnderWay& ray, const Leaf& leaf, std::uint32_t count, const Index& index,
                         float t_near) const {
     constexpr std::uint32_t lanes = hn::MaxLanes(PointLanes());
@@ -198,7 +198,7 @@ class LeafTest {
       first_high = hn::Min(first_high, highs[i]);
     }
     first_high = hn::MinOfLanes(d, first_high);
-    // Highway's portable code for machines without vectors knows no minimum above the largest finite float.
+    // Highway's portable code for machines without vectors has no minimum above the largest finite float.
     first_high =
         hn::IfThenElse(hn::Lt(first_high, hn::Set(d, std::numeric_limits<float>::max())), first_high, none);
     const float leader_high = hn::GetLane(first_high);

@@ -15,7 +15,7 @@ HWY_BEFORE_NAMESPACE();
 namespace alidade::simd {
 namespace HWY_NAMESPACE {
 
-/// What lanes tell of the children of a node.
+/// What lanes describe the children of a node.
 struct TestedBoxes {
   unsigned met = 0;     ///< bit per slot: may hold points that count; of empty slots anything
   unsigned inside = 0;  ///< of these, those all of whose points count (asked only for counting)
@@ -32,7 +32,7 @@ struct TestedBoxes {
 template <class Kernel, class Collector>
 class NearestFirst {
  public:
-  /// k: of points at one position only the first k are looked at; k_all looks at all.
+  /// k: of points at one position only the first k are examined; k_all looks at all.
   NearestFirst(const TreeView& tree, const Kernel& kernel, Collector& collector, int max_level, std::size_t k)
       : tree_(tree), kernel_(kernel), collector_(collector), max_level_(max_level), k_(k) {}
 

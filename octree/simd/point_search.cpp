@@ -15,7 +15,7 @@ namespace HWY_NAMESPACE {
 
 /// Distances to a point, for NearestFirst. Bounds are squares of distances.
 ///
-/// All storage indices are told from the corner of a node's frame, whose width is W; D is the farthest the
+/// All positions are relative to the corner of a node's frame, whose width is W; D is the farthest the
 /// point lies from there on an axis. `error` exceeds what can go wrong between a float distance and the
 /// double one that decides, in units of 2^-24:
 /// - a coordinate: rounding of scale, of the local point and of their difference, together 2 W + 2 D; the

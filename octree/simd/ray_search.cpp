@@ -17,7 +17,7 @@ namespace HWY_NAMESPACE {
 /// Distances to a ray's line and storage indices on it, for NearestFirst. Bounds are squares of distances for
 /// Measure::distance, otherwise the measure itself, counted from LineFromRoot::shift.
 ///
-/// Everything is told from the foot of the perpendicular from the corner of a node's frame on the line: with
+/// Everything is relative to the foot of the perpendicular from the corner of a node's frame on the line: with
 /// W the frame's width and D the length of the perpendicular, all numbers stay below 1.8 W + D however far
 /// the ray begins. `error` exceeds what can go wrong between floats and the double numbers that decide, in
 /// units of 2^-24:

@@ -17,7 +17,7 @@
 namespace alidade::simd {
 
 /// A float that is not below a number, nor above it by more than its rounding; of numbers beyond 1e30,
-/// infinite ones too, those of 1e30: squares of such floats are no numbers, so nothing is told by being
+/// infinite ones too, those of 1e30: squares of such floats are no numbers, so nothing follows from being
 /// above.
 inline float at_least(double value) {
   const auto f = static_cast<float>(std::clamp(value, -1e30, 1e30));

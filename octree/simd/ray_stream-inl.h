@@ -27,7 +27,7 @@ struct Traversed {
   const QuerySetup& setup;
   const LeafTest<measure, any, radii>& leaf_test;
   int max_depth;     ///< nodes below are not visited
-  bool skips_twins;  ///< of points at one position only the first is looked at
+  bool skips_twins;  ///< of points at one position only the first is examined
 
   Traversed(const QuerySetup& query_setup, const LeafTest<measure, any, radii>& test)
       : setup(query_setup),

@@ -57,7 +57,7 @@ const Search<glm::dvec3>& search<glm::dvec3>(InstructionSet instruction_set);
 template <>
 const Search<Bounds>& search<Bounds>(InstructionSet instruction_set);
 
-// suits_lanes(): whether floats can tell the points of the tree apart; never those of an empty one.
+// suits_lanes(): whether floats can distinguish the points of the tree; never those of an empty one.
 
 /// Along there: a direction of length 1 but for rounding, no lengths beyond what floats can square, no line
 /// so far away that all points are equally near, and no radii of the points' own.

@@ -131,9 +131,9 @@ class Tracer {
     if (start(ray)) simd::HWY_NAMESPACE::trace(traversed_, ray, root_frame(setup_.tree));
   }
 
-  /// Calls tell(number, ray) for every ray.
-  template <class Tell>
-  void trace_together(const Tell& tell) const {
+  /// Calls take(number, ray) for every ray.
+  template <class Take>
+  void trace_together(const Take& take) const {
     // Not filled with zeros first: a ray's setup writes all that is read.
     const auto boxes = std::make_unique_for_overwrite<RayBoxes[]>(rays_.size());
     const auto states = std::make_unique_for_overwrite<RayState[]>(rays_.size());
@@ -160,7 +160,7 @@ class Tracer {
         trace_interleaved(traversed_, batch, std::span<const std::uint32_t>(under_way));
       }
     }
-    for (std::size_t i = 0; i < rays_.size(); ++i) tell(i, batch[i]);
+    for (std::size_t i = 0; i < rays_.size(); ++i) take(i, batch[i]);
   }
 
   std::optional<Hit> answer(const RayUnderWay& ray) const { return leaf_test_.answer(ray); }

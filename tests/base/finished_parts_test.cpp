@@ -23,7 +23,7 @@ class PartialResultTest : public ::testing::Test {
   void TearDown() override { std::filesystem::remove(file_); }
 
   PartsOptions options(bool resume) const { return {.file = file_, .interval = 1e-3, .resume = resume}; }
-  static Identity identity() { return {{"command", "count"}, {"--step", "2"}}; }
+  static Fingerprint fingerprint() { return {{"command", "count"}, {"--step", "2"}}; }
 
   /// Computes parts [found, end) and returns all answers so far.
   std::vector<int> run(PartCheckpoint* parts, std::uint64_t end = k_count) {
@@ -48,7 +48,7 @@ class PartialResultTest : public ::testing::Test {
   }
   /// A file with the first three parts.
   void write_three() {
-    PartCheckpoint parts(options(false), identity());
+    PartCheckpoint parts(options(false), fingerprint());
     run(&parts, 3);
     computed_ = 0;
   }
@@ -57,7 +57,7 @@ class PartialResultTest : public ::testing::Test {
     return {std::istreambuf_iterator<char>(in), {}};
   }
   void write(const std::string& content) const { std::ofstream(file_, std::ios::binary) << content; }
-  std::string message_of_resuming(const Identity& asked) const {
+  std::string message_of_resuming(const Fingerprint& asked) const {
     try {
       PartCheckpoint parts(options(true), asked);
     } catch (const Error& error) {
@@ -74,11 +74,11 @@ TEST_F(PartialResultTest, file_belongs_to_one_run_at_a_time) {
   write_three();
   const std::string before = read();
   {
-    PartCheckpoint first(options(true), identity());
-    EXPECT_THROW(PartCheckpoint(options(true), identity()), Error);
+    PartCheckpoint first(options(true), fingerprint());
+    EXPECT_THROW(PartCheckpoint(options(true), fingerprint()), Error);
     EXPECT_EQ(read(), before);
   }
-  PartCheckpoint next(options(true), identity());
+  PartCheckpoint next(options(true), fingerprint());
   EXPECT_EQ(next.finished(), 3u);
 }
 
@@ -86,7 +86,7 @@ TEST_F(PartialResultTest, run_that_was_cut_off_computes_the_others_only_and_answ
   const std::vector<int> whole = run(nullptr);
   EXPECT_EQ(whole.size(), 15u);
   write_three();
-  PartCheckpoint parts(options(true), identity());
+  PartCheckpoint parts(options(true), fingerprint());
   EXPECT_TRUE(parts.is_kept());
   EXPECT_EQ(parts.finished(), 3u);
   EXPECT_EQ(parts.count(), k_count);
@@ -113,14 +113,14 @@ TEST_F(PartialResultTest, cut_anywhere_in_the_records_it_goes_on_from_the_whole_
   std::size_t head = 0;
   {
     std::filesystem::remove(file_);
-    PartCheckpoint parts(options(false), identity());
+    PartCheckpoint parts(options(false), fingerprint());
     parts.start(k_count);
     head = read().size();
   }
   for (std::size_t size = head; size <= content.size(); ++size) {
     write(content.substr(0, size));
     computed_ = 0;
-    PartCheckpoint parts(options(true), identity());
+    PartCheckpoint parts(options(true), fingerprint());
     EXPECT_EQ(run(&parts), whole) << size;
     // Records are 32 + 8 + 4 (part + 1) bytes.
     const std::size_t kept = size - head;
@@ -128,7 +128,7 @@ TEST_F(PartialResultTest, cut_anywhere_in_the_records_it_goes_on_from_the_whole_
   }
   for (std::size_t size = 0; size < head; ++size) {
     write(content.substr(0, size));
-    EXPECT_NE(message_of_resuming(identity()), "no error") << size;
+    EXPECT_NE(message_of_resuming(fingerprint()), "no error") << size;
   }
 }
 
@@ -139,7 +139,7 @@ TEST_F(PartialResultTest, every_damaged_byte_is_an_error_that_names_file_and_pos
     std::string damaged = content;
     damaged[position] = static_cast<char>(damaged[position] ^ 4);
     write(damaged);
-    const std::string message = message_of_resuming(identity());
+    const std::string message = message_of_resuming(fingerprint());
     EXPECT_EQ(message.find(file_.string() + ":byte "), 0u) << position << ": " << message;
     EXPECT_EQ(read(), damaged);
   }
@@ -154,13 +154,13 @@ TEST_F(PartialResultTest, another_run_is_rejected_and_what_differs_is_said) {
       std::string::npos)
       << message;
   write("ALIDPART and so on");
-  EXPECT_NE(message_of_resuming(identity()).find("not a checkpoint of such a run"), std::string::npos);
+  EXPECT_NE(message_of_resuming(fingerprint()).find("not a checkpoint of such a run"), std::string::npos);
   EXPECT_FALSE(is_parts_file(file_));
 }
 
 TEST_F(PartialResultTest, another_number_of_parts_is_an_error) {
   write_three();
-  PartCheckpoint parts(options(true), identity());
+  PartCheckpoint parts(options(true), fingerprint());
   EXPECT_THROW(parts.start(k_count + 1), Error);
 }
 
@@ -184,7 +184,7 @@ TEST_F(PartialResultTest, answers_of_another_length_are_an_error) {
 TEST_F(PartialResultTest, position_that_cannot_be_written_is_an_error_at_the_start) {
   PartsOptions absent = options(false);
   absent.file = file_ / "absent" / "parts";
-  PartCheckpoint parts(absent, identity());
+  PartCheckpoint parts(absent, fingerprint());
   EXPECT_THROW(parts.start(k_count), Error);
 }
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 // compare_bench [WIDTH HEIGHT [REPEATS]]: how long each metric takes for a pair of generated pictures (4096 x
-// 2160, five times each if not told), and how much memory it needs beside the pictures. Prints rows of a
+// 2160, five times each if not given), and how much memory it needs beside the pictures. Prints rows of a
 // table in Markdown.
 #include <algorithm>
 #include <chrono>

@@ -77,7 +77,7 @@ struct Mode {
 };
 constexpr Mode k_modes[] = {{"single", 1}, {"packet16", 16}, {"stream", 4096}};
 
-/// What Embree is told about the rays to come, as programs know it.
+/// What Embree is informed of about the rays to come, as programs know it.
 RTCIntersectContext context_for(const std::string& set) {
   RTCIntersectContext context;
   rtcInitIntersectContext(&context);

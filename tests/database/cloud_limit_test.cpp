@@ -66,7 +66,7 @@ TEST(CloudLimit, limits_are_the_comparisons_they_stand_for) {
       const CloudLimit limit = make_limit(DistanceKind::plane, plane, comparison, bound);
       for (const double value : values) {
         const glm::dvec3 point(0, 0, value);
-        // An infinite coordinate times zero is none.
+        // An infinite coordinate times zero is NaN.
         const double distance_of_point = distance(DistanceKind::plane, plane, point);
         EXPECT_EQ(holds(limit, point), is_true(distance_of_point, comparison, bound))
             << value << ' ' << static_cast<int>(comparison) << ' ' << bound;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// What servers are told about a cloud: names of shards, rows as COPY takes them, scripts that no name can
+// What servers receive about a cloud: names of shards, rows as COPY takes them, scripts that no name can
 // leave.
 #include <fmt/format.h>
 #include <gtest/gtest.h>

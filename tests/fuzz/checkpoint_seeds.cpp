@@ -30,7 +30,7 @@ int main(int count, char** arguments) {
   int number = 0;
   for (const bool with_noise : {false, true}) {
     for (const std::uint32_t samples : {0u, 1u, 33u}) {
-      write_checkpoint(folder / ("seed_" + std::to_string(number++)), test::checkpoint_identity(),
+      write_checkpoint(folder / ("seed_" + std::to_string(number++)), test::checkpoint_fingerprint(),
                        test::k_checkpoint_samples, state_with(with_noise, samples), 1.5);
     }
   }

@@ -19,7 +19,7 @@ void use(std::span<const std::byte> bytes) {
   for (const bool with_noise : {false, true}) {
     PictureState state(test::k_checkpoint_width, test::k_checkpoint_height, with_noise);
     try {
-      read_checkpoint(InputFile(bytes, "input"), test::checkpoint_identity(), test::k_checkpoint_samples,
+      read_checkpoint(InputFile(bytes, "input"), test::checkpoint_fingerprint(), test::k_checkpoint_samples,
                       state);
     } catch (const Error&) {
       continue;

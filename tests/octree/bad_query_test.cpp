@@ -66,9 +66,9 @@ TEST(BadQuery, a_direction_whose_length_is_not_1_within_1e_6_is_an_error) {
   for (const double length : {2.0, 0.5, 1.0 + 2e-6, 1.0 - 2e-6}) {
     expect_rejected(Ray{{0, 0, 0}, {0, length, 0}}, RayQuery{.radius = 1.0}, "direction is not normalized");
     expect_rejected(Cone{.axis = {{0, 0, 0}, {0, length, 0}}, .slope = 1.0}, ConeQuery{},
-                   "direction is not normalized");
+                    "direction is not normalized");
     expect_rejected(HalfSpaces{{Plane{{0, 0, 0}, {0, length, 0}}}}, PointQuery{},
-                   "normal of a plane is not normalized");
+                    "normal of a plane is not normalized");
   }
   EXPECT_NO_THROW((void)find(build(three_points()), Ray{{0, 0, 0}, {0, 1.0 + 9e-7, 0}}, {.radius = 1.0}));
 }
@@ -79,7 +79,7 @@ TEST(BadQuery, an_origin_that_is_not_finite_is_an_error) {
     expect_rejected(Ray{{0, bad, 0}, {0, 0, 1}}, RayQuery{.radius = 1.0}, "origin is not finite");
     expect_rejected(glm::dvec3(0, bad, 0), PointQuery{}, "point is not finite");
     expect_rejected(HalfSpaces{{Plane{{0, 0, bad}, {0, 0, 1}}}}, PointQuery{},
-                   "point of a plane is not finite");
+                    "point of a plane is not finite");
   }
 }
 
@@ -87,9 +87,9 @@ TEST(BadQuery, limits_that_are_not_numbers_are_errors) {
   EXPECT_THROW(make_ray({0, 0, 0}, {0, 0, 1}, k_nan), Error);
   EXPECT_THROW(make_ray({0, 0, 0}, {0, 0, 1}, 0, k_nan), Error);
   expect_rejected(Ray{{0, 0, 0}, {0, 0, 1}, k_nan, 1}, RayQuery{.radius = 1.0},
-                 "a limit of the interval is NaN");
+                  "a limit of the interval is NaN");
   expect_rejected(Ray{{0, 0, 0}, {0, 0, 1}, 0, k_nan}, RayQuery{.radius = 1.0},
-                 "a limit of the interval is NaN");
+                  "a limit of the interval is NaN");
 }
 
 TEST(BadQuery, t_min_above_t_max_is_an_empty_interval_and_no_error) {
@@ -124,7 +124,7 @@ TEST(BadQuery, k_of_0_is_an_error) {
 TEST(BadQuery, entry_without_a_radius_and_of_paths_is_an_error) {
   expect_rejected(good_ray(), RayQuery{}, "measure entry requires a radius");
   expect_rejected(make_path({{0, 0, 0}, {1, 0, 0}}), PathQuery{.measure = Measure::entry},
-                 "paths do not support measure entry");
+                  "paths do not support measure entry");
 }
 
 TEST(BadQuery, an_entry_min_that_is_not_a_number_is_an_error) {
@@ -133,9 +133,9 @@ TEST(BadQuery, an_entry_min_that_is_not_a_number_is_an_error) {
 
 TEST(BadQuery, a_radius_of_boxes_and_half_spaces_is_an_error) {
   expect_rejected(Bounds{{0, 0, 0}, {1, 1, 1}}, PointQuery{.radius = 1.0},
-                 "box and half-space queries do not support a radius");
+                  "box and half-space queries do not support a radius");
   expect_rejected(HalfSpaces{}, PointQuery{.radius = 1.0},
-                 "box and half-space queries do not support a radius");
+                  "box and half-space queries do not support a radius");
 }
 
 TEST(BadQuery, max_level_is_an_error_where_there_are_no_levels) {

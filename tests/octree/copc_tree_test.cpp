@@ -84,8 +84,8 @@ TEST(CopcTreeTest, answers_equal_brute_force_over_the_loaded_cloud) {
     EXPECT_TRUE(as_brute_force(opened.cache, cloud, Bounds{corner, corner + 20.0}, PointQuery{}));
     EXPECT_TRUE(as_brute_force(opened.cache, cloud, random.position(), PointQuery{.k = 9}));
     EXPECT_TRUE(as_brute_force(opened.cache, cloud, random.position(), PointQuery{.radius = 12.0}));
-    const HalfSpaces region{
-        {make_plane(random.position(), random.direction()), make_plane(random.position(), random.direction())}};
+    const HalfSpaces region{{make_plane(random.position(), random.direction()),
+                             make_plane(random.position(), random.direction())}};
     EXPECT_TRUE(as_brute_force(opened.cache, cloud, region, PointQuery{}));
   }
 }

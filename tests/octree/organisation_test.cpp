@@ -122,7 +122,8 @@ TEST(LayeredOctree, every_node_above_others_holds_a_full_sample_of_its_own) {
       }
       if (inner == 0 || frame.level == k_min_frame_level)
         continue;  // the lowest level is for points of one position
-      // A node may only reach down to a smaller frame, for points of one position or few points of a small cell.
+      // A node may only reach down to a smaller frame, for points of one position or few points of a small
+      // cell.
       if (leaves == 0) {
         EXPECT_EQ(inner, 1);
       } else {

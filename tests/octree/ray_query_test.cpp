@@ -77,8 +77,8 @@ TEST_P(RayQueryVsBruteForce, batches_are_the_same_bits_on_every_family) {
     const Octree octree = build(family.cloud, options_for(GetParam()));
     Random random(family.name + "_batches");
     for (int turn = 0; turn < 12; ++turn) {
-      // A batch has one query: that of its first ray. Some batches are coherent: a wide fan from one position, a
-      // narrow one, whose rays meet the same leaves, the same ray again and again.
+      // A batch has one query: that of its first ray. Some batches are coherent: a wide fan from one
+      // position, a narrow one, whose rays meet the same leaves, the same ray again and again.
       std::vector<RayCase> cases = ray_cases(family.cloud, 60, random);
       const RayQuery query = cases[0].query;
       std::vector<Ray> rays;

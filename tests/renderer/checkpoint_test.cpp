@@ -7,7 +7,7 @@
 #include <fstream>
 #include <sstream>
 
-#include "renderer/picture_identity.h"
+#include "renderer/picture_fingerprint.h"
 #include "tests/renderer/mixed_scene.h"
 #include "tests/support/seal_checkpoint.h"
 
@@ -83,11 +83,11 @@ TEST_F(CheckpointTest, interrupted_render_goes_on_to_the_same_film) {
       EXPECT_LT(read_checkpoint_summary(file_).share, 1.0);
     }
     RenderStatistics statistics;
-    int told = 0;
+    int resumed = 0;
     RenderOptions again = options(true);
-    again.checkpoint->resumed = [&] { ++told; };
+    again.checkpoint->resumed = [&] { ++resumed; };
     expect_same(render(scene, &cloud, again, &statistics), whole);
-    EXPECT_EQ(told, 1);
+    EXPECT_EQ(resumed, 1);
     EXPECT_EQ(statistics.ray_count, whole_statistics.ray_count);
   }
 }
@@ -217,20 +217,20 @@ TEST_F(CheckpointTest, of_another_picture_is_an_error_that_names_the_difference)
     EXPECT_NE(message.find(difference), std::string::npos) << difference << ": " << message;
   };
   expect_rejection("it has seed 42, this run has 2",
-                 [](Scene& other, LoadedCloud&, RenderOptions&) { other.render.seed = 2; });
+                   [](Scene& other, LoadedCloud&, RenderOptions&) { other.render.seed = 2; });
   expect_rejection("it has number of samples 5, this run has 6",
-                 [](Scene& other, LoadedCloud&, RenderOptions&) { other.render.samples = 6; });
+                   [](Scene& other, LoadedCloud&, RenderOptions&) { other.render.samples = 6; });
   expect_rejection("it has number of bounces 6, this run has 7",
-                 [](Scene& other, LoadedCloud&, RenderOptions&) { other.render.max_bounces = 7; });
+                   [](Scene& other, LoadedCloud&, RenderOptions&) { other.render.max_bounces = 7; });
   expect_rejection("it has picture a.exr, this run has b.exr",
-                 [](Scene&, LoadedCloud&, RenderOptions& asked) { asked.checkpoint->picture = "b.exr"; });
+                   [](Scene&, LoadedCloud&, RenderOptions& asked) { asked.checkpoint->picture = "b.exr"; });
   expect_rejection("it has target noise none, this run has 0.01",
-                 [](Scene&, LoadedCloud&, RenderOptions& asked) { asked.target_noise = 0.01; });
+                   [](Scene&, LoadedCloud&, RenderOptions& asked) { asked.target_noise = 0.01; });
   expect_rejection("it has noise sums kept, this run has not kept",
-                 [](Scene&, LoadedCloud&, RenderOptions& asked) { asked.layers = {{Layer::color}}; });
+                   [](Scene&, LoadedCloud&, RenderOptions& asked) { asked.layers = {{Layer::color}}; });
   expect_rejection("camera", [](Scene& other, LoadedCloud&, RenderOptions&) { other.camera->width = 71; });
-  expect_rejection("camera",
-                 [](Scene& other, LoadedCloud&, RenderOptions&) { other.camera->pose.position.x += 1e-12; });
+  expect_rejection(
+      "camera", [](Scene& other, LoadedCloud&, RenderOptions&) { other.camera->pose.position.x += 1e-12; });
   expect_rejection("it has objects", [](Scene& other, LoadedCloud&, RenderOptions&) {
     std::get<Sphere>(other.objects[2]).material = Metal{Rgb(0.9f), 0.31};
   });
@@ -242,13 +242,13 @@ TEST_F(CheckpointTest, of_another_picture_is_an_error_that_names_the_difference)
     other.cloud->normals = NormalMode::smooth;
   });
   expect_rejection("it has radius 0.0",
-                 [](Scene&, LoadedCloud& other, RenderOptions&) { other.radius = 0.05; });
+                   [](Scene&, LoadedCloud& other, RenderOptions&) { other.radius = 0.05; });
   expect_rejection("it has points and colours",
-                 [](Scene&, LoadedCloud& other, RenderOptions&) { other.colors.back().x ^= 1; });
+                   [](Scene&, LoadedCloud& other, RenderOptions&) { other.colors.back().x ^= 1; });
   expect_rejection("it has number of points 3000, this run has 1",
-                 [](Scene&, LoadedCloud& other, RenderOptions&) {
-                   other = test::loaded({{0, 0, 1}}, 0.06);
-                 });
+                   [](Scene&, LoadedCloud& other, RenderOptions&) {
+                     other = test::loaded({{0, 0, 1}}, 0.06);
+                   });
   EXPECT_NE(rejection(scene, nullptr, options(true)).find("number of points"), std::string::npos);
   // What follows from something else is not named instead of it.
   expect_rejection("it has radius 0.05", [](Scene& other, LoadedCloud& other_cloud, RenderOptions&) {
@@ -256,16 +256,16 @@ TEST_F(CheckpointTest, of_another_picture_is_an_error_that_names_the_difference)
     other.camera->pose.position.z += 1.0;
   });
   expect_rejection("it has cloud files , this run has b.las",
-                 [](Scene& other, LoadedCloud& other_cloud, RenderOptions&) {
-                   other.cloud->files = {"b.las"};
-                   other_cloud.radius = 0.07;
-                 });
+                   [](Scene& other, LoadedCloud& other_cloud, RenderOptions&) {
+                     other.cloud->files = {"b.las"};
+                     other_cloud.radius = 0.07;
+                   });
 }
 
 TEST(PictureFingerprint, long_values_are_shown_from_where_they_differ) {
   const auto message_of = [](const std::string& made, const std::string& asked) -> std::string {
     try {
-      check_identity({{"sun", made}}, {{"sun", asked}}, "file");
+      check_fingerprint({{"sun", made}}, {{"sun", asked}}, "file");
     } catch (const Error& error) {
       return error.parts().problem;
     }
@@ -286,10 +286,10 @@ TEST_F(CheckpointTest, cut_short_anywhere_or_too_long_is_an_error) {
   scene.camera = test::camera_at({0, -6, 3}, {0, 0, 0}, 50.0, 14);
   render_in_part(scene, nullptr, options(false), 0);
   std::vector<std::byte> whole = bytes();
-  const PictureFingerprint identity = picture_identity(scene, nullptr, options(false));
+  const PictureFingerprint fingerprint = picture_fingerprint(scene, nullptr, options(false));
   const auto read = [&](std::span<const std::byte> content) {
     PictureState state(14, 14, true);
-    read_checkpoint(InputFile(content, "cut"), identity, 5, state);
+    read_checkpoint(InputFile(content, "cut"), fingerprint, 5, state);
   };
   EXPECT_NO_THROW(read(whole));
   for (std::size_t size = 0; size < whole.size(); size += size < 2000 ? 1 : 97)
@@ -303,14 +303,14 @@ TEST_F(CheckpointTest, with_any_bit_flipped_is_an_error) {
   scene.camera = test::camera_at({0, -6, 3}, {0, 0, 0}, 50.0, 14);
   render_in_part(scene, nullptr, options(false), 0);
   std::vector<std::byte> content = bytes();
-  const PictureFingerprint identity = picture_identity(scene, nullptr, options(false));
+  const PictureFingerprint fingerprint = picture_fingerprint(scene, nullptr, options(false));
   test::Random random;
   for (std::size_t position = 0; position < content.size();
        position += position < 200 ? 1 : 1 + random.below(50)) {
     const auto flip = static_cast<std::byte>(1u << random.below(8));
     content[position] ^= flip;
     PictureState state(14, 14, true);
-    EXPECT_THROW(read_checkpoint(InputFile(content, "flipped"), identity, 5, state), Error) << position;
+    EXPECT_THROW(read_checkpoint(InputFile(content, "flipped"), fingerprint, 5, state), Error) << position;
     content[position] ^= flip;
   }
 }
@@ -367,8 +367,8 @@ TEST_F(CheckpointTest, of_an_index_file_knows_it_by_its_checksums) {
   one.index_checksum = 1;
   other.index_checksum = 2;
   const Scene scene = mixed_scene();
-  EXPECT_EQ(picture_identity(scene, &one, {}), picture_identity(scene, &one, {}));
-  EXPECT_NE(picture_identity(scene, &one, {}), picture_identity(scene, &other, {}));
+  EXPECT_EQ(picture_fingerprint(scene, &one, {}), picture_fingerprint(scene, &one, {}));
+  EXPECT_NE(picture_fingerprint(scene, &one, {}), picture_fingerprint(scene, &other, {}));
 }
 
 TEST(SceneText, differs_where_the_scene_does) {

@@ -71,24 +71,24 @@ void over_sphere(int rows, int columns, int refinement, const Function& function
 TEST(Material, sample_follows_pdf_by_chi_square) {
   constexpr int k_rows = 20, k_columns = 16, k_count = 100000;
   for (const Case& test_case : spread_materials()) {
-    for (const glm::dvec3& outgoing : outgoing_directions()) {
+    for (const glm::dvec3& wo : outgoing_directions()) {
       std::vector<double> expected(k_rows * k_columns + 1), found(k_rows * k_columns + 1);
-      over_sphere(k_rows, k_columns, 24, [&](int cell, const glm::dvec3& incoming, double solid_angle) {
-        expected[cell] += k_count * solid_angle * pdf(test_case.material, outgoing, incoming);
+      over_sphere(k_rows, k_columns, 24, [&](int cell, const glm::dvec3& wi, double solid_angle) {
+        expected[cell] += k_count * solid_angle * pdf(test_case.material, wo, wi);
       });
       double sum = 0.0;
       for (const double value : expected) sum += value;
-      ASSERT_LT(sum, k_count * 1.001) << test_case.name << " density above 1, outgoing z " << outgoing.z;
+      ASSERT_LT(sum, k_count * 1.001) << test_case.name << " density above 1, wo z " << wo.z;
       expected.back() = std::max(0.0, k_count - sum);  // absorbed
       test::Random random(test_case.name);
       for (int i = 0; i < k_count; ++i) {
         const auto chosen =
-            sample(test_case.material, k_color, outgoing, {random.unit(), random.unit()}, random.unit());
+            sample(test_case.material, k_color, wo, {random.unit(), random.unit()}, random.unit());
         if (!chosen) {
           ++found.back();
           continue;
         }
-        const glm::dvec3& v = chosen->incoming;
+        const glm::dvec3& v = chosen->wi;
         const double turns = std::atan2(v.y, v.x) / (2.0 * std::numbers::pi);
         const int row = std::min(k_rows - 1, static_cast<int>((v.z + 1.0) * 0.5 * k_rows));
         const int column =
@@ -109,12 +109,12 @@ TEST(Material, sample_follows_pdf_by_chi_square) {
         ++degrees;
       }
       EXPECT_NEAR(pooled_found, pooled_expected, 5.0 * std::sqrt(pooled_expected) + 0.001 * k_count)
-          << test_case.name << " outgoing z " << outgoing.z;
+          << test_case.name << " wo z " << wo.z;
       // Wilson and Hilferty: the cube root of chi square over its degrees of freedom is nearly normal.
       const double spread = 2.0 / (9.0 * degrees);
       const double score = (std::cbrt(chi_square / degrees) - (1.0 - spread)) / std::sqrt(spread);
-      EXPECT_LT(score, 4.0) << test_case.name << " outgoing z " << outgoing.z << " chi square " << chi_square
-                            << " of " << degrees;
+      EXPECT_LT(score, 4.0) << test_case.name << " wo z " << wo.z << " chi square " << chi_square << " of "
+                            << degrees;
     }
   }
 }
@@ -122,16 +122,15 @@ TEST(Material, sample_follows_pdf_by_chi_square) {
 TEST(Material, sample_weight_is_eval_over_pdf) {
   test::Random random;
   for (const Case& test_case : spread_materials()) {
-    for (const glm::dvec3& outgoing : outgoing_directions()) {
+    for (const glm::dvec3& wo : outgoing_directions()) {
       for (int i = 0; i < 500; ++i) {
         const auto chosen =
-            sample(test_case.material, k_color, outgoing, {random.unit(), random.unit()}, random.unit());
+            sample(test_case.material, k_color, wo, {random.unit(), random.unit()}, random.unit());
         if (!chosen) continue;
         ASSERT_FALSE(chosen->specular);
-        ASSERT_NEAR(glm::length(chosen->incoming), 1.0, 1e-12);
-        ASSERT_NEAR(pdf(test_case.material, outgoing, chosen->incoming) / chosen->pdf, 1.0, 1e-6)
-            << test_case.name;
-        const Rgb value = eval(test_case.material, k_color, outgoing, chosen->incoming);
+        ASSERT_NEAR(glm::length(chosen->wi), 1.0, 1e-12);
+        ASSERT_NEAR(pdf(test_case.material, wo, chosen->wi) / chosen->pdf, 1.0, 1e-6) << test_case.name;
+        const Rgb value = eval(test_case.material, k_color, wo, chosen->wi);
         for (int channel = 0; channel < 3; ++channel) {
           ASSERT_NEAR(value[channel] / chosen->pdf, chosen->weight[channel], 1e-4) << test_case.name;
         }
@@ -142,14 +141,14 @@ TEST(Material, sample_weight_is_eval_over_pdf) {
 
 TEST(Material, scatters_no_more_light_than_arrives) {
   for (const Case& test_case : spread_materials()) {
-    for (const glm::dvec3& outgoing : outgoing_directions()) {
+    for (const glm::dvec3& wo : outgoing_directions()) {
       glm::dvec3 share(0.0);
-      over_sphere(1, 1, 500, [&](int, const glm::dvec3& incoming, double solid_angle) {
-        share += solid_angle * glm::dvec3(eval(test_case.material, k_color, outgoing, incoming));
+      over_sphere(1, 1, 500, [&](int, const glm::dvec3& wi, double solid_angle) {
+        share += solid_angle * glm::dvec3(eval(test_case.material, k_color, wo, wi));
       });
       for (int channel = 0; channel < 3; ++channel) {
-        EXPECT_LE(share[channel], 1.001) << test_case.name << " outgoing z " << outgoing.z;
-        EXPECT_GT(share[channel], 0.05) << test_case.name << " outgoing z " << outgoing.z;
+        EXPECT_LE(share[channel], 1.001) << test_case.name << " wo z " << wo.z;
+        EXPECT_GT(share[channel], 0.05) << test_case.name << " wo z " << wo.z;
       }
     }
   }
@@ -182,7 +181,7 @@ TEST(Material, mirror_reflects_in_one_direction_and_returns_all_light_of_a_white
   const auto chosen = sample(mirror, k_color, {0.6, 0.0, 0.8}, {0.3, 0.7}, 0.5);
   ASSERT_TRUE(chosen);
   EXPECT_TRUE(chosen->specular);
-  EXPECT_EQ(chosen->incoming, glm::dvec3(-0.6, 0.0, 0.8));
+  EXPECT_EQ(chosen->wi, glm::dvec3(-0.6, 0.0, 0.8));
   EXPECT_EQ(chosen->weight, Rgb(1.0f));
   EXPECT_EQ(eval(mirror, k_color, {0.6, 0.0, 0.8}, {-0.6, 0.0, 0.8}), Rgb(0.0f));
   EXPECT_EQ(sample(Metal{std::nullopt, 0.0}, k_color, {0, 0, 1}, {0.3, 0.7}, 0.5)->weight, k_color);
@@ -207,25 +206,25 @@ TEST(Material, glass_obeys_snells_law_and_conserves_light) {
   test::Random random;
   const Material glass = Dielectric{1.5};
   for (int i = 0; i < 5000; ++i) {
-    const glm::dvec3 outgoing = glm::normalize(random.direction());
-    const auto chosen = sample(glass, k_color, outgoing, {random.unit(), random.unit()}, random.unit());
+    const glm::dvec3 wo = glm::normalize(random.direction());
+    const auto chosen = sample(glass, k_color, wo, {random.unit(), random.unit()}, random.unit());
     ASSERT_TRUE(chosen && chosen->specular);
     ASSERT_EQ(chosen->weight, Rgb(1.0f));
-    if (chosen->incoming.z * outgoing.z > 0.0) {
-      ASSERT_EQ(chosen->incoming, glm::dvec3(-outgoing.x, -outgoing.y, outgoing.z));
+    if (chosen->wi.z * wo.z > 0.0) {
+      ASSERT_EQ(chosen->wi, glm::dvec3(-wo.x, -wo.y, wo.z));
     } else {
-      const double index = outgoing.z > 0.0 ? 1.5 : 1.0 / 1.5;
-      ASSERT_NEAR(chosen->incoming.x * index, -outgoing.x, 1e-12);
-      ASSERT_NEAR(chosen->incoming.y * index, -outgoing.y, 1e-12);
+      const double index = wo.z > 0.0 ? 1.5 : 1.0 / 1.5;
+      ASSERT_NEAR(chosen->wi.x * index, -wo.x, 1e-12);
+      ASSERT_NEAR(chosen->wi.y * index, -wo.y, 1e-12);
     }
   }
 }
 
 TEST(Material, glass_reflects_as_often_as_fresnel_says) {
-  const glm::dvec3 outgoing = direction(0.2, 0.1);
+  const glm::dvec3 wo = direction(0.2, 0.1);
   const double share = fresnel_reflectance(0.2, 1.5);
-  EXPECT_GT(sample(Material(Dielectric{1.5}), k_color, outgoing, {0, 0}, share - 1e-9)->incoming.z, 0.0);
-  EXPECT_LT(sample(Material(Dielectric{1.5}), k_color, outgoing, {0, 0}, share + 1e-9)->incoming.z, 0.0);
+  EXPECT_GT(sample(Material(Dielectric{1.5}), k_color, wo, {0, 0}, share - 1e-9)->wi.z, 0.0);
+  EXPECT_LT(sample(Material(Dielectric{1.5}), k_color, wo, {0, 0}, share + 1e-9)->wi.z, 0.0);
 }
 
 TEST(Material, emissive_reflects_nothing) {

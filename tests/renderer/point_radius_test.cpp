@@ -103,7 +103,7 @@ TEST(PointRadius, a_glass_sphere_of_its_own_radius_is_left_where_it_ends) {
   const Ray down = make_ray({3.0, 2.0, 5.0}, {0.0, 0.0, -1.0}, 0.0);
   const auto top = world.nearest(down, {});
   ASSERT_TRUE(top);
-  const Departure inside{Departure::From::point, top->index, top->center, true, top->radius};
+  const RayOrigin inside{RayOrigin::From::point, top->index, top->center, true, top->radius};
   const auto bottom = world.nearest(make_ray({3.0, 2.0, 5.0 - top->t}, {0.0, 0.0, -1.0}, 0.0), inside);
   ASSERT_TRUE(bottom);
   EXPECT_NEAR(bottom->t, 2.0 * top->radius, 1e-9);

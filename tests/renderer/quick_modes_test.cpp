@@ -56,7 +56,7 @@ TEST(Flat, is_black_and_transparent_where_nothing_is) {
 }
 
 TEST(Headlight, is_colour_times_cosine_between_normal_and_ray) {
-  // Parallel rays 60 degrees off the normal of the plane, whatever stands in the way of other lights.
+  // Parallel rays 60 degrees off the normal of the plane, whatever is in the way of other lights.
   Camera camera = camera_at({0, -std::sqrt(3.0), 1.0}, {0, 0, 0}, 10.0);
   camera.lens = OrthographicLens{};
   camera.fx = camera.fy = 1000.0;
@@ -185,17 +185,17 @@ TEST(World, blocks_within_reach_only) {
   const World world(scene, &cloud);
   const std::vector<Ray> rays{make_ray({0, 0, 0}, {0, 0, 1}, 0.0), make_ray({5, 0, 0}, {0, 0, 1}, 0.0),
                               make_ray({9, 0, 0}, {0, 0, 1}, 0.0)};
-  const std::vector<Departure> departures(rays.size());
+  const std::vector<RayOrigin> ray_origins(rays.size());
   const auto blocked = [&](double reach) {
     std::vector<std::uint8_t> answers(rays.size());
-    world.blocked(rays, departures, answers, reach);
+    world.blocked(rays, ray_origins, answers, reach);
     return answers;
   };
   EXPECT_EQ(blocked(8.9), (std::vector<std::uint8_t>{0, 0, 0}));
   EXPECT_EQ(blocked(9.1), (std::vector<std::uint8_t>{0, 1, 0}));
   EXPECT_EQ(blocked(10.1), (std::vector<std::uint8_t>{1, 1, 0}));
   std::vector<std::uint8_t> anywhere(rays.size());
-  world.blocked(rays, departures, anywhere);
+  world.blocked(rays, ray_origins, anywhere);
   EXPECT_EQ(anywhere, (std::vector<std::uint8_t>{1, 1, 0}));
 }
 

@@ -258,7 +258,7 @@ TEST_F(SceneSchemaTest, leaving_a_key_out_means_the_default_in_the_schema) {
       const bool has_default = std::ranges::any_of(applied, [&](const auto& each) {
         return each.position == position && each.schema->contains("default");
       });
-      EXPECT_TRUE(has_default) << position.to_string() << " may be left out but the schema tells no default";
+      EXPECT_TRUE(has_default) << position.to_string() << " may be left out but the schema states no default";
     }
   }
   EXPECT_GT(count, 30);

@@ -302,16 +302,16 @@ TEST(SkyImageLight, of_one_bright_pixel_is_that_of_a_sun_there) {
 /// The light that leaves a diffuse scene towards a ray, by chance alone: no light is sampled.
 double found_by_chance(const World& world, const Sky& sky, Ray ray, test::Random& random) {
   double throughput = 1.0;
-  Departure departure;
+  RayOrigin ray_origin;
   for (int bounce = 0; bounce <= 8; ++bounce) {
-    const auto met = world.nearest(ray, departure);
+    const auto met = world.nearest(ray, ray_origin);
     if (!met) return throughput * sky_radiance(sky, ray.direction).r;
     const Surface surface = world.surface_at(ray, *met);
     throughput *= albedo(*surface.material, surface.color).r;
     const glm::dvec3 facing =
         glm::dot(surface.normal, ray.direction) > 0.0 ? -surface.normal : surface.normal;
-    departure = {.from = Departure::From::object, .index = met->index};
-    ray = {surface.departure,
+    ray_origin = {.from = RayOrigin::From::object, .index = met->index};
+    ray = {surface.ray_origin,
            basis_around(facing).to_world(sample_cosine_hemisphere({random.unit(), random.unit()}))};
   }
   return 0.0;

@@ -76,15 +76,15 @@ TEST(Surface, a_ray_that_leaves_a_point_never_meets_it_again) {
       const auto met = world.nearest(ray, {});
       ASSERT_TRUE(met);
       const Surface surface = world.surface_at(ray, *met);
-      const Departure departure{Departure::From::point, met->index, met->center, false, met->radius};
+      const RayOrigin ray_origin{RayOrigin::From::point, met->index, met->center, false, met->radius};
       // From straight up to grazing within rounding.
       const double cosine = std::pow(10.0, random.between(-18.0, 0.0));
       const double sine = std::sqrt(1.0 - cosine * cosine), turns = random.unit();
       const SineCosine turn = sine_cosine_of_turns(turns);
       const glm::dvec3 direction =
           basis_around(surface.normal).to_world({sine * turn.cosine, sine * turn.sine, cosine});
-      ASSERT_FALSE(world.nearest({surface.position, direction}, departure)) << "cosine " << cosine;
-      ASSERT_FALSE(world.blocked({surface.position, direction}, departure)) << "cosine " << cosine;
+      ASSERT_FALSE(world.nearest({surface.position, direction}, ray_origin)) << "cosine " << cosine;
+      ASSERT_FALSE(world.blocked({surface.position, direction}, ray_origin)) << "cosine " << cosine;
     }
   }
 }
@@ -124,8 +124,8 @@ TEST(Surface, a_ray_that_leaves_an_object_never_meets_it_again_outside) {
     const glm::dvec3 direction =
         basis_around(normal).to_world({sine * turn.cosine, sine * turn.sine, cosine});
     const Ray ray{k_utm + 1000.0 * normal, direction};
-    ASSERT_FALSE(world.nearest(ray, {Departure::From::object, 0, {}, false}));
-    ASSERT_FALSE(world.blocked(ray, {Departure::From::object, 0, {}, false}));
+    ASSERT_FALSE(world.nearest(ray, {RayOrigin::From::object, 0, {}, false}));
+    ASSERT_FALSE(world.blocked(ray, {RayOrigin::From::object, 0, {}, false}));
   }
 }
 
@@ -135,7 +135,7 @@ TEST(Surface, a_ray_inside_an_object_meets_its_far_wall) {
   const World world(scene, nullptr);
   // A chord at 60 degrees to the normal is as long as the radius.
   const Ray ray{k_utm + glm::dvec3(0, 0, 10), {std::sqrt(0.75), 0.0, -0.5}};
-  const auto met = world.nearest(ray, {Departure::From::object, 0, {}, true});
+  const auto met = world.nearest(ray, {RayOrigin::From::object, 0, {}, true});
   ASSERT_TRUE(met);
   EXPECT_NEAR(met->t, 10.0, 1e-8);
   // A camera inside the sphere sees the wall too.
@@ -148,7 +148,7 @@ TEST(Surface, inside_a_glass_point_only_its_own_far_wall_is_met) {
   scene.cloud.emplace();
   scene.cloud->material = Dielectric{};
   const World world(scene, &cloud);
-  const auto met = world.nearest({{0, 0, 1}, {0, 0, -1}}, {Departure::From::point, 0, {0, 0, 0}, true, 1.0});
+  const auto met = world.nearest({{0, 0, 1}, {0, 0, -1}}, {RayOrigin::From::point, 0, {0, 0, 0}, true, 1.0});
   ASSERT_TRUE(met);
   EXPECT_EQ(met->index, 0u);
   EXPECT_NEAR(met->t, 2.0, 1e-12);

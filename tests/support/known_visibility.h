@@ -39,9 +39,9 @@ KnownScene mixed_density();
 /// other, noise 2 cm.
 KnownScene grazing_slope();
 
-/// What the observer sees of the points of a scene, 1 or 0: nothing of the site stands before the position a
-/// tenth of a millimetre above the point's exact position, on the observer's side. (Both sides of a leaf without
-/// thickness are the leaf.)
+/// What the observer sees of the points of a scene, 1 or 0: nothing of the site is in front of the position a
+/// tenth of a millimetre above the point's exact position, on the observer's side. (Both sides of a leaf
+/// without thickness are the leaf.)
 std::vector<std::uint8_t> truth(const KnownScene& scene, const glm::dvec3& observer);
 
 /// Points that have a point of the other answer within two radii of their discs: they lie on the boundary of
@@ -51,7 +51,7 @@ std::vector<std::uint8_t> near_boundary(const KnownScene& scene, const Octree& o
 
 /// The same, and points whose free line of sight passes an edge of something else within two radii of that
 /// one's discs: it crosses the exact plane of a point so near to the point. Behind such an edge the boundary
-/// of what is seen is as wide as the lines spread. Only every `step`-th point is looked at, for these are
+/// of what is seen is as wide as the lines spread. Only every `step`-th point is examined, for these are
 /// slow queries; all others are said to be near a boundary.
 std::vector<std::uint8_t> near_boundary_or_edge(const KnownScene& scene, const Octree& octree,
                                                 const std::vector<std::uint8_t>& truth,

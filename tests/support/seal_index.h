@@ -11,7 +11,7 @@
 #include "base/fingerprint.h"
 
 // Index files that were tampered with, made to look untouched: without this every change would be caught by a
-// checksum, and what stands behind the checksums would never be tested. Offsets are those of
+// checksum, and what is behind the checksums would never be tested. Offsets are those of
 // docs/index_file.md.
 
 namespace alidade::test {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// alidade info on E57 files: what it tells, and what it extracts.
+// alidade info on E57 files: what it prints, and what it extracts.
 #include <nlohmann/json.hpp>
 
 #include "tests/cloud/e57/e57_builder.h"

@@ -193,7 +193,7 @@ TEST_F(QueryOutputTest, bad_targets_leave_no_output) {
 }
 
 TEST_F(QueryOutputTest, answers_far_more_than_targets_stay_complete_and_in_order) {
-  // Boxes with one and with all of 20,000 points in turn: the latter are asked again one by one.
+  // Boxes with one and with all of 20,000 points in turn: the latter run again one by one.
   std::string points, boxes = "min_x,min_y,min_z,max_x,max_y,max_z\n",
                       expected = "box_id,rank,point_id,x,y,z\n";
   for (int i = 0; i < 20000; ++i) points += std::to_string(i) + " 0 0\n";

@@ -96,7 +96,8 @@ TEST_F(RenderColorTest, single_classes_can_have_other_colours) {
                 .exit_code,
             0);
   EXPECT_NE(read("usual.png"), read("changed.png"));
-  const ProgramResult rejected = render({"--color-by", "height", "--class-color", "6=#102030", "-o", "c.png"});
+  const ProgramResult rejected =
+      render({"--color-by", "height", "--class-color", "6=#102030", "-o", "c.png"});
   EXPECT_EQ(rejected.exit_code, 2);
   EXPECT_TRUE(contains(rejected.err, "class colours require classification")) << rejected.err;
 }

@@ -13,7 +13,7 @@
 
 namespace alidade::test {
 
-/// Long runs of `alidade visibility` that are killed, interrupted and gone on with.
+/// Long runs of `alidade visibility` that are killed, interrupted and resumed.
 class ResumeTest : public ProgramTest {
  protected:
   void SetUp() override {

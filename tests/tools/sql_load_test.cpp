@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Clouds of any format go into a database, whatever they, it and the table are called, as a whole or not at
+// Clouds of any format go into a database, whatever they, it and the table are called, completely or not at
 // all.
 #include <signal.h>
 
@@ -139,7 +139,7 @@ TEST_F(SqlLoadTest, other_and_damaged_files_are_no_databases_and_stay_as_they_ar
   ASSERT_EQ(load({"square.xyz", "whole.db"}).exit_code, 0);
   const std::string whole = read("whole.db");
   for (const auto& [content, problem] :
-       {std::pair<std::string, std::string>("text that is long enough to be told from an empty file, and no "
+       {std::pair<std::string, std::string>("text that is long enough to differ from an empty file, and no "
                                             "database at all, whatever the name says of it......",
                                             "file is not a database"),
         {whole.substr(0, whole.size() / 2), "malformed"},

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Folders, patterns, tiles outside of what is asked, and damaged files, for every command that reads clouds.
+// Folders, patterns, tiles outside of the query, and damaged files, for every command that reads clouds.
 #include <algorithm>
 #include <nlohmann/json.hpp>
 #include <random>

@@ -18,7 +18,7 @@ bool contains(const std::string& text, const std::string& part) {
   return text.find(part) != std::string::npos;
 }
 
-/// What `gdalinfo -json` says of a file; null if it is none.
+/// What `gdalinfo -json` prints about a file; null if it is not a raster.
 json map_info(const std::filesystem::path& file) {
   const GDALDatasetH dataset = GDALOpen(file.c_str(), GA_ReadOnly);
   if (dataset == nullptr) return nullptr;
@@ -228,7 +228,7 @@ TEST_F(VisibilityMapsTest, what_a_user_got_wrong_is_said_before_surfaces_are_mea
   const Words raster = with({"-o", "seen.tif"}, k_eye);
   expect_rejected_early("raster", {"-o", "seen.tif", "--observers", "nobody.csv"}, "nobody.csv");
   expect_rejected_early("raster", {"-o", "seen.tif", "--observer", "690900,5325100"},
-                       "no points of the cloud below the observer");
+                        "no points of the cloud below the observer");
   expect_rejected_early("raster", with(raster, {"--resolution", "0.0001"}), "cells");
   expect_rejected_early("raster", with(raster, {"--area", "0,0,1,1"}), "--area");
   expect_rejected_early("raster", with(raster, {"--ground", "class", "--preview", "seen.jpg"}), ".png");

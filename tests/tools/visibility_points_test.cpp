@@ -99,7 +99,7 @@ TEST_F(VisibilityPointsTest, output_is_the_cloud_itself_with_extra_bytes) {
     const bool is_in_shadow = position.x > 11000 && position.z == 0, is_before = position.x < 9500;
     if (is_in_shadow) {
       ASSERT_EQ(visible[id], 0) << id;
-      // What blocks stands before it, in the wall or at its foot.
+      // What blocks is before it, in the wall or at its foot.
       ASSERT_GE(blocker[id], 0) << id;
       ASSERT_NEAR(out.positions[static_cast<std::size_t>(blocker[id])].x, 10000, 300) << id;
     }

@@ -213,21 +213,21 @@ TEST_F(VisibilityRasterTest, bad_wishes_are_errors_and_leave_no_map) {
   expect_rejected({"-o", "seen.tif"}, "missing observers");
   expect_rejected({"--observer", "690005,5325010", "--resolution", "0", "-o", "seen.tif"}, "--resolution");
   expect_rejected({"--observer", "690005,5325010", "--resolution", "0.0001", "-o", "seen.tif"},
-                 "200000 x 200000 = 4e+10 cells");
+                  "200000 x 200000 = 4e+10 cells");
   expect_rejected({"--observer", "690005,5325010", "-o", "seen.png"}, "unsupported map format");
   expect_rejected({"--observer", "690005,5325010", "-o", "seen.tif", "--preview", "seen.jpg"},
-                 "unsupported preview format");
+                  "unsupported preview format");
   expect_rejected({"--observer", "690005,5325010", "-o", "seen.tif", "--area", "0,0,1,1"},
-                 "--area contains no points of the cloud");
+                  "--area contains no points of the cloud");
   expect_rejected({"--observer", "690005,5325010", "-o", "seen.tif", "--area", "0,0,1"},
-                 "XMIN,YMIN,XMAX,YMAX");
+                  "XMIN,YMIN,XMAX,YMAX");
   expect_rejected({"--observer", "691005,5325010,610", "--md", "50", "-o", "seen.tif"},
-                 "no observer reaches the map");
+                  "no observer reaches the map");
   expect_rejected({"--observer", "691005,5325010", "-o", "seen.tif"},
-                 "no points of the cloud below the observer");
+                  "no points of the cloud below the observer");
   expect_rejected({"--observer", "nan,5325010,1", "-o", "seen.tif"}, "invalid position");
   expect_rejected({"--observer", "690005,5325010", "-o", "seen.tif", "--mode", "all"},
-                 "visible|count|height|fraction");
+                  "visible|count|height|fraction");
   expect_rejected({"--observer", "690005,5325010", "-o", "seen.tif", "--vv", "256"}, "--visible-value");
   expect_rejected(
       {"--observer", "690005,5325010", "-o", "seen.tif", "--mode", "height", "--highest", "1", "--tz", "2"},
@@ -239,11 +239,11 @@ TEST_F(VisibilityRasterTest, bad_wishes_are_errors_and_leave_no_map) {
                              {"--mode", "fraction", "--iv", "7"},
                              {"--mode", "height", "--ov", "7"}})
     expect_rejected(with({"--observer", "690005,5325010", "-o", "seen.tif"}, words),
-                   "does not apply to this map");
+                    "does not apply to this map");
   expect_rejected({"--observer", "690005,5325010", "-o", "seen.tif", "--vv", "7", "--iv", "7"},
-                 "visible and invisible cells have the same value");
+                  "visible and invisible cells have the same value");
   expect_rejected({"--observer", "690005,5325010", "-o", "seen.tif", "--direction_range", "90,0"},
-                 "expected the smaller angle first");
+                  "expected the smaller angle first");
   write("seen.tif", "mine");
   EXPECT_EQ(raster(k_eye).exit_code, 2);
   EXPECT_EQ(read("seen.tif"), "mine");

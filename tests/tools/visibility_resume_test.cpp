@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Long runs of `alidade visibility` that are killed, interrupted and gone on with.
+// Long runs of `alidade visibility` that are killed, interrupted and resumed.
 #include "tests/tools/resume_test.h"
 
 namespace alidade::test {

@@ -23,7 +23,7 @@ TEST(ObserverGrid, has_the_middles_of_cells_that_cover_the_extent) {
   const auto grid = observer_grid(k_extent, 10.0, slope);
   ASSERT_EQ(grid.size(), 6u);
   EXPECT_EQ(grid[0].position, glm::dvec2(105, 205));
-  EXPECT_FALSE(grid[0].z) << "it stands on the ground";
+  EXPECT_FALSE(grid[0].z) << "it is on the ground";
   EXPECT_EQ(grid[0].name, "1-1");
   EXPECT_EQ(grid[5].position, glm::dvec2(125, 215));
   EXPECT_EQ(grid[5].name, "2-3");

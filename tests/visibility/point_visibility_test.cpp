@@ -133,7 +133,7 @@ TEST(PointVisibility, leaves_out_what_is_out_of_view_or_too_far) {
   for (std::size_t id = 0; id < cloud.positions().size(); ++id) {
     const glm::dvec3 offset = cloud.positions()[id] - observer.position;
     const double distance = std::sqrt(offset.x * offset.x + offset.y * offset.y + offset.z * offset.z);
-    // Points stand on a lattice finer than this.
+    // Points are on a lattice finer than this.
     if (std::fabs(distance - 7.0) < 1e-3) continue;
     const bool is_in_view = field.contains(offset) && distance < 7.0;
     ASSERT_EQ(some.counts[id], is_in_view ? all.counts[id] : 0u) << id;

@@ -75,18 +75,18 @@ TEST(PointSunHours, are_those_of_single_targets_by_point_id) {
   }
 }
 
-/// Runs work that is stopped after half of its points, then goes on with it.
+/// Runs work that is stopped after half of its points, then continues with it.
 template <class Work>
 auto stopped_and_gone_on_with(const Work& work) {
   const std::filesystem::path file = std::filesystem::temp_directory_path() / "sky_of_cloud.state";
   std::filesystem::remove(file);
-  const Identity identity{{"command", "sky"}};
+  const Fingerprint fingerprint{{"command", "sky"}};
   {
-    PartCheckpoint parts({.file = file, .interval = 1e-3}, identity);
+    PartCheckpoint parts({.file = file, .interval = 1e-3}, fingerprint);
     const Progress half = [](std::uint64_t done, std::uint64_t total) { return 2 * done < total; };
     EXPECT_THROW(work(LongWork{half, &parts}), Cancelled);
   }
-  PartCheckpoint parts({.file = file, .resume = true}, identity);
+  PartCheckpoint parts({.file = file, .resume = true}, fingerprint);
   EXPECT_GT(parts.finished(), 0u);
   EXPECT_LT(parts.finished(), parts.count());
   auto answers = work(LongWork{{}, &parts});
@@ -168,7 +168,7 @@ TEST(GroundSunHours, fall_in_the_shadow_of_a_wall) {
   grid.columns = 1;
   grid.rows = 8;
   const SunMaps maps = ground_sun_hours(occluders, ground, grid, 0.0, bins(), {});
-  // The sun in the north-west stands behind the wall for positions nearer than 4 m / tan 30 degrees.
+  // The sun in the north-west is behind the wall for positions nearer than 4 m / tan 30 degrees.
   EXPECT_NEAR(maps.hours.at(0, 0), 3.0, 1e-6);
   EXPECT_NEAR(maps.hours.at(0, 4), 7.0, 1e-6);
   const auto energy = [](double elevation) { return std::sin(elevation * std::numbers::pi / 180.0); };

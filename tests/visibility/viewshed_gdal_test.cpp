@@ -23,8 +23,8 @@ using nlohmann::json;
 const std::filesystem::path k_file =
     std::filesystem::path(ALIDADE_SHARED_DATA) / "viewshed" / "gdal_small_cases.json";
 
-// gdal_viewshed looks from cell to cell: an eye of height 0 stands on its cell, every neighbour is seen, and
-// what hides is the line between the middles of two cells. Points know no cells. They are put on the surface
+// gdal_viewshed looks from cell to cell: an eye of height 0 is on its cell, every neighbour is seen, and
+// what hides is the line between the middles of two cells. Points have no cells. They are put on the surface
 // between the middles, and then differ in two ways:
 // - An eye of height 0 is in the surface. On a ridge it grazes both flanks, so that neighbours are seen from
 //   a little above them on ("all_visible", and cells beside the eye in general).

@@ -43,21 +43,21 @@ TEST(ViewshedRunTest, the_map_is_the_same_on_any_number_of_threads) {
   }
 }
 
-/// A map that is stopped on one thread after half of the work, then gone on with.
+/// A map that is stopped on one thread after half of the work, then resumed.
 std::vector<float> stopped_and_gone_on_with(Position& position, std::span<const Observer> eyes,
                                             ViewshedOptions options, const RasterGrid& grid) {
   const std::filesystem::path file = std::filesystem::temp_directory_path() / "viewshed.state";
   std::filesystem::remove(file);
-  const Identity identity{{"command", "raster"}};
+  const Fingerprint fingerprint{{"command", "raster"}};
   {
-    PartCheckpoint parts({.file = file, .interval = 1e-3}, identity);
+    PartCheckpoint parts({.file = file, .interval = 1e-3}, fingerprint);
     ViewshedOptions cut = options;
     cut.parts = &parts;
     cut.progress = [](std::uint64_t done, std::uint64_t total) { return 2 * done < total; };
     tbb::task_arena(1).execute(
         [&] { EXPECT_THROW(viewshed(position.occluders(), position.ground(), eyes, grid, cut), Cancelled); });
   }
-  PartCheckpoint parts({.file = file, .resume = true}, identity);
+  PartCheckpoint parts({.file = file, .resume = true}, fingerprint);
   EXPECT_GT(parts.finished(), 0u);
   EXPECT_LT(parts.finished(), parts.count());
   options.parts = &parts;

@@ -39,16 +39,16 @@ std::string named(const char* kind, std::size_t number, std::string name) {
   return name.empty() ? fmt::format("{} {}", kind, number) : fmt::format("{} {} '{}'", kind, number, name);
 }
 
-template <class Item, class Tell>
-void tell_each(const std::vector<Item>& items, const char* kind, Verbosity verbosity, const Tell& tell,
-               std::vector<std::string>& lines) {
+template <class Item, class Describe>
+void print_each(const std::vector<Item>& items, const char* kind, Verbosity verbosity,
+                const Describe& describe, std::vector<std::string>& lines) {
   constexpr std::size_t k_first = 10;
   for (std::size_t i = 0; i < items.size(); ++i) {
     if (i == k_first && verbosity != Verbosity::verbose) {
       lines.push_back(fmt::format("and {} more {}s (-v lists all)", items.size() - i, kind));
       return;
     }
-    lines.push_back(named(kind, i + 1, items[i].name) + ": " + tell(items[i]));
+    lines.push_back(named(kind, i + 1, items[i].name) + ": " + describe(items[i]));
   }
 }
 
@@ -120,8 +120,8 @@ std::string camera_text(const E57Image& image, const E57Picture& picture, const 
   return json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
 }
 
-/// A name that stays in its folder whatever a file says: characters, digits, '-', '_' and '.' of `text`, "_" for
-/// everything else, no '.' in front, 80 bytes at most; "image" if nothing is left.
+/// A name that stays in its folder whatever a file says: characters, digits, '-', '_' and '.' of `text`, "_"
+/// for everything else, no '.' in front, 80 bytes at most; "image" if nothing is left.
 std::string safe_file_name(const std::string& text) {
   constexpr std::size_t k_longest = 80;
   std::string name;
@@ -239,8 +239,8 @@ std::vector<std::string> e57_lines(const E57File& file, Verbosity verbosity) {
     if (pictures.empty()) pictures.push_back("no image");
     return fmt::format("{}, {}", fmt::join(pictures, ", "), location_text(image.pose));
   };
-  tell_each(file.document().scans, "scan", verbosity, scan_text, lines);
-  tell_each(file.document().images, "image", verbosity, image_text, lines);
+  print_each(file.document().scans, "scan", verbosity, scan_text, lines);
+  print_each(file.document().images, "image", verbosity, image_text, lines);
   return lines;
 }
 

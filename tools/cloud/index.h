@@ -20,7 +20,7 @@ struct IndexRequest {
   bool overwrite = false;
 };
 
-/// Builds the octree over a cloud, measures what is asked for, writes the index file, and says so. The
+/// Builds the octree over a cloud, measures what is requested, writes the index file, and says so. The
 /// cloud's positions are given away. Errors: as build() and save_index().
 void write_index(const std::filesystem::path& path, PointCloud& cloud, const IndexRequest& request,
                  Verbosity verbosity);

@@ -24,7 +24,7 @@ struct InfoOptions : CloudRequest {
   std::filesystem::path image_folder;  ///< empty: no images are extracted
 };
 
-/// What `alidade info` tells about its files, taken together as one cloud.
+/// What `alidade info` prints about its files, taken together as one cloud.
 struct Description {
   PointCloud cloud;
   std::uint64_t point_count = 0;
@@ -34,7 +34,7 @@ struct Description {
   std::vector<E57File> e57_files;
 };
 
-/// What a single index file tells without its points being read.
+/// What a single index file shows without its points being read.
 Description describe(const IndexFile& index) {
   return {.cloud = index.description(),
           .point_count = index.header().tree.point_count,
@@ -63,7 +63,7 @@ Description describe(const InfoOptions& options) {
     description.e57_files.emplace_back(input.file());
     description.e57_files.back().pages().rest();
   }
-  // Colours are read to learn their depth, extra dimensions for their names; the rest is told by the headers.
+  // Colours are read to learn their depth, extra dimensions for their names; the rest comes from the headers.
   ProgressLine line("reading", "B", options.verbosity);
   const AttributeSet wanted = Attribute::color | Attribute::extra_dimensions;
   description.cloud = read_cloud(
@@ -89,9 +89,10 @@ void verify(const InfoOptions& options) {
   }
 }
 
-/// How the box in a file's header differs from that of its points, in words for people: how far it lies beyond them
-/// ("wider"), how far they lie beyond it ("leaves out"). Empty if no face is off by more than a hundredth of a step
-/// of the lattice, or if there are no points. Half a step is common and told, too: who crops by the box loses points.
+/// How the box in a file's header differs from that of its points, in words for people: how far it lies
+/// beyond them ("wider"), how far they lie beyond it ("leaves out"). Empty if no face is off by more than a
+/// hundredth of a step of the lattice, or if there are no points. Half a step is common and reported, too:
+/// who crops by the box loses points.
 std::optional<std::string> header_box_text(const Bounds& stated, const Bounds& points,
                                            const Lattice& lattice) {
   if (points.empty()) return std::nullopt;
@@ -120,7 +121,8 @@ Bounds bounds_of_rows(const PointCloud& cloud, std::size_t begin, std::size_t en
   return bounds;
 }
 
-/// What `alidade info` tells about the octree of a COPC file: levels, nodes and spacing, or what is wrong with it.
+/// What `alidade info` prints about the octree of a COPC file: levels, nodes and spacing, or what is wrong
+/// with it.
 std::string copc_text(const std::filesystem::path& file) {
   try {
     const CopcFile copc{InputFile(file)};
@@ -170,7 +172,7 @@ std::string spacing_text(const IndexHeader& header) {
          (header.tree.surface_unit > 0.0 ? ", surfaces" : "");
 }
 
-/// What `alidade info --json` tells about an index file beside what its points tell.
+/// What `alidade info --json` prints about an index file beside the facts of its points.
 Json index_json(const IndexFile& index, bool verified) {
   const IndexHeader& header = index.header();
   return {{"file", index.name()},

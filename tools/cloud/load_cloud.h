@@ -15,8 +15,8 @@ namespace alidade::tools {
 /// All formats that the program reads: tables of servers, SQLite, index files, and those of files.
 CloudFormats cloud_formats();
 
-/// Reads the files of a request, or loads them with an octree: with progress, and the warnings of the cloud said. Of
-/// the options all but `partial` and `progress` count.
+/// Reads the files of a request, or loads them with an octree: with progress, and the warnings of the cloud
+/// said. Of the options all but `partial` and `progress` count.
 PointCloud read_shown(const CloudRequest& request, ReadOptions options);
 IndexedCloud load_shown(const CloudRequest& request, IndexCloudOptions options);
 

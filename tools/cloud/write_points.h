@@ -45,9 +45,9 @@ ResultColumn result_column(std::string name, std::string description, ScalarType
 /// Error unless the name ends in .las, .laz or .ply.
 void check_points_name(const std::filesystem::path& file);
 
-/// The points of a cloud in their order, with all their attributes, scale, offset, reference system and LAS records,
-/// and with these columns: LAS 1.4 or PLY by the extension. Columns of the cloud's own that have one of their names are
-/// left out, which is said. Memory: 12 B per point. Errors: as LasWriter, write_ply().
+/// The points of a cloud in their order, with all their attributes, scale, offset, reference system and LAS
+/// records, and with these columns: LAS 1.4 or PLY by the extension. Columns of the cloud's own that have one
+/// of their names are left out, which is said. Memory: 12 B per point. Errors: as LasWriter, write_ply().
 void write_points(const std::filesystem::path& file, const IndexedCloud& cloud,
                   const std::vector<ResultColumn>& results, bool overwrite, Verbosity verbosity);
 

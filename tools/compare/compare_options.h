@@ -16,7 +16,7 @@ struct RegionPointsRequest {
   std::filesystem::path cloud, output;
 };
 
-/// What the command line of `alidade compare` asks for.
+/// What the command line of `alidade compare` requests.
 struct CompareRequest : RunRequest {
   std::filesystem::path reference, test;  ///< two files or two folders
   std::filesystem::path pairs;            ///< or a table
@@ -36,9 +36,9 @@ struct CompareRequest : RunRequest {
 /// Declares the options.
 void add_compare_options(const Options& command, CompareRequest& request);
 
-// What can be wrong with a request before any pixel is looked at.
+// What can be wrong with a request before any pixel is read.
 
-/// Whether many pairs of pictures are asked for.
+/// Whether many pairs of pictures are requested.
 bool is_batch(const CompareRequest& request);
 
 /// Errors that need no picture: words missing or too many, wishes that do not go together, outputs that

@@ -70,7 +70,7 @@ void for_each_row(std::size_t count, const Work& work) {
   });
 }
 
-/// The step a position stands on. Exact: positions were computed from steps, and lie closer to them than to others.
+/// The step a position is on. Exact: positions were computed from steps, and lie closer to them than to others.
 LatticePosition steps_of(const Lattice& lattice, const glm::dvec3& position) {
   const auto steps = to_lattice(lattice, position);
   if (!steps) throw Error({.problem = "the position of a point is not on the cloud's lattice"});

@@ -75,10 +75,10 @@ struct AnswerDimension {
   double AnswerRow::*real = nullptr;          ///< written as float64
 };
 
-/// Found points as LAS 1.4: a point for every row, with the integers, all attributes, coordinate reference system and
-/// records of the cloud, and with what the query found as extra dimensions. A dimension of the cloud's own that has one
-/// of these names is left out, which is said. Attributes are fetched in parallel. `cloud` must outlive the output.
-/// Errors: LasWriter's.
+/// Found points as LAS 1.4: a point for every row, with the integers, all attributes, coordinate reference
+/// system and records of the cloud, and with what the query found as extra dimensions. A dimension of the
+/// cloud's own that has one of these names is left out, which is said. Attributes are fetched in parallel.
+/// `cloud` must outlive the output. Errors: LasWriter's.
 std::unique_ptr<AnswerOutput> answers_as_las(const std::filesystem::path& file, bool overwrite,
                                              const IndexedCloud& cloud,
                                              std::vector<AnswerDimension> dimensions, Verbosity verbosity);
@@ -142,7 +142,8 @@ AnswerRow answer_row(const Answer& hit) {
   return row;
 }
 
-/// The answers of the targets [begin, end) as rows; ids: of all targets. What they are made of must outlive them.
+/// The answers of the targets [begin, end) as rows; ids: of all targets. What they are made of must outlive
+/// them.
 template <class Answer>
 AnswerRows answer_rows(const Answers<Answer>& answers, std::size_t begin, std::size_t end,
                        std::span<const std::uint64_t> ids) {

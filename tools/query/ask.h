@@ -22,13 +22,13 @@
 namespace alidade::tools {
 
 /// How many targets to ask at once, so that threads have work, answers stay few enough to hold, and a batch
-/// is done soon: between batches progress is told and the program can be interrupted.
+/// ends soon: between batches progress is reported and the program can be interrupted.
 class BatchSize {
  public:
   /// Targets of the next batch.
   std::size_t targets() const { return targets_; }
 
-  /// Answers of one target that are asked for at first. A target that has more is asked again alone.
+  /// Answers of one target that are requested at first. A target that has more is repeated alone.
   std::size_t answers_per_target() const { return std::max(k_most_answers / targets_, k_least_limit); }
 
   /// Learns from a batch, which took so many seconds.
@@ -61,7 +61,7 @@ class TreeAsker {
 
   std::size_t k() const { return query_.k; }
 
-  /// The first `most` of the answers that the query asks for, for each target: as find() of octree/query.h.
+  /// The first `most` of the answers that the query requests, for each target: as find() of octree/query.h.
   Answers<Answer> find(std::span<const Target> targets, std::size_t most) {
     const std::size_t k = std::min(query_.k, most);
     return answer_all<Answer>(targets, k_grain, [&](std::size_t i, std::vector<Answer>& answers) {
@@ -101,8 +101,8 @@ class TreeAsker {
   tbb::enumerable_thread_specific<QueryStatistics> statistics_;
 };
 
-/// Asks one octree: by the functions of octree/query.h, or, if work is to be explained, as TreeAsker. Has the same
-/// functions, and the same answers.
+/// Asks one octree: by the functions of octree/query.h, or, if work is to be explained, as TreeAsker. Has the
+/// same functions, and the same answers.
 template <class Target>
 class Asker {
  public:

@@ -48,7 +48,7 @@ class LineSource {
   bool read_more();
 
   std::string name_;
-  int descriptor_;  ///< -1: everything stands in `waiting_`
+  int descriptor_;  ///< -1: everything is in `waiting_`
   std::string waiting_;
   std::uint64_t next_number_ = 1, done_ = 0, total_ = 0;
 };

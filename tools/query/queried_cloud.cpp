@@ -48,7 +48,7 @@ void clip(const Ray& axis, const Bounds& box, double& t_min, double& t_max) {
 
 // Boxes around the points of a cloud that lies in the box `within` which can answer a target: of all points
 // at most `radius` from it. A little larger than need be, so that rounding leaves no point out; empty if
-// there are none. `radius` means nothing for cones, half-spaces and boxes.
+// there are none. `radius` does not apply for cones, half-spaces and boxes.
 
 Bounds target_bounds(const Ray& ray, double radius, const Bounds& within) {
   if (within.empty() || !(ray.t_min <= ray.t_max)) return {};
@@ -65,7 +65,8 @@ Bounds target_bounds(const Ray& ray, double radius, const Bounds& within) {
 
 Bounds target_bounds(const Cone& cone, double, const Bounds& within) {
   if (within.empty()) return {};
-  // The farthest position along the axis that a point can project to is that of a corner; there the cone is widest.
+  // The farthest position along the axis that a point can project to is that of a corner; there the cone is
+  // widest.
   Ray axis = cone.axis;
   double farthest = -std::numeric_limits<double>::infinity();
   for (int corner = 0; corner < 8; ++corner) {
@@ -100,10 +101,10 @@ Bounds target_bounds(const glm::dvec3& position, double radius, const Bounds&) {
 
 constexpr std::size_t k_batch = 4096;
 
-/// More targets than these are not looked through before they are asked.
+/// More targets than these are not checked before the query.
 constexpr std::uint64_t k_most_looked_through = 1'000'000;
 
-/// More than these are asked for by one box around all.
+/// More than these are requested by one box around all.
 constexpr std::size_t k_most_filters = 4096;
 
 /// What holds for all points that can answer a target; maybe for some more.
@@ -121,7 +122,7 @@ database::PointFilter filter_of(const Target& target, double radius, const Bound
   return filter;
 }
 
-/// Whether targets can be looked through before they are asked, and tell how far away answers can be.
+/// Whether targets can be checked before the query, and how far away answers can be.
 template <class Target>
 bool can_be_looked_through(const QueryCommand& command) {
   constexpr bool needs_radius =

@@ -125,7 +125,7 @@ TargetFamily chosen_family(const QueryCommand& command) {
   return static_cast<TargetFamily>(*chosen);
 }
 
-/// Errors: an option was given that means nothing for this family, or without another.
+/// Errors: an option was given that does not apply for this family, or without another.
 void check_options(const QueryCommand& command) {
   using enum TargetFamily;
   const TargetFamily family = command.family;

@@ -44,7 +44,7 @@ struct QueryCommand : CloudRequest {
   const GivenTargets& given() const { return targets[static_cast<std::size_t>(family)]; }
 };
 
-/// The text the targets stand in. Errors: LineSource::open().
+/// The text the targets are in. Errors: LineSource::open().
 LineSource open_targets(const QueryCommand& command);
 
 /// The form of the output: as asked for, else by the extension of its name; csv for stdout. Errors: neither

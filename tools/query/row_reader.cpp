@@ -26,7 +26,7 @@ std::string count_of(std::size_t count, const char* what) {
   return fmt::format("{} {}{}", count, what, count == 1 ? "" : "s");
 }
 
-/// The header of a CSV: for every cell the kind's column. Errors: a name that is unknown or stands twice, a
+/// The header of a CSV: for every cell the kind's column. Errors: a name that is unknown or is repeated, a
 /// required column that is missing, no names at all.
 std::vector<std::size_t> read_header(const TextLine& line, const TargetKind& kind) {
   std::vector<std::string_view> names;
@@ -51,7 +51,8 @@ std::vector<std::size_t> read_header(const TextLine& line, const TargetKind& kin
   return columns;
 }
 
-/// The columns of values without a header, as many as there are: the kind's own order. Errors: too few or too many.
+/// The columns of values without a header, as many as there are: the kind's own order. Errors: too few or too
+/// many.
 std::vector<std::size_t> columns_in_order(const TextLine& line, const TargetKind& kind) {
   std::vector<std::string_view> cells;
   split_cells(line.text, ',', cells);
@@ -65,7 +66,7 @@ std::vector<std::size_t> columns_in_order(const TextLine& line, const TargetKind
 
 /// Reads a line of comma-separated numbers into `row`, which holds one value per column of the kind; NaN for
 /// those that are not given. An empty cell of an optional column counts as not given. Errors: number of
-/// cells; a cell that is no number or breaks its column's rule; see check_row().
+/// cells; a cell that is not a number or breaks its column's rule; see check_row().
 void parse_cells(const TextLine& line, const TargetKind& kind, std::span<const std::size_t> column_of_cell,
                  std::span<double> row) {
   std::vector<std::string_view> cells;
@@ -269,7 +270,7 @@ bool RowReader::next(TargetRows& rows) {
     parse(line(static_cast<std::size_t>(rows.lines[i] - block_.first_number)),
           std::span(rows.values).subspan(i * rows.column_count, rows.column_count));
   };
-  // The first bad line is told, whatever the threads met before.
+  // The first bad line is reported, whatever the threads met before.
   std::atomic<std::size_t> first_bad{rows.size()};
   tbb::parallel_for(std::size_t{0}, (rows.size() + k_grain - 1) / k_grain, [&](std::size_t part) {
     for (std::size_t i = part * k_grain; i < std::min((part + 1) * k_grain, rows.size()); ++i) {

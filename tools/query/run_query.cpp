@@ -166,7 +166,7 @@ CandidateFilter class_filter(const QueryCommand& command, const IndexedCloud& cl
   };
 }
 
-/// `ids` tells the numbers of points, if they are not their rows.
+/// `ids` holds the numbers of points, if they are not their rows.
 template <class Target>
 std::unique_ptr<AnswerOutput> open_text(const QueryCommand& command, AnswerForm form,
                                         RenumberedAnswers::Ids ids = {}) {
@@ -187,7 +187,7 @@ RenumberedAnswers::Ids ids_of(const QueriedCloud& cloud) {
   return ids.skipped_files() == 0 ? RenumberedAnswers::Ids() : RenumberedAnswers::Ids(std::move(ids));
 }
 
-/// Writes the answers of a batch, in the order of the targets; tells how many there were. No more than
+/// Writes the answers of a batch, in the order of the targets; states how many there were. No more than
 /// `limit` of each target are held at once, but for a single target that has more.
 template <class Target, class AnyAsker>
 std::size_t answer_batch(AnyAsker& asker, const TargetBatch<Target>& batch, std::size_t limit,
@@ -220,7 +220,7 @@ std::size_t count_batch(AnyAsker& asker, const TargetBatch<Target>& batch, bool 
   return counts.size();
 }
 
-/// How many targets there will be, from the share of the text they stood in; 0 if that is not known.
+/// How many targets there will be, from the share of the text they was in; 0 if that is not known.
 std::uint64_t expected_targets(std::uint64_t targets, double share) {
   if (share == 0.0) return 0;
   return std::max(targets, static_cast<std::uint64_t>(static_cast<double>(targets) / share));
@@ -237,7 +237,7 @@ Tally answer_all_targets(TargetReader<Target>& reader, AnyAsker& asker, const Qu
   Tally tally;
   BatchSize size;
   TargetBatch<Target> batch;
-  // Work is told once: a target whose work is counted is never asked twice.
+  // Work is counted once: a target whose work is counted is never asked twice.
   while (reader.next(command.explain ? std::min(size.targets(), k_explained_batch) : size.targets(), batch)) {
     const auto begin = Clock::now();
     const std::size_t rows =

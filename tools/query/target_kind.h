@@ -63,7 +63,7 @@ struct TargetVector {
 struct TargetKind {
   std::string_view name;       ///< "ray": also of the option that takes one, and what errors call it
   std::string_view plural;     ///< "rays"
-  std::string_view id_name;    ///< of the column that tells whose answer a row is
+  std::string_view id_name;    ///< of the column that holds whose answer a row is
   std::string_view dimension;  ///< what LAS dimensions are called by: "Ray" for RayId and RayT
   std::span<const TargetColumn> columns;  ///< in the order of the command line
   std::span<const TargetVector> vectors;
@@ -88,7 +88,7 @@ struct TextLine {
   std::string_view text;
   std::uint64_t number = 1;
 
-  /// Throws the Error for what stands at byte `offset`. It names source, line and column (in characters,
+  /// Throws the Error for what is at byte `offset`. It names source, line and column (in characters,
   /// from 1); of an option instead all of its value.
   [[noreturn]] void fail(std::size_t offset, std::string problem, std::string expected = {},
                          std::string found = {}) const;

@@ -35,7 +35,7 @@ class TargetReader {
   /// number below the one before; a path whose vertices are all the same.
   bool next(std::size_t most, TargetBatch<Target>& batch);
 
-  /// Share of the text that stands before the targets still to come; 0 if its size is not known.
+  /// Share of the text that is before the targets still to come; 0 if its size is not known.
   double share() const;
 
  private:

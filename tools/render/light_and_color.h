@@ -27,9 +27,10 @@ struct LightRequest {
 /// Declares the options; they fill `request`.
 void add_light_options(const Options& render, LightRequest& request);
 
-/// Lays the options over the scene. A sun that gets another position in the sky keeps its brightness, one that gets
-/// another time keeps all else; one that had no time keeps its angular diameter only, since brightness goes by
-/// elevation. Errors: a position for a sun that has no time; a sun or a distance that the mode does not use.
+/// Lays the options over the scene. A sun that gets another position in the sky keeps its brightness, one
+/// that gets another time keeps all else; one that had no time keeps its angular diameter only, since
+/// brightness goes by elevation. Errors: a position for a sun that has no time; a sun or a distance that the
+/// mode does not use.
 void apply_light_options(const LightRequest& request, renderer::Scene& scene);
 
 /// Error, naming the option, unless the scene's pictures show light of the sun and of surfaces.
@@ -39,9 +40,9 @@ void require_path_mode(const renderer::Scene& scene, const std::string& option);
 /// it. Errors: as read_sky_image, naming the scene file.
 void prepare_sky(renderer::Scene& scene, const std::filesystem::path& scene_file, Verbosity verbosity);
 
-/// What else of the scene's light needs its cloud (may be null), as far as its mode needs it: positions a sun by
-/// time, which is left out where it is below the horizon, and finds the distance of ambient occlusion. Says
-/// what was found. Errors: as place_sun.
+/// What else of the scene's light needs its cloud (may be null), as far as its mode needs it: positions a sun
+/// by time, which is left out where it is below the horizon, and finds the distance of ambient occlusion.
+/// Says what was found. Errors: as place_sun.
 void prepare_light(renderer::Scene& scene, const renderer::LoadedCloud* cloud, Verbosity verbosity);
 
 /// What was asked about colours on the command line. Everything that is empty is left as the scene has it.
@@ -60,8 +61,8 @@ void add_color_options(const Options& command, ColorRequest& request);
 /// The name of one of the options that were given; empty if there is none.
 std::string given_option(const ColorRequest& request);
 
-/// Lays the options over a scene's colouring. Another thing to colour by stands for all that the scene says of it,
-/// since its map and range were meant for the scene's own. Errors: a legend for the points' own colours.
+/// Lays the options over a scene's colouring. Another thing to colour by replaces all that the scene says of
+/// it, since its map and range were meant for the scene's own. Errors: a legend for the points' own colours.
 void apply(const ColorRequest& request, image::PointColoring& coloring);
 
 }  // namespace alidade::tools

@@ -45,7 +45,7 @@ std::string error_text(double error, int digits) {
   return std::isinf(error) ? "unknown" : fmt::format("{:.{}g}", error, digits);
 }
 
-/// Shows the picture under way; a preview that cannot be written is told once and no reason to end.
+/// Shows the picture under way; a preview that cannot be written is reported once and does not end the run.
 class PreviewFile {
  public:
   PreviewFile(const std::filesystem::path& file, const image::OutputSettings& output,
@@ -98,7 +98,7 @@ void add_long_render_options(const Options& render, LongRenderRequest& request) 
              "camera sees best, then 8 N and so on (default 300000; 0: only the image itself)",
              request.preview_points, 0, k_most_preview_points)
       .needs(preview);
-  add_checkpoint_options(render, request.checkpoint, "written anew every minute", "picture");
+  add_checkpoint_options(render, request.checkpoint, "rewritten every minute", "picture");
 }
 
 void check_long_render(const LongRenderRequest& request, Replaceable replaceable,

@@ -48,7 +48,7 @@ struct Resumption {
 };
 
 /// Where to go on. `pictures` are those to make, `finished` those of the set that are there already. None if
-/// the first picture is begun afresh, which is said. Errors: those of the checkpoint's head; it belongs to a
+/// the first picture is begun again, which is said. Errors: those of the checkpoint's head; it belongs to a
 /// picture that is neither finished nor the first.
 std::optional<Resumption> find_resumption(const LongRenderRequest& request,
                                           std::span<const std::filesystem::path> pictures,

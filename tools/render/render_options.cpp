@@ -41,7 +41,7 @@ void parse_radius(const std::string& text, RadiusRequest& request) {
     request.length = parse_positive(text, "auto, adapted or a positive length");
 }
 
-/// One of the options that say how radii adapt, any of which asks for that. They are read after --radius.
+/// One of the options that say how radii adapt, any of which requests that. They are read after --radius.
 void add_adapted_radius_option(const Options& render, RadiusRequest& request, const std::string& name,
                                const std::string& kind, const std::string& help,
                                const std::function<void(const std::string&)>& take) {
@@ -109,7 +109,8 @@ void add_cloud_options(const Options& render, RenderCommand& command) {
                command.max_level, 0, renderer::k_max_level);
 }
 
-/// A cloud without a scene: a sun in the south-east, and a sky dim enough for white walls to keep their shading.
+/// A cloud without a scene: a sun in the south-east, and a sky dim enough for white walls to keep their
+/// shading.
 renderer::Scene daylight_scene(const CloudInputs& clouds) {
   renderer::Scene scene;
   scene.sky = renderer::GradientSky{.horizon = {0.72f, 0.80f, 0.88f}, .zenith = {0.30f, 0.48f, 0.80f}};

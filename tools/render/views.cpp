@@ -27,7 +27,7 @@ std::array<double, count> parse_coordinates(const std::string& text) {
   return numbers;
 }
 
-/// Tells which camera of which file an error of check_camera() is about.
+/// Adds the camera and file to an error of check_camera().
 void check(const camera::Camera& camera, const std::string& file, const std::string& name) {
   try {
     camera::check_camera(camera);
@@ -209,7 +209,7 @@ View view_of_cloud(const CameraRequest& request, const renderer::Scene& scene,
     bounds = {{least_x, least_y, bounds.min.z}, {largest_x, largest_y, bounds.max.z}};
   }
   for (const renderer::Object& object : scene.objects) {
-    // What stands above the cloud is seen from above, too.
+    // What is above the cloud is seen from above, too.
     if (const auto* sphere = std::get_if<renderer::Sphere>(&object))
       bounds.max.z = std::max(bounds.max.z, sphere->center.z + sphere->radius);
   }

@@ -36,7 +36,7 @@ struct View {
 };
 
 /// What is to be seen, as far as it is known without the cloud: the cameras of a file, a panorama, the
-/// scene's own camera; empty if the cloud must be looked at first. Every camera has passed check_camera().
+/// scene's own camera; empty if the cloud must be examined first. Every camera has passed check_camera().
 /// `warnings` gets what the file's reader has to say.
 std::vector<View> requested_views(const CameraRequest& request, const renderer::Scene& scene,
                                   std::vector<std::string>& warnings);
@@ -49,10 +49,10 @@ bool is_set(const CameraRequest& request);
 View view_of_cloud(const CameraRequest& request, const renderer::Scene& scene,
                    const renderer::LoadedCloud* cloud, const std::filesystem::path& scene_file);
 
-/// Names of the pictures of a set, in its order. `pattern` holds one %d, %04d (number, from 0, with leading zeros up
-/// to that width) or %s (the camera's name without extension, with / and what file names cannot hold as _); %% is a
-/// percent sign. Errors: none or several of them though there is more than one view; two views that would have the
-/// same name.
+/// Names of the pictures of a set, in its order. `pattern` holds one %d, %04d (number, from 0, with leading
+/// zeros up to that width) or %s (the camera's name without extension, with / and what file names cannot hold
+/// as _); %% is a percent sign. Errors: none or several of them though there is more than one view; two views
+/// that would have the same name.
 std::vector<std::filesystem::path> picture_names(const std::filesystem::path& pattern,
                                                  std::span<const View> views);
 

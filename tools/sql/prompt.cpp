@@ -38,8 +38,8 @@ int read_byte() {
   return EOF;
 }
 
-/// The next character, which libedit takes as its code in Unicode. Left to itself it would wait on after Ctrl-C.
-/// Bytes that are no UTF-8 are U+FFFD, or nothing if a key comes where the character should go on.
+/// The next character, which libedit takes as its code in Unicode. Left to itself it would wait on after
+/// Ctrl-C. Bytes that are no UTF-8 are U+FFFD, or nothing if a key comes where the character should go on.
 int read_character(FILE*) {
   constexpr int k_no_character = 0xfffd;
   int code = 0, missing = 0;

@@ -83,8 +83,8 @@ void bind(sqlite3_stmt* statement, int position, SqlParameter& parameter) {
   if (result != SQLITE_OK) throw Error({.file = "--param", .problem = sqlite3_errstr(result)});
 }
 
-/// Gives all parameters of a statement their values: ? those without a name in their order, ?2 the second one of
-/// these, :name, @name and $name those of that name. Errors: one has no value.
+/// Gives all parameters of a statement their values: ? those without a name in their order, ?2 the second one
+/// of these, :name, @name and $name those of that name. Errors: one has no value.
 void bind_parameters(sqlite3_stmt* statement, std::vector<SqlParameter>& parameters) {
   int named = 0;
   for (int position = 1; position <= sqlite3_bind_parameter_count(statement); ++position) {

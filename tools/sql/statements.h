@@ -12,8 +12,8 @@
 
 namespace alidade::tools {
 
-/// How rows are printed. Real numbers have as many digits as tell them from every other one, and always a dot
-/// or an exponent.
+/// How rows are printed. Real numbers have as many digits as distinguish them from every other one, and
+/// always a dot or an exponent.
 enum class RowForm {
   table,  ///< for people: columns aligned by the first 1000 rows, numbers to the right; NULL, blobs as
           ///< x'00ff'
@@ -55,16 +55,18 @@ struct SqlRun {
   bool are_all_used = true;  ///< whether a parameter that no statement has is an error
 };
 
-/// Runs all statements of a text, which `file` is called in messages, and prints their rows; not the first one if a
-/// later one is wrong. Conditions on dist_ray and dist_plane leave chunks unread (database/sqlite/prepare.h). Errors:
-/// a statement that does not only read, has a parameter without value, or that SQLite does not understand; a
-/// parameter that no statement has; SQLite's. Cancelled, also while it waits for who writes.
+/// Runs all statements of a text, which `file` is called in messages, and prints their rows; not the first
+/// one if a later one is wrong. Conditions on dist_ray and dist_plane leave chunks unread
+/// (database/sqlite/prepare.h). Errors: a statement that does not only read, has a parameter without value,
+/// or that SQLite does not understand; a parameter that no statement has; SQLite's. Cancelled, also while it
+/// waits for who writes.
 void run_statements(const database::Connection& connection, const std::string& text, const std::string& file,
                     SqlRun run);
 
-/// Asks for statements at the terminal and runs them until its end or .quit. A statement ends with a semicolon and
-/// may take several lines; a line that begins with a dot is a command of the prompt (.help). Errors are told, and it
-/// goes on; so it does after Ctrl-C, which drops what is typed or runs. Other signals are thrown as Cancelled.
+/// Asks for statements at the terminal and runs them until its end or .quit. A statement ends with a
+/// semicolon and may take several lines; a line that begins with a dot is a command of the prompt (.help).
+/// Errors are reported, and it goes on; so it does after Ctrl-C, which drops what is typed or runs. Other
+/// signals are thrown as Cancelled.
 void run_prompt(const database::Connection& connection, const std::string& database, SqlRun run);
 
 }  // namespace alidade::tools

@@ -24,7 +24,7 @@ struct OccluderRequest {
 /// Declares the options in a group of their own; they fill `request`.
 void add_occluder_options(const Options& command, OccluderRequest& request);
 
-/// What all commands of `alidade visibility` are asked.
+/// Options of all commands of `alidade visibility`.
 struct VisibilityRequest : CloudRequest {
   OccluderRequest occluders;
   std::filesystem::path output;

@@ -120,9 +120,9 @@ void check_pair_request(const PairRequest& request) {
     throw Error({.problem = "--places-crs requires --places", .expected = "--places FILE"});
 }
 
-/// Reads positions and pairs and gives them their positions on the cloud. Surfaces need not be measured. Errors:
-/// those of read_pair_table() and load_observers(); names that no position or two have; coordinates beside
-/// --positions; a single position.
+/// Reads positions and pairs and gives them their positions on the cloud. Surfaces need not be measured.
+/// Errors: those of read_pair_table() and load_observers(); names that no position or two have; coordinates
+/// beside --positions; a single position.
 LineEnds load_line_ends(const PairRequest& request, const VisibilityCloud& cloud, Verbosity verbosity) {
   std::vector<visibility::GivenPair> given;
   if (!request.pairs.empty()) given = visibility::read_pair_table(request.pairs);
@@ -237,17 +237,17 @@ void check_options(const LinesCommand& command) {
   check_checkpoint(command.checkpoint, command.overwrite, {&command.output, 1}, inputs);
 }
 
-Identity identity_of(const LinesCommand& command, const VisibilityCloud& cloud,
-                     std::span<const visibility::LinePair> pairs) {
-  Identity identity = run_identity(command.checkpoint, cloud);
+Fingerprint fingerprint_of(const LinesCommand& command, const VisibilityCloud& cloud,
+                           std::span<const visibility::LinePair> pairs) {
+  Fingerprint fingerprint = run_fingerprint(command.checkpoint, cloud);
   std::vector<double> numbers;
   for (const visibility::LinePair& pair : pairs) {
     for (const glm::dvec3& end : {pair.from.position, pair.to.position})
       numbers.insert(numbers.end(), {end.x, end.y, end.z});
   }
-  identity.push_back({"number of lines", std::to_string(pairs.size())});
-  add_to_identity("ends of the lines", numbers, identity);
-  return identity;
+  fingerprint.push_back({"number of lines", std::to_string(pairs.size())});
+  add_to_fingerprint("ends of the lines", numbers, fingerprint);
+  return fingerprint;
 }
 
 ExitCode run_lines(const LinesCommand& command) {
@@ -265,7 +265,7 @@ ExitCode run_lines(const LinesCommand& command) {
   table.pairs = pairs_of(ends, *cloud->occluders);
   table.classifications = cloud->columns.classifications;
   LongRun long_run(
-      command.checkpoint, [&] { return identity_of(command, *cloud, table.pairs); }, command.verbosity);
+      command.checkpoint, [&] { return fingerprint_of(command, *cloud, table.pairs); }, command.verbosity);
   table.reports =
       long_run.work("testing lines of sight", "lines", [&](const Progress& progress, PartCheckpoint* parts) {
         return visibility::report_lines(*cloud->occluders, table.pairs, options, progress, parts);

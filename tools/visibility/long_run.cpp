@@ -41,7 +41,7 @@ void check_checkpoint(const CheckpointRequest& request, bool overwrite,
 
 namespace {
 
-/// The cloud is told by its points; lists, curve and preview are outputs.
+/// The cloud is given by its points; lists, curve and preview are outputs.
 constexpr std::array<std::string_view, 13> k_silent_options = {
     "cloud",     "help",    "output", "lists",   "curve",      "preview",
     "overwrite", "threads", "quiet",  "verbose", "checkpoint", "checkpoint-interval",
@@ -88,48 +88,50 @@ std::string crs_checksum(const Crs& crs) {
 
 }  // namespace
 
-Identity run_identity(const CheckpointRequest& request, const VisibilityCloud& cloud) {
-  Identity identity{{"command", request.command->name()},
-                    {"version of answers", std::to_string(visibility::k_answers_version)}};
+Fingerprint run_fingerprint(const CheckpointRequest& request, const VisibilityCloud& cloud) {
+  Fingerprint fingerprint{{"command", request.command->name()},
+                          {"version of answers", std::to_string(visibility::k_answers_version)}};
   for (const auto& [name, words] : request.command->given()) {
     if (std::ranges::find(k_silent_options, name) != k_silent_options.end()) continue;
-    identity.push_back({"--" + name, joined(words)});
+    fingerprint.push_back({"--" + name, joined(words)});
   }
   const Bounds& box = cloud.cloud.octree.bounds();
-  identity.push_back({"number of points", std::to_string(cloud.cloud.octree.size())});
-  identity.push_back(
+  fingerprint.push_back({"number of points", std::to_string(cloud.cloud.octree.size())});
+  fingerprint.push_back(
       {"bounds of the points", fmt::format("{:.17g} {:.17g} {:.17g} to {:.17g} {:.17g} {:.17g}", box.min.x,
                                            box.min.y, box.min.z, box.max.x, box.max.y, box.max.z)});
-  identity.push_back({"reference system", crs_checksum(cloud.cloud.cloud.crs)});
-  identity.push_back({"points", points_checksum(cloud.cloud)});
+  fingerprint.push_back({"reference system", crs_checksum(cloud.cloud.cloud.crs)});
+  fingerprint.push_back({"points", points_checksum(cloud.cloud)});
   const std::uint64_t classes = checksum(std::as_bytes(cloud.columns.classifications));
-  identity.push_back({"classes", cloud.columns.classifications.empty() ? "none" : sum_text({&classes, 1})});
-  return identity;
+  fingerprint.push_back(
+      {"classes", cloud.columns.classifications.empty() ? "none" : sum_text({&classes, 1})});
+  return fingerprint;
 }
 
-Identity run_identity(const CheckpointRequest& request, const VisibilityCloud& cloud,
-                      std::span<const visibility::Observer> observers) {
-  Identity identity = run_identity(request, cloud);
+Fingerprint run_fingerprint(const CheckpointRequest& request, const VisibilityCloud& cloud,
+                            std::span<const visibility::Observer> observers) {
+  Fingerprint fingerprint = run_fingerprint(request, cloud);
   std::vector<double> numbers;
   for (const visibility::Observer& one : observers) {
     numbers.insert(numbers.end(), {one.position.x, one.position.y, one.position.z, one.azimuth_min,
                                    one.azimuth_max, one.elevation_min, one.elevation_max, one.max_distance});
   }
-  identity.push_back({"number of observers", std::to_string(observers.size())});
-  add_to_identity("observers", numbers, identity);
-  return identity;
+  fingerprint.push_back({"number of observers", std::to_string(observers.size())});
+  add_to_fingerprint("observers", numbers, fingerprint);
+  return fingerprint;
 }
 
-void add_to_identity(const geo::RasterGrid& grid, Identity& identity) {
-  identity.push_back({"cells", fmt::format("{} x {} of {:.17g} from {:.17g} {:.17g}", grid.columns, grid.rows,
-                                           grid.cell_size, grid.north_west.x, grid.north_west.y)});
+void add_to_fingerprint(const geo::RasterGrid& grid, Fingerprint& fingerprint) {
+  fingerprint.push_back(
+      {"cells", fmt::format("{} x {} of {:.17g} from {:.17g} {:.17g}", grid.columns, grid.rows,
+                            grid.cell_size, grid.north_west.x, grid.north_west.y)});
 }
 
-void add_to_identity(const std::string& name, std::span<const double> numbers, Identity& identity) {
-  identity.push_back({name, fmt::format("{:016x}", checksum(std::as_bytes(numbers)))});
+void add_to_fingerprint(const std::string& name, std::span<const double> numbers, Fingerprint& fingerprint) {
+  fingerprint.push_back({name, fmt::format("{:016x}", checksum(std::as_bytes(numbers)))});
 }
 
-LongRun::LongRun(const CheckpointRequest& request, const std::function<Identity()>& identity,
+LongRun::LongRun(const CheckpointRequest& request, const std::function<Fingerprint()>& fingerprint,
                  Verbosity verbosity)
     : verbosity_(verbosity) {
   if (request.file.empty()) return;
@@ -138,7 +140,7 @@ LongRun::LongRun(const CheckpointRequest& request, const std::function<Identity(
                        .interval = request.interval,
                        .resume = request.resume,
                        .failed = checkpoint_warning()};
-  parts_.emplace(std::move(options), identity());
+  parts_.emplace(std::move(options), fingerprint());
   if (!request.resume || verbosity == Verbosity::quiet) return;
   if (parts_->is_kept()) {
     say_note(fmt::format("resuming from {}: {:.0f} % of the work is done", name,

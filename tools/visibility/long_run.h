@@ -22,37 +22,39 @@ void check_checkpoint(const CheckpointRequest& request, bool overwrite,
                       std::span<const std::filesystem::path> outputs,
                       std::span<const std::filesystem::path> inputs);
 
-/// What the answers of a command depend on: its name, all its options but those that cannot change them (outputs,
-/// threads, and how it is watched), the points, surfaces, classes and reference system of the cloud as it was loaded;
-/// and on observers as they are placed. Requires that the options were read. Cost: the cloud is read once.
-Identity run_identity(const CheckpointRequest& request, const VisibilityCloud& cloud);
-Identity run_identity(const CheckpointRequest& request, const VisibilityCloud& cloud,
-                      std::span<const visibility::Observer> observers);
+/// What the answers of a command depend on: its name, all its options but those that cannot change them
+/// (outputs, threads, and how it is watched), the points, surfaces, classes and reference system of the cloud
+/// as it was loaded; and on observers as they are placed. Requires that the options were read. Cost: the
+/// cloud is read once.
+Fingerprint run_fingerprint(const CheckpointRequest& request, const VisibilityCloud& cloud);
+Fingerprint run_fingerprint(const CheckpointRequest& request, const VisibilityCloud& cloud,
+                            std::span<const visibility::Observer> observers);
 
 /// Adds the cells of a map.
-void add_to_identity(const geo::RasterGrid& grid, Identity& identity);
+void add_to_fingerprint(const geo::RasterGrid& grid, Fingerprint& fingerprint);
 
 /// The same for numbers of any other kind; `name` is how a message calls them.
-void add_to_identity(const std::string& name, std::span<const double> numbers, Identity& identity);
+void add_to_fingerprint(const std::string& name, std::span<const double> numbers, Fingerprint& fingerprint);
 
 /// A run that keeps what is finished, if that is wanted.
 ///
-///   LongRun run(command.checkpoint, [&] { return run_identity(...); }, verbosity);
+///   LongRun run(command.checkpoint, [&] { return run_fingerprint(...); }, verbosity);
 ///   run.work("looking", "sight lines", [&](const Progress& progress, PartCheckpoint* parts) { return ...; });
 ///   ... write ...
 ///   run.finish();
 class LongRun {
  public:
-  /// Says whether it goes on from something. `identity` is asked only if a checkpoint is wanted: it reads the
-  /// whole cloud. Errors: those of PartCheckpoint.
-  LongRun(const CheckpointRequest& request, const std::function<Identity()>& identity, Verbosity verbosity);
+  /// Says whether it goes on from something. `fingerprint` is called only if a checkpoint is wanted: it reads
+  /// the whole cloud. Errors: those of PartCheckpoint.
+  LongRun(const CheckpointRequest& request, const std::function<Fingerprint()>& fingerprint,
+          Verbosity verbosity);
   /// Says how to go on if the run was not finished.
   ~LongRun();
   LongRun(const LongRun&) = delete;
   LongRun& operator=(const LongRun&) = delete;
 
-  /// What compute(progress, parts) returns, with a ProgressLine around it, for which parts that were there count as
-  /// done, but not for the rate. `parts` is null if nothing is kept.
+  /// What compute(progress, parts) returns, with a ProgressLine around it, for which parts that were there
+  /// count as done, but not for the rate. `parts` is null if nothing is kept.
   template <class Compute>
   auto work(const std::string& task, const std::string& unit, const Compute& compute) {
     ProgressLine line(task, unit, verbosity_);

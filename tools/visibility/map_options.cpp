@@ -62,9 +62,9 @@ CloudUnit cloud_unit(const Crs& crs) {
   CloudUnit unit;
   unit.metres = image_module().metres_per_unit(crs);
   if (!unit.metres) {
-    const geo::MapUnit told = geo::map_unit(crs);
-    if (told == geo::MapUnit::unknown) return {};
-    unit.metres = geo::metres_per_unit(told);
+    const geo::MapUnit stated = geo::map_unit(crs);
+    if (stated == geo::MapUnit::unknown) return {};
+    unit.metres = geo::metres_per_unit(stated);
   }
   unit.name = name_of(*unit.metres);
   return unit;

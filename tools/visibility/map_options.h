@@ -28,7 +28,7 @@ CloudUnit cloud_unit(const Crs& crs);
 
 // What all maps of the ground share, be they of what is seen, of the sky or of the sun.
 
-/// What is asked of a map, whatever it shows.
+/// Options of a map, whatever it shows.
 struct MapOptions {
   std::optional<double> resolution, target_height;
   std::optional<Bounds> area;
@@ -45,7 +45,7 @@ void add_map_options(const Options& command, MapOptions& map);
 /// Name of the first of these options that was given, as "--area"; empty: none.
 std::string given_map_option(const MapOptions& map);
 
-/// Lets a map fail before the work. Errors: a preview that is no PNG, exists and may not be replaced, or is
+/// Lets a map fail before the work. Errors: a preview that is not a PNG, exists and may not be replaced, or is
 /// one of the other files; what writes maps and pictures is not installed.
 void check_map_writing(const MapOptions& map, bool overwrite,
                        std::span<const std::filesystem::path> other_files);
@@ -54,7 +54,7 @@ void check_map_writing(const MapOptions& map, bool overwrite,
 visibility::Ground find_map_ground(const MapOptions& map, const VisibilityCloud& cloud, Verbosity verbosity);
 std::string ground_text(const visibility::Ground& ground);
 
-/// The part of the cloud that is asked for. Errors: --area holds nothing of it.
+/// The part of the cloud that is requested. Errors: --area holds nothing of it.
 Bounds map_area(const MapOptions& map, const VisibilityCloud& cloud);
 
 /// The cells over an area, by default usual_resolution(), not finer than the ground; says them. Errors: too

@@ -65,7 +65,7 @@ std::vector<visibility::GivenObserver> read_given(const ObserverOptions& options
 }
 
 /// Says where the first observers are.
-void tell(std::span<const visibility::Observer> observers) {
+void print_positions(std::span<const visibility::Observer> observers) {
   for (const visibility::Observer& one : observers.first(std::min(observers.size(), k_most_lines))) {
     say_note(fmt::format("{}: eye at {:.3f}, {:.3f}, {:.3f}, {:.6g} above its foot", one.name, one.position.x,
                          one.position.y, one.position.z, one.height));
@@ -130,7 +130,7 @@ std::vector<visibility::Observer> load_observers(const ObserverOptions& options,
   }
   std::vector<visibility::Observer> observers =
       visibility::place_observers(given, options.defaults, height_at);
-  if (verbosity != Verbosity::quiet) tell(observers);
+  if (verbosity != Verbosity::quiet) print_positions(observers);
   return observers;
 }
 

@@ -30,19 +30,20 @@ void add_observer_options(const Options& command, ObserverOptions& options);
 /// The heading that options of observers stand under.
 inline constexpr const char* k_observer_group = "Observers";
 
-/// --target-height LENGTH: how far above its cell or point a target is looked at. At least 0.
+/// --target-height LENGTH: how far above its cell or point a target is examined. At least 0.
 void add_target_height(const Options& command, std::optional<double>& height);
 
 /// Reads the observers, in the cloud's reference system, gives them their positions, and prints these; what is
-/// strange about them say_observer_remarks() tells, once occluders are measured. Those of the command line
-/// come first, then the file's, then the grid's. `ground` is asked for observers without z; if it is empty,
+/// strange about them say_observer_remarks() prints, once occluders are measured. Those of the command line
+/// come first, then the file's, then the grid's. `ground` is requested observers without z; if it is empty,
 /// the cloud's is found where it is needed. Errors: nobody was asked for; those of read_observers(),
 /// observer_grid(), place_observers() and make_ground().
 std::vector<visibility::Observer> load_observers(const ObserverOptions& options, const VisibilityCloud& cloud,
                                                  Verbosity verbosity,
                                                  const visibility::GroundHeight& ground = {});
 
-/// Says what is strange about observers: observer_remarks() of visibility/observers.h. Requires measured occluders.
+/// Says what is strange about observers: observer_remarks() of visibility/observers.h. Requires measured
+/// occluders.
 void say_observer_remarks(std::span<const visibility::Observer> observers, const VisibilityCloud& cloud,
                           Verbosity verbosity);
 

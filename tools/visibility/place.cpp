@@ -60,7 +60,7 @@ std::vector<visibility::PlacementTarget> targets_of(const PlaceCommand& command,
   const std::filesystem::path& file = command.files.first_name();
   if (classes.empty() && (command.target_classes || !command.class_weights.empty()))
     throw Error({.file = file.string(), .problem = "the cloud has no classification for targets"});
-  // What blocks nothing is no target either, unless it is asked for.
+  // What blocks nothing is no target either, unless it is requested.
   const std::bitset<256> wanted = command.target_classes.value_or(~command.occluders.ignored_classes);
   std::function<bool(std::uint64_t)> counts;
   if (!classes.empty()) counts = [classes, wanted](std::uint64_t id) { return wanted.test(classes[id]); };
@@ -104,7 +104,7 @@ ExitCode run_position(const PlaceCommand& command) {
   say_observer_remarks(candidates, *cloud, verbosity);
   say_note(command.verbosity, fmt::format("{} candidates, {} targets", candidates.size(), targets.size()));
   LongRun long_run(
-      command.checkpoint, [&] { return run_identity(command.checkpoint, *cloud, candidates); }, verbosity);
+      command.checkpoint, [&] { return run_fingerprint(command.checkpoint, *cloud, candidates); }, verbosity);
   const visibility::Coverage coverage =
       long_run.work("looking", "lines of sight", [&](const Progress& progress, PartCheckpoint* parts) {
         return visibility::see_targets(*cloud->occluders, candidates, targets,

@@ -107,7 +107,7 @@ void check_observer_count(const PointsCommand& command, std::size_t observers) {
        .found = std::to_string(observers)});
 }
 
-/// Whether blockers are told: by default those of a single observer. Errors: too many columns.
+/// Whether blockers are reported: by default those of a single observer. Errors: too many columns.
 bool with_blockers(const PointsCommand& command, std::size_t observers) {
   const bool wanted = command.blockers.value_or(observers == 1 ? BlockerColumns::all
                                                                : BlockerColumns::none) == BlockerColumns::all;
@@ -160,7 +160,7 @@ ExitCode run(const PointsCommand& command) {
                                     observers.size(), visibility::k_most_mask_observers));
   }
   LongRun long_run(
-      command.checkpoint, [&] { return run_identity(command.checkpoint, *cloud, observers); }, verbosity);
+      command.checkpoint, [&] { return run_fingerprint(command.checkpoint, *cloud, observers); }, verbosity);
   std::optional<SeenList> list;
   if (!command.lists.empty()) list.emplace(command.lists, command.overwrite);
   const visibility::PointVisibility seen = look(*cloud, observers, options, long_run, list);

@@ -176,13 +176,13 @@ void add_observers(std::span<const visibility::Observer> observers, MapMetadata&
 }
 
 /// All that the values depend on.
-Identity identity_of(const CheckpointRequest& request, const VisibilityCloud& cloud,
-                     std::span<const visibility::Observer> observers, const geo::RasterGrid& grid,
-                     const visibility::ViewshedOptions& options) {
-  Identity identity = run_identity(request, cloud, observers);
-  add_to_identity(grid, identity);
-  identity.push_back({"curvature", fmt::format("{:.17g}", options.curve.drop(1.0))});
-  return identity;
+Fingerprint fingerprint_of(const CheckpointRequest& request, const VisibilityCloud& cloud,
+                           std::span<const visibility::Observer> observers, const geo::RasterGrid& grid,
+                           const visibility::ViewshedOptions& options) {
+  Fingerprint fingerprint = run_fingerprint(request, cloud, observers);
+  add_to_fingerprint(grid, fingerprint);
+  fingerprint.push_back({"curvature", fmt::format("{:.17g}", options.curve.drop(1.0))});
+  return fingerprint;
 }
 
 visibility::Viewshed look(const VisibilityCloud& cloud, const visibility::Ground& ground,
@@ -214,8 +214,8 @@ ExitCode run(const RasterCommand& given) {
   const std::string sight = sight_text(command, options);
   say_note(verbosity, "sight: " + sight);
   LongRun long_run(
-      command.checkpoint, [&] { return identity_of(command.checkpoint, *cloud, observers, grid, options); },
-      verbosity);
+      command.checkpoint,
+      [&] { return fingerprint_of(command.checkpoint, *cloud, observers, grid, options); }, verbosity);
   measure_occluders(*cloud, command.occluders, verbosity);
   say_observer_remarks(observers, *cloud, verbosity);
 

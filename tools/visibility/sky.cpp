@@ -86,7 +86,7 @@ std::string point_sky(const SkyCommand& command, const VisibilityCloud& cloud, L
 ExitCode run(const SkyCommand& command) {
   const SkySite site = load_sky_site(command, 1);
   LongRun long_run(
-      command.checkpoint, [&] { return sky_identity(command, site); }, command.verbosity);
+      command.checkpoint, [&] { return sky_fingerprint(command, site); }, command.verbosity);
   measure_occluders(*site.cloud, command.occluders, command.verbosity);
   const std::string found =
       command.is_map() ? map_sky(command, site, long_run) : point_sky(command, *site.cloud, long_run);
@@ -136,12 +136,12 @@ SkySite load_sky_site(const SkyRequest& request, int bands) {
   return site;
 }
 
-Identity sky_identity(const SkyRequest& request, const SkySite& site) {
-  Identity identity = run_identity(request.checkpoint, *site.cloud);
-  if (site.ground) add_to_identity(site.grid, identity);
+Fingerprint sky_fingerprint(const SkyRequest& request, const SkySite& site) {
+  Fingerprint fingerprint = run_fingerprint(request.checkpoint, *site.cloud);
+  if (site.ground) add_to_fingerprint(site.grid, fingerprint);
   const std::span<const glm::vec3> normals = site.cloud->columns.normals;
-  identity.push_back({"normals", fmt::format("{:016x}", checksum(std::as_bytes(normals)))});
-  return identity;
+  fingerprint.push_back({"normals", fmt::format("{:016x}", checksum(std::as_bytes(normals)))});
+  return fingerprint;
 }
 
 void write_sky_map(const SkyRequest& request, const SkySite& site, std::span<const SkyBand> bands,

@@ -18,7 +18,7 @@
 
 namespace alidade::tools {
 
-/// What both commands are asked.
+/// Options of both commands.
 struct SkyRequest : VisibilityRequest {
   std::optional<visibility::SkyReceiver> receiver;  ///< points only
   MapOptions map;                                   ///< maps only
@@ -32,7 +32,7 @@ struct SkyRequest : VisibilityRequest {
 /// Declares all of that.
 void add_sky_request(const Options& command, SkyRequest& request);
 
-/// A cloud, and if a map is asked for, its ground and cells.
+/// A cloud, and if a map is requested, its ground and cells.
 struct SkySite {
   std::unique_ptr<VisibilityCloud> cloud;
   std::optional<visibility::Ground> ground;
@@ -46,7 +46,7 @@ struct SkySite {
 SkySite load_sky_site(const SkyRequest& request, int bands);
 
 /// All that the answers depend on, as far as both commands share it.
-Identity sky_identity(const SkyRequest& request, const SkySite& site);
+Fingerprint sky_fingerprint(const SkyRequest& request, const SkySite& site);
 
 /// A band of a map; not a number where there is no value, which k_no_float is written for.
 struct SkyBand {
@@ -54,8 +54,8 @@ struct SkyBand {
   std::string description, unit;
 };
 
-/// Writes a map as GeoTIFF, and the picture of its first band if one is asked for. `metadata`: beside what
-/// all maps say. `picture`: without values and unit. Afterwards k_no_float stands in the bands.
+/// Writes a map as GeoTIFF, and the picture of its first band if one is requested. `metadata`: beside what
+/// all maps say. `picture`: without values and unit. Afterwards k_no_float is in the bands.
 void write_sky_map(const SkyRequest& request, const SkySite& site, std::span<const SkyBand> bands,
                    const MapMetadata& metadata, visibility::MapPicture picture);
 

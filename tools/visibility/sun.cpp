@@ -28,7 +28,7 @@ Moment midnight(const Moment& utc, double longitude) {
   return {utc.day + std::chrono::days(static_cast<int>(days)), seconds - days * k_seconds_per_day};
 }
 
-/// Reads "2026-06-21", a day, or "2026-06-21T10:00Z", a moment with its zone (a blank may stand for the T).
+/// Reads "2026-06-21", a day, or "2026-06-21T10:00Z", a moment with its zone (a blank may represent the T).
 /// Errors: UsageError for anything else.
 SunDate parse_sun_date(const std::string& text) {
   constexpr std::size_t k_date_length = 10;
@@ -102,15 +102,15 @@ double open_energy(const SunSky& sun) {
 }
 
 /// All that the answers depend on.
-Identity identity_of(const SunCommand& command, const SkySite& site, const SunSky& sun) {
-  Identity identity = sky_identity(command, site);
+Fingerprint fingerprint_of(const SunCommand& command, const SkySite& site, const SunSky& sun) {
+  Fingerprint fingerprint = sky_fingerprint(command, site);
   std::vector<double> numbers;
   for (const visibility::SunBin& bin : sun.bins) {
     numbers.insert(numbers.end(), {bin.direction.x, bin.direction.y, bin.direction.z, bin.hours, bin.energy.x,
                                    bin.energy.y, bin.energy.z});
   }
-  add_to_identity("path of the sun", numbers, identity);
-  return identity;
+  add_to_fingerprint("path of the sun", numbers, fingerprint);
+  return fingerprint;
 }
 
 std::string model_text(const SunSky& sun) {
@@ -191,7 +191,7 @@ ExitCode run(const SunCommand& command) {
   const SunSky sun = sun_of(command, *site.cloud);
   say_sun(command, sun);
   LongRun long_run(
-      command.checkpoint, [&] { return identity_of(command, site, sun); }, command.verbosity);
+      command.checkpoint, [&] { return fingerprint_of(command, site, sun); }, command.verbosity);
   measure_occluders(*site.cloud, command.occluders, command.verbosity);
   const std::string found = command.is_map() ? map_sun(command, site, sun, long_run)
                                              : point_sun(command, *site.cloud, sun, long_run);

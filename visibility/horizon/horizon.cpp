@@ -110,8 +110,8 @@ class AzimuthSearch {
   static constexpr double k_widest_cone = 23.0;  // degrees
 
   /// Whether no point is near enough to any line at these elevations to block it. A disc or sphere that
-  /// blocks a line holds a position of it, so its point lies within its radius of a position in the cone around the
-  /// lines.
+  /// blocks a line holds a position of it, so its point lies within its radius of a position in the cone
+  /// around the lines.
   bool is_free(int low, int high) const {
     constexpr double k_slack = 1e-6;
     const double bottom = steps_.elevation(low), top = steps_.elevation(high);

@@ -27,10 +27,10 @@ namespace alidade::visibility {
 struct HorizonOptions {
   double step = 0.5;         ///< degrees between azimuths; a turn is a whole number of them; [0.001, 120]
   double resolution = 0.01;  ///< degrees between elevations; 90 is a whole number of them; [0.0001, 10]
-  /// Azimuths looked at, degrees clockwise from north, from the first limit on to the second, both inclusive:
+  /// Azimuths examined, degrees clockwise from north, from the first limit on to the second, both inclusive:
   /// multiples of the step. 0 to 360 is all round, each once.
   double azimuth_min = 0.0, azimuth_max = 360.0;
-  double elevation_min = -90.0, elevation_max = 90.0;             ///< looked at, degrees, inclusive
+  double elevation_min = -90.0, elevation_max = 90.0;             ///< examined, degrees, inclusive
   double max_distance = std::numeric_limits<double>::infinity();  ///< nothing farther blocks; metres
 };
 

@@ -55,7 +55,7 @@ struct SkylineTexts {
 image::Canvas draw_skyline(const DepthStrip& strip, std::span<const HorizonDirection> horizon,
                            const SkylineTexts& texts, const image::Font& font);
 
-/// Writes it as PNG, with the font of find_font(). The file appears whole or not at all. Errors: as
+/// Writes it as PNG, with the font of find_font(). The file is written completely or not at all. Errors: as
 /// write_png() (image/image_file.h); no font.
 void write_skyline(const DepthStrip& strip, std::span<const HorizonDirection> horizon,
                    const SkylineTexts& texts, const std::filesystem::path& file, bool overwrite);

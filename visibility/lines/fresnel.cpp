@@ -16,7 +16,7 @@ namespace {
 
 constexpr int k_tubes = k_most_obstructions, k_rim_tubes = 64;
 
-/// The tubes that fill the zone, from the inside out, then those that only the verdict asks for.
+/// The tubes that fill the zone, from the inside out, then those that only the verdict requests.
 std::vector<CurveLine> tubes_of(const LineCurve& curve) {
   std::vector<CurveLine> tubes;
   for (int i = 0; i < k_tubes; ++i)

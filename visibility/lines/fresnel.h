@@ -9,13 +9,14 @@
 
 #include "visibility/lines/line_curve.h"
 
-// How much of a radio link's first Fresnel zone is free. The zone are the positions from which the way over both
-// ends is at most half a wavelength longer than the straight one; a link with wavelength w and length L has
-// there, t from an end, the radius sqrt(w t (L - t) / L), at most sqrt(w L) / 2 in the middle. Source: ITU-R
-// P.526, "Fresnel ellipsoids". The usual verdict: a link is clear if 60 % of the radius are (ITU-R P.530).
+// How much of a radio link's first Fresnel zone is free. The zone are the positions from which the way over
+// both ends is at most half a wavelength longer than the straight one; a link with wavelength w and length L
+// has there, t from an end, the radius sqrt(w t (L - t) / L), at most sqrt(w L) / 2 in the middle. Source:
+// ITU-R P.526, "Fresnel ellipsoids". The usual verdict: a link is clear if 60 % of the radius are (ITU-R
+// P.530).
 //
 // The zone is filled with 512 tubes: lines from end to end that keep their share of its radius and their
-// direction around the middle, spread so that each stands for the same area of every cross-section (Vogel's
+// direction around the middle, spread so that each represents the same area of every cross-section (Vogel's
 // spiral, A better way to construct the sunflower head, 1979). A tube is obstructed if it crosses an
 // occluder. So the edge of a half plane through the axis obstructs half of the zone, and one at 60 % of the
 // radius the segment of the circle beyond it, 14.2 %; ground below a link obstructs what dips into it.
@@ -67,8 +68,8 @@ struct FresnelClearance {
 FresnelClearance fresnel_clearance(const Occluders& occluders, const SightEnd& from, const SightEnd& to,
                                    const LineOptions& options, double wavelength);
 
-/// Hertz of "5.8GHz", "868MHz", "2.4": a number with its unit, in any case of characters and with blanks between
-/// or not; GHz without one. Empty for anything else and outside of 1 MHz to 1000 GHz.
+/// Hertz of "5.8GHz", "868MHz", "2.4": a number with its unit, in any case of characters and with blanks
+/// between or not; GHz without one. Empty for anything else and outside of 1 MHz to 1000 GHz.
 std::optional<double> parse_frequency(std::string_view text);
 
 }  // namespace alidade::visibility

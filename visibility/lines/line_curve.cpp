@@ -166,7 +166,7 @@ CandidateFilter beside(const Occluders& occluders, const Middle& middle) {
   };
 }
 
-/// Straight lines are asked for as rays, which is ten times as fast.
+/// Straight lines are requested as rays, which is ten times as fast.
 std::optional<Ray> ray_of(const Middle& middle) {
   return middle.joints.size() == 2 ? std::optional(segment_of(middle.path, 0).line) : std::nullopt;
 }

@@ -15,8 +15,8 @@ namespace alidade::visibility {
 
 /// What the lines of a task have in common.
 struct LineOptions {
-  /// So much of a line at either end is not looked at: masts and tripods were scanned, too. Metres. Above 0
-  /// it stands in for the surface that an end lies on: what an end's own is does not matter then.
+  /// So much of a line at either end is not examined: masts and tripods were scanned, too. Metres. Above 0
+  /// it replaces the surface that an end lies on: what an end's own is does not matter then.
   double end_margin = 0.0;
   /// A line sinks below the chord between its ends by t (length - t) / (2 radius), as if it were the ground
   /// that rises. Metres; infinite: straight. For radio 4/3 of the Earth's radius, which takes in how air
@@ -41,7 +41,7 @@ class LineCurve {
   const SightEnd& from() const { return from_; }
   const SightEnd& to() const { return to_; }
   double length() const { return length_; }  ///< of the chord, metres
-  /// The part that is looked at, metres along the chord; nothing if begin >= end.
+  /// The part that is examined, metres along the chord; nothing if begin >= end.
   double begin() const { return begin_; }
   double end() const { return end_; }
 
@@ -49,7 +49,7 @@ class LineCurve {
   /// Requires t in [0, length].
   glm::dvec3 position(double t, const TubePosition& position = {}) const;
   /// Where the straight pieces of a line meet, metres along the chord: begin, end and, if it is not straight,
-  /// what lies between; empty if nothing is looked at.
+  /// what lies between; empty if nothing is examined.
   std::vector<double> joints(const TubePosition& position = {}) const;
 
  private:

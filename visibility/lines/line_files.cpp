@@ -18,7 +18,7 @@ namespace {
 constexpr std::string_view k_form =
     "from,to, or from_x,from_y,to_x,to_y[,from_z][,to_z][,from_height][,to_height][,from][,to]";
 
-/// What a column is of each end; the first end's columns stand before the second's.
+/// What a column is of each end; the first end's columns are before the second's.
 enum Column { name_column, x_column, y_column, z_column, height_column, k_end_columns };
 constexpr std::array<std::string_view, 2 * k_end_columns> k_columns{
     "from", "from_x", "from_y", "from_z", "from_height", "to", "to_x", "to_y", "to_z", "to_height"};

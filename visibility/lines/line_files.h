@@ -20,9 +20,9 @@ struct GivenPair {
 
 /// Reads pairs from CSV: a header with the names of the columns in any order, then a row each: `from` and
 /// `to` are names; `from_x`, `from_y`, `to_x`, `to_y` positions in the cloud's coordinates, `from_z` and `to_z`
-/// what they stand on (empty: the ground), `from_height` and `to_height` how far above it they are. Either
+/// what they are on (empty: the ground), `from_height` and `to_height` how far above it they are. Either
 /// the names or the positions must be there. Blank lines are skipped. Errors, naming the line: an unknown or
-/// repeated column; a position without its other coordinates; a cell that is no finite number; an empty name
+/// repeated column; a position without its other coordinates; a cell that is not a finite number; an empty name
 /// where there is no position; too many or too few cells; no row at all.
 std::vector<GivenPair> read_pair_table(const std::filesystem::path& path);
 
@@ -33,7 +33,7 @@ struct LineTable {
   std::span<const std::uint8_t> classifications;  ///< by point id; empty if the cloud has none
 };
 
-/// Writes the reports; the file appears whole or not at all.
+/// Writes the reports; the file is written completely or not at all.
 /// - CSV: a header and a row per line, the values of line_row() (line_row.h).
 /// - JSON: an object with the `lines`, each with the same names and, if there is a Fresnel zone, its
 ///   `obstructions`.

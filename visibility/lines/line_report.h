@@ -12,7 +12,7 @@
 #include "visibility/lines/fresnel.h"
 #include "visibility/lines/line_curve.h"
 
-// Who sees whom, pair by pair, and what stands in between.
+// Who sees whom, pair by pair, and what is in between.
 //
 //   const std::vector<LinePair> pairs = {{"mast", {mast}, "roof", end_near_surface(occluders, roof)}};
 //   for (const LineReport& line : report_lines(occluders, pairs, {})) use(line.blocker);
@@ -41,7 +41,7 @@ struct LineReportOptions {
 };
 
 /// Lets a report fail before the work. Errors: margin negative or not finite; Earth radius not above 0; a
-/// transparency above 1 for lines that bend, which are asked for in pieces.
+/// transparency above 1 for lines that bend, which are requested in pieces.
 void check_line_report(const LineReportOptions& options, int transparency);
 
 /// Reports on every pair, in their order; the same on any number of threads. `progress` is in pairs. Cost:

@@ -109,7 +109,7 @@ Coverage see_targets(const Occluders& occluders, std::span<const Observer> candi
     const std::size_t first = part % blocks * k_lines_at_once;
     return targets.subspan(first, std::min(k_lines_at_once, targets.size() - first));
   };
-  // Of each block, from when it is first looked at.
+  // Of each block, from when it is first examined.
   std::vector<std::vector<SightEnd>> ends(blocks);
   std::uint64_t done = 0;
   run_parts(
@@ -138,7 +138,7 @@ constexpr int k_cell_bits = 21;
 /// While the points are chosen: a node of the map with its share of the table, and a copy.
 constexpr std::uint64_t k_bytes_per_cell = 140;
 
-/// The point that stands for a cell so far.
+/// The point that represents a cell so far.
 struct Best {
   PlacementTarget target;
   double distance = 0.0;       ///< to the cell's middle

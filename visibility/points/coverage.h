@@ -17,7 +17,7 @@
 namespace alidade::visibility {
 
 /// Lets a run fail before it starts. Errors: more memory than there is for a Coverage and what see_targets()
-/// takes; the message tells how much it were.
+/// takes; the message names the amount.
 void check_coverage(std::size_t candidates, std::size_t targets);
 
 /// Which candidates see which targets: a bit for each pair.
@@ -57,7 +57,7 @@ struct PlacementTarget {
 
 /// Asks for a sight line from every candidate to every target in its field of view and reach. A target with
 /// `height` 0 is the point itself on its surface, as end_on_point() has it; else a position so many metres
-/// straight above it. Candidates that stand on a surface see over it (end_near_surface()). `progress` is in
+/// straight above it. Candidates that are on a surface see over it (end_near_surface()). `progress` is in
 /// sight lines. The same on any number of threads. Cost: candidates times targets, up to a microsecond each;
 /// fast if targets near each other follow each other. Memory: a bit per pair, and 40 B per target. `parts`
 /// keeps what is finished (a bit per line) unless it is null. Errors: those of Coverage; height negative or
@@ -66,7 +66,7 @@ Coverage see_targets(const Occluders& occluders, std::span<const Observer> candi
                      std::span<const PlacementTarget> targets, double height, const Progress& progress = {},
                      PartCheckpoint* parts = nullptr);
 
-/// Some points that stand for all: of every cubic cell of a grid that holds points that count, the one
+/// Some points that represent all: of every cubic cell of a grid that holds points that count, the one
 /// nearest to the cell's middle, of equally near ones the one with the lowest id. In the order of the octree,
 /// which has neighbours together. `counts`: empty for all. Cost: about 100 ns per point. Memory: 140 B per
 /// cell that holds points, of which 32 B stay. Errors: spacing not above 0 or not finite, or finer than 2^-21

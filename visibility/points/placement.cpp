@@ -68,7 +68,7 @@ struct Offer {
   double gain;
   std::size_t candidate;
   std::size_t chosen;
-  /// Whether `other` is to be looked at first.
+  /// Whether `other` is to be examined first.
   bool operator<(const Offer& other) const {
     return gain < other.gain || (gain == other.gain && candidate > other.candidate);
   }

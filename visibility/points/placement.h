@@ -16,7 +16,7 @@
 // sees yet gives at least 1 - (1 - 1/k)^k > 1 - 1/e = 63 % of the best, and no fast way is surely better.
 // Sources: Nemhauser, Wolsey, Fisher, An analysis of approximations for maximizing submodular set functions,
 // 1978; Feige, A threshold of ln n for approximating set cover, 1998. What is found is mostly far better than
-// that, and the bound below tells so (Leskovec et al., Cost-effective outbreak detection in networks, 2007).
+// that, as the bound below shows (Leskovec et al., Cost-effective outbreak detection in networks, 2007).
 
 namespace alidade::visibility {
 
@@ -37,8 +37,8 @@ struct Placement {
 /// Chooses up to `count` candidates one by one, each the one with the largest gain, of equal ones that with
 /// the lowest number; fewer if more would gain nothing. `weights` of the targets; empty: 1 each. Lazy: gains
 /// only fall, so a candidate is weighed again only when its last gain would win (Minoux 1978). Cost: a pass
-/// over the bits, some rows more per position, and a pass for the bound after 1, 2, 4, ... positions. Errors: count
-/// 0; weights not as many as targets, negative or not finite.
+/// over the bits, some rows more per position, and a pass for the bound after 1, 2, 4, ... positions. Errors:
+/// count 0; weights not as many as targets, negative or not finite.
 Placement choose_places(const Coverage& coverage, std::size_t count, std::span<const double> weights = {});
 
 /// Writes the chosen positions in their order, and with them the curve of what they cover: `position` from 1,

@@ -39,20 +39,20 @@ std::vector<glm::dvec2> disc_pattern(int count) {
   return pattern;
 }
 
-/// Some vector that stands on a unit vector.
+/// Some vector that is on a unit vector.
 glm::dvec3 across(const glm::dvec3& normal) {
   return std::fabs(normal.z) < 0.5 ? glm::dvec3(normal.y, -normal.x, 0.0)
                                    : glm::dvec3(0.0, normal.z, -normal.y);
 }
 
-/// A point that is looked at.
+/// A point that is examined.
 struct Target {
   glm::dvec3 position{0.0};
   std::uint32_t index = 0;  ///< storage index
   std::uint64_t point_id = 0;
 };
 
-/// Leaves whose points are asked for together.
+/// Leaves whose points are requested together.
 using Batch = std::vector<Leaf>;
 
 /// All leaves in the order of the octree.
@@ -146,7 +146,7 @@ class View {
     std::size_t number;
   };
 
-  /// The lines to the points that are asked for, or beside them on their discs.
+  /// The lines to the points that are requested, or beside them on their discs.
   void make_lines(std::size_t sub_ray) {
     tbb::parallel_for(std::size_t{0}, asked_.size(), [&](std::size_t n) {
       const Target& target = asked_[n].target;
@@ -197,7 +197,7 @@ class View {
   const FieldOfView field_;
   const SightEnd eye_;
   const std::vector<glm::dvec2>& pattern_;
-  // Of the batch that is looked at.
+  // Of the batch that is examined.
   std::vector<Asked> asked_;
   std::vector<SightLine> lines_;
   std::vector<std::uint8_t> blocked_;

@@ -26,7 +26,7 @@ constexpr std::size_t k_most_mask_observers = 64;
 struct PointVisibilityOptions {
   /// Lines to each point for PointVisibility::fractions, 1 to k_most_sub_rays. 1: no fractions.
   int sub_rays = 1;
-  /// Whether to tell what blocks: then lines are followed to the first crossing, which takes longer.
+  /// Whether to report what blocks: then lines are followed to the first crossing, which takes longer.
   bool with_blockers = false;
   /// Called for one observer after the other with what it sees: 1 or 0 by point id. May throw.
   std::function<void(std::size_t observer, std::span<const std::uint8_t> seen)> each_observer{};

@@ -75,7 +75,7 @@ bool has_company(const geo::Raster<TwoLowest>& lowest, int column, int row) {
 }
 
 /// Slope of the ground around a cell: least squares over the differences to the cells around it. Zero where
-/// these do not tell it.
+/// these do not decide it.
 glm::dvec2 slope_around(const geo::Raster<GroundSample>& samples, int column, int row) {
   const geo::RasterGrid& grid = samples.grid;
   const GroundSample& here = samples.at(column, row);

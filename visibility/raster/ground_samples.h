@@ -10,7 +10,7 @@
 #include "geo/raster.h"
 #include "octree/octree.h"
 
-// The first steps of make_ground() (visibility/raster/ground.h): what each cell knows of the ground by itself.
+// The first steps of make_ground() (visibility/raster/ground.h): what each cell shows of the ground by itself.
 
 namespace alidade::visibility {
 
@@ -41,7 +41,7 @@ struct GroundSamples {
 GroundSamples mean_of_class(const Octree& octree, std::span<const std::uint8_t> classifications,
                             const geo::RasterGrid& grid, const Progress& progress);
 
-/// Of every cell the lowest point that is no outlier.
+/// Of every cell the lowest point that is not an outlier.
 GroundSamples lowest_points(const Octree& octree, const geo::RasterGrid& grid, const Progress& progress);
 
 /// Heights in the middles of cells; NaN where nothing was measured.

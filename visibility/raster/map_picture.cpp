@@ -60,7 +60,7 @@ image::Rgb8 to_rgb8(const glm::dvec3& display) {
 }
 
 image::Rgb8 shaded(const image::Rgb8& color, double light) {
-  // Shade darkens less than it would on bare land, so that colours are still told apart.
+  // Shade darkens less than it would on bare land, so that colours are still distinguished.
   constexpr double k_least = 0.35;
   const double factor = (k_least + (1.0 - k_least) * light) / 255.0;
   return to_rgb8({factor * color[0], factor * color[1], factor * color[2]});

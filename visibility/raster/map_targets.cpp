@@ -84,7 +84,7 @@ std::vector<std::size_t> MapTargets::cells(std::size_t number) const {
             first_row = static_cast<int>(number / blocks) << block_levels_;
   std::vector<std::size_t> cells;
   for (std::uint32_t i = 0; i < (std::uint32_t{1} << (2 * block_levels_)); ++i) {
-    // Sums of two numbers below 2^31: they must not be looked at as int.
+    // Sums of two numbers below 2^31: they must not be taken as int.
     const std::int64_t column = std::int64_t{first_column} + every_second_bit(i),
                        row = std::int64_t{first_row} + every_second_bit(i >> 1);
     if (column < grid_.columns && row < grid_.rows)

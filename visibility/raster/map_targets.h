@@ -11,18 +11,18 @@
 #include "visibility/raster/ground.h"
 #include "visibility/sight_line.h"
 
-// What is looked at on a map: positions above the ground of its cells.
+// What is examined on a map: positions above the ground of its cells.
 
 namespace alidade::visibility {
 
 constexpr int k_most_positions_across = 100;
 
-/// A position on the ground as an end of sight lines. Heights of the ground come from several points, so that a
-/// position may lie a little in the sheet of the points around it, and hidden by it. So it is brought up to the
-/// lower face of that sheet (one standard deviation) if it lies deeper, and lifted by the sheet's thickness,
-/// as points are that are looked at. The sheet is that of the nearest of 8 points whose sheets lie rather
-/// flat and pass the position within the widest sphere; the sheets of all such points are the end's own surface.
-/// Where there are none within the widest radius, the position as it is.
+/// A position on the ground as an end of sight lines. Heights of the ground come from several points, so that
+/// a position may lie a little in the sheet of the points around it, and hidden by it. So it is brought up to
+/// the lower face of that sheet (one standard deviation) if it lies deeper, and lifted by the sheet's
+/// thickness, as points are that are examined. The sheet is that of the nearest of 8 points whose sheets lie
+/// rather flat and pass the position within the widest sphere; the sheets of all such points are the end's
+/// own surface. Where there are none within the widest radius, the position as it is.
 SightEnd end_on_ground(const Occluders& occluders, const glm::dvec3& position);
 
 /// An end so far above another, with the same surface as its own.
@@ -31,7 +31,7 @@ inline SightEnd raised(SightEnd end, double height) {
   return end;
 }
 
-/// A position that is looked at.
+/// A position that is examined.
 struct MapTarget {
   std::size_t cell = 0;  ///< number of its cell in the block
   SightEnd foot;         ///< on the ground
@@ -43,8 +43,8 @@ struct MapBlock {
   std::vector<MapTarget> targets;  ///< the positions that have ground, in the order of the cells
 };
 
-/// The positions of a map, block by block, so that a map of any size and with any number of positions takes little
-/// memory: 150 B per position of a block.
+/// The positions of a map, block by block, so that a map of any size and with any number of positions takes
+/// little memory: 150 B per position of a block.
 class MapTargets {
  public:
   /// `positions_across` x `positions_across` positions in every cell, evenly spread, in [1,

@@ -20,7 +20,7 @@
 
 namespace alidade::visibility {
 
-/// Finds for positions on the ground the lowest height above them that is seen, as viewshed.h tells it.
+/// Finds for positions on the ground the lowest height above them that is seen, as viewshed.h defines it.
 class LowestSeen {
  public:
   /// The references must outlive this. Memory: 8 B per point, unless all have one radius. Errors: more than

@@ -29,14 +29,14 @@ enum class ViewshedMode {
 
 struct ViewshedOptions {
   ViewshedMode mode = ViewshedMode::visible;
-  /// Of what is looked at, above the ground; >= 0. In the unit of the cloud. Of `height`: the lowest looked
+  /// Of what is examined, above the ground; >= 0. In the unit of the cloud. Of `height`: the lowest looked
   /// at.
   double target_height = 0.0;
   SightCurve curve{};  ///< straight unless given
   /// For `fraction`: positions_across x positions_across positions in every cell, in [1,
   /// k_most_positions_across].
   int positions_across = 3;
-  /// Of `height`: nothing higher is tried, and this stands for "not even there". In the unit of the cloud.
+  /// Of `height`: nothing higher is tried, and this represents "not even there". In the unit of the cloud.
   double highest = 200.0;
   Progress progress{};              ///< in pairs of observer and position
   PartCheckpoint* parts = nullptr;  ///< where blocks of cells are kept that are finished; null: nowhere
@@ -66,8 +66,8 @@ struct Viewshed {
 ///
 /// Cost: a sight line per pair, 0.5 to 2 microseconds of two cores; `height` takes several to some hundred
 /// where much is hidden. Memory: 4 B per cell and some 100 MB, of `height` 8 B per point as well;
-/// check_map_memory() of one band. Errors: no observer; positions_across, target height or highest out of range;
-/// not enough memory; those of `parts`.
+/// check_map_memory() of one band. Errors: no observer; positions_across, target height or highest out of
+/// range; not enough memory; those of `parts`.
 Viewshed viewshed(const Occluders& occluders, const Ground& ground, std::span<const Observer> observers,
                   const geo::RasterGrid& grid, const ViewshedOptions& options);
 

@@ -16,7 +16,7 @@ bool has_value(float value) {
   return value != k_out_of_range && !std::isnan(value);
 }
 
-/// The largest byte that means nothing else.
+/// The largest byte that does not apply else.
 std::uint8_t free_byte(const SeenValues& values) {
   for (int byte = 255;; --byte) {
     if (byte != values.visible && byte != values.invisible && byte != values.out_of_range)

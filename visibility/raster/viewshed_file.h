@@ -16,7 +16,7 @@
 
 namespace alidade::visibility {
 
-/// What stands in a map of ViewshedMode::visible; the values of gdal_viewshed (-vv, -iv, -ov).
+/// What is in a map of ViewshedMode::visible; the values of gdal_viewshed (-vv, -iv, -ov).
 struct SeenValues {
   std::uint8_t visible = 255, invisible = 0;
   std::optional<std::uint8_t> out_of_range = 0;  ///< empty: no data
@@ -35,7 +35,7 @@ struct ViewshedBand {
 
 /// `visible` as bytes, `count` as 16-bit numbers (32-bit from 65535 observers on), the others as float. No
 /// data, for cells without ground and, but with SeenValues::out_of_range, those out of range: the largest
-/// number of the type (of bytes: the largest that means nothing else), -9999 of float. `length_unit`: of
+/// number of the type (of bytes: the largest that does not apply else), -9999 of float. `length_unit`: of
 /// heights.
 ViewshedBand viewshed_band(const Viewshed& viewshed, ViewshedMode mode, const SeenValues& seen_values,
                            std::size_t observer_count, const std::string& length_unit);

@@ -78,7 +78,7 @@ std::size_t targets_at_once(std::size_t lines) {
   return std::clamp(k_most_lines / std::max<std::size_t>(lines, 1), k_least, k_most);
 }
 
-/// What is asked of each target.
+/// Options of each target.
 struct Question {
   std::size_t lines = 0;    ///< of sight
   std::size_t numbers = 1;  ///< answered
@@ -124,7 +124,7 @@ void for_each_point_target(const Occluders& occluders, std::span<const glm::vec3
       });
 }
 
-/// The same for the cells of a map, which are told by their number in it; k_nothing for those without ground.
+/// The same for the cells of a map, which are given by their number in it; k_nothing for those without ground.
 template <class Answer, class Take>
 void for_each_ground_target(const Occluders& occluders, const Ground& ground, const geo::RasterGrid& grid,
                             double height, const Question& question, const LongWork& work,

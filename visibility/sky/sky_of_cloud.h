@@ -40,9 +40,9 @@ std::vector<SunHours> point_sun_hours(const Occluders& occluders, std::span<cons
                                       const LongWork& work = {});
 
 /// Sky-view factor in the middle of every cell, `height` above the ground as a viewshed has it
-/// (visibility/raster/map_positions.h), which faces up there (options.receiver does not matter); NaN where there is no
-/// ground. Memory: 4 B per cell and some 30 MB; check_map_memory() of one band.
-/// Errors: as sky_views; height negative or not finite; not enough memory.
+/// (visibility/raster/map_positions.h), which faces up there (options.receiver does not matter); NaN where
+/// there is no ground. Memory: 4 B per cell and some 30 MB; check_map_memory() of one band. Errors: as
+/// sky_views; height negative or not finite; not enough memory.
 geo::Raster<float> ground_sky_views(const Occluders& occluders, const Ground& ground,
                                     const geo::RasterGrid& grid, double height, const SkyViewOptions& options,
                                     const LongWork& work = {});

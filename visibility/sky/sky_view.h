@@ -21,7 +21,7 @@ constexpr int k_most_sky_directions = 1 << 20;
 /// Latitude-Longitude Lattices, 2010. Requires 1 <= count <= k_most_sky_directions.
 std::vector<glm::dvec3> even_sky_directions(int count);
 
-/// The same with a density that goes with sin(elevation), so that each stands for 1/count of the light that
+/// The same with a density that goes with sin(elevation), so that each represents 1/count of the light that
 /// an even sky sends to a horizontal receiver: sin^2(elevation) = 1 - (i + 1/2) / count. Source: the
 /// projection of the hemisphere onto its base, Nusselt 1928.
 std::vector<glm::dvec3> cosine_sky_directions(int count);
@@ -81,7 +81,7 @@ void sky_views(const Occluders& occluders, std::span<const SkyTarget> targets, c
 /// Turns every target that does not know its outside so that its front is the side with the larger sky-view
 /// factor (SkyReceiver::surface, of `directions` lines); at equal values, and of surfaces that lie within 20
 /// degrees of the horizontal, the one that faces up. The single sheet of a lone wall that was scanned from
-/// one side sees as much sky on either: only normals tell.
+/// one side sees as much sky on either: only normals decide.
 void find_open_sides(const Occluders& occluders, int directions, std::span<SkyTarget> targets);
 
 /// Both shares of the sky that a position sees, gaps below its horizon line counting too: of `directions` lines

@@ -17,7 +17,7 @@ struct SunStep {
   double irradiance = 0.0;  ///< beam_irradiance(), W/m2
 };
 
-/// Steps in which the sun stands in about the same direction, taken as one.
+/// Steps in which the sun is in about the same direction, taken as one.
 struct SunBin {
   glm::dvec3 direction{0.0, 0.0, 1.0};  ///< the middle of the steps' directions, weighed by their hours
   double hours = 0.0;
@@ -45,7 +45,7 @@ struct SunHoursOptions {
 };
 
 /// Direct sun of every target: a line towards the middle of each bin (sun_bins.h) that no point blocks. The
-/// sun is a point, and stands behind a surface or before it: call find_open_sides() first, of targets that do
+/// sun is a point, and is behind a surface or before it: call find_open_sides() first, of targets that do
 /// not know their outside the front is taken. Hours count while the sun is before the surface, also for a
 /// horizontal receiver. Results do not depend on threads or instruction set. Errors: as many answers as
 /// targets. Cost: a line per target and bin, in parallel; targets in the order of the octree are fast.

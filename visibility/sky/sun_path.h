@@ -42,15 +42,15 @@ struct SunSchedule {
 
 constexpr std::size_t k_most_sun_steps = 10'000'000;
 
-/// Where the sun stands in the middle of every step in which it is up, in the order of time: sun_position()
+/// Where the sun is in the middle of every step in which it is up, in the order of time: sun_position()
 /// with the pressure that belongs to the height, angles rounded to 1e-6 degrees. `progress` is in steps.
 /// Cost: 0.04 ms per step. Errors: numbers out of range, no time between from and to, over k_most_sun_steps
 /// steps.
 std::vector<SunStep> sun_steps(const SunSchedule& schedule, const Progress& progress = {});
 
 /// Sets latitude, longitude and grid_north of the position (x, y) of a map (geo/earth.h); a latitude
-/// and longitude that are given stay. Without a map +y is taken for true north. Answers whether the map told
-/// grid north. Errors: neither a position nor a map that tells it.
+/// and longitude that are given stay. Without a map +y is taken for true north. Returns whether the map defined
+/// grid north. Errors: neither a position nor a map that defines it.
 bool place_schedule(const Crs& crs, const glm::dvec2& center,
                     const std::optional<glm::dvec2>& latitude_longitude, SunSchedule& schedule);
 

@@ -108,7 +108,7 @@ TEST(RepackFileTest, bytes_before_and_behind_the_points_stay) {
   write_bytes(folder / "in.las", las);
   const fs::path laz = expect_same_after_a_round(folder / "in.las", folder);
   const PointCloud cloud = read_cloud(laz);
-  EXPECT_EQ(cloud.records.size(), 2u) << "also the extended one, whose place has moved";
+  EXPECT_EQ(cloud.records.size(), 2u) << "also the extended one, whose offset has moved";
 }
 
 TEST(RepackFileTest, the_offset_of_wave_packets_moves_with_them) {

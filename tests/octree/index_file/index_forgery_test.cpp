@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Index files that were tampered with and given right checksums: what stands behind the checksums must hold
+// Index files that were tampered with and given right checksums: what is behind the checksums must hold
 // by itself.
 #include <gtest/gtest.h>
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "renderer/picture_identity.h"
+#include "renderer/picture_fingerprint.h"
 
 #include <fmt/format.h>
 #include <span>
@@ -170,7 +170,7 @@ std::string bounds_text(const Bounds& bounds) {
                      bounds.min.z, bounds.max.x, bounds.max.y, bounds.max.z);
 }
 
-/// The noise asked for; exposure tells how dark a picture may be before its noise does not matter.
+/// The noise requested; exposure determines how dark a picture may be before its noise does not matter.
 std::string noise_text(const RenderOptions& options, const Scene& scene) {
   if (!options.target_noise) return "none";
   return fmt::format("{:.17g} at exposure {:.17g}", *options.target_noise, scene.output.exposure);
@@ -185,11 +185,11 @@ std::string file_names(const CloudSettings& settings) {
 
 }  // namespace
 
-PictureFingerprint picture_identity(const Scene& scene, const LoadedCloud* cloud,
-                                    const RenderOptions& options) {
-  // Taken apart as the scene is (renderer/picture_identity.cpp): a new setting must be written here, too.
+PictureFingerprint picture_fingerprint(const Scene& scene, const LoadedCloud* cloud,
+                                       const RenderOptions& options) {
+  // Taken apart as the scene is (renderer/picture_fingerprint.cpp): a new setting must be written here, too.
   const auto& [samples, max_bounces, seed, mode, ao_distance] = scene.render;
-  PictureFingerprint identity{
+  PictureFingerprint fingerprint{
       {"picture", options.checkpoint ? options.checkpoint->picture : ""},
       {"picture version", std::to_string(k_picture_version)},
       {"seed", std::to_string(seed)},
@@ -199,7 +199,7 @@ PictureFingerprint picture_identity(const Scene& scene, const LoadedCloud* cloud
       {"cloud files", scene.cloud ? file_names(*scene.cloud) : "none"},
   };
   const auto add = [&](std::string name, std::string value) {
-    identity.push_back({std::move(name), std::move(value)});
+    fingerprint.push_back({std::move(name), std::move(value)});
   };
   if (cloud != nullptr) {
     add("number of points", std::to_string(cloud->octree.size()));
@@ -222,8 +222,8 @@ PictureFingerprint picture_identity(const Scene& scene, const LoadedCloud* cloud
       {"sky", text_of(scene.sky)},
       {"sun", text_of(scene.sun)},
   };
-  identity.insert(identity.end(), rest.begin(), rest.end());
-  return identity;
+  fingerprint.insert(fingerprint.end(), rest.begin(), rest.end());
+  return fingerprint;
 }
 
 }  // namespace alidade::renderer
