@@ -5,6 +5,7 @@
 #include <tbb/task_arena.h>
 #include <algorithm>
 #include <atomic>
+#include <chrono>
 #include <cstddef>
 #include <vector>
 
@@ -24,15 +25,20 @@ void for_each_in_order(std::size_t count, const Body& body) {
 }
 
 /// Visits every leaf once, in parallel, some hundred in a row by one `worker = make_worker()`, which is
-/// called with one leaf after another in the order of the tree. `progress` is in points.
+/// called with one leaf after another in the order of the tree. `progress` is in points, and is called several
+/// times a second, however long a leaf takes.
 template <class MakeWorker>
 void for_each_leaf_in_parallel(const TreeView& tree, const Progress& progress,
                                const MakeWorker& make_worker) {
-  constexpr std::size_t k_leaves_at_once = 1u << 15, k_leaves_per_task = 1u << 8;
+  using Clock = std::chrono::steady_clock;
+  constexpr std::size_t k_leaves_per_task = 1u << 8, k_most_leaves = 1u << 17;
+  constexpr std::chrono::milliseconds k_short(100), k_long(400);
+  std::size_t leaves_at_once = 4 * k_leaves_per_task;
   std::vector<Leaf> leaves;
   std::uint64_t done = 0;
   report(progress, done, tree.point_count);
   const auto work = [&] {
+    const Clock::time_point start = Clock::now();
     const std::size_t tasks = (leaves.size() + k_leaves_per_task - 1) / k_leaves_per_task;
     tbb::parallel_for(std::size_t{0}, tasks, [&](std::size_t task) {
       auto worker = make_worker();
@@ -41,11 +47,14 @@ void for_each_leaf_in_parallel(const TreeView& tree, const Progress& progress,
     });
     for (const Leaf& leaf : leaves) done += leaf.count;
     leaves.clear();
+    const Clock::duration time = Clock::now() - start;
+    if (time < k_short) leaves_at_once = std::min(2 * leaves_at_once, k_most_leaves);
+    if (time > k_long) leaves_at_once = std::max(leaves_at_once / 2, k_leaves_per_task);
     report(progress, done, tree.point_count);
   };
   for_each_leaf(tree, [&](const Leaf& leaf) {
     leaves.push_back(leaf);
-    if (leaves.size() == k_leaves_at_once) work();
+    if (leaves.size() >= leaves_at_once) work();
   });
   if (!leaves.empty()) work();
 }

@@ -273,6 +273,43 @@ struct Surfaces {
   HugeArray<std::uint8_t> edges;
 };
 
+/// Fits the surfaces of points that come leaf by leaf.
+class SurfaceFitter {
+ public:
+  SurfaceFitter(const Octree& octree, Surfaces& surfaces, double unit)
+      : octree_(octree), surfaces_(surfaces), unit_(unit) {}
+
+  void operator()(const Leaf& leaf) {
+    const TreeView& tree = octree_.view();
+    for (std::uint32_t i = 0; i < leaf.count; ++i) {
+      const LatticePosition position = position_of(tree, leaf, i);
+      // Points of one position have one surface, and mostly come one after another.
+      if (!known_ || position != last_)
+        fit(to_world(tree.lattice, position), spacing_at(tree, leaf.first + i));
+      known_ = true;
+      last_ = position;
+      const std::uint64_t id = point_id(tree, leaf.first + i);
+      surfaces_.points[id] = packed_;
+      surfaces_.edges[id] = edge_;
+    }
+  }
+
+ private:
+  void fit(const glm::dvec3& position, double spacing) {
+    const FittedSurface fitted = fit_surface(octree_, position, spacing);
+    packed_ = pack(fitted.surface, unit_);
+    edge_ = fitted.may_end ? fit_sheet_edge(octree_, position, spacing, unpack(packed_, unit_)) : 0;
+  }
+
+  const Octree& octree_;
+  Surfaces& surfaces_;
+  const double unit_;
+  bool known_ = false;
+  LatticePosition last_{};
+  std::uint32_t packed_ = 0;
+  std::uint8_t edge_ = 0;
+};
+
 }  // namespace
 
 Octree with_surfaces(const Octree& octree, const Progress& progress) {
@@ -283,20 +320,7 @@ Octree with_surfaces(const Octree& octree, const Progress& progress) {
   made->points = HugeArray<std::uint32_t>(tree.point_count);
   made->edges = HugeArray<std::uint8_t>(tree.point_count);
   tree.surface_unit = automatic_radius(octree);
-  for_each_leaf_in_parallel(tree, progress, [&] {
-    return [&](const Leaf& leaf) {
-      for (std::uint32_t i = 0; i < leaf.count; ++i) {
-        const glm::dvec3 position = to_world(tree.lattice, position_of(tree, leaf, i));
-        const double spacing = spacing_at(tree, leaf.first + i);
-        const std::uint64_t id = point_id(tree, leaf.first + i);
-        const FittedSurface fitted = fit_surface(octree, position, spacing);
-        const std::uint32_t packed = pack(fitted.surface, tree.surface_unit);
-        made->points[id] = packed;
-        made->edges[id] =
-            fitted.may_end ? fit_sheet_edge(octree, position, spacing, unpack(packed, tree.surface_unit)) : 0;
-      }
-    };
-  });
+  for_each_leaf_in_parallel(tree, progress, [&] { return SurfaceFitter(octree, *made, tree.surface_unit); });
   tree.surfaces = made->points.data();
   tree.sheet_edges = made->edges.data();
   return Octree(tree, made, octree.instruction_set());

@@ -144,7 +144,7 @@ TEST_F(StoreCloudTest, marks_for_no_value_are_compared_as_they_are) {
   for (const char* const name : {"u", "i", "f", "d"})
     EXPECT_EQ(numbers(database, fmt::format("SELECT count({}) FROM points", name)), std::vector<double>{7})
         << name;
-  EXPECT_EQ(numbers(database, "SELECT sum(odd) FROM points"), std::vector<double>{24}) "(<< ";
+  EXPECT_EQ(numbers(database, "SELECT sum(odd) FROM points"), std::vector<double>{24}) << "without a scale";
 }
 
 TEST_F(StoreCloudTest, stopping_leaves_no_file_and_no_table) {
