@@ -11,7 +11,7 @@
 namespace alidade {
 
 /// Lets a large task fail before it starts. Errors: this many bytes are more than the machine can give at the
-/// moment; `what` they are for is named. Where the system does not tell, nothing is refused.
+/// moment; `what` they are for is named. Where the system does not tell, nothing is rejected.
 void check_memory(std::uint64_t bytes, const char* what);
 
 /// Memory whose contents nobody has set, aligned to at least 64 bytes. From 2 MiB on it is aligned to 2 MiB

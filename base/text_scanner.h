@@ -44,7 +44,7 @@ class TextScanner {
 };
 
 /// Most columns of a point table: far beyond any real file, so that a header of nothing but columns is
-/// refused before anything is done for each of them.
+/// rejected before anything is done for each of them.
 inline constexpr std::size_t k_most_columns = 4096;
 
 /// Errors: a table with more than k_most_columns, said of the line last given.

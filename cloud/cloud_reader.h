@@ -133,7 +133,7 @@ class CloudReader {
 
   /// The points that are missing from what read() gave, position by position in the order of the file; each point
   /// once. Final after read(), which adds no warnings about them: the caller does. Always empty with
-  /// Damage::refuse.
+  /// Damage::reject.
   virtual std::vector<LostPoints> lost() const { return {}; }
 
   /// Gives back file handle and buffers (InputFile::rest) until the next call that needs them; called while
@@ -143,18 +143,18 @@ class CloudReader {
 
 /// Opens a cloud by its format. Errors: it cannot be read; it is empty or of no known format.
 std::unique_ptr<CloudReader> open_cloud(const CloudInput& input, InputFile file, Damage damage);
-inline std::unique_ptr<CloudReader> open_cloud(const CloudInput& input, Damage damage = Damage::refuse) {
+inline std::unique_ptr<CloudReader> open_cloud(const CloudInput& input, Damage damage = Damage::reject) {
   return open_cloud(input, input.file(), damage);
 }
 
 /// One function per format; each throws Error if the content is not of that format. Each lives in
 /// read_<format>.cpp.
-std::unique_ptr<CloudReader> open_las(InputFile file, Damage damage = Damage::refuse);
-std::unique_ptr<CloudReader> open_ply(InputFile file, Damage damage = Damage::refuse);
-std::unique_ptr<CloudReader> open_pcd(InputFile file, Damage damage = Damage::refuse);
+std::unique_ptr<CloudReader> open_las(InputFile file, Damage damage = Damage::reject);
+std::unique_ptr<CloudReader> open_ply(InputFile file, Damage damage = Damage::reject);
+std::unique_ptr<CloudReader> open_pcd(InputFile file, Damage damage = Damage::reject);
 std::unique_ptr<CloudReader> open_text(InputFile file,
-                                       Damage damage = Damage::refuse);  ///< XYZ, CSV with header names, PTS
-std::unique_ptr<CloudReader> open_ptx(InputFile file, Damage damage = Damage::refuse);
-std::unique_ptr<CloudReader> open_e57(InputFile file, Damage = Damage::refuse);
+                                       Damage damage = Damage::reject);  ///< XYZ, CSV with header names, PTS
+std::unique_ptr<CloudReader> open_ptx(InputFile file, Damage damage = Damage::reject);
+std::unique_ptr<CloudReader> open_e57(InputFile file, Damage = Damage::reject);
 
 }  // namespace alidade

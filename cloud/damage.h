@@ -11,7 +11,7 @@ namespace alidade {
 
 /// What a reader does where a file is damaged behind a header that makes sense.
 enum class Damage {
-  refuse,     ///< throws DamagedFile at the first position
+  reject,     ///< throws DamagedFile at the first position
   read_over,  ///< leaves out the points that cannot be had and tells of them in CloudReader::lost()
 };
 

@@ -18,7 +18,7 @@ std::string text_of(const glm::dvec3& value) {
   return fmt::format("{}, {}, {}", value.x, value.y, value.z);
 }
 
-[[noreturn]] void refuse_lattice(const CloudSource& odd, const CloudSource& other) {
+[[noreturn]] void reject_lattice(const CloudSource& odd, const CloudSource& other) {
   const Lattice own = *odd.reader->lattice(), lattice = *other.reader->lattice();
   throw Error({.file = odd.path().string(),
                .problem = "the lattice differs from that of " + other.path().string(),
@@ -48,11 +48,11 @@ const CloudSource* first_that_binds(const std::vector<CloudSource>& sources, con
   return first;
 }
 
-/// Calls refuse(odd, other) if a source with points has something else than the first: agrees(source). The
+/// Calls reject(odd, other) if a source with points has something else than the first: agrees(source). The
 /// odd one is the first that differs, or the first of all if more differ from it than agree.
-template <class Has, class Agrees, class Refuse>
+template <class Has, class Agrees, class Reject>
 void check_agreement(const std::vector<CloudSource>& sources, const CloudSource& first, const Has& has,
-                     const Agrees& agrees, const Refuse& refuse) {
+                     const Agrees& agrees, const Reject& reject) {
   std::size_t agreeing = 0, differing = 0;
   const CloudSource* odd = nullptr;
   for (const CloudSource& source : sources) {
@@ -64,11 +64,11 @@ void check_agreement(const std::vector<CloudSource>& sources, const CloudSource&
     }
   }
   if (odd == nullptr) return;
-  if (agreeing < differing) refuse(first, *odd);
-  refuse(*odd, first);
+  if (agreeing < differing) reject(first, *odd);
+  reject(*odd, first);
 }
 
-[[noreturn]] void refuse_crs(const CloudSource& odd, const CloudSource& other) {
+[[noreturn]] void reject_crs(const CloudSource& odd, const CloudSource& other) {
   throw Error({.file = odd.path().string(),
                .problem = "the coordinate reference system differs from that of " + other.path().string(),
                .expected = crs_name(other.facts.crs) + " (reproject the file, or read it separately)",
@@ -105,7 +105,7 @@ Lattice common_lattice(const std::vector<CloudSource>& sources) {
       [&](const CloudSource& source) {
         return steps_between(*source.reader->lattice(), lattice).has_value();
       },
-      refuse_lattice);
+      reject_lattice);
   for (const CloudSource& source : sources) {
     if (source.has_lattice || source.point_count() == 0) continue;
     const Bounds& bounds = source.survey.bounds;
@@ -126,7 +126,7 @@ Crs common_crs(const std::vector<CloudSource>& sources) {
       [&](const CloudSource& source) {
         return compare_crs(source.facts.crs, crs) != CrsAgreement::different;
       },
-      refuse_crs);
+      reject_crs);
   return crs;
 }
 

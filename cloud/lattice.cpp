@@ -93,7 +93,7 @@ LatticeShift::LatticeShift(const Lattice& from, const Lattice& to, std::string f
   steps_ = *steps;
 }
 
-void LatticeShift::refuse(const glm::i64vec3& steps) const {
+void LatticeShift::reject(const glm::i64vec3& steps) const {
   throw Error({.file = file_,
                .problem = "too far from the first file for its lattice of 32-bit steps",
                .found = fmt::format("step {}, {}, {}", steps.x, steps.y, steps.z)});

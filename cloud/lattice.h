@@ -93,7 +93,7 @@ class LatticeShift {
   LatticePosition operator()(const LatticePosition& position) const {
     const glm::i64vec3 steps = glm::i64vec3(position) + steps_;
     const LatticePosition shifted(steps);
-    if (glm::i64vec3(shifted) != steps) refuse(steps);
+    if (glm::i64vec3(shifted) != steps) reject(steps);
     return shifted;
   }
 
@@ -101,7 +101,7 @@ class LatticeShift {
   bool is_none() const { return steps_ == glm::i64vec3(0); }
 
  private:
-  [[noreturn]] void refuse(const glm::i64vec3& steps) const;
+  [[noreturn]] void reject(const glm::i64vec3& steps) const;
 
   std::string file_;
   glm::i64vec3 steps_{0};

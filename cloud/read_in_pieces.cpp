@@ -35,7 +35,7 @@ constexpr std::uint64_t k_few_points = 1 << 22;
 /// Opens files of which each is to be read, skipped, or to be looked through for its lattice.
 std::vector<CloudSource> open_sources(const CloudInputs& inputs, const ReadOptions& options) {
   inputs.check_files();
-  const Damage damage = options.partial ? Damage::read_over : Damage::refuse;
+  const Damage damage = options.partial ? Damage::read_over : Damage::reject;
   std::vector<CloudSource> sources(inputs.size());
   in_turns(inputs.size(), k_most_files_at_once, [&](std::size_t i) {
     CloudSource& source = sources[i];

@@ -214,7 +214,7 @@ void TableReader::visit_whole_rows(const RowVisitor& visit, const Progress& prog
         progress);
   } catch (const Error& error) {
     if (is_visiting) throw;
-    if (damage_ == Damage::refuse) throw DamagedFile(error.parts());
+    if (damage_ == Damage::reject) throw DamagedFile(error.parts());
     const std::uint64_t announced = announced_rows().value_or(rows);
     lost_.push_back({.count = announced > rows ? announced - rows : 0,
                      .location = error.parts().location,

@@ -189,7 +189,7 @@ LoadedCloud load_coarse_cloud(const CloudSettings& wanted, const CloudInputs& in
   settings.radius.reset();
   settings.adapted_radius = AdaptedRadius{.max = widest};
   const AttributeSet attributes =
-      image::check_color_of_files(settings.color, inputs, Damage::refuse, inputs.first_name().string());
+      image::check_color_of_files(settings.color, inputs, Damage::reject, inputs.first_name().string());
   const std::vector<ChosenNodes> nodes = nodes_in_view(files, camera, most_points);
   LoadedCloud loaded =
       index_cloud(read_copc_nodes(nodes, {.attributes = image::attributes_for(settings.color),

@@ -144,7 +144,7 @@ LoadedCloud build_cloud(const CloudSettings& settings, const CloudInputs& inputs
                         const Progress& afterwards) {
   const std::string name = inputs.title();
   const AttributeSet seen = image::check_color_of_files(
-      settings.color, inputs, settings.partial ? Damage::read_over : Damage::refuse, name);
+      settings.color, inputs, settings.partial ? Damage::read_over : Damage::reject, name);
   PointCloud cloud = read_cloud(inputs, {.attributes = image::attributes_for(settings.color),
                                          .color_depth = settings.color_depth,
                                          .partial = settings.partial,

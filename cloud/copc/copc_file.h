@@ -25,7 +25,7 @@ class CopcFile {
  public:
   /// Errors: the file is no COPC 1.0 (LAS 1.4 with points of format 6 to 8, compressed in chunks of different
   /// sizes, behind a record of COPC); what read_las_header(), parse_laszip_record(), read_chunk_table(),
-  /// parse_copc_info() and read_copc_hierarchy() refuse.
+  /// parse_copc_info() and read_copc_hierarchy() reject.
   explicit CopcFile(InputFile file);
 
   const std::string& name() const { return file_.name(); }

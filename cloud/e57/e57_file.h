@@ -133,7 +133,7 @@ struct E57Document {
 class E57File {
  public:
   /// Errors: those of E57Pages; XML that is damaged, has a document type, is larger than 64 MiB or has more
-  /// than 8 million elements and attributes; what docs/e57.md lists as refused. They name page, scan, field
+  /// than 8 million elements and attributes; what docs/e57.md lists as rejected. They name page, scan, field
   /// or image. Memory: a constant factor of the XML's size.
   explicit E57File(InputFile file);
 

@@ -148,7 +148,7 @@ LasHeader read_las_header(InputFile& file, std::vector<std::string>& warnings, D
 void keep_points_inside(const InputFile& file, LasHeader& header, Damage damage) {
   const std::uint64_t room = (file.size() - header.points_offset) / header.point_size;
   if (header.point_count <= room) return;
-  if (damage == Damage::refuse) {
+  if (damage == Damage::reject) {
     throw DamagedFile({.file = file.name(),
                        .location = fmt::format("byte {}", offset_of_count(header)),
                        .problem = "truncated file: it ends before its last point",

@@ -92,7 +92,7 @@ struct LasHeader {
 /// `warnings`. Errors: not LAS, a version after 1.4, and whatever cannot be true; a file that ends before its
 /// last point is damage.
 LasHeader read_las_header(InputFile& file, std::vector<std::string>& warnings,
-                          Damage damage = Damage::refuse);
+                          Damage damage = Damage::reject);
 
 /// Counts the uncompressed points that lie inside the file; that some do not is damage.
 void keep_points_inside(const InputFile& file, LasHeader& header, Damage damage);

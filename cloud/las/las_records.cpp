@@ -251,7 +251,7 @@ LasRecords read_las_records(InputFile& file, const LasHeader& header, std::vecto
     try {
       record = read_record_header(file, offset, file.size(), true);
     } catch (const Error& error) {
-      if (damage == Damage::refuse) throw DamagedFile(error.parts());
+      if (damage == Damage::reject) throw DamagedFile(error.parts());
       warnings.push_back(fmt::format("{}; this record and those after it are skipped", error.what()));
       break;
     }

@@ -40,13 +40,13 @@ struct LasRecords {
 /// damage, and with Damage::read_over left out with those behind it, which is said in `warnings`. Memory: at
 /// most the size of the records in the file.
 LasRecords read_las_records(InputFile& file, const LasHeader& header, std::vector<std::string>& warnings,
-                            Damage damage = Damage::refuse);
+                            Damage damage = Damage::reject);
 
 /// How the points of a file are packed, by its laszip record; empty if they are not, whatever the header
 /// says: header.compressed follows. Errors: no such record, or one that contradicts itself or the header;
 /// points missing that are not packed, which is damage.
 std::optional<LazLayout> read_packing(const InputFile& file, LasHeader& header, const LasRecords& records,
-                                      Damage damage = Damage::refuse);
+                                      Damage damage = Damage::reject);
 
 /// CRS as LAS records: WKT, and the GeoTIFF keys if there are any.
 std::vector<VariableLengthRecord> las_crs_records(const Crs& crs);

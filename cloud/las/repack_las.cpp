@@ -146,7 +146,7 @@ class OrderedRecords final : public LazSink {
 void copy_points(Source& source, RecordOutput& output, const Progress& progress) {
   if (source.packing) {
     OrderedRecords records(output, source.header.point_size);
-    LazPoints points(source.file, source.header, *source.packing, Damage::refuse);
+    LazPoints points(source.file, source.header, *source.packing, Damage::reject);
     points.read(LazLayers{}, records, progress);
     records.flush();
     source.warnings.insert(source.warnings.end(), points.warnings().begin(), points.warnings().end());

@@ -373,7 +373,7 @@ class Maker {
           add<ExtraByteLayer>(wanted_.extra_bytes, "extra byte", offset_ + byte, item.version);
         break;
       default:
-        assert(false && "count_layers() refuses other items");
+        assert(false && "count_layers() rejects other items");
     }
     offset_ += item.size;
   }

@@ -50,7 +50,7 @@ class ChunkUnpacker {
   /// Unpacks chunks that lie one behind the other.
   std::vector<LostPoints> read_chunks(std::span<const LazChunk> chunks) {
     const std::uint64_t most_points =
-        std::min(damage_ == Damage::refuse ? k_batch_points : k_batch_points_sorted_out,
+        std::min(damage_ == Damage::reject ? k_batch_points : k_batch_points_sorted_out,
                  k_batch_record_bytes / layout_.record_size());
     for (std::size_t begin = 0; begin < chunks.size();) {
       std::size_t end = begin;
@@ -68,7 +68,7 @@ class ChunkUnpacker {
       if (point_count > most_points) {
         std::size_t used = 0;
         read_large(bytes_, point_count, true, used);
-      } else if (damage_ == Damage::refuse) {
+      } else if (damage_ == Damage::reject) {
         read_batch(batch, point_count);
       } else {
         read_batch_and_sort_out(batch);
@@ -180,7 +180,7 @@ class ChunkUnpacker {
       if (ends_there && used != bytes.size()) throw CorruptChunk(k_other_end);
     } catch (const CorruptChunk& problem) {
       const std::uint64_t lost = point_count - (rows_ - rows_before);
-      if (lost > 0 || damage_ == Damage::refuse) meet(problem, chunks_done_, points_done_, lost);
+      if (lost > 0 || damage_ == Damage::reject) meet(problem, chunks_done_, points_done_, lost);
     }
     progress_.add(ends_there ? bytes.size() : used);
   }
@@ -195,7 +195,7 @@ class ChunkUnpacker {
     std::string location = fmt::format("chunk {}", chunk);
     if (problem.point) location += fmt::format(", point {}", first_point + *problem.point);
     std::string text = fmt::format("corrupt compressed points: {}", problem.what());
-    if (damage_ == Damage::refuse) {
+    if (damage_ == Damage::reject) {
       throw DamagedFile({.file = file_.name(), .location = std::move(location), .problem = std::move(text)});
     }
     lost_.push_back({lost, std::move(location), std::move(text)});
@@ -228,7 +228,7 @@ LazPoints::LazPoints(InputFile& file, const LasHeader& header, const LazLayout& 
       return;
     }
   } catch (const Error& error) {
-    if (damage == Damage::refuse) throw DamagedFile(error.parts());
+    if (damage == Damage::reject) throw DamagedFile(error.parts());
     missing = error.parts().problem;
   }
   warnings_.push_back(fmt::format("{}: {}; reading the chunks one by one", file_.name(), missing));
@@ -239,7 +239,7 @@ LazPoints::LazPoints(InputFile& file, const LasHeader& header, const LazLayout& 
   } else {
     // Nothing in the file says where a chunk of points ends.
     const std::string location = fmt::format("byte {}", header_.points_offset);
-    if (damage == Damage::refuse) {
+    if (damage == Damage::reject) {
       throw DamagedFile({.file = file_.name(),
                          .location = location,
                          .problem = missing,
@@ -253,7 +253,7 @@ void LazPoints::walk(Damage damage) {
   WalkedChunks walked = walk_layered_chunks(file_, header_, layout_);
   chunks_ = std::move(walked.chunks);
   if (!walked.problem) return;
-  if (damage == Damage::refuse) throw DamagedFile(walked.problem->parts());
+  if (damage == Damage::reject) throw DamagedFile(walked.problem->parts());
   std::uint64_t left = header_.point_count;
   for (const LazChunk& chunk : chunks_) left -= chunk.point_count;
   lost_.push_back({left, walked.problem->parts().location, walked.problem->parts().problem});

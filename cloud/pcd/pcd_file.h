@@ -52,6 +52,6 @@ struct PcdHeader {
 /// Reads and checks the header. Errors: anything that is not a PCD header, points without values; more points
 /// than the file has room for are damage. VIEWPOINT is checked and otherwise left alone: it says where the
 /// sensor stood; points stay in the file's frame.
-PcdHeader read_pcd_header(InputFile& input, Damage damage = Damage::refuse);
+PcdHeader read_pcd_header(InputFile& input, Damage damage = Damage::reject);
 
 }  // namespace alidade

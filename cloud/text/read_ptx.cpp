@@ -115,7 +115,7 @@ class PtxReader final : public TableReader {
     const std::uint64_t height = require_grid_size(scanner, "rows");
     // The shortest line is "0 0 0" and its end, which the last line may lack.
     const std::uint64_t room = (input_.size() - scanner.offset() + 1) / 6;
-    if (height > 0 && width > (damage() == Damage::refuse ? room : k_most_points) / height)
+    if (height > 0 && width > (damage() == Damage::reject ? room : k_most_points) / height)
       scanner.fail("truncated file: too short for the points of the scan", "at most " + std::to_string(room),
                    std::to_string(width) + " times " + std::to_string(height));
     for (const char* what : {"the scanner's position", "its x axis", "its y axis", "its z axis"}) {

@@ -338,7 +338,7 @@ class TextReader final : public TableReader {
                    std::to_string(words_.size()) + " words");
     // A value takes two bytes with the blank after it; the very last one may lack that.
     const std::uint64_t room = (input_.size() - scanner.offset() + 1) / (2 * columns().size());
-    if (*count > room && damage() == Damage::refuse)
+    if (*count > room && damage() == Damage::reject)
       scanner.fail("truncated file: too short for the points of the count line",
                    "at most " + std::to_string(room), std::to_string(*count));
     return *count;

@@ -145,7 +145,7 @@ TEST_F(PartialResultTest, every_damaged_byte_is_an_error_that_names_file_and_pos
   }
 }
 
-TEST_F(PartialResultTest, another_run_is_refused_and_what_differs_is_said) {
+TEST_F(PartialResultTest, another_run_is_rejected_and_what_differs_is_said) {
   write_three();
   const std::string message = message_of_resuming({{"command", "count"}, {"--step", "3"}});
   EXPECT_NE(

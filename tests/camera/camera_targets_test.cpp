@@ -90,7 +90,7 @@ TEST(CameraTargets, every_lens_shows_a_ball_where_it_projects_it) {
   }
 }
 
-// One camera of this world in the words of each format. It stands at (3, -5, 2) and looks north-west and a
+// One camera of this world in the words of each format. It is at (3, -5, 2) and looks north-west and a
 // little down. Pixel positions come from the formats' own words: u = fx x / z + cx with x = R (X - C).
 
 constexpr double k_focal = 300.0, k_cx = 141.25, k_cy = 97.5;

@@ -185,7 +185,7 @@ TEST(Colmap, counts_beyond_the_file_are_errors_before_memory_is_taken) {
   expect_error([&] { read(model.cameras(), many); },
                "images.bin:byte 0: the number of images exceeds the file");
   std::string observations = model.images();
-  // The count of observations of the first image stands behind its name "b.jpg".
+  // The count of observations of the first image follows its name "b.jpg".
   const std::size_t position = 8 + 4 + 7 * 8 + 4 + 6;
   observations[position + 7] = '\x7f';
   expect_error([&] { read(model.cameras(), observations); }, "the number of observations exceeds the file");

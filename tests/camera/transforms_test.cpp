@@ -183,7 +183,7 @@ TEST(ImageFileSizeTest, png_and_jpeg_tell_their_size) {
     image->close();
     EXPECT_EQ(image_file_size(folder / name).width, 300u) << name;
     EXPECT_EQ(image_file_size(folder / name).height, 17u) << name;
-    // Cut off anywhere it is an error, or still tells the same.
+    // A file cut off anywhere is an error or gives the same size.
     std::ifstream stream(folder / name, std::ios::binary);
     const std::string bytes{std::istreambuf_iterator<char>(stream), {}};
     for (std::size_t size = 0; size < bytes.size(); ++size) {

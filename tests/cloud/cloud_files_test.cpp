@@ -27,7 +27,7 @@ class CloudFilesTest : public ::testing::Test {
     }
   }
 
-  /// What a name inside the folder stands for, without the folder's own name.
+  /// The files that names inside the folder expand to, without the folder's own name.
   std::vector<std::string> expand(const std::vector<std::string>& names) const {
     std::vector<fs::path> paths;
     for (const std::string& name : names) paths.push_back(folder_ / name);

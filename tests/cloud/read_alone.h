@@ -19,7 +19,7 @@ using Opener = std::unique_ptr<CloudReader> (*)(InputFile, Damage);
 
 /// Reads one file with one reader, as read_cloud() does it but without looking at the content first.
 inline PointCloud read_alone(Opener open, InputFile file, AttributeSet wanted = AttributeSet::all()) {
-  const auto reader = open(std::move(file), Damage::refuse);
+  const auto reader = open(std::move(file), Damage::reject);
   const CoordinateSurvey survey = reader->survey({});
   PointCloud cloud;
   cloud.lattice = fit_lattice({&survey, 1});

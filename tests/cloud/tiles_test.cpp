@@ -29,7 +29,7 @@ PointCloud join(const std::vector<Bytes>& tiles, const ReadOptions& options, int
   for (std::size_t i = 0; i < tiles.size(); ++i)
     files.inputs.push_back(cloud_in_memory(tiles[i], "tile_" + std::to_string(i)));
   PointCloud cloud;
-  // The limit allows more threads than the machine has; the arena then asks for them.
+  // The limit allows more threads than the machine has; the arena then starts them.
   const tbb::global_control limit(tbb::global_control::max_allowed_parallelism,
                                   static_cast<std::size_t>(threads));
   tbb::task_arena arena(threads);
@@ -176,7 +176,7 @@ TEST(TilesTest, columns_are_reserved_once_for_all_tiles) {
 TEST(TilesTest, of_several_bad_files_the_first_is_named) {
   std::vector<Bytes> tiles = mixed_tiles();
   for (const std::size_t bad : {std::size_t{60}, std::size_t{17}, std::size_t{18}}) {
-    // The second pass finds a point that is on no lattice of 32 bits; the header tells nothing.
+    // The second pass finds a point that is on no lattice of 32 bits; the header gives no sign of it.
     LasFile far;
     far.offset = {690000 + 1e7, 5325000, 500};
     far.points.emplace_back().x = 2147483647;
@@ -321,7 +321,7 @@ TEST(RegionTest, boxes_that_cannot_be_true_are_ignored) {
   };
   EXPECT_FALSE(is_read(0, 9));
   EXPECT_TRUE(is_read(9, 0)) << "inverted";
-  EXPECT_TRUE(is_read(0, 0)) << "ten points in one place";
+  EXPECT_TRUE(is_read(0, 0)) << "ten points at one position";
   Bytes one = timed_tile(0, false);
   const double zeros[6] = {};
   std::memcpy(one.data() + 179, zeros, sizeof zeros);

@@ -353,7 +353,7 @@ class BatchTest : public ComparisonTest {
 
 TEST_F(BatchTest, an_error_ends_it_and_spoils_no_page_that_is_written) {
   compare_pairs(pairs, options("whole"));
-  // The first report that is asked about is that of a pair not begun yet; a folder takes its position.
+  // The first call of the progress function creates a folder with the name of the last report.
   bool is_first = true;
   EXPECT_THROW(compare_pairs(pairs, options("ended"),
                              [&](std::uint64_t, std::uint64_t) {

@@ -44,7 +44,7 @@ TEST(RegionPoints, a_layer_of_another_size_is_an_error) {
   EXPECT_THROW(region_points(std::vector<std::uint32_t>{1, 2}, changes_of({1}), 20), Error);
 }
 
-/// Ten points with colours and two further dimensions, one of which is called Region.
+/// Ten points with colours and two further dimensions; one is called Region.
 PointCloud small_cloud() {
   PointCloud cloud;
   cloud.lattice = {glm::dvec3(0.001), glm::dvec3(690000.0, 5325000.0, 600.0)};

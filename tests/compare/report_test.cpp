@@ -27,8 +27,7 @@ class ReportTest : public PictureTest {
  protected:
   void SetUp() override {
     PictureTest::SetUp();
-    if (!chromium_program())
-      GTEST_SKIP() << "without chromium (apt-get install chromium) pages are not looked at";
+    if (!chromium_program()) GTEST_SKIP() << "pages are tested with chromium only (apt-get install chromium)";
   }
 
   /// Two pictures of 120 x 80 pixels: a wave, and the same with two bright squares.

@@ -100,7 +100,7 @@ TEST(VerdictTest, unknown_names_are_told_with_the_nearest_known_one) {
   EXPECT_NE(problem_of("filp=0.05").find("'flip'"), std::string::npos) << problem_of("filp=0.05");
 }
 
-TEST(VerdictTest, what_is_no_threshold_is_refused) {
+TEST(VerdictTest, what_is_no_threshold_is_rejected) {
   for (const char* const text :
        {"", "flip", "flip=", "=0.1", "flip=0.05,", "flip=nan", "flip=0.05x", "flip==1", "flip<=1"})
     EXPECT_NE(problem_of(text), "none") << text;

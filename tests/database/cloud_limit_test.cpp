@@ -66,7 +66,7 @@ TEST(CloudLimit, limits_are_the_comparisons_they_stand_for) {
       const CloudLimit limit = make_limit(DistanceKind::plane, plane, comparison, bound);
       for (const double value : values) {
         const glm::dvec3 point(0, 0, value);
-        // An infinite coordinate times zero is none.
+        // An infinite coordinate times zero is NaN.
         const double distance_of_point = distance(DistanceKind::plane, plane, point);
         EXPECT_EQ(holds(limit, point), is_true(distance_of_point, comparison, bound))
             << value << ' ' << static_cast<int>(comparison) << ' ' << bound;
@@ -162,7 +162,7 @@ TEST(CloudLimit, boxes_are_not_pruned_where_a_distance_overflows_to_none) {
   EXPECT_GT(without_number, 10000);
 }
 
-TEST(CloudLimit, lines_that_are_none_are_refused) {
+TEST(CloudLimit, lines_that_are_none_are_rejected) {
   for (const DistanceKind kind : {DistanceKind::ray, DistanceKind::plane}) {
     EXPECT_THROW(make_line(kind, {0, 0, 0}, {0, -0.0, 0}), Error);
     EXPECT_THROW(make_line(kind, {0, 0, 0}, {0, k_nan, 0}), Error);

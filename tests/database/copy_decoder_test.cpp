@@ -64,7 +64,7 @@ TEST(CopyDecoder, rows_are_read_wherever_they_are_cut) {
   }
 }
 
-TEST(CopyDecoder, what_is_no_rows_is_refused) {
+TEST(CopyDecoder, what_is_no_rows_is_rejected) {
   const std::string whole = all_of({k_head, k_row, k_tail});
   EXPECT_EQ(error_of(whole), "");
   for (std::size_t size = 0; size < whole.size(); ++size)
@@ -90,7 +90,7 @@ TEST(CloudValues, columns_become_attributes_and_dimensions) {
     return NumberColumn{.name = name, .type = type, .can_be_null = true};
   };
   ServerTable table;
-  // Intensities that are no whole numbers, and two colours of three, are none of the attributes.
+  // Intensities that are not integers, and two colours of three, do not become attributes.
   for (const char* const name : {"x", "y", "z", "gps_time", "intensity"})
     table.columns.push_back(column(name, ScalarType::float64));
   for (const char* const name : {"id", "red", "green", "classification"})

@@ -48,7 +48,7 @@ TEST(ServerName, parts_may_be_left_out_or_encoded) {
   EXPECT_EQ(ServerName("postgresql://h/d?table=a\nb").shown(), "postgresql://h/d?table=a%0Ab");
 }
 
-TEST(ServerName, passwords_are_refused_and_not_repeated) {
+TEST(ServerName, passwords_are_rejected_and_not_repeated) {
   for (const char* const name :
        {"postgresql://me:geheim@h/d?table=t", "postgresql://me%3Ageheim@h/d?table=t",
         "postgresql://me:ge@heim@h/d", "postgresql://me:ge/heim@h/d",

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// What servers are told about a cloud: names of shards, rows as COPY takes them, scripts that no name can
-// leave.
+// The names of shards, the rows as COPY takes them, and the scripts that servers get of a cloud: no name ends
+// its quotes.
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 #include <unistd.h>
@@ -47,7 +47,7 @@ TEST(Shard, is_named_by_host_port_and_database) {
     EXPECT_NE(error_of([&] { parse_shard(wrong); }), "") << wrong;
 }
 
-TEST(Shard, passwords_are_refused_and_not_repeated) {
+TEST(Shard, passwords_are_rejected_and_not_repeated) {
   for (const char* const wrong : {"me:secret@db1/site", "postgresql://me:secret@db1/site"}) {
     const std::string error = error_of([&] { parse_shard(wrong); });
     EXPECT_NE(error.find("password"), std::string::npos);

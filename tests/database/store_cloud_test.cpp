@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Clouds become tables as a whole or not at all.
+// Clouds become tables completely or not at all.
 #include <tbb/task_arena.h>
 
 #include <climits>
@@ -144,7 +144,8 @@ TEST_F(StoreCloudTest, marks_for_no_value_are_compared_as_they_are) {
   for (const char* const name : {"u", "i", "f", "d"})
     EXPECT_EQ(numbers(database, fmt::format("SELECT count({}) FROM points", name)), std::vector<double>{7})
         << name;
-  EXPECT_EQ(numbers(database, "SELECT sum(odd) FROM points"), std::vector<double>{24}) << "no scale is none";
+  EXPECT_EQ(numbers(database, "SELECT sum(odd) FROM points"), std::vector<double>{24})
+      << "a scale of NaN is ignored";
 }
 
 TEST_F(StoreCloudTest, stopping_leaves_no_file_and_no_table) {
@@ -165,7 +166,7 @@ TEST_F(StoreCloudTest, bad_requests_are_told) {
   EXPECT_NE(error_of_storing({.chunk_points = 65537}).find("1 to 65536"), std::string::npos);
   EXPECT_NE(error_of_storing({.table = ""}).find("invalid table name"), std::string::npos);
   std::ofstream(file_)
-      << "this is no database, whatever its name says, and long enough to be told from an empty one";
+      << "this is not a database, whatever its name is, and too long to be taken for an empty one";
   EXPECT_NE(error_of_storing({}).find("not a database"), std::string::npos);
 }
 

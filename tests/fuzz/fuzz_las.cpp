@@ -12,7 +12,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   for (const bool partial : {false, true}) {
     try {
       alidade::open_las(alidade::InputFile(bytes, "input"),
-                        partial ? alidade::Damage::read_over : alidade::Damage::refuse);
+                        partial ? alidade::Damage::read_over : alidade::Damage::reject);
       // The same file twice also goes through the joining of lattices, columns and records.
       alidade::CloudInputs files;
       files.inputs.push_back(alidade::cloud_in_memory(bytes, "first"));

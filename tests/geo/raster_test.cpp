@@ -58,7 +58,7 @@ TEST(RasterGridTest, a_position_is_a_map_of_one_cell) {
   EXPECT_TRUE(cell_at(grid, {7, 7}));
 }
 
-TEST(RasterGridTest, too_many_cells_are_refused_and_their_number_said) {
+TEST(RasterGridTest, too_many_cells_are_rejected_and_their_number_said) {
   EXPECT_EQ(
       refusal(area(0, 0, 100000, 50000), 1.0),
       "map too large; expected at most 2147483648 cells: use larger cells or a smaller area, found 100000 "
@@ -81,7 +81,7 @@ TEST(RasterGridTest, areas_are_cropped_to_what_they_share) {
   EXPECT_TRUE(cropped(area(0, 0, 10, 10), area(11, 0, 12, 10)).empty());
 }
 
-TEST(RasterGridTest, more_memory_than_there_is_is_refused) {
+TEST(RasterGridTest, more_memory_than_there_is_is_rejected) {
   EXPECT_NO_THROW(check_memory(1, "a test"));
   EXPECT_THROW(check_memory(std::numeric_limits<std::uint64_t>::max(), "a test"), Error);
 }

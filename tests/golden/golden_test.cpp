@@ -8,7 +8,7 @@
 // Pictures that must stay as they are: the last net behind the tests of light, cameras and colours. The same
 // compiler gives the same bytes; other ones may round elsewhere, which the thresholds allow.
 //
-// Where pictures are meant to change, write them anew and look at the difference before it is committed:
+// After an intended change of pictures, write them again and check the differences before committing them:
 //   ALIDADE_WRITE_GOLDEN=1 build/release/tests/golden/golden_test
 
 namespace alidade::test {
@@ -43,7 +43,7 @@ class GoldenTest : public ProgramTest {
     const fs::path golden = k_sources / "tests/golden" / picture;
     if (std::getenv("ALIDADE_WRITE_GOLDEN") != nullptr) {
       fs::copy_file(folder / picture, golden, fs::copy_options::overwrite_existing);
-      GTEST_SKIP() << golden << " was written anew";
+      GTEST_SKIP() << golden << " was written again";
     }
     ComparisonOptions options;
     options.keep_pictures = true;

@@ -9,40 +9,40 @@ using namespace test;
 constexpr double k_infinity = std::numeric_limits<double>::infinity();
 const double k_nan = std::nan("");
 
-/// Every way to ask refuses, index and brute force alike.
+/// Expects every query function to throw, those of the index and those of brute force.
 template <class Target, class Query>
-void expect_refused(const Target& target, const Query& query, const std::string& why) {
+void expect_rejected(const Target& target, const Query& query, const std::string& why) {
   const PointCloud cloud = three_points();
   const Octree octree = build(cloud);
-  const auto refused = [&](const auto& ask) {
+  const auto rejected = [&](const auto& ask) {
     try {
       ask();
-      ADD_FAILURE() << "not refused: " << why;
+      ADD_FAILURE() << "not rejected: " << why;
     } catch (const Error& error) {
       EXPECT_NE(std::string(error.what()).find(why), std::string::npos) << error.what();
     }
   };
   const std::vector<Target> batch{target};
   std::vector<std::size_t> counts(1);
-  refused([&] { (void)find(octree, target, query); });
-  refused([&] { (void)count(octree, target, query); });
-  refused([&] { (void)find(octree, std::span<const Target>(batch), query); });
-  refused([&] { count(octree, std::span<const Target>(batch), query, counts); });
-  refused([&] { (void)explain(octree, target, query); });
-  refused([&] { (void)find(Octree{}, target, query); });
-  refused([&] { (void)brute_force::find(cloud, target, query); });
-  refused([&] { (void)brute_force::count(cloud, target, query); });
+  rejected([&] { (void)find(octree, target, query); });
+  rejected([&] { (void)count(octree, target, query); });
+  rejected([&] { (void)find(octree, std::span<const Target>(batch), query); });
+  rejected([&] { count(octree, std::span<const Target>(batch), query, counts); });
+  rejected([&] { (void)explain(octree, target, query); });
+  rejected([&] { (void)find(Octree{}, target, query); });
+  rejected([&] { (void)brute_force::find(cloud, target, query); });
+  rejected([&] { (void)brute_force::count(cloud, target, query); });
   if constexpr (requires { closest(octree, target, query); }) {
-    refused([&] { (void)closest(octree, target, query); });
-    refused([&] { (void)occluded(octree, target, query); });
-    refused([&] { (void)brute_force::closest(cloud, target, query); });
-    refused([&] { (void)brute_force::occluded(cloud, target, query); });
+    rejected([&] { (void)closest(octree, target, query); });
+    rejected([&] { (void)occluded(octree, target, query); });
+    rejected([&] { (void)brute_force::closest(cloud, target, query); });
+    rejected([&] { (void)brute_force::occluded(cloud, target, query); });
   }
   if constexpr (std::is_same_v<Target, Ray>) {
     std::vector<std::optional<Hit>> hits(1);
     std::vector<std::uint8_t> answers(1);
-    refused([&] { closest(octree, batch, query, hits); });
-    refused([&] { occluded(octree, batch, query, answers); });
+    rejected([&] { closest(octree, batch, query, hits); });
+    rejected([&] { occluded(octree, batch, query, answers); });
   }
 }
 
@@ -52,23 +52,23 @@ Ray good_ray() {
 
 TEST(BadQuery, a_direction_of_length_zero_is_an_error) {
   EXPECT_THROW(make_ray({0, 0, 0}, {0, 0, 0}), Error);
-  expect_refused(Ray{{0, 0, 0}, {0, 0, 0}}, RayQuery{.radius = 1.0}, "direction is not normalized");
+  expect_rejected(Ray{{0, 0, 0}, {0, 0, 0}}, RayQuery{.radius = 1.0}, "direction is not normalized");
 }
 
 TEST(BadQuery, a_direction_that_is_not_finite_is_an_error) {
   for (const double bad : {k_nan, k_infinity, -k_infinity}) {
     EXPECT_THROW(make_ray({0, 0, 0}, {0, bad, 1}), Error);
-    expect_refused(Ray{{0, 0, 0}, {0, bad, 1}}, RayQuery{.radius = 1.0}, "direction is not normalized");
+    expect_rejected(Ray{{0, 0, 0}, {0, bad, 1}}, RayQuery{.radius = 1.0}, "direction is not normalized");
   }
 }
 
 TEST(BadQuery, a_direction_whose_length_is_not_1_within_1e_6_is_an_error) {
   for (const double length : {2.0, 0.5, 1.0 + 2e-6, 1.0 - 2e-6}) {
-    expect_refused(Ray{{0, 0, 0}, {0, length, 0}}, RayQuery{.radius = 1.0}, "direction is not normalized");
-    expect_refused(Cone{.axis = {{0, 0, 0}, {0, length, 0}}, .slope = 1.0}, ConeQuery{},
-                   "direction is not normalized");
-    expect_refused(HalfSpaces{{Plane{{0, 0, 0}, {0, length, 0}}}}, PointQuery{},
-                   "normal of a plane is not normalized");
+    expect_rejected(Ray{{0, 0, 0}, {0, length, 0}}, RayQuery{.radius = 1.0}, "direction is not normalized");
+    expect_rejected(Cone{.axis = {{0, 0, 0}, {0, length, 0}}, .slope = 1.0}, ConeQuery{},
+                    "direction is not normalized");
+    expect_rejected(HalfSpaces{{Plane{{0, 0, 0}, {0, length, 0}}}}, PointQuery{},
+                    "normal of a plane is not normalized");
   }
   EXPECT_NO_THROW((void)find(build(three_points()), Ray{{0, 0, 0}, {0, 1.0 + 9e-7, 0}}, {.radius = 1.0}));
 }
@@ -76,20 +76,20 @@ TEST(BadQuery, a_direction_whose_length_is_not_1_within_1e_6_is_an_error) {
 TEST(BadQuery, an_origin_that_is_not_finite_is_an_error) {
   for (const double bad : {k_nan, k_infinity, -k_infinity}) {
     EXPECT_THROW(make_ray({0, bad, 0}, {0, 0, 1}), Error);
-    expect_refused(Ray{{0, bad, 0}, {0, 0, 1}}, RayQuery{.radius = 1.0}, "origin is not finite");
-    expect_refused(glm::dvec3(0, bad, 0), PointQuery{}, "point is not finite");
-    expect_refused(HalfSpaces{{Plane{{0, 0, bad}, {0, 0, 1}}}}, PointQuery{},
-                   "point of a plane is not finite");
+    expect_rejected(Ray{{0, bad, 0}, {0, 0, 1}}, RayQuery{.radius = 1.0}, "origin is not finite");
+    expect_rejected(glm::dvec3(0, bad, 0), PointQuery{}, "point is not finite");
+    expect_rejected(HalfSpaces{{Plane{{0, 0, bad}, {0, 0, 1}}}}, PointQuery{},
+                    "point of a plane is not finite");
   }
 }
 
 TEST(BadQuery, limits_that_are_not_numbers_are_errors) {
   EXPECT_THROW(make_ray({0, 0, 0}, {0, 0, 1}, k_nan), Error);
   EXPECT_THROW(make_ray({0, 0, 0}, {0, 0, 1}, 0, k_nan), Error);
-  expect_refused(Ray{{0, 0, 0}, {0, 0, 1}, k_nan, 1}, RayQuery{.radius = 1.0},
-                 "a limit of the interval is NaN");
-  expect_refused(Ray{{0, 0, 0}, {0, 0, 1}, 0, k_nan}, RayQuery{.radius = 1.0},
-                 "a limit of the interval is NaN");
+  expect_rejected(Ray{{0, 0, 0}, {0, 0, 1}, k_nan, 1}, RayQuery{.radius = 1.0},
+                  "a limit of the interval is NaN");
+  expect_rejected(Ray{{0, 0, 0}, {0, 0, 1}, 0, k_nan}, RayQuery{.radius = 1.0},
+                  "a limit of the interval is NaN");
 }
 
 TEST(BadQuery, t_min_above_t_max_is_an_empty_interval_and_no_error) {
@@ -106,36 +106,36 @@ TEST(BadQuery, t_min_above_t_max_is_an_empty_interval_and_no_error) {
 
 TEST(BadQuery, a_radius_that_is_negative_or_not_a_number_is_an_error) {
   for (const double bad : {-1.0, -1e-300, k_nan, -k_infinity}) {
-    expect_refused(good_ray(), RayQuery{.radius = bad}, "radius out of range");
-    expect_refused(make_path({{0, 0, 0}, {1, 0, 0}}), PathQuery{.radius = bad}, "radius out of range");
-    expect_refused(glm::dvec3(0), PointQuery{.radius = bad}, "radius out of range");
+    expect_rejected(good_ray(), RayQuery{.radius = bad}, "radius out of range");
+    expect_rejected(make_path({{0, 0, 0}, {1, 0, 0}}), PathQuery{.radius = bad}, "radius out of range");
+    expect_rejected(glm::dvec3(0), PointQuery{.radius = bad}, "radius out of range");
   }
 }
 
 TEST(BadQuery, k_of_0_is_an_error) {
-  expect_refused(good_ray(), RayQuery{.radius = 1.0, .k = 0}, "k is 0");
-  expect_refused(Cone{good_ray(), 1.0, 0.0}, ConeQuery{.k = 0}, "k is 0");
-  expect_refused(make_path({{0, 0, 0}, {1, 0, 0}}), PathQuery{.k = 0}, "k is 0");
-  expect_refused(HalfSpaces{}, PointQuery{.k = 0}, "k is 0");
-  expect_refused(Bounds{}, PointQuery{.k = 0}, "k is 0");
-  expect_refused(glm::dvec3(0), PointQuery{.k = 0}, "k is 0");
+  expect_rejected(good_ray(), RayQuery{.radius = 1.0, .k = 0}, "k is 0");
+  expect_rejected(Cone{good_ray(), 1.0, 0.0}, ConeQuery{.k = 0}, "k is 0");
+  expect_rejected(make_path({{0, 0, 0}, {1, 0, 0}}), PathQuery{.k = 0}, "k is 0");
+  expect_rejected(HalfSpaces{}, PointQuery{.k = 0}, "k is 0");
+  expect_rejected(Bounds{}, PointQuery{.k = 0}, "k is 0");
+  expect_rejected(glm::dvec3(0), PointQuery{.k = 0}, "k is 0");
 }
 
 TEST(BadQuery, entry_without_a_radius_and_of_paths_is_an_error) {
-  expect_refused(good_ray(), RayQuery{}, "measure entry requires a radius");
-  expect_refused(make_path({{0, 0, 0}, {1, 0, 0}}), PathQuery{.measure = Measure::entry},
-                 "paths do not support measure entry");
+  expect_rejected(good_ray(), RayQuery{}, "measure entry requires a radius");
+  expect_rejected(make_path({{0, 0, 0}, {1, 0, 0}}), PathQuery{.measure = Measure::entry},
+                  "paths do not support measure entry");
 }
 
 TEST(BadQuery, an_entry_min_that_is_not_a_number_is_an_error) {
-  expect_refused(good_ray(), RayQuery{.radius = 1.0, .entry_min = k_nan}, "entry_min");
+  expect_rejected(good_ray(), RayQuery{.radius = 1.0, .entry_min = k_nan}, "entry_min");
 }
 
 TEST(BadQuery, a_radius_of_boxes_and_half_spaces_is_an_error) {
-  expect_refused(Bounds{{0, 0, 0}, {1, 1, 1}}, PointQuery{.radius = 1.0},
-                 "box and half-space queries do not support a radius");
-  expect_refused(HalfSpaces{}, PointQuery{.radius = 1.0},
-                 "box and half-space queries do not support a radius");
+  expect_rejected(Bounds{{0, 0, 0}, {1, 1, 1}}, PointQuery{.radius = 1.0},
+                  "box and half-space queries do not support a radius");
+  expect_rejected(HalfSpaces{}, PointQuery{.radius = 1.0},
+                  "box and half-space queries do not support a radius");
 }
 
 TEST(BadQuery, max_level_is_an_error_where_there_are_no_levels) {
@@ -152,7 +152,7 @@ TEST(BadQuery, max_level_is_an_error_where_there_are_no_levels) {
     EXPECT_THROW((void)explain(octree, good_ray(), coarse), Error);
   }
   EXPECT_THROW((void)brute_force::find(three_points(), good_ray(), coarse), Error);
-  expect_refused(good_ray(), RayQuery{.radius = 1.0, .max_level = -1}, "max_level is negative");
+  expect_rejected(good_ray(), RayQuery{.radius = 1.0, .max_level = -1}, "max_level is negative");
   BuildOptions layered;
   layered.organisation = Organisation::layered;
   EXPECT_THROW((void)count(build(three_points(), layered), good_ray(), {.radius = 1.0, .max_level = -1}),
@@ -162,8 +162,8 @@ TEST(BadQuery, max_level_is_an_error_where_there_are_no_levels) {
 
 TEST(BadQuery, cones_that_no_make_cone_made_are_errors) {
   for (const double bad : {-1.0, k_nan, k_infinity}) {
-    expect_refused(Cone{good_ray(), bad, 0.0}, ConeQuery{}, "cone radius out of range");
-    expect_refused(Cone{good_ray(), 0.0, bad}, ConeQuery{}, "cone slope out of range");
+    expect_rejected(Cone{good_ray(), bad, 0.0}, ConeQuery{}, "cone radius out of range");
+    expect_rejected(Cone{good_ray(), 0.0, bad}, ConeQuery{}, "cone slope out of range");
   }
 }
 
@@ -171,24 +171,24 @@ TEST(BadQuery, paths_that_no_make_path_made_are_errors) {
   const Path good = make_path({{0, 0, 0}, {1, 0, 0}, {1, 1, 0}});
   Path bad = good;
   bad.vertices[1].y = k_nan;
-  expect_refused(bad, PathQuery{}, "vertex is not finite");
+  expect_rejected(bad, PathQuery{}, "vertex is not finite");
   bad = good;
   bad.vertex_t[1] = 0.5;
-  expect_refused(bad, PathQuery{}, "vertex_t is not the length");
+  expect_rejected(bad, PathQuery{}, "vertex_t is not the length");
   bad = good;
   bad.vertices[1] = bad.vertices[0];
-  expect_refused(bad, PathQuery{}, "vertex_t is not the length");
+  expect_rejected(bad, PathQuery{}, "vertex_t is not the length");
   bad = good;
   bad.vertex_t.pop_back();
-  expect_refused(bad, PathQuery{}, "the path needs one t per vertex");
-  expect_refused(Path{}, PathQuery{}, "too few path vertices");
+  expect_rejected(bad, PathQuery{}, "the path needs one t per vertex");
+  expect_rejected(Path{}, PathQuery{}, "too few path vertices");
   bad = good;
   bad.t_min = k_nan;
-  expect_refused(bad, PathQuery{}, "a limit of the interval is NaN");
+  expect_rejected(bad, PathQuery{}, "a limit of the interval is NaN");
 }
 
 TEST(BadQuery, a_box_with_a_face_that_is_not_a_number_is_an_error) {
-  expect_refused(Bounds{{0, 0, k_nan}, {1, 1, 1}}, PointQuery{}, "a face of the box is NaN");
+  expect_rejected(Bounds{{0, 0, k_nan}, {1, 1, 1}}, PointQuery{}, "a face of the box is NaN");
 }
 
 TEST(BadQuery, an_empty_cloud_answers_nothing) {

@@ -83,11 +83,11 @@ TEST_F(CheckpointTest, interrupted_render_goes_on_to_the_same_film) {
       EXPECT_LT(read_checkpoint_summary(file_).share, 1.0);
     }
     RenderStatistics statistics;
-    int told = 0;
+    int resumed = 0;
     RenderOptions again = options(true);
-    again.checkpoint->resumed = [&] { ++told; };
+    again.checkpoint->resumed = [&] { ++resumed; };
     expect_same(render(scene, &cloud, again, &statistics), whole);
-    EXPECT_EQ(told, 1);
+    EXPECT_EQ(resumed, 1);
     EXPECT_EQ(statistics.ray_count, whole_statistics.ray_count);
   }
 }

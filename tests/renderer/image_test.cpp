@@ -199,7 +199,7 @@ TEST_F(ImageTest, half_never_becomes_infinite) {
 }
 
 TEST_F(ImageTest, positions_are_precise_far_from_the_origin) {
-  OutputSettings settings = output("place.exr");
+  OutputSettings settings = output("position.exr");
   settings.layers = {Layer::position};
   const Film film = colorful_film();
   write_image(film, settings, metadata(), false);

@@ -21,7 +21,7 @@ namespace {
 /// Sums over a picture and many seeds.
 struct Spread {
   double mean = 0.0;      ///< of all colours
-  double reported = 0.0;  ///< mean variance that the films tell
+  double reported = 0.0;  ///< mean variance that the films report
   double measured = 0.0;  ///< variance of a pixel's colour between seeds
 
   double ratio() const { return reported / measured; }

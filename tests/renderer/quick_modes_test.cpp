@@ -56,7 +56,7 @@ TEST(Flat, is_black_and_transparent_where_nothing_is) {
 }
 
 TEST(Headlight, is_colour_times_cosine_between_normal_and_ray) {
-  // Parallel rays 60 degrees off the normal of the plane, whatever stands in the way of other lights.
+  // Parallel rays 60 degrees off the normal of the plane, whatever blocks other lights.
   Camera camera = camera_at({0, -std::sqrt(3.0), 1.0}, {0, 0, 0}, 10.0);
   camera.lens = OrthographicLens{};
   camera.fx = camera.fy = 1000.0;

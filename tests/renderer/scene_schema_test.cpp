@@ -13,7 +13,7 @@
 
 // The JSON Schemas are the reference for scene and camera files. Reader and schemas are compared by documents
 // that use every key, and by small changes to them: whatever the change, both must accept or both must
-// refuse.
+// reject.
 
 namespace alidade::test {
 
@@ -258,7 +258,7 @@ TEST_F(SceneSchemaTest, leaving_a_key_out_means_the_default_in_the_schema) {
       const bool has_default = std::ranges::any_of(applied, [&](const auto& each) {
         return each.position == position && each.schema->contains("default");
       });
-      EXPECT_TRUE(has_default) << position.to_string() << " may be left out but the schema tells no default";
+      EXPECT_TRUE(has_default) << position.to_string() << " is optional but the schema has no default";
     }
   }
   EXPECT_GT(count, 30);

@@ -126,8 +126,8 @@ TEST(Courtyard, GivesKnownAnswers) {
   ASSERT_TRUE(paving);
   EXPECT_NEAR(paving->t, 1.7, 1e-9);
   EXPECT_EQ(paving->classification, 2);
-  const auto facade = from(
-      {10.0, 0.0, 3.6}, {0, 1, 0});  // between two storeys of the north wing, whose wall stands at y = 16.5
+  const auto facade =
+      from({10.0, 0.0, 3.6}, {0, 1, 0});  // between two storeys of the north wing, whose wall is at y = 16.5
   ASSERT_TRUE(facade);
   EXPECT_NEAR(facade->t, 16.5, 0.5);
   EXPECT_EQ(facade->classification, 6);

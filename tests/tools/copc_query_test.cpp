@@ -103,8 +103,8 @@ TEST_F(CopcQueryTest, points_outside_their_cube_are_one_error_on_any_number_of_t
   for (int i = 0; i < 300; ++i)
     positions +=
         std::to_string(690060 - i * 37 % 120) + "," + std::to_string(5325060 - i * 53 % 120) + ",480\n";
-  write("places.csv", positions);
-  const Words words = {"query", "moved.copc.laz", "-q", "--points", "places.csv", "--k", "3"};
+  write("positions.csv", positions);
+  const Words words = {"query", "moved.copc.laz", "-q", "--points", "positions.csv", "--k", "3"};
   std::string first;
   for (const char* const threads : {"1", "4", "4", "2"}) {
     Words all = words;

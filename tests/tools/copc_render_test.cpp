@@ -64,7 +64,7 @@ TEST_F(CopcRenderTest, first_looks_are_shown_before_the_cloud_is_loaded_and_chan
 TEST_F(CopcRenderTest, a_first_look_stays_if_the_rest_of_the_cloud_is_damaged) {
   CopcSample sample = build_copc(20000, 200);
   const CopcFile whole(InputFile(sample.bytes, "whole"));
-  // The sizes of a deepest chunk's layers stand behind its first point and the count.
+  // The sizes of a deepest chunk's layers follow its first point and the count.
   const std::uint64_t deepest = whole.hierarchy().nodes.back().chunk.offset;
   std::fill_n(sample.bytes.begin() + static_cast<std::ptrdiff_t>(deepest) + 40, 16, std::byte{0xff});
   write_copc(sample);

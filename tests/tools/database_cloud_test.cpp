@@ -32,7 +32,7 @@ TEST_F(DatabaseCloudTest, answers_and_pictures_are_those_of_the_file) {
   EXPECT_EQ(query("yard.db"), answers);
   EXPECT_EQ(query("yard.db?table=points"), answers);
 
-  // Pictures say of which cloud they are, so both get one name.
+  // Pictures contain the name of their cloud, so both get the same name.
   for (const char* const kind : {"las", "db"}) {
     std::filesystem::rename(folder / (std::string("yard.") + kind), folder / "cloud");
     done({"render", "--cloud", "cloud", "--size", "60x40", "--samples", "2", "-o",

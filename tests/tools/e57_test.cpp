@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// alidade info on E57 files: what it tells, and what it extracts.
+// alidade info on E57 files: what it prints, and what it extracts.
 #include <nlohmann/json.hpp>
 
 #include "tests/cloud/e57/e57_builder.h"
@@ -107,9 +107,9 @@ TEST_F(E57ProgramTest, images_are_extracted_with_cameras_that_render_reads) {
 TEST_F(E57ProgramTest, nothing_is_overwritten_without_overwrite) {
   ASSERT_EQ(run({"info", "--extract-images", "pictures", "site.e57"}).exit_code, 0);
   write("pictures/_.._up_north..jpg", "mine");
-  const ProgramResult refused = run({"info", "--extract-images", "pictures", "site.e57"});
-  EXPECT_NE(refused.exit_code, 0);
-  EXPECT_TRUE(contains(refused.err, "north..jpg")) << refused.err;
+  const ProgramResult rejected = run({"info", "--extract-images", "pictures", "site.e57"});
+  EXPECT_NE(rejected.exit_code, 0);
+  EXPECT_TRUE(contains(rejected.err, "north..jpg")) << rejected.err;
   EXPECT_EQ(read("pictures/_.._up_north..jpg"), "mine");
   EXPECT_EQ(run({"info", "--extract-images", "pictures", "--overwrite", "site.e57"}).exit_code, 0);
   EXPECT_EQ(read("pictures/_.._up_north..jpg"), k_jpeg);

@@ -141,9 +141,9 @@ TEST_F(LongRenderTest, existing_checkpoint_is_kept_without_resume_or_overwrite) 
   write("state", "precious");
   const Words words = with(k_render, {"--samples=2", "-o", "out.png", "--checkpoint=state"});
   for (const std::string flag : {"-v", "--skip-existing"}) {
-    const ProgramResult refused = run(with(words, {flag}));
-    EXPECT_EQ(refused.exit_code, 2);
-    EXPECT_TRUE(contains(refused.err, "state: the file exists; expected --resume")) << refused.err;
+    const ProgramResult rejected = run(with(words, {flag}));
+    EXPECT_EQ(rejected.exit_code, 2);
+    EXPECT_TRUE(contains(rejected.err, "state: the file exists; expected --resume")) << rejected.err;
   }
   const ProgramResult foreign = run(with(words, {"--resume"}));
   EXPECT_EQ(foreign.exit_code, 2);
@@ -156,9 +156,9 @@ TEST_F(LongRenderTest, file_that_is_no_checkpoint_is_never_replaced_by_one) {
       with(k_render, {"--samples=2", "-o", "out.png", "--checkpoint=notes.txt", "--overwrite"});
   for (const std::string content : {"precious", "", "ALIDPAR"}) {
     write("notes.txt", content);
-    const ProgramResult refused = run(words);
-    EXPECT_EQ(refused.exit_code, 2);
-    EXPECT_TRUE(contains(refused.err, "notes.txt:byte 0: not an Alidade checkpoint")) << refused.err;
+    const ProgramResult rejected = run(words);
+    EXPECT_EQ(rejected.exit_code, 2);
+    EXPECT_TRUE(contains(rejected.err, "notes.txt:byte 0: not an Alidade checkpoint")) << rejected.err;
     EXPECT_EQ(read("notes.txt"), content);
   }
   // One of another version may be.
@@ -176,9 +176,9 @@ TEST_F(LongRenderTest, going_on_replaces_earlier_previews_and_no_other_picture) 
     for (const Words& flags : {Words{"--resume"}, Words{"--skip-existing"}}) {
       const Words again = with(with(words, {"2" + extension + flags[0] + ".png", "--seed=2"}), flags);
       write(preview, "precious");
-      const ProgramResult refused = run(again);
-      EXPECT_EQ(refused.exit_code, 2);
-      EXPECT_TRUE(contains(refused.err, preview + ": the file exists")) << refused.err;
+      const ProgramResult rejected = run(again);
+      EXPECT_EQ(rejected.exit_code, 2);
+      EXPECT_TRUE(contains(rejected.err, preview + ": the file exists")) << rejected.err;
       EXPECT_EQ(read(preview), "precious");
       write(preview, first);
       const ProgramResult replaced = run(again);
@@ -321,9 +321,9 @@ TEST_F(LongRenderTest, preview_changes_nothing_and_ends_as_the_picture) {
   EXPECT_TRUE(read("out.png") == read("whole.png"));
   const std::string picture = read("out.png"), preview = read("now.png");
   EXPECT_EQ(picture.substr(picture.find("IDAT")), preview.substr(preview.find("IDAT")));
-  const ProgramResult refused = run(with(words, {"-o", "other.png", "--preview", "now.png"}));
-  EXPECT_EQ(refused.exit_code, 2);
-  EXPECT_TRUE(contains(refused.err, "now.png: the file exists")) << refused.err;
+  const ProgramResult rejected = run(with(words, {"-o", "other.png", "--preview", "now.png"}));
+  EXPECT_EQ(rejected.exit_code, 2);
+  EXPECT_TRUE(contains(rejected.err, "now.png: the file exists")) << rejected.err;
 }
 
 TEST_F(LongRenderTest, preview_that_cannot_be_written_is_a_warning) {

@@ -42,7 +42,7 @@ class QueryInputTest : public ProgramTest {
   }
 
   /// The error for targets that are not good, which leaves nothing behind.
-  std::string refused(const std::string& option, const std::string& text) {
+  std::string rejected(const std::string& option, const std::string& text) {
     const ProgramResult result = ask(option, text);
     EXPECT_EQ(result.exit_code, 2) << text;
     EXPECT_EQ(result.out, "") << text;
@@ -64,7 +64,7 @@ TEST_F(QueryInputTest, csv_and_json_lines_say_the_same) {
         "{\"ox\": 0, \"oy\": 0, \"oz\": 0, \"dx\": 1, \"dy\": 0, \"dz\": 0, \"t_max\": null}\n"
         "[3, 0, 9, 0, 0, -1, \"-inf\", 7.5]\n"}) {
     if (contains(text, "+ 1")) {
-      EXPECT_TRUE(contains(refused("--rays", text), "targets:5:4: too few columns")) << text;
+      EXPECT_TRUE(contains(rejected("--rays", text), "targets:5:4: too few columns")) << text;
     } else {
       EXPECT_EQ(count_rays(text), k_answer) << text;
     }
@@ -106,7 +106,7 @@ TEST_F(QueryInputTest, interrupt_while_waiting_for_targets_ends_with_130) {
   EXPECT_EQ(names(), (Words{"pipe", "tiny.xyz"}));
 }
 
-TEST_F(QueryInputTest, wrong_csv_is_refused_with_line_and_column) {
+TEST_F(QueryInputTest, wrong_csv_is_rejected_with_line_and_column) {
   const std::string header = k_header;
   const std::pair<std::string, const char*> wrong[] = {
       {"", "targets:1:1: contains no rays; expected CSV with the header ox,oy,oz,dx,dy,dz[,t_min][,t_max]"},
@@ -128,12 +128,12 @@ TEST_F(QueryInputTest, wrong_csv_is_refused_with_line_and_column) {
       {header + "1,2,3,0,-0,0\n", "targets:2:7: direction of the ray is zero"},
       {"ox,oy,oz,dx,dy,dz,t_min\n1,2,3,4,5,6,nan\n", "targets:2:13: t_min out of range"}};
   for (const auto& [text, message] : wrong) {
-    const std::string error = refused("--rays", text);
+    const std::string error = rejected("--rays", text);
     EXPECT_TRUE(contains(error, message)) << text << "\n" << error;
   }
 }
 
-TEST_F(QueryInputTest, wrong_json_lines_are_refused_with_line_and_column) {
+TEST_F(QueryInputTest, wrong_json_lines_are_rejected_with_line_and_column) {
   const std::string good = "[0, 0, 0, 1, 0, 0]\n";
   const std::pair<std::string, const char*> wrong[] = {
       {"{\"ox\": 1,}\n", "targets:1:10: invalid JSON"},
@@ -152,12 +152,12 @@ TEST_F(QueryInputTest, wrong_json_lines_are_refused_with_line_and_column) {
       {good + "{\"origin\": [1, 2, 3], \"oy\": 5}\n", "targets:2:29: duplicate oy"},
       {good + "{\"ox\": 1, \"ox\": 5}\n", "targets:2:11: duplicate key \"ox\""}};
   for (const auto& [text, message] : wrong) {
-    const std::string error = refused("--rays", text);
+    const std::string error = rejected("--rays", text);
     EXPECT_TRUE(contains(error, message)) << text << "\n" << error;
   }
 }
 
-TEST_F(QueryInputTest, wrong_targets_of_other_kinds_are_refused) {
+TEST_F(QueryInputTest, wrong_targets_of_other_kinds_are_rejected) {
   const std::tuple<const char*, std::string, const char*> wrong[] = {
       {"--cones", "ox,oy,oz,dx,dy,dz,half_angle\n0,0,0,1,0,0,90\n", "targets:2:13: half_angle out of range"},
       {"--cones", "ox,oy,oz,dx,dy,dz,half_angle,radius\n0,0,0,1,0,0,9,-1\n",
@@ -170,7 +170,7 @@ TEST_F(QueryInputTest, wrong_targets_of_other_kinds_are_refused) {
       {"--boxes", "min_x,min_y,min_z,max_x,max_y,max_z\n0,0,0,1,nan,1\n", "targets:2:9: max_y out of range"},
       {"--points", "x,y,z\n0,0,inf\n", "targets:2:5: z out of range"}};
   for (const auto& [option, text, message] : wrong) {
-    const std::string error = refused(option, text);
+    const std::string error = rejected(option, text);
     EXPECT_TRUE(contains(error, message)) << text << "\n" << error;
   }
 }
@@ -185,10 +185,10 @@ TEST_F(QueryInputTest, first_bad_line_of_many_is_told) {
   }
 }
 
-TEST_F(QueryInputTest, line_without_end_is_refused) {
-  const std::string error = refused("--rays", std::string(3'000'000, 'x'));
+TEST_F(QueryInputTest, line_without_end_is_rejected) {
+  const std::string error = rejected("--rays", std::string(3'000'000, 'x'));
   EXPECT_TRUE(contains(error, "targets:1:1: line too long")) << error;
-  const std::string later = refused("--rays", std::string(k_header) + std::string(3'000'000, '1'));
+  const std::string later = rejected("--rays", std::string(k_header) + std::string(3'000'000, '1'));
   EXPECT_TRUE(contains(later, "targets:2:1: line too long")) << later;
 }
 
@@ -226,7 +226,7 @@ TEST_F(QueryInputTest, targets_of_the_command_line_are_quoted_in_errors) {
   }
 }
 
-TEST_F(QueryInputTest, conditions_that_mean_nothing_are_refused) {
+TEST_F(QueryInputTest, conditions_that_mean_nothing_are_rejected) {
   const Words ray = {"--ray", "0,0,0,1,0,0"}, box = {"--box", "0,0,0,1,1,1"},
               cone = {"--cone", "0,0,0,1,0,0,5"}, path = {"--vertex", "0,0,0", "--vertex", "1,0,0"};
   const std::tuple<Words, Words, const char*> wrong[] = {

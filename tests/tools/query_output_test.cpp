@@ -169,9 +169,9 @@ TEST_F(QueryOutputTest, existing_output_is_kept_without_overwrite_and_replaced_w
   write_tiny();
   for (const char* const name : {"out.csv", "out.las"}) {
     write(name, "precious");
-    const ProgramResult refused = ask({"absent.las", "-o", name}, k_ray);
-    EXPECT_EQ(refused.exit_code, 2);
-    EXPECT_TRUE(contains(refused.err, std::string(name) + ": the file exists")) << refused.err;
+    const ProgramResult rejected = ask({"absent.las", "-o", name}, k_ray);
+    EXPECT_EQ(rejected.exit_code, 2);
+    EXPECT_TRUE(contains(rejected.err, std::string(name) + ": the file exists")) << rejected.err;
     EXPECT_EQ(read(name), "precious");
     EXPECT_EQ(ask({"tiny.csv", "-q", "--overwrite", "-o", name}, k_ray).exit_code, 0);
     EXPECT_NE(read(name), "precious");
@@ -193,7 +193,7 @@ TEST_F(QueryOutputTest, bad_targets_leave_no_output) {
 }
 
 TEST_F(QueryOutputTest, answers_far_more_than_targets_stay_complete_and_in_order) {
-  // Boxes with one and with all of 20,000 points in turn: the latter are asked again one by one.
+  // Boxes with one and with all of 20,000 points in turn: the latter are queried again one by one.
   std::string points, boxes = "min_x,min_y,min_z,max_x,max_y,max_z\n",
                       expected = "box_id,rank,point_id,x,y,z\n";
   for (int i = 0; i < 20000; ++i) points += std::to_string(i) + " 0 0\n";

@@ -16,7 +16,7 @@ bool contains(const std::string& text, const std::string& part) {
 ///
 ///   z
 ///   2          3
-///   0  0  1  2    4      (2 stands at y = 0.5)
+///   0  0  1  2    4      (2 is at y = 0.5)
 ///      0  1  2  3  4  x
 class QueryTest : public ProgramTest {
  protected:
@@ -100,12 +100,12 @@ TEST_F(QueryTest, limits_may_be_infinite_on_the_command_line_as_in_a_file) {
   EXPECT_EQ(counts({"--radius", "1", "--t-min", "inf"}), none);
   EXPECT_EQ(counts({"--radius", "1", "--t-max", "-inf"}), none);
   EXPECT_EQ(counts({"--radius", "1", "--entry-min", "inf"}), none);
-  // An infinite radius is none: the nearest point.
+  // An infinite radius does not limit the query: the nearest point.
   EXPECT_EQ(ask({"--ray", "3,0,-5,0,0,1", "--radius", "inf"}), ask({"--ray", "3,0,-5,0,0,1"}));
   EXPECT_EQ(ask({"--point", "3,0,-5", "--radius", "inf"}), ask({"--point", "3,0,-5"}));
 }
 
-TEST_F(QueryTest, limits_that_are_no_numbers_are_refused) {
+TEST_F(QueryTest, limits_that_are_no_numbers_are_rejected) {
   for (const Words& limit :
        {Words{"--t-min", "nan"}, Words{"--t-max", "1x"}, Words{"--radius", "-inf"}, Words{"--radius", "nan"},
         Words{"--entry-min", "nan"}, Words{"--radius", "-1"}}) {

@@ -96,9 +96,10 @@ TEST_F(RenderColorTest, single_classes_can_have_other_colours) {
                 .exit_code,
             0);
   EXPECT_NE(read("usual.png"), read("changed.png"));
-  const ProgramResult refused = render({"--color-by", "height", "--class-color", "6=#102030", "-o", "c.png"});
-  EXPECT_EQ(refused.exit_code, 2);
-  EXPECT_TRUE(contains(refused.err, "class colours require classification")) << refused.err;
+  const ProgramResult rejected =
+      render({"--color-by", "height", "--class-color", "6=#102030", "-o", "c.png"});
+  EXPECT_EQ(rejected.exit_code, 2);
+  EXPECT_TRUE(contains(rejected.err, "class colours require classification")) << rejected.err;
 }
 
 TEST_F(RenderColorTest, a_legend_of_the_points_own_colours_is_an_error_that_says_why) {
@@ -146,9 +147,9 @@ TEST_F(RenderColorTest, a_legend_of_other_colours_does_not_stay_without_the_chec
                          "legend.png", "--checkpoint=s", "--resume"};
   Words more = classes;
   more.insert(more.end(), {"-o", "classes.png"});
-  const ProgramResult refused = render(more);
-  EXPECT_EQ(refused.exit_code, 2);
-  EXPECT_TRUE(contains(refused.err, "legend.png: the file exists")) << refused.err;
+  const ProgramResult rejected = render(more);
+  EXPECT_EQ(rejected.exit_code, 2);
+  EXPECT_TRUE(contains(rejected.err, "legend.png: the file exists")) << rejected.err;
   EXPECT_EQ(read("legend.png"), heights);
   more.push_back("--overwrite");
   EXPECT_EQ(render(more).exit_code, 0);

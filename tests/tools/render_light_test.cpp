@@ -19,7 +19,7 @@ class RenderLightTest : public ProgramTest {
     words.insert(words.begin(), {"--cloud", "square.xyz", "-o", "out.png"});
     return render(words);
   }
-  /// What the picture shows, without what stands before it.
+  /// The pixels of the picture, without its header.
   std::string pixels(const std::string& name) const {
     const std::string content = read(name);
     return content.substr(content.find("IDAT"));
@@ -102,7 +102,7 @@ TEST_F(RenderLightTest, options_that_a_mode_does_not_use_are_errors) {
       const std::string said = " has no effect in this mode; expected --mode path, found " + mode;
       EXPECT_TRUE(contains(result.err, "error: " + words[0] + said)) << result.err;
     }
-    // Nor does it light anything, which is what this asks for.
+    // --no-sun requests what these modes do anyway.
     EXPECT_EQ(render_square({"--mode", mode, "--no-sun"}).exit_code, 0);
   }
 }

@@ -68,10 +68,10 @@ TEST_F(RenderCommandTest, cloud_options_for_a_scene_without_a_cloud_are_an_error
                                                                                      {"--hits", "t"},
                                                                                      {"--color-by", "height"},
                                                                                      {"--max-level", "3"}}) {
-    const ProgramResult refused = run({"render", "scene.json", words[0], words[1], "-o", "out.png"});
-    EXPECT_EQ(refused.exit_code, 2);
-    EXPECT_TRUE(contains(refused.err, "scene.json: the scene has no cloud for " + words[0] + "\n"))
-        << refused.err;
+    const ProgramResult rejected = run({"render", "scene.json", words[0], words[1], "-o", "out.png"});
+    EXPECT_EQ(rejected.exit_code, 2);
+    EXPECT_TRUE(contains(rejected.err, "scene.json: the scene has no cloud for " + words[0] + "\n"))
+        << rejected.err;
   }
   const ProgramResult result = run(small({"scene.json", "-o", "out.png"}));
   EXPECT_EQ(result.exit_code, 0) << result.err;

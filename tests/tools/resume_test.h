@@ -13,7 +13,7 @@
 
 namespace alidade::test {
 
-/// Long runs of `alidade visibility` that are killed, interrupted and gone on with.
+/// Long runs of `alidade visibility` that are killed, interrupted and resumed.
 class ResumeTest : public ProgramTest {
  protected:
   void SetUp() override {
@@ -27,7 +27,7 @@ class ResumeTest : public ProgramTest {
       std::this_thread::sleep_for(std::chrono::milliseconds(1));
   }
   bool has_checkpoint() const { return std::filesystem::exists(folder / "state"); }
-  /// Bytes; 0 if there is none.
+  /// Bytes; 0 if it is missing.
   std::uintmax_t checkpoint_size() const {
     std::error_code error;
     const std::uintmax_t size = std::filesystem::file_size(folder / "state", error);

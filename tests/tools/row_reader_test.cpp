@@ -76,7 +76,7 @@ TEST_F(RowReaderTest, damaged_text_gives_good_rows_or_an_error_with_a_position) 
   EXPECT_EQ(read(csv, kind).size(), 3 * kind.columns.size());
   EXPECT_EQ(read(json, kind).size(), 3 * kind.columns.size());
   Random random;
-  int read_count = 0, refused_count = 0;
+  int read_count = 0, rejected_count = 0;
   for (int i = 0; i < 3000; ++i) {
     const std::string text = damaged(i % 2 == 0 ? csv : json, random);
     try {
@@ -94,11 +94,11 @@ TEST_F(RowReaderTest, damaged_text_gives_good_rows_or_an_error_with_a_position) 
       ASSERT_EQ(std::sscanf(error.parts().location.c_str(), "%zu:%zu", &line, &column), 2) << error.what();
       ASSERT_TRUE(line >= 1 && line <= 6 + text.size() && column >= 1 && column <= text.size() + 1)
           << error.what();
-      ++refused_count;
+      ++rejected_count;
     }
   }
   EXPECT_GT(read_count, 50);
-  EXPECT_GT(refused_count, 500);
+  EXPECT_GT(rejected_count, 500);
 }
 
 TEST_F(RowReaderTest, numbers_are_read_to_the_last_bit_in_csv_and_json) {

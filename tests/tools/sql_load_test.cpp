@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// Clouds of any format go into a database, whatever they, it and the table are called, as a whole or not at
-// all.
+// Clouds of any format go into a database, whatever the names of cloud, database and table are, completely or
+// not at all.
 #include <signal.h>
 
 #include <algorithm>
@@ -116,12 +116,12 @@ TEST_F(SqlLoadTest, a_table_is_replaced_only_with_overwrite_and_only_if_it_is_a_
   write_square("square.xyz");
   write("one.xyz", "100 200 5\n");
   ASSERT_EQ(load({"square.xyz", "site.db"}).exit_code, 0);
-  const ProgramResult refused = load({"one.xyz", "site.db"});
-  EXPECT_EQ(refused.exit_code, 2);
-  EXPECT_TRUE(contains(refused.err,
+  const ProgramResult rejected = load({"one.xyz", "site.db"});
+  EXPECT_EQ(rejected.exit_code, 2);
+  EXPECT_TRUE(contains(rejected.err,
                        "site.db: the table points exists; expected another name, or "
                        "--overwrite"))
-      << refused.err;
+      << rejected.err;
   EXPECT_EQ(points("site.db"), 400);
   EXPECT_EQ(load({"one.xyz", "site.db"}, {"--overwrite"}).exit_code, 0);
   EXPECT_EQ(points("site.db"), 1);
@@ -139,8 +139,8 @@ TEST_F(SqlLoadTest, other_and_damaged_files_are_no_databases_and_stay_as_they_ar
   ASSERT_EQ(load({"square.xyz", "whole.db"}).exit_code, 0);
   const std::string whole = read("whole.db");
   for (const auto& [content, problem] :
-       {std::pair<std::string, std::string>("text that is long enough to be told from an empty file, and no "
-                                            "database at all, whatever the name says of it......",
+       {std::pair<std::string, std::string>("text that is too long to be taken for an empty file, and is not "
+                                            "a database, whatever the name of the file is......",
                                             "file is not a database"),
         {whole.substr(0, whole.size() / 2), "malformed"},
         {whole.substr(0, 100), "malformed"}}) {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// alidade sql: what it prints, what it refuses, and that nothing given to it becomes SQL but the statement.
+// alidade sql: what it prints, what it rejects, and that only the statement becomes SQL.
 #include <signal.h>
 
 #include <chrono>
@@ -191,7 +191,7 @@ TEST_F(SqlTest, names_of_tables_and_files_are_no_sql) {
 }
 
 TEST_F(SqlTest, what_cannot_be_run_is_told_before_anything_is_printed) {
-  write("broken.db", "no database at all, but long enough to be looked at by whoever opens such files");
+  write("broken.db", "not a database, but long enough that SQLite reads it when it opens such a file......");
   alidade::database::run(Connection(folder / "site.db", Connection::Mode::write).get(),
                          "CREATE TABLE notes(text)");
   const std::string whole = read("site.db");

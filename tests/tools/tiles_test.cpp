@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Folders, patterns, tiles outside of what is asked, and damaged files, for every command that reads clouds.
+// Folders, patterns, tiles outside of the query, and damaged files, for every command that reads clouds.
 #include <algorithm>
 #include <nlohmann/json.hpp>
 #include <random>
@@ -155,10 +155,10 @@ TEST_F(TilesProgramTest, partial_reads_what_is_whole_and_says_what_is_lost_whate
       {"render", "--cloud", "tiles", "-o", "cloud.png", "--size", "20x10", "--samples", "1"},
       {"visibility", "points", "tiles", "--observer", "1020,2020,110", "-o", "seen.las"}};
   for (Words command : commands) {
-    const ProgramResult refused = run(command);
-    EXPECT_EQ(refused.exit_code, 2) << command.front();
-    EXPECT_TRUE(contains(refused.err, "tile_02.las")) << refused.err;
-    EXPECT_TRUE(contains(refused.err, "--partial reads the intact part")) << refused.err;
+    const ProgramResult rejected = run(command);
+    EXPECT_EQ(rejected.exit_code, 2) << command.front();
+    EXPECT_TRUE(contains(rejected.err, "tile_02.las")) << rejected.err;
+    EXPECT_TRUE(contains(rejected.err, "--partial reads the intact part")) << rejected.err;
     command.emplace_back("--partial");
     const ProgramResult result = run(command);
     EXPECT_EQ(result.exit_code, 0) << result.err;

@@ -66,7 +66,7 @@ TEST_F(UsageTest, misspelt_option_names_the_nearest_one) {
   EXPECT_TRUE(contains(result.err, "alidade render --help")) << result.err;
 }
 
-TEST_F(UsageTest, outlandish_option_is_refused_without_a_guess) {
+TEST_F(UsageTest, outlandish_option_is_rejected_without_a_guess) {
   const ProgramResult result = run({"info", "--xyzzyxyzzy", "a.las"});
   EXPECT_EQ(result.exit_code, 2);
   EXPECT_TRUE(contains(result.err, "unknown option '--xyzzyxyzzy'")) << result.err;

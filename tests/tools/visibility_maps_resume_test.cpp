@@ -28,7 +28,7 @@ class MapsResumeTest : public ResumeTest {
     for (int i = 0; i < 20 * 10; ++i) add(points / 2, points / 2 + i % 20, 1 + i / 20);
     return text;
   }
-  /// Expects the command to be told from that of the checkpoint, and to leave nothing.
+  /// Expects an error about a difference from the command of the checkpoint, and no output.
   void expect_another_run(const Words& command, const std::string& difference) {
     const ProgramResult result = run(with(command, {"--resume"}));
     EXPECT_EQ(result.exit_code, 2) << difference;

@@ -18,7 +18,7 @@ bool contains(const std::string& text, const std::string& part) {
   return text.find(part) != std::string::npos;
 }
 
-/// What `gdalinfo -json` says of a file; null if it is none.
+/// The output of `gdalinfo -json` for a file; null if GDAL does not read it.
 json map_info(const std::filesystem::path& file) {
   const GDALDatasetH dataset = GDALOpen(file.c_str(), GA_ReadOnly);
   if (dataset == nullptr) return nullptr;
@@ -69,7 +69,7 @@ class VisibilityMapsTest : public ProgramTest {
   }
 
   /// The same with a command that must fail before surfaces are measured, and write nothing.
-  void expect_refused_early(const std::string& command, const Words& more, const std::string& message) {
+  void expect_rejected_early(const std::string& command, const Words& more, const std::string& message) {
     Words words{"visibility", command, "field.las"};
     words.insert(words.end(), more.begin(), more.end());
     const std::vector<std::string> before = names();
@@ -226,19 +226,19 @@ TEST_F(VisibilityMapsTest, cells_without_ground_have_no_data_in_any_map) {
 
 TEST_F(VisibilityMapsTest, what_a_user_got_wrong_is_said_before_surfaces_are_measured) {
   const Words raster = with({"-o", "seen.tif"}, k_eye);
-  expect_refused_early("raster", {"-o", "seen.tif", "--observers", "nobody.csv"}, "nobody.csv");
-  expect_refused_early("raster", {"-o", "seen.tif", "--observer", "690900,5325100"},
-                       "no points of the cloud below the observer");
-  expect_refused_early("raster", with(raster, {"--resolution", "0.0001"}), "cells");
-  expect_refused_early("raster", with(raster, {"--area", "0,0,1,1"}), "--area");
-  expect_refused_early("raster", with(raster, {"--ground", "class", "--preview", "seen.jpg"}), ".png");
+  expect_rejected_early("raster", {"-o", "seen.tif", "--observers", "nobody.csv"}, "nobody.csv");
+  expect_rejected_early("raster", {"-o", "seen.tif", "--observer", "690900,5325100"},
+                        "no points of the cloud below the observer");
+  expect_rejected_early("raster", with(raster, {"--resolution", "0.0001"}), "cells");
+  expect_rejected_early("raster", with(raster, {"--area", "0,0,1,1"}), "--area");
+  expect_rejected_early("raster", with(raster, {"--ground", "class", "--preview", "seen.jpg"}), ".png");
   write("there.tif", "mine");
-  expect_refused_early("raster", with({"-o", "there.tif"}, k_eye), "there.tif");
-  expect_refused_early("sky", {"-o", "there.tif"}, "there.tif");
-  expect_refused_early("sky", {"-o", "sky.tif", "--area", "0,0,1,1"}, "--area");
-  expect_refused_early("sky", {"-o", "sky.tif", "--resolution", "0.001"}, "cells");
-  expect_refused_early("sky", {"-o", "sky.las", "--ground", "lowest"}, "--ground");
-  expect_refused_early("sun", with({"-o", "sun.las", "--area", "0,0,1,1"}, k_day), "--area");
+  expect_rejected_early("raster", with({"-o", "there.tif"}, k_eye), "there.tif");
+  expect_rejected_early("sky", {"-o", "there.tif"}, "there.tif");
+  expect_rejected_early("sky", {"-o", "sky.tif", "--area", "0,0,1,1"}, "--area");
+  expect_rejected_early("sky", {"-o", "sky.tif", "--resolution", "0.001"}, "cells");
+  expect_rejected_early("sky", {"-o", "sky.las", "--ground", "lowest"}, "--ground");
+  expect_rejected_early("sun", with({"-o", "sun.las", "--area", "0,0,1,1"}, k_day), "--area");
 }
 
 TEST_F(VisibilityMapsTest, the_command_in_a_map_does_not_tell_where_it_was_written) {

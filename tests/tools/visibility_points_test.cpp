@@ -99,7 +99,7 @@ TEST_F(VisibilityPointsTest, output_is_the_cloud_itself_with_extra_bytes) {
     const bool is_in_shadow = position.x > 11000 && position.z == 0, is_before = position.x < 9500;
     if (is_in_shadow) {
       ASSERT_EQ(visible[id], 0) << id;
-      // What blocks stands before it, in the wall or at its foot.
+      // The blocker is before it, in the wall or at its foot.
       ASSERT_GE(blocker[id], 0) << id;
       ASSERT_NEAR(out.positions[static_cast<std::size_t>(blocker[id])].x, 10000, 300) << id;
     }
@@ -289,14 +289,14 @@ TEST_F(VisibilityPointsTest, strange_observers_are_warned_of) {
   EXPECT_EQ(quiet.err, "");
 }
 
-TEST_F(VisibilityPointsTest, clouds_in_degrees_are_refused_by_every_command) {
+TEST_F(VisibilityPointsTest, clouds_in_degrees_are_rejected_by_every_command) {
   PointCloud cloud = garden();
   cloud.crs.wkt = R"(GEOGCS["WGS 84",DATUM["WGS_1984",SPHEROID["WGS 84",6378137,298.257223563]],)"
                   R"(PRIMEM["Greenwich",0],UNIT["degree",0.0174532925199433]])";
   write_las(folder / "degrees.las", cloud);
-  write("places.csv", "x,y,z\n690005,5325010,602\n690006,5325010,602\n");
+  write("positions.csv", "x,y,z\n690005,5325010,602\n690006,5325010,602\n");
   for (const Words& words : {Words{"points", "degrees.las", "--observer", k_eye, "-o", "out.las"},
-                             {"lines", "degrees.las", "--places", "places.csv", "-o", "out.csv"},
+                             {"lines", "degrees.las", "--places", "positions.csv", "-o", "out.csv"},
                              {"place", "degrees.las", "--observer", k_eye, "--count", "1", "-o", "out.csv"},
                              {"horizon", "degrees.las", "--observer", k_eye},
                              {"sky", "degrees.las", "-o", "out.las"}}) {
@@ -324,9 +324,9 @@ TEST_F(VisibilityPointsTest, existing_output_is_kept_without_overwrite) {
   for (const char* const name : {"seen.las", "who.csv"}) {
     write(name, "precious");
     const Words words = with(k_points, {"--observer", k_eye, "-o", "seen.las", "--lists", "who.csv"});
-    const ProgramResult refused = run(words);
-    EXPECT_EQ(refused.exit_code, 2);
-    EXPECT_TRUE(contains(refused.err, std::string(name) + ": the file exists")) << refused.err;
+    const ProgramResult rejected = run(words);
+    EXPECT_EQ(rejected.exit_code, 2);
+    EXPECT_TRUE(contains(rejected.err, std::string(name) + ": the file exists")) << rejected.err;
     EXPECT_EQ(read(name), "precious");
     EXPECT_EQ(run(with(words, {"--overwrite", "-q"})).exit_code, 0);
     EXPECT_NE(read(name), "precious");

@@ -85,7 +85,7 @@ class VisibilityRasterTest : public ProgramTest {
     return run(words);
   }
   /// Expects the command to fail with this in its message, and to leave no map.
-  void expect_refused(const Words& more, const std::string& message) {
+  void expect_rejected(const Words& more, const std::string& message) {
     const ProgramResult result = raster(more);
     EXPECT_EQ(result.exit_code, 2) << message;
     EXPECT_TRUE(contains(result.err, message)) << result.err;
@@ -210,26 +210,26 @@ TEST_F(VisibilityRasterTest, bytes_do_not_depend_on_the_number_of_threads) {
 }
 
 TEST_F(VisibilityRasterTest, bad_wishes_are_errors_and_leave_no_map) {
-  expect_refused({"-o", "seen.tif"}, "missing observers");
-  expect_refused({"--observer", "690005,5325010", "--resolution", "0", "-o", "seen.tif"}, "--resolution");
-  expect_refused({"--observer", "690005,5325010", "--resolution", "0.0001", "-o", "seen.tif"},
-                 "200000 x 200000 = 4e+10 cells");
-  expect_refused({"--observer", "690005,5325010", "-o", "seen.png"}, "unsupported map format");
-  expect_refused({"--observer", "690005,5325010", "-o", "seen.tif", "--preview", "seen.jpg"},
-                 "unsupported preview format");
-  expect_refused({"--observer", "690005,5325010", "-o", "seen.tif", "--area", "0,0,1,1"},
-                 "--area contains no points of the cloud");
-  expect_refused({"--observer", "690005,5325010", "-o", "seen.tif", "--area", "0,0,1"},
-                 "XMIN,YMIN,XMAX,YMAX");
-  expect_refused({"--observer", "691005,5325010,610", "--md", "50", "-o", "seen.tif"},
-                 "no observer reaches the map");
-  expect_refused({"--observer", "691005,5325010", "-o", "seen.tif"},
-                 "no points of the cloud below the observer");
-  expect_refused({"--observer", "nan,5325010,1", "-o", "seen.tif"}, "invalid position");
-  expect_refused({"--observer", "690005,5325010", "-o", "seen.tif", "--mode", "all"},
-                 "visible|count|height|fraction");
-  expect_refused({"--observer", "690005,5325010", "-o", "seen.tif", "--vv", "256"}, "--visible-value");
-  expect_refused(
+  expect_rejected({"-o", "seen.tif"}, "missing observers");
+  expect_rejected({"--observer", "690005,5325010", "--resolution", "0", "-o", "seen.tif"}, "--resolution");
+  expect_rejected({"--observer", "690005,5325010", "--resolution", "0.0001", "-o", "seen.tif"},
+                  "200000 x 200000 = 4e+10 cells");
+  expect_rejected({"--observer", "690005,5325010", "-o", "seen.png"}, "unsupported map format");
+  expect_rejected({"--observer", "690005,5325010", "-o", "seen.tif", "--preview", "seen.jpg"},
+                  "unsupported preview format");
+  expect_rejected({"--observer", "690005,5325010", "-o", "seen.tif", "--area", "0,0,1,1"},
+                  "--area contains no points of the cloud");
+  expect_rejected({"--observer", "690005,5325010", "-o", "seen.tif", "--area", "0,0,1"},
+                  "XMIN,YMIN,XMAX,YMAX");
+  expect_rejected({"--observer", "691005,5325010,610", "--md", "50", "-o", "seen.tif"},
+                  "no observer reaches the map");
+  expect_rejected({"--observer", "691005,5325010", "-o", "seen.tif"},
+                  "no points of the cloud below the observer");
+  expect_rejected({"--observer", "nan,5325010,1", "-o", "seen.tif"}, "invalid position");
+  expect_rejected({"--observer", "690005,5325010", "-o", "seen.tif", "--mode", "all"},
+                  "visible|count|height|fraction");
+  expect_rejected({"--observer", "690005,5325010", "-o", "seen.tif", "--vv", "256"}, "--visible-value");
+  expect_rejected(
       {"--observer", "690005,5325010", "-o", "seen.tif", "--mode", "height", "--highest", "1", "--tz", "2"},
       "--highest must be above");
   for (const Words& words : {Words{"--mode", "count", "--highest", "5"},
@@ -238,12 +238,12 @@ TEST_F(VisibilityRasterTest, bad_wishes_are_errors_and_leave_no_map) {
                              {"--mode", "count", "--vv", "7"},
                              {"--mode", "fraction", "--iv", "7"},
                              {"--mode", "height", "--ov", "7"}})
-    expect_refused(with({"--observer", "690005,5325010", "-o", "seen.tif"}, words),
-                   "does not apply to this map");
-  expect_refused({"--observer", "690005,5325010", "-o", "seen.tif", "--vv", "7", "--iv", "7"},
-                 "visible and invisible cells have the same value");
-  expect_refused({"--observer", "690005,5325010", "-o", "seen.tif", "--direction_range", "90,0"},
-                 "expected the smaller angle first");
+    expect_rejected(with({"--observer", "690005,5325010", "-o", "seen.tif"}, words),
+                    "does not apply to this map");
+  expect_rejected({"--observer", "690005,5325010", "-o", "seen.tif", "--vv", "7", "--iv", "7"},
+                  "visible and invisible cells have the same value");
+  expect_rejected({"--observer", "690005,5325010", "-o", "seen.tif", "--direction_range", "90,0"},
+                  "expected the smaller angle first");
   write("seen.tif", "mine");
   EXPECT_EQ(raster(k_eye).exit_code, 2);
   EXPECT_EQ(read("seen.tif"), "mine");
@@ -275,7 +275,7 @@ TEST_F(VisibilityRasterTest, observers_in_the_ground_are_warned_of) {
   EXPECT_TRUE(contains(result.err, "observer 1")) << result.err;
 }
 
-TEST_F(VisibilityRasterTest, clouds_in_degrees_are_refused) {
+TEST_F(VisibilityRasterTest, clouds_in_degrees_are_rejected) {
   write_las(folder / "degrees.las",
             garden(R"(GEOGCS["WGS 84",DATUM["WGS_1984",SPHEROID["WGS 84",6378137,298.257223563]],)"
                    R"(PRIMEM["Greenwich",0],UNIT["degree",0.0174532925199433]])"));

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Long runs of `alidade visibility` that are killed, interrupted and gone on with.
+// Long runs of `alidade visibility` that are killed, interrupted and resumed.
 #include "tests/tools/resume_test.h"
 
 namespace alidade::test {
@@ -15,7 +15,7 @@ TEST_F(ResumeTest, points_killed_at_many_moments_give_the_bytes_of_an_uninterrup
 TEST_F(ResumeTest, positions_killed_at_many_moments_give_the_bytes_of_an_uninterrupted_run) {
   kill_and_resume({"visibility", "place", "square.xyz", "--observer-grid", "0.03", "--target-spacing", "0.1",
                    "--count", "3"},
-                  {"-o", "places.json"}, 12);
+                  {"-o", "positions.json"}, 12);
 }
 
 TEST_F(ResumeTest, interrupted_it_keeps_a_checkpoint_and_ends_with_130) {
@@ -24,9 +24,9 @@ TEST_F(ResumeTest, interrupted_it_keeps_a_checkpoint_and_ends_with_130) {
   interrupt(words);
   EXPECT_EQ(names(), (Words{"square.xyz", "state"}));
 
-  const ProgramResult refused = run(words);
-  EXPECT_EQ(refused.exit_code, 2);
-  EXPECT_TRUE(contains(refused.err, "state: the file exists; expected --resume")) << refused.err;
+  const ProgramResult rejected = run(words);
+  EXPECT_EQ(rejected.exit_code, 2);
+  EXPECT_TRUE(contains(rejected.err, "state: the file exists; expected --resume")) << rejected.err;
   const ProgramResult other = run(with(words, {"--resume", "--transparency", "2"}));
   EXPECT_EQ(other.exit_code, 2);
   EXPECT_TRUE(contains(
@@ -57,11 +57,11 @@ TEST_F(ResumeTest, other_outputs_and_threads_are_the_same_run_another_reference_
   ASSERT_NE(zone, std::string::npos);
   moved[zone + 6] = '3';
   write("site.las", moved);
-  const ProgramResult refused = run(others);
-  EXPECT_EQ(refused.exit_code, 2);
+  const ProgramResult rejected = run(others);
+  EXPECT_EQ(rejected.exit_code, 2);
   EXPECT_TRUE(
-      contains(refused.err, "state: this checkpoint belongs to another run: it has reference system "))
-      << refused.err;
+      contains(rejected.err, "state: this checkpoint belongs to another run: it has reference system "))
+      << rejected.err;
 
   write("site.las", site);
   const ProgramResult resumed = run(others);
@@ -84,10 +84,10 @@ TEST_F(ResumeTest, without_a_checkpoint_yet_resume_starts_and_says_so) {
 TEST_F(ResumeTest, file_that_is_no_checkpoint_is_never_replaced_by_one) {
   write("notes.txt", "precious");
   for (const std::string flag : {"--overwrite", "--resume"}) {
-    const ProgramResult refused =
+    const ProgramResult rejected =
         run(with(k_points, {"--observer", "101,201,7", "-o", "out.las", "--checkpoint", "notes.txt", flag}));
-    EXPECT_EQ(refused.exit_code, 2);
-    EXPECT_TRUE(contains(refused.err, "notes.txt:byte 0: not a checkpoint of such a run")) << refused.err;
+    EXPECT_EQ(rejected.exit_code, 2);
+    EXPECT_TRUE(contains(rejected.err, "notes.txt:byte 0: not a checkpoint of such a run")) << rejected.err;
     EXPECT_EQ(read("notes.txt"), "precious");
   }
   const ProgramResult same =
@@ -100,8 +100,8 @@ TEST_F(ResumeTest, lines_killed_at_many_moments_give_the_bytes_of_an_uninterrupt
   std::string positions = "x,y,z\n";
   for (int i = 0; i < 12; ++i)
     positions += std::to_string(100.0 + 0.1 * i) + "," + std::to_string(200.0 + 0.07 * i) + ",5.3\n";
-  write("places.csv", positions);
-  kill_and_resume({"visibility", "lines", "square.xyz", "--places", "places.csv", "--frequency", "60GHz"},
+  write("positions.csv", positions);
+  kill_and_resume({"visibility", "lines", "square.xyz", "--places", "positions.csv", "--frequency", "60GHz"},
                   {"-o", "lines.json"}, 12);
 }
 

@@ -132,7 +132,7 @@ TEST(LineReport, end_margins_are_not_looked_at) {
   EXPECT_EQ(line.length, 71.0);
   EXPECT_FALSE(report_one(occluders, far, mast, {.line = {.end_margin = 1.5}}).blocker);
   EXPECT_TRUE(report_one(occluders, far, mast, {.line = {.end_margin = 0.5}}).blocker);
-  // What an end lies on is then told by the margin alone.
+  // The margin alone then decides what belongs to an end.
   const SightEnd on_wall{{29, 0, 1}, 3.0, 2.0};
   EXPECT_FALSE(report_one(occluders, on_wall, far).blocker);
   EXPECT_FALSE(report_one(occluders, on_wall, far).nearest);

@@ -23,7 +23,7 @@ TEST(ObserverGrid, has_the_middles_of_cells_that_cover_the_extent) {
   const auto grid = observer_grid(k_extent, 10.0, slope);
   ASSERT_EQ(grid.size(), 6u);
   EXPECT_EQ(grid[0].position, glm::dvec2(105, 205));
-  EXPECT_FALSE(grid[0].z) << "it stands on the ground";
+  EXPECT_FALSE(grid[0].z) << "it is on the ground";
   EXPECT_EQ(grid[0].name, "1-1");
   EXPECT_EQ(grid[5].position, glm::dvec2(125, 215));
   EXPECT_EQ(grid[5].name, "2-3");
@@ -53,7 +53,7 @@ TEST(ObserverGrid, of_a_single_position_has_one_cell) {
   EXPECT_EQ(grid[0].position, glm::dvec2(1, 2));
 }
 
-TEST(ObserverGrid, refuses_no_width_and_too_many_positions) {
+TEST(ObserverGrid, rejects_no_width_and_too_many_positions) {
   for (const double width : {0.0, -1.0, std::nan(""), HUGE_VAL})
     EXPECT_THROW(observer_grid(k_extent, width, slope), Error);
   EXPECT_THROW(observer_grid(k_extent, 1e-3, slope), Error);

@@ -133,7 +133,7 @@ TEST(PointVisibility, leaves_out_what_is_out_of_view_or_too_far) {
   for (std::size_t id = 0; id < cloud.positions().size(); ++id) {
     const glm::dvec3 offset = cloud.positions()[id] - observer.position;
     const double distance = std::sqrt(offset.x * offset.x + offset.y * offset.y + offset.z * offset.z);
-    // Points stand on a lattice finer than this.
+    // Points are on a lattice finer than this.
     if (std::fabs(distance - 7.0) < 1e-3) continue;
     const bool is_in_view = field.contains(offset) && distance < 7.0;
     ASSERT_EQ(some.counts[id], is_in_view ? all.counts[id] : 0u) << id;
@@ -214,7 +214,7 @@ TEST(PointVisibility, of_no_points_or_no_observers_is_empty) {
   EXPECT_EQ(sum(unseen.counts), 0u);
 }
 
-TEST(PointVisibility, refuses_a_number_of_lines_out_of_range) {
+TEST(PointVisibility, rejects_a_number_of_lines_out_of_range) {
   const Occluders occluders = garden().occluders();
   for (const int sub_rays : {0, -1, 256})
     EXPECT_THROW(point_visibility(occluders, k_observers, {.sub_rays = sub_rays}), Error) << sub_rays;
@@ -237,7 +237,7 @@ TEST(PointVisibility, progress_counts_all_lines_and_can_stop_them) {
   EXPECT_THROW(point_visibility(occluders, k_observers, options), Cancelled);
 }
 
-TEST(PointVisibility, what_does_not_fit_into_memory_is_refused_beforehand_and_its_size_said) {
+TEST(PointVisibility, what_does_not_fit_into_memory_is_rejected_beforehand_and_its_size_said) {
   constexpr std::uint64_t k_points = std::uint64_t{1} << 40;
   try {
     check_point_visibility(k_points, 64, {.with_blockers = true});

@@ -275,7 +275,7 @@ TEST(SightLine, discs_as_wide_as_any_are_not_cut_off_nearer_than_their_sheet_end
   EXPECT_TRUE(is_seen_beyond_the_edge(1.05 * widest));
 }
 
-TEST(SightLine, refuses_bad_input) {
+TEST(SightLine, rejects_bad_input) {
   const PointCloud cloud = garden();
   const Octree octree = build(cloud);
   EXPECT_THROW(Occluders(octree, {.radius = 0.0}), Error);

@@ -18,7 +18,7 @@ using namespace visibility;
 namespace {
 
 constexpr double k_degree = std::numbers::pi / 180.0;
-// What one direction of many stands for, and a disc's width above an edge.
+// The share of one direction of many, and a disc's width above an edge.
 constexpr double k_tolerance = 0.012;
 // Of the discs of points 0.15 m apart: no gaps, and little over the edges.
 constexpr double k_radius = 0.11;

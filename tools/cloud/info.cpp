@@ -54,7 +54,7 @@ Description describe(const InfoOptions& options) {
   if (const CloudInput* const index = options.files.only(k_index_format))
     return describe(IndexFile(index->file()));
   Description description;
-  const Damage damage = options.partial ? Damage::read_over : Damage::refuse;
+  const Damage damage = options.partial ? Damage::read_over : Damage::reject;
   for (const CloudInput& input : options.files.inputs) {
     if (input.is(k_index_format)) description.indexes.emplace_back(input.file());
     description.attributes = description.attributes | open_cloud(input, damage)->attributes();

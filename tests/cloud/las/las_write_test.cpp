@@ -230,7 +230,7 @@ TEST(LasWriteTest, long_names_are_cut_between_characters) {
   PointCloud cloud;
   cloud.positions = {{1, 2, 3}};
   ExtraDimension& dimension = cloud.extra_dimensions.emplace_back();
-  dimension.name = std::string(31, 'a') + "\u00e4";  // two bytes, of which one would fit
+  dimension.name = std::string(31, 'a') + "\u00e4";  // two bytes where one would fit
   dimension.values.resize(8);
   const std::filesystem::path path = test::test_folder() / "out.las";
   write_las(path, cloud);

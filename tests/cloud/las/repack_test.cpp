@@ -57,7 +57,7 @@ TEST_P(RepackTest, las_packed_and_unpacked_again_is_the_same_byte_for_byte) {
   }
 }
 
-TEST_P(RepackTest, packs_as_many_extra_bytes_as_laz_has_and_refuses_more) {
+TEST_P(RepackTest, packs_as_many_extra_bytes_as_laz_has_and_rejects_more) {
   const fs::path folder = test::test_folder();
   for (const int extra : {8192, 8193}) {
     test::LasFile file;
@@ -97,7 +97,7 @@ TEST(RepackFileTest, bytes_before_and_behind_the_points_stay) {
   const fs::path folder = test::test_folder();
   test::LasFile file = sample_las(4, 6, 50);
   std::vector<std::byte> las = build_las(file);
-  // Padding before the points, and bytes between points and extended records, and behind these.
+  // Padding before the points, bytes between points and extended records, and bytes after these.
   const auto points_offset = load<std::uint32_t>(las.data() + 96);
   const auto extended = load<std::uint64_t>(las.data() + 235);
   las.insert(las.begin() + static_cast<std::ptrdiff_t>(extended), 11, std::byte{0x22});
@@ -108,7 +108,7 @@ TEST(RepackFileTest, bytes_before_and_behind_the_points_stay) {
   write_bytes(folder / "in.las", las);
   const fs::path laz = expect_same_after_a_round(folder / "in.las", folder);
   const PointCloud cloud = read_cloud(laz);
-  EXPECT_EQ(cloud.records.size(), 2u) << "also the extended one, whose place has moved";
+  EXPECT_EQ(cloud.records.size(), 2u) << "also the extended one, whose offset has changed";
 }
 
 TEST(RepackFileTest, the_offset_of_wave_packets_moves_with_them) {
@@ -208,7 +208,7 @@ TEST(RepackFileTest, points_are_unpacked_in_pieces_of_64_mb_however_well_they_we
   const std::optional<LazLayout> layout = read_packing(file, header, records);
   ASSERT_TRUE(layout);
   LargestPiece sink;
-  LazPoints(file, header, *layout, Damage::refuse).read(LazLayers{}, sink, {});
+  LazPoints(file, header, *layout, Damage::reject).read(LazLayers{}, sink, {});
   EXPECT_EQ(sink.all(), k_pieces * k_points);
   EXPECT_LE(sink.most() * k_record, k_most_bytes);
   EXPECT_GT(sink.most(), k_points);

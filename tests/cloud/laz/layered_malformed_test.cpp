@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Layered chunks that no encoder writes are refused, and no bytes do harm.
+// Layered chunks that no encoder writes are rejected, and no bytes do harm.
 #include <gtest/gtest.h>
 
 #include <string>
@@ -229,7 +229,7 @@ TEST_F(LayeredMalformed, truncated_anywhere) {
 }
 
 TEST_F(LayeredMalformed, every_byte_changed) {
-  std::size_t refused = 0, tried = 0;
+  std::size_t rejected = 0, tried = 0;
   const std::size_t head_end = head_at(0) + 4 * (9 + 2 + 1 + 2);
   for (std::size_t at = layout_.record_size(); at < chunk_.size(); ++at)
     for (const unsigned flip : {1u, 0x10u, 0x80u, 0xffu}) {
@@ -239,22 +239,22 @@ TEST_F(LayeredMalformed, every_byte_changed) {
       if (at < head_end) {
         ASSERT_TRUE(found) << at;
       }
-      refused += found;
+      rejected += found;
       ++tried;
     }
-  EXPECT_GT(refused, tried / 2);
+  EXPECT_GT(rejected, tried / 2);
 }
 
 TEST_F(LayeredMalformed, noise_in_all_layers) {
   Bytes chunk = chunk_;
   const std::size_t head_end = head_at(0) + 4 * (9 + 2 + 1 + 2);
-  std::size_t refused = 0;
+  std::size_t rejected = 0;
   for (int round = 0; round < 300; ++round) {
     for (std::size_t at = head_end; at < chunk.size(); ++at)
       chunk[at] = static_cast<std::byte>(random_.bits());
-    refused += !problem(chunk).empty();
+    rejected += !problem(chunk).empty();
   }
-  EXPECT_EQ(refused, 300u);
+  EXPECT_EQ(rejected, 300u);
 }
 
 }  // namespace

@@ -160,7 +160,7 @@ TEST(LazMalformedTest, points_that_a_chunk_only_claims_take_no_memory) {
     const LasHeader header = read_las_header(file, warnings);
     ASSERT_GT(header.point_count, 50'000'000u);
     const LazLayout layout = standard_laz_layout(format, header.point_size, 0x7fffffff);
-    LazPoints points(file, header, layout, Damage::refuse);
+    LazPoints points(file, header, layout, Damage::reject);
     EXPECT_THROW(points.read({}, meter, {}), DamagedFile);
     EXPECT_LE(meter.rows, 2000u + 4096u);
   }

@@ -34,13 +34,13 @@ class RecordSink final : public LazSink {
 
 struct ReadLaz {
   LasHeader header;
-  std::vector<std::byte> records;  ///< as they would stand in LAS
+  std::vector<std::byte> records;  ///< as in a LAS file
   std::vector<LostPoints> lost;
   std::vector<std::string> warnings;
 };
 
 /// The point data records of a LAZ file.
-inline ReadLaz read_laz(InputFile file, Damage damage = Damage::refuse, const LazLayers& wanted = {},
+inline ReadLaz read_laz(InputFile file, Damage damage = Damage::reject, const LazLayers& wanted = {},
                         const Progress& progress = {}) {
   ReadLaz read;
   read.header = read_las_header(file, read.warnings, damage);
@@ -56,7 +56,7 @@ inline ReadLaz read_laz(InputFile file, Damage damage = Damage::refuse, const La
   return read;
 }
 
-inline ReadLaz read_laz(std::span<const std::byte> bytes, Damage damage = Damage::refuse,
+inline ReadLaz read_laz(std::span<const std::byte> bytes, Damage damage = Damage::reject,
                         const LazLayers& wanted = {}) {
   return read_laz(InputFile(bytes, "memory"), damage, wanted);
 }

@@ -80,7 +80,7 @@ TEST(LazWriteTest, points_are_packed_in_chunks_of_50000) {
   ASSERT_LT(static_cast<std::size_t>(table_offset) + 8, bytes.size());
   EXPECT_EQ(load<std::uint32_t>(bytes.data() + table_offset), 0u);
   EXPECT_EQ(load<std::uint32_t>(bytes.data() + table_offset + 4), 3u);
-  // A layered chunk tells its number of points behind its first record.
+  // A layered chunk has its number of points after its first record.
   EXPECT_EQ(load<std::uint32_t>(bytes.data() + points_offset + 8 + 30), 50000u);
   EXPECT_EQ(load<std::uint64_t>(bytes.data() + 247), 120000u);
 }

@@ -134,8 +134,8 @@ TEST_P(PointwiseCodecTest, bytes_behind_the_chunk_do_not_matter) {
   EXPECT_EQ(decoder.consumed(), size);
 }
 
-/// Whether the chunk was refused.
-bool is_refused(PointwiseDecoder& decoder, std::span<const std::byte> chunk, Bytes& records) {
+/// Whether the chunk was rejected.
+bool is_rejected(PointwiseDecoder& decoder, std::span<const std::byte> chunk, Bytes& records) {
   try {
     decoder.start(chunk);
     decoder.decode(records);
@@ -146,7 +146,7 @@ bool is_refused(PointwiseDecoder& decoder, std::span<const std::byte> chunk, Byt
   }
 }
 
-TEST_P(PointwiseCodecTest, chunks_cut_anywhere_are_refused) {
+TEST_P(PointwiseCodecTest, chunks_cut_anywhere_are_rejected) {
   Random random("cut");
   const Bytes records = pointwise_records(random, layout_, 20, LazPoints::near);
   const Bytes chunk = encoded(layout_, records);
@@ -155,13 +155,13 @@ TEST_P(PointwiseCodecTest, chunks_cut_anywhere_are_refused) {
   for (std::size_t size = 0; size < chunk.size(); ++size) {
     // A copy of its own, so that sanitizers see reading behind its end.
     const Bytes cut(chunk.begin(), chunk.begin() + static_cast<std::ptrdiff_t>(size));
-    EXPECT_TRUE(is_refused(decoder, cut, found)) << "cut to " << size << " of " << chunk.size() << " bytes";
+    EXPECT_TRUE(is_rejected(decoder, cut, found)) << "cut to " << size << " of " << chunk.size() << " bytes";
   }
-  EXPECT_FALSE(is_refused(decoder, chunk, found));
+  EXPECT_FALSE(is_rejected(decoder, chunk, found));
   EXPECT_TRUE(found == records);
 }
 
-TEST_P(PointwiseCodecTest, damaged_bytes_anywhere_are_refused_or_give_other_points) {
+TEST_P(PointwiseCodecTest, damaged_bytes_anywhere_are_rejected_or_give_other_points) {
   Random random("damage");
   const Bytes records = pointwise_records(random, layout_, 20, LazPoints::near);
   const Bytes chunk = encoded(layout_, records);
@@ -172,13 +172,13 @@ TEST_P(PointwiseCodecTest, damaged_bytes_anywhere_are_refused_or_give_other_poin
       Bytes damaged = chunk;
       damaged[at] ^= static_cast<std::byte>(flipped);
       // The last bytes of a stream only say where it ends.
-      const bool harmless = !is_refused(decoder, damaged, found) && found == records;
+      const bool harmless = !is_rejected(decoder, damaged, found) && found == records;
       EXPECT_TRUE(!harmless || at + 4 >= chunk.size()) << "byte " << at;
     }
   }
 }
 
-TEST_P(PointwiseCodecTest, any_bytes_are_refused_or_decoded) {
+TEST_P(PointwiseCodecTest, any_bytes_are_rejected_or_decoded) {
   Random random("any");
   Bytes found(400 * layout_.record_size());
   PointwiseDecoder decoder(layout_);
@@ -187,7 +187,7 @@ TEST_P(PointwiseCodecTest, any_bytes_are_refused_or_decoded) {
     const bool few_kinds = trial % 2 == 0;
     for (std::byte& byte : chunk)
       byte = static_cast<std::byte>(few_kinds ? random.below(2) * 0xff : random.bits());
-    is_refused(decoder, chunk, found);
+    is_rejected(decoder, chunk, found);
   }
 }
 
@@ -221,7 +221,7 @@ TEST(PointwiseDecoderTest, refusals_name_the_point_and_what_was_expected) {
   }
 }
 
-TEST(PointwiseDecoderTest, items_that_pointwise_streams_do_not_have_are_refused) {
+TEST(PointwiseDecoderTest, items_that_pointwise_streams_do_not_have_are_rejected) {
   for (const LazItem& item :
        {LazItem{LazItemKind::point14, 30, 3}, LazItem{LazItemKind::point10, 20, 3},
         LazItem{LazItemKind::point10, 20, 0}, LazItem{LazItemKind::point10, 21, 2},

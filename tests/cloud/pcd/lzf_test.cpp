@@ -49,7 +49,7 @@ TEST(Lzf, literals_and_references_near_and_far_and_overlapping) {
   EXPECT_EQ(unpack(far + "\x21\x2c"s, 305), std::string(300, 'x') + "yz" + "xxx");  // distance 301
 }
 
-TEST(Lzf, damaged_streams_are_refused) {
+TEST(Lzf, damaged_streams_are_rejected) {
   using namespace std::string_literals;
   EXPECT_FALSE(
       unpack("\x02"

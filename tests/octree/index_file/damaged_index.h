@@ -104,8 +104,8 @@ inline void use(const IndexFile& index) {
   EXPECT_GE(sum, 0u);
 }
 
-/// Whether a file is refused; if not, everything that can be done with it is done.
-inline bool is_refused(const Bytes& bytes) {
+/// Whether a file is rejected; if not, everything that can be done with it is done.
+inline bool is_rejected(const Bytes& bytes) {
   try {
     const IndexFile index = index_in_memory(bytes);
     use(index);
@@ -119,7 +119,7 @@ inline bool is_refused(const Bytes& bytes) {
   }
 }
 
-inline bool is_refused_when_opened(const Bytes& bytes) {
+inline bool is_rejected_when_opened(const Bytes& bytes) {
   try {
     index_in_memory(bytes);
     return false;
@@ -128,7 +128,7 @@ inline bool is_refused_when_opened(const Bytes& bytes) {
   }
 }
 
-inline bool is_refused_when_verified(const Bytes& bytes) {
+inline bool is_rejected_when_verified(const Bytes& bytes) {
   try {
     index_in_memory(bytes).verify();
     return false;

@@ -15,16 +15,16 @@ using test::seal_header;
 using test::SectionRow;
 
 using test::Bytes;
-using test::is_refused;
-using test::is_refused_when_opened;
-using test::is_refused_when_verified;
+using test::is_rejected;
+using test::is_rejected_when_opened;
+using test::is_rejected_when_verified;
 using test::section;
 using test::sound_file;
 
 TEST(IndexDamage, a_sound_file_is_not_refused) {
   Bytes file = sound_file();
-  EXPECT_FALSE(is_refused(file));
-  EXPECT_FALSE(is_refused_when_verified(file));
+  EXPECT_FALSE(is_rejected(file));
+  EXPECT_FALSE(is_rejected_when_verified(file));
   // And sealing it again changes nothing, so that tests with seals test what they say.
   test::seal(file);
   EXPECT_EQ(file, sound_file());
@@ -43,7 +43,7 @@ TEST(IndexDamage, a_file_cut_off_anywhere_is_an_error_when_opened) {
   for (const std::size_t length : lengths) {
     if (length >= file.size()) continue;
     EXPECT_TRUE(
-        is_refused_when_opened(Bytes(file.begin(), file.begin() + static_cast<std::ptrdiff_t>(length))))
+        is_rejected_when_opened(Bytes(file.begin(), file.begin() + static_cast<std::ptrdiff_t>(length))))
         << length;
   }
 }
@@ -59,7 +59,7 @@ TEST(IndexDamage, a_flipped_bit_in_any_byte_of_the_header_is_an_error_when_opene
   for (std::size_t offset = 0; offset < 4096; ++offset) {
     const std::byte mask{static_cast<unsigned char>(1u << offset % 8)};
     file[offset] ^= mask;
-    EXPECT_TRUE(is_refused_when_opened(file)) << offset;
+    EXPECT_TRUE(is_rejected_when_opened(file)) << offset;
     file[offset] ^= mask;
   }
 }
@@ -71,8 +71,8 @@ TEST(IndexDamage, a_flipped_bit_anywhere_is_found_by_verifying_and_does_no_harm_
     const std::size_t offset = random.below(file.size());
     const std::byte mask{static_cast<unsigned char>(1u << random.below(8))};
     file[offset] ^= mask;
-    EXPECT_TRUE(is_refused_when_verified(file)) << offset;
-    is_refused(file);
+    EXPECT_TRUE(is_rejected_when_verified(file)) << offset;
+    is_rejected(file);
     file[offset] ^= mask;
   }
 }
@@ -99,7 +99,7 @@ TEST(IndexDamage, a_flipped_bit_in_the_metadata_is_an_error_when_opened) {
   const SectionRow row = section(file, IndexSection::metadata);
   for (std::uint64_t offset = row.offset; offset < row.offset + row.bytes; ++offset) {
     file[offset] ^= std::byte{1};
-    EXPECT_TRUE(is_refused_when_opened(file)) << offset;
+    EXPECT_TRUE(is_rejected_when_opened(file)) << offset;
     file[offset] ^= std::byte{1};
   }
 }
@@ -128,7 +128,7 @@ TEST(IndexDamage, counts_larger_than_the_file_are_errors_when_opened) {
       Bytes file = sound_file();
       put(file, offset, count);
       seal_header(file);
-      EXPECT_TRUE(is_refused_when_opened(file)) << offset << " " << count;
+      EXPECT_TRUE(is_rejected_when_opened(file)) << offset << " " << count;
     }
   }
 }
@@ -142,13 +142,13 @@ TEST(IndexDamage, overlapping_sections_and_gaps_between_them_are_errors_when_ope
       Bytes file = sound;
       put(file, rows[i].row + 8, offset);
       seal_header(file);
-      EXPECT_TRUE(is_refused_when_opened(file)) << i << " " << offset;
+      EXPECT_TRUE(is_rejected_when_opened(file)) << i << " " << offset;
     }
     Bytes swapped = sound;
     put(swapped, rows[i].row, rows[i - 1].kind);
     put(swapped, rows[i - 1].row, rows[i].kind);
     seal_header(swapped);
-    EXPECT_TRUE(is_refused_when_opened(swapped)) << i;
+    EXPECT_TRUE(is_rejected_when_opened(swapped)) << i;
   }
 }
 

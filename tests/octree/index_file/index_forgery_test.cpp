@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Index files that were tampered with and given right checksums: what stands behind the checksums must hold
-// by itself.
+// Index files that were tampered with and given right checksums: the checks other than checksums must suffice.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -16,8 +15,8 @@ namespace {
 using test::Bytes;
 using test::error_of;
 using test::get;
-using test::is_refused;
-using test::is_refused_when_opened;
+using test::is_rejected;
+using test::is_rejected_when_opened;
 using test::put;
 using test::seal;
 using test::seal_header;
@@ -40,7 +39,7 @@ std::vector<std::uint64_t> hostile_numbers(const Bytes& file) {
 TEST(IndexForgery, no_number_in_the_header_does_harm) {
   const Bytes& sound = sound_file();
   const std::size_t table_end = 256 + 32 * test::section_rows(sound).size();
-  int refused = 0;
+  int rejected = 0;
   for (std::size_t offset = 16; offset < table_end; offset += 4) {
     for (const std::uint64_t number : hostile_numbers(sound)) {
       for (const bool wide : {false, true}) {
@@ -52,11 +51,11 @@ TEST(IndexForgery, no_number_in_the_header_does_harm) {
           put(file, offset, static_cast<std::uint32_t>(number));
         }
         seal_header(file);
-        refused += is_refused(file);
+        rejected += is_rejected(file);
       }
     }
   }
-  EXPECT_GT(refused, 1000);
+  EXPECT_GT(rejected, 1000);
 }
 
 /// Byte of a node's field in the file.
@@ -151,7 +150,7 @@ TEST(IndexForgery, an_id_beyond_the_points_is_an_error) {
 
 TEST(IndexForgery, no_nodes_do_harm) {
   test::Random random;
-  int refused = 0;
+  int rejected = 0;
   for (int i = 0; i < 3000; ++i) {
     Bytes file = sound_file();
     const SectionRow row = section(file, IndexSection::nodes);
@@ -173,14 +172,14 @@ TEST(IndexForgery, no_nodes_do_harm) {
       }
     }
     seal(file);
-    refused += is_refused(file);
+    rejected += is_rejected(file);
   }
-  EXPECT_GT(refused, 1000);
+  EXPECT_GT(rejected, 1000);
 }
 
 TEST(IndexForgery, no_metadata_do_harm) {
   test::Random random;
-  int refused = 0;
+  int rejected = 0;
   const SectionRow row = section(sound_file(), IndexSection::metadata);
   for (std::uint64_t offset = row.offset; offset < row.offset + row.bytes; ++offset) {
     for (const std::uint64_t number : {std::uint64_t{0}, std::uint64_t{1} << 20, std::uint64_t{1} << 62,
@@ -188,10 +187,10 @@ TEST(IndexForgery, no_metadata_do_harm) {
       Bytes file = sound_file();
       if (offset + 8 <= row.offset + row.bytes) put(file, offset, number);
       seal(file);
-      refused += is_refused_when_opened(file);
+      rejected += is_rejected_when_opened(file);
     }
   }
-  EXPECT_GT(refused, 1000);
+  EXPECT_GT(rejected, 1000);
 }
 
 TEST(IndexForgery, no_coordinates_do_harm) {
@@ -202,7 +201,7 @@ TEST(IndexForgery, no_coordinates_do_harm) {
     for (std::uint64_t offset = row.offset; offset + 8 <= row.offset + row.bytes; offset += 8)
       if (random.below(4) < 1 + static_cast<std::uint64_t>(i % 3)) put(file, offset, random.bits());
     seal(file);
-    EXPECT_FALSE(is_refused(file));
+    EXPECT_FALSE(is_rejected(file));
   }
 }
 
@@ -216,7 +215,7 @@ TEST(IndexForgery, no_spacings_do_harm) {
         if (random.below(4) < 1 + static_cast<std::uint64_t>(i % 3)) put(file, offset, random.bits());
     }
     seal(file);
-    EXPECT_FALSE(is_refused(file));
+    EXPECT_FALSE(is_rejected(file));
   }
 }
 
@@ -224,10 +223,10 @@ TEST(IndexForgery, spacings_of_which_header_and_sections_disagree_are_errors) {
   Bytes file = sound_file();
   put<std::uint32_t>(file, 204, 0);
   seal(file);
-  EXPECT_TRUE(test::is_refused_when_opened(file));
+  EXPECT_TRUE(test::is_rejected_when_opened(file));
   put<std::uint32_t>(file, 204, 65);
   seal(file);
-  EXPECT_TRUE(test::is_refused_when_opened(file));
+  EXPECT_TRUE(test::is_rejected_when_opened(file));
 }
 
 TEST(IndexForgery, no_surfaces_do_harm) {
@@ -241,7 +240,7 @@ TEST(IndexForgery, no_surfaces_do_harm) {
     for (std::uint64_t offset = edges.offset; offset < edges.offset + edges.bytes; ++offset)
       put(file, offset, static_cast<std::uint8_t>(random.bits()));
     seal(file);
-    EXPECT_FALSE(is_refused(file));
+    EXPECT_FALSE(is_rejected(file));
   }
 }
 
@@ -250,7 +249,7 @@ TEST(IndexForgery, surfaces_of_which_header_and_sections_disagree_are_errors) {
     Bytes file = sound_file();
     put(file, 208, unit);
     seal(file);
-    EXPECT_TRUE(test::is_refused_when_opened(file)) << unit;
+    EXPECT_TRUE(test::is_rejected_when_opened(file)) << unit;
   }
 }
 
@@ -259,7 +258,7 @@ TEST(IndexForgery, contents_that_contradict_each_other_are_found_by_verifying) {
     Bytes file = sound_file();
     change(file);
     seal(file);
-    EXPECT_FALSE(is_refused(file)) << part;
+    EXPECT_FALSE(is_rejected(file)) << part;
     const std::string message = error_of([&] { test::index_in_memory(file).verify(); });
     EXPECT_NE(message.find(part), std::string::npos) << message;
   };
