@@ -147,7 +147,7 @@ void PartCheckpoint::flush() noexcept {
   try {
     write();
   } catch (const std::exception&) {
-    // Nobody can be told any more; what is in the file stays.
+    // The call cannot report this; what is in the file stays.
     pending_.clear();
     pending_entries_.clear();
   }

@@ -10,9 +10,9 @@
 
 namespace alidade {
 
-/// A file that appears whole or not at all: bytes go to a temporary file in the same folder, commit() renames
-/// it to its final name. Destroyed without commit(), the temporary file is removed and an earlier file stays
-/// as it was.
+/// A file that appears completely or not at all: bytes go to a temporary file in the same folder, and commit()
+/// renames it to its final name. Without commit() the destructor removes the temporary file, and an earlier
+/// file stays as it was.
 class OutputFile {
  public:
   /// Errors: `path` exists and `overwrite` is false, or it is not a regular file; the folder is missing or

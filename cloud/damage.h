@@ -12,12 +12,12 @@ namespace alidade {
 /// What a reader does where a file is damaged behind a header that makes sense.
 enum class Damage {
   reject,     ///< throws DamagedFile at the first position
-  read_over,  ///< leaves out the points that cannot be had and tells of them in CloudReader::lost()
+  read_over,  ///< leaves out unreadable points and reports them in CloudReader::lost()
 };
 
 /// Points that a damaged file does not give any more.
 struct LostPoints {
-  std::uint64_t count = 0;  ///< 0 = nobody knows how many
+  std::uint64_t count = 0;  ///< 0 = unknown
   std::string location;     ///< as Error's: "byte 36405", "line 17"; may be empty
   std::string problem;      ///< what is wrong, one clause in lower case, without full stop
 };

@@ -18,7 +18,7 @@ namespace alidade {
 namespace {
 
 constexpr std::size_t k_most_strips = 1 << 16;
-/// An edge stands in this many strips on average at most.
+/// An edge is in this many strips on average at most.
 constexpr std::size_t k_most_strips_per_edge = 4;
 
 /// How far outside a point still counts as on the border, per axis.
@@ -41,7 +41,7 @@ void for_parts(std::size_t size, const Progress& progress, const Work& work) {
   }
 }
 
-/// Keeps the points at positions where `stays` says so; it is asked from many threads.
+/// Keeps the points at positions where `stays` returns true; many threads call it.
 template <class Stays>
 void keep_positions(PointCloud& cloud, const Stays& stays, const Progress& progress) {
   std::vector<std::uint8_t> marks(cloud.size());
@@ -194,7 +194,7 @@ class PolygonStrips {
     }
     strip_count_ = std::clamp<std::size_t>(edges_.size(), 1, k_most_strips);
     positions_ = strip_positions();
-    // Edges that run from south to north stand in all strips: fewer of these then.
+    // Edges that run from south to north are in all strips: fewer of these then.
     while (strip_count_ > 1 && positions_.back() > k_most_strips_per_edge * edges_.size()) {
       strip_count_ /= 2;
       positions_ = strip_positions();

@@ -61,7 +61,7 @@ std::size_t role_of(const E57Field& field) {
   return k_e57_role_count;
 }
 
-/// Roles of which one without the others means nothing; the last three follow a first one.
+/// Roles that require each other; the last three follow a first one.
 constexpr std::array<std::array<E57Role, 3>, 4> k_triples = {
     {{E57Role::x, E57Role::y, E57Role::z},
      {E57Role::range, E57Role::azimuth, E57Role::elevation},
@@ -108,7 +108,7 @@ glm::dvec3 to_file(const E57Pose& pose, const glm::dvec3& offset) {
   return result;
 }
 
-/// Whether offset + scale * integer stands on the lattice that fit_lattice() makes for this scale.
+/// Whether offset + scale * integer is on the lattice that fit_lattice() makes for this scale.
 bool is_decimal(double scale, double offset) {
   const double exponent = std::nearbyint(std::log10(scale));
   return scale <= 1.0 && std::abs(scale / std::pow(10.0, exponent) - 1.0) < 1e-9 &&
@@ -208,7 +208,7 @@ double E57PointReader::resolution_of(E57Role role, double largest, bool may_be_e
   const E57Field& field = scan_.fields[*roles_.field(role)];
   switch (field.kind) {
     case E57FieldKind::float32:
-      // Of nothing but zeros nothing can be told.
+      // Zeros have no resolution.
       return largest == 0.0 ? 0.0 : type_resolution(ScalarType::float32, largest);
     case E57FieldKind::integer:
     case E57FieldKind::scaled_integer: {

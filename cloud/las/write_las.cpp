@@ -92,7 +92,7 @@ struct LasWriter::State {
       const ExtraDimension& dimension = extra_dimensions[i];
       const std::size_t bytes = static_cast<std::size_t>(dimension.byte_count);
       const auto same = [&](const ExtraDimension& other) { return same_meaning(other, dimension); };
-      // Dimensions of one name are told apart by their offset.
+      // Dimensions of one name are distinguished by their offset.
       const auto& given = batch.extra_dimensions;
       const auto source = i < given.size() && same(given[i]) ? given.begin() + static_cast<std::ptrdiff_t>(i)
                                                              : std::find_if(given.begin(), given.end(), same);

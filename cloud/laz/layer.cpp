@@ -141,7 +141,7 @@ struct UserDataRules {
   static unsigned model(unsigned last, const LayeredPoint&) { return last / 4; }
 };
 
-/// Flags share their byte with the scanner channel, which stands in its middle.
+/// Flags share their byte with the scanner channel, which is in its middle.
 struct FlagsRules {
   static constexpr Layer::Field k_field = {"flags", point14::k_flags, 1};
   static constexpr int k_values = 64;
@@ -245,7 +245,7 @@ using GpsTimeLayer = ChangedLayer<GpsTimeRules>;
 
 // Layers of RGB14, RGBNIR14, WAVEPACKET14 and BYTE14.
 
-/// `Models` codes values of `size` bytes, as they stand in the record, by the value before.
+/// `Models` codes values of `size` bytes, as in the record, by the value before.
 template <class Models, std::size_t size>
 class ItemLayer : public LayerOfPoints<ItemLayer<Models, size>> {
  public:

@@ -19,8 +19,8 @@ namespace alidade {
 class LazSink {
  public:
   virtual ~LazSink() = default;
-  /// Makes room for so many rows behind those there are, all of which have been taken. Never more than 64 MB
-  /// of records, unless a layered chunk has more.
+  /// Makes room for so many rows behind the existing ones, once all of these have been taken. Never more than
+  /// 64 MB of records, unless a layered chunk has more.
   virtual void make_room(std::uint64_t count) = 0;
   /// Puts records into rows that there is room for. Called by several threads at once, for different rows.
   virtual void take(const std::byte* records, std::size_t count, std::uint64_t first_row) = 0;
@@ -40,7 +40,7 @@ class LazPoints {
   /// are unpacked in parallel (oneTBB), the file is read by the calling thread, and the rows are the same on
   /// any number of threads. `progress` is in bytes.
   /// Errors: the first chunk that is damaged, with its number and that of the point within the file, both
-  /// from 0. With Damage::read_over such chunks are left out and told of instead; of a single stream, and of
+  /// from 0. With Damage::read_over such chunks are left out and reported instead; of a single stream, and of
   /// chunks without a table, all points from some thousand before the damage on are lost. Memory: some 16
   /// MiB (80 with Damage::read_over), or as much as the largest chunk packed and, if layered, unpacked;
   /// points that a file only claims to have take none.
