@@ -88,7 +88,7 @@ glm::dvec2 seen_by(int id, const std::vector<double>& parameters) {
 }
 
 // Each parameter in its slot: the documented formulas by hand, at u = 0.2, v = -0.1.
-TEST(Colmap, parameters_of_every_model_stand_where_they_should) {
+TEST(Colmap, parameters_of_every_model_have_their_index) {
   const double u = 0.2, v = -0.1, r2 = 0.05, r = std::sqrt(r2), theta = std::atan(r);
   const double a = u * theta / r, b = v * theta / r, q = theta * theta;
   const auto expect = [&](int id, const std::vector<double>& tail, double ud, double vd) {

@@ -188,7 +188,7 @@ TEST(TilesTest, of_several_bad_files_the_first_is_named) {
   }
 }
 
-TEST(TilesTest, whoever_watches_is_called_by_one_thread_at_a_time_and_told_ever_more) {
+TEST(TilesTest, progress_is_reported_by_one_thread_at_a_time_and_never_decreases) {
   const std::vector<Bytes> tiles = mixed_tiles();
   std::atomic<int> inside = 0;
   std::uint64_t last = 0, whole = 0;
@@ -207,7 +207,7 @@ TEST(TilesTest, whoever_watches_is_called_by_one_thread_at_a_time_and_told_ever_
   EXPECT_EQ(last, whole);
 }
 
-TEST(TilesTest, reading_stops_when_asked_to_and_asks_no_more) {
+TEST(TilesTest, reading_stops_when_requested_without_further_calls) {
   const std::vector<Bytes> tiles = mixed_tiles();
   int calls = 0;
   ReadOptions options;
@@ -225,7 +225,7 @@ Bytes timed_tile(int format, bool is_standard, std::size_t count = 1) {
   return build_las(file);
 }
 
-TEST(TilesTest, the_first_file_that_has_gps_times_says_how_they_are_counted) {
+TEST(TilesTest, the_first_file_that_has_gps_times_decides_their_kind) {
   const Bytes none = timed_tile(0, false), empty = timed_tile(1, false, 0), standard = timed_tile(1, true),
               week = timed_tile(1, false), plain = text("690000.25 5325000.5 500\n"),
               untold = text("x,y,z,gps_time\n690000.25,5325000.5,500,3\n");
@@ -249,7 +249,7 @@ TEST(TilesTest, the_first_file_that_has_gps_times_says_how_they_are_counted) {
   }
 }
 
-TEST(TilesTest, what_is_missing_in_many_files_is_said_once) {
+TEST(TilesTest, what_is_missing_in_many_files_is_reported_once) {
   std::vector<Bytes> tiles = {timed_tile(1, true)};
   for (int i = 0; i < 5; ++i) tiles.push_back(timed_tile(0, true));
   tiles.push_back(timed_tile(0, true, 0));

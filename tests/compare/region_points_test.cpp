@@ -28,7 +28,7 @@ TEST(RegionPoints, are_those_that_the_changed_pixels_show_each_once_by_id) {
   EXPECT_EQ(region_points(ids, changes_of({2, 1, 1, 2, 1, 0}), 20), expected);
 }
 
-TEST(RegionPoints, objects_of_a_scene_are_none) {
+TEST(RegionPoints, objects_of_a_scene_are_left_out) {
   EXPECT_TRUE(
       region_points(std::vector<std::uint32_t>{4294967295u, 4294967290u}, changes_of({1, 1}), 20).empty());
 }

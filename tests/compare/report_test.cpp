@@ -161,7 +161,7 @@ TEST_F(ReportTest, arrows_move_a_zoomed_picture_and_characters_go_through_the_re
   expect_quiet(page);
 }
 
-TEST_F(ReportTest, matched_colours_warnings_and_how_it_was_compared_are_told) {
+TEST_F(ReportTest, matched_colours_warnings_and_how_it_was_compared_are_reported) {
   write_pictures();
   ComparisonOptions options;
   options.match = ColorModel::exposure;

@@ -161,7 +161,7 @@ TEST_F(StoreCloudTest, stopping_leaves_no_file_and_no_table) {
             std::vector<std::string>());
 }
 
-TEST_F(StoreCloudTest, bad_requests_are_told) {
+TEST_F(StoreCloudTest, bad_requests_are_errors) {
   EXPECT_NE(error_of_storing({.chunk_points = 0}).find("1 to 65536"), std::string::npos);
   EXPECT_NE(error_of_storing({.chunk_points = 65537}).find("1 to 65536"), std::string::npos);
   EXPECT_NE(error_of_storing({.table = ""}).find("invalid table name"), std::string::npos);
@@ -265,7 +265,7 @@ TEST_F(StoreCloudTest, a_load_that_is_stopped_leaves_nothing_whenever_that_is) {
   }
 }
 
-TEST_F(StoreCloudTest, names_that_sql_takes_for_equal_are_told_apart) {
+TEST_F(StoreCloudTest, names_that_sql_takes_for_equal_are_made_distinct) {
   PointCloud cloud = site(10);
   const std::string at_most(62, 'n'), umlaut = at_most + "\u00fc";
   for (const std::string& name : {std::string("X"), std::string("Red"), std::string("height"), std::string(),

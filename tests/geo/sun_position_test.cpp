@@ -85,7 +85,7 @@ TEST(SunPosition, is_farthest_from_the_equator_at_the_published_solstices) {
   }
 }
 
-TEST(SunPosition, at_noon_stands_as_high_as_latitude_and_declination_say) {
+TEST(SunPosition, at_noon_is_as_high_as_latitude_and_declination_give) {
   EXPECT_NEAR(highest("2024-03-20", observer(48.0, 11.5)).elevation, 90.0 - 48.0, 0.2);
   EXPECT_NEAR(highest("2024-06-20", observer(48.0, 11.5)).elevation, 90.0 - 48.0 + 23.4385, 0.005);
   EXPECT_NEAR(highest("2024-12-21", observer(48.0, 11.5)).elevation, 90.0 - 48.0 - 23.4385, 0.006);

@@ -143,7 +143,7 @@ TEST_F(GeotiffTest, a_reference_system_that_means_nothing_is_left_out) {
   GDALClose(file);
 }
 
-TEST_F(GeotiffTest, keys_of_any_kind_are_a_reference_system_or_none) {
+TEST_F(GeotiffTest, keys_of_any_kind_give_a_reference_system_or_nothing) {
   EXPECT_EQ(wkt_of(Crs()), "");
   Crs with_wkt = utm_32();
   with_wkt.wkt = "as it was";

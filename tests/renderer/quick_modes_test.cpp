@@ -133,7 +133,7 @@ TEST(AmbientOcclusion, is_closed_inside_a_ball) {
   EXPECT_GT(test::image_mean(render(scene, nullptr)).mean, 0.499);
 }
 
-TEST(AmbientOcclusion, distance_is_a_twentieth_of_the_cloud_unless_told) {
+TEST(AmbientOcclusion, distance_is_a_twentieth_of_the_cloud_by_default) {
   RenderSettings settings{.mode = RenderMode::ambient_occlusion, .ao_distance = {}};
   EXPECT_TRUE(std::isinf(ambient_occlusion_distance(settings, nullptr)));
   const LoadedCloud cloud = test::loaded({{0, 0, 0}, {30, 40, 0}}, 1e-3);

@@ -206,7 +206,7 @@ std::set<std::string> quoted_words(const std::string& text) {
 }
 
 // The message about an unknown key lists the keys the reader knows at this position.
-TEST_F(SceneSchemaTest, reader_knows_exactly_the_keys_of_the_schema) {
+TEST_F(SceneSchemaTest, reader_accepts_exactly_the_keys_of_the_schema) {
   for (const Sample& sample : samples()) {
     const auto applied = validator_.validate(sample.schema, sample.document).value();
     for (const auto& position : positions(sample.document)) {

@@ -75,7 +75,7 @@ TEST_F(CopcRenderTest, a_first_look_stays_if_the_rest_of_the_cloud_is_damaged) {
   EXPECT_TRUE(std::filesystem::exists(folder / "now.png"));
 }
 
-TEST_F(CopcRenderTest, there_is_none_if_it_is_not_asked_for) {
+TEST_F(CopcRenderTest, nothing_is_written_if_not_requested) {
   write_copc(build_copc(20000, 200));
   EXPECT_FALSE(contains(render("a.png", {"--preview", "now.png", "--preview-points", "0"}).err, "shows"));
   EXPECT_FALSE(contains(render("b.png", {"--preview", "now.png", "--overwrite"}).err, "shows"));

@@ -98,7 +98,7 @@ TEST_F(DatabaseCloudTest, pictures_of_what_the_camera_sees) {
   EXPECT_TRUE(contains(of_file.err, "--in-view requires a single cloud in a database")) << of_file.err;
 }
 
-TEST_F(DatabaseCloudTest, what_is_no_cloud_is_told) {
+TEST_F(DatabaseCloudTest, what_is_no_cloud_is_an_error) {
   for (const char* const name : {"yard.db?table=other", "no.db?table=points", "yard.las?table=points"}) {
     const ProgramResult result = run({"info", name});
     EXPECT_EQ(result.exit_code, 2);

@@ -41,7 +41,7 @@ class IndexTest : public ProgramTest {
   }
 };
 
-TEST_F(IndexTest, info_tells_of_an_index_what_it_tells_of_its_source) {
+TEST_F(IndexTest, info_prints_of_an_index_what_it_prints_of_its_source) {
   index_scan();
   Json of_index = info({"site.alidade"}), of_las = info({"site.las"});
   ASSERT_EQ(of_index.at("indexes").size(), 1u);
@@ -199,7 +199,7 @@ TEST_F(IndexTest, existing_index_is_kept_without_overwrite) {
   EXPECT_EQ(info({"out.alidade"}).at("points"), 400);
 }
 
-TEST_F(IndexTest, a_name_that_is_none_of_an_index_is_rejected) {
+TEST_F(IndexTest, a_name_without_the_extension_of_an_index_is_rejected) {
   write_square("square.xyz");
   const ProgramResult result = run({"index", "square.xyz", "-o", "square.xyz", "--overwrite"});
   EXPECT_EQ(result.exit_code, 2);

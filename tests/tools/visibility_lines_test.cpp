@@ -59,7 +59,7 @@ TEST_F(VisibilityLinesTest, every_position_is_paired_with_every_other) {
   EXPECT_EQ(rows[2]["visible"], "0") << "from 1 to 3 it passes the wall's top at 2";
 }
 
-TEST_F(VisibilityLinesTest, pairs_are_told_by_names_or_by_coordinates) {
+TEST_F(VisibilityLinesTest, pairs_are_given_by_names_or_by_coordinates) {
   write("positions.csv", "x,y,z,name\n-4,0,1,west\n4,0,2.5,east\n");
   write("names.csv", "from,to\neast,west\n");
   write("coordinates.csv",
@@ -136,7 +136,7 @@ TEST_F(VisibilityLinesTest, results_do_not_depend_on_threads) {
   EXPECT_EQ(read("lines1.json"), read("lines3.json"));
 }
 
-TEST_F(VisibilityLinesTest, what_cannot_be_done_is_said) {
+TEST_F(VisibilityLinesTest, what_cannot_be_done_is_an_error) {
   write("positions.csv", "x,y,z,name\n-4,0,1,west\n4,0,1,east\n");
   write("one.csv", "x,y,z,name\n-4,0,1,west\n");
   write("same.csv", "x,y,z,name\n-4,0,1,west\n4,0,1,west\n");
@@ -194,7 +194,7 @@ TEST_F(VisibilityLinesTest, wrong_positions_are_found_before_surfaces_are_measur
   }
 }
 
-TEST_F(VisibilityLinesTest, names_in_capitals_tell_the_form_as_well) {
+TEST_F(VisibilityLinesTest, names_in_capitals_determine_the_form_as_well) {
   write("POSITIONS.CSV", "x,y,z,name\n-4,0,1,west\n4,0,1,east\n");
   for (const std::string extension : {"csv", "json", "geojson"}) {
     ASSERT_EQ(lines({"--places", "POSITIONS.CSV", "-o", "a." + extension}).exit_code, 0);
@@ -210,7 +210,7 @@ TEST_F(VisibilityLinesTest, names_in_capitals_tell_the_form_as_well) {
   EXPECT_EQ(read("a.geojson"), read("A.GEOJSON"));
 }
 
-TEST_F(VisibilityLinesTest, names_of_clouds_in_capitals_tell_the_form_as_well) {
+TEST_F(VisibilityLinesTest, names_of_clouds_in_capitals_determine_the_form_as_well) {
   for (const std::string name : {"a.las", "A.LAS", "A.Ply"})
     ASSERT_EQ(run({"visibility", "points", "site.csv", "--observer", "-4,0,1", "-q", "-o", name}).exit_code,
               0);

@@ -67,7 +67,7 @@ TEST_F(MapsResumeTest, sky_of_points_killed_at_many_moments_has_the_bytes_of_an_
                   {"-o", "sky.las"}, 4);
 }
 
-TEST_F(MapsResumeTest, a_map_goes_on_from_a_checkpoint_of_the_same_run_only) {
+TEST_F(MapsResumeTest, a_map_resumes_from_a_checkpoint_of_the_same_run_only) {
   const Words words =
       with(k_raster, {"--mode", "fraction", "--places", "8", "-o", "seen.tif", "--checkpoint", "state"});
   const Words fine = with(words, {"--resolution", "0.05"});

@@ -183,7 +183,7 @@ TEST_F(VisibilityPointsTest, columns_of_an_earlier_run_give_way) {
   EXPECT_EQ(read("a.las"), read("b.las"));
 }
 
-TEST_F(VisibilityPointsTest, observers_without_z_stand_on_the_ground) {
+TEST_F(VisibilityPointsTest, observers_without_z_are_on_the_ground) {
   write_garden();
   const ProgramResult result =
       run(with(k_points, {"--observer", "690005,5325010", "--observer-height", "1.5", "-o", "seen.las"}));
@@ -192,7 +192,7 @@ TEST_F(VisibilityPointsTest, observers_without_z_stand_on_the_ground) {
       << result.err;
 }
 
-TEST_F(VisibilityPointsTest, observer_grid_stands_on_the_ground_everywhere) {
+TEST_F(VisibilityPointsTest, observer_grid_is_on_the_ground_everywhere) {
   write_garden();
   const ProgramResult result = run(with(k_points, {"--observer-grid", "10", "-o", "seen.las"}));
   ASSERT_EQ(result.exit_code, 0) << result.err;
@@ -200,7 +200,7 @@ TEST_F(VisibilityPointsTest, observer_grid_stands_on_the_ground_everywhere) {
   EXPECT_TRUE(contains(result.err, "2-2: eye at 690015.000, 5325015.000, 602.000")) << result.err;
 }
 
-TEST_F(VisibilityPointsTest, noise_does_not_block_unless_asked) {
+TEST_F(VisibilityPointsTest, noise_does_not_block_unless_requested) {
   PointCloud cloud = garden();
   for (std::size_t id = 0; id < cloud.size(); ++id) {
     if (cloud.classifications[id] == 6) cloud.classifications[id] = 7;

@@ -71,7 +71,7 @@ TEST_F(ResumeTest, other_outputs_and_threads_are_the_same_run_another_reference_
   EXPECT_TRUE(read("b.csv") == read("whole.csv"));
 }
 
-TEST_F(ResumeTest, without_a_checkpoint_yet_resume_starts_and_says_so) {
+TEST_F(ResumeTest, without_a_checkpoint_yet_resume_starts_with_a_message) {
   const Words words = with(k_points, {"--observer", "101,201,7"});
   ASSERT_EQ(run(with(words, {"-o", "whole.las"})).exit_code, 0);
   const ProgramResult result = run(with(with(words, k_keep), {"-o", "out.las"}));

@@ -46,7 +46,7 @@ TEST(PointSkyViews, are_those_of_single_targets_by_point_id) {
   }
 }
 
-TEST(PointSkyViews, use_normals_that_say_something) {
+TEST(PointSkyViews, use_valid_normals) {
   const Points points = yard();
   const Occluders occluders(octree_of(points), {});
   std::vector<glm::vec3> normals(points.size(), glm::vec3(0, 0, -1));

@@ -54,7 +54,7 @@ TEST(LazWriteTest, what_is_read_from_laz_is_what_is_read_from_las) {
   }
 }
 
-TEST(LazWriteTest, the_ending_of_the_name_decides_in_characters_of_any_case) {
+TEST(LazWriteTest, the_extension_of_the_name_decides_in_characters_of_any_case) {
   EXPECT_TRUE(is_laz_name("a.laz"));
   EXPECT_TRUE(is_laz_name("a/b.c.LaZ"));
   EXPECT_FALSE(is_laz_name("a.las"));
@@ -117,7 +117,7 @@ TEST(LazWriteTest, without_finish_no_file_is_left) {
   EXPECT_TRUE(std::filesystem::is_empty(folder));
 }
 
-TEST(LazWriteTest, writing_stops_when_told_and_leaves_no_file) {
+TEST(LazWriteTest, writing_stops_when_requested_and_leaves_no_file) {
   const std::filesystem::path folder = test::test_folder();
   LasWriteOptions options;
   options.progress = [](std::uint64_t done, std::uint64_t) { return done < 30000; };
