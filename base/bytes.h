@@ -15,7 +15,7 @@
 namespace alidade {
 
 // LAS and most other binary formats are little endian, and so is every machine Alidade runs on.
-static_assert(std::endian::native == std::endian::little, "values are copied as they are in memory");
+static_assert(std::endian::native == std::endian::little, "values are copied byte by byte");
 
 /// The little-endian value of type T at any address, aligned or not.
 template <class T>
@@ -45,7 +45,7 @@ class HeaderFields {
   T get(std::size_t offset) const {
     return load<T>(bytes_.data() + offset);
   }
-  /// Throws an Error about the field at `offset` unless the condition holds.
+  /// Throws an Error about the field at `offset` unless `holds`.
   template <class Found>
   void require(bool holds, std::size_t offset, std::string problem, std::string expected,
                const Found& found) const {

@@ -148,7 +148,7 @@ void PartCheckpoint::flush() noexcept {
   try {
     write();
   } catch (const std::exception&) {
-    // No caller can be informed any more; what is in the file stays.
+    // The call cannot report this; what is in the file stays.
     pending_.clear();
     pending_entries_.clear();
   }

@@ -19,9 +19,9 @@
 #include "base/error.h"
 #include "base/fingerprint.h"
 
-// Long runs that can be resumed. A run is cut into parts of a fixed order, whose answers do not depend
-// on each other. What is finished is kept in a file, so that a run that was interrupted or killed computes
-// the others only, and ends with the bytes of one that was not. Little endian.
+// Resumable runs. A run is cut into parts of a fixed order, whose answers do not depend on each other. A file
+// keeps the finished parts: a run that was interrupted or killed computes only the others, and ends with the
+// bytes of an uninterrupted one. Little endian.
 //
 //   byte 0   8 B  "ALIDRUNS"             magic
 //        8   4 B  0x01020304             byte order
@@ -89,16 +89,16 @@ class PartCheckpoint {
   PartCheckpoint& operator=(const PartCheckpoint&) = delete;
 
   std::string name() const { return options_.file.string(); }
-  /// Whether the file is there.
+  /// Whether the file exists.
   bool is_kept() const { return descriptor_ >= 0; }
-  /// Parts that are finished, and all; 0 of 0 before a run that is begun again is started.
+  /// Parts that are finished, and all; 0 of 0 before start() of a new run.
   std::uint64_t finished() const { return entries_.size(); }
   std::uint64_t count() const { return count_; }
-  /// Whether a part was asked for since that is not finished: then work has begun.
+  /// Whether find() was called for a part that is not finished: then work has begun.
   bool has_begun() const { return has_begun_; }
 
-  /// To be called once, before the first part: the number of all. Begins the file if there is none. Errors:
-  /// another number in the file; it cannot be written.
+  /// Sets the number of all parts; call it once, before the first part. Creates a missing file. Errors: the
+  /// file has another number, or cannot be written.
   void start(std::uint64_t count);
   /// The answers of a part if it is finished. Errors: reading failed; the file was changed meanwhile.
   std::optional<std::vector<std::byte>> find(std::uint64_t part);
@@ -107,7 +107,7 @@ class PartCheckpoint {
   void add(std::uint64_t part, std::span<const std::byte> answers);
   /// Writes what is finished and not yet written; what cannot be written counts as not finished.
   void flush() noexcept;
-  /// Once nobody needs it any more.
+  /// Removes the file once it is not needed any more.
   void remove();
 
  private:

@@ -19,12 +19,11 @@ namespace alidade {
 ///   while (table.next()) use(table.columns(), table.cells());
 class CsvTable {
  public:
-  /// The number of the column that a header calls so; empty for an unknown name.
+  /// The number of the column with this name; empty for an unknown name.
   using ColumnOf = std::function<std::optional<std::size_t>(std::string_view name)>;
 
-  /// Reads the header; of a file without lines there is none. `form` is what it may be, for messages. Errors:
-  /// numbers instead of names; an unknown column; a column twice; more than k_most_columns; those of
-  /// InputFile.
+  /// Reads the header; a file without lines has no columns. `form` describes the header in messages. Errors:
+  /// numbers instead of names; an unknown or duplicate column; more than k_most_columns; those of InputFile.
   CsvTable(InputFile& file, const ColumnOf& column_of, std::string form);
 
   /// Reads the next row; false at the end. Errors: more or fewer cells than columns.

@@ -23,7 +23,7 @@ std::size_t whole_pages(std::size_t byte_count) {
   return (byte_count + k_huge_page - 1) / k_huge_page * k_huge_page;
 }
 
-/// Bytes that can be had without swapping; empty where /proc does not state it.
+/// Bytes that are available without swapping; empty where /proc does not report them.
 std::optional<std::uint64_t> available_memory() {
   constexpr std::uint64_t k_kibibyte = 1024;
   std::ifstream file("/proc/meminfo");
@@ -48,7 +48,7 @@ void check_memory(std::uint64_t bytes, const char* what) {
 void* take_pages(std::size_t byte_count) {
   if (byte_count < k_huge_page) return ::operator new(byte_count, k_small_alignment);
   if (byte_count > std::numeric_limits<std::size_t>::max() / 2) throw std::bad_alloc();
-  // One page more is requested, and what stands outside of the aligned part goes back.
+  // Maps one page more, and returns the parts outside of the aligned range.
   const std::size_t kept = whole_pages(byte_count), asked = kept + k_huge_page;
   void* const mapped = mmap(nullptr, asked, PROT_READ | PROT_WRITE, MAP_PRIVATE | MAP_ANONYMOUS, -1, 0);
   if (mapped == MAP_FAILED) throw std::bad_alloc();

@@ -11,11 +11,11 @@
 namespace alidade {
 
 /// Lets a large task fail before it starts. Errors: this many bytes are more than the machine can give at the
-/// moment; `what` they are for is named. Where the system does not report it, nothing is rejected.
+/// moment; `what` they are for is named. Without an answer from the system, nothing is rejected.
 void check_memory(std::uint64_t bytes, const char* what);
 
 /// Memory whose contents nobody has set, aligned to at least 64 bytes. From 2 MiB on it is aligned to 2 MiB
-/// and the system is requested to serve it with huge pages: an index jumps through all of its memory, and with
+/// and requests huge pages from the system: an index jumps through all of its memory, and with
 /// pages of 4 KiB most of these jumps would miss the table of page addresses as well. Errors: std::bad_alloc.
 void* take_pages(std::size_t byte_count);
 /// `byte_count` as it was taken.

@@ -37,8 +37,8 @@ class FileDescriptor {
   int number_ = -1;
 };
 
-/// A file to read from anywhere in it, checked: whoever requests bytes beyond its end gets an Error that
-/// names the byte. Works alike on bytes in memory, which is how fuzz tests feed the readers. Not thread safe.
+/// A file with checked random access: reading beyond its end throws an Error that names the byte. Works alike
+/// on bytes in memory, which is how fuzz tests feed the readers. Not thread safe.
 class InputFile {
  public:
   /// Opens a file. Errors: it is missing, unreadable or not a regular file.
@@ -134,8 +134,8 @@ class ByteCursor {
   std::size_t used_ = 0;
 };
 
-/// A file's bytes in memory without reading them: the system fetches pages when they are read, and
-/// programs that map one file share them. Copies share the map. Read only; safe to use from many threads.
+/// A file's bytes in memory without reading them: the system fetches pages on first access, and programs that
+/// map one file share them. Copies share the map. Read only; safe to use from many threads.
 ///
 /// Whoever makes a mapped file shorter, or pulls out its disk, ends the program that looks at the missing
 /// pages (SIGBUS): no check can rule that out. Replacing the file by renaming, as OutputFile does, leaves

@@ -17,8 +17,8 @@ namespace {
 constexpr std::size_t k_deepest = 64;
 constexpr std::size_t k_longest_quote = 40;
 
-// Builds the tree from the parser's events. The parser does not report the offset of a token; since it has
-// checked the grammar up to the token it reports, the offset is found by skipping what may stand between
+// Builds the tree from the parser's events. The parser does not report offsets of tokens. Since it has checked
+// the grammar up to the token it reports, the offset is found by skipping the characters allowed between
 // tokens.
 class TreeBuilder : public nlohmann::json_sax<nlohmann::json> {
  public:

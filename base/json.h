@@ -42,14 +42,14 @@ struct JsonDocument {
 
   /// "LINE:COLUMN" of a byte, both from 1, columns counted in characters.
   std::string offset(std::size_t byte) const;
-  /// What is at bytes [begin, end), shortened to one line of at most 40 characters.
+  /// The text at bytes [begin, end), shortened to one line of at most 40 characters.
   std::string quote(std::size_t begin, std::size_t end) const;
 };
 
 /// Parses strict JSON (RFC 8259: UTF-8, no comments, no trailing commas), nested at most 64 deep.
-/// What stands under a key of `unread`, at any depth, is checked but not kept: it becomes null. Errors: Error
-/// with line and column, for anything else, for a number beyond double, and for a key that is repeated in
-/// one object. Cost: linear; memory at most about 100 times the text that is kept.
+/// The value of a key of `unread`, at any depth, is checked but not kept: it becomes null. Errors: Error with
+/// line and column, for anything else, for a number beyond double, and for a duplicate key of an object.
+/// Cost: linear; memory at most about 100 times the text that is kept.
 JsonDocument parse_json(std::string text, std::string name, std::span<const std::string_view> unread = {});
 
 /// Which numbers are allowed: minimum to maximum, each included unless said otherwise.
@@ -133,7 +133,7 @@ class JsonFields {
   JsonNode node_;
 };
 
-/// The "type" of an object of which several kinds exist; `known` are the keys of all kinds.
+/// The "type" of an object that has several kinds; `known` are the keys of all kinds.
 JsonNode type_of(const JsonNode& node, std::initializer_list<std::string_view> known);
 
 /// "version" of our own files must be 1.

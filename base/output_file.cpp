@@ -107,7 +107,7 @@ void OutputFile::write_at(std::uint64_t offset, std::span<const std::byte> bytes
 void OutputFile::commit() {
   assert(!committed_);
   flush();
-  // Some file systems report only here that the disk is full.
+  // Some file systems report a full disk only here.
   if (::fsync(descriptor_) != 0) fail(name_, "cannot write the file", errno);
   const int closed = ::close(descriptor_);
   descriptor_ = -1;

@@ -10,8 +10,8 @@
 
 namespace alidade {
 
-/// A file that is written completely or not at all: bytes go to a temporary file in the same folder, commit()
-/// renames it to its final name. Destroyed without commit(), the temporary file is removed and an earlier
+/// A file that appears completely or not at all: bytes go to a temporary file in the same folder, and commit()
+/// renames it to its final name. Without commit() the destructor removes the temporary file, and an earlier
 /// file stays as it was.
 class OutputFile {
  public:

@@ -8,7 +8,7 @@
 
 namespace alidade {
 
-/// How a long task states what it has done, in units of its own (points, pixels, bytes).
+/// Reports the progress of a long task, in units of its own (points, pixels, bytes).
 /// Called a few dozen times per second at most, never by two threads at once. Returning false stops the task,
 /// which then cleans up and throws Cancelled. An empty function means nobody watches.
 using Progress = std::function<bool(std::uint64_t done, std::uint64_t total)>;

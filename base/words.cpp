@@ -74,7 +74,7 @@ std::optional<double> parse_number(std::string_view word) {
 }
 
 int written_decimals(std::string_view word) {
-  constexpr int k_most = 400;  // beyond what a double can distinguish
+  constexpr int k_most = 400;  // beyond the resolution of a double
   int exponent = 0;
   if (const std::size_t mark = word.find_first_of("eE"); mark != word.npos) {
     const char* first = word.data() + mark + 1;

@@ -44,7 +44,7 @@ bool is_blank(char character);
 /// The text without is_blank() characters at its ends.
 std::string_view trim(std::string_view text);
 
-/// The number a whole word represents: decimal or scientific, with an optional sign, "nan", "inf"; empty if
+/// The number that a whole word denotes: decimal or scientific, with an optional sign, "nan", "inf"; empty if
 /// it is not a number. Never depends on the locale. Too large a number is infinite, too small a one is zero.
 std::optional<double> parse_number(std::string_view word);
 

@@ -105,8 +105,7 @@ struct ExtraDimension {
   double offset = 0.0;
   bool has_scale = false;  ///< whether the file stated a scale
   bool has_offset = false;
-  /// The value that represents "no value", if the file named one; as it is in the LAS record, widened to
-  /// 8 bytes.
+  /// The nodata value, if the file has one; as in the LAS record, widened to 8 bytes.
   std::optional<std::array<std::uint8_t, 8>> no_data{};
   std::vector<std::uint8_t> values;  ///< byte_count bytes per point, little endian, in point order
 };

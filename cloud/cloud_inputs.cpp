@@ -86,7 +86,7 @@ bool is_ptx(std::string_view start) {
   return true;
 }
 
-/// Whether a file begins with text of which `is` says so.
+/// Whether a file begins with text that `is` accepts.
 template <bool (*is)(std::string_view)>
 bool begins(std::span<const std::byte> start) {
   return is(unmarked_text_of(start));
@@ -222,7 +222,7 @@ std::vector<fs::path> files_of_pattern(const fs::path& pattern) {
   return files;
 }
 
-/// The files that a name represents.
+/// The files that a name expands to.
 std::vector<fs::path> files_of_name(const fs::path& name) {
   std::error_code error;
   const fs::file_status status = fs::status(name, error);

@@ -20,15 +20,16 @@ class CloudReader;
 /// One way a cloud can be stored.
 struct CloudFormat {
   std::string_view name;
-  /// Whether a name is one of this format that no file has; null: there are none.
+  /// Whether a name is one of this format and not of a file; null: the format has no such names.
   bool (*is_named)(std::string_view name) = nullptr;
   /// By the first 4096 bytes of a file, or all it has; null: it is never a file.
   bool (*is_begun_by)(std::span<const std::byte> start) = nullptr;
-  /// Errors: the content is not of this format. Of what is no file the input is empty and has its name.
+  /// Errors: the content is not of this format. For names that are not of files the input is empty and has the
+  /// name.
   std::unique_ptr<CloudReader> (*open)(InputFile input, Damage damage) = nullptr;
 };
 
-/// Formats in the order in which they are tried.
+/// Formats, tested in this order.
 using CloudFormats = std::span<const CloudFormat* const>;
 
 extern const CloudFormat k_copc_format, k_las_format, k_e57_format, k_ply_format, k_pcd_format, k_ptx_format,
@@ -38,7 +39,7 @@ extern const CloudFormat k_copc_format, k_las_format, k_e57_format, k_ply_format
 /// whatever is text.
 CloudFormats file_formats();
 
-/// Others, which are tried first, and file_formats().
+/// Others, which are tested first, and file_formats().
 std::vector<const CloudFormat*> with_file_formats(std::initializer_list<const CloudFormat*> first);
 
 /// Where one cloud is stored. Nothing is open.
@@ -73,26 +74,24 @@ struct CloudInputs {
   void check_files() const;
 };
 
-/// The clouds that names of files, folders and patterns represent, in the order of the names, each examined
-/// once:
-/// - a name of one of the formats (CloudFormat::is_named) represents itself;
-/// - what is neither a folder nor a pattern is one file, whether it is there or not;
+/// The clouds that names of files, folders and patterns expand to, in the order of the names, each tested once:
+/// - a name of one of the formats (CloudFormat::is_named) is that cloud;
+/// - what is neither a folder nor a pattern is one file, whether it exists or not;
 /// - a folder is the cloud files in it, not those of folders inside it: what ends in las, laz, ply, pcd, e57,
 ///   pts, ptx, xyz, txt or csv, in capitals or not;
 /// - a pattern is what it matches: * any characters but '/', ? one character, [a-c] one of these, [!a-c] one
-///   that
-///   is not, in the name of the file or of folders above it. If the name's last part has no '.', only cloud
-///   files are taken, as from a folder. If it is no pattern, it may be a folder, and represents its files. A
-///   name that is there is taken as it stands, whatever characters are in it, and so are names of folders in a
-///   pattern. Hidden files (.name) and index files (.alidade) are left out unless named: by the first
-///   characters, or the extension, of the pattern. Links are what they lead to; one that leads nowhere is a
-///   file, which cannot be opened, as nobody shall miss it. The files of one name are sorted by the bytes of
-///   their paths; a file that two names represent comes twice.
+///   that is not, in the name of the file or of folders above it. If the name's last part has no '.', only
+///   cloud files are taken, as from a folder. A last part that is not a pattern may be a folder: its files are
+///   taken.
+/// The name of an existing file or folder is never a pattern, whatever its characters are; nor are such names
+/// of folders in a pattern. Hidden files (.name) and index files (.alidade) are left out unless named: by the
+/// first characters, or the extension, of the pattern. Links are followed; a broken link is a file that cannot
+/// be opened, so that its points are not missed silently. The files of one name are sorted by the bytes of
+/// their paths; a file of two names is in the list twice.
 ///
-/// Errors: a folder without cloud files or that cannot be read; a pattern that matches none. Each says what
-/// was looked for. A file that is missing or damaged does not count. Cost: one look into each folder
-/// concerned, and at the first bytes of each file, in parallel (oneTBB). `formats` must outlive what is
-/// returned.
+/// Errors: a folder without cloud files or that cannot be read; a pattern that matches no file. Messages name
+/// what was expected. A missing or damaged file is not an error here. Cost: reads each folder concerned once,
+/// and the first bytes of each file, in parallel (oneTBB). `formats` must outlive the result.
 CloudInputs resolve_clouds(std::span<const std::filesystem::path> names,
                            CloudFormats formats = file_formats());
 

@@ -120,8 +120,8 @@ class CloudReader {
   /// it by a whole number of steps. Keeps only `wanted` attributes; columns the file has and the cloud lacks
   /// are first filled with zeros up to the cloud's size, and columns the cloud has and the file lacks get
   /// zeros for the new rows. The caller has reserved room. Records, scanner positions and warnings are added
-  /// to `cloud` by this call; facts() and file() by the caller. Nothing else of the cloud is examined: it
-  /// may hold the files before this one or be a piece of its own. See append_rows.h.
+  /// to `cloud` by this call; facts() and file() by the caller. The call does not depend on the cloud's other
+  /// contents: it may hold the files before this one or be a piece of its own. See append_rows.h.
   void read(PointCloud& cloud, AttributeSet wanted, const Progress& progress) {
     read_in_pieces(cloud, wanted, {}, progress);
   }
@@ -131,13 +131,13 @@ class CloudReader {
   virtual void read_in_pieces(PointCloud& cloud, AttributeSet wanted, const CloudPieces& pieces,
                               const Progress& progress) = 0;
 
-  /// The points that are missing from what read() gave, position by position in the order of the file; each
-  /// point once. Final after read(), which adds no warnings about them: the caller does. Always empty with
+  /// The points that are missing from what read() gave, position by position in the order of the file; each point
+  /// once. Final after read(), which adds no warnings about them: the caller does. Always empty with
   /// Damage::reject.
   virtual std::vector<LostPoints> lost() const { return {}; }
 
   /// Gives back file handle and buffers (InputFile::rest) until the next call that needs them; called while
-  /// other files of a large set are examined.
+  /// other files of a large set are read.
   virtual void rest() {}
 };
 

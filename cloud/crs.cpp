@@ -14,7 +14,7 @@ namespace alidade {
 
 namespace {
 
-/// Numbers by the word that they are in, and for parameters its name: those of all such words in a row.
+/// The numbers of a definition by WKT keyword, for parameters also by name. Equal keywords share a list.
 using Definition = std::map<std::string, std::vector<double>>;
 
 /// The numbers behind the name that `text` begins with: "Bessel",6377397.155,299.15],...
@@ -56,11 +56,11 @@ bool nearly_equal(double a, double b) {
 }
 
 /// Whether two projected systems, WKT of version 1, are defined by the same numbers: ellipsoid, prime
-/// meridian, units, and the parameters of the projection, which are given by the characters and digits of their
-/// names. Programs give systems, datums and projections names of their own, as "ETRS89 / UTM zone 32N" and
-/// "ETRS_1989_UTM_Zone_32N"; numbers they share up to their last digit. True does not say that the systems
-/// are one: datums on one ellipsoid lie up to some metres apart. False for what has no parameters, or other
-/// ones, as WKT of version 2 beside that of version 1.
+/// meridian, units, and the parameters of the projection. Parameters are compared by the alphanumeric
+/// characters of their names. Programs give systems, datums and projections names of their own, as
+/// "ETRS89 / UTM zone 32N" and "ETRS_1989_UTM_Zone_32N", but share the numbers up to their last digit. Equal
+/// numbers do not make equal systems: datums on one ellipsoid lie up to some metres apart. False for systems
+/// without parameters, or with other ones, as WKT of version 2 beside that of version 1.
 bool same_definition(const std::string& wkt_a, const std::string& wkt_b) {
   const Definition a = definition_of(wkt_a), b = definition_of(wkt_b);
   const auto parameter = a.lower_bound("PARAMETER");
@@ -100,7 +100,7 @@ bool is_geodetic(const std::string& wkt, std::string_view coordinates) {
          wkt.find(coordinates) != std::string::npos;
 }
 
-/// EPSG code that the keys give in offset; empty if there is none.
+/// The EPSG code that is the value of this GeoTIFF key; empty if missing.
 std::optional<int> code_of_key(const Crs& crs, std::uint16_t key) {
   constexpr std::uint16_t k_user_defined = 32767;
   return value_of_key(crs, key, [](std::uint16_t value) { return value != 0 && value != k_user_defined; });
@@ -114,7 +114,7 @@ std::string wkt_name(const std::string& wkt) {
 }
 
 /// The code in AUTHORITY["EPSG","25832"] or ID["EPSG",25832] right inside the WKT node that begins at
-/// `begin`; empty if there is none.
+/// `begin`; empty if missing.
 std::optional<int> code_of_node(const std::string& wkt, std::size_t begin) {
   int depth = 0;
   bool is_quoted = false;
@@ -165,7 +165,7 @@ std::optional<int> vertical_code(const Crs& crs) {
 }  // namespace
 
 bool is_geographic(const Crs& crs) {
-  // A projected system names the geographic one that it is on, so the projected one decides.
+  // A projected system contains its geographic one, so the projected one decides.
   if (!crs.wkt.empty()) {
     return !has_any(crs.wkt, {"PROJCS[", "PROJCRS[", "PROJECTEDCRS["}) &&
            (has_any(crs.wkt, {"GEOGCS[", "GEOGCRS[", "GEOGRAPHICCRS["}) ||

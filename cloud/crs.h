@@ -26,7 +26,7 @@ struct Crs {
 };
 
 /// The piece of a WKT from the first of the keys that is in it, such as "PROJCS[", to the bracket that closes
-/// it; brackets within quotes do not count. Empty if there is none or it does not end. It points into `wkt`.
+/// it; brackets within quotes do not count. Empty if it is missing or does not end. It points into `wkt`.
 inline std::string_view wkt_node(std::string_view wkt, std::initializer_list<std::string_view> keys) {
   for (const std::string_view key : keys) {
     const std::size_t begin = wkt.find(key);
@@ -63,7 +63,7 @@ CrsAgreement compare_crs(const Crs& a, const Crs& b);
 
 /// Whether the system's horizontal coordinates are longitude and latitude: WKT of a geographic system (also
 /// as part of a compound one), or, without WKT, a GeoTIFF model type of 2; without a model type, keys that
-/// name a geographic system and no projected one. False for whatever cannot be determined.
+/// name a geographic system and no projected one. False if unknown.
 bool is_geographic(const Crs& crs);
 
 /// Whether the system's origin is the centre of the Earth: WKT of a geocentric system or, without WKT, a

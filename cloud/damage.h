@@ -12,7 +12,7 @@ namespace alidade {
 /// What a reader does where a file is damaged behind a header that makes sense.
 enum class Damage {
   reject,     ///< throws DamagedFile at the first position
-  read_over,  ///< leaves out the points that cannot be had and describes them in CloudReader::lost()
+  read_over,  ///< leaves out unreadable points and reports them in CloudReader::lost()
 };
 
 /// Points that a damaged file does not give any more.

@@ -149,7 +149,7 @@ void JoinedRecords::join(std::size_t first) {
   for (std::size_t i = first; i < kept; ++i) earlier_.insert(i);
 }
 
-// It does not ask what floats of the size of the coordinates could distinguish: far from the origin that is
+// The resolution of floats of the size of the coordinates does not count: far from the origin it is
 // centimetres.
 void warn_of_rounding(const CloudSource& source, PointCloud& cloud) {
   constexpr double k_matters = 1e-6;

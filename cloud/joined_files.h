@@ -70,7 +70,7 @@ struct GivenRows {
   AttributeSet attributes;
 };
 
-/// Coordinates of a file without a lattice that are rounded coarsely; the rule is at read_cloud().
+/// Warns of a file without a lattice whose coordinates are rounded coarsely; see read_cloud() for the rule.
 void warn_of_rounding(const CloudSource& source, PointCloud& cloud);
 
 /// Attributes, of those that the cloud has, that were filled with zeros.

@@ -16,7 +16,7 @@ namespace alidade {
 /// A point as the cloud stores it: three 32-bit steps on the lattice.
 using LatticePosition = glm::ivec3;
 
-/// The grid all points of a cloud are on, exactly as in LAS: world = offset + scale * steps.
+/// The grid of all points of a cloud, exactly as in LAS: world = offset + scale * steps.
 /// `scale` is positive on every axis, in the unit of the CRS (metres unless the file says otherwise).
 struct Lattice {
   glm::dvec3 scale{0.001};
@@ -43,7 +43,7 @@ inline std::optional<LatticePosition> to_lattice(const Lattice& lattice, const g
   return position;
 }
 
-/// Low and high corner of points in lattice positions; low is above high while there are none.
+/// Low and high corner of points in lattice positions; low is above high without points.
 struct LatticeExtent {
   LatticePosition low{2147483647}, high{-2147483647 - 1};
 
@@ -59,7 +59,7 @@ struct LatticeExtent {
   }
 };
 
-/// What a first pass over a file without a lattice finds, so that a lattice can be chosen.
+/// What a first pass over a file without a lattice finds, to choose a lattice.
 struct CoordinateSurvey {
   Bounds bounds;  ///< of the finite points, world coordinates
   std::uint64_t finite_count = 0;
@@ -77,10 +77,10 @@ struct CoordinateSurvey {
 /// can. Errors: coordinates beyond 1e300.
 Lattice fit_lattice(std::span<const CoordinateSurvey> surveys);
 
-/// How many steps to add to positions on `from` so that they are on `to`; empty if the lattices differ in
-/// scale or by a fraction of a step. A fraction up to 1e-5 steps, or up to twice the distance from the larger
-/// offset to the next double, is not a lattice: more than that the offsets cannot say. Where the scale is
-/// finer than such doubles, all offsets agree, and world coordinates are no finer either.
+/// The steps to add to positions on `from` to get positions on `to`; empty if the lattices differ in scale or
+/// by a fraction of a step. A fraction up to 1e-5 steps, or up to twice the distance from the larger offset to
+/// the next double, counts as zero: offsets have no higher resolution. Where the scale is finer than such
+/// doubles, all offsets agree, and world coordinates are no finer either.
 std::optional<glm::i64vec3> steps_between(const Lattice& from, const Lattice& to);
 
 /// Brings positions of a file from its lattice onto that of the cloud it is joined to.

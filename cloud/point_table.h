@@ -68,7 +68,7 @@ struct Cell {
 /// whole number that fits.
 Cell require_cell(const TextScanner& scanner, std::string_view word, ScalarType type);
 
-/// Which names mean coordinates: x, y, z only, or also easting, latitude, height, ... and `i` for
+/// Which names denote coordinates: x, y, z only, or also easting, latitude, height, ... and `i` for
 /// intensity.
 enum class NameRules { point_format, text };
 
@@ -140,7 +140,7 @@ inline Cell cell_from(const std::byte* offset, ScalarType type, std::endian orde
   });
 }
 
-/// Smallest and largest of the values seen; NaN is skipped. Inverted if there was no value.
+/// Smallest and largest of the values seen. NaN is ignored. Inverted without values.
 struct ColumnRange {
   double min = std::numeric_limits<double>::infinity();
   double max = -std::numeric_limits<double>::infinity();

@@ -20,25 +20,25 @@ struct ReadOptions {
   /// Attributes to keep; others are skipped and take no memory. Positions are always read.
   AttributeSet attributes = AttributeSet::all();
   /// One depth for all LAS files. `automatic`: 8 bits if no channel of any coloured LAS point exceeds 255
-  /// (and some channel is not 0), else 16. What was assumed is in PointCloud::warnings when it is 8, and
-  /// when it is 16 for files that on their own would be 8.
+  /// (and some channel is not 0), else 16. PointCloud::warnings reports the assumption when it is 8, and when
+  /// it is 16 for files that on their own would be 8.
   ColorDepth color_depth = ColorDepth::automatic;
-  /// Whether to read the intact part of damaged files. What is lost then is in PointCloud::warnings, file
-  /// by file and position by position, and in CloudFile::lost_count; otherwise damage is an Error.
+  /// Whether to read the intact part of damaged files. PointCloud::warnings then reports what is lost, file by
+  /// file and position by position, and CloudFile::lost_count counts it; otherwise damage is an Error.
   bool partial = false;
   /// Where points are needed, world coordinates, faces included; sides may be infinite. LAS and index files
   /// whose own word for where their points are (FileFacts::box) does not meet it are left unread: the cloud
   /// then holds at least all points within, provided that such headers are right, in rows that RowIds
   /// (cloud/rows.h) numbers as if all had been read. Points of files that are read are not cut off.
-  /// Skipped files do not count in ColorDepth::automatic and none in the attributes. Ignored with `partial`.
+  /// Skipped files affect neither ColorDepth::automatic nor the attributes. Ignored with `partial`.
   std::optional<Bounds> region{};
   Progress progress{};  ///< in bytes of input
 };
 
 /// Reads one or more clouds into one. LAS 1.0-1.4 (point formats 0-10), LAZ and COPC of these, PLY, PCD, E57,
-/// PTX, PTS, CSV with header names and XYZ are recognised by content, never by the file's name; other formats
-/// are those that the inputs were resolved with, as index files (octree/index_file/index_file.h), whose
-/// points come back in the rows they had.
+/// PTX, PTS, CSV with header names and XYZ are detected by content, never by the file's name; other formats
+/// are those that the inputs were resolved with, as index files (octree/index_file/index_file.h), whose points
+/// come back in the rows they had.
 ///
 /// Several files are joined in the
 /// order given; an attribute that only some files have is filled with zeros for the others (said in

@@ -32,7 +32,7 @@ const char* remark_on(bool is_deep, bool spreads, ColorDepth depth) {
 /// Points of such pieces at once, if that is more than an eighth of all.
 constexpr std::uint64_t k_few_points = 1 << 22;
 
-/// Opens files of which each is to be read, skipped, or to be looked through for its lattice.
+/// Opens the files and marks those outside of the region as skipped.
 std::vector<CloudSource> open_sources(const CloudInputs& inputs, const ReadOptions& options) {
   inputs.check_files();
   const Damage damage = options.partial ? Damage::read_over : Damage::reject;
@@ -123,8 +123,8 @@ class Joining {
     given_pieces_.take(cloud_);
   }
 
-  /// Takes over what the first file says about its points. How times are counted, the first file says that has
-  /// some and can say; states which other one counts another way.
+  /// Takes over the facts of the first file. The kind of times is that of the first file that has times and
+  /// states their kind; a warning names a file of another kind.
   void join_facts(const CloudSource& source) {
     if (cloud_.files.empty()) {
       cloud_.gps_time_is_standard = source.facts.gps_time_is_standard.value_or(false);

@@ -96,7 +96,7 @@ std::size_t close_up(std::size_t first, std::size_t size, const Next& next, cons
   return to;
 }
 
-/// Counts the points of each file again, where the files describe all rows.
+/// Counts the points of each file again, if the files account for all rows.
 template <class Next>
 void count_points(PointCloud& cloud, std::size_t first, const Next& next) {
   std::uint64_t end = 0;

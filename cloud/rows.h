@@ -18,8 +18,8 @@ namespace alidade {
 void append_rows(PointCloud& cloud, AttributeSet filled, std::size_t count);
 
 /// Index of the cloud's extra dimension that means the same as `like`, made with zeros for all points if
-/// there is none. The values of `like` are not examined. If a file has several of one meaning, `occurrence`
-/// counts them from 0.
+/// missing. The values of `like` are ignored. If a file has several of one meaning, `occurrence` counts them
+/// from 0.
 std::size_t find_extra_dimension(PointCloud& cloud, const ExtraDimension& like, std::size_t occurrence = 0);
 
 /// Whether two extra dimensions can share a column: equal in name, type, scale, offset and "no value" mark.
@@ -66,7 +66,7 @@ class RowIds {
   /// `files` are PointCloud::files.
   explicit RowIds(std::span<const CloudFile> files);
 
-  /// Cost: that of a search among the skipped files; none if there are none.
+  /// Cost: that of a search among the skipped files; nothing without such files.
   std::uint64_t operator()(std::uint64_t row) const;
 
   std::size_t skipped_files() const { return skipped_files_; }

@@ -41,7 +41,7 @@ void for_parts(std::size_t size, const Progress& progress, const Work& work) {
   }
 }
 
-/// Keeps the points at positions where `stays` says so; it is called from many threads.
+/// Keeps the points at positions where `stays` returns true; many threads call it.
 template <class Stays>
 void keep_positions(PointCloud& cloud, const Stays& stays, const Progress& progress) {
   std::vector<std::uint8_t> marks(cloud.size());

@@ -61,8 +61,8 @@ struct AnnouncedRows {
 void check_room(const InputFile& input, const AnnouncedRows& rows, Damage damage);
 
 /// What PLY, PCD and the text formats share: a file is a table of points with free coordinates, its columns
-/// have names or an agreed order. A format states its columns and walks over the rows; survey and read are
-/// done here.
+/// have names or an agreed order. A format sets its columns and visits the rows; survey and read are done
+/// here.
 class TableReader : public CloudReader {
  public:
   const CloudFile& file() const override { return description_; }
@@ -79,7 +79,7 @@ class TableReader : public CloudReader {
 
   TableReader(InputFile input, std::string format, Damage damage);
 
-  /// Sets the columns, whose roles have been assigned; `offset` is where the file names them. Errors: two
+  /// Sets the columns, whose roles have been assigned; `offset` is that of their names in the file. Errors: two
   /// columns of one name; more than 4096; no x or no y. A missing z is said in the warnings.
   void set_columns(std::vector<TableColumn> columns, const std::string& location);
 

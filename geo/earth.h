@@ -12,7 +12,7 @@
 
 namespace alidade::geo {
 
-/// Radius of the sphere that represents the Earth, metres.
+/// Radius of the spherical Earth, metres.
 constexpr double k_earth_radius = 6'371'000.0;
 
 /// Unit vector towards an azimuth (degrees clockwise from north, +y) and an elevation (degrees above the

@@ -48,7 +48,7 @@ std::vector<std::byte> tiff_with_keys(const Crs& crs) {
   constexpr std::size_t k_entries = 11, k_directory = 8, k_pixel = k_directory + 2 + 12 * k_entries + 4;
   constexpr std::size_t k_keys = k_pixel + 8;
   const std::size_t doubles = k_keys + 2 * crs.geotiff_keys.size();
-  // Values of up to four bytes would have to be in the entry itself.
+  // TIFF stores values of up to four bytes in the entry itself; padding avoids that.
   std::vector<double> numbers = crs.geotiff_doubles;
   if (numbers.empty()) numbers.push_back(0.0);
   std::string text = crs.geotiff_ascii;

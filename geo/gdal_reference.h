@@ -86,7 +86,7 @@ using GdalReference = GdalHandle<OSRRelease>;
 using GdalTransformation = GdalHandle<OCTDestroyCoordinateTransformation>;
 
 /// The reference system as WKT: what the file gave, or what its GeoTIFF keys mean, as GDAL reads them. Empty
-/// if there is none or nothing can be made of it.
+/// if it is missing or invalid.
 std::string wkt_of(const Crs& crs);
 
 /// The plane part of a cloud's system; null if GDAL does not know it or it lies nowhere on Earth.

@@ -84,7 +84,7 @@ bool is_in_degrees(const Crs& crs) {
   return false;
 }
 
-/// What describes x and y alone: heights may be counted in another unit.
+/// The part of the system for x and y alone: heights may have another unit.
 Crs plane_part(const Crs& crs) {
   constexpr std::uint16_t k_vertical_units = 4099;
   Crs plane;

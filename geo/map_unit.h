@@ -7,9 +7,9 @@
 
 namespace alidade::geo {
 
-/// Unit of z, as far as the coordinate reference system states it: "m", "ft", or empty where it names another
-/// or none. The vertical system counts, else the unit of the horizontal one; heights over degrees are metres,
-/// and so are those of a cloud that says nothing at all.
+/// Unit of z by the coordinate reference system: "m", "ft", or empty where it names another or none. The
+/// vertical system counts, else the unit of the horizontal one; heights over degrees are metres, and so are
+/// those of a cloud without any system.
 std::string height_unit(const Crs& crs);
 
 /// What the coordinates of a map are counted in.

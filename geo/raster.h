@@ -15,8 +15,8 @@ namespace alidade::geo {
 /// No map has more cells than this, 2^31.
 constexpr std::uint64_t k_most_cells = std::uint64_t{1} << 31;
 
-/// Where the cells of a map lie: squares in rows, north (+y) up. A value represents the whole of its cell
-/// (GDAL's "pixel is area").
+/// The cells of a map: squares in rows, north (+y) up. A value applies to the whole cell (GDAL's "pixel is
+/// area").
 struct RasterGrid {
   glm::dvec2 north_west{0.0};  ///< outer corner of row 0, column 0
   double cell_size = 1.0;      ///< side of a cell, in the unit of the cloud
@@ -60,7 +60,7 @@ RasterGrid grid_over(const Bounds& area, double cell_size);
 /// the outer edges to the outermost cell. Empty outside of the grid.
 std::optional<glm::ivec2> cell_at(const RasterGrid& grid, const glm::dvec2& position);
 
-/// The common part of two areas, in x and y; empty if there is none. z is that of `area`.
+/// The intersection of two areas, in x and y; may be empty. z is that of `area`.
 Bounds cropped(const Bounds& area, const Bounds& to);
 
 /// check_memory() for a map of so many bands of up to 4 bytes, with what making and writing it takes: 12 B

@@ -34,8 +34,8 @@ struct RasterContents {
 
 /// Writes a cloud-optimised GeoTIFF: tiles of 512 cells, compressed without loss, with overviews (nearest
 /// cell of whole numbers, mean of float ones) where it is larger than a tile. A reference system that GDAL
-/// does not understand is left out. The file is written completely or not at all; the same contents give the
-/// same bytes with the same version of GDAL. Errors: those of check_raster_name(); an existing file without
+/// does not support is left out. The file appears completely or not at all; the same contents give the same
+/// bytes with the same version of GDAL. Errors: those of check_raster_name(); an existing file without
 /// `overwrite`; bands of several types, or with another number of values; a full disk and other write
 /// failures. Memory: the encoded file, overviews included.
 void write_raster(const std::filesystem::path& file, const RasterContents& contents, bool overwrite);

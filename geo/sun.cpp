@@ -61,7 +61,7 @@ glm::dvec3 position_of(const SunObserver& observer) {
           (normal * (1.0 - k_eccentricity_sq) + observer.height) * sine};
 }
 
-/// How much higher than it is the air shows what is at this elevation, degrees. Source: NREL's algorithm,
+/// Refraction at this elevation, degrees: how much higher a body appears than it is. Source: NREL's algorithm,
 /// equation 42, after Saemundsson 1986.
 double refraction(double elevation, const SunObserver& observer) {
   // Half the sun's disc and the refraction at the horizon.

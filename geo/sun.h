@@ -47,9 +47,9 @@ struct SunPosition {
 };
 
 /// Within 0.0001 degrees of the published example of NREL's algorithm (Reda and Andreas, Solar Position
-/// Algorithm for Solar Radiation Applications, 2003). Good to 0.005 degrees in our times, of which 0.004 are
-/// the difference (below 0.9 s since 1972) between UTC and the turning of the Earth; far from them the
-/// turning itself is an estimate, see delta_t(). The Earth's orbit is VSOP87 as libnova has it; precession,
+/// Algorithm for Solar Radiation Applications, 2003). Good to 0.005 degrees in our times: 0.004 are the
+/// difference (below 0.9 s since 1972) between UTC and the rotation of the Earth. Far from our times the
+/// rotation itself is an estimate, see delta_t(). The Earth's orbit is VSOP87 as libnova has it; precession,
 /// nutation, aberration, sidereal time as in Meeus, Astronomical Algorithms, 1998, chapters 12, 21, 22, 25;
 /// parallax from the observer's position on the WGS 84 ellipsoid; refraction as in NREL's algorithm, none where
 /// the upper limb is below the horizon. `terrestrial_minus_universal`: seconds; delta_t() of the year if
@@ -74,7 +74,7 @@ double air_mass(double elevation);
 /// whose mathematical functions differ in the last bit get the same pictures.
 Rgb clear_sky_irradiance(double elevation, double pressure);
 
-/// The map a scene is on.
+/// The map of a scene.
 struct SceneMap {
   Crs crs;            ///< the cloud's; empty = none
   glm::dvec2 center;  ///< where in it the scene is: the middle of the cloud
@@ -86,7 +86,7 @@ struct PlacedSun {
             ///< degrees
   bool is_up = false;         ///< whether its middle is above the horizon; else it lights nothing
   double true_azimuth = 0.0;  ///< degrees clockwise from true north
-  double grid_north = 0.0;    ///< azimuth of +y, degrees clockwise from true north; 0 where no map defines it
+  double grid_north = 0.0;    ///< azimuth of +y, degrees clockwise from true north; 0 without a map
   bool is_map_known = false;  ///< whether grid_north comes from a map
   double latitude = 0.0, longitude = 0.0;
 };
@@ -94,7 +94,7 @@ struct PlacedSun {
 /// Where the sun stands. Without latitude and longitude they are those of the scene on its map; with a map
 /// azimuths are turned from true north to +y, without one +y is taken for true north. An automatic irradiance
 /// is clear_sky_irradiance(). Rounding lets machines whose mathematical functions differ in the last bit
-/// agree. Errors: neither latitude and longitude nor a map that defines them.
+/// agree. Errors: neither latitude and longitude nor a map that gives them.
 PlacedSun place_sun(const SunByTime& by_time, const std::optional<SceneMap>& map);
 
 /// One line for people and for the metadata of pictures.

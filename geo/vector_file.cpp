@@ -14,7 +14,7 @@ namespace alidade::geo {
 namespace {
 
 GdalDataset open_vector_file(const std::filesystem::path& path, const VectorContent& content) {
-  // Tested here, because GDAL accepts texts that are not file names.
+  // Tested here, because GDAL interprets many a text that is not the name of a file as something to read.
   std::error_code error;
   if (!std::filesystem::is_regular_file(path, error))
     throw Error({.file = path.string(), .problem = "not a file", .expected = content.expected});

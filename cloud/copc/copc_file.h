@@ -36,7 +36,7 @@ class CopcFile {
   const CopcHierarchy& hierarchy() const { return hierarchy_; }
   const std::vector<std::string>& warnings() const { return warnings_; }
 
-  /// The bytes of a node's chunk, as they are in the file.
+  /// The bytes of a node's chunk, as in the file.
   void read_chunk(const CopcNode& node, std::vector<std::byte>& bytes) const;
 
   /// No point of the node or of those below it lies outside: the node's cube, enlarged by a step of the

@@ -133,7 +133,7 @@ class Scalings {
     scalings_[scan].intensities = from_range(range);
   }
 
-  /// Scans without known facts share what is seen of all of them.
+  /// Scales all scans without known limits by the ranges of their values together.
   void scale_free_ones() {
     const ValueScaling colors = color_scaling(ScalarType::float64, colors_);
     const ValueScaling intensities =

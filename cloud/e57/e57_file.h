@@ -17,8 +17,8 @@
 
 namespace alidade {
 
-/// What was read over in a file, as clauses. Hundreds of scans by one program are odd in the same way: of
-/// each kind the first is reported, and how many more there are.
+/// What was read over in a file, as clauses. Hundreds of scans by one program are odd in the same way: the
+/// clauses report the first of each kind, and the number of others.
 class E57Oddities {
  public:
   void add(const std::string& kind, const std::string& clause) {
@@ -104,7 +104,7 @@ const char* name_of(E57Projection projection);
 /// One picture of an image, which may have a visual reference and one of the projections.
 struct E57Picture {
   E57Projection projection = E57Projection::visual;
-  std::string extension;  ///< "jpg" or "png", recognised by the first bytes; "bin" for anything else
+  std::string extension;  ///< "jpg" or "png", by the first bytes; "bin" for anything else
   E57Blob blob;
   std::optional<E57Blob> mask{};                 ///< PNG, 0 = pixel not valid
   std::uint64_t width = 0, height = 0;           ///< pixels, as the XML says

@@ -61,7 +61,7 @@ std::size_t role_of(const E57Field& field) {
   return k_e57_role_count;
 }
 
-/// Roles of which one without the others does not apply; the last three follow a first one.
+/// Roles that require each other; the last three follow a first one.
 constexpr std::array<std::array<E57Role, 3>, 4> k_triples = {
     {{E57Role::x, E57Role::y, E57Role::z},
      {E57Role::range, E57Role::azimuth, E57Role::elevation},
@@ -208,7 +208,7 @@ double E57PointReader::resolution_of(E57Role role, double largest, bool may_be_e
   const E57Field& field = scan_.fields[*roles_.field(role)];
   switch (field.kind) {
     case E57FieldKind::float32:
-      // Zeros alone show nothing.
+      // Zeros have no resolution.
       return largest == 0.0 ? 0.0 : type_resolution(ScalarType::float32, largest);
     case E57FieldKind::integer:
     case E57FieldKind::scaled_integer: {

@@ -113,10 +113,10 @@ class E57PointReader {
   /// Of the last visit().
   const E57LeftOut& left_out() const { return left_out_; }
 
-  /// How finely the stored numbers of the points of the last visit() distinguish positions, per axis of the
-  /// file: half an ulp of the largest float32, half a step of integers, 0 for float64. Where integers do not
-  /// stand on a lattice of decimal steps around whole numbers (other scales, rotated or spherical scans) a
-  /// twentieth of a step, so that rounding hides none of them. Angles count with the largest distance.
+  /// The resolution of the points' stored coordinates in the last visit(), per axis of the file: half an ulp of
+  /// the largest float32, half a step of integers, 0 for float64. Where integers are not on a lattice of
+  /// decimal steps around whole numbers (other scales, rotated or spherical scans), a twentieth of a step, so
+  /// that rounding hides none of them. Angles count with the largest distance.
   glm::dvec3 resolution() const;
 
  private:

@@ -38,8 +38,8 @@ class BitQueue {
   std::uint64_t next_bit_ = 0;  ///< of bytes_
 };
 
-/// Walks through the records of a scan, some thousand at a time. Streams of fields that nobody requests are
-/// not examined. Memory: a block; where streams of one scan run apart, what one is ahead of another.
+/// Reads the records of a scan, some thousand at a time. Streams of fields that are not requested are not
+/// decoded. Memory: a block; where streams of one scan run apart, what one is ahead of another.
 class E57Records {
  public:
   /// Takes columns of values: columns[i] belongs to the i-th field asked for.
@@ -49,9 +49,9 @@ class E57Records {
   /// The scan is one of an E57File over `pages`.
   E57Records(E57Pages& pages, const E57Scan& scan, std::string where, std::span<const std::size_t> wanted);
 
-  /// Shows all records in order. Errors, with scan and packet, counted from 1: an invalid packet or
-  /// leaves the section, another number of streams than the scan has fields, a section that ends before all
-  /// records were read; a damaged page.
+  /// Passes on all records in order. Errors, with scan and packet, counted from 1: an invalid packet or one
+  /// that leaves the section, another number of streams than the scan has fields, a section that ends before
+  /// all records were read; a damaged page.
   void visit(const Visitor& visitor);
 
  private:

@@ -82,7 +82,7 @@ E57Field read_field(const E57Node& node, std::string name) {
   return field;
 }
 
-/// The leaves of a prototype in document order, each of which has a stream of bytes.
+/// The leaves of a prototype in document order. Each leaf has a stream of bytes.
 void read_fields(const E57Node& parent, const std::string& prefix, int depth, std::vector<E57Field>& fields) {
   if (depth > k_deepest_prototype) parent.fail("too many nested levels", "at most 8 levels");
   for (const pugi::xml_node& element : parent.element().children()) {

@@ -11,9 +11,9 @@
 
 namespace alidade {
 
-/// An element of the XML of an E57 file, with what messages need. Elements that are not there are nodes
-/// without an element, of which every value is empty. Namespaces are ignored: files with prefixes that
-/// nobody declared are common.
+/// An element of the XML of an E57 file, with what messages need. Missing elements are nodes without an
+/// element, and all their values are empty. Namespaces are ignored, since files with undeclared prefixes are
+/// common.
 class E57Node {
  public:
   E57Node(const E57Pages& pages, pugi::xml_node element, std::string where)
@@ -52,8 +52,7 @@ class E57Node {
   std::string where_;
 };
 
-/// The pose of a scan or image, empty if it has none; oddities are added to. Errors: a matrix that is not a
-/// rotation.
+/// The pose of a scan or image, empty if it has none; oddities are added to. Errors: an invalid rotation.
 std::optional<E57Pose> read_e57_pose(const E57Node& parent, E57Oddities& oddities);
 
 /// The scan `parent` describes. Its section is checked by itself, not against others.

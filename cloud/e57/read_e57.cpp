@@ -150,7 +150,8 @@ class E57Reader final : public CloudReader {
 
   using PointVisitor = std::function<void(const E57Points&)>;
 
-  /// Shows the points of one scan; reports which were left out and how finely the others are distinguished.
+  /// Passes the points of one scan to `visitor`. Returns the points left out, and in `resolution` that of the
+  /// others.
   E57LeftOut visit_scan(std::size_t scan, AttributeSet attributes, const Progress& progress,
                         const PointVisitor& visitor, glm::dvec3* resolution) {
     const E57Scan& about = scans()[scan];
@@ -167,8 +168,7 @@ class E57Reader final : public CloudReader {
     return reader.left_out();
   }
 
-  /// What the time stamps of each scan count from. Adjusted standard GPS time depends for every scan on when
-  /// it began.
+  /// The origin of the time stamps of each scan. Adjusted standard GPS time requires the start of every scan.
   void find_time_origins() {
     time_origins_.assign(scans().size(), 0.0);
     std::size_t timed = 0, dated = 0;

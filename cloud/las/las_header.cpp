@@ -132,7 +132,7 @@ LasHeader read_las_header(InputFile& file, std::vector<std::string>& warnings, D
   if (header.version_minor >= 4) {
     header.extended_records_offset = fields.get<std::uint64_t>(235);
     header.extended_record_count = fields.get<std::uint32_t>(243);
-    // They was behind the points that are gone.
+    // They followed the points that are lost.
     if (header.lost_count > 0 && header.extended_record_count > 0) {
       warnings.push_back(fmt::format("{}: the extended records after the points are lost", file.name()));
       header.extended_record_count = 0;

@@ -76,7 +76,7 @@ struct LasHeader {
   std::uint64_t lost_count = 0;   ///< announced, but behind the end of the file (Damage::read_over)
   std::array<std::uint64_t, 15> points_by_return{};  ///< not read, only written
   Lattice lattice;
-  Bounds bounds;  ///< as stated, which many files do wrongly; empty if that is not a box
+  Bounds bounds;  ///< as stated, which many files do wrongly; empty if invalid
   std::uint64_t extended_records_offset = 0;
   std::uint32_t extended_record_count = 0;
 

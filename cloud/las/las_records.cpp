@@ -63,7 +63,7 @@ std::vector<T> read_values(InputFile& file, const RecordLocation& record) {
   return values;
 }
 
-/// The text of a WKT record; empty, with `problem` set, if it is not WKT.
+/// The text of a WKT record; empty, with `problem` set, if it is invalid.
 std::string read_wkt(InputFile& file, const RecordLocation& record, bool& problem) {
   const std::vector<std::uint8_t> data = read_values(file, record);
   std::string wkt(data.begin(), std::find(data.begin(), data.end(), 0));
@@ -72,8 +72,8 @@ std::string read_wkt(InputFile& file, const RecordLocation& record, bool& proble
 }
 
 /// What is wrong with GeoTIFF keys; empty if nothing is. Source: GeoTIFF 1.0, section 2.4: a head of four
-/// numbers, then four per key: its name, the tag its value is in (0 = here), how many values, where (or
-/// the value itself).
+/// numbers, then four per key: its name, the tag that contains its value (0 = here), the number of values, and
+/// their index (or the value itself).
 std::string geotiff_problem(const Crs& crs) {
   const std::vector<std::uint16_t>& keys = crs.geotiff_keys;
   if (keys.size() < 4 || keys[0] != 1) return "missing directory header";

@@ -15,7 +15,7 @@
 
 namespace alidade {
 
-/// A record that states how points are stored.
+/// A record that describes how points are stored.
 struct StorageRecord {
   std::uint64_t offset = 0;  ///< of its data in the file
   std::vector<std::byte> data;
@@ -34,11 +34,11 @@ struct LasRecords {
 };
 
 /// Reads the records before and after the points. Records that contradict themselves but do no harm are left
-/// out and said in `warnings`. Records about how the points are stored are in none of `others`, because
-/// whoever writes the points again stores them again. Errors: a record that does not end before the points;
-/// two laszip records that differ; one behind the points that does not end before the end of the file is
-/// damage, and with Damage::read_over left out with those behind it, which is said in `warnings`. Memory: at
-/// most the size of the records in the file.
+/// out and reported in `warnings`. Records about the storage of points are not in `others`, because a writer
+/// of the points makes its own. Errors: a record that does not end before the points; two laszip records that
+/// differ. A record behind the points that does not end before the end of the file is damage;
+/// Damage::read_over leaves out it and those behind it, which `warnings` reports. Memory: at most the size of
+/// the records in the file.
 LasRecords read_las_records(InputFile& file, const LasHeader& header, std::vector<std::string>& warnings,
                             Damage damage = Damage::reject);
 

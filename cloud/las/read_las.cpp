@@ -56,7 +56,7 @@ constexpr auto k_scan_angle = [](const std::byte* at) -> float {
   return static_cast<float>(load<std::int16_t>(at) * k_las_scan_angle_step);
 };
 
-/// Index of the first of three dimensions that hold a normal as LasWriter writes it; empty if there are none.
+/// Index of the first of three dimensions that hold a normal as LasWriter writes it; empty if missing.
 std::optional<std::size_t> find_normal(const std::vector<ExtraDimension>& dimensions) {
   const auto is = [](const ExtraDimension& dimension, const char* name) {
     return dimension.name == name && dimension.type == ScalarType::float32 && !dimension.has_scale &&

@@ -36,7 +36,7 @@ class LasColumns {
   };
 
   /// Those of the `wanted` attributes that are there; makes the columns of extra dimensions in `cloud`.
-  /// Errors: a lattice of the cloud that the file cannot share.
+  /// Errors: the lattices of cloud and file are incompatible.
   Choice choose(AttributeSet wanted, PointCloud& cloud) const;
 
   /// Puts records into rows that exist. Different rows may be filled by different threads. Errors: a position

@@ -56,7 +56,7 @@ struct Source {
     const auto chunks = packing->compressor == LazCompressor::pointwise
                             ? std::nullopt
                             : read_chunk_table(file, header, *packing, missing);
-    // Without a table only the extended records show where something else begins.
+    // Without a table only the extended records have a known offset.
     if (!chunks) return extended;
     const std::uint64_t table = chunks->empty() ? header.points_offset + k_laz_table_offset_bytes
                                                 : chunks->back().offset + chunks->back().byte_count;

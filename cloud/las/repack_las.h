@@ -33,7 +33,7 @@ struct RepackedFile {
 /// LasWriter packs. Of LAZ without a chunk table only extended records are kept of what is behind the points.
 ///
 /// Errors: whatever a reader of the file rejects; COPC; more extra bytes than k_most_laz_extra_bytes; records
-/// too long for their offsets to be given in 32 bits; those of OutputFile. Memory: records before the points;
+/// too long for offsets of 32 bits; those of OutputFile. Memory: records before the points;
 /// of LAZ 64 MB of unpacked points, or its largest chunk packed and unpacked if that is more;
 /// LazPointWriter's.
 RepackedFile repack_las(const std::filesystem::path& input, const std::filesystem::path& output,

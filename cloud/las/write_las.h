@@ -35,7 +35,7 @@ class LasWriter {
   LasWriter(const LasWriter&) = delete;
   LasWriter& operator=(const LasWriter&) = delete;
 
-  /// Appends all points of `batch`, which is on the same lattice; missing columns are written as zeros,
+  /// Appends all points of `batch`, which has the same lattice; missing columns are written as zeros,
   /// also extra dimensions whose name, type, scale, offset and "no value" mark are not those of one of
   /// `like`.
   void write(const PointCloud& batch);

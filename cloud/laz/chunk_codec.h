@@ -15,8 +15,8 @@
 
 namespace alidade {
 
-/// Gets point data records as they come out of a chunk: `count` of them, the first of which is the chunk's
-/// point number `first`. Records stand one behind the other and only until the call returns.
+/// Takes `count` point data records of a chunk. The first one is the chunk's point number `first`. Records are
+/// contiguous, and valid only until the call returns.
 using TakeRecords = std::function<void(const std::byte* records, std::size_t count, std::uint64_t first)>;
 
 /// Unpacks chunks of whatever compressor, one after another. Keeps its memory between chunks. Not thread

@@ -24,11 +24,11 @@ struct LazChunk {
   bool operator==(const LazChunk&) const = default;
 };
 
-/// Bytes before the first chunk that hold the offset of the chunk table.
+/// Bytes before the first chunk that contain the offset of the chunk table.
 inline constexpr std::size_t k_laz_table_offset_bytes = 8;
 
-/// Most points that so many bytes can represent: whatever the points are, each costs one symbol of 64 or more
-/// and three of 33 (two of compressor 3), none of which is ever more probable than 1 - (symbols - 1) / 2^15.
+/// Most points that so many bytes can encode: whatever the points are, each costs one symbol of 64 or more and
+/// three of 33 (two of compressor 3). No symbol is ever more probable than 1 - (symbols - 1) / 2^15.
 /// That is above 0.007 bit, or fewer than 1200 points per byte; counts beyond 2048 per byte are not believed.
 constexpr std::uint64_t most_laz_points(std::uint64_t byte_count) {
   constexpr std::uint64_t k_most_per_byte = 2048;
@@ -45,7 +45,7 @@ std::uint64_t smallest_chunk(const LazLayout& layout);
 std::optional<std::vector<LazChunk>> read_chunk_table(InputFile& file, const LasHeader& header,
                                                       const LazLayout& layout, std::string& missing);
 
-/// The chunks of a layered file as they themselves state their sizes: what is left without a table.
+/// The chunks of a layered file by the sizes in their own heads, for files without a table.
 struct WalkedChunks {
   std::vector<LazChunk> chunks;
   std::optional<Error> problem;  ///< why there are not as many points as the header counts
@@ -55,9 +55,9 @@ struct WalkedChunks {
 /// only the head of every chunk.
 WalkedChunks walk_layered_chunks(InputFile& file, const LasHeader& header, const LazLayout& layout);
 
-/// The chunk table of a LAZ file as it is behind the chunks, which must be given in their order in the
-/// file: how many bytes each takes and, for chunks of different sizes (LazLayout::chunk_size 0), how many
-/// points. Requires sizes below 2^32 and less than 2^32 chunks.
+/// The chunk table of a LAZ file, which follows the chunks: how many bytes each takes and, for chunks of
+/// different sizes (LazLayout::chunk_size 0), how many points. Requires the chunks in their order in the file,
+/// sizes below 2^32 and less than 2^32 chunks.
 std::vector<std::byte> encode_chunk_table(std::span<const LazChunk> chunks, const LazLayout& layout);
 
 }  // namespace alidade

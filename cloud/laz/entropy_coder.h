@@ -107,7 +107,7 @@ class SymbolModel {
   std::uint32_t left_;
 };
 
-/// One SymbolModel per context, of which files use few: each is made when it is first asked for, and kept.
+/// One SymbolModel per context. Files use few contexts: each model is made on first use, and kept.
 class SymbolModelSet {
  public:
   /// Requires what SymbolModel requires of `symbols`.

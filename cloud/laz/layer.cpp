@@ -245,7 +245,7 @@ using GpsTimeLayer = ChangedLayer<GpsTimeRules>;
 
 // Layers of RGB14, RGBNIR14, WAVEPACKET14 and BYTE14.
 
-/// `Models` codes values of `size` bytes, as they are in the record, by the value before.
+/// `Models` codes values of `size` bytes, as in the record, by the value before.
 template <class Models, std::size_t size>
 class ItemLayer : public LayerOfPoints<ItemLayer<Models, size>> {
  public:

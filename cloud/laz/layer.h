@@ -46,8 +46,8 @@ namespace alidade {
 /// Bytes of the items RGB14 and of what RGBNIR14 adds.
 inline constexpr std::size_t k_color_size = 6, k_near_infrared_size = 2;
 
-/// What the first layer of a layered LAZ chunk, that of returns and positions, passes to all others about a
-/// point.
+/// What the other layers of a layered LAZ chunk use of a point in the first layer, that of returns and
+/// positions.
 struct LayeredPoint {
   enum Change : std::uint8_t {
     k_number_of_returns = 4,

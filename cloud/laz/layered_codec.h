@@ -57,7 +57,7 @@ class LayeredDecoder {
   /// Decodes a chunk that is exactly `chunk` into `records`, whose size says how many points are expected, at
   /// least one. Attributes that are not wanted are those of the chunk's first record in all records.
   /// Errors: CorruptChunk, with the point's number in the chunk if one is concerned; `records` then hold
-  /// anything. The bytes may be any. Layers that are not wanted are skipped. Cost: linear in the
+  /// anything. The bytes may be any. Layers that are not wanted are not read. Cost: linear in the
   /// points, not in the bytes of layers that are not wanted.
   void decode(std::span<const std::byte> chunk, std::span<std::byte> records);
 

@@ -130,8 +130,8 @@ inline constexpr std::uint16_t k_laszip_record_id = 22204;
 /// What the data of a record "laszip encoded" say. The items are checked: they are those of the point format
 /// in their order, cover a record of `point_size` bytes, and have versions of rules that exist; old formats
 /// are pointwise and new ones layered. With compressor none, only the compressor is checked.
-/// Errors: whatever else, and more than k_most_laz_extra_bytes; they name `file_name` and `offset`, where the
-/// data are in the file.
+/// Errors: whatever else, and more than k_most_laz_extra_bytes; they name `file_name` and `offset`, that of
+/// the data in the file.
 LazLayout parse_laszip_record(std::span<const std::byte> data, const std::string& file_name,
                               std::uint64_t offset, int point_format, std::size_t point_size);
 

@@ -96,7 +96,7 @@ class ChunkUnpacker {
       points_done_ += point_count;
       offset += used;
       if (lost_.empty()) continue;
-      // Only this chunk could have shown where the next one begins.
+      // Only this chunk has the offset of the next one.
       lost_.back().count += header_.point_count - points_done_;
       break;
     }
@@ -106,7 +106,7 @@ class ChunkUnpacker {
  private:
   using Problem = std::optional<CorruptChunk>;
 
-  /// Unpacks the chunks of a batch, each by take(chunk, records, count, first point); reports what is wrong
+  /// Unpacks the chunks of a batch, each by take(chunk, records, count, first point). Returns what is wrong
   /// with each.
   template <class Take>
   std::vector<Problem> decode_at_once(std::span<const LazChunk> chunks, const Take& take) {
@@ -128,7 +128,7 @@ class ChunkUnpacker {
     return problems;
   }
 
-  /// Straight into the rows, all of which are needed.
+  /// Unpacks straight into the rows: all rows are needed.
   void read_batch(std::span<const LazChunk> chunks, std::uint64_t point_count) {
     std::vector<std::uint64_t> first_rows(chunks.size(), rows_);
     for (std::size_t i = 1; i < chunks.size(); ++i)
@@ -190,7 +190,7 @@ class ChunkUnpacker {
                                      static_cast<std::size_t>(batch[i].byte_count));
   }
 
-  /// A chunk of which `lost` points cannot be had.
+  /// Throws for a chunk with `lost` unreadable points, or adds them to those lost.
   void meet(const CorruptChunk& problem, std::size_t chunk, std::uint64_t first_point, std::uint64_t lost) {
     std::string location = fmt::format("chunk {}", chunk);
     if (problem.point) location += fmt::format(", point {}", first_point + *problem.point);

@@ -50,10 +50,10 @@ class PointwiseDecoder {
   /// CorruptChunk, if it is too short for one point.
   void start(std::span<const std::byte> chunk);
 
-  /// Decodes the next records of the chunk: requires a whole number of them. The caller counts how many a
-  /// chunk has: asked for more, the decoder invents points or throws. Errors: CorruptChunk with the point's
-  /// number in the chunk, if the chunk ends early or holds values that no encoder writes; the records from
-  /// there on are then undefined. Cost: linear in the records.
+  /// Decodes the next records of the chunk: requires a whole number of them, and at most as many as the chunk
+  /// has; beyond these the decoder invents points or throws. Errors: CorruptChunk with the point's number in
+  /// the chunk, if the chunk ends early or holds values that no encoder writes; the records from there on are
+  /// then undefined. Cost: linear in the records.
   void decode(std::span<std::byte> records);
 
   /// Bytes of the chunk read so far: when its last point is decoded, all.

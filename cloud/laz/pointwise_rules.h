@@ -14,7 +14,7 @@
 
 namespace alidade {
 
-/// The first 20 bytes of point data records of formats 0 to 5, as they are in LAS files.
+/// The first 20 bytes of point data records of formats 0 to 5, as in LAS files.
 struct Point10 {
   std::int32_t x = 0, y = 0, z = 0;
   std::uint16_t intensity = 0;

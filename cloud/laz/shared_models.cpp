@@ -51,7 +51,7 @@ int predicted_blue(const Bytes& previous, const Bytes& color, std::size_t half) 
   return std::clamp(previous[4 + half] + change / 2, 0, 255);
 }
 
-// Where the fields are in the record, in bytes.
+// Offsets of the fields in the record, in bytes.
 constexpr std::size_t k_offset = 1;         // u64
 constexpr std::size_t k_packet_size = 9;    // u32
 constexpr std::size_t k_return_point = 13;  // f32

@@ -42,8 +42,7 @@ class MedianPredictor {
 };
 
 /// Codes GPS times of LAZ points, version 2 and later: times are the bits of doubles, taken as integers, and
-/// belong to one of four sequences, in each of which a time is predicted by a multiple of the last
-/// difference.
+/// belong to one of four sequences. In each sequence a multiple of the last difference predicts the next time.
 class GpsTimeModel {
  public:
   enum class Unchanged : unsigned {

@@ -28,7 +28,7 @@ class IntegerCompressor {
     return static_cast<std::int32_t>(sum & mask_);
   }
 
-  /// Writes a value, of which only the lower `bits` bits matter.
+  /// Writes the lower `bits` bits of a value.
   void encode(ArithmeticEncoder& encoder, std::int32_t prediction, std::int32_t value, int context = 0);
 
   /// The k of the last value decoded or encoded, 0 to bits.

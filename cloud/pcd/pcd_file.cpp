@@ -73,7 +73,7 @@ std::uint64_t require_count(const TextScanner& scanner, std::string_view word) {
   scanner.fail("not an integer", "an integer", quote(word));
 }
 
-/// The values after the keyword, of which there are as many as fields.
+/// The values after the keyword: as many as fields.
 std::vector<std::uint64_t> require_counts(const TextScanner& scanner, const Words& words,
                                           const Lines& lines) {
   if (words.size() - 1 != lines.fields.size())
@@ -194,7 +194,7 @@ PcdHeader read_pcd_header(InputFile& input, Damage damage) {
   take_point_count(scanner, lines, header);
   header.data_offset = scanner.offset();
   header.line_count = scanner.line_number();
-  // The sizes of compressed points are before the data.
+  // The sizes of compressed points precede the data.
   const bool is_text = header.format == PcdFormat::ascii;
   if (header.format != PcdFormat::binary_compressed)
     check_room(input,

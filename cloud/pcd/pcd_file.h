@@ -34,7 +34,7 @@ struct PcdField {
   std::uint64_t size() const { return count * static_cast<std::uint64_t>(scalar_size(type)); }
 };
 
-/// What is before the points of a PCD file, version 0.5 to 0.7.
+/// The header of a PCD file, version 0.5 to 0.7.
 struct PcdHeader {
   std::string version;
   std::vector<PcdField> fields;

@@ -17,13 +17,11 @@ namespace {
 ///
 /// - A first line with one whole number makes a PTS file: blocks of a count line and that many points.
 /// - A first line with a word that is not a number is a header of column names. So is a comment right before
-///   the
-///   points that has a name for each column, x and y among them.
+///   the points that has a name for each column, x and y among them.
 /// - Otherwise columns go by their number and by what the first 256 points hold. Colours are three columns of
-/// whole
-///   numbers 0 .. 65535 or of numbers 0 .. 1, normals three columns of vectors of length 1 (or 0). The first
-///   layout of the list that fits is taken; the columns of others become extra dimensions column_4, column_5,
-///   ...
+///   whole numbers 0 .. 65535 or of numbers 0 .. 1, normals three columns of vectors of length 1 (or 0). The
+///   first layout of the list that fits is taken; the columns of others become extra dimensions column_4,
+///   column_5, ...
 ///     3  x y z
 ///     4  x y z intensity
 ///     6  x y z normal | x y z color
@@ -35,7 +33,7 @@ namespace {
 /// Lines that are empty or begin with # or // are left out everywhere.
 struct TextLayout {
   std::string format;    ///< "XYZ", "CSV" or "PTS"
-  char separator = ' ';  ///< ' ' represents any blanks and tabs
+  char separator = ' ';  ///< ' ' is any blanks and tabs
   std::vector<TableColumn> columns;
   bool has_names = false;            ///< columns have the file's own names; words in extra columns become NaN
   std::uint64_t data_offset = 0;     ///< first byte of the points or of the first count line
@@ -63,7 +61,7 @@ using Words = std::vector<std::string_view>;
 
 constexpr std::size_t k_sample_rows = 256;
 
-/// The first points, as numbers; NaN where a word is not a number.
+/// The first points, as numbers; NaN for words that are not numbers.
 struct Sample {
   std::vector<std::vector<double>> rows;
 
@@ -188,7 +186,7 @@ bool has_place(const std::vector<TableColumn>& columns) {
 }
 
 /// The points from the scanner's offset on; count lines of PTS files are passed over. Rows of another width
-/// are left to the reader, which names their line.
+/// are left to the reader, which reports their line.
 Sample take_sample(TextScanner scanner, char separator, std::size_t& column_count) {
   Sample sample;
   Words words;

@@ -98,7 +98,7 @@ TEST_F(PartialResultTest, run_that_was_cut_off_computes_the_others_only_and_answ
   EXPECT_FALSE(std::filesystem::exists(file_));
 }
 
-TEST_F(PartialResultTest, without_resume_the_file_is_begun_anew) {
+TEST_F(PartialResultTest, without_resume_the_file_begins_again) {
   write_three();
   PartCheckpoint parts(options(false), {{"command", "another"}});
   EXPECT_FALSE(parts.is_kept());
@@ -106,7 +106,7 @@ TEST_F(PartialResultTest, without_resume_the_file_is_begun_anew) {
   EXPECT_EQ(computed_, 10);
 }
 
-TEST_F(PartialResultTest, cut_anywhere_in_the_records_it_goes_on_from_the_whole_ones) {
+TEST_F(PartialResultTest, cut_anywhere_in_the_records_it_resumes_from_the_intact_ones) {
   const std::vector<int> whole = run(nullptr);
   write_three();
   const std::string content = read();
@@ -145,7 +145,7 @@ TEST_F(PartialResultTest, every_damaged_byte_is_an_error_that_names_file_and_pos
   }
 }
 
-TEST_F(PartialResultTest, another_run_is_rejected_and_what_differs_is_said) {
+TEST_F(PartialResultTest, another_run_is_rejected_and_the_difference_is_reported) {
   write_three();
   const std::string message = message_of_resuming({{"command", "count"}, {"--step", "3"}});
   EXPECT_NE(

@@ -22,7 +22,7 @@ Error::Parts error_of(std::string text) {
   return {};
 }
 
-TEST(JsonDocumentTest, values_know_where_they_begin_and_end) {
+TEST(JsonDocumentTest, values_have_the_offsets_of_their_text) {
   const std::string text = "{ \"a\" : [1, -2.5e1,\n \"x\\\"y\", true,null , {}] }";
   const JsonDocument document = parse_json(text, "file.json");
   const auto& member = std::get<JsonObject>(document.root.data).at(0);
@@ -97,7 +97,7 @@ TEST(JsonDocumentTest, a_number_beyond_double_is_an_error) {
   EXPECT_EQ(parts.found, "1e999");
 }
 
-TEST(JsonDocumentTest, a_key_that_stands_twice_is_an_error_at_the_second) {
+TEST(JsonDocumentTest, a_duplicate_key_is_an_error_at_the_second) {
   const Error::Parts parts = error_of("{\"a\": 1,\n \"b\": {\"a\": 2}, \"\\u0061\": 3}");
   EXPECT_EQ(parts.location, "2:17");
   EXPECT_EQ(parts.found, "the first one at 1:2");
@@ -134,7 +134,7 @@ TEST(NearestWordTest, finds_what_was_probably_meant) {
   EXPECT_EQ(nearest_word(std::string(1'000'000, 's'), words), "");
 }
 
-TEST(JsonDocumentTest, what_stands_under_unread_keys_is_checked_but_not_kept) {
+TEST(JsonDocumentTest, values_of_unread_keys_are_checked_but_not_kept) {
   constexpr std::array<std::string_view, 2> unread{"points", "b"};
   const JsonDocument document = parse_json(
       R"({"points": {"a": [1, {"points": [2]}], "c": "x"}, "a": [{"b": 1, "c": 2}, {"b": [[], 3], "c": {"b": {}, "d": 4}}]})",

@@ -48,7 +48,7 @@ TEST(OutputFileTest, without_commit_nothing_is_left_and_an_earlier_file_stays) {
   EXPECT_EQ(files_in(folder), 1u);
 }
 
-TEST(OutputFileTest, replaces_a_file_only_if_told) {
+TEST(OutputFileTest, replaces_a_file_only_if_requested) {
   const std::filesystem::path path = test::test_folder() / "out.txt";
   test::write_text(path, "earlier");
   EXPECT_NE(error_of([&] { OutputFile(path, false); }).find("the file exists; --overwrite replaces it"),

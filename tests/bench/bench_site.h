@@ -11,7 +11,7 @@
 
 namespace alidade::bench {
 
-/// Rays of one kind, in the order of the queries.
+/// Rays of one kind, in the order in which they are queried.
 struct RaySet {
   std::string_view name;
   std::vector<Ray> rays;

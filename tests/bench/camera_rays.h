@@ -27,7 +27,7 @@ std::vector<SpherePosition> hit_positions(std::span<const Ray> rays,
 /// One ray from each position, its direction spread by the cosine around the normal.
 std::vector<Ray> bounce_rays(std::span<const SpherePosition> positions, std::uint64_t seed);
 
-/// Parallel rays, one from each position that faces `direction`: a renderer requests no others.
+/// Parallel rays, one from each position that faces `direction`: a renderer casts no others.
 std::vector<Ray> parallel_rays(std::span<const SpherePosition> positions, const glm::dvec3& direction);
 
 /// In random order.

@@ -69,7 +69,7 @@ class Files {
   Files(const Files&) = delete;
   Files& operator=(const Files&) = delete;
 
-  /// The site with times, intensities and classes, as LAS: made when it is requested.
+  /// The site with times, intensities and classes, as LAS; written by the first call.
   std::filesystem::path las() const {
     const std::filesystem::path file = folder_ / "site.las";
     if (std::filesystem::exists(file)) return file;

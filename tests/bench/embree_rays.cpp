@@ -77,7 +77,7 @@ struct Mode {
 };
 constexpr Mode k_modes[] = {{"single", 1}, {"packet16", 16}, {"stream", 4096}};
 
-/// What Embree is informed of about the rays to come, as programs know it.
+/// The context of a set of rays. Rays of a camera and of a sun are declared coherent, as programs do.
 RTCIntersectContext context_for(const std::string& set) {
   RTCIntersectContext context;
   rtcInitIntersectContext(&context);

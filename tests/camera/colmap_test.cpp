@@ -88,7 +88,7 @@ glm::dvec2 seen_by(int id, const std::vector<double>& parameters) {
 }
 
 // Each parameter in its slot: the documented formulas by hand, at u = 0.2, v = -0.1.
-TEST(Colmap, parameters_of_every_model_stand_where_they_should) {
+TEST(Colmap, parameters_of_every_model_have_their_index) {
   const double u = 0.2, v = -0.1, r2 = 0.05, r = std::sqrt(r2), theta = std::atan(r);
   const double a = u * theta / r, b = v * theta / r, q = theta * theta;
   const auto expect = [&](int id, const std::vector<double>& tail, double ud, double vd) {
@@ -185,7 +185,7 @@ TEST(Colmap, counts_beyond_the_file_are_errors_before_memory_is_taken) {
   expect_error([&] { read(model.cameras(), many); },
                "images.bin:byte 0: the number of images exceeds the file");
   std::string observations = model.images();
-  // The count of observations of the first image is behind its name "b.jpg".
+  // The count of observations of the first image follows its name "b.jpg".
   const std::size_t position = 8 + 4 + 7 * 8 + 4 + 6;
   observations[position + 7] = '\x7f';
   expect_error([&] { read(model.cameras(), observations); }, "the number of observations exceeds the file");

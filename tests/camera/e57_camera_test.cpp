@@ -75,7 +75,7 @@ TEST(E57Camera, spherical_looks_along_x_with_azimuth_growing_to_the_left) {
   EXPECT_NEAR(film_of(-30, 40).y, 50, 1e-9);
 }
 
-TEST(E57Camera, of_other_pictures_and_impossible_numbers_is_none) {
+TEST(E57Camera, of_other_pictures_and_impossible_numbers_is_empty) {
   E57Picture picture = pinhole();
   picture.pixel_width = 0;
   EXPECT_FALSE(camera_of({}, picture));
@@ -94,7 +94,7 @@ TEST(E57Camera, of_other_pictures_and_impossible_numbers_is_none) {
   }
 }
 
-TEST(E57Camera, without_a_pose_stands_in_the_axes_of_the_file) {
+TEST(E57Camera, without_a_pose_is_in_the_axes_of_the_file) {
   const std::optional<Camera> camera = camera_of({}, pinhole());
   ASSERT_TRUE(camera);
   EXPECT_EQ(camera->pose.position, glm::dvec3(0));

@@ -163,7 +163,7 @@ TEST(ReadCameraTest, convention_and_direction_are_never_guessed) {
   }
 }
 
-TEST(ReadCameraTest, rotations_that_are_none_are_errors) {
+TEST(ReadCameraTest, invalid_rotations_are_errors) {
   const std::string keys = R"(, "convention": "opencv", "direction": "camera_to_world")";
   const auto matrix = [&](const std::string& rows) {
     return pose_error("\"matrix\": [" + rows + "]" + keys);

@@ -72,7 +72,7 @@ TEST(OpenSfm, every_kind_of_camera_is_its_formula) {
   }
 }
 
-TEST(OpenSfm, further_reconstructions_are_left_out_and_it_is_said) {
+TEST(OpenSfm, further_reconstructions_are_left_out_with_a_warning) {
   const std::string one = opensfm(R"({"width": 640, "height": 480, "focal": 0.8})");
   const CameraSet set = parse(fmt::format("[{},{}", one.substr(1, one.size() - 2), one.substr(1)));
   EXPECT_EQ(set.cameras.size(), 2u);

@@ -81,7 +81,7 @@ TEST(TransformsJson, focal_lengths_may_be_angles) {
   expect_error(replaced(k_transforms, "\"fl_x\": 500, \"fl_y\": 510,", ""), "missing focal length");
 }
 
-TEST(TransformsJson, lenses_are_told_by_model_and_flag) {
+TEST(TransformsJson, lenses_are_detected_by_model_and_flag) {
   const auto lens = [](const std::string& keys) {
     return parse(replaced(
         k_transforms, R"("camera_model": "OPENCV", "k1": 0.1, "k2": 0.01, "p1": 0.001, "p2": -0.002)", keys));
@@ -115,7 +115,7 @@ TEST(TransformsJson, lenses_are_told_by_model_and_flag) {
   expect_error(replaced(k_transforms, "\"OPENCV\"", "\"FISHEYE624\""), "unknown value");
 }
 
-TEST(TransformsJson, a_frames_own_value_is_used_and_a_contradiction_is_said) {
+TEST(TransformsJson, a_frames_own_value_is_used_and_a_contradiction_is_reported) {
   const CameraSet set = parse(replaced(k_transforms, "\"file_path\": \"images/a.jpg\"",
                                        "\"file_path\": \"images/a.jpg\", \"fl_x\": 600"));
   EXPECT_EQ(set.cameras[0].camera.fx, 600.0);
@@ -123,7 +123,7 @@ TEST(TransformsJson, a_frames_own_value_is_used_and_a_contradiction_is_said) {
   EXPECT_NE(set.warnings.at(0).find("\"fl_x\" differs between the file and its frames"), std::string::npos);
 }
 
-TEST(TransformsJson, a_scaled_pose_loses_its_scale_and_it_is_said) {
+TEST(TransformsJson, a_scaled_pose_loses_its_scale_with_a_warning) {
   const CameraSet set =
       parse(replaced(k_transforms, "[[1, 0, 0, 7], [0, 1, 0, 8], [0, 0, 1, 9], [0, 0, 0, 1]]",
                      "[[3, 0, 0, 7], [0, 3, 0, 8], [0, 0, 3, 9], [0, 0, 0, 1]]"));
@@ -152,7 +152,7 @@ TEST(TransformsJson, damage_is_an_error_at_its_location) {
                "unknown image size, and the image file is missing (at /frames/0)");
 }
 
-TEST(TransformsJson, a_size_that_is_not_told_is_the_images) {
+TEST(TransformsJson, a_missing_size_is_that_of_the_image) {
   const std::filesystem::path folder = std::filesystem::temp_directory_path() / "alidade_transforms";
   std::filesystem::create_directories(folder);
   const auto image = OIIO::ImageOutput::create((folder / "r_0.png").string());
@@ -171,7 +171,7 @@ TEST(TransformsJson, a_size_that_is_not_told_is_the_images) {
   std::filesystem::remove_all(folder);
 }
 
-TEST(ImageFileSizeTest, png_and_jpeg_tell_their_size) {
+TEST(ImageFileSizeTest, png_and_jpeg_have_their_size) {
   const std::filesystem::path folder = std::filesystem::temp_directory_path() / "alidade_image_size";
   std::filesystem::create_directories(folder);
   for (const std::string name : {"a.png", "a.jpg"}) {
@@ -183,7 +183,7 @@ TEST(ImageFileSizeTest, png_and_jpeg_tell_their_size) {
     image->close();
     EXPECT_EQ(image_file_size(folder / name).width, 300u) << name;
     EXPECT_EQ(image_file_size(folder / name).height, 17u) << name;
-    // Cut off anywhere it is an error, or still means the same.
+    // A file cut off anywhere is an error or gives the same size.
     std::ifstream stream(folder / name, std::ios::binary);
     const std::string bytes{std::istreambuf_iterator<char>(stream), {}};
     for (std::size_t size = 0; size < bytes.size(); ++size) {

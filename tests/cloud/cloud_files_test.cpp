@@ -27,7 +27,7 @@ class CloudFilesTest : public ::testing::Test {
     }
   }
 
-  /// What a name inside the folder represents, without the folder's own name.
+  /// The files that names inside the folder expand to, without the folder's own name.
   std::vector<std::string> expand(const std::vector<std::string>& names) const {
     std::vector<fs::path> paths;
     for (const std::string& name : names) paths.push_back(folder_ / name);
@@ -69,7 +69,7 @@ TEST_F(CloudFilesTest, patterns_match_names_of_files_and_folders) {
   EXPECT_EQ(expand({"20*/b1.laz"}), (Names{"2019/b1.laz"}));
 }
 
-TEST_F(CloudFilesTest, names_stand_in_the_order_given) {
+TEST_F(CloudFilesTest, names_keep_the_order_given) {
   make({"b/2.las", "b/1.las", "a.las"});
   EXPECT_EQ(expand({"b", "a.las", "gone.las"}), (Names{"b/1.las", "b/2.las", "a.las", "gone.las"}));
 }
@@ -118,7 +118,7 @@ TEST_F(CloudFilesTest, a_file_that_is_given_twice_is_warned_of) {
   EXPECT_EQ(warnings({folder_}), (Names{link.string() + given}));
 }
 
-TEST_F(CloudFilesTest, nothing_found_is_an_error_that_says_what_was_looked_for) {
+TEST_F(CloudFilesTest, nothing_found_is_an_error_that_names_what_was_expected) {
   make({"tiles/readme.md"});
   fs::create_directories(folder_ / "empty");
   const std::string other = error_of([&] { expand({"tiles"}); });

@@ -45,7 +45,7 @@ inline std::vector<std::byte> read_bytes(const std::filesystem::path& path) {
   return {bytes.begin(), bytes.end()};
 }
 
-/// A cloud file in memory, read as if it was on disk under the name "memory".
+/// Reads a cloud file in memory like a file named "memory".
 inline PointCloud read_memory(std::span<const std::byte> bytes, const ReadOptions& options = {}) {
   return read_cloud(CloudInputs{{cloud_in_memory(bytes, "memory")}}, options);
 }

@@ -148,7 +148,7 @@ TEST(CommonCrsTest, another_system_is_an_error_that_names_the_odd_file_and_both_
               }).starts_with("tile_0: the coordinate reference system differs"));
 }
 
-TEST(CommonCrsTest, files_that_state_none_are_warned_of_once) {
+TEST(CommonCrsTest, files_without_a_system_give_one_warning) {
   const PointCloud cloud = join({tile(k_utm_32), tile(""), tile(""), tile(k_utm_32)});
   EXPECT_EQ(cloud.crs.wkt, k_utm_32);
   EXPECT_EQ(cloud.warnings,

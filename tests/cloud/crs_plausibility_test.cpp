@@ -27,7 +27,7 @@ Crs wkt(const std::string& text) {
   return crs;
 }
 
-TEST(CrsPlausibility, a_geographic_system_is_told_from_a_projected_one) {
+TEST(CrsPlausibility, a_geographic_system_differs_from_a_projected_one) {
   EXPECT_TRUE(is_geographic(wkt(k_degrees)));
   EXPECT_TRUE(is_geographic(wkt(R"(GEOGCRS["WGS 84",DATUM["World Geodetic System 1984"]])")));
   EXPECT_TRUE(is_geographic(wkt(std::string(R"(COMPD_CS["with heights",)") + k_degrees + "]")));
@@ -44,7 +44,7 @@ TEST(CrsPlausibility, a_geographic_system_is_told_from_a_projected_one) {
   EXPECT_FALSE(is_geographic(without_model));
 }
 
-TEST(CrsPlausibility, geodetic_systems_are_told_by_their_coordinates) {
+TEST(CrsPlausibility, geodetic_systems_are_detected_by_their_coordinates) {
   const Crs angles = wkt(R"(GEODCRS["WGS 84",DATUM["World Geodetic System 1984"],CS[ellipsoidal,2]])");
   const Crs lengths = wkt(R"(GEODCRS["WGS 84",DATUM["World Geodetic System 1984"],CS[Cartesian,3]])");
   const Crs utm = wkt(R"(PROJCRS["UTM",BASEGEODCRS["WGS 84",DATUM["WGS 1984"]],CS[Cartesian,2]])");
@@ -61,7 +61,7 @@ TEST(CrsPlausibility, wkt_decides_where_geotiff_keys_differ) {
   EXPECT_FALSE(is_geographic(both));
 }
 
-TEST(CrsPlausibility, degrees_where_coordinates_are_no_angles_are_said) {
+TEST(CrsPlausibility, degrees_where_coordinates_are_no_angles_give_a_warning) {
   const auto said = implausible_crs(wkt(k_degrees), box(515368.0, 4918340.0));
   ASSERT_TRUE(said);
   EXPECT_NE(said->find("not an angle"), std::string::npos);

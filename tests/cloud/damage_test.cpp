@@ -53,14 +53,14 @@ TEST(DamageTest, whole_points_of_a_file_that_ends_early_are_read_and_the_others_
                 cut_las(5, 27).size())}));
 }
 
-TEST(DamageTest, nothing_is_said_of_files_that_are_whole) {
+TEST(DamageTest, intact_files_give_no_warning) {
   const PointCloud cloud = test::read_memory(cut_las(5, 0), k_partial);
   EXPECT_EQ(cloud.size(), 5u);
   EXPECT_EQ(cloud.files.at(0).lost_count, 0u);
   EXPECT_TRUE(cloud.warnings.empty());
 }
 
-TEST(DamageTest, losses_are_told_file_by_file) {
+TEST(DamageTest, losses_are_reported_file_by_file) {
   std::vector<std::vector<std::byte>> bytes = {cut_las(2, 1), cut_las(2, 0, 2), cut_las(2, 1, 4)};
   CloudInputs files;
   for (std::size_t i = 0; i < bytes.size(); ++i)

@@ -52,7 +52,7 @@ TEST(KeepRowsTest, none_or_all_can_stay) {
   EXPECT_EQ(empty.size(), 0u);
 }
 
-TEST(KeepRowsTest, the_files_counts_follow_if_they_tell_of_all_points) {
+TEST(KeepRowsTest, the_files_counts_follow_if_they_account_for_all_points) {
   PointCloud cloud = full_cloud(10, 20, 4);
   for (const std::uint64_t count : {3u, 0u, 2u, 5u}) cloud.files.emplace_back().point_count = count;
   PointCloud unknown = cloud;

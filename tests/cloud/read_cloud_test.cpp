@@ -47,7 +47,7 @@ std::string format_of(const std::string& content) {
   return test::read_memory(text(content)).files.at(0).format;
 }
 
-TEST(OpenCloudTest, formats_are_told_by_content) {
+TEST(OpenCloudTest, formats_are_detected_by_content) {
   EXPECT_EQ(test::read_memory(build_las(las({1}))).files.at(0).format, "LAS");
   EXPECT_EQ(
       format_of(
@@ -99,7 +99,7 @@ TEST(OpenCloudTest, binary_of_no_known_format_is_an_error_that_lists_the_formats
       << message;
 }
 
-TEST(OpenCloudTest, e57_is_told_by_its_signature) {
+TEST(OpenCloudTest, e57_is_detected_by_its_signature) {
   EXPECT_NE(error_of([] { test::read_memory(text("ASTM-E57 and so on")); }).find("header: truncated file"),
             std::string::npos);
 }
@@ -160,7 +160,7 @@ TEST(ReadCloudTest, the_lattice_of_a_file_without_points_binds_nobody) {
   EXPECT_EQ(join({build_las(las({}, 5, 0.3))}).lattice.scale.x, 0.3);
 }
 
-TEST(ReadCloudTest, attributes_of_some_files_only_are_zeros_in_the_others_and_said_so) {
+TEST(ReadCloudTest, attributes_of_some_files_only_are_zeros_in_the_others_with_a_warning) {
   LasFile colored = las({1});
   colored.point_format = 2;
   colored.points[0].color = {300, 200, 100};
@@ -204,7 +204,7 @@ TEST(ReadCloudTest, records_are_compared_with_those_of_all_files_before) {
   EXPECT_EQ(cloud.records[5].user_id, "w");
 }
 
-TEST(ReadCloudTest, rounding_is_said_only_where_it_costs_more_than_a_millionth_of_the_file) {
+TEST(ReadCloudTest, rounding_is_reported_only_where_it_costs_more_than_a_millionth_of_the_file) {
   const auto rounded = [](const std::string& content) {
     const PointCloud cloud = join({build_las(las({700})), text(content)});
     return warns(cloud, "second: coordinates are rounded");
@@ -291,7 +291,7 @@ TEST(ColorDepthTest, sixteen_bit_and_black_colours_stay) {
   EXPECT_TRUE(warnings.empty());
 }
 
-TEST(ColorDepthTest, the_caller_decides_if_he_says_so) {
+TEST(ColorDepthTest, the_caller_may_decide) {
   EXPECT_EQ(colors_of({{1, 2, 3}}, ColorDepth::bits_16), (std::vector<Color16>{{1, 2, 3}}));
   std::vector<std::string> warnings;
   EXPECT_EQ(colors_of({{1, 2, 300}}, ColorDepth::bits_8, &warnings),
@@ -327,7 +327,7 @@ TEST(ColorDepthTest, files_of_8_bits_are_spread_together_and_rows_of_other_forma
   EXPECT_TRUE(warns(cloud, "third: assuming 8-bit colours (maximum 2)"));
 }
 
-TEST(ColorDepthTest, near_infrared_of_all_files_is_spread_or_none) {
+TEST(ColorDepthTest, near_infrared_is_spread_in_all_files_or_in_no_file) {
   const auto near_infrared = [](std::uint16_t first, std::uint16_t second) {
     return join({las_of_color(255, 0, first), las_of_color(7, 0, second)}).near_infrared;
   };
@@ -335,7 +335,7 @@ TEST(ColorDepthTest, near_infrared_of_all_files_is_spread_or_none) {
   EXPECT_EQ(near_infrared(1, 256), (std::vector<std::uint16_t>{1, 256}));
 }
 
-TEST(ColorDepthTest, a_coloured_file_without_points_has_no_say) {
+TEST(ColorDepthTest, a_coloured_file_without_points_does_not_count) {
   LasFile empty;
   const PointCloud cloud = join({text("1 2 3\n"), build_las(empty)});
   EXPECT_TRUE(cloud.colors.empty());

@@ -29,7 +29,7 @@ PointCloud join(const std::vector<Bytes>& tiles, const ReadOptions& options, int
   for (std::size_t i = 0; i < tiles.size(); ++i)
     files.inputs.push_back(cloud_in_memory(tiles[i], "tile_" + std::to_string(i)));
   PointCloud cloud;
-  // The limit allows more threads than the machine has; the arena then requests them.
+  // The limit allows more threads than the machine has; the arena then starts them.
   const tbb::global_control limit(tbb::global_control::max_allowed_parallelism,
                                   static_cast<std::size_t>(threads));
   tbb::task_arena arena(threads);
@@ -176,7 +176,7 @@ TEST(TilesTest, columns_are_reserved_once_for_all_tiles) {
 TEST(TilesTest, of_several_bad_files_the_first_is_named) {
   std::vector<Bytes> tiles = mixed_tiles();
   for (const std::size_t bad : {std::size_t{60}, std::size_t{17}, std::size_t{18}}) {
-    // The second pass finds a point that is on no lattice of 32 bits; the header states nothing.
+    // The second pass finds a point that is on no lattice of 32 bits; the header gives no sign of it.
     LasFile far;
     far.offset = {690000 + 1e7, 5325000, 500};
     far.points.emplace_back().x = 2147483647;
@@ -188,7 +188,7 @@ TEST(TilesTest, of_several_bad_files_the_first_is_named) {
   }
 }
 
-TEST(TilesTest, whoever_watches_is_called_by_one_thread_at_a_time_and_told_ever_more) {
+TEST(TilesTest, progress_is_reported_by_one_thread_at_a_time_and_never_decreases) {
   const std::vector<Bytes> tiles = mixed_tiles();
   std::atomic<int> inside = 0;
   std::uint64_t last = 0, whole = 0;
@@ -207,7 +207,7 @@ TEST(TilesTest, whoever_watches_is_called_by_one_thread_at_a_time_and_told_ever_
   EXPECT_EQ(last, whole);
 }
 
-TEST(TilesTest, reading_stops_when_asked_to_and_asks_no_more) {
+TEST(TilesTest, reading_stops_when_requested_without_further_calls) {
   const std::vector<Bytes> tiles = mixed_tiles();
   int calls = 0;
   ReadOptions options;
@@ -225,7 +225,7 @@ Bytes timed_tile(int format, bool is_standard, std::size_t count = 1) {
   return build_las(file);
 }
 
-TEST(TilesTest, the_first_file_that_has_gps_times_says_how_they_are_counted) {
+TEST(TilesTest, the_first_file_that_has_gps_times_decides_their_kind) {
   const Bytes none = timed_tile(0, false), empty = timed_tile(1, false, 0), standard = timed_tile(1, true),
               week = timed_tile(1, false), plain = text("690000.25 5325000.5 500\n"),
               untold = text("x,y,z,gps_time\n690000.25,5325000.5,500,3\n");
@@ -249,7 +249,7 @@ TEST(TilesTest, the_first_file_that_has_gps_times_says_how_they_are_counted) {
   }
 }
 
-TEST(TilesTest, what_is_missing_in_many_files_is_said_once) {
+TEST(TilesTest, what_is_missing_in_many_files_is_reported_once) {
   std::vector<Bytes> tiles = {timed_tile(1, true)};
   for (int i = 0; i < 5; ++i) tiles.push_back(timed_tile(0, true));
   tiles.push_back(timed_tile(0, true, 0));
@@ -321,7 +321,7 @@ TEST(RegionTest, boxes_that_cannot_be_true_are_ignored) {
   };
   EXPECT_FALSE(is_read(0, 9));
   EXPECT_TRUE(is_read(9, 0)) << "inverted";
-  EXPECT_TRUE(is_read(0, 0)) << "ten points in one place";
+  EXPECT_TRUE(is_read(0, 0)) << "ten points at one position";
   Bytes one = timed_tile(0, false);
   const double zeros[6] = {};
   std::memcpy(one.data() + 179, zeros, sizeof zeros);

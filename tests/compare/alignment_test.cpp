@@ -102,7 +102,7 @@ TEST(Alignment, holes_between_points_are_no_edges) {
   EXPECT_LT(align(reference, without_depth, {}).score, 0.5);
 }
 
-TEST(Alignment, alpha_mask_and_numbers_that_are_none_take_pixels_out) {
+TEST(Alignment, alpha_mask_and_nan_take_pixels_out) {
   const ComparedImage reference = shifted_blots(0.0, 0.0);
   ComparedImage test = shifted_blots(5.0, 0.0);
   // A frame, like those of screenshots, that stays where it is.

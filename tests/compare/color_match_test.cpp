@@ -129,7 +129,7 @@ TEST(ColorMatch, pixels_that_do_not_count_play_no_role) {
   expect_match(match_color(reference, test, mask, ColorModel::exposure), k_scale, glm::dvec3(0.0), 1e-4);
 }
 
-TEST(ColorMatch, what_cannot_be_told_is_not_told) {
+TEST(ColorMatch, what_is_undetermined_is_not_reported) {
   const auto even = [](double value) {
     return draw_picture(60, 60, ColorEncoding::linear, [=](int, int) {
       return std::array<double, 3>{value, value, value};
@@ -199,7 +199,7 @@ TEST(RobustLine, wrong_pairs_up_to_two_fifths_do_not_bend_it) {
   EXPECT_NEAR(line->inliers, 0.6, 0.03);
 }
 
-TEST(RobustLine, too_few_pairs_and_pairs_of_one_x_tell_nothing) {
+TEST(RobustLine, too_few_pairs_and_pairs_of_one_x_give_no_line) {
   EXPECT_FALSE(fit_robust_line({}, LineKind::free));
   const std::vector<FitPair> three = {{0, 0}, {1, 1}, {2, 2}};
   EXPECT_FALSE(fit_robust_line(three, LineKind::free));

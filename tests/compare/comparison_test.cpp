@@ -56,7 +56,7 @@ class ComparisonTest : public PictureTest {
   }
 };
 
-TEST_F(ComparisonTest, equal_pictures_differ_by_nothing_and_json_says_so_without_infinity) {
+TEST_F(ComparisonTest, equal_pictures_differ_by_nothing_in_json_without_infinity) {
   write("a.png", wave());
   const json found = as_json(compare("a.png", "a.png"), "flip=0,psnr<inf");
   EXPECT_EQ(found["metrics"]["rmse"], 0.0);
@@ -94,7 +94,7 @@ TEST_F(ComparisonTest, another_size_is_an_error_of_its_own_unless_the_test_is_re
 }
 
 // EXR files may hold a part of a larger picture: their data window.
-TEST_F(ComparisonTest, a_resized_test_and_a_mask_need_not_know_the_position_of_the_references_data_window) {
+TEST_F(ComparisonTest, a_resized_test_and_a_mask_do_not_need_the_data_window_of_the_reference) {
   OIIO::ImageSpec spec(k_width, k_height, 3, OIIO::TypeFloat);
   spec.x = 100;
   spec.y = 50;
@@ -140,7 +140,7 @@ TEST_F(ComparisonTest, crops_rectangles_and_mask_files_leave_out_what_differs) {
   EXPECT_EQ(compare("a.png", "b.png", both).counted, 44u * (k_height - 10u)) << "masks are cropped too";
 }
 
-TEST_F(ComparisonTest, what_was_asked_for_stands_in_the_result) {
+TEST_F(ComparisonTest, the_result_contains_the_request) {
   write("a.exr", wave());
   write("b.exr", wave(0.5f));
   ComparisonOptions options;
@@ -164,7 +164,7 @@ TEST_F(ComparisonTest, what_was_asked_for_stands_in_the_result) {
     EXPECT_NE(text.find(part), std::string::npos) << part << " in\n" << text;
 }
 
-TEST_F(ComparisonTest, warnings_stand_beside_thresholds_and_fail_nothing) {
+TEST_F(ComparisonTest, warnings_are_apart_from_thresholds_and_fail_nothing) {
   write("a.png", wave());
   write("b.png", wave(0.5f));
   const Comparison comparison = compare("a.png", "b.png");
@@ -185,7 +185,7 @@ TEST_F(ComparisonTest, nothing_that_counts_is_an_error_and_no_pass) {
   EXPECT_EQ(problem_of("nan.exr", "nan.exr"), "no pixel has finite colours in both images");
 }
 
-TEST_F(ComparisonTest, pixels_with_nan_are_counted_told_and_left_out) {
+TEST_F(ComparisonTest, pixels_with_nan_are_counted_reported_and_left_out) {
   std::vector<float> broken = wave();
   broken[0] = k_nan;
   broken[7] = std::numeric_limits<float>::infinity();
@@ -198,7 +198,7 @@ TEST_F(ComparisonTest, pixels_with_nan_are_counted_told_and_left_out) {
   EXPECT_EQ(comparison.remarks[0], "ignoring 2 pixels with NaN or infinite colours");
 }
 
-TEST_F(ComparisonTest, layers_are_compared_and_one_sided_ones_told) {
+TEST_F(ComparisonTest, layers_are_compared_and_one_sided_ones_reported) {
   const std::vector<std::string> both{"R", "G", "B", "Z", "id"};
   std::vector<float> reference, test, without;
   for (int i = 0; i < k_width * k_height; ++i) {
@@ -226,7 +226,7 @@ TEST_F(ComparisonTest, files_with_nothing_in_common_cannot_be_compared) {
   EXPECT_EQ(problem_of("a.png", "z.exr"), "nothing to compare with the reference");
 }
 
-TEST_F(ComparisonTest, matched_colours_are_told_beside_the_raw_ones) {
+TEST_F(ComparisonTest, matched_colours_are_reported_beside_the_raw_ones) {
   write("a.exr", wave());
   write("b.exr", wave(0.5f));
   ComparisonOptions options;
@@ -301,7 +301,7 @@ TEST_F(ComparisonTest, progress_ends_at_its_total_and_can_stop_the_run) {
                Cancelled);
 }
 
-TEST_F(ComparisonTest, a_batch_tells_errors_first_and_then_the_worst) {
+TEST_F(ComparisonTest, a_batch_reports_errors_first_and_then_the_worst) {
   write("a.png", wave());
   write("b.png", wave(0.8f));
   write("c.png", wave(0.5f));
@@ -353,7 +353,7 @@ class BatchTest : public ComparisonTest {
 
 TEST_F(BatchTest, an_error_ends_it_and_spoils_no_page_that_is_written) {
   compare_pairs(pairs, options("whole"));
-  // The first report that is asked about is that of a pair not begun yet; a folder takes its position.
+  // The first call of the progress function creates a folder with the name of the last report.
   bool is_first = true;
   EXPECT_THROW(compare_pairs(pairs, options("ended"),
                              [&](std::uint64_t, std::uint64_t) {

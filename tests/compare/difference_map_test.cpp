@@ -77,7 +77,7 @@ TEST(DifferenceMap, range_follows_the_percentile_of_what_counts) {
   EXPECT_NEAR(color_difference(reference, test, half).range.high, 0.497, 2e-3);
 }
 
-TEST(DifferenceMap, of_depth_is_signed_and_tells_apart_what_only_one_picture_has) {
+TEST(DifferenceMap, of_depth_is_signed_and_marks_what_only_one_picture_has) {
   const DepthPair pair;
   const DifferenceMap map = depth_difference(pair.reference, pair.test, {});
   EXPECT_EQ(map.values[0], 0.0f);
@@ -151,7 +151,7 @@ TEST(DifferenceMap, is_written_as_png_with_a_legend_beside_it) {
   EXPECT_THROW(write_difference(map, std::filesystem::temp_directory_path() / "difference.jpg", true), Error);
 }
 
-TEST(DifferenceMap, nothing_to_compare_is_said) {
+TEST(DifferenceMap, nothing_to_compare_is_an_error) {
   ComparedImage nothing = even(3, 2, 0.5);
   nothing.depth.assign(6, k_infinite);
   const DifferenceMap map = depth_difference(nothing, nothing, {});

@@ -292,7 +292,7 @@ TEST(Flip, what_cannot_be_compared_is_an_error) {
   fails(options);
 }
 
-TEST(Flip, a_progress_that_says_no_stops_it) {
+TEST(Flip, a_progress_that_returns_false_stops_it) {
   const ComparedImage picture = patchy_picture(600, 300, ColorEncoding::display, "stop");
   std::uint64_t last = 0, all = 0;
   flip(picture, picture, {}, {}, [&](std::uint64_t done, std::uint64_t total) {

@@ -76,7 +76,7 @@ TEST(ImageMask, depth_counts_where_it_is_finite_and_positive_in_every_picture_th
   EXPECT_EQ(mask.counts, (Counts{1, 0, 0, 0}));
 }
 
-TEST(ImageMask, sky_is_ignored_only_where_every_picture_that_tells_sees_it) {
+TEST(ImageMask, sky_is_ignored_only_where_every_picture_with_sky_shows_it) {
   ComparedImage reference = four_pixels(), test = four_pixels();
   ImageMask mask;
   EXPECT_THROW(ignore_sky(mask, reference, test), Error);

@@ -13,7 +13,7 @@ using namespace compare;
 
 namespace {
 
-TEST(PagePartsTest, what_is_put_into_a_page_is_not_looked_at_again) {
+TEST(PagePartsTest, inserted_text_is_not_expanded_again) {
   EXPECT_EQ(fill_page("<{{a}}|{{b}}>", {{"a", "{{b}}"}, {"b", "x"}}), "<{{b}}|x>");
 }
 
@@ -48,7 +48,7 @@ TEST(PagePartsTest, shrunk_pictures_have_means_of_squares) {
   EXPECT_EQ(shrunk(picture, 3).bytes, picture.bytes);
 }
 
-TEST(PagePartsTest, pictures_are_packed_as_asked_for) {
+TEST(PagePartsTest, pictures_are_packed_as_requested) {
   const BytePicture picture{2, 1, {1, 2, 3, 250, 251, 252}};
   EXPECT_TRUE(data_url(picture, PicturePacking::automatic).starts_with("data:image/png;base64,iVBORw0KGgo"));
   EXPECT_TRUE(data_url(picture, PicturePacking::jpeg).starts_with("data:image/jpeg;base64,/9j/"));

@@ -94,7 +94,7 @@ TEST_F(PairListTest, tables_keep_their_order_and_name_pairs) {
   EXPECT_EQ(found[1].reference, "/c.png");
 }
 
-TEST_F(PairListTest, wrong_lines_are_told_by_their_number) {
+TEST_F(PairListTest, wrong_lines_are_reported_by_their_number) {
   EXPECT_EQ(problem_of_table("a,b\n"), "line 1: missing header");
   EXPECT_EQ(problem_of_table("reference,test\na.png\n"), "line 2: invalid pair of images");
   EXPECT_EQ(problem_of_table("reference,test\na.png,b.png\n,b.png\n"), "line 3: invalid pair of images");

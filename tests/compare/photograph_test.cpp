@@ -110,7 +110,7 @@ class Photograph : public ::testing::Test {
   }
 };
 
-TEST_F(Photograph, render_from_its_camera_is_aligned_and_the_same_render_shifted_is_told_by_how_much) {
+TEST_F(Photograph, render_from_its_camera_is_aligned_and_the_shift_of_the_same_render_is_reported) {
   const Alignment alignment = align(pair().photo, pair().render, {});
   EXPECT_TRUE(alignment.is_certain);
   // Below two pixels of the photo.

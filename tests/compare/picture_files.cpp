@@ -44,7 +44,7 @@ void PictureTest::write_layers(const std::string& name, int width, int height,
   spec.channelnames = channels;
   for (const std::string& channel : channels)
     spec.channelformats.push_back(channel == "id" ? OIIO::TypeUInt32 : OIIO::TypeFloat);
-  // Each in its own type: converted, whole numbers would represent parts of the largest one.
+  // Each value is written in its own type: a conversion would scale integers to fractions of their maximum.
   std::vector<std::uint32_t> words(values.size());
   for (std::size_t i = 0; i < values.size(); ++i) {
     const bool is_id = channels[i % channels.size()] == "id";

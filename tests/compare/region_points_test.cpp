@@ -28,7 +28,7 @@ TEST(RegionPoints, are_those_that_the_changed_pixels_show_each_once_by_id) {
   EXPECT_EQ(region_points(ids, changes_of({2, 1, 1, 2, 1, 0}), 20), expected);
 }
 
-TEST(RegionPoints, objects_of_a_scene_are_none) {
+TEST(RegionPoints, objects_of_a_scene_are_left_out) {
   EXPECT_TRUE(
       region_points(std::vector<std::uint32_t>{4294967295u, 4294967290u}, changes_of({1, 1}), 20).empty());
 }
@@ -44,7 +44,7 @@ TEST(RegionPoints, a_layer_of_another_size_is_an_error) {
   EXPECT_THROW(region_points(std::vector<std::uint32_t>{1, 2}, changes_of({1}), 20), Error);
 }
 
-/// Ten points with colours and two further dimensions, one of which is called Region.
+/// Ten points with colours and two further dimensions; one is called Region.
 PointCloud small_cloud() {
   PointCloud cloud;
   cloud.lattice = {glm::dvec3(0.001), glm::dvec3(690000.0, 5325000.0, 600.0)};

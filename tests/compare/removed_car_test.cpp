@@ -73,7 +73,7 @@ ComparedImage seen(const std::filesystem::path& cloud) {
   return image;
 }
 
-/// Both scans, of which the second one has noise of its own, and what the camera saw of them.
+/// Both scans and their pictures from one camera. The noise of the second scan has its own seed.
 struct TwoScans {
   Site site = courtyard();
   std::filesystem::path before = scanned(site, "with_car.las", 1),

@@ -27,8 +27,7 @@ class ReportTest : public PictureTest {
  protected:
   void SetUp() override {
     PictureTest::SetUp();
-    if (!chromium_program())
-      GTEST_SKIP() << "without chromium (apt-get install chromium) pages are not looked at";
+    if (!chromium_program()) GTEST_SKIP() << "pages are tested with chromium only (apt-get install chromium)";
   }
 
   /// Two pictures of 120 x 80 pixels: a wave, and the same with two bright squares.
@@ -162,7 +161,7 @@ TEST_F(ReportTest, arrows_move_a_zoomed_picture_and_characters_go_through_the_re
   expect_quiet(page);
 }
 
-TEST_F(ReportTest, matched_colours_warnings_and_how_it_was_compared_are_told) {
+TEST_F(ReportTest, matched_colours_warnings_and_how_it_was_compared_are_reported) {
   write_pictures();
   ComparisonOptions options;
   options.match = ColorModel::exposure;

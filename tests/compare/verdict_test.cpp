@@ -94,7 +94,7 @@ TEST(VerdictTest, nan_fails_every_limit) {
     EXPECT_FALSE(passes(comparison, threshold)) << threshold;
 }
 
-TEST(VerdictTest, unknown_names_are_told_with_the_nearest_known_one) {
+TEST(VerdictTest, unknown_names_are_reported_with_the_nearest_known_one) {
   EXPECT_NE(problem_of("filp=0.05").find("unknown metric 'filp'"), std::string::npos)
       << problem_of("filp=0.05");
   EXPECT_NE(problem_of("filp=0.05").find("'flip'"), std::string::npos) << problem_of("filp=0.05");

@@ -162,7 +162,7 @@ TEST(CloudLimit, boxes_are_not_pruned_where_a_distance_overflows_to_none) {
   EXPECT_GT(without_number, 10000);
 }
 
-TEST(CloudLimit, lines_that_are_none_are_rejected) {
+TEST(CloudLimit, invalid_lines_are_rejected) {
   for (const DistanceKind kind : {DistanceKind::ray, DistanceKind::plane}) {
     EXPECT_THROW(make_line(kind, {0, 0, 0}, {0, -0.0, 0}), Error);
     EXPECT_THROW(make_line(kind, {0, 0, 0}, {0, k_nan, 0}), Error);

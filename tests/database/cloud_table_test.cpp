@@ -260,7 +260,7 @@ TEST_F(CloudTableTest, a_row_is_found_by_its_rowid) {
   EXPECT_EQ(ids("points WHERE _chunk = 3").size(), 64u);
 }
 
-TEST_F(CloudTableTest, bad_input_is_told_and_null_matches_nothing) {
+TEST_F(CloudTableTest, bad_input_is_an_error_and_null_matches_nothing) {
   const std::string location = "690050, 5325050, 400";
   const auto says = [&](const std::string& sql, const std::string& part) {
     const std::string error = error_of(*database_, sql);

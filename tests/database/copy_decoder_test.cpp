@@ -90,7 +90,7 @@ TEST(CloudValues, columns_become_attributes_and_dimensions) {
     return NumberColumn{.name = name, .type = type, .can_be_null = true};
   };
   ServerTable table;
-  // Intensities that are not whole numbers, and two colours of three, are none of the attributes.
+  // Intensities that are not integers, and two colours of three, do not become attributes.
   for (const char* const name : {"x", "y", "z", "gps_time", "intensity"})
     table.columns.push_back(column(name, ScalarType::float64));
   for (const char* const name : {"id", "red", "green", "classification"})

@@ -71,7 +71,7 @@ TEST(PointFilter, no_box_is_pruned_that_has_a_match) {
     ASSERT_TRUE(may_hold(kept, box)) << i;
     ASSERT_TRUE(may_hold(kept, Bounds{point, point})) << i;
     ++tight;
-    // And limits of which nobody knows.
+    // Limits that the point may keep or not.
     const PointFilter any{.lines = {{ray, {-1.0, 50.0 * cases.unit()}, {0.0, 1e9}}}};
     if (!may_hold(any, box)) {
       ++pruned;

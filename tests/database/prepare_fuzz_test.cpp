@@ -79,7 +79,7 @@ TEST_F(PrepareFuzzTest, rewritten_statements_give_what_plain_ones_give) {
     EXPECT_EQ(sqlite3_bind_parameter_count(prepared.statement.get()), sqlite3_bind_parameter_count(made));
     const Answer expected = run_all(plain.get(), made, wanted);
     const Answer answer = run_all(pruning.get(), prepared.statement.get(), wanted);
-    // A condition without a limit is evaluated on fewer points, or in another order.
+    // Pruning evaluates a condition without a limit for fewer points, or in another order.
     const bool may_differ = !prepared.pruned.empty() && !prepared.reason.empty();
     if (!may_differ || (answer.error.empty() && expected.error.empty())) {
       ASSERT_EQ(answer.rows, expected.rows) << prepared.pruned;

@@ -85,7 +85,7 @@ TEST_F(PrepareTest, chunks_and_points_are_counted) {
   EXPECT_EQ(database_->reads().rows_given, 5000 + reads.rows_given);
 }
 
-TEST_F(PrepareTest, directions_and_positions_that_are_none_are_errors) {
+TEST_F(PrepareTest, invalid_directions_and_positions_are_errors) {
   const std::vector<std::array<std::string, 2>> cases = {{"1,2,3, 0,0,0", "is zero"},
                                                          {"1,2,3, 1e999,0,0", "is not finite"},
                                                          {"1e999,2,3, 0,0,1", "is not finite"},
@@ -166,7 +166,7 @@ TEST_F(PrepareTest, text_for_numbers_and_wrong_counts_are_errors) {
   EXPECT_EQ(ask("SELECT id FROM points WHERE dist_ray(1,2,3, 0,0,1, x,y,z) <= '1'").size(), 5000u);
 }
 
-TEST_F(PrepareTest, errors_tell_the_position_in_the_statement) {
+TEST_F(PrepareTest, errors_name_the_position_in_the_statement) {
   EXPECT_EQ(error_of("SELECT id,\n  \u00e4, idd FROM points"), "statement:2:3: no such column: \u00e4");
   EXPECT_EQ(error_of("SELECT id FROM nowhere"), "statement: no such table: nowhere");
 }

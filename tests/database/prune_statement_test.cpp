@@ -46,7 +46,7 @@ TEST(PruneStatement, every_comparison_gets_its_limits) {
   }
 }
 
-TEST(PruneStatement, limits_stand_wherever_the_condition_does) {
+TEST(PruneStatement, limits_are_wherever_the_condition_is) {
   const std::string d = "dist_ray(1,2,3,4,5,6,p.x,p.y,p.z)<1";
   const std::string limited = "(" + d + " AND in_chunk(p._chunk, try_ray_limit(1, 2, 3, 4, 5, 6, 0, 1)))";
   // @ is the condition, which gets a limit; # is the condition, which stays.

@@ -255,8 +255,8 @@ class Writer {
   Random& random_;
   RandomStatement statement_;
   std::string with_clause_, parameter_style_;
-  std::string cloud_;                     ///< what is before x, y, z
-  std::optional<std::string> ray_table_;  ///< what is before ox, if there are rays
+  std::string cloud_;                     ///< the qualifier before x, y, z
+  std::optional<std::string> ray_table_;  ///< the qualifier before ox, if there are rays
 };
 
 }  // namespace

@@ -8,7 +8,7 @@
 namespace alidade::test {
 
 /// A SELECT over the tables of PrepareFuzzTest, with conditions on dist_ray and dist_plane in many positions
-/// and spellings, some of which may be pruned and some not.
+/// and spellings. Some may be pruned and some not.
 struct RandomStatement {
   std::string text;
   int parameters = 0;       ///< what to bind: numbers 1, 2, ...

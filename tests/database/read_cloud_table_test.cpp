@@ -87,7 +87,7 @@ TEST_F(ReadCloudTableTest, clouds_are_joined_on_the_first_ones_lattice) {
   for (std::size_t row = 0; row < 300; ++row) EXPECT_EQ(both.world(500 + row).x, other.world(row).x);
 }
 
-TEST_F(ReadCloudTableTest, which_cloud_is_meant_must_be_said) {
+TEST_F(ReadCloudTableTest, ambiguous_clouds_are_errors) {
   store_cloud(file_, site(50));
   EXPECT_EQ(read_cloud(clouds_of({file_})).size(), 50u);
   store_cloud(file_, site(60), {.table = "more"});
@@ -107,7 +107,7 @@ TEST_F(ReadCloudTableTest, an_empty_cloud_is_one) {
   EXPECT_EQ(read_cloud(clouds_of({file_})).size(), 0u);
 }
 
-TEST_F(ReadCloudTableTest, damage_is_told) {
+TEST_F(ReadCloudTableTest, damage_is_reported) {
   EXPECT_NE(error_after("UPDATE points_cloud SET points = chunks * 65536")
                 .find("the number of points exceeds the file"),
             std::string::npos);

@@ -21,7 +21,7 @@ std::string error_of(const std::string& name) {
   return {};
 }
 
-TEST(ServerName, parts_are_told_apart) {
+TEST(ServerName, parts_are_separated) {
   const ServerName name("postgresql://anna@db1:5433/survey?table=site&schema=a%20b&sslmode=require");
   EXPECT_EQ(name.parameter("user"), "anna");
   EXPECT_EQ(name.parameter("host"), "db1");
@@ -67,7 +67,7 @@ TEST(ServerName, passwords_are_rejected_and_not_repeated) {
   }
 }
 
-TEST(ServerName, what_is_no_name_is_told) {
+TEST(ServerName, invalid_names_are_errors) {
   for (const char* const name :
        {"postgresql://h:0/d", "postgresql://h:65536/d", "postgresql://h:x/d", "postgresql://[::1/d",
         "postgresql://[::1]x/d", "postgresql://h/d?table=%", "postgresql://h/d?table=%4",

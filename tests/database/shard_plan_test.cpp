@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// What servers receive about a cloud: names of shards, rows as COPY takes them, scripts that no name can
-// leave.
+// The names of shards, the rows as COPY takes them, and the scripts that servers get of a cloud: no name ends
+// its quotes.
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 #include <unistd.h>
@@ -214,7 +214,7 @@ TEST_F(ShardPlanTest, names_cannot_leave_their_position_in_a_script) {
     EXPECT_NE(error_of([&] { plan(parent_ / "more", line(10), {.table = table}); }), "");
 }
 
-TEST_F(ShardPlanTest, a_folder_is_whole_or_not_there) {
+TEST_F(ShardPlanTest, a_folder_appears_completely_or_not_at_all) {
   const ShardPlanOptions stopped{.progress = [](std::uint64_t done, std::uint64_t) { return done < 60; }};
   EXPECT_THROW(plan(folder_, line(100), stopped), Cancelled);
   EXPECT_NE(error_of([&] { plan(folder_, line(2)); }).find("2 points"), std::string::npos);

@@ -27,13 +27,13 @@ bool contains(const std::string& text, const std::string& part) {
   return text.find(part) != std::string::npos;
 }
 
-TEST_F(SqliteDamageTest, short_positions_are_told) {
+TEST_F(SqliteDamageTest, short_positions_are_reported) {
   const std::string error =
       error_after("UPDATE points_chunk SET positions = substr(positions, 1, 77) WHERE id = 3");
   EXPECT_TRUE(contains(error, "chunk 3") && contains(error, "77 bytes")) << error;
 }
 
-TEST_F(SqliteDamageTest, counts_that_lie_are_told) {
+TEST_F(SqliteDamageTest, wrong_counts_are_reported) {
   for (const char* const count : {"99", "-1", "9223372036854775807", "1537228672809129302"}) {
     const std::string error =
         error_after(std::string("UPDATE points_chunk SET points = ") + count + " WHERE id = 0");
@@ -41,7 +41,7 @@ TEST_F(SqliteDamageTest, counts_that_lie_are_told) {
   }
 }
 
-TEST_F(SqliteDamageTest, short_and_missing_values_are_told) {
+TEST_F(SqliteDamageTest, short_and_missing_values_are_reported) {
   const std::string shortened = error_after("UPDATE points_value SET data = x'00' WHERE id = (1 << 32) + 2");
   EXPECT_TRUE(contains(shortened, "chunk 2") && contains(shortened, "red") && contains(shortened, "1 bytes"))
       << shortened;
@@ -49,11 +49,11 @@ TEST_F(SqliteDamageTest, short_and_missing_values_are_told) {
   EXPECT_TRUE(contains(missing, "chunk 1") && contains(missing, "values of id")) << missing;
 }
 
-TEST_F(SqliteDamageTest, missing_chunks_are_told) {
+TEST_F(SqliteDamageTest, missing_chunks_are_reported) {
   EXPECT_TRUE(contains(error_after("DELETE FROM points_chunk WHERE id = 5"), "chunk 5"));
 }
 
-TEST_F(SqliteDamageTest, descriptions_that_cannot_be_are_told) {
+TEST_F(SqliteDamageTest, impossible_descriptions_are_reported) {
   EXPECT_TRUE(contains(error_after("UPDATE points_column SET place = 5 WHERE name = 'red'"), "red"));
   EXPECT_TRUE(contains(error_after("UPDATE points_column SET type = 77 WHERE name = 'red'"), "red"));
   EXPECT_TRUE(contains(error_after("UPDATE points_column SET size = 4294967296 WHERE name = 'red'"), "red"));
@@ -67,7 +67,7 @@ TEST_F(SqliteDamageTest, descriptions_that_cannot_be_are_told) {
   EXPECT_TRUE(contains(error_after("DROP TABLE points_cloud"), "points_cloud"));
 }
 
-TEST_F(SqliteDamageTest, boxes_that_are_missing_or_short_are_told) {
+TEST_F(SqliteDamageTest, boxes_that_are_missing_or_short_are_reported) {
   EXPECT_TRUE(contains(error_after("DELETE FROM points_bounds WHERE id = 1"), "page 1 of level 0"));
   EXPECT_TRUE(
       contains(error_after("UPDATE points_bounds SET boxes = x'' WHERE id = 1 << 32"), "page 0 of level 1"));
@@ -90,7 +90,7 @@ TEST_F(SqliteDamageTest, blobs_are_numbered_without_gaps) {
       contains(error_after("UPDATE points_column SET blob = 1048575 WHERE name = 'gps_time'"), "gps_time"));
 }
 
-TEST_F(SqliteDamageTest, tables_that_are_views_over_the_cloud_are_told) {
+TEST_F(SqliteDamageTest, tables_that_are_views_over_the_cloud_are_reported) {
   for (const auto& [table, column] :
        {std::pair("chunk", "positions"), {"bounds", "boxes"}, {"value", "data"}}) {
     const std::string name = std::string("points_") + table;
@@ -107,7 +107,7 @@ TEST_F(SqliteDamageTest, tables_that_are_views_over_the_cloud_are_told) {
   }
 }
 
-TEST_F(SqliteDamageTest, numbers_of_another_kind_are_told) {
+TEST_F(SqliteDamageTest, numbers_of_another_kind_are_reported) {
   EXPECT_TRUE(contains(error_after("UPDATE points_column SET scale = NULL WHERE name = 'red'"), "red"));
   EXPECT_TRUE(contains(error_after("UPDATE points_column SET \"offset\" = 9e999 WHERE name = 'red'"), "red"));
   EXPECT_TRUE(contains(error_after("UPDATE points_column SET name = NULL WHERE name = 'red'"), "name"));
@@ -117,7 +117,7 @@ TEST_F(SqliteDamageTest, numbers_of_another_kind_are_told) {
   EXPECT_TRUE(contains(error_after("UPDATE points_cloud SET points = 'many'"), "points"));
 }
 
-TEST_F(SqliteDamageTest, boxes_that_do_not_hold_their_points_are_told) {
+TEST_F(SqliteDamageTest, boxes_that_do_not_hold_their_points_are_reported) {
   const std::string size = "(SELECT length(boxes) FROM points_bounds WHERE id = 0)";
   EXPECT_TRUE(contains(error_after("UPDATE points_bounds SET boxes = zeroblob(" + size + ") WHERE id = 0"),
                        "page 0 of level 0"));
@@ -156,7 +156,7 @@ TEST_F(SqliteDamageTest, a_cloud_that_cannot_be_read_can_be_replaced) {
   }
 }
 
-TEST_F(SqliteDamageTest, truncated_files_are_told) {
+TEST_F(SqliteDamageTest, truncated_files_are_reported) {
   store_cloud(file_, site(1000));
   std::filesystem::resize_file(file_, std::filesystem::file_size(file_) / 2);
   try {

@@ -144,7 +144,8 @@ TEST_F(StoreCloudTest, marks_for_no_value_are_compared_as_they_are) {
   for (const char* const name : {"u", "i", "f", "d"})
     EXPECT_EQ(numbers(database, fmt::format("SELECT count({}) FROM points", name)), std::vector<double>{7})
         << name;
-  EXPECT_EQ(numbers(database, "SELECT sum(odd) FROM points"), std::vector<double>{24}) << "without a scale";
+  EXPECT_EQ(numbers(database, "SELECT sum(odd) FROM points"), std::vector<double>{24})
+      << "a scale of NaN is ignored";
 }
 
 TEST_F(StoreCloudTest, stopping_leaves_no_file_and_no_table) {
@@ -160,12 +161,12 @@ TEST_F(StoreCloudTest, stopping_leaves_no_file_and_no_table) {
             std::vector<std::string>());
 }
 
-TEST_F(StoreCloudTest, bad_requests_are_told) {
+TEST_F(StoreCloudTest, bad_requests_are_errors) {
   EXPECT_NE(error_of_storing({.chunk_points = 0}).find("1 to 65536"), std::string::npos);
   EXPECT_NE(error_of_storing({.chunk_points = 65537}).find("1 to 65536"), std::string::npos);
   EXPECT_NE(error_of_storing({.table = ""}).find("invalid table name"), std::string::npos);
   std::ofstream(file_)
-      << "this is no database, whatever its name says, and long enough to differ from an empty one";
+      << "this is not a database, whatever its name is, and too long to be taken for an empty one";
   EXPECT_NE(error_of_storing({}).find("not a database"), std::string::npos);
 }
 
@@ -264,7 +265,7 @@ TEST_F(StoreCloudTest, a_load_that_is_stopped_leaves_nothing_whenever_that_is) {
   }
 }
 
-TEST_F(StoreCloudTest, names_that_sql_takes_for_equal_are_told_apart) {
+TEST_F(StoreCloudTest, names_that_sql_takes_for_equal_are_made_distinct) {
   PointCloud cloud = site(10);
   const std::string at_most(62, 'n'), umlaut = at_most + "\u00fc";
   for (const std::string& name : {std::string("X"), std::string("Red"), std::string("height"), std::string(),

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// Any bytes as a COPC file that is queried where it lies: an Error, or all points of all nodes, each once and
-// where the loaded cloud has it.
+// Any bytes as a COPC file that is queried without loading it: an Error, or all points of all nodes, each once
+// and at its position in the loaded cloud.
 #include <cstdint>
 #include <cstdlib>
 #include <limits>
@@ -37,8 +37,8 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   const auto bytes = std::as_bytes(std::span(data, size));
   try {
     const alidade::CopcFile file(alidade::InputFile(bytes, "input"));
-    // Room for points that a chunk only claims to have is never used, but the fuzzer minds that it is requested
-    // for.
+    // Memory for points that a chunk only claims to have is never touched, but the fuzzer counts its
+    // allocation.
     if (file.header().point_count > 1'000'000) return 0;
     const std::vector<alidade::PointHit> points = alidade::all_points(file);
     alidade::CloudInputs files;

@@ -57,7 +57,7 @@ void ask(const IndexFile& index) {
 }
 
 void use(std::span<const std::byte> bytes) {
-  // What may be built on a file that is rejected in one function must hold in the next.
+  // Each function gets the file even if another one rejects it.
   try {
     const IndexFile index(InputFile(bytes, "input"));
     ask(index);

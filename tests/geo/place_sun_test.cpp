@@ -83,7 +83,7 @@ TEST(GroundPosition, of_degrees_and_of_a_map_with_heights_is_the_position_itself
   EXPECT_NEAR(with_heights->grid_north, without->grid_north, 1e-9);
 }
 
-TEST(GroundPosition, is_empty_where_nothing_tells_a_position_on_earth) {
+TEST(GroundPosition, is_empty_without_a_position_on_earth) {
   EXPECT_FALSE(ground_position(Crs(), {0, 0}));
   Crs nonsense;
   nonsense.wkt = "no reference system";
@@ -117,7 +117,7 @@ TEST(PlaceSun, stands_by_grid_north_in_a_map_and_by_true_north_without_one) {
   EXPECT_LT(elsewhere.true_azimuth, on_map.true_azimuth - 10.0);
 }
 
-TEST(PlaceSun, is_as_bright_as_a_clear_sky_lets_it_be_or_as_told) {
+TEST(PlaceSun, is_as_bright_as_under_a_clear_sky_or_as_given) {
   SunByTime by_time = noon("2024-06-20T12:00Z");
   by_time.latitude = 23.4;
   by_time.longitude = 0.0;

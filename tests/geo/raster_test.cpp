@@ -36,7 +36,7 @@ TEST(RasterGridTest, covers_the_area_on_multiples_of_the_cell_size) {
   EXPECT_EQ(grid.south_east(), glm::dvec2(690010, 5325000));
 }
 
-TEST(RasterGridTest, row_zero_is_the_northernmost_and_values_stand_for_whole_cells) {
+TEST(RasterGridTest, row_zero_is_the_northernmost_and_values_apply_to_whole_cells) {
   const RasterGrid grid = grid_over(area(0, 0, 30, 20), 10.0);
   EXPECT_EQ(grid.center(0, 0), glm::dvec2(5, 15));
   EXPECT_EQ(grid.center(2, 1), glm::dvec2(25, 5));
@@ -58,7 +58,7 @@ TEST(RasterGridTest, a_position_is_a_map_of_one_cell) {
   EXPECT_TRUE(cell_at(grid, {7, 7}));
 }
 
-TEST(RasterGridTest, too_many_cells_are_rejected_and_their_number_said) {
+TEST(RasterGridTest, too_many_cells_are_rejected_with_their_number) {
   EXPECT_EQ(
       rejection(area(0, 0, 100000, 50000), 1.0),
       "map too large; expected at most 2147483648 cells: use larger cells or a smaller area, found 100000 "

@@ -25,7 +25,7 @@ SunObserver observer(double latitude, double longitude) {
   return {.latitude = latitude, .longitude = longitude, .pressure = 0.0};
 }
 
-/// The highest the sun is on a day of UTC, to the minute.
+/// The highest position of the sun on a day of UTC, to the minute.
 SunPosition highest(const char* day, const SunObserver& observer) {
   Moment moment = parse_date_time(std::string(day) + "T00:00Z");
   SunPosition best{.elevation = -91.0};
@@ -53,7 +53,7 @@ TEST(SunPosition, is_that_of_the_published_example) {
   EXPECT_NEAR(90.0 - with_own_delta_t.elevation, 50.111622, 1e-3);
 }
 
-/// Where on Earth the sun is in the zenith: seen from the poles its elevation is the declination.
+/// The latitude with the sun in the zenith: seen from the poles its elevation is the declination.
 double declination(const char* date_time) {
   // Parallax lifts the sun as seen from the south pole and lowers it from the north pole, by up to 0.0025.
   return 0.5 * (at(date_time, observer(90, 0)).geometric_elevation -
@@ -85,7 +85,7 @@ TEST(SunPosition, is_farthest_from_the_equator_at_the_published_solstices) {
   }
 }
 
-TEST(SunPosition, at_noon_stands_as_high_as_latitude_and_declination_say) {
+TEST(SunPosition, at_noon_is_as_high_as_latitude_and_declination_give) {
   EXPECT_NEAR(highest("2024-03-20", observer(48.0, 11.5)).elevation, 90.0 - 48.0, 0.2);
   EXPECT_NEAR(highest("2024-06-20", observer(48.0, 11.5)).elevation, 90.0 - 48.0 + 23.4385, 0.005);
   EXPECT_NEAR(highest("2024-12-21", observer(48.0, 11.5)).elevation, 90.0 - 48.0 - 23.4385, 0.006);
@@ -113,7 +113,7 @@ TEST(SunPosition, does_not_rise_in_the_polar_night_nor_set_at_midsummer) {
 }
 
 TEST(SunPosition, air_lifts_the_setting_sun_by_its_own_size) {
-  // At the horizon refraction is 34 arc minutes (0.567 degrees) in standard air; overhead there is none.
+  // At the horizon refraction is 34 arc minutes (0.567 degrees) in standard air; overhead it is zero.
   SunObserver position{.latitude = 0.0, .longitude = 0.0, .pressure = 1010.0, .temperature = 10.0};
   Moment moment = parse_date_time("2024-03-20T17:00Z");
   SunPosition sunset;

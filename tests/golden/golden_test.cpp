@@ -8,7 +8,7 @@
 // Pictures that must stay as they are: the last net behind the tests of light, cameras and colours. The same
 // compiler gives the same bytes; other ones may round elsewhere, which the thresholds allow.
 //
-// Where pictures are meant to change, write them again and look at the difference before it is committed:
+// After an intended change of pictures, write them again and check the differences before committing them:
 //   ALIDADE_WRITE_GOLDEN=1 build/release/tests/golden/golden_test
 
 namespace alidade::test {

@@ -40,7 +40,7 @@ TEST(RoundTicksTest, steps_are_1_2_or_5_times_a_power_of_ten) {
   EXPECT_EQ(labels({2e12, 2.00002e12}, 6), "2e+12 2.000005e+12 2.00001e+12 2.000015e+12 2.00002e+12");
 }
 
-TEST(RoundTicksTest, ticks_lie_within_the_range_and_are_no_more_than_asked_for) {
+TEST(RoundTicksTest, ticks_lie_within_the_range_and_are_no_more_than_requested) {
   for (const double low : {-1e300, -7.3e8, -12.5, -1e-7, 0.0, 3.3e-5, 690000.125, 5e9}) {
     for (const double extent : {1e-4, 0.37, 1.0, 99.99, 1e7, 1e300}) {
       for (int most = 2; most < 12; ++most) {
@@ -214,7 +214,7 @@ TEST_F(LegendTest, rows_of_the_bar_have_the_colours_of_their_values) {
   EXPECT_EQ(canvas.at(layout.width - 1, layout.height - 1), k_white);
 }
 
-TEST_F(LegendTest, ticks_stand_at_their_values_with_their_labels_beside_them) {
+TEST_F(LegendTest, ticks_are_at_their_values_with_their_labels_beside_them) {
   const ColorKey key = height_key();
   const LegendLayout layout = lay_out_legend(key, font_);
   const Canvas canvas = draw_legend(key, layout, font_);
@@ -245,7 +245,7 @@ TEST_F(LegendTest, one_value_has_its_colour_and_its_tick_in_the_middle) {
             rounded(to_color16(map_color(ColorMap::viridis, 0.5))));
 }
 
-TEST_F(LegendTest, swatches_stand_one_below_the_other_with_names_counts_and_shares) {
+TEST_F(LegendTest, swatches_are_one_below_the_other_with_names_counts_and_shares) {
   const ColorKey key = class_key();
   const LegendLayout layout = lay_out_legend(key, font_);
   const Canvas canvas = draw_legend(key, layout, font_);
@@ -331,7 +331,7 @@ TEST_F(LegendTest, a_given_size_is_kept_and_filled) {
   EXPECT_GT(lay_out_legend(class_key(), font_, glm::ivec2(2000, 2000)).font_size, 60);
 }
 
-TEST_F(LegendTest, a_size_that_is_too_small_is_an_error_that_tells_the_least) {
+TEST_F(LegendTest, a_size_that_is_too_small_is_an_error_with_the_least) {
   try {
     lay_out_legend(class_key(), font_, glm::ivec2(100, 100));
     FAIL() << "no error";
@@ -371,7 +371,7 @@ TEST_F(LegendTest, the_file_is_the_drawn_picture_and_the_same_bytes_every_time) 
   EXPECT_EQ(bytes, canvas.bytes());
 }
 
-TEST_F(LegendTest, the_file_appears_whole_or_not_at_all) {
+TEST_F(LegendTest, the_file_appears_completely_or_not_at_all) {
   const ColorKey key = height_key();
   EXPECT_THROW(write_legend(key, folder_ / "none" / "a.png", {}, false), Error);
   EXPECT_THROW(write_legend(key, folder_ / "a.jpg", {}, false), Error);

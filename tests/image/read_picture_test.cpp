@@ -135,7 +135,7 @@ TEST_F(ReadSkyImageTest, a_file_that_ends_early_is_an_error) {
       std::filesystem::resize_file(file, static_cast<std::uintmax_t>(share * static_cast<double>(size)));
       EXPECT_NE(message(file), "no error") << name << " " << share;
       EXPECT_TRUE(message(file).starts_with(file.string() + ": ")) << message(file);
-      // Both PNG libraries report it, one in the words of the other.
+      // Both PNG libraries report it; one message contains the other.
       const std::string said = message(file), part = "hit end of file";
       EXPECT_EQ(said.find(part), said.rfind(part)) << said;
     }

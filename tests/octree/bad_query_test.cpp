@@ -9,7 +9,7 @@ using namespace test;
 constexpr double k_infinity = std::numeric_limits<double>::infinity();
 const double k_nan = std::nan("");
 
-/// Every way to ask rejects, index and brute force alike.
+/// Expects every query function to throw, those of the index and those of brute force.
 template <class Target, class Query>
 void expect_rejected(const Target& target, const Query& query, const std::string& why) {
   const PointCloud cloud = three_points();

@@ -37,7 +37,7 @@ TEST(SheetEdge, is_where_a_sheet_ends) {
   for (int i = 0; i < 8000; ++i) {
     const double across = random.between(0.0, 4.0);
     positions.push_back(across * u + random.between(-2.0, 2.0) * v);
-    // Only the edge at 0 is examined, away from the corners.
+    // Only the edge at 0 is tested, away from the corners.
     from_edge.push_back(across > 2.0 || std::fabs(glm::dot(positions.back(), v)) > 1.6 ? -1.0 : across);
   }
   const PointCloud cloud = cloud_of(positions);

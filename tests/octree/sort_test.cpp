@@ -69,12 +69,12 @@ TEST(SortedPoints, stand_in_order_however_they_are_distributed) {
   sorted("uniform", [&](int) { return LatticePosition(below(400000), below(400000), below(400000)); });
   sorted("wide", [&](int) { return LatticePosition(below(9000000), below(9000000), below(50)); });
   sorted("whole lattice", [&](int) { return LatticePosition(random.bits(), random.bits(), random.bits()); });
-  sorted("one place", [&](int) { return LatticePosition(7, 8, 9); });
-  sorted("mostly one place", [&](int i) {
+  sorted("one position", [&](int) { return LatticePosition(7, 8, 9); });
+  sorted("mostly one position", [&](int i) {
     return i % 10 != 0 ? LatticePosition(500, 500, 500)
                        : LatticePosition(below(1000), below(1000), below(1000));
   });
-  sorted("three places", [&](int) { return LatticePosition(below(3), 0, 0); });
+  sorted("three positions", [&](int) { return LatticePosition(below(3), 0, 0); });
   sorted("an outlier", [&](int i) {
     return i == 5 ? LatticePosition(2000000000, -2000000000, 0)
                   : LatticePosition(below(3000), below(3000), 0);

@@ -18,7 +18,7 @@ TEST(StoredOrder, brings_every_attribute_to_its_point_and_needs_no_ids) {
     SCOPED_TRACE(family.name);
     PointCloud& cloud = family.cloud;
     const std::vector<LatticePosition> positions = cloud.positions;
-    // Every value identifies the row it came from.
+    // The values of every column give the row they came from.
     ExtraDimension& row = cloud.extra_dimensions.emplace_back();
     row.type = ScalarType::uint32;
     row.byte_count = 4;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Errors that other programs for rays and points have shipped, as their issue threads describe them.
+// Errors that other programs for rays and points have shipped, as their issue threads report them.
 #include <sys/mman.h>
 
 #include "octree/distance.h"
@@ -100,8 +100,8 @@ TEST_P(Trap, vertical_and_axis_parallel_rays_lose_nothing) {
 
 // ospray 207
 TEST_P(Trap, positions_beyond_32_bit_byte_offsets_are_read_where_they_are) {
-  // A small octree whose only leaf is at position 1.5 billion: 9 GB into its coordinates, of which only the
-  // leaf's own page is ever touched.
+  // A small octree whose only leaf begins at position 1.5 billion, 9 GB into its coordinates. Only the leaf's
+  // own page is ever touched.
   const PointCloud cloud = three_points();
   const Octree small = build_here(cloud);
   ASSERT_EQ(small.view().node_count, 1u);

@@ -59,7 +59,7 @@ class TreeCheck {
       EXPECT_LT(points_before, 256) << "sums of lower counts fit a byte";
       if (is_inner(kind)) {
         const Frame child = child_frame(tree_, frame, slot);
-        EXPECT_GT(child.node, frame.node) << "children are behind their parents";
+        EXPECT_GT(child.node, frame.node) << "children follow their parents";
         below[slot] = visit(child);
       } else {
         points_before += kind;

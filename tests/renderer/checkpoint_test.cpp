@@ -70,7 +70,7 @@ class CheckpointTest : public ::testing::Test {
   std::filesystem::path folder_, file_;
 };
 
-TEST_F(CheckpointTest, interrupted_render_goes_on_to_the_same_film) {
+TEST_F(CheckpointTest, interrupted_render_resumes_to_the_same_film) {
   const LoadedCloud cloud = mixed_cloud();
   Scene scene = mixed_scene();
   scene.render.samples = 70;
@@ -119,7 +119,7 @@ TEST_F(CheckpointTest, interrupted_again_and_again_with_a_target_and_previews_en
   EXPECT_GT(interruptions, 0);
 }
 
-TEST_F(CheckpointTest, is_written_while_the_render_goes_on) {
+TEST_F(CheckpointTest, is_written_while_the_render_continues) {
   Scene scene = mixed_scene();
   scene.render.samples = 20;
   RenderOptions often = options(false);
@@ -157,7 +157,7 @@ TEST_F(CheckpointTest, keeps_the_time_that_counts_for_a_limit) {
               static_cast<double>(summary.samples_taken), static_cast<double>(film.count()));
 }
 
-TEST_F(CheckpointTest, of_a_render_without_limit_goes_on_evenly_with_one) {
+TEST_F(CheckpointTest, of_a_render_without_limit_resumes_evenly_with_one) {
   Scene scene = mixed_scene();
   scene.render.samples = 200;
   const Film whole = render(scene, nullptr);
@@ -176,7 +176,7 @@ TEST_F(CheckpointTest, of_a_render_without_limit_goes_on_evenly_with_one) {
             static_cast<double>(summary.samples_taken + film.count()));
 }
 
-TEST_F(CheckpointTest, of_a_render_without_previews_goes_on_with_them_at_once) {
+TEST_F(CheckpointTest, of_a_render_without_previews_resumes_with_them_at_once) {
   Scene scene = mixed_scene();
   scene.render.samples = 200;
   render_in_part(scene, nullptr, options(false), 0);
@@ -315,7 +315,7 @@ TEST_F(CheckpointTest, with_any_bit_flipped_is_an_error) {
   }
 }
 
-TEST_F(CheckpointTest, of_another_kind_version_or_byte_order_is_told_apart) {
+TEST_F(CheckpointTest, of_another_kind_version_or_byte_order_is_detected) {
   const Scene scene = mixed_scene();
   render_in_part(scene, nullptr, options(false), 0);
   const std::vector<std::byte> whole = bytes();
@@ -348,7 +348,7 @@ TEST_F(CheckpointTest, of_another_kind_version_or_byte_order_is_told_apart) {
   EXPECT_NE(message_of(tiles + 4, 2).find("stopped 2"), std::string::npos);
 }
 
-TEST_F(CheckpointTest, that_cannot_be_written_is_told_and_the_render_goes_on) {
+TEST_F(CheckpointTest, that_cannot_be_written_is_reported_and_the_render_continues) {
   RenderOptions often = options(false);
   often.checkpoint->file = folder_ / "absent" / "picture.state";
   often.checkpoint->interval = 1e-9;
@@ -362,7 +362,7 @@ TEST_F(CheckpointTest, that_cannot_be_written_is_told_and_the_render_goes_on) {
   EXPECT_GT(failures, 0);
 }
 
-TEST_F(CheckpointTest, of_an_index_file_knows_it_by_its_checksums) {
+TEST_F(CheckpointTest, of_an_index_file_identifies_it_by_its_checksums) {
   LoadedCloud one = mixed_cloud(), other = mixed_cloud();
   one.index_checksum = 1;
   other.index_checksum = 2;

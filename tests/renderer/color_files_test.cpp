@@ -94,7 +94,7 @@ TEST_F(ColorFiles, points_without_a_value_are_a_warning) {
   EXPECT_TRUE(cloud.warnings[0].ends_with("site.las: 100 of 5000 points have no gps_time and are grey"));
 }
 
-TEST_F(ColorFiles, a_missing_attribute_is_told_before_points_are_read) {
+TEST_F(ColorFiles, a_missing_attribute_is_an_error_before_points_are_read) {
   write_las(folder_ / "site.las", test::column(3));
   CloudSettings settings;
   settings.color = coloring_by("rgb");

@@ -132,7 +132,7 @@ TEST(ColorPoints, classes_have_their_colours_and_are_counted) {
   EXPECT_FALSE(points.key.scale);
 }
 
-TEST(ColorPoints, numbers_of_returns_are_shown_whole_and_none_given_is_no_value) {
+TEST(ColorPoints, numbers_of_returns_are_integers_and_zero_is_nodata) {
   PointCloud cloud = test::column(5);
   cloud.returns = {{1, 3}, {2, 3}, {3, 3}, {1, 1}, {0, 0}};
   const ColoredPoints number = colored(cloud, {.by = PointColor::return_number});
@@ -149,7 +149,7 @@ TEST(ColorPoints, numbers_of_returns_are_shown_whole_and_none_given_is_no_value)
   EXPECT_EQ(count.colors[3], shade(ColorMap::turbo, 0.0));
 }
 
-TEST(ColorPoints, any_numeric_attribute_can_be_asked_for_by_name) {
+TEST(ColorPoints, any_numeric_attribute_can_be_named) {
   PointCloud cloud = test::column(3);
   cloud.near_infrared = {5, 10, 15};
   cloud.flags = {0, 1, 2};
@@ -196,7 +196,7 @@ TEST(ColorPoints, extra_dimensions_count_with_scale_offset_and_no_data_in_every_
   EXPECT_EQ(points.key.scale->extent, (ValueRange{10.0, 135.0}));
 }
 
-TEST(ColorPoints, values_beyond_1e300_are_none) {
+TEST(ColorPoints, values_beyond_1e300_are_nodata) {
   PointCloud cloud = test::column(4);
   cloud.extra_dimensions = {
       test::extra<double>("j", ScalarType::float64, {-1e300, 1e300, 1.5e300, -1.7e308})};
@@ -249,7 +249,7 @@ TEST(ColorPoints, wishes_that_would_change_nothing_are_errors) {
             "height");
 }
 
-TEST(ColorPoints, times_are_told_with_their_date) {
+TEST(ColorPoints, times_are_printed_with_their_date) {
   PointCloud cloud = test::column(2);
   cloud.gps_times = {346413933.25, 346414033.25};
   cloud.files.resize(1);
@@ -272,7 +272,7 @@ TEST(ColorPoints, times_are_told_with_their_date) {
   EXPECT_EQ(colored(cloud, {.by = PointColor::gps_time}).key.scale->origin_text, "");
 }
 
-TEST(ColorKeyTest, notes_and_metadata_tell_range_and_map) {
+TEST(ColorKeyTest, notes_and_metadata_contain_range_and_map) {
   ColorKey key{.by = PointColor::height, .word = "height", .title = "Height", .unit = "m"};
   EXPECT_EQ(scale_text(key), "");
   EXPECT_EQ(color_metadata(key).size(), 1u);

@@ -143,11 +143,11 @@ TEST_F(GeotiffTest, a_reference_system_that_means_nothing_is_left_out) {
   GDALClose(file);
 }
 
-TEST_F(GeotiffTest, keys_of_any_kind_are_a_reference_system_or_none) {
+TEST_F(GeotiffTest, keys_of_any_kind_give_a_reference_system_or_nothing) {
   EXPECT_EQ(wkt_of(Crs()), "");
-  Crs stated = utm_32();
-  stated.wkt = "as it was";
-  EXPECT_EQ(wkt_of(stated), "as it was");
+  Crs with_wkt = utm_32();
+  with_wkt.wkt = "as it was";
+  EXPECT_EQ(wkt_of(with_wkt), "as it was");
   EXPECT_EQ(epsg_of(wkt_of(utm_32()).c_str()), "32632");
   // Counts and positions that lie.
   for (const std::vector<std::uint16_t>& keys : {std::vector<std::uint16_t>{1},

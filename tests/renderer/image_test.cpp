@@ -166,7 +166,7 @@ TEST_F(ImageTest, exr_holds_every_layer_under_its_conventional_names_and_types) 
   }
 }
 
-TEST_F(ImageTest, exr_holds_only_the_layers_asked_for) {
+TEST_F(ImageTest, exr_holds_only_the_requested_layers) {
   OutputSettings settings = output("few.exr");
   settings.layers = {Layer::id, Layer::depth};
   write_image(colorful_film(), settings, metadata(), false);
@@ -199,7 +199,7 @@ TEST_F(ImageTest, half_never_becomes_infinite) {
 }
 
 TEST_F(ImageTest, positions_are_precise_far_from_the_origin) {
-  OutputSettings settings = output("place.exr");
+  OutputSettings settings = output("position.exr");
   settings.layers = {Layer::position};
   const Film film = colorful_film();
   write_image(film, settings, metadata(), false);
@@ -218,7 +218,7 @@ TEST(PositionOffsetTest, is_zero_near_the_origin_and_round_elsewhere) {
   EXPECT_EQ(position_offset(camera), glm::dvec3(-20000, 680000, 1e7));
 }
 
-TEST_F(ImageTest, metadata_stand_in_exr_and_png) {
+TEST_F(ImageTest, exr_and_png_contain_metadata) {
   for (const std::string name : {"site.exr", "site.png"}) {
     write_image(colorful_film(), output(name), metadata(), false);
     const Picture picture(folder_ / name);
@@ -301,7 +301,7 @@ TEST(DisplayTest, exposure_is_a_power_of_two) {
   EXPECT_EQ(exposure_scale(0.5), std::sqrt(2.0));
 }
 
-TEST_F(ImageTest, an_existing_file_is_kept_unless_overwriting_is_asked_for) {
+TEST_F(ImageTest, an_existing_file_is_kept_unless_overwriting_is_requested) {
   write_image(Film(2, 2), output("kept.png"), ImageMetadata(), false);
   const std::string before = bytes_of(folder_ / "kept.png");
   EXPECT_NE(error_of(colorful_film(), output("kept.png")), "no error");

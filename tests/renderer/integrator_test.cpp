@@ -10,7 +10,7 @@
 #include "tests/renderer/tracer_scenes.h"
 #include "tests/support/random.h"
 
-// Light with answers known on paper. Derivations are beside each scene.
+// Light with answers known on paper. The derivation is a comment of each scene.
 
 namespace alidade {
 

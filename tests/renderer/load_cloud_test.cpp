@@ -79,7 +79,7 @@ TEST_F(LoadCloud, automatic_takes_colours_first) {
   EXPECT_EQ(cloud.files[0].format, "LAS");
 }
 
-TEST_F(LoadCloud, automatic_takes_intensity_where_colour_is_missing_or_black_and_says_so) {
+TEST_F(LoadCloud, automatic_takes_intensity_where_colour_is_missing_or_black_with_a_warning) {
   const LoadedCloud plain = load_cloud(settings_for(add_intensities));
   EXPECT_EQ(plain.color.by, PointColor::intensity);
   EXPECT_TRUE(warns_of(plain, "site.las has no colours: coloured by intensity"));
@@ -92,7 +92,7 @@ TEST_F(LoadCloud, automatic_takes_intensity_where_colour_is_missing_or_black_and
   EXPECT_TRUE(warns_of(black, "has only black colours: coloured by intensity"));
 }
 
-TEST_F(LoadCloud, automatic_takes_height_where_nothing_else_varies_and_says_so) {
+TEST_F(LoadCloud, automatic_takes_height_where_nothing_else_varies_with_a_warning) {
   const LoadedCloud cloud =
       load_cloud(settings_for([](PointCloud& points) { points.intensities.assign(points.size(), 7); }));
   EXPECT_EQ(cloud.color.by, PointColor::height);
@@ -119,7 +119,7 @@ TEST_F(LoadCloud, intensity_is_stretched_between_percentiles_1_and_99) {
   EXPECT_EQ(cloud.colors[500].r, cloud.colors[500].b);
 }
 
-TEST_F(LoadCloud, height_can_be_asked_for) {
+TEST_F(LoadCloud, height_can_be_requested) {
   CloudSettings settings = settings_for(add_colors);
   settings.color.by = PointColor::height;
   const LoadedCloud cloud = load_cloud(settings);
@@ -128,7 +128,7 @@ TEST_F(LoadCloud, height_can_be_asked_for) {
   EXPECT_NE(cloud.colors[100], cloud.colors[900]);
 }
 
-TEST_F(LoadCloud, what_is_asked_for_by_name_and_missing_is_an_error) {
+TEST_F(LoadCloud, a_missing_named_attribute_is_an_error) {
   CloudSettings settings = settings_for(add_intensities);
   settings.color.by = PointColor::rgb;
   EXPECT_THROW(load_cloud(settings), Error);

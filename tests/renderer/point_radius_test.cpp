@@ -56,7 +56,7 @@ TEST(PointRadius, adapted_spheres_close_what_is_sparse_and_stay_small_where_it_i
   EXPECT_EQ(height_below(0.0, 3.0), -1.0);
 }
 
-TEST(PointRadius, no_sphere_is_larger_than_asked_for) {
+TEST(PointRadius, no_sphere_is_larger_than_requested) {
   const LoadedCloud cloud = floor_with(adapted({.neighbours = 4, .factor = 0.75, .max = 0.1}));
   EXPECT_EQ(cloud.radius, 0.1);
   const auto dense = sphere_around(cloud, {-1.5, 0.5, 0.001}, k_all_levels);

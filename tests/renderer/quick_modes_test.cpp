@@ -56,7 +56,7 @@ TEST(Flat, is_black_and_transparent_where_nothing_is) {
 }
 
 TEST(Headlight, is_colour_times_cosine_between_normal_and_ray) {
-  // Parallel rays 60 degrees off the normal of the plane, whatever is in the way of other lights.
+  // Parallel rays 60 degrees off the normal of the plane, whatever blocks other lights.
   Camera camera = camera_at({0, -std::sqrt(3.0), 1.0}, {0, 0, 0}, 10.0);
   camera.lens = OrthographicLens{};
   camera.fx = camera.fy = 1000.0;
@@ -133,7 +133,7 @@ TEST(AmbientOcclusion, is_closed_inside_a_ball) {
   EXPECT_GT(test::image_mean(render(scene, nullptr)).mean, 0.499);
 }
 
-TEST(AmbientOcclusion, distance_is_a_twentieth_of_the_cloud_unless_told) {
+TEST(AmbientOcclusion, distance_is_a_twentieth_of_the_cloud_by_default) {
   RenderSettings settings{.mode = RenderMode::ambient_occlusion, .ao_distance = {}};
   EXPECT_TRUE(std::isinf(ambient_occlusion_distance(settings, nullptr)));
   const LoadedCloud cloud = test::loaded({{0, 0, 0}, {30, 40, 0}}, 1e-3);

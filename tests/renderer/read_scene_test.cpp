@@ -33,7 +33,7 @@ std::string with(const std::string& rest) {
   return "{ \"version\": 1,\n  " + rest + " }";
 }
 
-TEST(ReadSceneTest, a_scene_says_what_its_file_says) {
+TEST(ReadSceneTest, a_scene_has_the_values_of_its_file) {
   const Scene scene = parse_scene(R"({
     "version": 1, "description": "all of it",
     "cloud": { "files": ["a.las", "../b.ply"], "partial": true, "radius": 0.05, "hits": "t", "color": "intensity", "color_depth": 8, "normals": "smooth", "max_level": 4,
@@ -102,7 +102,7 @@ TEST(ReadSceneTest, colours_are_a_word_or_an_object_with_map_range_and_classes) 
   EXPECT_EQ(color("{}").by, PointColor::automatic);
 }
 
-TEST(ReadSceneTest, light_says_what_its_file_says) {
+TEST(ReadSceneTest, light_has_the_values_of_its_file) {
   const Scene scene = parse_scene(R"({ "version": 1,
     "sky": { "type": "image", "file": "../skies/noon.exr", "scale": 2.5, "rotation": -90 },
     "sun": { "date_time": "2003-10-17T12:30:30-07:00", "latitude": 39.5, "longitude": -105.25, "height": 1830.5,

@@ -114,7 +114,7 @@ void expect_colors_of_photo(const std::filesystem::path& file, const std::vector
     EXPECT_LT(here, 0.75 * color_difference(photo, points, formula, shift)) << shift.x << " " << shift.y;
 }
 
-TEST(RealScenes, points_of_sceaux_stand_where_the_formula_puts_them) {
+TEST(RealScenes, points_of_sceaux_are_where_the_formula_puts_them) {
   if (!std::filesystem::exists(shared("scene_sceaux")))
     GTEST_SKIP() << "../shared/data/scene_sceaux is not there";
   const PointCloud cloud = read_cloud(shared("scene_sceaux/Sparse.ply"));
@@ -149,7 +149,7 @@ TEST(RealScenes, points_of_sceaux_stand_where_the_formula_puts_them) {
   }
 }
 
-TEST(RealScenes, points_of_berlin_stand_where_the_formula_puts_them) {
+TEST(RealScenes, points_of_berlin_are_where_the_formula_puts_them) {
   const std::filesystem::path file = shared("scene_berlin/reconstruction_example.json");
   if (!std::filesystem::exists(file)) GTEST_SKIP() << "../shared/data/scene_berlin is not there";
   const Json reconstruction = json_of(file).at(0);

@@ -121,7 +121,7 @@ TEST(Render, variance_of_a_single_sample_is_infinite) {
   EXPECT_EQ(statistics.noise->worst, INFINITY);
 }
 
-TEST(Render, layers_that_are_not_asked_for_are_empty_and_the_others_the_same) {
+TEST(Render, layers_that_are_not_requested_are_empty_and_the_others_the_same) {
   const LoadedCloud cloud = mixed_cloud();
   const Film all = render(mixed_scene(), &cloud);
   for (const NamedLayer& known : k_layers) {

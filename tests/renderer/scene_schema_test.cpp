@@ -206,7 +206,7 @@ std::set<std::string> quoted_words(const std::string& text) {
 }
 
 // The message about an unknown key lists the keys the reader knows at this position.
-TEST_F(SceneSchemaTest, reader_knows_exactly_the_keys_of_the_schema) {
+TEST_F(SceneSchemaTest, reader_accepts_exactly_the_keys_of_the_schema) {
   for (const Sample& sample : samples()) {
     const auto applied = validator_.validate(sample.schema, sample.document).value();
     for (const auto& position : positions(sample.document)) {
@@ -258,7 +258,7 @@ TEST_F(SceneSchemaTest, leaving_a_key_out_means_the_default_in_the_schema) {
       const bool has_default = std::ranges::any_of(applied, [&](const auto& each) {
         return each.position == position && each.schema->contains("default");
       });
-      EXPECT_TRUE(has_default) << position.to_string() << " may be left out but the schema states no default";
+      EXPECT_TRUE(has_default) << position.to_string() << " is optional but the schema has no default";
     }
   }
   EXPECT_GT(count, 30);

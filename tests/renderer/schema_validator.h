@@ -39,7 +39,7 @@ class SchemaValidator {
   const Json& target(const std::string& reference, const Json& from) const;
 
   std::map<std::string, Json> documents_;
-  std::map<const Json*, std::string> home_;  // of every schema with a "$ref": the document it is in
+  std::map<const Json*, std::string> home_;  // of every schema with a "$ref": the document that contains it
 };
 
 }  // namespace alidade::test

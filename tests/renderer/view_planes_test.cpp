@@ -69,7 +69,7 @@ TEST(ViewPlanes, contain_what_bent_lenses_see) {
   EXPECT_LT(shares.kept, shares.seen * 1.2);
 }
 
-TEST(ViewPlanes, there_are_none_for_wide_views) {
+TEST(ViewPlanes, wide_views_have_no_planes) {
   EXPECT_TRUE(view_planes(panorama_camera({0, 0, 0}, 400, 200)).planes.empty());
 }
 

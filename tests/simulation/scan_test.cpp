@@ -91,8 +91,8 @@ TEST(Scan, StationPointsLieOnTheFirstSurfaceOfTheirBeamWithinTheNoise) {
   const Site site = courtyard();
   const ScanOptions options = courtyard_scan(60000, 3);
   const PointCloud cloud = collect(site, options);
-  // 5 standard deviations and the rounding to the lattice; to be distinguished from the surface itself the
-  // beam must not graze.
+  // 5 standard deviations and the rounding to the lattice. A grazing beam would end too near the surface for
+  // this limit.
   const double k_limit = 5.0 * options.terrestrial.range_noise + 0.001;
   std::size_t checked = 0, near = 0;
   for (std::size_t i = 0; i < cloud.size() && cloud.point_source_ids[i] <= options.stations.size(); ++i) {

@@ -87,7 +87,7 @@ Ray exact_line(const KnownScene& scene, std::size_t id, const glm::dvec3& observ
   return make_ray(observer, way, 0.0, glm::length(way));
 }
 
-/// Whether a line passes an edge of what a point is on, other than the line's target.
+/// Whether a line passes an edge of a point's surface, other than the line's target.
 bool passes_edge(const KnownScene& scene, const Ray& line, const Candidate& candidate) {
   const glm::dvec3& middle = scene.exact[candidate.point_id];
   const glm::dvec3& normal = scene.normals[candidate.point_id];

@@ -33,15 +33,15 @@ KnownScene thin_plate();
 KnownScene fence();
 /// Trees of single leaves above ground; noise 2 mm.
 KnownScene canopy();
-/// A wall of which one half has 100 times the points of the other, and boxes behind it; noise 3 mm.
+/// A wall with 100 times the points on one half, and boxes behind it; noise 3 mm.
 KnownScene mixed_density();
 /// Ground that rises by 1 degree, seen along it from eye height, with a box on it; points 0.35 m from each
 /// other, noise 2 cm.
 KnownScene grazing_slope();
 
-/// What the observer sees of the points of a scene, 1 or 0: nothing of the site is in front of the position a
-/// tenth of a millimetre above the point's exact position, on the observer's side. (Both sides of a leaf
-/// without thickness are the leaf.)
+/// Which points of a scene the observer sees, 1 or 0: nothing of the site blocks the line to the position a
+/// tenth of a millimetre above the point's exact position, on the observer's side. (Both sides of a leaf without
+/// thickness are the leaf.)
 std::vector<std::uint8_t> truth(const KnownScene& scene, const glm::dvec3& observer);
 
 /// Points that have a point of the other answer within two radii of their discs: they lie on the boundary of
@@ -51,8 +51,8 @@ std::vector<std::uint8_t> near_boundary(const KnownScene& scene, const Octree& o
 
 /// The same, and points whose free line of sight passes an edge of something else within two radii of that
 /// one's discs: it crosses the exact plane of a point so near to the point. Behind such an edge the boundary
-/// of what is seen is as wide as the lines spread. Only every `step`-th point is examined, for these are
-/// slow queries; all others are said to be near a boundary.
+/// of the visible part is as wide as the lines spread. Only every `step`-th point is tested, since the queries
+/// are slow; all others count as near a boundary.
 std::vector<std::uint8_t> near_boundary_or_edge(const KnownScene& scene, const Octree& octree,
                                                 const std::vector<std::uint8_t>& truth,
                                                 const glm::dvec3& observer, std::size_t step);

@@ -37,7 +37,7 @@ inline bool same_bits(double a, double b) {
   return std::bit_cast<std::uint64_t>(a) == std::bit_cast<std::uint64_t>(b);
 }
 
-/// Whether two answers are the same, -0.0 and 0.0 distinguished.
+/// Whether two answers are the same; -0.0 and 0.0 differ.
 template <class Answer>
 bool same_hit(const Answer& a, const Answer& b) {
   bool same = a == b && same_bits(a.distance, b.distance);

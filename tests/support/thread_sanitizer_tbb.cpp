@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: MIT
 // Debian's oneTBB library is not compiled for the thread sanitizer, which therefore does not see that a task
 // begins after it was spawned and that a wait ends after its tasks, and calls both a race. Linked into the
-// tests of the thread sanitizer build, these functions replace the library's entry points, inform the
-// sanitizer of that order, and go on to the library. Races in our own code are reported as ever.
+// tests of the thread sanitizer build, these functions replace the library's entry points, report that order
+// to the sanitizer, and call the library. Races in our own code are reported as ever.
 #include <dlfcn.h>
 #include <oneapi/tbb/detail/_small_object_pool.h>
 #include <oneapi/tbb/detail/_task.h>

@@ -19,7 +19,7 @@ std::size_t size_after_batches(double answers, double seconds) {
   return size.targets();
 }
 
-TEST(BatchSize, light_targets_are_asked_by_the_ten_thousand) {
+TEST(BatchSize, light_targets_are_queried_by_the_ten_thousand) {
   EXPECT_EQ(size_after_batches(1, 1e-7), 1u << 15);
 }
 

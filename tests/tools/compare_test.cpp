@@ -42,7 +42,7 @@ TEST_F(CompareTest, exit_codes_are_those_of_diff_or_of_idiff) {
   EXPECT_EQ(compare("a.png a.png --idiff-codes --report-pictures png").exit_code, 4);
 }
 
-TEST_F(CompareTest, the_table_tells_figures_and_which_threshold_fails) {
+TEST_F(CompareTest, the_table_has_figures_and_failed_thresholds) {
   render("a.png");
   render("b.png", "32x24", {"--no-sun"});
   const ProgramResult result = compare("a.png b.png --fail-above flip=0,rmse=1");
@@ -93,7 +93,7 @@ TEST_F(CompareTest, options_that_would_do_nothing_are_errors) {
       << result.err;
 }
 
-TEST_F(CompareTest, what_is_asked_for_and_not_there_is_found_before_anything_is_written) {
+TEST_F(CompareTest, missing_inputs_are_errors_before_anything_is_written) {
   render("a.exr", "32x24", {"--layers", "color"});
   const ProgramResult result =
       compare("a.exr a.exr --report r.html --flip-map flip.png --depth-map depth.png");

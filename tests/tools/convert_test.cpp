@@ -198,7 +198,7 @@ TEST_F(ConvertTest, crop_gives_the_same_points_of_an_index_file_whose_border_it_
                "expected a part of the cloud, found points from 0.35000000000000003, 0, 0 to 0.45, 0.1, 0.1");
 }
 
-TEST_F(ConvertTest, messages_say_how_many_points_of_how_many_were_written) {
+TEST_F(ConvertTest, messages_contain_the_points_written_and_read) {
   write_survey();
   const ProgramResult result = convert("out.las", {"--every", "3"});
   EXPECT_TRUE(contains(result.err, "wrote 2 of 4 points to out.las")) << result.err;

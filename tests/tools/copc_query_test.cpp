@@ -62,7 +62,7 @@ TEST_F(CopcQueryTest, answers_in_position_have_the_bytes_of_those_of_the_loaded_
   expect_same({"--point", "690000,5325000,480", "--k", "12", "--class", "3,7,200,201,202,203,204,205"});
 }
 
-TEST_F(CopcQueryTest, explain_tells_how_much_of_the_file_was_read) {
+TEST_F(CopcQueryTest, explain_prints_how_much_of_the_file_was_read) {
   const ProgramResult result = ask({"--ray", "690000,5325000,600,0,0,-1", "--radius", "0.5", "--explain"});
   EXPECT_EQ(result.exit_code, 0);
   EXPECT_TRUE(contains(result.err, "nodes visited"));
@@ -103,8 +103,8 @@ TEST_F(CopcQueryTest, points_outside_their_cube_are_one_error_on_any_number_of_t
   for (int i = 0; i < 300; ++i)
     positions +=
         std::to_string(690060 - i * 37 % 120) + "," + std::to_string(5325060 - i * 53 % 120) + ",480\n";
-  write("places.csv", positions);
-  const Words words = {"query", "moved.copc.laz", "-q", "--points", "places.csv", "--k", "3"};
+  write("positions.csv", positions);
+  const Words words = {"query", "moved.copc.laz", "-q", "--points", "positions.csv", "--k", "3"};
   std::string first;
   for (const char* const threads : {"1", "4", "4", "2"}) {
     Words all = words;
@@ -125,7 +125,7 @@ TEST_F(CopcQueryTest, answers_with_all_attributes_load_the_cloud) {
   EXPECT_TRUE(std::filesystem::exists(folder / "found.las"));
 }
 
-TEST_F(CopcQueryTest, info_tells_levels_nodes_and_spacing) {
+TEST_F(CopcQueryTest, info_prints_levels_nodes_and_spacing) {
   const ProgramResult result = run({"info", "site.copc.laz"});
   EXPECT_EQ(result.exit_code, 0);
   EXPECT_TRUE(contains(result.out, "COPC 1.4, point format 7, 3000 points")) << result.out;

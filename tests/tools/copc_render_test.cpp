@@ -64,7 +64,7 @@ TEST_F(CopcRenderTest, first_looks_are_shown_before_the_cloud_is_loaded_and_chan
 TEST_F(CopcRenderTest, a_first_look_stays_if_the_rest_of_the_cloud_is_damaged) {
   CopcSample sample = build_copc(20000, 200);
   const CopcFile whole(InputFile(sample.bytes, "whole"));
-  // The sizes of a deepest chunk's layers are behind its first point and the count.
+  // The sizes of a deepest chunk's layers follow its first point and the count.
   const std::uint64_t deepest = whole.hierarchy().nodes.back().chunk.offset;
   std::fill_n(sample.bytes.begin() + static_cast<std::ptrdiff_t>(deepest) + 40, 16, std::byte{0xff});
   write_copc(sample);
@@ -75,7 +75,7 @@ TEST_F(CopcRenderTest, a_first_look_stays_if_the_rest_of_the_cloud_is_damaged) {
   EXPECT_TRUE(std::filesystem::exists(folder / "now.png"));
 }
 
-TEST_F(CopcRenderTest, there_is_none_if_it_is_not_asked_for) {
+TEST_F(CopcRenderTest, nothing_is_written_if_not_requested) {
   write_copc(build_copc(20000, 200));
   EXPECT_FALSE(contains(render("a.png", {"--preview", "now.png", "--preview-points", "0"}).err, "shows"));
   EXPECT_FALSE(contains(render("b.png", {"--preview", "now.png", "--overwrite"}).err, "shows"));

@@ -32,7 +32,7 @@ TEST_F(DatabaseCloudTest, answers_and_pictures_are_those_of_the_file) {
   EXPECT_EQ(query("yard.db"), answers);
   EXPECT_EQ(query("yard.db?table=points"), answers);
 
-  // Pictures say of which cloud they are, so both get one name.
+  // Pictures contain the name of their cloud, so both get the same name.
   for (const char* const kind : {"las", "db"}) {
     std::filesystem::rename(folder / (std::string("yard.") + kind), folder / "cloud");
     done({"render", "--cloud", "cloud", "--size", "60x40", "--samples", "2", "-o",
@@ -98,7 +98,7 @@ TEST_F(DatabaseCloudTest, pictures_of_what_the_camera_sees) {
   EXPECT_TRUE(contains(of_file.err, "--in-view requires a single cloud in a database")) << of_file.err;
 }
 
-TEST_F(DatabaseCloudTest, what_is_no_cloud_is_told) {
+TEST_F(DatabaseCloudTest, what_is_no_cloud_is_an_error) {
   for (const char* const name : {"yard.db?table=other", "no.db?table=points", "yard.las?table=points"}) {
     const ProgramResult result = run({"info", name});
     EXPECT_EQ(result.exit_code, 2);

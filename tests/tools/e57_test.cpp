@@ -48,7 +48,7 @@ class E57ProgramTest : public ProgramTest {
   }
 };
 
-TEST_F(E57ProgramTest, info_tells_scans_images_scanners_and_reference_system) {
+TEST_F(E57ProgramTest, info_prints_scans_images_scanners_and_reference_system) {
   const ProgramResult table = run({"info", "site.e57"});
   ASSERT_EQ(table.exit_code, 0) << table.err;
   for (const char* const part :

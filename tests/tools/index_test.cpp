@@ -41,7 +41,7 @@ class IndexTest : public ProgramTest {
   }
 };
 
-TEST_F(IndexTest, info_tells_of_an_index_what_it_tells_of_its_source) {
+TEST_F(IndexTest, info_prints_of_an_index_what_it_prints_of_its_source) {
   index_scan();
   Json of_index = info({"site.alidade"}), of_las = info({"site.las"});
   ASSERT_EQ(of_index.at("indexes").size(), 1u);
@@ -69,7 +69,7 @@ TEST_F(IndexTest, info_takes_an_index_and_another_file_together) {
   const Json mixed = info({"site.alidade", "site.las"});
   Json of_las = info({"site.las", "site.las"});
   of_las.at("files")[0].at("header_box") = nullptr;
-  // That a file is given twice; an index cannot show it.
+  // The warning is about the duplicate file, which an index does not show.
   EXPECT_EQ(of_las.at("warnings").size(), 1u);
   of_las.at("warnings").clear();
   for (const char* const key :
@@ -100,7 +100,7 @@ class PictureTest : public IndexTest {
         run({"generate", "courtyard", "--points", "5000", "-o", "cloud", "-q", "--overwrite"}).exit_code, 0);
     write("scene.json", R"({"version": 1, "cloud": {"files": ["cloud"], )" + cloud + "}}");
     const std::string of_las = render(picture);
-    // A picture names its cloud; so the index takes over that of its source.
+    // A picture contains the name of its cloud; the index gets the name of its source.
     ASSERT_EQ(
         run({"index", "cloud", "-o", "cloud.alidade", "--overwrite", "-q", "--organisation", organisation})
             .exit_code,
@@ -166,7 +166,7 @@ TEST_F(IndexTest, verify_finds_damage_and_names_section_and_byte) {
   EXPECT_EQ(result.exit_code, 2);
   EXPECT_EQ(result.out, "");
   EXPECT_TRUE(contains(result.err, "site.alidade:byte 4096: corrupt section nodes")) << result.err;
-  // Without verifying it is reported at once, and what is damaged is not requested.
+  // Without --verify the command reads nothing of the damaged section.
   EXPECT_EQ(run({"info", "site.alidade"}).exit_code, 0);
   result = run({"render", "--cloud", "site.alidade", "-o", "out.png", "--size", "8x8", "--samples", "1"});
   EXPECT_EQ(result.exit_code, 2);
@@ -199,7 +199,7 @@ TEST_F(IndexTest, existing_index_is_kept_without_overwrite) {
   EXPECT_EQ(info({"out.alidade"}).at("points"), 400);
 }
 
-TEST_F(IndexTest, a_name_that_is_none_of_an_index_is_rejected) {
+TEST_F(IndexTest, a_name_without_the_extension_of_an_index_is_rejected) {
   write_square("square.xyz");
   const ProgramResult result = run({"index", "square.xyz", "-o", "square.xyz", "--overwrite"});
   EXPECT_EQ(result.exit_code, 2);

@@ -19,7 +19,7 @@ struct Expected {
 
 class InfoSharedDataTest : public ProgramTest, public ::testing::WithParamInterface<Expected> {};
 
-TEST_P(InfoSharedDataTest, counts_formats_and_traps_are_told) {
+TEST_P(InfoSharedDataTest, counts_formats_and_traps_are_printed) {
   const Expected& expected = GetParam();
   const auto file = shared_data(expected.name);
   if (!file) GTEST_SKIP() << "../shared/data/" << expected.name << " is not there";

@@ -56,7 +56,7 @@ TEST_F(InfoTest, several_files_are_one_cloud) {
   EXPECT_NEAR(info.at("bounds").at("min")[0].get<double>(), 0.0, 1e-6);
 }
 
-TEST_F(InfoTest, generated_las_says_format_crs_and_exact_coordinates) {
+TEST_F(InfoTest, generated_las_has_format_crs_and_exact_coordinates) {
   ASSERT_EQ(run({"generate", "courtyard", "--points", "3000", "-o", "yard.las", "-q"}).exit_code, 0);
   const Json info = Json::parse(run({"info", "--json", "yard.las"}).out);
   EXPECT_EQ(info.at("points"), 3000);
@@ -69,7 +69,7 @@ TEST_F(InfoTest, generated_las_says_format_crs_and_exact_coordinates) {
   EXPECT_NE(std::find(attributes.begin(), attributes.end(), "color"), attributes.end());
 }
 
-TEST_F(InfoTest, header_box_that_is_not_that_of_the_points_is_told) {
+TEST_F(InfoTest, header_box_that_is_not_that_of_the_points_gives_a_warning) {
   ASSERT_EQ(run({"generate", "courtyard", "--points", "3000", "-o", "yard.las", "-q"}).exit_code, 0);
   EXPECT_FALSE(contains(run({"info", "yard.las"}).out, "header box"));
   const Json info = Json::parse(run({"info", "--json", "yard.las"}).out);

@@ -127,7 +127,7 @@ TEST_F(LongRenderTest, interrupted_it_keeps_a_checkpoint_and_ends_with_130) {
   EXPECT_FALSE(std::filesystem::exists(folder / "out.png"));
 }
 
-TEST_F(LongRenderTest, without_a_checkpoint_yet_resume_starts_and_says_so) {
+TEST_F(LongRenderTest, without_a_checkpoint_yet_resume_starts_with_a_message) {
   const Words words = with(k_render, {"--samples=2"});
   ASSERT_EQ(run(with(words, {"-o", "whole.exr"})).exit_code, 0);
   const ProgramResult result = run(with(with(words, k_keep), {"-o", "out.exr"}));
@@ -188,7 +188,7 @@ TEST_F(LongRenderTest, going_on_replaces_earlier_previews_and_no_other_picture) 
   }
 }
 
-TEST_F(LongRenderTest, says_what_ended_it_if_not_what_was_asked_for) {
+TEST_F(LongRenderTest, prints_what_ended_it_unless_complete) {
   const auto said = [&](const Words& words) {
     const ProgramResult result = run(with(with(k_render, {"-o", "out.png", "--overwrite"}), words));
     EXPECT_EQ(result.exit_code, 0);
@@ -340,7 +340,7 @@ TEST_F(LongRenderTest, preview_that_cannot_be_written_is_a_warning) {
   EXPECT_EQ(read("out.png").substr(1, 3), "PNG");
 }
 
-TEST_F(LongRenderTest, time_limit_says_how_many_samples_were_taken) {
+TEST_F(LongRenderTest, time_limit_prints_how_many_samples_were_taken) {
   const ProgramResult result =
       run(with(k_render, {"--samples=1000000", "--time-limit", "0", "-o", "out.exr"}));
   ASSERT_EQ(result.exit_code, 0) << result.err;
@@ -349,7 +349,8 @@ TEST_F(LongRenderTest, time_limit_says_how_many_samples_were_taken) {
   EXPECT_TRUE(contains(read("out.exr"), "--time-limit 0"));
 }
 
-TEST_F(LongRenderTest, target_noise_says_what_was_reached_and_gives_the_same_bytes_on_any_number_of_threads) {
+TEST_F(LongRenderTest,
+       target_noise_prints_what_was_reached_and_gives_the_same_bytes_on_any_number_of_threads) {
   const Words words = with(k_render, {"--samples=1000", "--target-noise", "0.05"});
   const ProgramResult result = run(with(words, {"--threads=1", "-o", "1.exr"}));
   ASSERT_EQ(result.exit_code, 0) << result.err;
@@ -359,7 +360,7 @@ TEST_F(LongRenderTest, target_noise_says_what_was_reached_and_gives_the_same_byt
   EXPECT_TRUE(read("1.exr") == read("3.exr"));
 }
 
-TEST_F(LongRenderTest, mistakes_are_told_before_the_work) {
+TEST_F(LongRenderTest, mistakes_are_errors_before_the_work) {
   const auto expect = [&](const Words& words, const std::string& part) {
     const ProgramResult result = run(with(k_render, words));
     EXPECT_EQ(result.exit_code, 2) << result.err;

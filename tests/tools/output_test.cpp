@@ -61,19 +61,19 @@ TEST_F(OutputTest, existing_output_is_kept_without_overwrite_and_replaced_with_i
 TEST_F(OutputTest, file_that_is_read_is_never_replaced_whatever_it_is_called) {
   write_square("cloud.png");
   ASSERT_EQ(run({"index", "cloud.png", "-o", "square.alidade", "-q"}).exit_code, 0);
-  write("places.csv", "x,y,z\n100,200,5\n");
+  write("positions.csv", "x,y,z\n100,200,5\n");
   write("scene.json", R"({"version": 1, "cloud": {"files": ["cloud.png"]}})");
   std::filesystem::create_directory(folder / "sub");
-  std::filesystem::create_symlink("places.csv", folder / "link.csv");
-  std::filesystem::create_hard_link(folder / "places.csv", folder / "twin.csv");
-  const Words ask = {"query", "cloud.png", "--points", "places.csv", "--overwrite", "-o"};
+  std::filesystem::create_symlink("positions.csv", folder / "link.csv");
+  std::filesystem::create_hard_link(folder / "positions.csv", folder / "twin.csv");
+  const Words ask = {"query", "cloud.png", "--points", "positions.csv", "--overwrite", "-o"};
   const auto with = [](Words words, const Words& more) {
     words.insert(words.end(), more.begin(), more.end());
     return words;
   };
   for (const Words& words :
-       {with(ask, {"places.csv"}), with(ask, {"./places.csv"}), with(ask, {"sub/../places.csv"}),
-        with(ask, {(folder / "places.csv").string()}), with(ask, {"link.csv"}), with(ask, {"twin.csv"}),
+       {with(ask, {"positions.csv"}), with(ask, {"./positions.csv"}), with(ask, {"sub/../positions.csv"}),
+        with(ask, {(folder / "positions.csv").string()}), with(ask, {"link.csv"}), with(ask, {"twin.csv"}),
         with(ask, {"cloud.png", "--format", "csv"}),
         Words{"query", "square.alidade", "--point", "1,2,3", "--overwrite", "--format", "csv", "-o",
               "square.alidade"},
@@ -82,13 +82,13 @@ TEST_F(OutputTest, file_that_is_read_is_never_replaced_whatever_it_is_called) {
               "cloud.png"},
         Words{"render", "scene.json", "--size=8x8", "--samples=1", "--overwrite", "-o", "cloud.png"}}) {
     SCOPED_TRACE(::testing::PrintToString(words));
-    const std::string cloud = read("cloud.png"), positions = read("places.csv"),
+    const std::string cloud = read("cloud.png"), positions = read("positions.csv"),
                       index = read("square.alidade");
     const ProgramResult result = run(words);
     EXPECT_EQ(result.exit_code, 2);
     EXPECT_TRUE(contains(result.err, "the output is also an input")) << result.err;
     EXPECT_EQ(read("cloud.png"), cloud);
-    EXPECT_EQ(read("places.csv"), positions);
+    EXPECT_EQ(read("positions.csv"), positions);
     EXPECT_TRUE(read("square.alidade") == index);
   }
 }
@@ -96,13 +96,13 @@ TEST_F(OutputTest, file_that_is_read_is_never_replaced_whatever_it_is_called) {
 TEST_F(OutputTest, standard_input_is_never_replaced_either) {
   if (!std::filesystem::exists("/dev/stdin")) GTEST_SKIP() << "this system has no /dev/stdin";
   write_square("square.xyz");
-  write("places.csv", "x,y,z\n100,200,5\n");
-  Program program({"query", "square.xyz", "--points", "-", "--overwrite", "-o", "places.csv"}, folder, {},
-                  folder / "places.csv");
+  write("positions.csv", "x,y,z\n100,200,5\n");
+  Program program({"query", "square.xyz", "--points", "-", "--overwrite", "-o", "positions.csv"}, folder, {},
+                  folder / "positions.csv");
   const ProgramResult result = program.wait();
   EXPECT_EQ(result.exit_code, 2);
-  EXPECT_TRUE(contains(result.err, "places.csv: the output is also an input")) << result.err;
-  EXPECT_EQ(read("places.csv"), "x,y,z\n100,200,5\n");
+  EXPECT_TRUE(contains(result.err, "positions.csv: the output is also an input")) << result.err;
+  EXPECT_EQ(read("positions.csv"), "x,y,z\n100,200,5\n");
 }
 
 TEST_F(OutputTest, output_is_checked_before_the_input_is_read) {

@@ -30,7 +30,7 @@ TEST(progress_line, a_short_task_is_one_line_in_a_log) {
   EXPECT_EQ(log.find('\r'), std::string::npos);
 }
 
-TEST(progress_line, quiet_says_nothing) {
+TEST(progress_line, quiet_prints_nothing) {
   EXPECT_EQ(log_of_a_task(Verbosity::quiet), "");
 }
 
@@ -47,7 +47,7 @@ TEST(progress_line, what_was_done_before_is_not_counted_as_the_work_of_now) {
   EXPECT_EQ(log.rfind("counting: 40 sheep in ", 0), 0u) << log;
 }
 
-TEST(progress_line, a_remark_stands_on_a_line_of_its_own) {
+TEST(progress_line, a_remark_has_a_line_of_its_own) {
   ::testing::internal::CaptureStderr();
   {
     ProgressLine line("counting", "sheep", Verbosity::normal);

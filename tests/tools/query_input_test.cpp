@@ -51,7 +51,7 @@ class QueryInputTest : public ProgramTest {
   }
 };
 
-TEST_F(QueryInputTest, csv_and_json_lines_say_the_same) {
+TEST_F(QueryInputTest, csv_and_json_lines_are_equivalent) {
   EXPECT_EQ(count_rays("ox,oy,oz,dx,dy,dz\n0,0,0,1,0,0\n3,0,9,0,0,-1\n").substr(0, 17),
             "ray_id,count\n0,5\n");
   const std::string csv = count_rays("ox,oy,oz,dx,dy,dz,t_max\n0,0,0,1,0,0,\n3,0,9,0,0,-1,7.5\n");
@@ -175,7 +175,7 @@ TEST_F(QueryInputTest, wrong_targets_of_other_kinds_are_rejected) {
   }
 }
 
-TEST_F(QueryInputTest, first_bad_line_of_many_is_told) {
+TEST_F(QueryInputTest, first_bad_line_of_many_is_reported) {
   std::string text = k_header;
   for (int i = 0; i < 20000; ++i) text += i % 5000 == 4999 ? "0,0,0,0,0,0\n" : "0,0,0,1,0,0\n";
   for (const char* const threads : {"1", "4"}) {

@@ -16,7 +16,7 @@ namespace {
 
 class QueryNumpyTest : public ProgramTest {
  protected:
-  /// A Python that has NumPy; empty if there is none.
+  /// A Python that has NumPy; empty if missing.
   static std::string python() {
     for (const char* const name : {"python3", "/usr/bin/python3"}) {
       if (std::system(fmt::format("{} -c 'import numpy' 2>/dev/null", name).c_str()) == 0) return name;

@@ -92,7 +92,7 @@ TEST_F(QueryOutputTest, json_lines_have_the_same_values_as_csv) {
             "\"entry\":null}\n");
 }
 
-TEST_F(QueryOutputTest, form_is_told_by_the_name_of_the_file) {
+TEST_F(QueryOutputTest, form_depends_on_the_name_of_the_file) {
   write_tiny();
   EXPECT_EQ(ask({"tiny.csv", "-q", "-o", "out.csv"}, k_ray).exit_code, 0);
   EXPECT_EQ(ask({"tiny.csv", "-q", "-o", "out.jsonl"}, k_ray).exit_code, 0);
@@ -143,7 +143,7 @@ TEST_F(QueryOutputTest, las_of_an_index_is_that_of_the_cloud_byte_for_byte) {
   EXPECT_EQ(all.gps_time_is_standard, yard.gps_time_is_standard);
 }
 
-TEST_F(QueryOutputTest, las_of_a_query_can_be_asked_again) {
+TEST_F(QueryOutputTest, las_of_a_query_can_be_queried_again) {
   write_tiny();
   ASSERT_EQ(ask({"tiny.csv", "-q", "-o", "hits.las"}, k_ray).exit_code, 0);
   const ProgramResult result =
@@ -193,7 +193,7 @@ TEST_F(QueryOutputTest, bad_targets_leave_no_output) {
 }
 
 TEST_F(QueryOutputTest, answers_far_more_than_targets_stay_complete_and_in_order) {
-  // Boxes with one and with all of 20,000 points in turn: the latter run again one by one.
+  // Boxes with one and with all of 20,000 points in turn: the latter are queried again one by one.
   std::string points, boxes = "min_x,min_y,min_z,max_x,max_y,max_z\n",
                       expected = "box_id,rank,point_id,x,y,z\n";
   for (int i = 0; i < 20000; ++i) points += std::to_string(i) + " 0 0\n";

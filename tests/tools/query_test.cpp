@@ -80,7 +80,7 @@ TEST_F(QueryTest, ray_without_radius_gives_the_nearest_point) {
             "ray_id,rank,point_id,x,y,z,t,distance,entry\n0,0,3,3,0,2,7,0,-inf\n");
 }
 
-TEST_F(QueryTest, limits_of_a_ray_stand_above_those_of_the_options) {
+TEST_F(QueryTest, limits_of_a_ray_override_those_of_the_options) {
   write("limited.csv",
         "t_max,ox,oy,oz,dx,dy,dz,t_min\n,0,0,0,1,0,0,\n3,0,0,0,1,0,0,2.5\n-inf,0,0,0,1,0,0,inf\n");
   EXPECT_EQ(ask({"--rays", "limited.csv", "--radius", "2", "--t-min", "1", "--count"}),
@@ -100,7 +100,7 @@ TEST_F(QueryTest, limits_may_be_infinite_on_the_command_line_as_in_a_file) {
   EXPECT_EQ(counts({"--radius", "1", "--t-min", "inf"}), none);
   EXPECT_EQ(counts({"--radius", "1", "--t-max", "-inf"}), none);
   EXPECT_EQ(counts({"--radius", "1", "--entry-min", "inf"}), none);
-  // An infinite radius sets no limit: the nearest point.
+  // An infinite radius does not limit the query: the nearest point.
   EXPECT_EQ(ask({"--ray", "3,0,-5,0,0,1", "--radius", "inf"}), ask({"--ray", "3,0,-5,0,0,1"}));
   EXPECT_EQ(ask({"--point", "3,0,-5", "--radius", "inf"}), ask({"--point", "3,0,-5"}));
 }
@@ -117,7 +117,7 @@ TEST_F(QueryTest, limits_that_are_no_numbers_are_rejected) {
   }
 }
 
-TEST_F(QueryTest, levels_need_a_layered_index_as_the_manual_says) {
+TEST_F(QueryTest, levels_need_a_layered_index) {
   EXPECT_TRUE(contains(run({"query", "--help"}).out,
                        "index file must be layered (alidade index --organisation layered)"));
   for (const std::string organisation : {"adaptive", "fixed", "layered"}) {
@@ -147,7 +147,7 @@ TEST_F(QueryTest, cones) {
   EXPECT_EQ(ask({"--cone", "0,0,0,1,0,0,10", "--t-min", "1.5", "--occluded"}), "cone_id,occluded\n0,1\n");
 }
 
-TEST_F(QueryTest, path_tells_segment_and_way) {
+TEST_F(QueryTest, path_prints_segment_and_way) {
   write("path.csv", "x,y,z,path\n0,0,0,4\n2,0,0,4\n2,2,0,4\n9,9,9,7\n9,9,10,7\n");
   EXPECT_EQ(ask({"--path", "path.csv", "--radius", "1"}),
             "path_id,rank,point_id,x,y,z,segment,t,distance\n"
@@ -246,7 +246,7 @@ TEST_F(QueryTest, answers_do_not_depend_on_threads_or_on_being_explained) {
   EXPECT_EQ(answers[2], answers[0]);
 }
 
-TEST_F(QueryTest, explain_tells_the_work_on_stderr) {
+TEST_F(QueryTest, explain_prints_the_work_on_stderr) {
   const ProgramResult result =
       run({"query", "tiny.xyz", "-q", "--rays", "rays.csv", "--radius", "1", "--k", "1", "--explain"});
   EXPECT_EQ(result.exit_code, 0);

@@ -65,7 +65,7 @@ TEST_F(RenderCameraTest, one_camera_by_name_gives_the_picture_it_has_in_the_set)
   }
 }
 
-TEST_F(RenderCameraTest, an_interrupted_set_goes_on_where_it_ended) {
+TEST_F(RenderCameraTest, an_interrupted_set_resumes_where_it_ended) {
   ASSERT_EQ(render({"--camera", "model", "-o", "%d.png"}).exit_code, 0);
   const std::string first = read("0.png");
   std::filesystem::remove(folder / "1.png");
@@ -81,7 +81,7 @@ TEST_F(RenderCameraTest, an_interrupted_set_goes_on_where_it_ended) {
   EXPECT_TRUE(contains(nothing.err, "all images exist")) << nothing.err;
 }
 
-TEST_F(RenderCameraTest, mistakes_about_cameras_are_told_before_the_work) {
+TEST_F(RenderCameraTest, mistakes_about_cameras_are_errors_before_the_work) {
   const auto expect = [&](const std::vector<std::string>& words, const std::string& part) {
     const ProgramResult result = render(words);
     EXPECT_EQ(result.exit_code, 2) << result.err;

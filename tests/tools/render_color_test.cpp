@@ -45,7 +45,7 @@ TEST_F(RenderColorTest, every_way_to_colour_makes_its_own_picture_and_a_legend) 
   EXPECT_EQ(std::ranges::adjacent_find(pictures), pictures.end());
 }
 
-TEST_F(RenderColorTest, range_and_map_are_told_and_stored) {
+TEST_F(RenderColorTest, range_and_map_are_printed_and_stored) {
   const ProgramResult result =
       render({"--color", "height", "--color-map", "turbo", "--color-range", "600,610.5"});
   ASSERT_EQ(result.exit_code, 0) << result.err;
@@ -70,7 +70,7 @@ TEST_F(RenderColorTest, a_legend_changes_nothing_about_the_picture) {
   EXPECT_EQ(read("legend.png"), read("second.png"));
 }
 
-TEST_F(RenderColorTest, options_stand_above_what_the_scene_says) {
+TEST_F(RenderColorTest, options_override_the_scene) {
   const auto write_scene = [&](const std::string& color) {
     write("scene.json", R"({"version": 1, "cloud": {"file": "yard.las", "color": )" + color + "}}");
   };
@@ -102,7 +102,7 @@ TEST_F(RenderColorTest, single_classes_can_have_other_colours) {
   EXPECT_TRUE(contains(rejected.err, "class colours require classification")) << rejected.err;
 }
 
-TEST_F(RenderColorTest, a_legend_of_the_points_own_colours_is_an_error_that_says_why) {
+TEST_F(RenderColorTest, a_legend_of_the_points_own_colours_is_an_error_with_the_reason) {
   for (const Words& words : {Words{"--color-by", "rgb"}, Words{}}) {
     Words more = words;
     more.insert(more.end(), {"--legend", "legend.png"});
@@ -113,7 +113,7 @@ TEST_F(RenderColorTest, a_legend_of_the_points_own_colours_is_an_error_that_says
   }
 }
 
-TEST_F(RenderColorTest, a_legend_that_cannot_be_written_is_told_before_the_work) {
+TEST_F(RenderColorTest, a_legend_that_cannot_be_written_is_an_error_before_the_work) {
   write("old.png", "precious");
   for (const Words& words : {Words{"--legend", "none/legend.png"},
                              {"--legend", "old.png"},

@@ -19,7 +19,7 @@ class RenderLightTest : public ProgramTest {
     words.insert(words.begin(), {"--cloud", "square.xyz", "-o", "out.png"});
     return render(words);
   }
-  /// What the picture shows, without what is before it.
+  /// The pixels of the picture, without its header.
   std::string pixels(const std::string& name) const {
     const std::string content = read(name);
     return content.substr(content.find("IDAT"));
@@ -30,7 +30,7 @@ bool contains(const std::string& text, const std::string& part) {
   return text.find(part) != std::string::npos;
 }
 
-TEST_F(RenderLightTest, sun_by_time_and_position_is_told_and_stored) {
+TEST_F(RenderLightTest, sun_by_time_and_position_is_printed_and_stored) {
   const ProgramResult result =
       render_square({"--sun-time", "2003-10-17T12:30:30-07:00", "--sun-place", "39.742476,-105.1786"});
   ASSERT_EQ(result.exit_code, 0) << result.err;
@@ -50,7 +50,7 @@ TEST_F(RenderLightTest, sun_of_a_cloud_with_a_map_needs_no_position_and_is_turne
   EXPECT_TRUE(contains(result.err, "at latitude 48.0")) << result.err;
 }
 
-TEST_F(RenderLightTest, sun_below_the_horizon_lights_nothing_and_says_so) {
+TEST_F(RenderLightTest, sun_below_the_horizon_lights_nothing_with_a_warning) {
   const ProgramResult night =
       render_square({"--sun-time", "2026-12-21T23:00:00+01:00", "--sun-place", "48,11.5"});
   ASSERT_EQ(night.exit_code, 0) << night.err;
@@ -102,12 +102,12 @@ TEST_F(RenderLightTest, options_that_a_mode_does_not_use_are_errors) {
       const std::string said = " has no effect in this mode; expected --mode path, found " + mode;
       EXPECT_TRUE(contains(result.err, "error: " + words[0] + said)) << result.err;
     }
-    // Nor does it light anything, which is what this requests.
+    // --no-sun requests what these modes do anyway.
     EXPECT_EQ(render_square({"--mode", mode, "--no-sun"}).exit_code, 0);
   }
 }
 
-TEST_F(RenderLightTest, blanks_may_stand_where_people_write_them) {
+TEST_F(RenderLightTest, blanks_are_allowed_where_people_write_them) {
   const auto sun = [&](const std::string& time, const std::string& location) {
     const ProgramResult result = render_square({"--sun-time", time, "--sun-place", location});
     EXPECT_EQ(result.exit_code, 0) << result.err;
@@ -149,7 +149,7 @@ TEST_F(RenderLightTest, a_panorama_is_a_sky) {
   EXPECT_TRUE(contains(missing.err, "sky.exr: no such file (at /sky/file of scene.json)")) << missing.err;
 }
 
-TEST_F(RenderLightTest, quick_modes_need_no_light_and_say_what_they_are) {
+TEST_F(RenderLightTest, quick_modes_need_no_light_and_are_named_in_messages) {
   write("dark.json", R"({"version": 1, "cloud": {"file": "square.xyz"}, "sky": {"type": "constant"},
     "sun": {"date_time": "2026-06-21T12:00:00Z"}})");
   std::string last;

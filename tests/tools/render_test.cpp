@@ -22,7 +22,7 @@ bool contains(const std::string& text, const std::string& part) {
   return text.find(part) != std::string::npos;
 }
 
-TEST_F(RenderCommandTest, cloud_without_scene_gives_a_picture_and_says_what_was_assumed) {
+TEST_F(RenderCommandTest, cloud_without_scene_gives_a_picture_and_prints_what_was_assumed) {
   write_square("square.xyz");
   const ProgramResult result = run(small({"--cloud", "square.xyz", "-o", "out.png"}));
   ASSERT_EQ(result.exit_code, 0) << result.err;
@@ -31,7 +31,7 @@ TEST_F(RenderCommandTest, cloud_without_scene_gives_a_picture_and_says_what_was_
   EXPECT_TRUE(contains(result.err, "400 points, coloured by height, spheres of radius")) << result.err;
 }
 
-TEST_F(RenderCommandTest, quiet_says_nothing) {
+TEST_F(RenderCommandTest, quiet_prints_nothing) {
   write_square("square.xyz");
   const ProgramResult result = run(small({"--cloud", "square.xyz", "-o", "out.png", "-q"}));
   EXPECT_EQ(result.exit_code, 0);
@@ -98,7 +98,7 @@ TEST_F(RenderCommandTest, cloud_without_points_has_no_view) {
   EXPECT_TRUE(contains(of_index.err, "empty.alidade: the cloud has no points")) << of_index.err;
 }
 
-TEST_F(RenderCommandTest, missing_part_that_writes_pictures_is_told_before_the_work) {
+TEST_F(RenderCommandTest, missing_part_that_writes_pictures_is_an_error_before_the_work) {
   write_square("square.xyz");
   std::filesystem::copy(program_file(), folder / "alone");
   const std::string command =

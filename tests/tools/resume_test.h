@@ -27,7 +27,7 @@ class ResumeTest : public ProgramTest {
       std::this_thread::sleep_for(std::chrono::milliseconds(1));
   }
   bool has_checkpoint() const { return std::filesystem::exists(folder / "state"); }
-  /// Bytes; 0 if there is none.
+  /// Bytes; 0 if it is missing.
   std::uintmax_t checkpoint_size() const {
     std::error_code error;
     const std::uintmax_t size = std::filesystem::file_size(folder / "state", error);

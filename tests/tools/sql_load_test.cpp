@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// Clouds of any format go into a database, whatever they, it and the table are called, completely or not at
-// all.
+// Clouds of any format go into a database, whatever the names of cloud, database and table are, completely or
+// not at all.
 #include <signal.h>
 
 #include <algorithm>
@@ -139,8 +139,8 @@ TEST_F(SqlLoadTest, other_and_damaged_files_are_no_databases_and_stay_as_they_ar
   ASSERT_EQ(load({"square.xyz", "whole.db"}).exit_code, 0);
   const std::string whole = read("whole.db");
   for (const auto& [content, problem] :
-       {std::pair<std::string, std::string>("text that is long enough to differ from an empty file, and no "
-                                            "database at all, whatever the name says of it......",
+       {std::pair<std::string, std::string>("text that is too long to be taken for an empty file, and is not "
+                                            "a database, whatever the name of the file is......",
                                             "file is not a database"),
         {whole.substr(0, whole.size() / 2), "malformed"},
         {whole.substr(0, 100), "malformed"}}) {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// alidade sql: what it prints, what it rejects, and that nothing given to it becomes SQL but the statement.
+// alidade sql: what it prints, what it rejects, and that only the statement becomes SQL.
 #include <signal.h>
 
 #include <chrono>
@@ -122,7 +122,7 @@ TEST_F(SqlTest, parameters_that_read_as_numbers_are_numbers) {
   }
 }
 
-TEST_F(SqlTest, parameters_without_and_with_names_may_stand_in_one_statement) {
+TEST_F(SqlTest, parameters_without_and_with_names_may_be_in_one_statement) {
   const ProgramResult named = sql({"SELECT :a AS a, ? AS b, @c AS c, ? AS d", "--json", "--param", "a=1",
                                    "--param", "2", "--param", "c=3", "--param", "4"});
   EXPECT_EQ(named.err, "");
@@ -190,8 +190,8 @@ TEST_F(SqlTest, names_of_tables_and_files_are_no_sql) {
   EXPECT_EQ(result.out, "n\n400\nm\n400\n");
 }
 
-TEST_F(SqlTest, what_cannot_be_run_is_told_before_anything_is_printed) {
-  write("broken.db", "no database at all, but long enough to be looked at by whoever opens such files");
+TEST_F(SqlTest, what_cannot_be_run_is_an_error_before_anything_is_printed) {
+  write("broken.db", "not a database, but long enough that SQLite reads it when it opens such a file......");
   alidade::database::run(Connection(folder / "site.db", Connection::Mode::write).get(),
                          "CREATE TABLE notes(text)");
   const std::string whole = read("site.db");

@@ -82,7 +82,7 @@ TEST_F(TilesProgramTest, a_folder_and_a_pattern_are_one_cloud_for_every_command)
   EXPECT_EQ(scene.exit_code, 0) << scene.err;
 }
 
-TEST_F(TilesProgramTest, names_that_find_nothing_are_errors_that_say_what_was_looked_for) {
+TEST_F(TilesProgramTest, names_that_match_nothing_are_errors_that_name_what_was_expected) {
   fs::create_directories(folder / "empty");
   const ProgramResult pattern = run({"info", "*.laz"}), empty = run({"query", "empty", "--point", "0,0,0"});
   EXPECT_EQ(pattern.exit_code, 2);
@@ -135,7 +135,7 @@ TEST_F(TilesProgramTest, random_targets_have_the_same_answers_with_and_without_s
   EXPECT_EQ(skipped, 16);
 }
 
-TEST_F(TilesProgramTest, targets_from_a_pipe_are_asked_of_all_tiles) {
+TEST_F(TilesProgramTest, targets_from_a_pipe_are_queried_in_all_tiles) {
   make_tiles();
   const ProgramResult result = run_with_input({"query", "tiles", "--rays", "-", "--radius", "1"},
                                               "ox,oy,oz,dx,dy,dz\n1025,2015,150,0,0,-1\n");
@@ -144,7 +144,7 @@ TEST_F(TilesProgramTest, targets_from_a_pipe_are_asked_of_all_tiles) {
   EXPECT_EQ(result.out, run({"query", "tiles", "--ray", "1025,2015,150,0,0,-1", "--radius", "1"}).out);
 }
 
-TEST_F(TilesProgramTest, partial_reads_what_is_whole_and_says_what_is_lost_whatever_the_command) {
+TEST_F(TilesProgramTest, partial_reads_the_intact_part_and_reports_losses_whatever_the_command) {
   make_tiles();
   cut("tiles/tile_02.las", 3);
   cut("tiles/tile_31.las", 3000);

@@ -119,7 +119,7 @@ TEST_F(UsageTest, scene_and_cloud_exclude_each_other) {
   EXPECT_EQ(result.exit_code, 2);
 }
 
-TEST_F(UsageTest, render_without_scene_or_cloud_says_what_is_missing) {
+TEST_F(UsageTest, render_without_scene_or_cloud_reports_what_is_missing) {
   const ProgramResult result = run({"render", "-o", "a.png"});
   EXPECT_EQ(result.exit_code, 2);
   EXPECT_TRUE(contains(result.err, "SCENE.json or --cloud")) << result.err;

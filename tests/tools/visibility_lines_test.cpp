@@ -42,8 +42,8 @@ std::vector<std::map<std::string, std::string>> rows_of(const std::string& csv) 
 }
 
 TEST_F(VisibilityLinesTest, every_position_is_paired_with_every_other) {
-  write("places.csv", "x,y,z,name\n-4,0,1,west\n4,0,1,east\n-4,0,3,high\n");
-  const ProgramResult result = lines({"--places", "places.csv", "-o", "lines.csv"});
+  write("positions.csv", "x,y,z,name\n-4,0,1,west\n4,0,1,east\n-4,0,3,high\n");
+  const ProgramResult result = lines({"--places", "positions.csv", "-o", "lines.csv"});
   EXPECT_EQ(result.exit_code, 0) << result.err;
   EXPECT_EQ(result.out + result.err, "");
   auto rows = rows_of(read("lines.csv"));
@@ -59,12 +59,12 @@ TEST_F(VisibilityLinesTest, every_position_is_paired_with_every_other) {
   EXPECT_EQ(rows[2]["visible"], "0") << "from 1 to 3 it passes the wall's top at 2";
 }
 
-TEST_F(VisibilityLinesTest, pairs_are_told_by_names_or_by_coordinates) {
-  write("places.csv", "x,y,z,name\n-4,0,1,west\n4,0,2.5,east\n");
+TEST_F(VisibilityLinesTest, pairs_are_given_by_names_or_by_coordinates) {
+  write("positions.csv", "x,y,z,name\n-4,0,1,west\n4,0,2.5,east\n");
   write("names.csv", "from,to\neast,west\n");
   write("coordinates.csv",
         "from_x,from_y,from_z,to_x,to_y,to_z,to_height,from,to\n4,0,2.5,-4,0,0,1,east,west\n");
-  EXPECT_EQ(lines({"--places", "places.csv", "--pairs", "names.csv", "-o", "a.csv"}).exit_code, 0);
+  EXPECT_EQ(lines({"--places", "positions.csv", "--pairs", "names.csv", "-o", "a.csv"}).exit_code, 0);
   EXPECT_EQ(lines({"--pairs", "coordinates.csv", "-o", "b.csv"}).exit_code, 0);
   EXPECT_EQ(read("a.csv"), read("b.csv"));
   EXPECT_EQ(rows_of(read("a.csv")).size(), 1u);
@@ -126,8 +126,8 @@ TEST_F(VisibilityLinesTest, transparency_sees_through_one_wall_and_occluders_are
 }
 
 TEST_F(VisibilityLinesTest, results_do_not_depend_on_threads) {
-  write("places.csv", "x,y,z,name\n-4,0,1,a\n4,0,1,b\n-4,0,3,c\n3,2,2,d\n-1,-2,0.5,e\n");
-  const std::vector<std::string> words = {"--places", "places.csv", "--frequency", "5.8"};
+  write("positions.csv", "x,y,z,name\n-4,0,1,a\n4,0,1,b\n-4,0,3,c\n3,2,2,d\n-1,-2,0.5,e\n");
+  const std::vector<std::string> words = {"--places", "positions.csv", "--frequency", "5.8"};
   for (const char* const threads : {"1", "3"}) {
     std::vector<std::string> with = words;
     with.insert(with.end(), {"--threads", threads, "-o", std::string("lines") + threads + ".json"});
@@ -136,8 +136,8 @@ TEST_F(VisibilityLinesTest, results_do_not_depend_on_threads) {
   EXPECT_EQ(read("lines1.json"), read("lines3.json"));
 }
 
-TEST_F(VisibilityLinesTest, what_cannot_be_done_is_said) {
-  write("places.csv", "x,y,z,name\n-4,0,1,west\n4,0,1,east\n");
+TEST_F(VisibilityLinesTest, what_cannot_be_done_is_an_error) {
+  write("positions.csv", "x,y,z,name\n-4,0,1,west\n4,0,1,east\n");
   write("one.csv", "x,y,z,name\n-4,0,1,west\n");
   write("same.csv", "x,y,z,name\n-4,0,1,west\n4,0,1,west\n");
   write("names.csv", "from,to\nwest,north\n");
@@ -148,40 +148,41 @@ TEST_F(VisibilityLinesTest, what_cannot_be_done_is_said) {
   };
   fails_with({"-o", "l.csv"}, "missing lines of sight");
   fails_with({"--places", "one.csv", "-o", "l.csv"}, "one.csv: contains a single position");
-  fails_with({"--places", "places.csv", "-o", "l.txt"}, "l.txt: unknown output format");
-  fails_with({"--places", "places.csv", "--pairs", "names.csv", "-o", "l.csv"},
+  fails_with({"--places", "positions.csv", "-o", "l.txt"}, "l.txt: unknown output format");
+  fails_with({"--places", "positions.csv", "--pairs", "names.csv", "-o", "l.csv"},
              "names.csv:line 2: unknown position 'north'");
   fails_with({"--pairs", "names.csv", "-o", "l.csv"}, "unknown position 'west'; expected named positions");
   write("own.csv", "from_x,from_y,to_x,to_y\n-4,0,4,0\n");
-  fails_with({"--places", "places.csv", "--pairs", "own.csv", "-o", "l.csv"},
+  fails_with({"--places", "positions.csv", "--pairs", "own.csv", "-o", "l.csv"},
              "own.csv: the pairs have coordinates");
   fails_with({"--pairs", "own.csv", "--places-crs", "EPSG:4326", "-o", "l.csv"},
              "--places-crs requires --places");
   fails_with({"--places", "same.csv", "--pairs", "names.csv", "-o", "l.csv"}, "duplicate position 'west'");
-  fails_with({"--places", "places.csv", "--frequency", "5kHz", "-o", "l.csv"}, "expected 1MHz to 1000GHz");
-  fails_with({"--places", "places.csv", "--frequency", "5", "--transparency", "2", "-o", "l.csv"},
+  fails_with({"--places", "positions.csv", "--frequency", "5kHz", "-o", "l.csv"}, "expected 1MHz to 1000GHz");
+  fails_with({"--places", "positions.csv", "--frequency", "5", "--transparency", "2", "-o", "l.csv"},
              "transparency requires straight lines");
-  fails_with({"--places", "places.csv", "--end-margin", "-1", "-o", "l.csv"}, "--end-margin");
-  fails_with({"--places", "places.csv", "--end-margin", "4", "-o", "l.csv"},
+  fails_with({"--places", "positions.csv", "--end-margin", "-1", "-o", "l.csv"}, "--end-margin");
+  fails_with({"--places", "positions.csv", "--end-margin", "4", "-o", "l.csv"},
              "--end-margin exceeds the line from 'west' to 'east'; expected less than half of its length 8");
   write(
-      "places.geojson",
+      "positions.geojson",
       R"({"type":"FeatureCollection","features":[{"type":"Feature","properties":{},"geometry":{"type":"Point","coordinates":[9,48]}}]})");
-  fails_with({"--places", "places.geojson", "-o", "l.csv"}, "expected --places-crs cloud");
-  fails_with({"--places", "places.csv", "-o", "places.csv"}, "places.csv: the output is also an input");
+  fails_with({"--places", "positions.geojson", "-o", "l.csv"}, "expected --places-crs cloud");
+  fails_with({"--places", "positions.csv", "-o", "positions.csv"},
+             "positions.csv: the output is also an input");
   write("there.csv", "mine");
-  fails_with({"--places", "places.csv", "-o", "there.csv"}, "the file exists");
+  fails_with({"--places", "positions.csv", "-o", "there.csv"}, "the file exists");
   EXPECT_EQ(read("there.csv"), "mine");
-  EXPECT_EQ(names(), (std::vector<std::string>{"names.csv", "one.csv", "own.csv", "places.csv",
-                                               "places.geojson", "same.csv", "site.csv", "there.csv"}));
+  EXPECT_EQ(names(), (std::vector<std::string>{"names.csv", "one.csv", "own.csv", "positions.csv",
+                                               "positions.geojson", "same.csv", "site.csv", "there.csv"}));
 }
 
 TEST_F(VisibilityLinesTest, wrong_positions_are_found_before_surfaces_are_measured) {
-  write("places.csv", "x,y,z,name\n-4,0,1,west\n4,0,1,west\n");
+  write("positions.csv", "x,y,z,name\n-4,0,1,west\n4,0,1,west\n");
   write("names.csv", "from,to\nwest,north\n");
   for (const std::vector<std::string>& words :
-       {std::vector<std::string>{"lines", "site.csv", "--places", "places.csv", "--pairs", "names.csv"},
-        {"lines", "site.csv", "--places", "places.csv", "--frequency", "5", "--transparency", "2"},
+       {std::vector<std::string>{"lines", "site.csv", "--places", "positions.csv", "--pairs", "names.csv"},
+        {"lines", "site.csv", "--places", "positions.csv", "--frequency", "5", "--transparency", "2"},
         {"place", "site.csv", "--observer", "900,900", "--count", "1"},
         {"place", "site.csv", "--observer", "0,0,9", "--count", "1", "--target-classes", "77"}}) {
     std::vector<std::string> all = {"visibility"};
@@ -193,11 +194,11 @@ TEST_F(VisibilityLinesTest, wrong_positions_are_found_before_surfaces_are_measur
   }
 }
 
-TEST_F(VisibilityLinesTest, names_in_capitals_tell_the_form_as_well) {
-  write("PLACES.CSV", "x,y,z,name\n-4,0,1,west\n4,0,1,east\n");
+TEST_F(VisibilityLinesTest, names_in_capitals_determine_the_form_as_well) {
+  write("POSITIONS.CSV", "x,y,z,name\n-4,0,1,west\n4,0,1,east\n");
   for (const std::string extension : {"csv", "json", "geojson"}) {
-    ASSERT_EQ(lines({"--places", "PLACES.CSV", "-o", "a." + extension}).exit_code, 0);
-    ASSERT_EQ(lines({"--places", "PLACES.CSV", "-o",
+    ASSERT_EQ(lines({"--places", "POSITIONS.CSV", "-o", "a." + extension}).exit_code, 0);
+    ASSERT_EQ(lines({"--places", "POSITIONS.CSV", "-o",
                      extension == "csv"    ? "A.CSV"
                      : extension == "json" ? "A.JSON"
                                            : "A.GEOJSON"})
@@ -209,7 +210,7 @@ TEST_F(VisibilityLinesTest, names_in_capitals_tell_the_form_as_well) {
   EXPECT_EQ(read("a.geojson"), read("A.GEOJSON"));
 }
 
-TEST_F(VisibilityLinesTest, names_of_clouds_in_capitals_tell_the_form_as_well) {
+TEST_F(VisibilityLinesTest, names_of_clouds_in_capitals_determine_the_form_as_well) {
   for (const std::string name : {"a.las", "A.LAS", "A.Ply"})
     ASSERT_EQ(run({"visibility", "points", "site.csv", "--observer", "-4,0,1", "-q", "-o", name}).exit_code,
               0);
@@ -225,9 +226,9 @@ TEST_F(VisibilityLinesTest, two_outputs_of_one_name_are_rejected) {
 }
 
 TEST_F(VisibilityLinesTest, ends_a_million_kilometres_away_take_no_time) {
-  write("places.csv", "x,y,z,name\n-4,0,1,west\n4,0,1,east\n1e6,0,1,far\n1e9,10,1e5,farther\n");
-  const ProgramResult result =
-      lines({"--places", "places.csv", "--frequency", "1", "--earth-radius-factor", "1", "-o", "lines.csv"});
+  write("positions.csv", "x,y,z,name\n-4,0,1,west\n4,0,1,east\n1e6,0,1,far\n1e9,10,1e5,farther\n");
+  const ProgramResult result = lines(
+      {"--places", "positions.csv", "--frequency", "1", "--earth-radius-factor", "1", "-o", "lines.csv"});
   ASSERT_EQ(result.exit_code, 0) << result.err;
   EXPECT_EQ(rows_of(read("lines.csv")).size(), 6u);
 }
@@ -237,8 +238,8 @@ TEST_F(VisibilityLinesTest, other_programs_open_the_features) {
   const auto ogrinfo = [&](const std::string& file) {
     return said_by("ogrinfo -al -so -ro " + file, folder);
   };
-  write("places.csv", "x,y,z,name\n-4,0,1,west\n4,0,1,east\n-4,0,3,high\n");
-  ASSERT_EQ(lines({"--places", "places.csv", "-o", "lines.geojson"}).exit_code, 0);
+  write("positions.csv", "x,y,z,name\n-4,0,1,west\n4,0,1,east\n-4,0,3,high\n");
+  ASSERT_EQ(lines({"--places", "positions.csv", "-o", "lines.geojson"}).exit_code, 0);
   // Two lines are cut in two by the wall.
   EXPECT_NE(ogrinfo("lines.geojson").find("Feature Count: 5"), std::string::npos) << ogrinfo("lines.geojson");
   EXPECT_NE(ogrinfo("lines.geojson").find("Geometry: 3D Line String"), std::string::npos);
@@ -259,17 +260,17 @@ TEST_F(VisibilityLinesTest, other_programs_open_the_features) {
 TEST_F(VisibilityLinesTest, a_full_disk_is_an_error_that_leaves_nothing) {
   std::string positions = "x,y,z\n";
   for (int i = 0; i < 20; ++i) positions += fmt::format("{},3,1\n", 0.4 * i - 4.0);
-  write("places.csv", positions);
+  write("positions.csv", positions);
   for (const std::string output : {"l.csv", "l.json", "l.geojson"}) {
-    ASSERT_EQ(lines({"--places", "places.csv", "-o", output}).exit_code, 0);
+    ASSERT_EQ(lines({"--places", "positions.csv", "-o", output}).exit_code, 0);
     const std::uintmax_t size = std::filesystem::file_size(folder / output);
     std::filesystem::remove(folder / output);
     for (const std::uintmax_t bytes : {std::uintmax_t{4096}, size - 1}) {
       const ProgramResult full = run_on_full_disk(
-          {"visibility", "lines", "site.csv", "-q", "--places", "places.csv", "-o", output}, bytes);
+          {"visibility", "lines", "site.csv", "-q", "--places", "positions.csv", "-o", output}, bytes);
       EXPECT_EQ(full.exit_code, 2) << output << " " << bytes;
       EXPECT_NE(full.err.find(output + ": cannot write the file"), std::string::npos) << full.err;
-      EXPECT_EQ(names(), (std::vector<std::string>{"places.csv", "site.csv"})) << output << " " << bytes;
+      EXPECT_EQ(names(), (std::vector<std::string>{"positions.csv", "site.csv"})) << output << " " << bytes;
     }
   }
 }

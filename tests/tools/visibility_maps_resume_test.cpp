@@ -28,7 +28,7 @@ class MapsResumeTest : public ResumeTest {
     for (int i = 0; i < 20 * 10; ++i) add(points / 2, points / 2 + i % 20, 1 + i / 20);
     return text;
   }
-  /// Expects the command to be distinguished from that of the checkpoint, and to leave nothing.
+  /// Expects an error about a difference from the command of the checkpoint, and no output.
   void expect_another_run(const Words& command, const std::string& difference) {
     const ProgramResult result = run(with(command, {"--resume"}));
     EXPECT_EQ(result.exit_code, 2) << difference;
@@ -67,7 +67,7 @@ TEST_F(MapsResumeTest, sky_of_points_killed_at_many_moments_has_the_bytes_of_an_
                   {"-o", "sky.las"}, 4);
 }
 
-TEST_F(MapsResumeTest, a_map_goes_on_from_a_checkpoint_of_the_same_run_only) {
+TEST_F(MapsResumeTest, a_map_resumes_from_a_checkpoint_of_the_same_run_only) {
   const Words words =
       with(k_raster, {"--mode", "fraction", "--places", "8", "-o", "seen.tif", "--checkpoint", "state"});
   const Words fine = with(words, {"--resolution", "0.05"});

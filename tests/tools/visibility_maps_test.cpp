@@ -18,7 +18,7 @@ bool contains(const std::string& text, const std::string& part) {
   return text.find(part) != std::string::npos;
 }
 
-/// What `gdalinfo -json` prints about a file; null if it is not a raster.
+/// The output of `gdalinfo -json` for a file; null if GDAL does not read it.
 json map_info(const std::filesystem::path& file) {
   const GDALDatasetH dataset = GDALOpen(file.c_str(), GA_ReadOnly);
   if (dataset == nullptr) return nullptr;
@@ -112,7 +112,7 @@ void expect_map(const json& info) {
   EXPECT_TRUE(contains(metadata["TIFFTAG_SOFTWARE"], "Alidade"));
 }
 
-TEST_F(VisibilityMapsTest, a_viewshed_is_a_cloud_optimised_geotiff_that_tells_what_was_used) {
+TEST_F(VisibilityMapsTest, a_viewshed_is_a_cloud_optimised_geotiff_that_contains_what_was_used) {
   const json info = map_of("raster", "seen.TIF", with(k_cells, k_eye));
   expect_map(info);
   EXPECT_EQ(info["bands"].size(), 1u);
@@ -224,7 +224,7 @@ TEST_F(VisibilityMapsTest, cells_without_ground_have_no_data_in_any_map) {
   }
 }
 
-TEST_F(VisibilityMapsTest, what_a_user_got_wrong_is_said_before_surfaces_are_measured) {
+TEST_F(VisibilityMapsTest, mistakes_of_users_are_errors_before_surfaces_are_measured) {
   const Words raster = with({"-o", "seen.tif"}, k_eye);
   expect_rejected_early("raster", {"-o", "seen.tif", "--observers", "nobody.csv"}, "nobody.csv");
   expect_rejected_early("raster", {"-o", "seen.tif", "--observer", "690900,5325100"},
@@ -241,7 +241,7 @@ TEST_F(VisibilityMapsTest, what_a_user_got_wrong_is_said_before_surfaces_are_mea
   expect_rejected_early("sun", with({"-o", "sun.las", "--area", "0,0,1,1"}, k_day), "--area");
 }
 
-TEST_F(VisibilityMapsTest, the_command_in_a_map_does_not_tell_where_it_was_written) {
+TEST_F(VisibilityMapsTest, the_command_in_a_map_does_not_contain_where_it_was_written) {
   ASSERT_EQ(map_of("sky", "one.tif", {"--resolution", "8", "--directions", "2", "-q"}).is_object(), true);
   ASSERT_EQ(
       map_of("sky", "two.tif", {"--resolution", "8", "--directions", "2", "--threads", "1"}).is_object(),

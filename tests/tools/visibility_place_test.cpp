@@ -88,7 +88,7 @@ TEST_F(VisibilityPlaceTest, nobody_who_sees_anything_is_the_answer_no) {
   EXPECT_EQ(names(), (std::vector<std::string>{"blind.csv", "site.csv"}));
 }
 
-TEST_F(VisibilityPlaceTest, what_cannot_be_done_is_said) {
+TEST_F(VisibilityPlaceTest, what_cannot_be_done_is_an_error) {
   write_candidates();
   write_square("plain.xyz");
   const std::vector<std::string> usual = {"--observers", "candidates.csv", "--count", "1", "-o", "b.csv"};
@@ -116,7 +116,7 @@ TEST_F(VisibilityPlaceTest, what_cannot_be_done_is_said) {
   EXPECT_NE(plain.err.find("the cloud has no classification for targets"), std::string::npos) << plain.err;
 }
 
-TEST_F(VisibilityPlaceTest, a_full_disk_is_an_error_but_for_checkpoints_without_which_one_goes_on) {
+TEST_F(VisibilityPlaceTest, a_full_disk_is_an_error_but_the_run_continues_without_checkpoints) {
   const std::vector<std::string> words = {"visibility", "place",   "site.csv", "-q", "--observer-grid",
                                           "0.5",        "--count", "60",       "-o", "best.json"};
   ASSERT_EQ(run(words).exit_code, 0);

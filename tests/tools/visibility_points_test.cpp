@@ -99,7 +99,7 @@ TEST_F(VisibilityPointsTest, output_is_the_cloud_itself_with_extra_bytes) {
     const bool is_in_shadow = position.x > 11000 && position.z == 0, is_before = position.x < 9500;
     if (is_in_shadow) {
       ASSERT_EQ(visible[id], 0) << id;
-      // What blocks is before it, in the wall or at its foot.
+      // The blocker is before it, in the wall or at its foot.
       ASSERT_GE(blocker[id], 0) << id;
       ASSERT_NEAR(out.positions[static_cast<std::size_t>(blocker[id])].x, 10000, 300) << id;
     }
@@ -183,7 +183,7 @@ TEST_F(VisibilityPointsTest, columns_of_an_earlier_run_give_way) {
   EXPECT_EQ(read("a.las"), read("b.las"));
 }
 
-TEST_F(VisibilityPointsTest, observers_without_z_stand_on_the_ground) {
+TEST_F(VisibilityPointsTest, observers_without_z_are_on_the_ground) {
   write_garden();
   const ProgramResult result =
       run(with(k_points, {"--observer", "690005,5325010", "--observer-height", "1.5", "-o", "seen.las"}));
@@ -192,7 +192,7 @@ TEST_F(VisibilityPointsTest, observers_without_z_stand_on_the_ground) {
       << result.err;
 }
 
-TEST_F(VisibilityPointsTest, observer_grid_stands_on_the_ground_everywhere) {
+TEST_F(VisibilityPointsTest, observer_grid_is_on_the_ground_everywhere) {
   write_garden();
   const ProgramResult result = run(with(k_points, {"--observer-grid", "10", "-o", "seen.las"}));
   ASSERT_EQ(result.exit_code, 0) << result.err;
@@ -200,7 +200,7 @@ TEST_F(VisibilityPointsTest, observer_grid_stands_on_the_ground_everywhere) {
   EXPECT_TRUE(contains(result.err, "2-2: eye at 690015.000, 5325015.000, 602.000")) << result.err;
 }
 
-TEST_F(VisibilityPointsTest, noise_does_not_block_unless_asked) {
+TEST_F(VisibilityPointsTest, noise_does_not_block_unless_requested) {
   PointCloud cloud = garden();
   for (std::size_t id = 0; id < cloud.size(); ++id) {
     if (cloud.classifications[id] == 6) cloud.classifications[id] = 7;
@@ -294,9 +294,9 @@ TEST_F(VisibilityPointsTest, clouds_in_degrees_are_rejected_by_every_command) {
   cloud.crs.wkt = R"(GEOGCS["WGS 84",DATUM["WGS_1984",SPHEROID["WGS 84",6378137,298.257223563]],)"
                   R"(PRIMEM["Greenwich",0],UNIT["degree",0.0174532925199433]])";
   write_las(folder / "degrees.las", cloud);
-  write("places.csv", "x,y,z\n690005,5325010,602\n690006,5325010,602\n");
+  write("positions.csv", "x,y,z\n690005,5325010,602\n690006,5325010,602\n");
   for (const Words& words : {Words{"points", "degrees.las", "--observer", k_eye, "-o", "out.las"},
-                             {"lines", "degrees.las", "--places", "places.csv", "-o", "out.csv"},
+                             {"lines", "degrees.las", "--places", "positions.csv", "-o", "out.csv"},
                              {"place", "degrees.las", "--observer", k_eye, "--count", "1", "-o", "out.csv"},
                              {"horizon", "degrees.las", "--observer", k_eye},
                              {"sky", "degrees.las", "-o", "out.las"}}) {

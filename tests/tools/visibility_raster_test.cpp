@@ -141,7 +141,7 @@ TEST_F(VisibilityRasterTest, what_was_used_is_printed_and_stored) {
   EXPECT_EQ(map.metadata.at("AREA_OR_POINT"), "Area");
 }
 
-TEST_F(VisibilityRasterTest, each_tool_has_its_own_defaults_and_what_is_said_stands_above_them) {
+TEST_F(VisibilityRasterTest, each_tool_has_its_own_defaults_and_options_override_them) {
   ASSERT_EQ(raster({"--observer", "690005,5325010", "--md", "6", "--area", "690000,5325000,690020,5325020",
                     "--like", "grass", "--resolution", "1", "-o", "grass.tif"})
                 .exit_code,
@@ -186,7 +186,7 @@ TEST_F(VisibilityRasterTest, modes_have_their_own_values) {
   EXPECT_NEAR(height.at(15, 10), 1.7 + 1.3 * 10.5 / 5.0, 1.5);
 }
 
-TEST_F(VisibilityRasterTest, heights_are_told_from_that_of_what_is_looked_at) {
+TEST_F(VisibilityRasterTest, heights_count_from_that_of_the_target) {
   // From below the horizontal nothing is seen at the eye's own height: the ground is, up to the wall.
   const ProgramResult result =
       raster(with(k_eye, {"--mode", "height", "--tz", "0.4", "--area", "690000,5325000,690009,5325020"}));

@@ -15,7 +15,7 @@ TEST_F(ResumeTest, points_killed_at_many_moments_give_the_bytes_of_an_uninterrup
 TEST_F(ResumeTest, positions_killed_at_many_moments_give_the_bytes_of_an_uninterrupted_run) {
   kill_and_resume({"visibility", "place", "square.xyz", "--observer-grid", "0.03", "--target-spacing", "0.1",
                    "--count", "3"},
-                  {"-o", "places.json"}, 12);
+                  {"-o", "positions.json"}, 12);
 }
 
 TEST_F(ResumeTest, interrupted_it_keeps_a_checkpoint_and_ends_with_130) {
@@ -71,7 +71,7 @@ TEST_F(ResumeTest, other_outputs_and_threads_are_the_same_run_another_reference_
   EXPECT_TRUE(read("b.csv") == read("whole.csv"));
 }
 
-TEST_F(ResumeTest, without_a_checkpoint_yet_resume_starts_and_says_so) {
+TEST_F(ResumeTest, without_a_checkpoint_yet_resume_starts_with_a_message) {
   const Words words = with(k_points, {"--observer", "101,201,7"});
   ASSERT_EQ(run(with(words, {"-o", "whole.las"})).exit_code, 0);
   const ProgramResult result = run(with(with(words, k_keep), {"-o", "out.las"}));
@@ -100,8 +100,8 @@ TEST_F(ResumeTest, lines_killed_at_many_moments_give_the_bytes_of_an_uninterrupt
   std::string positions = "x,y,z\n";
   for (int i = 0; i < 12; ++i)
     positions += std::to_string(100.0 + 0.1 * i) + "," + std::to_string(200.0 + 0.07 * i) + ",5.3\n";
-  write("places.csv", positions);
-  kill_and_resume({"visibility", "lines", "square.xyz", "--places", "places.csv", "--frequency", "60GHz"},
+  write("positions.csv", positions);
+  kill_and_resume({"visibility", "lines", "square.xyz", "--places", "positions.csv", "--frequency", "60GHz"},
                   {"-o", "lines.json"}, 12);
 }
 

@@ -79,7 +79,7 @@ TEST_F(SkyTest, horizon_writes_geojson_skyline_and_panorama) {
   EXPECT_TRUE(read("around.exr").starts_with("\x76\x2f\x31\x01"));
 }
 
-TEST_F(SkyTest, horizon_is_that_of_one_position_with_files_that_tell_their_kind) {
+TEST_F(SkyTest, horizon_is_that_of_one_position_with_files_that_name_their_kind) {
   const Words position{"--observer", "-3,0.03,1"};
   const auto with = [&](Words words) {
     words.insert(words.end(), position.begin(), position.end());

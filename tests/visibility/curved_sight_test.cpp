@@ -225,7 +225,7 @@ TEST(SightCurveTest, bad_coefficients_are_errors) {
   EXPECT_THROW(SightCurve(std::numeric_limits<double>::quiet_NaN(), 1.0), Error);
 }
 
-TEST(MapUnitTest, reference_systems_tell_metres_feet_and_degrees) {
+TEST(MapUnitTest, reference_systems_have_metres_feet_and_degrees) {
   const auto of_wkt = [](const char* wkt) {
     Crs crs;
     crs.wkt = wkt;

@@ -109,7 +109,7 @@ TEST(Fresnel, ground_below_a_link_obstructs_what_dips_into_it) {
   EXPECT_NEAR(ground.nearest_share, 0.5, 1e-3);
 }
 
-TEST(Fresnel, worst_cross_section_tells_one_wall_from_two) {
+TEST(Fresnel, worst_cross_section_distinguishes_one_wall_from_two) {
   WallCloud cloud;
   add_half_plane(cloud, 30, 0.0);
   add_half_plane(cloud, 70, 0.0, true);
@@ -118,7 +118,7 @@ TEST(Fresnel, worst_cross_section_tells_one_wall_from_two) {
   EXPECT_NEAR(both.worst, 0.5, 0.01);
 }
 
-TEST(Fresnel, points_that_obstruct_are_told_with_their_shares) {
+TEST(Fresnel, points_that_obstruct_are_listed_with_their_shares) {
   const FresnelClearance half = clearance(half_plane(50, 0.0));
   double sum = 0.0, last = 1.0;
   for (const Obstruction& one : half.obstructions) {
@@ -153,7 +153,7 @@ TEST(Fresnel, points_that_do_not_block_do_not_count) {
   EXPECT_TRUE(free.is_clear);
 }
 
-TEST(Fresnel, end_margins_are_not_looked_at) {
+TEST(Fresnel, end_margins_are_not_tested) {
   EXPECT_GT(clearance(half_plane(4, 0.0)).obstructed, 0.4);
   const FresnelClearance free = clearance(half_plane(4, 0.0), {.end_margin = 5.0});
   EXPECT_EQ(free.obstructed, 0.0);

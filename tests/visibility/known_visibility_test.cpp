@@ -35,27 +35,27 @@ void expect_truth(const KnownScene& scene, double least) {
   }
 }
 
-TEST(KnownVisibility, of_a_courtyard_is_told) {
+TEST(KnownVisibility, of_a_courtyard_is_found) {
   expect_truth(test::known_courtyard(100000), 0.97);
 }
 
-TEST(KnownVisibility, of_a_fence_is_told) {
+TEST(KnownVisibility, of_a_fence_is_found) {
   expect_truth(test::fence(), 0.99);
 }
 
-TEST(KnownVisibility, of_trees_is_told) {
+TEST(KnownVisibility, of_trees_is_found) {
   expect_truth(test::canopy(), 0.985);
 }
 
-TEST(KnownVisibility, of_a_wall_of_two_densities_is_told) {
+TEST(KnownVisibility, of_a_wall_of_two_densities_is_found) {
   expect_truth(test::mixed_density(), 0.99);
 }
 
-TEST(KnownVisibility, of_ground_at_grazing_angles_is_told) {
+TEST(KnownVisibility, of_ground_at_grazing_angles_is_found) {
   expect_truth(test::grazing_slope(), 0.96);
 }
 
-TEST(KnownVisibility, of_a_thin_plate_is_told) {
+TEST(KnownVisibility, of_a_thin_plate_is_found) {
   // Both sides lie within two radii of each other, so all points are near a boundary.
   const KnownScene scene = test::thin_plate();
   const Occluders occluders(build(scene.cloud), {});

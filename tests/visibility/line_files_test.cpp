@@ -78,7 +78,7 @@ std::vector<std::string> lines_of(const std::string& text) {
   return lines;
 }
 
-TEST_F(LineFilesTest, form_is_told_by_the_extension) {
+TEST_F(LineFilesTest, form_depends_on_the_extension) {
   EXPECT_EQ(row_form("a.csv"), RowForm::csv);
   EXPECT_EQ(row_form("a.b/c.json"), RowForm::json);
   EXPECT_EQ(row_form("c.geojson"), RowForm::geojson);
@@ -176,7 +176,7 @@ TEST_F(LineFilesTest, an_existing_file_is_not_replaced_unasked) {
   EXPECT_NO_THROW(write_lines(lines, RowForm::csv, {}, {}, file, true));
 }
 
-TEST(LonLat, unknown_and_local_systems_have_none) {
+TEST(LonLat, unknown_and_local_systems_are_empty) {
   const std::vector<glm::dvec3> position = {{0, 0, 0}};
   EXPECT_FALSE(lon_lat({}, position));
   EXPECT_FALSE(lon_lat(system_of("LOCAL_CS[\"here\",UNIT[\"metre\",1]]"), position));

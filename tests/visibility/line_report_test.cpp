@@ -26,7 +26,7 @@ LineReport report_one(const Occluders& occluders, const SightEnd& from, const Si
   return report_lines(occluders, std::span(&pair, 1), options)[0];
 }
 
-TEST(LineReport, a_wall_blocks_and_tells_where) {
+TEST(LineReport, a_wall_blocks_and_its_position_is_reported) {
   const Occluders occluders = wall().occluders();
   const LineReport line = report_one(occluders, {{0, 0.03, 1.02}}, {{100, 0.03, 1.02}});
   ASSERT_TRUE(line.blocker);
@@ -37,7 +37,7 @@ TEST(LineReport, a_wall_blocks_and_tells_where) {
   EXPECT_EQ(line.length, 100.0);
 }
 
-TEST(LineReport, a_line_over_the_wall_is_free_and_tells_the_clearance) {
+TEST(LineReport, a_line_over_the_wall_is_free_and_its_clearance_is_reported) {
   const WallCloud cloud = wall();
   const LineReport line = report_one(cloud.occluders(), {{0, 0, 2.5}}, {{100, 0, 2.5}});
   EXPECT_FALSE(line.blocker);
@@ -122,7 +122,7 @@ TEST(LineReport, blockers_are_those_of_single_sight_lines) {
   EXPECT_LT(hidden, 450);
 }
 
-TEST(LineReport, end_margins_are_not_looked_at) {
+TEST(LineReport, end_margins_are_not_tested) {
   const Occluders occluders = wall().occluders();
   const SightEnd mast{{29, 0, 1}}, far{{100, 0, 1}};
   EXPECT_TRUE(report_one(occluders, mast, far).blocker);
@@ -132,7 +132,7 @@ TEST(LineReport, end_margins_are_not_looked_at) {
   EXPECT_EQ(line.length, 71.0);
   EXPECT_FALSE(report_one(occluders, far, mast, {.line = {.end_margin = 1.5}}).blocker);
   EXPECT_TRUE(report_one(occluders, far, mast, {.line = {.end_margin = 0.5}}).blocker);
-  // The margin alone then decides what an end lies on.
+  // The margin alone then decides what belongs to an end.
   const SightEnd on_wall{{29, 0, 1}, 3.0, 2.0};
   EXPECT_FALSE(report_one(occluders, on_wall, far).blocker);
   EXPECT_FALSE(report_one(occluders, on_wall, far).nearest);
@@ -209,7 +209,7 @@ TEST(LineReport, bad_options_are_errors) {
   EXPECT_NO_THROW(report_one(through, from, to, {.wavelength = 0.1}));
 }
 
-TEST(LineReport, stops_when_asked_to) {
+TEST(LineReport, stops_when_requested) {
   const Occluders occluders = wall().occluders();
   const std::vector<LinePair> pairs(3, {"", {{0, 0, 1}}, "", {{9, 0, 1}}});
   EXPECT_THROW(report_lines(occluders, pairs, {}, [](std::uint64_t, std::uint64_t) { return false; }),

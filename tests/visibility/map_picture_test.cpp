@@ -124,7 +124,7 @@ TEST(MapPictureTest, the_same_map_gives_the_same_pixels) {
   EXPECT_TRUE(draw(picture(), slope).bytes() == draw(picture(), slope).bytes());
 }
 
-TEST(MapPictureTest, the_file_appears_whole_or_not_at_all) {
+TEST(MapPictureTest, the_file_appears_completely_or_not_at_all) {
   const std::filesystem::path folder = std::filesystem::temp_directory_path() / "alidade_map_picture";
   std::filesystem::remove_all(folder);
   std::filesystem::create_directories(folder);

@@ -42,7 +42,7 @@ TEST(Observers, position_from_the_command_line_has_two_or_three_numbers) {
     EXPECT_THROW(parse_observer(wrong), Error) << wrong;
 }
 
-TEST(Observers, observer_with_z_stands_there_and_height_is_added) {
+TEST(Observers, observer_with_z_is_there_and_height_is_added) {
   const std::vector<GivenObserver> given = {
       {.source = "a", .position = {1, 2}, .z = 3.0},
       {.source = "b", .name = "mast", .position = {1, 2}, .z = 3.0, .height = 10.0}};
@@ -55,7 +55,7 @@ TEST(Observers, observer_with_z_stands_there_and_height_is_added) {
   EXPECT_EQ(observers[1].name, "mast");
 }
 
-TEST(Observers, observer_without_z_stands_two_metres_above_the_ground) {
+TEST(Observers, observer_without_z_is_two_metres_above_the_ground) {
   const std::vector<GivenObserver> given = {{.source = "a", .position = {1, 2}}};
   EXPECT_EQ(place_observers(given, {}, flat_ground)[0].position, glm::dvec3(1, 2, 7));
   EXPECT_TRUE(place_observers(given, {}, flat_ground)[0].stands_on_ground);
@@ -68,7 +68,7 @@ TEST(Observers, observer_without_ground_below_is_an_error) {
   EXPECT_EQ(problem_of({.source = "poles.csv:3", .position = {101, 0}, .z = 1.0}), "");
 }
 
-TEST(Observers, what_one_says_goes_before_the_defaults) {
+TEST(Observers, values_of_an_observer_override_the_defaults) {
   const std::vector<GivenObserver> given = {
       {.source = "a", .position = {0, 0}, .z = 0.0, .azimuth_min = 10.0, .max_distance = 7.0}};
   const ObserverDefaults defaults{

@@ -237,7 +237,7 @@ TEST(PointVisibility, progress_counts_all_lines_and_can_stop_them) {
   EXPECT_THROW(point_visibility(occluders, k_observers, options), Cancelled);
 }
 
-TEST(PointVisibility, what_does_not_fit_into_memory_is_rejected_beforehand_and_its_size_said) {
+TEST(PointVisibility, what_does_not_fit_into_memory_is_rejected_beforehand_with_its_size) {
   constexpr std::uint64_t k_points = std::uint64_t{1} << 40;
   try {
     check_point_visibility(k_points, 64, {.with_blockers = true});

@@ -46,7 +46,7 @@ TEST(PointSkyViews, are_those_of_single_targets_by_point_id) {
   }
 }
 
-TEST(PointSkyViews, use_normals_that_say_something) {
+TEST(PointSkyViews, use_valid_normals) {
   const Points points = yard();
   const Occluders occluders(octree_of(points), {});
   std::vector<glm::vec3> normals(points.size(), glm::vec3(0, 0, -1));
@@ -75,9 +75,9 @@ TEST(PointSunHours, are_those_of_single_targets_by_point_id) {
   }
 }
 
-/// Runs work that is stopped after half of its points, then continues with it.
+/// Runs work, stops it after half of its points, then resumes it.
 template <class Work>
-auto stopped_and_gone_on_with(const Work& work) {
+auto stopped_and_resumed(const Work& work) {
   const std::filesystem::path file = std::filesystem::temp_directory_path() / "sky_of_cloud.state";
   std::filesystem::remove(file);
   const Fingerprint fingerprint{{"command", "sky"}};
@@ -100,11 +100,11 @@ TEST(PointSkyViews, are_the_same_when_the_run_was_stopped_between) {
   const Occluders occluders(octree_of(points), {.radius = 0.1});
   ASSERT_GT(points.size(), 35000u);
   const SkyViewOptions options{.directions = 3};
-  EXPECT_EQ(stopped_and_gone_on_with(
+  EXPECT_EQ(stopped_and_resumed(
                 [&](const LongWork& work) { return point_sky_views(occluders, {}, options, work); }),
             point_sky_views(occluders, {}, options));
   const std::vector<SunHours> whole = point_sun_hours(occluders, {}, bins(), {});
-  const std::vector<SunHours> cut = stopped_and_gone_on_with(
+  const std::vector<SunHours> cut = stopped_and_resumed(
       [&](const LongWork& work) { return point_sun_hours(occluders, {}, bins(), {}, work); });
   ASSERT_EQ(cut.size(), whole.size());
   for (std::size_t i = 0; i < whole.size(); ++i) {
@@ -168,7 +168,7 @@ TEST(GroundSunHours, fall_in_the_shadow_of_a_wall) {
   grid.columns = 1;
   grid.rows = 8;
   const SunMaps maps = ground_sun_hours(occluders, ground, grid, 0.0, bins(), {});
-  // The sun in the north-west is behind the wall for positions nearer than 4 m / tan 30 degrees.
+  // The wall hides the sun in the north-west from positions nearer than 4 m / tan 30 degrees.
   EXPECT_NEAR(maps.hours.at(0, 0), 3.0, 1e-6);
   EXPECT_NEAR(maps.hours.at(0, 4), 7.0, 1e-6);
   const auto energy = [](double elevation) { return std::sin(elevation * std::numbers::pi / 180.0); };

@@ -18,7 +18,7 @@ using namespace visibility;
 namespace {
 
 constexpr double k_degree = std::numbers::pi / 180.0;
-// What one direction of many represents, and a disc's width above an edge.
+// The share of one direction of many, and a disc's width above an edge.
 constexpr double k_tolerance = 0.012;
 // Of the discs of points 0.15 m apart: no gaps, and little over the edges.
 constexpr double k_radius = 0.11;
@@ -116,7 +116,7 @@ TEST(SkyView, of_a_house_wall_is_that_of_its_outside) {
   EXPECT_NEAR(view_of(occluders, inside, {512}), 0.0, k_tolerance);
 }
 
-TEST(SkyView, normals_tell_the_outside) {
+TEST(SkyView, normals_point_outside) {
   Points points;
   add_rectangle(points, {-3, -3, 0}, {6, 0, 0}, {0, 6, 0}, 0.1);
   const Occluders occluders(octree_of(points), {});
@@ -150,7 +150,7 @@ TEST(SkyView, number_of_directions_is_limited) {
   EXPECT_THROW(sky_shares(occluders, {}, 0), Error);
 }
 
-TEST(SkyDirections, are_spread_as_their_densities_say) {
+TEST(SkyDirections, are_spread_by_their_densities) {
   constexpr int k_count = 1000;
   double height = 0.0, height_sq = 0.0, lean = 0.0;
   for (const glm::dvec3& direction : even_sky_directions(k_count)) {

@@ -59,7 +59,7 @@ TEST(DepthStrip, holds_the_line_with_room_around) {
   EXPECT_GE(strip.elevation_max - strip.elevation_min, 20.0);
 }
 
-TEST(DepthStrip, looks_where_its_rows_and_columns_say) {
+TEST(DepthStrip, looks_in_the_directions_of_its_rows_and_columns) {
   const Occluders occluders(octree_of(wall()), {});
   DepthStrip strip;
   strip.width = 36;
@@ -104,7 +104,7 @@ TEST(HorizonFile, csv_has_a_row_per_azimuth) {
             "240,-1.5,15.0000,8,689990,5324990,600\n");
 }
 
-TEST(HorizonFile, geojson_has_points_on_the_globe_or_says_that_they_are_not) {
+TEST(HorizonFile, geojson_has_points_on_the_globe_or_reports_that_they_are_not) {
   const std::vector<HorizonDirection> line = two_directions();
   HorizonFacts facts{{690000, 5325000, 601.7}, SkyShares{0.5, 0.4}, {0.6, 0.55}};
   ASSERT_EQ(horizon_positions(line, facts).size(), 3u);

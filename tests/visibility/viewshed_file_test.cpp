@@ -28,7 +28,7 @@ std::vector<Number> numbers(const ViewshedBand& band) {
   return std::get<std::vector<Number>>(band.values);
 }
 
-TEST(ViewshedBandTest, visible_has_the_values_that_were_asked_for) {
+TEST(ViewshedBandTest, visible_has_the_requested_values) {
   const ViewshedBand gdal = viewshed_band(viewshed(), ViewshedMode::visible, {}, 1, "m");
   EXPECT_EQ(numbers<std::uint8_t>(gdal), (std::vector<std::uint8_t>{254, 0, 0, 255, 255}));
   EXPECT_EQ(gdal.no_data, 254.0);
@@ -72,7 +72,7 @@ TEST(ViewshedPictureTest, every_value_has_a_colour_and_the_scale_ends_at_the_lar
   EXPECT_EQ(height.swatches.at(0).label, "visible on the ground");
 }
 
-TEST(ViewshedPictureTest, heights_begin_with_that_of_what_is_looked_at) {
+TEST(ViewshedPictureTest, heights_begin_with_that_of_the_target) {
   const ViewshedOptions options{.mode = ViewshedMode::height, .target_height = 1.0, .highest = 200.0};
   const Observer observer;
   const MapPicture picture = viewshed_picture(viewshed(), options, {&observer, 1}, "m");
@@ -81,7 +81,7 @@ TEST(ViewshedPictureTest, heights_begin_with_that_of_what_is_looked_at) {
   EXPECT_EQ(picture.scale->range, (ValueRange{1.0, 7.0}));
 }
 
-TEST(SeenShareTest, is_of_the_cells_that_are_looked_at_and_of_heights_counts_the_lowest) {
+TEST(SeenShareTest, is_of_the_cells_tested_and_of_heights_counts_the_lowest) {
   const SeenShare any = seen_share(viewshed(), {});
   EXPECT_NEAR(any.percent, 200.0 / 3.0, 1e-9);
   EXPECT_EQ(any.without, 2u);

@@ -23,14 +23,13 @@ using nlohmann::json;
 const std::filesystem::path k_file =
     std::filesystem::path(ALIDADE_SHARED_DATA) / "viewshed" / "gdal_small_cases.json";
 
-// gdal_viewshed looks from cell to cell: an eye of height 0 is on its cell, every neighbour is seen, and
-// what hides is the line between the middles of two cells. Points have no cells. They are put on the surface
+// gdal_viewshed tests lines from cell to cell: an eye of height 0 is on its cell, every neighbour is visible,
+// and the line between the middles of two cells blocks. Points have no cells. They are put on the surface
 // between the middles, and then differ in two ways:
 // - An eye of height 0 is in the surface. On a ridge it grazes both flanks, so that neighbours are seen from
 //   a little above them on ("all_visible", and cells beside the eye in general).
 // - A flank that begins at the eye's foot is the eye's own surface, and one that ends at the target's foot
-// the
-//   target's own. A hill one cell wide between the two has no other surface, so it hides nothing ("row_1",
+//   the target's own. A hill one cell wide between the two has no other surface, so it hides nothing ("row_1",
 //   cell 4; "simple_height", columns 0 and 1). From a metre above the ground this does not happen.
 // Elsewhere both agree to within what discs stand over a sharp edge.
 

@@ -226,7 +226,7 @@ TEST(ViewshedTest, heights_are_those_at_which_the_plain_map_sees) {
   std::vector<Viewshed> maps;
   for (int step = 0; step < 24; ++step)
     maps.push_back(position.seen({&eye, 1}, {.target_height = 0.5 * step}));
-  int measured = 0, never = 0, out_of_range = 0;
+  int visible = 0, never = 0, out_of_range = 0;
   for (std::size_t i = 0; i < heights.values.values.size(); ++i) {
     const float height = heights.values.values[i];
     bool looked_at = false;
@@ -238,11 +238,11 @@ TEST(ViewshedTest, heights_are_those_at_which_the_plain_map_sees) {
       }
     }
     EXPECT_TRUE(!looked_at || height != k_out_of_range) << i;
-    measured += height > 0.0f && height < k_highest;
+    visible += height > 0.0f && height < k_highest;
     never += height == k_highest;
     out_of_range += height == k_out_of_range;
   }
-  EXPECT_GT(measured, 50);
+  EXPECT_GT(visible, 50);
   EXPECT_GT(never, 20);
   EXPECT_GT(out_of_range, 20);
 }

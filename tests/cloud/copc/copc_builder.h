@@ -33,7 +33,7 @@ struct CopcSample {
 inline constexpr double k_copc_half_size = 64.0;
 
 /// `count` points of format 7 in a cube of side 128 around the lattice's offset, of at most `node_points` to
-/// a node. `seed` also decides in which order the nodes are in the file.
+/// a node. `seed` also determines the order of the nodes in the file.
 inline CopcSample build_copc(std::size_t count, std::size_t node_points = 40, std::uint64_t seed = 1) {
   LasFile file;
   file.version_minor = 4;

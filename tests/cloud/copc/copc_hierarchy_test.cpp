@@ -47,7 +47,7 @@ TEST(CopcHierarchyTest, every_node_of_the_file_is_found_with_the_rows_of_its_poi
   }
 }
 
-TEST(CopcHierarchyTest, nodes_stand_level_by_level_and_each_is_child_of_its_parent) {
+TEST(CopcHierarchyTest, nodes_are_ordered_by_level_and_each_is_child_of_its_parent) {
   const CopcSample sample = build_copc(3000);
   const CopcFile file = open(sample.bytes);
   const std::vector<CopcNode>& nodes = file.hierarchy().nodes;
@@ -98,7 +98,7 @@ TEST(CopcHierarchyTest,
   EXPECT_EQ(hierarchy.children_of(*parent).back(), hierarchy.nodes.size() - 1);
 }
 
-TEST(CopcHierarchyTest, pages_may_stand_elsewhere) {
+TEST(CopcHierarchyTest, pages_may_be_anywhere) {
   // A second page takes over all entries; the first keeps one that points to it.
   CopcSample sample = build_copc(500);
   const std::vector<std::byte> page(sample.bytes.begin() + static_cast<std::ptrdiff_t>(sample.pages_offset),

@@ -69,7 +69,7 @@ TEST(E57Images, of_every_projection_with_pose_and_bytes) {
   EXPECT_EQ(bytes_of(file, *pinhole.mask), k_png);
   EXPECT_EQ(images[0].pictures[0].extension, "png");
   ASSERT_EQ(images[1].pictures.size(), 2u);
-  EXPECT_EQ(images[1].pictures[0].extension, "jpg") << "recognised by its bytes, not by its element";
+  EXPECT_EQ(images[1].pictures[0].extension, "jpg") << "by its bytes, not by its element";
   EXPECT_NEAR(images[1].pictures[0].pixel_width, 2 * 3.14159265358979 / 40, 1e-12) << "the whole sphere";
   EXPECT_EQ(images[1].pictures[1].extension, "bin");
   EXPECT_EQ(images[1].pictures[1].radius, 3.0) << "misspelt by a writer";

@@ -94,7 +94,7 @@ TEST(E57Pages, views_anywhere_and_of_any_length_are_the_bytes_between_the_checks
   }
 }
 
-TEST(E57, format_version_and_counts_are_told) {
+TEST(E57, format_version_and_counts_are_read) {
   E57Builder builder;
   builder.add_scan("", three_points());
   const PointCloud cloud = read(builder);
@@ -106,14 +106,14 @@ TEST(E57, format_version_and_counts_are_told) {
   EXPECT_TRUE(cloud.warnings.empty());
 }
 
-TEST(E57, is_told_by_content) {
+TEST(E57, is_detected_by_content) {
   E57Builder builder;
   builder.add_scan("", three_points());
   const std::string file = builder.file();
   EXPECT_EQ(test::read_memory(std::as_bytes(std::span(file))).files[0].format, "E57");
 }
 
-TEST(E57, poses_turn_then_move_and_are_where_scanners_stood) {
+TEST(E57, poses_turn_then_move_and_are_the_positions_of_scanners) {
   E57Builder builder;
   // A quarter turn about z: x becomes y.
   builder.add_scan("<name type=\"String\"><![CDATA[gate]]></name>" +
@@ -132,7 +132,7 @@ TEST(E57, poses_turn_then_move_and_are_where_scanners_stood) {
   EXPECT_EQ(cloud.scanner_positions[2].position, glm::dvec3(0.0));
 }
 
-TEST(E57, quaternions_of_another_length_are_brought_to_1_and_told) {
+TEST(E57, quaternions_of_another_length_are_normalized_with_a_warning) {
   E57Builder builder;
   builder.add_scan(pose_element("2 0 0 2", "0 0 0"), three_points());
   const PointCloud cloud = read(builder);
@@ -140,7 +140,7 @@ TEST(E57, quaternions_of_another_length_are_brought_to_1_and_told) {
   EXPECT_TRUE(warns(cloud, "the quaternion of the pose has length 2.8"));
 }
 
-TEST(E57, what_is_odd_in_many_scans_is_told_once) {
+TEST(E57, what_is_odd_in_many_scans_is_reported_once) {
   E57Builder builder;
   for (int i = 0; i < 5; ++i) {
     std::vector<E57Column> columns = three_points();
@@ -227,7 +227,7 @@ TEST(E57, constant_fields_take_no_bytes_and_count_as_often_as_the_record_count_s
   expect_near(cloud.world(1), {4, 5, 6}, 0);
 }
 
-TEST(E57, fields_stand_in_any_order_and_scans_have_fields_of_their_own) {
+TEST(E57, fields_have_any_order_and_scans_have_fields_of_their_own) {
   E57Builder builder;
   builder.add_scan(
       "", {integer_column("colorBlue", 0, 255, {3, 6, 9}), float64_column("cartesianZ", {100, 200, 300}),
@@ -298,7 +298,7 @@ TEST(E57, sections_across_pages_are_read_without_their_checksums) {
   for (std::size_t i = 0; i < x.size(); ++i) expect_near(cloud.world(i + 3), {x[i], y[i], z[i]}, 1e-5);
 }
 
-TEST(E57, scans_without_records_are_not_looked_at) {
+TEST(E57, scans_without_records_are_ignored) {
   E57Builder builder;
   builder.add_scan_element("", "", 0, 0);
   builder.add_scan_element("", "<cartesianX type=\"Float\"/>", 99999999, 0);

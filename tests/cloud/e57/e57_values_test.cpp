@@ -104,7 +104,7 @@ TEST(E57Color, fields_without_limits_go_to_255_or_65535_whatever_occurs) {
   EXPECT_EQ(cloud.colors[7], Color16(60000));
 }
 
-TEST(E57Color, floats_without_limits_are_judged_by_what_occurs_and_it_is_told) {
+TEST(E57Color, floats_without_limits_are_judged_by_what_occurs_with_a_warning) {
   E57Builder builder;
   builder.add_scan("", points_with(colors(float32_column, {0, 0.5, 0.75})));
   const PointCloud cloud = read(builder);
@@ -112,7 +112,7 @@ TEST(E57Color, floats_without_limits_are_judged_by_what_occurs_and_it_is_told) {
   EXPECT_TRUE(warns(cloud, "assuming that colours range from 0 to 1"));
 }
 
-TEST(E57Color, values_beyond_the_limits_widen_them_and_it_is_told) {
+TEST(E57Color, values_beyond_the_limits_widen_them_with_a_warning) {
   E57Builder builder;
   builder.add_scan(color_limits("Float", "0", "1"), points_with(colors(float32_column, {0, 51, 255})));
   const PointCloud cloud = read(builder);
@@ -121,7 +121,7 @@ TEST(E57Color, values_beyond_the_limits_widen_them_and_it_is_told) {
       warns(cloud, "scan 1: colours from 0 to 255 exceed the stated range of 0 to 1: using 0 to 255"));
 }
 
-TEST(E57Color, values_a_little_beyond_1_are_held_and_it_is_told) {
+TEST(E57Color, values_a_little_beyond_1_are_clamped_with_a_warning) {
   E57Builder builder;
   builder.add_scan(color_limits("Float", "0", "1"), points_with(colors(float64_column, {-0.25, 0.5, 1.25})));
   const PointCloud cloud = read(builder);
@@ -133,7 +133,7 @@ TEST(E57Color, values_a_little_beyond_1_are_held_and_it_is_told) {
                     "clamped"));
 }
 
-TEST(E57Color, eight_bit_values_under_wide_limits_are_told_not_guessed) {
+TEST(E57Color, eight_bit_values_under_wide_limits_are_reported_not_guessed) {
   E57Builder builder;
   builder.add_scan(color_limits("Integer", "0", "65535"), points_with(whole_colors(65535, {0, 51, 255})));
   const PointCloud cloud = read(builder);
@@ -213,7 +213,7 @@ TEST(E57Invalid, points_without_a_offset_are_left_out_and_counted) {
   EXPECT_TRUE(warns(cloud, "skipped 1 points without finite coordinates"));
 }
 
-TEST(E57Invalid, spherical_coordinates_stand_in_for_invalid_cartesian_ones) {
+TEST(E57Invalid, spherical_coordinates_replace_invalid_cartesian_ones) {
   E57Builder builder;
   builder.add_scan("", points_with({integer_column("cartesianInvalidState", 0, 2, {0, 2, 1}),
                                     float64_column("sphericalRange", {9, 4, 9}),
@@ -244,7 +244,7 @@ TEST(E57Invalid, colours_intensities_and_times_become_0_and_are_counted) {
   EXPECT_TRUE(warns(cloud, "1 points have an intensity flagged as invalid"));
 }
 
-TEST(E57Invalid, colours_and_intensities_have_no_say_in_the_scale) {
+TEST(E57Invalid, colours_and_intensities_do_not_affect_the_scale) {
   E57Builder builder;
   std::vector<E57Column> columns = points_with(colors(float32_column, {0, 0.5, -9999}));
   columns.push_back(integer_column("isColorInvalid", 0, 1, {0, 0, 1}));
@@ -310,7 +310,7 @@ TEST(E57Extra, a_row_without_a_column_is_one_dimension) {
   EXPECT_EQ(test::extra_value<std::uint32_t>(cloud, "rowIndex", 5), 3u);
 }
 
-TEST(E57Extra, what_some_scans_lack_is_told) {
+TEST(E57Extra, what_some_scans_lack_is_reported) {
   E57Builder builder;
   builder.add_scan("", points_with(whole_colors(255, {1, 2, 3})));
   builder.add_scan("", points_with({integer_column("intensity", 0, 9, {1, 2, 3})}));

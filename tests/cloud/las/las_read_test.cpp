@@ -150,7 +150,7 @@ TEST(LasFileTest, more_points_than_a_block_holds_arrive_in_order) {
   EXPECT_EQ(cloud.positions.capacity(), cloud.size());
 }
 
-TEST(LasFileTest, reading_stops_when_told) {
+TEST(LasFileTest, reading_stops_when_requested) {
   ReadOptions options;
   options.progress = [](std::uint64_t, std::uint64_t) { return false; };
   const std::vector<std::byte> bytes = build_las(sample_las(2, 2));
@@ -234,7 +234,7 @@ TEST(LasFileTest, wkt_of_liblas_is_used_if_there_is_no_other_and_its_record_is_k
   EXPECT_EQ(other.records.size(), 1u);
 }
 
-TEST(LasFileTest, wkt_may_stand_after_the_points) {
+TEST(LasFileTest, wkt_may_follow_the_points) {
   LasFile file = sample_las(4, 7, 1);
   std::swap(file.records, file.extended_records);
   EXPECT_EQ(read_memory(build_las(file)).crs.wkt, "PROJCS[\"x\"]");
@@ -259,7 +259,7 @@ TEST(LasFileTest, reserved_bytes_of_old_versions_mean_nothing) {
   EXPECT_EQ(cloud.file_source_id, 0);
 }
 
-TEST(LasFileTest, wave_packets_are_left_out_and_said_so) {
+TEST(LasFileTest, wave_packets_are_left_out_with_a_warning) {
   LasFile file = sample_las(4, 9, 2);
   file.extended_records.push_back({"LASF_Spec", 65535, "waves", std::vector<std::uint8_t>(1000)});
   const PointCloud cloud = read_memory(build_las(file));
@@ -267,7 +267,7 @@ TEST(LasFileTest, wave_packets_are_left_out_and_said_so) {
   EXPECT_TRUE(test::warns(cloud, "wave packets are skipped"));
 }
 
-TEST(LasFileTest, counts_that_disagree_are_said_and_the_64_bit_count_wins) {
+TEST(LasFileTest, counts_that_disagree_are_reported_and_the_64_bit_count_wins) {
   LasFile file = sample_las(4, 0, 5);
   std::vector<std::byte> bytes = build_las(file);
   bytes[107] = std::byte{3};

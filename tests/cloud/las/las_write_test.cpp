@@ -99,7 +99,7 @@ TEST(LasWriteTest, every_scan_angle_of_the_new_formats_survives) {
   EXPECT_TRUE(same_bits(cloud.scan_angles, read_cloud(path).scan_angles));
 }
 
-TEST(LasWriteTest, the_header_tells_counts_bounds_and_counts_by_return) {
+TEST(LasWriteTest, the_header_has_counts_bounds_and_counts_by_return) {
   PointCloud cloud;
   cloud.lattice = {.scale = glm::dvec3(0.5), .offset = {10, 20, 30}};
   cloud.positions = {{1, 2, 3}, {-5, 8, 1}, {0, 0, 0}, {2, 2, 2}};
@@ -230,7 +230,7 @@ TEST(LasWriteTest, long_names_are_cut_between_characters) {
   PointCloud cloud;
   cloud.positions = {{1, 2, 3}};
   ExtraDimension& dimension = cloud.extra_dimensions.emplace_back();
-  dimension.name = std::string(31, 'a') + "\u00e4";  // two bytes, of which one would fit
+  dimension.name = std::string(31, 'a') + "\u00e4";  // two bytes where one would fit
   dimension.values.resize(8);
   const std::filesystem::path path = test::test_folder() / "out.las";
   write_las(path, cloud);
@@ -275,7 +275,7 @@ TEST(LasWriteTest, without_finish_no_file_is_left) {
   EXPECT_TRUE(std::filesystem::is_empty(folder));
 }
 
-TEST(LasWriteTest, an_existing_file_is_replaced_only_if_told) {
+TEST(LasWriteTest, an_existing_file_is_replaced_only_if_requested) {
   const std::filesystem::path path = test::test_folder() / "out.las";
   write_las(path, PointCloud{});
   EXPECT_NE(error_of([&] { write_las(path, PointCloud{}); }).find("the file exists; --overwrite replaces it"),
@@ -283,7 +283,7 @@ TEST(LasWriteTest, an_existing_file_is_replaced_only_if_told) {
   write_las(path, PointCloud{}, {.overwrite = true});
 }
 
-TEST(LasWriteTest, writing_stops_when_told_and_leaves_no_file) {
+TEST(LasWriteTest, writing_stops_when_requested_and_leaves_no_file) {
   const std::filesystem::path folder = test::test_folder();
   PointCloud cloud;
   cloud.positions = {{1, 2, 3}};

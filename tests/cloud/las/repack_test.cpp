@@ -97,7 +97,7 @@ TEST(RepackFileTest, bytes_before_and_behind_the_points_stay) {
   const fs::path folder = test::test_folder();
   test::LasFile file = sample_las(4, 6, 50);
   std::vector<std::byte> las = build_las(file);
-  // Padding before the points, and bytes between points and extended records, and behind these.
+  // Padding before the points, bytes between points and extended records, and bytes after these.
   const auto points_offset = load<std::uint32_t>(las.data() + 96);
   const auto extended = load<std::uint64_t>(las.data() + 235);
   las.insert(las.begin() + static_cast<std::ptrdiff_t>(extended), 11, std::byte{0x22});
@@ -108,7 +108,7 @@ TEST(RepackFileTest, bytes_before_and_behind_the_points_stay) {
   write_bytes(folder / "in.las", las);
   const fs::path laz = expect_same_after_a_round(folder / "in.las", folder);
   const PointCloud cloud = read_cloud(laz);
-  EXPECT_EQ(cloud.records.size(), 2u) << "also the extended one, whose offset has moved";
+  EXPECT_EQ(cloud.records.size(), 2u) << "also the extended one, whose offset has changed";
 }
 
 TEST(RepackFileTest, the_offset_of_wave_packets_moves_with_them) {

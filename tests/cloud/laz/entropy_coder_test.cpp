@@ -320,8 +320,8 @@ TEST(ArithmeticDecoderTest, fewer_than_four_bytes_and_a_value_as_large_as_the_in
   EXPECT_TRUE(ArithmeticDecoder(too_large).failed());
 }
 
-TEST(ArithmeticDecoderTest, a_raw_value_of_more_bits_than_asked_has_failed) {
-  // The unit of 19 bits is (2^32 - 1) >> 19 = 8191, of which 2^32 - 2 has 2^19 + 64.
+TEST(ArithmeticDecoderTest, a_raw_value_of_more_bits_than_requested_has_failed) {
+  // The unit of 19 bits is (2^32 - 1) >> 19 = 8191; 2^32 - 2 is 2^19 + 64 units.
   const Bytes bytes = from_hex("ff ff ff fe 00 00 00 00");
   ArithmeticDecoder decoder(bytes);
   EXPECT_LT(decoder.raw(19), 1u << 19);

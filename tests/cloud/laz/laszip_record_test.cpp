@@ -65,7 +65,7 @@ TEST(LaszipRecordTest, older_versions_of_items_are_known) {
   }
 }
 
-TEST(LaszipRecordTest, with_compressor_none_nothing_else_is_looked_at) {
+TEST(LaszipRecordTest, with_compressor_none_nothing_else_is_checked) {
   std::vector<std::byte> data(34, std::byte{0xee});
   data[0] = data[1] = std::byte{0};
   EXPECT_EQ(parse(data).compressor, LazCompressor::none);

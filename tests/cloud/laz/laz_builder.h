@@ -28,8 +28,7 @@ enum class TableLocation {
 };
 
 struct LazOptions {
-  /// Points of every chunk, the last of which may be larger than what is left; of compressor 1 it is not
-  /// used.
+  /// Points of every chunk. The last number may exceed the points left. Compressor 1 does not use them.
   std::vector<std::uint32_t> chunk_sizes = {7};
   bool variable = false;    ///< the table lists the counts
   bool one_stream = false;  ///< compressor 1

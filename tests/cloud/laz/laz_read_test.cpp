@@ -70,7 +70,7 @@ TEST_P(LazReadTest, finds_the_table_behind_the_points) {
                read_memory(build_las(sample())));
 }
 
-TEST_P(LazReadTest, without_a_table_reads_one_chunk_after_another_and_says_so) {
+TEST_P(LazReadTest, without_a_table_reads_one_chunk_after_another_with_a_warning) {
   const PointCloud expected = read_memory(build_las(sample()));
   const PointCloud found = read_memory(build_laz(sample(), {.table = TableLocation::unknown}));
   expect_equal(found, expected);

@@ -34,7 +34,7 @@ class RecordSink final : public LazSink {
 
 struct ReadLaz {
   LasHeader header;
-  std::vector<std::byte> records;  ///< as they would be in LAS
+  std::vector<std::byte> records;  ///< as in a LAS file
   std::vector<LostPoints> lost;
   std::vector<std::string> warnings;
 };

@@ -90,7 +90,7 @@ TEST(LazSharedDataTest, only_wanted_layers_are_unpacked_and_nothing_else_changes
   }
 }
 
-TEST(LazSharedDataTest, copc_is_told_apart_and_its_records_are_left_out) {
+TEST(LazSharedDataTest, copc_is_detected_and_its_records_are_left_out) {
   const std::filesystem::path path = shared_data("lidar_rgb/lion_takanawa.copc.laz");
   if (path.empty()) GTEST_SKIP() << k_no_shared_data;
   const PointCloud cloud = read_cloud(path);

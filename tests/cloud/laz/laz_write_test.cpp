@@ -54,7 +54,7 @@ TEST(LazWriteTest, what_is_read_from_laz_is_what_is_read_from_las) {
   }
 }
 
-TEST(LazWriteTest, the_ending_of_the_name_decides_in_characters_of_any_case) {
+TEST(LazWriteTest, the_extension_of_the_name_decides_in_characters_of_any_case) {
   EXPECT_TRUE(is_laz_name("a.laz"));
   EXPECT_TRUE(is_laz_name("a/b.c.LaZ"));
   EXPECT_FALSE(is_laz_name("a.las"));
@@ -80,7 +80,7 @@ TEST(LazWriteTest, points_are_packed_in_chunks_of_50000) {
   ASSERT_LT(static_cast<std::size_t>(table_offset) + 8, bytes.size());
   EXPECT_EQ(load<std::uint32_t>(bytes.data() + table_offset), 0u);
   EXPECT_EQ(load<std::uint32_t>(bytes.data() + table_offset + 4), 3u);
-  // A layered chunk states its number of points behind its first record.
+  // A layered chunk has its number of points after its first record.
   EXPECT_EQ(load<std::uint32_t>(bytes.data() + points_offset + 8 + 30), 50000u);
   EXPECT_EQ(load<std::uint64_t>(bytes.data() + 247), 120000u);
 }
@@ -117,7 +117,7 @@ TEST(LazWriteTest, without_finish_no_file_is_left) {
   EXPECT_TRUE(std::filesystem::is_empty(folder));
 }
 
-TEST(LazWriteTest, writing_stops_when_told_and_leaves_no_file) {
+TEST(LazWriteTest, writing_stops_when_requested_and_leaves_no_file) {
   const std::filesystem::path folder = test::test_folder();
   LasWriteOptions options;
   options.progress = [](std::uint64_t done, std::uint64_t) { return done < 30000; };

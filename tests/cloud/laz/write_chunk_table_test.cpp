@@ -16,14 +16,14 @@ std::vector<std::byte> bytes(std::initializer_list<int> values) {
 
 // Vectors that other programs wrote and read.
 
-TEST(ChunkTableTest, chunks_of_one_size_are_told_by_their_bytes) {
+TEST(ChunkTableTest, chunks_of_one_size_are_listed_by_their_bytes) {
   const std::vector<LazChunk> chunks = {{.byte_count = 100, .point_count = 5},
                                         {.byte_count = 90, .point_count = 3}};
   EXPECT_EQ(encode_chunk_table(chunks, standard_laz_layout(0, 20, 5)),
             bytes({0, 0, 0, 0, 2, 0, 0, 0, 0x3c, 0x4d, 0x95, 0, 0, 0}));
 }
 
-TEST(ChunkTableTest, chunks_of_different_sizes_are_told_by_points_and_bytes) {
+TEST(ChunkTableTest, chunks_of_different_sizes_are_listed_by_points_and_bytes) {
   const std::vector<LazChunk> chunks = {{.byte_count = 100, .point_count = 5},
                                         {.byte_count = 90, .point_count = 7}};
   EXPECT_EQ(encode_chunk_table(chunks, standard_laz_layout(0, 20, 0)),

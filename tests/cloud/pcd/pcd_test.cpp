@@ -122,7 +122,7 @@ TEST(Pcd, points_that_are_not_finite_are_dropped_and_counted) {
   EXPECT_EQ(cloud.files[0].dropped_count, 2u);
 }
 
-TEST(Pcd, compressed_points_stand_field_by_field) {
+TEST(Pcd, compressed_points_are_stored_field_by_field) {
   std::string fields;
   for (const float x : {1.0f, 2.0f}) append(fields, x);
   for (const double y : {3.0, 4.0}) append(fields, y);

@@ -141,7 +141,7 @@ TEST(WritePlyOptions, colours_are_rounded_to_8_bits) {
   EXPECT_EQ(read_back(path, cloud.lattice).colors[0], Color16(0, 257, 254 * 257));
 }
 
-TEST(WritePlyOptions, extra_dimensions_that_ply_cannot_say_are_written_as_double_or_left_out) {
+TEST(WritePlyOptions, extra_dimensions_that_ply_does_not_support_are_written_as_double_or_left_out) {
   const std::filesystem::path path = test_folder() / "cloud.ply";
   PointCloud cloud;
   cloud.positions.resize(1);

@@ -29,7 +29,7 @@ TEST(Ptx, the_transform_takes_row_vectors_and_has_the_translation_in_its_last_ro
   EXPECT_EQ(cloud.files[0].format, "PTX");
 }
 
-TEST(Ptx, a_transform_written_by_columns_is_transposed_and_said) {
+TEST(Ptx, a_transform_written_by_columns_is_transposed_with_a_warning) {
   const PointCloud cloud =
       read_ptx(scan("1\n1\n", "0 -1 0 100\n1 0 0 200\n0 0 1 300\n0 0 0 1\n", "1 2 3 0.5\n"));
   expect_near(cloud.world(0), {98, 201, 303}, 1e-9);

@@ -129,7 +129,7 @@ TEST(Text, csv_columns_go_by_their_names) {
   EXPECT_TRUE(warns(cloud, "\"Remark\" contains no numbers"));
 }
 
-TEST(Text, names_may_be_separated_by_blanks_tabs_or_stand_in_a_comment) {
+TEST(Text, names_may_be_separated_by_blanks_tabs_or_be_in_a_comment) {
   const PointCloud blanks = read_text("X Y Z Amplitude\n1 2 3 4\n");
   EXPECT_EQ(extra_value<double>(blanks, "Amplitude", 0), 4.0);
   EXPECT_EQ(blanks.files[0].format, "XYZ");

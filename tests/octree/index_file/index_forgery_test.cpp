@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Index files that were tampered with and given right checksums: what is behind the checksums must hold
-// by itself.
+// Index files that were tampered with and given right checksums: the checks other than checksums must suffice.
 #include <gtest/gtest.h>
 
 #include <cmath>

@@ -21,7 +21,7 @@ inline CloudInputs clouds_of(std::initializer_list<std::filesystem::path> names)
   return resolve_clouds(std::span(names.begin(), names.size()), index_and_file_formats());
 }
 
-/// The index file with these bytes, as if it was on disk under the name "memory".
+/// Opens the index file with these bytes like a file named "memory".
 inline IndexFile index_in_memory(std::span<const std::byte> bytes) {
   return IndexFile(InputFile(bytes, "memory"));
 }
