@@ -131,8 +131,8 @@ class CloudReader {
   virtual void read_in_pieces(PointCloud& cloud, AttributeSet wanted, const CloudPieces& pieces,
                               const Progress& progress) = 0;
 
-  /// The points that are missing from what read() gave, position by position in the order of the file; each point
-  /// once. Final after read(), which adds no warnings about them: the caller does. Always empty with
+  /// The points that are missing from what read() gave, position by position in the order of the file; each
+  /// point once. Final after read(), which adds no warnings about them: the caller does. Always empty with
   /// Damage::reject.
   virtual std::vector<LostPoints> lost() const { return {}; }
 

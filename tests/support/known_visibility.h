@@ -40,8 +40,8 @@ KnownScene mixed_density();
 KnownScene grazing_slope();
 
 /// Which points of a scene the observer sees, 1 or 0: nothing of the site blocks the line to the position a
-/// tenth of a millimetre above the point's exact position, on the observer's side. (Both sides of a leaf without
-/// thickness are the leaf.)
+/// tenth of a millimetre above the point's exact position, on the observer's side. (Both sides of a leaf
+/// without thickness are the leaf.)
 std::vector<std::uint8_t> truth(const KnownScene& scene, const glm::dvec3& observer);
 
 /// Points that have a point of the other answer within two radii of their discs: they lie on the boundary of
