@@ -21,15 +21,22 @@ using namespace renderer;
 
 namespace {
 
-using Files = std::vector<std::unique_ptr<CopcFile>>;
-
 constexpr glm::dvec3 k_centre(690000, 5325000, 500);
 
-Files files_of(const std::vector<test::CopcSample>& samples) {
-  Files files;
-  for (const test::CopcSample& sample : samples)
-    files.push_back(
-        std::make_unique<CopcFile>(InputFile(sample.bytes, "sample " + std::to_string(files.size()))));
+/// Opened files in memory.
+struct Files {
+  std::vector<test::CopcSample> samples;  ///< whose bytes the files read
+  std::vector<std::unique_ptr<CopcFile>> opened;
+
+  const CopcFile& operator[](std::size_t number) const { return *opened[number]; }
+  operator std::span<const std::unique_ptr<CopcFile>>() const { return opened; }
+};
+
+Files files_of(std::vector<test::CopcSample> samples) {
+  Files files{std::move(samples), {}};
+  for (const test::CopcSample& sample : files.samples)
+    files.opened.push_back(
+        std::make_unique<CopcFile>(InputFile(sample.bytes, "sample " + std::to_string(files.opened.size()))));
   return files;
 }
 
@@ -48,7 +55,7 @@ Camera view_from_west() {
 
 TEST(NodesInView, all_levels_are_taken_from_the_top_without_a_camera) {
   const Files files = files_of({test::build_copc(3000)});
-  const CopcFile& file = *files[0];
+  const CopcFile& file = files[0];
   for (const std::uint64_t most : {0u, 100u, 500u, 1000u, 2999u, 3000u}) {
     const auto parts = nodes_in_view(files, nullptr, most);
     ASSERT_EQ(parts.size(), 1u);
@@ -67,8 +74,8 @@ TEST(NodesInView, nodes_that_a_camera_does_not_see_are_left_out) {
   const std::set<std::uint32_t> chosen(parts.at(0).nodes.begin(), parts.at(0).nodes.end());
   const PointCloud all = whole_cloud({test::build_copc(3000)});
   std::size_t seen = 0;
-  for (std::uint32_t number = 0; number < files[0]->hierarchy().nodes.size(); ++number) {
-    const CopcNode& node = files[0]->hierarchy().nodes[number];
+  for (std::uint32_t number = 0; number < files[0].hierarchy().nodes.size(); ++number) {
+    const CopcNode& node = files[0].hierarchy().nodes[number];
     bool is_seen = false;
     for (std::uint64_t row = node.first_row; row < node.first_row + node.chunk.point_count; ++row) {
       const auto position =
@@ -79,7 +86,7 @@ TEST(NodesInView, nodes_that_a_camera_does_not_see_are_left_out) {
     seen += is_seen ? 1 : 0;
   }
   EXPECT_GT(seen, 5u);
-  EXPECT_LT(chosen.size(), files[0]->hierarchy().nodes.size() / 2);
+  EXPECT_LT(chosen.size(), files[0].hierarchy().nodes.size() / 2);
 }
 
 TEST(NodesInView, near_nodes_come_before_far_ones) {
@@ -90,8 +97,8 @@ TEST(NodesInView, near_nodes_come_before_far_ones) {
     int level = 0;
     const auto parts = nodes_in_view(files, &camera, 1500);
     for (const std::uint32_t number : parts.at(0).nodes) {
-      const CopcNode& node = files[0]->hierarchy().nodes[number];
-      const Bounds cube = files[0]->bounds(node);
+      const CopcNode& node = files[0].hierarchy().nodes[number];
+      const Bounds cube = files[0].bounds(node);
       if (cube.min.x <= k_centre.x + east && cube.max.x >= k_centre.x + east)
         level = std::max(level, node.key.level);
     }
@@ -119,7 +126,7 @@ TEST(ReadCopcNodes, gives_the_rows_of_the_whole_cloud) {
   const PointCloud some = read_copc_nodes(parts);
   std::size_t row = 0;
   for (const ChosenNodes& part : parts) {
-    const std::size_t first = part.file == files[0].get() ? 0 : 3000;
+    const std::size_t first = part.file == &files[0] ? 0 : 3000;
     for (const std::uint32_t number : part.nodes) {
       const CopcNode& node = part.file->hierarchy().nodes[number];
       for (std::uint64_t i = 0; i < node.chunk.point_count; ++i, ++row) {
@@ -151,7 +158,7 @@ TEST(ReadCopcNodes, keeps_only_what_is_wanted_and_can_be_stopped) {
 TEST(ReadCopcNodes, a_damaged_chunk_is_an_error_that_names_its_node) {
   test::CopcSample sample = test::build_copc(3000);
   const Files whole = files_of({sample});
-  const LazChunk& chunk = whole[0]->hierarchy().nodes[1].chunk;
+  const LazChunk& chunk = whole[0].hierarchy().nodes[1].chunk;
   // Sizes of layers, behind the first point and the count.
   for (std::size_t i = 0; i < 16; ++i)
     sample.bytes[static_cast<std::size_t>(chunk.offset) + 40 + i] = std::byte{0xff};
@@ -161,7 +168,7 @@ TEST(ReadCopcNodes, a_damaged_chunk_is_an_error_that_names_its_node) {
     read_copc_nodes(parts);
     ADD_FAILURE() << "it was read";
   } catch (const Error& error) {
-    EXPECT_NE(std::string(error.what()).find("COPC node " + whole[0]->hierarchy().nodes[1].key.name()),
+    EXPECT_NE(std::string(error.what()).find("COPC node " + whole[0].hierarchy().nodes[1].key.name()),
               std::string::npos)
         << error.what();
   }
