@@ -113,8 +113,9 @@ void check_fold_towards(const Projection& projection, const glm::dvec2& position
       {.problem = fmt::format("the distortion folds over at {:.6g} pixels from the principal point, {:.4g} "
                               "degrees off the axis",
                               share * distance, angle),
-       .expected = "a lens that covers the whole image",
-       .found = fmt::format("pixel ({:g}, {:g}), {:.6g} pixels away", position.x, position.y, distance)});
+       .expected = "a distortion model that is valid over the whole image",
+       .found =
+           fmt::format("an image pixel ({:g}, {:g}) at {:.6g} pixels", position.x, position.y, distance)});
 }
 
 }  // namespace

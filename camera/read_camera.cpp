@@ -229,7 +229,8 @@ Transform transform_from_matrix(const JsonNode& node) {
       if (row < 3 && column == 3) transform.translation[row] = value;
       if (row == 3 && value != (column == 3 ? 1.0 : 0.0)) {
         rows[3].fail("the transform is not rigid",
-                     "the last row 0, 0, 0, 1 (transpose a column-major matrix)", "other numbers");
+                     "the last row 0, 0, 0, 1 (transpose a column-major matrix)",
+                     fmt::format("{} in column {}", value, column));
       }
     }
   }

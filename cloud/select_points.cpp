@@ -74,7 +74,7 @@ class Grid {
     for (int axis = 0; axis < 3; ++axis) {
       if (count[axis] < static_cast<double>(k_most)) continue;
       throw Error({.problem = "spacing too small for the extent of the cloud",
-                   .expected = fmt::format("at most {} cubes along an axis", k_most),
+                   .expected = fmt::format("at most {} cells along an axis", k_most),
                    .found = fmt::format("a spacing of {}", edge)});
     }
   }

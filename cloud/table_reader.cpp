@@ -252,7 +252,7 @@ void TableReader::read_in_pieces(PointCloud& cloud, AttributeSet wanted, const C
   visit_whole_rows(
       [&](std::span<const Cell> row) {
         if (appender.add(row)) return;
-        fail({}, "a point exceeds the lattice, or the file changed while it was read");
+        fail({}, "a point lies outside the lattice, or the file changed while it was read");
       },
       progress);
   if (!appender.complete()) fail({}, "the file changed while it was read");

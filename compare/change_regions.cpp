@@ -211,7 +211,7 @@ void check_options(const ChangeOptions& options) {
                  .found = std::to_string(options.threshold)});
   }
   if (!(options.least_density >= 0.0 && options.least_density <= 1.0)) {
-    throw Error({.problem = "density of changed pixels out of range",
+    throw Error({.problem = "fraction of changed pixels out of range",
                  .expected = "0 to 1",
                  .found = std::to_string(options.least_density)});
   }

@@ -274,7 +274,7 @@ Threshold parse_threshold(const std::string& text) {
   if (sign == std::string::npos) reject("invalid threshold", text);
   const std::string_view view = text;
   const std::string_view name = trimmed(view.substr(0, sign));
-  if (name.empty()) reject("missing name of a threshold", text);
+  if (name.empty()) reject("missing threshold name", text);
   Threshold threshold{.metric = std::string(known_metric(name).name),
                       .limit = limit_of(trimmed(view.substr(sign + 1)), text)};
   if (text[sign] != '=') threshold.kind = text[sign] == '<' ? LimitKind::below : LimitKind::above;

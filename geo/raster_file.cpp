@@ -45,7 +45,7 @@ void write_raster(const std::filesystem::path& file, const RasterContents& conte
   assert(!contents.bands.empty() && contents.grid.size() > 0);
   for (const RasterBand& band : contents.bands) {
     if (band.values.index() != contents.bands.front().values.index())
-      throw Error({.file = file.string(), .problem = "the bands of a map must have one type"});
+      throw Error({.file = file.string(), .problem = "all bands of a raster must have the same data type"});
   }
   OutputFile output(file, overwrite);
   const std::string wkt = wkt_of(contents.crs);

@@ -103,7 +103,7 @@ void check(const Cone& cone) {
 void check(const Path& path) {
   require(path.vertices.size() >= 2, "too few path vertices", "at least 2", path.vertices.size());
   if (path.vertex_t.size() != path.vertices.size()) {
-    throw Error({.problem = "the path needs one t per vertex",
+    throw Error({.problem = "wrong number of t values in the path",
                  .expected = fmt::format("{}", path.vertices.size()),
                  .found = fmt::format("{}", path.vertex_t.size())});
   }

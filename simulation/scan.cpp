@@ -335,7 +335,7 @@ void scan(const Site& site, const ScanOptions& options, const PointSink& sink, c
     constexpr std::uint64_t k_second_try = 100000;
     if (pass > 0 && met == 0.0) count = std::max(count, k_second_try);
     if (pass == k_most_passes || (pass > 1 && met == 0.0))
-      throw Error({.problem = "the flight over the site hits nothing"});
+      throw Error({.problem = "no pulse of the simulated flight hits the site"});
 
     const std::uint64_t before = delivery.delivered;
     const FlightBeams beams(options.drone, options.flight_lines, site.origin().z, count, pass);

@@ -74,8 +74,8 @@ NamedCamera read_row(std::string_view line, const Columns& columns, const Conven
   const std::vector<std::string_view> row = cells(line);
   const auto cell = [&](std::size_t column) {
     if (columns[column] < row.size()) return row[columns[column]];
-    throw Error({.problem = fmt::format("missing value of '{}'", k_columns[column]),
-                 .expected = "as many values as columns",
+    throw Error({.problem = fmt::format("missing value for '{}'", k_columns[column]),
+                 .expected = "one value per column",
                  .found = fmt::format("{}", row.size())});
   };
   std::array<double, 8> numbers{};

@@ -140,7 +140,7 @@ void E57Records::take_pieces(std::span<const std::byte> packet) {
     }
     if (stream != streams_.end() && stream->field == field) {
       if (restarts && !stream->queue.restart())
-        fail("the packet restarts inside the records of " + scan_.fields[field].name);
+        fail("unexpected compressor restart inside the records of " + scan_.fields[field].name);
       stream->queue.add(packet.subspan(begin, length));
       ++stream;
     }

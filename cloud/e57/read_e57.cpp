@@ -128,7 +128,7 @@ class E57Reader final : public CloudReader {
           [&](const E57Points& points) {
             if (appender.add(points)) return;
             file_.pages().fail(where(scan),
-                               "a point exceeds the lattice, or the file changed while it was read");
+                               "a point lies outside the lattice, or the file changed while it was read");
           },
           nullptr);
     }

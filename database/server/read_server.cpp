@@ -103,7 +103,7 @@ class RowPlacer {
   LatticePosition position_of(const ServerRow& row) const {
     const std::optional<LatticePosition> position = to_lattice(lattice_, row.world);
     if (!position) {
-      server_.connection().fail("a point exceeds the lattice", {},
+      server_.connection().fail("a point lies outside the lattice", {},
                                 fmt::format("{}, {}, {}", row.world.x, row.world.y, row.world.z));
     }
     return shift_(*position);
@@ -316,7 +316,7 @@ CloudPart read_server_part(const std::string& name, std::span<const PointFilter>
         }
         const auto position = to_lattice(row_of_cloud.lattice, row.world);
         if (!position)
-          server.connection().fail("a point exceeds the lattice", {}, {}, fmt::format("id {}", id));
+          server.connection().fail("a point lies outside the lattice", {}, {}, fmt::format("id {}", id));
         const std::size_t offset = part.ids.size();
         if (offset == part.cloud.size()) {
           append_rows(part.cloud, kept, std::max<std::size_t>(offset, 4096));

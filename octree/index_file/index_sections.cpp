@@ -81,7 +81,7 @@ void IndexSections::check(IndexSection kind, const Progress& progress, const Loo
     if (first_bad != k_none) {
       const std::uint64_t byte = first_bad * k_checksum_block;
       fail(kind, byte,
-           fmt::format("wrong checksum of the next {} bytes",
+           fmt::format("checksum mismatch in the next {} bytes",
                        std::min<std::uint64_t>(all.size() - byte, k_checksum_block)));
     }
     report(progress, std::min<std::uint64_t>(end * k_checksum_block, all.size()), all.size());

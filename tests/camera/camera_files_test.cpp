@@ -88,7 +88,7 @@ TEST(Trajectory, nothing_is_guessed) {
 }
 
 TEST(Trajectory, damage_is_an_error_at_its_line) {
-  EXPECT_NE(trajectory_error(k_header + "1,2,3,4,1,0,0\n").find("flight.csv:line 3: missing value of 'qz'"),
+  EXPECT_NE(trajectory_error(k_header + "1,2,3,4,1,0,0\n").find("flight.csv:line 3: missing value for 'qz'"),
             std::string::npos);
   EXPECT_NE(trajectory_error(k_header + "1,2,3,4,0,0,0,0\n").find("quaternion is zero"), std::string::npos);
   EXPECT_NE(trajectory_error(k_header + "1,2,x,4,1,0,0,0\n").find("bad y; expected a number, found 'x'"),

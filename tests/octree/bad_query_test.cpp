@@ -180,7 +180,7 @@ TEST(BadQuery, paths_that_no_make_path_made_are_errors) {
   expect_rejected(bad, PathQuery{}, "vertex_t is not the length");
   bad = good;
   bad.vertex_t.pop_back();
-  expect_rejected(bad, PathQuery{}, "the path needs one t per vertex");
+  expect_rejected(bad, PathQuery{}, "wrong number of t values in the path");
   expect_rejected(Path{}, PathQuery{}, "too few path vertices");
   bad = good;
   bad.t_min = k_nan;

@@ -98,7 +98,7 @@ TEST_F(CompareTest, missing_inputs_are_errors_before_anything_is_written) {
   const ProgramResult result =
       compare("a.exr a.exr --report r.html --flip-map flip.png --depth-map depth.png");
   EXPECT_EQ(result.exit_code, 2);
-  EXPECT_TRUE(contains(result.err, "depth.png: the images do not have this map")) << result.err;
+  EXPECT_TRUE(contains(result.err, "depth.png: this map cannot be computed from these images")) << result.err;
   for (const char* const name : {"r.html", "flip.png", "depth.png"})
     EXPECT_FALSE(std::filesystem::exists(folder / name)) << name;
 }

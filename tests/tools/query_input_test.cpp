@@ -166,7 +166,8 @@ TEST_F(QueryInputTest, wrong_targets_of_other_kinds_are_rejected) {
       {"--planes", "px,py,pz,nx,ny,nz\n0,0,0,0,0,0\n", "targets:2:7: normal of the region is zero"},
       {"--planes", "px,py,pz,nx,ny,nz,region\n0,0,0,1,0,0,0.5\n", "targets:2:13: region out of range"},
       {"--path", "x,y,z\n1,2,3\n1,2,3\n", "targets:2:1: too few distinct path vertices"},
-      {"--path", "x,y,z,path\n1,2,3,1\n1,2,4,1\n5,5,5,0\n", "targets:4:1: the number of the path decreases"},
+      {"--path", "x,y,z,path\n1,2,3,1\n1,2,4,1\n5,5,5,0\n",
+       "targets:4:1: path numbers are not in ascending order"},
       {"--boxes", "min_x,min_y,min_z,max_x,max_y,max_z\n0,0,0,1,nan,1\n", "targets:2:9: max_y out of range"},
       {"--points", "x,y,z\n0,0,inf\n", "targets:2:5: z out of range"}};
   for (const auto& [option, text, message] : wrong) {

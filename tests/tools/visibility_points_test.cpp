@@ -188,7 +188,8 @@ TEST_F(VisibilityPointsTest, observers_without_z_are_on_the_ground) {
   const ProgramResult result =
       run(with(k_points, {"--observer", "690005,5325010", "--observer-height", "1.5", "-o", "seen.las"}));
   ASSERT_EQ(result.exit_code, 0) << result.err;
-  EXPECT_TRUE(contains(result.err, "observer 1: eye at 690005.000, 5325010.000, 601.500, 1.5 above its foot"))
+  EXPECT_TRUE(
+      contains(result.err, "observer 1: eye at 690005.000, 5325010.000, 601.500, 1.5 m above the ground"))
       << result.err;
 }
 

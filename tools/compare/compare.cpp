@@ -167,7 +167,9 @@ std::vector<MapOutput> maps_to_write(const CompareRequest& request,
                        const char* lacking) {
     if (file.empty()) return;
     if (!map)
-      throw Error({.file = file.string(), .problem = "the images do not have this map", .expected = lacking});
+      throw Error({.file = file.string(),
+                   .problem = "this map cannot be computed from these images",
+                   .expected = lacking});
     outputs.push_back({file, &*map});
   };
   add(request.color_map, pictures.color_map, "two images with colours");

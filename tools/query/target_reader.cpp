@@ -85,7 +85,8 @@ void TargetReader<Target>::take_row(std::size_t i, TargetBatch<Target>& batch) {
     const double number = row.back();
     const std::uint64_t group = std::isnan(number) ? 0 : static_cast<std::uint64_t>(number);
     if (group_ && group < *group_) {
-      rows_.fail(block_.lines[i], fmt::format("the number of the {} decreases", target_kind<Target>().name),
+      rows_.fail(block_.lines[i],
+                 fmt::format("{} numbers are not in ascending order", target_kind<Target>().name),
                  "rows sorted by number", fmt::format("{}", group));
     }
     if (group_ != group) {

@@ -235,7 +235,7 @@ void add_color_options(const Options& command, ColorRequest& request) {
              request.percentiles, [](const std::string& text) { return parse_range(text, 0.0, 100.0); })
       .excludes(range);
   command.value("--class-color", "CLASS=#RRGGBB,...",
-                "colours of single classes of --color-by classification", request.classes,
+                "colours of individual classes of --color-by classification", request.classes,
                 parse_class_colors);
   const Option legend =
       command.value("--legend", "FILE.png",

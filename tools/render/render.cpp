@@ -75,9 +75,9 @@ void check_in_view(const renderer::CloudSettings& settings, const renderer::Scen
     throw Error({.problem = "--in-view requires a camera that does not depend on the cloud",
                  .expected = "--camera, --panorama or a scene file"});
   if (settings.max_level < renderer::k_max_level || settings.partial)
-    throw Error({.problem = "--in-view excludes --max-level and --partial"});
+    throw Error({.problem = "--in-view cannot be combined with --max-level or --partial"});
   if (std::ranges::find(scene.output.layers, image::Layer::id) != scene.output.layers.end()) {
-    throw Error({.problem = "--in-view excludes the layer id", .expected = "layers without id"});
+    throw Error({.problem = "--in-view cannot be combined with the layer id"});
   }
 }
 

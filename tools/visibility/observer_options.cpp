@@ -67,8 +67,8 @@ std::vector<visibility::GivenObserver> read_given(const ObserverOptions& options
 /// Says where the first observers are.
 void print_positions(std::span<const visibility::Observer> observers) {
   for (const visibility::Observer& one : observers.first(std::min(observers.size(), k_most_lines))) {
-    say_note(fmt::format("{}: eye at {:.3f}, {:.3f}, {:.3f}, {:.6g} above its foot", one.name, one.position.x,
-                         one.position.y, one.position.z, one.height));
+    say_note(fmt::format("{}: eye at {:.3f}, {:.3f}, {:.3f}, {:.6g} m above the ground", one.name,
+                         one.position.x, one.position.y, one.position.z, one.height));
   }
   if (observers.size() > k_most_lines)
     say_note(fmt::format("and {} more observers", observers.size() - k_most_lines));
@@ -80,8 +80,8 @@ void add_observer_options(const Options& command, ObserverOptions& options) {
   const Options group = command.group(k_observer_group);
   group.values(
       "--observer", "X,Y[,Z]",
-      "position of the eye, or of the foot with --observer-height; without Z the foot is on the ground. May "
-      "be repeated",
+      "position of the eye, or with --observer-height the ground position below it; without Z the ground is "
+      "found in the cloud. May be repeated",
       [&options](const std::string& text) { options.positions.push_back(visibility::parse_observer(text)); });
   group.file("--observers", "FILE",
              "observers from a file: CSV with the header "

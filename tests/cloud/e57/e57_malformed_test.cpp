@@ -156,7 +156,7 @@ TEST(E57Malformed, a_restart_ends_the_bytes_of_numbers_below_8_bits) {
   EXPECT_EQ(test::extra_value<std::uint32_t>(cloud, "rowIndex", 1), 2u);
   EXPECT_EQ(test::extra_value<std::uint32_t>(cloud, "rowIndex", 2), 1u) << "not of the bits that fill a byte";
   expect_error(read(two + std::string(1, '\0')),
-               "scan 1, packet 2: the packet restarts inside the records of rowIndex");
+               "scan 1, packet 2: unexpected compressor restart inside the records of rowIndex");
 }
 
 TEST(E57Malformed, a_restart_inside_records_is_an_error) {
@@ -174,7 +174,7 @@ TEST(E57Malformed, a_restart_inside_records_is_an_error) {
   };
   EXPECT_EQ(read(0), "");
   EXPECT_EQ(read(3), "") << "two whole numbers wait";
-  EXPECT_NE(read(2).find("scan 1, packet 2: the packet restarts inside the records of cartesianX"),
+  EXPECT_NE(read(2).find("scan 1, packet 2: unexpected compressor restart inside the records of cartesianX"),
             std::string::npos);
 }
 
