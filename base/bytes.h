@@ -50,11 +50,8 @@ class HeaderFields {
   void require(bool holds, std::size_t offset, std::string problem, std::string expected,
                const Found& found) const {
     if (holds) return;
-    throw Error({.file = file_,
-                 .location = fmt::format("byte {}", file_offset_ + offset),
-                 .problem = std::move(problem),
-                 .expected = std::move(expected),
-                 .found = fmt::format("{}", found)});
+    fail_at_byte(file_, file_offset_ + offset, std::move(problem), std::move(expected),
+                 fmt::format("{}", found));
   }
 
  private:

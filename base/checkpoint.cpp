@@ -33,29 +33,10 @@ std::uint64_t head_checksum(std::vector<std::byte> head) {
   return checksum(head);
 }
 
-[[noreturn]] void fail(const std::string& file, const std::string& problem) {
-  throw system_error(file, problem);
-}
-
 [[noreturn]] void fail_as_damaged(const std::string& file, std::uint64_t offset, std::uint64_t part,
                                   std::uint64_t expected, std::uint64_t found) {
-  throw Error({.file = file,
-               .location = fmt::format("byte {}", offset),
-               .problem = fmt::format("corrupt checkpoint: wrong checksum of part {}", part),
-               .expected = fmt::format("{:016x}", expected),
-               .found = fmt::format("{:016x}", found)});
-}
-
-/// Writes all bytes at an offset; false with errno set if it cannot.
-bool write_fully(int descriptor, std::uint64_t offset, std::span<const std::byte> bytes) {
-  while (!bytes.empty()) {
-    const ::ssize_t count = ::pwrite(descriptor, bytes.data(), bytes.size(), static_cast<::off_t>(offset));
-    if (count < 0 && errno == EINTR) continue;
-    if (count < 0) return false;
-    bytes = bytes.subspan(static_cast<std::size_t>(count));
-    offset += static_cast<std::uint64_t>(count);
-  }
-  return true;
+  fail_at_byte(file, offset, fmt::format("corrupt checkpoint: wrong checksum of part {}", part),
+               fmt::format("{:016x}", expected), fmt::format("{:016x}", found));
 }
 
 }  // namespace
@@ -81,8 +62,7 @@ bool begins_as(InputFile& file, const CheckpointForm& form) {
 
 std::vector<std::byte> read_checkpoint_head(InputFile& file, const CheckpointForm& form,
                                             const std::function<void(const HeaderFields&)>& check) {
-  if (!begins_as(file, form))
-    throw Error({.file = file.name(), .location = "byte 0", .problem = fmt::format("not {}", form.name)});
+  if (!begins_as(file, form)) fail_at_byte(file.name(), 0, fmt::format("not {}", form.name));
   std::vector<std::byte> bytes(form.fixed_bytes);
   file.read_at(0, bytes);
   const std::string name = file.name();
@@ -126,7 +106,8 @@ PartCheckpoint::PartCheckpoint(PartsOptions options, Fingerprint fingerprint)
     open();
     read();
     // What a killed program left of its last record.
-    if (::ftruncate(descriptor_, static_cast<::off_t>(size_)) != 0) fail(name(), "cannot write the file");
+    if (::ftruncate(descriptor_, static_cast<::off_t>(size_)) != 0)
+      throw system_error(name(), "cannot write the file");
   } catch (...) {
     close();
     throw;
@@ -156,10 +137,10 @@ void PartCheckpoint::flush() noexcept {
 
 void PartCheckpoint::open() {
   descriptor_ = ::open(options_.file.c_str(), O_RDWR | O_CLOEXEC);
-  if (descriptor_ < 0) fail(name(), "cannot write the file");
+  if (descriptor_ < 0) throw system_error(name(), "cannot write the file");
   // Held until it is closed: two runs that append to the same file would damage it.
   if (::flock(descriptor_, LOCK_EX | LOCK_NB) == 0) return;
-  if (errno != EWOULDBLOCK) fail(name(), "cannot lock the file");
+  if (errno != EWOULDBLOCK) throw system_error(name(), "cannot lock the file");
   throw Error({.file = name(), .problem = "another run is using this checkpoint"});
 }
 
@@ -180,11 +161,8 @@ void PartCheckpoint::read() {
     const std::uint64_t sum = checksum(std::span(record).first(k_summed_bytes));
     if (sum != record_sum) fail_as_damaged(file.name(), size_, part, record_sum, sum);
     if (part >= count_) {
-      throw Error({.file = file.name(),
-                   .location = fmt::format("byte {}", size_),
-                   .problem = "corrupt checkpoint: invalid part number",
-                   .expected = fmt::format("less than {}", count_),
-                   .found = std::to_string(part)});
+      fail_at_byte(file.name(), size_, "corrupt checkpoint: invalid part number",
+                   fmt::format("less than {}", count_), std::to_string(part));
     }
     const std::uint64_t begin = size_ + k_record_bytes;
     if (size > file.size() - begin) return;
@@ -213,11 +191,8 @@ void PartCheckpoint::start(std::uint64_t count) {
     return create();
   }
   if (count_ == count) return;
-  throw Error({.file = name(),
-               .location = "byte 16",
-               .problem = "corrupt checkpoint: wrong number of parts",
-               .expected = std::to_string(count),
-               .found = std::to_string(count_)});
+  fail_at_byte(name(), 16, "corrupt checkpoint: wrong number of parts", std::to_string(count),
+               std::to_string(count_));
 }
 
 std::optional<std::vector<std::byte>> PartCheckpoint::find(std::uint64_t part) {
@@ -233,7 +208,7 @@ std::optional<std::vector<std::byte>> PartCheckpoint::find(std::uint64_t part) {
     const ::ssize_t count = ::pread(descriptor_, answers.data() + done, answers.size() - done,
                                     static_cast<::off_t>(entry.begin + done));
     if (count < 0 && errno == EINTR) continue;
-    if (count < 0) fail(name(), "cannot read the file");
+    if (count < 0) throw system_error(name(), "cannot read the file");
     if (count == 0) break;
     done += static_cast<std::size_t>(count);
   }
@@ -259,15 +234,15 @@ void PartCheckpoint::add(std::uint64_t part, std::span<const std::byte> answers)
 
 void PartCheckpoint::write() {
   if (!pending_.empty()) {
-    if (write_fully(descriptor_, size_, pending_) && ::fdatasync(descriptor_) == 0) {
+    try {
+      write_fully(name(), descriptor_, size_, pending_);
+      if (::fdatasync(descriptor_) != 0) throw system_error(name(), "cannot write the file");
       size_ += pending_.size();
       entries_.merge(pending_entries_);
-    } else {
-      const Error error = system_error(name(), "cannot write the file");
+    } catch (const Error& error) {
       // Behind a torn record nothing could be read.
-      const bool is_whole = ::ftruncate(descriptor_, static_cast<::off_t>(size_)) == 0;
-      if (is_whole && options_.failed) options_.failed(error);
-      if (!is_whole) throw error;
+      if (::ftruncate(descriptor_, static_cast<::off_t>(size_)) != 0) throw;
+      if (options_.failed) options_.failed(error);
     }
     pending_.clear();
     pending_entries_.clear();

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cerrno>
+#include <cstdint>
 #include <stdexcept>
 #include <string>
 #include <system_error>
@@ -48,6 +49,13 @@ class Error : public std::runtime_error {
 
   Parts parts_;
 };
+
+/// Throws the Error about a byte of a file.
+[[noreturn]] inline void fail_at_byte(std::string file, std::uint64_t byte, std::string problem,
+                                      std::string expected = {}, std::string found = {}) {
+  throw Error(std::move(file), "byte " + std::to_string(byte), std::move(problem), std::move(expected),
+              std::move(found));
+}
 
 /// The error of a system call that failed, "FILE: PROBLEM: REASON", with the reason of `number`.
 inline Error system_error(std::string file, const std::string& problem, int number = errno) {

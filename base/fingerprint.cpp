@@ -88,11 +88,8 @@ Fingerprint read_fingerprint(std::span<const std::byte> bytes, std::size_t offse
       name = load<std::uint32_t>(bytes.data());
       value = load<std::uint32_t>(bytes.data() + 4);
     }
-    if (bytes.size() < k_lengths || name + value > bytes.size() - k_lengths) {
-      throw Error({.file = file,
-                   .location = fmt::format("byte {}", offset),
-                   .problem = "corrupt checkpoint: truncated fingerprint"});
-    }
+    if (bytes.size() < k_lengths || name + value > bytes.size() - k_lengths)
+      fail_at_byte(file, offset, "corrupt checkpoint: truncated fingerprint");
     fingerprint.push_back(
         {text(bytes.subspan(k_lengths, name)), text(bytes.subspan(k_lengths + name, value))});
     const std::size_t size = k_lengths + name + value;

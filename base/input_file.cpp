@@ -59,11 +59,8 @@ void InputFile::rest() {
 
 void InputFile::check_range(std::uint64_t offset, std::uint64_t count) const {
   if (offset <= size_ && count <= size_ - offset) return;
-  throw Error({.file = name_,
-               .location = "byte " + std::to_string(offset),
-               .problem = "truncated file",
-               .expected = std::to_string(count) + " bytes from here",
-               .found = std::to_string(offset <= size_ ? size_ - offset : 0)});
+  fail_at_byte(name_, offset, "truncated file", std::to_string(count) + " bytes from here",
+               std::to_string(offset <= size_ ? size_ - offset : 0));
 }
 
 void InputFile::fill(std::uint64_t offset, std::span<std::byte> into) {
@@ -73,10 +70,9 @@ void InputFile::fill(std::uint64_t offset, std::span<std::byte> into) {
         ::pread(descriptor_.number(), into.data(), into.size(), static_cast<::off_t>(offset));
     if (count < 0 && errno == EINTR) continue;
     if (count <= 0) {
-      throw Error({.file = name_,
-                   .location = "byte " + std::to_string(offset),
-                   .problem = count < 0 ? std::string("cannot read the file: ") + std::strerror(errno)
-                                        : "the file was truncated while it was read"});
+      fail_at_byte(name_, offset,
+                   count < 0 ? std::string("cannot read the file: ") + std::strerror(errno)
+                             : "the file was truncated while it was read");
     }
     into = into.subspan(static_cast<std::size_t>(count));
     offset += static_cast<std::uint64_t>(count);
@@ -136,23 +132,14 @@ std::string read_text_file(const std::filesystem::path& file, std::uintmax_t lar
   return text;
 }
 
-namespace {
-
-std::shared_ptr<const void> aligned_copy(std::span<const std::byte> bytes) {
-  constexpr std::align_val_t k_page{4096};
-  void* const copy = ::operator new(bytes.size(), k_page);
-  const auto release = [](const void* at) { ::operator delete(const_cast<void*>(at), k_page); };
-  std::shared_ptr<const void> storage(copy, release);
-  if (!bytes.empty()) std::memcpy(copy, bytes.data(), bytes.size());
-  return storage;
-}
-
-}  // namespace
-
 MappedFile::MappedFile(const InputFile& file) : name_(file.name()) {
   if (const auto memory = file.memory()) {
-    storage_ = aligned_copy(*memory);
-    bytes_ = {static_cast<const std::byte*>(storage_.get()), memory->size()};
+    constexpr std::align_val_t k_page{4096};
+    void* const copy = ::operator new(memory->size(), k_page);
+    storage_ = std::shared_ptr<const void>(
+        copy, [](const void* at) { ::operator delete(const_cast<void*>(at), k_page); });
+    std::ranges::copy(*memory, static_cast<std::byte*>(copy));
+    bytes_ = {static_cast<const std::byte*>(copy), memory->size()};
     return;
   }
   const FileDescriptor descriptor(name_, O_RDONLY | O_CLOEXEC);  // closed when the map is made

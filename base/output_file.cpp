@@ -18,20 +18,8 @@ namespace {
 
 constexpr std::size_t k_buffer_size = 1 << 18;
 
-[[noreturn]] void fail(const std::string& name, const std::string& problem, int error_number) {
-  throw system_error(name, problem, error_number);
-}
-
-/// Writes all bytes at an offset of the file.
-void write_fully(const std::string& name, int descriptor, std::uint64_t offset,
-                 std::span<const std::byte> bytes) {
-  while (!bytes.empty()) {
-    const ::ssize_t count = ::pwrite(descriptor, bytes.data(), bytes.size(), static_cast<::off_t>(offset));
-    if (count < 0 && errno == EINTR) continue;
-    if (count < 0) fail(name, "cannot write the file", errno);
-    bytes = bytes.subspan(static_cast<std::size_t>(count));
-    offset += static_cast<std::uint64_t>(count);
-  }
+[[noreturn]] void fail(const std::string& name) {
+  throw system_error(name, "cannot write the file");
 }
 
 /// The file a symbolic link leads to, so that replacing it keeps the link.
@@ -47,6 +35,17 @@ std::filesystem::path resolve(const std::filesystem::path& path) {
 }
 
 }  // namespace
+
+void write_fully(const std::string& name, int descriptor, std::uint64_t offset,
+                 std::span<const std::byte> bytes) {
+  while (!bytes.empty()) {
+    const ::ssize_t count = ::pwrite(descriptor, bytes.data(), bytes.size(), static_cast<::off_t>(offset));
+    if (count < 0 && errno == EINTR) continue;
+    if (count < 0) fail(name);
+    bytes = bytes.subspan(static_cast<std::size_t>(count));
+    offset += static_cast<std::uint64_t>(count);
+  }
+}
 
 void check_output(const std::filesystem::path& path, bool overwrite) {
   std::error_code error;
@@ -73,7 +72,7 @@ OutputFile::OutputFile(const std::filesystem::path& path, bool overwrite)
                                          path_.extension().string());
     temporary_ = path_.parent_path() / name;
     descriptor_ = ::open(temporary_.c_str(), O_RDWR | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
-    if (descriptor_ < 0 && errno != EEXIST) fail(name_, "cannot write the file", errno);
+    if (descriptor_ < 0 && errno != EEXIST) fail(name_);
   }
   buffer_.reserve(k_buffer_size);
 }
@@ -108,18 +107,18 @@ void OutputFile::commit() {
   assert(!committed_);
   flush();
   // Some file systems report a full disk only here.
-  if (::fsync(descriptor_) != 0) fail(name_, "cannot write the file", errno);
+  if (::fsync(descriptor_) != 0) fail(name_);
   const int closed = ::close(descriptor_);
   descriptor_ = -1;
-  if (closed != 0) fail(name_, "cannot write the file", errno);
+  if (closed != 0) fail(name_);
   if (overwrite_) {
-    if (::rename(temporary_.c_str(), path_.c_str()) != 0) fail(name_, "cannot write the file", errno);
+    if (::rename(temporary_.c_str(), path_.c_str()) != 0) fail(name_);
   } else if (::renameat2(AT_FDCWD, temporary_.c_str(), AT_FDCWD, path_.c_str(), RENAME_NOREPLACE) != 0) {
     if (errno == EEXIST) fail_because_it_exists(name_);
     // File systems without the atomic form: a check and a plain rename.
-    if (errno != EINVAL && errno != ENOSYS) fail(name_, "cannot write the file", errno);
+    if (errno != EINVAL && errno != ENOSYS) fail(name_);
     check_output(path_, false);
-    if (::rename(temporary_.c_str(), path_.c_str()) != 0) fail(name_, "cannot write the file", errno);
+    if (::rename(temporary_.c_str(), path_.c_str()) != 0) fail(name_);
   }
   committed_ = true;
 }

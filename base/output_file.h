@@ -45,6 +45,10 @@ class OutputFile {
   bool committed_ = false;
 };
 
+/// Writes all bytes at an offset of an open file. Errors, said of `name`: no space left and other failures.
+void write_fully(const std::string& name, int descriptor, std::uint64_t offset,
+                 std::span<const std::byte> bytes);
+
 /// Throws the Error for an output that exists already, unless `overwrite`; lets a long task fail before it
 /// starts.
 void check_output(const std::filesystem::path& path, bool overwrite);

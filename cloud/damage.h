@@ -22,13 +22,6 @@ struct LostPoints {
   std::string problem;      ///< what is wrong, one clause in lower case, without full stop
 };
 
-/// Throws the Error about a byte of a file.
-[[noreturn]] inline void fail_at_byte(std::string file, std::uint64_t byte, std::string problem,
-                                      std::string expected = {}, std::string found = {}) {
-  throw Error(std::move(file), "byte " + std::to_string(byte), std::move(problem), std::move(expected),
-              std::move(found));
-}
-
 /// The Error for damage that Damage::read_over would read over. Its message ends with the option that does
 /// so.
 class DamagedFile : public Error {
