@@ -9,6 +9,11 @@
 
 namespace alidade {
 
+/// Whether all coordinates are.
+inline bool is_finite(const glm::dvec3& v) {
+  return std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z);
+}
+
 /// Length of a vector. Scaled by the largest component first, so that neither tiny nor huge vectors under- or
 /// overflow.
 inline double length_of(const glm::dvec3& v) {

@@ -23,10 +23,6 @@ double tangent_of_degrees(double degrees) {
   return angle.sine / angle.cosine;
 }
 
-bool finite(const glm::dvec3& v) {
-  return std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z);
-}
-
 /// Length 1; scaled first so that neither tiny nor huge vectors lose themselves. Zero stays zero.
 glm::dvec3 unit(const glm::dvec3& v) {
   const double largest = std::max({std::fabs(v.x), std::fabs(v.y), std::fabs(v.z)});
@@ -81,7 +77,7 @@ std::optional<glm::dvec2> project_to_film(const Camera& camera, const glm::dvec3
 }
 
 CameraPose look_at(const glm::dvec3& eye, const glm::dvec3& target, const glm::dvec3& up) {
-  if (!finite(eye) || !finite(target) || !finite(up))
+  if (!is_finite(eye) || !is_finite(target) || !is_finite(up))
     throw Error({.problem = "look_at has a non-finite number"});
   const glm::dvec3 view = target - eye;
   if (view == glm::dvec3(0.0)) throw Error({.problem = "look_at: eye and target are equal"});

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
-#include <cmath>
 #include <glm/vec3.hpp>
 #include <limits>
 #include <vector>
@@ -9,11 +8,6 @@
 #include "base/ray.h"
 
 namespace alidade {
-
-/// Whether all coordinates are.
-inline bool is_finite(const glm::dvec3& v) {
-  return std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z);
-}
 
 /// A ray that widens: the limit on the distance to its line grows with t,
 ///   limit(t) = radius + slope * t,

@@ -7,6 +7,7 @@
 #include <string_view>
 
 #include "base/exact_math.h"
+#include "base/ray.h"
 #include "cloud/point_table.h"
 
 namespace alidade {
@@ -77,10 +78,6 @@ constexpr std::array<std::array<E57Role, 2>, 5> k_flags = {{{E57Role::cartesian_
 
 constexpr double k_nan = std::numeric_limits<double>::quiet_NaN();
 constexpr double k_largest_angle = 1 << 30;
-
-bool is_finite(const glm::dvec3& offset) {
-  return std::isfinite(offset.x) && std::isfinite(offset.y) && std::isfinite(offset.z);
-}
 
 /// Some writers store states as floats: 0, 1, and 2 for everything else.
 int state_of(const E57Points& points, E57Role role, std::size_t i) {
