@@ -5,7 +5,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <optional>
 
 #include "base/error.h"
 
@@ -15,10 +14,10 @@ namespace {
 constexpr double k_seconds_per_day = 86400.0;
 constexpr std::size_t k_most_quoted = 60;
 
-/// What is left of the text to read.
+/// A text and what is left of it to read.
 class Reading {
  public:
-  explicit Reading(std::string_view text) : rest_(text) {}
+  explicit Reading(std::string_view text) : text_(text), rest_(text) {}
 
   bool at_end() const { return rest_.empty(); }
 
@@ -28,65 +27,59 @@ class Reading {
     return true;
   }
 
-  /// A number of exactly so many digits.
-  std::optional<int> digits(std::size_t count) {
-    if (rest_.size() < count) return {};
+  /// A number of exactly so many digits, and the character behind it unless that is 0.
+  int number(std::size_t digits, char behind = 0) {
+    if (rest_.size() < digits) fail_form();
     int number = 0;
-    for (const char character : rest_.substr(0, count)) {
-      if (character < '0' || character > '9') return {};
+    for (const char character : rest_.substr(0, digits)) {
+      if (character < '0' || character > '9') fail_form();
       number = 10 * number + (character - '0');
     }
-    rest_.remove_prefix(count);
+    rest_.remove_prefix(digits);
+    if (behind != 0 && !take(behind)) fail_form();
     return number;
   }
 
   /// The digits behind a decimal point, one to nine of them, as a share of 1.
-  std::optional<double> decimals() {
+  double decimals() {
     double value = 0.0, scale = 1.0;
     std::size_t count = 0;
     for (; count < rest_.size() && rest_[count] >= '0' && rest_[count] <= '9'; ++count) {
       value = 10.0 * value + (rest_[count] - '0');
       scale *= 10.0;
     }
-    if (count < 1 || count > 9) return {};
+    if (count < 1 || count > 9) fail_form();
     rest_.remove_prefix(count);
     return value / scale;
   }
 
+  [[noreturn]] void fail(const std::string& problem, const std::string& expected) const {
+    const bool fits = text_.size() <= k_most_quoted;
+    throw Error({.problem = problem,
+                 .expected = expected,
+                 .found = fmt::format("\"{}{}\"", text_.substr(0, k_most_quoted), fits ? "" : "...")});
+  }
+
+  [[noreturn]] void fail_form() const {
+    fail("invalid date and time",
+         "one like \"2003-10-17T12:30:30-07:00\" or \"2003-10-17T19:30:30Z\", in the years 1600 to 2999");
+  }
+
  private:
-  std::string_view rest_;
+  std::string_view text_, rest_;
 };
 
-[[noreturn]] void fail(std::string_view text, const std::string& problem, const std::string& expected) {
-  const bool fits = text.size() <= k_most_quoted;
-  throw Error({.problem = problem,
-               .expected = expected,
-               .found = fmt::format("\"{}{}\"", text.substr(0, k_most_quoted), fits ? "" : "...")});
-}
-
-[[noreturn]] void fail_form(std::string_view text) {
-  fail(text, "invalid date and time",
-       "one like \"2003-10-17T12:30:30-07:00\" or \"2003-10-17T19:30:30Z\", in the years 1600 to 2999");
-}
-
-/// A number of exactly so many digits, and the character behind it unless that is 0.
-int require_number(Reading& reading, std::string_view text, std::size_t digits, char behind = 0) {
-  const std::optional<int> number = reading.digits(digits);
-  if (!number || (behind != 0 && !reading.take(behind))) fail_form(text);
-  return *number;
-}
-
 /// Minutes that the zone's clocks are ahead of UTC.
-int read_zone(Reading& reading, std::string_view text) {
+int read_zone(Reading& reading) {
   if (reading.at_end()) {
-    fail(text, "missing time zone", "Z for UTC or an offset such as -07:00 at the end");
+    reading.fail("missing time zone", "Z for UTC or an offset such as -07:00 at the end");
   }
   if (reading.take('Z')) return 0;
   const bool ahead = reading.take('+');
-  if (!ahead && !reading.take('-')) fail_form(text);
-  const int hours = require_number(reading, text, 2, ':'), minutes = require_number(reading, text, 2);
+  if (!ahead && !reading.take('-')) reading.fail_form();
+  const int hours = reading.number(2, ':'), minutes = reading.number(2);
   if (hours > 23 || minutes > 59)
-    fail(text, "invalid time zone", "an offset from UTC below 24 hours as hours:minutes");
+    reading.fail("invalid time zone", "an offset from UTC below 24 hours as hours:minutes");
   const int offset = 60 * hours + minutes;
   return ahead ? offset : -offset;
 }
@@ -95,28 +88,25 @@ int read_zone(Reading& reading, std::string_view text) {
 
 Moment parse_date_time(std::string_view text) {
   Reading reading(text);
-  const int year = require_number(reading, text, 4, '-');
-  const int month = require_number(reading, text, 2, '-');
-  const int day = require_number(reading, text, 2, 'T');
-  const int hour = require_number(reading, text, 2, ':');
-  const int minute = require_number(reading, text, 2);
+  const int year = reading.number(4, '-');
+  const int month = reading.number(2, '-');
+  const int day = reading.number(2, 'T');
+  const int hour = reading.number(2, ':');
+  const int minute = reading.number(2);
   double seconds = 0.0;
   if (reading.take(':')) {
-    seconds = require_number(reading, text, 2);
-    if (reading.take('.')) {
-      const auto part = reading.decimals();
-      if (!part) fail_form(text);
-      seconds += *part;
-    }
+    seconds = reading.number(2);
+    if (reading.take('.')) seconds += reading.decimals();
   }
-  const int ahead = read_zone(reading, text);
-  if (!reading.at_end()) fail_form(text);
-  if (year < k_first_year || year > k_last_year) fail_form(text);
+  const int ahead = read_zone(reading);
+  if (!reading.at_end()) reading.fail_form();
+  if (year < k_first_year || year > k_last_year) reading.fail_form();
   const std::chrono::year_month_day date{std::chrono::year(year),
                                          std::chrono::month(static_cast<unsigned>(month)),
                                          std::chrono::day(static_cast<unsigned>(day))};
-  if (!date.ok()) fail(text, "invalid date", "a calendar date");
-  if (hour > 23 || minute > 59 || seconds >= 60.0) fail(text, "invalid time", "00:00 to 23:59:59.999999999");
+  if (!date.ok()) reading.fail("invalid date", "a calendar date");
+  if (hour > 23 || minute > 59 || seconds >= 60.0)
+    reading.fail("invalid time", "00:00 to 23:59:59.999999999");
 
   const int minutes = 60 * hour + minute - ahead;
   Moment moment{std::chrono::sys_days(date), 60.0 * minutes + seconds};

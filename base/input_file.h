@@ -77,8 +77,7 @@ class InputFile {
   std::uint64_t size_ = 0;
   FileDescriptor descriptor_;  ///< closed while resting and for bytes in memory
   std::optional<std::span<const std::byte>> memory_;
-  std::vector<std::byte>
-      window_;  ///< bytes of the file from window_offset_ on; window_size_ of them are valid
+  std::vector<std::byte> window_;  ///< the file from window_offset_ on; window_size_ bytes are valid
   std::uint64_t window_offset_ = 0;
   std::size_t window_size_ = 0;
 };

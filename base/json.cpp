@@ -3,7 +3,6 @@
 
 #include <fmt/format.h>
 #include <algorithm>
-#include <cassert>
 #include <cmath>
 #include <nlohmann/json.hpp>
 #include <tuple>
@@ -375,10 +374,6 @@ JsonFields::JsonFields(const JsonNode& node, std::initializer_list<std::string_v
                  document.quote(member.key_begin, member.key_end),
                  node.pointer() + pointer_step(document.quote(member.key_begin + 1, member.key_end - 1)));
   }
-}
-
-std::optional<JsonNode> JsonFields::find(std::string_view key) const {
-  return node_.find(key);
 }
 
 JsonNode JsonFields::require(std::string_view key) const {

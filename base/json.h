@@ -126,7 +126,7 @@ class JsonFields {
  public:
   JsonFields(const JsonNode& node, std::initializer_list<std::string_view> known);
 
-  std::optional<JsonNode> find(std::string_view key) const;
+  std::optional<JsonNode> find(std::string_view key) const { return node_.find(key); }
   JsonNode require(std::string_view key) const;
 
  private:

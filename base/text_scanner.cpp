@@ -7,16 +7,8 @@
 
 namespace alidade {
 
-namespace {
-
-constexpr std::size_t k_window = 1 << 20;
-
-}  // namespace
-
-TextScanner::TextScanner(InputFile& file, std::uint64_t offset, std::uint64_t line_number)
-    : file_(file), window_offset_(offset), line_number_(line_number) {}
-
 std::optional<std::string_view> TextScanner::next_line() {
+  constexpr std::size_t k_window = 1 << 20;
   const char* start = window_.data() + used_;
   std::size_t left = window_.size() - used_;
   const char* end = left > 0 ? static_cast<const char*>(std::memchr(start, '\n', left)) : nullptr;

@@ -18,8 +18,8 @@ namespace alidade {
 class TextScanner {
  public:
   /// Starts at byte `offset`, which is the start of the line after number `line_number`.
-  explicit TextScanner(InputFile& file, std::uint64_t offset = 0, std::uint64_t line_number = 0);
-
+  explicit TextScanner(InputFile& file, std::uint64_t offset = 0, std::uint64_t line_number = 0)
+      : file_(file), window_offset_(offset), line_number_(line_number) {}
   /// The next line without its end, valid until the next call; empty optional at the end of the file.
   std::optional<std::string_view> next_line();
 

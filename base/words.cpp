@@ -43,10 +43,6 @@ bool is_utf8(std::string_view text) {
   return true;
 }
 
-bool is_blank(char character) {
-  return character == ' ' || character == '\t' || character == '\r';
-}
-
 std::string_view trim(std::string_view text) {
   while (!text.empty() && is_blank(text.front())) text.remove_prefix(1);
   while (!text.empty() && is_blank(text.back())) text.remove_suffix(1);

@@ -39,8 +39,9 @@ inline std::string file_extension(const std::filesystem::path& file) {
 inline constexpr std::string_view k_byte_order_mark = "\xEF\xBB\xBF";
 
 /// Blank, tab or carriage return.
-bool is_blank(char character);
-
+inline bool is_blank(char character) {
+  return character == ' ' || character == '\t' || character == '\r';
+}
 /// The text without is_blank() characters at its ends.
 std::string_view trim(std::string_view text);
 
