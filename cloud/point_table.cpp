@@ -159,33 +159,6 @@ double type_resolution(ScalarType type, double largest) {
   return std::isfinite(half) ? half : 0.0;
 }
 
-PositionColumns::PositionColumns(std::span<const TableColumn> columns)
-    : x_(find_role(columns, ColumnRole::x).value()),
-      y_(find_role(columns, ColumnRole::y).value()),
-      z_(find_role(columns, ColumnRole::z).value_or(0)),
-      flat_(!find_role(columns, ColumnRole::z)) {}
-
-TableSurvey::TableSurvey(std::span<const TableColumn> columns) : positions_(columns) {
-  for (std::size_t i = 0; i < columns.size(); ++i) {
-    const ColumnRole role = columns[i].role;
-    if (role >= ColumnRole::red && role <= ColumnRole::blue) watched_.push_back({i, &TableSurvey::colors_});
-    if (role == ColumnRole::near_infrared) watched_.push_back({i, &TableSurvey::near_infrared_});
-    if (role == ColumnRole::intensity) watched_.push_back({i, &TableSurvey::intensities_});
-  }
-}
-
-bool TableSurvey::add(std::span<const Cell> row) {
-  const glm::dvec3 position = positions_.position(row);
-  if (!(std::isfinite(position.x) && std::isfinite(position.y) && std::isfinite(position.z))) {
-    ++dropped_count_;
-    return false;
-  }
-  ++finite_count_;
-  bounds_.grow(position);
-  for (const Watched& watched : watched_) (this->*watched.range).grow(row[watched.column].number);
-  return true;
-}
-
 Cell require_cell(const TextScanner& scanner, std::string_view word, ScalarType type) {
   if (type == ScalarType::uint64) {
     if (const auto count = parse_count(word)) return {static_cast<double>(*count), *count};

@@ -14,7 +14,6 @@
 #include <type_traits>
 #include <vector>
 
-#include "base/bounds.h"
 #include "base/bytes.h"
 #include "base/text_scanner.h"
 #include "cloud/attributes.h"
@@ -188,46 +187,5 @@ ValueScaling intensity_scaling(ScalarType type, const ColumnRange& range, Intens
 
 /// How finely coordinates of a type are rounded whose largest one is `largest`: CoordinateSurvey::resolution.
 double type_resolution(ScalarType type, double largest);
-
-/// Columns of x, y and z. A file without z is flat: its z is 0. Requires x and y.
-class PositionColumns {
- public:
-  explicit PositionColumns(std::span<const TableColumn> columns);
-  glm::dvec3 position(std::span<const Cell> row) const {
-    return {row[x_].number, row[y_].number, flat_ ? 0.0 : row[z_].number};
-  }
-
- private:
-  std::size_t x_, y_, z_;
-  bool flat_;
-};
-
-/// The first pass over the rows of a point table: where the points are and how large the values that need
-/// scaling.
-class TableSurvey {
- public:
-  explicit TableSurvey(std::span<const TableColumn> columns);
-
-  /// Takes one row; false if a coordinate is not finite and the point is to be left out.
-  bool add(std::span<const Cell> row);
-
-  const Bounds& bounds() const { return bounds_; }
-  std::uint64_t finite_count() const { return finite_count_; }
-  std::uint64_t dropped_count() const { return dropped_count_; }
-  const ColumnRange& colors() const { return colors_; }
-  const ColumnRange& near_infrared() const { return near_infrared_; }
-  const ColumnRange& intensities() const { return intensities_; }
-
- private:
-  struct Watched {
-    std::size_t column;
-    ColumnRange TableSurvey::*range;
-  };
-  PositionColumns positions_;
-  std::vector<Watched> watched_;
-  Bounds bounds_;
-  std::uint64_t finite_count_ = 0, dropped_count_ = 0;
-  ColumnRange colors_, near_infrared_, intensities_;
-};
 
 }  // namespace alidade

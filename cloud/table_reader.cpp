@@ -9,6 +9,7 @@
 
 #include "base/bytes.h"
 #include "base/error.h"
+#include "base/ray.h"
 #include "cloud/point_cloud.h"
 #include "cloud/rows.h"
 
@@ -49,6 +50,25 @@ void store_as(ScalarType type, const Cell& cell, std::byte* offset) {
 
 }  // namespace
 
+/// Columns of x, y and z. A file without z is flat: its z is 0. Requires x and y.
+class PositionColumns {
+ public:
+  explicit PositionColumns(std::span<const TableColumn> columns)
+      : x_(find_role(columns, ColumnRole::x).value()),
+        y_(find_role(columns, ColumnRole::y).value()),
+        z_(find_role(columns, ColumnRole::z)) {}
+
+  /// Empty if a coordinate is not finite: the point is to be left out.
+  std::optional<glm::dvec3> position(std::span<const Cell> row) const {
+    const glm::dvec3 position(row[x_].number, row[y_].number, z_ ? row[*z_].number : 0.0);
+    return is_finite(position) ? std::optional(position) : std::nullopt;
+  }
+
+ private:
+  std::size_t x_, y_;
+  std::optional<std::size_t> z_;
+};
+
 /// How the values of a table become 0 .. 65535.
 struct TableScalings {
   ValueScaling colors, near_infrared, intensities;
@@ -78,9 +98,9 @@ class TableAppender : public RowsToFill {
 
   /// Takes the next row; a position that is not finite is left out. False as begin_row().
   bool add(std::span<const Cell> row) {
-    const glm::dvec3 world = positions_.position(row);
-    if (!(std::isfinite(world.x) && std::isfinite(world.y) && std::isfinite(world.z))) return true;
-    if (!begin_row(world)) return false;
+    const std::optional<glm::dvec3> world = positions_.position(row);
+    if (!world) return true;
+    if (!begin_row(*world)) return false;
     for (const Target& target : targets_) put(target, row[target.column]);
     return true;
   }
@@ -95,6 +115,7 @@ class TableAppender : public RowsToFill {
 
   void put(const Target& target, const Cell& cell) {
     const double number = cell.number;
+    const auto set = [](auto& value, const auto& to) { value = to; };
     const auto round = [number]<class Integer>(Integer& value) { value = nearest<Integer>(number); };
     const auto add_flags = [&](int mask, int shift) {
       cloud_.flags[row_] |= static_cast<PointFlags>((nearest<std::uint8_t>(number) & mask) << shift);
@@ -106,23 +127,18 @@ class TableAppender : public RowsToFill {
       case ColumnRole::red:
       case ColumnRole::green:
       case ColumnRole::blue:
-        cloud_.colors[row_][part_behind(ColumnRole::red)] = scalings_.colors.apply(number);
-        return;
+        return set(cloud_.colors[row_][part_behind(ColumnRole::red)], scalings_.colors.apply(number));
       case ColumnRole::packed_color:
-        cloud_.colors[row_] = {(cell.integer >> 16 & 255) * 257, (cell.integer >> 8 & 255) * 257,
-                               (cell.integer & 255) * 257};
-        return;
+        return set(cloud_.colors[row_], Color16{(cell.integer >> 16 & 255) * 257,
+                                                (cell.integer >> 8 & 255) * 257, (cell.integer & 255) * 257});
       case ColumnRole::normal_x:
       case ColumnRole::normal_y:
       case ColumnRole::normal_z:
-        cloud_.normals[row_][part_behind(ColumnRole::normal_x)] = to_float(number);
-        return;
+        return set(cloud_.normals[row_][part_behind(ColumnRole::normal_x)], to_float(number));
       case ColumnRole::near_infrared:
-        cloud_.near_infrared[row_] = scalings_.near_infrared.apply(number);
-        return;
+        return set(cloud_.near_infrared[row_], scalings_.near_infrared.apply(number));
       case ColumnRole::intensity:
-        cloud_.intensities[row_] = scalings_.intensities.apply(number);
-        return;
+        return set(cloud_.intensities[row_], scalings_.intensities.apply(number));
       case ColumnRole::classification:
         return round(cloud_.classifications[row_]);
       case ColumnRole::return_number:
@@ -138,15 +154,13 @@ class TableAppender : public RowsToFill {
       case ColumnRole::edge_of_flight_line:
         return add_flags(1, 7);
       case ColumnRole::scan_angle:
-        cloud_.scan_angles[row_] = to_float(number);
-        return;
+        return set(cloud_.scan_angles[row_], to_float(number));
       case ColumnRole::user_data:
         return round(cloud_.user_data[row_]);
       case ColumnRole::point_source_id:
         return round(cloud_.point_source_ids[row_]);
       case ColumnRole::gps_time:
-        cloud_.gps_times[row_] = number;
-        return;
+        return set(cloud_.gps_times[row_], number);
       case ColumnRole::extra: {
         ExtraDimension& dimension = cloud_.extra_dimensions[target.dimension];
         const std::size_t bytes = static_cast<std::size_t>(dimension.byte_count);
@@ -223,32 +237,48 @@ void TableReader::visit_whole_rows(const RowVisitor& visit, const Progress& prog
 }
 
 CoordinateSurvey TableReader::survey(const Progress& progress) {
-  auto pass = std::make_unique<TableSurvey>(columns_);
-  visit_whole_rows([&](std::span<const Cell> row) { pass->add(row); }, progress);
-  survey_ = std::move(pass);
-  return {.bounds = survey_->bounds(),
-          .finite_count = survey_->finite_count(),
-          .dropped_count = survey_->dropped_count(),
-          .resolution = resolution(survey_->bounds())};
+  TableSurvey found;
+  std::vector<std::pair<std::size_t, ColumnRange*>> watched;
+  for (std::size_t i = 0; i < columns_.size(); ++i) {
+    const ColumnRole role = columns_[i].role;
+    if (role >= ColumnRole::red && role <= ColumnRole::blue) watched.emplace_back(i, &found.colors);
+    if (role == ColumnRole::near_infrared) watched.emplace_back(i, &found.near_infrared);
+    if (role == ColumnRole::intensity) watched.emplace_back(i, &found.intensities);
+  }
+  const PositionColumns positions(columns_);
+  const auto add = [&](std::span<const Cell> row) {
+    const std::optional<glm::dvec3> position = positions.position(row);
+    if (!position) {
+      ++found.dropped_count;
+      return;
+    }
+    ++found.finite_count;
+    found.bounds.grow(*position);
+    for (const auto& [column, range] : watched) range->grow(row[column].number);
+  };
+  visit_whole_rows(add, progress);
+  found.resolution = resolution(found.bounds);
+  survey_ = found;
+  return found;
 }
 
 void TableReader::read_in_pieces(PointCloud& cloud, AttributeSet wanted, const CloudPieces& pieces,
                                  const Progress& progress) {
   if (!survey_) survey({});
   const auto assume = [&](Attribute attribute, const ValueScaling& scaling) {
-    if (wanted.contains(attribute) && !scaling.assumption.empty() && survey_->finite_count() > 0)
+    if (wanted.contains(attribute) && !scaling.assumption.empty() && survey_->finite_count > 0)
       warn("assuming that " + scaling.assumption);
     return scaling;
   };
   TableScalings scalings;
   if (const auto type = type_of(ColumnRole::red))
-    scalings.colors = assume(Attribute::color, color_scaling(*type, survey_->colors()));
+    scalings.colors = assume(Attribute::color, color_scaling(*type, survey_->colors));
   if (const auto type = type_of(ColumnRole::near_infrared))
-    scalings.near_infrared = color_scaling(*type, survey_->near_infrared());
+    scalings.near_infrared = color_scaling(*type, survey_->near_infrared);
   if (const auto type = type_of(ColumnRole::intensity))
     scalings.intensities =
-        assume(Attribute::intensity, intensity_scaling(*type, survey_->intensities(), intensity_scale()));
-  TableAppender appender(cloud, columns_, wanted, std::move(scalings), survey_->finite_count(), pieces);
+        assume(Attribute::intensity, intensity_scaling(*type, survey_->intensities, intensity_scale()));
+  TableAppender appender(cloud, columns_, wanted, std::move(scalings), survey_->finite_count, pieces);
   visit_whole_rows(
       [&](std::span<const Cell> row) {
         if (appender.add(row)) return;
@@ -257,8 +287,8 @@ void TableReader::read_in_pieces(PointCloud& cloud, AttributeSet wanted, const C
       progress);
   if (!appender.complete()) fail({}, "the file changed while it was read");
 
-  description_.point_count = survey_->finite_count();
-  description_.dropped_count = survey_->dropped_count();
+  description_.point_count = survey_->finite_count;
+  description_.dropped_count = survey_->dropped_count;
   if (description_.dropped_count > 0)
     warn(std::to_string(description_.dropped_count) + " points " + reason_to_drop() + " were skipped");
   cloud.warnings.insert(cloud.warnings.end(), warnings_.begin(), warnings_.end());

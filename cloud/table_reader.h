@@ -3,7 +3,6 @@
 
 #include <cmath>
 #include <functional>
-#include <memory>
 #include <optional>
 #include <span>
 #include <string>
@@ -46,6 +45,12 @@ class WrittenResolution {
  private:
   std::optional<std::size_t> columns_[3];
   std::optional<int> decimals_[3];
+};
+
+/// The first pass over the rows of a point table: where the points are and how large the values that need
+/// scaling.
+struct TableSurvey : CoordinateSurvey {
+  ColumnRange colors{}, near_infrared{}, intensities{};
 };
 
 /// The rows that the header of a file of points announces.
@@ -133,8 +138,8 @@ class TableReader : public CloudReader {
   std::vector<TableColumn> columns_;
   std::vector<std::string> warnings_;
   Damage damage_;
-  std::vector<LostPoints> lost_;         ///< in the last pass
-  std::unique_ptr<TableSurvey> survey_;  ///< after the first pass
+  std::vector<LostPoints> lost_;       ///< in the last pass
+  std::optional<TableSurvey> survey_;  ///< after the first pass
 };
 
 }  // namespace alidade

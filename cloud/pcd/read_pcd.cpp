@@ -17,11 +17,6 @@ namespace {
 
 constexpr std::uint64_t k_rows_per_report = 1 << 16;
 
-/// Whether a field holds 0xAARRGGBB in its four bytes, whatever their type is called.
-bool is_packed_color(const PcdField& field) {
-  return (field.name == "rgb" || field.name == "rgba") && field.count == 1 && scalar_size(field.type) == 4;
-}
-
 /// A packed colour as text. Declared as float it is usually the float that has these bits, but some programs
 /// write the number that the bits are: no real colour is a float from 1 to 2^24.
 std::uint64_t packed_color_from(const Cell& cell, ScalarType type) {
@@ -47,7 +42,9 @@ class PcdReader final : public TableReader {
       TableColumn column{field.name, field.type, ColumnRole::extra};
       if (field.name == "_" || field.count != 1) column.role = ColumnRole::ignored;
       if (field.name != "_" && field.count != 1) skipped += (skipped.empty() ? "" : ", ") + quote(field.name);
-      if (is_packed_color(field) && !has_color) {
+      // 0xAARRGGBB in four bytes, whatever their type is called.
+      const bool is_color = field.name == "rgb" || field.name == "rgba";
+      if (is_color && field.count == 1 && scalar_size(field.type) == 4 && !has_color) {
         column.role = ColumnRole::packed_color;
         has_color = true;
       }

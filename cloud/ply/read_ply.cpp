@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
 
+#include <fmt/format.h>
 #include <algorithm>
 #include <bit>
 #include <cstdint>
@@ -85,23 +86,13 @@ ScalarType require_type(const TextScanner& scanner, std::string_view word) {
 }
 
 PlyFormat require_ply_format(const TextScanner& scanner, const Words& words) {
-  std::string found;
-  for (std::size_t i = 1; i < words.size(); ++i) {
-    if (i > 1) found += ' ';
-    found += words[i];
-  }
+  const std::string found = fmt::format("{}", fmt::join(words.begin() + 1, words.end(), " "));
   for (const PlyFormat format :
        {PlyFormat::ascii, PlyFormat::binary_little_endian, PlyFormat::binary_big_endian}) {
     if (found == ply_version(format)) return format;
   }
   scanner.fail("unsupported PLY format", "ascii, binary_little_endian or binary_big_endian, and version 1.0",
                quote(found));
-}
-
-PlyElement require_element(const TextScanner& scanner, const Words& words) {
-  const auto count = words.size() == 3 ? parse_count(words[2]) : std::nullopt;
-  if (!count) scanner.fail("invalid element line", "element NAME COUNT");
-  return {std::string(words[1]), *count, {}};
 }
 
 PlyProperty require_property(const TextScanner& scanner, const Words& words) {
@@ -129,19 +120,6 @@ void find_vertex(const TextScanner& scanner, PlyHeader& header) {
   header.vertex = static_cast<std::size_t>(found - header.elements.begin());
 }
 
-void check_count(const InputFile& input, const PlyHeader& header, Damage damage) {
-  const PlyElement& vertex = header.elements[header.vertex];
-  const bool is_text = header.format == PlyFormat::ascii;
-  check_room(input,
-             {.offset = header.data_offset,
-              .count = vertex.count,
-              .smallest_row = is_text ? vertex.properties.size() : vertex.smallest_size(),
-              .is_text = is_text,
-              .name = "vertices",
-              .value_name = "properties"},
-             damage);
-}
-
 /// Reads and checks the header. Errors: anything that is not a PLY 1.0 header, no element "vertex" or two of
 /// them, vertices without properties; more vertices than the file has room for are damage.
 PlyHeader read_ply_header(InputFile& input, Damage damage) {
@@ -164,7 +142,9 @@ PlyHeader read_ply_header(InputFile& input, Damage damage) {
       header.format = require_ply_format(scanner, words);
       has_format = true;
     } else if (keyword == "element") {
-      header.elements.push_back(require_element(scanner, words));
+      const auto count = words.size() == 3 ? parse_count(words[2]) : std::nullopt;
+      if (!count) scanner.fail("invalid element line", "element NAME COUNT");
+      header.elements.push_back({std::string(words[1]), *count, {}});
     } else if (keyword == "property") {
       if (header.elements.empty()) scanner.fail("property before the first element");
       std::vector<PlyProperty>& properties = header.elements.back().properties;
@@ -179,7 +159,16 @@ PlyHeader read_ply_header(InputFile& input, Damage damage) {
   header.data_offset = scanner.offset();
   header.line_count = scanner.line_number();
   find_vertex(scanner, header);
-  check_count(input, header, damage);
+  const PlyElement& vertex = header.elements[header.vertex];
+  const bool is_text = header.format == PlyFormat::ascii;
+  check_room(input,
+             {.offset = header.data_offset,
+              .count = vertex.count,
+              .smallest_row = is_text ? vertex.properties.size() : vertex.smallest_size(),
+              .is_text = is_text,
+              .name = "vertices",
+              .value_name = "properties"},
+             damage);
   return header;
 }
 
@@ -200,11 +189,7 @@ class PlyReader final : public TableReader {
  protected:
   std::optional<std::uint64_t> announced_rows() const override { return vertex().count; }
   void visit_rows(const RowVisitor& visit, const Progress& progress) override {
-    if (header_.format == PlyFormat::ascii) {
-      visit_text(visit, progress);
-    } else {
-      visit_binary(visit, progress);
-    }
+    return header_.format == PlyFormat::ascii ? visit_text(visit, progress) : visit_binary(visit, progress);
   }
 
  private:

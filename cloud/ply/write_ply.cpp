@@ -35,10 +35,6 @@ const char* type_name(ScalarType type) {
   return k_names[static_cast<std::size_t>(type)];
 }
 
-glm::ivec3 to_8_bits(const Color16& color) {
-  return (glm::ivec3(color) + 128) / 257;
-}
-
 void add_standard(const PointCloud& cloud, std::vector<Property>& properties) {
   const auto add = [&](const char* name, ScalarType type, auto value) {
     properties.push_back({name, type, [value](std::size_t i) { return static_cast<double>(value(i)); }});
@@ -53,7 +49,7 @@ void add_standard(const PointCloud& cloud, std::vector<Property>& properties) {
   }
   if (!cloud.colors.empty()) {
     add_three({"red", "green", "blue"}, ScalarType::uint8,
-              [&cloud](std::size_t i) { return to_8_bits(cloud.colors[i]); });
+              [&cloud](std::size_t i) { return (glm::ivec3(cloud.colors[i]) + 128) / 257; });
   }
   const auto add_column = [&](const char* name, ScalarType type, const auto& column) {
     if (!column.empty()) add(name, type, [&column](std::size_t i) { return column[i]; });
@@ -147,23 +143,13 @@ void append_binary(std::string& text, ScalarType type, double number) {
 
 /// The shortest digits that give the same number again.
 void append_ascii(std::string& text, ScalarType type, double number) {
-  char digits[32];
-  char* end = digits;
-  if (type == ScalarType::float64) {
-    end = std::to_chars(digits, std::end(digits), number).ptr;
-  } else if (type == ScalarType::float32) {
-    end = std::to_chars(digits, std::end(digits), static_cast<float>(number)).ptr;
-  } else {
-    end = std::to_chars(digits, std::end(digits), static_cast<std::int64_t>(number)).ptr;
-  }
-  text.append(digits, static_cast<std::size_t>(end - digits));
-}
-
-std::vector<Property> properties_of(const PointCloud& cloud) {
-  std::vector<Property> properties;
-  add_standard(cloud, properties);
-  add_extra(cloud, properties);
-  return properties;
+  const auto append = [&](auto value) {
+    char digits[32];
+    text.append(digits, std::to_chars(digits, std::end(digits), value).ptr);
+  };
+  if (type == ScalarType::float64) return append(number);
+  if (type == ScalarType::float32) return append(static_cast<float>(number));
+  append(static_cast<std::int64_t>(number));
 }
 
 std::string header(std::size_t points, const std::vector<Property>& properties, PlyEncoding encoding) {
@@ -198,7 +184,9 @@ void write_ply(const std::filesystem::path& path, std::size_t point_count, const
   std::size_t done = 0;
   do {
     const PointCloud& piece = pieces(done);
-    const std::vector<Property> properties = properties_of(piece);
+    std::vector<Property> properties;
+    add_standard(piece, properties);
+    add_extra(piece, properties);
     std::string text = done == 0 ? header(point_count, properties, options.encoding) : "";
     for (std::size_t point = 0; point < piece.size(); ++point) {
       if (point % k_points_per_write == 0) {

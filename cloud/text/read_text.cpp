@@ -101,30 +101,21 @@ std::vector<TableColumn> unnamed_columns(std::size_t count) {
   return columns;
 }
 
-/// Layouts after x y z: i intensity, c colour, n normal.
-std::vector<std::string_view> layouts_for(std::size_t column_count) {
-  switch (column_count) {
-    case 4:
-      return {"i"};
-    case 6:
-      return {"n", "c"};
-    case 7:
-      return {"ic", "ci", "in", "ni"};
-    case 9:
-      return {"cn", "nc"};
-    case 10:
-      return {"icn", "cin", "cni"};
-    default:
-      return {};
-  }
-}
+/// Layouts after x y z: i intensity, c colour, n normal. Of those with as many columns the first that fits is
+/// taken.
+constexpr std::string_view k_layouts[] = {"i",  "n",  "c",  "ic",  "ci",  "in",
+                                          "ni", "cn", "nc", "icn", "cin", "cni"};
 
-bool fits(const Sample& sample, std::string_view layout) {
+bool fits(const Sample& sample, std::string_view layout, std::size_t column_count) {
+  const auto width = [](char part) -> std::size_t { return part == 'i' ? 1 : 3; };
   std::size_t column = 3;
+  for (const char part : layout) column += width(part);
+  if (column != column_count) return false;
+  column = 3;
   for (const char part : layout) {
     if (part == 'c' && !sample.holds_color(column)) return false;
     if (part == 'n' && !sample.holds_normal(column)) return false;
-    column += part == 'i' ? 1 : 3;
+    column += width(part);
   }
   return true;
 }
@@ -142,13 +133,9 @@ void assign_by_content(TextLayout& result, const Sample& sample) {
       give(column++, static_cast<ColumnRole>(static_cast<std::size_t>(first) + i), names[i]);
   };
   give_three(ColumnRole::x, {"x", "y", "z"});
-  std::string_view layout;
-  for (const std::string_view candidate : layouts_for(columns.size())) {
-    if (!fits(sample, candidate)) continue;
-    layout = candidate;
-    break;
-  }
-  for (const char part : layout) {
+  const auto* const layout = std::ranges::find_if(
+      k_layouts, [&](std::string_view candidate) { return fits(sample, candidate, columns.size()); });
+  for (const char part : layout == std::end(k_layouts) ? std::string_view() : *layout) {
     if (part == 'i') give(column++, ColumnRole::intensity, "intensity");
     if (part == 'c') give_three(ColumnRole::red, {"red", "green", "blue"});
     if (part == 'n') give_three(ColumnRole::normal_x, {"normal_x", "normal_y", "normal_z"});
@@ -163,13 +150,6 @@ char separator_of(std::string_view line) {
     if (line.find(separator) != line.npos) return separator;
   }
   return ' ';
-}
-
-std::string_view without_comment_mark(std::string_view line) {
-  while (!line.empty() &&
-         (line.front() == ' ' || line.front() == '\t' || line.front() == '#' || line.front() == '/'))
-    line.remove_prefix(1);
-  return line;
 }
 
 std::vector<TableColumn> named_columns(const Words& words) {
@@ -235,7 +215,7 @@ TextLayout read_text_layout(InputFile& input) {
       return layout;
     }
     if (!is_comment_or_empty(*line)) break;
-    comment = without_comment_mark(*line);
+    comment = line->substr(std::min(line->find_first_not_of(" \t#/"), line->size()));
   }
 
   Words words;
