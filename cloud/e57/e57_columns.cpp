@@ -158,14 +158,14 @@ class Scalings {
 
 /// Nearest whole number, held at the ends of the type; NaN becomes 0.
 template <class Integer>
-Integer nearest(double value) {
-  constexpr double k_most = static_cast<double>(std::numeric_limits<Integer>::max());
+Integer rounded(double value) {
+  constexpr double k_largest = static_cast<double>(std::numeric_limits<Integer>::max());
   if (!(value > 0.0)) return 0;
-  return value >= k_most ? std::numeric_limits<Integer>::max() : static_cast<Integer>(value + 0.5);
+  return value >= k_largest ? std::numeric_limits<Integer>::max() : static_cast<Integer>(value + 0.5);
 }
 
 /// Nearest float; what is too large for one becomes 0, as no part of a normal is.
-float to_float(double value) {
+float normal_part(double value) {
   return std::abs(value) <= std::numeric_limits<float>::max() ? static_cast<float>(value) : 0.0f;
 }
 
@@ -203,7 +203,7 @@ void E57Appender::put_index(std::optional<std::size_t>& dimension, const char* n
   if (!dimension)
     dimension = find_extra_dimension(cloud_, plain_dimension(name, ScalarType::uint32, description));
   auto* const bytes = reinterpret_cast<std::byte*>(cloud_.extra_dimensions[*dimension].values.data());
-  store(bytes + row_ * sizeof(std::uint32_t), nearest<std::uint32_t>(value));
+  store(bytes + row_ * sizeof(std::uint32_t), rounded<std::uint32_t>(value));
 }
 
 void E57Appender::put(const E57Points& points, std::size_t i) {
@@ -223,13 +223,13 @@ void E57Appender::put(const E57Points& points, std::size_t i) {
     put_index(column_dimension_, "columnIndex", "column of the scanner's grid", value(E57Role::column));
   // Counted from 0 in the file.
   if (points.has(E57Role::return_index))
-    cloud_.returns[row_].number = nearest<std::uint8_t>(value(E57Role::return_index) + 1.0);
+    cloud_.returns[row_].number = rounded<std::uint8_t>(value(E57Role::return_index) + 1.0);
   if (points.has(E57Role::return_count))
-    cloud_.returns[row_].count = nearest<std::uint8_t>(value(E57Role::return_count));
+    cloud_.returns[row_].count = rounded<std::uint8_t>(value(E57Role::return_count));
   if (points.has(E57Role::normal_x)) {
     glm::dvec3 normal(value(E57Role::normal_x), value(E57Role::normal_y), value(E57Role::normal_z));
     if (scan_->pose && scan_->pose->is_rotated) normal = scan_->pose->rotation * normal;
-    cloud_.normals[row_] = {to_float(normal.x), to_float(normal.y), to_float(normal.z)};
+    cloud_.normals[row_] = {normal_part(normal.x), normal_part(normal.y), normal_part(normal.z)};
   }
 }
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "cloud/e57/e57_records.h"
+#include "cloud/e57/e57_points.h"
 
 #include <fmt/format.h>
 #include <algorithm>

@@ -7,7 +7,6 @@
 #include <string>
 
 #include "cloud/e57/e57_file.h"
-#include "cloud/e57/e57_pages.h"
 
 namespace alidade {
 

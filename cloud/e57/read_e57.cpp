@@ -82,10 +82,8 @@ class E57Reader final : public CloudReader {
     };
     for (const std::size_t scan : filled_scans_) {
       E57Values& values = values_[scan];
-      glm::dvec3 resolution;
-      const E57LeftOut left_out = visit_scan(
-          scan, Attribute::color | Attribute::intensity, progress,
-          [&](const E57Points& points) {
+      const E57PointReader reader =
+          visit_scan(scan, Attribute::color | Attribute::intensity, progress, [&](const E57Points& points) {
             for (std::size_t i = 0; i < points.positions.size(); ++i) {
               if (points.is_left_out(i)) continue;
               ++survey.finite_count;
@@ -97,12 +95,11 @@ class E57Reader final : public CloudReader {
               if (!points.is_flagged(E57Role::intensity_invalid, i))
                 grow(values.intensities, points, E57Role::intensity, i);
             }
-          },
-          &resolution);
-      survey.resolution = glm::min(survey.resolution, resolution);
-      left_out_.directions += left_out.directions;
-      left_out_.unknown += left_out.unknown;
-      left_out_.not_finite += left_out.not_finite;
+          });
+      survey.resolution = glm::min(survey.resolution, reader.resolution());
+      left_out_.directions += reader.left_out().directions;
+      left_out_.unknown += reader.left_out().unknown;
+      left_out_.not_finite += reader.left_out().not_finite;
     }
     if (survey.finite_count == 0) survey.resolution = glm::dvec3(0.0);
     survey.dropped_count = left_out_.total();
@@ -123,20 +120,16 @@ class E57Reader final : public CloudReader {
     E57Appender appender(cloud, kept, survey_->finite_count, pieces);
     for (const std::size_t scan : filled_scans_) {
       appender.begin_scan(scans()[scan], scalings[scan], time_origins_[scan]);
-      visit_scan(
-          scan, kept, progress,
-          [&](const E57Points& points) {
-            if (appender.add(points)) return;
-            file_.pages().fail(where(scan),
-                               "a point lies outside the lattice, or the file changed while it was read");
-          },
-          nullptr);
+      visit_scan(scan, kept, progress, [&](const E57Points& points) {
+        if (appender.add(points)) return;
+        file_.pages().fail(where(scan),
+                           "a point lies outside the lattice, or the file changed while it was read");
+      });
     }
     if (!appender.complete()) file_.pages().fail({}, "the file changed while it was read");
     warn_of_gaps(kept);
     about_.point_count = survey_->finite_count;
     about_.dropped_count = survey_->dropped_count;
-    warn_of_left_out();
     warn_of_invalid(appender.invalid());
     cloud.warnings.insert(cloud.warnings.end(), warnings_.begin(), warnings_.end());
   }
@@ -148,12 +141,9 @@ class E57Reader final : public CloudReader {
   static std::string where(std::size_t scan) { return fmt::format("scan {}", scan + 1); }
   void warn(const std::string& clause) { warnings_.push_back(file_.pages().name() + ": " + clause); }
 
-  using PointVisitor = std::function<void(const E57Points&)>;
-
-  /// Passes the points of one scan to `visitor`. Returns the points left out, and in `resolution` that of the
-  /// others.
-  E57LeftOut visit_scan(std::size_t scan, AttributeSet attributes, const Progress& progress,
-                        const PointVisitor& visitor, glm::dvec3* resolution) {
+  /// Passes the points of one scan to `visitor`. Returns what it was read by.
+  E57PointReader visit_scan(std::size_t scan, AttributeSet attributes, const Progress& progress,
+                            const std::function<void(const E57Points&)>& visitor) {
     const E57Scan& about = scans()[scan];
     E57PointReader reader(about, roles_[scan]);
     std::uint64_t done = 0;
@@ -164,8 +154,7 @@ class E57Reader final : public CloudReader {
       visitor(points);
       done += points.positions.size();
     });
-    if (resolution) *resolution = reader.resolution();
-    return reader.left_out();
+    return reader;
   }
 
   /// The origin of the time stamps of each scan. Adjusted standard GPS time requires the start of every scan.
@@ -200,21 +189,17 @@ class E57Reader final : public CloudReader {
     }
   }
 
-  void warn_of_left_out() {
-    const auto warn_of = [&](std::uint64_t count, const char* why) {
-      if (count > 0) warn(fmt::format("skipped {} points {}", count, why));
-    };
-    warn_of(left_out_.directions, "with a direction only");
-    warn_of(left_out_.unknown, "that are flagged as invalid");
-    warn_of(left_out_.not_finite, "without finite coordinates");
-  }
-
+  /// Says which points were skipped, and which of the others have values that are flagged as invalid.
   void warn_of_invalid(const std::array<std::uint64_t, 3>& invalid) {
-    constexpr const char* k_kinds[] = {"a colour", "an intensity", "a time"};
-    for (std::size_t kind = 0; kind < invalid.size(); ++kind) {
-      if (invalid[kind] == 0) continue;
-      warn(fmt::format("{} points have {} flagged as invalid; using 0", invalid[kind], k_kinds[kind]));
-    }
+    const auto warn_of = [&](std::uint64_t count, const char* form) {
+      if (count > 0) warn(fmt::format(fmt::runtime(form), count));
+    };
+    warn_of(left_out_.directions, "skipped {} points with a direction only");
+    warn_of(left_out_.unknown, "skipped {} points that are flagged as invalid");
+    warn_of(left_out_.not_finite, "skipped {} points without finite coordinates");
+    warn_of(invalid[0], "{} points have a colour flagged as invalid; using 0");
+    warn_of(invalid[1], "{} points have an intensity flagged as invalid; using 0");
+    warn_of(invalid[2], "{} points have a time flagged as invalid; using 0");
   }
 
   E57File file_;

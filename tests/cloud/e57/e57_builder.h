@@ -11,7 +11,7 @@
 #include <string_view>
 #include <vector>
 
-#include "cloud/e57/e57_pages.h"
+#include "cloud/e57/e57_file.h"
 
 // Small E57 files, byte by byte as ASTM E2807 has them, so that readers meet what no sample file shows.
 

@@ -3,8 +3,8 @@
 #include <cmath>
 #include <limits>
 
-#include "cloud/e57/e57_pages.h"
-#include "cloud/e57/e57_records.h"
+#include "cloud/e57/e57_file.h"
+#include "cloud/e57/e57_points.h"
 #include "tests/cloud/cloud_test_support.h"
 #include "tests/cloud/e57/e57_builder.h"
 #include "tests/cloud/read_alone.h"
