@@ -24,13 +24,6 @@ std::string_view text_of(std::span<const std::byte> bytes) {
   return {reinterpret_cast<const char*>(bytes.data()), bytes.size()};
 }
 
-/// Without a byte order mark, which every reader of text skips.
-std::string_view unmarked_text_of(std::span<const std::byte> bytes) {
-  std::string_view text = text_of(bytes);
-  if (text.starts_with(k_byte_order_mark)) text.remove_prefix(k_byte_order_mark.size());
-  return text;
-}
-
 /// The next line without spaces at its ends; `text` keeps what follows.
 std::string_view next_line(std::string_view& text) {
   const std::size_t end = std::min(text.find('\n'), text.size());
@@ -68,12 +61,9 @@ bool is_pcd(std::string_view start) {
 /// How many numbers a line holds; -1 if it holds anything else.
 int count_numbers(std::string_view line) {
   if (line.find_first_not_of("0123456789+-.eE \t") != std::string_view::npos) return -1;
-  int count = 0;
-  for (std::size_t offset = 0; (offset = line.find_first_not_of(" \t", offset)) != std::string_view::npos;
-       ++count) {
-    offset = std::min(line.find_first_of(" \t", offset), line.size());
-  }
-  return count;
+  std::vector<std::string_view> numbers;
+  split_words(line, numbers);
+  return static_cast<int>(numbers.size());
 }
 
 /// A PTX scan begins with columns, rows, four lines of three numbers (the scanner) and four of four (the
@@ -86,12 +76,13 @@ bool is_ptx(std::string_view start) {
   return true;
 }
 
-/// Whether a file begins with text that `is` accepts.
+/// Whether a file begins with text that `is` accepts, without a byte order mark, which every reader of text
+/// skips.
 template <bool (*is)(std::string_view)>
 bool begins(std::span<const std::byte> start) {
-  return is(unmarked_text_of(start));
+  const std::string_view text = text_of(start);
+  return is(text.substr(text.starts_with(k_byte_order_mark) ? k_byte_order_mark.size() : 0));
 }
-
 bool begins_las(std::span<const std::byte> start) {
   return text_of(start).starts_with("LASF");
 }
@@ -100,16 +91,17 @@ bool begins_e57(std::span<const std::byte> start) {
   return text_of(start).starts_with("ASTM-E57");
 }
 
-const CloudFormat* format_named(std::string_view name, CloudFormats formats) {
-  const auto found = std::ranges::find_if(
-      formats, [&](const CloudFormat* format) { return format->is_named && format->is_named(name); });
+/// The first format that `accepts` takes; null if none does.
+template <class Accepts>
+const CloudFormat* first_format(CloudFormats formats, const Accepts& accepts) {
+  const auto found = std::ranges::find_if(formats, accepts);
   return found == formats.end() ? nullptr : *found;
 }
 
 const CloudFormat* format_begun_by(std::span<const std::byte> start, CloudFormats formats) {
-  const auto found = std::ranges::find_if(
-      formats, [&](const CloudFormat* format) { return format->is_begun_by && format->is_begun_by(start); });
-  return start.empty() || found == formats.end() ? nullptr : *found;
+  return first_format(formats, [&](const CloudFormat* format) {
+    return !start.empty() && format->is_begun_by && format->is_begun_by(start);
+  });
 }
 
 /// What a file is; null if it is missing, empty or nothing that is known.
@@ -283,7 +275,10 @@ void CloudInputs::check_files() const {
 CloudInputs resolve_clouds(std::span<const fs::path> names, CloudFormats formats) {
   CloudInputs clouds;
   for (const fs::path& name : names) {
-    if (const CloudFormat* const format = format_named(name.string(), formats)) {
+    const auto is_named = [&](const CloudFormat* format) {
+      return format->is_named && format->is_named(name.string());
+    };
+    if (const CloudFormat* const format = first_format(formats, is_named)) {
       clouds.inputs.push_back({name, format});
     } else {
       for (fs::path& file : files_of_name(name)) clouds.inputs.push_back({std::move(file)});

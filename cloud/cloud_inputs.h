@@ -44,9 +44,8 @@ std::vector<const CloudFormat*> with_file_formats(std::initializer_list<const Cl
 
 /// Where one cloud is stored. Nothing is open.
 struct CloudInput {
-  std::filesystem::path name;  ///< what messages call it
-  const CloudFormat* format =
-      nullptr;  ///< null: missing, unreadable, empty or unknown; open_cloud() says which
+  std::filesystem::path name;           ///< what messages call it
+  const CloudFormat* format = nullptr;  ///< null: missing, unreadable, empty or unknown, as open_cloud() says
   std::optional<std::span<const std::byte>> memory{};  ///< the bytes of a file that is in memory
 
   /// Opens it. Errors: InputFile's.

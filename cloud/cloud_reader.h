@@ -121,7 +121,7 @@ class CloudReader {
   /// are first filled with zeros up to the cloud's size, and columns the cloud has and the file lacks get
   /// zeros for the new rows. The caller has reserved room. Records, scanner positions and warnings are added
   /// to `cloud` by this call; facts() and file() by the caller. The call does not depend on the cloud's other
-  /// contents: it may hold the files before this one or be a piece of its own. See append_rows.h.
+  /// contents: it may hold the files before this one or be a piece of its own. See cloud/rows.h.
   void read(PointCloud& cloud, AttributeSet wanted, const Progress& progress) {
     read_in_pieces(cloud, wanted, {}, progress);
   }

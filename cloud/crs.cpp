@@ -75,17 +75,14 @@ constexpr std::uint16_t k_model_type = 1024, k_geographic_type = 2048, k_project
 constexpr std::uint16_t k_geographic_model = 2, k_geocentric_model = 3;
 
 /// The first value of a GeoTIFF key, of those that are stored in the directory itself, that is accepted.
-template <class Accepts>
-std::optional<std::uint16_t> value_of_key(const Crs& crs, std::uint16_t key, const Accepts& accepts) {
+template <class Accepts = bool (*)(std::uint16_t)>
+std::optional<std::uint16_t> value_of_key(
+    const Crs& crs, std::uint16_t key, const Accepts& accepts = [](std::uint16_t) { return true; }) {
   for (std::size_t i = 4; i + 3 < crs.geotiff_keys.size(); i += 4) {
     const std::uint16_t value = crs.geotiff_keys[i + 3];
     if (crs.geotiff_keys[i] == key && crs.geotiff_keys[i + 1] == 0 && accepts(value)) return value;
   }
   return std::nullopt;
-}
-
-std::optional<std::uint16_t> value_of_key(const Crs& crs, std::uint16_t key) {
-  return value_of_key(crs, key, [](std::uint16_t) { return true; });
 }
 
 bool has_any(const std::string& text, std::initializer_list<std::string_view> words) {

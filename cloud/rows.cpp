@@ -115,10 +115,12 @@ template <class Next>
 void keep(PointCloud& cloud, std::size_t first, const Next& next) {
   const std::size_t size = cloud.size();
   count_points(cloud, first, next);
+  const auto close_column = [&](auto& column) {
+    return close_up(first, size, next, [&](std::size_t from, std::size_t to) { column[to] = column[from]; });
+  };
   for_each_column(cloud, [&](Attribute, auto& column) {
     assert(column.empty() || column.size() == size);
-    if (!column.empty())
-      close_up(first, size, next, [&](std::size_t from, std::size_t to) { column[to] = column[from]; });
+    if (!column.empty()) close_column(column);
   });
   for (ExtraDimension& dimension : cloud.extra_dimensions) {
     const auto bytes = static_cast<std::size_t>(dimension.byte_count);
@@ -127,10 +129,7 @@ void keep(PointCloud& cloud, std::size_t first, const Next& next) {
       std::memmove(dimension.values.data() + to * bytes, dimension.values.data() + from * bytes, bytes);
     });
   }
-  const std::size_t count = close_up(first, size, next, [&](std::size_t from, std::size_t to) {
-    cloud.positions[to] = cloud.positions[from];
-  });
-  cloud.resize(count);
+  cloud.resize(close_column(cloud.positions));
 }
 
 template <class Value>
