@@ -1,9 +1,7 @@
 // SPDX-License-Identifier: MIT
-#include "cloud/las/repack_las.h"
-
 #include <fmt/format.h>
-
 #include <algorithm>
+#include <iterator>
 #include <limits>
 #include <optional>
 
@@ -87,15 +85,6 @@ std::size_t take_out_laszip(std::vector<std::byte>& head, const LasHeader& heade
   return offset;
 }
 
-void put_in_laszip(std::vector<std::byte>& head, std::size_t offset, const LazLayout& layout) {
-  const VariableLengthRecord record = laszip_record(layout);
-  std::vector<std::byte> bytes = las_record_head(record, false);
-  const std::span<const std::byte> data = std::as_bytes(std::span(record.data));
-  bytes.insert(bytes.end(), data.begin(), data.end());
-  head.insert(head.begin() + static_cast<std::ptrdiff_t>(offset), bytes.begin(), bytes.end());
-  store(head.data() + k_record_count, load<std::uint32_t>(head.data() + k_record_count) + 1);
-}
-
 /// Everything before the points as it is to be written, but for the offsets behind the points.
 std::vector<std::byte> make_head(Source& source, const std::optional<LazLayout>& packing) {
   std::vector<std::byte> head(source.header.points_offset);
@@ -103,7 +92,11 @@ std::vector<std::byte> make_head(Source& source, const std::optional<LazLayout>&
   const std::size_t records_end = take_out_laszip(head, source.header);
   head[k_point_format] &= ~k_laz_format_marks;
   if (packing) {
-    put_in_laszip(head, records_end, *packing);
+    const VariableLengthRecord record = laszip_record(*packing);
+    std::vector<std::byte> bytes = las_record_head(record, false);
+    std::ranges::copy(std::as_bytes(std::span(record.data)), std::back_inserter(bytes));
+    head.insert(head.begin() + static_cast<std::ptrdiff_t>(records_end), bytes.begin(), bytes.end());
+    store(head.data() + k_record_count, load<std::uint32_t>(head.data() + k_record_count) + 1);
     head[k_point_format] |= k_laz_format_mark;
   }
   if (head.size() > std::numeric_limits<std::uint32_t>::max()) {
@@ -119,7 +112,7 @@ std::vector<std::byte> make_head(Source& source, const std::optional<LazLayout>&
 /// Brings unpacked records, which come in any order between two calls for room, into their order.
 class OrderedRecords final : public LazSink {
  public:
-  OrderedRecords(RecordOutput& output, std::size_t record_size)
+  OrderedRecords(RecordWriter& output, std::size_t record_size)
       : output_(output), record_size_(record_size) {}
 
   void make_room(std::uint64_t count) override {
@@ -137,13 +130,13 @@ class OrderedRecords final : public LazSink {
   }
 
  private:
-  RecordOutput& output_;
+  RecordWriter& output_;
   std::size_t record_size_;
   std::vector<std::byte> records_;
   std::uint64_t first_row_ = 0;
 };
 
-void copy_points(Source& source, RecordOutput& output, const Progress& progress) {
+void copy_points(Source& source, RecordWriter& output, const Progress& progress) {
   if (source.packing) {
     OrderedRecords records(output, source.header.point_size);
     LazPoints points(source.file, source.header, *source.packing, Damage::reject);
@@ -159,13 +152,6 @@ void copy_points(Source& source, RecordOutput& output, const Progress& progress)
     const auto count = static_cast<std::size_t>(std::min(step, end - offset));
     output.write(source.file.view(offset, count));
     report(progress, offset + count, source.file.size());
-  }
-}
-
-void copy_bytes(Source& source, std::uint64_t offset, OutputFile& file) {
-  for (; offset < source.file.size(); offset += k_repacked_bytes) {
-    const auto count = std::min<std::uint64_t>(k_repacked_bytes, source.file.size() - offset);
-    file.write(source.file.view(offset, static_cast<std::size_t>(count)));
   }
 }
 
@@ -207,12 +193,13 @@ RepackedFile repack_las(const std::filesystem::path& input, const std::filesyste
   OutputFile file(output, options.overwrite);
   std::vector<std::byte> head = make_head(source, packing);
   file.write(head);
-  RecordOutput records(file, packing);
+  RecordWriter records(file, packing);
   copy_points(source, records, options.progress);
   records.finish();
   const std::uint64_t end = source.points_end();
   move_offsets(head, source.header, end, file.size());
-  copy_bytes(source, end, file);
+  for (std::uint64_t offset = end; offset < source.file.size(); offset += k_repacked_bytes)
+    file.write(source.file.view_up_to(offset, k_repacked_bytes));
   file.write_at(0, head);
   report(options.progress, source.file.size(), source.file.size());
   file.commit();

@@ -23,11 +23,6 @@ namespace {
 
 constexpr std::size_t k_written_block_bytes = 1 << 18;
 
-int smallest_point_format(AttributeSet attributes) {
-  if (attributes.contains(Attribute::near_infrared)) return 8;
-  return attributes.contains(Attribute::color) ? 7 : 6;
-}
-
 std::int16_t scan_angle_steps(float degrees) {
   const double steps = std::nearbyint(degrees / k_las_scan_angle_step);
   if (std::isnan(steps)) return 0;
@@ -59,7 +54,7 @@ struct LasWriter::State {
   std::vector<ExtraDimension> extra_dimensions;  ///< as described in the file; the normals stand last
   LatticeExtent extent;
   std::vector<std::byte> block;
-  std::optional<RecordOutput> points;  ///< once the head is written
+  std::optional<RecordWriter> points;  ///< once the head is written
 
   State(const std::filesystem::path& path, const LasWriteOptions& write_options)
       : file(path, write_options.overwrite), options(write_options) {}
@@ -132,8 +127,9 @@ LasWriter::LasWriter(const std::filesystem::path& path, const PointCloud& like, 
   header.creation_day = options.creation_day;
   header.creation_year = options.creation_year;
   header.lattice = like.lattice;
-  header.point_format = smallest_point_format(attributes);
-
+  header.point_format = attributes.contains(Attribute::near_infrared) ? 8
+                        : attributes.contains(Attribute::color)       ? 7
+                                                                      : 6;
   state_->has_normals = attributes.contains(Attribute::normal);
   for (const ExtraDimension& dimension : like.extra_dimensions) {
     state_->extra_dimensions.push_back(description_of(dimension));

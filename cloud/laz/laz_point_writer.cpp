@@ -15,13 +15,7 @@
 #include "cloud/laz/chunk_table.h"
 
 namespace alidade {
-namespace {
-
-constexpr std::size_t k_most_bytes = 64 << 20;
-
-}  // namespace
-
-struct LazPointWriter::State {
+struct RecordWriter::State {
   OutputFile& file;
   LazLayout layout;
   std::size_t record_size = layout.record_size();
@@ -33,6 +27,7 @@ struct LazPointWriter::State {
   tbb::enumerable_thread_specific<ChunkEncoder> encoders{[this] { return ChunkEncoder(layout); }};
 
   State(OutputFile& output, const LazLayout& laz) : file(output), layout(laz) {
+    constexpr std::size_t k_most_bytes = 64 << 20;
     const auto threads = static_cast<std::size_t>(tbb::this_task_arena::max_concurrency());
     batch_bytes = chunk_bytes * std::max<std::size_t>(std::min(2 * threads, k_most_bytes / chunk_bytes), 1);
     // At once, or growing would take up to three times as much; pages that no record reaches are not touched.
@@ -58,16 +53,18 @@ struct LazPointWriter::State {
   }
 };
 
-LazPointWriter::LazPointWriter(OutputFile& file, const LazLayout& layout)
-    : state_(std::make_unique<State>(file, layout)) {
-  assert(layout.chunk_size > 0);
+RecordWriter::RecordWriter(OutputFile& file, const std::optional<LazLayout>& packing) : file_(file) {
+  if (!packing) return;
+  assert(packing->chunk_size > 0);
+  state_ = std::make_unique<State>(file, *packing);
   // The offset of the table, which is known at the end.
   file.write(std::array<std::byte, 8>{});
 }
 
-LazPointWriter::~LazPointWriter() = default;
+RecordWriter::~RecordWriter() = default;
 
-void LazPointWriter::write(std::span<const std::byte> records) {
+void RecordWriter::write(std::span<const std::byte> records) {
+  if (!state_) return file_.write(records);
   State& state = *state_;
   assert(records.size() % state.record_size == 0);
   while (!records.empty()) {
@@ -79,7 +76,8 @@ void LazPointWriter::write(std::span<const std::byte> records) {
   }
 }
 
-void LazPointWriter::finish() {
+void RecordWriter::finish() {
+  if (!state_) return;
   State& state = *state_;
   state.write_batch();
   std::array<std::byte, 8> table_offset;

@@ -5,7 +5,6 @@
 #include "base/error.h"
 #include "base/progress.h"
 #include "base/words.h"
-#include "cloud/las/repack_las.h"
 #include "cloud/las/write_las.h"
 #include "cloud/ply/write_ply.h"
 #include "cloud/point_cloud.h"
