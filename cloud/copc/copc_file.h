@@ -1,21 +1,82 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
+#include <compare>
 #include <cstddef>
 #include <cstdint>
+#include <glm/glm.hpp>
 #include <mutex>
 #include <span>
 #include <string>
 #include <vector>
 
+#include "base/bounds.h"
 #include "base/input_file.h"
-#include "cloud/copc/copc_hierarchy.h"
 #include "cloud/las/las_header.h"
 #include "cloud/las/las_records.h"
+#include "cloud/laz/chunk_table.h"
 #include "cloud/laz/laz_layout.h"
 #include "cloud/read_cloud.h"
 
 namespace alidade {
+
+/// What the first record of a COPC file says: the root of an octree of chunks. Source: COPC 1.0.
+struct CopcInfo {
+  glm::dvec3 centre{0.0};            ///< of the root, world coordinates
+  double half_size = 0.0;            ///< from the centre to each face: the root is a cube
+  double spacing = 0.0;              ///< distance of points aimed at in the root; halved by every level
+  std::uint64_t root_page = 0;       ///< where the hierarchy begins
+  std::uint64_t root_page_size = 0;  ///< bytes
+};
+
+/// Reads the record's data. Errors: another size, numbers that are not finite or not positive, a cube whose
+/// corners are no finite numbers.
+CopcInfo parse_copc_info(std::span<const std::byte> data, const std::string& file_name, std::uint64_t offset);
+
+inline constexpr int k_deepest_copc_level = 30;
+
+/// A cube of the octree: level 0 is the root; on level L each axis has 2^L cubes.
+struct CopcKey {
+  int level = 0;
+  std::int32_t x = 0, y = 0, z = 0;
+
+  auto operator<=>(const CopcKey&) const = default;
+  CopcKey parent() const { return {level - 1, x >> 1, y >> 1, z >> 1}; }
+  /// "2-1-0-3".
+  std::string name() const;
+};
+
+/// The cube of a key.
+Bounds copc_cube(const CopcInfo& info, const CopcKey& key);
+
+struct CopcNode {
+  CopcKey key;
+  LazChunk chunk;                 ///< point_count 0: the node has no points of its own
+  std::uint64_t first_row = 0;    ///< of its points, in the order of the file
+  std::uint32_t first_child = 0;  ///< of child_count, in CopcHierarchy::children
+  std::uint32_t child_count = 0;
+};
+
+/// The octree of a COPC file. Every point of the file belongs to exactly one node.
+struct CopcHierarchy {
+  std::vector<CopcNode> nodes;  ///< level by level; the root is the first
+  /// Offsets in `nodes`: one node's children behind the other's. A node is the child of the smallest cube
+  /// around it that is a node: of its parent, unless the file leaves that out.
+  std::vector<std::uint32_t> children;
+
+  std::span<const std::uint32_t> children_of(const CopcNode& node) const {
+    return std::span(children).subspan(node.first_child, node.child_count);
+  }
+
+  int levels() const { return nodes.empty() ? 0 : nodes.back().key.level + 1; }
+};
+
+/// Reads all pages of the hierarchy. A root that the file leaves out is added as a node without points, so
+/// that every node is reached from it. `chunks` are those of the file's chunk table: the nodes must have
+/// exactly these, from which follow the rows of their points. Errors: pages or chunks outside the file, pages
+/// that are met twice or take more bytes than the file has, keys that no octree has, two nodes of one key,
+/// nodes that are not the chunks of the file. Memory: about seven times the pages.
+CopcHierarchy read_copc_hierarchy(InputFile& file, const CopcInfo& info, std::span<const LazChunk> chunks);
 
 /// Whether a file that starts so, 589 bytes at least, is COPC.
 bool is_copc(std::span<const std::byte> start);

@@ -48,14 +48,6 @@ RecordLocation read_record_header(InputFile& file, std::uint64_t offset, std::ui
   return record;
 }
 
-void take_laszip(StorageRecord record, const InputFile& file, std::optional<StorageRecord>& known) {
-  if (known && known->data != record.data) {
-    fail_at_byte(file.name(), record.offset,
-                 fmt::format("the laszip record differs from the one at byte {}", known->offset));
-  }
-  if (!known) known = std::move(record);
-}
-
 template <class T = std::uint8_t>
 std::vector<T> read_values(InputFile& file, const RecordLocation& record) {
   std::vector<T> values(static_cast<std::size_t>(record.size / sizeof(T)));
@@ -222,7 +214,12 @@ LasRecords read_las_records(InputFile& file, const LasHeader& header, std::vecto
     } else if (record.is("LASF_Spec", 65535)) {
       warnings.push_back(fmt::format("{}: wave packets are skipped", file.name()));
     } else if (record.is(k_laszip_user_id, k_laszip_record_id)) {
-      take_laszip({record.offset, read_values<std::byte>(file, record)}, file, result.laszip);
+      StorageRecord laszip{record.offset, read_values<std::byte>(file, record)};
+      if (result.laszip && result.laszip->data != laszip.data) {
+        fail_at_byte(file.name(), record.offset,
+                     fmt::format("the laszip record differs from the one at byte {}", result.laszip->offset));
+      }
+      if (!result.laszip) result.laszip = std::move(laszip);
     } else if (record.user_id == k_copc_user_id) {
       const bool first = record.offset == k_las_header_size + k_las_record_head;
       if (first && record.record_id == k_copc_info_id)
@@ -275,10 +272,8 @@ std::optional<LazLayout> read_packing(const InputFile& file, LasHeader& header, 
                                       Damage damage) {
   if (!header.compressed) return std::nullopt;
   if (!records.laszip) {
-    throw Error({.file = file.name(),
-                 .location = "byte 104",
-                 .problem = "compressed points without a laszip record",
-                 .expected = fmt::format("a record '{}' {}", k_laszip_user_id, k_laszip_record_id)});
+    fail_at_byte(file.name(), 104, "compressed points without a laszip record",
+                 fmt::format("a record '{}' {}", k_laszip_user_id, k_laszip_record_id));
   }
   LazLayout layout = parse_laszip_record(records.laszip->data, file.name(), records.laszip->offset,
                                          header.point_format, header.point_size);

@@ -28,9 +28,8 @@ struct LasRecords {
   /// are not described, or not by the first 341 entries, are dimensions "undocumented".
   std::vector<ExtraDimension> extra_dimensions;
   std::vector<VariableLengthRecord> others;
-  std::optional<StorageRecord> laszip;  ///< "laszip encoded" 22204, of LAZ
-  std::optional<StorageRecord>
-      copc_info;  ///< "copc" 1, if it is the first record behind a header of 375 bytes
+  std::optional<StorageRecord> laszip;     ///< "laszip encoded" 22204, of LAZ
+  std::optional<StorageRecord> copc_info;  ///< "copc" 1, if it is the first, behind a header of 375 bytes
 };
 
 /// Reads the records before and after the points. Records that contradict themselves but do no harm are left
@@ -62,11 +61,57 @@ std::vector<std::byte> las_record_head(const VariableLengthRecord& record, bool 
 /// Appends a record with the short header (`data` at most 65535 bytes) or the long one.
 void write_las_record(OutputFile& file, const VariableLengthRecord& record, bool extended);
 
-inline constexpr std::size_t k_las_record_head =
-    54;  ///< bytes before the data of a record that is not extended
+inline constexpr std::size_t k_las_record_head = 54;        ///< bytes before the data, if not extended
 inline constexpr std::size_t k_longest_las_record = 65535;  ///< data of a record that is not extended
 inline constexpr std::size_t k_extra_bytes_entry = 192;     ///< bytes that describe one extra dimension
 /// Most extra dimensions that a record can describe.
 inline constexpr std::size_t k_most_extra_dimensions = k_longest_las_record / k_extra_bytes_entry;
+
+/// Point data records one behind the other, and the first of the rows they go to.
+struct RecordBlock {
+  const std::byte* bytes;
+  std::size_t point_size;
+  std::size_t count;
+  std::size_t first_row;
+};
+
+/// How the point data records of a LAS file become columns of a cloud.
+class LasColumns {
+ public:
+  LasColumns(std::string file_name, const LasHeader& header,
+             const std::vector<ExtraDimension>& extra_dimensions);
+
+  /// Attributes the records have.
+  AttributeSet attributes() const;
+
+  /// What is kept of the records, and where.
+  struct Choice {
+    AttributeSet kept;
+    LatticeShift shift;
+    std::vector<std::size_t> extra_columns;
+  };
+
+  /// Those of the `wanted` attributes that are there; makes the columns of extra dimensions in `cloud`.
+  /// Errors: the lattices of cloud and file are incompatible.
+  Choice choose(AttributeSet wanted, PointCloud& cloud) const;
+
+  /// Puts records into rows that exist. Different rows may be filled by different threads. Errors: a position
+  /// that the cloud's lattice does not reach.
+  void take(const RecordBlock& block, const Choice& choice, PointCloud& cloud) const;
+
+ private:
+  struct PlacedDimension {
+    ExtraDimension description;
+    int offset;  ///< byte within a point
+  };
+
+  void take_attributes(const RecordBlock& block, AttributeSet kept, PointCloud& cloud) const;
+
+  std::string file_name_;
+  Lattice lattice_;
+  LasPointLayout layout_;
+  std::vector<PlacedDimension> extra_dimensions_;
+  std::optional<int> normal_offset_;
+};
 
 }  // namespace alidade

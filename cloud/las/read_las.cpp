@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "cloud/las/read_las.h"
+#include "cloud/las/las_records.h"
 
 #include <fmt/format.h>
 #include <algorithm>
@@ -9,7 +9,6 @@
 
 #include "base/bytes.h"
 #include "cloud/cloud_reader.h"
-#include "cloud/las/las_records.h"
 #include "cloud/lattice.h"
 #include "cloud/laz/laz_layout.h"
 #include "cloud/laz/laz_points.h"

@@ -11,7 +11,7 @@
 #include <string>
 #include <vector>
 
-#include "cloud/copc/copc_hierarchy.h"
+#include "cloud/copc/copc_file.h"
 #include "cloud/las/las_header.h"
 #include "cloud/las/las_records.h"
 #include "cloud/laz/chunk_table.h"

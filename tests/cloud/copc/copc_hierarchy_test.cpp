@@ -1,11 +1,10 @@
 // SPDX-License-Identifier: MIT
-#include "cloud/copc/copc_hierarchy.h"
+#include "cloud/copc/copc_file.h"
 
 #include <gtest/gtest.h>
 
 #include <set>
 
-#include "cloud/copc/copc_file.h"
 #include "tests/cloud/cloud_test_support.h"
 #include "tests/cloud/copc/copc_builder.h"
 
