@@ -7,13 +7,6 @@
 #include <new>
 
 namespace alidade {
-namespace {
-
-constexpr std::uint64_t k_block_points =
-    4096;  // so that their records stay in the cache until they are taken
-
-}  // namespace
-
 ChunkDecoder::ChunkDecoder(const LazLayout& layout, const LazLayers& wanted)
     : record_size_(layout.record_size()) {
   if (layout.compressor == LazCompressor::layered) {
@@ -44,6 +37,8 @@ std::size_t ChunkDecoder::decode(std::span<const std::byte> bytes, std::uint64_t
     take(all, static_cast<std::size_t>(point_count), 0);
     return bytes.size();
   }
+  // So few that their records stay in the cache until they are taken.
+  constexpr std::uint64_t k_block_points = 4096;
   pointwise_->start(bytes);
   for (std::uint64_t first = 0; first < point_count; first += k_block_points) {
     const std::size_t count = static_cast<std::size_t>(std::min(k_block_points, point_count - first));

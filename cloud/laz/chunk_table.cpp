@@ -4,11 +4,12 @@
 #include <fmt/format.h>
 #include <algorithm>
 #include <cassert>
+#include <utility>
 
 #include "base/bytes.h"
 #include "cloud/laz/entropy_coder.h"
 #include "cloud/laz/layered_codec.h"
-#include "cloud/laz/value_coders.h"
+#include "cloud/laz/shared_models.h"
 
 // Source: the chunk table as laszip 2 and 3 write it. The offset of the points holds the offset of the
 // table, -1 if its writer could not go back; then the last eight bytes before extended records or the end of
@@ -44,53 +45,45 @@ std::uint64_t find_table(InputFile& file, const LasHeader& header) {
 }
 
 /// Sums of the table against what header and file allow.
-class TableCheck {
- public:
-  TableCheck(const InputFile& file, const LasHeader& header, const LazLayout& layout, std::uint64_t table)
-      : file_(file),
-        table_(table),
-        smallest_(smallest_chunk(layout)),
-        next_(first_chunk(header)),
-        points_left_(header.point_count),
-        layout_(layout) {}
+struct TableCheck {
+  const InputFile& file;
+  const LasHeader& header;
+  const LazLayout& layout;
+  std::uint64_t table;  // where it stands
+  std::uint64_t smallest = smallest_chunk(layout);
+  std::uint64_t next_offset = first_chunk(header);
+  std::uint64_t points_left = header.point_count;
 
   LazChunk next(std::uint32_t byte_count, std::uint32_t point_count, std::size_t number) {
     const LazChunk chunk{
-        next_, byte_count,
-        layout_.chunk_size != 0 ? std::min<std::uint64_t>(layout_.chunk_size, points_left_) : point_count};
-    if (chunk.byte_count < smallest_ || chunk.byte_count > table_ - next_) {
-      fail_at_byte(file_.name(), table_, fmt::format("invalid size of chunk {} in the chunk table", number),
-                   fmt::format("{} to {} bytes", smallest_, table_ - next_), std::to_string(byte_count));
+        next_offset, byte_count,
+        layout.chunk_size != 0 ? std::min<std::uint64_t>(layout.chunk_size, points_left) : point_count};
+    if (chunk.byte_count < smallest || chunk.byte_count > table - next_offset) {
+      fail(fmt::format("invalid size of chunk {} in the chunk table", number),
+           fmt::format("{} to {} bytes", smallest, table - next_offset), std::to_string(byte_count));
     }
-    const std::uint64_t most = std::min(points_left_, most_laz_points(chunk.byte_count));
+    const std::uint64_t most = std::min(points_left, most_laz_points(chunk.byte_count));
     if (chunk.point_count == 0 || chunk.point_count > most) {
-      fail_at_byte(file_.name(), table_,
-                   fmt::format("invalid number of points of chunk {} in the chunk table", number),
-                   fmt::format("1 to {}", most), std::to_string(chunk.point_count));
+      fail(fmt::format("invalid number of points of chunk {} in the chunk table", number),
+           fmt::format("1 to {}", most), std::to_string(chunk.point_count));
     }
-    next_ += chunk.byte_count;
-    points_left_ -= chunk.point_count;
+    next_offset += chunk.byte_count;
+    points_left -= chunk.point_count;
     return chunk;
   }
 
   void finish() const {
-    if (points_left_ != 0) {
-      fail_at_byte(file_.name(), table_, "the chunk table lists fewer points than the header", "all points",
-                   fmt::format("{} missing", points_left_));
-    }
-    if (next_ != table_) {
-      fail_at_byte(file_.name(), table_, "the chunks do not end at the chunk table",
-                   fmt::format("byte {}", table_), fmt::format("byte {}", next_));
-    }
+    if (points_left != 0)
+      fail("the chunk table lists fewer points than the header", "all points",
+           fmt::format("{} missing", points_left));
+    if (next_offset != table)
+      fail("the chunks do not end at the chunk table", fmt::format("byte {}", table),
+           fmt::format("byte {}", next_offset));
   }
 
- private:
-  const InputFile& file_;
-  std::uint64_t table_;
-  std::uint64_t smallest_;
-  std::uint64_t next_;
-  std::uint64_t points_left_;
-  const LazLayout& layout_;
+  [[noreturn]] void fail(std::string problem, std::string expected, std::string found) const {
+    fail_at_byte(file.name(), table, std::move(problem), std::move(expected), std::move(found));
+  }
 };
 
 }  // namespace
@@ -136,7 +129,7 @@ std::optional<std::vector<LazChunk>> read_chunk_table(InputFile& file, const Las
     }
   }
 
-  TableCheck check(file, header, layout, table);
+  TableCheck check{file, header, layout, table};
   std::vector<LazChunk> chunks;
   if (count > 0) {
     // Two numbers of 32 bits take less than twelve bytes, each in their worst case.

@@ -11,10 +11,12 @@
 #include <span>
 #include <vector>
 
+#include "base/bytes.h"
+
 namespace alidade {
 
-/// Adaptive probability of a bit in LAZ streams (shared by arithmetic_decoder.h and arithmetic_encoder.h):
-/// bits are counted, and from time to time, first often, then seldom, the counts become the new probability.
+/// Adaptive probability of a bit in LAZ streams, for decoder and encoder alike: bits are counted, and from time
+/// to time, first often, then seldom, the counts become the new probability.
 struct BitModel {
   static constexpr int k_precision = 13;  ///< bits of `probability`
 
@@ -43,9 +45,9 @@ struct BitModel {
   void adapt();
 };
 
-/// Adaptive probabilities of n symbols 0 to n - 1 in LAZ streams (shared by arithmetic_decoder.h and
-/// arithmetic_encoder.h): symbols are counted, and from time to time, first often, then seldom, the counts
-/// become new probabilities. Memory, about 5 bytes per symbol, is taken by the constructor only.
+/// Adaptive probabilities of n symbols 0 to n - 1 in LAZ streams, for decoder and encoder alike: symbols are
+/// counted, and from time to time, first often, then seldom, the counts become new probabilities. Memory, about
+/// 5 bytes per symbol, is taken by the constructor only.
 class SymbolModel {
  public:
   static constexpr int k_precision = 15;  ///< bits of probabilities
@@ -144,10 +146,15 @@ class SymbolModelSet {
 /// failed(), which callers ask once per point. Every value it returns lies in its range all the same.
 /// Cost: constant for bits and raw values; symbols() see SymbolModel. The bytes must outlive the decoder.
 ///
+/// The rules of an attribute stand once, as a template on this class or ArithmeticEncoder: both take a value and
+/// return it, but the decoder leaves what it is given unused and returns what the stream says.
+///
 /// Source: A. Said, "Introduction to Arithmetic Coding: Theory and Practice", HP Labs report HPL-2004-76.
 class ArithmeticDecoder {
  public:
+  static constexpr bool k_decodes = true;
   static constexpr std::uint32_t k_least_length = 1u << 24;
+  static constexpr int k_widest_raw = 19;  ///< more bits are written in two parts
 
   /// A decoder of nothing: it has failed.
   ArithmeticDecoder() = default;
@@ -182,7 +189,7 @@ class ArithmeticDecoder {
   }
 
   /// The next symbol, less than the number of symbols of the model, which learns it.
-  unsigned symbol(SymbolModel& model) {
+  unsigned symbol(SymbolModel& model, unsigned = 0) {
     const std::uint32_t unit = length_ >> SymbolModel::k_precision;
     // The quotient of value_ and unit, rounded down: a division would take half of the time of a symbol.
     const int shift = std::countl_zero(length_);
@@ -199,7 +206,7 @@ class ArithmeticDecoder {
   }
 
   /// The next `width` bits without model, 1 to 32.
-  std::uint32_t raw(int width) {
+  std::uint32_t raw(int width, std::uint32_t = 0) {
     assert(width >= 1 && width <= 32);
     if (width <= k_widest_raw) return narrow_raw(width);
     const std::uint32_t low = narrow_raw(16);
@@ -207,9 +214,25 @@ class ArithmeticDecoder {
   }
 
   /// The next 64 bits without model.
-  std::uint64_t raw64() {
+  std::uint64_t raw64(std::uint64_t = 0) {
     const std::uint64_t low = raw(32);
     return static_cast<std::uint64_t>(raw(32)) << 32 | low;
+  }
+
+  /// The next value of an IntegerCompressor.
+  template <class Compressor>
+  std::int32_t integer(Compressor& compressor, std::int32_t prediction, std::int32_t, int context = 0) {
+    return compressor.decode(*this, prediction, context);
+  }
+
+  /// The value in a record: not known before it is decoded.
+  template <class T>
+  static T value(const std::byte*) {
+    return T{};
+  }
+  template <class T>
+  static void put(std::byte* at, const T& value) {
+    store(at, value);
   }
 
   /// Whether anything was read from behind the end or was no value that an encoder writes. Stays true.
@@ -222,8 +245,6 @@ class ArithmeticDecoder {
   std::size_t consumed() const { return static_cast<std::size_t>(next_ - begin_); }
 
  private:
-  static constexpr int k_widest_raw = 19;  // more bits are written in two parts
-
   // Of lengths from 2^31 on, by their upper bits: 2^47 divided by the length or a little less, so that
   // value * reciprocal / 2^32 is at most value * 2^15 / length.
   static constexpr int k_reciprocal_shift = 22;
@@ -276,6 +297,8 @@ class ArithmeticDecoder {
 /// any number of bytes.
 class ArithmeticEncoder {
  public:
+  static constexpr bool k_decodes = false;
+
   /// Requires bit to be 0 or 1.
   void bit(BitModel& model, unsigned bit) {
     assert(bit <= 1);
@@ -291,7 +314,7 @@ class ArithmeticEncoder {
   }
 
   /// Requires a symbol of the model.
-  void symbol(SymbolModel& model, unsigned symbol) {
+  unsigned symbol(SymbolModel& model, unsigned symbol) {
     const std::uint32_t unit = length_ >> SymbolModel::k_precision;
     const std::uint32_t low = model.cumulative(symbol) * unit;
     const std::uint32_t high = symbol == model.last_symbol() ? length_ : model.cumulative(symbol + 1) * unit;
@@ -299,32 +322,46 @@ class ArithmeticEncoder {
     length_ = high - low;
     renormalise();
     model.count(symbol);
+    return symbol;
   }
 
   /// Requires 1 <= width <= 32 and value < 2^width.
-  void raw(int width, std::uint32_t value) {
+  std::uint32_t raw(int width, std::uint32_t value) {
     assert(width >= 1 && width <= 32 && (width == 32 || value >> width == 0));
-    if (width <= k_widest_raw) return narrow_raw(width, value);
+    if (width <= ArithmeticDecoder::k_widest_raw) return narrow_raw(width, value);
     narrow_raw(16, value & 0xffff);
     narrow_raw(width - 16, value >> 16);
+    return value;
   }
-
-  void raw64(std::uint64_t value) {
+  std::uint64_t raw64(std::uint64_t value) {
     raw(32, static_cast<std::uint32_t>(value));
     raw(32, static_cast<std::uint32_t>(value >> 32));
+    return value;
+  }
+  template <class Compressor>
+  std::int32_t integer(Compressor& compressor, std::int32_t prediction, std::int32_t value, int context = 0) {
+    compressor.encode(*this, prediction, value, context);
+    return value;
   }
 
+  template <class T>
+  static T value(const std::byte* at) {
+    return load<T>(at);
+  }
+  /// Records are not changed by encoding them.
+  template <class T>
+  static void put(const std::byte*, const T&) {}
   /// The stream, complete; the encoder is then new. A stream of nothing is 01 00 00 00.
   std::vector<std::byte> finish();
 
  private:
-  static constexpr int k_widest_raw = 19;  // more bits are written in two parts
-  static constexpr std::uint32_t k_least_length = 1u << 24;
+  static constexpr std::uint32_t k_least_length = ArithmeticDecoder::k_least_length;
 
-  void narrow_raw(int width, std::uint32_t value) {
+  std::uint32_t narrow_raw(int width, std::uint32_t value) {
     length_ >>= width;
     add(value * length_);
     renormalise();
+    return value;
   }
 
   void add(std::uint32_t amount) {

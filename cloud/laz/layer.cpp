@@ -4,63 +4,78 @@
 #include <cassert>
 #include <cstring>
 
-#include "cloud/laz/entropy_coder.h"
 #include "cloud/laz/layered_codec.h"
-#include "cloud/laz/shared_models.h"
 
 namespace alidade {
 
-/// Layers of POINT14 whose values are predicted by the last point of the channel that was of a kind. Rules
-/// says which of eight kinds a point is, and which of its contexts codes the difference.
-template <class Rules>
-class PredictedLayer final : public LayerOfPoints<PredictedLayer<Rules>> {
-  using Value = typename Rules::Value;
+bool Layer::needed(std::span<const std::byte> records, std::size_t record_size) const {
+  const std::byte* const first = records.data() + field_.offset;
+  for (std::size_t at = record_size; at < records.size(); at += record_size)
+    if (std::memcmp(first, first + at, field_.size) != 0) return true;
+  return false;
+}
+
+namespace {
+
+/// A layer of POINT14. Channel is what it has learnt of a scanner channel: beside what ChannelStates requires,
+/// the field of the record, and `code(coder, point, value)`, which returns a point's value in the record.
+template <class Channel>
+class PointLayer : public LayerOfPoints<PointLayer<Channel>> {
+  using Value = typename Channel::Value;
 
  public:
-  PredictedLayer() : LayerOfPoints<PredictedLayer<Rules>>(Rules::k_field) {}
+  PointLayer() : LayerOfPoints<PointLayer<Channel>>(Channel::k_field) {}
 
   void start(const std::byte* first_record, unsigned channel) override {
-    channels_.start(channel, load<Value>(first_record + Rules::k_field.offset));
-  }
-
-  bool needed(std::span<const std::byte> records, std::size_t record_size) const override {
-    return Rules::k_is_always_written || Layer::needed(records, record_size);
+    channels_.start(channel, load<Value>(first_record + Channel::k_field.offset));
   }
 
   template <class Coder, class Byte>
   void code(Coder& coder, const LayeredPoint& point, Byte* field) {
-    Channel& channel = channels_.select(point);
-    Value& last = channel.by_kind[Rules::kind(point)];
-    last = static_cast<Value>(
-        coder.integer(channel.differences, last, coder.template value<Value>(field), Rules::context(point)));
-    channel.last = last;
-    coder.put(field, last);
+    coder.put(field, channels_.select(point).code(coder, point, coder.template value<Value>(field)));
   }
 
  private:
-  struct Channel {
-    void open(Value value) {
-      differences.reset();
-      by_kind.fill(value);
-      last = value;
-    }
-    Value last_value() const { return last; }
-
-    IntegerCompressor differences{8 * sizeof(Value), Rules::k_contexts};
-    std::array<Value, 8> by_kind{};
-    Value last = 0;
-  };
-
   ChannelStates<Channel> channels_;
+};
+
+/// Values that are predicted by the last point of the channel that was of a kind. Rules says which points have
+/// a code, the others have the last value of their channel, which of eight kinds a point is, and which of its
+/// contexts codes the difference.
+template <class Rules>
+struct PredictedChannel : Rules {
+  using Value = typename Rules::Value;
+
+  void open(Value value) {
+    differences.reset();
+    by_kind.fill(value);
+    last = value;
+  }
+  template <class Coder>
+  [[gnu::always_inline]] Value code(Coder& coder, const LayeredPoint& point, Value value) {
+    if (!Rules::has_code(point)) return last;
+    Value& before = by_kind[Rules::kind(point)];
+    before = static_cast<Value>(coder.integer(differences, before, value, Rules::context(point)));
+    return last = before;
+  }
+
+  IntegerCompressor differences{8 * sizeof(Value), Rules::k_contexts};
+  std::array<Value, 8> by_kind{};
+  Value last = 0;
 };
 
 struct ZRules {
   using Value = std::int32_t;
   static constexpr Layer::Field k_field = {"z", point14::k_z, sizeof(Value)};
   static constexpr int k_contexts = 20;
-  static constexpr bool k_is_always_written = true;  // also where z never changes, as other writers do
+  static bool has_code(const LayeredPoint&) { return true; }
   static unsigned kind(const LayeredPoint& point) { return point.level; }
   static int context(const LayeredPoint& point) { return point.z_context; }
+};
+
+/// Written also where z never changes, as other writers do.
+class ZLayer final : public PointLayer<PredictedChannel<ZRules>> {
+  bool needed(std::span<const std::byte>, std::size_t) const override { return true; }
 };
 
 /// Points are alike that are both first or last returns or neither, and both have a new time or not.
@@ -68,76 +83,85 @@ struct IntensityRules {
   using Value = std::uint16_t;
   static constexpr Layer::Field k_field = {"intensity", point14::k_intensity, sizeof(Value)};
   static constexpr int k_contexts = 4;
-  static constexpr bool k_is_always_written = false;
+  static bool has_code(const LayeredPoint&) { return true; }
   static unsigned kind(const LayeredPoint& point) {
     return 2u * point.return_end + point.has(LayeredPoint::k_gps_time);
   }
   static int context(const LayeredPoint& point) { return point.return_end; }
 };
 
-using ZLayer = PredictedLayer<ZRules>;
-using IntensityLayer = PredictedLayer<IntensityRules>;
-
-// Layers of POINT14 whose values are few: each is one symbol, whose model the last value of the channel
-// chooses.
-
-/// Rules says what a value is in the byte of the record, and which model codes it.
-template <class Rules>
-class ByteLayer final : public LayerOfPoints<ByteLayer<Rules>> {
- public:
-  ByteLayer() : LayerOfPoints<ByteLayer<Rules>>(Rules::k_field) {}
-
-  void start(const std::byte* first_record, unsigned channel) override {
-    channels_.start(channel, Rules::value(load<std::uint8_t>(first_record + Rules::k_field.offset)));
-  }
-
-  bool needed(std::span<const std::byte> records, std::size_t record_size) const override {
-    const std::byte* at = records.data() + Rules::k_field.offset;
-    const unsigned first = Rules::value(load<std::uint8_t>(at));
-    for (std::size_t i = 0; i < records.size(); i += record_size)
-      if (Rules::value(load<std::uint8_t>(at + i)) != first) return true;
-    return false;
-  }
-
-  template <class Coder, class Byte>
-  void code(Coder& coder, const LayeredPoint& point, Byte* field) {
-    Channel& channel = channels_.select(point);
-    const unsigned value = Rules::value(coder.template value<std::uint8_t>(field));
-    channel.last = coder.symbol(channel.models[Rules::model(channel.last, point)], value);
-    coder.put(field, Rules::byte(channel.last, point));
-  }
-
- private:
-  struct Channel {
-    void open(unsigned value) {
-      models.reset();
-      last = value;
-    }
-    unsigned last_value() const { return last; }
-
-    SymbolModelSet models{64, Rules::k_values};
-    unsigned last = 0;
-  };
-
-  ChannelStates<Channel> channels_;
+struct ScanAngleRules {
+  using Value = std::int16_t;
+  static constexpr Layer::Field k_field = {"scan angle", point14::k_scan_angle, sizeof(Value)};
+  static constexpr int k_contexts = 2;
+  static bool has_code(const LayeredPoint& point) { return point.has(LayeredPoint::k_scan_angle); }
+  static unsigned kind(const LayeredPoint&) { return 0; }
+  static int context(const LayeredPoint& point) { return point.has(LayeredPoint::k_gps_time); }
 };
 
-struct ClassificationRules {
-  static constexpr Layer::Field k_field = {"classification", point14::k_classification, 1};
+struct PointSourceRules {
+  using Value = std::uint16_t;
+  static constexpr Layer::Field k_field = {"point source", point14::k_point_source, sizeof(Value)};
+  static constexpr int k_contexts = 1;
+  static bool has_code(const LayeredPoint& point) { return point.has(LayeredPoint::k_point_source); }
+  static unsigned kind(const LayeredPoint&) { return 0; }
+  static int context(const LayeredPoint&) { return 0; }
+};
+
+struct GpsTimeChannel {
+  using Value = std::int64_t;  // the bits of a double
+  static constexpr Layer::Field k_field = {"GPS time", point14::k_gps_time, sizeof(Value)};
+
+  void open(Value value) {
+    model.start(value);
+    last = value;
+  }
+  template <class Coder>
+  [[gnu::always_inline]] Value code(Coder& coder, const LayeredPoint& point, Value value) {
+    if (point.has(LayeredPoint::k_gps_time)) last = model.code(coder, value);
+    return last;
+  }
+
+  GpsTimeModel model{GpsTimeModel::Unchanged::never_coded};
+  Value last = 0;
+};
+
+/// Values that are few: each is one symbol, whose model the last value of the channel chooses. Rules says what a
+/// value is in the byte of the record, and which model codes it.
+template <class Rules>
+struct ByteChannel : Rules {
+  using Value = std::uint8_t;  // the byte
+
+  void open(Value byte) {
+    models.reset();
+    last = byte;
+  }
+  template <class Coder>
+  [[gnu::always_inline]] Value code(Coder& coder, const LayeredPoint& point, Value byte) {
+    SymbolModel& model = models[Rules::model(Rules::value(last), point)];
+    return last = Rules::byte(coder.symbol(model, Rules::value(byte)), point);
+  }
+
+  SymbolModelSet models{64, Rules::k_values};
+  Value last = 0;
+};
+
+struct WholeByteRules {
   static constexpr int k_values = 256;
   static unsigned value(std::uint8_t byte) { return byte; }
   static std::uint8_t byte(unsigned value, const LayeredPoint&) { return static_cast<std::uint8_t>(value); }
+};
+
+struct ClassificationRules : WholeByteRules {
+  static constexpr Layer::Field k_field = {"classification", point14::k_classification, 1};
   static unsigned model(unsigned last, const LayeredPoint& point) {
     constexpr std::uint8_t k_only_return = 3;
     return 2 * (last & 31) + (point.return_end == k_only_return);
   }
 };
 
-struct UserDataRules {
+struct UserDataRules : WholeByteRules {
   static constexpr Layer::Field k_field = {"user data", point14::k_user_data, 1};
-  static constexpr int k_values = 256;
-  static unsigned value(std::uint8_t byte) { return byte; }
-  static std::uint8_t byte(unsigned value, const LayeredPoint&) { return static_cast<std::uint8_t>(value); }
   static unsigned model(unsigned last, const LayeredPoint&) { return last / 4; }
 };
 
@@ -152,96 +176,16 @@ struct FlagsRules {
   static unsigned model(unsigned last, const LayeredPoint&) { return last; }
 };
 
-using ClassificationLayer = ByteLayer<ClassificationRules>;
-using UserDataLayer = ByteLayer<UserDataRules>;
-using FlagsLayer = ByteLayer<FlagsRules>;
-
-// Layers of POINT14 that hold a value only for points where the first layer says it has changed; all others
-// have the last one of their channel.
-
-/// Rules: the type of the values, the bit that says they change, and `Models` with `code`.
-template <class Rules>
-class ChangedLayer final : public LayerOfPoints<ChangedLayer<Rules>> {
-  using Value = typename Rules::Value;
-
- public:
-  ChangedLayer() : LayerOfPoints<ChangedLayer<Rules>>(Rules::k_field) {}
-
-  void start(const std::byte* first_record, unsigned channel) override {
-    channels_.start(channel, load<Value>(first_record + Rules::k_field.offset));
+class FlagsLayer final : public PointLayer<ByteChannel<FlagsRules>> {
+  bool needed(std::span<const std::byte> records, std::size_t record_size) const override {
+    const auto flags_at = [at = records.data() + field().offset](std::size_t record) {
+      return FlagsRules::value(load<std::uint8_t>(at + record));
+    };
+    for (std::size_t record = record_size; record < records.size(); record += record_size)
+      if (flags_at(record) != flags_at(0)) return true;
+    return false;
   }
-
-  template <class Coder, class Byte>
-  void code(Coder& coder, const LayeredPoint& point, Byte* field) {
-    Channel& channel = channels_.select(point);
-    if (point.has(Rules::k_change))
-      channel.last = channel.models.code(coder, channel.last, coder.template value<Value>(field), point);
-    coder.put(field, channel.last);
-  }
-
- private:
-  struct Channel {
-    void open(Value value) {
-      models.reset(value);
-      last = value;
-    }
-    Value last_value() const { return last; }
-
-    typename Rules::Models models;
-    Value last{};
-  };
-
-  ChannelStates<Channel> channels_;
 };
-
-struct ScanAngleRules {
-  using Value = std::int16_t;
-  static constexpr Layer::Field k_field = {"scan angle", point14::k_scan_angle, sizeof(Value)};
-  static constexpr LayeredPoint::Change k_change = LayeredPoint::k_scan_angle;
-
-  struct Models {
-    void reset(Value) { compressor.reset(); }
-    template <class Coder>
-    Value code(Coder& coder, Value last, Value value, const LayeredPoint& point) {
-      return static_cast<Value>(coder.integer(compressor, last, value, point.has(LayeredPoint::k_gps_time)));
-    }
-    IntegerCompressor compressor{16, 2};
-  };
-};
-
-struct PointSourceRules {
-  using Value = std::uint16_t;
-  static constexpr Layer::Field k_field = {"point source", point14::k_point_source, sizeof(Value)};
-  static constexpr LayeredPoint::Change k_change = LayeredPoint::k_point_source;
-
-  struct Models {
-    void reset(Value) { compressor.reset(); }
-    template <class Coder>
-    Value code(Coder& coder, Value last, Value value, const LayeredPoint&) {
-      return static_cast<Value>(coder.integer(compressor, last, value));
-    }
-    IntegerCompressor compressor{16, 1};
-  };
-};
-
-struct GpsTimeRules {
-  using Value = std::int64_t;  // the bits of a double
-  static constexpr Layer::Field k_field = {"GPS time", point14::k_gps_time, sizeof(Value)};
-  static constexpr LayeredPoint::Change k_change = LayeredPoint::k_gps_time;
-
-  struct Models {
-    void reset(Value first) { model.start(first); }
-    template <class Coder>
-    Value code(Coder& coder, Value, Value value, const LayeredPoint&) {
-      return model.code(coder, value);
-    }
-    GpsTimeModel model{GpsTimeModel::Unchanged::never_coded};
-  };
-};
-
-using ScanAngleLayer = ChangedLayer<ScanAngleRules>;
-using PointSourceLayer = ChangedLayer<PointSourceRules>;
-using GpsTimeLayer = ChangedLayer<GpsTimeRules>;
 
 // Layers of RGB14, RGBNIR14, WAVEPACKET14 and BYTE14.
 
@@ -257,19 +201,12 @@ class ItemLayer : public LayerOfPoints<ItemLayer<Models, size>> {
     channels_.start(channel, load<Value>(first_record + this->field().offset));
   }
 
-  template <class Byte>
-  void code(LayerDecoding& coder, const LayeredPoint& point, Byte* field) {
+  template <class Coder, class Byte>
+  void code(Coder& coder, const LayeredPoint& point, Byte* field) {
     channels_.select(point);
     Value& last = channels_.last_value();
-    channels_.models().decode(coder.stream(), last.data());
-    std::memcpy(field, last.data(), size);
-  }
-
-  void code(LayerEncoding& coder, const LayeredPoint& point, const std::byte* field) {
-    channels_.select(point);
-    Value& last = channels_.last_value();
-    channels_.models().encode(coder.stream(), last.data(), field);
-    std::memcpy(last.data(), field, size);
+    channels_.models().code(coder, last.data(), field);
+    coder.put(field, last);
   }
 
  private:
@@ -278,50 +215,42 @@ class ItemLayer : public LayerOfPoints<ItemLayer<Models, size>> {
   ItemChannels<Models, Value> channels_;
 };
 
-class NearInfraredModels {
- public:
-  void reset() {
-    used_.reset();
-    for (SymbolModel& model : bytes_) model.reset();
+/// How much a byte differs from the last one, modulo 256; unknown while decoding.
+template <class Coder>
+unsigned change_of(const std::byte* last, const std::byte* next) {
+  return (Coder::template value<std::uint8_t>(next) - std::to_integer<unsigned>(*last)) & 255;
+}
+
+struct ExtraByteModels {
+  void reset() { changes.reset(); }
+
+  template <class Coder>
+  void code(Coder& coder, std::byte* last, const std::byte* next) {
+    const unsigned change = coder.symbol(changes, change_of<Coder>(last, next));
+    *last = static_cast<std::byte>(std::to_integer<unsigned>(*last) + change);
   }
 
-  void decode(ArithmeticDecoder& decoder, std::byte* value) {
-    const unsigned used = decoder.symbol(used_);
-    for (std::size_t byte = 0; byte < 2; ++byte)
-      if ((used >> byte & 1) != 0)
-        value[byte] =
-            static_cast<std::byte>(std::to_integer<unsigned>(value[byte]) + decoder.symbol(bytes_[byte]));
-  }
-
-  void encode(ArithmeticEncoder& encoder, const std::byte* previous, const std::byte* value) {
-    const auto change = [&](std::size_t byte) {
-      return (std::to_integer<unsigned>(value[byte]) - std::to_integer<unsigned>(previous[byte])) & 255;
-    };
-    encoder.symbol(used_, (change(0) != 0 ? 1u : 0u) | (change(1) != 0 ? 2u : 0u));
-    for (std::size_t byte = 0; byte < 2; ++byte)
-      if (change(byte) != 0) encoder.symbol(bytes_[byte], change(byte));
-  }
-
- private:
-  SymbolModel used_{4};
-  std::array<SymbolModel, 2> bytes_{SymbolModel(256), SymbolModel(256)};
+  SymbolModel changes{256};
 };
 
-class ExtraByteModels {
- public:
-  void reset() { changes_.reset(); }
-
-  void decode(ArithmeticDecoder& decoder, std::byte* value) {
-    *value = static_cast<std::byte>(std::to_integer<unsigned>(*value) + decoder.symbol(changes_));
+struct NearInfraredModels {
+  void reset() {
+    used.reset();
+    for (ExtraByteModels& models : bytes) models.reset();
   }
 
-  void encode(ArithmeticEncoder& encoder, const std::byte* previous, const std::byte* value) {
-    encoder.symbol(changes_,
-                   (std::to_integer<unsigned>(*value) - std::to_integer<unsigned>(*previous)) & 255);
+  template <class Coder>
+  void code(Coder& coder, std::byte* last, const std::byte* next) {
+    const auto bit = [&](unsigned byte) {
+      return change_of<Coder>(last + byte, next + byte) != 0 ? 1u << byte : 0u;
+    };
+    const unsigned changed = coder.symbol(used, bit(0) | bit(1));
+    for (std::size_t byte = 0; byte < 2; ++byte)
+      if ((changed >> byte & 1) != 0) bytes[byte].code(coder, last + byte, next + byte);
   }
 
- private:
-  SymbolModel changes_{256};
+  SymbolModel used{4};
+  std::array<ExtraByteModels, 2> bytes;
 };
 
 class ColorLayer final : public ItemLayer<ColorModels, k_color_size> {
@@ -336,78 +265,56 @@ class ColorLayer final : public ItemLayer<ColorModels, k_color_size> {
   }
 };
 
-using NearInfraredLayer = ItemLayer<NearInfraredModels, k_near_infrared_size>;
-using WavePacketLayer = ItemLayer<WavePacketModels, WavePacketModels::k_size>;
-using ExtraByteLayer = ItemLayer<ExtraByteModels, 1>;
+using Layers = std::vector<std::unique_ptr<Layer>>;
 
-bool Layer::needed(std::span<const std::byte> records, std::size_t record_size) const {
-  const std::byte* const first = records.data() + field_.offset;
-  for (std::size_t at = record_size; at < records.size(); at += record_size)
-    if (std::memcmp(first, first + at, field_.size) != 0) return true;
-  return false;
+template <class L, class... Arguments>
+void add(Layers& layers, bool is_wanted, Arguments... arguments) {
+  layers.push_back(is_wanted ? std::make_unique<L>(arguments...) : nullptr);
 }
 
-namespace {
-
-class Maker {
- public:
-  Maker(const LazLayers& wanted, std::size_t layers) : wanted_(wanted) { layers_.reserve(layers); }
-
-  void add(const LazItem& item) {
-    switch (item.kind) {
-      case LazItemKind::point14:
-        add_point();
-        break;
-      case LazItemKind::rgb14:
-        add<ColorLayer>(wanted_.color, "colour", offset_, item.version);
-        break;
-      case LazItemKind::rgb_nir14:
-        add<ColorLayer>(wanted_.color, "colour", offset_, item.version);
-        add<NearInfraredLayer>(wanted_.near_infrared, "near infrared", offset_ + k_color_size, item.version);
-        break;
-      case LazItemKind::wave_packet14:
-        add<WavePacketLayer>(wanted_.wave_packet, "wave packet", offset_, item.version);
-        break;
-      case LazItemKind::byte14:
-        for (std::size_t byte = 0; byte < item.size; ++byte)
-          add<ExtraByteLayer>(wanted_.extra_bytes, "extra byte", offset_ + byte, item.version);
-        break;
-      default:
-        assert(false && "count_layers() rejects other items");
-    }
-    offset_ += item.size;
+/// Adds the layers of an item that begins at this offset of the record.
+void add_layers(Layers& layers, const LazItem& item, std::size_t offset, const LazLayers& wanted) {
+  switch (item.kind) {
+    case LazItemKind::point14:
+      add<ZLayer>(layers, wanted.z);
+      add<PointLayer<ByteChannel<ClassificationRules>>>(layers, wanted.classification);
+      add<FlagsLayer>(layers, wanted.flags);
+      add<PointLayer<PredictedChannel<IntensityRules>>>(layers, wanted.intensity);
+      add<PointLayer<PredictedChannel<ScanAngleRules>>>(layers, wanted.scan_angle);
+      add<PointLayer<ByteChannel<UserDataRules>>>(layers, wanted.user_data);
+      add<PointLayer<PredictedChannel<PointSourceRules>>>(layers, wanted.point_source);
+      add<PointLayer<GpsTimeChannel>>(layers, wanted.gps_time);
+      return;
+    case LazItemKind::rgb14:
+    case LazItemKind::rgb_nir14:
+      add<ColorLayer>(layers, wanted.color, "colour", offset, item.version);
+      if (item.kind == LazItemKind::rgb14) return;
+      return add<ItemLayer<NearInfraredModels, k_near_infrared_size>>(
+          layers, wanted.near_infrared, "near infrared", offset + k_color_size, item.version);
+    case LazItemKind::wave_packet14:
+      return add<ItemLayer<WavePacketModels, WavePacketModels::k_size>>(layers, wanted.wave_packet,
+                                                                        "wave packet", offset, item.version);
+    case LazItemKind::byte14:
+      for (std::size_t byte = 0; byte < item.size; ++byte)
+        add<ItemLayer<ExtraByteModels, 1>>(layers, wanted.extra_bytes, "extra byte", offset + byte,
+                                           item.version);
+      return;
+    default:
+      assert(false && "count_layers() rejects other items");
   }
-
-  std::vector<std::unique_ptr<Layer>> take() { return std::move(layers_); }
-
- private:
-  void add_point() {
-    add<ZLayer>(wanted_.z);
-    add<ClassificationLayer>(wanted_.classification);
-    add<FlagsLayer>(wanted_.flags);
-    add<IntensityLayer>(wanted_.intensity);
-    add<ScanAngleLayer>(wanted_.scan_angle);
-    add<UserDataLayer>(wanted_.user_data);
-    add<PointSourceLayer>(wanted_.point_source);
-    add<GpsTimeLayer>(wanted_.gps_time);
-  }
-
-  template <class L, class... Arguments>
-  void add(bool wanted, Arguments... arguments) {
-    layers_.push_back(wanted ? std::make_unique<L>(arguments...) : nullptr);
-  }
-
-  const LazLayers& wanted_;
-  std::size_t offset_ = 0;  // of the item in the record
-  std::vector<std::unique_ptr<Layer>> layers_;
-};
+}
 
 }  // namespace
 
 std::vector<std::unique_ptr<Layer>> make_layers(const LazLayout& layout, const LazLayers& wanted) {
-  Maker maker(wanted, count_layers(layout) - 1);
-  for (const LazItem& item : layout.items) maker.add(item);
-  return maker.take();
+  Layers layers;
+  layers.reserve(count_layers(layout) - 1);
+  std::size_t offset = 0;
+  for (const LazItem& item : layout.items) {
+    add_layers(layers, item, offset, wanted);
+    offset += item.size;
+  }
+  return layers;
 }
 
 }  // namespace alidade

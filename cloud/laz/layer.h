@@ -9,8 +9,9 @@
 #include <vector>
 
 #include "base/bytes.h"
+#include "cloud/laz/entropy_coder.h"
 #include "cloud/laz/laz_layout.h"
-#include "cloud/laz/value_coders.h"
+#include "cloud/laz/shared_models.h"
 
 /// Where the fields of the item POINT14, which all records of formats 6-10 begin with, stand: bytes.
 namespace alidade::point14 {
@@ -68,7 +69,7 @@ struct LayeredPoint {
 
 /// What a layer of POINT14 has learnt, separately for each of the four scanner channels. A channel is opened
 /// by its first point and inherits the last value of the channel before. State has `open(value)`, which
-/// forgets all but a first value, and `last_value()`. Memory for a channel is taken when a chunk first has
+/// forgets all but a first value, and the value `last`. Memory for a channel is taken when a chunk first has
 /// it.
 template <class State>
 class ChannelStates {
@@ -91,7 +92,7 @@ class ChannelStates {
 
   /// Makes another channel current and opens it if no point had it.
   void change(unsigned channel) {
-    if (!opened(channel)) open(channel, current_->last_value());
+    if (!opened(channel)) open(channel, current_->last);
     current_ = states_[channel].get();
     channel_ = channel;
   }
@@ -227,18 +228,17 @@ class LayerOfPoints : public Layer {
   void decode(ArithmeticDecoder& decoder, const LayerBlock<std::byte>& block) final {
     // A copy that nothing else points to stays in registers.
     ArithmeticDecoder local = decoder;
-    code_all<LayerDecoding>(local, block);
+    code_all(local, block);
     decoder = local;
   }
 
   void encode(ArithmeticEncoder& encoder, const LayerBlock<const std::byte>& block) final {
-    code_all<LayerEncoding>(encoder, block);
+    code_all(encoder, block);
   }
 
  private:
-  template <class Coder, class Stream, class Byte>
-  void code_all(Stream& stream, const LayerBlock<Byte>& block) {
-    Coder coder(stream);
+  template <class Coder, class Byte>
+  void code_all(Coder& coder, const LayerBlock<Byte>& block) {
     Byte* at = block.records + field().offset;
     for (const LayeredPoint& point : block.points) {
       static_cast<Derived&>(*this).code(coder, point, at);
@@ -250,5 +250,51 @@ class LayerOfPoints : public Layer {
 /// All layers of a chunk but the first, PositionLayer, in their order; null where a layer is not wanted.
 /// Errors: as count_layers().
 std::vector<std::unique_ptr<Layer>> make_layers(const LazLayout& layout, const LazLayers& wanted);
+
+/// The first layer of POINT14, which every other needs: scanner channel, which attributes change, returns, x
+/// and y. Goes through a chunk block by block, all points but the first.
+class PositionLayer {
+ public:
+  /// Begins a chunk. For encoding, all records must stay where they are until the chunk ends.
+  void start(const std::byte* first_record);
+
+  /// Fills `points`, and x, y, returns and scanner channel of their records. Flags that share the byte of the
+  /// channel stay.
+  void decode(ArithmeticDecoder& decoder, std::span<LayeredPoint> points, std::byte* records,
+              std::size_t record_size);
+
+  /// Fills `points` from the records.
+  void encode(ArithmeticEncoder& encoder, std::span<LayeredPoint> points, const std::byte* records,
+              std::size_t record_size);
+
+ private:
+  /// The last point of a channel.
+  struct Last {
+    std::int32_t x, y;
+    std::uint8_t returns;     // as in the record
+    const std::byte* record;  // when encoding
+  };
+
+  struct Channel {
+    void open(const Last& value);
+    SymbolModelSet changes{8, 128};
+    SymbolModel next_channel{3};
+    SymbolModelSet number_of_returns{16, 16};
+    SymbolModelSet return_number{16, 16};
+    SymbolModel return_step{13};
+    IntegerCompressor dx{32, 2};
+    IntegerCompressor dy{32, 22};
+    std::array<MedianPredictor, 12> median_x, median_y;
+    Last last{};
+    bool gps_time_changed = false;
+  };
+
+  template <class Coder, class Byte>
+  void code(Coder& coder, LayeredPoint& point, Byte* record);
+  template <class Coder>
+  unsigned code_returns(Coder& coder, Channel& channel, unsigned changes, unsigned returns);
+
+  ChannelStates<Channel> channels_;
+};
 
 }  // namespace alidade

@@ -10,33 +10,24 @@
 
 #include "base/bytes.h"
 #include "cloud/laz/layer.h"
-#include "cloud/laz/position_layer.h"
-#include "cloud/laz/shared_models.h"
 
 namespace alidade {
 namespace {
 
 std::size_t count_layers(const LazItem& item) {
+  struct LayeredItem {
+    LazItemKind kind;
+    std::size_t size, layers;
+  };
+  constexpr std::array<LayeredItem, 4> k_items = {
+      {{LazItemKind::point14, point14::k_size, 9},
+       {LazItemKind::rgb14, k_color_size, 1},
+       {LazItemKind::rgb_nir14, k_color_size + k_near_infrared_size, 2},
+       {LazItemKind::wave_packet14, WavePacketModels::k_size, 1}}};
   if (item.version >= 2 && item.version <= 4) {
-    switch (item.kind) {
-      case LazItemKind::point14:
-        if (item.size == point14::k_size) return 9;
-        break;
-      case LazItemKind::rgb14:
-        if (item.size == k_color_size) return 1;
-        break;
-      case LazItemKind::rgb_nir14:
-        if (item.size == k_color_size + k_near_infrared_size) return 2;
-        break;
-      case LazItemKind::wave_packet14:
-        if (item.size == WavePacketModels::k_size) return 1;
-        break;
-      case LazItemKind::byte14:
-        if (item.size > 0) return item.size;
-        break;
-      default:
-        break;
-    }
+    if (item.kind == LazItemKind::byte14 && item.size > 0) return item.size;
+    for (const LayeredItem& known : k_items)
+      if (item.kind == known.kind && item.size == known.size) return known.layers;
   }
   throw CorruptChunk(
       fmt::format("unsupported item; expected kinds 10 to 14 in versions 2 to 4, found kind {} of "
@@ -47,8 +38,6 @@ std::size_t count_layers(const LazItem& item) {
 /// Points that a layered codec takes through one layer before it turns to the next: enough that a layer stays
 /// in registers, few enough that the records stay in the cache.
 constexpr std::size_t k_layered_block = 512;
-
-constexpr const char* k_positions = "returns and positions";
 
 /// Somewhere in a block a stream has failed.
 struct FailedBlock {};
@@ -94,12 +83,23 @@ void LayeredChunkHead::read(std::span<const std::byte> bytes) {
   }
 }
 
-struct LayeredDecoder::State {
-  State(const LazLayout& layout, const LazLayers& wanted)
-      : record_size(layout.record_size()),
-        head(layout),
-        layers(make_layers(layout, wanted)),
-        streams(layers.size()) {}
+/// What takes chunks apart or makes them.
+template <class Coder>
+struct LayeredState {
+  LayeredState(const LazLayout& layout, const LazLayers& wanted)
+      : record_size(layout.record_size()), layers(make_layers(layout, wanted)), streams(layers.size()) {}
+
+  std::size_t record_size;
+  PositionLayer positions;
+  Coder position_stream;
+  std::vector<std::unique_ptr<Layer>> layers;  // null where not wanted
+  std::vector<Coder> streams;                  // of the layers
+  std::vector<std::size_t> active;             // layers that the chunk has, of those that are wanted
+  std::array<LayeredPoint, k_layered_block> points;
+};
+
+struct LayeredDecoder::State : LayeredState<ArithmeticDecoder> {
+  State(const LazLayout& layout, const LazLayers& wanted) : LayeredState(layout, wanted), head(layout) {}
 
   /// Finds the streams of all layers and begins with the first record.
   void start(std::span<const std::byte> chunk, std::size_t point_count) {
@@ -173,7 +173,9 @@ struct LayeredDecoder::State {
         first_point);
   }
 
-  const char* name(std::size_t layer) const { return layer == 0 ? k_positions : layers[layer - 1]->name(); }
+  const char* name(std::size_t layer) const {
+    return layer == 0 ? "returns and positions" : layers[layer - 1]->name();
+  }
 
   /// An attribute that changes must have a layer, whether it is wanted or not.
   void check_changes(std::span<const LayeredPoint> block, std::size_t first_point) const {
@@ -213,14 +215,7 @@ struct LayeredDecoder::State {
     for (const std::size_t i : active) check(streams[i], i + 1);
   }
 
-  std::size_t record_size;
   LayeredChunkHead head;
-  PositionLayer positions;
-  ArithmeticDecoder position_stream;
-  std::vector<std::unique_ptr<Layer>> layers;  // null where not wanted
-  std::vector<ArithmeticDecoder> streams;      // of the layers
-  std::vector<std::size_t> active;             // layers that are wanted and have bytes
-  std::array<LayeredPoint, k_layered_block> points;
 };
 
 LayeredDecoder::LayeredDecoder(const LazLayout& layout, const LazLayers& wanted)
@@ -236,37 +231,12 @@ void LayeredDecoder::decode(std::span<const std::byte> chunk, std::span<std::byt
   }
 }
 
-struct LayeredEncoder::State {
-  explicit State(const LazLayout& layout)
-      : record_size(layout.record_size()), layers(make_layers(layout, {})), streams(layers.size()) {}
-
-  void start(std::span<const std::byte> records) {
-    positions.start(records.data());
-    active.clear();
-    for (std::size_t i = 0; i < layers.size(); ++i) {
-      if (!layers[i]->needed(records, record_size)) continue;
-      layers[i]->start(records.data(), point14::channel(records.data()));
-      active.push_back(i);
-    }
-  }
-
-  void encode_block(const std::byte* records, std::size_t count) {
-    const std::span<LayeredPoint> block(points.data(), count);
-    positions.encode(position_stream, block, records, record_size);
-    for (const std::size_t i : active)
-      layers[i]->encode(streams[i], {.points = block, .records = records, .record_size = record_size});
-  }
-
-  std::size_t record_size;
-  PositionLayer positions;
-  ArithmeticEncoder position_stream;
-  std::vector<std::unique_ptr<Layer>> layers;
-  std::vector<ArithmeticEncoder> streams;  // of the layers
-  std::vector<std::size_t> active;         // layers that are needed
-  std::array<LayeredPoint, k_layered_block> points;
+struct LayeredEncoder::State : LayeredState<ArithmeticEncoder> {
+  using LayeredState::LayeredState;
 };
 
-LayeredEncoder::LayeredEncoder(const LazLayout& layout) : state_(std::make_unique<State>(layout)) {}
+LayeredEncoder::LayeredEncoder(const LazLayout& layout)
+    : state_(std::make_unique<State>(layout, LazLayers{})) {}
 LayeredEncoder::~LayeredEncoder() = default;
 
 std::vector<std::byte> LayeredEncoder::encode(std::span<const std::byte> records) {
@@ -274,10 +244,20 @@ std::vector<std::byte> LayeredEncoder::encode(std::span<const std::byte> records
   const std::size_t size = state.record_size;
   const std::size_t count = records.size() / size;
   assert(count > 0 && records.size() % size == 0);
-  state.start(records);
-  for (std::size_t point = 1; point < count; point += k_layered_block)
-    state.encode_block(records.data() + point * size, std::min(k_layered_block, count - point));
-
+  state.positions.start(records.data());
+  state.active.clear();
+  for (std::size_t i = 0; i < state.layers.size(); ++i) {
+    if (!state.layers[i]->needed(records, size)) continue;
+    state.layers[i]->start(records.data(), point14::channel(records.data()));
+    state.active.push_back(i);
+  }
+  for (std::size_t point = 1; point < count; point += k_layered_block) {
+    const std::span<LayeredPoint> block(state.points.data(), std::min(k_layered_block, count - point));
+    const std::byte* const at = records.data() + point * size;
+    state.positions.encode(state.position_stream, block, at, size);
+    for (const std::size_t i : state.active)
+      state.layers[i]->encode(state.streams[i], {.points = block, .records = at, .record_size = size});
+  }
   std::vector<std::byte> chunk(records.begin(), records.begin() + static_cast<std::ptrdiff_t>(size));
   const auto append_u32 = [&](std::size_t value) {
     chunk.resize(chunk.size() + 4);

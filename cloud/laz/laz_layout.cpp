@@ -69,17 +69,8 @@ constexpr std::uint32_t k_variable_chunks = 0xffffffff;
 
 /// Versions of the rules that exist for an item: {oldest, newest}.
 std::pair<int, int> versions_of(LazItemKind kind) {
-  switch (kind) {
-    case LazItemKind::wave_packet13:
-      return {1, 1};
-    case LazItemKind::byte:
-    case LazItemKind::point10:
-    case LazItemKind::gps_time11:
-    case LazItemKind::rgb12:
-      return {1, 2};
-    default:
-      return {2, 4};
-  }
+  if (kind == LazItemKind::wave_packet13) return {1, 1};
+  return kind < LazItemKind::wave_packet13 ? std::pair(1, 2) : std::pair(2, 4);
 }
 
 std::string written(const std::vector<LazItem>& items) {

@@ -33,25 +33,21 @@ std::uint64_t longest_chunk(const LazLayout& layout, std::uint64_t point_count) 
 }  // namespace
 
 /// One reading of a LAZ file: see LazPoints::read(). What it is given must outlive it.
-class ChunkUnpacker {
+class LazPoints::Unpacker {
  public:
-  ChunkUnpacker(InputFile& file, const LasHeader& header, const LazLayout& layout, const LazLayers& wanted,
-                Damage damage, LazSink& sink, const Progress& progress)
-      : file_(file),
-        header_(header),
-        layout_(layout),
-        damage_(damage),
+  Unpacker(const LazPoints& of, const LazLayers& wanted, LazSink& sink, const Progress& progress)
+      : of_(of),
         sink_(sink),
-        progress_(progress, file.size()),
-        decoders_([&layout, wanted] { return ChunkDecoder(layout, wanted); }) {
-    progress_.add(header.points_offset);
+        progress_(progress, of.file_.size()),
+        decoders_([&of, wanted] { return ChunkDecoder(of.layout_, wanted); }) {
+    progress_.add(of.header_.points_offset);
   }
 
   /// Unpacks chunks that lie one behind the other.
   std::vector<LostPoints> read_chunks(std::span<const LazChunk> chunks) {
     const std::uint64_t most_points =
-        std::min(damage_ == Damage::reject ? k_batch_points : k_batch_points_sorted_out,
-                 k_batch_record_bytes / layout_.record_size());
+        std::min(of_.damage_ == Damage::reject ? k_batch_points : k_batch_points_sorted_out,
+                 k_batch_record_bytes / of_.layout_.record_size());
     for (std::size_t begin = 0; begin < chunks.size();) {
       std::size_t end = begin;
       std::uint64_t byte_count = 0, point_count = 0;
@@ -64,11 +60,11 @@ class ChunkUnpacker {
       }
       const std::span<const LazChunk> batch = chunks.subspan(begin, end - begin);
       bytes_.resize(static_cast<std::size_t>(byte_count));
-      file_.read_at(batch[0].offset, bytes_);
+      of_.file_.read_at(batch[0].offset, bytes_);
       if (point_count > most_points) {
         std::size_t used = 0;
         read_large(bytes_, point_count, true, used);
-      } else if (damage_ == Damage::reject) {
+      } else if (of_.damage_ == Damage::reject) {
         read_batch(batch, point_count);
       } else {
         read_batch_and_sort_out(batch);
@@ -82,14 +78,15 @@ class ChunkUnpacker {
 
   /// Unpacks pointwise chunks whose ends nobody knows.
   std::vector<LostPoints> read_in_sequence() {
-    const bool one_stream = layout_.compressor == LazCompressor::pointwise;
-    std::uint64_t offset = header_.points_offset + (one_stream ? 0 : k_laz_table_offset_bytes);
-    while (points_done_ < header_.point_count) {
-      const std::uint64_t left = header_.point_count - points_done_;
-      const std::uint64_t point_count = one_stream ? left : std::min<std::uint64_t>(layout_.chunk_size, left);
-      const std::uint64_t room = file_.size() - std::min(offset, file_.size());
-      bytes_.resize(static_cast<std::size_t>(std::min(room, longest_chunk(layout_, point_count))));
-      if (!bytes_.empty()) file_.read_at(offset, bytes_);
+    const bool one_stream = of_.layout_.compressor == LazCompressor::pointwise;
+    std::uint64_t offset = of_.header_.points_offset + (one_stream ? 0 : k_laz_table_offset_bytes);
+    while (points_done_ < of_.header_.point_count) {
+      const std::uint64_t left = of_.header_.point_count - points_done_;
+      const std::uint64_t point_count =
+          one_stream ? left : std::min<std::uint64_t>(of_.layout_.chunk_size, left);
+      const std::uint64_t room = of_.file_.size() - std::min(offset, of_.file_.size());
+      bytes_.resize(static_cast<std::size_t>(std::min(room, longest_chunk(of_.layout_, point_count))));
+      if (!bytes_.empty()) of_.file_.read_at(offset, bytes_);
       std::size_t used = 0;
       read_large(bytes_, point_count, false, used);
       ++chunks_done_;
@@ -97,7 +94,7 @@ class ChunkUnpacker {
       offset += used;
       if (lost_.empty()) continue;
       // Only this chunk has the offset of the next one.
-      lost_.back().count += header_.point_count - points_done_;
+      lost_.back().count += of_.header_.point_count - points_done_;
       break;
     }
     return std::move(lost_);
@@ -112,9 +109,12 @@ class ChunkUnpacker {
   std::vector<Problem> decode_at_once(std::span<const LazChunk> chunks, const Take& take) {
     std::vector<Problem> problems(chunks.size());
     tbb::parallel_for(std::size_t{0}, chunks.size(), [&](std::size_t i) {
+      const auto bytes =
+          std::span(bytes_).subspan(static_cast<std::size_t>(chunks[i].offset - chunks[0].offset),
+                                    static_cast<std::size_t>(chunks[i].byte_count));
       try {
         const std::size_t used =
-            decoders_.local().decode(bytes_of(chunks, i), chunks[i].point_count,
+            decoders_.local().decode(bytes, chunks[i].point_count,
                                      [&](const std::byte* records, std::size_t count, std::uint64_t first) {
                                        take(i, records, count, first);
                                      });
@@ -149,7 +149,7 @@ class ChunkUnpacker {
     std::vector<std::vector<std::byte>> unpacked(chunks.size());
     const std::vector<Problem> problems = decode_at_once(
         chunks, [&](std::size_t i, const std::byte* records, std::size_t count, std::uint64_t) {
-          unpacked[i].insert(unpacked[i].end(), records, records + count * layout_.record_size());
+          unpacked[i].insert(unpacked[i].end(), records, records + count * of_.layout_.record_size());
         });
     std::uint64_t first_point = points_done_;
     for (std::size_t i = 0; i < chunks.size(); ++i) {
@@ -180,14 +180,9 @@ class ChunkUnpacker {
       if (ends_there && used != bytes.size()) throw CorruptChunk(k_other_end);
     } catch (const CorruptChunk& problem) {
       const std::uint64_t lost = point_count - (rows_ - rows_before);
-      if (lost > 0 || damage_ == Damage::reject) meet(problem, chunks_done_, points_done_, lost);
+      if (lost > 0 || of_.damage_ == Damage::reject) meet(problem, chunks_done_, points_done_, lost);
     }
     progress_.add(ends_there ? bytes.size() : used);
-  }
-
-  std::span<const std::byte> bytes_of(std::span<const LazChunk> batch, std::size_t i) const {
-    return std::span(bytes_).subspan(static_cast<std::size_t>(batch[i].offset - batch[0].offset),
-                                     static_cast<std::size_t>(batch[i].byte_count));
   }
 
   /// Throws for a chunk with `lost` unreadable points, or adds them to those lost.
@@ -195,16 +190,14 @@ class ChunkUnpacker {
     std::string location = fmt::format("chunk {}", chunk);
     if (problem.point) location += fmt::format(", point {}", first_point + *problem.point);
     std::string text = fmt::format("corrupt compressed points: {}", problem.what());
-    if (damage_ == Damage::reject) {
-      throw DamagedFile({.file = file_.name(), .location = std::move(location), .problem = std::move(text)});
+    if (of_.damage_ == Damage::reject) {
+      throw DamagedFile(
+          {.file = of_.file_.name(), .location = std::move(location), .problem = std::move(text)});
     }
     lost_.push_back({lost, std::move(location), std::move(text)});
   }
 
-  InputFile& file_;
-  const LasHeader& header_;
-  const LazLayout& layout_;
-  Damage damage_;
+  const LazPoints& of_;
   LazSink& sink_;
   JoinedProgress progress_;
   tbb::enumerable_thread_specific<ChunkDecoder> decoders_;
@@ -260,7 +253,7 @@ void LazPoints::walk(Damage damage) {
 }
 
 std::vector<LostPoints> LazPoints::read(const LazLayers& wanted, LazSink& sink, const Progress& progress) {
-  ChunkUnpacker unpacker(file_, header_, layout_, wanted, damage_, sink, progress);
+  Unpacker unpacker(*this, wanted, sink, progress);
   std::vector<LostPoints> lost = in_sequence_ ? unpacker.read_in_sequence() : unpacker.read_chunks(chunks_);
   lost.insert(lost.end(), lost_.begin(), lost_.end());
   return lost;

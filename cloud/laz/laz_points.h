@@ -47,8 +47,9 @@ class LazPoints {
   std::vector<LostPoints> read(const LazLayers& wanted, LazSink& sink, const Progress& progress);
 
  private:
-  void walk(Damage damage);
+  class Unpacker;
 
+  void walk(Damage damage);
   InputFile& file_;
   const LasHeader& header_;
   const LazLayout& layout_;

@@ -8,7 +8,6 @@
 #include <cstring>
 
 #include "cloud/laz/pointwise_rules.h"
-#include "cloud/laz/shared_models.h"
 
 namespace alidade {
 namespace {
@@ -26,6 +25,26 @@ class GpsTimeVersion2 {
   GpsTimeModel model_{GpsTimeModel::Unchanged::has_code};
 };
 
+/// Rules whose models replace the previous value by the next.
+template <class Models, std::size_t size>
+class ValueRules {
+ public:
+  void start(const std::byte* first) {
+    models_.reset();
+    std::memcpy(last_.data(), first, size);
+  }
+
+  template <class Coder, class Byte>
+  void code(Coder& coder, Byte* record) {
+    models_.code(coder, last_.data(), record);
+    Coder::put(record, last_);
+  }
+
+ private:
+  Models models_;
+  std::array<std::byte, size> last_{};
+};
+
 /// An item whose rules stand once for both directions.
 template <class Rules>
 class ItemOfRules final : public PointwiseItem {
@@ -38,42 +57,14 @@ class ItemOfRules final : public PointwiseItem {
   void decode(ArithmeticDecoder& stream, std::byte* item) override {
     // A copy that nobody else knows can stay in registers.
     ArithmeticDecoder copy = stream;
-    LayerDecoding coder(copy);
-    rules_.code(coder, item);
+    rules_.code(copy, item);
     stream = copy;
   }
 
-  void encode(ArithmeticEncoder& stream, const std::byte* item) override {
-    LayerEncoding coder(stream);
-    rules_.code(coder, item);
-  }
+  void encode(ArithmeticEncoder& stream, const std::byte* item) override { rules_.code(stream, item); }
 
  private:
   Rules rules_;
-};
-
-/// An item whose models replace the previous value by the next.
-template <class Models, std::size_t size>
-class ItemOfModels final : public PointwiseItem {
- public:
-  void start(const std::byte* first) override {
-    models_.reset();
-    std::memcpy(last_.data(), first, size);
-  }
-
-  void decode(ArithmeticDecoder& stream, std::byte* item) override {
-    models_.decode(stream, last_.data());
-    std::memcpy(item, last_.data(), size);
-  }
-
-  void encode(ArithmeticEncoder& stream, const std::byte* item) override {
-    models_.encode(stream, last_.data(), item);
-    std::memcpy(last_.data(), item, size);
-  }
-
- private:
-  Models models_;
-  std::array<std::byte, size> last_{};
 };
 
 std::unique_ptr<PointwiseItem> make_pointwise_item(const LazItem& item) {
@@ -91,10 +82,10 @@ std::unique_ptr<PointwiseItem> make_pointwise_item(const LazItem& item) {
       case LazItemKind::rgb12:
         if (item.size != 6) break;
         if (old) return std::make_unique<ItemOfRules<BytesVersion1>>(6, BytesVersion1::Written::changed);
-        return std::make_unique<ItemOfModels<ColorModels, 6>>();
+        return std::make_unique<ItemOfRules<ValueRules<ColorModels, 6>>>();
       case LazItemKind::wave_packet13:
         if (item.size != WavePacketModels::k_size || !old) break;
-        return std::make_unique<ItemOfModels<WavePacketModels, WavePacketModels::k_size>>();
+        return std::make_unique<ItemOfRules<ValueRules<WavePacketModels, WavePacketModels::k_size>>>();
       case LazItemKind::byte:
         if (item.size == 0) break;
         if (old) return std::make_unique<ItemOfRules<BytesVersion1>>(item.size, BytesVersion1::Written::all);

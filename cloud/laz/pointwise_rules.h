@@ -3,14 +3,15 @@
 
 #include <algorithm>
 #include <array>
+#include <cassert>
 #include <cstddef>
 #include <cstdint>
 #include <cstdlib>
+#include <cstring>
 #include <vector>
 
 #include "cloud/laz/entropy_coder.h"
 #include "cloud/laz/shared_models.h"
-#include "cloud/laz/value_coders.h"
 
 namespace alidade {
 
@@ -40,11 +41,19 @@ class Point10Models {
       : intensity_(16, intensity_contexts), x_(32, x_contexts), y_(32, y_contexts) {}
 
   /// All models are fresh; the first record is the last point.
-  void start(const std::byte* first);
-
+  void start(const std::byte* first) {
+    last_ = load<Point10>(first);
+    changed_.reset();
+    for (SymbolModelSet* models : {&bits_, &classifications_, &user_data_}) models->reset();
+    for (IntegerCompressor* compressor : {&intensity_, &source_, &x_, &y_, &z_}) compressor->reset();
+  }
   /// Those of the bits above that a point sets.
-  unsigned changes_to(const Point10& point) const;
-
+  unsigned changes_to(const Point10& point) const {
+    return (point.classification != last_.classification ? k_classification : 0) |
+           (point.scan_angle != last_.scan_angle ? k_scan_angle : 0) |
+           (point.user_data != last_.user_data ? k_user_data : 0) |
+           (point.source != last_.source ? k_source : 0);
+  }
   template <class Coder>
   void code_classification(Coder& coder, unsigned changed, const Point10& point, Point10& next) {
     if ((changed & k_classification) != 0)
@@ -75,9 +84,15 @@ class Point10Models {
 class Point10Version1 : Point10Models {
  public:
   Point10Version1() : Point10Models(1, 1, k_last_context + 1) {}
-  void start(const std::byte* first);
 
-  /// Codes the next record with a coder of layer_coders.h.
+  void start(const std::byte* first) {
+    Point10Models::start(first);
+    x_steps_.fill(0);
+    y_steps_.fill(0);
+    oldest_ = 0;
+    scan_angle_.reset();
+  }
+  /// Codes the next record.
   template <class Coder, class Byte>
   void code(Coder& coder, Byte* record) {
     const Point10 point = Coder::template value<Point10>(record);
@@ -106,7 +121,10 @@ class Point10Version1 : Point10Models {
     return std::max(std::min(values[0], values[1]), std::min(std::max(values[0], values[1]), values[2]));
   }
 
-  unsigned changes_to(const Point10& point) const;
+  unsigned changes_to(const Point10& point) const {
+    return Point10Models::changes_to(point) | (point.intensity != last_.intensity ? k_intensity : 0) |
+           (point.bits != last_.bits ? k_bits : 0);
+  }
 
   template <class Coder>
   void code_attributes(Coder& coder, const Point10& point, int bits, Point10& next) {
@@ -134,9 +152,17 @@ class Point10Version1 : Point10Models {
 class Point10Version2 : Point10Models {
  public:
   Point10Version2() : Point10Models(4, 2, 22) {}
-  void start(const std::byte* first);
 
-  /// Codes the next record with a coder of layer_coders.h.
+  void start(const std::byte* first) {
+    Point10Models::start(first);
+    // Not those of the first point: that is what all writers do.
+    last_intensities_.fill(0);
+    last_z_.fill(0);
+    x_steps_.fill({});
+    y_steps_.fill({});
+    scan_angles_.reset();
+  }
+  /// Codes the next record.
   template <class Coder, class Byte>
   void code(Coder& coder, Byte* record) {
     const Point10 point = Coder::template value<Point10>(record);
@@ -176,10 +202,11 @@ class Point10Version2 : Point10Models {
       {8, 9, 10, 11, 12, 13, 14, 15},
   }};
 
-  unsigned changes_to(const Point10& point) const;
-
-  // Contexts grow with the number of bits of the coordinates before, up to a highest one.
-  static int context(int bits, int highest) { return bits < highest ? bits & ~1 : highest; }
+  unsigned changes_to(const Point10& point) const {
+    const unsigned kind = k_kinds[point.return_count()][point.return_number()];
+    return Point10Models::changes_to(point) | (point.intensity != last_intensities_[kind] ? k_intensity : 0) |
+           (point.bits != last_.bits ? k_bits : 0);
+  }
 
   template <class Coder>
   void code_position(Coder& coder, const Point10& point, unsigned kind, Point10& next) {
@@ -193,11 +220,11 @@ class Point10Version2 : Point10Models {
     next.x = wrapped_sum(last_.x, x_step);
     MedianPredictor& y_steps = y_steps_[kind];
     const std::int32_t y_step = coder.integer(y_, y_steps.median(), wrapped_difference(point.y, last_.y),
-                                              single + context(x_.last_k(), 20));
+                                              single + bits_context(x_.last_k(), 20));
     y_steps.insert(y_step);
     next.y = wrapped_sum(last_.y, y_step);
-    next.z =
-        coder.integer(z_, last_z_[level], point.z, single + context((x_.last_k() + y_.last_k()) / 2, 18));
+    next.z = coder.integer(z_, last_z_[level], point.z,
+                           single + bits_context((x_.last_k() + y_.last_k()) / 2, 18));
     last_z_[level] = next.z;
   }
 
@@ -212,22 +239,28 @@ class Point10Version2 : Point10Models {
 /// integers, each predicted by a multiple of an earlier difference or else written as it is.
 class GpsTimeVersion1 {
  public:
-  void start(const std::byte* first);
-
-  /// Codes the next time with a coder of layer_coders.h.
+  void start(const std::byte* first) {
+    time_ = load<std::int64_t>(first);
+    difference_ = 0;
+    extremes_ = 0;
+    first_.reset();
+    multiple_.reset();
+    integers_.reset();
+  }
+  /// Codes the next time.
   template <class Coder, class Byte>
   void code(Coder& coder, Byte* record) {
     const std::int64_t time = Coder::template value<std::int64_t>(record);
-    const std::uint64_t wide_change = static_cast<std::uint64_t>(time) - static_cast<std::uint64_t>(time_);
+    const std::int64_t wide_change = wrapped_difference(time, time_);
     const std::int32_t change = static_cast<std::int32_t>(wide_change);
-    const bool near = change == static_cast<std::int64_t>(wide_change);
+    const bool near = change == wide_change;
     if (difference_ == 0) {
       switch (coder.symbol(first_, wide_change == 0 ? 0 : near ? 1 : 2)) {
         case 0:
           break;
         case 1:
           difference_ = coder.integer(integers_, 0, change, 0);
-          add(difference_);
+          time_ = wrapped_sum<std::int64_t>(time_, difference_);
           break;
         default:
           time_ = static_cast<std::int64_t>(coder.raw64(static_cast<std::uint64_t>(time)));
@@ -249,11 +282,9 @@ class GpsTimeVersion1 {
  private:
   static constexpr unsigned k_largest_multiple = 509, k_raw = 510, k_unchanged = 511;
 
-  unsigned multiple_of(std::int32_t change) const;
-
-  void add(std::int32_t change) {
-    time_ = static_cast<std::int64_t>(static_cast<std::uint64_t>(time_) +
-                                      static_cast<std::uint64_t>(std::int64_t{change}));
+  unsigned multiple_of(std::int32_t change) const {
+    const std::int64_t quotient = std::int64_t{change} / difference_;
+    return static_cast<unsigned>(std::clamp<std::int64_t>(quotient, 0, k_largest_multiple));
   }
 
   template <class Coder>
@@ -274,7 +305,7 @@ class GpsTimeVersion1 {
         extremes_ = 0;
       }
     }
-    add(coded);
+    time_ = wrapped_sum<std::int64_t>(time_, coded);
   }
 
   std::int64_t time_ = 0;
@@ -290,9 +321,11 @@ class ExtraBytesVersion2 {
  public:
   explicit ExtraBytesVersion2(std::size_t count) : last_(count), differences_(count, 256) {}
 
-  void start(const std::byte* first);
-
-  /// Codes the next bytes with a coder of layer_coders.h.
+  void start(const std::byte* first) {
+    std::memcpy(last_.data(), first, last_.size());
+    differences_.reset();
+  }
+  /// Codes the next bytes.
   template <class Coder, class Byte>
   void code(Coder& coder, Byte* record) {
     for (std::size_t i = 0; i < last_.size(); ++i) {
@@ -314,11 +347,17 @@ class BytesVersion1 {
  public:
   enum class Written { all, changed };
 
-  BytesVersion1(std::size_t count, Written written);
+  BytesVersion1(std::size_t count, Written written)
+      : written_(written), last_(count), bytes_(8, static_cast<int>(count)) {
+    assert(written == Written::all || count == 6);
+  }
 
-  void start(const std::byte* first);
-
-  /// Codes the next bytes with a coder of layer_coders.h.
+  void start(const std::byte* first) {
+    std::memcpy(last_.data(), first, last_.size());
+    changed_.reset();
+    bytes_.reset();
+  }
+  /// Codes the next bytes.
   template <class Coder, class Byte>
   void code(Coder& coder, Byte* record) {
     unsigned changed = 0;

@@ -1,9 +1,7 @@
 // SPDX-License-Identifier: MIT
-#include "cloud/laz/position_layer.h"
+#include "cloud/laz/layer.h"
 
 #include <algorithm>
-
-#include "base/bytes.h"
 
 namespace alidade {
 
@@ -63,11 +61,6 @@ unsigned changes_of(const std::byte* last, const std::byte* now) {
   if (load<std::uint16_t>(last + k_point_source) != load<std::uint16_t>(now + k_point_source))
     changes |= LayeredPoint::k_point_source;
   return changes;
-}
-
-/// Which model of many a number of bits chooses: two neighbours share one, and so do all from `most` on.
-int bits_context(int bits, int most) {
-  return bits < most ? bits & ~1 : most;
 }
 
 }  // namespace
@@ -191,9 +184,8 @@ void PositionLayer::decode(ArithmeticDecoder& decoder, std::span<LayeredPoint> p
                            std::size_t record_size) {
   // A copy that nothing else points to stays in registers, if all that uses it is inlined.
   ArithmeticDecoder local = decoder;
-  LayerDecoding coder(local);
   for (LayeredPoint& point : points) {
-    code(coder, point, records);
+    code(local, point, records);
     records += record_size;
   }
   decoder = local;
@@ -201,9 +193,8 @@ void PositionLayer::decode(ArithmeticDecoder& decoder, std::span<LayeredPoint> p
 
 void PositionLayer::encode(ArithmeticEncoder& encoder, std::span<LayeredPoint> points,
                            const std::byte* records, std::size_t record_size) {
-  LayerEncoding coder(encoder);
   for (LayeredPoint& point : points) {
-    code(coder, point, records);
+    code(encoder, point, records);
     records += record_size;
   }
 }

@@ -2,11 +2,50 @@
 #include "cloud/laz/shared_models.h"
 
 #include <algorithm>
+#include <bit>
+#include <cassert>
 #include <cmath>
 
 #include "base/bytes.h"
 
 namespace alidade {
+
+IntegerCompressor::IntegerCompressor(int bits, int contexts) : bits_(bits), mask_(UINT32_MAX >> (32 - bits)) {
+  assert(bits >= 1 && bits <= 32 && contexts >= 1);
+  length_models_.reserve(static_cast<std::size_t>(contexts));
+  for (int context = 0; context < contexts; ++context) length_models_.emplace_back(bits + 1);
+  for (int k = 1; k <= std::min(bits, 31); ++k)
+    difference_models_.emplace_back(1 << std::min(k, static_cast<int>(k_modelled_bits)));
+}
+
+void IntegerCompressor::reset() {
+  for (SymbolModel& model : length_models_) model.reset();
+  zero_or_one_.reset();
+  stale_ = ~std::uint64_t{0};
+  last_k_ = 0;
+}
+
+void IntegerCompressor::encode(ArithmeticEncoder& encoder, std::int32_t prediction, std::int32_t value,
+                               int context) {
+  const std::uint32_t wrapped = static_cast<std::uint32_t>(value) - static_cast<std::uint32_t>(prediction);
+  const int unused_bits = 32 - bits_;
+  const std::int32_t difference = static_cast<std::int32_t>(wrapped << unused_bits) >> unused_bits;
+  std::uint32_t number = static_cast<std::uint32_t>(difference);
+  const unsigned k = static_cast<unsigned>(std::bit_width(difference <= 0 ? 0 - number : number - 1));
+  last_k_ = static_cast<int>(k);
+  encoder.symbol(length_models_[static_cast<std::size_t>(context)], k);
+  if (k == 0) return encoder.bit(zero_or_one_, number);
+  if (k == 32) return;
+  number = difference < 0 ? number + ((1u << k) - 1) : number - 1;
+  SymbolModel& model = difference_model(k);
+  if (k <= k_modelled_bits) {
+    encoder.symbol(model, number);
+    return;
+  }
+  const unsigned raw_bits = k - k_modelled_bits;
+  encoder.symbol(model, number >> raw_bits);
+  encoder.raw(static_cast<int>(raw_bits), number & ((1u << raw_bits) - 1));
+}
 
 GpsTimeModel::GpsTimeModel(Unchanged unchanged)
     : unchanged_(unchanged),
@@ -32,7 +71,7 @@ unsigned GpsTimeModel::symbol_of(std::int32_t change, std::int32_t difference) {
 
 namespace {
 
-using Bytes = ColorModels::Bytes;
+using Bytes = std::array<int, 6>;  // red low, red high, green low, ...
 
 constexpr unsigned k_not_grey = 1 << 6;  // the bits below say which bytes differ
 
@@ -57,12 +96,7 @@ constexpr std::size_t k_packet_size = 9;    // u32
 constexpr std::size_t k_return_point = 13;  // f32
 constexpr std::size_t k_direction = 17;     // 3 f32
 
-enum Move : unsigned {
-  unchanged = 0,
-  by_packet_size = 1,
-  by_difference = 2,
-  anywhere = 3,
-};
+enum Move : unsigned { unchanged, by_packet_size, by_difference, anywhere };
 
 std::uint64_t widened(std::int32_t difference) {
   return static_cast<std::uint64_t>(static_cast<std::int64_t>(difference));
@@ -70,17 +104,15 @@ std::uint64_t widened(std::int32_t difference) {
 
 }  // namespace
 
-ColorModels::ColorModels() : used_(128) {
-  for (int i = 0; i < 6; ++i) bytes_.emplace_back(256);
-}
-
 void ColorModels::reset() {
   used_.reset();
   for (SymbolModel& model : bytes_) model.reset();
 }
 
 template <class Coder>
-unsigned ColorModels::code(Coder& coder, const Bytes& previous, Bytes& next) {
+bool ColorModels::code(Coder& coder, std::byte* color, const std::byte* record) {
+  const Bytes previous = bytes_of(color);
+  Bytes next = bytes_of(Coder::k_decodes ? color : record);
   unsigned used = 0;
   if constexpr (!Coder::k_decodes) {
     for (std::size_t i = 0; i < next.size(); ++i) used |= (next[i] != previous[i] ? 1u : 0u) << i;
@@ -97,37 +129,22 @@ unsigned ColorModels::code(Coder& coder, const Bytes& previous, Bytes& next) {
     if (differs(half)) code_change(half, previous[half]);
   if ((used & k_not_grey) == 0) {
     next = {next[0], next[1], next[0], next[1], next[0], next[1]};
-    return used;
+  } else {
+    for (std::size_t half = 0; half < 2; ++half) {
+      if (differs(2 + half)) code_change(2 + half, predicted_green(previous, next, half));
+      if (differs(4 + half)) code_change(4 + half, predicted_blue(previous, next, half));
+    }
   }
-  for (std::size_t half = 0; half < 2; ++half) {
-    if (differs(2 + half)) code_change(2 + half, predicted_green(previous, next, half));
-    if (differs(4 + half)) code_change(4 + half, predicted_blue(previous, next, half));
-  }
-  return used;
-}
-
-void ColorModels::decode(ArithmeticDecoder& decoder, std::byte* color) {
-  LayerDecoding coder(decoder);
-  const Bytes previous = bytes_of(color);
-  Bytes next = previous;
-  code(coder, previous, next);
   for (std::size_t i = 0; i < next.size(); ++i) color[i] = static_cast<std::byte>(next[i]);
+  return used != 0;
 }
 
-bool ColorModels::encode(ArithmeticEncoder& encoder, const std::byte* previous, const std::byte* color) {
-  LayerEncoding coder(encoder);
-  Bytes next = bytes_of(color);
-  return code(coder, bytes_of(previous), next) != 0;
-}
-
-WavePacketModels::WavePacketModels()
-    : descriptor_index_(256), offset_(32, 1), size_(32, 1), return_point_(32, 1), direction_(32, 3) {
-  for (int i = 0; i < 4; ++i) moves_.emplace_back(4);
-}
+template bool ColorModels::code(ArithmeticDecoder&, std::byte*, const std::byte*);
+template bool ColorModels::code(ArithmeticEncoder&, std::byte*, const std::byte*);
 
 void WavePacketModels::reset() {
   descriptor_index_.reset();
-  for (SymbolModel& model : moves_) model.reset();
+  moves_.reset();
   offset_.reset();
   size_.reset();
   return_point_.reset();
@@ -167,17 +184,7 @@ void WavePacketModels::code(Coder& coder, std::byte* last, const std::byte* pack
     code_integer(k_direction + 4 * static_cast<std::size_t>(axis), direction_, axis);
 }
 
-void WavePacketModels::decode(ArithmeticDecoder& decoder, std::byte* packet) {
-  LayerDecoding coder(decoder);
-  code(coder, packet, packet);
-}
-
-void WavePacketModels::encode(ArithmeticEncoder& encoder, const std::byte* previous,
-                              const std::byte* packet) {
-  LayerEncoding coder(encoder);
-  std::array<std::byte, k_size> last;
-  std::copy_n(previous, k_size, last.begin());
-  code(coder, last.data(), packet);
-}
+template void WavePacketModels::code(ArithmeticDecoder&, std::byte*, const std::byte*);
+template void WavePacketModels::code(ArithmeticEncoder&, std::byte*, const std::byte*);
 
 }  // namespace alidade

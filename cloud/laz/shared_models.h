@@ -4,12 +4,98 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <type_traits>
 #include <vector>
 
 #include "cloud/laz/entropy_coder.h"
-#include "cloud/laz/value_coders.h"
 
 namespace alidade {
+
+/// Codes integers of LAZ streams as differences to a prediction: first the number k of bits the difference
+/// needs, by a model of the caller's context, then the difference by a model of k, whose upper eight bits are
+/// modelled and whose lower bits are raw.
+class IntegerCompressor {
+ public:
+  /// Requires 1 <= bits <= 32, contexts >= 1. All models are fresh. Memory: up to 40 KB.
+  IntegerCompressor(int bits, int contexts);
+
+  /// The next value: with 32 bits any value, with fewer one of 0 to 2^bits - 1. The prediction may be any
+  /// number; sums wrap at 2^bits. Requires 0 <= context < contexts.
+  std::int32_t decode(ArithmeticDecoder& decoder, std::int32_t prediction, int context = 0) {
+    const unsigned k = decoder.symbol(length_models_[static_cast<std::size_t>(context)]);
+    last_k_ = static_cast<int>(k);
+    const std::uint32_t sum =
+        static_cast<std::uint32_t>(prediction) + static_cast<std::uint32_t>(decode_difference(decoder, k));
+    return static_cast<std::int32_t>(sum & mask_);
+  }
+
+  /// Writes the lower `bits` bits of a value.
+  void encode(ArithmeticEncoder& encoder, std::int32_t prediction, std::int32_t value, int context = 0);
+
+  /// The k of the last value decoded or encoded, 0 to bits.
+  int last_k() const { return last_k_; }
+
+  /// All models are fresh again.
+  void reset();
+
+ private:
+  static constexpr unsigned k_modelled_bits = 8;
+
+  // Differences of k bits are -(2^k - 1) to -2^(k-1) and 2^(k-1) + 1 to 2^k; k = 0 has 0 and 1.
+  std::int32_t decode_difference(ArithmeticDecoder& decoder, unsigned k) {
+    if (k == 0) return static_cast<std::int32_t>(decoder.bit(zero_or_one_));
+    if (k == 32) return INT32_MIN;
+    SymbolModel& model = difference_model(k);
+    std::uint32_t number = decoder.symbol(model);
+    if (k > k_modelled_bits) {
+      const unsigned raw_bits = k - k_modelled_bits;
+      number = number << raw_bits | decoder.raw(static_cast<int>(raw_bits));
+    }
+    number += number >> (k - 1) != 0 ? 1 : 1 - (1u << k);
+    return static_cast<std::int32_t>(number);
+  }
+
+  // Most of these models are never used in a chunk: each is made fresh on first use.
+  SymbolModel& difference_model(unsigned k) {
+    SymbolModel& model = difference_models_[k - 1];
+    if ((stale_ >> k & 1) != 0) {
+      stale_ &= ~(std::uint64_t{1} << k);
+      model.reset();
+    }
+    return model;
+  }
+
+  int bits_;
+  std::uint32_t mask_;
+  int last_k_ = 0;
+  std::uint64_t stale_ = 0;  // bit k: the model of k has to be made fresh
+  BitModel zero_or_one_;
+  std::vector<SymbolModel> length_models_;      // by context
+  std::vector<SymbolModel> difference_models_;  // of k = 1, 2 ...
+};
+
+/// A byte that is one symbol.
+template <class Coder>
+std::uint8_t code_byte(Coder& coder, SymbolModel& model, std::uint8_t value) {
+  return static_cast<std::uint8_t>(coder.symbol(model, value));
+}
+
+/// a + b and a - b modulo 2^32 or 2^64, as coordinates and times of LAZ wrap.
+template <class Whole>
+constexpr Whole wrapped_sum(Whole a, Whole b) {
+  using Unsigned = std::make_unsigned_t<Whole>;
+  return static_cast<Whole>(static_cast<Unsigned>(a) + static_cast<Unsigned>(b));
+}
+template <class Whole>
+constexpr Whole wrapped_difference(Whole a, Whole b) {
+  using Unsigned = std::make_unsigned_t<Whole>;
+  return static_cast<Whole>(static_cast<Unsigned>(a) - static_cast<Unsigned>(b));
+}
+
+/// Which model of many a number of bits chooses: two neighbours share one, and so do all from `most` on.
+constexpr int bits_context(int bits, int most) {
+  return bits < most ? bits & ~1 : most;
+}
 
 /// Predicts coordinate differences of LAZ points by the median of the last five, roughly: a new difference
 /// replaces the largest or the smallest of the five, by turns, until one falls into the other half.
@@ -55,14 +141,14 @@ class GpsTimeModel {
   /// All models are fresh; the time before the next is `first`.
   void start(std::int64_t first);
 
-  /// The next time, with a coder of layer_coders.h. A time that changes the sequence as often as there are
+  /// The next time. A time that changes the sequence as often as there are
   /// sequences makes the stream a failed one, like any value that no encoder writes.
   template <class Coder>
   std::int64_t code(Coder& coder, std::int64_t time) {
     if constexpr (Coder::k_decodes) {
       for (int changes = 1; !decode_step(coder); ++changes) {
         if (changes == k_sequences) {
-          coder.stream().fail();
+          coder.fail();
           break;
         }
       }
@@ -162,8 +248,7 @@ bool GpsTimeModel::decode_step(Coder& coder) {
 template <class Coder>
 bool GpsTimeModel::encode_step(Coder& coder, std::int64_t time) {
   const auto change_in = [&](unsigned sequence) {
-    return static_cast<std::int64_t>(static_cast<std::uint64_t>(time) -
-                                     static_cast<std::uint64_t>(sequences_[sequence].time));
+    return wrapped_difference(time, sequences_[sequence].time);
   };
   const auto fits = [](std::int64_t change) { return change >= INT32_MIN && change <= INT32_MAX; };
   const bool first = current().difference == 0;
@@ -200,8 +285,7 @@ template <class Coder>
 void GpsTimeModel::code_first_difference(Coder& coder, std::int32_t change) {
   Sequence& sequence = current();
   sequence.difference = coder.integer(integers_, 0, change, 0);
-  sequence.time = static_cast<std::int64_t>(static_cast<std::uint64_t>(sequence.time) +
-                                            static_cast<std::uint64_t>(std::int64_t{sequence.difference}));
+  sequence.time = wrapped_sum<std::int64_t>(sequence.time, sequence.difference);
   sequence.extremes = 0;
 }
 
@@ -212,8 +296,7 @@ void GpsTimeModel::code_multiple(Coder& coder, unsigned symbol, std::int32_t cha
   const std::int32_t prediction = static_cast<std::int32_t>(static_cast<std::uint32_t>(rule.factor) *
                                                             static_cast<std::uint32_t>(sequence.difference));
   const std::int32_t coded = coder.integer(integers_, prediction, change, rule.context);
-  sequence.time = static_cast<std::int64_t>(static_cast<std::uint64_t>(sequence.time) +
-                                            static_cast<std::uint64_t>(std::int64_t{coded}));
+  sequence.time = wrapped_sum<std::int64_t>(sequence.time, coded);
   if (symbol == 1) {
     sequence.extremes = 0;
   } else if (rule.extreme && ++sequence.extremes > 3) {
@@ -227,7 +310,7 @@ void GpsTimeModel::code_new_sequence(Coder& coder, std::int64_t time) {
   const std::int32_t last_high = static_cast<std::int32_t>(current().time >> 32);
   newest_ = (newest_ + 1) % k_sequences;
   const std::int32_t high = coder.integer(integers_, last_high, static_cast<std::int32_t>(time >> 32), 8);
-  const std::uint32_t low = coder.raw32(static_cast<std::uint32_t>(time));
+  const std::uint32_t low = coder.raw(32, static_cast<std::uint32_t>(time));
   current_ = newest_;
   current() = {.time = static_cast<std::int64_t>(
                    static_cast<std::uint64_t>(static_cast<std::uint32_t>(high)) << 32 | low)};
@@ -238,27 +321,18 @@ void GpsTimeModel::code_new_sequence(Coder& coder, std::int64_t time) {
 /// did. A colour is the six bytes of a point data record: red, green, blue as u16.
 class ColorModels {
  public:
-  using Bytes = std::array<int, 6>;  ///< red low, red high, green low, ...
-
-  ColorModels();
-
   /// All models are fresh again.
   void reset();
 
-  /// Replaces the previous colour by the next one. Does not allocate.
-  void decode(ArithmeticDecoder& decoder, std::byte* color);
-
-  /// Writes the colour that follows `previous`. False if that could be left out: neither does a byte differ,
-  /// nor is the colour anything but grey.
-  bool encode(ArithmeticEncoder& encoder, const std::byte* previous, const std::byte* color);
+  /// Replaces the previous colour by the next one, which stands in `record` if it is encoded. False if that
+  /// could be left out: neither does a byte differ, nor is the colour anything but grey. Does not allocate.
+  template <class Coder>
+  bool code(Coder& coder, std::byte* color, const std::byte* record);
 
  private:
-  /// Makes `next` the colour that the coder returns; returns what the first symbol says.
-  template <class Coder>
-  unsigned code(Coder& coder, const Bytes& previous, Bytes& next);
-
-  SymbolModel used_;
-  std::vector<SymbolModel> bytes_;  // by offset in the record
+  SymbolModel used_{128};
+  std::array<SymbolModel, 6> bytes_{SymbolModel(256), SymbolModel(256), SymbolModel(256),
+                                    SymbolModel(256), SymbolModel(256), SymbolModel(256)};
 };
 
 /// Codes wave packets of LAZ streams, in the old and the new formats alike: descriptor index, offset of the
@@ -268,28 +342,20 @@ class WavePacketModels {
  public:
   static constexpr std::size_t k_size = 29;
 
-  WavePacketModels();
-
   /// All models are fresh again.
   void reset();
 
-  /// Replaces the previous wave packet by the next one. Does not allocate.
-  void decode(ArithmeticDecoder& decoder, std::byte* packet);
-
-  /// Writes the wave packet that follows `previous`.
-  void encode(ArithmeticEncoder& encoder, const std::byte* previous, const std::byte* packet);
-
- private:
-  /// Replaces the last wave packet by the one that the coder returns.
+  /// Replaces the last wave packet by the next one, which is `packet` if it is encoded. Does not allocate.
   template <class Coder>
   void code(Coder& coder, std::byte* last, const std::byte* packet);
 
-  SymbolModel descriptor_index_;
-  std::vector<SymbolModel> moves_;  // by the last move: how the offset changes
-  IntegerCompressor offset_;
-  IntegerCompressor size_;
-  IntegerCompressor return_point_;
-  IntegerCompressor direction_;  // context: x, y, z
+ private:
+  SymbolModel descriptor_index_{256};
+  SymbolModelSet moves_{4, 4};  // by the last move: how the offset changes
+  IntegerCompressor offset_{32, 1};
+  IntegerCompressor size_{32, 1};
+  IntegerCompressor return_point_{32, 1};
+  IntegerCompressor direction_{32, 3};  // context: x, y, z
   unsigned last_move_ = 0;
   std::int32_t last_difference_ = 0;  // of offsets, when it was last written
 };

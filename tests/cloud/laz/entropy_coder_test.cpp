@@ -7,7 +7,7 @@
 #include <random>
 
 #include "cloud/laz/entropy_coder.h"
-#include "cloud/laz/value_coders.h"
+#include "cloud/laz/shared_models.h"
 #include "tests/cloud/laz/laz_test_support.h"
 
 namespace alidade {

@@ -16,19 +16,17 @@ using test::Bytes;
 
 Bytes encoded(GpsTimeModel& model, const std::vector<std::int64_t>& times) {
   ArithmeticEncoder stream;
-  LayerEncoding coder(stream);
   model.start(times[0]);
-  for (std::size_t i = 1; i < times.size(); ++i) model.code(coder, times[i]);
+  for (std::size_t i = 1; i < times.size(); ++i) model.code(stream, times[i]);
   return stream.finish();
 }
 
 std::vector<std::int64_t> decoded(GpsTimeModel& model, const Bytes& bytes, std::int64_t first,
                                   std::size_t count) {
   ArithmeticDecoder stream(bytes);
-  LayerDecoding coder(stream);
   std::vector<std::int64_t> times{first};
   model.start(first);
-  while (times.size() < count) times.push_back(model.code(coder, 0));
+  while (times.size() < count) times.push_back(model.code(stream, 0));
   EXPECT_FALSE(stream.failed());
   EXPECT_EQ(stream.consumed(), bytes.size());
   return times;
@@ -96,10 +94,9 @@ TEST_P(GpsTimeModelTest, more_than_three_changes_of_sequence_make_the_stream_fai
     integers.encode(stream, 0, 1);
     const Bytes bytes = stream.finish();
     ArithmeticDecoder decoder(bytes);
-    LayerDecoding coder(decoder);
     GpsTimeModel times(GetParam());
     times.start(5);
-    const std::int64_t time = times.code(coder, 0);
+    const std::int64_t time = times.code(decoder, 0);
     EXPECT_EQ(decoder.failed(), changes > 3);
     if (changes == 3) {
       EXPECT_EQ(time, 1);

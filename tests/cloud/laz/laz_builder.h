@@ -12,7 +12,7 @@
 #include "cloud/laz/layered_codec.h"
 #include "cloud/laz/laz_layout.h"
 #include "cloud/laz/pointwise_codec.h"
-#include "cloud/laz/value_coders.h"
+#include "cloud/laz/shared_models.h"
 #include "tests/cloud/las/las_builder.h"
 #include "tests/cloud/laz/laszip_data.h"
 

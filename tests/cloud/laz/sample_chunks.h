@@ -11,7 +11,7 @@
 
 #include "base/bytes.h"
 #include "cloud/laz/laz_layout.h"
-#include "cloud/laz/value_coders.h"
+#include "cloud/laz/shared_models.h"
 #include "tests/cloud/cloud_test_support.h"
 
 namespace alidade::test {

@@ -30,14 +30,17 @@ void expect_colors_come_back(const std::vector<Color>& colors) {
   for (const bool again : {false, true}) {
     if (again) models.reset();
     ArithmeticEncoder encoder;
-    for (std::size_t i = 1; i < colors.size(); ++i)
-      models.encode(encoder, colors[i - 1].data(), colors[i].data());
+    for (std::size_t i = 1; i < colors.size(); ++i) {
+      Color last = colors[i - 1];
+      models.code(encoder, last.data(), colors[i].data());
+      ASSERT_EQ(last, colors[i]) << i;
+    }
     const Bytes bytes = encoder.finish();
     models.reset();
     ArithmeticDecoder decoder(bytes);
     Color color = colors[0];
     for (std::size_t i = 1; i < colors.size(); ++i) {
-      models.decode(decoder, color.data());
+      models.code(decoder, color.data(), nullptr);
       ASSERT_EQ(color, colors[i]) << i;
     }
     EXPECT_FALSE(decoder.failed());
@@ -73,10 +76,11 @@ TEST(ColorModelsTest, only_repeated_greys_can_be_left_out) {
   ColorModels models;
   ArithmeticEncoder encoder;
   const Color grey = color_of(7, 7, 7), other_grey = color_of(8, 8, 8), color = color_of(8, 8, 9);
-  EXPECT_FALSE(models.encode(encoder, grey.data(), grey.data()));
-  EXPECT_TRUE(models.encode(encoder, grey.data(), other_grey.data()));
-  EXPECT_TRUE(models.encode(encoder, other_grey.data(), color.data()));
-  EXPECT_TRUE(models.encode(encoder, color.data(), color.data()));
+  Color last = grey;
+  EXPECT_FALSE(models.code(encoder, last.data(), grey.data()));
+  EXPECT_TRUE(models.code(encoder, last.data(), other_grey.data()));
+  EXPECT_TRUE(models.code(encoder, last.data(), color.data()));
+  EXPECT_TRUE(models.code(encoder, last.data(), color.data()));
 }
 
 TEST(WavePacketModelsTest, offsets_that_stay_follow_move_and_jump_come_back) {
@@ -115,14 +119,17 @@ TEST(WavePacketModelsTest, offsets_that_stay_follow_move_and_jump_come_back) {
   for (int round = 0; round < 2; ++round) {
     models.reset();
     ArithmeticEncoder encoder;
-    for (std::size_t i = 1; i < packets.size(); ++i)
-      models.encode(encoder, packets[i - 1].data(), packets[i].data());
+    for (std::size_t i = 1; i < packets.size(); ++i) {
+      WavePacket last = packets[i - 1];
+      models.code(encoder, last.data(), packets[i].data());
+      ASSERT_EQ(last, packets[i]) << i;
+    }
     const Bytes bytes = encoder.finish();
     models.reset();
     ArithmeticDecoder decoder(bytes);
     WavePacket packet = packets[0];
     for (std::size_t i = 1; i < packets.size(); ++i) {
-      models.decode(decoder, packet.data());
+      models.code(decoder, packet.data(), nullptr);
       ASSERT_EQ(packet, packets[i]) << i;
     }
     EXPECT_FALSE(decoder.failed());
