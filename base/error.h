@@ -57,6 +57,12 @@ class Error : public std::runtime_error {
               std::move(found));
 }
 
+/// Throws the Error of a wrong request unless `holds`.
+inline void check_that(bool holds, std::string problem, std::string expected, std::string found = {}) {
+  if (holds) return;
+  throw Error({.problem = std::move(problem), .expected = std::move(expected), .found = std::move(found)});
+}
+
 /// The error of a system call that failed, "FILE: PROBLEM: REASON", with the reason of `number`.
 inline Error system_error(std::string file, const std::string& problem, int number = errno) {
   return Error(

@@ -205,21 +205,12 @@ void measure_regions(ChangeRegions& changes, std::span<const float> map, int wid
 
 void check_options(const ChangeOptions& options) {
   constexpr int k_widest_gap = 64;
-  if (!(options.threshold >= 0.0)) {
-    throw Error({.problem = "change threshold out of range",
-                 .expected = "at least 0",
-                 .found = std::to_string(options.threshold)});
-  }
-  if (!(options.least_density >= 0.0 && options.least_density <= 1.0)) {
-    throw Error({.problem = "fraction of changed pixels out of range",
-                 .expected = "0 to 1",
-                 .found = std::to_string(options.least_density)});
-  }
-  if (options.gap < 0 || options.gap > k_widest_gap) {
-    throw Error({.problem = "gap between changed pixels out of range",
-                 .expected = "0 to " + std::to_string(k_widest_gap) + " pixels",
-                 .found = std::to_string(options.gap)});
-  }
+  check_that(options.threshold >= 0.0, "change threshold out of range", "at least 0",
+             std::to_string(options.threshold));
+  check_that(options.least_density >= 0.0 && options.least_density <= 1.0,
+             "fraction of changed pixels out of range", "0 to 1", std::to_string(options.least_density));
+  check_that(options.gap >= 0 && options.gap <= k_widest_gap, "gap between changed pixels out of range",
+             "0 to " + std::to_string(k_widest_gap) + " pixels", std::to_string(options.gap));
 }
 
 }  // namespace

@@ -31,11 +31,8 @@ ExtraDimension region_dimension() {
 
 std::vector<RegionPoint> region_points(std::span<const std::uint32_t> ids, const ChangeRegions& changes,
                                        std::uint64_t point_count) {
-  if (ids.size() != changes.labels.size()) {
-    throw Error({.problem = "the id layer and the change map differ in size",
-                 .expected = std::to_string(changes.labels.size()) + " pixels",
-                 .found = std::to_string(ids.size())});
-  }
+  check_that(ids.size() == changes.labels.size(), "the id layer and the change map differ in size",
+             std::to_string(changes.labels.size()) + " pixels", std::to_string(ids.size()));
   std::vector<RegionPoint> points;
   for (std::size_t pixel = 0; pixel < ids.size(); ++pixel) {
     if (changes.labels[pixel] == 0 || ids[pixel] == 0) continue;

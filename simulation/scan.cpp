@@ -276,8 +276,8 @@ constexpr double k_pause = 60.0;                  // between one scan and the ne
 
 void check(const ScanOptions& options) {
   if (options.flight_lines.empty()) throw Error({.problem = "a scan needs a flight line"});
-  if (!(options.terrestrial_share >= 0.0 && options.terrestrial_share <= 1.0))
-    throw Error({.problem = "share of points from the stations out of range", .expected = "0 .. 1"});
+  check_that(options.terrestrial_share >= 0.0 && options.terrestrial_share <= 1.0,
+             "share of points from the stations out of range", "0 .. 1");
   if (!(options.terrestrial.elevation_min < options.terrestrial.elevation_max) ||
       options.terrestrial.elevation_min < -90.0 || options.terrestrial.elevation_max > 90.0)
     throw Error({.problem = "scanner elevation limits must be in order within -90 .. 90 degrees"});

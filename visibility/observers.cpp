@@ -49,10 +49,7 @@ double azimuth_width(double azimuth_min, double azimuth_max) {
 
 [[noreturn]] void reject(const std::string& source, std::string problem, std::string expected,
                          std::string found) {
-  throw Error({.file = source,
-               .problem = std::move(problem),
-               .expected = std::move(expected),
-               .found = std::move(found)});
+  throw Error(source, {}, std::move(problem), std::move(expected), std::move(found));
 }
 
 void require_range(const std::string& source, const char* what, double value, double least, double most) {
@@ -166,16 +163,14 @@ std::vector<Observer> place_observers(std::span<const GivenObserver> given, cons
 
 std::vector<GivenObserver> observer_grid(const Bounds& extent, double width, const GroundHeight& ground,
                                          const Progress& progress) {
-  if (!(width > 0.0 && std::isfinite(width)))
-    throw Error({.problem = "invalid observer grid", .expected = "a positive width"});
+  check_that(width > 0.0 && std::isfinite(width), "invalid observer grid", "a positive width");
   // A line of points has an extent of no width, and still a cell.
   const double columns = std::fmax(1.0, std::ceil((extent.max.x - extent.min.x) / width));
   const double rows = std::fmax(1.0, std::ceil((extent.max.y - extent.min.y) / width));
-  if (!(columns * rows <= k_most_grid_observers)) {
-    throw Error({.problem = fmt::format("too many positions in an observer grid of {}", width),
-                 .expected = fmt::format("at most {:.0f}", k_most_grid_observers),
-                 .found = fmt::format("{:.0f} by {:.0f}", columns, rows)});
-  }
+  check_that(columns * rows <= k_most_grid_observers,
+             fmt::format("too many positions in an observer grid of {}", width),
+             fmt::format("at most {:.0f}", k_most_grid_observers),
+             fmt::format("{:.0f} by {:.0f}", columns, rows));
   const glm::dvec2 corner(extent.center().x - 0.5 * columns * width, extent.center().y - 0.5 * rows * width);
   std::vector<GivenObserver> observers;
   const auto total = static_cast<std::uint64_t>(columns * rows);

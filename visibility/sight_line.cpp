@@ -23,23 +23,18 @@ namespace alidade::visibility {
 Occluders::Occluders(const Octree& octree, const OccluderOptions& options, const Progress& progress)
     : octree_(octree), options_(options) {
   constexpr double k_widest_disc = 16.0;
-  if (options.radius && !(std::isfinite(*options.radius) && *options.radius > 0.0)) {
-    throw Error({.problem = "invalid occluder radius",
-                 .expected = "a positive length",
-                 .found = std::to_string(*options.radius)});
-  }
-  if (options.transparency < 1) {
-    throw Error({.problem = "invalid transparency",
-                 .expected = "at least 1",
-                 .found = std::to_string(options.transparency)});
-  }
+  const double radius = options.radius.value_or(1.0);
+  check_that(std::isfinite(radius) && radius > 0.0, "invalid occluder radius", "a positive length",
+             std::to_string(radius));
+  check_that(options.transparency >= 1, "invalid transparency", "at least 1",
+             std::to_string(options.transparency));
   if (has_surfaces() || !options.radius) {
     // Spacings of other neighbours make other discs.
     octree_ = with_spacings(octree_, k_surface_neighbours, progress);
   }
   if (has_surfaces()) octree_ = with_surfaces(octree_, progress);
   if (options.radius) {
-    largest_radius_ = largest_sphere_ = *options.radius;
+    largest_radius_ = largest_sphere_ = radius;
   } else {
     largest_sphere_ = automatic_radius(octree_);
     largest_radius_ = has_surfaces() ? k_widest_disc * largest_sphere_ : largest_sphere_;

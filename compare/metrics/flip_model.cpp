@@ -92,11 +92,8 @@ void add_features(FlipFilters& filters, double pixels_per_degree) {
 }  // namespace
 
 FlipFilters flip_filters(double pixels_per_degree) {
-  if (!(pixels_per_degree >= 1.0 && pixels_per_degree <= 1000.0)) {
-    throw Error({.problem = "pixels per degree out of range",
-                 .expected = "1 to 1000",
-                 .found = std::to_string(pixels_per_degree)});
-  }
+  check_that(pixels_per_degree >= 1.0 && pixels_per_degree <= 1000.0, "pixels per degree out of range",
+             "1 to 1000", std::to_string(pixels_per_degree));
   FlipFilters filters;
   add_sensitivities(filters, pixels_per_degree);
   add_features(filters, pixels_per_degree);
@@ -224,17 +221,14 @@ Luminances measure(const ComparedImage& reference, const ComparedImage& test, co
   return luminances;
 }
 
-[[noreturn]] void fail(const std::string& problem, const std::string& expected, const std::string& found) {
-  throw Error({.problem = problem, .expected = expected, .found = found});
-}
-
 void check(const FlipOptions& options) {
   for (const std::optional<double>& exposure : {options.start_exposure, options.stop_exposure})
-    if (exposure && !(std::fabs(*exposure) <= 1000.0))
-      fail("exposure out of range", "-1000 to 1000 stops", std::to_string(*exposure));
-  if (options.exposures && (*options.exposures < 2 || *options.exposures > k_most_exposures))
-    fail("number of exposures out of range", "2 to " + std::to_string(k_most_exposures),
-         std::to_string(*options.exposures));
+    if (exposure)
+      check_that(std::fabs(*exposure) <= 1000.0, "exposure out of range", "-1000 to 1000 stops",
+                 std::to_string(*exposure));
+  const int exposures = options.exposures.value_or(2);
+  check_that(exposures >= 2 && exposures <= k_most_exposures, "number of exposures out of range",
+             "2 to " + std::to_string(k_most_exposures), std::to_string(exposures));
 }
 
 }  // namespace
@@ -261,9 +255,8 @@ ExposureRange exposure_range(const ComparedImage& reference, const ComparedImage
   ExposureRange range;
   range.start = found(options.start_exposure, luminances.most);
   range.stop = found(options.stop_exposure, luminances.median);
-  if (range.start > range.stop)
-    fail("start exposure above the stop exposure", "at most " + std::to_string(range.stop) + " stops",
-         std::to_string(range.start));
+  check_that(!(range.start > range.stop), "start exposure above the stop exposure",
+             "at most " + std::to_string(range.stop) + " stops", std::to_string(range.start));
   const double stops = std::ceil(range.stop - range.start);
   range.count =
       options.exposures.value_or(static_cast<int>(std::clamp(stops, 2.0, double{k_most_exposures})));

@@ -243,11 +243,8 @@ Alignment align(const ComparedImage& reference, const ComparedImage& test, const
   require_same_size(reference, test);
   assert(reference.color.size() == 3 * reference.pixels() && test.color.size() == 3 * test.pixels());
   constexpr int k_largest = 4096;
-  if (options.largest_shift < 1 || options.largest_shift > k_largest) {
-    throw Error({.problem = "maximum shift out of range",
-                 .expected = "1 to " + std::to_string(k_largest) + " pixels",
-                 .found = std::to_string(options.largest_shift)});
-  }
+  check_that(options.largest_shift >= 1 && options.largest_shift <= k_largest, "maximum shift out of range",
+             "1 to " + std::to_string(k_largest) + " pixels", std::to_string(options.largest_shift));
   const int levels = level_count(reference, options.largest_shift);
   check_work(reference, options.largest_shift, levels - 1);
   const std::vector<GradientLevel> of_reference = gradient_pyramid(reference, mask, levels);

@@ -30,19 +30,17 @@ struct ElevationSteps {
   double elevation(int step) const { return k_quarter * step / per_quarter; }
 };
 
-[[noreturn]] void reject(const char* what, const std::string& expected, double found) {
-  throw Error({.problem = fmt::format("{} out of range", what),
-               .expected = expected,
-               .found = fmt::format("{}", found)});
+void check_range(bool holds, const char* what, std::string expected, double found) {
+  check_that(holds, fmt::format("{} out of range", what), std::move(expected), fmt::format("{}", found));
 }
 
 /// How many steps of this size fill a range of degrees.
 int whole_steps(const char* what, double range, double step, double least, double most) {
   constexpr double k_slack = 1e-6;
   const double steps = range / step;
-  if (!(step >= least && step <= most) || std::fabs(steps - std::round(steps)) > k_slack * steps) {
-    reject(what, fmt::format("degrees from {} to {}, with {} an integer multiple", least, most, range), step);
-  }
+  check_range(step >= least && step <= most && !(std::fabs(steps - std::round(steps)) > k_slack * steps),
+              what, fmt::format("degrees from {} to {}, with {} an integer multiple", least, most, range),
+              step);
   return static_cast<int>(std::round(steps));
 }
 
@@ -79,22 +77,18 @@ class Reaches {
 };
 
 /// The highest blocked line of one azimuth.
-class AzimuthSearch {
- public:
-  AzimuthSearch(const Occluders& occluders, const Reaches& reaches, const SightEnd& eye,
-                const ElevationSteps& steps, double azimuth, double max_distance)
-      : occluders_(occluders),
-        reaches_(reaches),
-        eye_(eye),
-        steps_(steps),
-        azimuth_(azimuth),
-        max_distance_(max_distance) {}
+struct AzimuthSearch {
+  const Occluders& occluders;
+  const Reaches& reaches;
+  const SightEnd& eye;
+  const ElevationSteps& steps;
+  double azimuth, max_distance;
 
   /// Number of the highest blocked elevation in [low, high].
   std::optional<int> highest(int low, int high) const {
     if (high - low < k_lines_at_once) return highest_line(low, high);
     // Wider cones would let hardly any sky pass.
-    const bool is_narrow = steps_.elevation(high) - steps_.elevation(low) <= k_widest_cone;
+    const bool is_narrow = steps.elevation(high) - steps.elevation(low) <= k_widest_cone;
     if (is_narrow && is_free(low, high)) return {};
     const int middle = low + (high - low) / 2;
     const std::optional<int> upper = highest(middle + 1, high);
@@ -102,10 +96,9 @@ class AzimuthSearch {
   }
 
   SightLine line(int step) const {
-    return sight_ray(eye_, geo::compass_direction(azimuth_, steps_.elevation(step)), max_distance_);
+    return sight_ray(eye, geo::compass_direction(azimuth, steps.elevation(step)), max_distance);
   }
 
- private:
   static constexpr int k_lines_at_once = 16;
   static constexpr double k_widest_cone = 23.0;  // degrees
 
@@ -114,24 +107,24 @@ class AzimuthSearch {
   /// around the lines.
   bool is_free(int low, int high) const {
     constexpr double k_slack = 1e-6;
-    const double bottom = steps_.elevation(low), top = steps_.elevation(high);
+    const double bottom = steps.elevation(low), top = steps.elevation(high);
     const SineCosine half = sine_cosine_of_degrees(0.5 * (top - bottom) + k_slack);
-    const double slope = half.sine / half.cosine, radius = occluders_.largest_radius() + k_slack;
+    const double slope = half.sine / half.cosine, radius = occluders.largest_radius() + k_slack;
     Cone cone;
-    cone.axis = make_ray(eye_.position, geo::compass_direction(azimuth_, 0.5 * (bottom + top)), -radius,
-                         max_distance_ + radius);
+    cone.axis = make_ray(eye.position, geo::compass_direction(azimuth, 0.5 * (bottom + top)), -radius,
+                         max_distance + radius);
     // Over the slant of the cone's mantle.
     cone.radius = radius / half.cosine;
     cone.slope = slope;
     ConeQuery query;
     query.filter = [&](const Candidate& point) {
-      const std::optional<double> reach = reaches_.of(point);
+      const std::optional<double> reach = reaches.of(point);
       if (!reach) return false;
       // Of what lies behind, the eye is nearest.
-      if (point.t < 0.0) return glm::distance(point.position, eye_.position) <= *reach + k_slack;
+      if (point.t < 0.0) return glm::distance(point.position, eye.position) <= *reach + k_slack;
       return point.distance <= (*reach + k_slack) / half.cosine + slope * point.t;
     };
-    return !occluded(occluders_.octree(), cone, query);
+    return !occluded(occluders.octree(), cone, query);
   }
 
   std::optional<int> highest_line(int low, int high) const {
@@ -139,17 +132,11 @@ class AzimuthSearch {
     std::array<std::uint8_t, k_lines_at_once> answers{};
     const auto count = static_cast<std::size_t>(high - low + 1);
     for (std::size_t i = 0; i < count; ++i) lines[i] = line(low + static_cast<int>(i));
-    blocked(occluders_, std::span(lines).first(count), std::span(answers).first(count));
+    blocked(occluders, std::span(lines).first(count), std::span(answers).first(count));
     for (int step = high; step >= low; --step)
       if (answers[static_cast<std::size_t>(step - low)] != 0) return step;
     return {};
   }
-
-  const Occluders& occluders_;
-  const Reaches& reaches_;
-  const SightEnd& eye_;
-  const ElevationSteps& steps_;
-  double azimuth_, max_distance_;
 };
 
 }  // namespace
@@ -160,14 +147,14 @@ std::vector<HorizonDirection> horizon(const Occluders& occluders, const SightEnd
   const ElevationSteps steps{
       whole_steps("elevation resolution", k_quarter, options.resolution, 0.0001, 10.0)};
   const auto in_quarter = [](double elevation) { return elevation >= -k_quarter && elevation <= k_quarter; };
-  if (!in_quarter(options.elevation_min)) reject("minimum elevation", "-90 to 90", options.elevation_min);
-  if (!in_quarter(options.elevation_max)) reject("maximum elevation", "-90 to 90", options.elevation_max);
-  if (!(options.max_distance >= 0.0)) reject("maximum distance", "at least 0", options.max_distance);
+  check_range(in_quarter(options.elevation_min), "minimum elevation", "-90 to 90", options.elevation_min);
+  check_range(in_quarter(options.elevation_max), "maximum elevation", "-90 to 90", options.elevation_max);
+  check_range(options.max_distance >= 0.0, "maximum distance", "at least 0", options.max_distance);
   const double from = options.azimuth_min;
   double width = options.azimuth_max - from;
   if (width <= 0.0) width += k_turn;
-  if (!(std::fabs(from) <= 2.0 * k_turn && width > 0.0))
-    reject("azimuth range", "limits from -720 to 720", from);
+  check_range(std::fabs(from) <= 2.0 * k_turn && width > 0.0, "azimuth range", "limits from -720 to 720",
+              from);
 
   // Limits on a multiple of a step count as on it.
   constexpr double k_slack = 1e-9;
@@ -189,7 +176,7 @@ std::vector<HorizonDirection> horizon(const Occluders& occluders, const SightEnd
       HorizonDirection& direction = directions[i];
       const int number = first + static_cast<int>(i);
       direction.azimuth = k_turn * ((number % per_turn + per_turn) % per_turn) / per_turn;
-      const AzimuthSearch search(occluders, reaches, eye, steps, direction.azimuth, options.max_distance);
+      const AzimuthSearch search{occluders, reaches, eye, steps, direction.azimuth, options.max_distance};
       const std::optional<int> step = high >= low ? search.highest(low, high) : std::nullopt;
       if (!step) return;
       direction.elevation = steps.elevation(*step);

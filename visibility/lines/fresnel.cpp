@@ -114,16 +114,11 @@ double fresnel_radius(double wavelength, double length) {
 
 FresnelClearance fresnel_clearance(const Occluders& occluders, const SightEnd& from, const SightEnd& to,
                                    const LineOptions& options, double wavelength) {
-  if (!(wavelength > 0.0 && std::isfinite(wavelength))) {
-    throw Error({.problem = "invalid wavelength",
-                 .expected = "a positive number",
-                 .found = std::to_string(wavelength)});
-  }
-  if (occluders.options().transparency != 1) {
-    throw Error({.problem = "--transparency does not apply to Fresnel zones",
-                 .expected = "transparency 1",
-                 .found = std::to_string(occluders.options().transparency)});
-  }
+  check_that(wavelength > 0.0 && std::isfinite(wavelength), "invalid wavelength", "a positive number",
+             std::to_string(wavelength));
+  const int transparency = occluders.options().transparency;
+  check_that(transparency == 1, "--transparency does not apply to Fresnel zones", "transparency 1",
+             std::to_string(transparency));
   const double radius = fresnel_radius(wavelength, sight_line(from, to).length);
   const LineCurve curve(from, to, options, radius);
   FresnelClearance clearance{.radius = radius};

@@ -139,20 +139,13 @@ void report_middles(const Occluders& occluders, std::span<const LinePair> pairs,
 
 void check_line_report(const LineReportOptions& options, int transparency) {
   const LineOptions& line = options.line;
-  if (!(line.end_margin >= 0.0 && std::isfinite(line.end_margin))) {
-    throw Error({.problem = "invalid margin at the ends of lines of sight",
-                 .expected = "at least 0 metres",
-                 .found = std::to_string(line.end_margin)});
-  }
-  if (!(line.earth_radius > 0.0)) {
-    throw Error({.problem = "invalid Earth radius",
-                 .expected = "a positive number",
-                 .found = std::to_string(line.earth_radius)});
-  }
-  if (std::isfinite(line.earth_radius) && transparency > 1) {
-    throw Error(
-        {.problem = "transparency requires straight lines", .expected = "transparency 1, or a flat Earth"});
-  }
+  check_that(line.end_margin >= 0.0 && std::isfinite(line.end_margin),
+             "invalid margin at the ends of lines of sight", "at least 0 metres",
+             std::to_string(line.end_margin));
+  check_that(line.earth_radius > 0.0, "invalid Earth radius", "a positive number",
+             std::to_string(line.earth_radius));
+  check_that(!std::isfinite(line.earth_radius) || transparency <= 1, "transparency requires straight lines",
+             "transparency 1, or a flat Earth");
 }
 
 std::vector<LineReport> report_lines(const Occluders& occluders, std::span<const LinePair> pairs,

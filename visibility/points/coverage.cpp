@@ -98,10 +98,8 @@ Coverage::Coverage(std::size_t candidates, std::size_t targets)
 Coverage see_targets(const Occluders& occluders, std::span<const Observer> candidates,
                      std::span<const PlacementTarget> targets, double height, const Progress& progress,
                      PartCheckpoint* parts) {
-  if (!(height >= 0.0 && std::isfinite(height))) {
-    throw Error(
-        {.problem = "invalid target height", .expected = "at least 0", .found = std::to_string(height)});
-  }
+  check_that(height >= 0.0 && std::isfinite(height), "invalid target height", "at least 0",
+             std::to_string(height));
   static_assert(k_lines_at_once % 64 == 0);
   Coverage coverage(candidates.size(), targets.size());
   const std::size_t blocks = (targets.size() + k_lines_at_once - 1) / k_lines_at_once;
@@ -148,16 +146,11 @@ struct Best {
 void check_spacing(const Octree& octree, double spacing) {
   const glm::dvec3 size = octree.bounds().size();
   const double longest = std::max({size.x, size.y, size.z});
-  if (!(spacing > 0.0 && std::isfinite(spacing))) {
-    throw Error({.problem = "invalid target spacing",
-                 .expected = "a positive length",
-                 .found = std::to_string(spacing)});
-  }
-  if (longest / spacing >= static_cast<double>((1 << k_cell_bits) - 1)) {
-    throw Error({.problem = "target spacing too small for the extent of the cloud",
-                 .expected = "at least " + std::to_string(longest / ((1 << k_cell_bits) - 2)),
-                 .found = std::to_string(spacing)});
-  }
+  check_that(spacing > 0.0 && std::isfinite(spacing), "invalid target spacing", "a positive length",
+             std::to_string(spacing));
+  check_that(!(longest / spacing >= static_cast<double>((1 << k_cell_bits) - 1)),
+             "target spacing too small for the extent of the cloud",
+             "at least " + std::to_string(longest / ((1 << k_cell_bits) - 2)), std::to_string(spacing));
 }
 
 }  // namespace

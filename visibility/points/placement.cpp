@@ -15,18 +15,14 @@ namespace alidade::visibility {
 namespace {
 
 void check(const Coverage& coverage, std::size_t count, std::span<const double> weights) {
-  if (count == 0) throw Error({.problem = "invalid number of positions", .expected = "at least 1"});
-  if (!weights.empty() && weights.size() != coverage.targets()) {
-    throw Error({.problem = "the number of weights differs from the number of targets",
-                 .expected = std::to_string(coverage.targets()),
-                 .found = std::to_string(weights.size())});
-  }
-  for (const double weight : weights) {
-    if (!(weight >= 0.0 && std::isfinite(weight))) {
-      throw Error(
-          {.problem = "invalid target weight", .expected = "at least 0", .found = std::to_string(weight)});
-    }
-  }
+  check_that(count > 0, "invalid number of positions", "at least 1");
+  check_that(weights.empty() || weights.size() == coverage.targets(),
+             "the number of weights differs from the number of targets", std::to_string(coverage.targets()),
+             std::to_string(weights.size()));
+  const auto wrong =
+      std::ranges::find_if(weights, [](double weight) { return !(weight >= 0.0 && std::isfinite(weight)); });
+  if (wrong != weights.end())
+    check_that(false, "invalid target weight", "at least 0", std::to_string(*wrong));
 }
 
 /// What somebody sees already, and what a further candidate would add. Sums run over the targets in their

@@ -241,11 +241,9 @@ PointVisibility make_columns(std::size_t points, std::size_t observers,
 void check_point_visibility(std::uint64_t points, std::size_t observers,
                             const PointVisibilityOptions& options) {
   constexpr std::uint64_t k_always = 5, k_to_write = 12;
-  if (options.sub_rays < 1 || options.sub_rays > k_most_sub_rays) {
-    throw Error({.problem = "number of lines to a disc out of range",
-                 .expected = fmt::format("1 to {}", k_most_sub_rays),
-                 .found = std::to_string(options.sub_rays)});
-  }
+  check_that(options.sub_rays >= 1 && options.sub_rays <= k_most_sub_rays,
+             "number of lines to a disc out of range", fmt::format("1 to {}", k_most_sub_rays),
+             std::to_string(options.sub_rays));
   const std::uint64_t bytes_per_point =
       k_always + k_to_write + (has_masks(observers) ? sizeof(std::uint64_t) : 0) +
       (options.sub_rays > 1 ? sizeof(float) : 0) +

@@ -60,11 +60,8 @@ ChordRange chords_over(const Stretch& stretch, std::int64_t count, double overla
 
 SightCurve::SightCurve(double coefficient, double unit) : coefficient_(coefficient) {
   constexpr double k_most = 10.0;
-  if (!(coefficient >= 0.0 && coefficient <= k_most)) {
-    throw Error({.problem = "curvature coefficient out of range",
-                 .expected = "0 (flat) to 10",
-                 .found = fmt::format("{}", coefficient)});
-  }
+  check_that(coefficient >= 0.0 && coefficient <= k_most, "curvature coefficient out of range",
+             "0 (flat) to 10", fmt::format("{}", coefficient));
   if (coefficient == 0.0) return;
   per_square_ = coefficient * unit / (2.0 * geo::k_earth_radius);
   longest_chord_ = std::sqrt(4.0 * (k_most_sag / unit) / per_square_);

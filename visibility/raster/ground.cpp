@@ -147,10 +147,8 @@ void widen(std::vector<std::uint8_t>& set, const geo::RasterGrid& grid, double r
 }
 
 GroundSource chosen_source(GroundSource asked, bool is_classified) {
-  if (asked == GroundSource::classified && !is_classified) {
-    throw Error(
-        {.problem = "missing ground class", .expected = "points of class 2", .found = "none in the cloud"});
-  }
+  check_that(asked != GroundSource::classified || is_classified, "missing ground class", "points of class 2",
+             "none in the cloud");
   if (asked != GroundSource::automatic) return asked;
   return is_classified ? GroundSource::classified : GroundSource::lowest;
 }
@@ -200,9 +198,8 @@ Ground make_ground(const Octree& octree, std::span<const std::uint8_t> classific
   constexpr std::uint64_t k_bytes_per_cell = 50;
   constexpr double k_lowest_distances = 4.0;
   if (octree.size() == 0) throw Error({.problem = "the cloud has no points for the ground"});
-  if (!(options.reach >= 0.0) || !std::isfinite(options.reach))
-    throw Error(
-        {.problem = "the reach of the ground must be at least 0", .found = fmt::format("{}", options.reach)});
+  check_that(options.reach >= 0.0 && std::isfinite(options.reach),
+             "the reach of the ground must be at least 0", {}, fmt::format("{}", options.reach));
   const GroundSource source = chosen_source(
       options.source, std::ranges::find(classifications, k_ground_class) != classifications.end());
   const bool by_class = source == GroundSource::classified;

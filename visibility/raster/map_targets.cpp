@@ -170,10 +170,8 @@ Bounds area_in_reach(const Bounds& area, std::span<const Observer> observers) {
     const glm::dvec3 reach(observer.max_distance);
     reached.grow(geo::cropped(area, {observer.position - reach, observer.position + reach}));
   }
-  if (reached.empty()) {
-    throw Error({.problem = "no observer reaches the map",
-                 .expected = "an observer near the cloud, a larger maximum distance, or another area"});
-  }
+  check_that(!reached.empty(), "no observer reaches the map",
+             "an observer near the cloud, a larger maximum distance, or another area");
   return reached;
 }
 

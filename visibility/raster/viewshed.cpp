@@ -167,36 +167,25 @@ constexpr std::size_t k_batch = 1 << 16;
 
 void check(std::span<const Observer> observers, const ViewshedOptions& options) {
   if (observers.empty()) throw Error({.problem = "a viewshed requires an observer"});
-  if (options.positions_across < 1 || options.positions_across > k_most_positions_across) {
-    throw Error({.problem = "invalid number of positions across a cell",
-                 .expected = fmt::format("1 to {}", k_most_positions_across),
-                 .found = fmt::format("{}", options.positions_across)});
-  }
-  if (!(options.target_height >= 0.0) || !std::isfinite(options.target_height)) {
-    throw Error({.problem = "invalid target height",
-                 .expected = "at least 0",
-                 .found = fmt::format("{}", options.target_height)});
-  }
-  if (options.mode == ViewshedMode::height &&
-      (!(options.highest > options.target_height) || !std::isfinite(options.highest))) {
-    throw Error({.problem = "invalid maximum height",
-                 .expected = "more than the target height",
-                 .found = fmt::format("{}", options.highest)});
-  }
+  check_that(options.positions_across >= 1 && options.positions_across <= k_most_positions_across,
+             "invalid number of positions across a cell", fmt::format("1 to {}", k_most_positions_across),
+             fmt::format("{}", options.positions_across));
+  check_that(options.target_height >= 0.0 && std::isfinite(options.target_height), "invalid target height",
+             "at least 0", fmt::format("{}", options.target_height));
+  check_that(options.mode != ViewshedMode::height ||
+                 (options.highest > options.target_height && std::isfinite(options.highest)),
+             "invalid maximum height", "more than the target height", fmt::format("{}", options.highest));
 }
 
 /// Says how far the whole map is, in pairs of observer and position.
-class PairCounter {
- public:
-  PairCounter(const Progress& progress, std::uint64_t total) : progress_(progress), total_(total) {}
-  /// In the midst of a block; positions without ground are not among them.
-  void add(std::uint64_t pairs) { report(progress_, done_ += pairs, total_); }
-  /// At the end of a block.
-  void set(std::uint64_t pairs) { report(progress_, done_ = pairs, total_); }
+struct PairCounter {
+  const Progress& progress;
+  std::uint64_t total, done = 0;
 
- private:
-  const Progress& progress_;
-  std::uint64_t total_, done_ = 0;
+  /// In the midst of a block; positions without ground are not among them.
+  void add(std::uint64_t pairs) { report(progress, done += pairs, total); }
+  /// At the end of a block.
+  void set(std::uint64_t pairs) { report(progress, done = pairs, total); }
 };
 
 /// Of a block: enough for all threads, few enough for little memory and for a part of a long run that is done
@@ -297,7 +286,7 @@ Viewshed viewshed(const Occluders& occluders, const Ground& ground, std::span<co
                            most_positions(eyes.size(), options.mode));
   const std::uint64_t pairs_per_cell =
       eyes.size() * static_cast<std::uint64_t>(positions_across * positions_across);
-  PairCounter pairs(options.progress, pairs_per_cell * grid.size());
+  PairCounter pairs{options.progress, pairs_per_cell * grid.size()};
   SeenCounter counter(occluders, options);
   std::optional<LowestSeen> lowest;
   if (options.mode == ViewshedMode::height) lowest.emplace(occluders, options);

@@ -94,11 +94,8 @@ void for_each_point_target(const Occluders& occluders, std::span<const glm::vec3
                            const Question& question, const LongWork& work, const Answer& answer,
                            const Take& take) {
   const TreeView& tree = occluders.octree().view();
-  if (!normals.empty() && normals.size() != tree.point_count) {
-    throw Error({.problem = "missing normals: expected one per point",
-                 .expected = std::to_string(tree.point_count),
-                 .found = std::to_string(normals.size())});
-  }
+  check_that(normals.empty() || normals.size() == tree.point_count, "missing normals: expected one per point",
+             std::to_string(tree.point_count), std::to_string(normals.size()));
   const PointBlocks blocks(tree, targets_at_once(question.lines));
   std::uint64_t done = 0;
   report(work.progress, done, tree.point_count);
@@ -129,11 +126,8 @@ template <class Answer, class Take>
 void for_each_ground_target(const Occluders& occluders, const Ground& ground, const geo::RasterGrid& grid,
                             double height, const Question& question, const LongWork& work,
                             const Answer& answer, const Take& take) {
-  if (!(height >= 0.0) || !std::isfinite(height)) {
-    throw Error({.problem = "height above the ground out of range",
-                 .expected = "at least 0",
-                 .found = std::to_string(height)});
-  }
+  check_that(height >= 0.0 && std::isfinite(height), "height above the ground out of range", "at least 0",
+             std::to_string(height));
   const MapTargets positions(occluders, ground, grid, 1, targets_at_once(question.lines));
   std::uint64_t done = 0;
   report(work.progress, done, grid.size());

@@ -62,10 +62,8 @@ double wider_side(const SkyTarget& target, const Sides& sides) {
 }
 
 void check_directions(int count) {
-  if (count >= 1 && count <= k_most_sky_directions) return;
-  throw Error({.problem = "number of sky directions out of range",
-               .expected = "1 to " + std::to_string(k_most_sky_directions),
-               .found = std::to_string(count)});
+  check_that(count >= 1 && count <= k_most_sky_directions, "number of sky directions out of range",
+             "1 to " + std::to_string(k_most_sky_directions), std::to_string(count));
 }
 
 template <class Work>

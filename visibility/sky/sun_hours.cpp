@@ -19,11 +19,8 @@ namespace alidade::visibility {
 
 std::vector<SunBin> sun_bins(std::span<const SunStep> steps, double degrees) {
   constexpr double k_widest = 30.0;
-  if (!(degrees >= 0.0 && degrees <= k_widest)) {
-    throw Error({.problem = "bin size of sun positions out of range",
-                 .expected = fmt::format("0 to {} degrees", k_widest),
-                 .found = fmt::format("{}", degrees)});
-  }
+  check_that(degrees >= 0.0 && degrees <= k_widest, "bin size of sun positions out of range",
+             fmt::format("0 to {} degrees", k_widest), fmt::format("{}", degrees));
   std::vector<SunBin> bins;
   std::vector<glm::dvec3> middles;
   std::map<std::pair<int, int>, std::size_t> known;

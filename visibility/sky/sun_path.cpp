@@ -37,10 +37,8 @@ namespace {
 constexpr double k_seconds_per_day = 86400.0;
 
 void require(const char* what, double value, double least, double most) {
-  if (value >= least && value <= most) return;
-  throw Error({.problem = fmt::format("{} out of range", what),
-               .expected = fmt::format("a number from {} to {}", least, most),
-               .found = fmt::format("{}", value)});
+  check_that(value >= least && value <= most, fmt::format("{} out of range", what),
+             fmt::format("a number from {} to {}", least, most), fmt::format("{}", value));
 }
 
 double rounded(double degrees) {
@@ -77,17 +75,12 @@ std::vector<SunStep> sun_steps(const SunSchedule& schedule, const Progress& prog
   require("turbidity", schedule.air.linke_turbidity, 1.0, 20.0);
   require("height above sea level", schedule.air.height, -1000.0, 10000.0);
   const double duration = seconds_between(schedule.from, schedule.to), step = 60.0 * schedule.step_minutes;
-  if (!(duration > 0.0)) {
-    throw Error({.problem = "empty time range",
-                 .expected = "an end after " + date_time_text(schedule.from),
-                 .found = date_time_text(schedule.to)});
-  }
+  check_that(duration > 0.0, "empty time range", "an end after " + date_time_text(schedule.from),
+             date_time_text(schedule.to));
   const double count = std::ceil(duration / step);
-  if (count > static_cast<double>(k_most_sun_steps)) {
-    throw Error({.problem = "too many time steps",
-                 .expected = fmt::format("at most {}: use longer steps or a shorter time", k_most_sun_steps),
-                 .found = fmt::format("{:.0f}", count)});
-  }
+  check_that(count <= static_cast<double>(k_most_sun_steps), "too many time steps",
+             fmt::format("at most {}: use longer steps or a shorter time", k_most_sun_steps),
+             fmt::format("{:.0f}", count));
   constexpr double k_sea_pressure = 1013.25, k_scale_height = 8434.5;
   const geo::SunObserver observer{
       .latitude = schedule.latitude,
@@ -117,12 +110,10 @@ bool place_schedule(const Crs& crs, const glm::dvec2& center,
                     const std::optional<glm::dvec2>& latitude_longitude, SunSchedule& schedule) {
   std::optional<geo::GroundPosition> ground;
   if (!crs.empty()) ground = geo::ground_position(crs, center);
-  if (!ground && !latitude_longitude) {
-    throw Error({.problem = "the sun position requires latitude and longitude",
-                 .expected = "--place LAT,LON, or a cloud with a reference system",
-                 .found = crs.empty() ? "a cloud without a reference system"
-                                      : "a reference system without a location on Earth"});
-  }
+  check_that(
+      ground || latitude_longitude, "the sun position requires latitude and longitude",
+      "--place LAT,LON, or a cloud with a reference system",
+      crs.empty() ? "a cloud without a reference system" : "a reference system without a location on Earth");
   schedule.latitude = latitude_longitude ? latitude_longitude->x : ground->latitude;
   schedule.longitude = latitude_longitude ? latitude_longitude->y : ground->longitude;
   schedule.grid_north = ground ? rounded(ground->grid_north) : 0.0;
