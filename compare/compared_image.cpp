@@ -75,6 +75,13 @@ void require_same_size(const ComparedImage& reference, const ComparedImage& test
                       .found = text_of(test)});
 }
 
+void require_colors(const ComparedImage& reference, const ComparedImage& test, const char* problem) {
+  require_same_size(reference, test);
+  for (const ComparedImage* const image : {&reference, &test})
+    if (image->color_channels == 0)
+      throw Error({.file = image->file.string(), .problem = problem, .expected = "channels R G B"});
+}
+
 ComparedImage cropped(const ComparedImage& image, const PixelRectangle& rectangle) {
   const bool is_inside = rectangle.left >= 0 && rectangle.top >= 0 && rectangle.right <= image.width &&
                          rectangle.bottom <= image.height;

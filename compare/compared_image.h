@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
+#include <cmath>
 #include <cstddef>
 #include <cstdint>
 #include <filesystem>
@@ -73,6 +74,14 @@ bool shows_surface(const ComparedImage& image, std::size_t pixel);
 
 /// Throws SizeMismatch naming the files and sizes unless width, height and origin are the same.
 void require_same_size(const ComparedImage& reference, const ComparedImage& test);
+
+/// The same, and Error with this problem unless both images have colours.
+void require_colors(const ComparedImage& reference, const ComparedImage& test, const char* problem);
+
+/// Whether all three components of a colour or a normal are finite.
+inline bool is_finite(const float* three) {
+  return std::isfinite(three[0]) && std::isfinite(three[1]) && std::isfinite(three[2]);
+}
 
 /// The part of all layers inside the rectangle. Errors: it is empty or reaches beyond the image.
 ComparedImage cropped(const ComparedImage& image, const PixelRectangle& rectangle);

@@ -30,10 +30,8 @@ bool has_color(const ComparedImage& image) {
   return image.color_channels > 0;
 }
 
-bool is_finite(const ComparedImage& image, std::size_t pixel) {
-  if (!has_color(image)) return true;
-  const float* const color = image.color.data() + 3 * pixel;
-  return std::isfinite(color[0]) && std::isfinite(color[1]) && std::isfinite(color[2]);
+bool has_finite_color(const ComparedImage& image, std::size_t pixel) {
+  return !has_color(image) || is_finite(image.color.data() + 3 * pixel);
 }
 
 bool tells_sky(const ComparedImage& image) {
@@ -132,7 +130,9 @@ void ignore_rectangles(ImageMask& mask, const ComparedImage& image,
 std::uint64_t keep_finite(ImageMask& mask, const ComparedImage& reference, const ComparedImage& test) {
   // Whole numbers are always finite.
   if (reference.encoding == ColorEncoding::display && test.encoding == ColorEncoding::display) return 0;
-  const auto stays = [&](std::size_t pixel) { return is_finite(reference, pixel) && is_finite(test, pixel); };
+  const auto stays = [&](std::size_t pixel) {
+    return has_finite_color(reference, pixel) && has_finite_color(test, pixel);
+  };
   // Most pictures have none of them, and need no copy of the mask then.
   const std::size_t pixels = reference.pixels();
   const std::uint64_t taken = tbb::parallel_reduce(

@@ -9,6 +9,7 @@
 #include <map>
 
 #include "base/error.h"
+#include "base/words.h"
 
 namespace alidade::compare {
 namespace {
@@ -19,10 +20,7 @@ bool is_picture(const fs::path& file) {
   constexpr std::array<std::string_view, 14> k_extensions = {".png",  ".jpg", ".jpeg", ".exr", ".tif",
                                                              ".tiff", ".hdr", ".bmp",  ".tga", ".webp",
                                                              ".gif",  ".ppm", ".pgm",  ".pfm"};
-  std::string extension = file.extension().string();
-  for (char& c : extension)
-    if (c >= 'A' && c <= 'Z') c = static_cast<char>(c - 'A' + 'a');
-  return std::ranges::find(k_extensions, extension) != k_extensions.end();
+  return std::ranges::find(k_extensions, file_extension(file)) != k_extensions.end();
 }
 
 /// Path inside the folder -> file.
@@ -127,7 +125,7 @@ std::vector<ImagePair> read_pairs(std::istream& stream, const fs::path& file) {
   std::string line;
   for (std::size_t number = 1; std::getline(stream, line); ++number) {
     if (!line.empty() && line.back() == '\r') line.pop_back();
-    if (number == 1 && line.starts_with("\xEF\xBB\xBF")) line.erase(0, 3);
+    if (number == 1 && line.starts_with(k_byte_order_mark)) line.erase(0, k_byte_order_mark.size());
     if (line.empty()) continue;
     const std::vector<std::string> fields = fields_of(line, file, number);
     if (columns == 0) {

@@ -20,25 +20,12 @@ struct Walk {
 };
 
 Walk walk_of(int orientation, std::ptrdiff_t width, std::ptrdiff_t height) {
-  const std::ptrdiff_t last_column = width - 1, last_row = (height - 1) * width;
-  switch (orientation) {
-    case 2:
-      return {false, last_column, -1, width};
-    case 3:
-      return {false, last_row + last_column, -1, -width};
-    case 4:
-      return {false, last_row, 1, -width};
-    case 5:
-      return {true, 0, width, 1};
-    case 6:
-      return {true, last_row, -width, 1};
-    case 7:
-      return {true, last_row + last_column, -width, -1};
-    case 8:
-      return {true, last_column, width, -1};
-    default:
-      return {false, 0, 1, width};
-  }
+  const bool is_turned = orientation >= 5;
+  const bool from_right = orientation == 2 || orientation == 3 || orientation == 7 || orientation == 8;
+  const bool from_bottom = orientation == 3 || orientation == 4 || orientation == 6 || orientation == 7;
+  const std::ptrdiff_t first = (from_right ? width - 1 : 0) + (from_bottom ? (height - 1) * width : 0);
+  const std::ptrdiff_t along = from_right ? -1 : 1, across = from_bottom ? -width : width;
+  return {is_turned, first, is_turned ? across : along, is_turned ? along : across};
 }
 
 template <typename Value>

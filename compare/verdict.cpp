@@ -17,43 +17,33 @@ namespace {
 using Value = std::optional<double>;
 using enum Better;
 
-/// A figure of the colours as they are.
-template <double ColorFigures::*k_figure>
-Value of_colors(const Comparison& comparison) {
-  if (!comparison.color) return {};
-  return (*comparison.color).*k_figure;
+/// A figure of a part of the comparison, by the members that lead to it.
+template <auto k_part, auto... k_members>
+Value figure_of(const Comparison& comparison) {
+  const auto& part = comparison.*k_part;
+  if (!part) return {};
+  return (*part.*....*k_members);
 }
 
-template <double FlipResult::*k_figure>
-Value of_flip(const Comparison& comparison) {
-  if (!comparison.color) return {};
-  return comparison.color->flip.*k_figure;
-}
-
-template <ErrorMetrics ColorFigures::*k_errors, double ErrorMetrics::*k_figure>
-Value of_errors(const Comparison& comparison) {
-  if (!comparison.color) return {};
-  return ((*comparison.color).*k_errors).*k_figure;
-}
-
-/// The same with matched colours.
-template <ErrorMetrics ColorFigures::*k_errors, double ErrorMetrics::*k_figure>
-Value of_matched_errors(const Comparison& comparison) {
-  if (!comparison.matched) return {};
-  return ((*comparison.matched).*k_errors).*k_figure;
-}
+/// Of the colours as they are, and of matched ones.
+template <auto... k_members>
+constexpr auto k_color = figure_of<&Comparison::color, k_members...>;
+template <auto k_figure>
+constexpr auto k_stored = k_color<&ColorFigures::stored, k_figure>;
+template <auto k_figure>
+constexpr auto k_flip = k_color<&ColorFigures::flip, k_figure>;
+template <auto... k_members>
+constexpr auto k_matched = figure_of<&Comparison::matched, k_members...>;
 
 /// Of a layer; NaN if no pixel has it in both pictures: nothing was measured then, which is not good.
-template <typename Layer>
-Value of_layer(const std::optional<Layer>& layer, double Layer::*figure) {
+template <auto k_layer, auto k_figure>
+Value of_layer(const Comparison& comparison) {
+  const auto& layer = comparison.layers.*k_layer;
   if (!layer) return {};
-  return layer->pixels > 0 ? (*layer).*figure : std::nan("");
+  return layer->pixels > 0 ? (*layer).*k_figure : std::nan("");
 }
-
 template <double DepthMetrics::*k_figure>
-Value of_depth(const Comparison& comparison) {
-  return of_layer(comparison.layers.depth, k_figure);
-}
+constexpr auto k_depth = of_layer<&LayerMetrics::depth, k_figure>;
 
 std::optional<MetricPosition> position(int x, int y) {
   if (x < 0) return {};
@@ -73,16 +63,6 @@ std::optional<MetricPosition> position_of_colors(const Comparison& comparison) {
   return position(comparison.color->stored.max_x, comparison.color->stored.max_y);
 }
 
-template <double AlphaMetrics::*k_figure>
-Value of_alpha(const Comparison& comparison) {
-  return of_layer(comparison.layers.alpha, k_figure);
-}
-
-template <double NormalMetrics::*k_figure>
-Value of_normals(const Comparison& comparison) {
-  return of_layer(comparison.layers.normals, k_figure);
-}
-
 Value one_sided_depth(const Comparison& comparison) {
   if (!comparison.layers.depth) return {};
   const DepthMetrics& depth = *comparison.layers.depth;
@@ -90,30 +70,11 @@ Value one_sided_depth(const Comparison& comparison) {
          static_cast<double>(comparison.counted);
 }
 
-Value flip_of_matched(const Comparison& comparison) {
-  if (!comparison.matched) return {};
-  return comparison.matched->flip.mean;
-}
-
-Value ssim_of_matched(const Comparison& comparison) {
-  if (!comparison.matched) return {};
-  return comparison.matched->ssim;
-}
-
-Value equal_ids(const Comparison& comparison) {
-  return of_layer(comparison.layers.ids, &IdMetrics::percent_equal);
-}
-
 Value shift(const Comparison& comparison) {
   if (!comparison.alignment) return {};
   // An unreliable shift does not count as measured.
   if (!comparison.alignment->is_certain) return std::nan("");
   return std::hypot(comparison.alignment->shift_x, comparison.alignment->shift_y);
-}
-
-Value edges(const Comparison& comparison) {
-  if (!comparison.alignment) return {};
-  return comparison.alignment->score_unshifted;
 }
 
 Value changed(const Comparison& comparison) {
@@ -128,82 +89,86 @@ Value regions(const Comparison& comparison) {
 }
 
 using Colors = ColorFigures;
+using Layers = LayerMetrics;
 constexpr std::string_view k_colors = "Colours", k_linear = "Colours in linear light",
-                           k_display = "Display colours", k_matched = "Matched colours", k_pose = "Alignment",
-                           k_changes = "Change";
+                           k_display = "Display colours", k_matched_group = "Matched colours",
+                           k_pose = "Alignment", k_changes = "Change";
 constexpr auto k_kinds = std::to_array<MetricKind>({
     {"flip", k_colors, "FLIP, mean", "", lower,
-     "perceived difference when flipping between both: 0 none, 1 maximum", of_flip<&FlipResult::mean>},
+     "perceived difference when flipping between both: 0 none, 1 maximum", k_flip<&FlipResult::mean>},
     {"flip_median", k_colors, "FLIP, weighted median", "", lower,
-     "half of the perceived difference is in pixels up to this value", of_flip<&FlipResult::weighted_median>},
+     "half of the perceived difference is in pixels up to this value", k_flip<&FlipResult::weighted_median>},
     {"flip_q1", k_colors, "FLIP, weighted first quartile", "", lower, "the same for a quarter",
-     of_flip<&FlipResult::weighted_first_quartile>},
+     k_flip<&FlipResult::weighted_first_quartile>},
     {"flip_q3", k_colors, "FLIP, weighted third quartile", "", lower, "the same for three quarters",
-     of_flip<&FlipResult::weighted_third_quartile>},
-    {"flip_max", k_colors, "FLIP, maximum", "", lower, "of any pixel", of_flip<&FlipResult::max>},
+     k_flip<&FlipResult::weighted_third_quartile>},
+    {"flip_max", k_colors, "FLIP, maximum", "", lower, "of any pixel", k_flip<&FlipResult::max>},
     {"ssim", k_colors, "SSIM", "", higher, "structural similarity: 1 equal, 0 unrelated",
-     of_colors<&Colors::ssim>},
+     k_color<&Colors::ssim>},
     {"ms_ssim", k_colors, "MS-SSIM", "", higher, "the same over five scales; NaN below 161 pixels",
-     of_colors<&Colors::ms_ssim>},
+     k_color<&Colors::ms_ssim>},
     {"psnr", k_colors, "PSNR", "dB", higher, "peak signal to noise ratio; infinite for equal images",
-     of_errors<&Colors::stored, &ErrorMetrics::psnr>},
+     k_stored<&ErrorMetrics::psnr>},
     {"rmse", k_colors, "RMSE", "", lower, "root of the mean squared difference; the peak is 1",
-     of_errors<&Colors::stored, &ErrorMetrics::rmse>},
+     k_stored<&ErrorMetrics::rmse>},
     {"mean_abs", k_colors, "Mean absolute difference", "", lower, "over all channels; the peak is 1",
-     of_errors<&Colors::stored, &ErrorMetrics::mean_abs>},
+     k_stored<&ErrorMetrics::mean_abs>},
     {"mean", k_colors, "Mean signed difference", "", lower, "positive if the test is lighter",
-     of_errors<&Colors::stored, &ErrorMetrics::mean>},
+     k_stored<&ErrorMetrics::mean>},
     {"p95", k_colors, "95th percentile", "", lower, "95 % of all absolute differences are at most this value",
-     of_errors<&Colors::stored, &ErrorMetrics::percentile_95>},
+     k_stored<&ErrorMetrics::percentile_95>},
     {"max", k_colors, "Maximum difference", "", lower, "of any channel of any pixel",
-     of_errors<&Colors::stored, &ErrorMetrics::max_abs>, position_of_colors},
+     k_stored<&ErrorMetrics::max_abs>, position_of_colors},
     {"psnr_linear", k_linear, "PSNR", "dB", higher, "with the sRGB curve undone",
-     of_errors<&Colors::linear, &ErrorMetrics::psnr>},
+     k_color<&Colors::linear, &ErrorMetrics::psnr>},
     {"rmse_linear", k_linear, "RMSE", "", lower, "with the sRGB curve undone",
-     of_errors<&Colors::linear, &ErrorMetrics::rmse>},
+     k_color<&Colors::linear, &ErrorMetrics::rmse>},
     {"psnr_display", k_display, "PSNR", "dB", higher, "of sRGB values; linear light is clamped to 0 and 1",
-     of_errors<&Colors::display, &ErrorMetrics::psnr>},
+     k_color<&Colors::display, &ErrorMetrics::psnr>},
     {"rmse_display", k_display, "RMSE", "", lower, "of sRGB values",
-     of_errors<&Colors::display, &ErrorMetrics::rmse>},
-    {"flip_matched", k_matched, "FLIP, mean", "", lower, "after --match", flip_of_matched},
-    {"ssim_matched", k_matched, "SSIM", "", higher, "after --match", ssim_of_matched},
-    {"psnr_matched", k_matched, "PSNR", "dB", higher, "after --match",
-     of_matched_errors<&Colors::stored, &ErrorMetrics::psnr>},
-    {"rmse_matched", k_matched, "RMSE", "", lower, "after --match",
-     of_matched_errors<&Colors::stored, &ErrorMetrics::rmse>},
+     k_color<&Colors::display, &ErrorMetrics::rmse>},
+    {"flip_matched", k_matched_group, "FLIP, mean", "", lower, "after --match",
+     k_matched<&Colors::flip, &FlipResult::mean>},
+    {"ssim_matched", k_matched_group, "SSIM", "", higher, "after --match", k_matched<&Colors::ssim>},
+    {"psnr_matched", k_matched_group, "PSNR", "dB", higher, "after --match",
+     k_matched<&Colors::stored, &ErrorMetrics::psnr>},
+    {"rmse_matched", k_matched_group, "RMSE", "", lower, "after --match",
+     k_matched<&Colors::stored, &ErrorMetrics::rmse>},
     {"shift", k_pose, "Shift", "px", lower, "of the test, where the edges fit best; requires --align", shift},
     {"edges", k_pose, "Common edges", "", higher,
-     "correlation of gradients without a shift: 1 for equal edges; requires --align", edges},
+     "correlation of gradients without a shift: 1 for equal edges; requires --align",
+     figure_of<&Comparison::alignment, &Alignment::score_unshifted>},
     {"depth_mean", k_depth_group, "Mean absolute difference", "m", lower,
-     "of the layers Z, where both have depth", of_depth<&DepthMetrics::mean_abs>},
+     "of the layers Z, where both have depth", k_depth<&DepthMetrics::mean_abs>},
     {"depth_offset", k_depth_group, "Mean signed difference", "m", lower,
-     "positive if the test is farther away", of_depth<&DepthMetrics::mean>},
-    {"depth_rmse", k_depth_group, "RMSE", "m", lower, "of the layers Z", of_depth<&DepthMetrics::rmse>},
+     "positive if the test is farther away", k_depth<&DepthMetrics::mean>},
+    {"depth_rmse", k_depth_group, "RMSE", "m", lower, "of the layers Z", k_depth<&DepthMetrics::rmse>},
     {"depth_p95", k_depth_group, "95th percentile", "m", lower,
-     "95 % of the absolute differences are at most this value", of_depth<&DepthMetrics::percentile_95>},
+     "95 % of the absolute differences are at most this value", k_depth<&DepthMetrics::percentile_95>},
     {"depth_max", k_depth_group, "Maximum difference", "m", lower, "of the layers Z",
-     of_depth<&DepthMetrics::max_abs>, position_of_layer<&LayerMetrics::depth>},
+     k_depth<&DepthMetrics::max_abs>, position_of_layer<&Layers::depth>},
     {"depth_relative", k_depth_group, "Mean relative difference", "", lower,
-     "absolute difference divided by the depth of the reference", of_depth<&DepthMetrics::mean_relative>},
+     "absolute difference divided by the depth of the reference", k_depth<&DepthMetrics::mean_relative>},
     {"depth_1cm", k_depth_group, "Within 1 cm", "%", higher, "pixels whose depths differ by at most 0.01 m",
-     of_depth<&DepthMetrics::percent_within_1_cm>},
+     k_depth<&DepthMetrics::percent_within_1_cm>},
     {"depth_5cm", k_depth_group, "Within 5 cm", "%", higher, "by at most 0.05 m",
-     of_depth<&DepthMetrics::percent_within_5_cm>},
+     k_depth<&DepthMetrics::percent_within_5_cm>},
     {"depth_1percent", k_depth_group, "Within 1 %", "%", higher, "by at most 1 % of the depth",
-     of_depth<&DepthMetrics::percent_within_1_percent>},
+     k_depth<&DepthMetrics::percent_within_1_percent>},
     {"depth_one_sided", k_depth_group, "In one image only", "%", lower,
      "pixels where only one image has depth", one_sided_depth},
     {"normal_mean", k_normal_group, "Mean angle", "deg", lower, "between the normals, in degrees",
-     of_normals<&NormalMetrics::mean>},
+     of_layer<&Layers::normals, &NormalMetrics::mean>},
     {"normal_p95", k_normal_group, "95th percentile", "deg", lower,
-     "95 % of the angles are at most this value", of_normals<&NormalMetrics::percentile_95>},
+     "95 % of the angles are at most this value", of_layer<&Layers::normals, &NormalMetrics::percentile_95>},
     {"normal_max", k_normal_group, "Maximum angle", "deg", lower, "between the normals",
-     of_normals<&NormalMetrics::max>, position_of_layer<&LayerMetrics::normals>},
-    {"ids", k_id_group, "Equal ids", "%", higher, "pixels that show the same point in both", equal_ids},
+     of_layer<&Layers::normals, &NormalMetrics::max>, position_of_layer<&Layers::normals>},
+    {"ids", k_id_group, "Equal ids", "%", higher, "pixels that show the same point in both",
+     of_layer<&Layers::ids, &IdMetrics::percent_equal>},
     {"alpha_mean", k_alpha_group, "Mean absolute difference", "", lower, "of the channels A; the peak is 1",
-     of_alpha<&AlphaMetrics::mean_abs>},
+     of_layer<&Layers::alpha, &AlphaMetrics::mean_abs>},
     {"alpha_max", k_alpha_group, "Maximum difference", "", lower, "the peak is 1",
-     of_alpha<&AlphaMetrics::max_abs>, position_of_layer<&LayerMetrics::alpha>},
+     of_layer<&Layers::alpha, &AlphaMetrics::max_abs>, position_of_layer<&Layers::alpha>},
     {"changed", k_changes, "Changed pixels", "%", lower, "of the compared pixels; requires --changes",
      changed},
     {"regions", k_changes, "Regions", "", lower, "of changed pixels; requires --changes", regions},

@@ -112,13 +112,6 @@ ErrorMetrics measure(const Difference& difference, double unit, int channels, in
   return Errors<Number, Difference>(difference, channels, width, pixels, mask).measure(unit);
 }
 
-/// A curve, or none.
-const image::CurveTable* curve_of(const ComparedImage& image, ColorEncoding encoding) {
-  if (image.encoding == encoding) return nullptr;
-  return encoding == ColorEncoding::linear ? &image::linear_from_srgb_table()
-                                           : &image::srgb_from_linear_table();
-}
-
 }  // namespace
 
 ErrorMetrics error_metrics(std::span<const float> reference, std::span<const float> test, int channels,
@@ -134,10 +127,7 @@ ErrorMetrics error_metrics(std::span<const float> reference, std::span<const flo
 
 ErrorMetrics error_metrics(const ComparedImage& reference, const ComparedImage& test, ColorEncoding encoding,
                            const ImageMask& mask) {
-  require_same_size(reference, test);
-  for (const ComparedImage* const image : {&reference, &test})
-    if (image->color_channels == 0)
-      throw Error({.file = image->file.string(), .problem = "missing colours", .expected = "channels R G B"});
+  require_colors(reference, test, "missing colours");
   const int channels = reference.color_channels == 1 && test.color_channels == 1 ? 1 : 3;
   // Colours are stored three per pixel; of grey pictures the first says all.
   const std::size_t step = channels == 1 ? 3 : 1;
@@ -263,10 +253,6 @@ DepthMetrics compare_depth(const ComparedImage& reference, const ComparedImage& 
   };
   metrics.percentile_95 = percentile_95(reference.pixels(), value_at, all.values);
   return metrics;
-}
-
-bool is_finite(const float* normal) {
-  return std::isfinite(normal[0]) && std::isfinite(normal[1]) && std::isfinite(normal[2]);
 }
 
 bool is_normal(const float* normal) {

@@ -34,14 +34,6 @@ void load(FlipTile& tile, const PairPixels& pixels, int left, int top, int width
   }
 }
 
-void check_comparable(const ComparedImage& reference, const ComparedImage& test) {
-  require_same_size(reference, test);
-  for (const ComparedImage* const image : {&reference, &test})
-    if (image->color_channels == 0)
-      throw Error(
-          {.file = image->file.string(), .problem = "FLIP requires colours", .expected = "channels R G B"});
-}
-
 /// Makes the map, tile by tile.
 std::vector<float> flip_map(const ComparedImage& reference, const ComparedImage& test,
                             const ImageMask& counted, const std::vector<ToneCurve>& curves,
@@ -110,7 +102,7 @@ void pool(FlipResult& result, const ImageMask& counted, int width) {
 
 FlipResult flip(const ComparedImage& reference, const ComparedImage& test, const ImageMask& mask,
                 const FlipOptions& options, const Progress& progress) {
-  check_comparable(reference, test);
+  require_colors(reference, test, "FLIP requires colours");
   ImageMask counted = mask;
   keep_finite(counted, reference, test);
   FlipResult result;

@@ -17,6 +17,13 @@
 
 namespace alidade::compare {
 
+/// The curve that brings the colours of an image into an encoding; null: they have it.
+inline const image::CurveTable* curve_of(const ComparedImage& image, ColorEncoding encoding) {
+  if (image.encoding == encoding) return nullptr;
+  return encoding == ColorEncoding::linear ? &image::linear_from_srgb_table()
+                                           : &image::srgb_from_linear_table();
+}
+
 /// The colours of two pictures as filters read them. Where a pixel does not count, or is not finite in one of
 /// them, both give the same colour (the reference's if it is finite, else the test's, else black): what does
 /// not count makes no difference to its neighbours either.
@@ -27,7 +34,7 @@ class PairPixels {
              ColorEncoding encoding)
       : mask_(mask),
         colors_{reference.color.data(), test.color.data()},
-        curves_{curve(reference, encoding), curve(test, encoding)} {}
+        curves_{curve_of(reference, encoding), curve_of(test, encoding)} {}
 
   struct Pair {
     float color[2][3];  ///< reference, test
@@ -35,11 +42,11 @@ class PairPixels {
 
   Pair at(std::size_t pixel) const {
     const float* from[2] = {colors_[0] + 3 * pixel, colors_[1] + 3 * pixel};
-    const bool is_finite[2] = {finite(from[0]), finite(from[1])};
-    if (!mask_.at(pixel) || !is_finite[0] || !is_finite[1]) {
-      if (!is_finite[0] && !is_finite[1]) return {};
+    const bool finite[2] = {is_finite(from[0]), is_finite(from[1])};
+    if (!mask_.at(pixel) || !finite[0] || !finite[1]) {
+      if (!finite[0] && !finite[1]) return {};
       Pair same;
-      const int kept = is_finite[0] ? 0 : 1;
+      const int kept = finite[0] ? 0 : 1;
       for (int i = 0; i < 3; ++i) same.color[0][i] = same.color[1][i] = converted(kept, from[kept][i]);
       return same;
     }
@@ -50,14 +57,6 @@ class PairPixels {
   }
 
  private:
-  static const image::CurveTable* curve(const ComparedImage& image, ColorEncoding encoding) {
-    if (image.encoding == encoding) return nullptr;
-    return encoding == ColorEncoding::linear ? &image::linear_from_srgb_table()
-                                             : &image::srgb_from_linear_table();
-  }
-  static bool finite(const float* color) {
-    return std::isfinite(color[0]) && std::isfinite(color[1]) && std::isfinite(color[2]);
-  }
   float converted(int picture, float value) const {
     return curves_[picture] ? curves_[picture]->at(value) : value;
   }

@@ -279,14 +279,6 @@ double weighted(double value, double weight) {
   return value >= 1.0 ? 1.0 : exponential(weight * std::numbers::ln2 * binary_logarithm(value));
 }
 
-void check(const ComparedImage& reference, const ComparedImage& test) {
-  require_same_size(reference, test);
-  for (const ComparedImage* const image : {&reference, &test})
-    if (image->color_channels == 0)
-      throw Error(
-          {.file = image->file.string(), .problem = "SSIM requires colours", .expected = "channels R G B"});
-}
-
 double mean_of(const double (&channels)[3]) {
   return (channels[0] + channels[1] + channels[2]) / 3.0;
 }
@@ -294,7 +286,7 @@ double mean_of(const double (&channels)[3]) {
 }  // namespace
 
 Similarity similarity(const ComparedImage& reference, const ComparedImage& test, const ImageMask& mask) {
-  check(reference, test);
+  require_colors(reference, test, "SSIM requires colours");
   ImageMask counted = mask;
   keep_finite(counted, reference, test);
   const PairPixels pixels(reference, test, counted, ColorEncoding::display);

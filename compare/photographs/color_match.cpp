@@ -202,8 +202,7 @@ bool is_clipped(const ComparedImage& image, const float* color) {
 
 bool is_usable(const ComparedImage& image, std::size_t pixel) {
   const float* const color = image.color.data() + 3 * pixel;
-  return std::isfinite(color[0]) && std::isfinite(color[1]) && std::isfinite(color[2]) &&
-         !is_clipped(image, color) && shows_surface(image, pixel);
+  return is_finite(color) && !is_clipped(image, color) && shows_surface(image, pixel);
 }
 
 double light(const ComparedImage& image, std::size_t value) {

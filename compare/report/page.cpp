@@ -27,27 +27,12 @@ std::string fill_page(std::string_view page,
 }
 
 std::string html_text(std::string_view text) {
+  constexpr std::string_view k_special = "&<>\"'";
+  constexpr std::string_view k_escapes[] = {"&amp;", "&lt;", "&gt;", "&quot;", "&#39;"};
   std::string escaped;
-  for (const char c : text) {
-    switch (c) {
-      case '&':
-        escaped += "&amp;";
-        break;
-      case '<':
-        escaped += "&lt;";
-        break;
-      case '>':
-        escaped += "&gt;";
-        break;
-      case '"':
-        escaped += "&quot;";
-        break;
-      case '\'':
-        escaped += "&#39;";
-        break;
-      default:
-        escaped += c;
-    }
+  for (const char& c : text) {
+    const std::size_t special = k_special.find(c);
+    escaped += special == std::string_view::npos ? std::string_view(&c, 1) : k_escapes[special];
   }
   return escaped;
 }
