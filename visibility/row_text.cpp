@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: MIT
 #include "visibility/row_text.h"
 
+#include <nlohmann/json.hpp>
+
 #include "base/words.h"
 
 namespace alidade::visibility {

@@ -12,6 +12,31 @@
 #include "geo/earth.h"
 
 namespace alidade::visibility {
+namespace {
+
+/// Sends a line through every pixel, some rows at once: towards direction(x, y). take(pixel, blocker) gets the
+/// first blockers of those that are blocked.
+template <class Direction, class Take>
+void look_through(const Occluders& occluders, const SightEnd& eye, double max_distance, int width, int height,
+                  int rows_at_once, const Progress& progress, const Direction& direction, const Take& take) {
+  const auto columns = static_cast<std::size_t>(width), pixels = columns * static_cast<std::size_t>(height);
+  std::vector<SightLine> lines;
+  std::vector<std::optional<Blocker>> blockers;
+  for (int begin = 0; begin < height; begin += rows_at_once) {
+    const std::size_t first = static_cast<std::size_t>(begin) * columns;
+    report(progress, first, pixels);
+    lines.clear();
+    for (int y = begin; y < std::min(begin + rows_at_once, height); ++y)
+      for (int x = 0; x < width; ++x) lines.push_back(sight_ray(eye, direction(x, y), max_distance));
+    blockers.assign(lines.size(), {});
+    first_blockers(occluders, lines, blockers);
+    for (std::size_t i = 0; i < lines.size(); ++i)
+      if (blockers[i]) take(first + i, *blockers[i]);
+  }
+  report(progress, pixels, pixels);
+}
+
+}  // namespace
 
 image::Film depth_panorama(const Occluders& occluders, const SightEnd& eye, int width, int height,
                            double max_distance, const Progress& progress) {
@@ -21,25 +46,15 @@ image::Film depth_panorama(const Occluders& occluders, const SightEnd& eye, int 
   constexpr std::size_t k_lines_at_once = 1 << 16;
   const auto columns = static_cast<std::size_t>(width);
   const int rows_at_once = static_cast<int>(std::max<std::size_t>(k_lines_at_once / columns, 1));
-  std::vector<SightLine> lines;
-  std::vector<std::optional<Blocker>> blockers;
-  for (int begin = 0; begin < height; begin += rows_at_once) {
-    report(progress, film.index(0, begin), film.count());
-    lines.clear();
-    for (int y = begin; y < std::min(begin + rows_at_once, height); ++y) {
-      for (int x = 0; x < width; ++x)
-        lines.push_back(sight_ray(eye, projection.ray({x + 0.5, y + 0.5})->direction, max_distance));
-    }
-    blockers.assign(lines.size(), {});
-    first_blockers(occluders, lines, blockers);
-    for (std::size_t i = 0; i < lines.size(); ++i) {
-      if (!blockers[i]) continue;
-      const std::size_t pixel = film.index(0, begin) + i;
-      film.distance[pixel] = film.depth[pixel] = static_cast<float>(blockers[i]->distance);
-      film.id[pixel] = static_cast<std::uint32_t>(blockers[i]->point_id + 1);
-    }
-  }
-  report(progress, film.count(), film.count());
+  look_through(
+      occluders, eye, max_distance, width, height, rows_at_once, progress,
+      [&](int x, int y) {
+        return projection.ray({x + 0.5, y + 0.5})->direction;
+      },
+      [&](std::size_t pixel, const Blocker& blocker) {
+        film.distance[pixel] = film.depth[pixel] = static_cast<float>(blocker.distance);
+        film.id[pixel] = static_cast<std::uint32_t>(blocker.point_id + 1);
+      });
   return film;
 }
 
@@ -72,29 +87,21 @@ DepthStrip strip_around(std::span<const HorizonDirection> horizon, double azimut
 
 void fill_strip(const Occluders& occluders, const SightEnd& eye, double max_distance, DepthStrip& strip,
                 const Progress& progress) {
-  const auto columns = static_cast<std::size_t>(strip.width), rows = static_cast<std::size_t>(strip.height);
-  strip.distances.assign(columns * rows, std::numeric_limits<float>::infinity());
-  constexpr std::size_t k_rows_at_once = 32;
-  std::vector<SightLine> lines;
-  std::vector<std::optional<Blocker>> blockers;
-  for (std::size_t begin = 0; begin < rows; begin += k_rows_at_once) {
-    report(progress, begin * columns, strip.distances.size());
-    lines.clear();
-    for (std::size_t y = begin; y < std::min(begin + k_rows_at_once, rows); ++y) {
-      const double elevation = strip.elevation_max - (static_cast<double>(y) + 0.5) / strip.height *
-                                                         (strip.elevation_max - strip.elevation_min);
-      for (int x = 0; x < strip.width; ++x) {
+  strip.distances.assign(static_cast<std::size_t>(strip.width) * static_cast<std::size_t>(strip.height),
+                         std::numeric_limits<float>::infinity());
+  constexpr int k_rows_at_once = 32;
+  look_through(
+      occluders, eye, max_distance, strip.width, strip.height, k_rows_at_once, progress,
+      [&](int x, int y) {
         const double azimuth =
             strip.azimuth_min + (x + 0.5) / strip.width * (strip.azimuth_max - strip.azimuth_min);
-        lines.push_back(sight_ray(eye, geo::compass_direction(azimuth, elevation), max_distance));
-      }
-    }
-    blockers.assign(lines.size(), {});
-    first_blockers(occluders, lines, blockers);
-    for (std::size_t i = 0; i < lines.size(); ++i)
-      if (blockers[i]) strip.distances[begin * columns + i] = static_cast<float>(blockers[i]->distance);
-  }
-  report(progress, strip.distances.size(), strip.distances.size());
+        return geo::compass_direction(
+            azimuth,
+            strip.elevation_max - (y + 0.5) / strip.height * (strip.elevation_max - strip.elevation_min));
+      },
+      [&](std::size_t pixel, const Blocker& blocker) {
+        strip.distances[pixel] = static_cast<float>(blocker.distance);
+      });
 }
 
 }  // namespace alidade::visibility

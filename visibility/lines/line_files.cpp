@@ -6,11 +6,11 @@
 #include <array>
 #include <cmath>
 #include <cstddef>
+#include <nlohmann/json.hpp>
 #include <string_view>
 
 #include "base/csv_table.h"
 #include "base/error.h"
-#include "visibility/row_text.h"
 
 namespace alidade::visibility {
 namespace {

@@ -8,7 +8,7 @@
 
 #include "visibility/lines/line_report.h"
 #include "visibility/observers.h"
-#include "visibility/row_files.h"
+#include "visibility/row_text.h"
 
 namespace alidade::visibility {
 

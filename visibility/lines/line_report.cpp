@@ -12,106 +12,95 @@ namespace {
 
 constexpr std::size_t k_obstruction_bytes = 16;
 
-void put_position(const glm::dvec3& position, PartWriter& writer) {
-  for (int axis = 0; axis < 3; ++axis) writer.put(position[axis]);
-}
+// The values of a report go one after another into a part and come back: pass_...() visits them, one of these
+// writes or reads each.
 
-void put_point(const std::optional<LinePoint>& point, PartWriter& writer) {
-  writer.put(std::uint8_t{point.has_value()});
-  if (!point) return;
-  writer.put(point->point_id);
-  put_position(point->position, writer);
-  writer.put(point->t);
-  writer.put(point->distance);
-}
+struct Putting {
+  PartWriter& writer;
 
-void put_fresnel(const FresnelClearance& zone, PartWriter& writer) {
-  for (const double number :
-       {zone.radius, zone.obstructed, zone.worst, zone.worst_t, zone.cut_off, zone.inner, zone.nearest_share})
-    writer.put(number);
-  writer.put(std::uint8_t{zone.is_clear});
-  put_point(zone.nearest, writer);
-  writer.put(zone.points);
-  writer.put(std::uint64_t{zone.obstructions.size()});
-  for (const Obstruction& one : zone.obstructions) {
-    writer.put(one.point_id);
-    writer.put(one.share);
+  template <class Number>
+  void number(Number value) {
+    writer.put(value);
   }
-}
-
-class ReportReader {
- public:
-  ReportReader(PartReader& reader, std::uint64_t point_count) : reader_(reader), point_count_(point_count) {}
-
-  bool take_flag() { return reader_.take<std::uint8_t>() != 0; }
-  double take_number() { return reader_.take<double>(); }
-  std::uint64_t take_id() {
-    const auto id = reader_.take<std::uint64_t>();
-    reader_.require(id < point_count_);
-    return id;
+  void flag(bool value) { writer.put(std::uint8_t{value}); }
+  void id(std::uint64_t value) { writer.put(value); }
+  void length(const std::vector<Obstruction>& all) { writer.put(std::uint64_t{all.size()}); }
+  template <class Part>
+  bool has(const std::optional<Part>& part) {
+    flag(part.has_value());
+    return part.has_value();
   }
-  glm::dvec3 take_position() {
-    glm::dvec3 position{0.0};
-    for (int axis = 0; axis < 3; ++axis) position[axis] = take_number();
-    return position;
-  }
-  std::optional<LinePoint> take_point() {
-    if (!take_flag()) return std::nullopt;
-    LinePoint point;
-    point.point_id = take_id();
-    point.position = take_position();
-    point.t = take_number();
-    point.distance = take_number();
-    return point;
-  }
-  FresnelClearance take_fresnel() {
-    FresnelClearance zone;
-    for (double* const number : {&zone.radius, &zone.obstructed, &zone.worst, &zone.worst_t, &zone.cut_off,
-                                 &zone.inner, &zone.nearest_share})
-      *number = take_number();
-    zone.is_clear = take_flag();
-    zone.nearest = take_point();
-    zone.points = reader_.take<std::uint64_t>();
-    zone.obstructions.resize(reader_.take_count(k_obstruction_bytes));
-    for (Obstruction& one : zone.obstructions) {
-      one.point_id = take_id();
-      one.share = take_number();
-    }
-    return zone;
-  }
-
- private:
-  PartReader& reader_;
-  std::uint64_t point_count_;
 };
+
+struct Taking {
+  PartReader& reader;
+  std::uint64_t point_count;
+
+  template <class Number>
+  void number(Number& value) {
+    value = reader.take<Number>();
+  }
+  void flag(bool& value) { value = reader.take<std::uint8_t>() != 0; }
+  void id(std::uint64_t& value) {
+    number(value);
+    reader.require(value < point_count);
+  }
+  void length(std::vector<Obstruction>& all) { all.resize(reader.take_count(k_obstruction_bytes)); }
+  template <class Part>
+  bool has(std::optional<Part>& part) {
+    if (reader.take<std::uint8_t>() != 0) part.emplace();
+    return part.has_value();
+  }
+};
+
+void pass_position(auto& way, auto& position) {
+  for (int axis = 0; axis < 3; ++axis) way.number(position[axis]);
+}
+
+void pass_point(auto& way, auto& point) {
+  if (!way.has(point)) return;
+  way.id(point->point_id);
+  pass_position(way, point->position);
+  way.number(point->t);
+  way.number(point->distance);
+}
+
+void pass_fresnel(auto& way, auto& zone) {
+  for (auto* const number : {&zone.radius, &zone.obstructed, &zone.worst, &zone.worst_t, &zone.cut_off,
+                             &zone.inner, &zone.nearest_share})
+    way.number(*number);
+  way.flag(zone.is_clear);
+  pass_point(way, zone.nearest);
+  way.number(zone.points);
+  way.length(zone.obstructions);
+  for (auto& one : zone.obstructions) {
+    way.id(one.point_id);
+    way.number(one.share);
+  }
+}
+
+void pass_report(auto& way, auto& report) {
+  way.number(report.length);
+  if (way.has(report.blocker)) {
+    way.id(report.blocker->point_id);
+    pass_position(way, report.blocker->position);
+    way.number(report.blocker->distance);
+  }
+  pass_point(way, report.nearest);
+  if (way.has(report.fresnel)) pass_fresnel(way, *report.fresnel);
+}
 
 }  // namespace
 
 void put_report(const LineReport& report, PartWriter& writer) {
-  writer.put(report.length);
-  writer.put(std::uint8_t{report.blocker.has_value()});
-  if (report.blocker) {
-    writer.put(report.blocker->point_id);
-    put_position(report.blocker->position, writer);
-    writer.put(report.blocker->distance);
-  }
-  put_point(report.nearest, writer);
-  writer.put(std::uint8_t{report.fresnel.has_value()});
-  if (report.fresnel) put_fresnel(*report.fresnel, writer);
+  Putting way{writer};
+  pass_report(way, report);
 }
 
 LineReport take_report(PartReader& reader, std::uint64_t point_count) {
-  ReportReader from(reader, point_count);
+  Taking way{reader, point_count};
   LineReport report;
-  report.length = from.take_number();
-  if (from.take_flag()) {
-    Blocker& blocker = report.blocker.emplace();
-    blocker.point_id = from.take_id();
-    blocker.position = from.take_position();
-    blocker.distance = from.take_number();
-  }
-  report.nearest = from.take_point();
-  if (from.take_flag()) report.fresnel = from.take_fresnel();
+  pass_report(way, report);
   return report;
 }
 

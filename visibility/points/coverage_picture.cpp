@@ -15,7 +15,7 @@ namespace {
 
 constexpr int k_width = 900, k_height = 560, k_text_size = 20, k_tick = 6;
 constexpr image::PixelBox k_plot{90, 60, 870, 470};
-constexpr image::Rgb8 k_white{255, 255, 255}, k_text{30, 30, 30}, k_axis{95, 95, 95}, k_grid{225, 225, 225};
+constexpr image::Rgb8 k_white{255, 255, 255}, k_words{30, 30, 30}, k_axis{95, 95, 95}, k_grid{225, 225, 225};
 constexpr image::Rgb8 k_before{166, 199, 224}, k_gain{31, 98, 152}, k_bound{176, 60, 40};
 
 /// Draws on one canvas with one font.
@@ -34,7 +34,8 @@ struct Plot {
   /// `align`: 0 starts at x, 1 ends there, 0.5 has its middle there.
   void text(int x, int baseline, const std::string& words, double align) const {
     const int width = font.measure(words, k_text_size).width;
-    font.draw(canvas, x - static_cast<int>(std::lround(align * width)), baseline, words, k_text_size, k_text);
+    font.draw(canvas, x - static_cast<int>(std::lround(align * width)), baseline, words, k_text_size,
+              k_words);
   }
 };
 

@@ -5,11 +5,11 @@
 #include <bit>
 #include <cmath>
 #include <functional>
+#include <nlohmann/json.hpp>
 #include <numeric>
 #include <queue>
 
 #include "base/error.h"
-#include "visibility/row_text.h"
 
 namespace alidade::visibility {
 namespace {

@@ -9,7 +9,7 @@
 #include "image/canvas.h"
 #include "image/font.h"
 #include "visibility/points/coverage.h"
-#include "visibility/row_files.h"
+#include "visibility/row_text.h"
 
 // The few positions from which one sees most. Which k of n candidates see most targets together is hard to
 // answer exactly (maximum coverage is NP-hard). Taking each time the candidate that sees most of what nobody

@@ -15,7 +15,7 @@
 #include "base/huge_memory.h"
 #include "geo/raster.h"
 #include "octree/point_surface.h"
-#include "octree/tree_walk.h"
+#include "visibility/point_blocks.h"
 #include "visibility/sight_line.h"
 
 namespace alidade::visibility {
@@ -43,45 +43,6 @@ std::vector<glm::dvec2> disc_pattern(int count) {
 glm::dvec3 across(const glm::dvec3& normal) {
   return std::fabs(normal.z) < 0.5 ? glm::dvec3(normal.y, -normal.x, 0.0)
                                    : glm::dvec3(0.0, normal.z, -normal.y);
-}
-
-/// A point that is examined.
-struct Target {
-  glm::dvec3 position{0.0};
-  std::uint32_t index = 0;  ///< storage index
-  std::uint64_t point_id = 0;
-};
-
-/// Leaves whose points are requested together.
-using Batch = std::vector<Leaf>;
-
-/// All leaves in the order of the octree.
-std::vector<Batch> batches_of(const TreeView& tree, std::size_t size) {
-  std::vector<Batch> batches(1);
-  std::size_t points = 0;
-  for_each_leaf(tree, [&](const Leaf& leaf) {
-    if (points >= size) {
-      batches.emplace_back();
-      points = 0;
-    }
-    batches.back().push_back(leaf);
-    points += leaf.count;
-  });
-  return batches;
-}
-
-std::vector<Target> targets_of(const TreeView& tree, const Batch& batch) {
-  std::vector<std::size_t> begins{0};
-  for (const Leaf& leaf : batch) begins.push_back(begins.back() + leaf.count);
-  std::vector<Target> targets(begins.back());
-  tbb::parallel_for(std::size_t{0}, batch.size(), [&](std::size_t l) {
-    const Leaf& leaf = batch[l];
-    for (std::uint32_t i = 0; i < leaf.count; ++i) {
-      targets[begins[l] + i] = {to_world(tree.lattice, position_of(tree, leaf, i)), leaf.first + i,
-                                point_id(tree, leaf.first + i)};
-    }
-  });
-  return targets;
 }
 
 /// What an observer sees of the points of a batch, in their order.
@@ -123,7 +84,7 @@ class View {
         eye_(end_near_surface(occluders, observer.position)),
         pattern_(pattern) {}
 
-  void look_at(const std::vector<Target>& targets, BatchAnswers& answers) {
+  void look_at(const std::vector<PlacedPoint>& targets, BatchAnswers& answers) {
     asked_.clear();
     for (std::size_t i = 0; i < targets.size(); ++i) {
       if (field_.reaches(targets[i].position - observer_.position)) asked_.push_back({targets[i], i});
@@ -142,14 +103,14 @@ class View {
  private:
   /// A target of the batch that is in view, and its number in it.
   struct Asked {
-    Target target;
+    PlacedPoint target;
     std::size_t number;
   };
 
   /// The lines to the points that are requested, or beside them on their discs.
   void make_lines(std::size_t sub_ray) {
     tbb::parallel_for(std::size_t{0}, asked_.size(), [&](std::size_t n) {
-      const Target& target = asked_[n].target;
+      const PlacedPoint& target = asked_[n].target;
       SightEnd end = end_on_point(occluders_, target.point_id, target.position, observer_.position);
       if (sub_ray > 0) shift(end, target, pattern_[sub_ray]);
       lines_[n] = sight_line(eye_, end);
@@ -157,7 +118,7 @@ class View {
   }
 
   /// Moves an end over the disc of its point.
-  void shift(SightEnd& end, const Target& target, const glm::dvec2& by) const {
+  void shift(SightEnd& end, const PlacedPoint& target, const glm::dvec2& by) const {
     PointSurface surface;
     if (occluders_.has_surfaces()) surface = surface_of(tree_, target.point_id);
     glm::dvec3 normal = surface.normal;
@@ -205,7 +166,7 @@ class View {
 };
 
 /// Adds what observer `number` sees of some points to what all see, and to `seen` unless that is empty.
-void add_answers(const std::vector<Target>& targets, const BatchAnswers& answers, std::size_t number,
+void add_answers(const std::vector<PlacedPoint>& targets, const BatchAnswers& answers, std::size_t number,
                  int lines_per_point, PointVisibility& all, std::vector<std::uint8_t>& seen) {
   // No two targets of a batch are the same point.
   tbb::parallel_for(std::size_t{0}, targets.size(), [&](std::size_t i) {
@@ -263,15 +224,16 @@ PointVisibility point_visibility(const Occluders& occluders, std::span<const Obs
   const auto lines_per_point = static_cast<std::uint64_t>(options.sub_rays);
   const std::uint64_t total = lines_per_point * tree.point_count * observers.size();
   const std::vector<glm::dvec2> pattern = disc_pattern(options.sub_rays);
-  const std::vector<Batch> batches = batches_of(tree, batch_size(options.sub_rays));
+  std::vector<std::vector<Leaf>> batches = leaf_blocks(tree, batch_size(options.sub_rays));
+  if (batches.empty()) batches.emplace_back();
   PointVisibility all = make_columns(tree.point_count, observers.size(), options);
   std::uint64_t done = 0;
   std::optional<View> view;
   std::size_t viewer = observers.size();
-  std::vector<Target> targets;
+  std::vector<PlacedPoint> targets;
   std::size_t targets_batch = batches.size();
   const auto fetch_targets = [&](std::size_t batch) {
-    if (targets_batch != batch) targets = targets_of(tree, batches[batch]);
+    if (targets_batch != batch) targets = placed_points(tree, batches[batch]);
     targets_batch = batch;
   };
   // By point id, if anybody wants to know.

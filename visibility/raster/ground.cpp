@@ -11,10 +11,186 @@
 
 #include "base/error.h"
 #include "base/huge_memory.h"
-#include "visibility/raster/ground_samples.h"
+#include "octree/tree_walk.h"
 
 namespace alidade::visibility {
 namespace {
+
+constexpr std::uint8_t k_ground_class = 2;  // of ASPRS
+
+/// Whether points of a class lie on the ground: ground, water, road surface. Where ground was classified,
+/// roads and water are mostly classes of their own, and would be holes in it.
+constexpr bool is_on_ground(std::uint8_t point_class) {
+  constexpr std::uint8_t k_water = 9, k_road = 11;
+  return point_class == k_ground_class || point_class == k_water || point_class == k_road;
+}
+
+/// A height that was measured somewhere in a cell.
+struct GroundSample {
+  glm::vec2 offset{0.0f};  ///< of the position from the middle of the cell
+  double height = 0.0;     ///< NaN if nothing was measured
+
+  bool exists() const { return height == height; }
+};
+
+struct GroundSamples {
+  geo::Raster<GroundSample> samples;
+  std::vector<std::uint8_t> covered;  ///< cells with points of any class
+};
+
+constexpr double k_nan = std::numeric_limits<double>::quiet_NaN();
+
+/// Calls visit(cell, point id, world position) for every point.
+template <class Visit>
+void for_each_point(const Octree& octree, const geo::RasterGrid& grid, const Progress& progress,
+                    const Visit& visit) {
+  constexpr std::uint64_t k_points_per_report = 1 << 20;
+  const TreeView& tree = octree.view();
+  std::uint64_t done = 0, next_report = k_points_per_report;
+  for_each_leaf(tree, [&](const Leaf& leaf) {
+    for (std::uint32_t i = 0; i < leaf.count; ++i) {
+      const glm::dvec3 position = to_world(tree.lattice, position_of(tree, leaf, i));
+      if (const auto cell = geo::cell_at(grid, {position.x, position.y}))
+        visit(*cell, point_id(tree, leaf.first + i), position);
+    }
+    done += leaf.count;
+    if (done < next_report) return;
+    report(progress, done, tree.point_count);
+    next_report = done + k_points_per_report;
+  });
+  report(progress, done, tree.point_count);
+}
+
+GroundSample sample_at(const geo::RasterGrid& grid, const glm::ivec2& cell, const glm::dvec3& position) {
+  const glm::dvec2 middle = grid.center(cell.x, cell.y);
+  return {{position.x - middle.x, position.y - middle.y}, position.z};
+}
+
+struct TwoLowest {
+  GroundSample lowest{.height = k_nan}, second{.height = k_nan};
+
+  void take(const GroundSample& sample) {
+    if (!(sample.height >= lowest.height)) {
+      second = lowest;
+      lowest = sample;
+    } else if (!(sample.height >= second.height)) {
+      second = sample;
+    }
+  }
+};
+
+/// Calls visit(column, row) for the cells around one, as far as there are any.
+template <class Visit>
+void for_each_neighbour(const geo::RasterGrid& grid, int column, int row, const Visit& visit) {
+  for (int y = std::max(row - 1, 0); y <= std::min(row + 1, grid.rows - 1); ++y) {
+    for (int x = std::max(column - 1, 0); x <= std::min(column + 1, grid.columns - 1); ++x) {
+      if (x != column || y != row) visit(x, y);
+    }
+  }
+}
+
+/// Whether another low point is not much higher than the cell's lowest.
+bool has_company(const geo::Raster<TwoLowest>& lowest, int column, int row) {
+  const double most = 1.0 + lowest.grid.cell_size;
+  const TwoLowest& cell = lowest.at(column, row);
+  bool found = cell.second.height - cell.lowest.height <= most;
+  for_each_neighbour(lowest.grid, column, row, [&](int x, int y) {
+    found = found || lowest.at(x, y).lowest.height - cell.lowest.height <= most;
+  });
+  return found;
+}
+
+/// Slope of the ground around a cell: least squares over the differences to the cells around it. Zero where
+/// these do not decide it.
+glm::dvec2 slope_around(const geo::Raster<GroundSample>& samples, int column, int row) {
+  const geo::RasterGrid& grid = samples.grid;
+  const GroundSample& here = samples.at(column, row);
+  double xx = 0.0, xy = 0.0, yy = 0.0, xz = 0.0, yz = 0.0;
+  for_each_neighbour(grid, column, row, [&](int x, int y) {
+    const GroundSample& there = samples.at(x, y);
+    if (!there.exists()) return;
+    const double dx = (x - column) * grid.cell_size + there.offset.x - here.offset.x,
+                 dy = (row - y) * grid.cell_size + there.offset.y - here.offset.y,
+                 dz = there.height - here.height;
+    xx += dx * dx;
+    xy += dx * dy;
+    yy += dy * dy;
+    xz += dx * dz;
+    yz += dy * dz;
+  });
+  // Neighbours on one line, or close by, say nothing about the slope across it but noise: they must be spread
+  // by half a cell in every direction.
+  constexpr double k_least_spread = 0.25;
+  const double determinant = xx * yy - xy * xy, spread = xx + yy;
+  if (!(spread > 0.0 && determinant >= k_least_spread * grid.cell_size * grid.cell_size * spread))
+    return glm::dvec2(0.0);
+  return {(yy * xz - xy * yz) / determinant, (xx * yz - xy * xz) / determinant};
+}
+
+/// Of every cell the mean of its points of classes on the ground.
+GroundSamples mean_of_class(const Octree& octree, std::span<const std::uint8_t> classifications,
+                            const geo::RasterGrid& grid, const Progress& progress) {
+  struct Sum {
+    glm::dvec2 offset{0.0};
+    double height = 0.0;
+    std::uint64_t count = 0;
+  };
+  geo::Raster<Sum> sums(grid, {});
+  GroundSamples result{geo::Raster<GroundSample>(grid, {.height = k_nan}),
+                       std::vector<std::uint8_t>(grid.size(), 0)};
+  // Sums of heights above the lowest point keep more digits.
+  const double base = octree.bounds().min.z;
+  for_each_point(octree, grid, progress, [&](const glm::ivec2& cell, std::uint64_t id, const glm::dvec3& p) {
+    result.covered[grid.index(cell.x, cell.y)] = 1;
+    if (!is_on_ground(classifications[id])) return;
+    const GroundSample sample = sample_at(grid, cell, p);
+    Sum& sum = sums.at(cell.x, cell.y);
+    sum.offset += glm::dvec2(sample.offset);
+    sum.height += p.z - base;
+    ++sum.count;
+  });
+  for (std::size_t i = 0; i < grid.size(); ++i) {
+    const Sum& sum = sums.values[i];
+    if (sum.count == 0) continue;
+    const double count = static_cast<double>(sum.count);
+    result.samples.values[i] = {glm::vec2(sum.offset / count), base + sum.height / count};
+  }
+  return result;
+}
+
+/// Of every cell the lowest point that is not an outlier.
+GroundSamples lowest_points(const Octree& octree, const geo::RasterGrid& grid, const Progress& progress) {
+  geo::Raster<TwoLowest> lowest(grid, {});
+  GroundSamples result{geo::Raster<GroundSample>(grid, {.height = k_nan}),
+                       std::vector<std::uint8_t>(grid.size(), 0)};
+  for_each_point(octree, grid, progress, [&](const glm::ivec2& cell, std::uint64_t, const glm::dvec3& p) {
+    result.covered[grid.index(cell.x, cell.y)] = 1;
+    lowest.at(cell.x, cell.y).take(sample_at(grid, cell, p));
+  });
+  tbb::parallel_for(0, grid.rows, [&](int row) {
+    for (int column = 0; column < grid.columns; ++column) {
+      const TwoLowest& cell = lowest.at(column, row);
+      result.samples.at(column, row) = has_company(lowest, column, row) ? cell.lowest : cell.second;
+    }
+  });
+  return result;
+}
+
+/// Heights in the middles of cells; NaN where nothing was measured.
+geo::Raster<double> heights_in_middles(const geo::Raster<GroundSample>& samples) {
+  geo::Raster<double> heights(samples.grid, k_nan);
+  tbb::parallel_for(0, samples.grid.rows, [&](int row) {
+    for (int column = 0; column < samples.grid.columns; ++column) {
+      const GroundSample& sample = samples.at(column, row);
+      if (!sample.exists()) continue;
+      const glm::dvec2 slope = slope_around(samples, column, row);
+      heights.at(column, row) = sample.height - slope.x * sample.offset.x - slope.y * sample.offset.y;
+    }
+  });
+  return heights;
+}
+
+// The membrane over the gaps.
 
 struct Level {
   geo::Raster<double> heights;
@@ -92,32 +268,6 @@ void sweep(Level& level, int color) {
   });
 }
 
-bool all_known(const Level& level) {
-  return std::ranges::all_of(level.known, [](std::uint8_t known) { return known != 0; });
-}
-
-}  // namespace
-
-void fill_gaps(geo::Raster<double>& raster) {
-  constexpr int k_sweeps = 24;
-  std::vector<Level> levels(1);
-  levels[0].known.resize(raster.values.size());
-  for (std::size_t i = 0; i < raster.values.size(); ++i) levels[0].known[i] = !std::isnan(raster.values[i]);
-  if (std::ranges::none_of(levels[0].known, [](std::uint8_t known) { return known != 0; })) return;
-  levels[0].heights = std::move(raster);
-  while (!all_known(levels.back())) levels.push_back(coarser(levels.back()));
-  for (std::size_t i = levels.size() - 1; i-- > 0;) {
-    start_from(levels[i + 1], levels[i]);
-    for (int k = 0; k < k_sweeps; ++k) {
-      sweep(levels[i], 0);
-      sweep(levels[i], 1);
-    }
-  }
-  raster = std::move(levels[0].heights);
-}
-
-namespace {
-
 /// Cells within so many cells of one that is set, along rows or columns.
 void widen(std::vector<std::uint8_t>& set, std::size_t count, std::size_t stride, std::size_t lines,
            std::size_t line_stride, int cells) {
@@ -164,6 +314,25 @@ double mean_distance(const Bounds& bounds, std::uint64_t count) {
 }
 
 }  // namespace
+
+void fill_gaps(geo::Raster<double>& raster) {
+  constexpr int k_sweeps = 24;
+  std::vector<Level> levels(1);
+  levels[0].known.resize(raster.values.size());
+  for (std::size_t i = 0; i < raster.values.size(); ++i) levels[0].known[i] = !std::isnan(raster.values[i]);
+  if (std::ranges::find(levels[0].known, 1) == levels[0].known.end()) return;
+  levels[0].heights = std::move(raster);
+  while (std::ranges::find(levels.back().known, 0) != levels.back().known.end())
+    levels.push_back(coarser(levels.back()));
+  for (std::size_t i = levels.size() - 1; i-- > 0;) {
+    start_from(levels[i + 1], levels[i]);
+    for (int k = 0; k < k_sweeps; ++k) {
+      sweep(levels[i], 0);
+      sweep(levels[i], 1);
+    }
+  }
+  raster = std::move(levels[0].heights);
+}
 
 std::optional<double> Ground::at(const glm::dvec2& position) const {
   const geo::RasterGrid& grid = heights_.grid;
@@ -220,7 +389,7 @@ Ground make_ground(const Octree& octree, std::span<const std::uint8_t> classific
   fill_gaps(heights);
   widen(samples.covered, grid, options.reach);
   for (std::size_t i = 0; i < grid.size(); ++i) {
-    if (!samples.covered[i]) heights.values[i] = std::numeric_limits<double>::quiet_NaN();
+    if (!samples.covered[i]) heights.values[i] = k_nan;
   }
   return Ground(std::move(heights), options.reach, source, measured);
 }

@@ -94,13 +94,6 @@ class MapObserver {
   double lower_slope_, upper_slope_;  ///< rise per length of the ground at the limits of the view
 };
 
-inline std::vector<MapObserver> map_observers(const Occluders& occluders,
-                                              std::span<const Observer> observers) {
-  std::vector<MapObserver> all;
-  for (const Observer& observer : observers) all.emplace_back(occluders, observer);
-  return all;
-}
-
 /// The part of an area that is in reach of any observer, in x and y. Errors: none is.
 Bounds area_in_reach(const Bounds& area, std::span<const Observer> observers);
 

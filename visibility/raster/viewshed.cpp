@@ -281,7 +281,8 @@ Viewshed viewshed(const Occluders& occluders, const Ground& ground, std::span<co
   geo::check_map_memory(grid, 1);
   Viewshed result{geo::Raster<float>(grid, k_no_ground)};
   const int positions_across = options.mode == ViewshedMode::fraction ? options.positions_across : 1;
-  const std::vector<MapObserver> eyes = map_observers(occluders, observers);
+  std::vector<MapObserver> eyes;
+  for (const Observer& observer : observers) eyes.emplace_back(occluders, observer);
   const MapTargets targets(occluders, ground, grid, positions_across,
                            most_positions(eyes.size(), options.mode));
   const std::uint64_t pairs_per_cell =

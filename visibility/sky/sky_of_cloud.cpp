@@ -13,51 +13,10 @@
 
 #include "base/checkpoint.h"
 #include "base/error.h"
-#include "octree/tree_walk.h"
+#include "visibility/point_blocks.h"
 #include "visibility/raster/map_targets.h"
 
 namespace alidade::visibility {
-
-/// A point of a cloud.
-struct PlacedPoint {
-  std::uint64_t point_id = 0;
-  glm::dvec3 position{0.0};
-};
-
-/// The points of a cloud in blocks of neighbours in space, as batches of lines want them: each point is in
-/// one of them. The same blocks for the same tree.
-class PointBlocks {
- public:
-  /// Blocks of `size` points and at most a leaf more. The tree must outlive this. Cost: linear in the leaves;
-  /// so is the memory.
-  PointBlocks(const TreeView& tree, std::size_t size) : tree_(tree) {
-    std::size_t points = size;
-    for_each_leaf(tree, [&](const Leaf& leaf) {
-      if (points >= size) {
-        blocks_.emplace_back();
-        points = 0;
-      }
-      blocks_.back().push_back(leaf);
-      points += leaf.count;
-    });
-  }
-
-  std::size_t count() const { return blocks_.size(); }
-
-  std::vector<PlacedPoint> block(std::size_t number) const {
-    std::vector<PlacedPoint> points;
-    for (const Leaf& leaf : blocks_[number]) {
-      for (std::uint32_t i = 0; i < leaf.count; ++i)
-        points.push_back(
-            {point_id(tree_, leaf.first + i), to_world(tree_.lattice, position_of(tree_, leaf, i))});
-    }
-    return points;
-  }
-
- private:
-  const TreeView& tree_;
-  std::vector<std::vector<Leaf>> blocks_;
-};
 
 namespace {
 
@@ -96,13 +55,13 @@ void for_each_point_target(const Occluders& occluders, std::span<const glm::vec3
   const TreeView& tree = occluders.octree().view();
   check_that(normals.empty() || normals.size() == tree.point_count, "missing normals: expected one per point",
              std::to_string(tree.point_count), std::to_string(normals.size()));
-  const PointBlocks blocks(tree, targets_at_once(question.lines));
+  const std::vector<std::vector<Leaf>> blocks = leaf_blocks(tree, targets_at_once(question.lines));
   std::uint64_t done = 0;
   report(work.progress, done, tree.point_count);
   run_parts(
-      work.parts, blocks.count(),
+      work.parts, blocks.size(),
       [&](std::uint64_t part, PartWriter& writer) {
-        const std::vector<PlacedPoint> points = blocks.block(part);
+        const std::vector<PlacedPoint> points = placed_points(tree, blocks[part]);
         std::vector<SkyTarget> targets(points.size());
         tbb::parallel_for(std::size_t{0}, points.size(), [&](std::size_t i) {
           targets[i] = target_on_point(occluders, points[i].point_id, points[i].position,
@@ -111,7 +70,7 @@ void for_each_point_target(const Occluders& occluders, std::span<const glm::vec3
         writer.put_all(answer(std::span<SkyTarget>(targets)));
       },
       [&](std::uint64_t part, PartReader& reader) {
-        const std::vector<PlacedPoint> points = blocks.block(part);
+        const std::vector<PlacedPoint> points = placed_points(tree, blocks[part]);
         Numbers numbers(points.size());
         for (std::size_t row = 0; row < question.numbers; ++row) {
           reader.take_all(numbers);
@@ -158,12 +117,27 @@ void for_each_ground_target(const Occluders& occluders, const Ground& ground, co
       });
 }
 
-/// Hours and energy in two rows.
-Numbers in_rows(std::span<const SunHours> hours) {
-  Numbers numbers;
-  for (const SunHours& one : hours) numbers.push_back(one.hours);
-  for (const SunHours& one : hours) numbers.push_back(one.kilowatt_hours);
-  return numbers;
+/// Answers with the sky-view factor of each target.
+auto sky_answer(const Occluders& occluders, const SkyViewOptions& options) {
+  return [&](std::span<SkyTarget> targets) {
+    Numbers of_block(targets.size());
+    sky_views(occluders, targets, options, of_block);
+    return of_block;
+  };
+}
+
+/// Answers with hours and energy in two rows; looks for the open sides in so many directions first.
+auto sun_answer(const Occluders& occluders, std::span<const SunBin> bins, const SunHoursOptions& options,
+                int side_directions) {
+  return [&occluders, bins, &options, side_directions](std::span<SkyTarget> targets) {
+    if (side_directions > 0) find_open_sides(occluders, side_directions, targets);
+    std::vector<SunHours> of_block(targets.size());
+    sun_hours(occluders, targets, bins, options, of_block);
+    Numbers numbers;
+    for (const SunHours& one : of_block) numbers.push_back(one.hours);
+    for (const SunHours& one : of_block) numbers.push_back(one.kilowatt_hours);
+    return numbers;
+  };
 }
 
 }  // namespace
@@ -171,14 +145,9 @@ Numbers in_rows(std::span<const SunHours> hours) {
 std::vector<float> point_sky_views(const Occluders& occluders, std::span<const glm::vec3> normals,
                                    const SkyViewOptions& options, const LongWork& work) {
   std::vector<float> views(occluders.octree().size());
-  for_each_point_target(
-      occluders, normals, {static_cast<std::size_t>(options.directions), 1}, work,
-      [&](std::span<SkyTarget> targets) {
-        Numbers of_block(targets.size());
-        sky_views(occluders, targets, options, of_block);
-        return of_block;
-      },
-      [&](std::uint64_t point_id, std::size_t, float number) { views[point_id] = number; });
+  for_each_point_target(occluders, normals, {static_cast<std::size_t>(options.directions), 1}, work,
+                        sky_answer(occluders, options),
+                        [&](std::uint64_t point_id, std::size_t, float number) { views[point_id] = number; });
   return views;
 }
 
@@ -187,17 +156,11 @@ std::vector<SunHours> point_sun_hours(const Occluders& occluders, std::span<cons
                                       const LongWork& work) {
   constexpr int k_side_directions = 64;
   std::vector<SunHours> hours(occluders.octree().size());
-  for_each_point_target(
-      occluders, normals, {bins.size() + k_side_directions, 2}, work,
-      [&](std::span<SkyTarget> targets) {
-        find_open_sides(occluders, k_side_directions, targets);
-        std::vector<SunHours> of_block(targets.size());
-        sun_hours(occluders, targets, bins, options, of_block);
-        return in_rows(of_block);
-      },
-      [&](std::uint64_t point_id, std::size_t row, float number) {
-        (row == 0 ? hours[point_id].hours : hours[point_id].kilowatt_hours) = number;
-      });
+  for_each_point_target(occluders, normals, {bins.size() + k_side_directions, 2}, work,
+                        sun_answer(occluders, bins, options, k_side_directions),
+                        [&](std::uint64_t point_id, std::size_t row, float number) {
+                          (row == 0 ? hours[point_id].hours : hours[point_id].kilowatt_hours) = number;
+                        });
   return hours;
 }
 
@@ -208,14 +171,9 @@ geo::Raster<float> ground_sky_views(const Occluders& occluders, const Ground& gr
   geo::Raster<float> views(grid, k_nothing);
   SkyViewOptions facing_up = options;
   facing_up.receiver = SkyReceiver::horizontal;
-  for_each_ground_target(
-      occluders, ground, grid, height, {static_cast<std::size_t>(options.directions), 1}, work,
-      [&](std::span<SkyTarget> targets) {
-        Numbers of_block(targets.size());
-        sky_views(occluders, targets, facing_up, of_block);
-        return of_block;
-      },
-      [&](std::size_t cell, std::size_t, float number) { views.values[cell] = number; });
+  for_each_ground_target(occluders, ground, grid, height, {static_cast<std::size_t>(options.directions), 1},
+                         work, sky_answer(occluders, facing_up),
+                         [&](std::size_t cell, std::size_t, float number) { views.values[cell] = number; });
   return views;
 }
 
@@ -224,16 +182,11 @@ SunMaps ground_sun_hours(const Occluders& occluders, const Ground& ground, const
                          const LongWork& work) {
   geo::check_map_memory(grid, 2);
   SunMaps maps{geo::Raster<float>(grid, k_nothing), geo::Raster<float>(grid, k_nothing)};
-  for_each_ground_target(
-      occluders, ground, grid, height, {bins.size(), 2}, work,
-      [&](std::span<SkyTarget> targets) {
-        std::vector<SunHours> of_block(targets.size());
-        sun_hours(occluders, targets, bins, options, of_block);
-        return in_rows(of_block);
-      },
-      [&](std::size_t cell, std::size_t row, float number) {
-        (row == 0 ? maps.hours : maps.kilowatt_hours).values[cell] = number;
-      });
+  for_each_ground_target(occluders, ground, grid, height, {bins.size(), 2}, work,
+                         sun_answer(occluders, bins, options, 0),
+                         [&](std::size_t cell, std::size_t row, float number) {
+                           (row == 0 ? maps.hours : maps.kilowatt_hours).values[cell] = number;
+                         });
   return maps;
 }
 
