@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
+#include <tbb/blocked_range.h>
 #include <tbb/parallel_for.h>
 #include <tbb/partitioner.h>
 #include <atomic>
@@ -8,11 +9,20 @@
 #include <cstdint>
 #include <exception>
 #include <mutex>
+#include <type_traits>
 #include <vector>
 
 #include "base/progress.h"
 
 namespace alidade {
+
+/// Calls work(i) for every i in [0, count), in parallel, `grain` or more of them one after another.
+template <class Index, class Work>
+void in_parallel(Index count, std::type_identity_t<Index> grain, const Work& work) {
+  tbb::parallel_for(tbb::blocked_range<Index>(0, count, grain), [&](const auto& range) {
+    for (Index i = range.begin(); i != range.end(); ++i) work(i);
+  });
+}
 
 /// Calls work(i) for every i in [first, end), in parallel. If some of them throw, the exception of the
 /// smallest i is thrown on when all that were begun have ended, whatever the number of threads.

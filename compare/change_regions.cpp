@@ -70,13 +70,12 @@ std::vector<std::uint8_t> drop_specks(const std::vector<std::uint8_t>& set, int 
   tbb::parallel_for(0, height, [&](int y) {
     const int top = std::max(y - k_reach, 0), bottom = std::min(y + k_reach, height - 1);
     for (int x = 0; x < width; ++x) {
-      const std::size_t pixel = static_cast<std::size_t>(y) * width + static_cast<std::size_t>(x);
+      const std::size_t pixel = pixel_index(x, y, width);
       if (set[pixel] == 0) continue;
       const int left = std::max(x - k_reach, 0), right = std::min(x + k_reach, width - 1);
       int count = 0;
       for (int v = top; v <= bottom; ++v)
-        for (int u = left; u <= right; ++u)
-          count += set[static_cast<std::size_t>(v) * width + static_cast<std::size_t>(u)];
+        for (int u = left; u <= right; ++u) count += set[pixel_index(u, v, width)];
       result[pixel] = count >= least_density * (right - left + 1) * (bottom - top + 1);
     }
   });

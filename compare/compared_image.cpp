@@ -3,11 +3,10 @@
 
 #include <OpenImageIO/imagebuf.h>
 #include <OpenImageIO/imagebufalgo.h>
-#include <tbb/blocked_range.h>
-#include <tbb/parallel_for.h>
 #include <algorithm>
 #include <cmath>
 
+#include "base/parallel.h"
 #include "image/srgb.h"
 
 namespace alidade::compare {
@@ -22,9 +21,7 @@ std::string text_of(const ComparedImage& image) {
 
 std::vector<float> through(const image::CurveTable& curve, const std::vector<float>& values) {
   std::vector<float> result(values.size());
-  tbb::parallel_for(tbb::blocked_range<std::size_t>(0, values.size(), 65536), [&](const auto& range) {
-    for (std::size_t i = range.begin(); i != range.end(); ++i) result[i] = curve.at(values[i]);
-  });
+  in_parallel(values.size(), 65536, [&](std::size_t i) { result[i] = curve.at(values[i]); });
   return result;
 }
 

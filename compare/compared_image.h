@@ -36,6 +36,11 @@ struct ComparedImage {
   std::size_t pixels() const { return static_cast<std::size_t>(width) * static_cast<std::size_t>(height); }
 };
 
+/// Number of a pixel, row by row, in a picture with rows of `width`.
+inline std::size_t pixel_index(int x, int y, int width) {
+  return static_cast<std::size_t>(y) * static_cast<std::size_t>(width) + static_cast<std::size_t>(x);
+}
+
 /// Columns left .. right - 1 and rows top .. bottom - 1.
 struct PixelRectangle {
   int left = 0, top = 0, right = 0, bottom = 0;

@@ -2,12 +2,11 @@
 #include "compare/compared_pair.h"
 
 #include <fmt/format.h>
-#include <tbb/blocked_range.h>
-#include <tbb/parallel_for.h>
 #include <tbb/parallel_invoke.h>
 #include <algorithm>
 #include <cmath>
 
+#include "base/parallel.h"
 #include "compare/compared_image.h"
 #include "image/srgb.h"
 
@@ -101,9 +100,8 @@ std::uint8_t code(float value) {
 template <typename Value>
 image::BytePicture picture_of(const ComparedImage& image, const Value& value) {
   image::BytePicture picture{image.width, image.height, std::vector<std::uint8_t>(3 * image.pixels())};
-  tbb::parallel_for(tbb::blocked_range<std::size_t>(0, image.pixels(), 1 << 16), [&](const auto& range) {
-    for (std::size_t pixel = range.begin(); pixel < range.end(); ++pixel)
-      for (std::size_t c = 0; c < 3; ++c) picture.bytes[3 * pixel + c] = code(value(pixel, c));
+  in_parallel(image.pixels(), 1 << 16, [&](std::size_t pixel) {
+    for (std::size_t c = 0; c < 3; ++c) picture.bytes[3 * pixel + c] = code(value(pixel, c));
   });
   return picture;
 }

@@ -2,7 +2,6 @@
 #include "compare/difference_map.h"
 
 #include <fmt/format.h>
-#include <tbb/blocked_range.h>
 #include <tbb/parallel_for.h>
 #include <algorithm>
 #include <array>
@@ -11,6 +10,7 @@
 #include <limits>
 #include <utility>
 
+#include "base/parallel.h"
 #include "compare/metrics/pixel_sums.h"
 #include "image/color_map.h"
 #include "image/font.h"
@@ -27,9 +27,7 @@ constexpr float k_none = std::numeric_limits<float>::quiet_NaN();
 template <typename Value>
 void fill_values(DifferenceMap& map, const Value& value) {
   map.values.resize(static_cast<std::size_t>(map.width) * static_cast<std::size_t>(map.height));
-  tbb::parallel_for(tbb::blocked_range<std::size_t>(0, map.values.size(), 65536), [&](const auto& pixels) {
-    for (std::size_t i = pixels.begin(); i != pixels.end(); ++i) map.values[i] = value(i);
-  });
+  in_parallel(map.values.size(), 65536, [&](std::size_t i) { map.values[i] = value(i); });
 }
 
 /// What a map's numbers come to: those that count and are finite.
@@ -297,8 +295,7 @@ class DifferenceDrawer {
     MapPixel result;
     for (int y = row * shrink_; y < std::min((row + 1) * shrink_, map_.height); ++y) {
       for (int x = column * shrink_; x < std::min((column + 1) * shrink_, map_.width); ++x)
-        result = stronger(
-            result, pixel_of(map_, static_cast<std::size_t>(y) * map_.width + static_cast<std::size_t>(x)));
+        result = stronger(result, pixel_of(map_, pixel_index(x, y, map_.width)));
     }
     return result;
   }
@@ -355,8 +352,7 @@ image::Canvas paint_difference(const DifferenceMap& map) {
   image::Canvas canvas(map.width, map.height, k_paper);
   tbb::parallel_for(0, map.height, [&](int y) {
     for (int x = 0; x < map.width; ++x) {
-      const std::size_t pixel = static_cast<std::size_t>(y) * map.width + static_cast<std::size_t>(x);
-      canvas.fill({x, y, x + 1, y + 1}, color_of(map, pixel_of(map, pixel)));
+      canvas.fill({x, y, x + 1, y + 1}, color_of(map, pixel_of(map, pixel_index(x, y, map.width))));
     }
   });
   return canvas;

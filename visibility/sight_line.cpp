@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: MIT
 #include "visibility/sight_line.h"
 
-#include <tbb/blocked_range.h>
 #include <tbb/parallel_for.h>
 #include <algorithm>
 #include <cmath>
@@ -12,6 +11,7 @@
 #include <vector>
 
 #include "base/error.h"
+#include "base/parallel.h"
 #include "base/ray.h"
 #include "octree/point_surface.h"
 #include "octree/query.h"
@@ -72,18 +72,11 @@ Ray ray_of(const Occluders& occluders, const SightLine& line) {
   return {line.from.position, line.direction, -radius, line.length + radius};
 }
 
-/// act(number of the line), from many threads.
-template <class Act>
-void for_each_line(std::size_t lines, const Act& act) {
-  constexpr std::size_t k_grain = 1024;
-  tbb::parallel_for(tbb::blocked_range<std::size_t>(0, lines, k_grain), [&](const auto& range) {
-    for (std::size_t i = range.begin(); i < range.end(); ++i) act(i);
-  });
-}
+constexpr std::size_t k_grain = 1024;
 
 std::vector<Ray> rays_of(const Occluders& occluders, std::span<const SightLine> lines) {
   std::vector<Ray> rays(lines.size());
-  for_each_line(lines.size(), [&](std::size_t i) { rays[i] = ray_of(occluders, lines[i]); });
+  in_parallel(lines.size(), k_grain, [&](std::size_t i) { rays[i] = ray_of(occluders, lines[i]); });
   return rays;
 }
 
@@ -248,7 +241,7 @@ void first_blockers(const Occluders& occluders, std::span<const SightLine> lines
   }
   std::vector<std::optional<Hit>> hits(lines.size());
   closest(occluders.octree(), rays_of(occluders, lines), query_of(occluders, lines), hits);
-  for_each_line(lines.size(), [&](std::size_t i) {
+  in_parallel(lines.size(), k_grain, [&](std::size_t i) {
     blockers[i].reset();
     if (hits[i]) blockers[i] = blocker_of(occluders, lines[i], *hits[i]);
   });

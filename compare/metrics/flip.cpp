@@ -1,13 +1,12 @@
 // SPDX-License-Identifier: MIT
 #include "compare/metrics/flip.h"
 
-#include <tbb/blocked_range.h>
 #include <tbb/enumerable_thread_specific.h>
-#include <tbb/parallel_for.h>
 
 #include <algorithm>
 #include <mutex>
 
+#include "base/parallel.h"
 #include "compare/metrics/flip_model.h"
 #include "compare/metrics/pixel_sums.h"
 
@@ -25,8 +24,7 @@ void load(FlipTile& tile, const PairPixels& pixels, int left, int top, int width
     const std::size_t line = tile.pitch() * static_cast<std::size_t>(row);
     for (int column = 0; column < columns; ++column) {
       const int x = std::clamp(left - tile.margin() + column, 0, width - 1);
-      const auto pair = pixels.at(static_cast<std::size_t>(y) * static_cast<std::size_t>(width) +
-                                  static_cast<std::size_t>(x));
+      const auto pair = pixels.at(pixel_index(x, y, width));
       for (int picture = 0; picture < 2; ++picture)
         for (int channel = 0; channel < 3; ++channel)
           tile.rgb(picture, channel)[line + static_cast<std::size_t>(column)] = pair.color[picture][channel];
@@ -51,23 +49,20 @@ std::vector<float> flip_map(const ComparedImage& reference, const ComparedImage&
   });
   std::mutex mutex;
   int done = 0;
-  tbb::parallel_for(tbb::blocked_range<int>(0, tiles, 1), [&](const auto& range) {
+  in_parallel(tiles, 1, [&](int i) {
     FlipTile& tile = rooms.local();
-    for (int i = range.begin(); i != range.end(); ++i) {
-      const int left = i % tiles_across * k_tile_width, top = i / tiles_across * k_tile_height;
-      tile.begin(std::min(k_tile_width, width - left), std::min(k_tile_height, height - top));
-      load(tile, pixels, left, top, width, height);
-      for (const ToneCurve& curve : curves) kernel.add_exposure(tile, filters, curve);
-      for (int y = 0; y < tile.height(); ++y) {
-        const std::size_t first = static_cast<std::size_t>(top + y) * static_cast<std::size_t>(width) +
-                                  static_cast<std::size_t>(left);
-        const float* const row = tile.map() + tile.pitch() * static_cast<std::size_t>(y);
-        for (std::size_t x = 0; x < static_cast<std::size_t>(tile.width()); ++x)
-          map[first + x] = counted.at(first + x) ? row[x] : 0.0f;
-      }
-      const std::scoped_lock lock(mutex);
-      report(progress, static_cast<std::uint64_t>(++done), static_cast<std::uint64_t>(tiles));
+    const int left = i % tiles_across * k_tile_width, top = i / tiles_across * k_tile_height;
+    tile.begin(std::min(k_tile_width, width - left), std::min(k_tile_height, height - top));
+    load(tile, pixels, left, top, width, height);
+    for (const ToneCurve& curve : curves) kernel.add_exposure(tile, filters, curve);
+    for (int y = 0; y < tile.height(); ++y) {
+      const std::size_t first = pixel_index(left, top + y, width);
+      const float* const row = tile.map() + tile.pitch() * static_cast<std::size_t>(y);
+      for (std::size_t x = 0; x < static_cast<std::size_t>(tile.width()); ++x)
+        map[first + x] = counted.at(first + x) ? row[x] : 0.0f;
     }
+    const std::scoped_lock lock(mutex);
+    report(progress, static_cast<std::uint64_t>(++done), static_cast<std::uint64_t>(tiles));
   });
   return map;
 }

@@ -2,7 +2,6 @@
 #pragma once
 
 #include <tbb/blocked_range.h>
-#include <tbb/parallel_for.h>
 #include <tbb/parallel_reduce.h>
 #include <bit>
 #include <cmath>
@@ -11,6 +10,7 @@
 #include <utility>
 #include <vector>
 
+#include "base/parallel.h"
 #include "compare/compared_image.h"
 #include "compare/image_mask.h"
 #include "image/srgb.h"
@@ -178,9 +178,7 @@ float weighted_rank(std::size_t size, const ValueAt& value_at, const FloatCounts
 template <class Sums, class Row>
 Sums sum_rows(std::size_t height, const Row& row) {
   std::vector<Sums> rows(height);
-  tbb::parallel_for(tbb::blocked_range<std::size_t>(0, height, 16), [&](const auto& range) {
-    for (std::size_t y = range.begin(); y != range.end(); ++y) row(y, rows[y]);
-  });
+  in_parallel(height, 16, [&](std::size_t y) { row(y, rows[y]); });
   Sums all;
   for (const Sums& one : rows) all.add(one);
   return all;

@@ -1,9 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "compare/metrics/ssim.h"
 
-#include <tbb/blocked_range.h>
 #include <tbb/enumerable_thread_specific.h>
-#include <tbb/parallel_for.h>
 #include <algorithm>
 #include <array>
 #include <cstddef>
@@ -12,6 +10,7 @@
 #include <vector>
 
 #include "base/exact_math.h"
+#include "base/parallel.h"
 #include "compare/metrics/pixel_sums.h"
 
 namespace alidade::compare {
@@ -158,32 +157,27 @@ class Windows {
     const int tiles = across * ((height_ + SsimTile::k_most_height - 1) / SsimTile::k_most_height);
     std::vector<Sums> sums(static_cast<std::size_t>(tiles));
     tbb::enumerable_thread_specific<Room> rooms;
-    tbb::parallel_for(tbb::blocked_range<int>(0, tiles, 1), [&](const auto& range) {
+    in_parallel(tiles, 1, [&](int i) {
       Room& room = rooms.local();
-      for (int i = range.begin(); i != range.end(); ++i) {
-        const int left = i % across * SsimTile::k_most_width, top = i / across * SsimTile::k_most_height;
-        room.tile.begin(std::min(SsimTile::k_most_width, width_ - left),
-                        std::min(SsimTile::k_most_height, height_ - top));
-        load(room, left, top);
-        for (int channel = 0; channel < 3; ++channel)
-          add_channel(room, left, top, channel, sums[static_cast<std::size_t>(i)]);
-      }
+      const int left = i % across * SsimTile::k_most_width, top = i / across * SsimTile::k_most_height;
+      room.tile.begin(std::min(SsimTile::k_most_width, width_ - left),
+                      std::min(SsimTile::k_most_height, height_ - top));
+      load(room, left, top);
+      for (int channel = 0; channel < 3; ++channel)
+        add_channel(room, left, top, channel, sums[static_cast<std::size_t>(i)]);
     });
     return means(sums);
   }
 
  private:
-  std::size_t at(int x, int y) const {
-    return static_cast<std::size_t>(y) * static_cast<std::size_t>(width_) + static_cast<std::size_t>(x);
-  }
-
   /// Windows that reach beyond the picture do not count, whatever stands there.
   void load(Room& room, int left, int top) const {
     room.pairs.clear();
     for (int row = 0; row < room.tile.rows_with_margin(); ++row) {
       const int y = std::clamp(top + row - k_ssim_reach, 0, height_ - 1);
       for (int column = 0; column < room.tile.columns_with_margin(); ++column)
-        room.pairs.push_back(pixels_.at(at(std::clamp(left + column - k_ssim_reach, 0, width_ - 1), y)));
+        room.pairs.push_back(
+            pixels_.at(pixel_index(std::clamp(left + column - k_ssim_reach, 0, width_ - 1), y, width_)));
     }
   }
 
@@ -205,7 +199,7 @@ class Windows {
         const int x = left + column;
         const bool is_inside =
             x >= k_ssim_reach && x < width_ - k_ssim_reach && y >= k_ssim_reach && y < height_ - k_ssim_reach;
-        if (!is_inside || !counted_.at(at(x, y))) continue;
+        if (!is_inside || !counted_.at(pixel_index(x, y, width_))) continue;
         sums.similarity[channel] += similarity[column];
         sums.contrast[channel] += contrast[column];
         if (channel == 0) ++sums.count;
@@ -251,22 +245,17 @@ HalfPictures halved(const Pixels& pixels, int width, int height, const ImageMask
   const std::size_t count = static_cast<std::size_t>(half.width) * static_cast<std::size_t>(half.height);
   half.pairs.resize(count);
   if (!counted.counts.empty()) half.counted.counts.assign(count, 1);
-  tbb::parallel_for(tbb::blocked_range<int>(0, half.height, 16), [&](const auto& range) {
-    for (int y = range.begin(); y != range.end(); ++y) {
-      for (int x = 0; x < half.width; ++x) {
-        const std::size_t to =
-            static_cast<std::size_t>(y) * static_cast<std::size_t>(half.width) + static_cast<std::size_t>(x);
-        for (int part = 0; part < 4; ++part) {
-          const int from_x = std::min(2 * x + part % 2, width - 1),
-                    from_y = std::min(2 * y + part / 2, height - 1);
-          const std::size_t from = static_cast<std::size_t>(from_y) * static_cast<std::size_t>(width) +
-                                   static_cast<std::size_t>(from_x);
-          const auto pair = pixels.at(from);
-          for (int picture = 0; picture < 2; ++picture)
-            for (int channel = 0; channel < 3; ++channel)
-              half.pairs[to].color[picture][channel] += 0.25f * pair.color[picture][channel];
-          if (!counted.at(from)) half.counted.counts[to] = 0;
-        }
+  in_parallel(half.height, 16, [&](int y) {
+    for (int x = 0; x < half.width; ++x) {
+      const std::size_t to = pixel_index(x, y, half.width);
+      for (int part = 0; part < 4; ++part) {
+        const std::size_t from =
+            pixel_index(std::min(2 * x + part % 2, width - 1), std::min(2 * y + part / 2, height - 1), width);
+        const auto pair = pixels.at(from);
+        for (int picture = 0; picture < 2; ++picture)
+          for (int channel = 0; channel < 3; ++channel)
+            half.pairs[to].color[picture][channel] += 0.25f * pair.color[picture][channel];
+        if (!counted.at(from)) half.counted.counts[to] = 0;
       }
     }
   });

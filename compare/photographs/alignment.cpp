@@ -84,11 +84,9 @@ class ShiftScores {
         tbb::blocked_range<int>(top, bottom, 64), OverlapSums{},
         [&](const auto& rows, OverlapSums sum) {
           for (int y = rows.begin(); y != rows.end(); ++y) {
-            const auto width = static_cast<std::size_t>(reference_.width);
             const auto count = static_cast<std::size_t>(right - left);
-            const std::size_t r = static_cast<std::size_t>(y) * width + static_cast<std::size_t>(left);
-            const std::size_t t =
-                static_cast<std::size_t>(y + shift.y) * width + static_cast<std::size_t>(left + shift.x);
+            const std::size_t r = pixel_index(left, y, reference_.width),
+                              t = pixel_index(left + shift.x, y + shift.y, reference_.width);
             for (std::size_t done = 0; done < count; done += k_longest_part)
               sum += part_sums(r + done, t + done, std::min(k_longest_part, count - done));
           }

@@ -220,9 +220,9 @@ std::vector<Block> mean_blocks(const ComparedImage& reference, const ComparedIma
   tbb::parallel_for(0, rows, [&](int row) {
     for (int y = row * side; y < std::min((row + 1) * side, reference.height); ++y) {
       for (int x = 0; x < reference.width; ++x) {
-        const std::size_t pixel = static_cast<std::size_t>(y) * reference.width + static_cast<std::size_t>(x);
+        const std::size_t pixel = pixel_index(x, y, reference.width);
         if (!mask.at(pixel) || !is_usable(reference, pixel) || !is_usable(test, pixel)) continue;
-        Block& block = blocks[static_cast<std::size_t>(row) * columns + static_cast<std::size_t>(x / side)];
+        Block& block = blocks[pixel_index(x / side, row, columns)];
         ++block.pixels;
         for (std::size_t channel = 0; channel < 3; ++channel) {
           block.reference[channel] += light(reference, 3 * pixel + channel);

@@ -9,6 +9,7 @@
 #include <cmath>
 #include <limits>
 
+#include "base/parallel.h"
 #include "image/srgb.h"
 
 namespace alidade::compare {
@@ -30,19 +31,13 @@ struct Plane {
   std::vector<float> values;
 };
 
-template <typename Work>
-void for_each_row(int height, const Work& work) {
-  constexpr int k_grain = 16;
-  tbb::parallel_for(tbb::blocked_range<int>(0, height, k_grain), [&](const auto& rows) {
-    for (int y = rows.begin(); y != rows.end(); ++y) work(y);
-  });
-}
+constexpr int k_rows_at_once = 16;
 
 Plane luminance(const ComparedImage& image, const ImageMask& mask) {
   Plane plane(image.width, image.height);
   const bool is_linear = image.encoding == ColorEncoding::linear;
   const image::CurveTable& curve = image::srgb_from_linear_table();
-  for_each_row(plane.height, [&](int y) {
+  in_parallel(plane.height, k_rows_at_once, [&](int y) {
     const std::size_t first = static_cast<std::size_t>(y) * image.width;
     for (std::size_t i = first; i < first + static_cast<std::size_t>(image.width); ++i) {
       // The weights of Rec. 709.
@@ -92,7 +87,7 @@ Plane smoothed(const Plane& plane) {
 
 Plane halved(const Plane& plane) {
   Plane result((plane.width + 1) / 2, (plane.height + 1) / 2);
-  for_each_row(result.height, [&](int y) {
+  in_parallel(result.height, k_rows_at_once, [&](int y) {
     for (int x = 0; x < result.width; ++x) result.row(y)[x] = plane.row(2 * y)[2 * x];
   });
   return result;
@@ -114,7 +109,7 @@ Gradient gradient_at(const Plane& plane, int x, int y) {
 GradientLevel gradients(const Plane& plane) {
   std::vector<double> row_sums(static_cast<std::size_t>(plane.height), 0.0);
   std::vector<std::uint64_t> row_counts(row_sums.size(), 0);
-  for_each_row(plane.height, [&](int y) {
+  in_parallel(plane.height, k_rows_at_once, [&](int y) {
     for (int x = 0; x < plane.width; ++x) {
       const float length_sq = gradient_at(plane, x, y).length_sq();
       if (std::isnan(length_sq)) continue;
@@ -133,7 +128,7 @@ GradientLevel gradients(const Plane& plane) {
   level.x.resize(plane.values.size());
   level.y.resize(plane.values.size());
   level.counts.resize(plane.values.size());
-  for_each_row(plane.height, [&](int y) {
+  in_parallel(plane.height, k_rows_at_once, [&](int y) {
     for (int x = 0; x < plane.width; ++x) {
       const Gradient gradient = gradient_at(plane, x, y);
       const float length_sq = gradient.length_sq();

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: MIT
 #include "visibility/sky/sky_view.h"
 
-#include <tbb/parallel_for.h>
 #include <algorithm>
 #include <cassert>
 #include <cmath>
@@ -12,6 +11,7 @@
 
 #include "base/error.h"
 #include "base/exact_math.h"
+#include "base/parallel.h"
 #include "octree/point_surface.h"
 #include "visibility/sight_line.h"
 
@@ -43,13 +43,9 @@ std::vector<glm::dvec3> cosine_sky_directions(int count) {
 
 namespace {
 
-constexpr std::size_t k_grain = 1024;
+constexpr std::size_t k_targets_at_once = 1024;
 /// The cosine of 20 degrees: the lower side of a surface this level sees less than 3 % of the sky.
 constexpr double k_level = 0.93969262078590838;
-
-bool has_surface(const SkyTarget& target) {
-  return target.normal != glm::dvec3(0.0);
-}
 
 /// What a target sees on each of its sides.
 struct Sides {
@@ -57,20 +53,13 @@ struct Sides {
 };
 
 double wider_side(const SkyTarget& target, const Sides& sides) {
-  if (!has_surface(target) || target.is_front_open) return sides.front;
+  if (!target.has_surface() || target.is_front_open) return sides.front;
   return std::max(sides.front, sides.back);
 }
 
 void check_directions(int count) {
   check_that(count >= 1 && count <= k_most_sky_directions, "number of sky directions out of range",
              "1 to " + std::to_string(k_most_sky_directions), std::to_string(count));
-}
-
-template <class Work>
-void for_each_target(std::size_t count, const Work& work) {
-  tbb::parallel_for(std::size_t{0}, (count + k_grain - 1) / k_grain, [&](std::size_t part) {
-    for (std::size_t i = part * k_grain; i < std::min((part + 1) * k_grain, count); ++i) work(i);
-  });
 }
 
 /// Sums over the free lines of every target, in the order of the directions.
@@ -86,20 +75,20 @@ std::vector<Sides> both_sides(const Occluders& occluders, std::span<const SkyTar
   std::vector<std::uint8_t> answers(targets.size());
   for (const glm::dvec3& direction : directions) {
     const auto is_ahead = [&](const SkyTarget& target) {
-      return !has_surface(target) || glm::dot(direction, target.normal) > 0.0;
+      return !target.has_surface() || glm::dot(direction, target.normal) > 0.0;
     };
-    for_each_target(targets.size(), [&](std::size_t i) {
+    in_parallel(targets.size(), k_targets_at_once, [&](std::size_t i) {
       const SkyTarget& target = targets[i];
       lines[i] = sight_ray(is_ahead(target) ? target.front : target.back, direction, options.max_distance);
     });
     blocked(occluders, lines, answers);
-    for_each_target(targets.size(), [&](std::size_t i) {
+    in_parallel(targets.size(), k_targets_at_once, [&](std::size_t i) {
       if (answers[i] != 0) return;
       const SkyTarget& target = targets[i];
       const bool ahead = is_ahead(target);
       double weight = 1.0 / most;
       if (!is_horizontal)
-        weight *= 2.0 * (has_surface(target) ? std::fabs(glm::dot(direction, target.normal)) : direction.z);
+        weight *= 2.0 * (target.has_surface() ? std::fabs(glm::dot(direction, target.normal)) : direction.z);
       (ahead ? sides[i].front : sides[i].back) += weight;
     });
   }
@@ -136,8 +125,8 @@ void sky_views(const Occluders& occluders, std::span<const SkyTarget> targets, c
                std::span<float> views) {
   assert(targets.size() == views.size());
   const std::vector<Sides> sides = both_sides(occluders, targets, options);
-  for_each_target(targets.size(),
-                  [&](std::size_t i) { views[i] = static_cast<float>(wider_side(targets[i], sides[i])); });
+  in_parallel(targets.size(), k_targets_at_once,
+              [&](std::size_t i) { views[i] = static_cast<float>(wider_side(targets[i], sides[i])); });
 }
 
 void find_open_sides(const Occluders& occluders, int directions, std::span<SkyTarget> targets) {
@@ -145,7 +134,7 @@ void find_open_sides(const Occluders& occluders, int directions, std::span<SkyTa
   std::vector<std::size_t> positions;
   for (std::size_t i = 0; i < targets.size(); ++i) {
     SkyTarget& target = targets[i];
-    if (!has_surface(target) || target.is_front_open) continue;
+    if (!target.has_surface() || target.is_front_open) continue;
     if (target.normal.z < 0.0) {
       std::swap(target.front, target.back);
       target.normal = -target.normal;

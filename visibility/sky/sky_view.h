@@ -39,6 +39,8 @@ struct SkyTarget {
   glm::dvec3 normal{0.0};  ///< unit; zero: it lies on no surface and sees to all sides
   bool is_front_open =
       false;  ///< whether the front is known to be the outside, so that the back sees nothing
+
+  bool has_surface() const { return normal != glm::dvec3(0.0); }
 };
 
 /// A point of the cloud. `outward`, if given, says which side of its surface is the outside: the one on which

@@ -2,7 +2,6 @@
 #include "visibility/sky/sun_hours.h"
 
 #include <fmt/format.h>
-#include <tbb/parallel_for.h>
 #include <algorithm>
 #include <cassert>
 #include <cmath>
@@ -13,6 +12,7 @@
 #include <vector>
 
 #include "base/error.h"
+#include "base/parallel.h"
 #include "geo/earth.h"
 
 namespace alidade::visibility {
@@ -49,10 +49,6 @@ std::vector<SunBin> sun_bins(std::span<const SunStep> steps, double degrees) {
 
 namespace {
 
-bool has_surface(const SkyTarget& target) {
-  return target.normal != glm::dvec3(0.0);
-}
-
 /// Sums of a target, in double until they are complete.
 struct Sums {
   double hours = 0.0, watt_hours = 0.0;
@@ -70,20 +66,18 @@ void sun_hours(const Occluders& occluders, std::span<const SkyTarget> targets, s
   for (const SunBin& bin : bins) {
     asked.clear();
     for (std::uint32_t i = 0; i < targets.size(); ++i) {
-      if (!has_surface(targets[i]) || glm::dot(bin.direction, targets[i].normal) > 0.0) asked.push_back(i);
+      if (!targets[i].has_surface() || glm::dot(bin.direction, targets[i].normal) > 0.0) asked.push_back(i);
     }
     lines.resize(asked.size());
     is_blocked.resize(asked.size());
-    constexpr std::size_t k_grain = 1024;
-    tbb::parallel_for(std::size_t{0}, (asked.size() + k_grain - 1) / k_grain, [&](std::size_t part) {
-      for (std::size_t i = part * k_grain; i < std::min((part + 1) * k_grain, asked.size()); ++i)
-        lines[i] = sight_ray(targets[asked[i]].front, bin.direction, options.max_distance);
+    in_parallel(asked.size(), 1024, [&](std::size_t i) {
+      lines[i] = sight_ray(targets[asked[i]].front, bin.direction, options.max_distance);
     });
     blocked(occluders, lines, is_blocked);
     for (std::size_t i = 0; i < asked.size(); ++i) {
       if (is_blocked[i] != 0) continue;
       const SkyTarget& target = targets[asked[i]];
-      const bool tilted = options.receiver == SkyReceiver::surface && has_surface(target);
+      const bool tilted = options.receiver == SkyReceiver::surface && target.has_surface();
       Sums& sum = sums[asked[i]];
       sum.hours += bin.hours;
       sum.watt_hours += std::max(0.0, tilted ? glm::dot(bin.energy, target.normal) : bin.energy.z);
