@@ -13,7 +13,6 @@
 #include "compare/change_regions.h"
 #include "compare/compared_image.h"
 #include "compare/difference_map.h"
-#include "compare/image_mask.h"
 #include "compare/metrics/errors.h"
 #include "compare/metrics/flip.h"
 #include "compare/photographs/alignment.h"
@@ -57,7 +56,7 @@ struct ComparisonOptions {
   /// Of both pictures; all positions in the result count from its top left corner.
   std::optional<PixelRectangle> crop;
   bool resize_to_reference = false;  ///< otherwise another size is SizeMismatch
-  std::filesystem::path mask;  ///< image_mask.h, keep_light(); of the size of the reference before cropping
+  std::filesystem::path mask;        ///< keep_light(); of the size of the reference before cropping
   bool use_alpha = false, valid_depth = false, ignore_sky = false;
   std::vector<PixelRectangle> keep, ignore;  ///< in pixels of the reference before cropping
 

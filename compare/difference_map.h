@@ -6,7 +6,6 @@
 #include <vector>
 
 #include "compare/compared_image.h"
-#include "compare/image_mask.h"
 #include "image/canvas.h"
 #include "image/font.h"
 #include "image/point_color.h"

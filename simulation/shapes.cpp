@@ -37,6 +37,10 @@ struct Crossing {
   bool empty() const { return !(enter <= exit); }
 };
 
+std::optional<double> first_within(const Ray& ray, const Crossing& crossing) {
+  return crossing.empty() ? std::nullopt : first_within(ray, crossing.enter, crossing.exit);
+}
+
 Crossing cross_box(const Box& box, const Ray& ray) {
   const glm::dvec3 origin = (ray.origin - box.center) * box.axes, direction = ray.direction * box.axes;
   const glm::dvec3& half_size = box.half_size;
@@ -118,15 +122,12 @@ std::optional<double> intersect_shape(const Disc& disc, const Ray& ray) {
 }
 
 std::optional<double> intersect_shape(const Box& box, const Ray& ray) {
-  const Crossing crossing = cross_box(box, ray);
-  if (crossing.empty()) return std::nullopt;
-  return first_within(ray, crossing.enter, crossing.exit);
+  return first_within(ray, cross_box(box, ray));
 }
 
 std::optional<double> intersect_shape(const Niche& niche, const Ray& ray) {
   constexpr int k_open_side = 5;
-  const Box& box = niche.box;
-  const Crossing crossing = cross_box(box, ray);
+  const Crossing crossing = cross_box(niche.box, ray);
   if (crossing.empty()) return std::nullopt;
   if (crossing.enter_side != k_open_side && within(ray, crossing.enter)) return crossing.enter;
   if (crossing.exit_side != k_open_side && within(ray, crossing.exit)) return crossing.exit;
@@ -184,8 +185,7 @@ std::optional<double> intersect_shape(const ConvexSolid& solid, const Ray& ray) 
       crossing.exit = std::min(crossing.exit, room / slope);
     }
   }
-  if (crossing.empty()) return std::nullopt;
-  return first_within(ray, crossing.enter, crossing.exit);
+  return first_within(ray, crossing);
 }
 
 std::optional<double> intersect_shape(const Ground& ground, const Ray& ray) {
@@ -272,49 +272,47 @@ Bounds bounds_of_circle(const glm::dvec3& center, const glm::dvec3& normal, doub
   return {center - reach, center + reach};
 }
 
-Bounds bounds_of_shape(const Sphere& sphere) {
-  return {sphere.center - sphere.radius, sphere.center + sphere.radius};
-}
-Bounds bounds_of_shape(const Ellipsoid& body) {
-  return {body.center - body.radii, body.center + body.radii};
-}
-Bounds bounds_of_shape(const Frustum& frustum) {
-  Bounds bounds = bounds_of_circle(frustum.base, frustum.axis, frustum.base_radius);
-  bounds.grow(
-      bounds_of_circle(frustum.base + frustum.length * frustum.axis, frustum.axis, frustum.top_radius));
-  return bounds;
-}
-Bounds bounds_of_shape(const Disc& disc) {
-  return bounds_of_circle(disc.center, disc.normal, disc.radius);
-}
-Bounds bounds_of_shape(const Box& box) {
-  const glm::dvec3 reach = glm::abs(box.axes[0]) * box.half_size.x + glm::abs(box.axes[1]) * box.half_size.y +
-                           glm::abs(box.axes[2]) * box.half_size.z;
-  return {box.center - reach, box.center + reach};
-}
-Bounds bounds_of_shape(const Niche& niche) {
-  return bounds_of_shape(niche.box);
-}
-Bounds bounds_of_shape(const Panel& panel) {
-  Bounds bounds;
-  for (const double u : {0.0, panel.size.x})
-    for (const double v : {0.0, panel.size.y})
-      bounds.grow(panel.corner + u * panel.u_axis + v * panel.v_axis);
-  return bounds;
-}
-Bounds bounds_of_shape(const Polygon& polygon) {
-  Bounds bounds;
-  for (const glm::dvec3& corner : polygon.corners) bounds.grow(corner);
-  return bounds;
-}
-Bounds bounds_of_shape(const ConvexSolid& solid) {
-  return solid.bounds;
-}
-Bounds bounds_of_shape(const Ground& ground) {
-  const double reach = amplitude_of(ground);
-  return {{-ground.half_size.x, -ground.half_size.y, -reach},
-          {ground.half_size.x, ground.half_size.y, reach}};
-}
+struct BoundsOf {
+  Bounds operator()(const Sphere& ball) const {
+    return {ball.center - ball.radius, ball.center + ball.radius};
+  }
+  Bounds operator()(const Ellipsoid& body) const {
+    return {body.center - body.radii, body.center + body.radii};
+  }
+  Bounds operator()(const Frustum& frustum) const {
+    Bounds bounds = bounds_of_circle(frustum.base, frustum.axis, frustum.base_radius);
+    const glm::dvec3 top = frustum.base + frustum.length * frustum.axis;
+    bounds.grow(bounds_of_circle(top, frustum.axis, frustum.top_radius));
+    return bounds;
+  }
+  Bounds operator()(const Disc& disc) const {
+    return bounds_of_circle(disc.center, disc.normal, disc.radius);
+  }
+  Bounds operator()(const Box& box) const {
+    const glm::dvec3 reach = glm::abs(box.axes[0]) * box.half_size.x +
+                             glm::abs(box.axes[1]) * box.half_size.y +
+                             glm::abs(box.axes[2]) * box.half_size.z;
+    return {box.center - reach, box.center + reach};
+  }
+  Bounds operator()(const Niche& niche) const { return (*this)(niche.box); }
+  Bounds operator()(const Panel& panel) const {
+    Bounds bounds;
+    for (const double u : {0.0, panel.size.x})
+      for (const double v : {0.0, panel.size.y})
+        bounds.grow(panel.corner + u * panel.u_axis + v * panel.v_axis);
+    return bounds;
+  }
+  Bounds operator()(const Polygon& polygon) const {
+    Bounds bounds;
+    for (const glm::dvec3& corner : polygon.corners) bounds.grow(corner);
+    return bounds;
+  }
+  Bounds operator()(const ConvexSolid& solid) const { return solid.bounds; }
+  Bounds operator()(const Ground& ground) const {
+    const glm::dvec3 reach(ground.half_size, amplitude_of(ground));
+    return {-reach, reach};
+  }
+};
 
 }  // namespace
 
@@ -327,7 +325,7 @@ SurfacePoint surface_at(const Shape& shape, const glm::dvec3& position) {
 }
 
 Bounds bounds_of(const Shape& shape) {
-  return std::visit([](const auto& any) { return bounds_of_shape(any); }, shape);
+  return std::visit(BoundsOf{}, shape);
 }
 
 }  // namespace alidade::simulation::shapes

@@ -6,7 +6,6 @@
 #include <span>
 
 #include "compare/compared_image.h"
-#include "compare/image_mask.h"
 
 namespace alidade::compare {
 

@@ -8,7 +8,6 @@
 #include "base/instruction_set.h"
 #include "base/progress.h"
 #include "compare/compared_image.h"
-#include "compare/image_mask.h"
 
 namespace alidade::compare {
 

@@ -12,7 +12,6 @@
 
 #include "base/parallel.h"
 #include "compare/compared_image.h"
-#include "compare/image_mask.h"
 #include "image/srgb.h"
 
 namespace alidade::compare {

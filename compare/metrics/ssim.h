@@ -4,7 +4,6 @@
 #include <limits>
 
 #include "compare/compared_image.h"
-#include "compare/image_mask.h"
 
 namespace alidade::compare {
 

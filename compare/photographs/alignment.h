@@ -2,7 +2,6 @@
 #pragma once
 
 #include "compare/compared_image.h"
-#include "compare/image_mask.h"
 
 // Do the edges of two pictures lie on each other? Tells a camera that is off by some pixels from colours that
 // differ.

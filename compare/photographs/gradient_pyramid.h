@@ -5,7 +5,6 @@
 #include <vector>
 
 #include "compare/compared_image.h"
-#include "compare/image_mask.h"
 
 namespace alidade::compare {
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "compare/image_mask.h"
+#include "compare/compared_image.h"
 
 #include <gtest/gtest.h>
 

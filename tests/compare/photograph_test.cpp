@@ -9,7 +9,6 @@
 
 #include "camera/camera.h"
 #include "compare/compared_image.h"
-#include "compare/image_mask.h"
 #include "compare/photographs/alignment.h"
 #include "compare/photographs/color_match.h"
 #include "renderer/render.h"

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "compare/region_points.h"
+#include "compare/change_regions.h"
 
 #include <gtest/gtest.h>
 

@@ -11,7 +11,6 @@
 #include "cloud/read_cloud.h"
 #include "compare/change_regions.h"
 #include "compare/difference_map.h"
-#include "compare/region_points.h"
 #include "renderer/render.h"
 #include "simulation/courtyard.h"
 
