@@ -15,8 +15,12 @@
 namespace alidade::compare {
 namespace {
 
+std::string size_text(int width, int height) {
+  return std::to_string(width) + " x " + std::to_string(height);
+}
+
 std::string text_of(const ComparedImage& image) {
-  std::string text = std::to_string(image.width) + " x " + std::to_string(image.height);
+  std::string text = size_text(image.width, image.height);
   if (image.origin_x != 0 || image.origin_y != 0)
     text += " at " + std::to_string(image.origin_x) + "," + std::to_string(image.origin_y);
   return text;
@@ -41,6 +45,18 @@ std::vector<Value> part(const std::vector<Value>& values, int width, const Pixel
         values.begin() + (static_cast<std::ptrdiff_t>(y) * width + rectangle.left) * components;
     result.insert(result.end(), begin, begin + columns);
   }
+  return result;
+}
+
+/// An image of another size without layers.
+ComparedImage of_size(const ComparedImage& image, int width, int height) {
+  ComparedImage result;
+  result.file = image.file;
+  result.width = width;
+  result.height = height;
+  result.encoding = image.encoding;
+  result.color_channels = image.color_channels;
+  result.metadata = image.metadata;
   return result;
 }
 
@@ -93,21 +109,15 @@ ComparedImage cropped(const ComparedImage& image, const PixelRectangle& rectangl
                           std::to_string(rectangle.right) + ", rows " + std::to_string(rectangle.top) +
                           " to " + std::to_string(rectangle.bottom)});
   }
-  ComparedImage result;
-  result.file = image.file;
-  result.width = rectangle.right - rectangle.left;
-  result.height = rectangle.bottom - rectangle.top;
+  ComparedImage result = of_size(image, rectangle.right - rectangle.left, rectangle.bottom - rectangle.top);
   result.origin_x = image.origin_x + rectangle.left;
   result.origin_y = image.origin_y + rectangle.top;
-  result.encoding = image.encoding;
-  result.color_channels = image.color_channels;
   result.largest_code = image.largest_code;
   result.color = part(image.color, image.width, rectangle, 3);
   result.alpha = part(image.alpha, image.width, rectangle, 1);
   result.depth = part(image.depth, image.width, rectangle, 1);
   result.normals = part(image.normals, image.width, rectangle, 3);
   result.ids = part(image.ids, image.width, rectangle, 1);
-  result.metadata = image.metadata;
   return result;
 }
 
@@ -163,15 +173,9 @@ ComparedImage resized(const ComparedImage& image, int width, int height) {
     throw Error({.file = image.file.string(),
                  .problem = "cannot resize the image",
                  .expected = "a size of 1 to " + std::to_string(k_most_compared_pixels) + " pixels",
-                 .found = std::to_string(width) + " x " + std::to_string(height)});
+                 .found = size_text(width, height)});
   }
-  ComparedImage result;
-  result.file = image.file;
-  result.width = width;
-  result.height = height;
-  result.encoding = image.encoding;
-  result.color_channels = image.color_channels;
-  result.metadata = image.metadata;
+  ComparedImage result = of_size(image, width, height);
   if (!image.color.empty()) result.color = filtered(image, image.color, 3, width, height);
   if (!image.alpha.empty()) result.alpha = filtered(image, image.alpha, 1, width, height);
   if (image.encoding == ColorEncoding::display)
@@ -217,7 +221,10 @@ bool is_sky(const ComparedImage& image, std::size_t pixel) {
   return image.ids.empty() ? !is_depth(image.depth[pixel]) : image.ids[pixel] == 0;
 }
 
-std::vector<std::uint8_t> inside(const ComparedImage& image, std::span<const PixelRectangle> rectangles) {
+/// Leaves the pixels that are inside (1) of the rectangles or outside (0), unless there are none.
+void keep_covered(ImageMask& mask, const ComparedImage& image, std::span<const PixelRectangle> rectangles,
+                  std::uint8_t kept) {
+  if (rectangles.empty()) return;
   std::vector<std::uint8_t> covered(image.pixels(), 0);
   for (const PixelRectangle& rectangle : rectangles) {
     const int left = std::clamp(rectangle.left, 0, image.width);
@@ -227,7 +234,7 @@ std::vector<std::uint8_t> inside(const ComparedImage& image, std::span<const Pix
       std::fill(row + left, row + right, std::uint8_t{1});
     }
   }
-  return covered;
+  keep(mask, image.pixels(), [&](std::size_t pixel) { return covered[pixel] == kept; });
 }
 
 }  // namespace
@@ -240,14 +247,11 @@ std::uint64_t counted_pixels(const ImageMask& mask, std::size_t pixels) {
 
 void keep_light(ImageMask& mask, const ComparedImage& mask_image, const ComparedImage& image) {
   // Masks are often drawn in formats without a data window, so only the size must be that of the image.
-  const auto size_of = [](const ComparedImage& of) {
-    return std::to_string(of.width) + " x " + std::to_string(of.height);
-  };
   if (mask_image.width != image.width || mask_image.height != image.height) {
     throw SizeMismatch({.file = mask_image.file.string(),
                         .problem = "the mask size differs from " + image.file.string(),
-                        .expected = size_of(image),
-                        .found = size_of(mask_image)});
+                        .expected = size_text(image.width, image.height),
+                        .found = size_text(mask_image.width, mask_image.height)});
   }
   if (!has_color(mask_image)) {
     throw Error({.file = mask_image.file.string(),
@@ -263,19 +267,15 @@ void keep_light(ImageMask& mask, const ComparedImage& mask_image, const Compared
 void keep_alpha(ImageMask& mask, const ComparedImage& reference, const ComparedImage& test, float least) {
   if (reference.alpha.empty() && test.alpha.empty())
     fail_layer("--opaque requires alpha", "alpha", reference, test);
-  for (const ComparedImage* const image : {&reference, &test}) {
-    if (image->alpha.empty()) continue;
-    keep(mask, image->pixels(), [&](std::size_t pixel) { return image->alpha[pixel] >= least; });
-  }
+  for (const std::vector<float>* const alpha : {&reference.alpha, &test.alpha})
+    if (!alpha->empty()) keep(mask, alpha->size(), [&](std::size_t i) { return (*alpha)[i] >= least; });
 }
 
 void keep_valid_depth(ImageMask& mask, const ComparedImage& reference, const ComparedImage& test) {
   if (reference.depth.empty() && test.depth.empty())
     fail_layer("--valid-depth requires depth", "depth (channel Z)", reference, test);
-  for (const ComparedImage* const image : {&reference, &test}) {
-    if (image->depth.empty()) continue;
-    keep(mask, image->pixels(), [&](std::size_t pixel) { return is_depth(image->depth[pixel]); });
-  }
+  for (const std::vector<float>* const depth : {&reference.depth, &test.depth})
+    if (!depth->empty()) keep(mask, depth->size(), [&](std::size_t i) { return is_depth((*depth)[i]); });
 }
 
 void ignore_sky(ImageMask& mask, const ComparedImage& reference, const ComparedImage& test) {
@@ -290,16 +290,12 @@ void ignore_sky(ImageMask& mask, const ComparedImage& reference, const ComparedI
 
 void keep_rectangles(ImageMask& mask, const ComparedImage& image,
                      std::span<const PixelRectangle> rectangles) {
-  if (rectangles.empty()) return;
-  const std::vector<std::uint8_t> covered = inside(image, rectangles);
-  keep(mask, image.pixels(), [&](std::size_t pixel) { return covered[pixel] != 0; });
+  keep_covered(mask, image, rectangles, 1);
 }
 
 void ignore_rectangles(ImageMask& mask, const ComparedImage& image,
                        std::span<const PixelRectangle> rectangles) {
-  if (rectangles.empty()) return;
-  const std::vector<std::uint8_t> covered = inside(image, rectangles);
-  keep(mask, image.pixels(), [&](std::size_t pixel) { return covered[pixel] == 0; });
+  keep_covered(mask, image, rectangles, 0);
 }
 
 std::uint64_t keep_finite(ImageMask& mask, const ComparedImage& reference, const ComparedImage& test) {

@@ -28,23 +28,18 @@ struct RowErrors {
 
 /// What there is to compare: pair(i) gives the test's value less the reference's, as Number.
 template <class Number, class Difference>
-class Errors {
- public:
-  Errors(const Difference& difference, int channels, int width, std::size_t pixels, const ImageMask& mask)
-      : difference_(difference),
-        channels_(static_cast<std::size_t>(channels)),
-        width_(static_cast<std::size_t>(width)),
-        pixels_(pixels),
-        mask_(mask) {}
+struct Errors {
+  const Difference& difference;
+  std::size_t channels, width, pixels;
+  const ImageMask& mask;
 
   /// `unit`: what a difference of 1 means.
   ErrorMetrics measure(double unit) const {
     const auto all = sum_rows<RowErrors<Number>>(
-        pixels_ / width_, [&](std::size_t y, RowErrors<Number>& sums) { add_row(y, sums); });
+        pixels / width, [&](std::size_t y, RowErrors<Number>& sums) { add_row(y, sums); });
     return metrics(all, unit);
   }
 
- private:
   static bool is_finite(Number number) {
     // Whole numbers always are.
     if constexpr (std::is_floating_point_v<Number>) return std::isfinite(number);
@@ -52,17 +47,16 @@ class Errors {
   }
 
   bool is_finite_pixel(std::size_t pixel) const {
-    for (std::size_t i = 0; i < channels_; ++i)
-      if (!is_finite(difference_(channels_ * pixel + i))) return false;
+    for (std::size_t i = 0; i < channels; ++i)
+      if (!is_finite(difference(channels * pixel + i))) return false;
     return true;
   }
 
   void add_row(std::size_t y, RowErrors<Number>& sums) const {
-    for (std::size_t pixel = y * width_; pixel < (y + 1) * width_; ++pixel) {
-      if (!mask_.at(pixel)) continue;
+    for (std::size_t pixel = y * width; pixel < (y + 1) * width; ++pixel) {
+      if (!mask.at(pixel)) continue;
       DifferenceSums<Number> of_pixel;
-      for (std::size_t i = channels_ * pixel; i < channels_ * (pixel + 1); ++i)
-        of_pixel.add(difference_(i), i);
+      for (std::size_t i = channels * pixel; i < channels * (pixel + 1); ++i) of_pixel.add(difference(i), i);
       // A NaN makes the whole sum NaN.
       if (is_finite(of_pixel.sum_abs))
         sums.differences.add(of_pixel);
@@ -84,32 +78,30 @@ class Errors {
                        : std::numeric_limits<double>::infinity();
     if (sums.most > 0) {
       metrics.max_abs = static_cast<double>(sums.most) * unit;
-      const std::size_t pixel = sums.most_at / channels_;
-      metrics.max_x = static_cast<int>(pixel % width_);
-      metrics.max_y = static_cast<int>(pixel / width_);
-      metrics.max_channel = static_cast<int>(sums.most_at % channels_);
+      const std::size_t pixel = sums.most_at / channels;
+      metrics.max_x = static_cast<int>(pixel % width);
+      metrics.max_y = static_cast<int>(pixel / width);
+      metrics.max_channel = static_cast<int>(sums.most_at % channels);
     }
-    const bool do_all_count = mask_.counts.empty() && all.excluded == 0;
+    const bool do_all_count = mask.counts.empty() && all.excluded == 0;
     const auto value_at = [&](std::size_t i) {
       if (!do_all_count) {
-        const std::size_t pixel = i / channels_;
-        if (!mask_.at(pixel) || (all.excluded > 0 && !is_finite_pixel(pixel))) return -1.0f;
+        const std::size_t pixel = i / channels;
+        if (!mask.at(pixel) || (all.excluded > 0 && !is_finite_pixel(pixel))) return -1.0f;
       }
-      return std::fabs(static_cast<float>(difference_(i)));
+      return std::fabs(static_cast<float>(difference(i)));
     };
-    metrics.percentile_95 = percentile_95(pixels_ * channels_, value_at, sums.values) * unit;
+    metrics.percentile_95 = percentile_95(pixels * channels, value_at, sums.values) * unit;
     return metrics;
   }
-
-  const Difference& difference_;
-  const std::size_t channels_, width_, pixels_;
-  const ImageMask& mask_;
 };
 
 template <class Number, class Difference>
 ErrorMetrics measure(const Difference& difference, double unit, int channels, int width, std::size_t pixels,
                      const ImageMask& mask) {
-  return Errors<Number, Difference>(difference, channels, width, pixels, mask).measure(unit);
+  return Errors<Number, Difference>{difference, static_cast<std::size_t>(channels),
+                                    static_cast<std::size_t>(width), pixels, mask}
+      .measure(unit);
 }
 
 }  // namespace

@@ -128,14 +128,13 @@ namespace {
 constexpr int k_scales = 5;
 constexpr int k_shortest_side = 161;  ///< 161, 81, 41, 21, 11
 
-/// Sums of one tile; added up in the tiles' order.
-struct Sums {
-  double similarity[3] = {}, contrast[3] = {};
-  std::uint64_t count = 0;
-};
-
 struct Means {
   double similarity[3] = {}, contrast[3] = {};
+};
+
+/// Sums of one tile; added up in the tiles' order.
+struct Sums : Means {
+  std::uint64_t count = 0;
 };
 
 /// Room for a tile.
@@ -146,22 +145,22 @@ struct Room {
 
 /// The similarity of the pictures that `pixels` has, pair by pair.
 template <class Pixels>
-class Windows {
- public:
-  Windows(const Pixels& pixels, int width, int height, const ImageMask& counted)
-      : pixels_(pixels), width_(width), height_(height), counted_(counted) {}
+struct Windows {
+  const Pixels& pixels;
+  int width, height;
+  const ImageMask& counted;
 
   /// NaN without a window that counts.
-  Means run() {
-    const int across = (width_ + SsimTile::k_most_width - 1) / SsimTile::k_most_width;
-    const int tiles = across * ((height_ + SsimTile::k_most_height - 1) / SsimTile::k_most_height);
+  Means run() const {
+    const int across = (width + SsimTile::k_most_width - 1) / SsimTile::k_most_width;
+    const int tiles = across * ((height + SsimTile::k_most_height - 1) / SsimTile::k_most_height);
     std::vector<Sums> sums(static_cast<std::size_t>(tiles));
     tbb::enumerable_thread_specific<Room> rooms;
     in_parallel(tiles, 1, [&](int i) {
       Room& room = rooms.local();
       const int left = i % across * SsimTile::k_most_width, top = i / across * SsimTile::k_most_height;
-      room.tile.begin(std::min(SsimTile::k_most_width, width_ - left),
-                      std::min(SsimTile::k_most_height, height_ - top));
+      room.tile.begin(std::min(SsimTile::k_most_width, width - left),
+                      std::min(SsimTile::k_most_height, height - top));
       load(room, left, top);
       for (int channel = 0; channel < 3; ++channel)
         add_channel(room, left, top, channel, sums[static_cast<std::size_t>(i)]);
@@ -169,15 +168,14 @@ class Windows {
     return means(sums);
   }
 
- private:
   /// Windows that reach beyond the picture do not count, whatever stands there.
   void load(Room& room, int left, int top) const {
     room.pairs.clear();
     for (int row = 0; row < room.tile.rows_with_margin(); ++row) {
-      const int y = std::clamp(top + row - k_ssim_reach, 0, height_ - 1);
+      const int y = std::clamp(top + row - k_ssim_reach, 0, height - 1);
       for (int column = 0; column < room.tile.columns_with_margin(); ++column)
         room.pairs.push_back(
-            pixels_.at(pixel_index(std::clamp(left + column - k_ssim_reach, 0, width_ - 1), y, width_)));
+            pixels.at(pixel_index(std::clamp(left + column - k_ssim_reach, 0, width - 1), y, width)));
     }
   }
 
@@ -198,8 +196,8 @@ class Windows {
       for (int column = 0; column < tile.width(); ++column) {
         const int x = left + column;
         const bool is_inside =
-            x >= k_ssim_reach && x < width_ - k_ssim_reach && y >= k_ssim_reach && y < height_ - k_ssim_reach;
-        if (!is_inside || !counted_.at(pixel_index(x, y, width_))) continue;
+            x >= k_ssim_reach && x < width - k_ssim_reach && y >= k_ssim_reach && y < height - k_ssim_reach;
+        if (!is_inside || !counted.at(pixel_index(x, y, width))) continue;
         sums.similarity[channel] += similarity[column];
         sums.contrast[channel] += contrast[column];
         if (channel == 0) ++sums.count;
@@ -224,10 +222,6 @@ class Windows {
     }
     return means;
   }
-
-  const Pixels& pixels_;
-  const int width_, height_;
-  const ImageMask& counted_;
 };
 
 /// Two pictures at half the size of two others.
@@ -279,7 +273,7 @@ Similarity similarity(const ComparedImage& reference, const ComparedImage& test,
   ImageMask counted = mask;
   keep_finite(counted, reference, test);
   const PairPixels pixels(reference, test, counted, ColorEncoding::display);
-  Means means = Windows(pixels, reference.width, reference.height, counted).run();
+  Means means = Windows<PairPixels>{pixels, reference.width, reference.height, counted}.run();
   Similarity result{.ssim = mean_of(means.similarity)};
   if (std::min(reference.width, reference.height) < k_shortest_side) return result;
 
@@ -288,7 +282,7 @@ Similarity similarity(const ComparedImage& reference, const ComparedImage& test,
   HalfPictures half = halved(pixels, reference.width, reference.height, counted);
   for (int scale = 0; scale < k_scales; ++scale) {
     const bool is_last = scale == k_scales - 1;
-    if (scale > 0) means = Windows(half, half.width, half.height, half.counted).run();
+    if (scale > 0) means = Windows<HalfPictures>{half, half.width, half.height, half.counted}.run();
     if (scale > 0 && !is_last) half = halved(half, half.width, half.height, half.counted);
     for (int channel = 0; channel < 3; ++channel)
       products[channel] *=
