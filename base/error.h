@@ -58,7 +58,7 @@ class Error : public std::runtime_error {
 }
 
 /// Throws the Error of a wrong request unless `holds`.
-inline void check_that(bool holds, std::string problem, std::string expected, std::string found = {}) {
+inline void check_that(bool holds, std::string problem, std::string expected = {}, std::string found = {}) {
   if (holds) return;
   throw Error({.problem = std::move(problem), .expected = std::move(expected), .found = std::move(found)});
 }

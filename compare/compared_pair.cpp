@@ -106,39 +106,13 @@ image::BytePicture picture_of(const ComparedImage& image, const Value& value) {
   return picture;
 }
 
-}  // namespace
-
-image::BytePicture displayed(const ComparedImage& image, double farthest) {
-  if (!image.color.empty()) {
-    if (image.encoding == ColorEncoding::display)
-      return picture_of(image, [&](std::size_t pixel, std::size_t c) { return image.color[3 * pixel + c]; });
-    const image::CurveTable& curve = image::srgb_from_linear_table();
-    return picture_of(image,
-                      [&](std::size_t pixel, std::size_t c) { return curve.at(image.color[3 * pixel + c]); });
-  }
-  if (!image.normals.empty())
-    return picture_of(
-        image, [&](std::size_t pixel, std::size_t c) { return 0.5f + 0.5f * image.normals[3 * pixel + c]; });
-  if (!image.depth.empty()) {
-    const float scale = farthest > 0.0 ? static_cast<float>(1.0 / farthest) : 0.0f;
-    return picture_of(image,
-                      [&](std::size_t pixel, std::size_t) { return 1.0f - image.depth[pixel] * scale; });
-  }
-  return picture_of(image, [&](std::size_t pixel, std::size_t c) {
-    // Knuth's multiplicative hash spreads neighbouring ids over the colours.
-    const std::uint32_t hash = image.ids[pixel] * 2654435761u;
-    return image.ids[pixel] == 0 ? 0.0f : static_cast<float>(hash >> (8 * c) & 255u) / 255.0f;
-  });
-}
-
+/// The largest finite depth; 0 without any.
 double farthest_depth(const ComparedImage& image) {
   float farthest = 0.0f;
   for (const float depth : image.depth)
     if (std::isfinite(depth)) farthest = std::max(farthest, depth);
   return farthest;
 }
-
-namespace {
 
 /// Few enough that the 8-bit codes of small differences leave no gaps.
 constexpr std::size_t k_bins = 24;
@@ -163,6 +137,29 @@ void add_map(ComparisonPictures& pictures, std::optional<DifferenceMap>& positio
 }
 
 }  // namespace
+
+image::BytePicture displayed(const ComparedImage& image, double farthest) {
+  if (!image.color.empty()) {
+    if (image.encoding == ColorEncoding::display)
+      return picture_of(image, [&](std::size_t pixel, std::size_t c) { return image.color[3 * pixel + c]; });
+    const image::CurveTable& curve = image::srgb_from_linear_table();
+    return picture_of(image,
+                      [&](std::size_t pixel, std::size_t c) { return curve.at(image.color[3 * pixel + c]); });
+  }
+  if (!image.normals.empty())
+    return picture_of(
+        image, [&](std::size_t pixel, std::size_t c) { return 0.5f + 0.5f * image.normals[3 * pixel + c]; });
+  if (!image.depth.empty()) {
+    const float scale = farthest > 0.0 ? static_cast<float>(1.0 / farthest) : 0.0f;
+    return picture_of(image,
+                      [&](std::size_t pixel, std::size_t) { return 1.0f - image.depth[pixel] * scale; });
+  }
+  return picture_of(image, [&](std::size_t pixel, std::size_t c) {
+    // Knuth's multiplicative hash spreads neighbouring ids over the colours.
+    const std::uint32_t hash = image.ids[pixel] * 2654435761u;
+    return image.ids[pixel] == 0 ? 0.0f : static_cast<float>(hash >> (8 * c) & 255u) / 255.0f;
+  });
+}
 
 std::vector<const DifferenceMap*> ComparisonPictures::maps() const {
   std::vector<const DifferenceMap*> maps;

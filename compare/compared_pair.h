@@ -31,9 +31,6 @@ ComparedPair read_compared_pair(const std::filesystem::path& reference, const st
 /// beyond), else its ids (every point has a colour of its own). NaN is black.
 image::BytePicture displayed(const ComparedImage& image, double farthest);
 
-/// The largest finite depth; 0 without any.
-double farthest_depth(const ComparedImage& image);
-
 /// Both pictures as screens show them. To be called before colours are matched.
 ComparisonPictures shown_pictures(const ComparedPair& pair);
 

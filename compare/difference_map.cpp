@@ -8,6 +8,7 @@
 #include <cassert>
 #include <cmath>
 #include <limits>
+#include <optional>
 #include <utility>
 
 #include "base/parallel.h"
@@ -146,8 +147,8 @@ constexpr image::Rgb8 k_paper{255, 255, 255}, k_text{30, 30, 30}, k_note{95, 95,
 constexpr int k_margin = 24, k_font_size = 18, k_title_size = 24, k_note_size = 14, k_row = 28;
 constexpr int k_bar_width = 24, k_bar_height = 240, k_most_ticks = 7;
 
-/// What a pixel is when it has no number.
-enum class Absence { ignored, nothing, only_reference, only_test };
+/// What a pixel is when it has no number: positions in k_absences.
+enum Absence : std::size_t { k_ignored, k_nothing, k_only_reference, k_only_test };
 
 struct AbsenceStyle {
   image::Rgb8 color{};
@@ -158,10 +159,6 @@ constexpr std::array<AbsenceStyle, 4> k_absences = {{{{150, 150, 158}, "excluded
                                                      {{96, 96, 104}, "nothing to compare"},
                                                      {{150, 60, 190}, "only in the reference"},
                                                      {{40, 150, 70}, "only in the test"}}};
-
-const AbsenceStyle& style_of(Absence absence) {
-  return k_absences[static_cast<std::size_t>(absence)];
-}
 
 image::Rgb8 to_rgb8(const glm::dvec3& display) {
   const auto channel = [](double value) {
@@ -212,11 +209,16 @@ MapPixel stronger(const MapPixel& a, const MapPixel& b) {
   return std::isnan(a.value) || std::abs(b.value) > std::abs(a.value) ? b : a;
 }
 
+/// Why a pixel has no number; empty if it has one.
+std::optional<std::size_t> absence_of(const MapPixel& pixel) {
+  if (pixel.is_ignored) return k_ignored;
+  if (std::isnan(pixel.value)) return k_nothing;
+  if (std::isinf(pixel.value)) return pixel.value > 0.0f ? k_only_reference : k_only_test;
+  return {};
+}
+
 image::Rgb8 color_of(const DifferenceMap& map, const MapPixel& pixel) {
-  if (pixel.is_ignored) return style_of(Absence::ignored).color;
-  if (std::isnan(pixel.value)) return style_of(Absence::nothing).color;
-  if (std::isinf(pixel.value))
-    return style_of(pixel.value > 0.0f ? Absence::only_reference : Absence::only_test).color;
+  if (const std::optional<std::size_t> absence = absence_of(pixel)) return k_absences[*absence].color;
   return color_at(map, position_of(map, static_cast<double>(pixel.value)));
 }
 
@@ -256,13 +258,7 @@ class DifferenceDrawer {
   std::vector<Swatch> swatches() const {
     std::array<std::size_t, 4> counts{};
     for (std::size_t i = 0; i < map_.values.size(); ++i) {
-      const MapPixel pixel = pixel_of(map_, i);
-      if (pixel.is_ignored)
-        ++counts[static_cast<std::size_t>(Absence::ignored)];
-      else if (std::isnan(pixel.value))
-        ++counts[static_cast<std::size_t>(Absence::nothing)];
-      else if (std::isinf(pixel.value))
-        ++counts[static_cast<std::size_t>(pixel.value > 0.0f ? Absence::only_reference : Absence::only_test)];
+      if (const std::optional<std::size_t> absence = absence_of(pixel_of(map_, i))) ++counts[*absence];
     }
     std::vector<Swatch> rows;
     for (std::size_t i = 0; i < counts.size(); ++i) {

@@ -11,6 +11,8 @@
 
 namespace alidade::compare {
 
+// Without fmt, for the reason that image/read_picture.cpp gives.
+
 namespace {
 
 /// How to go through the stored picture so as to meet its pixels in upright order.
@@ -43,8 +45,6 @@ void turn(std::vector<Value>& values, const Walk& walk, std::ptrdiff_t width, st
   values = std::move(turned);
 }
 
-}  // namespace
-
 /// Turns all layers as the EXIF field Orientation requests (1 to 8; others are taken as 1, upright).
 /// Source: CIPA DC-008 (Exif 2.32), 4.6.5.1, tag 274: which side of the picture row 0 and column 0 are.
 void turn_upright(ComparedImage& image, int orientation) {
@@ -61,10 +61,6 @@ void turn_upright(ComparedImage& image, int orientation) {
   turn(image.normals, walk, width, height, 3);
   turn(image.ids, walk, width, height, 1);
 }
-
-// Without fmt, for the reason that image/read_picture.cpp gives.
-
-namespace {
 
 constexpr int k_longest_text = 4096;
 

@@ -124,6 +124,22 @@ double lab_curve(double value) {
   return value > k_knee * k_knee * k_knee ? root(value, 3) : value / (3.0 * k_knee * k_knee) + 4.0 / 29.0;
 }
 
+/// A colour in CIE L*a*b* after the Hunt effect: a and b times 0.01 L.
+struct HuntColor {
+  double lightness, a, b;
+};
+HuntColor hunt_color(double x, double y, double z) {
+  const double fx = lab_curve(x), fy = lab_curve(y), fz = lab_curve(z);
+  const double lightness = 116.0 * fy - 16.0;
+  return {lightness, 0.01 * lightness * 500.0 * (fx - fy), 0.01 * lightness * 200.0 * (fy - fz)};
+}
+
+/// HyAB distance.
+double color_distance(const HuntColor& one, const HuntColor& other) {
+  const double a = one.a - other.a, b = one.b - other.b;
+  return std::fabs(one.lightness - other.lightness) + std::sqrt(a * a + b * b);
+}
+
 HuntColor of_primary(int primary) {
   return hunt_color(k_xyz_from_rgb[0][primary] / white(0), k_xyz_from_rgb[1][primary] / white(1),
                     k_xyz_from_rgb[2][primary] / white(2));
@@ -145,17 +161,6 @@ FlipColor make_flip_color() {
 }
 
 }  // namespace
-
-HuntColor hunt_color(double x, double y, double z) {
-  const double fx = lab_curve(x), fy = lab_curve(y), fz = lab_curve(z);
-  const double lightness = 116.0 * fy - 16.0;
-  return {lightness, 0.01 * lightness * 500.0 * (fx - fy), 0.01 * lightness * 200.0 * (fy - fz)};
-}
-
-double color_distance(const HuntColor& one, const HuntColor& other) {
-  const double a = one.a - other.a, b = one.b - other.b;
-  return std::fabs(one.lightness - other.lightness) + std::sqrt(a * a + b * b);
-}
 
 const FlipColor& flip_color() {
   static const FlipColor color = make_flip_color();

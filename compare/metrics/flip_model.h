@@ -41,15 +41,6 @@ struct FlipColor {
   float largest_difference;  ///< between green and blue, to the power 0.7
 };
 
-/// A colour in CIE L*a*b* after the Hunt effect: a and b times 0.01 L.
-struct HuntColor {
-  double lightness, a, b;
-};
-HuntColor hunt_color(double x, double y, double z);
-
-/// HyAB distance.
-double color_distance(const HuntColor& one, const HuntColor& other);
-
 const FlipColor& flip_color();
 
 /// What becomes of linear light before FLIP looks at it: times `scale`, then through the curve

@@ -15,45 +15,10 @@
 
 namespace alidade::compare {
 
+namespace {
+
 /// Reach of SSIM's window on each side, pixels.
 constexpr int k_ssim_reach = 5;
-
-/// One channel of a piece of two pictures, in double: variances are small differences of large numbers.
-class SsimTile {
- public:
-  static constexpr int k_most_width = 128, k_most_height = 64;
-
-  SsimTile();
-  void begin(int width, int height) {
-    width_ = width;
-    height_ = height;
-  }
-  int width() const { return width_; }
-  int height() const { return height_; }
-  int columns_with_margin() const { return width_ + 2 * k_ssim_reach; }
-  int rows_with_margin() const { return height_ + 2 * k_ssim_reach; }
-
-  /// Values of a row of a picture (0 reference, 1 test), with k_ssim_reach more on each side; row 0 is the
-  /// highest above the tile.
-  double* values(int picture, int row) {
-    return values_[static_cast<std::size_t>(picture)].data() + static_cast<std::ptrdiff_t>(row) * k_pitch;
-  }
-  /// Filters along the rows; to be called before similarities().
-  void filter_rows();
-  /// SSIM and its contrast and structure part of the pixels of a row; `width` of each.
-  void similarities(int row, double* similarity, double* contrast);
-
- private:
-  static constexpr int k_pitch = k_most_width + 2 * k_ssim_reach;
-  static constexpr int k_rows = k_most_height + 2 * k_ssim_reach;
-
-  int width_ = 0, height_ = 0;
-  std::array<std::vector<double>, 2> values_;
-  /// Means of x, y, x^2 + y^2 and x y along rows.
-  std::array<std::vector<double>, 4> means_;
-};
-
-namespace {
 
 /// A Gaussian of deviation 1.5 and sum 1: the tap of the centre, then of pixels 1 .. 5 away.
 std::array<double, k_ssim_reach + 1> window_taps() {
@@ -84,46 +49,71 @@ void filter(const double* __restrict from, std::ptrdiff_t step, int width, doubl
   }
 }
 
-}  // namespace
+/// One channel of a piece of two pictures, in double: variances are small differences of large numbers.
+class SsimTile {
+ public:
+  static constexpr int k_most_width = 128, k_most_height = 64;
 
-SsimTile::SsimTile() {
-  for (auto& values : values_) values.assign(std::size_t{k_pitch} * k_rows, 0.0);
-  for (auto& means : means_) means.assign(std::size_t{k_most_width} * k_rows, 0.0);
-}
+  SsimTile() {
+    for (auto& values : values_) values.assign(std::size_t{k_pitch} * k_rows, 0.0);
+    for (auto& means : means_) means.assign(std::size_t{k_most_width} * k_rows, 0.0);
+  }
+  void begin(int width, int height) {
+    width_ = width;
+    height_ = height;
+  }
+  int width() const { return width_; }
+  int height() const { return height_; }
+  int columns_with_margin() const { return width_ + 2 * k_ssim_reach; }
+  int rows_with_margin() const { return height_ + 2 * k_ssim_reach; }
 
-void SsimTile::filter_rows() {
-  double squares[k_pitch], products[k_pitch];
-  for (int row = 0; row < rows_with_margin(); ++row) {
-    const double* const x = values(0, row);
-    const double* const y = values(1, row);
-    for (int column = 0; column < columns_with_margin(); ++column) {
-      squares[column] = x[column] * x[column] + y[column] * y[column];
-      products[column] = x[column] * y[column];
+  /// Values of a row of a picture (0 reference, 1 test), with k_ssim_reach more on each side; row 0 is the
+  /// highest above the tile.
+  double* values(int picture, int row) {
+    return values_[static_cast<std::size_t>(picture)].data() + static_cast<std::ptrdiff_t>(row) * k_pitch;
+  }
+  /// Filters along the rows; to be called before similarities().
+  void filter_rows() {
+    double squares[k_pitch], products[k_pitch];
+    for (int row = 0; row < rows_with_margin(); ++row) {
+      const double* const x = values(0, row);
+      const double* const y = values(1, row);
+      for (int column = 0; column < columns_with_margin(); ++column) {
+        squares[column] = x[column] * x[column] + y[column] * y[column];
+        products[column] = x[column] * y[column];
+      }
+      const std::ptrdiff_t offset = static_cast<std::ptrdiff_t>(row) * k_most_width;
+      filter(x + k_ssim_reach, 1, width_, means_[0].data() + offset);
+      filter(y + k_ssim_reach, 1, width_, means_[1].data() + offset);
+      filter(squares + k_ssim_reach, 1, width_, means_[2].data() + offset);
+      filter(products + k_ssim_reach, 1, width_, means_[3].data() + offset);
     }
-    const std::ptrdiff_t offset = static_cast<std::ptrdiff_t>(row) * k_most_width;
-    filter(x + k_ssim_reach, 1, width_, means_[0].data() + offset);
-    filter(y + k_ssim_reach, 1, width_, means_[1].data() + offset);
-    filter(squares + k_ssim_reach, 1, width_, means_[2].data() + offset);
-    filter(products + k_ssim_reach, 1, width_, means_[3].data() + offset);
   }
-}
+  /// SSIM and its contrast and structure part of the pixels of a row; `width` of each.
+  void similarities(int row, double* similarity, double* contrast) {
+    constexpr double k_c1 = 0.01 * 0.01, k_c2 = 0.03 * 0.03;
+    double means[4][k_most_width];
+    for (std::size_t i = 0; i < 4; ++i) {
+      const std::ptrdiff_t offset = static_cast<std::ptrdiff_t>(row + k_ssim_reach) * k_most_width;
+      filter(means_[i].data() + offset, k_most_width, width_, means[i]);
+    }
+    for (int x = 0; x < width_; ++x) {
+      const double product = means[0][x] * means[1][x];
+      const double squares = means[0][x] * means[0][x] + means[1][x] * means[1][x];
+      contrast[x] = (2.0 * (means[3][x] - product) + k_c2) / (means[2][x] - squares + k_c2);
+      similarity[x] = (2.0 * product + k_c1) / (squares + k_c1) * contrast[x];
+    }
+  }
 
-void SsimTile::similarities(int row, double* similarity, double* contrast) {
-  constexpr double k_c1 = 0.01 * 0.01, k_c2 = 0.03 * 0.03;
-  double means[4][k_most_width];
-  for (std::size_t i = 0; i < 4; ++i) {
-    const std::ptrdiff_t offset = static_cast<std::ptrdiff_t>(row + k_ssim_reach) * k_most_width;
-    filter(means_[i].data() + offset, k_most_width, width_, means[i]);
-  }
-  for (int x = 0; x < width_; ++x) {
-    const double product = means[0][x] * means[1][x];
-    const double squares = means[0][x] * means[0][x] + means[1][x] * means[1][x];
-    contrast[x] = (2.0 * (means[3][x] - product) + k_c2) / (means[2][x] - squares + k_c2);
-    similarity[x] = (2.0 * product + k_c1) / (squares + k_c1) * contrast[x];
-  }
-}
+ private:
+  static constexpr int k_pitch = k_most_width + 2 * k_ssim_reach;
+  static constexpr int k_rows = k_most_height + 2 * k_ssim_reach;
 
-namespace {
+  int width_ = 0, height_ = 0;
+  std::array<std::vector<double>, 2> values_;
+  /// Means of x, y, x^2 + y^2 and x y along rows.
+  std::array<std::vector<double>, 4> means_;
+};
 
 constexpr int k_scales = 5;
 constexpr int k_shortest_side = 161;  ///< 161, 81, 41, 21, 11

@@ -93,31 +93,7 @@ Json json_of(const std::vector<PixelRectangle>& boxes) {
   return json;
 }
 
-}  // namespace
-
-std::vector<HowLine> how_lines(const Comparison& comparison) {
-  const ComparisonOptions& options = comparison.options;
-  std::vector<HowLine> lines;
-  const auto add = [&](const char* name, std::string text) { lines.push_back({name, std::move(text)}); };
-  if (options.crop)
-    add("Part", text_of(*options.crop) + " of both; positions count from its top left corner");
-  if (!options.mask.empty()) add("Mask", options.mask.filename().string());
-  if (!options.keep.empty()) add("Only in", text_of(options.keep));
-  if (!options.ignore.empty()) add("Ignored", text_of(options.ignore));
-  if (options.use_alpha) add("Opaque", "pixels with an alpha below one half do not count");
-  if (options.valid_depth) add("Depth", "pixels without depth do not count");
-  if (options.ignore_sky) add("Sky", "pixels in which nobody sees a surface do not count");
-  if (comparison.color) add("FLIP", flip_text(comparison.color->flip, options.flip));
-  if (comparison.match) add("Matched colours", match_text(*comparison.match, *options.match));
-  if (comparison.alignment) add("Alignment", alignment_text(*comparison.alignment, options.largest_shift));
-  if (options.find_changes)
-    add("Changes",
-        fmt::format("{} above {:g}{}; regions of at least {} pixels", name_of(*options.find_changes),
-                    options.changes.threshold, *options.find_changes == ChangeMap::depth ? " m" : "",
-                    options.changes.least_pixels));
-  return lines;
-}
-
+/// The options alone, for programs: those that were given, and pixels_per_degree and tone_mapper of colours.
 Json how_json(const Comparison& comparison) {
   const ComparisonOptions& options = comparison.options;
   Json json = Json::object();
@@ -142,8 +118,6 @@ Json how_json(const Comparison& comparison) {
   }
   return json;
 }
-
-namespace {
 
 Json facts_json(const PictureFacts& facts) {
   return {{"file", facts.file.string()},
@@ -241,6 +215,29 @@ Json whole_json(const Comparison& comparison, const Verdict& verdict, const Verd
 }
 
 }  // namespace
+
+std::vector<HowLine> how_lines(const Comparison& comparison) {
+  const ComparisonOptions& options = comparison.options;
+  std::vector<HowLine> lines;
+  const auto add = [&](const char* name, std::string text) { lines.push_back({name, std::move(text)}); };
+  if (options.crop)
+    add("Part", text_of(*options.crop) + " of both; positions count from its top left corner");
+  if (!options.mask.empty()) add("Mask", options.mask.filename().string());
+  if (!options.keep.empty()) add("Only in", text_of(options.keep));
+  if (!options.ignore.empty()) add("Ignored", text_of(options.ignore));
+  if (options.use_alpha) add("Opaque", "pixels with an alpha below one half do not count");
+  if (options.valid_depth) add("Depth", "pixels without depth do not count");
+  if (options.ignore_sky) add("Sky", "pixels in which nobody sees a surface do not count");
+  if (comparison.color) add("FLIP", flip_text(comparison.color->flip, options.flip));
+  if (comparison.match) add("Matched colours", match_text(*comparison.match, *options.match));
+  if (comparison.alignment) add("Alignment", alignment_text(*comparison.alignment, options.largest_shift));
+  if (options.find_changes)
+    add("Changes",
+        fmt::format("{} above {:g}{}; regions of at least {} pixels", name_of(*options.find_changes),
+                    options.changes.threshold, *options.find_changes == ChangeMap::depth ? " m" : "",
+                    options.changes.least_pixels));
+  return lines;
+}
 
 std::string comparison_json(const Comparison& comparison, const Verdict& verdict, const Verdict& warnings) {
   return json_text(whole_json(comparison, verdict, warnings), 2) + "\n";

@@ -46,9 +46,6 @@ struct HowLine {
 /// A line for everything that was asked for or found; of colours at least how FLIP was computed.
 std::vector<HowLine> how_lines(const Comparison& comparison);
 
-/// The options alone, for programs: those that were given, and pixels_per_degree and tone_mapper of colours.
-Json how_json(const Comparison& comparison);
-
 // Results for programs: {"metrics": {"rmse", "psnr", "ssim", "flip": {"mean", ...}}, "pass": true} and what
 // docs/compare.md says beside. JSON has no infinity and no NaN: they are the texts "infinity", "-infinity"
 // and "nan".

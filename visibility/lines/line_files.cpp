@@ -69,20 +69,6 @@ GivenPair read_row(const CsvTable& table) {
   return pair;
 }
 
-}  // namespace
-
-std::vector<GivenPair> read_pair_table(const std::filesystem::path& path) {
-  InputFile file(path);
-  CsvTable table(file, column_of, std::string(k_form));
-  if (!table.columns().empty()) check_columns(table);
-  std::vector<GivenPair> pairs;
-  while (table.next()) pairs.push_back(read_row(table));
-  if (pairs.empty()) table.fail_as_empty("pairs");
-  return pairs;
-}
-
-namespace {
-
 Row class_of(const LineTable& table, std::uint64_t point_id) {
   if (table.classifications.empty()) return nullptr;
   return table.classifications[point_id];
@@ -140,8 +126,6 @@ void add_fresnel(Row& row, const LineTable& table, const FresnelClearance& fresn
   add_point(row, table, "fresnel_nearest", fresnel.nearest);
 }
 
-}  // namespace
-
 /// A line as a row of named values, in the order of the columns; null where there is nothing to say. All rows
 /// of a table have the same names. Lengths and positions along the line from its first end, in `..._at`, are in
 /// the cloud's unit; shares are 0 .. 1; classes are those of the points. See docs/visibility.md for every
@@ -183,8 +167,6 @@ Row line_obstructions(const LineTable& table, std::size_t line) {
   }
   return {{"points", points}, {"classes", classes}};
 }
-
-namespace {
 
 void write_csv(const LineTable& table, OutputFile& file) {
   write_text(file, csv_names(line_row(table, 0)));
@@ -243,6 +225,16 @@ bool write_geojson(const LineTable& table, const RowFileHead& head, const ToLonL
 }
 
 }  // namespace
+
+std::vector<GivenPair> read_pair_table(const std::filesystem::path& path) {
+  InputFile file(path);
+  CsvTable table(file, column_of, std::string(k_form));
+  if (!table.columns().empty()) check_columns(table);
+  std::vector<GivenPair> pairs;
+  while (table.next()) pairs.push_back(read_row(table));
+  if (pairs.empty()) table.fail_as_empty("pairs");
+  return pairs;
+}
 
 bool write_lines(const LineTable& table, RowForm form, const RowFileHead& head, const ToLonLat& to_lon_lat,
                  const std::filesystem::path& file, bool overwrite) {
