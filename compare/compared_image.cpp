@@ -6,7 +6,6 @@
 #include <tbb/blocked_range.h>
 #include <tbb/parallel_reduce.h>
 #include <algorithm>
-#include <cmath>
 #include <functional>
 
 #include "base/parallel.h"

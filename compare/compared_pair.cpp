@@ -7,7 +7,6 @@
 #include <cmath>
 
 #include "base/parallel.h"
-#include "compare/compared_image.h"
 #include "image/srgb.h"
 
 namespace alidade::compare {

@@ -14,7 +14,6 @@
 #include "base/parallel.h"
 #include "compare/metrics/pixel_sums.h"
 #include "image/color_map.h"
-#include "image/font.h"
 #include "image/image_file.h"
 #include "image/legend.h"
 #include "image/srgb.h"

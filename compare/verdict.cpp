@@ -8,7 +8,6 @@
 #include <cmath>
 
 #include "base/error.h"
-#include "base/json.h"
 #include "base/words.h"
 
 namespace alidade::compare {

@@ -3,10 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdint>
 #include <glm/common.hpp>
-#include <glm/vec2.hpp>
-#include <glm/vec3.hpp>
 
 #include "simulation/noise.h"
 

@@ -49,6 +49,7 @@ class StationBeams {
   }
 
   std::uint64_t count() const { return columns_ * rows_.size(); }
+
   Beam beam(const Station& station, std::uint64_t index) const {
     const std::uint64_t column = index / rows_.size(), row = index % rows_.size();
     const SineCosine azimuth = sine_cosine_by_quarters(
@@ -112,10 +113,10 @@ class FlightBeams {
     std::uint64_t begin = 0;
     for (std::size_t i = 0; i < strips_.size(); ++i) {
       area_before += areas[i];
-      const bool last = i + 1 == strips_.size();
-      const auto end = last ? count
-                            : std::min(count, static_cast<std::uint64_t>(static_cast<double>(count) *
-                                                                         (area_before / area_sum)));
+      const auto end = i + 1 == strips_.size()
+                           ? count
+                           : std::min(count, static_cast<std::uint64_t>(static_cast<double>(count) *
+                                                                        (area_before / area_sum)));
       Strip& strip = strips_[i];
       strip.begin = begin;
       strip.count = end - begin;

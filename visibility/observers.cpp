@@ -6,7 +6,6 @@
 #include <cmath>
 #include <cstdint>
 #include <glm/geometric.hpp>
-#include <limits>
 #include <string_view>
 
 #include "base/error.h"

@@ -4,13 +4,11 @@
 #include <fmt/format.h>
 #include <algorithm>
 #include <cmath>
-#include <string_view>
 
 #include "base/csv_table.h"
 #include "base/error.h"
 #include "base/words.h"
 #include "geo/gdal_reference.h"
-#include "geo/vector_file.h"
 
 namespace alidade::visibility {
 namespace {

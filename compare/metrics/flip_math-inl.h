@@ -9,8 +9,6 @@
 
 #include <hwy/highway.h>
 
-#include <cstdint>
-
 HWY_BEFORE_NAMESPACE();
 namespace alidade::compare::simd {
 namespace HWY_NAMESPACE {

@@ -11,7 +11,6 @@
 #include <cstdlib>
 #include <map>
 #include <string>
-#include <utility>
 #include <vector>
 
 #include "compare/photographs/gradient_pyramid.h"

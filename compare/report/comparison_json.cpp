@@ -2,7 +2,6 @@
 #include "compare/report/comparison_json.h"
 
 #include <fmt/format.h>
-#include <cmath>
 
 namespace alidade::compare {
 

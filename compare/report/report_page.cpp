@@ -4,8 +4,6 @@
 #include <fmt/format.h>
 #include <tbb/parallel_for.h>
 
-#include <algorithm>
-
 #include "compare/report/comparison_json.h"
 
 namespace alidade::compare {

@@ -5,7 +5,6 @@
 #include <array>
 #include <cmath>
 #include <optional>
-#include <vector>
 
 #include "camera/camera.h"
 #include "camera/projection.h"

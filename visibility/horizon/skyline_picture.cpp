@@ -6,12 +6,8 @@
 #include <algorithm>
 #include <cmath>
 #include <optional>
-#include <string>
-#include <utility>
-#include <vector>
 
 #include "image/color_map.h"
-#include "image/font.h"
 #include "image/image_file.h"
 #include "image/legend.h"
 

@@ -8,7 +8,6 @@
 #include <span>
 #include <vector>
 
-#include "geo/earth.h"
 #include "visibility/sight_line.h"
 
 namespace alidade::visibility {

@@ -10,7 +10,6 @@
 #include <string_view>
 
 #include "base/csv_table.h"
-#include "base/error.h"
 
 namespace alidade::visibility {
 namespace {

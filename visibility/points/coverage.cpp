@@ -2,17 +2,14 @@
 #include "visibility/points/coverage.h"
 
 #include <tbb/parallel_for.h>
-#include <algorithm>
 #include <cmath>
 #include <limits>
 #include <string>
 #include <unordered_map>
 
-#include "base/checkpoint.h"
 #include "base/error.h"
 #include "base/huge_memory.h"
 #include "cloud/lattice.h"
-#include "geo/raster.h"
 #include "octree/distance.h"
 #include "octree/tree_walk.h"
 

@@ -6,7 +6,6 @@
 #include <algorithm>
 #include <cmath>
 
-#include "image/font.h"
 #include "image/image_file.h"
 #include "image/legend.h"
 

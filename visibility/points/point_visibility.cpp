@@ -9,14 +9,11 @@
 #include <glm/geometric.hpp>
 #include <limits>
 
-#include "base/checkpoint.h"
 #include "base/error.h"
 #include "base/exact_math.h"
 #include "base/huge_memory.h"
-#include "geo/raster.h"
 #include "octree/point_surface.h"
 #include "visibility/point_blocks.h"
-#include "visibility/sight_line.h"
 
 namespace alidade::visibility {
 namespace {

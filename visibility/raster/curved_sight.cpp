@@ -9,7 +9,6 @@
 #include <glm/vec2.hpp>
 
 #include "base/error.h"
-#include "visibility/sight_line.h"
 
 namespace alidade::visibility {
 namespace {

@@ -5,9 +5,7 @@
 #include <tbb/parallel_for.h>
 #include <algorithm>
 #include <cmath>
-#include <vector>
 
-#include "image/font.h"
 #include "image/image_file.h"
 #include "image/legend.h"
 

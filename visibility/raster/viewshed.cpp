@@ -4,13 +4,9 @@
 #include <fmt/format.h>
 #include <algorithm>
 #include <cmath>
-#include <cstdint>
-#include <limits>
 #include <optional>
-#include <span>
 #include <vector>
 
-#include "base/checkpoint.h"
 #include "base/error.h"
 #include "base/huge_memory.h"
 #include "octree/point_surface.h"

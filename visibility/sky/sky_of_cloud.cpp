@@ -5,13 +5,10 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
-#include <glm/vec3.hpp>
 #include <limits>
 #include <optional>
 #include <string>
-#include <vector>
 
-#include "base/checkpoint.h"
 #include "base/error.h"
 #include "visibility/point_blocks.h"
 #include "visibility/raster/map_targets.h"

@@ -7,13 +7,11 @@
 #include <glm/geometric.hpp>
 #include <string>
 #include <utility>
-#include <vector>
 
 #include "base/error.h"
 #include "base/exact_math.h"
 #include "base/parallel.h"
 #include "octree/point_surface.h"
-#include "visibility/sight_line.h"
 
 namespace alidade::visibility {
 namespace {

@@ -9,7 +9,6 @@
 #include <glm/geometric.hpp>
 #include <map>
 #include <utility>
-#include <vector>
 
 #include "base/error.h"
 #include "base/parallel.h"
