@@ -60,9 +60,7 @@ void make_room(const std::vector<std::filesystem::path>& reports, const std::vec
   }
   for (const std::filesystem::path& report : reports) {
     if (taken.contains(one_name(report)))
-      throw Error({.file = report.string(),
-                   .problem = "exists and is not the report of a pair",
-                   .expected = "another report folder"});
+      throw Error(report.string(), {}, "exists and is not the report of a pair", "another report folder");
     check_output(report, options.overwrite);
   }
 }

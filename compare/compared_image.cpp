@@ -84,10 +84,8 @@ void require_same_size(const ComparedImage& reference, const ComparedImage& test
   if (reference.width == test.width && reference.height == test.height &&
       reference.origin_x == test.origin_x && reference.origin_y == test.origin_y)
     return;
-  throw SizeMismatch({.file = test.file.string(),
-                      .problem = "the size differs from the reference " + reference.file.string(),
-                      .expected = text_of(reference),
-                      .found = text_of(test)});
+  throw SizeMismatch(test.file.string(), {}, "the size differs from the reference " + reference.file.string(),
+                     text_of(reference), text_of(test));
 }
 
 void require_colors(const ComparedImage& reference, const ComparedImage& test, const char* problem) {
@@ -101,12 +99,10 @@ ComparedImage cropped(const ComparedImage& image, const PixelRectangle& rectangl
   const bool is_inside = rectangle.left >= 0 && rectangle.top >= 0 && rectangle.right <= image.width &&
                          rectangle.bottom <= image.height;
   if (!is_inside || rectangle.left >= rectangle.right || rectangle.top >= rectangle.bottom) {
-    throw Error({.file = image.file.string(),
-                 .problem = "the crop is empty or exceeds the image",
-                 .expected = "a rectangle inside " + text_of(image),
-                 .found = "columns " + std::to_string(rectangle.left) + " to " +
-                          std::to_string(rectangle.right) + ", rows " + std::to_string(rectangle.top) +
-                          " to " + std::to_string(rectangle.bottom)});
+    throw Error(image.file.string(), {}, "the crop is empty or exceeds the image",
+                "a rectangle inside " + text_of(image),
+                "columns " + std::to_string(rectangle.left) + " to " + std::to_string(rectangle.right) +
+                    ", rows " + std::to_string(rectangle.top) + " to " + std::to_string(rectangle.bottom));
   }
   ComparedImage result = of_size(image, rectangle.right - rectangle.left, rectangle.bottom - rectangle.top);
   result.origin_x = image.origin_x + rectangle.left;
@@ -169,10 +165,9 @@ ComparedImage resized(const ComparedImage& image, int width, int height) {
   const auto pixels =
       static_cast<std::uint64_t>(std::max(width, 0)) * static_cast<std::uint64_t>(std::max(height, 0));
   if (width < 1 || height < 1 || pixels > k_most_compared_pixels) {
-    throw Error({.file = image.file.string(),
-                 .problem = "cannot resize the image",
-                 .expected = "a size of 1 to " + std::to_string(k_most_compared_pixels) + " pixels",
-                 .found = size_text(width, height)});
+    throw Error(image.file.string(), {}, "cannot resize the image",
+                "a size of 1 to " + std::to_string(k_most_compared_pixels) + " pixels",
+                size_text(width, height));
   }
   ComparedImage result = of_size(image, width, height);
   if (!image.color.empty()) result.color = filtered(image, image.color, 3, width, height);
@@ -247,15 +242,12 @@ std::uint64_t counted_pixels(const ImageMask& mask, std::size_t pixels) {
 void keep_light(ImageMask& mask, const ComparedImage& mask_image, const ComparedImage& image) {
   // Masks are often drawn in formats without a data window, so only the size must be that of the image.
   if (mask_image.width != image.width || mask_image.height != image.height) {
-    throw SizeMismatch({.file = mask_image.file.string(),
-                        .problem = "the mask size differs from " + image.file.string(),
-                        .expected = size_text(image.width, image.height),
-                        .found = size_text(mask_image.width, mask_image.height)});
+    throw SizeMismatch(mask_image.file.string(), {}, "the mask size differs from " + image.file.string(),
+                       size_text(image.width, image.height), size_text(mask_image.width, mask_image.height));
   }
   if (!has_color(mask_image)) {
-    throw Error({.file = mask_image.file.string(),
-                 .problem = "the mask has no colour",
-                 .expected = "light pixels to compare, dark pixels to ignore"});
+    throw Error(mask_image.file.string(), {}, "the mask has no colour",
+                "light pixels to compare, dark pixels to ignore");
   }
   const std::vector<float> color = display_color(mask_image);
   keep(mask, image.pixels(), [&](std::size_t pixel) {

@@ -75,10 +75,7 @@ std::vector<std::string> fields_of(const std::string& line, const fs::path& file
       fields.back() += line[i];
     }
   }
-  if (quoted)
-    throw Error({.file = file.string(),
-                 .location = fmt::format("line {}", number),
-                 .problem = "unterminated quotation"});
+  if (quoted) throw Error(file.string(), fmt::format("line {}", number), "unterminated quotation");
   return fields;
 }
 
@@ -106,9 +103,7 @@ std::vector<ImagePair> pairs_of_folders(const fs::path& reference, const fs::pat
   for (const auto& [name, file] : references) pairs.push_back({name, file, {}});
   for (const auto& [name, file] : tests) pairs.push_back({name, {}, file});
   if (pairs.empty())
-    throw Error({.file = reference.string(),
-                 .problem = "contains no images",
-                 .expected = "images in at least one of the folders"});
+    throw Error(reference.string(), {}, "contains no images", "images in at least one of the folders");
   std::ranges::stable_sort(pairs, {}, &ImagePair::name);
   return pairs;
 }
@@ -132,20 +127,14 @@ std::vector<ImagePair> read_pairs(std::istream& stream, const fs::path& file) {
       const bool is_header = fields == std::vector<std::string>{"reference", "test"} ||
                              fields == std::vector<std::string>{"reference", "test", "name"};
       if (!is_header)
-        throw Error({.file = file.string(),
-                     .location = fmt::format("line {}", number),
-                     .problem = "missing header",
-                     .expected = "reference,test or reference,test,name",
-                     .found = "'" + line.substr(0, 80) + "'"});
+        throw Error(file.string(), fmt::format("line {}", number), "missing header",
+                    "reference,test or reference,test,name", "'" + line.substr(0, 80) + "'");
       columns = fields.size();
       continue;
     }
     if (fields.size() != columns || fields[0].empty() || fields[1].empty())
-      throw Error({.file = file.string(),
-                   .location = fmt::format("line {}", number),
-                   .problem = "invalid pair of images",
-                   .expected = fmt::format("{} fields with nonempty paths", columns),
-                   .found = "'" + line.substr(0, 80) + "'"});
+      throw Error(file.string(), fmt::format("line {}", number), "invalid pair of images",
+                  fmt::format("{} fields with nonempty paths", columns), "'" + line.substr(0, 80) + "'");
     const bool has_name = columns == 3 && !fields[2].empty();
     pairs.push_back(
         {has_name ? fields[2] : fields[1], file.parent_path() / fields[0], file.parent_path() / fields[1]});

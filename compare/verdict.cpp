@@ -280,9 +280,8 @@ Verdict judge(const Comparison& comparison, const std::vector<Threshold>& thresh
     const MetricKind& kind = known_metric(threshold.metric);
     const std::optional<double> value = kind.value(comparison);
     if (!value) {
-      throw Error({.file = comparison.test.file.string(),
-                   .problem = fmt::format("the images have no '{}' for a threshold", kind.name),
-                   .expected = std::string(kind.note)});
+      throw Error(comparison.test.file.string(), {},
+                  fmt::format("the images have no '{}' for a threshold", kind.name), std::string(kind.note));
     }
     verdict.judged.push_back(judged(threshold, *value, kind.better));
   }

@@ -110,9 +110,7 @@ GivenObserver parse_observer(const std::string& text) {
   std::vector<std::string_view> cells;
   split_cells(text, ',', cells);
   const auto fail = [&] {
-    throw Error({.file = given.source,
-                 .problem = "invalid position",
-                 .expected = "X,Y,Z, or X,Y for a position on the ground"});
+    throw Error(given.source, {}, "invalid position", "X,Y,Z, or X,Y for a position on the ground");
   };
   if (cells.size() != 2 && cells.size() != 3) fail();
   double numbers[3] = {};

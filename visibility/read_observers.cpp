@@ -96,10 +96,8 @@ void read_attributes(const geo::VectorFeature& feature, GivenObserver& observer)
     if (!field || !field->is_set) continue;
     const std::optional<double> number = field->number ? field->number : parse_number(field->text);
     if (!number || std::isnan(*number)) {
-      throw Error({.file = observer.source,
-                   .problem = fmt::format("{} is not a number", known.name),
-                   .expected = "a number",
-                   .found = quote(field->text)});
+      throw Error(observer.source, {}, fmt::format("{} is not a number", known.name), "a number",
+                  quote(field->text));
     }
     observer.*known.value = *number;
   }
@@ -110,10 +108,7 @@ void add_feature(const geo::VectorFeature& feature, const std::filesystem::path&
   GivenObserver observer{.source = fmt::format("{}:feature {}", path.string(), feature.id())};
   const std::optional<std::vector<geo::VectorPoint>> points = feature.points();
   if (!points) {
-    throw Error({.file = observer.source,
-                 .problem = "not a point",
-                 .expected = "a point for each observer",
-                 .found = feature.geometry_type()});
+    throw Error(observer.source, {}, "not a point", "a point for each observer", feature.geometry_type());
   }
   read_attributes(feature, observer);
   for (const geo::VectorPoint& point : *points) {

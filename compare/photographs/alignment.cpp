@@ -227,10 +227,8 @@ void check_work(const ComparedImage& image, int largest_shift, int level) {
   const double pixels = std::ldexp(static_cast<double>(image.pixels()), -2 * level);
   const double shifts = (2.0 * reach.x + 1.0) * (2.0 * reach.y + 1.0);
   if (shifts * pixels <= k_most_work) return;
-  throw Error({.file = image.file.string(),
-               .problem = "the image is too narrow for a search of this width",
-               .expected = "a smaller maximum shift",
-               .found = std::to_string(largest_shift) + " pixels"});
+  throw Error(image.file.string(), {}, "the image is too narrow for a search of this width",
+              "a smaller maximum shift", std::to_string(largest_shift) + " pixels");
 }
 
 }  // namespace
