@@ -61,39 +61,6 @@ void along_columns(const std::vector<std::uint8_t>& from, std::vector<std::uint8
   }
 }
 
-}  // namespace
-
-std::vector<std::uint8_t> drop_specks(const std::vector<std::uint8_t>& set, int width, double least_density) {
-  constexpr int k_reach = 2;
-  const int height = static_cast<int>(set.size() / static_cast<std::size_t>(width));
-  std::vector<std::uint8_t> result(set.size(), 0);
-  tbb::parallel_for(0, height, [&](int y) {
-    const int top = std::max(y - k_reach, 0), bottom = std::min(y + k_reach, height - 1);
-    for (int x = 0; x < width; ++x) {
-      const std::size_t pixel = pixel_index(x, y, width);
-      if (set[pixel] == 0) continue;
-      const int left = std::max(x - k_reach, 0), right = std::min(x + k_reach, width - 1);
-      int count = 0;
-      for (int v = top; v <= bottom; ++v)
-        for (int u = left; u <= right; ++u) count += set[pixel_index(u, v, width)];
-      result[pixel] = count >= least_density * (right - left + 1) * (bottom - top + 1);
-    }
-  });
-  return result;
-}
-
-std::vector<std::uint8_t> close_gaps(const std::vector<std::uint8_t>& set, int width, int gap) {
-  if (gap == 0) return set;
-  std::vector<std::uint8_t> one(set.size()), other(set.size());
-  along_rows(set, one, width, gap, Grows::yes);
-  along_columns(one, other, width, gap, Grows::yes);
-  along_rows(other, one, width, gap, Grows::no);
-  along_columns(one, other, width, gap, Grows::no);
-  return other;
-}
-
-namespace {
-
 /// Pixels [begin, end) of a row that hang together.
 struct Run {
   int begin = 0, end = 0;
@@ -212,7 +179,50 @@ void check_options(const ChangeOptions& options) {
              "0 to " + std::to_string(k_widest_gap) + " pixels", std::to_string(options.gap));
 }
 
+constexpr const char* k_region_name = "Region";
+
+/// Objects of a scene are numbered from the other end; no scene has as many.
+constexpr std::uint32_t k_first_object_id = 0xff000000u;
+
+ExtraDimension region_dimension() {
+  ExtraDimension dimension;
+  dimension.name = k_region_name;
+  dimension.description = "changed region, 1 is largest";
+  dimension.type = ScalarType::uint32;
+  dimension.byte_count = 4;
+  return dimension;
+}
+
 }  // namespace
+
+std::vector<std::uint8_t> drop_specks(const std::vector<std::uint8_t>& set, int width, double least_density) {
+  constexpr int k_reach = 2;
+  const int height = static_cast<int>(set.size() / static_cast<std::size_t>(width));
+  std::vector<std::uint8_t> result(set.size(), 0);
+  tbb::parallel_for(0, height, [&](int y) {
+    const int top = std::max(y - k_reach, 0), bottom = std::min(y + k_reach, height - 1);
+    for (int x = 0; x < width; ++x) {
+      const std::size_t pixel = pixel_index(x, y, width);
+      if (set[pixel] == 0) continue;
+      const int left = std::max(x - k_reach, 0), right = std::min(x + k_reach, width - 1);
+      int count = 0;
+      for (int v = top; v <= bottom; ++v)
+        for (int u = left; u <= right; ++u) count += set[pixel_index(u, v, width)];
+      result[pixel] = count >= least_density * (right - left + 1) * (bottom - top + 1);
+    }
+  });
+  return result;
+}
+
+std::vector<std::uint8_t> close_gaps(const std::vector<std::uint8_t>& set, int width, int gap) {
+  if (gap == 0) return set;
+  std::vector<std::uint8_t> one(set.size()), other(set.size());
+  along_rows(set, one, width, gap, Grows::yes);
+  along_columns(one, other, width, gap, Grows::yes);
+  along_rows(other, one, width, gap, Grows::no);
+  along_columns(one, other, width, gap, Grows::no);
+  return other;
+}
 
 ChangeRegions change_regions(std::span<const float> map, int width, const ImageMask& mask,
                              const ChangeOptions& options) {
@@ -261,24 +271,6 @@ ChangeRegions change_regions(std::span<const float> map, int width, const ImageM
   measure_regions(changes, map, width);
   return changes;
 }
-
-namespace {
-
-constexpr const char* k_region_name = "Region";
-
-/// Objects of a scene are numbered from the other end; no scene has as many.
-constexpr std::uint32_t k_first_object_id = 0xff000000u;
-
-ExtraDimension region_dimension() {
-  ExtraDimension dimension;
-  dimension.name = k_region_name;
-  dimension.description = "changed region, 1 is largest";
-  dimension.type = ScalarType::uint32;
-  dimension.byte_count = 4;
-  return dimension;
-}
-
-}  // namespace
 
 std::vector<RegionPoint> region_points(std::span<const std::uint32_t> ids, const ChangeRegions& changes,
                                        std::uint64_t point_count) {

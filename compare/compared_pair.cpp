@@ -61,36 +61,6 @@ void remark_differences(const ComparedImage& reference, const ComparedImage& tes
                                   reference.color_channels == 1 ? "reference" : "test"));
 }
 
-}  // namespace
-
-ComparedPair read_compared_pair(const std::filesystem::path& reference, const std::filesystem::path& test,
-                                const ComparisonOptions& options, std::vector<std::string>& remarks) {
-  ComparedPair pair;
-  tbb::parallel_invoke([&] { pair.reference = read_compared_image(reference); },
-                       [&] { pair.test = read_compared_image(test); });
-  const bool same_size = pair.reference.width == pair.test.width && pair.reference.height == pair.test.height;
-  if (options.resize_to_reference && !same_size) {
-    remarks.push_back(
-        fmt::format("the test was resized from {} x {} pixels", pair.test.width, pair.test.height));
-    pair.test = resized(pair.test, pair.reference.width, pair.reference.height);
-    pair.test.origin_x = pair.reference.origin_x;
-    pair.test.origin_y = pair.reference.origin_y;
-  }
-  require_same_size(pair.reference, pair.test);
-  remark_differences(pair.reference, pair.test, remarks);
-  remark_unused(options.flip, pair.reference, remarks);
-  pair.mask = mask_of(pair, options);
-  if (options.crop) {
-    const int width = pair.reference.width;
-    pair.reference = cropped(pair.reference, *options.crop);
-    pair.test = cropped(pair.test, *options.crop);
-    pair.mask = cropped_mask(pair.mask, width, *options.crop);
-  }
-  return pair;
-}
-
-namespace {
-
 std::uint8_t code(float value) {
   return static_cast<std::uint8_t>(std::lround(255.0f * (value > 0.0f ? std::min(value, 1.0f) : 0.0f)));
 }
@@ -136,6 +106,32 @@ void add_map(ComparisonPictures& pictures, std::optional<DifferenceMap>& positio
 }
 
 }  // namespace
+
+ComparedPair read_compared_pair(const std::filesystem::path& reference, const std::filesystem::path& test,
+                                const ComparisonOptions& options, std::vector<std::string>& remarks) {
+  ComparedPair pair;
+  tbb::parallel_invoke([&] { pair.reference = read_compared_image(reference); },
+                       [&] { pair.test = read_compared_image(test); });
+  const bool same_size = pair.reference.width == pair.test.width && pair.reference.height == pair.test.height;
+  if (options.resize_to_reference && !same_size) {
+    remarks.push_back(
+        fmt::format("the test was resized from {} x {} pixels", pair.test.width, pair.test.height));
+    pair.test = resized(pair.test, pair.reference.width, pair.reference.height);
+    pair.test.origin_x = pair.reference.origin_x;
+    pair.test.origin_y = pair.reference.origin_y;
+  }
+  require_same_size(pair.reference, pair.test);
+  remark_differences(pair.reference, pair.test, remarks);
+  remark_unused(options.flip, pair.reference, remarks);
+  pair.mask = mask_of(pair, options);
+  if (options.crop) {
+    const int width = pair.reference.width;
+    pair.reference = cropped(pair.reference, *options.crop);
+    pair.test = cropped(pair.test, *options.crop);
+    pair.mask = cropped_mask(pair.mask, width, *options.crop);
+  }
+  return pair;
+}
 
 image::BytePicture displayed(const ComparedImage& image, double farthest) {
   if (!image.color.empty()) {

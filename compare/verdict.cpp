@@ -173,32 +173,6 @@ constexpr auto k_kinds = std::to_array<MetricKind>({
     {"regions", k_changes, "Regions", "", lower, "of changed pixels; requires --changes", regions},
 });
 
-}  // namespace
-
-std::span<const MetricKind> metric_kinds() {
-  return k_kinds;
-}
-
-const MetricKind* find_metric(std::string_view name) {
-  const auto found = std::ranges::find(k_kinds, name, &MetricKind::name);
-  return found == k_kinds.end() ? nullptr : &*found;
-}
-
-std::vector<Metric> metrics_of(const Comparison& comparison) {
-  std::vector<Metric> metrics;
-  for (const MetricKind& kind : k_kinds)
-    if (const Value value = kind.value(comparison))
-      metrics.push_back({&kind, *value, kind.position != nullptr ? kind.position(comparison) : std::nullopt});
-  return metrics;
-}
-
-std::string full_label(const MetricKind& kind) {
-  std::string label(kind.label);
-  return kind.group == k_colors ? label : std::string(kind.group) + ": " + label;
-}
-
-namespace {
-
 [[noreturn]] void reject(const std::string& problem, const std::string& found) {
   throw Error({.problem = problem,
                .expected = "NAME=LIMIT, NAME<LIMIT or NAME>LIMIT, such as psnr<30",
@@ -253,6 +227,28 @@ JudgedThreshold judged(const Threshold& threshold, double value, Better better) 
 }
 
 }  // namespace
+
+std::span<const MetricKind> metric_kinds() {
+  return k_kinds;
+}
+
+const MetricKind* find_metric(std::string_view name) {
+  const auto found = std::ranges::find(k_kinds, name, &MetricKind::name);
+  return found == k_kinds.end() ? nullptr : &*found;
+}
+
+std::vector<Metric> metrics_of(const Comparison& comparison) {
+  std::vector<Metric> metrics;
+  for (const MetricKind& kind : k_kinds)
+    if (const Value value = kind.value(comparison))
+      metrics.push_back({&kind, *value, kind.position != nullptr ? kind.position(comparison) : std::nullopt});
+  return metrics;
+}
+
+std::string full_label(const MetricKind& kind) {
+  std::string label(kind.label);
+  return kind.group == k_colors ? label : std::string(kind.group) + ": " + label;
+}
 
 std::vector<Threshold> parse_thresholds(const std::string& text) {
   std::vector<Threshold> thresholds;

@@ -6,7 +6,6 @@
 #include <optional>
 
 #include "octree/candidate.h"
-#include "octree/point_surface.h"
 #include "visibility/sight_line.h"
 
 // How one point blocks one line: the filter of the ray queries that sight lines are, and of brute force.
@@ -63,8 +62,7 @@ inline std::optional<double> crossing(const Occluders& occluders, const SightLin
                                       const Candidate& candidate) {
   if (const auto& counts = occluders.options().counts; counts && !counts(candidate.point_id))
     return std::nullopt;
-  const PointSurface surface =
-      occluders.has_surfaces() ? surface_of(occluders.octree().view(), candidate.point_id) : PointSurface{};
+  const PointSurface surface = occluders.surface(candidate.point_id);
   const bool endless = line.length == std::numeric_limits<double>::infinity();
   if (!surface.exists) {
     if (occluders.options().shape == OccluderShape::disc) return std::nullopt;

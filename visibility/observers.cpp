@@ -11,7 +11,6 @@
 #include "base/error.h"
 #include "base/exact_math.h"
 #include "base/words.h"
-#include "octree/point_surface.h"
 #include "octree/query.h"
 #include "visibility/crossing.h"
 
@@ -220,8 +219,7 @@ double sphere_radius_of(const Occluders& occluders, const PointHit& point) {
   const OccluderOptions& options = occluders.options();
   if (options.counts && !options.counts(point.point_id)) return 0.0;
   if (occluders.has_surfaces()) {
-    const bool is_disc = surface_of(occluders.octree().view(), point.point_id).exists;
-    if (is_disc || options.shape == OccluderShape::disc) return 0.0;
+    if (occluders.surface(point.point_id).exists || options.shape == OccluderShape::disc) return 0.0;
   }
   if (options.radius) return *options.radius;
   // A point's spacing is the distance to its 8th neighbour.

@@ -54,37 +54,6 @@ GivenObserver read_row(const CsvTable& table) {
   return given;
 }
 
-}  // namespace
-
-std::vector<GivenObserver> read_observer_table(const std::filesystem::path& path) {
-  InputFile file(path);
-  return read_observer_table(file);
-}
-
-std::vector<GivenObserver> read_observer_table(InputFile& file) {
-  CsvTable table(file, meaning_of, std::string(k_form));
-  for (const auto& [column, name] : {std::pair(k_x, "x"), std::pair(k_y, "y")}) {
-    if (!table.columns().empty() && !table.has(column))
-      table.fail(fmt::format("missing column {}", name), std::string(k_form));
-  }
-  std::vector<GivenObserver> observers;
-  while (table.next()) observers.push_back(read_row(table));
-  if (observers.empty()) table.fail_as_empty("observers");
-  return observers;
-}
-
-void to_cloud_reference(std::vector<GivenObserver>& observers, const std::string& own,
-                        const geo::ObserverReference& reference) {
-  if (observers.empty()) return;
-  const geo::GdalTransformation transformation =
-      geo::transformation_to_cloud(own, reference, observers.front().source);
-  if (!transformation) return;
-  for (GivenObserver& observer : observers)
-    observer.position = geo::transformed(observer.position, transformation, observer.source);
-}
-
-namespace {
-
 constexpr const char* k_expected = "CSV, GeoJSON, GeoPackage or Shapefile with points";
 
 /// Takes the attributes that are known.
@@ -135,6 +104,33 @@ std::vector<GivenObserver> read_vector_observers(const std::filesystem::path& pa
 }
 
 }  // namespace
+
+std::vector<GivenObserver> read_observer_table(const std::filesystem::path& path) {
+  InputFile file(path);
+  return read_observer_table(file);
+}
+
+std::vector<GivenObserver> read_observer_table(InputFile& file) {
+  CsvTable table(file, meaning_of, std::string(k_form));
+  for (const auto& [column, name] : {std::pair(k_x, "x"), std::pair(k_y, "y")}) {
+    if (!table.columns().empty() && !table.has(column))
+      table.fail(fmt::format("missing column {}", name), std::string(k_form));
+  }
+  std::vector<GivenObserver> observers;
+  while (table.next()) observers.push_back(read_row(table));
+  if (observers.empty()) table.fail_as_empty("observers");
+  return observers;
+}
+
+void to_cloud_reference(std::vector<GivenObserver>& observers, const std::string& own,
+                        const geo::ObserverReference& reference) {
+  if (observers.empty()) return;
+  const geo::GdalTransformation transformation =
+      geo::transformation_to_cloud(own, reference, observers.front().source);
+  if (!transformation) return;
+  for (GivenObserver& observer : observers)
+    observer.position = geo::transformed(observer.position, transformation, observer.source);
+}
 
 std::vector<GivenObserver> read_observers(const std::filesystem::path& path,
                                           const geo::ObserverReference& reference) {

@@ -12,7 +12,6 @@
 #include "base/error.h"
 #include "base/parallel.h"
 #include "base/ray.h"
-#include "octree/point_surface.h"
 #include "octree/query.h"
 #include "octree/spacing.h"
 #include "visibility/crossing.h"
@@ -93,8 +92,7 @@ RayQuery query_of(const Occluders& occluders, std::span<const SightLine> lines) 
 /// hit: a point that blocks the line.
 Blocker blocker_of(const Occluders& occluders, const SightLine& line, const Hit& hit) {
   Blocker blocker{hit.point_id, hit.position, hit.t};
-  if (!occluders.has_surfaces()) return blocker;
-  const PointSurface surface = surface_of(occluders.octree().view(), hit.point_id);
+  const PointSurface surface = occluders.surface(hit.point_id);
   if (surface.exists) {
     blocker.distance =
         *meeting_position(line, hit.position - surface.height * surface.normal, surface.normal);
@@ -113,8 +111,7 @@ void add_crossings(const Occluders& occluders, const SightLine& chord, double st
                    std::span<const Hit> hits, std::vector<Crossing>& crossings) {
   for (const Hit& hit : hits) {
     const double radius = query.spacing_factor > 0.0 ? sphere_radius(query, hit) : query.radius;
-    const bool is_disc =
-        occluders.has_surfaces() && surface_of(occluders.octree().view(), hit.point_id).exists;
+    const bool is_disc = occluders.surface(hit.point_id).exists;
     Blocker blocker = blocker_of(occluders, chord, hit);
     blocker.distance += start;
     crossings.push_back({blocker, 2.0 * (is_disc ? radius : sphere_of(occluders, radius))});
@@ -198,8 +195,7 @@ SightLine sight_ray(const SightEnd& from, const glm::dvec3& direction, double le
 
 SightEnd end_on_point(const Occluders& occluders, std::uint64_t point_id, const glm::dvec3& position,
                       const glm::dvec3& seen_from) {
-  if (!occluders.has_surfaces()) return {position};
-  const PointSurface surface = surface_of(occluders.octree().view(), point_id);
+  const PointSurface surface = occluders.surface(point_id);
   if (!surface.exists) return {position};
   const glm::dvec3 way = seen_from - position;
   double rise = glm::dot(way, surface.normal);
@@ -216,7 +212,7 @@ SightEnd end_near_surface(const Occluders& occluders, const glm::dvec3& position
   const std::vector<PointHit> nearest =
       find(occluders.octree(), position, PointQuery{.radius = occluders.largest_sphere(), .k = 1});
   if (nearest.empty()) return {position};
-  const PointSurface surface = surface_of(occluders.octree().view(), nearest.front().point_id);
+  const PointSurface surface = occluders.surface(nearest.front().point_id);
   if (!surface.exists) return {position};
   const glm::dvec3 center = nearest.front().position - surface.height * surface.normal;
   const double above = std::fabs(glm::dot(position - center, surface.normal));

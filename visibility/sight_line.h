@@ -12,6 +12,7 @@
 
 #include "base/progress.h"
 #include "octree/octree.h"
+#include "octree/point_surface.h"
 
 namespace alidade::visibility {
 
@@ -70,6 +71,10 @@ class Occluders {
   /// No sphere is wider, metres.
   double largest_sphere() const { return largest_sphere_; }
   bool has_surfaces() const { return options_.shape != OccluderShape::sphere; }
+  /// The surface of a point; none where all are spheres.
+  PointSurface surface(std::uint64_t point_id) const {
+    return has_surfaces() ? surface_of(octree_.view(), point_id) : PointSurface{};
+  }
 
  private:
   Octree octree_;

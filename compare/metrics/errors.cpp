@@ -104,51 +104,6 @@ ErrorMetrics measure(const Difference& difference, double unit, int channels, in
       .measure(unit);
 }
 
-}  // namespace
-
-ErrorMetrics error_metrics(std::span<const float> reference, std::span<const float> test, int channels,
-                           int width, const ImageMask& mask) {
-  assert(channels >= 1 && width >= 1 && reference.size() == test.size() &&
-         reference.size() % (static_cast<std::size_t>(channels) * static_cast<std::size_t>(width)) == 0);
-  const auto difference = [&](std::size_t i) {
-    return static_cast<double>(test[i]) - static_cast<double>(reference[i]);
-  };
-  return measure<double>(difference, 1.0, channels, width,
-                         reference.size() / static_cast<std::size_t>(channels), mask);
-}
-
-ErrorMetrics error_metrics(const ComparedImage& reference, const ComparedImage& test, ColorEncoding encoding,
-                           const ImageMask& mask) {
-  require_colors(reference, test, "missing colours");
-  const int channels = reference.color_channels == 1 && test.color_channels == 1 ? 1 : 3;
-  // Colours are stored three per pixel; of grey pictures the first says all.
-  const std::size_t step = channels == 1 ? 3 : 1;
-  const float* const from = reference.color.data();
-  const float* const to = test.color.data();
-  const bool are_codes = encoding == ColorEncoding::display && reference.encoding == encoding &&
-                         test.encoding == encoding && reference.largest_code > 0 &&
-                         reference.largest_code == test.largest_code;
-  if (are_codes) {
-    const auto largest = static_cast<float>(reference.largest_code);
-    const auto code = [&](float value) { return static_cast<std::int64_t>(value * largest + 0.5f); };
-    const auto difference = [&](std::size_t i) { return code(to[i * step]) - code(from[i * step]); };
-    return measure<std::int64_t>(difference, 1.0 / reference.largest_code, channels, reference.width,
-                                 reference.pixels(), mask);
-  }
-  const image::CurveTable* const from_curve = curve_of(reference, encoding);
-  const image::CurveTable* const to_curve = curve_of(test, encoding);
-  const auto difference = [&](std::size_t i) {
-    const float before = from[i * step], after = to[i * step];
-    // The curve would turn NaN into a number.
-    if (!std::isfinite(before) || !std::isfinite(after)) return std::numeric_limits<double>::quiet_NaN();
-    return static_cast<double>(to_curve ? to_curve->at(after) : after) -
-           static_cast<double>(from_curve ? from_curve->at(before) : before);
-  };
-  return measure<double>(difference, 1.0, channels, reference.width, reference.pixels(), mask);
-}
-
-namespace {
-
 struct LayerSums {
   DifferenceSums<double> differences;
   std::uint64_t only_reference = 0, only_test = 0, invalid = 0;
@@ -314,6 +269,47 @@ AlphaMetrics compare_alpha(const ComparedImage& reference, const ComparedImage& 
 }
 
 }  // namespace
+
+ErrorMetrics error_metrics(std::span<const float> reference, std::span<const float> test, int channels,
+                           int width, const ImageMask& mask) {
+  assert(channels >= 1 && width >= 1 && reference.size() == test.size() &&
+         reference.size() % (static_cast<std::size_t>(channels) * static_cast<std::size_t>(width)) == 0);
+  const auto difference = [&](std::size_t i) {
+    return static_cast<double>(test[i]) - static_cast<double>(reference[i]);
+  };
+  return measure<double>(difference, 1.0, channels, width,
+                         reference.size() / static_cast<std::size_t>(channels), mask);
+}
+
+ErrorMetrics error_metrics(const ComparedImage& reference, const ComparedImage& test, ColorEncoding encoding,
+                           const ImageMask& mask) {
+  require_colors(reference, test, "missing colours");
+  const int channels = reference.color_channels == 1 && test.color_channels == 1 ? 1 : 3;
+  // Colours are stored three per pixel; of grey pictures the first says all.
+  const std::size_t step = channels == 1 ? 3 : 1;
+  const float* const from = reference.color.data();
+  const float* const to = test.color.data();
+  const bool are_codes = encoding == ColorEncoding::display && reference.encoding == encoding &&
+                         test.encoding == encoding && reference.largest_code > 0 &&
+                         reference.largest_code == test.largest_code;
+  if (are_codes) {
+    const auto largest = static_cast<float>(reference.largest_code);
+    const auto code = [&](float value) { return static_cast<std::int64_t>(value * largest + 0.5f); };
+    const auto difference = [&](std::size_t i) { return code(to[i * step]) - code(from[i * step]); };
+    return measure<std::int64_t>(difference, 1.0 / reference.largest_code, channels, reference.width,
+                                 reference.pixels(), mask);
+  }
+  const image::CurveTable* const from_curve = curve_of(reference, encoding);
+  const image::CurveTable* const to_curve = curve_of(test, encoding);
+  const auto difference = [&](std::size_t i) {
+    const float before = from[i * step], after = to[i * step];
+    // The curve would turn NaN into a number.
+    if (!std::isfinite(before) || !std::isfinite(after)) return std::numeric_limits<double>::quiet_NaN();
+    return static_cast<double>(to_curve ? to_curve->at(after) : after) -
+           static_cast<double>(from_curve ? from_curve->at(before) : before);
+  };
+  return measure<double>(difference, 1.0, channels, reference.width, reference.pixels(), mask);
+}
 
 LayerMetrics layer_metrics(const ComparedImage& reference, const ComparedImage& test, const ImageMask& mask) {
   require_same_size(reference, test);

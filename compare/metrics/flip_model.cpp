@@ -89,23 +89,6 @@ void add_features(FlipFilters& filters, double pixels_per_degree) {
   filters.point = scaled(point, 1.0);
 }
 
-}  // namespace
-
-FlipFilters flip_filters(double pixels_per_degree) {
-  check_that(pixels_per_degree >= 1.0 && pixels_per_degree <= 1000.0, "pixels per degree out of range",
-             "1 to 1000", std::to_string(pixels_per_degree));
-  FlipFilters filters;
-  add_sensitivities(filters, pixels_per_degree);
-  add_features(filters, pixels_per_degree);
-  for (const HalfTaps* const taps :
-       {&filters.achromatic, &filters.red_green, &filters.blue_yellow, &filters.blue_yellow_wide,
-        &filters.smooth, &filters.edge, &filters.point})
-    filters.radius = std::max(filters.radius, static_cast<int>(taps->size()) - 1);
-  return filters;
-}
-
-namespace {
-
 constexpr double k_xyz_from_rgb[3][3] = {
     {10135552.0 / 24577794.0, 8788810.0 / 24577794.0, 4435075.0 / 24577794.0},
     {2613072.0 / 12288897.0, 8788810.0 / 12288897.0, 887015.0 / 12288897.0},
@@ -159,15 +142,6 @@ FlipColor make_flip_color() {
   color.largest_difference = static_cast<float>(cube * cube * base);
   return color;
 }
-
-}  // namespace
-
-const FlipColor& flip_color() {
-  static const FlipColor color = make_flip_color();
-  return color;
-}
-
-namespace {
 
 using Coefficients = std::array<double, 6>;
 
@@ -237,6 +211,24 @@ void check(const FlipOptions& options) {
 }
 
 }  // namespace
+
+FlipFilters flip_filters(double pixels_per_degree) {
+  check_that(pixels_per_degree >= 1.0 && pixels_per_degree <= 1000.0, "pixels per degree out of range",
+             "1 to 1000", std::to_string(pixels_per_degree));
+  FlipFilters filters;
+  add_sensitivities(filters, pixels_per_degree);
+  add_features(filters, pixels_per_degree);
+  for (const HalfTaps* const taps :
+       {&filters.achromatic, &filters.red_green, &filters.blue_yellow, &filters.blue_yellow_wide,
+        &filters.smooth, &filters.edge, &filters.point})
+    filters.radius = std::max(filters.radius, static_cast<int>(taps->size()) - 1);
+  return filters;
+}
+
+const FlipColor& flip_color() {
+  static const FlipColor color = make_flip_color();
+  return color;
+}
 
 ToneCurve tone_curve(ToneMapper mapper, double exposure) {
   ToneCurve curve;

@@ -174,15 +174,6 @@ class LineFitter {
   std::vector<double> weights_, residuals_, sorted_;
 };
 
-}  // namespace
-
-std::optional<RobustLine> fit_robust_line(std::span<const FitPair> pairs, LineKind kind) {
-  if (pairs.size() < k_least_pairs) return {};
-  return LineFitter(pairs, kind).fit();
-}
-
-namespace {
-
 /// Blocks along the longer side of the picture, about.
 constexpr int k_blocks_per_side = 64;
 constexpr std::size_t k_least_blocks = 16;
@@ -242,6 +233,11 @@ std::vector<Block> mean_blocks(const ComparedImage& reference, const ComparedIma
 }
 
 }  // namespace
+
+std::optional<RobustLine> fit_robust_line(std::span<const FitPair> pairs, LineKind kind) {
+  if (pairs.size() < k_least_pairs) return {};
+  return LineFitter(pairs, kind).fit();
+}
 
 std::optional<ColorMatch> match_color(const ComparedImage& reference, const ComparedImage& test,
                                       const ImageMask& mask, ColorModel model) {

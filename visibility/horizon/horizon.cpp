@@ -13,7 +13,6 @@
 
 #include "base/error.h"
 #include "geo/earth.h"
-#include "octree/point_surface.h"
 #include "octree/query.h"
 #include "octree/spacing.h"
 #include "visibility/crossing.h"
@@ -58,8 +57,7 @@ class Reaches {
     if (options.counts && !options.counts(point.point_id)) return {};
     const double radius =
         options.radius ? *options.radius : candidate_radius(occluders_, spacings_[point.point_id]);
-    const PointSurface surface =
-        occluders_.has_surfaces() ? surface_of(occluders_.octree().view(), point.point_id) : PointSurface{};
+    const PointSurface surface = occluders_.surface(point.point_id);
     if (!surface.exists) {
       const double sphere = sphere_of(occluders_, radius);
       if (options.shape == OccluderShape::disc || is_within(eye_, point.position, k_less * sphere)) return {};
@@ -139,6 +137,17 @@ struct AzimuthSearch {
   }
 };
 
+// Objects keep the order in which they are written here.
+using Json = nlohmann::ordered_json;
+
+Json point_geometry(const glm::dvec3& position) {
+  return {{"type", "Point"}, {"coordinates", {position.x, position.y}}};
+}
+
+Json feature(Json geometry, Json properties) {
+  return {{"type", "Feature"}, {"geometry", std::move(geometry)}, {"properties", std::move(properties)}};
+}
+
 }  // namespace
 
 std::vector<HorizonDirection> horizon(const Occluders& occluders, const SightEnd& eye,
@@ -197,21 +206,6 @@ SkyShares sky_above(std::span<const HorizonDirection> horizon) {
   const auto count = static_cast<double>(horizon.size());
   return {cosine_weighted / count, solid_angle / count};
 }
-
-namespace {
-
-// Objects keep the order in which they are written here.
-using Json = nlohmann::ordered_json;
-
-Json point_geometry(const glm::dvec3& position) {
-  return {{"type", "Point"}, {"coordinates", {position.x, position.y}}};
-}
-
-Json feature(Json geometry, Json properties) {
-  return {{"type", "Feature"}, {"geometry", std::move(geometry)}, {"properties", std::move(properties)}};
-}
-
-}  // namespace
 
 std::string horizon_csv(std::span<const HorizonDirection> horizon) {
   std::string text = "azimuth,elevation,distance,point_id,x,y,z\n";

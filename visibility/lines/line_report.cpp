@@ -90,22 +90,6 @@ void pass_report(auto& way, auto& report) {
   if (way.has(report.fresnel)) pass_fresnel(way, *report.fresnel);
 }
 
-}  // namespace
-
-void put_report(const LineReport& report, PartWriter& writer) {
-  Putting way{writer};
-  pass_report(way, report);
-}
-
-LineReport take_report(PartReader& reader, std::uint64_t point_count) {
-  Taking way{reader, point_count};
-  LineReport report;
-  pass_report(way, report);
-  return report;
-}
-
-namespace {
-
 /// With a Fresnel zone each takes as long as many without.
 constexpr std::size_t k_pairs_at_once = 4096, k_links_at_once = 8;
 
@@ -125,6 +109,18 @@ void report_middles(const Occluders& occluders, std::span<const LinePair> pairs,
 }
 
 }  // namespace
+
+void put_report(const LineReport& report, PartWriter& writer) {
+  Putting way{writer};
+  pass_report(way, report);
+}
+
+LineReport take_report(PartReader& reader, std::uint64_t point_count) {
+  Taking way{reader, point_count};
+  LineReport report;
+  pass_report(way, report);
+  return report;
+}
 
 void check_line_report(const LineReportOptions& options, int transparency) {
   const LineOptions& line = options.line;

@@ -75,6 +75,27 @@ std::vector<std::uint64_t> seen_by(const Occluders& occluders, const Observer& o
   return words;
 }
 
+constexpr int k_cell_bits = 21;
+/// While the points are chosen: a node of the map with its share of the table, and a copy.
+constexpr std::uint64_t k_bytes_per_cell = 140;
+
+/// The point that represents a cell so far.
+struct Best {
+  PlacementTarget target;
+  double distance = 0.0;       ///< to the cell's middle
+  std::uint64_t position = 0;  ///< in the octree
+};
+
+void check_spacing(const Octree& octree, double spacing) {
+  const glm::dvec3 size = octree.bounds().size();
+  const double longest = std::max({size.x, size.y, size.z});
+  check_that(spacing > 0.0 && std::isfinite(spacing), "invalid target spacing", "a positive length",
+             std::to_string(spacing));
+  check_that(!(longest / spacing >= static_cast<double>((1 << k_cell_bits) - 1)),
+             "target spacing too small for the extent of the cloud",
+             "at least " + std::to_string(longest / ((1 << k_cell_bits) - 2)), std::to_string(spacing));
+}
+
 }  // namespace
 
 void check_coverage(std::size_t candidates, std::size_t targets) {
@@ -126,31 +147,6 @@ Coverage see_targets(const Occluders& occluders, std::span<const Observer> candi
       });
   return coverage;
 }
-
-namespace {
-
-constexpr int k_cell_bits = 21;
-/// While the points are chosen: a node of the map with its share of the table, and a copy.
-constexpr std::uint64_t k_bytes_per_cell = 140;
-
-/// The point that represents a cell so far.
-struct Best {
-  PlacementTarget target;
-  double distance = 0.0;       ///< to the cell's middle
-  std::uint64_t position = 0;  ///< in the octree
-};
-
-void check_spacing(const Octree& octree, double spacing) {
-  const glm::dvec3 size = octree.bounds().size();
-  const double longest = std::max({size.x, size.y, size.z});
-  check_that(spacing > 0.0 && std::isfinite(spacing), "invalid target spacing", "a positive length",
-             std::to_string(spacing));
-  check_that(!(longest / spacing >= static_cast<double>((1 << k_cell_bits) - 1)),
-             "target spacing too small for the extent of the cloud",
-             "at least " + std::to_string(longest / ((1 << k_cell_bits) - 2)), std::to_string(spacing));
-}
-
-}  // namespace
 
 std::vector<PlacementTarget> thin_points(const Octree& octree, double spacing,
                                          const std::function<bool(std::uint64_t point_id)>& counts) {

@@ -82,45 +82,6 @@ std::vector<double> all_gains(const Coverage& coverage, const Covered& covered) 
   return gains;
 }
 
-}  // namespace
-
-Placement choose_places(const Coverage& coverage, std::size_t count, std::span<const double> weights) {
-  check(coverage, count, weights);
-  Placement placement;
-  placement.total = weights.empty() ? static_cast<double>(coverage.targets())
-                                    : std::accumulate(weights.begin(), weights.end(), 0.0);
-  Covered covered(coverage, weights);
-  const std::vector<double> alone = all_gains(coverage, covered);
-  std::priority_queue<Offer> offers;
-  for (std::size_t i = 0; i < alone.size(); ++i) offers.push({alone[i], i, 0});
-  double sum = 0.0;
-  // Nobody covers more than everything, or than what is covered at any time and what as many candidates as
-  // asked for would add to that without seeing the same.
-  double bound = std::min(placement.total, sum_of_largest(alone, count));
-  std::size_t next_bound = 1;
-  while (placement.positions.size() < count && !offers.empty()) {
-    const Offer offer = offers.top();
-    offers.pop();
-    if (offer.chosen < placement.positions.size()) {
-      offers.push({covered.gain(offer.candidate), offer.candidate, placement.positions.size()});
-      continue;
-    }
-    if (offer.gain <= 0.0) break;
-    covered.add(offer.candidate);
-    sum += offer.gain;
-    placement.positions.push_back({offer.candidate, offer.gain, sum});
-    // Weighing all candidates takes a pass over the bits, so not after each.
-    if (placement.positions.size() != next_bound) continue;
-    bound = std::min(bound, sum + sum_of_largest(all_gains(coverage, covered), count));
-    next_bound *= 2;
-  }
-  bound = std::min(bound, sum + sum_of_largest(all_gains(coverage, covered), count));
-  placement.best_possible = std::max(bound, sum);
-  return placement;
-}
-
-namespace {
-
 std::vector<Row> rows_of(const Placement& placement, std::span<const Observer> candidates) {
   std::vector<Row> rows;
   for (const ChosenPosition& position : placement.positions) {
@@ -164,6 +125,41 @@ bool write_geojson(const Placement& placement, const std::vector<Row>& rows,
 }
 
 }  // namespace
+
+Placement choose_places(const Coverage& coverage, std::size_t count, std::span<const double> weights) {
+  check(coverage, count, weights);
+  Placement placement;
+  placement.total = weights.empty() ? static_cast<double>(coverage.targets())
+                                    : std::accumulate(weights.begin(), weights.end(), 0.0);
+  Covered covered(coverage, weights);
+  const std::vector<double> alone = all_gains(coverage, covered);
+  std::priority_queue<Offer> offers;
+  for (std::size_t i = 0; i < alone.size(); ++i) offers.push({alone[i], i, 0});
+  double sum = 0.0;
+  // Nobody covers more than everything, or than what is covered at any time and what as many candidates as
+  // asked for would add to that without seeing the same.
+  double bound = std::min(placement.total, sum_of_largest(alone, count));
+  std::size_t next_bound = 1;
+  while (placement.positions.size() < count && !offers.empty()) {
+    const Offer offer = offers.top();
+    offers.pop();
+    if (offer.chosen < placement.positions.size()) {
+      offers.push({covered.gain(offer.candidate), offer.candidate, placement.positions.size()});
+      continue;
+    }
+    if (offer.gain <= 0.0) break;
+    covered.add(offer.candidate);
+    sum += offer.gain;
+    placement.positions.push_back({offer.candidate, offer.gain, sum});
+    // Weighing all candidates takes a pass over the bits, so not after each.
+    if (placement.positions.size() != next_bound) continue;
+    bound = std::min(bound, sum + sum_of_largest(all_gains(coverage, covered), count));
+    next_bound *= 2;
+  }
+  bound = std::min(bound, sum + sum_of_largest(all_gains(coverage, covered), count));
+  placement.best_possible = std::max(bound, sum);
+  return placement;
+}
 
 bool write_placement(const Placement& placement, std::span<const Observer> candidates, RowForm form,
                      const RowFileHead& head, const ToLonLat& to_lon_lat, const std::filesystem::path& file,

@@ -12,7 +12,6 @@
 #include "base/error.h"
 #include "base/exact_math.h"
 #include "base/huge_memory.h"
-#include "octree/point_surface.h"
 #include "visibility/point_blocks.h"
 
 namespace alidade::visibility {
@@ -116,8 +115,7 @@ class View {
 
   /// Moves an end over the disc of its point.
   void shift(SightEnd& end, const PlacedPoint& target, const glm::dvec2& by) const {
-    PointSurface surface;
-    if (occluders_.has_surfaces()) surface = surface_of(tree_, target.point_id);
+    const PointSurface surface = occluders_.surface(target.point_id);
     glm::dvec3 normal = surface.normal;
     if (!surface.exists && target.position != observer_.position)
       normal = glm::normalize(target.position - observer_.position);

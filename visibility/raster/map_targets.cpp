@@ -10,7 +10,6 @@
 #include "base/error.h"
 #include "base/exact_math.h"
 #include "geo/raster.h"
-#include "octree/point_surface.h"
 #include "octree/query.h"
 
 namespace alidade::visibility {
@@ -38,6 +37,22 @@ int every_second_bit(std::uint32_t number) {
   return coordinate;
 }
 
+constexpr double k_infinity = std::numeric_limits<double>::infinity();
+
+/// Rise per length of the ground; straight up and down it is infinite.
+double slope_of(double elevation) {
+  if (elevation >= 90.0) return k_infinity;
+  if (elevation <= -90.0) return -k_infinity;
+  const SineCosine angle = sine_cosine_of_degrees(elevation);
+  return angle.sine / angle.cosine;
+}
+
+Observer at_any_elevation(Observer observer) {
+  observer.elevation_min = -90.0;
+  observer.elevation_max = 90.0;
+  return observer;
+}
+
 }  // namespace
 
 SightEnd end_on_ground(const Occluders& occluders, const glm::dvec3& position) {
@@ -47,7 +62,7 @@ SightEnd end_on_ground(const Occluders& occluders, const glm::dvec3& position) {
   const PointQuery query{.radius = occluders.largest_radius(), .k = k_candidates};
   std::optional<SightEnd> end;
   for (const PointHit& hit : find(occluders.octree(), position, query)) {
-    const PointSurface surface = surface_of(occluders.octree().view(), hit.point_id);
+    const PointSurface surface = occluders.surface(hit.point_id);
     if (!surface.exists || std::fabs(surface.normal.z) < k_flat) continue;
     const glm::dvec3 center = hit.position - surface.height * surface.normal;
     const glm::dvec2 way = glm::dvec2(position) - glm::dvec2(center);
@@ -113,26 +128,6 @@ MapBlock MapTargets::block(std::size_t number) const {
   }
   return block;
 }
-
-namespace {
-
-constexpr double k_infinity = std::numeric_limits<double>::infinity();
-
-/// Rise per length of the ground; straight up and down it is infinite.
-double slope_of(double elevation) {
-  if (elevation >= 90.0) return k_infinity;
-  if (elevation <= -90.0) return -k_infinity;
-  const SineCosine angle = sine_cosine_of_degrees(elevation);
-  return angle.sine / angle.cosine;
-}
-
-Observer at_any_elevation(Observer observer) {
-  observer.elevation_min = -90.0;
-  observer.elevation_max = 90.0;
-  return observer;
-}
-
-}  // namespace
 
 MapObserver::MapObserver(const Occluders& occluders, const Observer& observer)
     : eye_(end_near_surface(occluders, observer.position)),

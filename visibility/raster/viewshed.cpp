@@ -9,7 +9,6 @@
 
 #include "base/error.h"
 #include "base/huge_memory.h"
-#include "octree/point_surface.h"
 #include "octree/spacing.h"
 #include "visibility/crossing.h"
 #include "visibility/raster/map_targets.h"
@@ -64,8 +63,7 @@ class LowestSeen {
 
   double radius_of(std::uint64_t point_id) const {
     const double radius = candidate_radius(occluders_, spacings_.empty() ? 0.0 : spacings_[point_id]);
-    const bool is_disc = occluders_.has_surfaces() && surface_of(occluders_.octree().view(), point_id).exists;
-    return is_disc ? radius : sphere_of(occluders_, radius);
+    return occluders_.surface(point_id).exists ? radius : sphere_of(occluders_, radius);
   }
 
   /// Fills the batch with lines to what the searches from `begin` on try next; the end of those.

@@ -11,7 +11,6 @@
 #include "base/error.h"
 #include "base/exact_math.h"
 #include "base/parallel.h"
-#include "octree/point_surface.h"
 
 namespace alidade::visibility {
 namespace {
@@ -21,25 +20,6 @@ glm::dvec3 spiral_direction(int i, double height) {
   const double run = std::sqrt(1.0 - height * height);
   return {run * turn.sine, run * turn.cosine, height};
 }
-
-}  // namespace
-
-std::vector<glm::dvec3> even_sky_directions(int count) {
-  std::vector<glm::dvec3> directions;
-  directions.reserve(static_cast<std::size_t>(count));
-  for (int i = 0; i < count; ++i) directions.push_back(spiral_direction(i, (i + 0.5) / count));
-  return directions;
-}
-
-std::vector<glm::dvec3> cosine_sky_directions(int count) {
-  std::vector<glm::dvec3> directions;
-  directions.reserve(static_cast<std::size_t>(count));
-  for (int i = 0; i < count; ++i)
-    directions.push_back(spiral_direction(i, std::sqrt(1.0 - (i + 0.5) / count)));
-  return directions;
-}
-
-namespace {
 
 constexpr std::size_t k_targets_at_once = 1024;
 /// The cosine of 20 degrees: the lower side of a surface this level sees less than 3 % of the sky.
@@ -95,11 +75,25 @@ std::vector<Sides> both_sides(const Occluders& occluders, std::span<const SkyTar
 
 }  // namespace
 
+std::vector<glm::dvec3> even_sky_directions(int count) {
+  std::vector<glm::dvec3> directions;
+  directions.reserve(static_cast<std::size_t>(count));
+  for (int i = 0; i < count; ++i) directions.push_back(spiral_direction(i, (i + 0.5) / count));
+  return directions;
+}
+
+std::vector<glm::dvec3> cosine_sky_directions(int count) {
+  std::vector<glm::dvec3> directions;
+  directions.reserve(static_cast<std::size_t>(count));
+  for (int i = 0; i < count; ++i)
+    directions.push_back(spiral_direction(i, std::sqrt(1.0 - (i + 0.5) / count)));
+  return directions;
+}
+
 SkyTarget target_on_point(const Occluders& occluders, std::uint64_t point_id, const glm::dvec3& position,
                           const std::optional<glm::dvec3>& outward) {
   SkyTarget target;
-  const PointSurface surface =
-      occluders.has_surfaces() ? surface_of(occluders.octree().view(), point_id) : PointSurface{};
+  const PointSurface surface = occluders.surface(point_id);
   if (surface.exists) {
     const bool turned = glm::dot(surface.normal, outward.value_or(glm::dvec3(0.0, 0.0, 1.0))) < 0.0;
     target.normal = turned ? -surface.normal : surface.normal;
