@@ -308,8 +308,7 @@ double survey(const Site& site, const ScanOptions& options) {
       tbb::blocked_range<std::uint64_t>(0, count, 256), std::uint64_t{0},
       [&](const tbb::blocked_range<std::uint64_t>& range, std::uint64_t sum) {
         for (std::uint64_t i = range.begin(); i < range.end(); ++i)
-          sum +=
-              site.occluded(beams.beam(options.stations[i / beams.count()], i % beams.count()).ray) ? 1 : 0;
+          if (site.occluded(beams.beam(options.stations[i / beams.count()], i % beams.count()).ray)) ++sum;
         return sum;
       },
       std::plus<>());
