@@ -8,15 +8,39 @@
 #include <functional>
 #include <iterator>
 #include <numeric>
+#include <optional>
+#include <string_view>
+#include <vector>
 
 #include "base/bytes.h"
 #include "cloud/cloud_reader.h"
 #include "cloud/lattice.h"
-#include "cloud/point_cloud.h"
 #include "cloud/rows.h"
+#include "database/sqlite/chunk_store.h"
+#include "database/sqlite/connection.h"
 
 namespace alidade::database {
 namespace {
+
+constexpr std::string_view k_table_word = "?table=";
+
+/// A name, cut apart.
+struct SqliteCloudName {
+  std::string file, table;
+
+  explicit SqliteCloudName(const std::string& name) : file(name) {
+    const std::size_t mark = name.rfind(k_table_word);
+    if (mark == std::string::npos) return;
+    file = name.substr(0, mark);
+    table = name.substr(mark + k_table_word.size());
+  }
+};
+
+/// The columns of one blob, by their offsets.
+struct StoredBlob {
+  std::vector<const StoredColumn*> columns;
+  std::optional<Attribute> attribute{};  ///< none: an extra dimension, or something else
+};
 
 bool is_attribute(const StoredBlob& blob, Attribute attribute) {
   const AttributeParts parts = attribute_parts(attribute);
@@ -48,7 +72,7 @@ std::vector<StoredBlob> blobs_of(const std::vector<StoredColumn>& columns) {
     blobs.back().columns.push_back(&columns[i]);
   }
   const PointCloud any;
-  for_each_column(any, any, [&](Attribute attribute, const auto&, const auto&) {
+  for_each_column(any, [&](Attribute attribute, const auto&) {
     const auto found =
         std::ranges::find_if(blobs, [&](const StoredBlob& blob) { return is_attribute(blob, attribute); });
     if (found != blobs.end()) found->attribute = attribute;
@@ -87,15 +111,132 @@ std::string table_of(sqlite3* database, const SqliteCloudName& name) {
                .found = fmt::format("{}", fmt::join(tables, ", "))});
 }
 
+/// A cloud in a file, open for reading.
+class StoredCloud {
+ public:
+  explicit StoredCloud(const std::string& name)
+      : name_(name),
+        connection_(name_.file, Connection::Mode::read),
+        table_(table_of(connection_.get(), name_)),
+        schema_(read_cloud_schema(connection_.get(), k_schema, table_)),
+        blobs_(blobs_of(schema_.columns)),
+        file_bytes_(std::filesystem::file_size(name_.file)) {
+    const StoredColumn& ids = schema_.columns.front();
+    if (ids.type != ScalarType::uint64 || ids.size != scalar_size(ids.type) || ids.byte != 0)
+      reject("_column", "the first column has no ids", "8-byte integers", "");
+    for (const StoredBlob& blob : blobs_) {
+      if (!blob.attribute && is_dimension(blob)) dimensions_.push_back(blob.columns.front());
+    }
+    const std::uint64_t most = file_bytes_ / sizeof(LatticePosition);
+    if (schema_.point_count > most) {
+      reject("_cloud", "the number of points exceeds the file", fmt::format("at most {}", most),
+             std::to_string(schema_.point_count));
+    }
+  }
+
+  const std::string& file() const { return name_.file; }
+  const CloudSchema& schema() const { return schema_; }
+  std::uint64_t file_bytes() const { return file_bytes_; }
+  ChunkStore chunks() const { return {connection_.get(), k_schema, table_, schema_}; }
+
+  /// Of PointCloud.
+  AttributeSet attributes() const {
+    AttributeSet all;
+    for (const StoredBlob& blob : blobs_) {
+      if (blob.attribute) all = all | *blob.attribute;
+    }
+    return dimensions_.empty() ? all : all | Attribute::extra_dimensions;
+  }
+
+  /// Of all points, as the boxes of the chunks say; empty if there are none.
+  Bounds bounds() const {
+    Bounds box;
+    BoxTree(connection_.get(), k_schema, table_, schema_.chunk_count).chunks([&](const Bounds& part) {
+      box.grow(part);
+      return false;
+    });
+    return box;
+  }
+
+  /// Copies attributes of stored points into rows of a cloud.
+  class Columns {
+   public:
+    /// The attributes `kept`, of those that attributes() has; all columns of the cloud are there. `first_row`
+    /// is the cloud's row for row 0.
+    Columns(const StoredCloud& stored, PointCloud& cloud, AttributeSet kept, std::size_t first_row) {
+      for_each_column(cloud, [&](Attribute attribute, auto& column) {
+        const auto blob = std::ranges::find(stored.blobs_, attribute, &StoredBlob::attribute);
+        if (!kept.contains(attribute) || blob == stored.blobs_.end()) return;
+        targets_.push_back({blob->columns.front(), reinterpret_cast<std::byte*>(column.data() + first_row),
+                            sizeof column.front()});
+      });
+      if (!kept.contains(Attribute::extra_dimensions)) return;
+      for (const StoredColumn* const column : stored.dimensions_) {
+        std::vector<std::uint8_t>& values =
+            cloud.extra_dimensions[find_extra_dimension(cloud, dimension_of(*column))].values;
+        const auto size = static_cast<std::size_t>(column->size);
+        targets_.push_back({column, reinterpret_cast<std::byte*>(values.data()) + first_row * size, size});
+      }
+    }
+
+    /// Errors: ChunkStore's.
+    void copy(ChunkStore& store, StoredChunk& chunk, std::size_t i, std::size_t row) const {
+      for (const Target& target : targets_) {
+        const std::byte* const value = store.bytes(chunk, *target.column, i) - target.column->byte;
+        std::memcpy(target.values + row * target.size, value, target.size);
+      }
+    }
+
+   private:
+    struct Target {
+      const StoredColumn* column;  ///< a column of the blob
+      std::byte* values;           ///< of the first row
+      std::size_t size;            ///< bytes per point
+    };
+    std::vector<Target> targets_;
+  };
+
+  /// The number of a point. Errors: ChunkStore's; there is no such number.
+  std::uint64_t id(ChunkStore& store, StoredChunk& chunk, std::size_t i) const {
+    const auto number = load<std::uint64_t>(store.bytes(chunk, schema_.columns.front(), i));
+    if (number >= schema_.point_count) {
+      reject(chunk.id, "ids do not match the rows", fmt::format("each id below {} once", schema_.point_count),
+             number);
+    }
+    return number;
+  }
+
+  /// Throws the Error about a chunk, in which a number was found.
+  [[noreturn]] void reject(std::uint64_t chunk, std::string problem, std::string expected,
+                           std::uint64_t found) const {
+    reject(fmt::format(", chunk {}", chunk), std::move(problem), std::move(expected), std::to_string(found));
+  }
+
+ private:
+  static constexpr const char* k_schema = "main";
+
+  [[noreturn]] void reject(const std::string& part, std::string problem, std::string expected,
+                           std::string found) const {
+    throw Error(name_.file, "table " + table_ + part, std::move(problem), std::move(expected),
+                std::move(found));
+  }
+
+  SqliteCloudName name_;
+  Connection connection_;
+  std::string table_;
+  CloudSchema schema_;
+  std::vector<StoredBlob> blobs_;
+  std::vector<const StoredColumn*> dimensions_;
+  std::uint64_t file_bytes_;
+};
+
 std::vector<ChunkLocation> wanted_chunks(ChunkStore& store, std::span<const PointFilter> any_of) {
   std::vector<ChunkLocation> chunks;
   for (const PointFilter& filter : any_of)
     std::ranges::move(store.chunks(filter), std::back_inserter(chunks));
   std::ranges::sort(chunks, {}, &ChunkLocation::id);
-  const auto is_same = [](const ChunkLocation& one, const ChunkLocation& other) {
-    return one.id == other.id;
-  };
-  chunks.erase(std::unique(chunks.begin(), chunks.end(), is_same), chunks.end());
+  const auto twice = std::ranges::unique(chunks, {}, &ChunkLocation::id);
+  chunks.erase(twice.begin(), twice.end());
   return chunks;
 }
 
@@ -110,8 +251,7 @@ void sort_by_id(CloudPart& part, const StoredCloud& stored) {
   for (const std::uint32_t row : order) {
     positions.push_back(part.cloud.positions[row]);
     if (!ids.empty() && ids.back() == part.ids[row])
-      stored.reject(stored.schema().chunk_count, "duplicate point id", "unique ids",
-                    std::to_string(ids.back()));
+      stored.reject(stored.schema().chunk_count, "duplicate point id", "unique ids", ids.back());
     ids.push_back(part.ids[row]);
   }
   part.cloud.positions = std::move(positions);
@@ -141,10 +281,6 @@ class SqliteCloudReader final : public CloudReader {
   std::optional<Lattice> lattice() const override { return schema().lattice; }
   std::optional<std::uint64_t> point_count() const override { return schema().point_count; }
   std::uint64_t work() const override { return stored_.file_bytes(); }
-  CoordinateSurvey survey(const Progress&) override {
-    // The lattice is stored: there is nothing to find out.
-    return {};
-  }
 
   void read_in_pieces(PointCloud& cloud, AttributeSet wanted, const CloudPieces& pieces,
                       const Progress& progress) override {
@@ -191,8 +327,7 @@ class SqliteCloudReader final : public CloudReader {
       for (std::size_t i = 0; i < chunk->positions.size(); ++i) {
         const std::uint64_t row = stored_.id(store, *chunk, i) - rows.first;
         if (row >= rows.count) continue;
-        if (is_there[row])
-          stored_.reject(id, "duplicate point id", "unique ids", std::to_string(rows.first + row));
+        if (is_there[row]) stored_.reject(id, "duplicate point id", "unique ids", rows.first + row);
         is_there[row] = true;
         ++taken;
         cloud.positions[rows.target + row] = shift(chunk->positions[i]);
@@ -202,8 +337,7 @@ class SqliteCloudReader final : public CloudReader {
       report_progress(static_cast<double>(id + 1) / static_cast<double>(schema().chunk_count));
     }
     if (points != schema().point_count || taken != rows.count) {
-      stored_.reject(schema().chunk_count, "missing points", std::to_string(schema().point_count),
-                     std::to_string(points));
+      stored_.reject(schema().chunk_count, "missing points", std::to_string(schema().point_count), points);
     }
   }
 
@@ -212,100 +346,6 @@ class SqliteCloudReader final : public CloudReader {
 };
 
 }  // namespace
-
-SqliteCloudName::SqliteCloudName(const std::string& name) : file(name) {
-  const std::size_t mark = name.rfind(k_table_word);
-  if (mark == std::string::npos) return;
-  file = name.substr(0, mark);
-  table = name.substr(mark + k_table_word.size());
-}
-
-StoredCloud::StoredCloud(const std::string& name)
-    : name_(name),
-      connection_(name_.file, Connection::Mode::read),
-      table_(table_of(connection_.get(), name_)),
-      schema_(read_cloud_schema(connection_.get(), k_schema, table_)),
-      blobs_(blobs_of(schema_.columns)),
-      file_bytes_(std::filesystem::file_size(name_.file)) {
-  const StoredColumn& ids = schema_.columns.front();
-  if (ids.type != ScalarType::uint64 || ids.size != scalar_size(ids.type) || ids.byte != 0) {
-    throw Error({.file = name_.file,
-                 .location = fmt::format("table {}_column", table_),
-                 .problem = "the first column has no ids",
-                 .expected = "8-byte integers"});
-  }
-  for (const StoredBlob& blob : blobs_) {
-    if (!blob.attribute && is_dimension(blob)) dimensions_.push_back(blob.columns.front());
-  }
-  if (schema_.point_count > file_bytes_ / sizeof(LatticePosition)) {
-    throw Error({.file = name_.file,
-                 .location = fmt::format("table {}_cloud", table_),
-                 .problem = "the number of points exceeds the file",
-                 .expected = fmt::format("at most {}", file_bytes_ / sizeof(LatticePosition)),
-                 .found = std::to_string(schema_.point_count)});
-  }
-}
-
-AttributeSet StoredCloud::attributes() const {
-  AttributeSet all;
-  for (const StoredBlob& blob : blobs_) {
-    if (blob.attribute) all = all | *blob.attribute;
-  }
-  return dimensions_.empty() ? all : all | Attribute::extra_dimensions;
-}
-
-Bounds StoredCloud::bounds() const {
-  Bounds box;
-  BoxTree(connection_.get(), k_schema, table_, schema_.chunk_count).chunks([&](const Bounds& part) {
-    box.grow(part);
-    return false;
-  });
-  return box;
-}
-
-std::uint64_t StoredCloud::id(ChunkStore& store, StoredChunk& chunk, std::size_t i) const {
-  const auto number = load<std::uint64_t>(store.bytes(chunk, schema_.columns.front(), i));
-  if (number >= schema_.point_count) {
-    reject(chunk.id, "ids do not match the rows", fmt::format("each id below {} once", schema_.point_count),
-           std::to_string(number));
-  }
-  return number;
-}
-
-void StoredCloud::reject(std::uint64_t chunk, std::string problem, std::string expected,
-                         std::string found) const {
-  throw Error({.file = name_.file,
-               .location = fmt::format("table {}, chunk {}", table_, chunk),
-               .problem = std::move(problem),
-               .expected = std::move(expected),
-               .found = std::move(found)});
-}
-
-StoredCloud::Columns::Columns(const StoredCloud& stored, PointCloud& cloud, AttributeSet kept,
-                              std::size_t first_row) {
-  for_each_column(cloud, cloud, [&](Attribute attribute, auto& column, const auto&) {
-    const auto blob = std::ranges::find(stored.blobs_, attribute, &StoredBlob::attribute);
-    if (!kept.contains(attribute) || blob == stored.blobs_.end()) return;
-    targets_.push_back({blob->columns.front(), reinterpret_cast<std::byte*>(column.data() + first_row),
-                        sizeof column.front()});
-  });
-  if (!kept.contains(Attribute::extra_dimensions)) return;
-  for (const StoredColumn* const column : stored.dimensions_) {
-    const std::size_t offset = find_extra_dimension(cloud, dimension_of(*column));
-    const auto size = static_cast<std::size_t>(column->size);
-    targets_.push_back(
-        {column,
-         reinterpret_cast<std::byte*>(cloud.extra_dimensions[offset].values.data()) + first_row * size,
-         size});
-  }
-}
-
-void StoredCloud::Columns::copy(ChunkStore& store, StoredChunk& chunk, std::size_t i, std::size_t row) const {
-  for (const Target& target : targets_) {
-    const std::byte* const value = store.bytes(chunk, *target.column, i) - target.column->byte;
-    std::memcpy(target.values + row * target.size, value, target.size);
-  }
-}
 
 CloudPart read_cloud_part(const std::string& name, std::span<const PointFilter> any_of,
                           AttributeSet attributes, const Progress& progress) {
