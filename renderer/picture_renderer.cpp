@@ -5,10 +5,13 @@
 #include <tbb/parallel_for.h>
 #include <tbb/task_arena.h>
 #include <algorithm>
-#include <cmath>
 #include <numeric>
+#include <optional>
+#include <span>
+#include <vector>
 
 #include "renderer/checkpoint.h"
+#include "renderer/noise.h"
 
 namespace alidade::renderer {
 namespace {
@@ -129,145 +132,164 @@ std::vector<std::size_t> tiles_in_order(const TileGrid& grid) {
   return order;
 }
 
+/// What render_picture() does.
+class PictureRenderer {
+ public:
+  PictureRenderer(const RenderTask& task, const RenderOptions& options, double floor, PictureState& state,
+                  RenderWatch& watch, image::Film& film)
+      : task_(task),
+        state_(state),
+        watch_(watch),
+        film_(film),
+        order_(tiles_in_order(state.grid)),
+        filled_(state.tiles.size(), film.holds_any() ? 0 : 1),
+        progressive_(options.preview || options.time_limit || options.target_noise) {
+    if (options.target_noise) stop_rule_.emplace(*options.target_noise, floor);
+    // With a target a pass is judged where an uninterrupted render does so. Otherwise the checkpoint may come
+    // from one that had other passes.
+    if (state_.pass_end == 0 || !stop_rule_) begin_passes();
+  }
+
+  void run() {
+    bool every_pixel = false;
+    expect_total();
+    for (bool more = true; more;) {
+      run_pass();
+      if (!every_pixel) watch_.every_pixel_has_a_sample();
+      every_pixel = true;
+      if (stop_rule_) stop_rule_->apply(state_);
+      more = state_.pass_end < task_.settings.samples && !watch_.time_is_up() &&
+             !std::ranges::all_of(state_.tiles, &TileState::stopped);
+      if (more) state_.pass_end = next_pass_end();
+      expect_total();
+    }
+    // Tiles that were finished before a resumption still lack them.
+    for_each_group(order_, 1, [this](std::span<const std::size_t> group) { fill(group); });
+  }
+
+ private:
+  using Tiles = std::vector<std::size_t>;
+
+  /// Sets the end of the first pass that gives any tile samples.
+  void begin_passes() {
+    const auto fewest = static_cast<int>(std::ranges::min(state_.tiles, {}, &TileState::samples).samples);
+    state_.pass_end = 0;
+    do state_.pass_end = next_pass_end();
+    while (state_.pass_end <= fewest && state_.pass_end < task_.settings.samples);
+  }
+
+  /// Without anybody who looks at the picture before its end, one pass is best: each tile as a whole.
+  /// Otherwise the number of samples doubles up to a step of 16, so that no tile has more than twice as many
+  /// as another.
+  int next_pass_end() const {
+    constexpr int k_step = 16;
+    const int reached = state_.pass_end, all = task_.settings.samples;
+    if (!progressive_) return all;
+    return std::min(all, reached < k_step ? std::max(1, 2 * reached) : reached + k_step);
+  }
+
+  void run_pass() {
+    Tiles due;
+    std::uint32_t fewest = 0;
+    for (const std::size_t tile : order_) {
+      const TileState& reached = state_.tiles[tile];
+      if (reached.stopped || reached.samples >= static_cast<std::uint32_t>(state_.pass_end)) continue;
+      if (due.empty() || reached.samples < fewest) fewest = reached.samples;
+      due.push_back(tile);
+    }
+    if (due.empty()) return;
+    // With few samples each, several tiles make a batch.
+    constexpr std::size_t k_tile_pixels = 256;
+    const std::size_t step = static_cast<std::uint32_t>(state_.pass_end) - fewest;
+    for_each_group(due, std::max<std::size_t>(1, k_most_paths / (k_tile_pixels * step)),
+                   [this](std::span<const std::size_t> group) {
+                     fill(group);
+                     sample(group);
+                   });
+  }
+
+  template <class Work>
+  void for_each_group(const Tiles& tiles, std::size_t size, const Work& work) const {
+    const std::size_t groups = (tiles.size() + size - 1) / size;
+    tbb::parallel_for(
+        tbb::blocked_range<std::size_t>(0, groups, 1),
+        [&](const tbb::blocked_range<std::size_t>& range) {
+          for (std::size_t group = range.begin(); group < range.end(); ++group) {
+            const std::size_t begin = group * size, end = std::min(begin + size, tiles.size());
+            // Threads have tiles of their own: the rays of one are not to be shared out again.
+            tbb::task_arena alone(1);
+            alone.execute([&] { work(std::span(tiles).subspan(begin, end - begin)); });
+          }
+        },
+        tbb::simple_partitioner());
+  }
+
+  /// Brings some tiles to the end of the pass, or as far as time allows. The first sample is always taken.
+  void sample(std::span<const std::size_t> tiles) {
+    std::size_t pixels = 0;
+    for (const std::size_t tile : tiles) pixels += state_.grid.box(tile).count();
+    const auto at_once = static_cast<std::uint32_t>(std::max<std::size_t>(1, k_most_paths / pixels));
+    std::vector<TileSamples> work;
+    Tiles working;
+    for (;;) {
+      const bool time_is_up = watch_.time_is_up();
+      work.clear();
+      working.clear();
+      std::size_t count = 0;
+      for (const std::size_t tile : tiles) {
+        const std::uint32_t first = state_.tiles[tile].samples,
+                            last = std::min(first + at_once, static_cast<std::uint32_t>(state_.pass_end));
+        if (first >= last || (time_is_up && first > 0)) continue;
+        work.push_back({state_.grid.box(tile), first, last});
+        working.push_back(tile);
+        count += work.back().count();
+      }
+      if (work.empty()) return;
+      const std::vector<PathResult> results = sample_tiles(task_, work);
+      {
+        const auto adding = watch_.adding();
+        std::span<const PathResult> rest(results);
+        for (std::size_t i = 0; i < work.size(); ++i) {
+          add_samples(state_, working[i], rest.first(work[i].count()));
+          rest = rest.subspan(work[i].count());
+        }
+      }
+      watch_.added(count);
+    }
+  }
+
+  void fill(std::span<const std::size_t> tiles) {
+    for (const std::size_t tile : tiles) {
+      if (filled_[tile] == 0) fill_center_layers(task_, state_.grid.box(tile), film_);
+      filled_[tile] = 1;
+    }
+  }
+
+  void expect_total() {
+    double total = 0.0;
+    for (std::size_t tile = 0; tile < state_.tiles.size(); ++tile) {
+      const double samples = stop_rule_ ? stop_rule_->expected_samples(state_, tile, task_.settings.samples)
+                                        : task_.settings.samples;
+      total += samples * static_cast<double>(state_.grid.box(tile).count());
+    }
+    watch_.expect(static_cast<std::uint64_t>(total));
+  }
+
+  const RenderTask& task_;
+  PictureState& state_;
+  RenderWatch& watch_;
+  image::Film& film_;
+  const Tiles order_;
+  std::vector<std::uint8_t> filled_;  ///< by tile: the layers of the pixels' centres
+  std::optional<StopRule> stop_rule_;
+  const bool progressive_;
+};
+
 }  // namespace
 
-PictureRenderer::PictureRenderer(const RenderTask& task, const RenderOptions& options, double floor,
-                                 PictureState& state, RenderWatch& watch, image::Film& film)
-    : task_(task),
-      state_(state),
-      watch_(watch),
-      film_(film),
-      order_(tiles_in_order(state.grid)),
-      filled_(state.tiles.size(), film.holds_any() ? 0 : 1),
-      progressive_(options.preview || options.time_limit || options.target_noise) {
-  if (options.target_noise) stop_rule_.emplace(*options.target_noise, floor);
-  // With a target a pass is judged where an uninterrupted render does so. Otherwise the checkpoint may come
-  // from one that had other passes.
-  if (state_.pass_end == 0 || !stop_rule_) begin_passes();
-}
-
-/// Sets the end of the first pass that gives any tile samples.
-void PictureRenderer::begin_passes() {
-  const auto fewest = static_cast<int>(std::ranges::min(state_.tiles, {}, &TileState::samples).samples);
-  state_.pass_end = 0;
-  do state_.pass_end = next_pass_end();
-  while (state_.pass_end <= fewest && state_.pass_end < task_.settings.samples);
-}
-
-void PictureRenderer::run() {
-  bool every_pixel = false;
-  expect_total();
-  for (bool more = true; more;) {
-    run_pass();
-    if (!every_pixel) watch_.every_pixel_has_a_sample();
-    every_pixel = true;
-    if (stop_rule_) stop_rule_->apply(state_);
-    more = state_.pass_end < task_.settings.samples && !watch_.time_is_up() && any_goes_on();
-    if (more) state_.pass_end = next_pass_end();
-    expect_total();
-  }
-  // Tiles that were finished before a resumption still lack them.
-  for_each_group(order_, 1, [this](std::span<const std::size_t> group) { fill(group); });
-}
-
-/// Without anybody who looks at the picture before its end, one pass is best: each tile as a whole.
-/// Otherwise the number of samples doubles up to a step of 16, so that no tile has more than twice as many
-/// as another.
-int PictureRenderer::next_pass_end() const {
-  constexpr int k_step = 16;
-  const int reached = state_.pass_end, all = task_.settings.samples;
-  if (!progressive_) return all;
-  return std::min(all, reached < k_step ? std::max(1, 2 * reached) : reached + k_step);
-}
-
-bool PictureRenderer::any_goes_on() const {
-  return std::ranges::any_of(state_.tiles, [](const TileState& tile) { return !tile.stopped; });
-}
-
-void PictureRenderer::run_pass() {
-  Tiles due;
-  std::uint32_t fewest = 0;
-  for (const std::size_t tile : order_) {
-    const TileState& reached = state_.tiles[tile];
-    if (reached.stopped || reached.samples >= static_cast<std::uint32_t>(state_.pass_end)) continue;
-    if (due.empty() || reached.samples < fewest) fewest = reached.samples;
-    due.push_back(tile);
-  }
-  if (due.empty()) return;
-  // With few samples each, several tiles make a batch.
-  constexpr std::size_t k_tile_pixels = 256;
-  const std::size_t step = static_cast<std::uint32_t>(state_.pass_end) - fewest;
-  for_each_group(due, std::max<std::size_t>(1, k_most_paths / (k_tile_pixels * step)),
-                 [this](std::span<const std::size_t> group) {
-                   fill(group);
-                   sample(group);
-                 });
-}
-
-void PictureRenderer::for_each_group(const Tiles& tiles, std::size_t size, const Work& work) const {
-  const std::size_t groups = (tiles.size() + size - 1) / size;
-  tbb::parallel_for(
-      tbb::blocked_range<std::size_t>(0, groups, 1),
-      [&](const tbb::blocked_range<std::size_t>& range) {
-        for (std::size_t group = range.begin(); group < range.end(); ++group) {
-          const std::size_t begin = group * size, end = std::min(begin + size, tiles.size());
-          // Threads have tiles of their own: the rays of one are not to be shared out again.
-          tbb::task_arena alone(1);
-          alone.execute([&] { work(std::span(tiles).subspan(begin, end - begin)); });
-        }
-      },
-      tbb::simple_partitioner());
-}
-
-/// Brings some tiles to the end of the pass, or as far as time allows. The first sample is always taken.
-void PictureRenderer::sample(std::span<const std::size_t> tiles) {
-  std::size_t pixels = 0;
-  for (const std::size_t tile : tiles) pixels += state_.grid.box(tile).count();
-  const auto at_once = static_cast<std::uint32_t>(std::max<std::size_t>(1, k_most_paths / pixels));
-  std::vector<TileSamples> work;
-  Tiles working;
-  for (;;) {
-    const bool time_is_up = watch_.time_is_up();
-    work.clear();
-    working.clear();
-    std::size_t count = 0;
-    for (const std::size_t tile : tiles) {
-      const std::uint32_t first = state_.tiles[tile].samples,
-                          last = std::min(first + at_once, static_cast<std::uint32_t>(state_.pass_end));
-      if (first >= last || (time_is_up && first > 0)) continue;
-      work.push_back({state_.grid.box(tile), first, last});
-      working.push_back(tile);
-      count += work.back().count();
-    }
-    if (work.empty()) return;
-    const std::vector<PathResult> results = sample_tiles(task_, work);
-    {
-      const auto adding = watch_.adding();
-      std::span<const PathResult> rest(results);
-      for (std::size_t i = 0; i < work.size(); ++i) {
-        add_samples(state_, working[i], rest.first(work[i].count()));
-        rest = rest.subspan(work[i].count());
-      }
-    }
-    watch_.added(count);
-  }
-}
-
-void PictureRenderer::fill(std::span<const std::size_t> tiles) {
-  for (const std::size_t tile : tiles) {
-    if (filled_[tile] == 0) fill_center_layers(task_, state_.grid.box(tile), film_);
-    filled_[tile] = 1;
-  }
-}
-
-void PictureRenderer::expect_total() {
-  double total = 0.0;
-  for (std::size_t tile = 0; tile < state_.tiles.size(); ++tile) {
-    const double samples = stop_rule_ ? stop_rule_->expected_samples(state_, tile, task_.settings.samples)
-                                      : task_.settings.samples;
-    total += samples * static_cast<double>(state_.grid.box(tile).count());
-  }
-  watch_.expect(static_cast<std::uint64_t>(total));
+void render_picture(const RenderTask& task, const RenderOptions& options, double floor, PictureState& state,
+                    RenderWatch& watch, image::Film& film) {
+  PictureRenderer(task, options, floor, state, watch, film).run();
 }
 
 }  // namespace alidade::renderer

@@ -4,14 +4,9 @@
 #include <atomic>
 #include <chrono>
 #include <cstdint>
-#include <functional>
 #include <mutex>
-#include <optional>
 #include <shared_mutex>
-#include <span>
-#include <vector>
 
-#include "renderer/noise.h"
 #include "renderer/picture_fingerprint.h"
 #include "renderer/picture_state.h"
 #include "renderer/render.h"
@@ -73,37 +68,10 @@ class RenderWatch {
   std::atomic<bool> stopped_{false};
 };
 
-/// Brings a picture under way to its end, pass by pass, in parallel. Everything it is given must outlive it.
-class PictureRenderer {
- public:
-  /// `floor`: see noise_floor(). `film` has the layers of the pixels' centres that are requested.
-  PictureRenderer(const RenderTask& task, const RenderOptions& options, double floor, PictureState& state,
-                  RenderWatch& watch, image::Film& film);
-
-  /// Throws Cancelled if the watch says so; the state is whole then, too.
-  void run();
-
- private:
-  using Tiles = std::vector<std::size_t>;
-  using Work = std::function<void(std::span<const std::size_t> tiles)>;
-
-  void begin_passes();
-  int next_pass_end() const;
-  bool any_goes_on() const;
-  void run_pass();
-  void for_each_group(const Tiles& tiles, std::size_t size, const Work& work) const;
-  void sample(std::span<const std::size_t> tiles);
-  void fill(std::span<const std::size_t> tiles);
-  void expect_total();
-
-  const RenderTask& task_;
-  PictureState& state_;
-  RenderWatch& watch_;
-  image::Film& film_;
-  const Tiles order_;
-  std::vector<std::uint8_t> filled_;  ///< by tile: the layers of the pixels' centres
-  std::optional<StopRule> stop_rule_;
-  const bool progressive_;
-};
+/// Brings a picture under way to its end, pass by pass, in parallel. `floor`: see noise_floor(). `film` has the
+/// layers of the pixels' centres that are requested. Throws Cancelled if the watch says so; the state is whole
+/// then, too.
+void render_picture(const RenderTask& task, const RenderOptions& options, double floor, PictureState& state,
+                    RenderWatch& watch, image::Film& film);
 
 }  // namespace alidade::renderer

@@ -6,7 +6,7 @@
 #include <algorithm>
 
 #include "renderer/checkpoint.h"
-#include "renderer/load_cloud.h"
+#include "renderer/noise.h"
 #include "renderer/picture_renderer.h"
 #include "renderer/render_modes.h"
 
@@ -111,7 +111,7 @@ image::Film render(const Scene& scene, const LoadedCloud* cloud, const RenderOpt
   image::Film film(camera.width, camera.height, center_layers(options));
   RenderWatch watch(options, state, scene.render.samples, std::move(fingerprint));
   try {
-    PictureRenderer(task, options, floor, state, watch, film).run();
+    render_picture(task, options, floor, state, watch, film);
     watch.finish();
   } catch (const Cancelled&) {
     watch.save();
