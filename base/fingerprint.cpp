@@ -26,6 +26,30 @@ void append_checksums(std::initializer_list<std::span<const std::byte>> arrays,
     sums.push_back(array.data() == nullptr ? 0 : checksum(array));
 }
 
+void ChecksumBlocks::put(std::span<const std::byte> block) {
+  sums_.push_back(checksum(block));
+  put_(block);
+}
+
+void ChecksumBlocks::add(std::span<const std::byte> bytes) {
+  while (!bytes.empty()) {
+    const std::span<const std::byte> part =
+        bytes.first(std::min(bytes.size(), k_checksum_block - block_.size()));
+    bytes = bytes.subspan(part.size());
+    if (part.size() == k_checksum_block) {
+      put(part);
+      continue;
+    }
+    block_.insert(block_.end(), part.begin(), part.end());
+    if (block_.size() == k_checksum_block) end();
+  }
+}
+
+void ChecksumBlocks::end() {
+  if (!block_.empty()) put(block_);
+  block_.clear();
+}
+
 namespace {
 
 constexpr std::size_t k_lengths = 8;

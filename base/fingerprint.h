@@ -3,9 +3,11 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <functional>
 #include <initializer_list>
 #include <span>
 #include <string>
+#include <utility>
 #include <vector>
 
 namespace alidade {
@@ -32,6 +34,27 @@ inline std::span<const std::byte> checksum_block(std::span<const std::byte> byte
   const std::span<const std::byte> rest = bytes.subspan(block * k_checksum_block);
   return rest.first(rest.size() < k_checksum_block ? rest.size() : k_checksum_block);
 }
+
+/// Cuts bytes that come in pieces into such blocks.
+class ChecksumBlocks {
+ public:
+  /// `put` gets every block once it is whole, and in the end the last one.
+  explicit ChecksumBlocks(std::function<void(std::span<const std::byte>)> put) : put_(std::move(put)) {}
+
+  /// Blocks that lie whole in `bytes` are not copied.
+  void add(std::span<const std::byte> bytes);
+  /// Ends the last block; what is added next begins another.
+  void end();
+  /// Of all blocks so far.
+  const std::vector<std::uint64_t>& sums() const { return sums_; }
+
+ private:
+  void put(std::span<const std::byte> block);
+
+  std::function<void(std::span<const std::byte>)> put_;
+  std::vector<std::byte> block_;
+  std::vector<std::uint64_t> sums_;
+};
 
 // What the results of a long task depend on, in words: so that a checkpoint is only gone on from where the
 // result stays the same.

@@ -16,22 +16,35 @@
 #include "renderer/picture_fingerprint.h"
 
 namespace alidade::renderer {
+namespace {
 
-/// The head of a checkpoint, field by field; renderer/checkpoint.h has its bytes.
+/// The head of a checkpoint; renderer/checkpoint.h has its bytes.
 struct CheckpointHead {
   std::uint64_t file_bytes = 0;
   std::uint64_t rest_checksum = 0;
   std::uint32_t width = 0, height = 0;
-  bool with_noise = false;
+  std::uint32_t with_noise = 0;
   std::uint32_t pass_end = 0;
   std::uint64_t samples_taken = 0;
   double seconds = 0.0;
   std::uint32_t samples = 0;  ///< per pixel, in the end
-  PictureFingerprint fingerprint;
+  PictureFingerprint fingerprint{};
   std::uint64_t head_bytes = 0;  ///< where the rest begins
 };
 
-namespace {
+/// Calls visit(byte, field) for every field of fixed size.
+template <class Head, class Visit>
+void for_each_field(Head& head, const Visit& visit) {
+  visit(16, head.file_bytes);
+  visit(32, head.rest_checksum);
+  visit(40, head.width);
+  visit(44, head.height);
+  visit(48, head.with_noise);
+  visit(52, head.pass_end);
+  visit(56, head.samples_taken);
+  visit(64, head.seconds);
+  visit(76, head.samples);
+}
 
 constexpr CheckpointForm k_pictures = {.magic = {'A', 'L', 'I', 'D', 'P', 'A', 'R', 'T'},
                                        .name = "an Alidade checkpoint",
@@ -41,15 +54,7 @@ constexpr CheckpointForm k_pictures = {.magic = {'A', 'L', 'I', 'D', 'P', 'A', '
 /// Bytes of the head, its checksum included; sets head_bytes.
 std::vector<std::byte> encode_head(CheckpointHead& head) {
   std::vector<std::byte> bytes = checkpoint_head(k_pictures, head.fingerprint, [&head](std::byte* at) {
-    store(at + 16, head.file_bytes);
-    store(at + 32, head.rest_checksum);
-    store(at + 40, head.width);
-    store(at + 44, head.height);
-    store<std::uint32_t>(at + 48, head.with_noise ? 1 : 0);
-    store(at + 52, head.pass_end);
-    store(at + 56, head.samples_taken);
-    store(at + 64, head.seconds);
-    store(at + 76, head.samples);
+    for_each_field(head, [at](std::size_t byte, const auto& field) { store(at + byte, field); });
   });
   head.head_bytes = bytes.size();
   return bytes;
@@ -65,19 +70,10 @@ CheckpointHead read_head(InputFile& file) {
       });
   const HeaderFields reader(bytes, file.name());
   CheckpointHead head;
-  head.file_bytes = reader.get<std::uint64_t>(16);
-  head.rest_checksum = reader.get<std::uint64_t>(32);
-  head.width = reader.get<std::uint32_t>(40);
-  head.height = reader.get<std::uint32_t>(44);
-  const auto with_noise = reader.get<std::uint32_t>(48);
-  reader.require(with_noise <= 1, 48, "corrupt checkpoint", "0 or 1", with_noise);
-  head.with_noise = with_noise == 1;
-  head.pass_end = reader.get<std::uint32_t>(52);
-  head.samples_taken = reader.get<std::uint64_t>(56);
-  head.seconds = reader.get<double>(64);
+  for_each_field(head, [&]<class Field>(std::size_t byte, Field& field) { field = reader.get<Field>(byte); });
+  reader.require(head.with_noise <= 1, 48, "corrupt checkpoint", "0 or 1", head.with_noise);
   reader.require(head.seconds >= 0.0 && head.seconds < 1e12, 64, "corrupt checkpoint", "seconds",
                  head.seconds);
-  head.samples = reader.get<std::uint32_t>(76);
   head.fingerprint = fingerprint_of(k_pictures, bytes, file.name());
   head.head_bytes = bytes.size();
   return head;
@@ -103,87 +99,41 @@ std::uint64_t rest_bytes(const PictureState& state) {
   return bytes;
 }
 
-/// A mebibyte of the file at a time, so that checksums are those of whole blocks.
-class Blocks {
- public:
-  Blocks() { block_.reserve(k_checksum_block); }
-
-  /// Room left in the block.
-  std::size_t room() const { return k_checksum_block - block_.size(); }
-  std::vector<std::byte>& block() { return block_; }
-  void sum_block() {
-    sums_.push_back(checksum(block_));
-    block_.clear();
-  }
-  std::uint64_t sum() const { return checksum(std::as_bytes(std::span(sums_))); }
-
- private:
-  std::vector<std::byte> block_;
-  std::vector<std::uint64_t> sums_;
-};
-
-class BlockWriter {
- public:
-  explicit BlockWriter(OutputFile& file) : file_(file) {}
-
-  void add(std::span<const std::byte> bytes) {
-    while (!bytes.empty()) {
-      const std::size_t count = std::min(bytes.size(), blocks_.room());
-      blocks_.block().insert(blocks_.block().end(), bytes.begin(),
-                             bytes.begin() + static_cast<std::ptrdiff_t>(count));
-      bytes = bytes.subspan(count);
-      if (blocks_.room() == 0) put();
-    }
-  }
-  /// Ends the last block and returns the checksum of all.
-  std::uint64_t finish() {
-    if (!blocks_.block().empty()) put();
-    return blocks_.sum();
-  }
-
- private:
-  void put() {
-    file_.write(blocks_.block());
-    blocks_.sum_block();
-  }
-
-  OutputFile& file_;
-  Blocks blocks_;
-};
-
+/// Reads a mebibyte of the file at a time, so that checksums are those of whole blocks.
 class BlockReader {
  public:
   BlockReader(InputFile& file, std::uint64_t position) : file_(file), position_(position) {}
 
   void take(std::span<std::byte> into) {
     while (!into.empty()) {
-      if (used_ == blocks_.block().size()) fetch();
-      const std::size_t count = std::min(into.size(), blocks_.block().size() - used_);
-      std::memcpy(into.data(), blocks_.block().data() + used_, count);
+      if (used_ == block_.size()) fetch();
+      const std::size_t count = std::min(into.size(), block_.size() - used_);
+      std::memcpy(into.data(), block_.data() + used_, count);
       into = into.subspan(count);
       used_ += count;
     }
   }
   /// Once everything has been taken.
   std::uint64_t sum() {
-    blocks_.sum_block();
-    return blocks_.sum();
+    sums_.push_back(checksum(block_));
+    return checksum(std::as_bytes(std::span(sums_)));
   }
 
  private:
   void fetch() {
-    if (used_ > 0) blocks_.sum_block();
+    if (used_ > 0) sums_.push_back(checksum(block_));
     // One byte at least: beyond the file's end this is the error of a file that ends early.
     const std::uint64_t left = std::max<std::uint64_t>(file_.size() - std::min(position_, file_.size()), 1);
-    blocks_.block().resize(static_cast<std::size_t>(std::min<std::uint64_t>(left, k_checksum_block)));
-    file_.read_at(position_, blocks_.block());
-    position_ += blocks_.block().size();
+    block_.resize(static_cast<std::size_t>(std::min<std::uint64_t>(left, k_checksum_block)));
+    file_.read_at(position_, block_);
+    position_ += block_.size();
     used_ = 0;
   }
 
   InputFile& file_;
   std::uint64_t position_;
-  Blocks blocks_;
+  std::vector<std::byte> block_;
+  std::vector<std::uint64_t> sums_;
   std::size_t used_ = 0;
 };
 
@@ -211,8 +161,8 @@ void check_head(const InputFile& file, const CheckpointHead& head, const Picture
   check_fingerprint(head.fingerprint, fingerprint, file.name());
   // The fingerprint says all this as well; what follows must not rely on a text.
   if (head.width != static_cast<std::uint32_t>(state.grid.width()) ||
-      head.height != static_cast<std::uint32_t>(state.grid.height()) || head.with_noise != state.with_noise ||
-      head.samples != static_cast<std::uint32_t>(samples)) {
+      head.height != static_cast<std::uint32_t>(state.grid.height()) ||
+      (head.with_noise == 1) != state.with_noise || head.samples != static_cast<std::uint32_t>(samples)) {
     fail(file, "corrupt checkpoint: its sizes contradict its fingerprint",
          fmt::format("{} x {} pixels, {} samples", state.grid.width(), state.grid.height(), samples),
          fmt::format("{} x {} pixels, {} samples", head.width, head.height, head.samples));
@@ -230,27 +180,27 @@ void check_head(const InputFile& file, const CheckpointHead& head, const Picture
 
 void write_checkpoint(const std::filesystem::path& path, const PictureFingerprint& fingerprint, int samples,
                       const PictureState& state, double seconds) {
-  CheckpointHead head;
-  head.width = static_cast<std::uint32_t>(state.grid.width());
-  head.height = static_cast<std::uint32_t>(state.grid.height());
-  head.with_noise = state.with_noise;
-  head.pass_end = static_cast<std::uint32_t>(state.pass_end);
-  head.samples_taken = state.sample_count();
-  head.seconds = seconds;
-  head.samples = static_cast<std::uint32_t>(samples);
-  head.fingerprint = fingerprint;
+  CheckpointHead head{.width = static_cast<std::uint32_t>(state.grid.width()),
+                      .height = static_cast<std::uint32_t>(state.grid.height()),
+                      .with_noise = state.with_noise ? 1u : 0u,
+                      .pass_end = static_cast<std::uint32_t>(state.pass_end),
+                      .samples_taken = state.sample_count(),
+                      .seconds = seconds,
+                      .samples = static_cast<std::uint32_t>(samples),
+                      .fingerprint = fingerprint};
   OutputFile file(path, true);
   file.write(encode_head(head));
-  BlockWriter writer(file);
+  ChecksumBlocks blocks([&](std::span<const std::byte> block) { file.write(block); });
   for (const TileState& tile : state.tiles) {
     std::array<std::byte, k_tile_bytes> bytes{};
     store(bytes.data(), tile.samples);
     store<std::uint32_t>(bytes.data() + 4, tile.stopped ? 1 : 0);
     store(bytes.data() + 8, tile.ray_count);
-    writer.add(bytes);
+    blocks.add(bytes);
   }
-  for_each_array(state, [&](const auto& values) { writer.add(std::as_bytes(values)); });
-  head.rest_checksum = writer.finish();
+  for_each_array(state, [&](const auto& values) { blocks.add(std::as_bytes(values)); });
+  blocks.end();
+  head.rest_checksum = checksum(std::as_bytes(std::span(blocks.sums())));
   head.file_bytes = file.size();
   file.write_at(0, encode_head(head));
   file.commit();
@@ -280,13 +230,11 @@ bool is_checkpoint(const std::filesystem::path& path) {
 CheckpointSummary read_checkpoint_summary(const std::filesystem::path& path) {
   InputFile file(path);
   const CheckpointHead head = read_head(file);
-  CheckpointSummary summary;
-  if (!head.fingerprint.empty()) summary.picture = head.fingerprint.front().value;
-  summary.samples_taken = head.samples_taken;
   const double all = double{1} * head.width * head.height * head.samples;
-  if (all > 0.0) summary.share = std::clamp(static_cast<double>(head.samples_taken) / all, 0.0, 1.0);
-  summary.seconds = head.seconds;
-  return summary;
+  return {.picture = head.fingerprint.empty() ? "" : head.fingerprint.front().value,
+          .samples_taken = head.samples_taken,
+          .share = all > 0.0 ? std::clamp(static_cast<double>(head.samples_taken) / all, 0.0, 1.0) : 0.0,
+          .seconds = head.seconds};
 }
 
 }  // namespace alidade::renderer

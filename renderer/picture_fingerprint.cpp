@@ -46,31 +46,13 @@ class Text {
     std::visit([this](const auto& alternative) { this->add(alternative); }, value);
   }
 
-  void add(const Lambertian& material) {
-    const auto& [own_albedo] = material;
-    add(own_albedo);
-  }
-  void add(const Metal& material) {
-    const auto& [own_albedo, roughness] = material;
-    add_all(own_albedo, roughness);
-  }
-  void add(const Dielectric& material) {
-    const auto& [refractive_index] = material;
-    add(refractive_index);
-  }
-  void add(const Emissive& material) {
-    const auto& [radiance] = material;
-    add(radiance);
-  }
-  void add(const AdaptedRadius& radius) {
-    const auto& [neighbours, factor, max] = radius;
-    add_all(neighbours, factor, max);
-  }
+  void add(const Lambertian& material) { add_fields<1>(material); }
+  void add(const Metal& material) { add_fields<2>(material); }
+  void add(const Dielectric& material) { add_fields<1>(material); }
+  void add(const Emissive& material) { add_fields<1>(material); }
+  void add(const AdaptedRadius& radius) { add_fields<3>(radius); }
   void add(const Color16& color) { add_all(int{color.x}, int{color.y}, int{color.z}); }
-  void add(const image::ValueRange& range) {
-    const auto& [low, high] = range;
-    add_all(low, high);
-  }
+  void add(const image::ValueRange& range) { add_fields<2>(range); }
   void add(const image::ClassColor& each) {
     const auto& [number, color, name] = each;
     add_all(int{number}, color, name);
@@ -84,22 +66,10 @@ class Text {
                  max_level] = cloud;
     add_all(files, partial, color_depth, radius, adapted_radius, hits, color, material, normals, max_level);
   }
-  void add(const Sphere& sphere) {
-    const auto& [center, radius, material] = sphere;
-    add_all(center, radius, material);
-  }
-  void add(const GroundPlane& plane) {
-    const auto& [height, material] = plane;
-    add_all(height, material);
-  }
-  void add(const ConstantSky& sky) {
-    const auto& [radiance] = sky;
-    add(radiance);
-  }
-  void add(const GradientSky& sky) {
-    const auto& [horizon, zenith] = sky;
-    add_all(horizon, zenith);
-  }
+  void add(const Sphere& sphere) { add_fields<3>(sphere); }
+  void add(const GroundPlane& plane) { add_fields<2>(plane); }
+  void add(const ConstantSky& sky) { add_fields<1>(sky); }
+  void add(const GradientSky& sky) { add_fields<2>(sky); }
   void add(const ImageSky& sky) {
     const auto& [file, scale, rotation, image] = sky;
     add_all(file, scale, rotation);
@@ -120,6 +90,20 @@ class Text {
   void add_all(const Values&... values) {
     (add(values), ...);
   }
+  /// Of a struct with so many fields.
+  template <int count, class Struct>
+  void add_fields(const Struct& fields) {
+    if constexpr (count == 1) {
+      const auto& [a] = fields;
+      add(a);
+    } else if constexpr (count == 2) {
+      const auto& [a, b] = fields;
+      add_all(a, b);
+    } else {
+      const auto& [a, b, c] = fields;
+      add_all(a, b, c);
+    }
+  }
   void add_word(const std::string& word) {
     if (!text_.empty()) text_ += ' ';
     text_ += word;
@@ -128,37 +112,12 @@ class Text {
   std::string text_;
 };
 
-template <class Part>
-std::string written(const Part& part) {
-  Text text;
-  text.add(part);
-  return text.take();
-}
-
-}  // namespace
-
-std::string text_of(const CloudSettings& cloud) {
-  return written(cloud);
-}
-std::string text_of(const std::vector<Object>& objects) {
-  return written(objects);
-}
-std::string text_of(const Sky& sky) {
-  return written(sky);
-}
-std::string text_of(const std::optional<geo::Sun>& sun) {
-  return written(sun);
-}
-
-namespace {
-
 std::string cloud_checksum(const LoadedCloud& cloud) {
   std::vector<std::uint64_t> sums;
-  if (cloud.index_checksum) {
+  if (cloud.index_checksum)
     sums.push_back(*cloud.index_checksum);
-  } else {
+  else
     append_tree_checksums(cloud.octree.view(), sums);
-  }
   const std::span colors(cloud.colors);
   sums.push_back(colors.data() == nullptr ? 0 : checksum(std::as_bytes(colors)));
   return fmt::format("{:016x}", checksum(std::as_bytes(std::span(sums))));
@@ -184,6 +143,17 @@ std::string file_names(const CloudSettings& settings) {
 }
 
 }  // namespace
+
+template <class Part>
+std::string text_of(const Part& part) {
+  Text text;
+  text.add(part);
+  return text.take();
+}
+template std::string text_of(const CloudSettings&);
+template std::string text_of(const std::vector<Object>&);
+template std::string text_of(const Sky&);
+template std::string text_of(const std::optional<geo::Sun>&);
 
 PictureFingerprint picture_fingerprint(const Scene& scene, const LoadedCloud* cloud,
                                        const RenderOptions& options) {

@@ -12,10 +12,9 @@
 
 namespace alidade::renderer {
 
-std::string text_of(const CloudSettings& cloud);
-std::string text_of(const std::vector<Object>& objects);
-std::string text_of(const Sky& sky);
-std::string text_of(const std::optional<geo::Sun>& sun);
+/// Of CloudSettings, std::vector<Object>, Sky or std::optional<geo::Sun>.
+template <class Part>
+std::string text_of(const Part& part);
 
 /// All that the samples of a picture depend on, in a fixed order: what others follow from comes before them,
 /// such as the cloud before a camera that looks at it. Numbers are written so that different ones have

@@ -25,26 +25,16 @@ class IndexWriter {
   void begin(IndexSection kind) {
     pad();
     entry_ = {kind, element_bytes(kind), file_.size(), 0, 0};
-    first_checksum_ = checksums_.size();
-    block_.clear();
+    first_checksum_ = blocks_.sums().size();
   }
-  /// Appends bytes to the section. Whole blocks go out as they stand.
+  /// Appends bytes to the section.
   void add(std::span<const std::byte> bytes) {
     entry_.bytes += bytes.size();
-    while (!bytes.empty()) {
-      const std::size_t count = std::min(bytes.size(), k_checksum_block - block_.size());
-      if (count == k_checksum_block) {
-        put(bytes.first(count));
-      } else {
-        block_.insert(block_.end(), bytes.begin(), bytes.begin() + static_cast<std::ptrdiff_t>(count));
-        if (block_.size() == k_checksum_block) flush();
-      }
-      bytes = bytes.subspan(count);
-    }
+    blocks_.add(bytes);
   }
   void end() {
-    if (!block_.empty()) flush();
-    const auto run = std::span(checksums_).subspan(first_checksum_);
+    blocks_.end();
+    const auto run = std::span(blocks_.sums()).subspan(first_checksum_);
     entry_.checksum = checksum(std::as_bytes(run));
     header_.sections.push_back(entry_);
   }
@@ -70,18 +60,9 @@ class IndexWriter {
     file_.write(
         std::span(k_zeros).first(static_cast<std::size_t>(align_to_page(file_.size()) - file_.size())));
   }
-  void flush() {
-    put(block_);
-    block_.clear();
-  }
-  void put(std::span<const std::byte> block) {
-    checksums_.push_back(checksum(block));
-    file_.write(block);
-    report(progress_, std::min(file_.size(), total_), total_);
-  }
   void write_checksums() {
     pad();
-    const auto bytes = std::as_bytes(std::span(checksums_));
+    const auto bytes = std::as_bytes(std::span(blocks_.sums()));
     header_.sections.push_back({IndexSection::checksums, element_bytes(IndexSection::checksums), file_.size(),
                                 bytes.size(), checksum(bytes)});
     file_.write(bytes);
@@ -92,24 +73,21 @@ class IndexWriter {
   std::uint64_t total_;
   IndexHeader header_;
   SectionEntry entry_;
-  std::vector<std::byte> block_;
-  std::vector<std::uint64_t> checksums_;
+  ChecksumBlocks blocks_{[this](std::span<const std::byte> block) {
+    file_.write(block);
+    report(progress_, std::min(file_.size(), total_), total_);
+  }};
   std::size_t first_checksum_ = 0;
 };
-
-void check_column(std::size_t size, std::size_t points, std::size_t bytes_per_point,
-                  const std::string& column) {
-  if (size == 0 || size == points * bytes_per_point) return;
-  throw Error({.problem = "wrong column size: " + column,
-               .expected = fmt::format("{} values", points),
-               .found = std::to_string(size / std::max<std::size_t>(bytes_per_point, 1))});
-}
 
 void check_cloud(const Octree& octree, const PointCloud& cloud) {
   if (octree.size() > 0 && cloud.lattice != octree.lattice())
     throw Error({.problem = "octree and cloud have different lattices"});
   for_each_column(cloud, cloud, [&](Attribute attribute, const auto& column, const auto&) {
-    check_column(column.size(), octree.size(), 1, attribute_names(attribute).front());
+    if (column.empty() || column.size() == octree.size()) return;
+    throw Error({.problem = "wrong column size: " + attribute_names(attribute).front(),
+                 .expected = fmt::format("{} values", octree.size()),
+                 .found = std::to_string(column.size())});
   });
   for (const ExtraDimension& dimension : cloud.extra_dimensions) {
     const auto bytes = static_cast<std::size_t>(dimension.byte_count);
