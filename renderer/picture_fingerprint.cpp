@@ -118,8 +118,7 @@ std::string cloud_checksum(const LoadedCloud& cloud) {
     sums.push_back(*cloud.index_checksum);
   else
     append_tree_checksums(cloud.octree.view(), sums);
-  const std::span colors(cloud.colors);
-  sums.push_back(colors.data() == nullptr ? 0 : checksum(std::as_bytes(colors)));
+  append_checksums({std::as_bytes(std::span(cloud.colors))}, sums);
   return fmt::format("{:016x}", checksum(std::as_bytes(std::span(sums))));
 }
 

@@ -29,6 +29,25 @@ std::filesystem::path path_beside(const std::filesystem::path& scene_file, const
   return (scene_file.parent_path() / node.text()).lexically_normal();
 }
 
+/// Whether `word` stands instead of a value of another type. Errors: another word.
+bool is_word(const JsonNode& node, std::string_view word) {
+  if (node.is_string()) node.choice({&word, 1});
+  return node.is_string();
+}
+
+/// The entry of a table whose name the node is.
+template <class Table>
+const auto& entry_of(const JsonNode& node, const Table& table) {
+  std::vector<std::string_view> words;
+  for (const auto& entry : table) words.push_back(entry.name);
+  return table[node.choice(words)];
+}
+
+/// A length, or nothing for "auto".
+std::optional<double> length_or_auto(const JsonNode& node) {
+  return is_word(node, "auto") ? std::nullopt : std::optional(node.number(k_length));
+}
+
 /// Three values, each in `range`.
 Rgb read_rgb(const JsonNode& node, const NumberRange& range) {
   return Rgb(node.vector(range));
@@ -80,13 +99,8 @@ image::PointColoring read_coloring(const JsonNode& node) {
     if (const std::size_t word = map->choice(words); word > 0)
       coloring.map = image::k_color_maps[word - 1].map;
   }
-  if (const auto range = fields.find("range")) {
-    constexpr std::array<std::string_view, 1> words{"auto"};
-    if (range->is_string())
-      range->choice(words);
-    else
-      coloring.range = read_range(*range, {-image::k_largest_value, image::k_largest_value});
-  }
+  if (const auto range = fields.find("range"); range && !is_word(*range, "auto"))
+    coloring.range = read_range(*range, {-image::k_largest_value, image::k_largest_value});
   if (const auto percentiles = fields.find("percentiles"))
     coloring.percentiles = read_range(*percentiles, {0, 100});
   if (const auto classes = fields.find("classes")) coloring.classes = read_classes(*classes);
@@ -179,13 +193,8 @@ geo::SunByTime read_sun_by_time(const JsonNode& date_time, const JsonFields& fie
   if (const auto height = fields.find("height")) sun.height = height->number({-1000, 100000});
   if (const auto pressure = fields.find("pressure")) sun.pressure = pressure->number({0, 2000});
   if (const auto temperature = fields.find("temperature")) sun.temperature = temperature->number({-150, 100});
-  if (const auto irradiance = fields.find("irradiance")) {
-    constexpr std::array<std::string_view, 1> words{"auto"};
-    if (irradiance->is_string())
-      irradiance->choice(words);
-    else
-      sun.irradiance = read_rgb(*irradiance, k_light);
-  }
+  if (const auto irradiance = fields.find("irradiance"); irradiance && !is_word(*irradiance, "auto"))
+    sun.irradiance = read_rgb(*irradiance, k_light);
   if (const auto diameter = fields.find("angular_diameter"))
     sun.angular_diameter = diameter->number(k_diameter);
   return sun;
@@ -228,27 +237,13 @@ void read_sun(const JsonNode& node, Scene& scene) {
     scene.sun = read_sun_by_angles(fields);
 }
 
-/// A length, or nothing for "auto".
-std::optional<double> length_or_auto(const JsonNode& node) {
-  constexpr std::array<std::string_view, 1> words{"auto"};
-  if (!node.is_string()) return node.number(k_length);
-  node.choice(words);
-  return {};
-}
-
 AdaptedRadius read_adapted_radius(const JsonNode& node) {
   const JsonFields fields(node, {"neighbours", "factor", "max"});
   AdaptedRadius radius;
   if (const auto neighbours = fields.find("neighbours"))
     radius.neighbours = static_cast<int>(neighbours->whole_number(1, k_most_spacing_neighbours));
   if (const auto factor = fields.find("factor")) radius.factor = factor->number(k_length);
-  if (const auto max = fields.find("max")) {
-    constexpr std::array<std::string_view, 1> words{"auto"};
-    if (max->is_string())
-      max->choice(words);
-    else
-      radius.max = max->number(k_length);
-  }
+  if (const auto max = fields.find("max")) radius.max = length_or_auto(*max);
   return radius;
 }
 
@@ -278,15 +273,10 @@ CloudSettings read_cloud_settings(const JsonNode& node, const std::filesystem::p
   if (const auto color = fields.find("color")) cloud.color = read_coloring(*color);
   if (const auto max_level = fields.find("max_level"))
     cloud.max_level = static_cast<int>(max_level->whole_number(0, k_max_level));
-  if (const auto depth = fields.find("color_depth")) {
-    constexpr std::array<std::string_view, 1> words{"automatic"};
-    if (depth->is_string()) {
-      depth->choice(words);
-    } else {
-      const double bits = depth->number({8, 16});
-      if (bits != 8 && bits != 16) depth->fail("invalid colour depth", "8, 16 or \"automatic\"");
-      cloud.color_depth = bits == 8 ? ColorDepth::bits_8 : ColorDepth::bits_16;
-    }
+  if (const auto depth = fields.find("color_depth"); depth && !is_word(*depth, "automatic")) {
+    const double bits = depth->number({8, 16});
+    if (bits != 8 && bits != 16) depth->fail("invalid colour depth", "8, 16 or \"automatic\"");
+    cloud.color_depth = bits == 8 ? ColorDepth::bits_8 : ColorDepth::bits_16;
   }
   if (const auto normals = fields.find("normals")) {
     constexpr std::array<std::string_view, 2> words{"sphere", "smooth"};
@@ -317,31 +307,21 @@ Object read_object(const JsonNode& node) {
 RenderSettings read_render_settings(const JsonNode& node) {
   const JsonFields fields(node, {"samples", "max_bounces", "seed", "mode", "ao_distance"});
   RenderSettings render;
-  if (const auto samples = fields.find("samples")) {
+  if (const auto samples = fields.find("samples"))
     render.samples = static_cast<int>(samples->whole_number(1, k_max_samples));
-  }
-  if (const auto bounces = fields.find("max_bounces")) {
+  if (const auto bounces = fields.find("max_bounces"))
     render.max_bounces = static_cast<int>(bounces->whole_number(0, k_max_bounces));
-  }
   if (const auto seed = fields.find("seed")) render.seed = seed->whole_number(0, UINT64_MAX);
-  if (const auto mode = fields.find("mode")) {
-    std::array<std::string_view, k_modes.size()> words;
-    std::ranges::transform(k_modes, words.begin(), &NamedMode::name);
-    render.mode = k_modes[mode->choice(words)].mode;
-  }
+  if (const auto mode = fields.find("mode")) render.mode = entry_of(*mode, k_modes).mode;
   if (const auto distance = fields.find("ao_distance")) render.ao_distance = length_or_auto(*distance);
   return render;
 }
 
 std::vector<image::Layer> read_layers(const JsonNode& node) {
-  std::array<std::string_view, image::k_layers.size()> words;
-  std::ranges::transform(image::k_layers, words.begin(), &image::NamedLayer::name);
   std::vector<image::Layer> layers;
-  for (const JsonNode& each : node.elements(1, words.size())) {
-    const image::Layer layer = image::k_layers[each.choice(words)].layer;
-    for (const image::Layer earlier : layers) {
-      if (earlier == layer) each.fail("duplicate layer", "unique layers");
-    }
+  for (const JsonNode& each : node.elements(1, image::k_layers.size())) {
+    const image::Layer layer = entry_of(each, image::k_layers).layer;
+    if (std::ranges::find(layers, layer) != layers.end()) each.fail("duplicate layer", "unique layers");
     layers.push_back(layer);
   }
   return layers;
