@@ -63,6 +63,12 @@ inline void check_that(bool holds, std::string problem, std::string expected = {
   throw Error({.problem = std::move(problem), .expected = std::move(expected), .found = std::move(found)});
 }
 
+/// The error of a file as a whole, or of its name.
+inline Error file_error(std::string file, std::string problem, std::string expected = {},
+                        std::string found = {}) {
+  return {std::move(file), {}, std::move(problem), std::move(expected), std::move(found)};
+}
+
 /// The error of a system call that failed, "FILE: PROBLEM: REASON", with the reason of `number`.
 inline Error system_error(std::string file, const std::string& problem, int number = errno) {
   return Error(

@@ -10,12 +10,6 @@
 namespace alidade::geo {
 namespace {
 
-std::optional<glm::dvec2> transformed(const GdalTransformation& transformation, glm::dvec2 position) {
-  if (OCTTransform(transformation.get(), 1, &position.x, &position.y, nullptr) == 0) return {};
-  if (!std::isfinite(position.x) || !std::isfinite(position.y)) return {};
-  return position;
-}
-
 double rounded(double degrees) {
   return std::round(degrees * 1e9) / 1e9;
 }
@@ -31,10 +25,10 @@ std::optional<GroundPosition> ground_position(const Crs& crs, const glm::dvec2& 
                            to_map = transformation_between(globe, map);
   if (!to_globe || !to_map) return {};
 
-  const auto there = transformed(to_globe, position);
+  const auto there = transformed(position, to_globe);
   if (!there || std::fabs(there->y) > 90.0) return {};
-  const auto north = transformed(to_map, {there->x, std::min(there->y + k_step, 90.0)});
-  const auto south = transformed(to_map, {there->x, std::max(there->y - k_step, -90.0)});
+  const auto north = transformed({there->x, std::min(there->y + k_step, 90.0)}, to_map);
+  const auto south = transformed({there->x, std::max(there->y - k_step, -90.0)}, to_map);
   if (!north || !south || *north == *south) return {};
   const glm::dvec2 northward = *north - *south;
   return GroundPosition{there->y, there->x,
@@ -49,7 +43,7 @@ std::optional<std::vector<glm::dvec3>> lon_lat(const Crs& crs, std::span<const g
   if (!transformation) return std::nullopt;
   std::vector<glm::dvec3> answers(positions.begin(), positions.end());
   for (glm::dvec3& position : answers) {
-    const auto there = transformed(transformation, {position.x, position.y});
+    const auto there = transformed({position.x, position.y}, transformation);
     if (!there || std::fabs(there->y) > 90.0) return std::nullopt;
     position = {rounded(there->x), rounded(there->y), position.z};
   }

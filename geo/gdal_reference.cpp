@@ -85,10 +85,7 @@ GdalReference read_reference(const std::string& text, bool is_wkt, const std::st
   char* wkt = const_cast<char*>(text.c_str());
   const OGRErr error =
       is_wkt ? OSRImportFromWkt(reference.get(), &wkt) : OSRSetFromUserInput(reference.get(), text.c_str());
-  if (error != OGRERR_NONE) {
-    throw Error(
-        {.problem = "the reference system of " + whose + " is invalid", .expected = way_out, .found = text});
-  }
+  check_that(error == OGRERR_NONE, "the reference system of " + whose + " is invalid", way_out, text);
   return reference;
 }
 
@@ -106,9 +103,7 @@ GdalReference plane_part(GdalReference reference) {
 }  // namespace
 
 void fail_geotiff(const std::filesystem::path& file, const char* what) {
-  const std::string said = CPLGetLastErrorMsg();
-  throw Error(
-      {.file = file.string(), .problem = fmt::format("cannot write the GeoTIFF: {}", what), .found = said});
+  throw file_error(file, fmt::format("cannot write the GeoTIFF: {}", what), {}, CPLGetLastErrorMsg());
 }
 
 std::string wkt_of(const Crs& crs) {
@@ -161,32 +156,32 @@ GdalTransformation transformation_to_cloud(const std::string& own, const Observe
   if (!from && !to) return nullptr;
   if (!from || !to) {
     const std::string cloud = "cloud";
-    throw Error({.file = source,
-                 .problem = fmt::format("unknown reference system of the {}, but not of the {}",
-                                        to ? whose : cloud, to ? cloud : whose),
-                 .expected = to ? way_out : option + " cloud if they are in the cloud's own"});
+    throw file_error(source,
+                     fmt::format("unknown reference system of the {}, but not of the {}", to ? whose : cloud,
+                                 to ? cloud : whose),
+                     to ? way_out : option + " cloud if they are in the cloud's own");
   }
   if (OSRIsSame(from.get(), to.get()) != 0) return nullptr;
   GdalTransformation transformation = transformation_between(from, to);
-  if (!transformation) {
-    throw Error({.problem = fmt::format(
-                     "no transformation from the reference system of the {} to the cloud's", whose),
-                 .found = CPLGetLastErrorMsg()});
-  }
+  check_that(transformation != nullptr,
+             fmt::format("no transformation from the reference system of the {} to the cloud's", whose), {},
+             CPLGetLastErrorMsg());
   return transformation;
+}
+
+std::optional<glm::dvec2> transformed(glm::dvec2 position, const GdalTransformation& transformation) {
+  if (OCTTransform(transformation.get(), 1, &position.x, &position.y, nullptr) == 0) return {};
+  if (!std::isfinite(position.x) || !std::isfinite(position.y)) return {};
+  return position;
 }
 
 glm::dvec2 transformed(const glm::dvec2& position, const GdalTransformation& transformation,
                        const std::string& source) {
   const QuietGdal quiet;
-  glm::dvec2 image = position;
-  if (OCTTransform(transformation.get(), 1, &image.x, &image.y, nullptr) == 0 || !std::isfinite(image.x) ||
-      !std::isfinite(image.y)) {
-    throw Error({.file = source,
-                 .problem = "cannot transform a position to the cloud's reference system",
-                 .found = fmt::format("{}, {}", position.x, position.y)});
-  }
-  return image;
+  const std::optional<glm::dvec2> image = transformed(position, transformation);
+  if (image) return *image;
+  throw file_error(source, "cannot transform a position to the cloud's reference system", {},
+                   fmt::format("{}, {}", position.x, position.y));
 }
 
 }  // namespace alidade::geo

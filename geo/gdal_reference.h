@@ -12,6 +12,7 @@
 #include <glm/vec2.hpp>
 #include <initializer_list>
 #include <memory>
+#include <optional>
 #include <span>
 #include <string>
 
@@ -103,6 +104,9 @@ GdalTransformation transformation_between(const GdalReference& from, const GdalR
 /// names. Errors: one is known and the other not; one that GDAL does not understand; there is no way.
 GdalTransformation transformation_to_cloud(const std::string& own, const ObserverReference& reference,
                                            const std::string& source);
+
+/// A position in the other reference system, if it has an image there.
+std::optional<glm::dvec2> transformed(glm::dvec2 position, const GdalTransformation& transformation);
 
 /// A position in the cloud's reference system. Errors: it has no image there; they name `source`.
 glm::dvec2 transformed(const glm::dvec2& position, const GdalTransformation& transformation,

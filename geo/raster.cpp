@@ -28,32 +28,25 @@ CellRange cells_over(double low, double high, double cell_size) {
 }  // namespace
 
 RasterGrid grid_over(const Bounds& area, double cell_size) {
-  if (!(cell_size > 0.0) || !std::isfinite(cell_size)) {
-    throw Error({.problem = "invalid cell size",
-                 .expected = "a positive length",
-                 .found = fmt::format("{}", cell_size)});
-  }
+  check_that(cell_size > 0.0 && std::isfinite(cell_size), "invalid cell size", "a positive length",
+             fmt::format("{}", cell_size));
   for (int axis = 0; axis < 2; ++axis) {
-    if (!(area.min[axis] <= area.max[axis])) throw Error({.problem = "the area of the map is empty"});
-    if (!std::isfinite(area.min[axis]) || !std::isfinite(area.max[axis]))
-      throw Error({.problem = "the area of the map is not finite"});
+    check_that(area.min[axis] <= area.max[axis], "the area of the map is empty", {});
+    check_that(std::isfinite(area.min[axis]) && std::isfinite(area.max[axis]),
+               "the area of the map is not finite", {});
     // Corners must differ from each other by far more than a rounding.
     constexpr double k_finest = 1e-12;
-    if (cell_size < k_finest * std::max(std::fabs(area.min[axis]), std::fabs(area.max[axis])))
-      throw Error(
-          {.problem = fmt::format("cells of {} are too small for coordinates of this magnitude", cell_size)});
+    check_that(cell_size >= k_finest * std::max(std::fabs(area.min[axis]), std::fabs(area.max[axis])),
+               fmt::format("cells of {} are too small for coordinates of this magnitude", cell_size), {});
   }
   const CellRange x = cells_over(area.min.x, area.max.x, cell_size),
                   y = cells_over(area.min.y, area.max.y, cell_size);
   const double most = static_cast<double>(k_most_cells);
   // A side must fit an int as well.
-  if (x.count() * y.count() > most || std::max(x.count(), y.count()) >= most) {
-    throw Error(
-        {.problem = "map too large",
-         .expected = fmt::format("at most {} cells: use larger cells or a smaller area", k_most_cells),
-         .found = fmt::format("{:.0f} x {:.0f} = {:.4g} cells of {}", x.count(), y.count(),
-                              x.count() * y.count(), cell_size)});
-  }
+  check_that(x.count() * y.count() <= most && std::max(x.count(), y.count()) < most, "map too large",
+             fmt::format("at most {} cells: use larger cells or a smaller area", k_most_cells),
+             fmt::format("{:.0f} x {:.0f} = {:.4g} cells of {}", x.count(), y.count(), x.count() * y.count(),
+                         cell_size));
   return {{x.begin * cell_size, y.end * cell_size},
           cell_size,
           static_cast<int>(x.count()),
@@ -88,10 +81,8 @@ void check_map_memory(const RasterGrid& grid, int bands) {
 void check_raster_name(const std::filesystem::path& file) {
   const std::string extension = file_extension(file);
   if (extension == ".tif" || extension == ".tiff") return;
-  throw Error({.file = file.string(),
-               .problem = "unsupported map format",
-               .expected = "the extension .tif",
-               .found = extension.empty() ? "no extension" : extension});
+  throw file_error(file, "unsupported map format", "the extension .tif",
+                   extension.empty() ? "no extension" : extension);
 }
 
 }  // namespace alidade::geo

@@ -24,8 +24,7 @@ void add_band(void* dataset, const RasterBand& band, const RasterGrid& grid,
               const std::filesystem::path& file) {
   const void* const data = std::visit(
       [&](const auto& values) -> const void* {
-        if (values.size() != grid.size())
-          throw Error({.file = file.string(), .problem = "the size of a band does not match the map"});
+        if (values.size() != grid.size()) throw file_error(file, "the size of a band does not match the map");
         return values.data();
       },
       band.values);
@@ -45,7 +44,7 @@ void write_raster(const std::filesystem::path& file, const RasterContents& conte
   assert(!contents.bands.empty() && contents.grid.size() > 0);
   for (const RasterBand& band : contents.bands) {
     if (band.values.index() != contents.bands.front().values.index())
-      throw Error({.file = file.string(), .problem = "all bands of a raster must have the same data type"});
+      throw file_error(file, "all bands of a raster must have the same data type");
   }
   OutputFile output(file, overwrite);
   const std::string wkt = wkt_of(contents.crs);

@@ -20,9 +20,8 @@ void add_polygon(OGRGeometryH polygon, const std::string& source, std::vector<Pl
     std::vector<glm::dvec2>& corners = added.rings.emplace_back();
     for (int corner = 0; corner < OGR_G_GetPointCount(ring); ++corner) {
       const glm::dvec2 position{OGR_G_GetX(ring, corner), OGR_G_GetY(ring, corner)};
-      if (!std::isfinite(position.x) || !std::isfinite(position.y)) {
-        throw Error({.file = source, .problem = "a vertex is not finite", .expected = "numbers"});
-      }
+      if (!std::isfinite(position.x) || !std::isfinite(position.y))
+        throw file_error(source, "a vertex is not finite", "numbers");
       corners.push_back(position);
     }
   }
@@ -32,10 +31,8 @@ void add_polygons(OGRGeometryH geometry, const std::string& source, std::vector<
   const OGRwkbGeometryType type = geometry != nullptr ? wkbFlatten(OGR_G_GetGeometryType(geometry)) : wkbNone;
   if (type == wkbPolygon) return add_polygon(geometry, source, polygons);
   if (type != wkbMultiPolygon && type != wkbGeometryCollection) {
-    throw Error({.file = source,
-                 .problem = "not a polygon",
-                 .expected = "polygons",
-                 .found = geometry != nullptr ? OGRGeometryTypeToName(type) : "no geometry"});
+    throw file_error(source, "not a polygon", "polygons",
+                     geometry != nullptr ? OGRGeometryTypeToName(type) : "no geometry");
   }
   for (int i = 0; i < OGR_G_GetGeometryCount(geometry); ++i)
     add_polygons(OGR_G_GetGeometryRef(geometry, i), source, polygons);
@@ -60,8 +57,7 @@ std::vector<PlanePolygon> read_polygons(const std::filesystem::path& path,
                                             .features = "polygons"},
                                            take);
   std::erase_if(polygons, [](const PlanePolygon& polygon) { return polygon.rings.empty(); });
-  if (polygons.empty())
-    throw Error({.file = path.string(), .problem = "contains no polygons", .expected = "at least one"});
+  if (polygons.empty()) throw file_error(path, "contains no polygons", "at least one");
   const GdalTransformation transformation = transformation_to_cloud(wkt, reference, path.string());
   if (!transformation) return polygons;
   for (PlanePolygon& polygon : polygons) {

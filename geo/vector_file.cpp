@@ -16,20 +16,15 @@ namespace {
 GdalDataset open_vector_file(const std::filesystem::path& path, const VectorContent& content) {
   // Tested here, because GDAL interprets many a text that is not the name of a file as something to read.
   std::error_code error;
-  if (!std::filesystem::is_regular_file(path, error))
-    throw Error({.file = path.string(), .problem = "not a file", .expected = content.expected});
+  if (!std::filesystem::is_regular_file(path, error)) throw file_error(path, "not a file", content.expected);
   RegisterOGRGeoJSON();
   RegisterOGRGeoPackage();
   RegisterOGRShape();
   const char* const drivers[] = {"GeoJSON", "GPKG", "ESRI Shapefile", nullptr};
   GdalDataset dataset(GDALOpenEx(path.c_str(), GDAL_OF_VECTOR | GDAL_OF_READONLY | GDAL_OF_VERBOSE_ERROR,
                                  drivers, nullptr, nullptr));
-  if (!dataset) {
-    throw Error({.file = path.string(),
-                 .problem = "cannot read it as " + content.content,
-                 .expected = content.expected,
-                 .found = CPLGetLastErrorMsg()});
-  }
+  if (!dataset)
+    throw file_error(path, "cannot read it as " + content.content, content.expected, CPLGetLastErrorMsg());
   return dataset;
 }
 
@@ -43,10 +38,8 @@ OGRLayerH only_layer(const GdalDataset& dataset, const std::filesystem::path& pa
     if (i > 0) names += ", ";
     names += OGR_L_GetName(GDALDatasetGetLayer(dataset.get(), i));
   }
-  throw Error({.file = path.string(),
-               .problem = count == 0 ? "contains no layer" : "contains several layers",
-               .expected = "one layer of " + content.features,
-               .found = count == 0 ? "nothing" : names});
+  throw file_error(path, count == 0 ? "contains no layer" : "contains several layers",
+                   "one layer of " + content.features, count == 0 ? "nothing" : names);
 }
 
 std::string wkt_of_layer(OGRLayerH layer) {
@@ -109,8 +102,7 @@ std::string read_vector_file(const std::filesystem::path& path, const VectorCont
   CPLErrorReset();
   OGR_L_ResetReading(layer);
   while (const GdalHandle<OGR_F_Destroy> feature{OGR_L_GetNextFeature(layer)}) take(feature.get());
-  if (CPLGetLastErrorType() >= CE_Failure)
-    throw Error({.file = path.string(), .problem = "corrupt file", .found = CPLGetLastErrorMsg()});
+  if (CPLGetLastErrorType() >= CE_Failure) throw file_error(path, "corrupt file", {}, CPLGetLastErrorMsg());
   return wkt_of_layer(layer);
 }
 

@@ -148,9 +148,8 @@ void check_against(const Octree& octree, int max_level, double spacing_factor) {
 
 void check_room(std::size_t targets, std::size_t room) {
   if (targets == room) return;
-  throw Error({.problem = "the span of answers does not match the targets",
-               .expected = fmt::format("{}", targets),
-               .found = fmt::format("{}", room)});
+  throw file_error({}, "the span of answers does not match the targets", fmt::format("{}", targets),
+                   fmt::format("{}", room));
 }
 
 }  // namespace alidade

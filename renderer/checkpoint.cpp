@@ -137,11 +137,6 @@ class BlockReader {
   std::size_t used_ = 0;
 };
 
-[[noreturn]] void fail(const InputFile& file, const std::string& problem, const std::string& expected,
-                       const std::string& found) {
-  throw Error({.file = file.name(), .problem = problem, .expected = expected, .found = found});
-}
-
 void read_tiles(BlockReader& reader, const InputFile& file, int samples, PictureState& state) {
   std::vector<std::byte> bytes(k_tile_bytes * state.tiles.size());
   reader.take(bytes);
@@ -149,8 +144,9 @@ void read_tiles(BlockReader& reader, const InputFile& file, int samples, Picture
     const std::byte* const at = bytes.data() + k_tile_bytes * tile;
     const auto reached = load<std::uint32_t>(at), stopped = load<std::uint32_t>(at + 4);
     if (reached > static_cast<std::uint32_t>(samples) || stopped > 1) {
-      fail(file, fmt::format("corrupt checkpoint: tile {}", tile), fmt::format("at most {} samples", samples),
-           fmt::format("{} samples, stopped {}", reached, stopped));
+      throw file_error(file.name(), fmt::format("corrupt checkpoint: tile {}", tile),
+                       fmt::format("at most {} samples", samples),
+                       fmt::format("{} samples, stopped {}", reached, stopped));
     }
     state.tiles[tile] = {reached, stopped == 1, load<std::uint64_t>(at + 8)};
   }
@@ -163,17 +159,19 @@ void check_head(const InputFile& file, const CheckpointHead& head, const Picture
   if (head.width != static_cast<std::uint32_t>(state.grid.width()) ||
       head.height != static_cast<std::uint32_t>(state.grid.height()) ||
       (head.with_noise == 1) != state.with_noise || head.samples != static_cast<std::uint32_t>(samples)) {
-    fail(file, "corrupt checkpoint: its sizes contradict its fingerprint",
-         fmt::format("{} x {} pixels, {} samples", state.grid.width(), state.grid.height(), samples),
-         fmt::format("{} x {} pixels, {} samples", head.width, head.height, head.samples));
+    throw file_error(
+        file.name(), "corrupt checkpoint: its sizes contradict its fingerprint",
+        fmt::format("{} x {} pixels, {} samples", state.grid.width(), state.grid.height(), samples),
+        fmt::format("{} x {} pixels, {} samples", head.width, head.height, head.samples));
   }
   if (head.pass_end < 1 || head.pass_end > head.samples) {
-    fail(file, "corrupt checkpoint: samples in progress", fmt::format("1 to {}", head.samples),
-         std::to_string(head.pass_end));
+    throw file_error(file.name(), "corrupt checkpoint: samples in progress",
+                     fmt::format("1 to {}", head.samples), std::to_string(head.pass_end));
   }
   const std::uint64_t expected = head.head_bytes + rest_bytes(state);
   if (head.file_bytes != expected)
-    fail(file, "corrupt checkpoint", fmt::format("{} bytes", expected), std::to_string(head.file_bytes));
+    throw file_error(file.name(), "corrupt checkpoint", fmt::format("{} bytes", expected),
+                     std::to_string(head.file_bytes));
 }
 
 }  // namespace
@@ -215,8 +213,8 @@ void read_checkpoint(InputFile file, const PictureFingerprint& fingerprint, int 
   for_each_array(state, [&](const auto& values) { reader.take(std::as_writable_bytes(values)); });
   const std::uint64_t sum = reader.sum();
   if (sum != head.rest_checksum) {
-    fail(file, "corrupt checkpoint: wrong checksum of the samples",
-         fmt::format("{:016x}", head.rest_checksum), fmt::format("{:016x}", sum));
+    throw file_error(file.name(), "corrupt checkpoint: wrong checksum of the samples",
+                     fmt::format("{:016x}", head.rest_checksum), fmt::format("{:016x}", sum));
   }
   state.pass_end = static_cast<int>(head.pass_end);
   state.seconds = head.seconds;

@@ -27,11 +27,8 @@ namespace {
 /// that closes nearly all surfaces.
 constexpr double k_widest_over_automatic = 4.0;
 
-double positive(double value, const char* what) {
-  if (value > 0.0 && std::isfinite(value)) return value;
-  throw Error({.problem = std::string("bad ") + what,
-               .expected = "a positive number",
-               .found = std::to_string(value)});
+void check_positive(double value, const std::string& what) {
+  check_that(value > 0.0 && std::isfinite(value), "bad " + what, "a positive number", std::to_string(value));
 }
 
 }  // namespace
@@ -39,14 +36,13 @@ double positive(double value, const char* what) {
 void choose_radius(const CloudSettings& settings, LoadedCloud& cloud, const Progress& progress) {
   const std::optional<AdaptedRadius>& adapted = settings.adapted_radius;
   const std::optional<double> given = adapted ? adapted->max : settings.radius;
-  if (given) positive(*given, adapted ? "largest radius of points" : "radius of points");
+  if (given) check_positive(*given, adapted ? "largest radius of points" : "radius of points");
   cloud.radius = given ? *given : automatic_radius(cloud.octree, settings.max_level);
   if (!adapted) return;
-  if (settings.max_level < k_max_level) {
-    throw Error({.problem = "adapted radii with max_level",
-                 .expected = "one radius, or all levels: spacings are those of the whole cloud"});
-  }
-  cloud.spacing_factor = positive(adapted->factor, "factor between spacings and radii");
+  check_that(settings.max_level >= k_max_level, "adapted radii with max_level",
+             "one radius, or all levels: spacings are those of the whole cloud");
+  check_positive(adapted->factor, "factor between spacings and radii");
+  cloud.spacing_factor = adapted->factor;
   if (!given) cloud.radius *= k_widest_over_automatic;
   cloud.octree = with_spacings(cloud.octree, adapted->neighbours, progress);
 }
@@ -186,9 +182,8 @@ LoadedCloud load_cloud(const CloudSettings& settings, const CloudInputs& inputs,
       index ? map_cloud(settings, *index, reading) : build_cloud(settings, inputs, reading, afterwards);
   if (settings.max_level < k_max_level && loaded.octree.size() > 0 &&
       loaded.octree.view().organisation != Organisation::layered) {
-    throw Error({.file = inputs.title(),
-                 .problem = "max_level requires a layered index",
-                 .expected = "an index file made with --organisation layered"});
+    throw file_error(inputs.title(), "max_level requires a layered index",
+                     "an index file made with --organisation layered");
   }
   report(afterwards, done, total);
   choose_radius(settings, loaded, measuring);

@@ -13,25 +13,21 @@
 namespace alidade::renderer {
 namespace {
 
-[[noreturn]] void reject(const char* problem, const char* expected, const std::string& found) {
-  throw Error({.problem = problem, .expected = expected, .found = found});
-}
-
 void check_options(const Scene& scene, const RenderOptions& options) {
   if (!scene.camera) throw Error({.problem = "the scene has no camera"});
   const int samples = scene.render.samples;
-  if (samples < 1 || samples > k_max_samples)
-    reject("invalid number of samples", "1 to 16777216", std::to_string(samples));
-  if (options.time_limit && !(*options.time_limit >= 0.0))
-    reject("invalid time limit", "seconds, at least 0", std::to_string(*options.time_limit));
-  if (options.target_noise && !(*options.target_noise > 0.0))
-    reject("invalid noise target", "a positive number", std::to_string(*options.target_noise));
-  if (options.checkpoint && !(options.checkpoint->interval > 0.0))
-    reject("invalid checkpoint interval", "a positive number of seconds",
-           std::to_string(options.checkpoint->interval));
-  if (options.preview && !(options.preview->interval >= 0.0 && options.preview->longest_side >= 1))
-    reject("invalid preview options", "seconds, at least 0, and at least one pixel",
-           std::to_string(options.preview->interval));
+  check_that(samples >= 1 && samples <= k_max_samples, "invalid number of samples", "1 to 16777216",
+             std::to_string(samples));
+  if (const auto& limit = options.time_limit)
+    check_that(*limit >= 0.0, "invalid time limit", "seconds, at least 0", std::to_string(*limit));
+  if (const auto& target = options.target_noise)
+    check_that(*target > 0.0, "invalid noise target", "a positive number", std::to_string(*target));
+  if (const auto& checkpoint = options.checkpoint)
+    check_that(checkpoint->interval > 0.0, "invalid checkpoint interval", "a positive number of seconds",
+               std::to_string(checkpoint->interval));
+  if (const auto& preview = options.preview)
+    check_that(preview->interval >= 0.0 && preview->longest_side >= 1, "invalid preview options",
+               "seconds, at least 0, and at least one pixel", std::to_string(preview->interval));
 }
 
 bool wants(const RenderOptions& options, image::Layer layer) {

@@ -10,9 +10,8 @@ namespace alidade::database {
 namespace {
 
 [[noreturn]] void reject(const ServerName& name) {
-  throw Error({.file = name.shown(),
-               .problem = "this program was built without the PostgreSQL client library",
-               .expected = "a build with libpq-dev or an equivalent package"});
+  throw file_error(name.shown(), "this program was built without the PostgreSQL client library",
+                   "a build with libpq-dev or an equivalent package");
 }
 
 }  // namespace

@@ -21,9 +21,8 @@ constexpr const char* k_file = "libpq.so.5";
 
 [[noreturn]] void reject_library() {
   const char* const reason = ::dlerror();
-  throw Error({.problem = "server connections require the PostgreSQL client library",
-               .expected = "the package libpq5 or an equivalent",
-               .found = reason != nullptr ? reason : k_file});
+  throw file_error({}, "server connections require the PostgreSQL client library",
+                   "the package libpq5 or an equivalent", reason != nullptr ? reason : k_file);
 }
 
 /// PostgreSQL's client library, which is loaded when a server is first asked: with what it brings along,
@@ -183,11 +182,7 @@ ServerConnection::~ServerConnection() {
 
 void ServerConnection::fail(std::string problem, std::string expected, std::string found,
                             std::string location) const {
-  throw Error({.file = name_,
-               .location = std::move(location),
-               .problem = std::move(problem),
-               .expected = std::move(expected),
-               .found = std::move(found)});
+  throw Error(name_, std::move(location), std::move(problem), std::move(expected), std::move(found));
 }
 
 void ServerConnection::fail_as_told(const char* problem) const {

@@ -109,19 +109,16 @@ void check_server_table(const std::string& name) {
   const auto is_control = [](char character) {
     return static_cast<unsigned char>(character) < 0x20 || character == 0x7f;
   };
-  if (name.empty() || name.size() > k_longest || std::ranges::any_of(name, is_control) || !is_utf8(name)) {
-    throw Error({.problem = "invalid table name",
-                 .expected = fmt::format("1 to {} bytes of UTF-8 without control characters", k_longest),
-                 .found = fmt::format("{} bytes", name.size())});
-  }
+  check_that(
+      !name.empty() && name.size() <= k_longest && std::ranges::none_of(name, is_control) && is_utf8(name),
+      "invalid table name", fmt::format("1 to {} bytes of UTF-8 without control characters", k_longest),
+      fmt::format("{} bytes", name.size()));
 }
 
 void check_column_count(const std::vector<StoredColumn>& columns) {
   constexpr std::size_t k_most = 1600, k_axes = 3;
-  if (columns.size() + k_axes <= k_most) return;
-  throw Error({.problem = "too many attributes for a PostgreSQL table",
-               .expected = fmt::format("at most {} columns", k_most),
-               .found = std::to_string(columns.size() + k_axes)});
+  check_that(columns.size() + k_axes <= k_most, "too many attributes for a PostgreSQL table",
+             fmt::format("at most {} columns", k_most), std::to_string(columns.size() + k_axes));
 }
 
 std::string server_columns(const std::vector<StoredColumn>& columns) {

@@ -27,9 +27,8 @@ namespace {
   // What is in front of an @ may be a password, which must not be in a message.
   const std::size_t at = text.rfind('@');
   const std::string found(at == std::string_view::npos ? text : text.substr(at));
-  throw Error({.problem = std::move(problem),
-               .expected = "HOST/DATABASE or HOST:PORT/DATABASE",
-               .found = (at == std::string_view::npos ? "" : "...") + found});
+  throw file_error({}, std::move(problem), "HOST/DATABASE or HOST:PORT/DATABASE",
+                   (at == std::string_view::npos ? "" : "...") + found);
 }
 
 /// Neither what programs take for an option or a setting, nor what terminals take for a command.
@@ -187,10 +186,9 @@ void write_files(const std::filesystem::path& folder, OrderedCloud& cloud, std::
   const CopyRows rows(cloud.columns(), cloud.whole.rest.lattice);
   check_column_count(rows.columns());
   const std::uint64_t size = cloud.points.size();
-  if (shards.empty() || size < shards.size()) {
-    throw Error({.problem = fmt::format("cannot distribute {} points over {} shards", size, shards.size()),
-                 .expected = "at least one point for each shard"});
-  }
+  check_that(!shards.empty() && size >= shards.size(),
+             fmt::format("cannot distribute {} points over {} shards", size, shards.size()),
+             "at least one point for each shard");
   std::uint64_t done = 0;
   const auto report_progress = [&](std::size_t count) {
     done += count;
@@ -235,17 +233,12 @@ StoredFiles write_shard_plan(const std::filesystem::path& folder, const CloudInp
                              const ShardPlanOptions& options) {
   check_server_table(options.table);
   const std::filesystem::path whole_folder = (folder / "").parent_path();
-  if (std::filesystem::exists(std::filesystem::symlink_status(whole_folder))) {
-    throw Error({.file = whole_folder.string(),
-                 .problem = "the folder exists",
-                 .expected = "the name of a new folder"});
-  }
+  if (std::filesystem::exists(std::filesystem::symlink_status(whole_folder)))
+    throw file_error(whole_folder, "the folder exists", "the name of a new folder");
   const std::filesystem::path beside = whole_folder.string() + fmt::format(".part{}", ::getpid());
   std::error_code error;
-  if (!std::filesystem::create_directory(beside, error)) {
-    throw Error(
-        {.file = whole_folder.string(), .problem = "cannot create the folder", .found = error.message()});
-  }
+  if (!std::filesystem::create_directory(beside, error))
+    throw file_error(whole_folder, "cannot create the folder", {}, error.message());
   try {
     OrderedCloud cloud(beside, inputs, reading, options.memory);
     write_files(beside, cloud, shards, options);

@@ -83,9 +83,7 @@ void store(ServerConnection& connection, const ServerName& name, OrderedCloud& c
 
 StoredFiles store_on_server(const ServerName& name, const CloudInputs& inputs, const ReadOptions& reading,
                             const ServerStoreOptions& options) {
-  if (name.table.empty())
-    throw Error(
-        {.file = name.shown(), .problem = "missing table name", .expected = "?table=NAME at the end"});
+  if (name.table.empty()) throw file_error(name.shown(), "missing table name", "?table=NAME at the end");
   check_server_table(name.table);
   ServerConnection connection(name);
   check_tables(connection, name, options.replace);

@@ -70,8 +70,7 @@ int connect(sqlite3* database, void* reads, int count, const char* const* words,
             char** message) {
   return guarded(
       [&] {
-        if (count > 3)
-          throw Error({.problem = "pointcloud takes no arguments", .expected = "USING pointcloud"});
+        check_that(count <= 3, "pointcloud takes no arguments", "USING pointcloud");
         auto table = std::make_unique<Table>(database, words[1], words[2], static_cast<ScanReads*>(reads));
         const int result = sqlite3_declare_vtab(database, table->columns.declaration().c_str());
         if (result != SQLITE_OK) {

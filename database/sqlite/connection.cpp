@@ -31,10 +31,8 @@ Connection::Connection(const std::filesystem::path& file, Mode mode, std::functi
     int result = sqlite3_open_v2(path.c_str(), &database_, flags | SQLITE_OPEN_NOMUTEX, nullptr);
     if (result == SQLITE_OK) result = add_functions(database_);
     if (result == SQLITE_OK) result = add_cloud_table(database_, &reads_);
-    if (result != SQLITE_OK) {
-      throw Error({.file = file.string(),
-                   .problem = database_ == nullptr ? sqlite3_errstr(result) : sqlite3_errmsg(database_)});
-    }
+    if (result != SQLITE_OK)
+      throw file_error(file, database_ == nullptr ? sqlite3_errstr(result) : sqlite3_errmsg(database_));
     // What others put into a file, such as views and triggers, may do nothing but ask.
     sqlite3_db_config(database_, SQLITE_DBCONFIG_TRUSTED_SCHEMA, 0, nullptr);
     if (mode == Mode::read) sqlite3_db_config(database_, SQLITE_DBCONFIG_DEFENSIVE, 1, nullptr);

@@ -30,9 +30,7 @@ DistanceLimit decode_distance_limit(std::span<const std::byte> bytes) {
   const bool is_one = bytes.size() == k_head + sizeof limit.numbers &&
                       std::memcmp(bytes.data(), k_mark, sizeof k_mark) == 0 &&
                       bytes[k_head - 1] <= static_cast<std::byte>(DistanceLimit::Kind::plane);
-  if (!is_one)
-    throw Error(
-        {.problem = "in_chunk: argument 2 is not a limit", .expected = "ray_limit(...) or plane_limit(...)"});
+  check_that(is_one, "in_chunk: argument 2 is not a limit", "ray_limit(...) or plane_limit(...)");
   limit.kind = static_cast<DistanceLimit::Kind>(bytes[k_head - 1]);
   std::memcpy(limit.numbers.data(), bytes.data() + k_head, sizeof limit.numbers);
   return limit;

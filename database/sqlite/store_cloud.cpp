@@ -84,9 +84,8 @@ Found find_table(sqlite3* database, const std::string& name) {
 bool check_table(sqlite3* database, const StoreOptions& options) {
   const Found found = find_table(database, options.table);
   if (!found.exists || (options.replace && found.is_cloud)) return found.exists;
-  throw Error({.file = file_of(database),
-               .problem = fmt::format("the table {} exists", options.table),
-               .expected = options.replace ? "a cloud" : "another name, or --overwrite"});
+  throw file_error(file_of(database), fmt::format("the table {} exists", options.table),
+                   options.replace ? "a cloud" : "another name, or --overwrite");
 }
 
 /// Also one that cannot be read: SQLite drops what it can open, so it gets something to open.
@@ -187,7 +186,7 @@ void flush_to_disk(const std::filesystem::path& path) {
   const int descriptor = ::open(path.c_str(), O_RDONLY | O_CLOEXEC);
   const bool is_flushed = descriptor >= 0 && ::fsync(descriptor) == 0;
   if (descriptor >= 0) ::close(descriptor);
-  if (!is_flushed) throw Error({.file = path.string(), .problem = "cannot write to the disk"});
+  if (!is_flushed) throw file_error(path, "cannot write to the disk");
 }
 
 /// Gives a whole file its name. Error: there is a file of that name by now.
@@ -206,30 +205,22 @@ void check_name(const std::string& table) {
   std::string small = table.substr(0, 7);
   std::ranges::transform(small, small.begin(),
                          [](unsigned char character) { return std::tolower(character); });
-  if (table.empty() || table.find('\0') != table.npos || small == "sqlite_") {
-    throw Error({.problem = "invalid table name",
-                 .expected = "a nonempty name that does not begin with sqlite_",
-                 .found = "'" + table + "'"});
-  }
+  check_that(!table.empty() && table.find('\0') == table.npos && small != "sqlite_", "invalid table name",
+             "a nonempty name that does not begin with sqlite_", "'" + table + "'");
 }
 
 void check(const std::filesystem::path& file, const StoreOptions& options) {
-  if (options.chunk_points < 1 || options.chunk_points > k_most_chunk_points) {
-    throw Error({.problem = "invalid number of points per chunk",
-                 .expected = fmt::format("1 to {}", k_most_chunk_points),
-                 .found = std::to_string(options.chunk_points)});
-  }
+  check_that(options.chunk_points >= 1 && options.chunk_points <= k_most_chunk_points,
+             "invalid number of points per chunk", fmt::format("1 to {}", k_most_chunk_points),
+             std::to_string(options.chunk_points));
   check_name(options.table);
   if (std::filesystem::exists(file)) check_table(Connection(file, Connection::Mode::write).get(), options);
 }
 
 void store_ordered(const std::filesystem::path& file, OrderedCloud& cloud, const StoreOptions& options) {
   const std::uint64_t most_points = std::uint64_t{UINT32_MAX} * options.chunk_points;
-  if (cloud.points.size() > most_points) {
-    throw Error({.problem = "too many points for one table",
-                 .expected = fmt::format("at most {}", most_points),
-                 .found = std::to_string(cloud.points.size())});
-  }
+  check_that(cloud.points.size() <= most_points, "too many points for one table",
+             fmt::format("at most {}", most_points), std::to_string(cloud.points.size()));
   if (std::filesystem::exists(file)) {
     store_in(file, Connection::Mode::write, cloud, options);
     return;
@@ -250,11 +241,8 @@ void store_ordered(const std::filesystem::path& file, OrderedCloud& cloud, const
 
 void store_cloud(const std::filesystem::path& file, const PointCloud& cloud, const StoreOptions& options) {
   check(file, options);
-  if (cloud.size() > UINT32_MAX) {
-    throw Error({.problem = "too many points in memory",
-                 .expected = fmt::format("at most {}, or files", UINT32_MAX),
-                 .found = std::to_string(cloud.size())});
-  }
+  check_that(cloud.size() <= UINT32_MAX, "too many points in memory",
+             fmt::format("at most {}, or files", UINT32_MAX), std::to_string(cloud.size()));
   OrderedCloud ordered(file.parent_path(), cloud);
   store_ordered(file, ordered, options);
 }

@@ -29,10 +29,9 @@ AttributeColumns columns_in(const IndexSections& sections, const PointCloud& des
   auto rest = sections.values<std::uint8_t>(IndexSection::extra_dimensions);
   const std::size_t points = sections.header().tree.point_count;
   if (rest.size() != bytes_per_point * points) {
-    throw Error({.file = sections.name(),
-                 .problem = "wrong size of " + name(IndexSection::extra_dimensions),
-                 .expected = fmt::format("{} bytes for each of {} points", bytes_per_point, points),
-                 .found = fmt::format("{} bytes", rest.size())});
+    throw file_error(sections.name(), "wrong size of " + name(IndexSection::extra_dimensions),
+                     fmt::format("{} bytes for each of {} points", bytes_per_point, points),
+                     fmt::format("{} bytes", rest.size()));
   }
   for (const ExtraDimension& dimension : description.extra_dimensions) {
     const std::size_t bytes = static_cast<std::size_t>(dimension.byte_count) * points;
@@ -47,18 +46,14 @@ void check_record_bytes(const IndexSections& sections, const IndexMetadata& meta
   std::uint64_t left = sections.bytes(IndexSection::record_data).size();
   for (const std::uint64_t bytes : metadata.record_bytes) {
     if (bytes > left) {
-      throw Error({.file = sections.name(),
-                   .problem = "corrupt file: the data of the records exceeds its section",
-                   .expected = fmt::format("at most {} bytes", left),
-                   .found = std::to_string(bytes)});
+      throw file_error(sections.name(), "corrupt file: the data of the records exceeds its section",
+                       fmt::format("at most {} bytes", left), std::to_string(bytes));
     }
     left -= bytes;
   }
-  if (left > 0) {
-    throw Error({.file = sections.name(),
-                 .problem = "corrupt file: the section of record data is too long",
-                 .found = fmt::format("{} bytes more", left)});
-  }
+  if (left > 0)
+    throw file_error(sections.name(), "corrupt file: the section of record data is too long", {},
+                     fmt::format("{} bytes more", left));
 }
 
 TreeView tree_in(const IndexSections& sections) {

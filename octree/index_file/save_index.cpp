@@ -85,17 +85,13 @@ void check_cloud(const Octree& octree, const PointCloud& cloud) {
     throw Error({.problem = "octree and cloud have different lattices"});
   for_each_column(cloud, cloud, [&](Attribute attribute, const auto& column, const auto&) {
     if (column.empty() || column.size() == octree.size()) return;
-    throw Error({.problem = "wrong column size: " + attribute_names(attribute).front(),
-                 .expected = fmt::format("{} values", octree.size()),
-                 .found = std::to_string(column.size())});
+    throw file_error({}, "wrong column size: " + attribute_names(attribute).front(),
+                     fmt::format("{} values", octree.size()), std::to_string(column.size()));
   });
   for (const ExtraDimension& dimension : cloud.extra_dimensions) {
     const auto bytes = static_cast<std::size_t>(dimension.byte_count);
-    if (dimension.values.size() != octree.size() * bytes) {
-      throw Error({.problem = "wrong column size: " + dimension.name,
-                   .expected = fmt::format("{} bytes", octree.size() * bytes),
-                   .found = std::to_string(dimension.values.size())});
-    }
+    check_that(dimension.values.size() == octree.size() * bytes, "wrong column size: " + dimension.name,
+               fmt::format("{} bytes", octree.size() * bytes), std::to_string(dimension.values.size()));
   }
 }
 
