@@ -2,7 +2,6 @@
 #pragma once
 
 #include <cpl_error.h>
-#include <cpl_string.h>
 #include <cpl_vsi.h>
 #include <fmt/format.h>
 #include <gdal.h>
@@ -10,7 +9,6 @@
 #include <cstddef>
 #include <filesystem>
 #include <glm/vec2.hpp>
-#include <initializer_list>
 #include <memory>
 #include <optional>
 #include <span>
@@ -53,22 +51,6 @@ class GdalMemoryFile {
 
  private:
   std::string name_;
-};
-
-/// A list of texts for GDAL that is given back when it is no longer used.
-class GdalTexts {
- public:
-  GdalTexts(std::initializer_list<std::string> texts) {
-    for (const std::string& text : texts) list_ = CSLAddString(list_, text.c_str());
-  }
-  ~GdalTexts() { CSLDestroy(list_); }
-  GdalTexts(const GdalTexts&) = delete;
-  GdalTexts& operator=(const GdalTexts&) = delete;
-
-  char** list() const { return list_; }
-
- private:
-  char** list_ = nullptr;
 };
 
 /// Throws the Error about a GeoTIFF, with what GDAL said last.

@@ -4,11 +4,10 @@
 #include <fmt/format.h>
 #include <gdal_frmts.h>
 
-#include <array>
+#include <algorithm>
 #include <cassert>
 
 #include "base/error.h"
-#include "base/output_file.h"
 #include "geo/gdal_reference.h"
 
 namespace alidade::geo {
@@ -28,13 +27,45 @@ void add_band(void* dataset, const RasterBand& band, const RasterGrid& grid,
         return values.data();
       },
       band.values);
-  const GdalTexts options{fmt::format("DATAPOINTER={}", data)};
-  if (GDALAddBand(dataset, type_of(band), options.list()) != CE_None)
-    fail_geotiff(file, "cannot write a band");
+  const std::string pointer = fmt::format("DATAPOINTER={}", data);
+  const char* const options[] = {pointer.c_str(), nullptr};
+  if (GDALAddBand(dataset, type_of(band), options) != CE_None) fail_geotiff(file, "cannot write a band");
   void* const added = GDALGetRasterBand(dataset, GDALGetRasterCount(dataset));
   if (band.no_data) GDALSetRasterNoDataValue(added, *band.no_data);
   if (!band.description.empty()) GDALSetDescription(added, band.description.c_str());
   if (!band.unit.empty()) GDALSetRasterUnitType(added, band.unit.c_str());
+}
+
+/// Hands the picture over in rows of tiles, band by band, so that the copy of the image stays small.
+void write_rows(void* dataset, const GroundPicture& picture, const FillRows& fill,
+                const std::filesystem::path& file) {
+  constexpr int k_rows = 256;
+  const std::size_t row_size = 4 * static_cast<std::size_t>(picture.width);
+  std::vector<std::uint8_t> pixels(row_size * std::min(k_rows, picture.height));
+  for (int begin = 0; begin < picture.height; begin += k_rows) {
+    const int rows = std::min(k_rows, picture.height - begin);
+    fill(begin, rows, std::span(pixels).first(row_size * rows));
+    if (GDALDatasetRasterIO(dataset, GF_Write, 0, begin, picture.width, rows, pixels.data(), picture.width,
+                            rows, GDT_Byte, 4, nullptr, 4, 4 * picture.width, 1) != CE_None)
+      fail_geotiff(file, "cannot write rows");
+  }
+}
+
+/// A reference system that GDAL does not understand is left out; the rest is right without it.
+void place(void* dataset, std::array<double, 6> transform, const std::string& wkt,
+           const std::filesystem::path& file) {
+  if (GDALSetGeoTransform(dataset, transform.data()) != CE_None)
+    fail_geotiff(file, "cannot set the georeference");
+  if (!wkt.empty()) GDALSetProjection(dataset, wkt.c_str());
+}
+
+/// Closes a file in memory and puts its bytes into another.
+void complete(GdalDataset dataset, const GdalMemoryFile& memory, const std::filesystem::path& file,
+              OutputFile& output) {
+  dataset.reset();
+  if (CPLGetLastErrorType() >= CE_Failure || memory.bytes().empty())
+    fail_geotiff(file, "cannot complete the file");
+  output.write(memory.bytes());
 }
 
 }  // namespace
@@ -59,28 +90,52 @@ void write_raster(const std::filesystem::path& file, const RasterContents& conte
   const GdalDataset values(GDALCreate(memory_driver, "", grid.columns, grid.rows, 0, GDT_Byte, nullptr));
   if (!values) fail_geotiff(file, "cannot create the file");
   for (const RasterBand& band : contents.bands) add_band(values.get(), band, grid, file);
-  std::array<double, 6> transform = {grid.north_west.x, grid.cell_size, 0.0, grid.north_west.y, 0.0,
-                                     -grid.cell_size};
-  if (GDALSetGeoTransform(values.get(), transform.data()) != CE_None)
-    fail_geotiff(file, "cannot set the georeference");
-  if (!wkt.empty()) GDALSetProjection(values.get(), wkt.c_str());
+  place(values.get(), {grid.north_west.x, grid.cell_size, 0.0, grid.north_west.y, 0.0, -grid.cell_size}, wkt,
+        file);
   GDALSetMetadataItem(values.get(), "TIFFTAG_SOFTWARE", "Alidade " ALIDADE_VERSION, nullptr);
   for (const auto& [key, text] : contents.metadata)
     GDALSetMetadataItem(values.get(), key.c_str(), text.c_str(), nullptr);
 
   const bool whole_numbers = type_of(contents.bands.front()) != GDT_Float32;
-  const GdalTexts options{"COMPRESS=DEFLATE", "PREDICTOR=YES", "BIGTIFF=IF_SAFER", "NUM_THREADS=1",
-                          whole_numbers ? "OVERVIEW_RESAMPLING=NEAREST" : "OVERVIEW_RESAMPLING=AVERAGE"};
+  const char* const options[] = {
+      "COMPRESS=DEFLATE",
+      "PREDICTOR=YES",
+      "BIGTIFF=IF_SAFER",
+      "NUM_THREADS=1",
+      whole_numbers ? "OVERVIEW_RESAMPLING=NEAREST" : "OVERVIEW_RESAMPLING=AVERAGE",
+      nullptr};
   const GdalMemoryFile encoded;
   CPLErrorReset();
   GdalDataset copy(
-      GDALCreateCopy(cog_driver, encoded.name(), values.get(), FALSE, options.list(), nullptr, nullptr));
+      GDALCreateCopy(cog_driver, encoded.name(), values.get(), FALSE, options, nullptr, nullptr));
   if (!copy) fail_geotiff(file, "cannot encode the file");
-  copy.reset();
-  if (CPLGetLastErrorType() >= CE_Failure || encoded.bytes().empty())
-    fail_geotiff(file, "cannot complete the file");
-  output.write(encoded.bytes());
+  complete(std::move(copy), encoded, file, output);
   output.commit();
+}
+
+void write_geotiff(const std::filesystem::path& name, const GroundPicture& picture, const FillRows& fill,
+                   OutputFile& file) {
+  const std::string wkt = wkt_of(picture.crs);
+  const QuietGdal quiet;
+  GDALRegister_GTiff();
+  const GdalMemoryFile memory;
+  const GDALDriverH driver = GDALGetDriverByName("GTiff");
+  if (driver == nullptr) fail_geotiff(name, "GDAL lacks the GTiff driver");
+  const char* const options[] = {"COMPRESS=DEFLATE",   "PREDICTOR=2",      "TILED=YES",     "PHOTOMETRIC=RGB",
+                                 "ALPHA=UNASSOCIATED", "BIGTIFF=IF_SAFER", "NUM_THREADS=1", nullptr};
+  GdalDataset dataset(GDALCreate(driver, memory.name(), picture.width, picture.height, 4, GDT_Byte, options));
+  if (!dataset) fail_geotiff(name, "cannot create the file");
+  GDALSetRasterColorInterpretation(GDALGetRasterBand(dataset.get(), 4), GCI_AlphaBand);
+  place(dataset.get(), picture.transform, wkt, name);
+  for (const auto& [key, text] : picture.texts) {
+    // To GDAL a colon ends the name.
+    std::string item = key == "Software" ? "TIFFTAG_SOFTWARE" : key;
+    std::ranges::replace(item, ':', '_');
+    GDALSetMetadataItem(dataset.get(), item.c_str(), text.c_str(), nullptr);
+  }
+  write_rows(dataset.get(), picture, fill, name);
+  CPLErrorReset();
+  complete(std::move(dataset), memory, name, file);
 }
 
 }  // namespace alidade::geo

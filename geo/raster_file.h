@@ -1,8 +1,10 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <filesystem>
+#include <functional>
 #include <optional>
 #include <span>
 #include <string>
@@ -10,6 +12,7 @@
 #include <variant>
 #include <vector>
 
+#include "base/output_file.h"
 #include "cloud/crs.h"
 #include "geo/raster.h"
 
@@ -39,5 +42,23 @@ struct RasterContents {
 /// `overwrite`; bands of several types, or with another number of values; a full disk and other write
 /// failures. Memory: the encoded file, overviews included.
 void write_raster(const std::filesystem::path& file, const RasterContents& contents, bool overwrite);
+
+/// A picture on the ground, but for its pixels.
+struct GroundPicture {
+  int width = 0, height = 0;
+  /// World x = [0] + [1] column + [2] row, y = [3] + [4] column + [5] row, with (0, 0) the outer corner of
+  /// the first pixel.
+  std::array<double, 6> transform{};
+  Crs crs;
+  std::vector<std::pair<std::string, std::string>> texts;  ///< metadata: key and text
+};
+
+/// Fills rows of red, green, blue and alpha, from `first_row` on.
+using FillRows = std::function<void(int first_row, int rows, std::span<std::uint8_t> rgba)>;
+
+/// Red, green, blue and alpha with 8 bits, in tiles, compressed without loss. The same pixels give the same
+/// bytes. `name` is the file's in messages.
+void write_geotiff(const std::filesystem::path& name, const GroundPicture& picture, const FillRows& fill,
+                   OutputFile& file);
 
 }  // namespace alidade::geo

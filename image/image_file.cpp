@@ -20,7 +20,7 @@
 
 #include "base/error.h"
 #include "base/output_file.h"
-#include "geo/geotiff.h"
+#include "geo/raster_file.h"
 #include "image/srgb.h"
 
 namespace alidade::image {
