@@ -10,7 +10,7 @@
 namespace alidade::geo {
 namespace {
 
-double rounded(double degrees) {
+double to_billionths(double degrees) {
   return std::round(degrees * 1e9) / 1e9;
 }
 
@@ -45,7 +45,7 @@ std::optional<std::vector<glm::dvec3>> lon_lat(const Crs& crs, std::span<const g
   for (glm::dvec3& position : answers) {
     const auto there = transformed({position.x, position.y}, transformation);
     if (!there || std::fabs(there->y) > 90.0) return std::nullopt;
-    position = {rounded(there->x), rounded(there->y), position.z};
+    position = {to_billionths(there->x), to_billionths(there->y), position.z};
   }
   return answers;
 }

@@ -1,11 +1,12 @@
 // SPDX-License-Identifier: MIT
 #include "geo/vector_file.h"
 
+#include <fmt/format.h>
 #include <ogr_api.h>
 #include <ogr_srs_api.h>
 #include <ogrsf_frmts.h>
+#include <cmath>
 #include <limits>
-#include <memory>
 
 #include "base/error.h"
 #include "geo/gdal_reference.h"
@@ -28,16 +29,23 @@ GdalDataset open_vector_file(const std::filesystem::path& path, const VectorCont
   return dataset;
 }
 
+/// wkbNone for null.
+OGRwkbGeometryType type_of(OGRGeometryH geometry) {
+  return geometry != nullptr ? wkbFlatten(OGR_G_GetGeometryType(geometry)) : wkbNone;
+}
+
+std::string type_name(OGRGeometryH geometry) {
+  return geometry != nullptr ? OGRGeometryTypeToName(type_of(geometry)) : "no geometry";
+}
+
 /// The only layer. Errors: none, or several.
 OGRLayerH only_layer(const GdalDataset& dataset, const std::filesystem::path& path,
                      const VectorContent& content) {
   const int count = GDALDatasetGetLayerCount(dataset.get());
   if (count == 1) return GDALDatasetGetLayer(dataset.get(), 0);
   std::string names;
-  for (int i = 0; i < count; ++i) {
-    if (i > 0) names += ", ";
-    names += OGR_L_GetName(GDALDatasetGetLayer(dataset.get(), i));
-  }
+  for (int i = 0; i < count; ++i)
+    names += (i > 0 ? ", " : "") + std::string(OGR_L_GetName(GDALDatasetGetLayer(dataset.get(), i)));
   throw file_error(path, count == 0 ? "contains no layer" : "contains several layers",
                    "one layer of " + content.features, count == 0 ? "nothing" : names);
 }
@@ -60,6 +68,29 @@ VectorPoint point_of(OGRGeometryH geometry) {
   return point;
 }
 
+void add_polygon(OGRGeometryH polygon, const std::string& source, std::vector<PlanePolygon>& polygons) {
+  PlanePolygon& added = polygons.emplace_back();
+  for (int i = 0; i < OGR_G_GetGeometryCount(polygon); ++i) {
+    const OGRGeometryH ring = OGR_G_GetGeometryRef(polygon, i);
+    std::vector<glm::dvec2>& corners = added.rings.emplace_back();
+    for (int corner = 0; corner < OGR_G_GetPointCount(ring); ++corner) {
+      const glm::dvec2 position{OGR_G_GetX(ring, corner), OGR_G_GetY(ring, corner)};
+      if (!std::isfinite(position.x) || !std::isfinite(position.y))
+        throw file_error(source, "a vertex is not finite", "numbers");
+      corners.push_back(position);
+    }
+  }
+}
+
+void add_polygons(OGRGeometryH geometry, const std::string& source, std::vector<PlanePolygon>& polygons) {
+  const OGRwkbGeometryType type = type_of(geometry);
+  if (type == wkbPolygon) return add_polygon(geometry, source, polygons);
+  if (type != wkbMultiPolygon && type != wkbGeometryCollection)
+    throw file_error(source, "not a polygon", "polygons", type_name(geometry));
+  for (int i = 0; i < OGR_G_GetGeometryCount(geometry); ++i)
+    add_polygons(OGR_G_GetGeometryRef(geometry, i), source, polygons);
+}
+
 }  // namespace
 
 long long VectorFeature::id() const {
@@ -67,14 +98,12 @@ long long VectorFeature::id() const {
 }
 
 std::string VectorFeature::geometry_type() const {
-  const OGRGeometryH geometry = OGR_F_GetGeometryRef(feature_);
-  return geometry != nullptr ? OGRGeometryTypeToName(wkbFlatten(OGR_G_GetGeometryType(geometry)))
-                             : "no geometry";
+  return type_name(OGR_F_GetGeometryRef(feature_));
 }
 
 std::optional<std::vector<VectorPoint>> VectorFeature::points() const {
   const OGRGeometryH geometry = OGR_F_GetGeometryRef(feature_);
-  const OGRwkbGeometryType type = geometry != nullptr ? wkbFlatten(OGR_G_GetGeometryType(geometry)) : wkbNone;
+  const OGRwkbGeometryType type = type_of(geometry);
   if (type == wkbPoint) return std::vector{point_of(geometry)};
   if (type != wkbMultiPoint) return std::nullopt;
   std::vector<VectorPoint> points;
@@ -104,6 +133,34 @@ std::string read_vector_file(const std::filesystem::path& path, const VectorCont
   while (const GdalHandle<OGR_F_Destroy> feature{OGR_L_GetNextFeature(layer)}) take(feature.get());
   if (CPLGetLastErrorType() >= CE_Failure) throw file_error(path, "corrupt file", {}, CPLGetLastErrorMsg());
   return wkt_of_layer(layer);
+}
+
+std::vector<PlanePolygon> read_polygons(const std::filesystem::path& path,
+                                        const ObserverReference& reference) {
+  std::vector<PlanePolygon> polygons;
+  const auto take = [&](void* feature) {
+    const std::string source = fmt::format("{}:feature {}", path.string(), OGR_F_GetFID(feature));
+    const OGRGeometryH given = OGR_F_GetGeometryRef(feature);
+    // A copy without arcs.
+    const GdalHandle<OGR_G_DestroyGeometry> geometry(
+        given != nullptr ? OGR_G_GetLinearGeometry(given, 0.0, nullptr) : nullptr);
+    add_polygons(geometry.get(), source, polygons);
+  };
+  const std::string wkt = read_vector_file(path,
+                                           {.content = "polygons",
+                                            .expected = "GeoJSON, GeoPackage or Shapefile with polygons",
+                                            .features = "polygons"},
+                                           take);
+  std::erase_if(polygons, [](const PlanePolygon& polygon) { return polygon.rings.empty(); });
+  if (polygons.empty()) throw file_error(path, "contains no polygons", "at least one");
+  const GdalTransformation transformation = transformation_to_cloud(wkt, reference, path.string());
+  if (!transformation) return polygons;
+  for (PlanePolygon& polygon : polygons) {
+    for (std::vector<glm::dvec2>& ring : polygon.rings) {
+      for (glm::dvec2& corner : ring) corner = transformed(corner, transformation, path.string());
+    }
+  }
+  return polygons;
 }
 
 }  // namespace alidade::geo

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "geo/read_polygons.h"
+#include "geo/vector_file.h"
 
 #include "tests/geo/vector_file_test.h"
 

@@ -108,7 +108,7 @@ void check_crop(const CropOptions& options) {
 }
 
 /// Crops a cloud, which may lack the files outside the box (ReadOptions::region). Errors: as read_polygons()
-/// of geo/read_polygons.h and image_module(); no point is left of a cloud that had some.
+/// of geo/vector_file.h and image_module(); no point is left of a cloud that had some.
 void crop(PointCloud& cloud, const CropOptions& options, const Progress& progress) {
   if (!options.given()) return;
   const std::string before = whereabouts(cloud);
