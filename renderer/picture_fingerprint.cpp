@@ -7,7 +7,7 @@
 
 #include "base/fingerprint.h"
 #include "camera/camera_json.h"
-#include "renderer/render_modes.h"
+#include "renderer/integrator.h"
 #include "renderer/sky.h"
 
 // Structs are taken apart by structured bindings: a field that is added to one of them does not compile here

@@ -3,7 +3,7 @@
 
 #include <glm/geometric.hpp>
 
-#include "renderer/render_modes.h"
+#include "renderer/integrator.h"
 
 namespace alidade::renderer {
 namespace {

@@ -1,10 +1,9 @@
 // SPDX-License-Identifier: MIT
-// Stands for read_server_table.cpp, read_server_part.cpp and store_on_server.cpp where libpq's header was not
+// Stands for read_server.cpp and store_on_server.cpp where libpq's header was not
 // found.
 #include "base/error.h"
 #include "cloud/cloud_reader.h"
-#include "database/server/read_server.h"
-#include "database/server/store_on_server.h"
+#include "database/server/server_clouds.h"
 
 namespace alidade::database {
 namespace {

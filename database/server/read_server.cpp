@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "database/server/read_server.h"
+#include "database/server/server_clouds.h"
 
 #include <fmt/format.h>
 #include <algorithm>

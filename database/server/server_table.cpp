@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "database/server/server_table.h"
+#include "database/server/server_cloud.h"
 
 #include <fmt/format.h>
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "database/server/store_on_server.h"
+#include "database/server/server_clouds.h"
 
 #include <fmt/format.h>
 

@@ -1,11 +1,10 @@
 // SPDX-License-Identifier: MIT
-#include "database/sqlite/cloud_table.h"
+#include "database/sqlite/functions.h"
 
 #include <memory>
 #include <string>
 #include <utility>
 
-#include "database/sqlite/functions.h"
 #include "database/sqlite/scan.h"
 #include "database/stored_column.h"
 

@@ -3,7 +3,6 @@
 
 #include <utility>
 
-#include "database/sqlite/cloud_table.h"
 #include "database/sqlite/functions.h"
 
 namespace alidade::database {

@@ -2,7 +2,6 @@
 // What the stock sqlite3 shell, Python and Alidade's own program load: .load ./libalidade_sqlite
 #include <sqlite3ext.h>
 
-#include "database/sqlite/cloud_table.h"
 #include "database/sqlite/functions.h"
 
 SQLITE_EXTENSION_INIT1

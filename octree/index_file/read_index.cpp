@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
 #include <algorithm>
+#include <utility>
 
 #include "cloud/cloud_reader.h"
 #include "cloud/lattice.h"
@@ -40,10 +41,6 @@ class IndexReader final : public CloudReader {
 
   std::optional<Lattice> lattice() const override { return index_.header().tree.lattice; }
   std::optional<std::uint64_t> point_count() const override { return about_.point_count; }
-  CoordinateSurvey survey(const Progress&) override {
-    // The lattice is in the header: there is nothing to find out.
-    return {};
-  }
 
   /// Each piece is a pass over the octree, since its points do not lie in the order of their rows.
   void read_in_pieces(PointCloud& cloud, AttributeSet wanted, const CloudPieces& pieces,
@@ -125,6 +122,31 @@ const CloudFormat k_index_format{
 CloudFormats index_and_file_formats() {
   static const std::vector<const CloudFormat*> formats = with_file_formats({&k_index_format});
   return formats;
+}
+
+IndexedCloud load_indexed_cloud(const CloudInputs& inputs, const IndexCloudOptions& options) {
+  IndexedCloud loaded;
+  if (const CloudInput* const index = inputs.only(k_index_format)) {
+    loaded.index = IndexFile(index->file());
+    loaded.octree = loaded.index->octree(options.read.progress);
+    loaded.cloud = loaded.index->description();
+    return loaded;
+  }
+  // Reading counts the work; what follows only asks whether to go on, at the count where reading ended.
+  std::uint64_t done = 0, total = 0;
+  ReadOptions read = options.read;
+  read.progress = [&](std::uint64_t bytes, std::uint64_t all_bytes) {
+    done = bytes;
+    total = all_bytes;
+    return !options.read.progress || options.read.progress(bytes, all_bytes);
+  };
+  loaded.cloud = read_cloud(inputs, read);
+  BuildOptions build_options = options.build;
+  if (!build_options.progress) {
+    build_options.progress = [&](std::uint64_t, std::uint64_t) { return read.progress(done, total); };
+  }
+  loaded.octree = build(std::move(loaded.cloud), build_options);
+  return loaded;
 }
 
 }  // namespace alidade

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "renderer/render_modes.h"
+#include "renderer/integrator.h"
 
 #include <gtest/gtest.h>
 #include <tbb/global_control.h>

@@ -3,7 +3,7 @@
 
 #include <fmt/format.h>
 
-#include "database/server/read_server.h"
+#include "database/server/server_clouds.h"
 #include "database/sqlite/stored_cloud.h"
 #include "octree/index_file/index_file.h"
 #include "octree/point_surface.h"

@@ -7,7 +7,7 @@
 #include "cloud/cloud_inputs.h"
 #include "cloud/read_cloud.h"
 #include "database/point_filter.h"
-#include "octree/index_file/indexed_cloud.h"
+#include "octree/index_file/index_file.h"
 #include "tools/options.h"
 
 namespace alidade::tools {
@@ -32,7 +32,7 @@ bool has_parts(const CloudInput& input);
 const char* part_unit(const CloudInput& input);
 
 /// Reads those points of a cloud in a database that are needed: at least all for which a filter holds
-/// (database/sqlite/stored_cloud.h, database/server/read_server.h). Requires has_parts(input).
+/// (database/sqlite/stored_cloud.h, database/server/server_clouds.h). Requires has_parts(input).
 database::CloudPart read_database_part(const CloudInput& input, std::span<const database::PointFilter> any_of,
                                        AttributeSet attributes, const Progress& progress);
 

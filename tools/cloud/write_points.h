@@ -9,7 +9,7 @@
 #include <utility>
 #include <vector>
 
-#include "octree/index_file/indexed_cloud.h"
+#include "octree/index_file/index_file.h"
 #include "tools/console.h"
 
 namespace alidade::tools {

@@ -14,7 +14,7 @@
 
 #include "base/output_file.h"
 #include "cloud/las/write_las.h"
-#include "octree/index_file/indexed_cloud.h"
+#include "octree/index_file/index_file.h"
 #include "octree/query.h"
 #include "tools/console.h"
 #include "tools/query/ask.h"

@@ -10,7 +10,7 @@
 
 #include "cloud/rows.h"
 #include "octree/check_query.h"
-#include "octree/index_file/indexed_cloud.h"
+#include "octree/index_file/index_file.h"
 #include "octree/tree_query.h"
 #include "tools/cloud/load_cloud.h"
 #include "tools/console.h"

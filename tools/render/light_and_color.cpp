@@ -6,7 +6,7 @@
 
 #include "base/error.h"
 #include "image/color_key.h"
-#include "renderer/render_modes.h"
+#include "renderer/integrator.h"
 #include "tools/image_module.h"
 
 namespace alidade::tools {

@@ -3,9 +3,9 @@
 
 #include "base/words.h"
 #include "cloud/read_cloud.h"
+#include "database/server/server_clouds.h"
 #include "database/server/server_name.h"
 #include "database/server/shard_plan.h"
-#include "database/server/store_on_server.h"
 #include "database/sqlite/store_cloud.h"
 #include "tools/cloud/load_cloud.h"
 #include "tools/command.h"

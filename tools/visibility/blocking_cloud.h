@@ -7,7 +7,7 @@
 #include <optional>
 #include <string>
 
-#include "octree/index_file/indexed_cloud.h"
+#include "octree/index_file/index_file.h"
 #include "tools/command.h"
 #include "visibility/raster/ground.h"
 #include "visibility/sight_line.h"

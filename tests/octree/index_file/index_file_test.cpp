@@ -6,7 +6,6 @@
 #include <filesystem>
 
 #include "cloud/read_cloud.h"
-#include "octree/index_file/indexed_cloud.h"
 #include "octree/point_surface.h"
 #include "octree/query.h"
 #include "octree/spacing.h"
