@@ -3,7 +3,6 @@
 
 #include <algorithm>
 
-#include "base/bounds.h"
 #include "octree/distance.h"
 
 namespace alidade::database {

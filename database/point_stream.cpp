@@ -5,20 +5,14 @@
 #include <unistd.h>
 #include <algorithm>
 #include <cerrno>
-#include <cstdint>
 #include <cstdlib>
 #include <cstring>
 #include <functional>
-#include <span>
-#include <string>
-#include <utility>
-#include <vector>
 
 #include "base/bytes.h"
 #include "cloud/lattice.h"
 #include "cloud/rows.h"
 #include "octree/building/sorted_points.h"
-#include "octree/morton.h"
 
 namespace alidade::database {
 namespace {

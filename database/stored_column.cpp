@@ -12,7 +12,6 @@
 #include <utility>
 
 #include "base/words.h"
-#include "cloud/point_cloud.h"
 #include "cloud/point_table.h"
 
 namespace alidade::database {

@@ -5,7 +5,6 @@
 
 #include <cmath>
 
-#include "base/error.h"
 #include "octree/octree.h"
 #include "octree/path_index.h"
 

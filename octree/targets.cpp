@@ -2,10 +2,8 @@
 #include "octree/targets.h"
 
 #include <fmt/format.h>
-#include <cmath>
 
 #include "base/error.h"
-#include "base/ray.h"
 
 namespace alidade {
 

@@ -11,9 +11,7 @@
 #include "base/bytes.h"
 #include "base/checkpoint.h"
 #include "base/fingerprint.h"
-#include "base/input_file.h"
 #include "base/output_file.h"
-#include "renderer/picture_fingerprint.h"
 
 namespace alidade::renderer {
 namespace {

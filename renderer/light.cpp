@@ -6,7 +6,6 @@
 #include <glm/geometric.hpp>
 
 #include "base/error.h"
-#include "renderer/sampling.h"
 
 namespace alidade::renderer {
 namespace {

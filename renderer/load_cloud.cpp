@@ -6,11 +6,9 @@
 #include <array>
 #include <cmath>
 #include <limits>
-#include <string>
 
 #include "base/fingerprint.h"
 #include "cloud/cloud_inputs.h"
-#include "cloud/point_cloud.h"
 #include "cloud/point_table.h"
 #include "cloud/read_cloud.h"
 #include "image/color_points.h"

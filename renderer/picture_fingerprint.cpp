@@ -5,7 +5,6 @@
 #include <span>
 #include <utility>
 
-#include "base/fingerprint.h"
 #include "camera/camera_json.h"
 #include "renderer/integrator.h"
 #include "renderer/sky.h"

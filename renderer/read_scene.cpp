@@ -10,7 +10,6 @@
 #include "base/error.h"
 #include "base/input_file.h"
 #include "base/json.h"
-#include "camera/camera_json.h"
 #include "image/output_settings.h"
 #include "octree/spacing.h"
 

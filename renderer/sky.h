@@ -1,11 +1,8 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
-#include <cstddef>
-#include <cstdint>
 #include <glm/common.hpp>
 #include <glm/vec2.hpp>
-#include <string>
 #include <vector>
 
 #include "image/read_picture.h"

@@ -3,8 +3,6 @@
 
 #include <glm/geometric.hpp>
 
-#include "renderer/integrator.h"
-
 namespace alidade::renderer {
 namespace {
 

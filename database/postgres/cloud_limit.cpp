@@ -2,7 +2,6 @@
 #include "database/postgres/cloud_limit.h"
 
 #include <algorithm>
-#include <cmath>
 #include <limits>
 
 #include "database/point_filter.h"

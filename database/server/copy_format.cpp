@@ -2,7 +2,6 @@
 #include "database/server/copy_format.h"
 
 #include <algorithm>
-#include <cstdint>
 #include <cstring>
 #include <iterator>
 #include <string>

@@ -7,7 +7,6 @@
 #include <limits>
 
 #include "base/error.h"
-#include "cloud/point_cloud.h"
 #include "cloud/point_table.h"
 #include "cloud/rows.h"
 #include "database/stored_column.h"

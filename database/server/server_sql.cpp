@@ -4,8 +4,6 @@
 #include <fmt/format.h>
 #include <algorithm>
 #include <cmath>
-#include <span>
-#include <vector>
 
 #include "base/error.h"
 #include "base/words.h"

@@ -6,14 +6,11 @@
 #include <algorithm>
 #include <cctype>
 #include <functional>
-#include <span>
-#include <string>
 #include <vector>
 
 #include "base/bounds.h"
 #include "base/error.h"
 #include "base/output_file.h"
-#include "database/point_stream.h"
 #include "database/server/copy_format.h"
 #include "database/server/server_name.h"
 #include "database/server/server_sql.h"

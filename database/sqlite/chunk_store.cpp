@@ -9,7 +9,6 @@
 #include <utility>
 
 #include "cloud/lattice.h"
-#include "database/sqlite/cloud_schema.h"
 
 namespace alidade::database {
 namespace {

@@ -5,7 +5,6 @@
 #include <string>
 #include <vector>
 
-#include "base/bounds.h"
 #include "cloud/crs.h"
 #include "cloud/lattice.h"
 #include "database/stored_column.h"

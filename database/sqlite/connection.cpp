@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: MIT
 #include "database/sqlite/connection.h"
 
-#include <utility>
-
 #include "database/sqlite/functions.h"
 
 namespace alidade::database {

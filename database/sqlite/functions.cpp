@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: MIT
 #include "database/sqlite/functions.h"
 
-#include <fmt/format.h>
 #include <algorithm>
 #include <cstring>
 

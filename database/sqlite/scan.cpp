@@ -2,11 +2,9 @@
 #include "database/sqlite/scan.h"
 
 #include <algorithm>
-#include <array>
 #include <limits>
 #include <utility>
 
-#include "database/sqlite/connection.h"
 #include "database/sqlite/functions.h"
 
 namespace alidade::database {

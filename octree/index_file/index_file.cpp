@@ -10,7 +10,6 @@
 
 #include "base/error.h"
 #include "base/huge_memory.h"
-#include "cloud/cloud_inputs.h"
 #include "octree/index_file/check_tree.h"
 #include "octree/index_file/index_sections.h"
 

@@ -3,7 +3,6 @@
 
 #include <fmt/format.h>
 #include <algorithm>
-#include <array>
 #include <bit>
 #include <cmath>
 
@@ -11,7 +10,6 @@
 #include "base/error.h"
 #include "base/fingerprint.h"
 #include "cloud/point_cloud.h"
-#include "octree/octree.h"
 #include "octree/spacing.h"
 
 namespace alidade {
