@@ -26,13 +26,18 @@ inline bool is_continuation(char byte) {
 /// Whether a text is made of such characters.
 bool is_utf8(std::string_view text);
 
-/// What a file's name ends in, in small characters: ".csv" of "A.CSV".
-inline std::string file_extension(const std::filesystem::path& file) {
-  std::string extension = file.extension().string();
-  for (char& character : extension) {
+/// A text with small characters for the capitals of ASCII.
+inline std::string lower_case(std::string_view text) {
+  std::string lower(text);
+  for (char& character : lower) {
     if (character >= 'A' && character <= 'Z') character = static_cast<char>(character - 'A' + 'a');
   }
-  return extension;
+  return lower;
+}
+
+/// What a file's name ends in, in small characters: ".csv" of "A.CSV".
+inline std::string file_extension(const std::filesystem::path& file) {
+  return lower_case(file.extension().string());
 }
 
 /// UTF-8 for U+FEFF, which some programs put before a text.

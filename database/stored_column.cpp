@@ -2,9 +2,7 @@
 #include "database/stored_column.h"
 
 #include <fmt/format.h>
-#include <algorithm>
 #include <bit>
-#include <cctype>
 #include <cmath>
 #include <set>
 #include <string_view>
@@ -24,14 +22,6 @@ const std::set<std::string> k_taken = {"id",   "x",    "y",    "z",    "ox",   "
 
 /// PostgreSQL keeps so many bytes of a name.
 constexpr std::size_t k_most_bytes = 63;
-
-/// SQL takes names for equal that differ in ASCII capitals only.
-std::string small(std::string name) {
-  std::ranges::transform(name, name.begin(), [](unsigned char character) {
-    return static_cast<char>(character < 0x80 ? std::tolower(character) : character);
-  });
-  return name;
-}
 
 /// At most so many bytes of a name, and no part of a character (UTF-8).
 std::string cut(const std::string& name, std::size_t most) {
@@ -56,23 +46,18 @@ std::string readable(const std::string& name) {
   return text;
 }
 
-class Names {
- public:
-  std::string free_name(const std::string& wanted) {
-    const std::string given = readable(wanted);
-    const std::string plain = given.empty() ? "unnamed" : cut(given, k_most_bytes);
-    std::string name = plain;
-    for (int number = 2; !taken_.insert(small(name)).second; ++number) {
-      const std::string end = fmt::format("_{}", number);
-      name = cut(plain, k_most_bytes - end.size());
-      name += end;
-    }
-    return name;
+/// The name that a column gets, which is then taken.
+std::string free_name(const std::string& wanted, std::set<std::string>& taken) {
+  const std::string given = readable(wanted);
+  const std::string plain = given.empty() ? "unnamed" : cut(given, k_most_bytes);
+  std::string name = plain;
+  // SQL takes names for equal that differ in ASCII capitals only.
+  for (int number = 2; !taken.insert(lower_case(name)).second; ++number) {
+    const std::string end = fmt::format("_{}", number);
+    name = cut(plain, k_most_bytes - end.size()) + end;
   }
-
- private:
-  std::set<std::string> taken_ = k_taken;
-};
+  return name;
+}
 
 /// NaN means no factor and no summand.
 double finite_or(bool is_given, double number, double otherwise) {
@@ -128,16 +113,16 @@ AttributeParts attribute_parts(Attribute attribute) {
 
 std::vector<StoredColumn> stored_columns(const PointCloud& cloud) {
   std::vector<StoredColumn> columns = {{.name = "id", .size = 8, .type = ScalarType::uint64}};
-  Names names;
+  std::set<std::string> taken = k_taken;
   int blob = 0;
-  for_each_column(cloud, cloud, [&](Attribute attribute, const auto& column, const auto&) {
+  for_each_column(cloud, [&](Attribute attribute, const auto& column) {
     if (column.empty()) return;
     const AttributeParts parts = attribute_parts(attribute);
     const int size = scalar_size(parts.type), count = static_cast<int>(parts.names.size());
     ++blob;
     int byte = 0;
     for (const char* const part : parts.names) {
-      columns.push_back({.name = names.free_name(part),
+      columns.push_back({.name = free_name(part, taken),
                          .blob = blob,
                          .size = size * count,
                          .byte = byte,
@@ -146,7 +131,7 @@ std::vector<StoredColumn> stored_columns(const PointCloud& cloud) {
     }
   });
   for (const ExtraDimension& dimension : cloud.extra_dimensions) {
-    columns.push_back({.name = names.free_name(dimension.name),
+    columns.push_back({.name = free_name(dimension.name, taken),
                        .blob = ++blob,
                        .size = dimension.byte_count,
                        .type = dimension.type,

@@ -1,19 +1,15 @@
 // SPDX-License-Identifier: MIT
 #include "geo/map_unit.h"
 
+#include <algorithm>
 #include <cassert>
-#include <cctype>
 #include <optional>
 #include <string_view>
 
+#include "base/words.h"
+
 namespace alidade::geo {
 namespace {
-
-std::string lower_case(std::string_view text) {
-  std::string lower(text);
-  for (char& c : lower) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
-  return lower;
-}
 
 /// "metre", "US survey foot", ... -> "m", "ft"; empty if it is neither, such as degree or unity.
 std::optional<std::string> length_unit(const std::string& unit_name) {
@@ -66,10 +62,7 @@ std::string unit_of_keys(const Crs& crs) {
 }
 
 bool names_one_of(const std::string& wkt, std::initializer_list<const char*> keys) {
-  for (const char* const key : keys) {
-    if (wkt.find(key) != std::string::npos) return true;
-  }
-  return false;
+  return std::ranges::any_of(keys, [&](const char* key) { return wkt.find(key) != std::string::npos; });
 }
 
 bool is_in_degrees(const Crs& crs) {

@@ -153,11 +153,8 @@ std::shared_ptr<const BoxedPoints> CopcCache::decode(std::uint32_t number) const
   const auto fail = [&](std::optional<std::uint64_t> row, std::string problem, std::string expected,
                         std::string found) {
     const std::string chunk = fmt::format("COPC node {}", node.key.name());
-    throw Error({.file = file_.name(),
-                 .location = row ? fmt::format("{}, point {}", chunk, node.first_row + *row) : chunk,
-                 .problem = std::move(problem),
-                 .expected = std::move(expected),
-                 .found = std::move(found)});
+    throw Error(file_.name(), row ? fmt::format("{}, point {}", chunk, node.first_row + *row) : chunk,
+                std::move(problem), std::move(expected), std::move(found));
   };
   Workshop& workshop = workshops_.local();
   file_.read_chunk(node, workshop.bytes);

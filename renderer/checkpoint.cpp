@@ -10,7 +10,6 @@
 
 #include "base/bytes.h"
 #include "base/checkpoint.h"
-#include "base/fingerprint.h"
 #include "base/output_file.h"
 
 namespace alidade::renderer {

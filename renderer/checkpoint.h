@@ -4,9 +4,10 @@
 #include <filesystem>
 #include <string>
 
+#include "base/fingerprint.h"
 #include "base/input_file.h"
-#include "renderer/picture_fingerprint.h"
 #include "renderer/picture_state.h"
+#include "renderer/render.h"
 
 // Checkpoints: a picture under way in a file, so that a render which was interrupted or killed goes on and
 // gives the same bytes. Little endian.
@@ -31,6 +32,24 @@
 //                                        squares and earlier means (3 floats each), pixel by pixel
 
 namespace alidade::renderer {
+
+// Parts of a scene as texts that are equal exactly if the parts are: numbers with 17 significant digits, no
+// field left out. They are for comparing, not for reading back.
+
+/// Of CloudSettings, std::vector<Object>, Sky or std::optional<geo::Sun>.
+template <class Part>
+std::string text_of(const Part& part);
+
+/// All that the samples of a picture depend on, in a fixed order: what others follow from comes before them,
+/// such as the cloud before a camera that looks at it. Numbers are written so that different ones have
+/// different texts.
+using PictureFingerprint = Fingerprint;
+
+/// The fingerprint of what render() would make of these. `cloud` may be null. Cost: a cloud read from an index
+/// file is known by the checksums in it; any other is summed up as fast as memory delivers, about 16 bytes
+/// per point.
+PictureFingerprint picture_fingerprint(const Scene& scene, const LoadedCloud* cloud,
+                                       const RenderOptions& options);
 
 /// Writes the state; the file is written completely or not at all, an earlier one stays until then. Nobody
 /// may change the state meanwhile. Memory: 2 MiB. Errors: those of OutputFile, above all a full disk.

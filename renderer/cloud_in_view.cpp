@@ -29,6 +29,22 @@ std::optional<glm::dvec2> position_at_one(const Ray& ray, const camera::CameraPo
   return beside / ahead;
 }
 
+/// Calls visit(ray) with the ray of each of these positions along the border of the picture, if there is one,
+/// until it answers false. False if it did.
+template <class Visit>
+bool along_border(const camera::Camera& camera, int positions_per_side, const Visit& visit) {
+  const camera::Projection projection(camera);
+  for (int i = 0; i <= positions_per_side; ++i) {
+    const double share = static_cast<double>(i) / positions_per_side;
+    const double x = share * camera.width, y = share * camera.height;
+    for (const glm::dvec2 film : {glm::dvec2(x, 0.0), glm::dvec2(x, camera.height), glm::dvec2(0.0, y),
+                                  glm::dvec2(camera.width, y)}) {
+      if (!visit(projection.ray(film))) return false;
+    }
+  }
+  return true;
+}
+
 }  // namespace
 
 HalfSpaces view_planes(const camera::Camera& camera) {
@@ -36,7 +52,6 @@ HalfSpaces view_planes(const camera::Camera& camera) {
   const bool is_parallel = std::holds_alternative<camera::OrthographicLens>(camera.lens);
   const bool is_straight = is_parallel || std::holds_alternative<camera::PinholeLens>(camera.lens);
   const camera::CameraPose& pose = camera.pose;
-  const camera::Projection projection(camera);
   std::array<double, k_sides> reach;
   reach.fill(-std::numeric_limits<double>::infinity());
   std::array<glm::dvec2, k_sides> sides;
@@ -44,19 +59,13 @@ HalfSpaces view_planes(const camera::Camera& camera) {
     const double angle = 2.0 * std::numbers::pi * side / k_sides;
     sides[static_cast<std::size_t>(side)] = {std::cos(angle), std::sin(angle)};
   }
-  for (int i = 0; i <= k_positions_per_side; ++i) {
-    const double share = static_cast<double>(i) / k_positions_per_side;
-    const double x = share * camera.width, y = share * camera.height;
-    for (const glm::dvec2 film : {glm::dvec2(x, 0.0), glm::dvec2(x, camera.height), glm::dvec2(0.0, y),
-                                  glm::dvec2(camera.width, y)}) {
-      const std::optional<Ray> ray = projection.ray(film);
-      const std::optional<glm::dvec2> position =
-          ray ? position_at_one(*ray, pose, is_parallel) : std::nullopt;
-      if (!position) return {};
-      for (std::size_t side = 0; side < k_sides; ++side)
-        reach[side] = std::max(reach[side], glm::dot(*position, sides[side]));
-    }
-  }
+  const auto widen = [&](const std::optional<Ray>& ray) {
+    const std::optional<glm::dvec2> position = ray ? position_at_one(*ray, pose, is_parallel) : std::nullopt;
+    for (std::size_t side = 0; position && side < k_sides; ++side)
+      reach[side] = std::max(reach[side], glm::dot(*position, sides[side]));
+    return position.has_value();
+  };
+  if (!along_border(camera, k_positions_per_side, widen)) return {};
   // Between two positions examined, a bent border may reach further; and numbers are rounded.
   const double slack = is_straight ? 1e-9 : 0.02;
   HalfSpaces planes;
@@ -90,20 +99,13 @@ class ViewCone {
   /// The widest angle along the border of the image; everything if the lens does not see all of it.
   static double half_angle(const camera::Camera& camera) {
     constexpr int k_positions_per_side = 32;
-    const camera::Projection projection(camera);
     double widest = 0.0;
-    for (int i = 0; i <= k_positions_per_side; ++i) {
-      const double share = static_cast<double>(i) / k_positions_per_side;
-      const double x = share * camera.width, y = share * camera.height;
-      for (const glm::dvec2 position : {glm::dvec2(x, 0.0), glm::dvec2(x, camera.height), glm::dvec2(0.0, y),
-                                        glm::dvec2(camera.width, y)}) {
-        const std::optional<Ray> ray = projection.ray(position);
-        if (!ray) return std::numbers::pi;
-        widest =
-            std::max(widest, std::acos(std::clamp(glm::dot(ray->direction, camera.pose.forward), -1.0, 1.0)));
-      }
-    }
-    return widest;
+    const auto widen = [&](const std::optional<Ray>& ray) {
+      const double cosine = ray ? glm::dot(ray->direction, camera.pose.forward) : 0.0;
+      widest = std::max(widest, std::acos(std::clamp(cosine, -1.0, 1.0)));
+      return ray.has_value();
+    };
+    return along_border(camera, k_positions_per_side, widen) ? widest : std::numbers::pi;
   }
 
   camera::CameraPose pose_;

@@ -5,6 +5,7 @@
 #include <optional>
 #include <vector>
 
+#include "geo/earth.h"
 #include "renderer/sampling.h"
 #include "renderer/scene.h"
 #include "renderer/sky.h"
@@ -16,10 +17,7 @@ namespace alidade::renderer {
 class SunDisc {
  public:
   explicit SunDisc(const geo::Sun& sun) : irradiance_(sun.irradiance) {
-    const SineCosine azimuth = sine_cosine_of_degrees(sun.azimuth),
-                     elevation = sine_cosine_of_degrees(sun.elevation);
-    basis_ = basis_around(glm::normalize(
-        glm::dvec3(azimuth.sine * elevation.cosine, azimuth.cosine * elevation.cosine, elevation.sine)));
+    basis_ = basis_around(glm::normalize(geo::compass_direction(sun.azimuth, sun.elevation)));
     const double half_sine = sine_cosine_of_degrees(0.25 * sun.angular_diameter).sine;
     const double cap_height = 2.0 * half_sine * half_sine;
     cap_height_ = cap_height < k_smallest_cap ? 0.0 : cap_height;

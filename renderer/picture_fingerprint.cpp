@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "renderer/picture_fingerprint.h"
+#include "renderer/checkpoint.h"
 
 #include <fmt/format.h>
 #include <span>

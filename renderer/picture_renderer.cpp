@@ -10,7 +10,6 @@
 #include <span>
 #include <vector>
 
-#include "renderer/checkpoint.h"
 #include "renderer/noise.h"
 
 namespace alidade::renderer {

@@ -7,7 +7,7 @@
 #include <mutex>
 #include <shared_mutex>
 
-#include "renderer/picture_fingerprint.h"
+#include "renderer/checkpoint.h"
 #include "renderer/picture_state.h"
 #include "renderer/render.h"
 #include "renderer/tile_tracer.h"

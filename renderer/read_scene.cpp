@@ -28,9 +28,14 @@ std::filesystem::path path_beside(const std::filesystem::path& scene_file, const
   return (scene_file.parent_path() / node.text()).lexically_normal();
 }
 
+/// Which of these words the node is.
+std::size_t choice_of(const JsonNode& node, std::initializer_list<std::string_view> words) {
+  return node.choice({words.begin(), words.size()});
+}
+
 /// Whether `word` stands instead of a value of another type. Errors: another word.
 bool is_word(const JsonNode& node, std::string_view word) {
-  if (node.is_string()) node.choice({&word, 1});
+  if (node.is_string()) choice_of(node, {word});
   return node.is_string();
 }
 
@@ -117,8 +122,8 @@ std::optional<Rgb> read_albedo(const JsonFields& fields, bool of_cloud) {
 
 /// A material. `of_cloud`: points have a colour of their own, so that the albedo may be left out.
 Material read_material(const JsonNode& node, bool of_cloud) {
-  constexpr std::array<std::string_view, 4> types{"lambertian", "metal", "dielectric", "emissive"};
-  switch (type_of(node, {"type", "albedo", "roughness", "refractive_index", "radiance"}).choice(types)) {
+  const JsonNode type = type_of(node, {"type", "albedo", "roughness", "refractive_index", "radiance"});
+  switch (choice_of(type, {"lambertian", "metal", "dielectric", "emissive"})) {
     case 0: {
       const JsonFields fields(node, {"type", "albedo"});
       return Lambertian{read_albedo(fields, of_cloud)};
@@ -200,9 +205,8 @@ geo::SunByTime read_sun_by_time(const JsonNode& date_time, const JsonFields& fie
 }
 
 Sky read_sky(const JsonNode& node, const std::filesystem::path& scene_file) {
-  constexpr std::array<std::string_view, 3> types{"constant", "gradient", "image"};
   const JsonNode type = type_of(node, {"type", "radiance", "horizon", "zenith", "file", "scale", "rotation"});
-  switch (type.choice(types)) {
+  switch (choice_of(type, {"constant", "gradient", "image"})) {
     case 0: {
       const JsonFields fields(node, {"type", "radiance"});
       ConstantSky sky;
@@ -265,10 +269,8 @@ CloudSettings read_cloud_settings(const JsonNode& node, const std::filesystem::p
     else
       cloud.radius = length_or_auto(*radius);
   }
-  if (const auto hits = fields.find("hits")) {
-    constexpr std::array<std::string_view, 2> words{"entry", "t"};
-    cloud.hits = std::array{HitMode::entry, HitMode::t}[hits->choice(words)];
-  }
+  if (const auto hits = fields.find("hits"))
+    cloud.hits = choice_of(*hits, {"entry", "t"}) == 0 ? HitMode::entry : HitMode::t;
   if (const auto color = fields.find("color")) cloud.color = read_coloring(*color);
   if (const auto max_level = fields.find("max_level"))
     cloud.max_level = static_cast<int>(max_level->whole_number(0, k_max_level));
@@ -277,18 +279,15 @@ CloudSettings read_cloud_settings(const JsonNode& node, const std::filesystem::p
     if (bits != 8 && bits != 16) depth->fail("invalid colour depth", "8, 16 or \"automatic\"");
     cloud.color_depth = bits == 8 ? ColorDepth::bits_8 : ColorDepth::bits_16;
   }
-  if (const auto normals = fields.find("normals")) {
-    constexpr std::array<std::string_view, 2> words{"sphere", "smooth"};
-    cloud.normals = std::array{NormalMode::sphere, NormalMode::smooth}[normals->choice(words)];
-  }
+  if (const auto normals = fields.find("normals"))
+    cloud.normals = choice_of(*normals, {"sphere", "smooth"}) == 0 ? NormalMode::sphere : NormalMode::smooth;
   if (const auto material = fields.find("material")) cloud.material = read_material(*material, true);
   return cloud;
 }
 
 Object read_object(const JsonNode& node) {
-  constexpr std::array<std::string_view, 2> types{"sphere", "ground_plane"};
   const JsonNode type = type_of(node, {"type", "center", "radius", "height", "material"});
-  if (type.choice(types) == 1) {
+  if (choice_of(type, {"sphere", "ground_plane"}) == 1) {
     const JsonFields fields(node, {"type", "height", "material"});
     GroundPlane plane;
     if (const auto height = fields.find("height")) plane.height = height->number(k_coordinate);
@@ -336,10 +335,8 @@ image::OutputSettings read_output_settings(const JsonNode& node, const std::file
   }
   if (const auto layers = fields.find("layers")) output.layers = read_layers(*layers);
   if (const auto exposure = fields.find("exposure")) output.exposure = exposure->number({-64, 64});
-  if (const auto precision = fields.find("precision")) {
-    constexpr std::array<std::string_view, 2> words{"half", "float"};
-    output.half = precision->choice(words) == 0;
-  }
+  if (const auto precision = fields.find("precision"))
+    output.half = choice_of(*precision, {"half", "float"}) == 0;
   return output;
 }
 

@@ -54,24 +54,12 @@ double share_up_to(double value, std::span<const double> distances, DistanceKind
 CloudLimit make_limit(DistanceKind kind, const CloudLine& line, Comparison comparison, double value) {
   CloudLimit limit{.line = line, .least = -k_infinity, .largest = k_nan, .kind = kind};
   const CloudLimit nothing{.line = line, .least = k_nan, .largest = -k_infinity, .kind = kind};
-  switch (comparison) {
-    case Comparison::less:
-      if (value == -k_infinity) return nothing;
-      limit.largest = next_below(value);
-      break;
-    case Comparison::less_equal:
-      limit.largest = value;
-      break;
-    case Comparison::equal:
-      limit.least = limit.largest = value;
-      break;
-    case Comparison::greater_equal:
-      limit.least = value;
-      break;
-    case Comparison::greater:
-      if (std::isnan(value)) return nothing;
-      limit.least = next_above(value);
-  }
+  if (comparison == Comparison::less && value == -k_infinity) return nothing;
+  if (comparison == Comparison::greater && std::isnan(value)) return nothing;
+  if (comparison <= Comparison::equal)
+    limit.largest = comparison == Comparison::less ? next_below(value) : value;
+  if (comparison >= Comparison::equal)
+    limit.least = comparison == Comparison::greater ? next_above(value) : value;
   return limit;
 }
 

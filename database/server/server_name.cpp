@@ -8,6 +8,7 @@
 #include <charconv>
 
 #include "base/error.h"
+#include "base/words.h"
 
 namespace alidade::database {
 namespace {
@@ -55,9 +56,9 @@ std::string encoded(std::string_view text) {
 }
 
 /// "password" and "sslpassword", and what newer versions may call so.
-bool is_secret(std::string word) {
-  std::ranges::transform(word, word.begin(), [](unsigned char character) { return std::tolower(character); });
-  return word.find("password") != std::string::npos || word.find("secret") != std::string::npos;
+bool is_secret(const std::string& word) {
+  const std::string lower = lower_case(word);
+  return lower.find("password") != std::string::npos || lower.find("secret") != std::string::npos;
 }
 
 /// What is in front of the first of these marks; the rest, without it, stays in `text`.
@@ -90,10 +91,8 @@ HostAndPort split_host(std::string_view text) {
 }
 
 std::optional<int> parse_port(std::string_view text) {
-  int port = 0;
-  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), port);
-  const bool is_one = error == std::errc() && end == text.data() + text.size() && port >= 1 && port <= 65535;
-  return is_one ? std::optional(port) : std::nullopt;
+  const std::optional<int> port = parse_count<int>(text);
+  return port && *port >= 1 && *port <= 65535 ? port : std::nullopt;
 }
 
 ServerName::ServerName(std::string_view text) {

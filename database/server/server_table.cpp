@@ -8,32 +8,23 @@
 #include <charconv>
 #include <cmath>
 #include <cstring>
+#include <iterator>
 
 #include "database/sql_name.h"
 
 namespace alidade::database {
 namespace {
 
-/// PostgreSQL's numbers of its types, which are the same everywhere.
-enum TypeNumber { k_int8 = 20, k_int2 = 21, k_int4 = 23, k_float4 = 700, k_float8 = 701, k_numeric = 1700 };
+constexpr std::int64_t k_numeric = 1700;
 
-std::optional<ScalarType> scalar_type(std::int64_t type) {
-  switch (type) {
-    case k_int2:
-      return ScalarType::int16;
-    case k_int4:
-      return ScalarType::int32;
-    case k_int8:
-      return ScalarType::int64;
-    case k_float4:
-      return ScalarType::float32;
-    case k_float8:
-    case k_numeric:
-      return ScalarType::float64;
-    default:
-      return std::nullopt;
-  }
-}
+/// PostgreSQL's numbers of its types, which are the same everywhere, and what SQL calls them.
+constexpr struct NumberType {
+  std::int64_t number;
+  ScalarType type;
+  const char* name;
+} k_number_types[] = {{21, ScalarType::int16, "int2"},      {23, ScalarType::int32, "int4"},
+                      {20, ScalarType::int64, "int8"},      {700, ScalarType::float32, "float4"},
+                      {701, ScalarType::float64, "float8"}, {k_numeric, ScalarType::float64, "float8"}};
 
 /// A list of names for a message, which is not endless.
 std::string listed(const std::vector<std::string>& names) {
@@ -79,9 +70,10 @@ void read_columns(ServerConnection& connection, const std::string& number, Serve
   for (std::size_t i = 0; i < rows.size(); ++i) {
     const std::int64_t type = rows.whole(i, 1);
     all.push_back(rows.text(i, 0));
-    if (const auto scalar = scalar_type(type)) {
+    const auto known = std::ranges::find(k_number_types, type, &NumberType::number);
+    if (known != std::end(k_number_types)) {
       table.columns.push_back({.name = all.back(),
-                               .type = *scalar,
+                               .type = known->type,
                                .is_decimal = type == k_numeric,
                                .can_be_null = rows.text(i, 2) == "t"});
     } else {
@@ -160,12 +152,7 @@ CloudRow read_cloud_row(ServerConnection& connection, const std::string& schema,
 
 std::string NumberColumn::expression() const {
   // A domain's value goes as that of the type below it.
-  const char* const type_name = type == ScalarType::int16     ? "int2"
-                                : type == ScalarType::int32   ? "int4"
-                                : type == ScalarType::int64   ? "int8"
-                                : type == ScalarType::float32 ? "float4"
-                                                              : "float8";
-  return sql_name(name) + "::" + type_name;
+  return sql_name(name) + "::" + std::ranges::find(k_number_types, type, &NumberType::type)->name;
 }
 
 const NumberColumn* ServerTable::find(std::string_view name) const {

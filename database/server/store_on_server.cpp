@@ -21,13 +21,11 @@ struct CloudTables {
 
 bool has_relation(ServerConnection& connection, const std::string& schema, const std::string& name) {
   const std::array<std::string, 2> names = {schema, name};
-  return connection
-             .run(
-                 "SELECT 1 FROM pg_catalog.pg_class c JOIN pg_catalog.pg_namespace n ON n.oid = "
-                 "c.relnamespace"
-                 " WHERE n.nspname::text = $1::text AND c.relname::text = $2::text",
-                 names)
-             .size() > 0;
+  const ServerRows found = connection.run(
+      "SELECT 1 FROM pg_catalog.pg_class c JOIN pg_catalog.pg_namespace n ON n.oid = c.relnamespace"
+      " WHERE n.nspname::text = $1::text AND c.relname::text = $2::text",
+      names);
+  return found.size() > 0;
 }
 
 /// Errors: something of that name is there that may not be replaced.

@@ -80,7 +80,6 @@ int connect(sqlite3* database, void* reads, int count, const char* const* words,
         // Its tables are read and nothing else is done, whatever a file says.
         sqlite3_vtab_config(database, SQLITE_VTAB_INNOCUOUS);
         *made = &table.release()->base;
-        return SQLITE_OK;
       },
       [&](const char* text) { keep_message(message, text); });
 }
@@ -95,7 +94,6 @@ int rename(sqlite3_vtab* base, const char* name) {
   return table_guarded(base, [&] {
     const Table& table = table_of(base);
     rename_cloud_tables(table.database, table.schema, table.name, name);
-    return SQLITE_OK;
   });
 }
 
@@ -108,7 +106,6 @@ int destroy(sqlite3_vtab* base) {
   const int result = table_guarded(base, [&] {
     const Table& table = table_of(base);
     drop_cloud_tables(table.database, table.schema, table.name);
-    return SQLITE_OK;
   });
   return result == SQLITE_OK ? disconnect(base) : result;
 }
@@ -121,10 +118,7 @@ int best_index(sqlite3_vtab* base, sqlite3_index_info* info) {
 }
 
 int open(sqlite3_vtab* base, sqlite3_vtab_cursor** made) {
-  return table_guarded(base, [&] {
-    *made = &std::make_unique<Cursor>(table_of(base)).release()->base;
-    return SQLITE_OK;
-  });
+  return table_guarded(base, [&] { *made = &std::make_unique<Cursor>(table_of(base)).release()->base; });
 }
 
 int close(sqlite3_vtab_cursor* base) {
@@ -141,15 +135,11 @@ int filter(sqlite3_vtab_cursor* base, int order, const char* plan, int count, sq
     const std::optional<ScanFilter> wanted = plan_filter(
         plan == nullptr ? "" : plan, std::span(values, static_cast<std::size_t>(count)), cursor.arguments);
     if (wanted) cursor.points.emplace(cursor.store, table.cloud, *wanted, static_cast<RowOrder>(order));
-    return SQLITE_OK;
   });
 }
 
 int next(sqlite3_vtab_cursor* base) {
-  return table_guarded(base->pVtab, [&] {
-    cursor_of(base).points->next();
-    return SQLITE_OK;
-  });
+  return table_guarded(base->pVtab, [&] { cursor_of(base).points->next(); });
 }
 
 int at_end(sqlite3_vtab_cursor* base) {
@@ -190,7 +180,6 @@ int column(sqlite3_vtab_cursor* base, sqlite3_context* context, int number) {
       const RayProjection at = *points.projection();
       sqlite3_result_double(context, kind == TableColumns::Kind::t ? at.t : at.distance);
     }
-    return SQLITE_OK;
   });
 }
 

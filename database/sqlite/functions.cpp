@@ -60,10 +60,7 @@ struct SqlFunction {
 void call(sqlite3_context* context, int count, sqlite3_value** values) {
   const auto& function = *static_cast<const SqlFunction*>(sqlite3_user_data(context));
   const int result = guarded(
-      [&] {
-        function.answer(context, Values(values, static_cast<std::size_t>(count)), function.name);
-        return SQLITE_OK;
-      },
+      [&] { function.answer(context, Values(values, static_cast<std::size_t>(count)), function.name); },
       [&](const std::string& message) {
         const std::string name = function.name;
         const std::string text = message.starts_with(name) ? message : name + ": " + message;

@@ -8,6 +8,7 @@
 #include <new>
 #include <optional>
 #include <span>
+#include <type_traits>
 #include <vector>
 
 #include "database/point_filter.h"
@@ -17,11 +18,17 @@
 
 namespace alidade::database {
 
-/// Runs `work` for a callback of SQLite, through which no exception may pass; `fail` gets the message.
+/// Runs `work`, which answers SQLite's code or nothing, for a callback of SQLite, through which no exception may
+/// pass; `fail` gets the message.
 template <class Work, class Fail>
 int guarded(const Work& work, const Fail& fail) {
   try {
-    return work();
+    if constexpr (std::is_void_v<decltype(work())>) {
+      work();
+      return SQLITE_OK;
+    } else {
+      return work();
+    }
   } catch (const std::bad_alloc&) {
     return SQLITE_NOMEM;
   } catch (const SqliteError& error) {

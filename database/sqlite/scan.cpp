@@ -83,47 +83,30 @@ constexpr char k_axes[] = "xyz";
 constexpr char k_distance = 'd', k_t = 't', k_limit = 'w', k_chunk = 'c', k_row = 'r';
 constexpr char k_most = '<', k_least = '>', k_equal = '=';
 
+using ColumnKind = TableColumns::Kind;
+
 char comparison(unsigned char op) {
-  switch (op) {
-    case SQLITE_INDEX_CONSTRAINT_EQ:
-      return k_equal;
-    case SQLITE_INDEX_CONSTRAINT_LT:
-    case SQLITE_INDEX_CONSTRAINT_LE:
-      return k_most;
-    case SQLITE_INDEX_CONSTRAINT_GT:
-    case SQLITE_INDEX_CONSTRAINT_GE:
-      return k_least;
-    default:
-      return 0;
-  }
+  if (op == SQLITE_INDEX_CONSTRAINT_LT || op == SQLITE_INDEX_CONSTRAINT_LE) return k_most;
+  if (op == SQLITE_INDEX_CONSTRAINT_GT || op == SQLITE_INDEX_CONSTRAINT_GE) return k_least;
+  return op == SQLITE_INDEX_CONSTRAINT_EQ ? k_equal : '\0';
 }
 
 /// What a limited column is called in a plan; 0 if a limit on it is of no use.
 char character(const TableColumns& columns, int column, bool has_ray) {
   if (column < 0) return 0;
-  switch (columns.kind(column)) {
-    case TableColumns::Kind::axis:
-      return k_axes[columns.axis(column)];
-    case TableColumns::Kind::distance:
-      return has_ray ? k_distance : '\0';
-    case TableColumns::Kind::t:
-      return has_ray ? k_t : '\0';
-    default:
-      return 0;
-  }
+  const ColumnKind kind = columns.kind(column);
+  if (kind == ColumnKind::axis) return k_axes[columns.axis(column)];
+  if (!has_ray) return 0;
+  return kind == ColumnKind::distance ? k_distance : kind == ColumnKind::t ? k_t : '\0';
 }
 
 RowOrder order_of(const TableColumns& columns, const sqlite3_index_info& info, bool has_ray) {
   if (!has_ray || info.nOrderBy != 1 || info.aOrderBy[0].desc || info.aOrderBy[0].iColumn < 0)
     return RowOrder::stored;
-  switch (columns.kind(info.aOrderBy[0].iColumn)) {
-    case TableColumns::Kind::distance:
-      return RowOrder::distance;
-    case TableColumns::Kind::t:
-      return RowOrder::t;
-    default:
-      return RowOrder::stored;
-  }
+  const ColumnKind kind = columns.kind(info.aOrderBy[0].iColumn);
+  return kind == ColumnKind::distance ? RowOrder::distance
+         : kind == ColumnKind::t      ? RowOrder::t
+                                      : RowOrder::stored;
 }
 
 /// Narrows an interval by a comparison. False if no number fulfils it.
@@ -189,9 +172,8 @@ struct GivenArguments {
 /// Whether a condition is on what only the form with a ray has.
 bool needs_ray(const TableColumns& columns, int column) {
   if (column < 0) return false;
-  const TableColumns::Kind kind = columns.kind(column);
-  return kind == TableColumns::Kind::argument || kind == TableColumns::Kind::distance ||
-         kind == TableColumns::Kind::t;
+  const ColumnKind kind = columns.kind(column);
+  return kind == ColumnKind::argument || kind == ColumnKind::distance || kind == ColumnKind::t;
 }
 
 }  // namespace

@@ -4,13 +4,12 @@
 #include <fmt/format.h>
 #include <algorithm>
 #include <array>
+#include <functional>
+
+#include "base/words.h"
 
 namespace alidade::database {
 namespace {
-
-// Files of other systems begin with it, and so do their parts once they are joined. To SQLite it is blank
-// where a token would begin, and a character in a name.
-constexpr std::string_view k_byte_order_mark = "\xef\xbb\xbf";
 
 bool is_space(char character) {
   return character == ' ' || (character >= '\t' && character <= '\r' && character != '\v');
@@ -58,6 +57,8 @@ class Scanner {
       if (is_space(peek())) {
         ++at_;
       } else if (sql_.substr(at_).starts_with(k_byte_order_mark)) {
+        // Files of other systems begin with it, and so do their parts once they are joined. To SQLite it is
+        // blank where a token would begin, and a character in a name.
         at_ += k_byte_order_mark.size();
       } else if (peek() == '-' && peek(1) == '-') {
         at_ = std::min(sql_.find('\n', at_), sql_.size());
@@ -185,11 +186,8 @@ std::vector<SqlToken> sql_tokens(std::string_view sql) {
 std::string text_location(std::string_view text, std::size_t byte) {
   const std::string_view before = text.substr(0, byte);
   const std::size_t line_begin = before.rfind('\n') + 1;  // 0 if there is no line before
-  const auto starts_character = [](char character) {
-    return (static_cast<unsigned char>(character) & 0xc0u) != 0x80u;
-  };
   return fmt::format("{}:{}", 1 + std::ranges::count(before, '\n'),
-                     1 + std::ranges::count_if(before.substr(line_begin), starts_character));
+                     1 + std::ranges::count_if(before.substr(line_begin), std::not_fn(is_continuation)));
 }
 
 std::string plain_name(std::string_view text) {
@@ -198,11 +196,10 @@ std::string plain_name(std::string_view text) {
   const std::string_view inner = is_quoted && text.size() >= 2 ? text.substr(1, text.size() - 2) : text;
   std::string name;
   for (std::size_t i = 0; i < inner.size(); ++i) {
-    const char character = inner[i];
-    name += character >= 'A' && character <= 'Z' ? static_cast<char>(character - 'A' + 'a') : character;
-    if (is_quoted && quote != '[' && character == quote) ++i;
+    name += inner[i];
+    if (is_quoted && quote != '[' && inner[i] == quote) ++i;
   }
-  return name;
+  return lower_case(name);
 }
 
 TokenList::TokenList(std::string_view sql) : sql_(sql), tokens_(sql_tokens(sql)), closing_(tokens_.size()) {
@@ -226,9 +223,7 @@ std::string_view TokenList::text(std::size_t index) const {
 
 bool TokenList::is_word(std::size_t index, std::string_view word) const {
   return is(index, SqlTokenKind::word) && text(index).size() == word.size() &&
-         std::ranges::equal(text(index), word, [](char character, char small) {
-           return (character >= 'A' && character <= 'Z' ? character - 'A' + 'a' : character) == small;
-         });
+         lower_case(text(index)) == word;
 }
 
 bool TokenList::is_one_of(std::size_t index, std::initializer_list<std::string_view> words) const {

@@ -7,13 +7,13 @@
 #include <tbb/task_arena.h>
 #include <unistd.h>
 #include <algorithm>
-#include <cctype>
 #include <cerrno>
 #include <cstring>
 #include <span>
 #include <utility>
 #include <vector>
 
+#include "base/words.h"
 #include "database/sqlite/chunk_store.h"
 #include "database/sqlite/cloud_schema.h"
 #include "database/sqlite/connection.h"
@@ -65,24 +65,14 @@ class ChunkWriter {
   std::vector<Bounds> boxes_;
 };
 
-/// Whether there is something of that name, and whether it is a table of the module, which its tables only
-/// show as long as they are whole.
-struct Found {
-  bool exists = false, is_cloud = false;
-};
-
-Found find_table(sqlite3* database, const std::string& name) {
+/// Whether there is one to replace. Errors: there is a table of that name that may not be replaced.
+bool check_table(sqlite3* database, const StoreOptions& options) {
+  // Whether it is a table of the module: its own tables only show that as long as they are whole.
   Statement found(database,
                   "SELECT type = 'table' AND sql LIKE 'CREATE VIRTUAL TABLE % USING pointcloud%'"
                   " FROM main.sqlite_schema WHERE lower(name) = lower(?) ORDER BY 1 DESC");
-  if (!found.bind(1, name).step()) return {};
-  return {true, found.whole(0) != 0};
-}
-
-/// Whether there is one to replace. Errors: there is a table of that name that may not be replaced.
-bool check_table(sqlite3* database, const StoreOptions& options) {
-  const Found found = find_table(database, options.table);
-  if (!found.exists || (options.replace && found.is_cloud)) return found.exists;
+  if (!found.bind(1, options.table).step()) return false;
+  if (options.replace && found.whole(0) != 0) return true;
   throw file_error(file_of(database), fmt::format("the table {} exists", options.table),
                    options.replace ? "a cloud" : "another name, or --overwrite");
 }
@@ -96,15 +86,12 @@ void drop_cloud(sqlite3* database, const std::string& table) {
   run(database, "DROP TABLE main." + sql_name(table));
 }
 
-/// Points that are under way together.
-std::size_t points_per_group(std::uint32_t chunk_points) {
-  constexpr std::uint32_t k_about = 1 << 15;
-  return std::size_t{std::max(1u, k_about / chunk_points)} * chunk_points;
-}
-
 void write_chunks(PointStream& points, const ChunkEncoding& encoding, ChunkWriter& writer,
                   const Progress& progress) {
-  const std::size_t group = points_per_group(encoding.chunk_points);
+  // Points that are under way together.
+  constexpr std::uint32_t k_about = 1 << 15;
+  const std::size_t group =
+      std::size_t{std::max(1u, k_about / encoding.chunk_points)} * encoding.chunk_points;
   // More are not written faster, and each takes some megabytes.
   constexpr int k_most_groups = 16;
   const auto groups_at_once =
@@ -201,11 +188,8 @@ void give_name(const std::filesystem::path& beside, const std::filesystem::path&
 }
 
 void check_name(const std::string& table) {
-  std::string small = table.substr(0, 7);
-  std::ranges::transform(small, small.begin(),
-                         [](unsigned char character) { return std::tolower(character); });
-  check_that(!table.empty() && table.find('\0') == table.npos && small != "sqlite_", "invalid table name",
-             "a nonempty name that does not begin with sqlite_", "'" + table + "'");
+  check_that(!table.empty() && table.find('\0') == table.npos && !lower_case(table).starts_with("sqlite_"),
+             "invalid table name", "a nonempty name that does not begin with sqlite_", "'" + table + "'");
 }
 
 void check(const std::filesystem::path& file, const StoreOptions& options) {

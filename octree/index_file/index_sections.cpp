@@ -2,19 +2,15 @@
 #include "octree/index_file/index_sections.h"
 
 #include <fmt/format.h>
-#include <tbb/parallel_for.h>
 #include <algorithm>
-#include <atomic>
-#include <limits>
 
 #include "base/bytes.h"
 #include "base/error.h"
 #include "base/fingerprint.h"
+#include "base/parallel.h"
 
 namespace alidade {
 namespace {
-
-constexpr std::uint64_t k_none = std::numeric_limits<std::uint64_t>::max();
 
 // So many blocks are summed between two reports: tens of milliseconds.
 constexpr std::uint64_t k_blocks_per_report = 256;
@@ -61,29 +57,18 @@ void IndexSections::check(IndexSection kind, const Progress& progress, const Loo
   const std::span<const std::uint64_t> stored = stored_checksums(kind);
   for (std::uint64_t begin = 0; begin < stored.size(); begin += k_blocks_per_report) {
     const std::uint64_t end = std::min<std::uint64_t>(begin + k_blocks_per_report, stored.size());
-    std::atomic<std::uint64_t> first_bad = k_none;
     const auto check_block = [&](std::uint64_t block) {
       const std::span<const std::byte> part = checksum_block(all, static_cast<std::size_t>(block));
-      if (checksum(part) != stored[static_cast<std::size_t>(block)]) {
-        std::uint64_t bad = first_bad;
-        while (block < bad && !first_bad.compare_exchange_weak(bad, block)) {
-        }
-      } else if (look) {
-        look(block * k_checksum_block, block * k_checksum_block + part.size());
-      }
+      const std::uint64_t byte = block * k_checksum_block;
+      if (checksum(part) != stored[static_cast<std::size_t>(block)])
+        fail(kind, byte, fmt::format("checksum mismatch in the next {} bytes", part.size()));
+      if (look) look(byte, byte + part.size());
     };
     // Calling for threads takes longer than a single block.
-    if (end - begin == 1) {
+    if (end - begin == 1)
       check_block(begin);
-    } else {
-      tbb::parallel_for(begin, end, check_block);
-    }
-    if (first_bad != k_none) {
-      const std::uint64_t byte = first_bad * k_checksum_block;
-      fail(kind, byte,
-           fmt::format("checksum mismatch in the next {} bytes",
-                       std::min<std::uint64_t>(all.size() - byte, k_checksum_block)));
-    }
+    else
+      at_once(begin, end, check_block);
     report(progress, std::min<std::uint64_t>(end * k_checksum_block, all.size()), all.size());
   }
 }

@@ -7,7 +7,6 @@
 #include <fstream>
 #include <sstream>
 
-#include "renderer/picture_fingerprint.h"
 #include "tests/renderer/mixed_scene.h"
 #include "tests/support/seal_checkpoint.h"
 
