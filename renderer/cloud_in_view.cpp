@@ -45,42 +45,6 @@ bool along_border(const camera::Camera& camera, int positions_per_side, const Vi
   return true;
 }
 
-}  // namespace
-
-HalfSpaces view_planes(const camera::Camera& camera) {
-  constexpr int k_sides = 16, k_positions_per_side = 64;
-  const bool is_parallel = std::holds_alternative<camera::OrthographicLens>(camera.lens);
-  const bool is_straight = is_parallel || std::holds_alternative<camera::PinholeLens>(camera.lens);
-  const camera::CameraPose& pose = camera.pose;
-  std::array<double, k_sides> reach;
-  reach.fill(-std::numeric_limits<double>::infinity());
-  std::array<glm::dvec2, k_sides> sides;
-  for (int side = 0; side < k_sides; ++side) {
-    const double angle = 2.0 * std::numbers::pi * side / k_sides;
-    sides[static_cast<std::size_t>(side)] = {std::cos(angle), std::sin(angle)};
-  }
-  const auto widen = [&](const std::optional<Ray>& ray) {
-    const std::optional<glm::dvec2> position = ray ? position_at_one(*ray, pose, is_parallel) : std::nullopt;
-    for (std::size_t side = 0; position && side < k_sides; ++side)
-      reach[side] = std::max(reach[side], glm::dot(*position, sides[side]));
-    return position.has_value();
-  };
-  if (!along_border(camera, k_positions_per_side, widen)) return {};
-  // Between two positions examined, a bent border may reach further; and numbers are rounded.
-  const double slack = is_straight ? 1e-9 : 0.02;
-  HalfSpaces planes;
-  for (std::size_t side = 0; side < k_sides; ++side) {
-    const glm::dvec3 outwards = sides[side].x * pose.right + sides[side].y * pose.down;
-    const double furthest = reach[side] + slack * (1.0 + std::abs(reach[side]));
-    planes.planes.push_back(is_parallel ? make_plane(pose.position + furthest * outwards, -outwards)
-                                        : make_plane(pose.position, furthest * pose.forward - outwards));
-  }
-  planes.planes.push_back(make_plane(pose.position, pose.forward));
-  return planes;
-}
-
-namespace {
-
 /// What a camera sees, as a cone around its axis.
 class ViewCone {
  public:
@@ -129,6 +93,38 @@ struct Candidate {
 };
 
 }  // namespace
+
+HalfSpaces view_planes(const camera::Camera& camera) {
+  constexpr int k_sides = 16, k_positions_per_side = 64;
+  const bool is_parallel = std::holds_alternative<camera::OrthographicLens>(camera.lens);
+  const bool is_straight = is_parallel || std::holds_alternative<camera::PinholeLens>(camera.lens);
+  const camera::CameraPose& pose = camera.pose;
+  std::array<double, k_sides> reach;
+  reach.fill(-std::numeric_limits<double>::infinity());
+  std::array<glm::dvec2, k_sides> sides;
+  for (int side = 0; side < k_sides; ++side) {
+    const double angle = 2.0 * std::numbers::pi * side / k_sides;
+    sides[static_cast<std::size_t>(side)] = {std::cos(angle), std::sin(angle)};
+  }
+  const auto widen = [&](const std::optional<Ray>& ray) {
+    const std::optional<glm::dvec2> position = ray ? position_at_one(*ray, pose, is_parallel) : std::nullopt;
+    for (std::size_t side = 0; position && side < k_sides; ++side)
+      reach[side] = std::max(reach[side], glm::dot(*position, sides[side]));
+    return position.has_value();
+  };
+  if (!along_border(camera, k_positions_per_side, widen)) return {};
+  // Between two positions examined, a bent border may reach further; and numbers are rounded.
+  const double slack = is_straight ? 1e-9 : 0.02;
+  HalfSpaces planes;
+  for (std::size_t side = 0; side < k_sides; ++side) {
+    const glm::dvec3 outwards = sides[side].x * pose.right + sides[side].y * pose.down;
+    const double furthest = reach[side] + slack * (1.0 + std::abs(reach[side]));
+    planes.planes.push_back(is_parallel ? make_plane(pose.position + furthest * outwards, -outwards)
+                                        : make_plane(pose.position, furthest * pose.forward - outwards));
+  }
+  planes.planes.push_back(make_plane(pose.position, pose.forward));
+  return planes;
+}
 
 std::vector<ChosenNodes> nodes_in_view(std::span<const std::unique_ptr<CopcFile>> files,
                                        const camera::Camera* camera, std::uint64_t most_points) {

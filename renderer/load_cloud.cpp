@@ -29,63 +29,6 @@ void check_positive(double value, const std::string& what) {
   check_that(value > 0.0 && std::isfinite(value), "bad " + what, "a positive number", std::to_string(value));
 }
 
-}  // namespace
-
-void choose_radius(const CloudSettings& settings, LoadedCloud& cloud, const Progress& progress) {
-  const std::optional<AdaptedRadius>& adapted = settings.adapted_radius;
-  const std::optional<double> given = adapted ? adapted->max : settings.radius;
-  if (given) check_positive(*given, adapted ? "largest radius of points" : "radius of points");
-  cloud.radius = given ? *given : automatic_radius(cloud.octree, settings.max_level);
-  if (!adapted) return;
-  check_that(settings.max_level >= k_max_level, "adapted radii with max_level",
-             "one radius, or all levels: spacings are those of the whole cloud");
-  check_positive(adapted->factor, "factor between spacings and radii");
-  cloud.spacing_factor = adapted->factor;
-  if (!given) cloud.radius *= k_widest_over_automatic;
-  cloud.octree = with_spacings(cloud.octree, adapted->neighbours, progress);
-}
-
-std::optional<SphereAround> sphere_around(const LoadedCloud& cloud, const glm::dvec3& position,
-                                          int max_level) {
-  if (cloud.spacing_factor == 0.0) {
-    const auto around =
-        find(cloud.octree, position, {.radius = cloud.radius, .k = 1, .max_level = max_level});
-    if (around.empty()) return std::nullopt;
-    return SphereAround{around.front().point_id, cloud.radius, around.front().distance};
-  }
-  // Every line through the position enters the spheres that the position lies in.
-  const Ray line = make_ray(position, {0.0, 0.0, 1.0}, -cloud.radius, cloud.radius);
-  std::optional<SphereAround> nearest;
-  const RayQuery query{
-      .radius = cloud.radius, .spacing_factor = cloud.spacing_factor, .max_level = max_level};
-  for (const Hit& hit : find(cloud.octree, line, query)) {
-    const SphereAround sphere{hit.point_id, sphere_radius(query, hit),
-                              std::sqrt(hit.t * hit.t + hit.distance * hit.distance)};
-    if (sphere.distance <= sphere.radius && (!nearest || sphere.distance < nearest->distance))
-      nearest = sphere;
-  }
-  return nearest;
-}
-
-image::PointValues heights(const TreeView& tree) {
-  return {
-      .count = tree.point_count, .for_each_block = [&tree](const image::VisitBlock& visit) {
-        const auto visit_leaf = [&](const Leaf& leaf) {
-          std::array<double, 256> values;
-          for (std::uint32_t i = 0; i < leaf.count; ++i) {
-            const double z = to_world(tree.lattice, position_of(tree, leaf, i)).z;
-            values[i] = std::fabs(z) <= image::k_largest_value ? z : std::numeric_limits<double>::quiet_NaN();
-          }
-          image::ValueBlock block{.values = {values.data(), leaf.count}, .first_id = leaf.first, .ids = {}};
-          if (tree.ids != nullptr) block.ids = {tree.ids + leaf.first, leaf.count};
-          visit(block);
-        };
-        for_each_leaf_in_parallel(tree, Progress(), [&] { return visit_leaf; });
-      }};
-}
-
-namespace {
-
 /// Frees the column, which clear() alone would not.
 template <class Column>
 void drop(Column& column) {
@@ -147,6 +90,59 @@ LoadedCloud build_cloud(const CloudSettings& settings, const CloudInputs& inputs
 }
 
 }  // namespace
+
+void choose_radius(const CloudSettings& settings, LoadedCloud& cloud, const Progress& progress) {
+  const std::optional<AdaptedRadius>& adapted = settings.adapted_radius;
+  const std::optional<double> given = adapted ? adapted->max : settings.radius;
+  if (given) check_positive(*given, adapted ? "largest radius of points" : "radius of points");
+  cloud.radius = given ? *given : automatic_radius(cloud.octree, settings.max_level);
+  if (!adapted) return;
+  check_that(settings.max_level >= k_max_level, "adapted radii with max_level",
+             "one radius, or all levels: spacings are those of the whole cloud");
+  check_positive(adapted->factor, "factor between spacings and radii");
+  cloud.spacing_factor = adapted->factor;
+  if (!given) cloud.radius *= k_widest_over_automatic;
+  cloud.octree = with_spacings(cloud.octree, adapted->neighbours, progress);
+}
+
+std::optional<SphereAround> sphere_around(const LoadedCloud& cloud, const glm::dvec3& position,
+                                          int max_level) {
+  if (cloud.spacing_factor == 0.0) {
+    const auto around =
+        find(cloud.octree, position, {.radius = cloud.radius, .k = 1, .max_level = max_level});
+    if (around.empty()) return std::nullopt;
+    return SphereAround{around.front().point_id, cloud.radius, around.front().distance};
+  }
+  // Every line through the position enters the spheres that the position lies in.
+  const Ray line = make_ray(position, {0.0, 0.0, 1.0}, -cloud.radius, cloud.radius);
+  std::optional<SphereAround> nearest;
+  const RayQuery query{
+      .radius = cloud.radius, .spacing_factor = cloud.spacing_factor, .max_level = max_level};
+  for (const Hit& hit : find(cloud.octree, line, query)) {
+    const SphereAround sphere{hit.point_id, sphere_radius(query, hit),
+                              std::sqrt(hit.t * hit.t + hit.distance * hit.distance)};
+    if (sphere.distance <= sphere.radius && (!nearest || sphere.distance < nearest->distance))
+      nearest = sphere;
+  }
+  return nearest;
+}
+
+image::PointValues heights(const TreeView& tree) {
+  return {
+      .count = tree.point_count, .for_each_block = [&tree](const image::VisitBlock& visit) {
+        const auto visit_leaf = [&](const Leaf& leaf) {
+          std::array<double, 256> values;
+          for (std::uint32_t i = 0; i < leaf.count; ++i) {
+            const double z = to_world(tree.lattice, position_of(tree, leaf, i)).z;
+            values[i] = std::fabs(z) <= image::k_largest_value ? z : std::numeric_limits<double>::quiet_NaN();
+          }
+          image::ValueBlock block{.values = {values.data(), leaf.count}, .first_id = leaf.first, .ids = {}};
+          if (tree.ids != nullptr) block.ids = {tree.ids + leaf.first, leaf.count};
+          visit(block);
+        };
+        for_each_leaf_in_parallel(tree, Progress(), [&] { return visit_leaf; });
+      }};
+}
 
 LoadedCloud index_cloud(PointCloud&& cloud, AttributeSet attributes, const CloudSettings& settings,
                         const std::string& name, const Progress& progress) {

@@ -65,6 +65,16 @@ double scale_of(double share, double samples) {
   return share / (samples * (samples - share));
 }
 
+/// The noise of a tile and its neighbours together.
+Noise noise_around(const TileGrid& grid, const std::vector<Noise>& noise, std::size_t tile) {
+  const int column = grid.column_of(tile), row = grid.row_of(tile);
+  Noise sum;
+  for (int r = std::max(0, row - 1); r <= std::min(grid.rows() - 1, row + 1); ++r)
+    for (int c = std::max(0, column - 1); c <= std::min(grid.columns() - 1, column + 1); ++c)
+      sum += noise[grid.tile_at(c, r)];
+  return sum;
+}
+
 }  // namespace
 
 double mean_variance_scale(const LevelSums& levels, std::uint32_t samples) {
@@ -115,20 +125,6 @@ Noise tile_noise(const PictureState& state, std::size_t tile) {
   noise.variance = sum * scale_of(share, samples);
   return noise;
 }
-
-namespace {
-
-/// The noise of a tile and its neighbours together.
-Noise noise_around(const TileGrid& grid, const std::vector<Noise>& noise, std::size_t tile) {
-  const int column = grid.column_of(tile), row = grid.row_of(tile);
-  Noise sum;
-  for (int r = std::max(0, row - 1); r <= std::min(grid.rows() - 1, row + 1); ++r)
-    for (int c = std::max(0, column - 1); c <= std::min(grid.columns() - 1, column + 1); ++c)
-      sum += noise[grid.tile_at(c, r)];
-  return sum;
-}
-
-}  // namespace
 
 void StopRule::apply(PictureState& state) {
   noise_.resize(state.tiles.size());

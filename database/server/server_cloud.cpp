@@ -36,9 +36,8 @@ double largest(Attribute attribute, ScalarType type) {
 }
 
 std::int64_t least(ScalarType type) {
-  return type == ScalarType::int16   ? std::numeric_limits<std::int16_t>::min()
-         : type == ScalarType::int32 ? std::numeric_limits<std::int32_t>::min()
-                                     : std::numeric_limits<std::int64_t>::min();
+  return with_type(
+      type, [](auto none) { return static_cast<std::int64_t>(std::numeric_limits<decltype(none)>::min()); });
 }
 
 ExtraDimension dimension_of(const NumberColumn& column) {
@@ -189,10 +188,9 @@ bool CloudValues::put(const Target& target, std::size_t row, CopyField field) {
 
 void CloudValues::reject(const Target& target, CopyField field, std::string location) {
   const NumberColumn& column = target.source.column;
-  throw Error({.location = std::move(location),
-               .problem = fmt::format("{} out of the range of the attribute", column.name),
-               .expected = is_real(target.type) ? "a 32-bit integer" : fmt::format("0 to {}", target.most),
-               .found = fmt::format("{}", number_of(column, field))});
+  throw Error({}, std::move(location), fmt::format("{} out of the range of the attribute", column.name),
+              is_real(target.type) ? "a 32-bit integer" : fmt::format("0 to {}", target.most),
+              fmt::format("{}", number_of(column, field)));
 }
 
 ServerCloud::ServerCloud(const ServerName& name) : connection_(name), table_(begin(connection_, name)) {}

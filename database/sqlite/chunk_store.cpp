@@ -81,12 +81,6 @@ std::optional<ChunkLocation> BoxTree::chunk(std::uint64_t id) {
                        read_page(0, id / k_fan_out, k_everywhere)[static_cast<std::size_t>(id % k_fan_out)]};
 }
 
-void BoxTree::reject(int level, std::uint64_t page, std::string problem, std::string expected,
-                     std::string found) const {
-  reject_stored({file_, fmt::format("{}, page {} of level {} of its boxes", table_, page, level),
-                 std::move(problem), std::move(expected), std::move(found)});
-}
-
 std::vector<Bounds> BoxTree::read_page(int level, std::uint64_t page, const Bounds& around) {
   const std::uint64_t count =
       std::min(k_fan_out, counts_[static_cast<std::size_t>(level)] - page * k_fan_out);
@@ -97,8 +91,12 @@ std::vector<Bounds> BoxTree::read_page(int level, std::uint64_t page, const Boun
   const bool fits = size == pages.size() * sizeof(Sides);
   if (fits) std::memcpy(pages.data(), page_.bytes(0).data(), size);
   page_.reset();
+  const auto reject = [&](std::string problem, std::string expected, std::string found) {
+    reject_stored({file_, fmt::format("{}, page {} of level {} of its boxes", table_, page, level),
+                   std::move(problem), std::move(expected), std::move(found)});
+  };
   if (!fits) {
-    reject(level, page, is_there ? "wrong size of the boxes" : "missing",
+    reject(is_there ? "wrong size of the boxes" : "missing",
            fmt::format("{} bytes", pages.size() * sizeof(Sides)),
            is_there ? fmt::format("{} bytes", size) : "");
   }
@@ -106,7 +104,7 @@ std::vector<Bounds> BoxTree::read_page(int level, std::uint64_t page, const Boun
   for (const auto& [x, y, z, to_x, to_y, to_z] : pages) {
     boxes.push_back({{x, y, z}, {to_x, to_y, to_z}});
     if (lies_inside(boxes.back(), around)) continue;
-    reject(level, page, "invalid box", "minimum and maximum of x, y, z inside the box of the page",
+    reject("invalid box", "minimum and maximum of x, y, z inside the box of the page",
            fmt::format("{}, {}, {} to {}, {}, {}", x, y, z, to_x, to_y, to_z));
   }
   return boxes;

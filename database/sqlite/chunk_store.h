@@ -49,8 +49,6 @@ class BoxTree {
   std::vector<Bounds> read_page(int level, std::uint64_t page, const Bounds& around);
   void visit(int level, std::uint64_t page, const Bounds& around,
              const std::function<bool(const Bounds&)>& wanted, std::vector<ChunkLocation>& found);
-  [[noreturn]] void reject(int level, std::uint64_t page, std::string problem, std::string expected,
-                           std::string found) const;
 
   std::string file_, table_;
   std::vector<std::uint64_t> counts_;  ///< boxes of every level

@@ -8,44 +8,10 @@
 #include "octree/distance.h"
 
 namespace alidade::database {
-
 namespace {
 
 constexpr std::size_t k_head = 4;
 constexpr std::byte k_mark[k_head - 1] = {std::byte{'a'}, std::byte{'l'}, std::byte{'d'}};
-
-}  // namespace
-
-std::vector<std::byte> encode(const DistanceLimit& limit) {
-  std::vector<std::byte> bytes(k_head + sizeof limit.numbers);
-  std::memcpy(bytes.data(), k_mark, sizeof k_mark);
-  bytes[k_head - 1] = static_cast<std::byte>(limit.kind);
-  std::memcpy(bytes.data() + k_head, limit.numbers.data(), sizeof limit.numbers);
-  return bytes;
-}
-
-DistanceLimit decode_distance_limit(std::span<const std::byte> bytes) {
-  DistanceLimit limit;
-  const bool is_one = bytes.size() == k_head + sizeof limit.numbers &&
-                      std::memcmp(bytes.data(), k_mark, sizeof k_mark) == 0 &&
-                      bytes[k_head - 1] <= static_cast<std::byte>(DistanceLimit::Kind::plane);
-  check_that(is_one, "in_chunk: argument 2 is not a limit", "ray_limit(...) or plane_limit(...)");
-  limit.kind = static_cast<DistanceLimit::Kind>(bytes[k_head - 1]);
-  std::memcpy(limit.numbers.data(), bytes.data() + k_head, sizeof limit.numbers);
-  return limit;
-}
-
-void add(const DistanceLimit& limit, PointFilter& filter) {
-  const auto& n = limit.numbers;
-  const glm::dvec3 offset(n[0], n[1], n[2]), direction(n[3], n[4], n[5]);
-  const Interval distance{n[6], n[7]};
-  if (limit.kind == DistanceLimit::Kind::ray)
-    filter.lines.push_back({.ray = make_ray(offset, direction), .distance = distance});
-  else if (limit.kind == DistanceLimit::Kind::plane)
-    filter.planes.push_back({.plane = make_plane(offset, direction), .distance = distance});
-}
-
-namespace {
 
 using Values = std::span<sqlite3_value* const>;
 
@@ -126,6 +92,35 @@ constexpr SqlFunction k_functions[] = {
 };
 
 }  // namespace
+
+std::vector<std::byte> encode(const DistanceLimit& limit) {
+  std::vector<std::byte> bytes(k_head + sizeof limit.numbers);
+  std::memcpy(bytes.data(), k_mark, sizeof k_mark);
+  bytes[k_head - 1] = static_cast<std::byte>(limit.kind);
+  std::memcpy(bytes.data() + k_head, limit.numbers.data(), sizeof limit.numbers);
+  return bytes;
+}
+
+DistanceLimit decode_distance_limit(std::span<const std::byte> bytes) {
+  DistanceLimit limit;
+  const bool is_one = bytes.size() == k_head + sizeof limit.numbers &&
+                      std::memcmp(bytes.data(), k_mark, sizeof k_mark) == 0 &&
+                      bytes[k_head - 1] <= static_cast<std::byte>(DistanceLimit::Kind::plane);
+  check_that(is_one, "in_chunk: argument 2 is not a limit", "ray_limit(...) or plane_limit(...)");
+  limit.kind = static_cast<DistanceLimit::Kind>(bytes[k_head - 1]);
+  std::memcpy(limit.numbers.data(), bytes.data() + k_head, sizeof limit.numbers);
+  return limit;
+}
+
+void add(const DistanceLimit& limit, PointFilter& filter) {
+  const auto& n = limit.numbers;
+  const glm::dvec3 offset(n[0], n[1], n[2]), direction(n[3], n[4], n[5]);
+  const Interval distance{n[6], n[7]};
+  if (limit.kind == DistanceLimit::Kind::ray)
+    filter.lines.push_back({.ray = make_ray(offset, direction), .distance = distance});
+  else if (limit.kind == DistanceLimit::Kind::plane)
+    filter.planes.push_back({.plane = make_plane(offset, direction), .distance = distance});
+}
 
 void in_chunk(sqlite3_context* context, int, sqlite3_value** values) {
   if (sqlite3_value_type(values[1]) != SQLITE_NULL) sqlite3_result_int(context, 1);
