@@ -52,8 +52,8 @@ void write_rows(void* dataset, const GroundPicture& picture, const FillRows& fil
 }
 
 /// A reference system that GDAL does not understand is left out; the rest is right without it.
-void place(void* dataset, std::array<double, 6> transform, const std::string& wkt,
-           const std::filesystem::path& file) {
+void georeference(void* dataset, std::array<double, 6> transform, const std::string& wkt,
+                  const std::filesystem::path& file) {
   if (GDALSetGeoTransform(dataset, transform.data()) != CE_None)
     fail_geotiff(file, "cannot set the georeference");
   if (!wkt.empty()) GDALSetProjection(dataset, wkt.c_str());
@@ -90,8 +90,8 @@ void write_raster(const std::filesystem::path& file, const RasterContents& conte
   const GdalDataset values(GDALCreate(memory_driver, "", grid.columns, grid.rows, 0, GDT_Byte, nullptr));
   if (!values) fail_geotiff(file, "cannot create the file");
   for (const RasterBand& band : contents.bands) add_band(values.get(), band, grid, file);
-  place(values.get(), {grid.north_west.x, grid.cell_size, 0.0, grid.north_west.y, 0.0, -grid.cell_size}, wkt,
-        file);
+  georeference(values.get(),
+               {grid.north_west.x, grid.cell_size, 0.0, grid.north_west.y, 0.0, -grid.cell_size}, wkt, file);
   GDALSetMetadataItem(values.get(), "TIFFTAG_SOFTWARE", "Alidade " ALIDADE_VERSION, nullptr);
   for (const auto& [key, text] : contents.metadata)
     GDALSetMetadataItem(values.get(), key.c_str(), text.c_str(), nullptr);
@@ -126,7 +126,7 @@ void write_geotiff(const std::filesystem::path& name, const GroundPicture& pictu
   GdalDataset dataset(GDALCreate(driver, memory.name(), picture.width, picture.height, 4, GDT_Byte, options));
   if (!dataset) fail_geotiff(name, "cannot create the file");
   GDALSetRasterColorInterpretation(GDALGetRasterBand(dataset.get(), 4), GCI_AlphaBand);
-  place(dataset.get(), picture.transform, wkt, name);
+  georeference(dataset.get(), picture.transform, wkt, name);
   for (const auto& [key, text] : picture.texts) {
     // To GDAL a colon ends the name.
     std::string item = key == "Software" ? "TIFFTAG_SOFTWARE" : key;

@@ -39,10 +39,6 @@ void append_field(Number number, std::vector<std::byte>& bytes) {
   append_number(number, bytes);
 }
 
-void append_null(std::vector<std::byte>& bytes) {
-  append_number(std::int32_t{-1}, bytes);
-}
-
 /// numeric: digits to the base of 10,000 without zeros at the end, the power of the first one, sign, offsets
 /// behind the point.
 void append_numeric(std::uint64_t number, std::vector<std::byte>& bytes) {
@@ -86,7 +82,7 @@ void append_value(ServerType type, const ColumnValue& value, std::vector<std::by
     append_number(static_cast<std::int32_t>(text->size()), bytes);
     bytes.insert(bytes.end(), text->begin(), text->end());
   } else {
-    append_null(bytes);
+    append_number(std::int32_t{-1}, bytes);  // NULL
   }
 }
 

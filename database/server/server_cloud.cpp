@@ -14,17 +14,8 @@
 namespace alidade::database {
 namespace {
 
-bool is_coordinate(const std::string& name) {
-  return name == "x" || name == "y" || name == "z";
-}
-
 bool is_real(ScalarType type) {
   return type == ScalarType::float32 || type == ScalarType::float64;
-}
-
-/// Whether the column can be a part of an attribute of that type.
-bool can_be(ScalarType type, const NumberColumn* column) {
-  return column != nullptr && (is_real(type) || column->is_whole());
 }
 
 /// The largest value of an attribute of whole numbers.
@@ -92,13 +83,16 @@ double number_of(const NumberColumn& column, CopyField field) {
 std::vector<ValueColumn> value_columns(const ServerTable& table, bool without_id) {
   std::vector<ValueColumn> columns;
   for (const NumberColumn& column : table.columns) {
-    if (!is_coordinate(column.name) && !(without_id && column.name == "id")) columns.push_back({column});
+    const std::string& name = column.name;
+    const bool is_coordinate = name == "x" || name == "y" || name == "z";
+    if (!is_coordinate && !(without_id && name == "id")) columns.push_back({column});
   }
   const PointCloud any;
-  for_each_column(any, any, [&](Attribute attribute, const auto&, const auto&) {
+  for_each_column(any, [&](Attribute attribute, const auto&) {
     const AttributeParts parts = attribute_parts(attribute);
     for (const char* const name : parts.names) {
-      if (!can_be(parts.type, table.find(name))) return;
+      const NumberColumn* const column = table.find(name);
+      if (column == nullptr || !(is_real(parts.type) || column->is_whole())) return;
     }
     for (std::size_t part = 0; part < parts.names.size(); ++part) {
       for (ValueColumn& column : columns) {
