@@ -37,9 +37,7 @@ CameraSet finished(CameraSet set, const std::string& file, bool sort) {
   std::set<std::string_view> names;
   for (const NamedCamera& each : set.cameras) {
     if (!names.insert(each.name).second)
-      throw Error({.file = file,
-                   .problem = fmt::format("duplicate camera '{}'", each.name),
-                   .expected = "unique names"});
+      throw file_error(file, fmt::format("duplicate camera '{}'", each.name), "unique names");
   }
   return set;
 }
@@ -75,9 +73,8 @@ CameraSet read_colmap_folder(const fs::path& folder) {
     return read_colmap_text(read_text_file(cameras_text, k_largest_camera_file), cameras_text.string(),
                             read_text_file(images_text, k_largest_camera_file), images_text.string());
   }
-  throw Error({.file = folder.string(),
-               .problem = "no COLMAP model in this folder",
-               .expected = "cameras.bin and images.bin, or cameras.txt and images.txt (often in sparse/0)"});
+  throw file_error(folder, "no COLMAP model in this folder",
+                   "cameras.bin and images.bin, or cameras.txt and images.txt (often in sparse/0)");
 }
 
 std::string without_folder(const std::string& name) {
@@ -119,10 +116,9 @@ const NamedCamera& camera_called(const CameraSet& set, const std::string& name, 
   std::vector<std::string_view> names;
   for (const NamedCamera& each : set.cameras) names.push_back(each.name);
   const std::string_view nearest = nearest_word(name, names);
-  throw Error({.file = source,
-               .problem = fmt::format("{} named '{}'", found.empty() ? "no camera" : "several cameras", name),
-               .expected = fmt::format("one of {} names such as '{}'", names.size(),
-                                       nearest.empty() ? names.front() : nearest)});
+  throw file_error(
+      source, fmt::format("{} named '{}'", found.empty() ? "no camera" : "several cameras", name),
+      fmt::format("one of {} names such as '{}'", names.size(), nearest.empty() ? names.front() : nearest));
 }
 
 }  // namespace alidade::camera

@@ -99,10 +99,10 @@ bool has_column(const AttributeColumns& columns, const std::string& word) {
     if (has_numbers(column)) words.push_back(column.description.name);
   }
   const std::string_view nearest = nearest_word(word, words);
-  throw Error({.file = name,
-               .problem = fmt::format("the cloud has no attribute \"{}\"{}", word,
-                                      nearest.empty() ? "" : fmt::format(", did you mean \"{}\"?", nearest)),
-               .expected = fmt::format("one of {}", fmt::join(words, ", "))});
+  throw file_error(name,
+                   fmt::format("the cloud has no attribute \"{}\"{}", word,
+                               nearest.empty() ? "" : fmt::format(", did you mean \"{}\"?", nearest)),
+                   fmt::format("one of {}", fmt::join(words, ", ")));
 }
 
 bool has_color(const AttributeColumns& columns) {
@@ -129,17 +129,11 @@ void check_use(const PointColoring& coloring, const std::string& name) {
   const bool no_numbers = coloring.by == PointColor::rgb || coloring.by == PointColor::normal ||
                           coloring.by == PointColor::classification;
   if (no_numbers && (coloring.map || coloring.range)) {
-    throw Error({.file = name,
-                 .problem = "a colour map or range requires a numeric attribute",
-                 .expected = "height, intensity, gps_time or another attribute",
-                 .found = color_word(coloring)});
+    throw file_error(name, "a colour map or range requires a numeric attribute",
+                     "height, intensity, gps_time or another attribute", color_word(coloring));
   }
-  if (coloring.by != PointColor::classification && !coloring.classes.empty()) {
-    throw Error({.file = name,
-                 .problem = "class colours require classification",
-                 .expected = "classification",
-                 .found = color_word(coloring)});
-  }
+  if (coloring.by != PointColor::classification && !coloring.classes.empty())
+    throw file_error(name, "class colours require classification", "classification", color_word(coloring));
 }
 
 }  // namespace

@@ -21,9 +21,8 @@ std::filesystem::path find_font(std::span<const std::filesystem::path> positions
     std::error_code error;
     if (std::filesystem::is_regular_file(position, error)) return position;
   }
-  throw Error({.file = positions.empty() ? "" : positions.front().string(),
-               .problem = "missing font for the legend",
-               .expected = "DejaVu Sans (Debian: fonts-dejavu-core)"});
+  throw file_error(positions.empty() ? "" : positions.front().string(), "missing font for the legend",
+                   "DejaVu Sans (Debian: fonts-dejavu-core)");
 }
 
 }  // namespace alidade::image

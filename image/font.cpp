@@ -72,7 +72,7 @@ Font::Font(const std::filesystem::path& file) : face_(std::make_unique<Face>()) 
   const bool opened = FT_Init_FreeType(&face_->library) == 0 &&
                       FT_New_Face(face_->library, file.c_str(), 0, &face_->face) == 0 &&
                       FT_IS_SCALABLE(face_->face);
-  if (!opened) throw Error({.file = file.string(), .problem = "not a font file"});
+  if (!opened) throw file_error(file, "not a font file");
 }
 
 Font::~Font() = default;

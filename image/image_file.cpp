@@ -26,7 +26,7 @@
 namespace alidade::image {
 
 [[noreturn]] inline void fail_image(const std::filesystem::path& file, const std::string& message) {
-  throw Error({.file = file.string(), .problem = "cannot write the image: " + message});
+  throw file_error(file, "cannot write the image: " + message);
 }
 
 /// Encodes the rows that `pack(y, bytes of row y)` fills in memory and then writes them: libpng and libjpeg,
@@ -259,10 +259,8 @@ void write_image(const Film& film, const OutputSettings& output, const ImageFact
 }
 
 void write_png(const Canvas& canvas, const std::filesystem::path& file, bool overwrite) {
-  if (image_format(file) != ImageFormat::png) {
-    throw Error(
-        {.file = file.string(), .problem = "unsupported image format", .expected = "the extension .png"});
-  }
+  if (image_format(file) != ImageFormat::png)
+    throw file_error(file, "unsupported image format", "the extension .png");
   OutputFile output(file, overwrite);
   OIIO::ImageSpec spec(canvas.width(), canvas.height(), 3, OIIO::TypeUInt8);
   spec.attribute("oiio:ColorSpace", "sRGB");

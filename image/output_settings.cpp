@@ -24,10 +24,8 @@ std::optional<ImageFormat> image_format(const std::filesystem::path& file) {
 void check_image_name(const std::filesystem::path& file) {
   if (image_format(file)) return;
   const std::string extension = file.extension().string();
-  throw Error({.file = file.string(),
-               .problem = "unknown image format",
-               .expected = "the extension .exr, .png, .jpg, .jpeg or .tif",
-               .found = extension.empty() ? "no extension" : extension});
+  throw file_error(file, "unknown image format", "the extension .exr, .png, .jpg, .jpeg or .tif",
+                   extension.empty() ? "no extension" : extension);
 }
 
 }  // namespace alidade::image

@@ -32,7 +32,7 @@ std::string image_trouble(const std::string& said) {
 }
 
 std::uint64_t picture_file_size(const std::filesystem::path& file) {
-  const auto fail = [&](const char* problem) { throw Error({.file = file.string(), .problem = problem}); };
+  const auto fail = [&](const char* problem) { throw file_error(file, problem); };
   std::error_code error;
   const auto status = std::filesystem::status(file, error);
   if (!std::filesystem::exists(status)) fail("no such file");
@@ -49,7 +49,7 @@ constexpr float k_infinite_light = 65504.0f, k_most_light = 1e9f;
 
 [[noreturn]] void fail(const std::filesystem::path& file, const std::string& problem,
                        const std::string& expected = {}, const std::string& found = {}) {
-  throw Error({.file = file.string(), .problem = problem, .expected = expected, .found = found});
+  throw file_error(file, problem, expected, found);
 }
 
 std::string size_text(int width, int height) {

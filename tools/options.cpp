@@ -275,16 +275,11 @@ void check_writable(const std::filesystem::path& output, bool overwrite,
   std::error_code error;
   for (const std::filesystem::path& input : inputs) {
     // Files that are not there are no equals; that they are missing is said by whoever reads them.
-    if (std::filesystem::equivalent(output, input == "-" ? "/dev/stdin" : input, error)) {
-      throw Error({.file = output.string(),
-                   .problem = "the output is also an input",
-                   .expected = "another output name"});
-    }
+    if (std::filesystem::equivalent(output, input == "-" ? "/dev/stdin" : input, error))
+      throw file_error(output, "the output is also an input", "another output name");
   }
-  if (!overwrite && std::filesystem::is_regular_file(output, error)) {
-    throw Error(
-        {.file = output.string(), .problem = "the file exists", .expected = "another name, or --overwrite"});
-  }
+  if (!overwrite && std::filesystem::is_regular_file(output, error))
+    throw file_error(output, "the file exists", "another name, or --overwrite");
   // Opened and given up at once: this finds a missing or read-only folder as the later writing would.
   const OutputFile attempt(output, overwrite);
 }
@@ -296,9 +291,7 @@ void check_outputs(std::span<const std::filesystem::path> outputs, bool overwrit
     check_writable(outputs[i], overwrite, inputs);
     for (const std::filesystem::path& earlier : outputs.first(i)) {
       if (earlier.empty() || !same_file(earlier, outputs[i])) continue;
-      throw Error({.file = outputs[i].string(),
-                   .problem = "two outputs have this name",
-                   .expected = "different names"});
+      throw file_error(outputs[i], "two outputs have this name", "different names");
     }
   }
 }

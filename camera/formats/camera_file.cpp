@@ -143,8 +143,7 @@ std::filesystem::path existing(const std::filesystem::path& file) {
 ImageFileSize image_file_size(InputFile& file) {
   if (const auto size = png_size(file)) return *size;
   if (const auto size = jpeg_size(file)) return *size;
-  throw Error(
-      {.file = file.name(), .problem = "cannot read the image size", .expected = "a PNG or JPEG file"});
+  throw file_error(file.name(), "cannot read the image size", "a PNG or JPEG file");
 }
 
 ImageFileSize image_file_size(const std::filesystem::path& path) {

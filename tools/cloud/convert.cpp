@@ -100,11 +100,8 @@ void check_crop(const CropOptions& options) {
     return;
   }
   std::error_code error;
-  if (!std::filesystem::is_regular_file(options.polygons, error)) {
-    throw Error({.file = options.polygons.string(),
-                 .problem = "not a file",
-                 .expected = "x0,y0,x1,y1 or x0,y0,z0,x1,y1,z1 or a polygon file"});
-  }
+  if (!std::filesystem::is_regular_file(options.polygons, error))
+    throw file_error(options.polygons, "not a file", "x0,y0,x1,y1 or x0,y0,z0,x1,y1,z1 or a polygon file");
 }
 
 /// Crops a cloud, which may lack the files outside the box (ReadOptions::region). Errors: as read_polygons()
@@ -118,11 +115,10 @@ void crop(PointCloud& cloud, const CropOptions& options, const Progress& progres
     crop(cloud, read_polygons(options, cloud.crs), progress);
   }
   if (cloud.size() == 0 && !before.empty()) {
-    throw Error({.file = options.polygons.string(),
-                 .problem = options.box ? fmt::format("no points inside --crop {}", options.text)
-                                        : "no points inside the polygons",
-                 .expected = "a part of the cloud",
-                 .found = before});
+    throw file_error(options.polygons,
+                     options.box ? fmt::format("no points inside --crop {}", options.text)
+                                 : "no points inside the polygons",
+                     "a part of the cloud", before);
   }
 }
 
@@ -138,9 +134,7 @@ struct ConvertCommand : CloudRequest {
 void check_name(const std::filesystem::path& output) {
   const std::string extension = file_extension(output);
   if (extension == ".las" || extension == ".laz" || extension == ".ply" || extension == ".alidade") return;
-  throw Error({.file = output.string(),
-               .problem = "unknown output format",
-               .expected = "the extension .las, .laz, .ply or .alidade"});
+  throw file_error(output, "unknown output format", "the extension .las, .laz, .ply or .alidade");
 }
 
 /// Leaves the points that were asked for.

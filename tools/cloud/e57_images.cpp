@@ -254,9 +254,8 @@ std::size_t extract_images(std::span<const std::filesystem::path> files, const s
     sources.back().pages().rest();
   }
   if (plan.extractions().empty()) {
-    throw Error({.file = files.empty() ? std::string() : files.front().string(),
-                 .problem = "no images to extract",
-                 .expected = "an E57 file with images"});
+    throw file_error(files.empty() ? std::string() : files.front().string(), "no images to extract",
+                     "an E57 file with images");
   }
   std::filesystem::create_directories(folder);
   for (const Extraction& extraction : plan.extractions()) {

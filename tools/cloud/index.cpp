@@ -28,11 +28,8 @@ struct IndexCommand : CloudRequest {
 ExitCode run(const IndexCommand& command) {
   if (command.index.cell_size > 0.0 && command.index.organisation != Organisation::fixed)
     throw Error({.problem = "--cell-size requires --organisation fixed"});
-  if (command.output.extension() != ".alidade") {
-    throw Error({.file = command.output.string(),
-                 .problem = "not the name of an index file",
-                 .expected = "the extension .alidade"});
-  }
+  if (command.output.extension() != ".alidade")
+    throw file_error(command.output, "not the name of an index file", "the extension .alidade");
   if (command.index.surfaces && command.index.spacing_neighbours &&
       *command.index.spacing_neighbours != k_surface_neighbours) {
     throw Error({.problem = "--surfaces requires the 8th neighbour",

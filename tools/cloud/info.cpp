@@ -78,11 +78,8 @@ void verify(const InfoOptions& options) {
   for (const CloudInput& input : options.files.inputs) {
     // Opened first, so that a file that is not there is what the message is about.
     InputFile file = input.file();
-    if (!input.is(k_index_format)) {
-      throw Error({.file = file.name(),
-                   .problem = "no checksums to verify",
-                   .expected = "an index file (alidade index)"});
-    }
+    if (!input.is(k_index_format))
+      throw file_error(file.name(), "no checksums to verify", "an index file (alidade index)");
     ProgressLine line("verifying", "B", options.verbosity);
     IndexFile(file).verify(line.callback());
     if (options.verbosity == Verbosity::verbose) line.finish();

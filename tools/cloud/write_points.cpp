@@ -103,9 +103,7 @@ void write_las_rows(const std::filesystem::path& file, const IndexedCloud& cloud
 void check_points_name(const std::filesystem::path& file) {
   const std::string extension = file_extension(file);
   if (extension == ".las" || extension == ".laz" || extension == ".ply") return;
-  throw Error({.file = file.string(),
-               .problem = "unknown output format",
-               .expected = "the extension .las, .laz or .ply"});
+  throw file_error(file, "unknown output format", "the extension .las, .laz or .ply");
 }
 
 void write_points(const std::filesystem::path& file, const IndexedCloud& cloud,

@@ -136,9 +136,7 @@ void find_points(std::vector<PointsOutput>& outputs, const CompareRequest& reque
                  const compare::ChangeRegions& changes) {
   if (wish.output.empty()) return;
   if (facts.ids.empty())
-    throw Error({.file = facts.file.string(),
-                 .problem = "no layer of point ids",
-                 .expected = "an EXR file rendered with the layer id"});
+    throw file_error(facts.file, "no layer of point ids", "an EXR file rendered with the layer id");
   const PointCloud cloud = with_progress("reading", "B", request.verbosity, [&](const Progress& progress) {
     return read_cloud(resolve_clouds(std::vector{wish.cloud}, cloud_formats()),
                       {.partial = request.partial, .progress = progress});
@@ -166,10 +164,7 @@ std::vector<MapOutput> maps_to_write(const CompareRequest& request,
   const auto add = [&](const fs::path& file, const std::optional<compare::DifferenceMap>& map,
                        const char* lacking) {
     if (file.empty()) return;
-    if (!map)
-      throw Error({.file = file.string(),
-                   .problem = "this map cannot be computed from these images",
-                   .expected = lacking});
+    if (!map) throw file_error(file, "this map cannot be computed from these images", lacking);
     outputs.push_back({file, &*map});
   };
   add(request.color_map, pictures.color_map, "two images with colours");

@@ -167,18 +167,12 @@ AnswerForm chosen_form(const QueryCommand& command) {
   if (!form && extension == ".csv") form = AnswerForm::csv;
   if (!form && (extension == ".jsonl" || extension == ".ndjson")) form = AnswerForm::json_lines;
   if (!form && (extension == ".las" || extension == ".laz")) form = AnswerForm::las;
-  if (!form) {
-    throw Error({.file = command.output.string(),
-                 .problem = "unknown output format",
-                 .expected = ".csv, .jsonl, .las or .laz, or --format"});
-  }
+  if (!form)
+    throw file_error(command.output, "unknown output format", ".csv, .jsonl, .las or .laz, or --format");
   if (form == AnswerForm::las && command.output.empty())
     throw Error({.problem = "LAS output requires a file", .expected = "-o FILE.las"});
-  if (form == AnswerForm::las && (command.count || command.occluded)) {
-    throw Error({.file = command.output.string(),
-                 .problem = "LAS cannot store --count and --occluded",
-                 .expected = ".csv or .jsonl"});
-  }
+  if (form == AnswerForm::las && (command.count || command.occluded))
+    throw file_error(command.output, "LAS cannot store --count and --occluded", ".csv or .jsonl");
   return *form;
 }
 

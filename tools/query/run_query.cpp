@@ -81,7 +81,7 @@ AttributeSet needed_attributes(const QueryCommand& command, bool all) {
 }
 
 [[noreturn]] void reject_classes(const QueryCommand& command) {
-  throw Error({.file = command.files.first_name().string(), .problem = "--class requires classification"});
+  throw file_error(command.files.first_name(), "--class requires classification");
 }
 
 /// Answers whose points are numbered in another way, in the same order.
@@ -123,9 +123,8 @@ IndexedCloud load(const QueryCommand& command, bool all_attributes, const std::o
     say_note(command.verbosity, fmt::format("read {} of {} files: no target reaches the bounds of the others",
                                             all_files - skipped_files, all_files));
   if (command.max_level && cloud.octree.view().organisation != Organisation::layered) {
-    throw Error({.file = command.files.first_name().string(),
-                 .problem = "--max-level requires a layered index",
-                 .expected = "a layered index (alidade index --organisation layered)"});
+    throw file_error(command.files.first_name(), "--max-level requires a layered index",
+                     "a layered index (alidade index --organisation layered)");
   }
   return cloud;
 }

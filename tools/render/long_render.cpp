@@ -107,28 +107,22 @@ void check_long_render(const LongRenderRequest& request, Replaceable replaceable
   const auto check = [&](const std::filesystem::path& file, bool may_exist) {
     if (file.empty()) return;
     for (const std::filesystem::path& output : outputs) {
-      if (same_file(file, output))
-        throw Error(
-            {.file = file.string(), .problem = "also the name of an image", .expected = "another name"});
+      if (same_file(file, output)) throw file_error(file, "also the name of an image", "another name");
     }
     check_writable(file, may_exist, inputs);
   };
   if (!request.preview.empty()) {
     const std::optional<image::ImageFormat> format = image::image_format(request.preview);
-    if (format != image::ImageFormat::png && format != image::ImageFormat::jpeg) {
-      throw Error({.file = request.preview.string(),
-                   .problem = "unknown preview format",
-                   .expected = "the extension .png, .jpg or .jpeg"});
-    }
+    if (format != image::ImageFormat::png && format != image::ImageFormat::jpeg)
+      throw file_error(request.preview, "unknown preview format", "the extension .png, .jpg or .jpeg");
     if (!request.checkpoint.file.empty() && same_file(request.preview, request.checkpoint.file))
-      throw Error({.file = request.preview.string(), .problem = "preview and checkpoint have the same name"});
+      throw file_error(request.preview, "preview and checkpoint have the same name");
   }
   std::error_code error;
   const bool keeps_checkpoint = std::filesystem::exists(request.checkpoint.file, error);
   if (keeps_checkpoint && !request.checkpoint.resume && !replaceable.any) {
-    throw Error({.file = request.checkpoint.file.string(),
-                 .problem = "the file exists",
-                 .expected = "--resume to continue from it, or --overwrite"});
+    throw file_error(request.checkpoint.file, "the file exists",
+                     "--resume to continue from it, or --overwrite");
   }
   check(request.preview,
         replaceable.any || (replaceable.earlier_preview && is_preview_of_ours(request.preview)));
@@ -161,10 +155,8 @@ std::optional<Resumption> find_resumption(const LongRenderRequest& request,
                                   100.0 * summary.share, clock_time(summary.seconds))};
   }
   if (!is_of_one_of(summary, finished)) {
-    throw Error({.file = file,
-                 .problem = "the checkpoint belongs to another image",
-                 .expected = fmt::format("one of {}", picture),
-                 .found = summary.picture});
+    throw file_error(file, "the checkpoint belongs to another image", fmt::format("one of {}", picture),
+                     summary.picture);
   }
   say_note(verbosity, fmt::format("{} belongs to {}, which is finished: starting from the beginning", file,
                                   summary.picture));

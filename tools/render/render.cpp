@@ -67,9 +67,9 @@ void show(const RenderCommand& command, renderer::Scene scene, const View* view,
 void check_in_view(const renderer::CloudSettings& settings, const renderer::Scene& scene,
                    const CloudInputs& clouds, std::span<const View> views) {
   if (clouds.size() != 1 || !has_parts(clouds.inputs.front())) {
-    throw Error({.file = settings.files.empty() ? "" : settings.files.front().string(),
-                 .problem = "--in-view requires a single cloud in a database",
-                 .expected = "a database written by 'alidade sql load'"});
+    throw file_error(settings.files.empty() ? "" : settings.files.front().string(),
+                     "--in-view requires a single cloud in a database",
+                     "a database written by 'alidade sql load'");
   }
   if (views.empty())
     throw Error({.problem = "--in-view requires a camera that does not depend on the cloud",
@@ -227,7 +227,7 @@ void check_legend_file(const RenderCommand& command, const renderer::Scene& scen
   check_writable(command.color.legend, command.overwrite, input_files(command, scene));
   for (const Picture& picture : pictures) {
     if (picture.file.lexically_normal() == command.color.legend.lexically_normal())
-      throw Error({.file = picture.file.string(), .problem = "image and legend have the same name"});
+      throw file_error(picture.file, "image and legend have the same name");
   }
 }
 

@@ -155,9 +155,7 @@ std::string cloud_option(const RenderCommand& command) {
 void apply_cloud_options(const RenderCommand& command, renderer::Scene& scene) {
   const std::string option = cloud_option(command);
   if (option.empty()) return;
-  if (!scene.cloud) {
-    throw Error({.file = command.scene_file.string(), .problem = "the scene has no cloud for " + option});
-  }
+  if (!scene.cloud) throw file_error(command.scene_file, "the scene has no cloud for " + option);
   renderer::CloudSettings& cloud = *scene.cloud;
   apply(command.radius, cloud);
   cloud.color_depth = command.color_depth.value_or(cloud.color_depth);
@@ -215,14 +213,9 @@ renderer::Scene requested_scene(const RenderCommand& command) {
   if (!command.output.empty()) scene.output.file = command.output;
   scene.output.exposure = command.exposure.value_or(scene.output.exposure);
   if (!command.layers.empty()) scene.output.layers = command.layers;
-  if (scene.output.file.empty()) {
-    throw Error({.file = command.scene_file.string(), .problem = "missing output", .expected = "-o FILE"});
-  }
-  if (!command.layers.empty() && image::image_format(scene.output.file) != image::ImageFormat::exr) {
-    throw Error({.file = scene.output.file.string(),
-                 .problem = "layers require EXR",
-                 .expected = "the extension .exr, or no --layers"});
-  }
+  if (scene.output.file.empty()) throw file_error(command.scene_file, "missing output", "-o FILE");
+  if (!command.layers.empty() && image::image_format(scene.output.file) != image::ImageFormat::exr)
+    throw file_error(scene.output.file, "layers require EXR", "the extension .exr, or no --layers");
   return scene;
 }
 

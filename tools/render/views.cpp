@@ -65,9 +65,8 @@ struct Pattern {
 };
 
 [[noreturn]] void fail(const std::filesystem::path& pattern, const std::string& problem) {
-  throw Error({.file = pattern.string(),
-               .problem = problem,
-               .expected = "one %04d (number) or %s (name) in the output name, such as out_%04d.png"});
+  throw file_error(pattern, problem,
+                   "one %04d (number) or %s (name) in the output name, such as out_%04d.png");
 }
 
 Pattern take_apart(const std::filesystem::path& file) {
@@ -185,14 +184,11 @@ std::vector<View> requested_views(const CameraRequest& request, const renderer::
 
 View view_of_cloud(const CameraRequest& request, const renderer::Scene& scene,
                    const renderer::LoadedCloud* cloud, const std::filesystem::path& scene_file) {
-  if (cloud == nullptr) {
-    throw Error({.file = scene_file.string(), .problem = "the scene has neither a camera nor a cloud"});
-  }
+  if (cloud == nullptr) throw file_error(scene_file, "the scene has neither a camera nor a cloud");
   if (cloud->octree.size() == 0) {
     // What was asked for, which for an index file is not what its points came from.
-    throw Error({.file = scene.cloud->files.front().string(),
-                 .problem = "the cloud has no points",
-                 .expected = "a cloud with points, or --camera FILE"});
+    throw file_error(scene.cloud->files.front(), "the cloud has no points",
+                     "a cloud with points, or --camera FILE");
   }
   if (!request.from_above) {
     const ImageSize size = request.size.value_or(ImageSize{1200, 800});

@@ -70,9 +70,8 @@ void check_name(const std::filesystem::path& database) {
                                       ".pts", ".ptx", ".xyz", ".csv", ".alidade"};
   const std::string extension = file_extension(database);
   if (std::ranges::find(k_clouds, extension) == std::end(k_clouds)) return;
-  throw Error({.file = database.string(),
-               .problem = "the database name is that of a cloud file",
-               .expected = "the database as the last name, such as site.db"});
+  throw file_error(database, "the database name is that of a cloud file",
+                   "the database as the last name, such as site.db");
 }
 
 /// The table that is meant. Errors: it is named twice; options that only SQLite knows.
@@ -81,9 +80,8 @@ database::ServerName server_name(const LoadCommand& command) {
   const database::StoreOptions other;
   const bool is_named_twice = !name.table.empty() && command.store.table != other.table;
   if (is_named_twice || command.store.chunk_points != other.chunk_points) {
-    throw Error({.file = name.shown(),
-                 .problem = is_named_twice ? "duplicate table name" : "servers do not use chunks",
-                 .expected = is_named_twice ? "?table= or --table" : "no --chunk-points"});
+    throw file_error(name.shown(), is_named_twice ? "duplicate table name" : "servers do not use chunks",
+                     is_named_twice ? "?table= or --table" : "no --chunk-points");
   }
   if (name.table.empty()) name.table = command.store.table;
   return name;

@@ -26,7 +26,7 @@ std::string read_text(const std::filesystem::path& file) {
   }
   std::ifstream stream(file == "-" ? "/dev/stdin" : file, std::ios::binary);
   std::string text{std::istreambuf_iterator<char>(stream), std::istreambuf_iterator<char>()};
-  if (!stream) throw Error({.file = file.string(), .problem = "cannot read the file"});
+  if (!stream) throw file_error(file, "cannot read the file");
   if (const std::size_t nul = text.find('\0'); nul != std::string::npos) {
     throw Error({.file = file.string(),
                  .location = database::text_location(text, nul),
@@ -52,9 +52,8 @@ ExitCode run(const SqlCommand& command, bool has_statement) {
                  .expected = "alidade sql DB \"SELECT ...\", or alidade sql load FILE... DB"});
   }
   if (database::is_server_name(command.database.string())) {
-    throw Error({.file = database::ServerName(command.database.string()).shown(),
-                 .problem = "use psql for a server, with the extension alidade_pg",
-                 .expected = "an SQLite file"});
+    throw file_error(database::ServerName(command.database.string()).shown(),
+                     "use psql for a server, with the extension alidade_pg", "an SQLite file");
   }
   SqlRun run{.form = command.csv    ? RowForm::csv
                      : command.json ? RowForm::json

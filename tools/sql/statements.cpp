@@ -54,10 +54,8 @@ SqlParameter::Value sql_value(std::string_view text) {
     if (std::optional<SqlParameter::Value> value = sql_number(word)) return std::move(*value);
     // As text it would be above every number.
     if (std::string_view("0123456789.+-").find(word.front()) != std::string_view::npos)
-      throw Error({.file = "--param",
-                   .problem = "invalid number",
-                   .expected = "a number, or quoted text: \"'TEXT'\"",
-                   .found = std::string(text)});
+      throw file_error("--param", "invalid number", "a number, or quoted text: \"'TEXT'\"",
+                       std::string(text));
   }
   if (text.size() < 2 || text.front() != '\'' || text.back() != '\'') return std::string(text);
   std::string inner;
@@ -80,7 +78,7 @@ void bind(sqlite3_stmt* statement, int position, SqlParameter& parameter) {
     result =
         sqlite3_bind_text64(statement, position, text->data(), text->size(), SQLITE_TRANSIENT, SQLITE_UTF8);
   }
-  if (result != SQLITE_OK) throw Error({.file = "--param", .problem = sqlite3_errstr(result)});
+  if (result != SQLITE_OK) throw file_error("--param", sqlite3_errstr(result));
 }
 
 /// Gives all parameters of a statement their values: ? those without a name in their order, ?2 the second one
@@ -141,10 +139,9 @@ std::vector<database::Prepared> prepare_all(sqlite3* database, const std::string
 void reject_unused(const std::vector<SqlParameter>& parameters) {
   for (std::size_t i = 0; i < parameters.size(); ++i) {
     if (parameters[i].is_used) continue;
-    throw Error({.file = "--param",
-                 .problem = parameters[i].name.empty()
-                                ? fmt::format("no parameter for value {}", i + 1)
-                                : fmt::format("unknown parameter :{}", parameters[i].name)});
+    throw file_error("--param", parameters[i].name.empty()
+                                    ? fmt::format("no parameter for value {}", i + 1)
+                                    : fmt::format("unknown parameter :{}", parameters[i].name));
   }
 }
 
@@ -184,10 +181,8 @@ void run_one(const database::Connection& connection, database::Prepared& prepare
     ++rows;
   }
   if (result == SQLITE_INTERRUPT) throw Cancelled();
-  if (result != SQLITE_DONE) {
-    throw Error(
-        {.file = sqlite3_db_filename(connection.get(), "main"), .problem = sqlite3_errmsg(connection.get())});
-  }
+  if (result != SQLITE_DONE)
+    throw file_error(sqlite3_db_filename(connection.get(), "main"), sqlite3_errmsg(connection.get()));
   writer->end();
   prepared.statement.reset();
   const std::chrono::duration<double, std::milli> taken = std::chrono::steady_clock::now() - start;

@@ -17,9 +17,9 @@ namespace {
 /// has an elevation, so that all answers about sight would be wrong.
 void check_map_unit(const PointCloud& cloud) {
   if (geo::map_unit(cloud.crs) != geo::MapUnit::degree) return;
-  throw Error({.file = cloud.files.empty() ? "" : cloud.files.front().path.string(),
-               .problem = "geographic coordinates (degrees) are not supported",
-               .expected = "a projected reference system: reproject the cloud"});
+  throw file_error(cloud.files.empty() ? "" : cloud.files.front().path.string(),
+                   "geographic coordinates (degrees) are not supported",
+                   "a projected reference system: reproject the cloud");
 }
 
 /// With all that occluders would measure themselves, in steps that show their progress.
@@ -85,7 +85,7 @@ std::unique_ptr<VisibilityCloud> load_cloud_alone(const CloudRequest& request, A
   auto loaded = std::make_unique<VisibilityCloud>();
   loaded->cloud = load_shown(request, {.read = {.attributes = attributes | Attribute::classification}});
   if (loaded->cloud.octree.size() == 0)
-    throw Error({.file = request.files.first_name().string(), .problem = "the cloud has no points"});
+    throw file_error(request.files.first_name(), "the cloud has no points");
   check_map_unit(loaded->cloud.cloud);
   loaded->columns = loaded->cloud.columns();
   return loaded;

@@ -47,7 +47,7 @@ bool is_geojson(const std::filesystem::path& file) {
 void check_options(const HorizonCommand& command) {
   const auto require = [](const std::filesystem::path& file, bool right, const char* expected) {
     if (file.empty() || right) return;
-    throw Error({.file = file.string(), .problem = "unknown format", .expected = expected});
+    throw file_error(file, "unknown format", expected);
   };
   require(command.output, is_geojson(command.output) || ends_in(command.output, {".csv"}),
           "the extension .csv or .geojson");

@@ -45,10 +45,9 @@ const visibility::Observer& position_called(
     const visibility::GivenObserver& end) {
   const auto found = positions.find(end.name);
   if (found != positions.end()) return *found->second;
-  throw Error({.file = end.source,
-               .problem = fmt::format("unknown position '{}'", end.name),
-               .expected = positions.empty() ? "named positions (--places), or pairs with coordinates"
-                                             : "a name of --places"});
+  throw file_error(
+      end.source, fmt::format("unknown position '{}'", end.name),
+      positions.empty() ? "named positions (--places), or pairs with coordinates" : "a name of --places");
 }
 
 /// The ends of pairs with coordinates, first and second of each after each other.
@@ -127,11 +126,8 @@ LineEnds load_line_ends(const PairRequest& request, const VisibilityCloud& cloud
   std::vector<visibility::GivenPair> given;
   if (!request.pairs.empty()) given = visibility::read_pair_table(request.pairs);
   const bool has_positions = !given.empty() && given.front().has_positions;
-  if (has_positions && !request.positions.empty()) {
-    throw Error({.file = request.pairs.string(),
-                 .problem = "the pairs have coordinates",
-                 .expected = "names of --places, or no --places"});
-  }
+  if (has_positions && !request.positions.empty())
+    throw file_error(request.pairs, "the pairs have coordinates", "names of --places, or no --places");
   ObserverOptions options;
   if (has_positions) options = ends_with_positions(given);
   options.file = request.positions;
@@ -145,11 +141,8 @@ LineEnds load_line_ends(const PairRequest& request, const VisibilityCloud& cloud
     if (!has_positions) ends.positions = ends_with_names(ends.positions, given);
     return ends;
   }
-  if (ends.positions.size() < 2) {
-    throw Error({.file = request.positions.string(),
-                 .problem = "contains a single position",
-                 .expected = "at least two"});
-  }
+  if (ends.positions.size() < 2)
+    throw file_error(request.positions, "contains a single position", "at least two");
   return ends;
 }
 
@@ -195,11 +188,9 @@ double unit_of(const VisibilityCloud& cloud, const std::filesystem::path& file) 
   if (cloud.cloud.cloud.crs.empty()) return 1.0;
   if (const std::optional<double> metres = image_module().metres_per_unit(cloud.cloud.cloud.crs))
     return *metres;
-  throw Error(
-      {.file = file.string(),
-       .problem =
-           "wavelengths and the Earth radius require a known unit of length, not degrees or an unknown unit",
-       .expected = "a projected reference system: reproject the cloud"});
+  throw file_error(
+      file, "wavelengths and the Earth radius require a known unit of length, not degrees or an unknown unit",
+      "a projected reference system: reproject the cloud");
 }
 
 visibility::LineReportOptions report_options(const LinesCommand& command, const VisibilityCloud& cloud) {

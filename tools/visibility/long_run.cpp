@@ -17,18 +17,12 @@ void check_checkpoint(const CheckpointRequest& request, bool overwrite,
   if (request.file.empty()) return;
   std::error_code error;
   for (const std::filesystem::path& output : outputs) {
-    if (!output.empty() && same_file(request.file, output)) {
-      throw Error({.file = request.file.string(),
-                   .problem = "also the name of an output",
-                   .expected = "another name"});
-    }
+    if (!output.empty() && same_file(request.file, output))
+      throw file_error(request.file, "also the name of an output", "another name");
   }
   const bool is_there = std::filesystem::exists(request.file, error);
-  if (is_there && !request.resume && !overwrite) {
-    throw Error({.file = request.file.string(),
-                 .problem = "the file exists",
-                 .expected = "--resume to continue from it, or --overwrite"});
-  }
+  if (is_there && !request.resume && !overwrite)
+    throw file_error(request.file, "the file exists", "--resume to continue from it, or --overwrite");
   check_writable(request.file, true, inputs);
   // It would be replaced, and removed in the end.
   if (is_there && !is_parts_file(request.file)) {

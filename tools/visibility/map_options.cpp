@@ -97,11 +97,8 @@ void check_map_writing(const MapOptions& map, bool overwrite,
                        std::span<const std::filesystem::path> other_files) {
   image_module();
   if (map.preview.empty()) return;
-  if (file_extension(map.preview) != ".png") {
-    throw Error({.file = map.preview.string(),
-                 .problem = "unsupported preview format",
-                 .expected = "the extension .png"});
-  }
+  if (file_extension(map.preview) != ".png")
+    throw file_error(map.preview, "unsupported preview format", "the extension .png");
   check_writable(map.preview, overwrite, other_files);
   image::find_font();
 }

@@ -45,11 +45,8 @@ void check_options(const PlaceCommand& command) {
   chosen_row_form(command.output);
   const std::vector<std::filesystem::path> inputs = command.inputs({command.candidates.file});
   const std::filesystem::path outputs[] = {command.output, command.curve};
-  if (!command.curve.empty() && image::image_format(command.curve) != image::ImageFormat::png) {
-    throw Error({.file = command.curve.string(),
-                 .problem = "unsupported curve format",
-                 .expected = "the extension .png"});
-  }
+  if (!command.curve.empty() && image::image_format(command.curve) != image::ImageFormat::png)
+    throw file_error(command.curve, "unsupported curve format", "the extension .png");
   check_outputs(outputs, command.overwrite, inputs);
   check_checkpoint(command.checkpoint, command.overwrite, outputs, inputs);
 }
@@ -59,15 +56,14 @@ std::vector<visibility::PlacementTarget> targets_of(const PlaceCommand& command,
   const std::span<const std::uint8_t> classes = cloud.columns.classifications;
   const std::filesystem::path& file = command.files.first_name();
   if (classes.empty() && (command.target_classes || !command.class_weights.empty()))
-    throw Error({.file = file.string(), .problem = "the cloud has no classification for targets"});
+    throw file_error(file, "the cloud has no classification for targets");
   // What blocks nothing is no target either, unless it is requested.
   const std::bitset<256> wanted = command.target_classes.value_or(~command.occluders.ignored_classes);
   std::function<bool(std::uint64_t)> counts;
   if (!classes.empty()) counts = [classes, wanted](std::uint64_t id) { return wanted.test(classes[id]); };
   std::vector<visibility::PlacementTarget> targets =
       visibility::thin_points(cloud.octree(), command.target_spacing, counts);
-  if (targets.empty())
-    throw Error({.file = file.string(), .problem = "the cloud has no points of the target classes"});
+  if (targets.empty()) throw file_error(file, "the cloud has no points of the target classes");
   return targets;
 }
 

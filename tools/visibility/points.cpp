@@ -100,11 +100,9 @@ void check_observer_count(const PointsCommand& command, std::size_t observers) {
   if (file_extension(command.output) != ".ply" || observers <= k_most_in_double ||
       observers > visibility::k_most_mask_observers)
     return;
-  throw Error(
-      {.file = command.output.string(),
-       .problem = "PLY cannot store VisibleBy for this number of observers",
-       .expected = fmt::format("the extension .las or .laz, or at most {} observers", k_most_in_double),
-       .found = std::to_string(observers)});
+  throw file_error(command.output, "PLY cannot store VisibleBy for this number of observers",
+                   fmt::format("the extension .las or .laz, or at most {} observers", k_most_in_double),
+                   std::to_string(observers));
 }
 
 /// Whether blockers are reported: by default those of a single observer. Errors: too many columns.

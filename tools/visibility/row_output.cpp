@@ -9,8 +9,7 @@ namespace alidade::tools {
 visibility::RowForm chosen_row_form(const std::filesystem::path& file) {
   const std::optional<visibility::RowForm> form = visibility::row_form(file);
   if (form) return *form;
-  throw Error(
-      {.file = file.string(), .problem = "unknown output format", .expected = ".csv, .json or .geojson"});
+  throw file_error(file, "unknown output format", ".csv, .json or .geojson");
 }
 
 void load_row_writer(const std::filesystem::path& file) {

@@ -24,11 +24,8 @@ void check_sky_request(const SkyRequest& request) {
     if (request.receiver) reject("--receiver", "points (.las, .laz, .ply); cells of a map are horizontal");
   } else {
     const std::string extension = file_extension(request.output);
-    if (extension != ".las" && extension != ".laz" && extension != ".ply") {
-      throw Error({.file = request.output.string(),
-                   .problem = "unknown output format",
-                   .expected = "the extension .las, .laz, .ply or .tif"});
-    }
+    if (extension != ".las" && extension != ".laz" && extension != ".ply")
+      throw file_error(request.output, "unknown output format", "the extension .las, .laz, .ply or .tif");
     if (const std::string option = given_map_option(request.map); !option.empty())
       reject(option, "a map (.tif)");
   }
