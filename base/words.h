@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
+#include <algorithm>
 #include <charconv>
 #include <cstddef>
 #include <cstdint>
@@ -21,6 +22,11 @@ std::size_t utf8_character_size(std::string_view text);
 /// Whether a byte is one within a character of UTF-8, not its first.
 inline bool is_continuation(char byte) {
   return (static_cast<unsigned char>(byte) & 0xc0) == 0x80;
+}
+
+/// How many characters a text of UTF-8 has.
+inline std::size_t character_count(std::string_view text) {
+  return text.size() - static_cast<std::size_t>(std::ranges::count_if(text, is_continuation));
 }
 
 /// Whether a text is made of such characters.

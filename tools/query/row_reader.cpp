@@ -2,10 +2,8 @@
 #include "tools/query/row_reader.h"
 
 #include <fmt/format.h>
-#include <tbb/parallel_for.h>
 #include <algorithm>
 #include <array>
-#include <atomic>
 #include <cmath>
 #include <cstddef>
 #include <limits>
@@ -13,6 +11,7 @@
 
 #include "base/error.h"
 #include "base/json.h"
+#include "base/parallel.h"
 #include "base/words.h"
 
 namespace alidade::tools {
@@ -270,21 +269,9 @@ bool RowReader::next(TargetRows& rows) {
     parse(line(static_cast<std::size_t>(rows.lines[i] - block_.first_number)),
           std::span(rows.values).subspan(i * rows.column_count, rows.column_count));
   };
-  // The first bad line is reported, whatever the threads met before.
-  std::atomic<std::size_t> first_bad{rows.size()};
-  tbb::parallel_for(std::size_t{0}, (rows.size() + k_grain - 1) / k_grain, [&](std::size_t part) {
-    for (std::size_t i = part * k_grain; i < std::min((part + 1) * k_grain, rows.size()); ++i) {
-      try {
-        parse_row(i);
-      } catch (const Error&) {
-        std::size_t known = first_bad;
-        while (i < known && !first_bad.compare_exchange_weak(known, i)) {
-        }
-        return;
-      }
-    }
+  at_once(0, (rows.size() + k_grain - 1) / k_grain, [&](std::size_t part) {
+    for (std::size_t i = part * k_grain; i < std::min((part + 1) * k_grain, rows.size()); ++i) parse_row(i);
   });
-  if (first_bad < rows.size()) parse_row(first_bad);
   return true;
 }
 

@@ -12,9 +12,7 @@
 namespace alidade::tools {
 
 void TextLine::fail(std::size_t offset, std::string problem, std::string expected, std::string found) const {
-  const std::string_view before = text.substr(0, std::min(offset, text.size()));
-  const auto column = 1 + std::ranges::count_if(
-                              before, [](char c) { return (static_cast<unsigned char>(c) & 0xC0) != 0x80; });
+  const std::size_t column = 1 + character_count(text.substr(0, offset));
   throw Error({.file = std::string(source),
                .location = is_command_line ? " " + quote(text)
                                            : std::to_string(number) + ":" + std::to_string(column),

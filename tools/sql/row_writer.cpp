@@ -88,12 +88,6 @@ std::string line_text(std::string_view text) {
   return line;
 }
 
-/// How many characters a text of UTF-8 has.
-std::size_t character_count(std::string_view text) {
-  return static_cast<std::size_t>(std::ranges::count_if(
-      text, [](char character) { return (static_cast<unsigned char>(character) & 0xc0u) != 0x80u; }));
-}
-
 /// Collects text for stdout, so that not every row is a system call.
 class Output {
  public:
