@@ -2,7 +2,6 @@
 #include "tools/query/query.h"
 
 #include <fmt/format.h>
-#include <array>
 
 #include "base/error.h"
 #include "base/words.h"
@@ -12,34 +11,14 @@
 namespace alidade::tools {
 namespace {
 
-struct FamilyWords {
-  const char* texts;  ///< option that takes a file
-  const char* value;  ///< option that takes one target, or a part of one
-  const TargetKind& (*kind)();
-  const char* help;
-};
-
-// In the order of TargetFamily.
-constexpr std::array<FamilyWords, k_target_families> k_families{{
-    {"--rays", "--ray", target_kind<Ray>, "rays: origin, direction of any length"},
-    {"--cones", "--cone", target_kind<Cone>,
-     "cones: apex, axis, half angle in degrees, radius at the apex (default 0)"},
-    {"--path", "--vertex", target_kind<Path>,
-     "trajectories: vertices in order; rows with one `path` number form one"},
-    {"--planes", "--plane", target_kind<HalfSpaces>,
-     "regions: points on the positive side of all planes with one `region` number"},
-    {"--boxes", "--box", target_kind<Bounds>, "axis-aligned boxes, faces included"},
-    {"--points", "--point", target_kind<glm::dvec3>, "places"},
-}};
-
 void add_targets(const Options& query, QueryCommand& command) {
   for (std::size_t i = 0; i < k_target_families; ++i) {
-    const FamilyWords& words = k_families[i];
+    const TargetKind& kind = target_kind(static_cast<TargetFamily>(i));
     GivenTargets& given = command.targets[i];
-    query.group("Targets").text(words.texts, "FILE|-", words.help, given.text);
-    std::string form = words.kind().form();
+    query.group("Targets").text(kind.texts_option, "FILE|-", kind.help, given.text);
+    std::string form = kind.form();
     std::ranges::transform(form, form.begin(), [](unsigned char c) { return std::toupper(c); });
-    query.group("Targets").text(words.value, form, "one target; repeatable", given.values);
+    query.group("Targets").text(kind.value_option, form, "one target; repeatable", given.values);
   }
 }
 
@@ -96,46 +75,46 @@ void add_answers(const Options& query, QueryCommand& command) {
              command.explain);
 }
 
-[[noreturn]] void reject(const char* option, const FamilyWords& words) {
-  throw Error({.problem = fmt::format("{} does not apply to {}", option, words.kind().plural)});
+[[noreturn]] void reject(const char* option, TargetFamily family) {
+  throw Error({.problem = fmt::format("{} does not apply to {}", option, target_kind(family).plural)});
 }
 
 /// The family that targets were given of. Errors: none, several, or in two ways.
 TargetFamily chosen_family(const QueryCommand& command) {
-  std::optional<std::size_t> chosen;
+  std::optional<TargetFamily> chosen;
   std::string all;
   for (std::size_t i = 0; i < k_target_families; ++i) {
     const GivenTargets& given = command.targets[i];
-    all += (all.empty() ? "" : ", ") + std::string(k_families[i].texts);
+    const TargetKind& kind = target_kind(static_cast<TargetFamily>(i));
+    all += (all.empty() ? "" : ", ") + std::string(kind.texts_option);
     const bool has_text = !given.text.empty(), has_values = !given.values.empty();
     if (!has_text && !has_values) continue;
     if (has_text && has_values) {
       throw Error(
-          {.problem = fmt::format("{} and {} exclude each other", k_families[i].texts, k_families[i].value),
+          {.problem = fmt::format("{} and {} exclude each other", kind.texts_option, kind.value_option),
            .expected = "one of them"});
     }
     if (chosen) {
       throw Error({.problem = fmt::format("{} and {} are different kinds of targets",
-                                          k_families[*chosen].kind().plural, k_families[i].kind().plural),
+                                          target_kind(*chosen).plural, kind.plural),
                    .expected = "one kind per run"});
     }
-    chosen = i;
+    chosen = static_cast<TargetFamily>(i);
   }
   if (!chosen) throw Error({.problem = "missing targets", .expected = "one of " + all});
-  return static_cast<TargetFamily>(*chosen);
+  return *chosen;
 }
 
 /// Errors: an option was given that does not apply for this family, or without another.
 void check_options(const QueryCommand& command) {
   using enum TargetFamily;
   const TargetFamily family = command.family;
-  const FamilyWords& words = k_families[static_cast<std::size_t>(family)];
   const bool has_t = family == rays || family == cones || family == path;
-  if (command.radius && (family == cones || family == planes || family == boxes)) reject("--radius", words);
-  if (command.measure && !has_t) reject("--measure", words);
-  if (command.t_min && !has_t) reject("--t-min", words);
-  if (command.t_max && !has_t) reject("--t-max", words);
-  if (command.entry_min && family != rays) reject("--entry-min", words);
+  if (command.radius && (family == cones || family == planes || family == boxes)) reject("--radius", family);
+  if (command.measure && !has_t) reject("--measure", family);
+  if (command.t_min && !has_t) reject("--t-min", family);
+  if (command.t_max && !has_t) reject("--t-max", family);
+  if (command.entry_min && family != rays) reject("--entry-min", family);
   if (command.entry_min && !command.radius)
     throw Error({.problem = "--entry-min requires a radius", .expected = "--radius R"});
   if (command.measure == Measure::entry && family == rays && !command.radius)
@@ -155,9 +134,8 @@ ExitCode run(const QueryCommand& given) {
 
 LineSource open_targets(const QueryCommand& command) {
   const GivenTargets& given = command.given();
-  return given.text.empty() ? LineSource::command_line(
-                                  k_families[static_cast<std::size_t>(command.family)].value, given.values)
-                            : LineSource::open(given.text);
+  if (!given.text.empty()) return LineSource::open(given.text);
+  return LineSource::command_line(target_kind(command.family).value_option, given.values);
 }
 
 AnswerForm chosen_form(const QueryCommand& command) {

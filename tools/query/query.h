@@ -15,10 +15,6 @@
 
 namespace alidade::tools {
 
-/// The families of targets; a run asks with one of them.
-enum class TargetFamily { rays, cones, path, planes, boxes, points };
-constexpr std::size_t k_target_families = 6;
-
 /// How targets of one family were given: by the name of a text, or one by one.
 struct GivenTargets {
   std::string text;  ///< "-" is standard input; empty if none was given

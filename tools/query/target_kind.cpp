@@ -4,7 +4,6 @@
 #include <fmt/format.h>
 #include <algorithm>
 #include <cmath>
-#include <type_traits>
 
 #include "base/error.h"
 #include "base/words.h"
@@ -72,12 +71,20 @@ constexpr TargetColumn k_box_columns[] = {{"min_x", limit}, {"min_y", limit}, {"
                                           {"max_x", limit}, {"max_y", limit}, {"max_z", limit}};
 constexpr TargetVector k_box_vectors[] = {{"min", 0}, {"max", 3}};
 
-constexpr TargetKind k_ray{"ray", "rays", "ray_id", "Ray", k_ray_columns, k_ray_vectors};
-constexpr TargetKind k_cone{"cone", "cones", "cone_id", "Cone", k_cone_columns, k_ray_vectors};
-constexpr TargetKind k_path{"path", "paths", "path_id", "Path", k_path_columns, k_position_vectors};
-constexpr TargetKind k_region{"region", "regions", "region_id", "Region", k_plane_columns, k_plane_vectors};
-constexpr TargetKind k_box{"box", "boxes", "box_id", "Box", k_box_columns, k_box_vectors};
-constexpr TargetKind k_point{"point", "points", "query_id", "Query", k_point_columns, k_position_vectors};
+// In the order of TargetFamily.
+constexpr TargetKind k_kinds[k_target_families] = {
+    {"ray", "rays", "ray_id", "Ray", k_ray_columns, k_ray_vectors, "--rays", "--ray",
+     "rays: origin, direction of any length"},
+    {"cone", "cones", "cone_id", "Cone", k_cone_columns, k_ray_vectors, "--cones", "--cone",
+     "cones: apex, axis, half angle in degrees, radius at the apex (default 0)"},
+    {"path", "paths", "path_id", "Path", k_path_columns, k_position_vectors, "--path", "--vertex",
+     "trajectories: vertices in order; rows with one `path` number form one"},
+    {"region", "regions", "region_id", "Region", k_plane_columns, k_plane_vectors, "--planes", "--plane",
+     "regions: points on the positive side of all planes with one `region` number"},
+    {"box", "boxes", "box_id", "Box", k_box_columns, k_box_vectors, "--boxes", "--box",
+     "axis-aligned boxes, faces included"},
+    {"point", "points", "query_id", "Query", k_point_columns, k_position_vectors, "--points", "--point",
+     "places"}};
 
 }  // namespace
 
@@ -129,21 +136,8 @@ std::size_t TargetKind::column(std::string_view name_asked) const {
                                   columns.begin());
 }
 
-template <class Target>
-const TargetKind& target_kind() {
-  if constexpr (std::is_same_v<Target, Ray>) return k_ray;
-  if constexpr (std::is_same_v<Target, Cone>) return k_cone;
-  if constexpr (std::is_same_v<Target, Path>) return k_path;
-  if constexpr (std::is_same_v<Target, HalfSpaces>) return k_region;
-  if constexpr (std::is_same_v<Target, Bounds>) return k_box;
-  if constexpr (std::is_same_v<Target, glm::dvec3>) return k_point;
+const TargetKind& target_kind(TargetFamily family) {
+  return k_kinds[static_cast<std::size_t>(family)];
 }
-
-template const TargetKind& target_kind<Ray>();
-template const TargetKind& target_kind<Cone>();
-template const TargetKind& target_kind<Path>();
-template const TargetKind& target_kind<HalfSpaces>();
-template const TargetKind& target_kind<Bounds>();
-template const TargetKind& target_kind<glm::dvec3>();
 
 }  // namespace alidade::tools

@@ -6,6 +6,7 @@
 #include <span>
 #include <string>
 #include <string_view>
+#include <type_traits>
 
 #include "octree/query.h"
 
@@ -32,6 +33,10 @@ struct Family<Path> {
   using Query = PathQuery;
   using Answer = PathHit;
 };
+
+/// The families of targets; a run asks with one of them.
+enum class TargetFamily { rays, cones, path, planes, boxes, points };
+constexpr std::size_t k_target_families = 6;
 
 // What `alidade query` can ask with, and how a target is written: as a row of numbers with named columns,
 // alike in CSV, in JSON lines and on the command line.
@@ -67,6 +72,9 @@ struct TargetKind {
   std::string_view dimension;  ///< what LAS dimensions are called by: "Ray" for RayId and RayT
   std::span<const TargetColumn> columns;  ///< in the order of the command line
   std::span<const TargetVector> vectors;
+  const char* texts_option;  ///< takes a file
+  const char* value_option;  ///< takes one target, or a part of one
+  const char* help;
 
   std::size_t required_count() const;
   /// "ox,oy,oz,dx,dy,dz[,t_min][,t_max]"
@@ -77,9 +85,19 @@ struct TargetKind {
   std::size_t column(std::string_view name) const;
 };
 
+const TargetKind& target_kind(TargetFamily family);
+
 /// The kind of Ray, Cone, Path, HalfSpaces, Bounds, glm::dvec3.
 template <class Target>
-const TargetKind& target_kind();
+const TargetKind& target_kind() {
+  using enum TargetFamily;
+  return target_kind(std::is_same_v<Target, Ray>          ? rays
+                     : std::is_same_v<Target, Cone>       ? cones
+                     : std::is_same_v<Target, Path>       ? path
+                     : std::is_same_v<Target, HalfSpaces> ? planes
+                     : std::is_same_v<Target, Bounds>     ? boxes
+                                                          : points);
+}
 
 /// A line of a text, with what is needed to say where something in it is wrong.
 struct TextLine {
