@@ -106,10 +106,11 @@ void check_server_names(const CommandLine& words) {
 }
 
 /// Runs the one of these commands, or of their parts, that was chosen.
-ExitCode run_chosen(const std::vector<Command>& commands) {
+ExitCode run_chosen(const std::vector<Command>& commands, const CommandLine& words) {
   const auto is_chosen = [](const Command& command) { return command.options.chosen(); };
   const Command& command = *std::ranges::find_if(commands, is_chosen);
-  return std::ranges::any_of(command.parts, is_chosen) ? run_chosen(command.parts) : command.run();
+  return std::ranges::any_of(command.parts, is_chosen) ? run_chosen(command.parts, words)
+                                                       : command.run(words);
 }
 
 }  // namespace
@@ -128,26 +129,23 @@ std::string picture_command(const CommandLine& words) {
   return text;
 }
 
-Command add_visibility(const Options& program, const CommandLine& command_line) {
+Command add_visibility(const Options& program) {
   const Options visibility =
       program.command("visibility", "Compute visibility on the points").require_command();
   return {visibility,
           {},
-          {add_visibility_points(visibility), add_visibility_raster(visibility, command_line),
-           add_visibility_horizon(visibility, command_line), add_visibility_sky(visibility, command_line),
-           add_visibility_sun(visibility, command_line), add_visibility_lines(visibility, command_line),
-           add_visibility_place(visibility, command_line)}};
+          {add_visibility_points(visibility), add_visibility_raster(visibility),
+           add_visibility_horizon(visibility), add_visibility_sky(visibility), add_visibility_sun(visibility),
+           add_visibility_lines(visibility), add_visibility_place(visibility)}};
 }
 
 ExitCode run_program(const CommandLine& command_line) {
   check_server_names(command_line);
   Parser parser;
   const Options program = parser.program();
-  const std::vector<Command> commands = {add_info(program),    add_generate(program),
-                                         add_index(program),   add_convert(program),
-                                         add_query(program),   add_render(program, command_line),
-                                         add_compare(program), add_visibility(program, command_line),
-                                         add_sql(program)};
+  const std::vector<Command> commands = {add_info(program),    add_generate(program),   add_index(program),
+                                         add_convert(program), add_query(program),      add_render(program),
+                                         add_compare(program), add_visibility(program), add_sql(program)};
   // Behind the program's name.
   const auto words = std::span(command_line).subspan(std::min<std::size_t>(command_line.size(), 1));
 
@@ -167,7 +165,7 @@ ExitCode run_program(const CommandLine& command_line) {
   } catch (const UsageError& error) {
     return say_usage_error(error.what(), words, commands);
   }
-  return run_chosen(commands);
+  return run_chosen(commands, command_line);
 }
 
 }  // namespace alidade::tools

@@ -15,7 +15,7 @@
 namespace alidade::tools {
 
 /// Runs a chosen command.
-using Run = std::function<ExitCode()>;
+using Run = std::function<ExitCode(const CommandLine&)>;
 
 /// A declared command.
 struct Command {
@@ -29,20 +29,20 @@ struct Command {
 template <class Request>
 Command command_of(const Options& options, const std::shared_ptr<Request>& request,
                    ExitCode (*run)(const Request&)) {
-  return {options, [request, run] { return with_threads(request->threads, [&] { return run(*request); }); }};
+  return {options, [request, run](const CommandLine& words) {
+            request->words = words;
+            return with_threads(request->threads, [&] { return run(*request); });
+          }};
 }
-
-/// The words the program was started with, as they go into the metadata of what it writes.
-using CommandLine = std::vector<std::string>;
 
 Command add_info(const Options& program);
 Command add_generate(const Options& program);
 Command add_index(const Options& program);
 Command add_convert(const Options& program);
 Command add_query(const Options& program);
-Command add_render(const Options& program, const CommandLine& command_line);
+Command add_render(const Options& program);
 Command add_compare(const Options& program);
-Command add_visibility(const Options& program, const CommandLine& command_line);
+Command add_visibility(const Options& program);
 Command add_sql(const Options& program);
 
 /// Runs what the command line requests, whose first word is the program's name. Errors: those of the commands.
@@ -54,13 +54,13 @@ Command add_sql_shard_plan(const Options& sql);
 
 // The commands of `alidade visibility`.
 
-Command add_visibility_lines(const Options& visibility, const CommandLine& command_line);
-Command add_visibility_place(const Options& visibility, const CommandLine& command_line);
+Command add_visibility_lines(const Options& visibility);
+Command add_visibility_place(const Options& visibility);
 Command add_visibility_points(const Options& visibility);
-Command add_visibility_raster(const Options& visibility, const CommandLine& command_line);
-Command add_visibility_horizon(const Options& visibility, const CommandLine& words);
-Command add_visibility_sky(const Options& visibility, const CommandLine& words);
-Command add_visibility_sun(const Options& visibility, const CommandLine& words);
+Command add_visibility_raster(const Options& visibility);
+Command add_visibility_horizon(const Options& visibility);
+Command add_visibility_sky(const Options& visibility);
+Command add_visibility_sun(const Options& visibility);
 
 /// The command line as metadata keep it: without the words that only say where the picture goes, how it is
 /// computed and who watches, so that the same picture is the same file.

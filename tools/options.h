@@ -268,11 +268,15 @@ Option add_cloud_files(const Options& command, const std::string& name, const st
 /// Declares --partial.
 Option add_partial(const Options& command, bool& partial);
 
+/// The words the program was started with, as they go into the metadata of what it writes.
+using CommandLine = std::vector<std::string>;
+
 /// How a command is to be run, whatever it does.
 struct RunRequest {
   bool partial = false;        ///< ReadOptions::partial
   std::optional<int> threads;  ///< empty: all of the machine
   Verbosity verbosity = Verbosity::normal;
+  CommandLine words;  ///< of the program, filled when it runs
 };
 
 /// Declares --partial, --threads, -q and -v.

@@ -375,7 +375,7 @@ Command add_info(const Options& program) {
                                      options->image_folder);
   command.flag("--overwrite", "replace existing images", options->overwrite).needs(folder);
   add_verbosity(command, options->verbosity);
-  return {command, [options] { return run(*options); }};
+  return {command, [options](const CommandLine&) { return run(*options); }};
 }
 
 }  // namespace alidade::tools

@@ -288,7 +288,7 @@ Command add_compare(const Options& program) {
       program.command("compare", "Compare an image with a reference: metrics, maps, regions, report");
   add_compare_options(compare, *request);
   compare.manual(fmt::format(fmt::runtime(manual("compare")), fmt::arg("figures", names_of_figures())));
-  return {compare, [request] {
+  return {compare, [request](const CommandLine&) {
             return with_threads(request->threads, [&] {
               return request->idiff_codes ? run_as_idiff(*request) : run(*request);
             });

@@ -380,10 +380,9 @@ ExitCode run(const RenderCommand& command) {
 
 }  // namespace
 
-Command add_render(const Options& program, const CommandLine& command_line) {
+Command add_render(const Options& program) {
   const Options render = program.command("render", "Render an image of a scene or of cloud files");
   const std::shared_ptr<RenderCommand> command = add_render_options(render);
-  command->words = command_line;
   return command_of(render, command, run);
 }
 

@@ -44,7 +44,6 @@ struct RenderCommand : CloudRequest {
   std::vector<image::Layer> layers;
   LongRenderRequest long_render;
   bool overwrite = false, skip_existing = false;
-  CommandLine words;  ///< of the program, for metadata
 };
 
 /// Declares the command's options; they fill what is returned.

@@ -94,7 +94,7 @@ Command add_sql(const Options& program) {
   sql.flag("--explain", "print what was read, the time, and how the statement was rewritten, or why not",
            command->explain);
   return {sql,
-          [command, statement] { return run(*command, statement.given()); },
+          [command, statement](const CommandLine&) { return run(*command, statement.given()); },
           {add_sql_load(sql), add_sql_shard_plan(sql)}};
 }
 

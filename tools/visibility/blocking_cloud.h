@@ -29,7 +29,6 @@ struct VisibilityRequest : CloudRequest {
   OccluderRequest occluders;
   std::filesystem::path output;
   bool overwrite = false;
-  CommandLine words;  ///< of the program, for what is written
 };
 
 /// A cloud, and what of it blocks sight.

@@ -216,9 +216,8 @@ void add_answers(const Options& horizon, HorizonCommand& command) {
 
 }  // namespace
 
-Command add_visibility_horizon(const Options& visibility, const CommandLine& words) {
+Command add_visibility_horizon(const Options& visibility) {
   auto command = std::make_shared<HorizonCommand>();
-  command->words = words;
   const Options horizon =
       visibility.command("horizon", "Compute the horizon, sky-view factors and a panorama at one position");
   add_cloud(horizon, *command);

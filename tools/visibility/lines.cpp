@@ -296,9 +296,8 @@ void add_radio(const Options& lines, LinesCommand& command) {
 
 }  // namespace
 
-Command add_visibility_lines(const Options& visibility, const CommandLine& words) {
+Command add_visibility_lines(const Options& visibility) {
   auto command = std::make_shared<LinesCommand>();
-  command->words = words;
   const Options lines =
       visibility.command("lines", "Test lines of sight between pairs of positions, and their Fresnel zones");
   add_cloud(lines, *command);

@@ -140,13 +140,14 @@ geo::RasterGrid map_grid(const MapOptions& map, const Bounds& area, const visibi
   return grid;
 }
 
-MapMetadata map_metadata(const CommandLine& words, std::span<const std::filesystem::path> files,
-                         const VisibilityCloud& cloud, const visibility::Ground& ground) {
+MapMetadata map_metadata(const VisibilityRequest& request, const VisibilityCloud& cloud,
+                         const visibility::Ground& ground) {
   constexpr const char* k_shapes[] = {"auto", "disc", "sphere"};
   const visibility::OccluderOptions& blocks = cloud.occluders->options();
   std::string names;
-  for (const std::filesystem::path& file : files) names += (names.empty() ? "" : "\n") + file.string();
-  return {{"alidade_command", picture_command(words)},
+  for (const std::filesystem::path& file : request.files.names())
+    names += (names.empty() ? "" : "\n") + file.string();
+  return {{"alidade_command", picture_command(request.words)},
           {"alidade_cloud_files", names},
           {"alidade_ground", ground_text(ground)},
           {"alidade_what_blocks", cloud.what_blocks},

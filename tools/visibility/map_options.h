@@ -66,8 +66,8 @@ geo::RasterGrid map_grid(const MapOptions& map, const Bounds& area, const visibi
 using MapMetadata = std::vector<std::pair<std::string, std::string>>;
 
 /// What every map says of its making: command, cloud files, ground, what blocks. Requires measured occluders.
-MapMetadata map_metadata(const CommandLine& words, std::span<const std::filesystem::path> files,
-                         const VisibilityCloud& cloud, const visibility::Ground& ground);
+MapMetadata map_metadata(const VisibilityRequest& request, const VisibilityCloud& cloud,
+                         const visibility::Ground& ground);
 
 /// What float bands have where there is no value.
 constexpr double k_no_float = -9999.0;

@@ -155,9 +155,8 @@ void add_answers(const Options& position, PlaceCommand& command) {
 
 }  // namespace
 
-Command add_visibility_place(const Options& visibility, const CommandLine& words) {
+Command add_visibility_place(const Options& visibility) {
   auto command = std::make_shared<PlaceCommand>();
-  command->words = words;
   const Options position = visibility.command("place", "Choose the few observer positions that see most");
   add_cloud(position, *command);
   add_observer_options(position, command->candidates);

@@ -225,10 +225,7 @@ ExitCode run(const RasterCommand& given) {
   const visibility::ViewshedBand band =
       visibility::viewshed_band(seen, options.mode, seen_values_of(command), observers.size(), unit.name);
   geo::RasterContents contents{
-      .grid = grid,
-      .bands = {band.band()},
-      .crs = crs,
-      .metadata = map_metadata(command.words, command.files.names(), *cloud, ground)};
+      .grid = grid, .bands = {band.band()}, .crs = crs, .metadata = map_metadata(command, *cloud, ground)};
   contents.metadata.emplace_back("alidade_mode", k_mode_words[static_cast<std::size_t>(options.mode)]);
   contents.metadata.emplace_back("alidade_sight", sight);
   add_observers(observers, contents.metadata);
@@ -252,10 +249,9 @@ ExitCode run(const RasterCommand& given) {
 
 }  // namespace
 
-Command add_visibility_raster(const Options& visibility, const CommandLine& words) {
+Command add_visibility_raster(const Options& visibility) {
   const Options raster = visibility.command("raster", "Compute a viewshed of the ground");
   auto command = std::make_shared<RasterCommand>();
-  command->words = words;
   const Options map = raster.group(k_map_group);
   add_cloud(raster, *command);
   map.file("-o,--output", "FILE.tif", "output map: cloud-optimised GeoTIFF", command->output).required();

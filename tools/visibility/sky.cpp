@@ -158,7 +158,7 @@ void write_sky_map(const SkyRequest& request, const SkySite& site, std::span<con
         {std::span<const float>(band.values.values), k_no_float, band.description, band.unit});
   }
   contents.crs = crs;
-  contents.metadata = map_metadata(request.words, request.files.names(), *site.cloud, *site.ground);
+  contents.metadata = map_metadata(request, *site.cloud, *site.ground);
   contents.metadata.insert(contents.metadata.end(), metadata.begin(), metadata.end());
   contents.metadata.emplace_back("alidade_target_height",
                                  fmt::format("{:g}", request.map.target_height.value_or(0.0)));
@@ -181,9 +181,8 @@ std::string range_and_mean(const std::function<float(std::size_t)>& value, std::
   return fmt::format("{:.4g} to {:.4g}, mean {:.4g}", low, high, sum / static_cast<double>(numbers));
 }
 
-Command add_visibility_sky(const Options& visibility, const CommandLine& words) {
+Command add_visibility_sky(const Options& visibility) {
   auto command = std::make_shared<SkyCommand>();
-  command->words = words;
   const Options sky = visibility.command("sky", "Compute sky-view factors of points or of the ground");
   add_sky_request(sky, *command);
   sky.group("Answers").count("--directions", "N",

@@ -239,9 +239,8 @@ void add_time(const Options& sun, SunCommand& command) {
 
 }  // namespace
 
-Command add_visibility_sun(const Options& visibility, const CommandLine& words) {
+Command add_visibility_sun(const Options& visibility) {
   auto command = std::make_shared<SunCommand>();
-  command->words = words;
   const Options sun =
       visibility.command("sun", "Compute hours and energy of direct sun on points or on the ground");
   add_sky_request(sun, *command);
