@@ -1,19 +1,15 @@
 // SPDX-License-Identifier: MIT
 #include "image/output_settings.h"
 
-#include <algorithm>
-#include <string>
-
 #include "base/error.h"
+#include "base/words.h"
 
 // Apart from the writing, so that who only requests the format does not load OpenImageIO.
 
 namespace alidade::image {
 
 std::optional<ImageFormat> image_format(const std::filesystem::path& file) {
-  std::string extension = file.extension().string();
-  std::ranges::transform(extension, extension.begin(),
-                         [](char c) { return c >= 'A' && c <= 'Z' ? char(c + 32) : c; });
+  const std::string extension = file_extension(file);
   if (extension == ".exr") return ImageFormat::exr;
   if (extension == ".png") return ImageFormat::png;
   if (extension == ".jpg" || extension == ".jpeg") return ImageFormat::jpeg;
