@@ -24,8 +24,9 @@
 #include "image/srgb.h"
 
 namespace alidade::image {
+namespace {
 
-[[noreturn]] inline void fail_image(const std::filesystem::path& file, const std::string& message) {
+[[noreturn]] void fail_image(const std::filesystem::path& file, const std::string& message) {
   throw file_error(file, "cannot write the image: " + message);
 }
 
@@ -66,8 +67,6 @@ struct Channel {
   int component;  ///< 0, 1, 2 of a vector or colour; 3 = alpha
 };
 
-namespace {
-
 constexpr float k_largest_half = 65504.0f;
 
 float value_of(const Film& film, std::size_t pixel, const Channel& channel, const glm::dvec3& offset) {
@@ -100,36 +99,29 @@ std::size_t put(std::span<std::byte> bytes, std::size_t offset, const Value& val
   return offset + sizeof value;
 }
 
-}  // namespace
-
 /// The channels of the layers asked for, in the order of the enumeration Layer.
 std::vector<Channel> exr_channels(const OutputSettings& output) {
   const ChannelType color = output.half ? ChannelType::half_float : ChannelType::single_float;
-  const std::vector<Channel> all{
-      {"R", color, Layer::color, 0},
-      {"G", color, Layer::color, 1},
-      {"B", color, Layer::color, 2},
-      {"A", color, Layer::color, 3},
-      {"Z", ChannelType::single_float, Layer::depth, 0},
-      {"distance.T", ChannelType::single_float, Layer::distance, 0},
-      {"N.X", color, Layer::normal, 0},
-      {"N.Y", color, Layer::normal, 1},
-      {"N.Z", color, Layer::normal, 2},
-      {"P.X", ChannelType::single_float, Layer::position, 0},
-      {"P.Y", ChannelType::single_float, Layer::position, 1},
-      {"P.Z", ChannelType::single_float, Layer::position, 2},
-      {"albedo.R", color, Layer::albedo, 0},
-      {"albedo.G", color, Layer::albedo, 1},
-      {"albedo.B", color, Layer::albedo, 2},
-      {"id", ChannelType::unsigned_integer, Layer::id, 0},
-      {"variance.R", ChannelType::single_float, Layer::variance, 0},
-      {"variance.G", ChannelType::single_float, Layer::variance, 1},
-      {"variance.B", ChannelType::single_float, Layer::variance, 2},
+  struct Group {
+    Layer layer;
+    ChannelType type;
+    std::vector<std::string> names;
   };
+  const Group groups[] = {
+      {Layer::color, color, {"R", "G", "B", "A"}},
+      {Layer::depth, ChannelType::single_float, {"Z"}},
+      {Layer::distance, ChannelType::single_float, {"distance.T"}},
+      {Layer::normal, color, {"N.X", "N.Y", "N.Z"}},
+      {Layer::position, ChannelType::single_float, {"P.X", "P.Y", "P.Z"}},
+      {Layer::albedo, color, {"albedo.R", "albedo.G", "albedo.B"}},
+      {Layer::id, ChannelType::unsigned_integer, {"id"}},
+      {Layer::variance, ChannelType::single_float, {"variance.R", "variance.G", "variance.B"}}};
   std::vector<Channel> channels;
-  std::ranges::copy_if(all, std::back_inserter(channels), [&](const Channel& channel) {
-    return std::ranges::find(output.layers, channel.layer) != output.layers.end();
-  });
+  for (const Group& group : groups) {
+    if (std::ranges::find(output.layers, group.layer) == output.layers.end()) continue;
+    for (int i = 0; const std::string& name : group.names)
+      channels.push_back({name, group.type, group.layer, i++});
+  }
   return channels;
 }
 
@@ -164,8 +156,6 @@ void pack_row(const Film& film, int y, std::span<const Channel> channels, const 
     }
   }
 }
-
-namespace {
 
 constexpr int k_longest_jpeg_side = 65500;
 
