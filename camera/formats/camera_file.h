@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
+#include <fmt/format.h>
 #include <cstdint>
 #include <filesystem>
 #include <span>
@@ -70,6 +71,20 @@ class LineWalk {
   std::string_view rest_;
   std::uint64_t number_ = 0;
 };
+
+/// Runs `work` and adds file and line to errors without them.
+template <typename Work>
+void at_line(const std::string& file, const LineWalk& lines, const Work& work) {
+  try {
+    work();
+  } catch (const Error& error) {
+    if (!error.parts().file.empty()) throw;
+    Error::Parts parts = error.parts();
+    parts.file = file;
+    parts.location = fmt::format("line {}", lines.number());
+    throw Error(parts);
+  }
+}
 
 /// Takes a line apart at blanks, tabs and commas. Errors, without file and position: a field that is missing or
 /// not what it should be.

@@ -89,46 +89,6 @@ Lens lens_of(int id, std::span<const double> k) {
   }
 }
 
-}  // namespace
-
-std::span<const ColmapModel> colmap_models() {
-  return k_models;
-}
-
-void set_size(Camera& camera, std::uint64_t width, std::uint64_t height) {
-  constexpr std::uint64_t k_side = k_max_image_side;
-  if (width < 1 || height < 1 || width > k_side || height > k_side || width * height > k_max_pixels) {
-    throw Error({.problem = "image size out of range",
-                 .expected = "1 to 65536 pixels in each direction, at most 2^28 in total",
-                 .found = fmt::format("{} x {}", width, height)});
-  }
-  camera.width = static_cast<int>(width);
-  camera.height = static_cast<int>(height);
-}
-
-Camera camera_of_colmap(const ColmapModel& model, std::uint64_t width, std::uint64_t height,
-                        std::span<const double> parameters) {
-  assert(parameters.size() == model.parameter_count);
-  Camera camera;
-  set_size(camera, width, height);
-  if (model.id == 17) {
-    camera.fx = parameters[0] / (2.0 * std::numbers::pi);
-    camera.fy = parameters[1] / std::numbers::pi;
-    camera.cx = 0.5 * parameters[0];
-    camera.cy = 0.5 * parameters[1];
-    camera.lens = EquirectangularLens{};
-  } else {
-    const std::size_t first = has_one_focal_length(model.id) ? 0 : 1;
-    camera.fx = parameters[0];
-    camera.fy = parameters[first];
-    camera.cx = parameters[first + 1];
-    camera.cy = parameters[first + 2];
-    camera.lens = lens_of(model.id, parameters.subspan(first + 3));
-  }
-  check_camera_numbers(camera);
-  return camera;
-}
-
 /// What the binary and the text file say about an image of a COLMAP model.
 struct ColmapImage {
   std::uint32_t id = 0;
@@ -142,8 +102,33 @@ struct ColmapImage {
 /// twice, an image of an absent camera, an invalid rotation or translation, an empty name.
 class ColmapImages {
  public:
-  void add_camera(std::uint32_t id, const Camera& camera);
-  void add_image(const ColmapImage& image);
+  void add_camera(std::uint32_t id, const Camera& camera) {
+    if (!cameras_.emplace(id, camera).second)
+      throw Error({.problem = fmt::format("duplicate camera id {}", id), .expected = "unique ids"});
+  }
+
+  void add_image(const ColmapImage& image) {
+    const auto camera = cameras_.find(image.camera_id);
+    if (camera == cameras_.end()) {
+      throw Error(
+          {.problem = fmt::format("image {} refers to the missing camera {}", image.id, image.camera_id)});
+    }
+    if (!image_ids_.insert(image.id).second)
+      throw Error({.problem = fmt::format("duplicate image id {}", image.id), .expected = "unique ids"});
+    if (image.name.empty()) throw Error({.problem = fmt::format("image {} has no name", image.id)});
+    const auto rotation = rotation_from_quaternion(image.quaternion);
+    if (!rotation) {
+      throw Error({.problem = fmt::format("rotation of image {} is zero or not finite", image.id),
+                   .expected = "a finite nonzero quaternion"});
+    }
+    const auto& [x, y, z] = image.translation;
+    if (!(std::fabs(x) <= 1e12 && std::fabs(y) <= 1e12 && std::fabs(z) <= 1e12)) {
+      throw Error({.problem = fmt::format("translation of image {} out of range", image.id),
+                   .expected = "numbers within +-1e12"});
+    }
+    NamedCamera& named = set_.cameras.emplace_back(NamedCamera{image.name, camera->second});
+    named.camera.pose = pose_from_world_to_camera(*rotation, {x, y, z});
+  }
   CameraSet take() { return std::move(set_); }
 
  private:
@@ -151,36 +136,6 @@ class ColmapImages {
   std::unordered_set<std::uint32_t> image_ids_;
   CameraSet set_;
 };
-
-void ColmapImages::add_camera(std::uint32_t id, const Camera& camera) {
-  if (!cameras_.emplace(id, camera).second)
-    throw Error({.problem = fmt::format("duplicate camera id {}", id), .expected = "unique ids"});
-}
-
-void ColmapImages::add_image(const ColmapImage& image) {
-  const auto camera = cameras_.find(image.camera_id);
-  if (camera == cameras_.end()) {
-    throw Error(
-        {.problem = fmt::format("image {} refers to the missing camera {}", image.id, image.camera_id)});
-  }
-  if (!image_ids_.insert(image.id).second)
-    throw Error({.problem = fmt::format("duplicate image id {}", image.id), .expected = "unique ids"});
-  if (image.name.empty()) throw Error({.problem = fmt::format("image {} has no name", image.id)});
-  const auto rotation = rotation_from_quaternion(image.quaternion);
-  if (!rotation) {
-    throw Error({.problem = fmt::format("rotation of image {} is zero or not finite", image.id),
-                 .expected = "a finite nonzero quaternion"});
-  }
-  const auto& [x, y, z] = image.translation;
-  if (!(std::fabs(x) <= 1e12 && std::fabs(y) <= 1e12 && std::fabs(z) <= 1e12)) {
-    throw Error({.problem = fmt::format("translation of image {} out of range", image.id),
-                 .expected = "numbers within +-1e12"});
-  }
-  NamedCamera& named = set_.cameras.emplace_back(NamedCamera{image.name, camera->second});
-  named.camera.pose = pose_from_world_to_camera(*rotation, {x, y, z});
-}
-
-namespace {
 
 constexpr std::size_t k_longest_name = 4096;
 
@@ -282,37 +237,6 @@ void read_image(Reader& reader, ColmapImages& model) {
   model.add_image(image);
 }
 
-}  // namespace
-
-CameraSet read_colmap_binary(InputFile cameras, InputFile images) {
-  ColmapImages model;
-  Reader camera_reader(cameras);
-  for (std::uint64_t left = camera_reader.take_count(40, "cameras"); left > 0; --left)
-    camera_reader.record([&] { read_camera(camera_reader, model); });
-  camera_reader.expect_end();
-  Reader image_reader(images);
-  for (std::uint64_t left = image_reader.take_count(73, "images"); left > 0; --left)
-    image_reader.record([&] { read_image(image_reader, model); });
-  image_reader.expect_end();
-  return model.take();
-}
-
-namespace {
-
-/// Runs `work` and adds file and line to errors without them.
-template <typename Work>
-void at_line(const std::string& file, const LineWalk& lines, const Work& work) {
-  try {
-    work();
-  } catch (const Error& error) {
-    if (!error.parts().file.empty()) throw;
-    Error::Parts parts = error.parts();
-    parts.file = file;
-    parts.location = fmt::format("line {}", lines.number());
-    throw Error(parts);
-  }
-}
-
 bool is_remark(std::string_view line) {
   const std::size_t first = line.find_first_not_of(" \t,\r");
   return first == std::string_view::npos || line[first] == '#';
@@ -364,6 +288,57 @@ void check_observations(std::string_view line) {
 }
 
 }  // namespace
+
+std::span<const ColmapModel> colmap_models() {
+  return k_models;
+}
+
+void set_size(Camera& camera, std::uint64_t width, std::uint64_t height) {
+  constexpr std::uint64_t k_side = k_max_image_side;
+  if (width < 1 || height < 1 || width > k_side || height > k_side || width * height > k_max_pixels) {
+    throw Error({.problem = "image size out of range",
+                 .expected = "1 to 65536 pixels in each direction, at most 2^28 in total",
+                 .found = fmt::format("{} x {}", width, height)});
+  }
+  camera.width = static_cast<int>(width);
+  camera.height = static_cast<int>(height);
+}
+
+Camera camera_of_colmap(const ColmapModel& model, std::uint64_t width, std::uint64_t height,
+                        std::span<const double> parameters) {
+  assert(parameters.size() == model.parameter_count);
+  Camera camera;
+  set_size(camera, width, height);
+  if (model.id == 17) {
+    camera.fx = parameters[0] / (2.0 * std::numbers::pi);
+    camera.fy = parameters[1] / std::numbers::pi;
+    camera.cx = 0.5 * parameters[0];
+    camera.cy = 0.5 * parameters[1];
+    camera.lens = EquirectangularLens{};
+  } else {
+    const std::size_t first = has_one_focal_length(model.id) ? 0 : 1;
+    camera.fx = parameters[0];
+    camera.fy = parameters[first];
+    camera.cx = parameters[first + 1];
+    camera.cy = parameters[first + 2];
+    camera.lens = lens_of(model.id, parameters.subspan(first + 3));
+  }
+  check_camera_numbers(camera);
+  return camera;
+}
+
+CameraSet read_colmap_binary(InputFile cameras, InputFile images) {
+  ColmapImages model;
+  Reader camera_reader(cameras);
+  for (std::uint64_t left = camera_reader.take_count(40, "cameras"); left > 0; --left)
+    camera_reader.record([&] { read_camera(camera_reader, model); });
+  camera_reader.expect_end();
+  Reader image_reader(images);
+  for (std::uint64_t left = image_reader.take_count(73, "images"); left > 0; --left)
+    image_reader.record([&] { read_image(image_reader, model); });
+  image_reader.expect_end();
+  return model.take();
+}
 
 CameraSet read_colmap_text(std::string_view cameras, const std::string& cameras_name, std::string_view images,
                            const std::string& images_name) {

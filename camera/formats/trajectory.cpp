@@ -108,7 +108,7 @@ CameraSet read_trajectory(std::string_view text, const std::string& name, const 
   Conventions conventions;
   std::optional<Columns> columns;
   LineWalk lines(text);
-  try {
+  at_line(name, lines, [&] {
     for (std::string_view line; lines.next(line);) {
       if (lines.number() == 1 && line.starts_with("\xEF\xBB\xBF")) line.remove_prefix(3);
       const std::size_t first = line.find_first_not_of(" \t");
@@ -130,12 +130,7 @@ CameraSet read_trajectory(std::string_view text, const std::string& name, const 
         set.cameras.push_back(read_row(line, *columns, conventions, *lens));
       }
     }
-  } catch (const Error& error) {
-    Error::Parts parts = error.parts();
-    parts.file = name;
-    parts.location = fmt::format("line {}", lines.number());
-    throw Error(parts);
-  }
+  });
   return set;
 }
 
