@@ -6,6 +6,7 @@
 #include <vector>
 
 namespace alidade::camera {
+namespace {
 
 /// Coefficients, that of x^0 first.
 using Polynomial = std::vector<double>;
@@ -59,8 +60,6 @@ std::vector<double> sign_changes(const Polynomial& polynomial, double end) {
   }
   return changes;
 }
-
-namespace {
 
 double length_of(const glm::dvec2& v) {
   return std::sqrt(v.x * v.x + v.y * v.y);

@@ -19,11 +19,6 @@
 #include "camera/projection.h"
 
 namespace alidade::camera {
-
-JsonNode required(const JsonNode& node, std::string_view key) {
-  if (const auto value = node.find(key)) return *value;
-  node.fail(fmt::format("missing key \"{}\"", key), "", "");
-}
 namespace {
 
 // Wider or narrower views are mistakes; the focal length stays an ordinary number.
@@ -289,6 +284,11 @@ CameraPose read_pose(const JsonNode& node) {
 }
 
 }  // namespace
+
+JsonNode required(const JsonNode& node, std::string_view key) {
+  if (const auto value = node.find(key)) return *value;
+  node.fail(fmt::format("missing key \"{}\"", key), "", "");
+}
 
 Camera read_camera_node(const JsonNode& node) {
   const std::size_t model = model_of(node);

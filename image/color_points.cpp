@@ -31,34 +31,6 @@ std::string time_of_day(std::int64_t second) {
   return fmt::format("{:02}:{:02}:{:02}", second / 3600, second / 60 % 60, second % 60);
 }
 
-}  // namespace
-
-std::optional<std::string> gps_date(std::int64_t adjusted_seconds) {
-  using namespace std::chrono;
-  if (adjusted_seconds < -k_most_seconds || adjusted_seconds > k_most_seconds) return std::nullopt;
-  constexpr sys_days k_epoch = year(1980) / January / 6;
-  const std::int64_t since_1970 =
-      duration_cast<seconds>(k_epoch.time_since_epoch()).count() + k_adjustment + adjusted_seconds;
-  const std::int64_t day_count = since_1970 >= 0 ? since_1970 / k_day : (since_1970 - k_day + 1) / k_day;
-  constexpr sys_days k_first = year(1) / January / 1, k_last = year(9999) / December / 31;
-  if (day_count < k_first.time_since_epoch().count() || day_count > k_last.time_since_epoch().count())
-    return std::nullopt;
-  const year_month_day date{sys_days(days(day_count))};
-  return fmt::format("{:04}-{:02}-{:02} {}", static_cast<int>(date.year()),
-                     static_cast<unsigned>(date.month()), static_cast<unsigned>(date.day()),
-                     time_of_day(since_1970 - day_count * k_day));
-}
-
-std::optional<std::string> gps_weekday(std::int64_t week_seconds) {
-  constexpr std::array<const char*, 7> k_days = {"Sunday",   "Monday", "Tuesday", "Wednesday",
-                                                 "Thursday", "Friday", "Saturday"};
-  if (week_seconds < 0 || week_seconds >= 7 * k_day) return std::nullopt;
-  return fmt::format("{} {}", k_days[static_cast<std::size_t>(week_seconds / k_day)],
-                     time_of_day(week_seconds % k_day));
-}
-
-namespace {
-
 struct ColorAttribute {
   std::string_view word;
   Attribute attribute;
@@ -135,47 +107,6 @@ void check_use(const PointColoring& coloring, const std::string& name) {
   if (coloring.by != PointColor::classification && !coloring.classes.empty())
     throw file_error(name, "class colours require classification", "classification", color_word(coloring));
 }
-
-}  // namespace
-
-AttributeSet attributes_for(const PointColoring& coloring) {
-  switch (coloring.by) {
-    case PointColor::automatic:
-      return Attribute::color | Attribute::intensity;
-    case PointColor::height:
-    case PointColor::normal:
-      return {};
-    default:
-      return standard_attribute(color_word(coloring)).value_or(Attribute::extra_dimensions);
-  }
-}
-
-AttributeSet check_color_of_files(const PointColoring& coloring, const CloudInputs& inputs, Damage damage,
-                                  const std::string& name) {
-  const AttributeSet needed = attributes_for(coloring);
-  AttributeSet seen;
-  if (coloring.by == PointColor::automatic || needed == AttributeSet()) return seen;
-  for (const CloudInput& input : inputs.inputs) {
-    seen = seen | open_cloud(input, damage)->attributes();
-    if ((seen & needed) == needed) return seen;
-  }
-  fail(name, color_word(coloring), seen, {});
-}
-
-PointColoring choose_color(const PointColoring& coloring, const ColorSource& cloud,
-                           std::vector<std::string>& warnings) {
-  const AttributeColumns& columns = cloud.columns;
-  PointColoring chosen = coloring;
-  if (coloring.by == PointColor::automatic)
-    chosen.by = cloud.point_count == 0 ? PointColor::rgb : automatic_color(columns, cloud.name, warnings);
-  check_use(chosen, cloud.name);
-  const bool needs_column = attributes_for(chosen) != AttributeSet();
-  if (cloud.point_count > 0 && needs_column && !has_column(columns, color_word(chosen)))
-    fail(cloud.name, color_word(chosen), cloud.attributes | columns.attributes(), columns.extra_dimensions);
-  return chosen;
-}
-
-namespace {
 
 ColorMap usual_map(PointColor by) {
   if (by == PointColor::intensity) return ColorMap::grey;
@@ -334,6 +265,67 @@ ColoredPoints colored(const PointColoring& coloring, const AttributeColumns& col
 }
 
 }  // namespace
+
+std::optional<std::string> gps_date(std::int64_t adjusted_seconds) {
+  using namespace std::chrono;
+  if (adjusted_seconds < -k_most_seconds || adjusted_seconds > k_most_seconds) return std::nullopt;
+  constexpr sys_days k_epoch = year(1980) / January / 6;
+  const std::int64_t since_1970 =
+      duration_cast<seconds>(k_epoch.time_since_epoch()).count() + k_adjustment + adjusted_seconds;
+  const std::int64_t day_count = since_1970 >= 0 ? since_1970 / k_day : (since_1970 - k_day + 1) / k_day;
+  constexpr sys_days k_first = year(1) / January / 1, k_last = year(9999) / December / 31;
+  if (day_count < k_first.time_since_epoch().count() || day_count > k_last.time_since_epoch().count())
+    return std::nullopt;
+  const year_month_day date{sys_days(days(day_count))};
+  return fmt::format("{:04}-{:02}-{:02} {}", static_cast<int>(date.year()),
+                     static_cast<unsigned>(date.month()), static_cast<unsigned>(date.day()),
+                     time_of_day(since_1970 - day_count * k_day));
+}
+
+std::optional<std::string> gps_weekday(std::int64_t week_seconds) {
+  constexpr std::array<const char*, 7> k_days = {"Sunday",   "Monday", "Tuesday", "Wednesday",
+                                                 "Thursday", "Friday", "Saturday"};
+  if (week_seconds < 0 || week_seconds >= 7 * k_day) return std::nullopt;
+  return fmt::format("{} {}", k_days[static_cast<std::size_t>(week_seconds / k_day)],
+                     time_of_day(week_seconds % k_day));
+}
+
+AttributeSet attributes_for(const PointColoring& coloring) {
+  switch (coloring.by) {
+    case PointColor::automatic:
+      return Attribute::color | Attribute::intensity;
+    case PointColor::height:
+    case PointColor::normal:
+      return {};
+    default:
+      return standard_attribute(color_word(coloring)).value_or(Attribute::extra_dimensions);
+  }
+}
+
+AttributeSet check_color_of_files(const PointColoring& coloring, const CloudInputs& inputs, Damage damage,
+                                  const std::string& name) {
+  const AttributeSet needed = attributes_for(coloring);
+  AttributeSet seen;
+  if (coloring.by == PointColor::automatic || needed == AttributeSet()) return seen;
+  for (const CloudInput& input : inputs.inputs) {
+    seen = seen | open_cloud(input, damage)->attributes();
+    if ((seen & needed) == needed) return seen;
+  }
+  fail(name, color_word(coloring), seen, {});
+}
+
+PointColoring choose_color(const PointColoring& coloring, const ColorSource& cloud,
+                           std::vector<std::string>& warnings) {
+  const AttributeColumns& columns = cloud.columns;
+  PointColoring chosen = coloring;
+  if (coloring.by == PointColor::automatic)
+    chosen.by = cloud.point_count == 0 ? PointColor::rgb : automatic_color(columns, cloud.name, warnings);
+  check_use(chosen, cloud.name);
+  const bool needs_column = attributes_for(chosen) != AttributeSet();
+  if (cloud.point_count > 0 && needs_column && !has_column(columns, color_word(chosen)))
+    fail(cloud.name, color_word(chosen), cloud.attributes | columns.attributes(), columns.extra_dimensions);
+  return chosen;
+}
 
 ColoredPoints color_points(const PointColoring& coloring, const AttributeColumns& columns,
                            const PointCloud& facts, const PointValues& heights) {

@@ -41,36 +41,6 @@ std::string label_of(double value, const Step& step) {
   return fmt::format("{:.{}g}", plain_value, std::clamp(first_digit - step.exponent + 1, 1, k_most_digits));
 }
 
-}  // namespace
-
-std::vector<RoundTick> round_ticks(const ValueRange& range, int most) {
-  assert(range.low <= range.high && most >= 2);
-  const double extent = range.high - range.low;
-  const double largest = std::max(std::fabs(range.low), std::fabs(range.high));
-  constexpr double k_narrowest = 1e-12, k_smallest = 1e-290;
-  std::vector<RoundTick> ticks;
-  if (extent <= std::max(k_narrowest * largest, k_smallest)) {
-    ticks.push_back({range.low, fmt::format("{:g}", range.low)});
-    if (extent > 0.0) ticks.push_back({range.high, fmt::format("{:g}", range.high)});
-    return ticks;
-  }
-  // A little room for the rounding of ends that are multiples themselves.
-  const double slack = 1e-9 * extent;
-  Step step{1, static_cast<int>(std::floor(std::log10(extent / most))) - 1};
-  for (;; step = step.next()) {
-    const double first = std::ceil((range.low - slack) / step.times(1.0)),
-                 last = std::floor((range.high + slack) / step.times(1.0));
-    if (last - first + 1.0 > most) continue;
-    for (double count = first; count <= last; ++count) {
-      const double value = std::clamp(step.times(count), range.low, range.high);
-      ticks.push_back({value, label_of(step.times(count), step)});
-    }
-    return ticks;
-  }
-}
-
-namespace {
-
 /// "1 234 567".
 std::string grouped(std::uint64_t count) {
   std::string text = std::to_string(count);
@@ -216,34 +186,6 @@ bool fits(const LegendLayout& layout, const glm::ivec2& size) {
   return layout.width <= size.x && layout.height <= size.y;
 }
 
-}  // namespace
-
-LegendLayout lay_out_legend(const ColorKey& key, const Font& font, const std::optional<glm::ivec2>& size) {
-  constexpr int k_smallest_font = 8, k_bar_ems = 13;
-  check_legend(key);
-  const auto natural = [&](int font_size) { return lay_out(key, font, font_size, k_bar_ems * font_size); };
-  const LegendLayout usual = natural(k_legend_font_size);
-  if (!size) return usual;
-
-  const double scale =
-      std::min(static_cast<double>(size->x) / usual.width, static_cast<double>(size->y) / usual.height);
-  // Texts do not grow evenly with their font: begin a little above what is expected.
-  int font_size = std::max(k_smallest_font, static_cast<int>(scale * k_legend_font_size) + 2);
-  LegendLayout layout = natural(font_size);
-  while (font_size > k_smallest_font && !fits(layout, *size)) layout = natural(--font_size);
-  if (!fits(layout, *size)) {
-    throw Error({.problem = "the legend does not fit the given size",
-                 .expected = fmt::format("at least {}x{} pixels", layout.width, layout.height),
-                 .found = fmt::format("{}x{}", size->x, size->y)});
-  }
-  if (key.scale) layout = lay_out(key, font, font_size, k_bar_ems * font_size + size->y - layout.height);
-  layout.width = size->x;
-  layout.height = size->y;
-  return layout;
-}
-
-namespace {
-
 constexpr Rgb8 k_background{255, 255, 255}, k_text{30, 30, 30}, k_note{95, 95, 95}, k_line{95, 95, 95};
 
 Rgb8 to_rgb8(const Color16& color) {
@@ -271,6 +213,56 @@ void draw_bar(const ColorScale& scale, const LegendLayout& layout, Canvas& canva
 }
 
 }  // namespace
+
+std::vector<RoundTick> round_ticks(const ValueRange& range, int most) {
+  assert(range.low <= range.high && most >= 2);
+  const double extent = range.high - range.low;
+  const double largest = std::max(std::fabs(range.low), std::fabs(range.high));
+  constexpr double k_narrowest = 1e-12, k_smallest = 1e-290;
+  std::vector<RoundTick> ticks;
+  if (extent <= std::max(k_narrowest * largest, k_smallest)) {
+    ticks.push_back({range.low, fmt::format("{:g}", range.low)});
+    if (extent > 0.0) ticks.push_back({range.high, fmt::format("{:g}", range.high)});
+    return ticks;
+  }
+  // A little room for the rounding of ends that are multiples themselves.
+  const double slack = 1e-9 * extent;
+  Step step{1, static_cast<int>(std::floor(std::log10(extent / most))) - 1};
+  for (;; step = step.next()) {
+    const double first = std::ceil((range.low - slack) / step.times(1.0)),
+                 last = std::floor((range.high + slack) / step.times(1.0));
+    if (last - first + 1.0 > most) continue;
+    for (double count = first; count <= last; ++count) {
+      const double value = std::clamp(step.times(count), range.low, range.high);
+      ticks.push_back({value, label_of(step.times(count), step)});
+    }
+    return ticks;
+  }
+}
+
+LegendLayout lay_out_legend(const ColorKey& key, const Font& font, const std::optional<glm::ivec2>& size) {
+  constexpr int k_smallest_font = 8, k_bar_ems = 13;
+  check_legend(key);
+  const auto natural = [&](int font_size) { return lay_out(key, font, font_size, k_bar_ems * font_size); };
+  const LegendLayout usual = natural(k_legend_font_size);
+  if (!size) return usual;
+
+  const double scale =
+      std::min(static_cast<double>(size->x) / usual.width, static_cast<double>(size->y) / usual.height);
+  // Texts do not grow evenly with their font: begin a little above what is expected.
+  int font_size = std::max(k_smallest_font, static_cast<int>(scale * k_legend_font_size) + 2);
+  LegendLayout layout = natural(font_size);
+  while (font_size > k_smallest_font && !fits(layout, *size)) layout = natural(--font_size);
+  if (!fits(layout, *size)) {
+    throw Error({.problem = "the legend does not fit the given size",
+                 .expected = fmt::format("at least {}x{} pixels", layout.width, layout.height),
+                 .found = fmt::format("{}x{}", size->x, size->y)});
+  }
+  if (key.scale) layout = lay_out(key, font, font_size, k_bar_ems * font_size + size->y - layout.height);
+  layout.width = size->x;
+  layout.height = size->y;
+  return layout;
+}
 
 Canvas draw_legend(const ColorKey& key, const LegendLayout& layout, const Font& font) {
   Canvas canvas(layout.width, layout.height, k_background);

@@ -90,43 +90,6 @@ PointValues of_attribute(const std::string& name, const AttributeColumns& column
   return of_extra(*extra);
 }
 
-}  // namespace
-
-bool has_numbers(const ExtraColumn& column) {
-  return scalar_size(column.description.type) > 0;
-}
-
-const ExtraColumn* find_numbers(const AttributeColumns& columns, std::string_view name) {
-  const auto found = std::ranges::find_if(columns.extra_dimensions, [&](const ExtraColumn& column) {
-    return column.description.name == name && has_numbers(column);
-  });
-  return found == columns.extra_dimensions.end() ? nullptr : &*found;
-}
-
-PointValues values_of(const PointColoring& coloring, const AttributeColumns& columns,
-                      const PointValues& heights) {
-  const std::span<const ReturnNumbers> returns = columns.returns;
-  switch (coloring.by) {
-    case PointColor::intensity:
-      return of_column(columns.intensities);
-    case PointColor::classification:
-      return of_column(columns.classifications);
-    case PointColor::gps_time:
-      return of_column(columns.gps_times);
-    case PointColor::return_number:
-      return of_rows(returns.size(), [=](std::uint64_t row) { return number_or_none(returns[row].number); });
-    case PointColor::number_of_returns:
-      return of_rows(returns.size(), [=](std::uint64_t row) { return number_or_none(returns[row].count); });
-    case PointColor::attribute:
-      return of_attribute(coloring.attribute, columns);
-    default:
-      assert(coloring.by == PointColor::height);
-      return heights;
-  }
-}
-
-namespace {
-
 constexpr int k_digit_bits = 16;
 constexpr std::size_t k_digits = std::size_t{1} << k_digit_bits;
 constexpr std::uint64_t k_sign = std::uint64_t{1} << 63;
@@ -175,6 +138,39 @@ Histograms count_digits(const PointValues& values, const std::array<Search, 2>& 
 }
 
 }  // namespace
+
+bool has_numbers(const ExtraColumn& column) {
+  return scalar_size(column.description.type) > 0;
+}
+
+const ExtraColumn* find_numbers(const AttributeColumns& columns, std::string_view name) {
+  const auto found = std::ranges::find_if(columns.extra_dimensions, [&](const ExtraColumn& column) {
+    return column.description.name == name && has_numbers(column);
+  });
+  return found == columns.extra_dimensions.end() ? nullptr : &*found;
+}
+
+PointValues values_of(const PointColoring& coloring, const AttributeColumns& columns,
+                      const PointValues& heights) {
+  const std::span<const ReturnNumbers> returns = columns.returns;
+  switch (coloring.by) {
+    case PointColor::intensity:
+      return of_column(columns.intensities);
+    case PointColor::classification:
+      return of_column(columns.classifications);
+    case PointColor::gps_time:
+      return of_column(columns.gps_times);
+    case PointColor::return_number:
+      return of_rows(returns.size(), [=](std::uint64_t row) { return number_or_none(returns[row].number); });
+    case PointColor::number_of_returns:
+      return of_rows(returns.size(), [=](std::uint64_t row) { return number_or_none(returns[row].count); });
+    case PointColor::attribute:
+      return of_attribute(coloring.attribute, columns);
+    default:
+      assert(coloring.by == PointColor::height);
+      return heights;
+  }
+}
 
 ValueExtent extent_of(const PointValues& values) {
   constexpr double k_infinity = std::numeric_limits<double>::infinity();

@@ -11,18 +11,6 @@
 #include "octree/tree_walk.h"
 
 namespace alidade::tools {
-
-PointCloud description_of(const IndexedCloud& cloud) {
-  PointCloud description;
-  description.lattice = cloud.octree.lattice();
-  description.crs = cloud.cloud.crs;
-  description.records = cloud.index ? cloud.index->records() : cloud.cloud.records;
-  description.gps_time_is_standard = cloud.cloud.gps_time_is_standard;
-  description.project_id = cloud.cloud.project_id;
-  description.file_source_id = cloud.cloud.file_source_id;
-  return description;
-}
-
 namespace {
 
 constexpr std::size_t k_rows_at_once = 1 << 17;
@@ -99,6 +87,17 @@ void write_las_rows(const std::filesystem::path& file, const IndexedCloud& cloud
 }
 
 }  // namespace
+
+PointCloud description_of(const IndexedCloud& cloud) {
+  PointCloud description;
+  description.lattice = cloud.octree.lattice();
+  description.crs = cloud.cloud.crs;
+  description.records = cloud.index ? cloud.index->records() : cloud.cloud.records;
+  description.gps_time_is_standard = cloud.cloud.gps_time_is_standard;
+  description.project_id = cloud.cloud.project_id;
+  description.file_source_id = cloud.cloud.file_source_id;
+  return description;
+}
 
 void check_points_name(const std::filesystem::path& file) {
   const std::string extension = file_extension(file);

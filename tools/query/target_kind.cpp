@@ -9,17 +9,6 @@
 #include "base/words.h"
 
 namespace alidade::tools {
-
-void TextLine::fail(std::size_t offset, std::string problem, std::string expected, std::string found) const {
-  const std::size_t column = 1 + character_count(text.substr(0, offset));
-  throw Error({.file = std::string(source),
-               .location = is_command_line ? " " + quote(text)
-                                           : std::to_string(number) + ":" + std::to_string(column),
-               .problem = std::move(problem),
-               .expected = std::move(expected),
-               .found = std::move(found)});
-}
-
 namespace {
 
 constexpr double k_largest_number = 9007199254740992.0;  // 2^53: up to here doubles are exact
@@ -87,6 +76,16 @@ constexpr TargetKind k_kinds[k_target_families] = {
      "places"}};
 
 }  // namespace
+
+void TextLine::fail(std::size_t offset, std::string problem, std::string expected, std::string found) const {
+  const std::size_t column = 1 + character_count(text.substr(0, offset));
+  throw Error({.file = std::string(source),
+               .location = is_command_line ? " " + quote(text)
+                                           : std::to_string(number) + ":" + std::to_string(column),
+               .problem = std::move(problem),
+               .expected = std::move(expected),
+               .found = std::move(found)});
+}
 
 void check_value(const TextLine& line, std::size_t offset, const TargetColumn& column, double value,
                  std::string_view found) {

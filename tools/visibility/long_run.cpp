@@ -10,29 +10,6 @@
 #include "visibility/sight_line.h"
 
 namespace alidade::tools {
-
-void check_checkpoint(const CheckpointRequest& request, bool overwrite,
-                      std::span<const std::filesystem::path> outputs,
-                      std::span<const std::filesystem::path> inputs) {
-  if (request.file.empty()) return;
-  std::error_code error;
-  for (const std::filesystem::path& output : outputs) {
-    if (!output.empty() && same_file(request.file, output))
-      throw file_error(request.file, "also the name of an output", "another name");
-  }
-  const bool is_there = std::filesystem::exists(request.file, error);
-  if (is_there && !request.resume && !overwrite)
-    throw file_error(request.file, "the file exists", "--resume to continue from it, or --overwrite");
-  check_writable(request.file, true, inputs);
-  // It would be replaced, and removed in the end.
-  if (is_there && !is_parts_file(request.file)) {
-    throw Error({.file = request.file.string(),
-                 .location = "byte 0",
-                 .problem = "not a checkpoint of such a run",
-                 .expected = "a checkpoint, or the name of a file that does not exist"});
-  }
-}
-
 namespace {
 
 /// The cloud is given by its points; lists, curve and preview are outputs.
@@ -81,6 +58,28 @@ std::string crs_checksum(const Crs& crs) {
 }
 
 }  // namespace
+
+void check_checkpoint(const CheckpointRequest& request, bool overwrite,
+                      std::span<const std::filesystem::path> outputs,
+                      std::span<const std::filesystem::path> inputs) {
+  if (request.file.empty()) return;
+  std::error_code error;
+  for (const std::filesystem::path& output : outputs) {
+    if (!output.empty() && same_file(request.file, output))
+      throw file_error(request.file, "also the name of an output", "another name");
+  }
+  const bool is_there = std::filesystem::exists(request.file, error);
+  if (is_there && !request.resume && !overwrite)
+    throw file_error(request.file, "the file exists", "--resume to continue from it, or --overwrite");
+  check_writable(request.file, true, inputs);
+  // It would be replaced, and removed in the end.
+  if (is_there && !is_parts_file(request.file)) {
+    throw Error({.file = request.file.string(),
+                 .location = "byte 0",
+                 .problem = "not a checkpoint of such a run",
+                 .expected = "a checkpoint, or the name of a file that does not exist"});
+  }
+}
 
 Fingerprint run_fingerprint(const CheckpointRequest& request, const VisibilityCloud& cloud) {
   Fingerprint fingerprint{{"command", request.command->name()},
