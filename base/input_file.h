@@ -18,6 +18,8 @@ namespace alidade {
 class FileDescriptor {
  public:
   FileDescriptor() = default;
+  /// Takes over one that is open, or -1.
+  explicit FileDescriptor(int number) : number_(number) {}
   /// Opens `path` with the flags of open(2). Errors: it cannot be opened.
   FileDescriptor(const std::string& path, int flags);
   ~FileDescriptor() { close(); }

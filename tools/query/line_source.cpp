@@ -27,44 +27,32 @@ std::string_view LineBlock::line(std::size_t i) const {
 }
 
 LineSource LineSource::open(const std::string& name) {
-  if (name == "-") return {"standard input", ::dup(STDIN_FILENO)};
-  const int descriptor = ::open(name.c_str(), O_RDONLY | O_CLOEXEC);
-  if (descriptor < 0)
+  if (name == "-") return {"standard input", FileDescriptor(::dup(STDIN_FILENO))};
+  FileDescriptor descriptor(::open(name.c_str(), O_RDONLY | O_CLOEXEC));
+  if (!descriptor.is_open())
     throw Error({.file = name, .problem = "cannot open the file", .found = std::strerror(errno)});
-  LineSource source(name, descriptor);
+  LineSource source(name, std::move(descriptor));
   struct stat status {};
-  if (::fstat(descriptor, &status) == 0 && S_ISREG(status.st_mode))
+  if (::fstat(source.descriptor_.number(), &status) == 0 && S_ISREG(status.st_mode))
     source.total_ = static_cast<std::uint64_t>(status.st_size);
   return source;
 }
 
 LineSource LineSource::command_line(std::string option, const std::vector<std::string>& values) {
-  LineSource source(std::move(option), -1);
+  LineSource source(std::move(option), {});
   for (const std::string& value : values) source.waiting_ += value + "\n";
   return source;
 }
 
-LineSource::~LineSource() {
-  if (descriptor_ >= 0) ::close(descriptor_);
-}
-
-LineSource::LineSource(LineSource&& other) noexcept
-    : name_(std::move(other.name_)),
-      descriptor_(std::exchange(other.descriptor_, -1)),
-      waiting_(std::move(other.waiting_)),
-      next_number_(other.next_number_),
-      done_(other.done_),
-      total_(other.total_) {}
-
 /// Fills up `waiting_`; false at the end.
 bool LineSource::read_more() {
-  if (descriptor_ < 0) return false;
+  if (!descriptor_.is_open()) return false;
   const std::size_t before = waiting_.size();
   std::size_t have = before;
   waiting_.resize(before + k_block_bytes);
   while (have < waiting_.size()) {
     if (interrupted()) throw Cancelled();
-    const ::ssize_t count = ::read(descriptor_, waiting_.data() + have, waiting_.size() - have);
+    const ::ssize_t count = ::read(descriptor_.number(), waiting_.data() + have, waiting_.size() - have);
     if (count < 0 && errno == EINTR) continue;
     if (count < 0)
       throw Error({.file = name_, .problem = "cannot read the file", .found = std::strerror(errno)});

@@ -6,6 +6,8 @@
 #include <string_view>
 #include <vector>
 
+#include "base/input_file.h"
+
 namespace alidade::tools {
 
 /// Some whole lines of a text.
@@ -28,13 +30,9 @@ class LineSource {
   /// The values an option was given, one in a line.
   static LineSource command_line(std::string option, const std::vector<std::string>& values);
 
-  ~LineSource();
-  LineSource(LineSource&& other) noexcept;
-  LineSource& operator=(LineSource&&) = delete;
-
   /// What messages call it.
   const std::string& name() const { return name_; }
-  bool is_command_line() const { return descriptor_ < 0; }
+  bool is_command_line() const { return !descriptor_.is_open(); }
   /// Bytes of lines given out, and bytes in all: 0 if that is not known.
   std::uint64_t done() const { return done_; }
   std::uint64_t total() const { return total_; }
@@ -44,11 +42,12 @@ class LineSource {
   bool next(LineBlock& block);
 
  private:
-  LineSource(std::string name, int descriptor) : name_(std::move(name)), descriptor_(descriptor) {}
+  LineSource(std::string name, FileDescriptor descriptor)
+      : name_(std::move(name)), descriptor_(std::move(descriptor)) {}
   bool read_more();
 
   std::string name_;
-  int descriptor_;  ///< -1: everything is in `waiting_`
+  FileDescriptor descriptor_;  ///< none: everything is in `waiting_`
   std::string waiting_;
   std::uint64_t next_number_ = 1, done_ = 0, total_ = 0;
 };
