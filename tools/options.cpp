@@ -11,7 +11,6 @@
 #include "base/output_file.h"
 #include "renderer/scene.h"
 #include "tools/cloud/load_cloud.h"
-#include "tools/manuals.h"
 
 namespace alidade::tools {
 namespace {

@@ -90,6 +90,11 @@ class Option {
   CLI::Option* option_;
 };
 
+/// What the manual of a command says behind its options: the text of tools/manuals/NAME.txt, which the build
+/// puts into the program. `name`: "query", or "visibility_raster" for a command of a group; "alidade" for the
+/// program. Requires: there is such a text.
+std::string_view manual(std::string_view name);
+
 /// The options of a command, or those of them that stand under one heading of its manual. Copies mean the
 /// same command. `names` are as "-o,--output", or a word without hyphens for an operand; `kind` is behind
 /// them in the manual, as FILE. Values go where `target` points, which must live as long as the program

@@ -15,7 +15,6 @@
 #include "tools/command.h"
 #include "tools/compare/compare_options.h"
 #include "tools/image_module.h"
-#include "tools/manuals.h"
 
 namespace alidade::tools {
 namespace {
