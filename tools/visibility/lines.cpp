@@ -261,12 +261,10 @@ ExitCode run_lines(const LinesCommand& command) {
       long_run.work("testing lines of sight", "lines", [&](const Progress& progress, PartCheckpoint* parts) {
         return visibility::report_lines(*cloud->occluders, table.pairs, options, progress, parts);
       });
-  const PointCloud& facts = cloud->cloud.cloud;
-  const bool is_done =
-      visibility::write_lines(table, chosen_row_form(command.output), row_file_head(command.words, facts),
-                              to_lon_lat_of(facts.crs), command.output, command.overwrite);
+  write_rows(command, cloud->cloud.cloud, [&](auto form, const auto& head, const auto& to_lon_lat) {
+    return visibility::write_lines(table, form, head, to_lon_lat, command.output, command.overwrite);
+  });
   long_run.finish();
-  if (!is_done && command.verbosity != Verbosity::quiet) warn_of_cloud_coordinates(command.output);
   say_result(command, table);
   return ExitCode::done;
 }

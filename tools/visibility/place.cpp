@@ -113,11 +113,10 @@ ExitCode run_position(const PlaceCommand& command) {
     long_run.finish();
     return ExitCode::no;
   }
-  const PointCloud& facts = cloud->cloud.cloud;
-  const bool is_done = visibility::write_placement(
-      placement, candidates, chosen_row_form(command.output), row_file_head(command.words, facts),
-      to_lon_lat_of(facts.crs), command.output, command.overwrite);
-  if (!is_done && command.verbosity != Verbosity::quiet) warn_of_cloud_coordinates(command.output);
+  write_rows(command, cloud->cloud.cloud, [&](auto form, const auto& head, const auto& to_lon_lat) {
+    return visibility::write_placement(placement, candidates, form, head, to_lon_lat, command.output,
+                                       command.overwrite);
+  });
   if (!command.curve.empty())
     image_module().write_coverage_picture(placement, command.curve, command.overwrite);
   long_run.finish();

@@ -16,15 +16,17 @@ void load_row_writer(const std::filesystem::path& file) {
   if (chosen_row_form(file) == visibility::RowForm::geojson) image_module();
 }
 
-visibility::RowFileHead row_file_head(const CommandLine& command_line, const PointCloud& cloud) {
-  visibility::RowFileHead head{.command = picture_command(command_line), .cloud_files = {}};
+void write_rows(const VisibilityRequest& request, const PointCloud& cloud, const WriteRows& write) {
+  visibility::RowFileHead head{.command = picture_command(request.words), .cloud_files = {}};
   for (const CloudFile& file : cloud.files) head.cloud_files.push_back(file.path.string());
-  return head;
-}
-
-visibility::ToLonLat to_lon_lat_of(const Crs& crs) {
-  if (crs.empty()) return {};
-  return [crs](std::span<const glm::dvec3> positions) { return image_module().lon_lat(crs, positions); };
+  visibility::ToLonLat to_lon_lat;
+  if (!cloud.crs.empty()) {
+    to_lon_lat = [&](std::span<const glm::dvec3> positions) {
+      return image_module().lon_lat(cloud.crs, positions);
+    };
+  }
+  if (!write(chosen_row_form(request.output), head, to_lon_lat) && request.verbosity != Verbosity::quiet)
+    warn_of_cloud_coordinates(request.output);
 }
 
 void warn_of_cloud_coordinates(const std::filesystem::path& file) {

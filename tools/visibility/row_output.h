@@ -4,7 +4,7 @@
 #include <filesystem>
 
 #include "cloud/point_cloud.h"
-#include "tools/command.h"
+#include "tools/visibility/blocking_cloud.h"
 #include "visibility/row_text.h"
 
 // What commands that write rows have in common.
@@ -17,11 +17,13 @@ visibility::RowForm chosen_row_form(const std::filesystem::path& file);
 /// Fails before the work if such a file cannot be written here. Errors: those of image_module().
 void load_row_writer(const std::filesystem::path& file);
 
-visibility::RowFileHead row_file_head(const CommandLine& command_line, const PointCloud& cloud);
+/// Writes rows, as the functions of the library do; false if a GeoJSON file got the coordinates of the cloud.
+using WriteRows =
+    std::function<bool(visibility::RowForm, const visibility::RowFileHead&, const visibility::ToLonLat&)>;
 
-/// Through the module, which is loaded when the function is first called. Empty for a cloud without a
-/// reference system.
-visibility::ToLonLat to_lon_lat_of(const Crs& crs);
+/// Has the output of a command written, and says if it has the coordinates of the cloud. The module is loaded
+/// when longitudes are first asked for. Errors: those of `write`.
+void write_rows(const VisibilityRequest& request, const PointCloud& cloud, const WriteRows& write);
 
 /// That a GeoJSON file has the coordinates of the cloud.
 void warn_of_cloud_coordinates(const std::filesystem::path& file);
