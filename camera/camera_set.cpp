@@ -28,9 +28,9 @@ Lens simplest(const Lens& lens) {
 /// Sorts and checks what all formats have in common.
 CameraSet finished(CameraSet set, const std::string& file, bool sort) {
   if (set.cameras.empty()) {
-    std::string remarks;
-    for (const std::string& warning : set.warnings) remarks += (remarks.empty() ? "" : ", ") + warning;
-    throw Error({.file = file, .problem = "contains no camera with a pose", .found = remarks});
+    throw Error({.file = file,
+                 .problem = "contains no camera with a pose",
+                 .found = fmt::format("{}", fmt::join(set.warnings, ", "))});
   }
   for (NamedCamera& each : set.cameras) each.camera.lens = simplest(each.camera.lens);
   if (sort) std::ranges::stable_sort(set.cameras, {}, &NamedCamera::name);

@@ -47,21 +47,8 @@ constexpr std::array<glm::dvec3, 5> k_terrain = {
 
 constexpr std::array<glm::dvec3, 2> k_grey = {{{0.20, 0.20, 0.20}, {0.95, 0.95, 0.95}}};
 
-std::span<const glm::dvec3> control_values(ColorMap map) {
-  switch (map) {
-    case ColorMap::viridis:
-      return k_viridis;
-    case ColorMap::inferno:
-      return k_inferno;
-    case ColorMap::turbo:
-      return k_turbo;
-    case ColorMap::terrain:
-      return k_terrain;
-    case ColorMap::grey:
-      break;
-  }
-  return k_grey;
-}
+// In the order of ColorMap.
+constexpr std::span<const glm::dvec3> k_control_values[] = {k_viridis, k_inferno, k_turbo, k_terrain, k_grey};
 
 }  // namespace
 
@@ -70,7 +57,7 @@ std::string_view name(ColorMap map) {
 }
 
 glm::dvec3 map_color(ColorMap map, double position) {
-  const std::span<const glm::dvec3> values = control_values(map);
+  const std::span<const glm::dvec3> values = k_control_values[static_cast<std::size_t>(map)];
   const double inside = position > 0.0 ? std::min(position, 1.0) : 0.0;
   const double step = inside * static_cast<double>(values.size() - 1);
   const std::size_t index = std::min(static_cast<std::size_t>(step), values.size() - 2);

@@ -2,6 +2,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <glm/geometric.hpp>
 #include <glm/matrix.hpp>
@@ -75,34 +76,29 @@ std::uint64_t pixels(const JsonNode& node) {
   return node.whole_number(1, k_max_image_side);
 }
 
-struct Coefficients {
-  double k1, k2, k3, k4, p1, p2;
-};
-
-Coefficients coefficients(const FrameFields& fields) {
-  if (const auto list = fields.find("distortion_params")) {
-    const std::vector<JsonNode> all = list->elements(6, 6);
-    double k[6];
-    for (std::size_t i = 0; i < 6; ++i) k[i] = all[i].number(k_coefficient);
-    return {k[0], k[1], k[2], k[3], k[4], k[5]};
-  }
-  return {fields.number("k1", 0.0), fields.number("k2", 0.0), fields.number("k3", 0.0),
-          fields.number("k4", 0.0), fields.number("p1", 0.0), fields.number("p2", 0.0)};
+/// k1 to k4, p1 and p2.
+std::array<double, 6> coefficients(const FrameFields& fields) {
+  std::array<double, 6> k{};
+  const auto list = fields.find("distortion_params");
+  const std::vector<JsonNode> all = list ? list->elements(6, 6) : std::vector<JsonNode>();
+  for (std::size_t i = 0; i < k.size(); ++i)
+    k[i] = list ? all[i].number(k_coefficient)
+                : fields.number(i < 4 ? fmt::format("k{}", i + 1) : fmt::format("p{}", i - 3), 0.0);
+  return k;
 }
 
 Lens lens_of(const FrameFields& fields, std::vector<std::string>& warnings) {
   constexpr std::array<std::string_view, 8> models{"PINHOLE",         "SIMPLE_PINHOLE", "SIMPLE_RADIAL",
                                                    "RADIAL",          "OPENCV",         "OPENCV_FISHEYE",
                                                    "EQUIRECTANGULAR", "perspective"};
-  const Coefficients k = coefficients(fields);
+  const auto [k1, k2, k3, k4, p1, p2] = coefficients(fields);
   const auto model = fields.find("camera_model");
   const std::size_t choice = model ? model->choice(models) : models.size() - 1;
   const auto is_fisheye = fields.find("is_fisheye");
-  if (choice == 5 || (is_fisheye && is_fisheye->boolean()))
-    return FisheyeLens{{.radial = {k.k1, k.k2, k.k3, k.k4}}};
+  if (choice == 5 || (is_fisheye && is_fisheye->boolean())) return FisheyeLens{{.radial = {k1, k2, k3, k4}}};
   if (choice == 6) return EquirectangularLens{};
-  Distortion distortion{.radial = {k.k1, k.k2, k.k3, k.k4}, .p1 = k.p1, .p2 = k.p2};
-  if (!model && (k.k3 != 0.0 || k.k4 != 0.0)) {
+  Distortion distortion{.radial = {k1, k2, k3, k4}, .p1 = p1, .p2 = p2};
+  if (!model && (k3 != 0.0 || k4 != 0.0)) {
     // Without nerfstudio's "camera_model" these are instant-ngp's slots for fisheyes.
     distortion.radial[2] = distortion.radial[3] = 0.0;
     warnings.emplace_back("ignoring k3 and k4: they require \"camera_model\" or \"is_fisheye\"");

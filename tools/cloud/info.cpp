@@ -134,15 +134,8 @@ std::string copc_text(const std::filesystem::path& file) {
 }
 
 const char* organisation_name(Organisation organisation) {
-  switch (organisation) {
-    case Organisation::fixed:
-      return "fixed";
-    case Organisation::layered:
-      return "layered";
-    case Organisation::adaptive:
-      break;
-  }
-  return "adaptive";
+  constexpr const char* k_names[] = {"adaptive", "fixed", "layered"};
+  return k_names[static_cast<std::size_t>(organisation)];
 }
 
 /// Bytes of a file, or of its octree alone, for each of its points.
