@@ -6,6 +6,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <filesystem>
+#include <initializer_list>
 #include <optional>
 #include <span>
 #include <string>
@@ -44,6 +45,12 @@ inline std::string lower_case(std::string_view text) {
 /// What a file's name ends in, in small characters: ".csv" of "A.CSV".
 inline std::string file_extension(const std::filesystem::path& file) {
   return lower_case(file.extension().string());
+}
+
+/// Whether a file's name ends in one of these, in small characters or large ones.
+inline bool has_extension(const std::filesystem::path& file,
+                          std::initializer_list<std::string_view> extensions) {
+  return std::ranges::find(extensions, file_extension(file)) != extensions.end();
 }
 
 /// UTF-8 for U+FEFF, which some programs put before a text.

@@ -132,9 +132,8 @@ struct ConvertCommand : CloudRequest {
 };
 
 void check_name(const std::filesystem::path& output) {
-  const std::string extension = file_extension(output);
-  if (extension == ".las" || extension == ".laz" || extension == ".ply" || extension == ".alidade") return;
-  throw file_error(output, "unknown output format", "the extension .las, .laz, .ply or .alidade");
+  if (!has_extension(output, {".las", ".laz", ".ply", ".alidade"}))
+    throw file_error(output, "unknown output format", "the extension .las, .laz, .ply or .alidade");
 }
 
 /// Leaves the points that were asked for.
@@ -151,11 +150,10 @@ void choose_points(PointCloud& cloud, const ConvertCommand& command) {
 }
 
 void write(const ConvertCommand& command, PointCloud& cloud) {
-  const std::string extension = file_extension(command.output);
-  if (extension == ".alidade")
+  if (has_extension(command.output, {".alidade"}))
     return write_index(command.output, cloud, {.overwrite = command.overwrite}, command.verbosity);
   with_progress("writing", "points", command.verbosity, [&](const Progress& progress) {
-    if (extension == ".ply")
+    if (has_extension(command.output, {".ply"}))
       write_ply(command.output, cloud, {.overwrite = command.overwrite, .progress = progress});
     else
       write_las(command.output, cloud, {.overwrite = command.overwrite, .progress = progress});
@@ -164,9 +162,8 @@ void write(const ConvertCommand& command, PointCloud& cloud) {
 
 /// Whether nothing changes but how the points of one LAS file are packed.
 bool only_packing_changes(const ConvertCommand& command) {
-  const std::string extension = file_extension(command.output);
   const bool chooses = command.crop.given() || command.every > 1 || command.spacing.has_value();
-  return (extension == ".las" || extension == ".laz") && command.files.size() == 1 && !chooses &&
+  return has_extension(command.output, {".las", ".laz"}) && command.files.size() == 1 && !chooses &&
          command.color_depth == ColorDepth::automatic && !command.partial &&
          can_repack(command.files.first_name());
 }

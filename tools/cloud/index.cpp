@@ -46,9 +46,7 @@ ExitCode run(const IndexCommand& command) {
 
 void write_index(const std::filesystem::path& path, PointCloud& cloud, const IndexRequest& request,
                  Verbosity verbosity) {
-  BuildOptions options;
-  options.organisation = request.organisation;
-  options.cell_size = request.cell_size;
+  BuildOptions options{.organisation = request.organisation, .cell_size = request.cell_size};
   Octree octree = with_progress("building", "points", verbosity, [&](const Progress& progress) {
     options.progress = progress;
     return request.stored_order ? build_in_stored_order(cloud, options) : build(std::move(cloud), options);

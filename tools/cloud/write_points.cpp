@@ -75,9 +75,7 @@ void write_las_rows(const std::filesystem::path& file, const IndexedCloud& cloud
                     const Progress& progress) {
   PointCloud like = description_of(cloud);
   like.extra_dimensions = rows.dimensions();
-  LasWriteOptions options;
-  options.overwrite = overwrite;
-  LasWriter writer(file, like, rows.attributes(), options);
+  LasWriter writer(file, like, rows.attributes(), {.overwrite = overwrite});
   for (std::size_t first = 0; first < rows.size(); first += k_rows_at_once) {
     const std::size_t count = std::min(k_rows_at_once, rows.size() - first);
     writer.write(rows.rows(first, count));
@@ -100,9 +98,8 @@ PointCloud description_of(const IndexedCloud& cloud) {
 }
 
 void check_points_name(const std::filesystem::path& file) {
-  const std::string extension = file_extension(file);
-  if (extension == ".las" || extension == ".laz" || extension == ".ply") return;
-  throw file_error(file, "unknown output format", "the extension .las, .laz or .ply");
+  if (!has_extension(file, {".las", ".laz", ".ply"}))
+    throw file_error(file, "unknown output format", "the extension .las, .laz or .ply");
 }
 
 void write_points(const std::filesystem::path& file, const IndexedCloud& cloud,
@@ -117,13 +114,10 @@ void write_points(const std::filesystem::path& file, const IndexedCloud& cloud,
   if (file_extension(file) != ".ply") {
     write_las_rows(file, cloud, rows, overwrite, line.callback());
   } else {
-    PlyWriteOptions options;
-    options.overwrite = overwrite;
-    options.progress = line.callback();
     const PlyPieces pieces = [&rows](std::size_t first) -> const PointCloud& {
       return rows.rows(first, std::min(k_rows_at_once, rows.size() - first));
     };
-    write_ply(file, rows.size(), pieces, options);
+    write_ply(file, rows.size(), pieces, {.overwrite = overwrite, .progress = line.callback()});
   }
   line.finish();
 }

@@ -144,9 +144,7 @@ class AnswerLas final : public AnswerOutput {
       like.extra_dimensions.push_back(column.description);
     for (const AnswerDimension& dimension : dimensions_)
       like.extra_dimensions.push_back(described(dimension));
-    LasWriteOptions options;
-    options.overwrite = overwrite;
-    writer_ = std::make_unique<LasWriter>(file, like, columns_.attributes(), options);
+    writer_.emplace(file, like, columns_.attributes(), LasWriteOptions{.overwrite = overwrite});
     say_warnings(verbosity, warnings);
   }
 
@@ -197,7 +195,7 @@ class AnswerLas final : public AnswerOutput {
   const IndexedCloud& cloud_;
   AttributeColumns columns_;  ///< without those that are left out
   std::vector<AnswerDimension> dimensions_;
-  std::unique_ptr<LasWriter> writer_;
+  std::optional<LasWriter> writer_;
 };
 
 }  // namespace

@@ -35,12 +35,8 @@ struct View {
   visibility::HorizonFacts facts;
 };
 
-bool ends_in(const std::filesystem::path& file, std::initializer_list<std::string_view> extensions) {
-  return std::ranges::find(extensions, file_extension(file)) != extensions.end();
-}
-
 bool is_geojson(const std::filesystem::path& file) {
-  return ends_in(file, {".geojson", ".json"});
+  return has_extension(file, {".geojson", ".json"});
 }
 
 /// Errors that need no cloud.
@@ -49,10 +45,10 @@ void check_options(const HorizonCommand& command) {
     if (file.empty() || right) return;
     throw file_error(file, "unknown format", expected);
   };
-  require(command.output, is_geojson(command.output) || ends_in(command.output, {".csv"}),
+  require(command.output, is_geojson(command.output) || has_extension(command.output, {".csv"}),
           "the extension .csv or .geojson");
-  require(command.skyline, ends_in(command.skyline, {".png"}), "the extension .png");
-  require(command.depth, ends_in(command.depth, {".exr"}), "the extension .exr");
+  require(command.skyline, has_extension(command.skyline, {".png"}), "the extension .png");
+  require(command.depth, has_extension(command.depth, {".exr"}), "the extension .exr");
   const std::filesystem::path outputs[] = {command.output, command.skyline, command.depth};
   check_outputs(outputs, command.overwrite, command.inputs({command.observers.file}));
 }

@@ -120,9 +120,8 @@ bool with_blockers(const PointsCommand& command, std::size_t observers) {
 /// What to ask for. Errors: too many columns, or not enough memory for them.
 visibility::PointVisibilityOptions visibility_options(const PointsCommand& command, std::uint64_t points,
                                                       std::size_t observers) {
-  visibility::PointVisibilityOptions options;
-  options.sub_rays = command.sub_rays;
-  options.with_blockers = with_blockers(command, observers);
+  const visibility::PointVisibilityOptions options{.sub_rays = command.sub_rays,
+                                                   .with_blockers = with_blockers(command, observers)};
   visibility::check_point_visibility(points, observers, options);
   return options;
 }

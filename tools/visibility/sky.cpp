@@ -23,8 +23,7 @@ void check_sky_request(const SkyRequest& request) {
   if (request.is_map()) {
     if (request.receiver) reject("--receiver", "points (.las, .laz, .ply); cells of a map are horizontal");
   } else {
-    const std::string extension = file_extension(request.output);
-    if (extension != ".las" && extension != ".laz" && extension != ".ply")
+    if (!has_extension(request.output, {".las", ".laz", ".ply"}))
       throw file_error(request.output, "unknown output format", "the extension .las, .laz, .ply or .tif");
     if (const std::string option = given_map_option(request.map); !option.empty())
       reject(option, "a map (.tif)");
@@ -40,11 +39,9 @@ struct SkyCommand : SkyRequest {
 };
 
 visibility::SkyViewOptions sky_options(const SkyCommand& command) {
-  visibility::SkyViewOptions options;
-  options.directions = command.directions;
-  options.receiver = command.receiver.value_or(visibility::SkyReceiver::surface);
-  options.max_distance = command.max_distance;
-  return options;
+  return {.directions = command.directions,
+          .receiver = command.receiver.value_or(visibility::SkyReceiver::surface),
+          .max_distance = command.max_distance};
 }
 
 /// Answers what was found, for people.
@@ -95,8 +92,7 @@ ExitCode run(const SkyCommand& command) {
 }  // namespace
 
 bool SkyRequest::is_map() const {
-  const std::string extension = file_extension(output);
-  return extension == ".tif" || extension == ".tiff";
+  return has_extension(output, {".tif", ".tiff"});
 }
 
 void add_sky_request(const Options& command, SkyRequest& request) {
