@@ -105,28 +105,30 @@ ImageSize parse_image_size(const std::string& text) {
   return {static_cast<int>(width), static_cast<int>(height)};
 }
 
-Option Option::required() const {
-  option_->required();
-  return *this;
-}
-
-Option Option::at_least(int words) const {
-  option_->expected(words, -1);
-  return *this;
-}
-
-Option Option::needs(const Option& other) const {
+void Option::needs(const Option& other) const {
   option_->needs(other.option_);
-  return *this;
-}
-
-Option Option::excludes(const Option& other) const {
-  option_->excludes(other.option_);
-  return *this;
 }
 
 bool Option::given() const {
   return option_->count() > 0;
+}
+
+Options Options::required() const {
+  Options options = *this;
+  options.is_required_ = true;
+  return options;
+}
+
+Options Options::needs(const Option& other) const {
+  Options options = *this;
+  options.needed_.push_back(other);
+  return options;
+}
+
+Options Options::excludes(const Option& other) const {
+  Options options = *this;
+  options.excluded_.push_back(other);
+  return options;
 }
 
 Options Options::command(const std::string& name, const std::string& description) const {
@@ -147,6 +149,9 @@ void Options::manual(const std::string& text) const {
 Option Options::listed(CLI::Option* option, const std::string& kind) const {
   option->option_text(kind);
   if (!heading_.empty()) option->group(heading_);
+  option->required(is_required_);
+  for (const Option& other : needed_) option->needs(other.option_);
+  for (const Option& other : excluded_) option->excludes(other.option_);
   return Option(option);
 }
 
@@ -167,8 +172,11 @@ Option Options::values(const std::string& names, const std::string& kind, const 
 }
 
 Option Options::words(const std::string& names, const std::string& kind, const std::string& help,
-                      std::function<void(const std::vector<std::string>&)> take) const {
-  return listed(app_->add_option_function<std::vector<std::string>>(names, std::move(take), help), kind);
+                      std::function<void(const std::vector<std::string>&)> take, int least) const {
+  CLI::Option* const option =
+      app_->add_option_function<std::vector<std::string>>(names, std::move(take), help);
+  if (least > 1) option->expected(least, -1);
+  return listed(option, kind);
 }
 
 Option Options::text(const std::string& names, const std::string& kind, const std::string& help,
@@ -251,8 +259,8 @@ std::string Parser::help() const {
 void add_verbosity(const Options& command, Verbosity& verbosity) {
   const Option quiet =
       command.flag("-q,--quiet", "print errors only", [&verbosity] { verbosity = Verbosity::quiet; });
-  command.flag("-v,--verbose", "print details", [&verbosity] { verbosity = Verbosity::verbose; })
-      .excludes(quiet);
+  command.excludes(quiet).flag("-v,--verbose", "print details",
+                               [&verbosity] { verbosity = Verbosity::verbose; });
 }
 
 void add_threads(const Options& command, std::optional<int>& threads) {
@@ -317,7 +325,7 @@ Option add_partial(const Options& command, bool& partial) {
 }
 
 void add_cloud(const Options& command, CloudRequest& request) {
-  add_cloud_files(command, "cloud", "CLOUD...", k_cloud_help, request.files).required();
+  add_cloud_files(command.required(), "cloud", "CLOUD...", k_cloud_help, request.files);
 }
 
 std::vector<std::filesystem::path> CloudRequest::inputs(
@@ -342,17 +350,15 @@ void add_checkpoint_options(const Options& command, CheckpointRequest& request, 
       fmt::format("save finished work to FILE, {} and on Ctrl-C; deleted once the {} is written", when,
                   output),
       request.file, std::identity());
-  command
+  command.needs(checkpoint)
       .number("--checkpoint-interval", "S", "seconds between checkpoints, above 0 (default 60)",
-              request.interval, 1e-3, k_most_seconds)
-      .needs(checkpoint);
-  command
+              request.interval, 1e-3, k_most_seconds);
+  command.needs(checkpoint)
       .flag("--resume",
             fmt::format(
                 "continue from the checkpoint if it exists; the {} has the bytes of an uninterrupted run",
                 output),
-            request.resume)
-      .needs(checkpoint);
+            request.resume);
 }
 
 std::function<void(const Error&)> checkpoint_warning() {

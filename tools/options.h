@@ -75,11 +75,7 @@ using ValueOf = typename OptionalValue<Target>::type;
 /// An option or operand of a command. Copies mean the same one.
 class Option {
  public:
-  Option required() const;
-  /// Takes so many words or more.
-  Option at_least(int words) const;
-  Option needs(const Option& other) const;
-  Option excludes(const Option& other) const;
+  void needs(const Option& other) const;
   /// Whether it is on the command line.
   bool given() const;
 
@@ -106,6 +102,12 @@ class Options {
   /// The same command; what is declared through the answer stands under this heading.
   Options group(const std::string& heading) const { return {app_, heading}; }
 
+  /// The same command and heading; what is declared through the answer is required, needs that option, or
+  /// excludes it and is excluded by it.
+  Options required() const;
+  Options needs(const Option& other) const;
+  Options excludes(const Option& other) const;
+
   /// Declares a sub-command, whose manual is tools/manuals/NAME.txt, or GROUP_NAME.txt for one of a group.
   Options command(const std::string& name, const std::string& description) const;
 
@@ -128,9 +130,9 @@ class Options {
   /// An option that may be given again; every value is read.
   Option values(const std::string& names, const std::string& kind, const std::string& help, Take take) const;
 
-  /// An option, or an operand, with one or several words behind it; all are read at once.
+  /// An option, or an operand, with at least so many words behind it; all are read at once.
   Option words(const std::string& names, const std::string& kind, const std::string& help,
-               std::function<void(const std::vector<std::string>&)> take) const;
+               std::function<void(const std::vector<std::string>&)> take, int least = 1) const;
 
   /// Text as it is: one of it, or one per use.
   Option text(const std::string& names, const std::string& kind, const std::string& help,
@@ -211,6 +213,8 @@ class Options {
 
   CLI::App* app_;
   std::string heading_;
+  bool is_required_ = false;
+  std::vector<Option> needed_{}, excluded_{};
 };
 
 /// Reads a command line into what its commands declared.

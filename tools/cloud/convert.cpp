@@ -202,15 +202,12 @@ Command add_convert(const Options& program) {
   auto command = std::make_shared<ConvertCommand>();
   const Options convert = program.command("convert", "Convert, join, crop and thin clouds");
   add_cloud_files(
-      convert, "files", "FILE...",
+      convert.required(), "files", "FILE...",
       "cloud files, folders or patterns such as 'tiles/*.las', joined into one cloud, or index files" +
           k_database_help,
-      command->files)
-      .required();
-  convert
-      .file("-o,--output", "FILE.las|.laz|.ply|.alidade", "output file; the extension selects the format",
-            command->output)
-      .required();
+      command->files);
+  convert.required().file("-o,--output", "FILE.las|.laz|.ply|.alidade",
+                          "output file; the extension selects the format", command->output);
   add_crop_options(convert, command->crop);
   convert.count("--every", "N", "keep the first point and every N-th after it", command->every, 1,
                 UINT64_MAX);

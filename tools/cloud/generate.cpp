@@ -29,18 +29,15 @@ ExitCode run_courtyard(const GenerateCommand& command) {
 Command add_generate(const Options& program) {
   auto command = std::make_shared<GenerateCommand>();
   const Options generate = program.command("generate", "Scan a simulated site into a LAS or LAZ file");
-  generate
-      .value("site", "courtyard",
-             "the site: a courtyard with houses, trees, lamp posts and a car, scanned from the ground and "
-             "from the air",
-             [](const std::string& text) {
-               if (text != "courtyard") throw UsageError("expected courtyard, found '" + text + "'");
-             })
-      .required();
-  generate
-      .file("-o,--output", "FILE.las|FILE.laz",
-            "output: LAS 1.4, or LAZ by the extension; metres, UTM zone 32N", command->output)
-      .required();
+  generate.required().value(
+      "site", "courtyard",
+      "the site: a courtyard with houses, trees, lamp posts and a car, scanned from the ground and "
+      "from the air",
+      [](const std::string& text) {
+        if (text != "courtyard") throw UsageError("expected courtyard, found '" + text + "'");
+      });
+  generate.required().file("-o,--output", "FILE.las|FILE.laz",
+                           "output: LAS 1.4, or LAZ by the extension; metres, UTM zone 32N", command->output);
   generate.count("--points", "N", "exact number of points, such as 2e6 (default 2e6; up to 4294967295)",
                  command->options.point_count, 1, k_most_points);
   generate.count("--seed", "N",

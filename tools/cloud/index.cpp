@@ -66,11 +66,10 @@ void write_index(const std::filesystem::path& path, PointCloud& cloud, const Ind
 Command add_index(const Options& program) {
   auto command = std::make_shared<IndexCommand>();
   const Options index = program.command("index", "Build an index file, which replaces cloud files");
-  add_cloud_files(index, "files", "FILE...",
+  add_cloud_files(index.required(), "files", "FILE...",
                   "cloud files, folders or patterns such as 'tiles/*.las', joined into one cloud",
-                  command->files)
-      .required();
-  index.file("-o,--output", "FILE.alidade", "output index file", command->output).required();
+                  command->files);
+  index.required().file("-o,--output", "FILE.alidade", "output index file", command->output);
   index.choice(
       "--organisation",
       "how the octree stores points, without effect on answers (default adaptive): cells split until few "

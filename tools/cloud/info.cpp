@@ -352,10 +352,9 @@ Command add_info(const Options& program) {
   auto options = std::make_shared<InfoOptions>();
   const Options command = program.command("info", "Describe cloud files");
   add_cloud_files(
-      command, "files", "FILE...",
+      command.required(), "files", "FILE...",
       "cloud files, folders or patterns such as 'tiles/*.las', joined into one cloud" + k_database_help,
-      options->files)
-      .required();
+      options->files);
   command.flag("--json", "print JSON instead of a table; the keys are below", options->json);
   command.flag("--verify",
                "read each index file completely, compare it with its checksums, and check that its octree "
@@ -366,7 +365,7 @@ Command add_info(const Options& program) {
                                      "extract the images of E57 files to this folder, with camera files for "
                                      "'alidade render --camera' and metadata in images.json",
                                      options->image_folder);
-  command.flag("--overwrite", "replace existing images", options->overwrite).needs(folder);
+  command.needs(folder).flag("--overwrite", "replace existing images", options->overwrite);
   add_verbosity(command, options->verbosity);
   return {command, [options](const CommandLine&) { return run(*options); }};
 }

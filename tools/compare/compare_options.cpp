@@ -79,10 +79,8 @@ void add_photographs(const Options& command, compare::ComparisonOptions& options
                                   "find the shift that best aligns the edges of both, to distinguish a "
                                   "misplaced camera from colours that differ",
                                   options.align);
-  group
-      .count("--largest-shift", "PIXELS", "largest shift for --align, in pixels (default: 64)",
-             options.largest_shift, 1, 4096)
-      .needs(align);
+  group.needs(align).count("--largest-shift", "PIXELS", "largest shift for --align, in pixels (default: 64)",
+                           options.largest_shift, 1, 4096);
 }
 
 void add_flip(const Options& command, compare::FlipOptions& flip) {
@@ -116,14 +114,10 @@ void add_changes(const Options& command, CompareRequest& request) {
       {{"flip", compare::ChangeMap::flip},
        {"color", compare::ChangeMap::color},
        {"depth", compare::ChangeMap::depth}});
-  group
-      .number("--change-threshold", "VALUE", "pixels above it are changed (default: 0.2)",
-              options.changes.threshold, 0.0, 1e9)
-      .needs(changes);
-  group
-      .count("--least-pixels", "N", "omit regions with fewer changed pixels (default: 16)",
-             options.changes.least_pixels, 1, 1'000'000'000)
-      .needs(changes);
+  group.needs(changes).number("--change-threshold", "VALUE", "pixels above it are changed (default: 0.2)",
+                              options.changes.threshold, 0.0, 1e9);
+  group.needs(changes).count("--least-pixels", "N", "omit regions with fewer changed pixels (default: 16)",
+                             options.changes.least_pixels, 1, 1'000'000'000);
   group.file("--reference-points", "FILE.las|FILE.laz",
              "write the points of --reference-cloud in the regions; requires the layer id",
              request.reference_points.output);

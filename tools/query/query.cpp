@@ -65,7 +65,7 @@ void add_answers(const Options& query, QueryCommand& command) {
   const Options group = query.group("Answers");
   const Option occluded =
       group.flag("--occluded", "only whether any point matches: 0 or 1 per target", command.occluded);
-  group.flag("--count", "only the number of matching points, up to K", command.count).excludes(occluded);
+  group.excludes(occluded).flag("--count", "only the number of matching points, up to K", command.count);
   group.file("-o,--output", "FILE", "output file: .csv, .jsonl, .las or .laz (default: CSV to stdout)",
              command.output);
   group.choice("--format", "output format, whatever the extension", command.format,

@@ -112,23 +112,17 @@ void add_light_options(const Options& render, LightRequest& request) {
                      if (request.sun->y == -90.0)
                        throw UsageError("expected an elevation above -90, found '" + text + "'");
                    });
-  const Option time = render
-                          .value("--sun-time", "DATE-TIME",
+  const Option time =
+      render.excludes(sun).value("--sun-time", "DATE-TIME",
                                  "the sun at this time, such as 2026-06-21T12:00:00+02:00; brightness by "
                                  "elevation, even if the scene's sun by angles sets one",
-                                 request.sun_time, parse_moment)
-                          .excludes(sun);
-  const Option position =
-      render
-          .value(
-              "--sun-place", "LAT,LON",
-              "latitude and longitude for --sun-time, degrees (default: from the cloud's reference system)",
-              request.sun_place, [](const std::string& text) { return parse_pair(text, 90.0, 180.0); })
-          .excludes(sun);
-  render.flag("--no-sun", "no sun, only the sky", request.no_sun)
-      .excludes(sun)
-      .excludes(time)
-      .excludes(position);
+                                 request.sun_time, parse_moment);
+  const Option position = render.excludes(sun).value(
+      "--sun-place", "LAT,LON",
+      "latitude and longitude for --sun-time, degrees (default: from the cloud's reference system)",
+      request.sun_place, [](const std::string& text) { return parse_pair(text, 90.0, 180.0); });
+  render.excludes(sun).excludes(time).excludes(position).flag("--no-sun", "no sun, only the sky",
+                                                              request.no_sun);
 }
 
 void apply_light_options(const LightRequest& request, renderer::Scene& scene) {
@@ -230,10 +224,9 @@ void add_color_options(const Options& command, ColorRequest& request) {
       request.range, [](const std::string& text) {
         return parse_range(text, -image::k_largest_value, image::k_largest_value);
       });
-  command
-      .value("--color-percentiles", "LOW,HIGH", "percentiles of the first and last colour (default 1,99)",
-             request.percentiles, [](const std::string& text) { return parse_range(text, 0.0, 100.0); })
-      .excludes(range);
+  command.excludes(range).value(
+      "--color-percentiles", "LOW,HIGH", "percentiles of the first and last colour (default 1,99)",
+      request.percentiles, [](const std::string& text) { return parse_range(text, 0.0, 100.0); });
   command.value("--class-color", "CLASS=#RRGGBB,...",
                 "colours of individual classes of --color-by classification", request.classes,
                 parse_class_colors);
@@ -241,10 +234,9 @@ void add_color_options(const Options& command, ColorRequest& request) {
       command.value("--legend", "FILE.png",
                     "also write a legend: a colour bar, or the classes with their numbers of points",
                     request.legend, parse_legend);
-  command
-      .value("--legend-size", "WIDTHxHEIGHT", "size of the legend in pixels (default: fits its text)",
-             request.legend_size, parse_legend_size)
-      .needs(legend);
+  command.needs(legend).value("--legend-size", "WIDTHxHEIGHT",
+                              "size of the legend in pixels (default: fits its text)", request.legend_size,
+                              parse_legend_size);
 }
 
 std::string given_option(const ColorRequest& request) {

@@ -88,16 +88,13 @@ void add_long_render_options(const Options& render, LongRenderRequest& request) 
   const Option preview = render.value(
       "--preview", "FILE", "preview of the unfinished image, .png or .jpg, rewritten every few seconds",
       request.preview, std::identity());
-  render
-      .number("--preview-interval", "S", "seconds between previews (default 3)", request.preview_interval,
-              0.0, k_most_seconds)
-      .needs(preview);
-  render
-      .count("--preview-points", "N",
-             "before COPC files of more than 2 N points are loaded, the preview shows N points, those the "
-             "camera sees best, then 8 N and so on (default 300000; 0: only the image itself)",
-             request.preview_points, 0, k_most_preview_points)
-      .needs(preview);
+  render.needs(preview).number("--preview-interval", "S", "seconds between previews (default 3)",
+                               request.preview_interval, 0.0, k_most_seconds);
+  render.needs(preview).count(
+      "--preview-points", "N",
+      "before COPC files of more than 2 N points are loaded, the preview shows N points, those the "
+      "camera sees best, then 8 N and so on (default 300000; 0: only the image itself)",
+      request.preview_points, 0, k_most_preview_points);
   add_checkpoint_options(render, request.checkpoint, "rewritten every minute", "picture");
 }
 

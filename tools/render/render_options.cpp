@@ -171,11 +171,10 @@ void apply_cloud_options(const RenderCommand& command, renderer::Scene& scene) {
 std::shared_ptr<RenderCommand> add_render_options(const Options& render) {
   auto command = std::make_shared<RenderCommand>();
   const Option scene = render.file("scene", "SCENE.json", "scene file", command->scene_file);
-  add_cloud_files(render, "--cloud", "FILE...",
+  add_cloud_files(render.excludes(scene), "--cloud", "FILE...",
                   "cloud files, folders or patterns such as 'tiles/*.las' to render without a scene file" +
                       k_database_help,
-                  command->files)
-      .excludes(scene);
+                  command->files);
   render.file("-o,--output", "FILE",
               "output image: .png, .jpg, .exr or .tif (default: the scene's); for a set of cameras with %04d "
               "(number, from 0) or %s (name)",

@@ -116,48 +116,32 @@ void add_camera_options(const Options& render, CameraRequest& request) {
                   "cameras instead of the scene's: Alidade's JSON, a COLMAP folder, transforms.json, "
                   "reconstruction.json, sfm_data.json, or a trajectory as CSV",
                   request.file);
-  render
-      .text("--camera-name", "NAME",
-            "one of the file's cameras, by the name of its photograph (default: all)", request.name)
-      .needs(camera);
-  render
-      .file("--lens", "FILE.json",
-            "camera file with the size and lens of a trajectory (default: the scene's camera)",
-            request.lens_file)
-      .needs(camera);
-  render
-      .flag("--original-world", "transforms.json: undo applied_transform and applied_scale",
-            request.original_world)
-      .needs(camera);
-  const Option panorama =
-      render
-          .value("--panorama", "X,Y,Z",
-                 "panorama around a position, north in the centre (default size 2048x1024)",
-                 [&request](const std::string& text) {
-                   const auto position = parse_coordinates<3>(text);
-                   request.panorama.emplace(position[0], position[1], position[2]);
-                 })
-          .excludes(camera);
-  const Option above =
-      render
-          .choice("--orthographic", "orthophoto with parallel vertical rays, north up; .tif gives a GeoTIFF",
-                  request.from_above, {{"top", true}})
-          .excludes(camera)
-          .excludes(panorama);
-  const Option size =
-      render.value("--size", "WxH",
-                   "width and height in pixels, at most 2^28 in total (default: the camera's, else 1200x800)",
-                   request.size, parse_image_size);
-  const Option resolution =
-      render.number("--resolution", "METRES", "size of a pixel in metres, for --orthographic",
-                    request.resolution, 1e-6, 1e6);
-  resolution.needs(above);
-  above.needs(resolution);
-  size.excludes(above);
-  render
-      .value("--extent", "X,Y,X,Y", "bounds of the orthophoto (default: the whole cloud)", request.extent,
-             parse_coordinates<4>)
-      .needs(above);
+  render.needs(camera).text("--camera-name", "NAME",
+                            "one of the file's cameras, by the name of its photograph (default: all)",
+                            request.name);
+  render.needs(camera).file(
+      "--lens", "FILE.json",
+      "camera file with the size and lens of a trajectory (default: the scene's camera)", request.lens_file);
+  render.needs(camera).flag("--original-world", "transforms.json: undo applied_transform and applied_scale",
+                            request.original_world);
+  const Option panorama = render.excludes(camera).value(
+      "--panorama", "X,Y,Z", "panorama around a position, north in the centre (default size 2048x1024)",
+      [&request](const std::string& text) {
+        const auto position = parse_coordinates<3>(text);
+        request.panorama.emplace(position[0], position[1], position[2]);
+      });
+  const Option above = render.excludes(camera).excludes(panorama).choice(
+      "--orthographic", "orthophoto with parallel vertical rays, north up; .tif gives a GeoTIFF",
+      request.from_above, {{"top", true}});
+  render.excludes(above).value(
+      "--size", "WxH",
+      "width and height in pixels, at most 2^28 in total (default: the camera's, else 1200x800)",
+      request.size, parse_image_size);
+  above.needs(render.needs(above).number("--resolution", "METRES",
+                                         "size of a pixel in metres, for --orthographic", request.resolution,
+                                         1e-6, 1e6));
+  render.needs(above).value("--extent", "X,Y,X,Y", "bounds of the orthophoto (default: the whole cloud)",
+                            request.extent, parse_coordinates<4>);
 }
 
 bool is_set(const CameraRequest& request) {

@@ -140,14 +140,12 @@ ExitCode run(const ShardPlanCommand& command) {
 Command add_sql_load(const Options& sql) {
   auto command = std::make_shared<LoadCommand>();
   const Options load = sql.command("load", "Store a cloud in a database");
-  load.words("files", "FILE... DB",
-             "cloud files, folders or patterns such as 'tiles/*.las', joined into one cloud; then the "
-             "database, an SQLite file, created if missing, or 'postgresql://HOST/DATABASE?table=NAME'",
-             [command](const std::vector<std::string>& words) {
-               command->files.assign(words.begin(), words.end());
-             })
-      .at_least(2)
-      .required();
+  load.required().words(
+      "files", "FILE... DB",
+      "cloud files, folders or patterns such as 'tiles/*.las', joined into one cloud; then the "
+      "database, an SQLite file, created if missing, or 'postgresql://HOST/DATABASE?table=NAME'",
+      [command](const std::vector<std::string>& words) { command->files.assign(words.begin(), words.end()); },
+      2);
   load.text("--table", "NAME", "table name of the cloud (default: points)", command->store.table);
   load.count("--chunk-points", "N", "points per chunk of SQLite, 1 to 65536 (default: 1024)",
              command->store.chunk_points, 1, 65536);
@@ -160,19 +158,18 @@ Command add_sql_shard_plan(const Options& sql) {
   auto command = std::make_shared<ShardPlanCommand>();
   const Options plan =
       sql.command("shard-plan", "Plan the distribution of a cloud over several PostgreSQL servers");
-  add_cloud_files(plan, "files", "FILE...",
+  add_cloud_files(plan.required(), "files", "FILE...",
                   "cloud files, folders or patterns such as 'tiles/*.las', joined into one cloud",
-                  command->files)
-      .required();
-  plan.file("-o,--output", "FOLDER", "output folder", command->output).required();
-  plan.words("--shard", "HOST[:PORT]/DATABASE...",
-             "databases, each for an equal part of the points; default port 5432. Users and passwords belong "
-             "in the servers' user mappings",
-             [command](const std::vector<std::string>& words) {
-               command->shards.clear();
-               for (const std::string& word : words) command->shards.push_back(database::parse_shard(word));
-             })
-      .required();
+                  command->files);
+  plan.required().file("-o,--output", "FOLDER", "output folder", command->output);
+  plan.required().words(
+      "--shard", "HOST[:PORT]/DATABASE...",
+      "databases, each for an equal part of the points; default port 5432. Users and passwords belong "
+      "in the servers' user mappings",
+      [command](const std::vector<std::string>& words) {
+        command->shards.clear();
+        for (const std::string& word : words) command->shards.push_back(database::parse_shard(word));
+      });
   plan.text("--table", "NAME", "table name of the cloud (default: points)", command->table);
   add_load_options(plan, *command);
   return command_of(plan, command, run);

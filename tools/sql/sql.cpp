@@ -86,11 +86,11 @@ Command add_sql(const Options& program) {
   const Option statement = sql.text(
       "statement", "STATEMENT", "SQL to run; - reads standard input; without it a terminal opens a prompt",
       command->statement);
-  sql.file("-f,--file", "FILE", "run the statements of a file", command->file).excludes(statement);
+  sql.excludes(statement).file("-f,--file", "FILE", "run the statements of a file", command->file);
   sql.text("--param", "VALUE", "value of ? (in order) or, as name=VALUE, of :name; NULL, a number or text",
            command->parameters);
   const Option csv = sql.flag("--csv", "rows as CSV with a header", command->csv);
-  sql.flag("--json", "rows as an array of objects", command->json).excludes(csv);
+  sql.excludes(csv).flag("--json", "rows as an array of objects", command->json);
   sql.flag("--explain", "print what was read, the time, and how the statement was rewritten, or why not",
            command->explain);
   return {sql,

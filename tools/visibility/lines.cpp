@@ -303,7 +303,7 @@ Command add_visibility_lines(const Options& visibility) {
   add_margin(lines, *command);
   add_radio(lines, *command);
   add_occluder_options(lines, command->occluders);
-  lines.file("-o,--output", "FILE", "output file: .csv, .json or .geojson", command->output).required();
+  lines.required().file("-o,--output", "FILE", "output file: .csv, .json or .geojson", command->output);
   lines.flag("--overwrite", "replace an existing file", command->overwrite);
   add_checkpoint_options(lines.group("Long runs"), command->checkpoint);
   add_run_options(lines, *command);

@@ -32,17 +32,15 @@ void add_view(const Options& group, visibility::ObserverDefaults& defaults) {
                     defaults.azimuth_min = from;
                     defaults.azimuth_max = to;
                   });
-  group
-      .value("--direction_range", "D0,D1",
-             "the same as in r.viewshed: from D0 to D1 counterclockwise, 0 is east",
-             [&defaults](const std::string& text) {
-               constexpr double k_north = 90.0;
-               const auto [from, to] = parse_angles(text, -360.0, 360.0);
-               if (from >= to) throw UsageError("expected the smaller angle first, found '" + text + "'");
-               defaults.azimuth_min = k_north - to;
-               defaults.azimuth_max = k_north - from;
-             })
-      .excludes(azimuths);
+  group.excludes(azimuths).value(
+      "--direction_range", "D0,D1", "the same as in r.viewshed: from D0 to D1 counterclockwise, 0 is east",
+      [&defaults](const std::string& text) {
+        constexpr double k_north = 90.0;
+        const auto [from, to] = parse_angles(text, -360.0, 360.0);
+        if (from >= to) throw UsageError("expected the smaller angle first, found '" + text + "'");
+        defaults.azimuth_min = k_north - to;
+        defaults.azimuth_max = k_north - from;
+      });
   group.value("--vertical-fov", "E0,E1", "field of view in degrees above the horizontal (default: -90,90)",
               [&defaults](const std::string& text) {
                 const auto [low, high] = parse_angles(text, -90.0, 90.0);

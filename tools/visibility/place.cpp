@@ -141,13 +141,12 @@ void add_targets(const Options& position, PlaceCommand& command) {
 
 void add_answers(const Options& position, PlaceCommand& command) {
   const Options group = position.group("Answers");
-  group.count("--count", "K", "number of positions to choose", command.count, 1, 1'000'000'000).required();
-  group
-      .file("-o,--output", "FILE",
-            "output file: .csv, .json or .geojson; one row per position, with what it and the previous ones "
-            "cover",
-            command.output)
-      .required();
+  group.required().count("--count", "K", "number of positions to choose", command.count, 1, 1'000'000'000);
+  group.required().file(
+      "-o,--output", "FILE",
+      "output file: .csv, .json or .geojson; one row per position, with what it and the previous ones "
+      "cover",
+      command.output);
   group.file("--curve", "FILE.png", "image of what each further position adds", command.curve);
   group.flag("--overwrite", "replace existing files", command.overwrite);
 }

@@ -175,10 +175,8 @@ ExitCode run(const PointsCommand& command) {
 
 void add_answers(const Options& points, PointsCommand& command) {
   const Options group = points.group("Answers");
-  group
-      .file("-o,--output", "FILE.las|FILE.laz|FILE.ply",
-            "output cloud: LAS 1.4, LAZ or PLY, by the extension", command.output)
-      .required();
+  group.required().file("-o,--output", "FILE.las|FILE.laz|FILE.ply",
+                        "output cloud: LAS 1.4, LAZ or PLY, by the extension", command.output);
   group.count("--fraction", "N",
               "also test N positions on the disc of each point, 2 to 255: VisibleFraction is the share of "
               "visible ones (default: off)",

@@ -71,10 +71,9 @@ void add_sight(const Options& raster, RasterCommand& command) {
       group.number("--curvature,--cc", "C",
                    "share of the Earth's curvature: 0 flat, 1 without air, 0.85714 for light, 0.75 for radio",
                    command.curvature, 0.0, 10.0);
-  group
-      .value("--refraction_coeff", "R", "the same as -c and -r of r.viewshed: curvature 1 - R",
-             [&command](const std::string& text) { command.curvature = 1.0 - parse_number(text, 0.0, 1.0); })
-      .excludes(curvature);
+  group.excludes(curvature).value(
+      "--refraction_coeff", "R", "the same as -c and -r of r.viewshed: curvature 1 - R",
+      [&command](const std::string& text) { command.curvature = 1.0 - parse_number(text, 0.0, 1.0); });
 }
 
 /// The values of the chosen set, but for those that were given.
@@ -254,7 +253,7 @@ Command add_visibility_raster(const Options& visibility) {
   auto command = std::make_shared<RasterCommand>();
   const Options map = raster.group(k_map_group);
   add_cloud(raster, *command);
-  map.file("-o,--output", "FILE.tif", "output map: cloud-optimised GeoTIFF", command->output).required();
+  map.required().file("-o,--output", "FILE.tif", "output map: cloud-optimised GeoTIFF", command->output);
   map.flag("--overwrite", "replace existing files", command->overwrite);
   add_map_options(raster, command->map);
   add_values(raster, *command);

@@ -98,11 +98,10 @@ bool SkyRequest::is_map() const {
 void add_sky_request(const Options& command, SkyRequest& request) {
   add_cloud(command, request);
   const Options group = command.group("Answers");
-  group
-      .file("-o,--output", "FILE.las|FILE.laz|FILE.ply|FILE.tif",
-            "output: LAS 1.4 or PLY with a value for every point; GeoTIFF with a map of the ground",
-            request.output)
-      .required();
+  group.required().file(
+      "-o,--output", "FILE.las|FILE.laz|FILE.ply|FILE.tif",
+      "output: LAS 1.4 or PLY with a value for every point; GeoTIFF with a map of the ground",
+      request.output);
   group.flag("--overwrite", "replace existing files", request.overwrite);
   group.choice(
       "--receiver", "receiver at each point: its surface (default) or the horizontal", request.receiver,

@@ -211,12 +211,11 @@ glm::dvec2 parse_position(const std::string& text) {
 
 void add_time(const Options& sun, SunCommand& command) {
   const Options group = sun.group("Sun");
-  group
-      .value("--from", "DATE",
-             "first day, such as 2026-06-21, or start with a zone, such as 2026-06-21T10:00+02:00. Days "
-             "begin and end at local midnight",
-             command.from, parse_sun_date)
-      .required();
+  group.required().value(
+      "--from", "DATE",
+      "first day, such as 2026-06-21, or start with a zone, such as 2026-06-21T10:00+02:00. Days "
+      "begin and end at local midnight",
+      command.from, parse_sun_date);
   group.value("--to", "DATE", "last day, included, or end (default: the day of --from)", command.to,
               parse_sun_date);
   group.number("--step", "MINUTES",
