@@ -3,16 +3,13 @@
 
 #include <fmt/format.h>
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <glm/geometric.hpp>
 #include <glm/matrix.hpp>
 #include <limits>
 #include <numbers>
 
-#include "base/error.h"
 #include "base/exact_math.h"
-#include "base/ray.h"
 #include "camera/projection.h"
 
 namespace alidade::camera {

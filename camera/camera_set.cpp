@@ -4,8 +4,6 @@
 #include <algorithm>
 #include <set>
 
-#include "base/error.h"
-#include "base/input_file.h"
 #include "base/json.h"
 #include "base/words.h"
 #include "camera/camera_json.h"

@@ -8,8 +8,6 @@
 #include <initializer_list>
 #include <numbers>
 
-#include "base/error.h"
-
 namespace alidade::camera {
 namespace {
 

@@ -2,20 +2,11 @@
 #include "camera/camera_json.h"
 
 #include <fmt/format.h>
-#include <array>
 #include <cmath>
-#include <glm/geometric.hpp>
-#include <glm/mat3x3.hpp>
 #include <glm/matrix.hpp>
 #include <numbers>
-#include <string>
-#include <string_view>
-#include <utility>
 
-#include "base/error.h"
 #include "base/input_file.h"
-#include "base/json.h"
-#include "camera/camera.h"
 #include "camera/projection.h"
 
 namespace alidade::camera {

@@ -4,20 +4,12 @@
 #include <fmt/format.h>
 #include <tbb/enumerable_thread_specific.h>
 #include <algorithm>
-#include <array>
 #include <chrono>
 #include <cmath>
-#include <optional>
-#include <utility>
 
-#include "base/error.h"
-#include "base/json.h"
 #include "base/words.h"
 #include "cloud/cloud_reader.h"
-#include "cloud/point_cloud.h"
 #include "geo/map_unit.h"
-#include "image/point_color.h"
-#include "image/point_values.h"
 
 namespace alidade::image {
 namespace {

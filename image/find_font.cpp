@@ -1,10 +1,8 @@
 // SPDX-License-Identifier: MIT
+#include "base/error.h"
 #include "image/font.h"
 
-#include <array>
 #include <system_error>
-
-#include "base/error.h"
 
 namespace alidade::image {
 

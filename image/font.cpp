@@ -6,8 +6,6 @@
 
 #include <algorithm>
 #include <cassert>
-#include <cstdint>
-#include <vector>
 
 #include "base/error.h"
 

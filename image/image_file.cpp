@@ -10,13 +10,7 @@
 #include <algorithm>
 #include <cassert>
 #include <cmath>
-#include <cstddef>
-#include <cstdint>
 #include <cstring>
-#include <filesystem>
-#include <span>
-#include <string>
-#include <vector>
 
 #include "base/error.h"
 #include "base/output_file.h"

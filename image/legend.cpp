@@ -7,8 +7,6 @@
 #include <cmath>
 
 #include "base/error.h"
-#include "image/color_key.h"
-#include "image/font.h"
 #include "image/image_file.h"
 
 namespace alidade::image {

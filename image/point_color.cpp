@@ -5,7 +5,6 @@
 #include <charconv>
 #include <cmath>
 #include <glm/common.hpp>
-#include <string_view>
 
 namespace alidade::image {
 namespace {

@@ -9,9 +9,7 @@
 #include <cmath>
 #include <sstream>
 #include <system_error>
-#include <vector>
 
-#include "base/color.h"
 #include "base/error.h"
 
 namespace alidade::image {

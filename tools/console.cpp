@@ -11,8 +11,6 @@
 #include <cstdlib>
 #include <cstring>
 
-#include "base/error.h"
-
 namespace alidade::tools {
 namespace {
 

@@ -4,10 +4,7 @@
 #include <charconv>
 #include <cmath>
 #include <cstring>
-#include <optional>
-#include <string>
 
-#include "base/error.h"
 #include "camera/formats/camera_file.h"
 
 namespace alidade::camera {

@@ -1,19 +1,15 @@
 // SPDX-License-Identifier: MIT
 
-#include <fmt/format.h>
 #include <algorithm>
 #include <array>
 #include <cassert>
 #include <cmath>
-#include <cstdint>
 #include <numbers>
-#include <string>
 #include <unordered_map>
 #include <unordered_set>
 #include <vector>
 
 #include "base/bytes.h"
-#include "base/error.h"
 #include "base/input_file.h"
 #include "camera/camera.h"
 #include "camera/camera_set.h"

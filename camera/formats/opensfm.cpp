@@ -6,7 +6,6 @@
 #include <map>
 #include <numbers>
 
-#include "base/error.h"
 #include "camera/camera.h"
 #include "camera/camera_json.h"
 #include "camera/formats/camera_file.h"

@@ -4,7 +4,6 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <glm/matrix.hpp>
 
 #include "base/error.h"
 #include "camera/camera.h"

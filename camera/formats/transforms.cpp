@@ -4,13 +4,11 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <glm/geometric.hpp>
 #include <glm/matrix.hpp>
 #include <map>
 #include <numbers>
 #include <set>
 
-#include "base/error.h"
 #include "base/exact_math.h"
 #include "base/ray.h"
 #include "camera/camera.h"

@@ -7,7 +7,6 @@
 #include <unordered_map>
 #include <unordered_set>
 
-#include "base/error.h"
 #include "base/output_file.h"
 #include "camera/camera_json.h"
 #include "camera/camera_set.h"

@@ -5,7 +5,6 @@
 
 #include "database/server/server_clouds.h"
 #include "database/sqlite/stored_cloud.h"
-#include "octree/index_file/index_file.h"
 #include "octree/point_surface.h"
 #include "octree/spacing.h"
 

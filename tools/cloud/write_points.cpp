@@ -4,7 +4,6 @@
 #include <fmt/format.h>
 #include <algorithm>
 
-#include "base/error.h"
 #include "base/words.h"
 #include "cloud/las/write_las.h"
 #include "cloud/ply/write_ply.h"

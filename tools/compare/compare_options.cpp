@@ -1,10 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "tools/compare/compare_options.h"
 
-#include <algorithm>
 #include <array>
-
-#include "base/error.h"
 
 namespace alidade::tools {
 namespace {

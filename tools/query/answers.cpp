@@ -1,15 +1,11 @@
 // SPDX-License-Identifier: MIT
 #include <fmt/format.h>
 #include <tbb/parallel_for.h>
-#include <algorithm>
 #include <charconv>
 #include <cmath>
 #include <cstring>
-#include <utility>
 
-#include "base/error.h"
 #include "tools/cloud/write_points.h"
-#include "tools/console.h"
 #include "tools/query/answers.h"
 
 namespace alidade::tools {

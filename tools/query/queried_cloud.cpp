@@ -2,18 +2,10 @@
 #include "tools/query/queried_cloud.h"
 
 #include <fmt/format.h>
-#include <algorithm>
 #include <cmath>
 #include <glm/geometric.hpp>
-#include <initializer_list>
-#include <type_traits>
 
-#include "base/input_file.h"
-#include "cloud/cloud_inputs.h"
-#include "cloud/read_cloud.h"
-#include "octree/query.h"
 #include "tools/cloud/load_cloud.h"
-#include "tools/console.h"
 #include "tools/query/target_reader.h"
 
 namespace alidade::tools {

@@ -3,10 +3,8 @@
 
 #include <fmt/format.h>
 
-#include "base/error.h"
 #include "base/words.h"
 #include "tools/command.h"
-#include "tools/query/target_kind.h"
 
 namespace alidade::tools {
 namespace {

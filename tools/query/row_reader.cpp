@@ -5,11 +5,9 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <cstddef>
 #include <limits>
 #include <numeric>
 
-#include "base/error.h"
 #include "base/json.h"
 #include "base/parallel.h"
 #include "base/words.h"

@@ -3,21 +3,10 @@
 
 #include <fmt/format.h>
 #include <unistd.h>
-#include <algorithm>
-#include <chrono>
-#include <cstdint>
-#include <string>
 
 #include "cloud/rows.h"
-#include "octree/check_query.h"
-#include "octree/index_file/index_file.h"
-#include "octree/tree_query.h"
 #include "tools/cloud/load_cloud.h"
-#include "tools/console.h"
-#include "tools/query/answers.h"
-#include "tools/query/ask.h"
 #include "tools/query/queried_cloud.h"
-#include "tools/query/target_kind.h"
 #include "tools/query/target_reader.h"
 
 namespace alidade::tools {

@@ -4,10 +4,6 @@
 #include <fmt/format.h>
 #include <cmath>
 #include <limits>
-#include <span>
-#include <type_traits>
-
-#include "base/error.h"
 
 namespace alidade::tools {
 namespace {

@@ -4,8 +4,6 @@
 #include <fmt/format.h>
 #include <cmath>
 
-#include "base/error.h"
-#include "image/color_key.h"
 #include "renderer/integrator.h"
 #include "tools/image_module.h"
 

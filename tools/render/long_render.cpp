@@ -2,15 +2,10 @@
 #include "tools/render/long_render.h"
 
 #include <fmt/format.h>
-#include <algorithm>
 #include <cmath>
-#include <functional>
-#include <memory>
 
-#include "base/error.h"
 #include "renderer/checkpoint.h"
 #include "renderer/noise.h"
-#include "tools/console.h"
 
 namespace alidade::tools {
 namespace {

@@ -3,12 +3,9 @@
 
 #include <fmt/format.h>
 
-#include "base/instruction_set.h"
-#include "camera/camera.h"
 #include "image/color_points.h"
 #include "image/image_file.h"
 #include "renderer/cloud_in_view.h"
-#include "renderer/load_cloud.h"
 #include "tools/cloud/load_cloud.h"
 #include "tools/command.h"
 #include "tools/image_module.h"

@@ -1,10 +1,8 @@
 // SPDX-License-Identifier: MIT
 #include "tools/render/render_options.h"
 
-#include "base/error.h"
 #include "octree/spacing.h"
 #include "renderer/read_scene.h"
-#include "tools/options.h"
 
 namespace alidade::tools {
 namespace {

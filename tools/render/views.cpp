@@ -2,11 +2,8 @@
 #include "tools/render/views.h"
 
 #include <fmt/format.h>
-#include <algorithm>
 #include <map>
 
-#include "base/error.h"
-#include "camera/camera.h"
 #include "camera/projection.h"
 #include "renderer/read_scene.h"
 

@@ -11,14 +11,11 @@
 #include <cstdio>
 #include <cstdlib>
 #include <filesystem>
-#include <memory>
 #include <optional>
 #include <sstream>
-#include <string>
 #include <system_error>
 #include <utility>
 
-#include "base/error.h"
 #include "database/sqlite/sql_tokens.h"
 #include "tools/console.h"
 

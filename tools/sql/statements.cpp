@@ -8,7 +8,6 @@
 #include <string_view>
 #include <utility>
 
-#include "base/error.h"
 #include "database/sqlite/prepare.h"
 #include "database/sqlite/sql_tokens.h"
 #include "tools/console.h"

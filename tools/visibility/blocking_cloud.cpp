@@ -2,10 +2,7 @@
 #include "tools/visibility/blocking_cloud.h"
 
 #include <fmt/format.h>
-#include <algorithm>
 
-#include "base/error.h"
-#include "cloud/point_cloud.h"
 #include "geo/map_unit.h"
 #include "octree/point_surface.h"
 #include "tools/cloud/load_cloud.h"

@@ -1,11 +1,10 @@
 // SPDX-License-Identifier: MIT
 #include "visibility/horizon/horizon.h"
+#include "base/words.h"
 
 #include <fmt/format.h>
 
-#include "base/error.h"
 #include "base/output_file.h"
-#include "base/words.h"
 #include "camera/camera.h"
 #include "geo/map_unit.h"
 #include "tools/command.h"

@@ -3,11 +3,6 @@
 
 #include <fmt/format.h>
 #include <array>
-#include <string_view>
-
-#include "base/error.h"
-#include "base/fingerprint.h"
-#include "visibility/sight_line.h"
 
 namespace alidade::tools {
 namespace {

@@ -5,7 +5,6 @@
 #include <array>
 #include <cmath>
 
-#include "base/error.h"
 #include "base/words.h"
 #include "geo/map_unit.h"
 #include "image/font.h"

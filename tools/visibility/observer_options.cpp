@@ -3,7 +3,6 @@
 
 #include <fmt/format.h>
 
-#include "base/error.h"
 #include "tools/image_module.h"
 
 namespace alidade::tools {

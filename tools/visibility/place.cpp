@@ -2,7 +2,6 @@
 #include <fmt/format.h>
 #include <map>
 
-#include "base/error.h"
 #include "tools/command.h"
 #include "tools/image_module.h"
 #include "tools/visibility/blocking_cloud.h"

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: MIT
 #include "tools/visibility/row_output.h"
 
-#include "base/error.h"
 #include "tools/image_module.h"
 
 namespace alidade::tools {

@@ -4,10 +4,7 @@
 #include <fmt/format.h>
 #include <cmath>
 
-#include "base/error.h"
-#include "base/fingerprint.h"
 #include "base/words.h"
-#include "tools/command.h"
 #include "tools/image_module.h"
 #include "tools/visibility/observer_options.h"
 #include "visibility/sky/sky_of_cloud.h"

@@ -3,7 +3,6 @@
 
 #include <optional>
 #include <string>
-#include <vector>
 
 #include "tools/cloud/write_points.h"
 #include "tools/options.h"

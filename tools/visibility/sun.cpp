@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: MIT
 #include <fmt/format.h>
-#include <chrono>
 #include <cmath>
 #include <numeric>
 
