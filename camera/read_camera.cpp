@@ -293,9 +293,8 @@ Camera read_camera_node(const JsonNode& node) {
   if (const auto description = fields.find("description")) description->text();
   const std::uint64_t width = fields.require("width").whole_number(1, k_max_image_side);
   const std::uint64_t height = fields.require("height").whole_number(1, k_max_image_side);
-  if (width * height > k_max_pixels) {
+  if (width * height > k_max_pixels)
     node.fail("image too large", "at most 2^28 pixels", std::to_string(width * height) + " pixels");
-  }
   Camera camera{.width = static_cast<int>(width),
                 .height = static_cast<int>(height),
                 .pose = read_pose(fields.require("pose"))};

@@ -40,9 +40,8 @@ void write_rows(const std::string& format, const std::filesystem::path& final_na
   std::vector<std::byte> bytes(row_bytes * static_cast<std::size_t>(std::min(k_rows_at_once, spec.height)));
   for (int begin = 0; begin < spec.height; begin += k_rows_at_once) {
     const int end = std::min(begin + k_rows_at_once, spec.height);
-    for (int y = begin; y < end; ++y) {
+    for (int y = begin; y < end; ++y)
       pack(y, std::span(bytes).subspan(static_cast<std::size_t>(y - begin) * row_bytes, row_bytes));
-    }
     if (!image->write_scanlines(begin, end, 0, OIIO::TypeUnknown, bytes.data()))
       fail_image(final_name, image->geterror());
   }

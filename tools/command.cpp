@@ -68,9 +68,8 @@ std::string explain_unknown_word(std::span<const std::string> words, const std::
   for (std::size_t i = 1; i < words.size() && words[i] != "--"; ++i) {
     const std::string option = words[i].substr(0, words[i].find('='));
     if (!option.starts_with("--")) continue;
-    if (std::find(option_names.begin(), option_names.end(), option) == option_names.end()) {
+    if (std::find(option_names.begin(), option_names.end(), option) == option_names.end())
       return unknown("option", option, option_names);
-    }
     if (words[i].ends_with("=")) return fmt::format("missing value after '=' of option {}", option);
   }
   return {};

@@ -48,25 +48,20 @@ std::string full_name(const CLI::Option& option) {
 double parse_number(const std::string& text, double least, double most) {
   const double number = parse_double(text);
   if (!std::isfinite(number)) throw UsageError("expected a number, found '" + text + "'");
-  if (number < least || number > most) {
+  if (number < least || number > most)
     throw UsageError(fmt::format("expected a number from {} to {}, found '{}'", least, most, text));
-  }
   return number;
 }
 
 double parse_limit(const std::string& text) {
   const double limit = parse_double(text);
-  if (std::isnan(limit)) {
-    throw UsageError("expected a number, inf or -inf, found '" + text + "'");
-  }
+  if (std::isnan(limit)) throw UsageError("expected a number, inf or -inf, found '" + text + "'");
   return limit;
 }
 
 std::optional<double> parse_length_limit(const std::string& text) {
   const double length = parse_double(text);
-  if (!(length >= 0.0)) {
-    throw UsageError("expected a number, at least 0, or inf, found '" + text + "'");
-  }
+  if (!(length >= 0.0)) throw UsageError("expected a number, at least 0, or inf, found '" + text + "'");
   return std::isinf(length) ? std::nullopt : std::optional(length);
 }
 
@@ -93,9 +88,8 @@ std::uint64_t parse_count(const std::string& text, std::uint64_t least, std::uin
 
 ImageSize parse_image_size(const std::string& text) {
   const std::size_t cross = text.find('x');
-  if (cross == std::string::npos) {
+  if (cross == std::string::npos)
     throw UsageError("expected WIDTHxHEIGHT in pixels, such as 600x400, found '" + text + "'");
-  }
   const std::uint64_t width = parse_count(text.substr(0, cross), 1, k_largest_side);
   const std::uint64_t height = parse_count(text.substr(cross + 1), 1, k_largest_side);
   if (width * height > camera::k_max_pixels) {

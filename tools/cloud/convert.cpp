@@ -39,9 +39,8 @@ bool is_box(const std::string& text) {
 Bounds parse_box(const std::string& text) {
   std::vector<double> numbers;
   for (const std::string& word : split_list(text)) numbers.push_back(parse_number(word));
-  if (numbers.size() != 4 && numbers.size() != 6) {
+  if (numbers.size() != 4 && numbers.size() != 6)
     throw UsageError("expected x0,y0,x1,y1 or x0,y0,z0,x1,y1,z1 or a polygon file, found '" + text + "'");
-  }
   const std::size_t axes = numbers.size() / 2;
   Bounds box{glm::dvec3(std::numeric_limits<double>::lowest()),
              glm::dvec3(std::numeric_limits<double>::max())};

@@ -53,9 +53,8 @@ std::vector<std::size_t> read_header(const TextLine& line, const TargetKind& kin
 std::vector<std::size_t> columns_in_order(const TextLine& line, const TargetKind& kind) {
   std::vector<std::string_view> cells;
   split_cells(line.text, ',', cells);
-  if (cells.size() < kind.required_count() || cells.size() > kind.columns.size()) {
+  if (cells.size() < kind.required_count() || cells.size() > kind.columns.size())
     line.fail(0, fmt::format("not a {}", kind.name), kind.form(), count_of(cells.size(), "value"));
-  }
   std::vector<std::size_t> columns(cells.size());
   std::iota(columns.begin(), columns.end(), std::size_t{0});
   return columns;

@@ -263,9 +263,8 @@ template <class Target>
 ExitCode run_with(const QueryCommand& command) {
   const AnswerForm form = chosen_form(command);
   auto query = conditions<Target>(command);
-  if (!command.output.empty()) {
+  if (!command.output.empty())
     check_writable(command.output, command.overwrite, command.inputs({command.given().text}));
-  }
   TargetReader<Target> reader(open_targets(command), {command.t_min, command.t_max});
   std::string table;
   if (asks_in_place(command, form)) {

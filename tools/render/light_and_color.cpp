@@ -155,9 +155,8 @@ void apply_light_options(const LightRequest& request, renderer::Scene& scene) {
     scene.sun.reset();
   }
   if (request.sun_place) {
-    if (!scene.sun_by_time) {
+    if (!scene.sun_by_time)
       throw Error({.problem = "--sun-place requires --sun-time", .expected = "--sun-time DATE-TIME with it"});
-    }
     scene.sun_by_time->latitude = request.sun_place->x;
     scene.sun_by_time->longitude = request.sun_place->y;
   }

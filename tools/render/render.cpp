@@ -73,9 +73,8 @@ void check_in_view(const renderer::CloudSettings& settings, const renderer::Scen
                  .expected = "--camera, --panorama or a scene file"});
   if (settings.max_level < renderer::k_max_level || settings.partial)
     throw Error({.problem = "--in-view cannot be combined with --max-level or --partial"});
-  if (std::ranges::find(scene.output.layers, image::Layer::id) != scene.output.layers.end()) {
+  if (std::ranges::find(scene.output.layers, image::Layer::id) != scene.output.layers.end())
     throw Error({.problem = "--in-view cannot be combined with the layer id"});
-  }
 }
 
 /// One filter per view; points further from its half-spaces than their radius are not seen.
@@ -336,9 +335,8 @@ ExitCode run(const RenderCommand& command) {
   image_module();
   const bool wants_legend = is_wanted(command.color.legend, command, resumed.has_value());
   if (wants_legend) check_legend_file(command, scene, pictures);
-  if (verbosity == Verbosity::verbose) {
+  if (verbosity == Verbosity::verbose)
     say_note(fmt::format("instruction set {}", name(best_instruction_set())));
-  }
   if (!views.empty()) check_views(pictures, scene, nullptr);
   prepare_sky(scene, command.scene_file, verbosity);
 

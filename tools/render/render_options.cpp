@@ -18,9 +18,8 @@ std::vector<image::Layer> parse_layers(const std::string& text) {
   std::vector<image::Layer> layers;
   for (const std::string& word : split_list(text)) {
     const auto known = std::ranges::find(image::k_layers, word, &image::NamedLayer::name);
-    if (known == image::k_layers.end()) {
+    if (known == image::k_layers.end())
       throw UsageError("expected some of " + layer_list() + ", found '" + word + "'");
-    }
     layers.push_back(known->layer);
   }
   return layers;
@@ -196,9 +195,8 @@ std::shared_ptr<RenderCommand> add_render_options(const Options& render) {
 }
 
 renderer::Scene requested_scene(const RenderCommand& command) {
-  if (command.scene_file.empty() && command.files.empty()) {
+  if (command.scene_file.empty() && command.files.empty())
     throw Error({.problem = "nothing to render", .expected = "SCENE.json or --cloud FILE..."});
-  }
   renderer::Scene scene =
       command.scene_file.empty() ? daylight_scene(command.files) : renderer::read_scene(command.scene_file);
   apply_cloud_options(command, scene);

@@ -15,9 +15,8 @@ constexpr double k_largest_coordinate = 1e12;
 template <std::size_t count>
 std::array<double, count> parse_coordinates(const std::string& text) {
   const std::vector<std::string> words = split_list(text);
-  if (words.size() != count) {
+  if (words.size() != count)
     throw UsageError(fmt::format("expected {} numbers separated by commas, found '{}'", count, text));
-  }
   std::array<double, count> numbers{};
   for (std::size_t i = 0; i < count; ++i)
     numbers[i] = parse_number(words[i], -k_largest_coordinate, k_largest_coordinate);
@@ -180,9 +179,8 @@ View view_of_cloud(const CameraRequest& request, const renderer::Scene& scene,
   bounds.max += glm::dvec3(cloud->radius);
   if (request.extent) {
     const auto& [least_x, least_y, largest_x, largest_y] = *request.extent;
-    if (!(least_x < largest_x && least_y < largest_y)) {
+    if (!(least_x < largest_x && least_y < largest_y))
       throw Error({.problem = "empty --extent", .expected = "min x, min y, max x, max y"});
-    }
     bounds = {{least_x, least_y, bounds.min.z}, {largest_x, largest_y, bounds.max.z}};
   }
   for (const renderer::Object& object : scene.objects) {

@@ -21,9 +21,8 @@ struct SqlCommand {
 
 /// All of a file; "-" is standard input.
 std::string read_text(const std::filesystem::path& file) {
-  if (file != "-" && std::filesystem::is_directory(file)) {
+  if (file != "-" && std::filesystem::is_directory(file))
     throw Error({.file = file.string(), .problem = "cannot read the file", .found = "a folder"});
-  }
   std::ifstream stream(file == "-" ? "/dev/stdin" : file, std::ios::binary);
   std::string text{std::istreambuf_iterator<char>(stream), std::istreambuf_iterator<char>()};
   if (!stream) throw file_error(file, "cannot read the file");

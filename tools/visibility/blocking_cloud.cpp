@@ -23,12 +23,9 @@ void check_map_unit(const PointCloud& cloud) {
 Octree measured(Octree octree, const visibility::OccluderOptions& options, Verbosity verbosity) {
   const bool needs_surfaces = options.shape != visibility::OccluderShape::sphere;
   const bool needs_spacings = needs_surfaces || !options.radius;
-  if (needs_spacings && octree.view().spacing_neighbours != k_surface_neighbours) {
+  if (needs_spacings && octree.view().spacing_neighbours != k_surface_neighbours)
     octree = with_spacings_shown(octree, k_surface_neighbours, verbosity);
-  }
-  if (needs_surfaces && octree.view().surfaces == nullptr) {
-    octree = with_surfaces_shown(octree, verbosity);
-  }
+  if (needs_surfaces && octree.view().surfaces == nullptr) octree = with_surfaces_shown(octree, verbosity);
   return octree;
 }
 
