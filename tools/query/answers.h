@@ -88,7 +88,7 @@ std::unique_ptr<AnswerOutput> answers_as_las(const std::filesystem::path& file, 
 /// Columns of found points as text.
 template <class Target>
 std::vector<AnswerColumn> answer_columns() {
-  using Answer = typename Family<Target>::Answer;
+  using Answer = typename QueryFamily<Target>::Answer;
   std::vector<AnswerColumn> columns = {
       {.name = std::string(target_kind<Target>().id_name), .whole = &AnswerRow::target_id},
       {.name = "rank", .whole = &AnswerRow::rank},
@@ -121,7 +121,7 @@ std::vector<AnswerDimension> answer_dimensions() {
     dimensions.push_back(
         {.name = "Distance", .description = "distance to the target", .real = &AnswerRow::distance});
   }
-  if constexpr (!std::is_same_v<typename Family<Target>::Answer, PointHit>) {
+  if constexpr (!std::is_same_v<typename QueryFamily<Target>::Answer, PointHit>) {
     dimensions.push_back({.name = std::string(kind.dimension) + "T",
                           .description = "position along the target",
                           .real = &AnswerRow::t});

@@ -54,8 +54,8 @@ class BatchSize {
 template <class Target, SpatialTree Tree>
 class TreeAsker {
  public:
-  using Query = typename Family<Target>::Query;
-  using Answer = typename Family<Target>::Answer;
+  using Query = typename QueryFamily<Target>::Query;
+  using Answer = typename QueryFamily<Target>::Answer;
 
   TreeAsker(Tree tree, Query query) : tree_(std::move(tree)), query_(std::move(query)) {}
 
@@ -106,8 +106,8 @@ class TreeAsker {
 template <class Target>
 class Asker {
  public:
-  using Query = typename Family<Target>::Query;
-  using Answer = typename Family<Target>::Answer;
+  using Query = typename QueryFamily<Target>::Query;
+  using Answer = typename QueryFamily<Target>::Answer;
 
   /// The octree must outlive this object.
   Asker(const Octree& octree, const Query& query, bool is_explained)

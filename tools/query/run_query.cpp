@@ -41,8 +41,8 @@ bool only_numbers(const QueryCommand& command) {
 
 /// Conditions as the library takes them, but for the filter, which needs the cloud.
 template <class Target>
-typename Family<Target>::Query conditions(const QueryCommand& command) {
-  typename Family<Target>::Query query;
+typename QueryFamily<Target>::Query conditions(const QueryCommand& command) {
+  typename QueryFamily<Target>::Query query;
   constexpr bool has_radius = requires {
     query.radius;
   }

@@ -12,28 +12,6 @@
 
 namespace alidade::tools {
 
-/// Types of a family of queries.
-template <class Target>
-struct Family {
-  using Query = PointQuery;
-  using Answer = PointHit;
-};
-template <>
-struct Family<Ray> {
-  using Query = RayQuery;
-  using Answer = Hit;
-};
-template <>
-struct Family<Cone> {
-  using Query = ConeQuery;
-  using Answer = Hit;
-};
-template <>
-struct Family<Path> {
-  using Query = PathQuery;
-  using Answer = PathHit;
-};
-
 /// The families of targets; a run asks with one of them.
 enum class TargetFamily { rays, cones, path, planes, boxes, points };
 constexpr std::size_t k_target_families = 6;
