@@ -15,22 +15,11 @@
 namespace alidade::camera {
 namespace {
 
-double tangent_of_degrees(double degrees) {
-  const SineCosine angle = sine_cosine_of_degrees(degrees);
-  return angle.sine / angle.cosine;
-}
-
 /// Length 1; scaled first so that neither tiny nor huge vectors lose themselves. Zero stays zero.
 glm::dvec3 unit(const glm::dvec3& v) {
   const double largest = std::max({std::fabs(v.x), std::fabs(v.y), std::fabs(v.z)});
   return largest > 0.0 ? glm::normalize(v / largest) : v;
 }
-
-/// The corners of a box seen from a camera that looks at it from somewhere: offsets from the box's centre
-/// along the camera's axes.
-struct Corners {
-  std::array<double, 8> right{}, down{}, ahead{};
-};
 
 /// The smallest distance behind the box's centre from which all corners lie within slopes of +-tangent on one
 /// film axis.
@@ -96,7 +85,8 @@ Camera pinhole_from_fov(int width, int height, double vertical_fov, const Camera
                  .expected = "degrees between 0 and 180",
                  .found = std::to_string(vertical_fov)});
   }
-  const double focal_length = 0.5 * height / tangent_of_degrees(0.5 * vertical_fov);
+  const SineCosine half = sine_cosine_of_degrees(0.5 * vertical_fov);
+  const double focal_length = 0.5 * height / (half.sine / half.cosine);
   return {width, height, focal_length, focal_length, 0.5 * width, 0.5 * height, pose, PinholeLens{}};
 }
 
@@ -128,20 +118,19 @@ Camera overview_camera(const Bounds& bounds, int width, int height) {
   CameraPose pose = look_at(glm::dvec3(0.0), forward);
   Camera camera = pinhole_from_fov(width, height, k_vertical_fov, pose);
 
-  Corners corners;
+  // Corners of the box: offsets from its centre along the camera's axes.
+  std::array<double, 8> right{}, down{}, ahead{};
   for (int corner = 0; corner < 8; ++corner) {
     const glm::dvec3 offset((corner & 1) ? half.x : -half.x, (corner & 2) ? half.y : -half.y,
                             (corner & 4) ? half.z : -half.z);
-    corners.right[corner] = glm::dot(offset, pose.right);
-    corners.down[corner] = glm::dot(offset, pose.down);
-    corners.ahead[corner] = glm::dot(offset, pose.forward);
+    right[corner] = glm::dot(offset, pose.right);
+    down[corner] = glm::dot(offset, pose.down);
+    ahead[corner] = glm::dot(offset, pose.forward);
   }
-  const double distance =
-      std::max(distance_to_fit(corners.right, corners.ahead, (1.0 - k_margin) * camera.cx / camera.fx),
-               distance_to_fit(corners.down, corners.ahead, (1.0 - k_margin) * camera.cy / camera.fy));
-  camera.pose.position = center + position_to_center(corners.right, corners.ahead, distance) * pose.right +
-                         position_to_center(corners.down, corners.ahead, distance) * pose.down -
-                         distance * pose.forward;
+  const double distance = std::max(distance_to_fit(right, ahead, (1.0 - k_margin) * camera.cx / camera.fx),
+                                   distance_to_fit(down, ahead, (1.0 - k_margin) * camera.cy / camera.fy));
+  camera.pose.position = center + position_to_center(right, ahead, distance) * pose.right +
+                         position_to_center(down, ahead, distance) * pose.down - distance * pose.forward;
   return camera;
 }
 

@@ -101,20 +101,18 @@ DistortionMap::DistortionMap(const Distortion& distortion, double largest_radius
       film_limit_(ideal_limit_ * radial_at(ideal_limit_ * ideal_limit_).factor) {}
 
 DistortionMap::Radial DistortionMap::radial_at(double q) const {
-  double numerator = 0.0, numerator_slope = 0.0;
-  for (std::size_t i = radial_count_; i-- > 0;) {
-    numerator_slope = numerator_slope * q + numerator + distortion_.radial[i];
-    numerator = (numerator + distortion_.radial[i]) * q;
-  }
-  numerator += 1.0;
+  // 1 + q times the polynomial of the first coefficients, and its derivative.
+  const auto value_and_slope = [q](const auto& coefficients, std::size_t count) {
+    double value = 0.0, slope = 0.0;
+    for (std::size_t i = count; i-- > 0;) {
+      slope = slope * q + value + coefficients[i];
+      value = (value + coefficients[i]) * q;
+    }
+    return std::pair(value + 1.0, slope);
+  };
+  const auto [numerator, numerator_slope] = value_and_slope(distortion_.radial, radial_count_);
   if (denominator_count_ == 0) return {numerator, numerator_slope};
-
-  double denominator = 0.0, denominator_slope = 0.0;
-  for (std::size_t i = denominator_count_; i-- > 0;) {
-    denominator_slope = denominator_slope * q + denominator + distortion_.denominator[i];
-    denominator = (denominator + distortion_.denominator[i]) * q;
-  }
-  denominator += 1.0;
+  const auto [denominator, denominator_slope] = value_and_slope(distortion_.denominator, denominator_count_);
   const double factor = numerator / denominator;
   return {factor, (numerator_slope - factor * denominator_slope) / denominator};
 }

@@ -25,10 +25,6 @@ class DistortionMap {
   /// method inside a bracket, then Newton's method in the plane.
   std::optional<glm::dvec2> undistort(const glm::dvec2& film) const;
 
-  /// Where the radial part stops growing, or the largest radius: on the ideal and on the real film.
-  double ideal_limit() const { return ideal_limit_; }
-  double film_limit() const { return film_limit_; }
-
  private:
   struct Radial {
     double factor, slope;  ///< factor of (x, y) at q = r^2, and its derivative by q
@@ -43,7 +39,7 @@ class DistortionMap {
   Distortion distortion_;
   std::size_t radial_count_, denominator_count_;  ///< coefficients up to the last one that is not 0
   bool radial_only_;
-  double ideal_limit_, film_limit_;
+  double ideal_limit_, film_limit_;  ///< radius where the radial part stops growing, or the largest one
 };
 
 /// What a position on the film sees, in the camera's axes (right, down, forward). The direction has any length.

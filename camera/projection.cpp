@@ -28,7 +28,7 @@ void check_distortion(const Distortion& distortion) {
 }
 
 struct CheckLens {
-  void operator()(const PinholeLens&) const {}
+  void operator()(const auto&) const {}
   void operator()(const BrownLens& lens) const { check_distortion(lens.distortion); }
   void operator()(const FisheyeLens& lens) const { check_distortion(lens.distortion); }
   void operator()(const FieldOfViewLens& lens) const {
@@ -48,8 +48,6 @@ struct CheckLens {
             lens.transition);
     check_distortion(lens.distortion);
   }
-  void operator()(const OrthographicLens&) const {}
-  void operator()(const EquirectangularLens&) const {}
 };
 
 /// Lenses whose view can end by folding over. The others end where their half or whole sphere does.

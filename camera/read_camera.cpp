@@ -136,12 +136,6 @@ std::size_t model_of(const JsonNode& camera) {
   return fields.require("model").choice(k_lens_names);
 }
 
-/// Whether cameras of that model have a "distortion".
-bool is_distorting(std::size_t model) {
-  return !is_model<PinholeLens>(model) && !is_model<OrthographicLens>(model) &&
-         !is_model<EquirectangularLens>(model);
-}
-
 /// "intrinsics" of a camera of that model: sets its focal lengths, principal point and, without distortion,
 /// lens. Needs its size.
 void read_intrinsics(const JsonNode& node, std::size_t model, Camera& camera) {
@@ -283,7 +277,8 @@ JsonNode required(const JsonNode& node, std::string_view key) {
 
 Camera read_camera_node(const JsonNode& node) {
   const std::size_t model = model_of(node);
-  const bool distorts = is_distorting(model);
+  const bool distorts = !is_model<PinholeLens>(model) && !is_model<OrthographicLens>(model) &&
+                        !is_model<EquirectangularLens>(model);
   const JsonFields fields =
       distorts
           ? JsonFields(node, {"version", "description", "model", "width", "height", "intrinsics",

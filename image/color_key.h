@@ -40,9 +40,6 @@ struct ColorKey {
   std::vector<Swatch> swatches{};  ///< classes, numbers of returns, directions of normals
   std::uint64_t point_count = 0;
   std::uint64_t missing_count = 0;  ///< points without a value, shown in k_no_value_color
-
-  /// Whether there is anything a legend could explain.
-  bool has_legend() const { return scale || !swatches.empty(); }
 };
 
 /// Of points without a value: middle grey.

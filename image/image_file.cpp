@@ -119,7 +119,7 @@ std::vector<Channel> exr_channels(const OutputSettings& output) {
 }
 
 /// Size of a pixel of these channels in bytes, each value in its own type, without gaps.
-std::size_t pixel_bytes(std::span<const Channel> channels) {
+[[maybe_unused]] std::size_t pixel_bytes(std::span<const Channel> channels) {
   std::size_t bytes = 0;
   for (const Channel& channel : channels) bytes += channel.type == ChannelType::half_float ? 2 : 4;
   return bytes;
@@ -201,10 +201,6 @@ void write_display(const Film& film, const OutputSettings& output, const ImageFa
              });
 }
 
-std::uint8_t alpha_code(float alpha) {
-  return static_cast<std::uint8_t>(std::lround(255.0f * std::clamp(alpha, 0.0f, 1.0f)));
-}
-
 /// As GeoTIFF.
 void write_on_ground(const Film& film, const OutputSettings& output, const ImageFacts& facts,
                      OutputFile& file) {
@@ -217,7 +213,7 @@ void write_on_ground(const Film& film, const OutputSettings& output, const Image
         const std::size_t index = film.index(x, y);
         for (int channel = 0; channel < 3; ++channel)
           *value++ = srgb_code(film.color[index][channel] * scale);
-        *value++ = alpha_code(film.alpha[index]);
+        *value++ = static_cast<std::uint8_t>(std::lround(255.0f * std::clamp(film.alpha[index], 0.0f, 1.0f)));
       }
     }
   };

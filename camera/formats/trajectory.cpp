@@ -62,15 +62,10 @@ Columns read_header(std::string_view line) {
   return columns;
 }
 
-std::vector<std::string_view> cells(std::string_view line) {
-  std::vector<std::string_view> all;
-  for (FieldWalk fields(line); !fields.at_end();) all.push_back(fields.word("cell"));
-  return all;
-}
-
 NamedCamera read_row(std::string_view line, const Columns& columns, const Conventions& conventions,
                      const Camera& lens) {
-  const std::vector<std::string_view> row = cells(line);
+  std::vector<std::string_view> row;
+  for (FieldWalk fields(line); !fields.at_end();) row.push_back(fields.word("cell"));
   const auto cell = [&](std::size_t column) {
     if (columns[column] < row.size()) return row[columns[column]];
     throw Error({.problem = fmt::format("missing value for '{}'", k_columns[column]),
