@@ -33,10 +33,6 @@ bool holds_silent_option(std::string_view word) {
   return end != std::string_view::npos && is_silent_option(word.substr(0, end));
 }
 
-std::string quoted(const std::string& word) {
-  return word.find_first_of(" \t'\"") == std::string::npos ? word : fmt::format("\"{}\"", word);
-}
-
 /// "unknown KIND 'WORD'", with the known word it was probably meant to be.
 std::string unknown(const std::string& kind, const std::string& word, const std::vector<std::string>& known) {
   const std::vector<std::string_view> views(known.begin(), known.end());
@@ -122,7 +118,8 @@ std::string picture_command(const CommandLine& words) {
     if (is_silent_option(word)) {
       ++i;
     } else {
-      text += " " + quoted(word);
+      const bool is_plain = word.find_first_of(" \t'\"") == std::string::npos;
+      text += is_plain ? " " + word : fmt::format(" \"{}\"", word);
     }
   }
   return text;

@@ -37,12 +37,6 @@ Options::Take naming(const std::string& names, Options::Take take) {
   };
 }
 
-std::string full_name(const CLI::Option& option) {
-  if (!option.get_lnames().empty()) return option.get_lnames().front();
-  if (!option.get_snames().empty()) return option.get_snames().front();
-  return option.get_name();
-}
-
 }  // namespace
 
 double parse_number(const std::string& text, double least, double most) {
@@ -207,7 +201,7 @@ bool Options::chosen() const {
 std::vector<std::pair<std::string, std::vector<std::string>>> Options::given() const {
   std::vector<std::pair<std::string, std::vector<std::string>>> all;
   for (const CLI::Option* option : app_->get_options())
-    all.emplace_back(full_name(*option), option->results());
+    all.emplace_back(option->get_single_name(), option->results());
   return all;
 }
 

@@ -265,7 +265,9 @@ inline constexpr const char* k_cloud_help =
     "cloud files, folders or patterns such as 'tiles/*.las', joined into one cloud, an index file "
     "(.alidade), or a table of a database: site.db?table=NAME or postgresql://HOST/DATABASE?table=NAME";
 
-/// What other help texts about them end with.
+/// What other help texts about them begin and end with.
+inline const std::string k_files_help =
+    "cloud files, folders or patterns such as 'tiles/*.las', joined into one cloud";
 inline const std::string k_database_help =
     "; or a table of a database: site.db?table=NAME or postgresql://HOST/DATABASE?table=NAME";
 

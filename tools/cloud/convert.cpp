@@ -130,11 +130,6 @@ struct ConvertCommand : CloudRequest {
   bool overwrite = false;
 };
 
-void check_name(const std::filesystem::path& output) {
-  if (!has_extension(output, {".las", ".laz", ".ply", ".alidade"}))
-    throw file_error(output, "unknown output format", "the extension .las, .laz, .ply or .alidade");
-}
-
 /// Leaves the points that were asked for.
 void choose_points(PointCloud& cloud, const ConvertCommand& command) {
   if (command.crop.given()) {
@@ -180,7 +175,8 @@ ExitCode repack(const ConvertCommand& command) {
 }
 
 ExitCode run(const ConvertCommand& command) {
-  check_name(command.output);
+  if (!has_extension(command.output, {".las", ".laz", ".ply", ".alidade"}))
+    throw file_error(command.output, "unknown output format", "the extension .las, .laz, .ply or .alidade");
   check_crop(command.crop);
   check_writable(command.output, command.overwrite, command.files.names());
   if (only_packing_changes(command)) return repack(command);
@@ -200,11 +196,8 @@ ExitCode run(const ConvertCommand& command) {
 Command add_convert(const Options& program) {
   auto command = std::make_shared<ConvertCommand>();
   const Options convert = program.command("convert", "Convert, join, crop and thin clouds");
-  add_cloud_files(
-      convert.required(), "files", "FILE...",
-      "cloud files, folders or patterns such as 'tiles/*.las', joined into one cloud, or index files" +
-          k_database_help,
-      command->files);
+  add_cloud_files(convert.required(), "files", "FILE...", k_files_help + ", or index files" + k_database_help,
+                  command->files);
   convert.required().file("-o,--output", "FILE.las|.laz|.ply|.alidade",
                           "output file; the extension selects the format", command->output);
   add_crop_options(convert, command->crop);

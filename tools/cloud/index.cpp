@@ -66,9 +66,7 @@ void write_index(const std::filesystem::path& path, PointCloud& cloud, const Ind
 Command add_index(const Options& program) {
   auto command = std::make_shared<IndexCommand>();
   const Options index = program.command("index", "Build an index file, which replaces cloud files");
-  add_cloud_files(index.required(), "files", "FILE...",
-                  "cloud files, folders or patterns such as 'tiles/*.las', joined into one cloud",
-                  command->files);
+  add_cloud_files(index.required(), "files", "FILE...", k_files_help, command->files);
   index.required().file("-o,--output", "FILE.alidade", "output index file", command->output);
   index.choice(
       "--organisation",

@@ -351,10 +351,7 @@ ExitCode run(const InfoOptions& options) {
 Command add_info(const Options& program) {
   auto options = std::make_shared<InfoOptions>();
   const Options command = program.command("info", "Describe cloud files");
-  add_cloud_files(
-      command.required(), "files", "FILE...",
-      "cloud files, folders or patterns such as 'tiles/*.las', joined into one cloud" + k_database_help,
-      options->files);
+  add_cloud_files(command.required(), "files", "FILE...", k_files_help + k_database_help, options->files);
   command.flag("--json", "print JSON instead of a table; the keys are below", options->json);
   command.flag("--verify",
                "read each index file completely, compare it with its checksums, and check that its octree "

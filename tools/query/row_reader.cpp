@@ -19,10 +19,6 @@ std::size_t offset_in(const TextLine& line, std::string_view cell) {
   return static_cast<std::size_t>(cell.data() - line.text.data());
 }
 
-std::string count_of(std::size_t count, const char* what) {
-  return fmt::format("{} {}{}", count, what, count == 1 ? "" : "s");
-}
-
 /// The header of a CSV: for every cell the kind's column. Errors: a name that is unknown or is repeated, a
 /// required column that is missing, no names at all.
 std::vector<std::size_t> read_header(const TextLine& line, const TargetKind& kind) {
@@ -54,7 +50,8 @@ std::vector<std::size_t> columns_in_order(const TextLine& line, const TargetKind
   std::vector<std::string_view> cells;
   split_cells(line.text, ',', cells);
   if (cells.size() < kind.required_count() || cells.size() > kind.columns.size())
-    line.fail(0, fmt::format("not a {}", kind.name), kind.form(), count_of(cells.size(), "value"));
+    line.fail(0, fmt::format("not a {}", kind.name), kind.form(),
+              fmt::format("{} value{}", cells.size(), cells.size() == 1 ? "" : "s"));
   std::vector<std::size_t> columns(cells.size());
   std::iota(columns.begin(), columns.end(), std::size_t{0});
   return columns;

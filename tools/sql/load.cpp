@@ -158,9 +158,7 @@ Command add_sql_shard_plan(const Options& sql) {
   auto command = std::make_shared<ShardPlanCommand>();
   const Options plan =
       sql.command("shard-plan", "Plan the distribution of a cloud over several PostgreSQL servers");
-  add_cloud_files(plan.required(), "files", "FILE...",
-                  "cloud files, folders or patterns such as 'tiles/*.las', joined into one cloud",
-                  command->files);
+  add_cloud_files(plan.required(), "files", "FILE...", k_files_help, command->files);
   plan.required().file("-o,--output", "FOLDER", "output folder", command->output);
   plan.required().words(
       "--shard", "HOST[:PORT]/DATABASE...",

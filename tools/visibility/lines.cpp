@@ -269,12 +269,6 @@ ExitCode run_lines(const LinesCommand& command) {
   return ExitCode::done;
 }
 
-void add_margin(const Options& lines, LinesCommand& command) {
-  lines.group("Lines").number("--end-margin", "LENGTH",
-                              "excluded length at either end, for scanned masts and tripods (default: 0)",
-                              command.end_margin, 0.0, 1e9);
-}
-
 void add_radio(const Options& lines, LinesCommand& command) {
   const Options group = lines.group("Radio");
   group.value("--frequency", "F[GHz|MHz]",
@@ -300,7 +294,9 @@ Command add_visibility_lines(const Options& visibility) {
       visibility.command("lines", "Test lines of sight between pairs of positions, and their Fresnel zones");
   add_cloud(lines, *command);
   add_pair_options(lines, command->pairs);
-  add_margin(lines, *command);
+  lines.group("Lines").number("--end-margin", "LENGTH",
+                              "excluded length at either end, for scanned masts and tripods (default: 0)",
+                              command->end_margin, 0.0, 1e9);
   add_radio(lines, *command);
   add_occluder_options(lines, command->occluders);
   lines.required().file("-o,--output", "FILE", "output file: .csv, .json or .geojson", command->output);

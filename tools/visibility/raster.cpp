@@ -123,18 +123,14 @@ void check_options(const RasterCommand& command) {
   check_map_writing(command.map, command.overwrite, others);
 }
 
-/// Sight bent as asked for, or as the chosen set has it where the cloud's unit is known.
-visibility::SightCurve curve_of(const RasterCommand& command, const CloudUnit& unit) {
-  const bool usual = command.like == DefaultSet::gdal && unit.metres;
-  return visibility::SightCurve(command.curvature.value_or(usual ? visibility::k_usual_curvature : 0.0),
-                                unit.metres.value_or(1.0));
-}
-
 visibility::ViewshedOptions options_of(const RasterCommand& command, const CloudUnit& unit) {
   visibility::ViewshedOptions options;
   options.mode = command.mode;
   options.target_height = command.map.target_height.value_or(0.0);
-  options.curve = curve_of(command, unit);
+  // Sight bent as asked for, or as the chosen set has it where the cloud's unit is known.
+  const bool usual = command.like == DefaultSet::gdal && unit.metres;
+  options.curve = visibility::SightCurve(
+      command.curvature.value_or(usual ? visibility::k_usual_curvature : 0.0), unit.metres.value_or(1.0));
   options.positions_across = command.positions_across.value_or(options.positions_across);
   options.highest = command.highest.value_or(options.highest);
   return options;
