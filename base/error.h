@@ -69,6 +69,11 @@ inline Error file_error(std::string file, std::string problem, std::string expec
   return {std::move(file), {}, std::move(problem), std::move(expected), std::move(found)};
 }
 
+/// The error of an input that has no file, or whose reader adds file and location.
+inline Error input_error(std::string problem, std::string expected, std::string found = {}) {
+  return {{}, {}, std::move(problem), std::move(expected), std::move(found)};
+}
+
 /// The error of a system call that failed, "FILE: PROBLEM: REASON", with the reason of `number`.
 inline Error system_error(std::string file, const std::string& problem, int number = errno) {
   return Error(

@@ -81,9 +81,8 @@ CameraPose look_at(const glm::dvec3& eye, const glm::dvec3& target, const glm::d
 Camera pinhole_from_fov(int width, int height, double vertical_fov, const CameraPose& pose) {
   if (width < 1 || height < 1) throw Error({.problem = "image size must be at least 1 x 1"});
   if (!(vertical_fov > 0.0 && vertical_fov < 180.0)) {
-    throw Error({.problem = "vertical field of view out of range",
-                 .expected = "degrees between 0 and 180",
-                 .found = std::to_string(vertical_fov)});
+    throw input_error("vertical field of view out of range", "degrees between 0 and 180",
+                      std::to_string(vertical_fov));
   }
   const SineCosine half = sine_cosine_of_degrees(0.5 * vertical_fov);
   const double focal_length = 0.5 * height / (half.sine / half.cosine);
@@ -147,21 +146,18 @@ Camera panorama_camera(const glm::dvec3& position, int width, int height) {
 }
 
 Camera orthophoto_camera(const Bounds& bounds, double resolution) {
-  if (!(resolution > 0.0) || !std::isfinite(resolution)) {
-    throw Error({.problem = "resolution out of range",
-                 .expected = "a positive number of metres",
-                 .found = std::to_string(resolution)});
-  }
+  if (!(resolution > 0.0) || !std::isfinite(resolution))
+    throw input_error("resolution out of range", "a positive number of metres", std::to_string(resolution));
   if (bounds.empty()) throw Error({.problem = "nothing to render from above"});
   const double left = std::floor(bounds.min.x / resolution), right = std::ceil(bounds.max.x / resolution);
   const double bottom = std::floor(bounds.min.y / resolution), top = std::ceil(bounds.max.y / resolution);
   const double width = std::max(right - left, 1.0), height = std::max(top - bottom, 1.0);
   if (!(width <= k_max_image_side && height <= k_max_image_side && width * height <= k_max_pixels)) {
-    throw Error({.problem = "image too large",
-                 .expected = "at most 65536 pixels in each direction and 2^28 in total: use a coarser "
-                             "resolution or a smaller "
-                             "extent",
-                 .found = fmt::format("{:.0f} x {:.0f}", width, height)});
+    throw input_error("image too large",
+                      "at most 65536 pixels in each direction and 2^28 in total: use a coarser "
+                      "resolution or a smaller "
+                      "extent",
+                      fmt::format("{:.0f} x {:.0f}", width, height));
   }
   Camera camera{.width = static_cast<int>(width),
                 .height = static_cast<int>(height),
@@ -232,8 +228,8 @@ CameraPose pose_from_world_to_camera(const glm::dmat3& rotation, const glm::dvec
 std::array<double, 6> ground_transform(const Camera& camera) {
   const CameraPose& pose = camera.pose;
   if (!std::holds_alternative<OrthographicLens>(camera.lens) || !(pose.forward.z < -1.0 + 1e-12)) {
-    throw Error({.problem = "a GeoTIFF requires an orthographic camera that looks down",
-                 .expected = "--orthographic top, or an orthographic camera that looks along -z"});
+    throw input_error("a GeoTIFF requires an orthographic camera that looks down",
+                      "--orthographic top, or an orthographic camera that looks along -z");
   }
   const glm::dvec3 across = pose.right / camera.fx, down = pose.down / camera.fy;
   const glm::dvec3 corner = pose.position - camera.cx * across - camera.cy * down;

@@ -12,7 +12,7 @@ namespace alidade::camera {
 namespace {
 
 void require(bool holds, const char* problem, const char* expected, double found) {
-  if (!holds) throw Error({.problem = problem, .expected = expected, .found = fmt::format("{}", found)});
+  if (!holds) throw input_error(problem, expected, fmt::format("{}", found));
 }
 
 void require_finite(std::initializer_list<double> numbers, const char* what) {
@@ -83,13 +83,12 @@ void check_fold_towards(const Projection& projection, const glm::dvec2& position
   const double angle = last ? angle_off_axis(projection, *last) : 0.0;
   // A fisheye that has come to the end of the sphere shows nothing beyond its circle.
   if (std::holds_alternative<FisheyeLens>(camera.lens) && angle > 179.99) return;
-  throw Error(
-      {.problem = fmt::format("the distortion folds over at {:.6g} pixels from the principal point, {:.4g} "
-                              "degrees off the axis",
-                              share * distance, angle),
-       .expected = "a distortion model that is valid over the whole image",
-       .found =
-           fmt::format("an image pixel ({:g}, {:g}) at {:.6g} pixels", position.x, position.y, distance)});
+  throw input_error(
+      fmt::format("the distortion folds over at {:.6g} pixels from the principal point, {:.4g} "
+                  "degrees off the axis",
+                  share * distance, angle),
+      "a distortion model that is valid over the whole image",
+      fmt::format("an image pixel ({:g}, {:g}) at {:.6g} pixels", position.x, position.y, distance));
 }
 
 }  // namespace

@@ -51,9 +51,8 @@ std::vector<std::pair<std::string, std::string>> color_metadata(const ColorKey& 
 
 void check_legend(const ColorKey& key) {
   if (key.by == PointColor::rgb) {
-    throw Error({.problem = "rgb colours have no legend",
-                 .expected = "colours by height, intensity, classification or another attribute",
-                 .found = "rgb"});
+    throw input_error("rgb colours have no legend",
+                      "colours by height, intensity, classification or another attribute", "rgb");
   }
   if (key.by != PointColor::normal && key.point_count == key.missing_count)
     throw Error({.problem = "empty legend: no point has a value of " + key.word});

@@ -252,9 +252,9 @@ LegendLayout lay_out_legend(const ColorKey& key, const Font& font, const std::op
   LegendLayout layout = natural(font_size);
   while (font_size > k_smallest_font && !fits(layout, *size)) layout = natural(--font_size);
   if (!fits(layout, *size)) {
-    throw Error({.problem = "the legend does not fit the given size",
-                 .expected = fmt::format("at least {}x{} pixels", layout.width, layout.height),
-                 .found = fmt::format("{}x{}", size->x, size->y)});
+    throw input_error("the legend does not fit the given size",
+                      fmt::format("at least {}x{} pixels", layout.width, layout.height),
+                      fmt::format("{}x{}", size->x, size->y));
   }
   if (key.scale) layout = lay_out(key, font, font_size, k_bar_ems * font_size + size->y - layout.height);
   layout.width = size->x;

@@ -18,9 +18,7 @@ constexpr std::string_view k_blanks = " \t,\r";
   for (char& c : text) {
     if (static_cast<unsigned char>(c) < 0x20 || c == 0x7F) c = ' ';
   }
-  throw Error({.problem = std::string("bad ") + what,
-               .expected = expected,
-               .found = found.empty() ? "nothing" : "'" + text + "'"});
+  throw input_error(std::string("bad ") + what, expected, found.empty() ? "nothing" : "'" + text + "'");
 }
 
 // Source of both layouts: ISO/IEC 15948 (PNG), ITU-T T.81 annex B (JPEG). Numbers are big endian.
@@ -72,8 +70,8 @@ std::filesystem::path existing(const std::filesystem::path& file) {
     name += extension;
     if (std::filesystem::is_regular_file(name, error)) return name;
   }
-  throw Error({.problem = "unknown image size, and the image file is missing",
-               .expected = "width and height, or the file " + file.string()});
+  throw input_error("unknown image size, and the image file is missing",
+                    "width and height, or the file " + file.string());
 }
 
 }  // namespace

@@ -100,7 +100,7 @@ class ColmapImages {
  public:
   void add_camera(std::uint32_t id, const Camera& camera) {
     if (!cameras_.emplace(id, camera).second)
-      throw Error({.problem = fmt::format("duplicate camera id {}", id), .expected = "unique ids"});
+      throw input_error(fmt::format("duplicate camera id {}", id), "unique ids");
   }
 
   void add_image(const ColmapImage& image) {
@@ -110,17 +110,17 @@ class ColmapImages {
           {.problem = fmt::format("image {} refers to the missing camera {}", image.id, image.camera_id)});
     }
     if (!image_ids_.insert(image.id).second)
-      throw Error({.problem = fmt::format("duplicate image id {}", image.id), .expected = "unique ids"});
+      throw input_error(fmt::format("duplicate image id {}", image.id), "unique ids");
     if (image.name.empty()) throw Error({.problem = fmt::format("image {} has no name", image.id)});
     const auto rotation = rotation_from_quaternion(image.quaternion);
     if (!rotation) {
-      throw Error({.problem = fmt::format("rotation of image {} is zero or not finite", image.id),
-                   .expected = "a finite nonzero quaternion"});
+      throw input_error(fmt::format("rotation of image {} is zero or not finite", image.id),
+                        "a finite nonzero quaternion");
     }
     const auto& [x, y, z] = image.translation;
     if (!(std::fabs(x) <= 1e12 && std::fabs(y) <= 1e12 && std::fabs(z) <= 1e12)) {
-      throw Error({.problem = fmt::format("translation of image {} out of range", image.id),
-                   .expected = "numbers within +-1e12"});
+      throw input_error(fmt::format("translation of image {} out of range", image.id),
+                        "numbers within +-1e12");
     }
     NamedCamera& named = set_.cameras.emplace_back(NamedCamera{image.name, camera->second});
     named.camera.pose = pose_from_world_to_camera(*rotation, {x, y, z});
@@ -212,9 +212,8 @@ void read_camera(Reader& reader, ColmapImages& model) {
   const std::span<const ColmapModel> models = colmap_models();
   const auto known = std::ranges::find(models, model_id, &ColmapModel::id);
   if (known == models.end()) {
-    throw Error({.problem = fmt::format("unknown model of camera {}", id),
-                 .expected = fmt::format("0 to {}", models.size() - 1),
-                 .found = fmt::format("{}", model_id)});
+    throw input_error(fmt::format("unknown model of camera {}", id),
+                      fmt::format("0 to {}", models.size() - 1), fmt::format("{}", model_id));
   }
   std::vector<double> parameters;
   for (std::size_t i = 0; i < known->parameter_count; ++i) parameters.push_back(reader.take<double>());
@@ -245,9 +244,8 @@ void read_camera(std::string_view line, ColmapImages& model) {
   const std::span<const ColmapModel> models = colmap_models();
   const auto known = std::ranges::find(models, name, &ColmapModel::name);
   if (known == models.end()) {
-    throw Error({.problem = fmt::format("unknown model of camera {}", id),
-                 .expected = "a COLMAP model such as PINHOLE or OPENCV",
-                 .found = std::string(name.substr(0, 40))});
+    throw input_error(fmt::format("unknown model of camera {}", id),
+                      "a COLMAP model such as PINHOLE or OPENCV", std::string(name.substr(0, 40)));
   }
   const std::uint64_t width = fields.whole_number("image width", UINT64_MAX);
   const std::uint64_t height = fields.whole_number("image height", UINT64_MAX);
@@ -255,8 +253,8 @@ void read_camera(std::string_view line, ColmapImages& model) {
   for (std::size_t i = 0; i < known->parameter_count; ++i)
     parameters.push_back(fields.number("camera parameter"));
   if (!fields.at_end()) {
-    throw Error({.problem = fmt::format("camera {} has too many parameters", id),
-                 .expected = fmt::format("{} for {}", known->parameter_count, known->name)});
+    throw input_error(fmt::format("camera {} has too many parameters", id),
+                      fmt::format("{} for {}", known->parameter_count, known->name));
   }
   model.add_camera(id, camera_of_colmap(*known, width, height, parameters));
 }
@@ -277,9 +275,9 @@ void check_observations(std::string_view line) {
   std::size_t count = 0;
   for (FieldWalk fields(line); !fields.at_end(); ++count) fields.word("observation");
   if (count % 3 != 0) {
-    throw Error({.problem = "invalid line of observations",
-                 .expected = "x, y and point id repeated, or an empty line, after every image",
-                 .found = fmt::format("{} values", count)});
+    throw input_error("invalid line of observations",
+                      "x, y and point id repeated, or an empty line, after every image",
+                      fmt::format("{} values", count));
   }
 }
 
@@ -292,9 +290,8 @@ std::span<const ColmapModel> colmap_models() {
 void set_size(Camera& camera, std::uint64_t width, std::uint64_t height) {
   constexpr std::uint64_t k_side = k_max_image_side;
   if (width < 1 || height < 1 || width > k_side || height > k_side || width * height > k_max_pixels) {
-    throw Error({.problem = "image size out of range",
-                 .expected = "1 to 65536 pixels in each direction, at most 2^28 in total",
-                 .found = fmt::format("{} x {}", width, height)});
+    throw input_error("image size out of range", "1 to 65536 pixels in each direction, at most 2^28 in total",
+                      fmt::format("{} x {}", width, height));
   }
   camera.width = static_cast<int>(width);
   camera.height = static_cast<int>(height);

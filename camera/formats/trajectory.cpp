@@ -50,13 +50,13 @@ Columns read_header(std::string_view line) {
     if (known == k_columns.end()) continue;  // further columns are the user's
     std::size_t& column = columns[static_cast<std::size_t>(known - k_columns.begin())];
     if (column != k_not_there)
-      throw Error({.problem = fmt::format("duplicate column '{}'", word), .expected = "unique columns"});
+      throw input_error(fmt::format("duplicate column '{}'", word), "unique columns");
     column = position;
   }
   for (std::size_t i = 0; i < k_name; ++i) {
     if (columns[i] == k_not_there) {
-      throw Error({.problem = fmt::format("missing column '{}'", k_columns[i]),
-                   .expected = "a header with time,x,y,z,qw,qx,qy,qz and optionally name, in any order"});
+      throw input_error(fmt::format("missing column '{}'", k_columns[i]),
+                        "a header with time,x,y,z,qw,qx,qy,qz and optionally name, in any order");
     }
   }
   return columns;
@@ -68,18 +68,17 @@ NamedCamera read_row(std::string_view line, const Columns& columns, const Conven
   for (FieldWalk fields(line); !fields.at_end();) row.push_back(fields.word("cell"));
   const auto cell = [&](std::size_t column) {
     if (columns[column] < row.size()) return row[columns[column]];
-    throw Error({.problem = fmt::format("missing value for '{}'", k_columns[column]),
-                 .expected = "one value per column",
-                 .found = fmt::format("{}", row.size())});
+    throw input_error(fmt::format("missing value for '{}'", k_columns[column]), "one value per column",
+                      fmt::format("{}", row.size()));
   };
   std::array<double, 8> numbers{};
   for (std::size_t i = 0; i < numbers.size(); ++i)
     numbers[i] = number_of(cell(i), std::string(k_columns[i]).c_str());
   const auto rotation = rotation_from_quaternion({numbers[4], numbers[5], numbers[6], numbers[7]});
-  if (!rotation) throw Error({.problem = "quaternion is zero", .expected = "a nonzero quaternion"});
+  if (!rotation) throw input_error("quaternion is zero", "a nonzero quaternion");
   const glm::dvec3 position(numbers[1], numbers[2], numbers[3]);
   if (!(std::fabs(position.x) <= 1e12 && std::fabs(position.y) <= 1e12 && std::fabs(position.z) <= 1e12))
-    throw Error({.problem = "position out of range", .expected = "coordinates within +-1e12"});
+    throw input_error("position out of range", "coordinates within +-1e12");
 
   NamedCamera named{std::string(columns[k_name] == k_not_there ? cell(0) : cell(k_name)), lens};
   CameraPose& pose = named.camera.pose;
@@ -112,13 +111,13 @@ CameraSet read_trajectory(std::string_view text, const std::string& name, const 
       } else if (!columns) {
         columns = read_header(line);
         if (!conventions.axes || !conventions.camera_to_world) {
-          throw Error({.problem = "missing convention of the quaternions",
-                       .expected = "a line above the header such as '# opencv camera_to_world' (or opengl, "
-                                   "world_to_camera)"});
+          throw input_error("missing convention of the quaternions",
+                            "a line above the header such as '# opencv camera_to_world' (or opengl, "
+                            "world_to_camera)");
         }
         if (!lens) {
-          throw Error({.problem = "missing lens for the trajectory",
-                       .expected = "--lens CAMERA.json, or a scene with a camera"});
+          throw input_error("missing lens for the trajectory",
+                            "--lens CAMERA.json, or a scene with a camera");
         }
       } else {
         set.cameras.push_back(read_row(line, *columns, conventions, *lens));

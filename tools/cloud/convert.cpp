@@ -94,8 +94,7 @@ void add_crop_options(const Options& command, CropOptions& options) {
 /// Finds what is wrong before a cloud is read. Errors: no such file; --crop-crs without a file.
 void check_crop(const CropOptions& options) {
   if (options.polygons.empty()) {
-    if (!options.reference.empty())
-      throw Error({.problem = "--crop-crs requires a polygon file", .expected = "--crop FILE"});
+    if (!options.reference.empty()) throw input_error("--crop-crs requires a polygon file", "--crop FILE");
     return;
   }
   std::error_code error;

@@ -32,9 +32,8 @@ ExitCode run(const IndexCommand& command) {
     throw file_error(command.output, "not the name of an index file", "the extension .alidade");
   if (command.index.surfaces && command.index.spacing_neighbours &&
       *command.index.spacing_neighbours != k_surface_neighbours) {
-    throw Error({.problem = "--surfaces requires the 8th neighbour",
-                 .expected = "--spacings 8, or none",
-                 .found = std::to_string(*command.index.spacing_neighbours)});
+    throw input_error("--surfaces requires the 8th neighbour", "--spacings 8, or none",
+                      std::to_string(*command.index.spacing_neighbours));
   }
   check_writable(command.output, command.index.overwrite, command.files.names());
   PointCloud cloud = read_shown(command, {.color_depth = command.color_depth});

@@ -169,7 +169,7 @@ std::vector<std::filesystem::path> outputs_of(const CompareRequest& request) {
 }
 
 void require(bool holds, const char* problem, const char* expected) {
-  if (!holds) throw Error({.problem = problem, .expected = expected});
+  if (!holds) throw input_error(problem, expected);
 }
 
 void check_words(const CompareRequest& request) {

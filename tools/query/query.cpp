@@ -88,18 +88,17 @@ TargetFamily chosen_family(const QueryCommand& command) {
     const bool has_text = !given.text.empty(), has_values = !given.values.empty();
     if (!has_text && !has_values) continue;
     if (has_text && has_values) {
-      throw Error(
-          {.problem = fmt::format("{} and {} exclude each other", kind.texts_option, kind.value_option),
-           .expected = "one of them"});
+      throw input_error(fmt::format("{} and {} exclude each other", kind.texts_option, kind.value_option),
+                        "one of them");
     }
     if (chosen) {
-      throw Error({.problem = fmt::format("{} and {} are different kinds of targets",
-                                          target_kind(*chosen).plural, kind.plural),
-                   .expected = "one kind per run"});
+      throw input_error(
+          fmt::format("{} and {} are different kinds of targets", target_kind(*chosen).plural, kind.plural),
+          "one kind per run");
     }
     chosen = static_cast<TargetFamily>(i);
   }
-  if (!chosen) throw Error({.problem = "missing targets", .expected = "one of " + all});
+  if (!chosen) throw input_error("missing targets", "one of " + all);
   return *chosen;
 }
 
@@ -113,12 +112,11 @@ void check_options(const QueryCommand& command) {
   if (command.t_min && !has_t) reject("--t-min", family);
   if (command.t_max && !has_t) reject("--t-max", family);
   if (command.entry_min && family != rays) reject("--entry-min", family);
-  if (command.entry_min && !command.radius)
-    throw Error({.problem = "--entry-min requires a radius", .expected = "--radius R"});
+  if (command.entry_min && !command.radius) throw input_error("--entry-min requires a radius", "--radius R");
   if (command.measure == Measure::entry && family == rays && !command.radius)
-    throw Error({.problem = "--measure entry requires a radius", .expected = "--radius R"});
+    throw input_error("--measure entry requires a radius", "--radius R");
   if (command.measure == Measure::entry && family == path)
-    throw Error({.problem = "--measure entry does not apply to paths", .expected = "t or distance"});
+    throw input_error("--measure entry does not apply to paths", "t or distance");
 }
 
 ExitCode run(const QueryCommand& given) {
@@ -146,7 +144,7 @@ AnswerForm chosen_form(const QueryCommand& command) {
   if (!form)
     throw file_error(command.output, "unknown output format", ".csv, .jsonl, .las or .laz, or --format");
   if (form == AnswerForm::las && command.output.empty())
-    throw Error({.problem = "LAS output requires a file", .expected = "-o FILE.las"});
+    throw input_error("LAS output requires a file", "-o FILE.las");
   if (form == AnswerForm::las && (command.count || command.occluded))
     throw file_error(command.output, "LAS cannot store --count and --occluded", ".csv or .jsonl");
   return *form;

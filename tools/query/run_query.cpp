@@ -275,10 +275,8 @@ ExitCode run_with(const QueryCommand& command) {
     table = run_targets(reader, asker, command, *output);
     table += copc_table(*source.cache);
   } else {
-    if (command.memory) {
-      throw Error(
-          {.problem = "--memory requires a COPC query without --load", .expected = "a single COPC file"});
-    }
+    if (command.memory)
+      throw input_error("--memory requires a COPC query without --load", "a single COPC file");
     const QueriedCloud queried = load_needed<Target>(command, form);
     const IndexedCloud& cloud = queried.indexed;
     query.filter = class_filter(command, cloud);

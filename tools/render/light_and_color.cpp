@@ -126,10 +126,8 @@ void add_light_options(const Options& render, LightRequest& request) {
 void apply_light_options(const LightRequest& request, renderer::Scene& scene) {
   scene.render.mode = request.mode.value_or(scene.render.mode);
   if (request.ao_distance) scene.render.ao_distance = *request.ao_distance;
-  if (request.ao_distance && scene.render.mode != renderer::RenderMode::ambient_occlusion) {
-    throw Error({.problem = "--ao-distance requires ambient occlusion",
-                 .expected = "--mode ambient_occlusion with it"});
-  }
+  if (request.ao_distance && scene.render.mode != renderer::RenderMode::ambient_occlusion)
+    throw input_error("--ao-distance requires ambient occlusion", "--mode ambient_occlusion with it");
   if (request.sun) require_path_mode(scene, "--sun");
   if (request.sun_time) require_path_mode(scene, "--sun-time");
   if (request.sun_place) require_path_mode(scene, "--sun-place");
@@ -156,7 +154,7 @@ void apply_light_options(const LightRequest& request, renderer::Scene& scene) {
   }
   if (request.sun_place) {
     if (!scene.sun_by_time)
-      throw Error({.problem = "--sun-place requires --sun-time", .expected = "--sun-time DATE-TIME with it"});
+      throw input_error("--sun-place requires --sun-time", "--sun-time DATE-TIME with it");
     scene.sun_by_time->latitude = request.sun_place->x;
     scene.sun_by_time->longitude = request.sun_place->y;
   }
@@ -165,9 +163,7 @@ void apply_light_options(const LightRequest& request, renderer::Scene& scene) {
 void require_path_mode(const renderer::Scene& scene, const std::string& option) {
   if (scene.render.mode == renderer::RenderMode::path) return;
   const auto mode = std::ranges::find(renderer::k_modes, scene.render.mode, &renderer::NamedMode::mode);
-  throw Error({.problem = option + " has no effect in this mode",
-               .expected = "--mode path",
-               .found = std::string(mode->name)});
+  throw input_error(option + " has no effect in this mode", "--mode path", std::string(mode->name));
 }
 
 void prepare_sky(renderer::Scene& scene, const std::filesystem::path& scene_file, Verbosity verbosity) {

@@ -69,8 +69,8 @@ void check_in_view(const renderer::CloudSettings& settings, const renderer::Scen
                      "a database written by 'alidade sql load'");
   }
   if (views.empty())
-    throw Error({.problem = "--in-view requires a camera that does not depend on the cloud",
-                 .expected = "--camera, --panorama or a scene file"});
+    throw input_error("--in-view requires a camera that does not depend on the cloud",
+                      "--camera, --panorama or a scene file");
   if (settings.max_level < renderer::k_max_level || settings.partial)
     throw Error({.problem = "--in-view cannot be combined with --max-level or --partial"});
   if (std::ranges::find(scene.output.layers, image::Layer::id) != scene.output.layers.end())

@@ -196,7 +196,7 @@ std::shared_ptr<RenderCommand> add_render_options(const Options& render) {
 
 renderer::Scene requested_scene(const RenderCommand& command) {
   if (command.scene_file.empty() && command.files.empty())
-    throw Error({.problem = "nothing to render", .expected = "SCENE.json or --cloud FILE..."});
+    throw input_error("nothing to render", "SCENE.json or --cloud FILE...");
   renderer::Scene scene =
       command.scene_file.empty() ? daylight_scene(command.files) : renderer::read_scene(command.scene_file);
   apply_cloud_options(command, scene);

@@ -180,7 +180,7 @@ View view_of_cloud(const CameraRequest& request, const renderer::Scene& scene,
   if (request.extent) {
     const auto& [least_x, least_y, largest_x, largest_y] = *request.extent;
     if (!(least_x < largest_x && least_y < largest_y))
-      throw Error({.problem = "empty --extent", .expected = "min x, min y, max x, max y"});
+      throw input_error("empty --extent", "min x, min y, max x, max y");
     bounds = {{least_x, least_y, bounds.min.z}, {largest_x, largest_y, bounds.max.z}};
   }
   for (const renderer::Object& object : scene.objects) {

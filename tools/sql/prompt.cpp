@@ -249,7 +249,7 @@ class Prompt {
   }
 
   [[noreturn]] static void reject(const std::string& line) {
-    throw Error({.problem = "unknown command", .expected = "a command listed by .help", .found = line});
+    throw input_error("unknown command", "a command listed by .help", line);
   }
 
   const database::Connection& connection_;

@@ -46,10 +46,8 @@ std::unique_ptr<database::Connection> open_for_reading(const std::filesystem::pa
 }
 
 ExitCode run(const SqlCommand& command, bool has_statement) {
-  if (command.database.empty()) {
-    throw Error({.problem = "missing database",
-                 .expected = "alidade sql DB \"SELECT ...\", or alidade sql load FILE... DB"});
-  }
+  if (command.database.empty())
+    throw input_error("missing database", "alidade sql DB \"SELECT ...\", or alidade sql load FILE... DB");
   if (database::is_server_name(command.database.string())) {
     throw file_error(database::ServerName(command.database.string()).shown(),
                      "use psql for a server, with the extension alidade_pg", "an SQLite file");

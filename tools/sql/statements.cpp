@@ -96,10 +96,10 @@ void bind_parameters(sqlite3_stmt* statement, std::vector<SqlParameter>& paramet
       return parameter.name == name && (!name.empty() || ++unnamed_before == wanted);
     });
     if (found == parameters.end()) {
-      throw Error({.problem = name.empty() ? fmt::format("missing value of parameter {}", wanted)
-                                           : fmt::format("missing value of parameter {}", sign_and_name),
-                   .expected = name.empty() ? "--param VALUE for each, in order"
-                                            : fmt::format("--param {}=VALUE", name)});
+      throw input_error(
+          name.empty() ? fmt::format("missing value of parameter {}", wanted)
+                       : fmt::format("missing value of parameter {}", sign_and_name),
+          name.empty() ? "--param VALUE for each, in order" : fmt::format("--param {}=VALUE", name));
     }
     bind(statement, position, *found);
   }

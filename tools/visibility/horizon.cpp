@@ -56,9 +56,8 @@ visibility::Observer only_observer(const HorizonCommand& command, const Visibili
   const std::vector<visibility::Observer> observers =
       load_observers(command.observers, cloud, command.verbosity);
   if (observers.size() != 1) {
-    throw Error({.problem = "a horizon requires a single observer",
-                 .expected = "one observer",
-                 .found = std::to_string(observers.size())});
+    throw input_error("a horizon requires a single observer", "one observer",
+                      std::to_string(observers.size()));
   }
   return observers.front();
 }
@@ -87,8 +86,8 @@ View look_around(const HorizonCommand& command, const VisibilityCloud& cloud,
       "computing the horizon", "azimuths", command.verbosity,
       [&](const Progress& progress) { return visibility::horizon(occluders, view.eye, options, progress); });
   if (view.line.empty()) {
-    throw Error({.problem = "the field of view contains no azimuth",
-                 .expected = "a smaller --step or a wider --horizontal-fov"});
+    throw input_error("the field of view contains no azimuth",
+                      "a smaller --step or a wider --horizontal-fov");
   }
   view.facts.eye = view.observer.position;
   const bool all_round =

@@ -114,9 +114,9 @@ void add_pair_options(const Options& command, PairRequest& request) {
 /// Errors that need no cloud: nothing asked for, --positions-crs alone.
 void check_pair_request(const PairRequest& request) {
   if (request.pairs.empty() && request.positions.empty())
-    throw Error({.problem = "missing lines of sight", .expected = "--pairs FILE or --places FILE"});
+    throw input_error("missing lines of sight", "--pairs FILE or --places FILE");
   if (request.positions.empty() && !request.places_crs.empty())
-    throw Error({.problem = "--places-crs requires --places", .expected = "--places FILE"});
+    throw input_error("--places-crs requires --places", "--places FILE");
 }
 
 /// Reads positions and pairs and gives them their positions on the cloud. Surfaces need not be measured.
@@ -164,10 +164,10 @@ void check_margin(const LineEnds& ends, double margin) {
   for_each_pair(ends, [&](std::size_t from, std::size_t to) {
     const double length = distance(ends.positions[from].position, ends.positions[to].position);
     if (2.0 * margin < length) return;
-    throw Error({.problem = fmt::format("--end-margin exceeds the line from '{}' to '{}'",
-                                        ends.positions[from].name, ends.positions[to].name),
-                 .expected = fmt::format("less than half of its length {:.6g}", length),
-                 .found = fmt::format("{:.6g}", margin)});
+    throw input_error(fmt::format("--end-margin exceeds the line from '{}' to '{}'",
+                                  ends.positions[from].name, ends.positions[to].name),
+                      fmt::format("less than half of its length {:.6g}", length),
+                      fmt::format("{:.6g}", margin));
   });
 }
 

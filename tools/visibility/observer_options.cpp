@@ -111,7 +111,7 @@ std::vector<visibility::Observer> load_observers(const ObserverOptions& options,
                                                  Verbosity verbosity,
                                                  const visibility::GroundHeight& ground) {
   if (options.positions.empty() && options.file.empty() && !options.grid)
-    throw Error({.problem = "missing observers", .expected = "--observer, --observers or --observer-grid"});
+    throw input_error("missing observers", "--observer, --observers or --observer-grid");
   std::vector<visibility::GivenObserver> given = read_given(options, cloud.cloud.cloud.crs);
   const bool needs_ground =
       options.grid || std::ranges::any_of(given, [](const visibility::GivenObserver& one) { return !one.z; });

@@ -110,9 +110,9 @@ bool with_blockers(const PointsCommand& command, std::size_t observers) {
   const bool wanted = command.blockers.value_or(observers == 1 ? BlockerColumns::all
                                                                : BlockerColumns::none) == BlockerColumns::all;
   if (wanted && observers > visibility::k_most_mask_observers) {
-    throw Error({.problem = "too many observers for a column of blockers each",
-                 .expected = fmt::format("at most {}, or --blockers none", visibility::k_most_mask_observers),
-                 .found = std::to_string(observers)});
+    throw input_error("too many observers for a column of blockers each",
+                      fmt::format("at most {}, or --blockers none", visibility::k_most_mask_observers),
+                      std::to_string(observers));
   }
   return wanted;
 }

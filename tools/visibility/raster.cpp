@@ -93,8 +93,8 @@ void check_values(const RasterCommand& command) {
   const visibility::ViewshedMode mode = command.mode;
   const auto check = [mode](bool is_given, const std::string& option, visibility::ViewshedMode of) {
     if (!is_given || mode == of) return;
-    throw Error({.problem = "option " + option + " does not apply to this map",
-                 .expected = fmt::format("--mode {}", k_mode_words[static_cast<std::size_t>(of)])});
+    throw input_error("option " + option + " does not apply to this map",
+                      fmt::format("--mode {}", k_mode_words[static_cast<std::size_t>(of)]));
   };
   check(command.visible_value.has_value(), "--visible-value", visibility::ViewshedMode::visible);
   check(command.invisible_value.has_value(), "--invisible-value", visibility::ViewshedMode::visible);
@@ -103,9 +103,8 @@ void check_values(const RasterCommand& command) {
   check(command.positions_across.has_value(), "--places", visibility::ViewshedMode::fraction);
   const visibility::SeenValues values = seen_values_of(command);
   if (values.visible == values.invisible) {
-    throw Error({.problem = "visible and invisible cells have the same value",
-                 .expected = "--visible-value and --invisible-value that differ",
-                 .found = std::to_string(values.visible)});
+    throw input_error("visible and invisible cells have the same value",
+                      "--visible-value and --invisible-value that differ", std::to_string(values.visible));
   }
   const double highest = command.highest.value_or(visibility::ViewshedOptions().highest);
   if (mode == visibility::ViewshedMode::height && highest <= command.map.target_height.value_or(0.0))
