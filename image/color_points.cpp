@@ -70,8 +70,7 @@ bool has_column(const AttributeColumns& columns, const std::string& word) {
 }
 
 bool has_color(const AttributeColumns& columns) {
-  return std::any_of(columns.colors.begin(), columns.colors.end(),
-                     [](const Color16& color) { return color != Color16(0); });
+  return std::ranges::any_of(columns.colors, [](const Color16& color) { return color != Color16(0); });
 }
 
 bool has_varied_intensity(const AttributeColumns& columns) {

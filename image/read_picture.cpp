@@ -18,33 +18,30 @@ namespace {
 constexpr std::uint64_t k_most_pixels_per_byte = 4096;
 constexpr float k_infinite_light = 65504.0f, k_most_light = 1e9f;
 
-[[noreturn]] void fail(const std::filesystem::path& file, const std::string& problem,
-                       const std::string& expected = {}, const std::string& found = {}) {
-  throw file_error(file, problem, expected, found);
-}
-
 std::string size_text(int width, int height) {
   return std::to_string(width) + " x " + std::to_string(height);
 }
 
 void check(const OIIO::ImageSpec& spec, std::uint64_t file_size, const std::filesystem::path& file) {
-  if (spec.deep || spec.depth > 1) fail(file, "not a flat image", "one value per channel and pixel");
-  if (spec.width < 1 || spec.height < 1 || spec.nchannels < 1) fail(file, "the image has no pixels");
+  if (spec.deep || spec.depth > 1)
+    throw file_error(file, "not a flat image", "one value per channel and pixel");
+  if (spec.width < 1 || spec.height < 1 || spec.nchannels < 1)
+    throw file_error(file, "the image has no pixels");
   const std::string found = size_text(spec.width, spec.height);
   const auto count = static_cast<std::uint64_t>(spec.width) * static_cast<std::uint64_t>(spec.height);
   if (count > k_most_sky_pixels) {
-    fail(file, "too large for a sky",
-         "at most " + std::to_string(k_most_sky_pixels) + " pixels, as in 16384 x 8192", found);
+    throw file_error(file, "too large for a sky",
+                     "at most " + std::to_string(k_most_sky_pixels) + " pixels, as in 16384 x 8192", found);
   }
   if (count / k_most_pixels_per_byte > file_size) {
-    fail(file, "the file is too short for its pixels", "more than " + std::to_string(file_size) + " bytes",
-         found);
+    throw file_error(file, "the file is too short for its pixels",
+                     "more than " + std::to_string(file_size) + " bytes", found);
   }
   const bool is_whole = spec.x == spec.full_x && spec.y == spec.full_y && spec.width == spec.full_width &&
                         spec.height == spec.full_height;
   if (!is_whole) {
-    fail(file, "the image is a crop", "all " + size_text(spec.full_width, spec.full_height) + " pixels",
-         found);
+    throw file_error(file, "the image is a crop",
+                     "all " + size_text(spec.full_width, spec.full_height) + " pixels", found);
   }
 }
 
@@ -97,13 +94,12 @@ std::string image_trouble(const std::string& said) {
 }
 
 std::uint64_t picture_file_size(const std::filesystem::path& file) {
-  const auto fail = [&](const char* problem) { throw file_error(file, problem); };
   std::error_code error;
   const auto status = std::filesystem::status(file, error);
-  if (!std::filesystem::exists(status)) fail("no such file");
-  if (!std::filesystem::is_regular_file(status)) fail("not a regular file");
+  if (!std::filesystem::exists(status)) throw file_error(file, "no such file");
+  if (!std::filesystem::is_regular_file(status)) throw file_error(file, "not a regular file");
   const std::uintmax_t size = std::filesystem::file_size(file, error);
-  if (error) fail("cannot read the image");
+  if (error) throw file_error(file, "cannot read the image");
   return size;
 }
 
@@ -113,7 +109,7 @@ SkyPixels read_sky_image(const std::filesystem::path& file) {
   OIIO::ImageSpec hints;
   hints.attribute("oiio:UnassociatedAlpha", 1);
   const auto input = OIIO::ImageInput::open(file.string(), &hints);
-  if (!input) fail(file, "cannot read the image: " + image_trouble(OIIO::geterror()));
+  if (!input) throw file_error(file, "cannot read the image: " + image_trouble(OIIO::geterror()));
   const OIIO::ImageSpec spec = input->spec();
   check(spec, file_size, file);
 
@@ -124,7 +120,7 @@ SkyPixels read_sky_image(const std::filesystem::path& file) {
                                          OIIO::TypeFloat, pixels.values.data(), sizeof(Rgb));
   // Of TIFF files OpenImageIO reports what is missing, but says that all is well.
   if (!is_read || input->has_error())
-    fail(file, "the image has missing pixels: " + image_trouble(input->geterror()));
+    throw file_error(file, "the image has missing pixels: " + image_trouble(input->geterror()));
   if (channels.count == 1)
     for (Rgb& value : pixels.values) value = Rgb(value.r);
 

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <cstring>
 
+#include "base/words.h"
 #include "camera/formats/camera_file.h"
 
 namespace alidade::camera {
@@ -117,11 +118,9 @@ double FieldWalk::number(const char* what) {
 
 std::uint64_t FieldWalk::whole_number(const char* what, std::uint64_t most) {
   const std::string_view text = word(what);
-  std::uint64_t value = 0;
-  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
-  if (error != std::errc() || end != text.data() + text.size() || value > most)
-    fail(what, "an integer from 0 to " + std::to_string(most), text);
-  return value;
+  const std::optional<std::uint64_t> value = parse_count(text);
+  if (!value || *value > most) fail(what, "an integer from 0 to " + std::to_string(most), text);
+  return *value;
 }
 
 std::string_view FieldWalk::rest() {

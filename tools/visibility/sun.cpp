@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: MIT
 #include <fmt/format.h>
 #include <cmath>
-#include <numeric>
 
 #include "base/date_time.h"
 #include "base/error.h"
@@ -95,9 +94,9 @@ SunSky sun_of(const SunCommand& command, const VisibilityCloud& cloud) {
 
 /// On open level ground, kWh/m2.
 double open_energy(const SunSky& sun) {
-  return std::accumulate(
-      sun.bins.begin(), sun.bins.end(), 0.0,
-      [](double sum, const visibility::SunBin& bin) { return sum + bin.energy.z / 1000.0; });
+  double energy = 0.0;
+  for (const visibility::SunBin& bin : sun.bins) energy += bin.energy.z / 1000.0;
+  return energy;
 }
 
 /// All that the answers depend on.
