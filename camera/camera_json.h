@@ -16,6 +16,15 @@ inline constexpr NumberRange k_coefficient{-1e6, 1e6};
 /// The value of a key. Errors: there is none.
 JsonNode required(const JsonNode& node, std::string_view key);
 
+/// A map of positions: rotation, in some files with a scale in it, and translation.
+struct Transform {
+  glm::dmat3 rotation{1.0};
+  glm::dvec3 translation{0.0};
+};
+
+/// Its matrix from rows of four numbers; a fourth row is not examined.
+Transform read_transform(const std::vector<JsonNode>& rows);
+
 /// The camera as a camera file on one line; parse_camera gives back the same camera, bit for bit.
 std::string camera_json(const Camera& camera);
 

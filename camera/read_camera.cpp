@@ -193,25 +193,15 @@ glm::dmat3 read_quaternion(const JsonNode& node) {
   return *rotation_from_quaternion(q);
 }
 
-struct Transform {
-  glm::dmat3 rotation{1.0};
-  glm::dvec3 translation{0.0};
-};
-
 Transform transform_from_matrix(const JsonNode& node) {
   const std::vector<JsonNode> rows = node.elements(4, 4);
-  Transform transform;
-  for (int row = 0; row < 4; ++row) {
-    const std::vector<JsonNode> numbers = rows[static_cast<std::size_t>(row)].elements(4, 4);
-    for (int column = 0; column < 4; ++column) {
-      const double value = numbers[static_cast<std::size_t>(column)].number(k_coordinate);
-      if (row < 3 && column < 3) transform.rotation[column][row] = value;
-      if (row < 3 && column == 3) transform.translation[row] = value;
-      if (row == 3 && value != (column == 3 ? 1.0 : 0.0)) {
-        rows[3].fail("the transform is not rigid",
-                     "the last row 0, 0, 0, 1 (transpose a column-major matrix)",
-                     fmt::format("{} in column {}", value, column));
-      }
+  Transform transform = read_transform(rows);
+  const std::vector<JsonNode> last = rows[3].elements(4, 4);
+  for (std::size_t column = 0; column < 4; ++column) {
+    const double value = last[column].number(k_coordinate);
+    if (value != (column == 3 ? 1.0 : 0.0)) {
+      rows[3].fail("the transform is not rigid", "the last row 0, 0, 0, 1 (transpose a column-major matrix)",
+                   fmt::format("{} in column {}", value, column));
     }
   }
   transform.rotation = checked_rotation(node, transform.rotation);
@@ -273,6 +263,17 @@ CameraPose read_pose(const JsonNode& node) {
 JsonNode required(const JsonNode& node, std::string_view key) {
   if (const auto value = node.find(key)) return *value;
   node.fail(fmt::format("missing key \"{}\"", key), "", "");
+}
+
+Transform read_transform(const std::vector<JsonNode>& rows) {
+  Transform transform;
+  for (int row = 0; row < 3; ++row) {
+    const std::vector<JsonNode> numbers = rows[static_cast<std::size_t>(row)].elements(4, 4);
+    for (int column = 0; column < 3; ++column)
+      transform.rotation[column][row] = numbers[static_cast<std::size_t>(column)].number(k_coordinate);
+    transform.translation[row] = numbers[3].number(k_coordinate);
+  }
+  return transform;
 }
 
 Camera read_camera_node(const JsonNode& node) {

@@ -133,24 +133,6 @@ void set_intrinsics(const FrameFields& fields, const JsonNode& frame, const std:
   camera.fy = focal_length(fields, 'y', h).value_or(camera.fx);
 }
 
-/// An affine map as rows of four numbers; 3 rows, or 4 of which the last is not examined.
-struct Affine {
-  glm::dmat3 linear{1.0};
-  glm::dvec3 shift{0.0};
-};
-
-Affine read_affine(const JsonNode& node) {
-  const std::vector<JsonNode> rows = node.elements(3, 4);
-  Affine affine;
-  for (int row = 0; row < 3; ++row) {
-    const std::vector<JsonNode> numbers = rows[static_cast<std::size_t>(row)].elements(4, 4);
-    for (int column = 0; column < 3; ++column)
-      affine.linear[column][row] = numbers[static_cast<std::size_t>(column)].number(k_coordinate);
-    affine.shift[row] = numbers[3].number(k_coordinate);
-  }
-  return affine;
-}
-
 /// Takes a uniform scale out of a rotation. Errors: what is left is no rotation.
 double take_scale(const JsonNode& node, glm::dmat3& linear) {
   const double scale = length_of(linear[0]);
@@ -183,9 +165,9 @@ std::optional<WorldChange> world_change(const JsonNode& top) {
   if (!transform && !scale) return std::nullopt;
   WorldChange change;
   if (transform) {
-    Affine affine = read_affine(*transform);
-    change.rotation = affine.linear;
-    change.shift = affine.shift;
+    Transform affine = read_transform(transform->elements(3, 4));
+    change.rotation = affine.rotation;
+    change.shift = affine.translation;
     const double length = take_scale(*transform, change.rotation);
     if (std::fabs(length - 1.0) > k_file_rotation_tolerance)
       transform->fail("applied_transform is not rigid", "a rotation and a translation", "a scale");
@@ -215,13 +197,13 @@ CameraSet read_transforms(const JsonNode& top, const std::filesystem::path& file
     if (set.warnings.empty()) set.warnings = warnings;
     set_intrinsics(fields, frame, file.parent_path() / named.name, named.camera);
 
-    Affine affine = read_affine(*matrix);
-    const double scale = take_scale(*matrix, affine.linear);
+    Transform affine = read_transform(matrix->elements(3, 4));
+    const double scale = take_scale(*matrix, affine.rotation);
     if (std::fabs(scale - 1.0) > k_file_rotation_tolerance) ++scaled;
-    named.camera.pose = {.position = affine.shift,
-                         .right = affine.linear[0],
-                         .down = -affine.linear[1],
-                         .forward = -affine.linear[2]};
+    named.camera.pose = {.position = affine.translation,
+                         .right = affine.rotation[0],
+                         .down = -affine.rotation[1],
+                         .forward = -affine.rotation[2]};
     if (original_world && change) named.camera.pose = before(*change, named.camera.pose);
     at_node(frame, [&] { check_camera_numbers(named.camera); });
     set.cameras.push_back(std::move(named));
