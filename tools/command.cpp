@@ -108,6 +108,16 @@ ExitCode run_chosen(const std::vector<Command>& commands, const CommandLine& wor
                                                        : command.run(words);
 }
 
+Command add_visibility(const Options& program) {
+  const Options visibility =
+      program.command("visibility", "Compute visibility on the points").require_command();
+  return {visibility,
+          {},
+          {add_visibility_points(visibility), add_visibility_raster(visibility),
+           add_visibility_horizon(visibility), add_visibility_sky(visibility), add_visibility_sun(visibility),
+           add_visibility_lines(visibility), add_visibility_place(visibility)}};
+}
+
 }  // namespace
 
 std::string picture_command(const CommandLine& words) {
@@ -123,16 +133,6 @@ std::string picture_command(const CommandLine& words) {
     }
   }
   return text;
-}
-
-Command add_visibility(const Options& program) {
-  const Options visibility =
-      program.command("visibility", "Compute visibility on the points").require_command();
-  return {visibility,
-          {},
-          {add_visibility_points(visibility), add_visibility_raster(visibility),
-           add_visibility_horizon(visibility), add_visibility_sky(visibility), add_visibility_sun(visibility),
-           add_visibility_lines(visibility), add_visibility_place(visibility)}};
 }
 
 ExitCode run_program(const CommandLine& command_line) {

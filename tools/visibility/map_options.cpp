@@ -54,6 +54,15 @@ void add_ground(const Options& command, MapOptions& map) {
                1e9);
 }
 
+std::string ground_text(const visibility::Ground& ground) {
+  const geo::RasterGrid& grid = ground.heights().grid;
+  return fmt::format("{} in cells of {:.4g}, {:.1f} % of them measured",
+                     ground.source() == visibility::GroundSource::classified ? "points of classes 2, 9 and 11"
+                                                                             : "lowest points",
+                     grid.cell_size,
+                     100.0 * static_cast<double>(ground.measured_cells()) / static_cast<double>(grid.size()));
+}
+
 }  // namespace
 
 CloudUnit cloud_unit(const Crs& crs) {
@@ -110,15 +119,6 @@ visibility::Ground find_map_ground(const MapOptions& map, const VisibilityCloud&
   visibility::Ground ground = find_ground(cloud, options, verbosity);
   say_note(verbosity, "ground: " + ground_text(ground));
   return ground;
-}
-
-std::string ground_text(const visibility::Ground& ground) {
-  const geo::RasterGrid& grid = ground.heights().grid;
-  return fmt::format("{} in cells of {:.4g}, {:.1f} % of them measured",
-                     ground.source() == visibility::GroundSource::classified ? "points of classes 2, 9 and 11"
-                                                                             : "lowest points",
-                     grid.cell_size,
-                     100.0 * static_cast<double>(ground.measured_cells()) / static_cast<double>(grid.size()));
 }
 
 Bounds map_area(const MapOptions& map, const VisibilityCloud& cloud) {

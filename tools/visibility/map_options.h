@@ -52,7 +52,6 @@ void check_map_writing(const MapOptions& map, bool overwrite,
 
 /// The ground below the cloud, with progress; it is said how it was found.
 visibility::Ground find_map_ground(const MapOptions& map, const VisibilityCloud& cloud, Verbosity verbosity);
-std::string ground_text(const visibility::Ground& ground);
 
 /// The part of the cloud that is requested. Errors: --area holds nothing of it.
 Bounds map_area(const MapOptions& map, const VisibilityCloud& cloud);
