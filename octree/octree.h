@@ -15,11 +15,11 @@
 
 namespace alidade {
 
-/// A node: up to eight children with their boxes, one cache line.
+/// A node: up to 16 children with their boxes, two cache lines.
 ///
-///   byte  0      8      16     24     32     40     48     56           60
-///         low.x  low.y  low.z  high.x high.y high.z kind   first_child  first_point
-///         8 B    8 B    8 B    8 B    8 B    8 B    8 B    4 B          4 B
+///   byte  0      16     32     48     64     80     96     112          116          120
+///         low.x  low.y  low.z  high.x high.y high.z kind   first_child  first_point  0
+///         16 B   16 B   16 B   16 B   16 B   16 B   16 B   4 B          4 B          8 B
 ///
 /// Every node has a *frame*: a cell of the octree, 2^level lattice steps wide, level >= 8, whose lower corner
 /// is a multiple of its width. The children's boxes are on the frame's own grid of 256 steps per axis; one
@@ -27,8 +27,8 @@ namespace alidade {
 /// steps. A node does not store its frame: the root's is known, and a child's follows from its parent's
 /// (child_corner).
 ///
-/// Children are not the eight octants of one split: each bit of the Morton key splits a cell in two halves,
-/// and the eight slots are used for those halves of halves that a ray is expected to meet least often
+/// Children are not the octants of one split: each bit of the Morton key splits a cell in two halves, and the
+/// 16 slots are used for those halves of halves that a ray is expected to meet least often
 /// (octree/building/collapsed_tree.h). Their cells are disjoint and in Morton order. Exceptions: points that
 /// are too many for a leaf but lie in a cell that is not split further are divided by number, in Morton
 /// order; and in a layered octree the first slot may be a leaf with a sample of the points of the whole cell.
@@ -38,19 +38,20 @@ namespace alidade {
 /// From frames of level 16 (k_exact_frame_level) on, the points below a node stand one after another: those
 /// of its leaves, then those below its inner children in slot order.
 struct alignas(64) Node {
-  std::uint8_t low[3][8];
-  std::uint8_t high[3][8];
+  std::uint8_t low[3][16];
+  std::uint8_t high[3][16];
   /// 0: empty slot. 1..127: leaf with so many points. 128 + d: inner node whose frame is d levels smaller, d
   /// = 0..7.
-  std::uint8_t kind[8];
+  std::uint8_t kind[16];
   /// Inner children stand one after another in slot order from here.
   std::uint32_t first_child;
   /// Points of leaf children stand one after another in slot order from here.
   std::uint32_t first_point;
+  std::uint64_t unused;  ///< 0
 };
-static_assert(sizeof(Node) == 64);
+static_assert(sizeof(Node) == 128);
 
-constexpr int k_node_width = 8;
+constexpr int k_node_width = 16;
 constexpr std::uint8_t k_inner_kind = 0x80;
 constexpr int k_max_level_drop = 7;
 constexpr int k_min_frame_level = 8;
@@ -68,24 +69,58 @@ constexpr bool is_leaf(std::uint8_t kind) {
   return kind != 0 && kind < k_inner_kind;
 }
 
-// The eight kinds of a node together, a byte each: slot by slot, reading them would take longer than all else.
+/// Sixteen bytes of a node, one per slot, as two words: slot by slot, reading them would take longer than all
+/// else.
+struct SlotBytes {
+  static constexpr std::uint64_t k_every_byte = 0x0101010101010101u;
 
-constexpr std::uint64_t k_every_byte = 0x0101010101010101u;
+  std::uint64_t lower, upper;  ///< of slots 0 to 7 and 8 to 15
 
-inline std::uint64_t kinds_of(const Node& node) {
-  return std::bit_cast<std::uint64_t>(node.kind);
+  /// Of a row of a node.
+  static SlotBytes load(const std::uint8_t (&row)[k_node_width]) { return std::bit_cast<SlotBytes>(row); }
+  static constexpr SlotBytes fill(std::uint8_t byte) { return {byte * k_every_byte, byte * k_every_byte}; }
+
+  constexpr SlotBytes operator|(SlotBytes b) const { return {lower | b.lower, upper | b.upper}; }
+  constexpr SlotBytes operator^(SlotBytes b) const { return {lower ^ b.lower, upper ^ b.upper}; }
+
+  /// Bit s: the highest bit of byte s.
+  constexpr unsigned high_bits() const { return high_bits(lower) | high_bits(upper) << 8; }
+  /// Bit s: byte s is not 0.
+  constexpr unsigned nonzero() const { return high_bits(nonzero(lower)) | high_bits(nonzero(upper)) << 8; }
+  /// Sum of the bytes of the slots before one, at most 15.
+  constexpr std::uint32_t sum_before(int slot) const {
+    const std::uint64_t mask = (std::uint64_t{1} << (8 * (slot & 7))) - 1;
+    return slot < 8 ? sum(lower & mask) : sum(lower) + sum(upper & mask);
+  }
+  constexpr std::uint32_t sum() const { return sum(lower) + sum(upper); }
+
+ private:
+  static constexpr unsigned high_bits(std::uint64_t word) {
+    return static_cast<unsigned>(((word >> 7 & k_every_byte) * 0x0102040810204080u) >> 56);
+  }
+  static constexpr std::uint64_t nonzero(std::uint64_t word) {
+    constexpr std::uint64_t k_low_bits = 0x7f * k_every_byte;
+    return ((word & k_low_bits) + k_low_bits) | word;
+  }
+  static constexpr std::uint32_t sum(std::uint64_t bytes) {
+    constexpr std::uint64_t k_even_bytes = 0x00ff00ff00ff00ffu;
+    return static_cast<std::uint32_t>(
+        ((bytes & k_even_bytes) + (bytes >> 8 & k_even_bytes)) * 0x0001000100010001u >> 48);
+  }
+};
+
+/// The slots of inner children, as bits.
+inline unsigned inner_slots(const Node& node) {
+  return SlotBytes::load(node.kind).high_bits();
 }
-/// The highest bit of the bytes of inner nodes.
-constexpr std::uint64_t inner_bits(std::uint64_t kinds) {
-  return kinds & (k_every_byte << 7);
-}
+
 /// Number of points by slot; 0 where no leaf is.
-constexpr std::uint64_t leaf_counts(std::uint64_t kinds) {
-  return kinds & ~((kinds >> 7 & k_every_byte) * 0xff);
-}
-constexpr std::uint64_t sum_of_bytes(std::uint64_t bytes) {
-  constexpr std::uint64_t k_even_bytes = 0x00ff00ff00ff00ffu;
-  return ((bytes & k_even_bytes) + (bytes >> 8 & k_even_bytes)) * 0x0001000100010001u >> 48;
+inline SlotBytes leaf_counts(const Node& node) {
+  const auto without_inner = [](std::uint64_t kinds) {
+    return kinds & ~((kinds >> 7 & SlotBytes::k_every_byte) * 0xff);
+  };
+  const SlotBytes kinds = SlotBytes::load(node.kind);
+  return {without_inner(kinds.lower), without_inner(kinds.upper)};
 }
 
 /// Lattice steps from the corner of the parent's frame to the corner of the child's, along one axis.
@@ -127,7 +162,7 @@ struct TreeView {
   const LatticePosition* positions = nullptr;
   std::uint32_t first_exact = 0;  ///< meaningless without positions
   /// Spacing of the point at each storage index (octree/spacing.h), and the greatest below each slot of each
-  /// node, 0 in empty ones: slot s of node n at 8 n + s. The upper halves of floats, metres. Both null if
+  /// node, 0 in empty ones: slot s of node n at 16 n + s. The upper halves of floats, metres. Both null if
   /// nobody measured them. `spacings` is readable for k_coordinate_padding values past the end.
   const std::uint16_t* spacings = nullptr;
   const std::uint16_t* slot_spacings = nullptr;

@@ -52,7 +52,7 @@ constexpr int k_most_spacing_neighbours = 64;
 
 /// The same octree with the spacing of every point. An octree that has them for this n is returned as it is.
 /// `progress` is in points. Cost: 1 to 2 microseconds of one thread per point (n = 8), in parallel; 2 B per
-/// point and 16 B per node. Errors: n below 1 or above k_most_spacing_neighbours.
+/// point and 32 B per node. Errors: n below 1 or above k_most_spacing_neighbours.
 Octree with_spacings(const Octree& octree, int neighbours, const Progress& progress = {});
 
 /// The 16 bits that represent a spacing, rounded up; see spacing_of(). Requires: not negative, not NaN.

@@ -13,10 +13,11 @@ namespace alidade {
 
 /// A node with its frame.
 struct Frame {
-  std::uint32_t node = 0;
-  std::array<std::uint32_t, 3> corner{};  ///< lattice steps from the tree's base
-  int level = 0;                          ///< of the frame: it is 2^level lattice steps wide
-  int depth = 0;                          ///< of the node, the root's being 0: the level of its points
+  // Without initial values: searches have stacks of frames that would be filled for every query.
+  std::uint32_t node;
+  std::array<std::uint32_t, 3> corner;  ///< lattice steps from the tree's base
+  int level;                            ///< of the frame: it is 2^level lattice steps wide
+  int depth;                            ///< of the node, the root's being 0: the level of its points
 };
 
 /// A leaf: `count` points from storage index `first` on, below a frame.

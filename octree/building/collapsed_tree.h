@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <array>
 #include <cstdint>
+#include <limits>
 #include <vector>
 
 #include "octree/building/node_draft.h"
@@ -104,19 +105,19 @@ class CollapsedTree {
     cell.box.grow(lower.box);
     cell.box.grow(upper.box);
     std::array<float, k_node_width> split;  // cost of both halves in index + 1 slots
-    for (int slots = 2; slots <= k_node_width; ++slots) {
-      float least = lower.cost[0] + upper.cost[slots - 2];
-      int lower_slots = 1;
-      for (int k = 2; k < slots; ++k) {
+    std::array<std::int32_t, k_node_width> lower_slots;
+    split.fill(std::numeric_limits<float>::infinity());
+    // The inner loop runs along the slots of both, so that it is done several at a time.
+    for (int k = 1; k < k_node_width; ++k) {
+      for (int slots = k + 1; slots <= k_node_width; ++slots) {
         const float cost = lower.cost[k - 1] + upper.cost[slots - k - 1];
-        if (cost < least) {
-          least = cost;
-          lower_slots = k;
-        }
+        const bool is_less = cost < split[slots - 1];
+        split[slots - 1] = is_less ? cost : split[slots - 1];
+        lower_slots[slots - 1] = is_less ? k : lower_slots[slots - 1];
       }
-      split[slots - 1] = least;
-      cell.lower_slots[slots % k_node_width] = static_cast<std::uint8_t>(lower_slots);
     }
+    for (int slots = 2; slots <= k_node_width; ++slots)
+      cell.lower_slots[slots % k_node_width] = static_cast<std::uint8_t>(lower_slots[slots - 1]);
     // The slots of a node are those of all its halves: [0] is kept for it, and for all slots of the node above.
     const float node = area(cell.box) + split[k_node_width - 1];
     cell.is_leaf = rules_.may_be_leaf(cell.points) && leaf_cost(cell) <= node;

@@ -167,7 +167,7 @@ struct SplitRules {
   }
 };
 
-/// Eight equal parts; in Morton order, so that at the lowest level only parts of one position can have equal
+/// Equal parts, as many as make leaves or as a node has slots; in Morton order, so that at the lowest level only parts of one position can have equal
 /// boxes: where the bit is decided in which the first and the last point of two parts differ, one of the
 /// boxes ends. Where they are not quite equal the smaller ones come first: if only these are leaves, their
 /// points, which take the storage indices before those of inner children, are the first in the order too.
@@ -176,12 +176,14 @@ ChildList split_by_number(const SortedPoints<Entry>& sorted, const ChildRange& r
                           int frame_level) {
   ChildList parts;
   const std::uint32_t count = range.points.count();
-  const std::uint32_t size = count / k_node_width, larger_parts = count % k_node_width;
+  const auto leaf_size = static_cast<std::uint32_t>(rules.leaf_size);
+  const std::uint32_t part_count = std::min<std::uint32_t>((count + leaf_size - 1) / leaf_size, k_node_width);
+  const std::uint32_t size = count / part_count, larger_parts = count % part_count;
   std::uint32_t begin = range.points.begin;
-  for (std::uint32_t part = 0; part < k_node_width; ++part) {
-    const std::uint32_t end = begin + size + (part + larger_parts >= k_node_width ? 1 : 0);
-    const PointRange points = point_range(sorted, begin, std::max(end, begin + 1));
-    if (begin < end) parts.add({points, rules.fits_leaf(points, frame_level), range.cell});
+  for (std::uint32_t part = 0; part < part_count; ++part) {
+    const std::uint32_t end = begin + size + (part + larger_parts >= part_count ? 1 : 0);
+    const PointRange points = point_range(sorted, begin, end);
+    parts.add({points, rules.fits_leaf(points, frame_level), range.cell});
     begin = end;
   }
   return parts;

@@ -203,8 +203,10 @@ class TreeBuilder {
     } else {
       const std::uint32_t sample_end = move_sample_to_front(points);
       draft.children.add({point_range(sorted_, points.begin, sample_end), true});
-      const ChildList below = halve_largest(sorted_, point_range(sorted_, sample_end, points.end), rules_,
-                                            level, k_node_width - 1);
+      // More children would leave fewer levels to choose from.
+      constexpr int k_parts = 7;
+      const ChildList below =
+          halve_largest(sorted_, point_range(sorted_, sample_end, points.end), rules_, level, k_parts);
       for (const ChildRange& child : below) draft.children.add({child.points, false});
     }
     return draft;

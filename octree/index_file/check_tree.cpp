@@ -30,8 +30,8 @@ std::string rank_children(const TreeView& tree, std::uint32_t index, std::vector
   const Node& node = tree.nodes[index];
   const Rank rank = ranks[index];
   std::uint64_t child = node.first_child;
-  for (std::uint64_t inner = inner_bits(kinds_of(node)); inner != 0; inner &= inner - 1) {
-    const int drop = node.kind[std::countr_zero(inner) / 8] - k_inner_kind;
+  for (unsigned inner = inner_slots(node); inner != 0; inner &= inner - 1) {
+    const int drop = node.kind[std::countr_zero(inner)] - k_inner_kind;
     if (child <= index || child >= tree.node_count)
       return fmt::format("invalid child: expected a later node below {}, found {}", tree.node_count, child);
     if (ranks[child].level != 0) return fmt::format("child {} also belongs to another node", child);
@@ -45,11 +45,10 @@ std::string rank_children(const TreeView& tree, std::uint32_t index, std::vector
 }
 
 std::string leaf_problem(const TreeView& tree, const Node& node, int level) {
-  const std::uint64_t counts = leaf_counts(kinds_of(node));
-  // Bytes of at most 127 leave room for the sum: bit 7 says which are too large.
-  if (((counts + (127 - k_max_leaf_size) * k_every_byte) & (k_every_byte << 7)) != 0)
+  if (std::ranges::any_of(node.kind,
+                          [](std::uint8_t kind) { return is_leaf(kind) && kind > k_max_leaf_size; }))
     return fmt::format("a leaf has more than {} points", k_max_leaf_size);
-  const std::uint64_t begin = node.first_point, end = begin + sum_of_bytes(counts);
+  const std::uint64_t begin = node.first_point, end = begin + leaf_counts(node).sum();
   if (end > tree.point_count)
     return fmt::format("its leaves end at a wrong storage index: expected {}, found {}", tree.point_count,
                        end);
@@ -66,9 +65,8 @@ std::optional<TreeFault> find_scattered_points(const TreeView& tree, const std::
   for (std::uint32_t index = tree.node_count; index-- > 0;) {
     if (ranks[index].level > k_exact_frame_level) continue;
     const Node& node = tree.nodes[index];
-    const std::uint64_t kinds = kinds_of(node);
-    std::uint32_t stored = node.first_point + static_cast<std::uint32_t>(sum_of_bytes(leaf_counts(kinds)));
-    const auto inner = static_cast<std::uint32_t>(std::popcount(inner_bits(kinds)));
+    std::uint32_t stored = node.first_point + leaf_counts(node).sum();
+    const auto inner = static_cast<std::uint32_t>(std::popcount(inner_slots(node)));
     for (std::uint32_t child = node.first_child; child < node.first_child + inner; ++child) {
       if (tree.nodes[child].first_point != stored) {
         return TreeFault{Array::nodes, child,

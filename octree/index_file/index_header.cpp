@@ -96,7 +96,7 @@ void check_identity(std::span<const std::byte> file, const HeaderFields& page, c
   page.require(order == k_byte_order, 8, "corrupt header", fmt::format("{:#010x}", k_byte_order),
                fmt::format("{:#010x}", order));
   const auto version = page.get<std::uint32_t>(12);
-  page.require(version >= 1 && version <= k_index_version, 12,
+  page.require(version == k_index_version, 12,
                "unsupported index file version; create the file again with 'alidade index'",
                fmt::format("version {}", k_index_version), fmt::format("version {}", version));
   page.require(page.get<std::uint64_t>(32) == page_checksum(file.first(k_index_page)), 32, "corrupt header",
@@ -210,7 +210,7 @@ SectionEntry read_section(const HeaderFields& page, std::size_t number, const In
                      page.get<std::uint64_t>(at + 8), page.get<std::uint64_t>(at + 16),
                      page.get<std::uint64_t>(at + 24)};
   const std::uint32_t element = element_bytes(entry.kind);
-  page.require(element != 0, at, "unknown section", "a kind of version 1", kind);
+  page.require(element != 0, at, "unknown section", "a kind of version 2", kind);
   page.require(header.sections.empty() || header.sections.back().kind < entry.kind, at,
                "sections out of order", "ascending kinds", kind);
   page.require(entry.element_bytes == element, at + 4,

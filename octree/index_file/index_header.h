@@ -44,7 +44,7 @@ std::uint32_t element_bytes(IndexSection kind);
 // The first page of an index file; docs/index_file.md has it byte by byte.
 
 inline constexpr std::size_t k_index_page = 4096;  ///< the header's size, and what sections are aligned to
-inline constexpr std::uint32_t k_index_version = 1;
+inline constexpr std::uint32_t k_index_version = 2;
 inline constexpr std::size_t k_most_index_sections = 32;
 
 /// Where a section stands.

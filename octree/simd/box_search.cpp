@@ -29,7 +29,7 @@ class BoxWalk {
   void walk(const Frame& frame, bool is_inside) {
     const Node& node = tree_.nodes[frame.node];
     const Slots slots(node);
-    unsigned met = 0xff, inside = 0xff;
+    unsigned met = 0xffff, inside = 0xffff;
     if (!is_inside) compare_boxes(frame, node, met, inside);
     if (frame.depth >= max_level_) met &= slots.leaf;
     met &= slots.leaf | slots.inner;

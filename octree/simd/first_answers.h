@@ -20,9 +20,8 @@ namespace alidade::simd {
 inline std::uint32_t end_index(const TreeView& tree, std::uint32_t index) {
   for (;;) {
     const Node& node = tree.nodes[index];
-    const std::uint64_t kinds = kinds_of(node);
-    const auto inner = static_cast<std::uint32_t>(std::popcount(inner_bits(kinds)));
-    if (inner == 0) return node.first_point + static_cast<std::uint32_t>(sum_of_bytes(leaf_counts(kinds)));
+    const auto inner = static_cast<std::uint32_t>(std::popcount(inner_slots(node)));
+    if (inner == 0) return node.first_point + leaf_counts(node).sum();
     index = node.first_child + inner - 1;
   }
 }

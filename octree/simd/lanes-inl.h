@@ -24,7 +24,7 @@ namespace HWY_NAMESPACE {
 namespace hn = hwy::HWY_NAMESPACE;
 
 /// One lane per child of a node, as far as the machine has so many.
-using ChildLanes = hn::CappedTag<float, k_node_width>;
+using ChildLanes = hn::CappedTag<float, 16>;
 /// Lanes for the points of a leaf.
 using PointLanes = hn::CappedTag<float, 16>;
 
@@ -113,11 +113,6 @@ struct LeafCoordinates {
 
 /// For the few roundings of float expressions of positive numbers.
 constexpr float k_up = 1.0f + 0x1p-20f, k_down = 1.0f - 0x1p-20f;
-
-/// Bit 7 of byte i becomes bit i.
-HWY_INLINE unsigned gather_high_bits(std::uint64_t word) {
-  return static_cast<unsigned>(((word >> 7) * 0x0102040810204080u) >> 56);
-}
 
 /// Radii of points' own (RayQuery::spacing_factor), from their spacings, in float.
 class OwnRadii {

@@ -19,7 +19,7 @@ namespace HWY_NAMESPACE {
 struct TestedBoxes {
   unsigned met = 0;     ///< bit per slot: may hold points that count; of empty slots anything
   unsigned inside = 0;  ///< of these, those all of whose points count (asked only for counting)
-  alignas(32) float bound[k_node_width];  ///< no point below is earlier, in the kernel's own measure
+  alignas(64) float bound[k_node_width];  ///< no point below is earlier, in the kernel's own measure
 };
 
 /// Algorithm 1 of the paper (octree/tree_query.h) with lanes: all children of a node at once, the nearest

@@ -47,6 +47,12 @@ inline float float_below(double value) {
   return -float_above(-value);
 }
 
+/// Bit per axis: the ray goes down.
+inline unsigned octant_of(const Ray& ray) {
+  return (ray.direction.x < 0.0 ? 1u : 0u) | (ray.direction.y < 0.0 ? 2u : 0u) |
+         (ray.direction.z < 0.0 ? 4u : 0u);
+}
+
 /// Whose radius the spheres around the points have.
 enum class Radii {
   shared,  ///< the query's
@@ -241,14 +247,14 @@ inline SlotOrder front_to_back(const Node& node, unsigned octant, unsigned slots
     const std::uint32_t key =
         (k_spread_byte[node.low[0][slot] ^ mirror[0]] | k_spread_byte[node.low[1][slot] ^ mirror[1]] << 1 |
          k_spread_byte[node.low[2][slot] ^ mirror[2]] << 2)
-            << 3 |
+            << 4 |
         static_cast<std::uint32_t>(slot);
     int at = order.count++;
     for (; at > 0 && keys[at - 1] > key; --at) keys[at] = keys[at - 1];
     keys[at] = key;
   }
   for (int index = 0; index < order.count; ++index)
-    order.slot[index] = static_cast<std::uint8_t>(keys[index] & 7u);
+    order.slot[index] = static_cast<std::uint8_t>(keys[index] & 15u);
   return order;
 }
 

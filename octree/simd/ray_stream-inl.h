@@ -95,7 +95,7 @@ class RayWalk {
                                                  lattice_steps(at_.corner[2])};
     const auto index = traversed.leaf_test.index(corner, at_.level);
     do {
-      const int slot = std::countr_zero(leaves_ | 0x80u);
+      const int slot = std::countr_zero(leaves_ | 1u << (k_node_width - 1));
       leaves_ &= leaves_ - 1;
       if (t_near_[slot] > ray_.boxes.t_cut) continue;
       const std::uint32_t count = node.kind[slot];
@@ -127,8 +127,8 @@ class RayWalk {
     } while (static_cast<std::int32_t>(chosen >> 32) > cut);
     const Index& parent = way_[chosen >> 8 & 0xff];
     const Node& node = nodes[parent.node];
-    const int slot = static_cast<int>(chosen & 7);
-    at_ = child(parent, node, slot, Slots::inner_of(node));
+    const int slot = static_cast<int>(chosen & 0xff);
+    at_ = child(parent, node, slot, inner_slots(node));
     return true;
   }
 
@@ -184,7 +184,7 @@ class RayWalk {
   Index at_;
   unsigned leaves_, children_, inner_, single_;
   int waiting_count_ = 0;
-  alignas(32) float t_near_[k_node_width];
+  alignas(64) float t_near_[k_node_width];
   Index way_[k_max_tree_depth + 1];  ///< the nodes whose other children wait, by depth
   Waiting waiting_[k_max_tree_depth * (k_node_width - 1) + 1];
 };
@@ -240,7 +240,7 @@ class RayStream {
 
   /// Faces of a node's boxes, widened, from the root's corner, metres; first met, last met.
   struct Faces {
-    float near[3][k_node_width], far[3][k_node_width];
+    alignas(64) float near[3][k_node_width], far[3][k_node_width];
   };
 
   void visit_node(const Frame& frame, const RayList& list) {
@@ -257,35 +257,47 @@ class RayStream {
       wanted &= ~same.twins;
       single = same.single;
     }
+    Lists& lists = lists_[frame.depth];
+    lists.reserve(list.count);
+    RayList met[k_node_width];
+    unsigned next_list = 0;
+    for (unsigned rest = wanted; rest != 0; rest &= rest - 1)
+      met[std::countr_zero(rest)] = lists.list(next_list++);
+    const Faces faces = faces_of(node, frame);
+    constexpr std::uint32_t k_few_rays = 8;
+    if (list.count <= k_few_rays) {
+      meet_boxes_in_lanes(faces, list, wanted, met);
+    } else {
+      meet_rays_in_lanes(faces, list, wanted, met);
+    }
+    unsigned any_met = 0;
     for (unsigned rest = wanted; rest != 0; rest &= rest - 1) {
       const int slot = std::countr_zero(rest);
+      if (met[slot].count == 0) continue;
+      any_met |= 1u << slot;
+      met[slot].pad();
       if ((slots.leaf >> slot & 1u) != 0) {
         const std::uint16_t* coordinates =
             setup_.tree.coordinates + std::size_t{3} * slots.first_point(node, slot);
         for (int line = 0; line < 3; ++line) hwy::Prefetch(coordinates + 32 * line);
       } else {
         hwy::Prefetch(setup_.tree.nodes + slots.child(node, slot));
+        hwy::Prefetch(&setup_.tree.nodes[slots.child(node, slot)].high[1]);
       }
     }
-    const SlotOrder order = front_to_back(node, octant_, wanted);
-    Lists& lists = lists_[frame.depth];
-    lists.reserve(list.count);
-    RayList met[k_node_width];
-    for (int index = 0; index < order.count; ++index)
-      met[index] = lists.list(static_cast<std::size_t>(index));
-    meet_boxes(node, frame, list, order, met);
+    const SlotOrder order = front_to_back(node, octant_, any_met);
     const std::uint64_t answers_before = answers_;
     const auto leaf_index = traversed_.leaf_test.index(frame.corner, frame.level);
     for (int index = 0; index < order.count; ++index) {
       const int slot = order.slot[index];
-      if (met[index].count == 0) continue;
-      if (answers_ != answers_before) met[index].discard(batch_.boxes);
-      if (met[index].count == 0) continue;
+      RayList& rays = met[slot];
+      if (answers_ != answers_before) rays.discard(batch_.boxes);
+      if (rays.count == 0) continue;
       if ((slots.leaf >> slot & 1u) != 0) {
         const Leaf leaf = slots.leaf_in(node, frame, slot);
-        test_leaf(leaf, (single >> slot & 1u) != 0 ? 1u : leaf.count, leaf_index, met[index]);
+        test_leaf(leaf, (single >> slot & 1u) != 0 ? 1u : leaf.count, leaf_index, rays);
       } else {
-        visit_node(slots.child_in(node, frame, slot), met[index]);
+        visit_node(slots.child_in(node, frame, slot), rays);
       }
     }
   }
@@ -325,24 +337,49 @@ class RayStream {
           low = hn::Sub(low, radius);
           high = hn::Add(high, radius);
         }
-        hn::StoreU(negative ? high : low, d, faces.near[axis] + lane);
-        hn::StoreU(negative ? low : high, d, faces.far[axis] + lane);
+        hn::Store(negative ? high : low, d, faces.near[axis] + lane);
+        hn::Store(negative ? low : high, d, faces.far[axis] + lane);
       }
     }
     return faces;
   }
 
-  /// Fills `met`, one list per slot in the order of `order`.
-  void meet_boxes(const Node& node, const Frame& frame, const RayList& list, const SlotOrder& order,
-                  RayList* met) const {
+  /// Fills the lists of the slots in the set (bits), one lane per slot.
+  void meet_boxes_in_lanes(const Faces& faces, const RayList& list, unsigned wanted, RayList* met) const {
+    const ChildLanes d;
+    for (std::uint32_t i = 0; i < list.count; ++i) {
+      const std::uint32_t number = list.rays[i];
+      const RayBoxes& ray = batch_.boxes[number];
+      alignas(64) float enters[k_node_width];
+      unsigned meets = 0;
+      for (std::size_t lane = 0; lane < k_node_width; lane += hn::Lanes(d)) {
+        auto enter = hn::Set(d, ray.t_low), leave = hn::Set(d, ray.t_cut);
+        for (int axis = 0; axis < 3; ++axis) {
+          const auto inverse = hn::Set(d, ray.inverse[axis]), origin_t = hn::Set(d, ray.origin_t[axis]);
+          enter = hn::Max(enter, hn::MulSub(hn::Load(d, faces.near[axis] + lane), inverse, origin_t));
+          leave = hn::Min(leave, hn::MulSub(hn::Load(d, faces.far[axis] + lane), inverse, origin_t));
+        }
+        hn::Store(enter, d, enters + lane);
+        meets |= mask_bits(d, hn::Le(enter, leave)) << lane;
+      }
+      for (meets &= wanted; meets != 0; meets &= meets - 1) {
+        const int slot = std::countr_zero(meets);
+        RayList& rays = met[slot];
+        rays.rays[rays.count] = number;
+        rays.t_near[rays.count++] = enters[slot];
+      }
+    }
+  }
+
+  /// The same with one lane per ray.
+  void meet_rays_in_lanes(const Faces& faces, const RayList& list, unsigned wanted, RayList* met) const {
     const RayLanes d;
     const RayNumbers n;
-    const Faces faces = faces_of(node, frame);
     for (std::uint32_t i = 0; i < list.count; i += static_cast<std::uint32_t>(hn::Lanes(d))) {
       const RayGroup ray(batch_.boxes, list.rays + i, list.count - i);
       const auto numbers = hn::LoadU(n, list.rays + i);
-      for (int index = 0; index < order.count; ++index) {
-        const int slot = order.slot[index];
+      for (unsigned rest = wanted; rest != 0; rest &= rest - 1) {
+        const int slot = std::countr_zero(rest);
         const auto t = [&](int axis, float face) {
           return hn::MulSub(hn::Set(d, face), ray.inverse[axis], ray.origin_t[axis]);
         };
@@ -352,10 +389,9 @@ class RayStream {
             hn::Min(hn::Min(t(0, faces.far[0][slot]), t(1, faces.far[1][slot])), t(2, faces.far[2][slot]));
         const auto meets =
             hn::And(hn::Le(enter, leave), hn::And(hn::Ge(leave, ray.t_low), hn::Le(enter, ray.t_cut)));
-        if (!hn::AllFalse(d, meets)) met[index].add(numbers, enter, meets);
+        if (!hn::AllFalse(d, meets)) met[slot].add(numbers, enter, meets);
       }
     }
-    for (int index = 0; index < order.count; ++index) met[index].pad();
   }
 
   const Traversed<measure, any, radii>& traversed_;

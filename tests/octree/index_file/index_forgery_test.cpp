@@ -62,7 +62,8 @@ TEST(IndexForgery, no_number_in_the_header_does_harm) {
 std::size_t in_node(const Bytes& file, std::size_t node, std::size_t field) {
   return section(file, IndexSection::nodes).offset + node * sizeof(Node) + field;
 }
-constexpr std::size_t k_kind = 48, k_first_child = 56, k_first_point = 60;
+constexpr std::size_t k_kind = offsetof(Node, kind), k_first_child = offsetof(Node, first_child),
+                      k_first_point = offsetof(Node, first_point);
 
 /// What octree() says of a file whose node was changed by `change` and whose checksums are right.
 template <class Change>
@@ -92,13 +93,13 @@ TEST(IndexForgery, broken_links_are_errors) {
          "its leaves end at a wrong storage index: expected");
   for (const int kind : {33, 36, 127}) {
     expect(problem_after([&](Bytes& file) {
-             for (std::size_t slot = 0; slot < 8; ++slot)
+             for (std::size_t slot = 0; slot < k_node_width; ++slot)
                put(file, in_node(file, 0, k_kind + slot), std::uint8_t(kind));
            }),
            "a leaf has more than 32 points");
   }
   expect(problem_after([](Bytes& file) {
-           for (std::size_t slot = 0; slot < 8; ++slot) {
+           for (std::size_t slot = 0; slot < k_node_width; ++slot) {
              const std::size_t offset = in_node(file, 0, k_kind + slot);
              if (get<std::uint8_t>(file, offset) >= 128) put(file, offset, std::uint8_t{128 + 8});
            }
@@ -158,7 +159,8 @@ TEST(IndexForgery, no_nodes_do_harm) {
       const std::uint64_t node = random.below(row.bytes / sizeof(Node));
       switch (random.below(4)) {
         case 0:
-          put(file, in_node(file, node, k_kind + random.below(8)), static_cast<std::uint8_t>(random.bits()));
+          put(file, in_node(file, node, k_kind + random.below(k_node_width)),
+              static_cast<std::uint8_t>(random.bits()));
           break;
         case 1:
           put(file, in_node(file, node, k_first_child),
@@ -168,7 +170,7 @@ TEST(IndexForgery, no_nodes_do_harm) {
           put(file, in_node(file, node, k_first_point), static_cast<std::uint32_t>(random.below(2000)));
           break;
         default:
-          put(file, in_node(file, node, random.below(48)), static_cast<std::uint8_t>(random.bits()));
+          put(file, in_node(file, node, random.below(k_kind)), static_cast<std::uint8_t>(random.bits()));
       }
     }
     seal(file);

@@ -23,7 +23,7 @@ TEST(IndexLayout, header_is_as_documented) {
   for_each_file([](const Bytes& file, const PointCloud& cloud, const Octree& octree) {
     EXPECT_EQ(std::memcmp(file.data(), "ALIDADE", 8), 0);
     EXPECT_EQ(at<std::uint32_t>(file, 8), 0x01020304u);
-    EXPECT_EQ(at<std::uint32_t>(file, 12), 1u);
+    EXPECT_EQ(at<std::uint32_t>(file, 12), 2u);
     EXPECT_EQ(at<std::uint32_t>(file, 16), 4096u);
     EXPECT_EQ(at<std::uint64_t>(file, 24), file.size());
     Bytes header(file.begin(), file.begin() + 4096);
@@ -57,7 +57,7 @@ TEST(IndexLayout, sections_stand_in_their_indices_with_their_checksums) {
     const auto sections = sections_of(file);
     const std::uint64_t points = cloud.size();
     std::map<std::uint32_t, std::pair<std::uint32_t, std::uint64_t>> expected = {
-        {1, {64, octree.view().node_count}}, {2, {2, 3 * points + 32}}};
+        {1, {128, octree.view().node_count}}, {2, {2, 3 * points + 32}}};
     if (points > 0) {
       const std::uint32_t widths[] = {6, 2, 2, 1, 2, 1, 4, 1, 2, 8, 12};
       for (std::uint32_t column = 0; column < 11; ++column) expected[16 + column] = {widths[column], points};
@@ -124,15 +124,15 @@ class NodeReader {
 
  private:
   void visit(std::uint32_t number, int level, const glm::i64vec3& corner) {
-    const std::uint64_t node = sections_.at(1).index + 64 * std::uint64_t{number};
-    std::uint32_t child = at<std::uint32_t>(file_, node + 56), index = at<std::uint32_t>(file_, node + 60);
-    for (int slot = 0; slot < 8; ++slot) {
-      const int kind = at<std::uint8_t>(file_, node + 48 + slot);
+    const std::uint64_t node = sections_.at(1).index + 128 * std::uint64_t{number};
+    std::uint32_t child = at<std::uint32_t>(file_, node + 112), index = at<std::uint32_t>(file_, node + 116);
+    for (int slot = 0; slot < 16; ++slot) {
+      const int kind = at<std::uint8_t>(file_, node + 96 + slot);
       if (kind >= 128) {
         const int d = kind - 128;
         glm::i64vec3 inner = corner;
         for (int axis = 0; axis < 3; ++axis) {
-          const std::int64_t low = at<std::uint8_t>(file_, node + 8 * axis + slot);
+          const std::int64_t low = at<std::uint8_t>(file_, node + 16 * axis + slot);
           inner[axis] += (low & ~((256 >> d) - 1)) << (level - 8);
         }
         visit(child++, level - d, inner);
@@ -161,8 +161,8 @@ class NodeReader {
       }
       for (int axis = 0; axis < 3; ++axis) {
         const std::int64_t grid = steps[axis] >> (level - 8);
-        EXPECT_GE(grid, at<std::uint8_t>(file_, node + 8 * axis + slot));
-        EXPECT_LE(grid, at<std::uint8_t>(file_, node + 24 + 8 * axis + slot));
+        EXPECT_GE(grid, at<std::uint8_t>(file_, node + 16 * axis + slot));
+        EXPECT_LE(grid, at<std::uint8_t>(file_, node + 48 + 16 * axis + slot));
       }
       EXPECT_TRUE(positions_.emplace(index + i, base + corner + steps).second) << "twice: " << index + i;
     }

@@ -139,7 +139,7 @@ TEST(IndexPage, tables_cover_every_byte_once) {
       next = index + width(type);
     }
   }
-  EXPECT_EQ(ends, (std::vector<std::uint64_t>{4096, 32, 64}));
+  EXPECT_EQ(ends, (std::vector<std::uint64_t>{4096, 32, 128}));
 }
 
 }  // namespace
