@@ -54,7 +54,7 @@ def machine(results):
     load = results.largest_foreign_load()
     quiet = "nothing else ran" if load < 0.1 else f"**other programs kept up to {load:.1f} cores busy meanwhile**"
     return (f"Measured on {datetime.date.today()} on {cores} cores of {processor()}, {memory()}, {system()}, "
-            f"{output_of('c++', '--version').splitlines()[0]}; {quiet}. Peers: {peers()}.")
+            f"{output_of('c++', '--version').splitlines()[0]}; {quiet}. Other libraries: {peers()}.")
 
 
 def draw(results, images):
