@@ -112,7 +112,7 @@ void expect_the_car(const ChangeRegions& changes) {
   EXPECT_GT(share_of_car(car), 0.75);
   const glm::dvec3 position = scans.site.origin() + k_car_position;
   // The rest are its lamps and mirrors, and what is seen beside it within a pixel.
-  for (std::size_t i = 0; i < car.size(); ++i) ASSERT_LT(glm::length(car.world(i) - position), 4.0);
+  for (std::size_t i = 0; i < car.size(); ++i) ASSERT_LT(glm::length(car.world(i) - position), 4.5);
   // What stands there now is what was below and behind it.
   const PointCloud now = points_of_regions(after, region_points(scans.test.ids, changes, after.size()));
   EXPECT_GT(now.size(), 100u);

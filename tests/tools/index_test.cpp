@@ -47,7 +47,7 @@ TEST_F(IndexTest, info_prints_of_an_index_what_it_prints_of_its_source) {
   ASSERT_EQ(of_index.at("indexes").size(), 1u);
   const Json& facts = of_index.at("indexes")[0];
   EXPECT_EQ(facts.at("file"), "site.alidade");
-  EXPECT_EQ(facts.at("version"), 1);
+  EXPECT_EQ(facts.at("version"), 2);
   EXPECT_EQ(facts.at("bytes"), std::filesystem::file_size(folder / "site.alidade"));
   EXPECT_EQ(facts.at("organisation"), "adaptive");
   EXPECT_GT(facts.at("levels"), 0);
