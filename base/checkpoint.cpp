@@ -21,7 +21,7 @@ namespace alidade {
 namespace {
 
 constexpr CheckpointForm k_runs = {.magic = {'A', 'L', 'I', 'D', 'R', 'U', 'N', 'S'},
-                                   .name = "a checkpoint of such a run",
+                                   .name = "a visibility checkpoint",
                                    .fixed_bytes = 40,
                                    .fingerprint_bytes = 32};
 constexpr std::uint32_t k_byte_order = 0x01020304, k_other_byte_order = 0x04030201, k_version = 1;
@@ -70,7 +70,7 @@ std::vector<std::byte> read_checkpoint_head(InputFile& file, const CheckpointFor
     const HeaderFields fixed(bytes, name);
     const auto order = fixed.get<std::uint32_t>(8);
     fixed.require(order != k_other_byte_order, 8, "wrong byte order", "little endian", "big endian");
-    fixed.require(order == k_byte_order, 8, "an invalid byte order mark", "01020304",
+    fixed.require(order == k_byte_order, 8, "invalid byte order mark", "01020304",
                   fmt::format("{:08x}", order));
     const auto version = fixed.get<std::uint32_t>(12);
     fixed.require(version == k_version, 12, "unsupported checkpoint version", std::to_string(k_version),
@@ -78,8 +78,9 @@ std::vector<std::byte> read_checkpoint_head(InputFile& file, const CheckpointFor
     check(fixed);
     const std::uint64_t most = file.size() - form.fixed_bytes;
     const auto fingerprint = fixed.get<std::uint32_t>(form.fingerprint_bytes);
-    fixed.require(fingerprint <= most, form.fingerprint_bytes, "corrupt checkpoint",
-                  fmt::format("a description of at most {} bytes", most), fingerprint);
+    fixed.require(fingerprint <= most, form.fingerprint_bytes,
+                  "corrupt checkpoint: the fingerprint exceeds the file",
+                  fmt::format("at most {} bytes", most), fingerprint);
     bytes.resize(form.fixed_bytes + fingerprint);
   }
   file.read_at(form.fixed_bytes, std::span(bytes).subspan(form.fixed_bytes));

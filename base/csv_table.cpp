@@ -19,7 +19,7 @@ CsvTable::CsvTable(InputFile& file, const ColumnOf& column_of, std::string form)
   if (parse_number(cells_.front())) fail("missing header", form_, quote(*line));
   for (const std::string_view name : cells_) {
     const std::optional<std::size_t> column = column_of(name);
-    if (!column) fail("unknown column " + quote(name), "some of " + form_);
+    if (!column) fail("unknown column " + quote(name), form_);
     if (has(*column)) fail(fmt::format("duplicate column {}", name));
     columns_.push_back(*column);
   }

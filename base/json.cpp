@@ -168,8 +168,10 @@ class TreeBuilder : public nlohmann::json_sax<nlohmann::json> {
     const auto twice = std::ranges::adjacent_find(sorted, same_key);
     if (twice == sorted.end()) return;
     const JsonMember& again = *twice[1];
-    fail(again.key_begin, "duplicate key " + document_.quote(again.key_begin, again.key_end), "unique keys",
-         "the first one at " + document_.offset(twice[0]->key_begin));
+    fail(again.key_begin,
+         "duplicate key " + document_.quote(again.key_begin, again.key_end) + ", first at " +
+             document_.offset(twice[0]->key_begin),
+         "unique keys", "");
   }
 
   JsonDocument& document_;
@@ -301,7 +303,7 @@ std::string JsonNode::text() const {
   const auto* text = std::get_if<std::string>(&value_->data);
   if (!text) fail("wrong type", "a string");
   if (text->empty()) fail("empty string", "at least one character");
-  if (text->find('\0') != std::string::npos) fail("string contains a NUL character", "a string without NUL");
+  if (text->find('\0') != std::string::npos) fail("the string contains a NUL character", "", "");
   return *text;
 }
 

@@ -31,7 +31,7 @@ std::filesystem::path resolve(const std::filesystem::path& path) {
 }
 
 [[noreturn]] void fail_because_it_exists(const std::string& name) {
-  throw Error({.file = name, .problem = "the file exists; --overwrite replaces it"});
+  throw Error({.file = name, .problem = "the file exists", .expected = "another name, or --overwrite"});
 }
 
 }  // namespace
@@ -58,7 +58,7 @@ void check_output(const std::filesystem::path& path, bool overwrite) {
   const std::filesystem::file_status status = std::filesystem::status(path, error);
   if (!std::filesystem::exists(status)) return;
   if (!std::filesystem::is_regular_file(status)) {
-    throw Error({.file = path.string(), .problem = "cannot replace a file that is not regular"});
+    throw Error({.file = path.string(), .problem = "cannot replace the file: not a regular file"});
   }
   if (!overwrite) fail_because_it_exists(path.string());
 }

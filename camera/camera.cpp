@@ -79,7 +79,8 @@ CameraPose look_at(const glm::dvec3& eye, const glm::dvec3& target, const glm::d
 }
 
 Camera pinhole_from_fov(int width, int height, double vertical_fov, const CameraPose& pose) {
-  if (width < 1 || height < 1) throw Error({.problem = "image size must be at least 1 x 1"});
+  if (width < 1 || height < 1)
+    throw Error({.problem = "image size out of range", .expected = "at least 1 x 1 pixels"});
   if (!(vertical_fov > 0.0 && vertical_fov < 180.0)) {
     throw input_error("vertical field of view out of range", "degrees between 0 and 180",
                       std::to_string(vertical_fov));
@@ -90,7 +91,8 @@ Camera pinhole_from_fov(int width, int height, double vertical_fov, const Camera
 }
 
 Camera resized(const Camera& camera, int width, int height) {
-  if (width < 1 || height < 1) throw Error({.problem = "image size must be at least 1 x 1"});
+  if (width < 1 || height < 1)
+    throw Error({.problem = "image size out of range", .expected = "at least 1 x 1 pixels"});
   Camera result = camera;
   const double across = static_cast<double>(width) / camera.width;
   const double scale = static_cast<double>(height) / camera.height;
@@ -134,7 +136,8 @@ Camera overview_camera(const Bounds& bounds, int width, int height) {
 }
 
 Camera panorama_camera(const glm::dvec3& position, int width, int height) {
-  if (width < 1 || height < 1) throw Error({.problem = "image size must be at least 1 x 1"});
+  if (width < 1 || height < 1)
+    throw Error({.problem = "image size out of range", .expected = "at least 1 x 1 pixels"});
   return {.width = width,
           .height = height,
           .fx = width / (2.0 * std::numbers::pi),
@@ -148,7 +151,7 @@ Camera panorama_camera(const glm::dvec3& position, int width, int height) {
 Camera orthophoto_camera(const Bounds& bounds, double resolution) {
   if (!(resolution > 0.0) || !std::isfinite(resolution))
     throw input_error("resolution out of range", "a positive number of metres", std::to_string(resolution));
-  if (bounds.empty()) throw Error({.problem = "nothing to render from above"});
+  if (bounds.empty()) throw Error({.problem = "the extent is empty"});
   const double left = std::floor(bounds.min.x / resolution), right = std::ceil(bounds.max.x / resolution);
   const double bottom = std::floor(bounds.min.y / resolution), top = std::ceil(bounds.max.y / resolution);
   const double width = std::max(right - left, 1.0), height = std::max(top - bottom, 1.0);

@@ -16,7 +16,7 @@ void require(bool holds, const char* problem, const char* expected, double found
 }
 
 void require_finite(std::initializer_list<double> numbers, const char* what) {
-  for (const double number : numbers) require(std::isfinite(number), what, "finite numbers", number);
+  for (const double number : numbers) require(std::isfinite(number), what, "", number);
 }
 
 void check_distortion(const Distortion& distortion) {

@@ -22,8 +22,8 @@ std::string text_of(const glm::dvec3& value) {
   const Lattice own = *odd.reader->lattice(), lattice = *other.reader->lattice();
   throw Error({.file = odd.path().string(),
                .problem = "the lattice differs from that of " + other.path().string(),
-               .expected = fmt::format("scale {} and an offset that differs by whole steps (alidade "
-                                       "convert to PLY makes it rounded to that)",
+               .expected = fmt::format("scale {} and an offset that differs by whole steps (convert "
+                                       "the file to PLY, which is rounded to that lattice)",
                                        text_of(lattice.scale)),
                .found = fmt::format("scale {} and offset {}", text_of(own.scale), text_of(own.offset))});
 }

@@ -168,9 +168,9 @@ Cell require_cell(const TextScanner& scanner, std::string_view word, ScalarType 
       return {static_cast<double>(*whole), static_cast<std::uint64_t>(*whole)};
   }
   if (type == ScalarType::uint64 || type == ScalarType::int64)
-    scanner.fail("not a 64-bit integer", "an integer", quote(word));
+    scanner.fail("invalid value", "a 64-bit integer", quote(word));
   const auto number = parse_number(word);
-  if (!number) scanner.fail("not a number", "a number", quote(word));
+  if (!number) scanner.fail("invalid value", "a number", quote(word));
   return {*number, 0};
 }
 

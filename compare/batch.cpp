@@ -47,7 +47,7 @@ void make_room(const std::vector<std::filesystem::path>& reports, const std::vec
   std::filesystem::create_directories(options.reports, error);
   if (error)
     throw Error(
-        {.file = options.reports.string(), .problem = "cannot create the folder", .found = error.message()});
+        {.file = options.reports.string(), .problem = "cannot create the folder: " + error.message()});
   const auto one_name = [](const std::filesystem::path& file) {
     std::error_code ignored;
     return std::filesystem::weakly_canonical(std::filesystem::absolute(file, ignored), ignored);

@@ -35,8 +35,7 @@ std::map<std::string, fs::path> pictures_in(const fs::path& folder) {
       if (entry.is_regular_file() && is_picture(entry.path()))
         pictures.emplace(entry.path().lexically_relative(folder).generic_string(), entry.path());
   } catch (const fs::filesystem_error& problem) {
-    throw Error(
-        {.file = folder.string(), .problem = "cannot list the folder", .found = problem.code().message()});
+    throw Error({.file = folder.string(), .problem = "cannot list the folder: " + problem.code().message()});
   }
   return pictures;
 }
@@ -75,7 +74,7 @@ std::vector<std::string> fields_of(const std::string& line, const fs::path& file
       fields.back() += line[i];
     }
   }
-  if (quoted) throw Error(file.string(), fmt::format("line {}", number), "unterminated quotation");
+  if (quoted) throw Error(file.string(), fmt::format("line {}", number), "missing closing quotation mark");
   return fields;
 }
 

@@ -103,7 +103,9 @@ GdalReference plane_part(GdalReference reference) {
 }  // namespace
 
 void fail_geotiff(const std::filesystem::path& file, const char* what) {
-  throw file_error(file, fmt::format("cannot write the GeoTIFF: {}", what), {}, CPLGetLastErrorMsg());
+  const std::string said = CPLGetLastErrorMsg();
+  throw file_error(file,
+                   fmt::format("cannot write the GeoTIFF: {}{}{}", what, said.empty() ? "" : ": ", said));
 }
 
 std::string wkt_of(const Crs& crs) {
@@ -157,15 +159,15 @@ GdalTransformation transformation_to_cloud(const std::string& own, const Observe
   if (!from || !to) {
     const std::string cloud = "cloud";
     throw file_error(source,
-                     fmt::format("unknown reference system of the {}, but not of the {}", to ? whose : cloud,
-                                 to ? cloud : whose),
+                     fmt::format("the reference system of the {} is unknown, but that of the {} is known",
+                                 to ? whose : cloud, to ? cloud : whose),
                      to ? way_out : option + " cloud if they are in the cloud's own");
   }
   if (OSRIsSame(from.get(), to.get()) != 0) return nullptr;
   GdalTransformation transformation = transformation_between(from, to);
   check_that(transformation != nullptr,
-             fmt::format("no transformation from the reference system of the {} to the cloud's", whose), {},
-             CPLGetLastErrorMsg());
+             fmt::format("no transformation from the reference system of the {} to the cloud's: {}", whose,
+                         CPLGetLastErrorMsg()));
   return transformation;
 }
 

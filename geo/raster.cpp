@@ -81,7 +81,7 @@ void check_map_memory(const RasterGrid& grid, int bands) {
 void check_raster_name(const std::filesystem::path& file) {
   const std::string extension = file_extension(file);
   if (extension == ".tif" || extension == ".tiff") return;
-  throw file_error(file, "unsupported map format", "the extension .tif",
+  throw file_error(file, "unknown output format", "the extension .tif",
                    extension.empty() ? "no extension" : extension);
 }
 

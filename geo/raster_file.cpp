@@ -75,7 +75,7 @@ void write_raster(const std::filesystem::path& file, const RasterContents& conte
   assert(!contents.bands.empty() && contents.grid.size() > 0);
   for (const RasterBand& band : contents.bands) {
     if (band.values.index() != contents.bands.front().values.index())
-      throw file_error(file, "all bands of a raster must have the same data type");
+      throw file_error(file, "the bands have different data types");
   }
   OutputFile output(file, overwrite);
   const std::string wkt = wkt_of(contents.crs);

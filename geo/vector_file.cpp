@@ -25,7 +25,8 @@ GdalDataset open_vector_file(const std::filesystem::path& path, const VectorCont
   GdalDataset dataset(GDALOpenEx(path.c_str(), GDAL_OF_VECTOR | GDAL_OF_READONLY | GDAL_OF_VERBOSE_ERROR,
                                  drivers, nullptr, nullptr));
   if (!dataset)
-    throw file_error(path, "cannot read it as " + content.content, content.expected, CPLGetLastErrorMsg());
+    throw file_error(path, "cannot read the file as " + content.content, content.expected,
+                     CPLGetLastErrorMsg());
   return dataset;
 }
 
@@ -76,7 +77,7 @@ void add_polygon(OGRGeometryH polygon, const std::string& source, std::vector<Pl
     for (int corner = 0; corner < OGR_G_GetPointCount(ring); ++corner) {
       const glm::dvec2 position{OGR_G_GetX(ring, corner), OGR_G_GetY(ring, corner)};
       if (!std::isfinite(position.x) || !std::isfinite(position.y))
-        throw file_error(source, "a vertex is not finite", "numbers");
+        throw file_error(source, "a vertex is not finite", "finite numbers");
       corners.push_back(position);
     }
   }
@@ -86,7 +87,7 @@ void add_polygons(OGRGeometryH geometry, const std::string& source, std::vector<
   const OGRwkbGeometryType type = type_of(geometry);
   if (type == wkbPolygon) return add_polygon(geometry, source, polygons);
   if (type != wkbMultiPolygon && type != wkbGeometryCollection)
-    throw file_error(source, "not a polygon", "polygons", type_name(geometry));
+    throw file_error(source, "unsupported geometry", "polygons", type_name(geometry));
   for (int i = 0; i < OGR_G_GetGeometryCount(geometry); ++i)
     add_polygons(OGR_G_GetGeometryRef(geometry, i), source, polygons);
 }
@@ -131,7 +132,8 @@ std::string read_vector_file(const std::filesystem::path& path, const VectorCont
   CPLErrorReset();
   OGR_L_ResetReading(layer);
   while (const GdalHandle<OGR_F_Destroy> feature{OGR_L_GetNextFeature(layer)}) take(feature.get());
-  if (CPLGetLastErrorType() >= CE_Failure) throw file_error(path, "corrupt file", {}, CPLGetLastErrorMsg());
+  if (CPLGetLastErrorType() >= CE_Failure)
+    throw file_error(path, std::string("corrupt file: ") + CPLGetLastErrorMsg());
   return wkt_of_layer(layer);
 }
 

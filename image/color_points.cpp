@@ -96,7 +96,7 @@ void check_use(const PointColoring& coloring, const std::string& name) {
                      "height, intensity, gps_time or another attribute", color_word(coloring));
   }
   if (coloring.by != PointColor::classification && !coloring.classes.empty())
-    throw file_error(name, "class colours require classification", "classification", color_word(coloring));
+    throw file_error(name, "class colours require classification", {}, color_word(coloring));
 }
 
 ColorMap usual_map(PointColor by) {

@@ -239,7 +239,7 @@ void write_image(const Film& film, const OutputSettings& output, const ImageFact
 
 void write_png(const Canvas& canvas, const std::filesystem::path& file, bool overwrite) {
   if (image_format(file) != ImageFormat::png)
-    throw file_error(file, "unsupported image format", "the extension .png");
+    throw file_error(file, "unknown output format", "the extension .png");
   OutputFile output(file, overwrite);
   OIIO::ImageSpec spec(canvas.width(), canvas.height(), 3, OIIO::TypeUInt8);
   spec.attribute("oiio:ColorSpace", "sRGB");

@@ -20,7 +20,7 @@ std::optional<ImageFormat> image_format(const std::filesystem::path& file) {
 void check_image_name(const std::filesystem::path& file) {
   if (image_format(file)) return;
   const std::string extension = file.extension().string();
-  throw file_error(file, "unknown image format", "the extension .exr, .png, .jpg, .jpeg or .tif",
+  throw file_error(file, "unknown output format", "the extension .exr, .png, .jpg, .jpeg or .tif",
                    extension.empty() ? "no extension" : extension);
 }
 

@@ -86,8 +86,8 @@ void check_without_radius(const PointQuery& query) {
 }
 
 void check(const Ray& ray) {
-  check_position(ray.origin, "origin");
-  check_unit(ray.direction, "direction");
+  check_position(ray.origin, "the origin");
+  check_unit(ray.direction, "the direction");
   check_interval(ray.t_min, ray.t_max);
 }
 
@@ -104,7 +104,7 @@ void check(const Path& path) {
                      fmt::format("{}", path.vertex_t.size()));
   }
   check_interval(path.t_min, path.t_max);
-  for (const glm::dvec3& vertex : path.vertices) check_position(vertex, "vertex");
+  for (const glm::dvec3& vertex : path.vertices) check_position(vertex, "a vertex");
   bool follows = path.vertex_t[0] == 0.0;
   for (std::size_t i = 0; follows && i + 1 < path.vertices.size(); ++i) {
     const double length = length_of(path.vertices[i + 1] - path.vertices[i]);
@@ -116,8 +116,8 @@ void check(const Path& path) {
 
 void check(const HalfSpaces& region) {
   for (const Plane& plane : region.planes) {
-    check_position(plane.point, "point of a plane");
-    check_unit(plane.normal, "normal of a plane");
+    check_position(plane.point, "the point of a plane");
+    check_unit(plane.normal, "the normal of a plane");
   }
 }
 
@@ -129,13 +129,13 @@ void check(const Bounds& box) {
 }
 
 void check(const glm::dvec3& point) {
-  check_position(point, "point");
+  check_position(point, "the point");
 }
 
 void check_against(const Octree& octree, int max_level, double spacing_factor) {
   if (octree.size() == 0) return;
   if (max_level != k_all_levels && octree.view().organisation != Organisation::layered)
-    throw Error({.problem = "max_level requires a layered octree", .expected = "an octree built as layered"});
+    throw Error({.problem = "max_level requires a layered octree", .expected = "Organisation::layered"});
   if (spacing_factor != 0.0 && !octree.view().spacings)
     throw file_error({}, "spacing_factor requires an octree with spacings", "with_spacings()");
 }

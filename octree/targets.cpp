@@ -41,7 +41,7 @@ Path make_path(const std::vector<glm::dvec3>& vertices, double t_min, double t_m
   Path path{.vertices = {}, .vertex_t = {}, .t_min = t_min, .t_max = t_max};
   for (std::size_t i = 0; i < vertices.size(); ++i) {
     const glm::dvec3& vertex = vertices[i];
-    if (!is_finite(vertex)) throw Error({.problem = fmt::format("vertex {} of a path is not finite", i)});
+    if (!is_finite(vertex)) throw Error({.problem = fmt::format("path vertex {} is not finite", i)});
     if (path.vertices.empty()) {
       path.vertex_t.push_back(0.0);
     } else {

@@ -68,9 +68,10 @@ CheckpointHead read_head(InputFile& file) {
   const HeaderFields reader(bytes, file.name());
   CheckpointHead head;
   for_each_field(head, [&]<class Field>(std::size_t byte, Field& field) { field = reader.get<Field>(byte); });
-  reader.require(head.with_noise <= 1, 48, "corrupt checkpoint", "0 or 1", head.with_noise);
-  reader.require(head.seconds >= 0.0 && head.seconds < 1e12, 64, "corrupt checkpoint", "seconds",
-                 head.seconds);
+  reader.require(head.with_noise <= 1, 48, "corrupt checkpoint: invalid noise flag", "0 or 1",
+                 head.with_noise);
+  reader.require(head.seconds >= 0.0 && head.seconds < 1e12, 64,
+                 "corrupt checkpoint: render time out of range", "0 to 1e12 seconds", head.seconds);
   head.fingerprint = fingerprint_of(k_pictures, bytes, file.name());
   head.head_bytes = bytes.size();
   return head;
@@ -141,8 +142,8 @@ void read_tiles(BlockReader& reader, const InputFile& file, int samples, Picture
     const std::byte* const at = bytes.data() + k_tile_bytes * tile;
     const auto reached = load<std::uint32_t>(at), stopped = load<std::uint32_t>(at + 4);
     if (reached > static_cast<std::uint32_t>(samples) || stopped > 1) {
-      throw file_error(file.name(), fmt::format("corrupt checkpoint: tile {}", tile),
-                       fmt::format("at most {} samples", samples),
+      throw file_error(file.name(), fmt::format("corrupt checkpoint: invalid state of tile {}", tile),
+                       fmt::format("at most {} samples, stopped 0 or 1", samples),
                        fmt::format("{} samples, stopped {}", reached, stopped));
     }
     state.tiles[tile] = {reached, stopped == 1, load<std::uint64_t>(at + 8)};
@@ -162,12 +163,12 @@ void check_head(const InputFile& file, const CheckpointHead& head, const Picture
         fmt::format("{} x {} pixels, {} samples", head.width, head.height, head.samples));
   }
   if (head.pass_end < 1 || head.pass_end > head.samples) {
-    throw file_error(file.name(), "corrupt checkpoint: samples in progress",
+    throw file_error(file.name(), "corrupt checkpoint: number of samples in progress out of range",
                      fmt::format("1 to {}", head.samples), std::to_string(head.pass_end));
   }
   const std::uint64_t expected = head.head_bytes + rest_bytes(state);
   if (head.file_bytes != expected)
-    throw file_error(file.name(), "corrupt checkpoint", fmt::format("{} bytes", expected),
+    throw file_error(file.name(), "corrupt checkpoint: wrong file size", fmt::format("{} bytes", expected),
                      std::to_string(head.file_bytes));
 }
 

@@ -26,7 +26,8 @@ namespace {
 constexpr double k_widest_over_automatic = 4.0;
 
 void check_positive(double value, const std::string& what) {
-  check_that(value > 0.0 && std::isfinite(value), "bad " + what, "a positive number", std::to_string(value));
+  check_that(value > 0.0 && std::isfinite(value), "invalid " + what, "a positive number",
+             std::to_string(value));
 }
 
 /// Frees the column, which clear() alone would not.
@@ -97,7 +98,7 @@ void choose_radius(const CloudSettings& settings, LoadedCloud& cloud, const Prog
   if (given) check_positive(*given, adapted ? "largest radius of points" : "radius of points");
   cloud.radius = given ? *given : automatic_radius(cloud.octree, settings.max_level);
   if (!adapted) return;
-  check_that(settings.max_level >= k_max_level, "adapted radii with max_level",
+  check_that(settings.max_level >= k_max_level, "adapted radii do not support max_level",
              "one radius, or all levels: spacings are those of the whole cloud");
   check_positive(adapted->factor, "factor between spacings and radii");
   cloud.spacing_factor = adapted->factor;

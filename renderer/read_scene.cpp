@@ -171,7 +171,7 @@ constexpr std::array<std::string_view, 5> k_by_position{"latitude", "longitude",
 geo::Sun read_sun_by_angles(const JsonFields& fields) {
   for (const std::string_view key : k_by_position) {
     if (const auto found = fields.find(key))
-      found->fail("a sun with a location but without a time", "\"date_time\" beside it", "none");
+      found->fail("the location of the sun requires a time", "\"date_time\"", "none");
   }
   geo::Sun sun;
   if (const auto azimuth = fields.find("azimuth")) sun.azimuth = azimuth->number(k_angle);
@@ -185,7 +185,8 @@ geo::Sun read_sun_by_angles(const JsonFields& fields) {
 geo::SunByTime read_sun_by_time(const JsonNode& date_time, const JsonFields& fields) {
   for (const std::string_view key : k_by_angles) {
     if (const auto found = fields.find(key))
-      found->fail("a sun with both angles and time", "\"date_time\" alone, or \"azimuth\" and \"elevation\"");
+      found->fail("the sun has both angles and a time",
+                  "\"date_time\" alone, or \"azimuth\" and \"elevation\"");
   }
   geo::SunByTime sun{.moment = read_date_time(date_time)};
   const auto latitude = fields.find("latitude"), longitude = fields.find("longitude");
@@ -331,7 +332,7 @@ image::OutputSettings read_output_settings(const JsonNode& node, const std::file
   if (const auto file = fields.find("file")) {
     output.file = path_beside(scene_file, *file);
     if (!image::image_format(output.file))
-      file->fail("unknown image format", "the extension .exr, .png, .jpg, .jpeg or .tif");
+      file->fail("unknown output format", "the extension .exr, .png, .jpg, .jpeg or .tif");
   }
   if (const auto layers = fields.find("layers")) output.layers = read_layers(*layers);
   if (const auto exposure = fields.find("exposure")) output.exposure = exposure->number({-64, 64});

@@ -87,10 +87,10 @@ class FlightBeams {
     std::vector<double> areas;
     double area_sum = 0.0;
     for (const FlightLine& line : lines) {
-      check_that(line.pitch > -80.0 && line.pitch < 80.0,
-                 "pitch of a flight line out of range (-80, 80) degrees");
+      check_that(line.pitch > -80.0 && line.pitch < 80.0, "flight line pitch out of range",
+                 "degrees between -80 and 80");
       check_that(line.field_of_view > 0.0 && line.field_of_view < 160.0,
-                 "field of view of a flight line out of range (0, 160) degrees");
+                 "flight line field of view out of range", "degrees between 0 and 160");
       const double height = line.start.z - ground_height;
       check_that(height > 0.0 && line.end.z == line.start.z, "the flight line is not level above the ground");
       Strip strip{.line = line, .seconds_begin = seconds_};
@@ -319,12 +319,12 @@ constexpr double k_first_second = 402'000'000.0;  // adjusted GPS time: a day in
 constexpr double k_pause = 60.0;                  // between one scan and the next
 
 void check(const ScanOptions& options) {
-  if (options.flight_lines.empty()) throw Error({.problem = "a scan needs a flight line"});
+  if (options.flight_lines.empty()) throw Error({.problem = "a scan requires a flight line"});
   check_that(options.terrestrial_share >= 0.0 && options.terrestrial_share <= 1.0,
-             "share of points from the stations out of range", "0 .. 1");
-  if (!(options.terrestrial.elevation_min < options.terrestrial.elevation_max) ||
-      options.terrestrial.elevation_min < -90.0 || options.terrestrial.elevation_max > 90.0)
-    throw Error({.problem = "scanner elevation limits must be in order within -90 .. 90 degrees"});
+             "share of points from the stations out of range", "0 to 1");
+  check_that(options.terrestrial.elevation_min < options.terrestrial.elevation_max &&
+                 options.terrestrial.elevation_min >= -90.0 && options.terrestrial.elevation_max <= 90.0,
+             "invalid scanner elevation limits", "-90 to 90 degrees, the lower limit first");
 }
 
 }  // namespace

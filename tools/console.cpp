@@ -9,7 +9,6 @@
 #include <csignal>
 #include <cstdio>
 #include <cstdlib>
-#include <cstring>
 
 namespace alidade::tools {
 namespace {
@@ -100,7 +99,7 @@ void write_to_stdout(std::string_view text) {
     } else if (errno == EPIPE) {
       throw ReaderGone();
     } else if (errno != EINTR) {
-      throw Error({.file = "standard output", .problem = "cannot write", .found = std::strerror(errno)});
+      throw system_error("standard output", "cannot write");
     }
   }
 }

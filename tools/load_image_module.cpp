@@ -19,8 +19,8 @@ std::filesystem::path module_file() {
 [[noreturn]] void fail(const std::filesystem::path& file) {
   const char* const reason = ::dlerror();
   throw Error({.file = file.string(),
-               .problem = "missing module for images and maps",
-               .found = reason != nullptr ? reason : "nothing"});
+               .problem = std::string("cannot load the module for images and maps: ") +
+                          (reason != nullptr ? reason : "unknown reason")});
 }
 
 }  // namespace

@@ -41,21 +41,24 @@ Options::Take naming(const std::string& names, Options::Take take) {
 
 double parse_number(const std::string& text, double least, double most) {
   const double number = parse_double(text);
-  if (!std::isfinite(number)) throw UsageError("expected a number, found '" + text + "'");
+  if (!std::isfinite(number)) throw UsageError("invalid value; expected a number, found '" + text + "'");
   if (number < least || number > most)
-    throw UsageError(fmt::format("expected a number from {} to {}, found '{}'", least, most, text));
+    throw UsageError(
+        fmt::format("invalid value; expected a number from {} to {}, found '{}'", least, most, text));
   return number;
 }
 
 double parse_limit(const std::string& text) {
   const double limit = parse_double(text);
-  if (std::isnan(limit)) throw UsageError("expected a number, inf or -inf, found '" + text + "'");
+  if (std::isnan(limit))
+    throw UsageError("invalid value; expected a number, inf or -inf, found '" + text + "'");
   return limit;
 }
 
 std::optional<double> parse_length_limit(const std::string& text) {
   const double length = parse_double(text);
-  if (!(length >= 0.0)) throw UsageError("expected a number, at least 0, or inf, found '" + text + "'");
+  if (!(length >= 0.0))
+    throw UsageError("invalid value; expected a number, at least 0, or inf, found '" + text + "'");
   return std::isinf(length) ? std::nullopt : std::optional(length);
 }
 
@@ -65,7 +68,8 @@ double parse_distance_limit(const std::string& text) {
 
 std::uint64_t parse_count(const std::string& text, std::uint64_t least, std::uint64_t most) {
   const auto reject = [&]() -> UsageError {
-    return UsageError(fmt::format("expected an integer from {} to {}, found '{}'", least, most, text));
+    return UsageError(
+        fmt::format("invalid value; expected an integer from {} to {}, found '{}'", least, most, text));
   };
   std::uint64_t count = 0;
   const char* const end = text.data() + text.size();
@@ -83,12 +87,12 @@ std::uint64_t parse_count(const std::string& text, std::uint64_t least, std::uin
 ImageSize parse_image_size(const std::string& text) {
   const std::size_t cross = text.find('x');
   if (cross == std::string::npos)
-    throw UsageError("expected WIDTHxHEIGHT in pixels, such as 600x400, found '" + text + "'");
+    throw UsageError("invalid value; expected WIDTHxHEIGHT in pixels, such as 600x400, found '" + text + "'");
   const std::uint64_t width = parse_count(text.substr(0, cross), 1, k_largest_side);
   const std::uint64_t height = parse_count(text.substr(cross + 1), 1, k_largest_side);
   if (width * height > camera::k_max_pixels) {
-    throw UsageError(
-        fmt::format("expected at most {} pixels in total, found {}", camera::k_max_pixels, width * height));
+    throw UsageError(fmt::format("invalid value; expected at most {} pixels in total, found {}",
+                                 camera::k_max_pixels, width * height));
   }
   return {static_cast<int>(width), static_cast<int>(height)};
 }

@@ -163,7 +163,7 @@ class Options {
                 Target& target) const {
     return value(names, kind, help, [&target](const std::string& text) {
       const double number = parse_number(text, 0.0);
-      if (number == 0.0) throw UsageError("expected a positive length, found '0'");
+      if (number == 0.0) throw UsageError("invalid value; expected a positive length, found '0'");
       target = number;
     });
   }
@@ -190,7 +190,7 @@ class Options {
           return;
         }
       }
-      throw UsageError("expected " + kind + ", found '" + text + "'");
+      throw UsageError("invalid value; expected " + kind + ", found '" + text + "'");
     });
   }
 

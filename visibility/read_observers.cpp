@@ -33,7 +33,7 @@ double number_in(const CsvTable& table, std::string_view cell, std::string_view 
   const std::optional<double> number = parse_number(cell);
   // Only a distance may be infinite, which check is made where observers get their position.
   if (!number || std::isnan(*number))
-    table.fail(fmt::format("{} is not a number", column), "a number", cell.empty() ? "nothing" : quote(cell));
+    table.fail(fmt::format("invalid {}", column), "a number", cell.empty() ? "nothing" : quote(cell));
   return *number;
 }
 
@@ -65,8 +65,7 @@ void read_attributes(const geo::VectorFeature& feature, GivenObserver& observer)
     if (!field || !field->is_set) continue;
     const std::optional<double> number = field->number ? field->number : parse_number(field->text);
     if (!number || std::isnan(*number)) {
-      throw Error(observer.source, {}, fmt::format("{} is not a number", known.name), "a number",
-                  quote(field->text));
+      throw Error(observer.source, {}, fmt::format("invalid {}", known.name), "a number", quote(field->text));
     }
     observer.*known.value = *number;
   }
@@ -77,7 +76,8 @@ void add_feature(const geo::VectorFeature& feature, const std::filesystem::path&
   GivenObserver observer{.source = fmt::format("{}:feature {}", path.string(), feature.id())};
   const std::optional<std::vector<geo::VectorPoint>> points = feature.points();
   if (!points) {
-    throw Error(observer.source, {}, "not a point", "a point for each observer", feature.geometry_type());
+    throw Error(observer.source, {}, "unsupported geometry", "a point for each observer",
+                feature.geometry_type());
   }
   read_attributes(feature, observer);
   for (const geo::VectorPoint& point : *points) {

@@ -19,7 +19,7 @@ constexpr std::string_view k_blanks = " \t,\r";
   for (char& c : text) {
     if (static_cast<unsigned char>(c) < 0x20 || c == 0x7F) c = ' ';
   }
-  throw input_error(std::string("bad ") + what, expected, found.empty() ? "nothing" : "'" + text + "'");
+  throw input_error(std::string("invalid ") + what, expected, found.empty() ? "nothing" : "'" + text + "'");
 }
 
 // Source of both layouts: ISO/IEC 15948 (PNG), ITU-T T.81 annex B (JPEG). Numbers are big endian.
@@ -105,7 +105,7 @@ bool FieldWalk::at_end() {
 }
 
 std::string_view FieldWalk::word(const char* what) {
-  if (at_end()) fail(what, "another value on this line", "");
+  if (at_end()) fail(what, "one more value on this line", "");
   const std::size_t end = std::min(rest_.find_first_of(k_blanks), rest_.size());
   const std::string_view word = rest_.substr(0, end);
   rest_.remove_prefix(end);

@@ -114,8 +114,7 @@ class ColmapImages {
     if (image.name.empty()) throw Error({.problem = fmt::format("image {} has no name", image.id)});
     const auto rotation = rotation_from_quaternion(image.quaternion);
     if (!rotation) {
-      throw input_error(fmt::format("rotation of image {} is zero or not finite", image.id),
-                        "a finite nonzero quaternion");
+      throw input_error(fmt::format("invalid rotation of image {}", image.id), "a finite nonzero quaternion");
     }
     const auto& [x, y, z] = image.translation;
     if (!(std::fabs(x) <= 1e12 && std::fabs(y) <= 1e12 && std::fabs(z) <= 1e12)) {
@@ -213,7 +212,7 @@ void read_camera(Reader& reader, ColmapImages& model) {
   const auto known = std::ranges::find(models, model_id, &ColmapModel::id);
   if (known == models.end()) {
     throw input_error(fmt::format("unknown model of camera {}", id),
-                      fmt::format("0 to {}", models.size() - 1), fmt::format("{}", model_id));
+                      fmt::format("a model id from 0 to {}", models.size() - 1), fmt::format("{}", model_id));
   }
   std::vector<double> parameters;
   for (std::size_t i = 0; i < known->parameter_count; ++i) parameters.push_back(reader.take<double>());

@@ -130,7 +130,7 @@ CameraPose pose_of(const JsonNode& value) {
     for (int column = 0; column < 3; ++column) rotation[column][row] = numbers[column];
   }
   if (!(error_of_rotation(rotation) <= k_file_rotation_tolerance) || glm::determinant(rotation) < 0.0)
-    node.fail("invalid rotation", "three orthonormal rows, right-handed", "other numbers");
+    node.fail("invalid rotation", "three orthonormal rows, right-handed", "");
   const glm::dmat3 axes = glm::transpose(orthonormal(rotation));
   return {.position = required(value, "center").vector(k_coordinate),
           .right = axes[0],

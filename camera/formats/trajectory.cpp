@@ -75,7 +75,7 @@ NamedCamera read_row(std::string_view line, const Columns& columns, const Conven
   for (std::size_t i = 0; i < numbers.size(); ++i)
     numbers[i] = number_of(cell(i), std::string(k_columns[i]).c_str());
   const auto rotation = rotation_from_quaternion({numbers[4], numbers[5], numbers[6], numbers[7]});
-  if (!rotation) throw input_error("quaternion is zero", "a nonzero quaternion");
+  if (!rotation) throw Error({.problem = "the quaternion is zero"});
   const glm::dvec3 position(numbers[1], numbers[2], numbers[3]);
   if (!(std::fabs(position.x) <= 1e12 && std::fabs(position.y) <= 1e12 && std::fabs(position.z) <= 1e12))
     throw input_error("position out of range", "coordinates within +-1e12");

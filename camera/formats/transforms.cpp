@@ -137,9 +137,12 @@ void set_intrinsics(const FrameFields& fields, const JsonNode& frame, const std:
 double take_scale(const JsonNode& node, glm::dmat3& linear) {
   const double scale = length_of(linear[0]);
   if (scale > 0.0) linear /= scale;
-  if (!(error_of_rotation(linear) <= k_file_rotation_tolerance) || glm::determinant(linear) < 0.0) {
-    node.fail("invalid rotation", "three orthogonal columns of equal length, right-handed",
-              "other numbers in the first three columns");
+  const double error = error_of_rotation(linear);
+  if (!(error <= k_file_rotation_tolerance) || glm::determinant(linear) < 0.0) {
+    node.fail("invalid rotation",
+              "the first three columns to be orthogonal, of equal length and right-handed",
+              error <= k_file_rotation_tolerance ? "a left-handed matrix"
+                                                 : fmt::format("a deviation of {:.3g}", error));
   }
   linear = orthonormal(linear);
   return scale;

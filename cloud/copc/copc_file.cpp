@@ -82,9 +82,8 @@ class Entries {
                    std::to_string(page.size));
     }
     if (!offsets_.insert(page.offset).second) {
-      fail_at_byte(file_.name(), page.offset,
-                   fmt::format("duplicate page of the COPC hierarchy, referenced again by {}", said),
-                   "one reference", "another");
+      fail_at_byte(file_.name(), page.offset, "page of the COPC hierarchy referenced more than once",
+                   "one reference", "a second one by " + said);
     }
     // Pages that overlap could be many more than the file has room for.
     bytes_ += page.size;

@@ -70,11 +70,10 @@ E57Pages::E57Pages(InputFile file) : file_(std::move(file)) {
   if (const auto page = load<std::uint64_t>(bytes.data() + 40); page != k_e57_page)
     fail("header", "unsupported page size", std::to_string(k_e57_page), std::to_string(page));
   if (file_.size() % k_e57_page != 0) {
-    fail("header", "the file size is not a multiple of the page size", "a multiple of 1024 bytes",
-         std::to_string(file_.size()));
+    fail("header", "wrong file size", "a multiple of 1024 bytes", std::to_string(file_.size()));
   }
   if (const auto length = load<std::uint64_t>(bytes.data() + 16); length != file_.size()) {
-    fail("header", "wrong file length", fmt::format("{} bytes", length), std::to_string(file_.size()));
+    fail("header", "wrong file size", fmt::format("{} bytes", length), std::to_string(file_.size()));
   }
   header_.xml_length = load<std::uint64_t>(bytes.data() + 32);
   const auto xml_offset = load<std::uint64_t>(bytes.data() + 24);
@@ -89,11 +88,11 @@ E57Pages::E57Pages(InputFile file) : file_(std::move(file)) {
 std::uint64_t E57Pages::offset_of(std::uint64_t physical, const std::string& where,
                                   const std::string& what) const {
   if (physical >= file_.size()) {
-    fail(where, what + " begins after the end of the file", fmt::format("less than {}", file_.size()),
+    fail(where, "invalid offset of " + what, fmt::format("less than {}", file_.size()),
          std::to_string(physical));
   }
   if (physical % k_e57_page >= k_e57_payload)
-    fail(where, what + " begins inside a checksum", "an offset outside checksums", std::to_string(physical));
+    fail(where, "invalid offset of " + what, "an offset outside checksums", std::to_string(physical));
   return physical / k_e57_page * k_e57_payload + physical % k_e57_page;
 }
 
@@ -164,7 +163,7 @@ constexpr std::ptrdiff_t k_most_nodes = 8'000'000;
 std::string read_xml(E57Pages& pages) {
   const E57Header& header = pages.header();
   if (header.xml_length > k_largest_xml) {
-    pages.fail("XML", "is too long", fmt::format("at most {} bytes", k_largest_xml),
+    pages.fail("XML", "the XML is too long", fmt::format("at most {} bytes", k_largest_xml),
                std::to_string(header.xml_length));
   }
   std::string text;
@@ -176,8 +175,7 @@ std::string read_xml(E57Pages& pages) {
   // Every element has a "<", every attribute a "=": this bounds what parsing will take.
   const auto nodes = std::ranges::count(text, '<') + std::ranges::count(text, '=');
   if (nodes > k_most_nodes)
-    pages.fail("XML", "has too many elements", fmt::format("at most {}", k_most_nodes),
-               std::to_string(nodes));
+    pages.fail("XML", "too many elements", fmt::format("at most {}", k_most_nodes), std::to_string(nodes));
   return text;
 }
 
@@ -190,7 +188,7 @@ void parse(const E57Pages& pages, std::string& text, pugi::xml_document& xml) {
                std::string("invalid XML: ") + result.description());
   }
   for (const pugi::xml_node& node : xml.children()) {
-    if (node.type() == pugi::node_doctype) pages.fail("XML", "has a document type", "none");
+    if (node.type() == pugi::node_doctype) pages.fail("XML", "unsupported document type", "none");
   }
 }
 
@@ -204,7 +202,7 @@ void check_overlap(const E57Pages& pages, const std::vector<E57Scan>& scans) {
     const E57Scan &before = scans[order[i - 1]], &scan = scans[order[i]];
     if (scan.begin >= before.end) continue;
     pages.fail(fmt::format("scan {}", order[i] + 1),
-               fmt::format("its section overlaps that of scan {}", order[i - 1] + 1),
+               fmt::format("the section overlaps that of scan {}", order[i - 1] + 1),
                fmt::format("a start at {} or later", before.end), std::to_string(scan.begin));
   }
 }

@@ -104,7 +104,7 @@ bool E57Records::next_packet() {
   const std::uint64_t left = scan_.end - offset_;
   if (left == 0) return false;
   ++packet_;
-  if (left < k_smallest) fail("the section ends inside a packet", "4 bytes at least", std::to_string(left));
+  if (left < k_smallest) fail("the section ends inside a packet", "at least 4 bytes", std::to_string(left));
   const std::span<const std::byte> head = pages_.view(offset_, k_smallest);
   const unsigned kind = load<std::uint8_t>(head.data());
   const std::size_t length = load<std::uint16_t>(head.data() + 2) + std::size_t{1};
@@ -119,7 +119,7 @@ bool E57Records::next_packet() {
 
 void E57Records::take_pieces(std::span<const std::byte> packet) {
   if (packet.size() < k_data_header)
-    fail("the packet is too short", fmt::format("{} bytes at least", k_data_header),
+    fail("the packet is too short", fmt::format("at least {} bytes", k_data_header),
          std::to_string(packet.size()));
   const bool restarts = (load<std::uint8_t>(packet.data() + 1) & 1) != 0;
   const std::size_t count = load<std::uint16_t>(packet.data() + 4);
@@ -128,7 +128,7 @@ void E57Records::take_pieces(std::span<const std::byte> packet) {
   }
   if (packet.size() < k_data_header + 2 * count) {
     fail("the packet is too short for its streams",
-         fmt::format("{} bytes at least", k_data_header + 2 * count), std::to_string(packet.size()));
+         fmt::format("at least {} bytes", k_data_header + 2 * count), std::to_string(packet.size()));
   }
   std::size_t begin = k_data_header + 2 * count;
   auto stream = streams_.begin();

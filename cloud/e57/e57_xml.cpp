@@ -49,7 +49,7 @@ E57Field read_field(const E57Node& node, std::string name) {
     field.minimum = minimum.value_or(Limits::min());
     field.maximum = maximum.value_or(Limits::max());
     if (field.minimum > field.maximum) {
-      node.fail("minimum above maximum", fmt::format("at most {}", field.maximum),
+      node.fail("the minimum exceeds the maximum", fmt::format("at most {}", field.maximum),
                 std::to_string(field.minimum));
     }
     if (type == "ScaledInteger") {
@@ -77,7 +77,7 @@ E57Field read_field(const E57Node& node, std::string name) {
   } else if (type == "String") {
     field.kind = E57FieldKind::text;
   } else {
-    node.fail("unsupported type of a field", "Integer, ScaledInteger, Float or String", quote(type));
+    node.fail("unsupported type", "Integer, ScaledInteger, Float or String", quote(type));
   }
   return field;
 }
@@ -90,8 +90,8 @@ void read_fields(const E57Node& parent, const std::string& prefix, int depth, st
     const E57Node node = parent.descend(element);
     const std::string name = prefix + element.name();
     if (name.size() > k_longest_name) {
-      parent.fail("field name too long", fmt::format("at most {} bytes", k_longest_name),
-                  std::to_string(name.size()));
+      node.fail("excessive path length", fmt::format("at most {} bytes", k_longest_name),
+                std::to_string(name.size()));
     }
     if (std::string_view(element.attribute("type").value()) == "Structure") {
       read_fields(node, name + "/", depth + 1, fields);
@@ -120,7 +120,7 @@ void locate_section(const E57Node& points, E57Pages& pages, E57Scan& scan) {
   const std::span<const std::byte> header = pages.view(scan.begin, k_section_header_bytes);
   const auto id = load<std::uint8_t>(header.data());
   const auto length = load<std::uint64_t>(header.data() + 8), data = load<std::uint64_t>(header.data() + 16);
-  if (id != 1) pages.fail(where, "missing section of points", "1", std::to_string(id));
+  if (id != 1) pages.fail(where, "wrong id of the section of points", "1", std::to_string(id));
   if (length < k_section_header_bytes || length > pages.size() - scan.begin) {
     pages.fail(where, "the section of points exceeds the file",
                fmt::format("32 to {} bytes", pages.size() - scan.begin), std::to_string(length));
@@ -137,7 +137,7 @@ void locate_section(const E57Node& points, E57Pages& pages, E57Scan& scan) {
   for (const E57Field& field : scan.fields) bits += static_cast<std::uint64_t>(field.bits());
   const std::uint64_t most = (scan.end - scan.begin) * 8 / std::max<std::uint64_t>(bits, 1);
   if (scan.record_count > most) {
-    pages.fail(where, "the section is too short for the points of the scan", fmt::format("at most {}", most),
+    pages.fail(where, "the scan has more points than its section can hold", fmt::format("at most {}", most),
                std::to_string(scan.record_count));
   }
 }
@@ -150,13 +150,14 @@ E57Blob read_blob_offset(const E57Node& node, E57Pages& pages) {
       pages.offset_of(node.require_count_attribute("fileOffset"), node.where(), "the " + node.name());
   const std::uint64_t room = pages.size() - begin;
   if (room < k_blob_header_bytes || length > room - k_blob_header_bytes)
-    node.fail("exceeds the file", fmt::format("at most {} bytes", room), std::to_string(length));
+    node.fail("invalid length", fmt::format("at most {} bytes", room), std::to_string(length));
   const std::span<const std::byte> header = pages.view(begin, k_blob_header_bytes);
   const auto id = load<std::uint8_t>(header.data());
   const auto section = load<std::uint64_t>(header.data() + 8);
-  if (id != 0) node.fail("missing section", "0", std::to_string(id));
+  if (id != 0) node.fail("wrong section id", "0", std::to_string(id));
   // Writers differ in whether the section's length counts its header.
-  if (length > section) node.fail("exceeds its section", std::to_string(section), std::to_string(length));
+  if (length > section)
+    node.fail("invalid length", fmt::format("at most {} bytes", section), std::to_string(length));
   return {.offset = begin + k_blob_header_bytes, .length = length};
 }
 
@@ -215,7 +216,7 @@ std::optional<double> E57Node::number() const {
   auto value = parse_number(word);
   if (value && std::string_view(element_.attribute("type").value()) == "ScaledInteger")
     value = *value * number_attribute("scale").value_or(1.0) + number_attribute("offset").value_or(0.0);
-  if (!value || !std::isfinite(*value)) fail("not a finite number", "a number", quote(word));
+  if (!value || !std::isfinite(*value)) fail("invalid value", "a finite number", quote(word));
   return value;
 }
 
@@ -223,7 +224,7 @@ std::uint64_t E57Node::count() const {
   const std::string word = text();
   if (word.empty()) return 0;
   const auto value = parse_integer<std::uint64_t>(word);
-  if (!value) fail("not an integer", "an integer, at least 0", quote(word));
+  if (!value) fail("invalid value", "an integer, at least 0", quote(word));
   return *value;
 }
 
@@ -231,7 +232,7 @@ std::optional<std::int64_t> E57Node::integer_attribute(const char* name) const {
   const pugi::xml_attribute attribute = element_.attribute(name);
   if (!attribute) return std::nullopt;
   const auto value = parse_integer<std::int64_t>(without_blanks(attribute.value()));
-  if (!value) fail(fmt::format("{} is not an integer", name), "an integer", quote(attribute.value()));
+  if (!value) fail(fmt::format("invalid {}", name), "an integer", quote(attribute.value()));
   return value;
 }
 
@@ -240,7 +241,7 @@ std::optional<double> E57Node::number_attribute(const char* name) const {
   if (!attribute) return std::nullopt;
   const auto value = parse_number(without_blanks(attribute.value()));
   if (!value || !std::isfinite(*value))
-    fail(fmt::format("{} is not a finite number", name), "a number", quote(attribute.value()));
+    fail(fmt::format("invalid {}", name), "a finite number", quote(attribute.value()));
   return value;
 }
 
@@ -248,14 +249,14 @@ std::uint64_t E57Node::require_count_attribute(const char* name) const {
   const pugi::xml_attribute attribute = element_.attribute(name);
   const auto value = parse_integer<std::uint64_t>(without_blanks(attribute.value()));
   if (!value) {
-    fail(fmt::format("{} is not an integer", name), "an integer, at least 0",
+    fail(fmt::format("invalid {}", name), "an integer, at least 0",
          attribute ? quote(attribute.value()) : "none");
   }
   return *value;
 }
 
 void E57Node::fail(std::string problem, std::string expected, std::string found) const {
-  pages_->fail(where_, (element_ ? quote(element_.name()) + " " : "") + std::move(problem),
+  pages_->fail(where_, std::move(problem) + (element_ ? " of " + quote(element_.name()) : ""),
                std::move(expected), std::move(found));
 }
 
@@ -268,7 +269,7 @@ std::optional<E57Pose> read_e57_pose(const E57Node& parent, E57Oddities& odditie
                  y = rotation.child("y").number_or(0.0), z = rotation.child("z").number_or(0.0);
     const double length = std::hypot(std::hypot(w, x), std::hypot(y, z));
     if (!(length > 1e-100 && length < 1e100)) {
-      rotation.fail("invalid rotation", "a unit quaternion", fmt::format("length {}", length));
+      rotation.fail("invalid value", "a unit quaternion", fmt::format("length {}", length));
     }
     if (std::abs(length - 1.0) > 1e-3) {
       oddities.add("quaternion", fmt::format("{}: the quaternion of the pose has length {}; normalized",
@@ -289,7 +290,7 @@ E57Scan read_e57_scan(const E57Node& parent, E57Pages& pages, E57Oddities& oddit
   scan.name = parent.child("name").text();
   scan.guid = parent.child("guid").text();
   const E57Node points = parent.child("points");
-  if (!points) parent.fail("missing points", "points in every scan");
+  if (!points) pages.fail(parent.where(), "missing element points");
   if (std::string_view(points.element().attribute("type").value()) != "CompressedVector")
     points.fail("wrong type", "CompressedVector", quote(points.element().attribute("type").value()));
   scan.record_count = points.require_count_attribute("recordCount");
@@ -302,7 +303,7 @@ E57Scan read_e57_scan(const E57Node& parent, E57Pages& pages, E57Oddities& oddit
       start && *start > 0)
     scan.start = start;
   for (const pugi::xml_node& codec : points.child("codecs").element().children()) {
-    if (codec.type() == pugi::node_element) points.child("codecs").fail("unsupported compression", "none");
+    if (codec.type() == pugi::node_element) points.fail("unsupported compression", "none");
   }
   read_fields(points.child("prototype"), "", 1, scan.fields);
   std::unordered_set<std::string_view> names;

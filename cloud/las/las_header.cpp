@@ -85,8 +85,7 @@ LasHeader read_las_header(InputFile& file, std::vector<std::string>& warnings, D
   const std::span<const std::byte> start = file.view_up_to(0, copy.size());
   std::copy(start.begin(), start.end(), copy.begin());
   const HeaderFields fields(copy, file.name());
-  fields.require(las_text(bytes, 4) == "LASF", 0, "not a LAS file", "the signature LASF",
-                 "another signature");
+  fields.require(las_text(bytes, 4) == "LASF", 0, "not a LAS file", "the signature LASF", "");
   fields.require(start.size() >= k_shortest_header, 0, "truncated header",
                  fmt::format("at least {} bytes", k_shortest_header), start.size());
 

@@ -70,7 +70,7 @@ void LayeredChunkHead::read(std::span<const std::byte> bytes) {
                     size(), bytes.size()));
   const std::byte* at = bytes.data() + record_size_;
   point_count_ = load<std::uint32_t>(at);
-  if (point_count_ == 0) throw CorruptChunk("the chunk has no points; expected 1 or more, found 0");
+  if (point_count_ == 0) throw CorruptChunk("the chunk has no points");
   chunk_size_ = size();
   for (std::size_t layer = 0; layer < layer_sizes_.size(); ++layer) {
     at += 4;
@@ -168,9 +168,8 @@ struct LayeredDecoder::State : LayeredState<ArithmeticDecoder> {
                                      "within {} bytes, found more",
                                      name(layer), size),
                          first_point);
-    throw CorruptChunk(
-        fmt::format("corrupt layer of {}; expected values that encoders write, found others", name(layer)),
-        first_point);
+    throw CorruptChunk(fmt::format("corrupt layer of {}; expected valid arithmetic codes", name(layer)),
+                       first_point);
   }
 
   const char* name(std::size_t layer) const {

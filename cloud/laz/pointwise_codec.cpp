@@ -154,7 +154,7 @@ void PointwiseDecoder::throw_corrupt() const {
         fmt::format("the points do not end with the chunk; expected all within {} bytes, found more", size),
         point_);
   }
-  throw CorruptChunk("invalid point; expected values that encoders write, found others", point_);
+  throw CorruptChunk("invalid point; expected valid arithmetic codes", point_);
 }
 
 PointwiseEncoder::PointwiseEncoder(const LazLayout& layout)

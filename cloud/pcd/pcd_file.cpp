@@ -70,14 +70,14 @@ struct Lines {
 
 std::uint64_t require_count(const TextScanner& scanner, std::string_view word) {
   if (const auto count = parse_count(word)) return *count;
-  scanner.fail("not an integer", "an integer", quote(word));
+  scanner.fail("invalid value", "an integer, at least 0", quote(word));
 }
 
 /// The values after the keyword: as many as fields.
 std::vector<std::uint64_t> require_counts(const TextScanner& scanner, const Words& words,
                                           const Lines& lines) {
   if (words.size() - 1 != lines.fields.size())
-    scanner.fail("missing value of a field", std::to_string(lines.fields.size()) + " values",
+    scanner.fail("wrong number of values", std::to_string(lines.fields.size()) + ", one per field",
                  std::to_string(words.size() - 1));
   std::vector<std::uint64_t> counts;
   for (std::size_t i = 1; i < words.size(); ++i) counts.push_back(require_count(scanner, words[i]));
@@ -109,7 +109,7 @@ void take_line(const TextScanner& scanner, const Words& words, Lines& lines, Pcd
     lines.counts = require_counts(scanner, words, lines);
   } else if (keyword == "TYPE") {
     if (words.size() - 1 != lines.fields.size())
-      scanner.fail("missing type of a field", std::to_string(lines.fields.size()) + " types",
+      scanner.fail("wrong number of types", std::to_string(lines.fields.size()) + ", one per field",
                    std::to_string(words.size() - 1));
     lines.types.clear();
     for (std::size_t i = 1; i < words.size(); ++i)
@@ -122,7 +122,7 @@ void take_line(const TextScanner& scanner, const Words& words, Lines& lines, Pcd
     lines.points = single();
   } else if (keyword == "VIEWPOINT") {
     for (std::size_t i = 1; i < words.size(); ++i) {
-      if (!parse_number(words[i])) scanner.fail("not a number", "a number", quote(words[i]));
+      if (!parse_number(words[i])) scanner.fail("invalid viewpoint", "numbers", quote(words[i]));
     }
   } else {
     scanner.fail("unknown header line",

@@ -101,7 +101,7 @@ PlyProperty require_property(const TextScanner& scanner, const Words& words) {
     property.is_list = true;
     property.count_type = require_type(scanner, words[2]);
     if (property.count_type == ScalarType::float32 || property.count_type == ScalarType::float64)
-      scanner.fail("invalid count type of a list", "an integer type", quote(words[2]));
+      scanner.fail("invalid list count type", "an integer type", quote(words[2]));
     property.type = require_type(scanner, words[3]);
   } else if (words.size() == 3) {
     property.type = require_type(scanner, words[1]);
@@ -128,7 +128,7 @@ PlyHeader read_ply_header(InputFile& input, Damage damage) {
   Words words;
   split_words(first, words);
   if (words.size() != 1 || words[0] != "ply")
-    fail_at_byte(input.name(), 0, "not a PLY file", "a first line \"ply\"", quote(first));
+    fail_at_byte(input.name(), 0, "not a PLY file", "\"ply\" as the first line", quote(first));
   PlyHeader header;
   bool has_format = false;
   while (true) {
@@ -155,7 +155,7 @@ PlyHeader read_ply_header(InputFile& input, Damage damage) {
                    quote(keyword));
     }
   }
-  if (!has_format) scanner.fail("missing format line", "format ascii 1.0 or another");
+  if (!has_format) scanner.fail("missing format line", "a line such as \"format ascii 1.0\"");
   header.data_offset = scanner.offset();
   header.line_count = scanner.line_number();
   find_vertex(scanner, header);
@@ -246,7 +246,7 @@ class PlyReader final : public TableReader {
     const std::uint64_t size = static_cast<std::uint64_t>(scalar_size(property.type));
     const std::uint64_t left = input_.size() - cursor.offset();
     if (!(count.number >= 0.0 && count.number <= static_cast<double>(left / size))) {
-      fail("byte " + std::to_string(offset), "a list of " + quote(property.name) + " has an invalid length",
+      fail("byte " + std::to_string(offset), "invalid list length of " + quote(property.name),
            "0 to " + std::to_string(left / size),
            std::to_string(static_cast<std::int64_t>(std::clamp(count.number, -9e18, 9e18))));
     }
@@ -284,8 +284,7 @@ class PlyReader final : public TableReader {
       if (properties[i].is_list) {
         const auto count = parse_count(text);
         if (!count || *count > words_.size() - word)
-          scanner.fail("invalid length of a list", "0 to " + std::to_string(words_.size() - word),
-                       quote(text));
+          scanner.fail("invalid list length", "0 to " + std::to_string(words_.size() - word), quote(text));
         word += static_cast<std::size_t>(*count);
         continue;
       }

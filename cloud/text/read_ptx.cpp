@@ -91,8 +91,7 @@ class PtxReader final : public TableReader {
     std::array<double, count> numbers;
     for (std::size_t i = 0; i < count; ++i) {
       numbers[i] = require_cell(scanner, words_[i], ScalarType::float64).number;
-      if (!std::isfinite(numbers[i]))
-        scanner.fail("not a finite number", "a finite number", quote(words_[i]));
+      if (!std::isfinite(numbers[i])) scanner.fail("invalid value", "a finite number", quote(words_[i]));
     }
     return numbers;
   }

@@ -300,7 +300,7 @@ class TextReader final : public TableReader {
     if (word_count_ > 0 && !std::exchange(warned_, true))
       warn(std::to_string(word_count_) + " invalid numbers were read as NaN");
     if (announced > 0)
-      scanner.fail("truncated file", std::to_string(announced) + " more points by the count line");
+      scanner.fail("truncated file", std::to_string(announced) + " more points, as the count line states");
   }
 
   IntensityScale intensity_scale() const override {
@@ -344,8 +344,7 @@ class TextReader final : public TableReader {
         ++word_count_;
       }
       if (!number)
-        scanner.fail("invalid number in the column " + quote(columns()[i].name), "a number",
-                     quote(words_[i]));
+        scanner.fail("invalid value in the column " + quote(columns()[i].name), "a number", quote(words_[i]));
       row_[i].number = *number;
       if (role <= ColumnRole::z) written_->add(i, words_[i]);
     }

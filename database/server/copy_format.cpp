@@ -92,10 +92,10 @@ void append_value(ServerType type, const ColumnValue& value, std::vector<std::by
 std::size_t CopyDecoder::take_head(std::span<const std::byte> bytes) {
   if (bytes.size() < k_head) return 0;
   if (std::memcmp(bytes.data(), k_signature.data(), k_signature.size()) != 0)
-    reject_rows("rows of COPY in binary", "another signature");
+    reject_rows("rows in the binary format of COPY", "");
   const auto flags = load<std::int32_t>(bytes.data() + k_signature.size(), std::endian::big);
   const auto more = load<std::int32_t>(bytes.data() + k_signature.size() + sizeof flags, std::endian::big);
-  if (flags != 0 || more != 0) reject_rows("a header without flags", "flags");
+  if (flags != 0 || more != 0) reject_rows("a header without flags", "");
   offset_ = Offset::rows;
   return k_head;
 }
@@ -146,7 +146,7 @@ void CopyDecoder::add(std::span<const std::byte> bytes) {
 }
 
 void CopyDecoder::finish() const {
-  if (offset_ != Offset::end) reject_rows("an end marker after the last row", "none");
+  if (offset_ != Offset::end) reject_rows("an end marker", "");
 }
 
 CopyRows::CopyRows(std::vector<StoredColumn> columns, const Lattice& lattice)

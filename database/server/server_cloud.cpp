@@ -49,7 +49,7 @@ void store_whole(ScalarType type, std::int64_t value, std::byte* at) {
 template <class Number>
 Number sent(const NumberColumn& column, CopyField field) {
   if (field.size() != static_cast<std::size_t>(scalar_size(column.type))) {
-    throw file_error({}, fmt::format("the server sent another type for {}", column.name),
+    throw file_error({}, fmt::format("the server sent a value of the wrong size for {}", column.name),
                      fmt::format("{} bytes", scalar_size(column.type)), std::to_string(field.size()));
   }
   return with_type(column.type, [&](auto none) {
@@ -182,7 +182,7 @@ bool CloudValues::put(const Target& target, std::size_t row, CopyField field) {
 
 void CloudValues::reject(const Target& target, CopyField field, std::string location) {
   const NumberColumn& column = target.source.column;
-  throw Error({}, std::move(location), fmt::format("{} out of the range of the attribute", column.name),
+  throw Error({}, std::move(location), fmt::format("{} out of range for the attribute", column.name),
               is_real(target.type) ? "a 32-bit integer" : fmt::format("0 to {}", target.most),
               fmt::format("{}", number_of(column, field)));
 }

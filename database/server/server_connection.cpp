@@ -158,7 +158,7 @@ ServerConnection::ServerConnection(const ServerName& name) : name_(name.shown())
   if (library.status(connection_) != CONNECTION_OK) {
     const std::string reason = one_line(library.error_message(connection_));
     library.finish(connection_);
-    fail("cannot connect to the server", {}, reason);
+    fail("cannot connect to the server: " + reason);
   }
   library.set_notice_processor(connection_, ignore_notice, nullptr);
   if (library.set_nonblocking(connection_, 1) != 0) {
@@ -186,7 +186,8 @@ void ServerConnection::fail(std::string problem, std::string expected, std::stri
 }
 
 void ServerConnection::fail_as_told(const char* problem) const {
-  fail(problem, {}, one_line(server_library().error_message(connection_)));
+  const std::string reason = one_line(server_library().error_message(connection_));
+  fail(reason.empty() ? std::string(problem) : problem + (": " + reason));
 }
 
 void ServerConnection::wait_for_socket(bool to_write, const ServerWait& wait) {
@@ -230,7 +231,7 @@ ServerRows ServerConnection::result(int wanted, const ServerWait& wait) {
   if (status == wanted || (wanted == PGRES_TUPLES_OK && status == PGRES_COMMAND_OK)) return rows;
   const std::string words = words_of(answer);
   if (words.empty()) fail_as_told("unexpected response of the server");
-  fail("the server reports an error", {}, words);
+  fail("the server reports an error: " + words);
 }
 
 /// Takes what is behind a result: nothing, or that the statement failed after all.
@@ -241,7 +242,7 @@ void ServerConnection::finish_statement(const ServerWait& wait) {
     const ServerRows rows(answer);
     const ExecStatusType status = library.result_status(answer);
     if (status != PGRES_COMMAND_OK && status != PGRES_TUPLES_OK)
-      fail("the server reports an error", {}, words_of(answer));
+      fail("the server reports an error: " + words_of(answer));
   }
 }
 

@@ -21,7 +21,7 @@ constexpr const char* k_form = "postgresql://HOST:PORT/DATABASE?table=NAME";
 }
 
 [[noreturn]] void reject_password() {
-  reject_name("password in a table name: command lines are visible to all users",
+  reject_name("the server name contains a password, which other users can see in command lines",
               "the password in ~/.pgpass, PGPASSFILE or PGPASSWORD");
 }
 
@@ -118,7 +118,7 @@ ServerName::ServerName(std::string_view text) {
     take("port", *port);
     if (!parse_port(parameter("port"))) reject_name("the port is not a number from 1 to 65535");
   }
-  if (!is_address) reject_name("invalid host of a server");
+  if (!is_address) reject_name("invalid server host");
   take("host", host);
   take("dbname", location);
   while (!words.empty()) {

@@ -119,7 +119,7 @@ CloudRow read_cloud_row(ServerConnection& connection, const std::string& schema,
   const auto reject = [&](std::string problem, std::string expected, std::string found) {
     connection.fail(std::move(problem), std::move(expected), std::move(found), "table " + name);
   };
-  if (rows.size() != 1) reject("it must have one row", "one row", rows.size() == 0 ? "none" : "several");
+  if (rows.size() != 1) reject("wrong number of rows", "one row", rows.size() == 0 ? "none" : "several");
   if (rows.whole(0, 0) != k_cloud_row_version)
     reject("unsupported version", std::to_string(k_cloud_row_version), rows.text(0, 0));
   CloudRow row;

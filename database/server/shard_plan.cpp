@@ -209,19 +209,19 @@ void write_files(const std::filesystem::path& folder, OrderedCloud& cloud, std::
 
 Shard parse_shard(std::string_view text) {
   if (text.find('@') != std::string_view::npos)
-    reject_shard(text, "user or password in a shard name: use its user mapping");
+    reject_shard(text, "the shard name contains a user or password, which belong in a user mapping");
   const std::size_t slash = text.rfind('/');
-  if (slash == std::string_view::npos) reject_shard(text, "missing database in a shard name");
+  if (slash == std::string_view::npos) reject_shard(text, "missing database in the shard name");
   const auto [host, port, is_address] = split_host(text.substr(0, slash));
   Shard shard{.host = std::string(host), .database = std::string(text.substr(slash + 1))};
   if (port) {
     const std::optional<int> number = parse_port(*port);
-    if (!number) reject_shard(text, "the port of a shard is not a number from 1 to 65535");
+    if (!number) reject_shard(text, "the shard port is not a number from 1 to 65535");
     shard.port = *number;
   }
-  if (!is_address) reject_shard(text, "invalid host of a shard");
+  if (!is_address) reject_shard(text, "invalid shard host");
   if (!is_plain(shard.host) || shard.host.find('/') != std::string::npos || !is_plain(shard.database))
-    reject_shard(text, "missing host or database in a shard name");
+    reject_shard(text, "missing host or database in the shard name");
   return shard;
 }
 
@@ -235,7 +235,7 @@ StoredFiles write_shard_plan(const std::filesystem::path& folder, const CloudInp
   const std::filesystem::path beside = whole_folder.string() + fmt::format(".part{}", ::getpid());
   std::error_code error;
   if (!std::filesystem::create_directory(beside, error))
-    throw file_error(whole_folder, "cannot create the folder", {}, error.message());
+    throw file_error(whole_folder, "cannot create the folder: " + error.message());
   try {
     OrderedCloud cloud(beside, inputs, reading, options.memory);
     write_files(beside, cloud, shards, options);

@@ -38,7 +38,7 @@ CloudTables check_tables(ServerConnection& connection, const ServerName& name, b
   if (has_points && !(replace && has_cloud)) {
     connection.fail(
         fmt::format("the table {} exists", name.table),
-        replace ? "a cloud, which has " + name.table + "_cloud with it" : "another name, or --overwrite");
+        replace ? "a cloud with the table " + name.table + "_cloud" : "another name, or --overwrite");
   }
   if (has_cloud && !has_points)
     connection.fail(fmt::format("the table {}_cloud exists", name.table), "another name");

@@ -96,7 +96,7 @@ std::vector<Bounds> BoxTree::read_page(int level, std::uint64_t page, const Boun
                    std::move(problem), std::move(expected), std::move(found)});
   };
   if (!fits) {
-    reject(is_there ? "wrong size of the boxes" : "missing",
+    reject(is_there ? "wrong size of the boxes" : "missing boxes",
            fmt::format("{} bytes", pages.size() * sizeof(Sides)),
            is_there ? fmt::format("{} bytes", size) : "");
   }
@@ -153,7 +153,7 @@ std::shared_ptr<StoredChunk> ChunkStore::read(const ChunkLocation& offset) {
   positions_.bind(1, static_cast<std::int64_t>(id));
   if (!positions_.step()) {
     positions_.reset();
-    reject(id, "missing", "a row of the table of chunks", "");
+    reject(id, "missing chunk", "a row in the table of chunks", "");
   }
   const std::int64_t count = positions_.whole(0);
   const std::span<const std::byte> bytes = positions_.bytes(1);

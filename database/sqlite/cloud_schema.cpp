@@ -114,14 +114,14 @@ class Described {
       if (!entry.is_null(7)) {
         const std::span<const std::byte> mark = entry.bytes(7);
         if (mark.size() != column.no_data.emplace().size())
-          reject("column", "invalid nodata value", "8 bytes", column.name);
+          reject("column", "invalid nodata value of column " + column.name, "8 bytes", "");
         std::memcpy(column.no_data->data(), mark.data(), mark.size());
       }
       const auto is_number = [&](int offset) { return entry.type(offset) == SQLITE_FLOAT; };
       if (entry.type(0) != SQLITE_TEXT || column.name.empty())
-        reject("column", "column without a name", "a name", entry.text(0));
+        reject("column", "column without a name", "", "");
       if (!is_possible(column) || !is_number(5) || !is_number(6))
-        reject("column", "invalid column", "an integer within the bytes of a point", column.name);
+        reject("column", "invalid column " + column.name, "an integer within the bytes of a point", "");
       cloud.columns.push_back(std::move(column));
     }
     if (cloud.columns.empty()) reject("column", "missing columns", "at least one", "none");

@@ -54,7 +54,7 @@ std::optional<std::array<double, count>> numbers(std::span<sqlite3_value* const>
     } else if (type == SQLITE_INTEGER || type == SQLITE_FLOAT) {
       result[i] = sqlite3_value_double(values[i]);
     } else {
-      throw Error({.problem = fmt::format("{}: argument {} is not a number", function, i + 1),
+      throw Error({.problem = fmt::format("{}: invalid argument {}", function, i + 1),
                    .expected = "a number or NULL",
                    .found = type == SQLITE_TEXT ? "text" : "a blob"});
     }

@@ -224,9 +224,7 @@ int choose_plan(const TableColumns& columns, std::uint64_t point_count, sqlite3_
     const bool is_row = constraint.iColumn < 0;
     const bool is_chunk = !is_row && columns.kind(constraint.iColumn) == TableColumns::Kind::chunk;
     if (constraint.op == SQLITE_INDEX_CONSTRAINT_EQ && (is_row || is_chunk)) {
-      check_that(!is_chunk || !has_ray,
-                 "a cloud takes the six numbers of a ray, or the number of a chunk without a ray",
-                 k_ray_form);
+      check_that(!is_chunk || !has_ray, "a ray and a chunk number exclude each other", k_ray_form);
       use(i, is_row ? k_row : k_chunk, k_equal, false);
       share = std::min(share, (is_row ? 1.0 : 1024.0) / std::max(1.0, static_cast<double>(point_count)));
       continue;

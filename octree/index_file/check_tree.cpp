@@ -33,7 +33,7 @@ std::string rank_children(const TreeView& tree, std::uint32_t index, std::vector
   for (unsigned inner = inner_slots(node); inner != 0; inner &= inner - 1) {
     const int drop = node.kind[std::countr_zero(inner)] - k_inner_kind;
     if (child <= index || child >= tree.node_count)
-      return fmt::format("invalid child: expected a later node below {}, found {}", tree.node_count, child);
+      return fmt::format("invalid child; expected a later node below {}, found {}", tree.node_count, child);
     if (ranks[child].level != 0) return fmt::format("child {} also belongs to another node", child);
     if (drop > k_max_level_drop || rank.level - drop < k_min_frame_level)
       return fmt::format("child {} is {} levels below level {}", child, drop, rank.level);
@@ -50,7 +50,7 @@ std::string leaf_problem(const TreeView& tree, const Node& node, int level) {
     return fmt::format("a leaf has more than {} points", k_max_leaf_size);
   const std::uint64_t begin = node.first_point, end = begin + leaf_counts(node).sum();
   if (end > tree.point_count)
-    return fmt::format("its leaves end at a wrong storage index: expected {}, found {}", tree.point_count,
+    return fmt::format("its leaves end at a wrong storage index; expected {}, found {}", tree.point_count,
                        end);
   const bool has_exact_positions = tree.positions != nullptr && begin >= tree.first_exact;
   if (end > begin && coordinate_shift(level) > 0 && !has_exact_positions)
@@ -70,7 +70,7 @@ std::optional<TreeFault> find_scattered_points(const TreeView& tree, const std::
     for (std::uint32_t child = node.first_child; child < node.first_child + inner; ++child) {
       if (tree.nodes[child].first_point != stored) {
         return TreeFault{Array::nodes, child,
-                         fmt::format("its points begin at a wrong storage index: expected {}, found {}",
+                         fmt::format("its points begin at a wrong storage index; expected {}, found {}",
                                      stored, tree.nodes[child].first_point)};
       }
       stored = ends[child];
@@ -167,7 +167,7 @@ class PointCheck {
     if (first_.get()) return first_.get();
     if (points_seen_ != tree_.point_count) {
       return TreeFault{Array::nodes, 0,
-                       fmt::format("wrong number of points in the leaves: expected {}, found {}",
+                       fmt::format("wrong number of points in the leaves; expected {}, found {}",
                                    tree_.point_count, points_seen_.load())};
     }
     Bounds bounds;
@@ -322,7 +322,7 @@ std::optional<TreeFault> find_bad_id(const TreeView& tree, std::uint32_t begin, 
   const auto bad = std::find_if(tree.ids + begin, tree.ids + end,
                                 [&](std::uint32_t id) { return id >= tree.point_count; });
   return TreeFault{Array::ids, static_cast<std::uint64_t>(bad - tree.ids),
-                   fmt::format("id out of range: expected less than {}, found {}", tree.point_count, *bad)};
+                   fmt::format("id out of range; expected less than {}, found {}", tree.point_count, *bad)};
 }
 
 std::optional<TreeFault> find_misplaced_point(const TreeView& tree) {
@@ -338,7 +338,7 @@ std::optional<TreeFault> find_bad_slot_spacing(const TreeView& tree) {
       if (tree.slot_spacings[at] == greatest[slot]) continue;
       return TreeFault{
           Array::slot_spacings, at,
-          fmt::format("wrong largest spacing of slot {} of node {}: expected {:.9g}, found {:.9g}", slot,
+          fmt::format("wrong largest spacing of slot {} of node {}; expected {:.9g}, found {:.9g}", slot,
                       index, spacing_of(greatest[slot]), spacing_of(tree.slot_spacings[at]))};
     }
   }

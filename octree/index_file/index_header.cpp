@@ -93,14 +93,15 @@ void check_identity(std::span<const std::byte> file, const HeaderFields& page, c
   }
   const auto order = page.get<std::uint32_t>(8);
   page.require(order != k_other_byte_order, 8, "wrong byte order", "little endian", "big endian");
-  page.require(order == k_byte_order, 8, "corrupt header", fmt::format("{:#010x}", k_byte_order),
+  page.require(order == k_byte_order, 8, "invalid byte order mark", fmt::format("{:#010x}", k_byte_order),
                fmt::format("{:#010x}", order));
   const auto version = page.get<std::uint32_t>(12);
-  page.require(version == k_index_version, 12,
-               "unsupported index file version; create the file again with 'alidade index'",
-               fmt::format("version {}", k_index_version), fmt::format("version {}", version));
-  page.require(page.get<std::uint64_t>(32) == page_checksum(file.first(k_index_page)), 32, "corrupt header",
-               "a different checksum", fmt::format("{:#018x}", page.get<std::uint64_t>(32)));
+  page.require(version == k_index_version, 12, "unsupported index file version",
+               fmt::format("version {} (create the file again with 'alidade index')", k_index_version),
+               fmt::format("version {}", version));
+  const auto stored = page.get<std::uint64_t>(32), sum = page_checksum(file.first(k_index_page));
+  page.require(stored == sum, 32, "corrupt header: wrong checksum", fmt::format("{:016x}", stored),
+               fmt::format("{:016x}", sum));
   page.require(page.get<std::uint32_t>(16) == k_index_page, 16, "wrong header size",
                std::to_string(k_index_page), page.get<std::uint32_t>(16));
   page.require(page.get<std::uint64_t>(24) == file.size(), 24,
@@ -235,7 +236,7 @@ void check_sections(const HeaderFields& page, const IndexHeader& header) {
   for (const IndexSection needed : {IndexSection::nodes, IndexSection::coordinates, IndexSection::metadata,
                                     IndexSection::record_data, IndexSection::checksums}) {
     page.require(header.find(needed) != nullptr, k_section_table,
-                 fmt::format("missing section {}", name(needed)), "one", "none");
+                 fmt::format("missing section {}", name(needed)), "", "");
   }
   const auto agree = [&](IndexSection kind, bool is_said, const char* section) {
     const bool is_there = header.find(kind) != nullptr;

@@ -154,7 +154,7 @@ TEST_F(PartialResultTest, another_run_is_rejected_and_the_difference_is_reported
       std::string::npos)
       << message;
   write("ALIDPART and so on");
-  EXPECT_NE(message_of_resuming(fingerprint()).find("not a checkpoint of such a run"), std::string::npos);
+  EXPECT_NE(message_of_resuming(fingerprint()).find("not a visibility checkpoint"), std::string::npos);
   EXPECT_FALSE(is_parts_file(file_));
 }
 

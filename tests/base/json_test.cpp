@@ -100,7 +100,7 @@ TEST(JsonDocumentTest, a_number_beyond_double_is_an_error) {
 TEST(JsonDocumentTest, a_duplicate_key_is_an_error_at_the_second) {
   const Error::Parts parts = error_of("{\"a\": 1,\n \"b\": {\"a\": 2}, \"\\u0061\": 3}");
   EXPECT_EQ(parts.location, "2:17");
-  EXPECT_EQ(parts.found, "the first one at 1:2");
+  EXPECT_EQ(parts.problem, "duplicate key \"\\u0061\", first at 1:2");
 }
 
 TEST(JsonDocumentTest, deep_nesting_is_an_error_and_no_stack_overflow) {

@@ -51,9 +51,13 @@ TEST(OutputFileTest, without_commit_nothing_is_left_and_an_earlier_file_stays) {
 TEST(OutputFileTest, replaces_a_file_only_if_requested) {
   const std::filesystem::path path = test::test_folder() / "out.txt";
   test::write_text(path, "earlier");
-  EXPECT_NE(error_of([&] { OutputFile(path, false); }).find("the file exists; --overwrite replaces it"),
+  EXPECT_NE(error_of([&] {
+              OutputFile(path, false);
+            }).find("the file exists; expected another name, or --overwrite"),
             std::string::npos);
-  EXPECT_NE(error_of([&] { check_output(path, false); }).find("the file exists; --overwrite replaces it"),
+  EXPECT_NE(error_of([&] {
+              check_output(path, false);
+            }).find("the file exists; expected another name, or --overwrite"),
             std::string::npos);
   check_output(path, true);
   OutputFile file(path, true);
@@ -66,7 +70,7 @@ TEST(OutputFileTest, a_file_that_appeared_in_the_meantime_is_not_replaced) {
   const std::filesystem::path path = test::test_folder() / "out.txt";
   OutputFile file(path, false);
   test::write_text(path, "somebody else's");
-  EXPECT_NE(error_of([&] { file.commit(); }).find("the file exists; --overwrite replaces it"),
+  EXPECT_NE(error_of([&] { file.commit(); }).find("the file exists; expected another name, or --overwrite"),
             std::string::npos);
   EXPECT_EQ(content(path), "somebody else's");
 }
@@ -75,10 +79,10 @@ TEST(OutputFileTest, a_missing_folder_and_a_folder_as_file_are_errors) {
   const std::filesystem::path folder = test::test_folder();
   EXPECT_NE(error_of([&] { OutputFile(folder / "none" / "out.txt", false); }).find("no such folder"),
             std::string::npos);
-  EXPECT_NE(error_of([&] { OutputFile(folder, true); }).find("cannot replace a file that is not regular"),
+  EXPECT_NE(error_of([&] { OutputFile(folder, true); }).find("cannot replace the file: not a regular file"),
             std::string::npos);
   EXPECT_NE(
-      error_of([&] { OutputFile("/dev/null", true); }).find("cannot replace a file that is not regular"),
+      error_of([&] { OutputFile("/dev/null", true); }).find("cannot replace the file: not a regular file"),
       std::string::npos);
 }
 

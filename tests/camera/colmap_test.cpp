@@ -202,7 +202,7 @@ TEST(Colmap, damaged_models_are_errors_with_their_position) {
   expect_error(with([](auto& m) {
                  m.camera(2, 18, 640, 480, {1, 2, 3});
                }),
-               "cameras.bin:byte 64: unknown model of camera 2; expected 0 to 17, found 18");
+               "cameras.bin:byte 64: unknown model of camera 2; expected a model id from 0 to 17, found 18");
   expect_error(with([](auto& m) { m.camera(1, 0, 640, 480, {500, 320, 240}); }), "duplicate camera id 1");
   expect_error(with([](auto& m) { m.camera(2, 0, 640, 480, {0.0, 320, 240}); }), "focal length out of range");
   expect_error(with([](auto& m) { m.camera(2, 0, 640, 480, {NAN, 320, 240}); }), "focal length out of range");
@@ -219,11 +219,11 @@ TEST(Colmap, damaged_models_are_errors_with_their_position) {
   expect_error(with([](auto& m) {
                  m.image(9, {0, 0, 0, 0}, {0, 0, 0}, 1, "c");
                }),
-               "rotation of image 9 is zero or not finite");
+               "invalid rotation of image 9");
   expect_error(with([](auto& m) {
                  m.image(9, {NAN, 0, 0, 0}, {0, 0, 0}, 1, "c");
                }),
-               "rotation of image 9 is zero or not finite");
+               "invalid rotation of image 9");
   expect_error(with([](auto& m) {
                  m.image(9, {1, 0, 0, 0}, {0, INFINITY, 0}, 1, "c");
                }),
@@ -237,19 +237,19 @@ TEST(Colmap, damaged_models_are_errors_with_their_position) {
 
 TEST(Colmap, damaged_texts_are_errors_with_their_line) {
   const auto cameras = [](const std::string& text) { return [text] { read_text(text, ""); }; };
-  expect_error(cameras("1 PINHOLE 640 480 500 510 320"), "cameras.txt:line 1: bad camera parameter");
+  expect_error(cameras("1 PINHOLE 640 480 500 510 320"), "cameras.txt:line 1: invalid camera parameter");
   expect_error(cameras("\n1 PINHOLE 640 480 500 510 320 240 1"),
                "cameras.txt:line 2: camera 1 has too many parameters");
   expect_error(cameras("1 PINHOEL 640 480 500 510 320 240"), "unknown model of camera");
   expect_error(cameras("x PINHOLE 640 480 500 510 320 240"),
-               "bad camera id; expected an integer from 0 to 4294967295, found 'x'");
+               "invalid camera id; expected an integer from 0 to 4294967295, found 'x'");
   expect_error(cameras("1 PINHOLE 640 480 500 51o 320 240"), "found '51o'");
-  expect_error(cameras("1 PINHOLE 640 480 500 nan 320 240"), "bad camera parameter");
+  expect_error(cameras("1 PINHOLE 640 480 500 nan 320 240"), "invalid camera parameter");
   expect_error(cameras("1 PINHOLE 640 480 500 0 320 240"), "focal length out of range");
   const auto images = [](const std::string& text) { return [text] { read_text(k_cameras_text, text); }; };
   expect_error(images("3 1 0 0 0 0.5 1.5 2.5 1"), "image 3 has no name");
-  expect_error(images("3 1 0 0 0 0.5 1.5"), "images.txt:line 1: bad translation");
-  expect_error(images("3 0 0 0 0 0.5 1.5 2.5 1 a"), "rotation of image 3 is zero or not finite");
+  expect_error(images("3 1 0 0 0 0.5 1.5"), "images.txt:line 1: invalid translation");
+  expect_error(images("3 0 0 0 0 0.5 1.5 2.5 1 a"), "invalid rotation of image 3");
   // Without the line of observations the next image would be taken for it.
   expect_error(images("3 1 0 0 0 0 0 0 1 a\n4 1 0 0 0 0 0 0 1 b\n"),
                "images.txt:line 2: invalid line of observations");

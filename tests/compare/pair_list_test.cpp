@@ -98,7 +98,7 @@ TEST_F(PairListTest, wrong_lines_are_reported_by_their_number) {
   EXPECT_EQ(problem_of_table("a,b\n"), "line 1: missing header");
   EXPECT_EQ(problem_of_table("reference,test\na.png\n"), "line 2: invalid pair of images");
   EXPECT_EQ(problem_of_table("reference,test\na.png,b.png\n,b.png\n"), "line 3: invalid pair of images");
-  EXPECT_EQ(problem_of_table("reference,test\n\"a.png,b.png\n"), "line 2: unterminated quotation");
+  EXPECT_EQ(problem_of_table("reference,test\n\"a.png,b.png\n"), "line 2: missing closing quotation mark");
   EXPECT_EQ(problem_of_table("reference,test\n"), ": contains no pairs of images");
   EXPECT_EQ(problem_of_table(""), ": contains no pairs of images");
 }

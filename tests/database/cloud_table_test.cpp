@@ -232,7 +232,7 @@ TEST_F(CloudTableTest, what_needs_a_ray_is_an_error_without_one) {
             numbers(*database_, "SELECT count(*) FROM points(" + ray + ") WHERE dist < 5"));
   EXPECT_EQ(ids("points(" + ray + ") WHERE ox = 1 OR dist < 1"), ids("points(" + ray + ") WHERE dist < 1"));
   EXPECT_NE(error_of(*database_, "SELECT id FROM points(" + ray + ", 7)")
-                .find("a cloud takes the six numbers of a ray, or the number of a chunk without a ray"),
+                .find("a ray and a chunk number exclude each other"),
             std::string::npos);
 }
 
@@ -278,10 +278,11 @@ TEST_F(CloudTableTest, bad_input_is_an_error_and_null_matches_nothing) {
       numbers(*database_, "SELECT dist_ray(" + location + ", 1, 0, 0, 1, NULL, 1) IS NULL AND dist_plane(" +
                               location + ", 1, 0, 0, NULL, 1, 1) IS NULL"),
       std::vector<double>{1});
-  says("SELECT dist_ray(" + location + ", 1, 0, '0', x, y, z) FROM points", "argument 6 is not a number");
+  says("SELECT dist_ray(" + location + ", 1, 0, '0', x, y, z) FROM points",
+       "invalid argument 6; expected a number");
   says("SELECT dist_ray(" + location + ", 1, 0, x, y, z) FROM points", "wrong number of arguments");
   says("SELECT id FROM points(" + location + ", 0, 0, 0)", "the ray direction is zero");
-  says("SELECT id FROM points(" + location + ", 1, 'east', 0)", "argument 5 is not a number");
+  says("SELECT id FROM points(" + location + ", 1, 'east', 0)", "invalid argument 5; expected a number");
   says("SELECT id FROM points WHERE in_chunk(_chunk, 'all')", "not a limit");
   says("SELECT id FROM points WHERE in_chunk(_chunk, ray_limit(" + location + ", 0, 0, 0, 0, 1))",
        "the ray direction is zero");

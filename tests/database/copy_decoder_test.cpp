@@ -132,10 +132,11 @@ TEST(CloudValues, columns_become_attributes_and_dimensions) {
   };
   const CopyField beyond[] = {real, real, whole, whole, large}, other[] = {whole, real, whole, whole, whole};
   EXPECT_NE(error_of_row(beyond).find(
-                "classification out of the range of the attribute; expected 0 to 255, found 256"),
+                "classification out of range for the attribute; expected 0 to 255, found 256"),
             std::string::npos)
       << error_of_row(beyond);
-  EXPECT_NE(error_of_row(other).find("another type for gps_time"), std::string::npos);
+  EXPECT_NE(error_of_row(other).find("the server sent a value of the wrong size for gps_time"),
+            std::string::npos);
 }
 
 TEST(FilterCondition, limits_are_widened_and_infinite_ones_left_out) {

@@ -120,7 +120,7 @@ TEST_F(PrepareTest, a_limit_that_is_null_hides_no_error) {
               std::string::npos)
         << condition;
   EXPECT_NE(error_of("SELECT id FROM points WHERE dist_plane('a',0,0, 1,0,0, x,y,z) >= 4 AND " + nothing)
-                .find("argument 1 is not a number"),
+                .find("invalid argument 1; expected a number"),
             std::string::npos);
 }
 
@@ -157,7 +157,7 @@ TEST_F(PrepareTest, a_byte_order_mark_between_tokens_is_blank) {
 
 TEST_F(PrepareTest, text_for_numbers_and_wrong_counts_are_errors) {
   EXPECT_NE(error_of("SELECT id FROM points WHERE dist_ray('1',2,3, 0,0,1, x,y,z) <= 1")
-                .find("argument 1 is not a number"),
+                .find("invalid argument 1; expected a number"),
             std::string::npos);
   EXPECT_NE(error_of("SELECT id FROM points WHERE dist_ray(2,3, 0,0,1, x,y,z) <= 1")
                 .find("wrong number of arguments"),

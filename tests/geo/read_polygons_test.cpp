@@ -83,8 +83,8 @@ TEST_F(ReadPolygonsTest, other_geometries_are_errors_naming_the_feature) {
     const fs::path path = write(
         "p.geojson", fmt::format(R"({{"type":"Feature","id":7,"properties":{{}},"geometry":{}}})", geometry));
     const std::string problem = problem_of(path, k_own);
-    EXPECT_EQ(problem,
-              fmt::format("{}:feature 7: not a polygon; expected polygons, found {}", path.string(), found));
+    EXPECT_EQ(problem, fmt::format("{}:feature 7: unsupported geometry; expected polygons, found {}",
+                                   path.string(), found));
   }
 }
 
@@ -96,7 +96,7 @@ TEST_F(ReadPolygonsTest, files_without_polygons_or_damaged_are_errors) {
       problem(R"({"type":"Feature","properties":{},"geometry":{"type":"MultiPolygon","coordinates":[]}})")
           .find("contains no polygons"),
       std::string::npos);
-  EXPECT_NE(problem("{\"type\":").find("cannot read it as polygons"), std::string::npos);
+  EXPECT_NE(problem("{\"type\":").find("cannot read the file as polygons"), std::string::npos);
   EXPECT_NE(problem_of(folder_ / "absent.gpkg", k_own).find("not a file"), std::string::npos);
 }
 
@@ -134,11 +134,11 @@ TEST_F(ReadPolygonsTest, known_against_unknown_system_is_an_error_with_a_way_out
   EXPECT_EQ(problem_of(without, nowhere), "");
   EXPECT_EQ(problem_of(without, somewhere),
             without.string() +
-                ": unknown reference system of the polygons, but not of the cloud; expected "
+                ": the reference system of the polygons is unknown, but that of the cloud is known; expected "
                 "--crop-crs SYSTEM, or --crop-crs cloud if they are in the cloud's");
   EXPECT_EQ(problem_of(with, nowhere),
             with.string() +
-                ": unknown reference system of the cloud, but not of the polygons; expected "
+                ": the reference system of the cloud is unknown, but that of the polygons is known; expected "
                 "--crop-crs cloud if they are in the cloud's own");
   EXPECT_EQ(problem_of(with, k_own), "");
 }

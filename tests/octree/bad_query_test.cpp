@@ -224,7 +224,7 @@ TEST(BadQuery, a_batch_names_the_first_bad_ray) {
       return error.what();
     }
   };
-  const std::string expected = "ray 1017: direction is not normalized";
+  const std::string expected = "ray 1017: the direction is not normalized";
   EXPECT_EQ(message([&] { closest(octree, rays, {.radius = 1.0}, hits); }).find(expected), 0u);
   EXPECT_EQ(message([&] { occluded(octree, rays, {.radius = 1.0}, answers); }).find(expected), 0u);
   EXPECT_EQ(message([&] { count(octree, rays, {.radius = 1.0}, counts); }).find(expected), 0u);

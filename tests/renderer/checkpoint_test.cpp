@@ -335,14 +335,18 @@ TEST_F(CheckpointTest, of_another_kind_version_or_byte_order_is_detected) {
             std::string::npos);
   EXPECT_NE(message_of(48, 0).find("corrupt checkpoint: its sizes contradict its fingerprint"),
             std::string::npos);
-  EXPECT_NE(message_of(48, 2).find("corrupt checkpoint; expected 0 or 1, found 2"), std::string::npos);
-  EXPECT_NE(message_of(52, 0).find("corrupt checkpoint: samples in progress"), std::string::npos);
-  EXPECT_NE(message_of(52, 6).find("corrupt checkpoint: samples in progress"), std::string::npos);
+  EXPECT_NE(message_of(48, 2).find("corrupt checkpoint: invalid noise flag; expected 0 or 1, found 2"),
+            std::string::npos);
+  EXPECT_NE(message_of(52, 0).find("corrupt checkpoint: number of samples in progress out of range"),
+            std::string::npos);
+  EXPECT_NE(message_of(52, 6).find("corrupt checkpoint: number of samples in progress out of range"),
+            std::string::npos);
   EXPECT_NE(message_of(68, 0xffffffff).find("seconds"), std::string::npos);
-  EXPECT_NE(message_of(72, 0xffffffff).find("a description of at most"), std::string::npos);
+  EXPECT_NE(message_of(72, 0xffffffff).find("the fingerprint exceeds the file; expected at most"),
+            std::string::npos);
   EXPECT_NE(message_of(80, 0xfffffff0).find("corrupt checkpoint: truncated fingerprint"), std::string::npos);
   const std::uint32_t tiles = 80 + test::get<std::uint32_t>(whole, 72);
-  EXPECT_NE(message_of(tiles, 6).find("tile 0; expected at most 5 samples, found 6 samples"),
+  EXPECT_NE(message_of(tiles, 6).find("tile 0; expected at most 5 samples, stopped 0 or 1, found 6 samples"),
             std::string::npos);
   EXPECT_NE(message_of(tiles + 4, 2).find("stopped 2"), std::string::npos);
 }

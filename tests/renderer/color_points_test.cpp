@@ -245,8 +245,7 @@ TEST(ColorPoints, wishes_that_would_change_nothing_are_errors) {
   EXPECT_NE(error_of(cloud, {.map = ColorMap::turbo}), "no error");  // automatic: rgb
   EXPECT_NE(error_of(cloud, {.by = PointColor::normal, .range = ValueRange{0, 1}}), "no error");
   EXPECT_EQ(error_of(cloud, {.by = PointColor::height, .classes = {{2, Color16(0)}}}),
-            "site.las: class colours require classification; expected classification, found "
-            "height");
+            "site.las: class colours require classification; found height");
 }
 
 TEST(ColorPoints, times_are_printed_with_their_date) {

@@ -311,7 +311,7 @@ TEST_F(ImageTest, an_existing_file_is_kept_unless_overwriting_is_requested) {
 }
 
 TEST_F(ImageTest, failures_are_errors_and_leave_nothing_behind) {
-  EXPECT_NE(error_of(Film(1, 1), output("a.bmp")).find("unknown image format; expected the extension"),
+  EXPECT_NE(error_of(Film(1, 1), output("a.bmp")).find("unknown output format; expected the extension"),
             std::string::npos);
   EXPECT_NE(error_of(Film(1, 1), output("a")).find("no extension"), std::string::npos);
   OutputSettings empty = output("empty.exr");

@@ -271,8 +271,8 @@ TEST_F(ConvertTest, wrong_options_are_errors_before_anything_is_read) {
   expect_error({"convert", "survey.las", "-o", "out.txt"},
                "out.txt: unknown output format; expected the extension .las");
   expect_error({"convert", "survey.las", "-o", "survey.las", "--overwrite"}, "the output is also an input");
-  expect_error(with(words, {"--crop", ""}), "--crop: expected a box or a file, found nothing");
-  expect_error(with(words, {"--crop", "1,2,3"}), "--crop: expected x0,y0,x1,y1 or");
+  expect_error(with(words, {"--crop", ""}), "--crop: missing value; expected a box or a file");
+  expect_error(with(words, {"--crop", "1,2,3"}), "--crop: invalid value; expected x0,y0,x1,y1 or");
   expect_error(with(words, {"--crop", "1,2,0,3"}), "expected the lower x first, found x from 1 to 0");
   expect_error(with(words, {"--crop", "1,2,5,3,4,4"}), "expected the lower z first");
   expect_error(with(words, {"--crop", "1,2,x,4"}), "expected a number, found 'x'");

@@ -203,8 +203,7 @@ TEST_F(IndexTest, a_name_without_the_extension_of_an_index_is_rejected) {
   write_square("square.xyz");
   const ProgramResult result = run({"index", "square.xyz", "-o", "square.xyz", "--overwrite"});
   EXPECT_EQ(result.exit_code, 2);
-  EXPECT_TRUE(
-      contains(result.err, "square.xyz: not the name of an index file; expected the extension .alidade"))
+  EXPECT_TRUE(contains(result.err, "square.xyz: unknown output format; expected the extension .alidade"))
       << result.err;
   EXPECT_EQ(names(), Words{"square.xyz"});
   EXPECT_EQ(info({"square.xyz"}).at("points"), 400);

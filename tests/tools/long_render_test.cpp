@@ -372,9 +372,9 @@ TEST_F(LongRenderTest, mistakes_are_errors_before_the_work) {
   expect({"-o", "out.png", "--checkpoint-interval", "3"}, "--checkpoint-interval requires --checkpoint");
   expect({"-o", "out.png", "--checkpoint", "s", "--checkpoint-interval", "0"}, "--checkpoint-interval");
   expect({"-o", "out.png", "--preview-interval", "3"}, "--preview-interval requires --preview");
-  expect({"-o", "out.png", "--preview", "now.exr"}, "now.exr: unknown preview format");
-  expect({"-o", "out.png", "--preview", "./out.png"}, "./out.png: also the name of an image");
-  expect({"-o", "out.png", "--checkpoint", "out.png"}, "out.png: also the name of an image");
+  expect({"-o", "out.png", "--preview", "now.exr"}, "now.exr: unknown output format");
+  expect({"-o", "out.png", "--preview", "./out.png"}, "./out.png: two outputs have this name");
+  expect({"-o", "out.png", "--checkpoint", "out.png"}, "out.png: two outputs have this name");
   expect({"-o", "out.png", "--checkpoint", "a.png", "--preview", "a.png"},
          "a.png: preview and checkpoint have the same name");
   expect({"-o", "out.png", "--checkpoint", "square.xyz", "--overwrite"},

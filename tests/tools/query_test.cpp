@@ -113,7 +113,8 @@ TEST_F(QueryTest, limits_that_are_no_numbers_are_rejected) {
     words.insert(words.end(), limit.begin(), limit.end());
     const ProgramResult result = run(words);
     EXPECT_EQ(result.exit_code, 2) << limit[1];
-    EXPECT_NE(result.err.find(limit[0] + ": expected a number"), std::string::npos) << result.err;
+    EXPECT_NE(result.err.find(limit[0] + ": invalid value; expected a number"), std::string::npos)
+        << result.err;
   }
 }
 

@@ -94,7 +94,7 @@ TEST_F(RenderCameraTest, mistakes_about_cameras_are_errors_before_the_work) {
     "distortion": {"k1": -3}, "pose": {"look_at": {"eye": [101, 201, 9], "target": [101, 201.1, 5]}}})");
   expect({"--camera", "model", "-o", "out.png"}, "out.png: 3 cameras, but one output name");
   expect({"--camera", "model", "-o", "%d_%d.png"}, "several numbers or names");
-  expect({"--camera", "model", "-o", "%x.png"}, "an invalid percent sign");
+  expect({"--camera", "model", "-o", "%x.png"}, "invalid percent sign");
   expect({"--camera", "model", "--camera-name", "photos/bb.jpg", "-o", "out.png"},
          "model: no camera named 'photos/bb.jpg'");
   expect({"--camera", "nowhere", "-o", "out.png"}, "nowhere: no such file");

@@ -80,7 +80,7 @@ TEST_F(RenderLightTest, mistakes_about_the_sun_are_errors_that_explain) {
   expect({"--sun-time", "2026-06-21T12:00:00"}, "missing time zone");
   expect({"--sun-time", "noon"}, "invalid date and time");
   expect({"--sun-time", "2026-06-21T12:00:00Z"}, "the sun position requires latitude and longitude");
-  expect({"--sun-place", "48,11"}, "--sun-time DATE-TIME with it");
+  expect({"--sun-place", "48,11"}, "--sun-time DATE-TIME, found none");
   expect({"--sun-time", "2026-06-21T12:00:00Z", "--sun-place", "48"},
          "expected two numbers separated by a comma, found");
   expect({"--sun-time", "2026-06-21T12:00:00Z", "--sun-place", "91,11"}, "--sun-place");
@@ -88,7 +88,7 @@ TEST_F(RenderLightTest, mistakes_about_the_sun_are_errors_that_explain) {
   expect({"--sun", "100,-90"}, "above -90");
   expect({"--sun", "100,20", "--no-sun"}, "--sun excludes --no-sun");
   expect({"--sun", "100,20", "--sun-time", "2026-06-21T12:00:00Z"}, "--sun");
-  expect({"--ao-distance", "2"}, "--mode ambient_occlusion with it");
+  expect({"--ao-distance", "2"}, "--mode ambient_occlusion");
   expect({"--mode", "ao"}, "expected path|ambient_occlusion|headlight|flat");
 }
 
@@ -99,7 +99,7 @@ TEST_F(RenderLightTest, options_that_a_mode_does_not_use_are_errors) {
              {"--sun", "10,20"}, {"--sun-time", moment}, {"--sun-place", "48,11"}, {"--max-bounces", "3"}}) {
       const ProgramResult result = render_square({"--mode", mode, words[0], words[1]});
       EXPECT_EQ(result.exit_code, 2);
-      const std::string said = " has no effect in this mode; expected --mode path, found " + mode;
+      const std::string said = " does not apply to this mode; expected --mode path, found " + mode;
       EXPECT_TRUE(contains(result.err, "error: " + words[0] + said)) << result.err;
     }
     // --no-sun requests what these modes do anyway.

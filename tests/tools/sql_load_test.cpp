@@ -167,7 +167,7 @@ TEST_F(SqlLoadTest, usage_is_explained) {
   says({"square.xyz", "square.db"}, {"--chunk-points=0"}, "--chunk-points");
   says({"square.xyz", "square.db"}, {"--memory=1k"}, "expected at least 1M");
   says({"square.xyz", "square.db"}, {"--table="}, "--table");
-  says({"square.xyz", "."}, {}, "cannot replace a file that is not regular");
+  says({"square.xyz", "."}, {}, "cannot replace the file: not a regular file");
   std::filesystem::copy(folder / "square.xyz", folder / "square.db");
   says({"square.db", "square.db"}, {}, "the output is also an input");
   EXPECT_EQ(names(), (Words{"square.db", "square.xyz"}));

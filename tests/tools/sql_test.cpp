@@ -215,13 +215,13 @@ TEST_F(SqlTest, what_cannot_be_run_is_an_error_before_anything_is_printed) {
       {{"site.db", "SELECT 1", "--file", "x.sql"}, "--file"},
       {{"site.db", "--file", "x.sql"}, "x.sql: cannot read the file"},
       {{"site.db", "--file", "."}, ".: cannot read the file; found a folder"},
-      {{"site.db", "--file", "nul.sql"}, "nul.sql:1:15: a NUL byte; found 0"},
+      {{"site.db", "--file", "nul.sql"}, "nul.sql:1:15: the file contains a NUL byte"},
       {{"none.db", "SELECT 1"}, "none.db: unable to open database file"},
       {{"broken.db", "SELECT 1"}, "broken.db: file is not a database"},
       {{"short.db", "SELECT count(*) FROM points"}, "short.db: "},
-      {{"postgresql://me@host/base", "SELECT 1"}, "postgresql://host/base: use psql for a server"},
+      {{"postgresql://me@host/base", "SELECT 1"}, "postgresql://host/base: not an SQLite file but a server"},
       {{"postgresql://me:secret@host/base", "SELECT 1"},
-       "password in a table name: command lines are visible to all users"},
+       "the server name contains a password, which other users can see in command lines"},
       {{}, "missing database"}};
   for (const auto& [words, message] : cases) {
     std::vector<std::string> all = {"sql"};

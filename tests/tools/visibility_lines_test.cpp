@@ -154,7 +154,7 @@ TEST_F(VisibilityLinesTest, what_cannot_be_done_is_an_error) {
   fails_with({"--pairs", "names.csv", "-o", "l.csv"}, "unknown position 'west'; expected named positions");
   write("own.csv", "from_x,from_y,to_x,to_y\n-4,0,4,0\n");
   fails_with({"--places", "positions.csv", "--pairs", "own.csv", "-o", "l.csv"},
-             "own.csv: the pairs have coordinates");
+             "own.csv: pairs given as coordinates, but --places requires names");
   fails_with({"--pairs", "own.csv", "--places-crs", "EPSG:4326", "-o", "l.csv"},
              "--places-crs requires --places");
   fails_with({"--places", "same.csv", "--pairs", "names.csv", "-o", "l.csv"}, "duplicate position 'west'");

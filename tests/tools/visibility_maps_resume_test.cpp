@@ -94,7 +94,7 @@ TEST_F(MapsResumeTest, the_checkpoint_is_neither_map_nor_picture) {
     const ProgramResult result =
         run(with(k_raster, {"-o", "seen.tif", "--preview", "seen.png", "--checkpoint", name}));
     EXPECT_EQ(result.exit_code, 2);
-    EXPECT_TRUE(contains(result.err, name + ": also the name of an output")) << result.err;
+    EXPECT_TRUE(contains(result.err, name + ": two outputs have this name")) << result.err;
   }
 }
 

@@ -99,7 +99,7 @@ TEST_F(VisibilityPlaceTest, what_cannot_be_done_is_an_error) {
     EXPECT_EQ(result.exit_code, 2) << part;
     EXPECT_NE(result.err.find(part), std::string::npos) << result.err;
   };
-  fails_with({"--curve", "c.jpg"}, "c.jpg: unsupported curve format");
+  fails_with({"--curve", "c.jpg"}, "c.jpg: unknown output format");
   fails_with({"--curve", "b.csv"}, "b.csv: ");
   fails_with({"--class-weights", "6:2"}, "expected CLASS=WEIGHT, such as 6=2.5, found");
   fails_with({"--class-weights", "6=1,6=2"}, "duplicate weight of class 6");

@@ -254,7 +254,7 @@ TEST_F(VisibilityPointsTest, wrong_input_is_a_clear_error_and_leaves_nothing) {
       {{"--observer-grid", "0.01"}, "too many positions in an observer grid of"},
       {{"--observers", "absent.csv"}, "absent.csv"},
       {{"--observers", "empty.csv"}, "empty.csv: contains no observers"},
-      {{"--observers", "bad.csv"}, "bad.csv:line 3: y is not a number"},
+      {{"--observers", "bad.csv"}, "bad.csv:line 3: invalid y"},
       {{"--observers", "empty.geojson"}, "empty.geojson: contains no observers"},
       {{"--observers", "o.geojson"}, "--observers-crs cloud"},
       {{"--observer", k_eye, "--observers-crs", "EPSG:x"}, "EPSG:x"},
@@ -342,7 +342,7 @@ TEST_F(VisibilityPointsTest, what_is_no_regular_file_is_never_replaced) {
   const ProgramResult result =
       run(with(k_points, {"--observer", k_eye, "-o", "seen.las", "--lists", "/dev/full", "--overwrite"}));
   EXPECT_EQ(result.exit_code, 2);
-  EXPECT_TRUE(contains(result.err, "/dev/full: cannot replace a file that is not regular")) << result.err;
+  EXPECT_TRUE(contains(result.err, "/dev/full: cannot replace the file: not a regular file")) << result.err;
   EXPECT_EQ(names(), Words{"garden.las"});
 }
 

@@ -214,9 +214,9 @@ TEST_F(VisibilityRasterTest, bad_wishes_are_errors_and_leave_no_map) {
   expect_rejected({"--observer", "690005,5325010", "--resolution", "0", "-o", "seen.tif"}, "--resolution");
   expect_rejected({"--observer", "690005,5325010", "--resolution", "0.0001", "-o", "seen.tif"},
                   "200000 x 200000 = 4e+10 cells");
-  expect_rejected({"--observer", "690005,5325010", "-o", "seen.png"}, "unsupported map format");
+  expect_rejected({"--observer", "690005,5325010", "-o", "seen.png"}, "unknown output format");
   expect_rejected({"--observer", "690005,5325010", "-o", "seen.tif", "--preview", "seen.jpg"},
-                  "unsupported preview format");
+                  "unknown output format");
   expect_rejected({"--observer", "690005,5325010", "-o", "seen.tif", "--area", "0,0,1,1"},
                   "--area contains no points of the cloud");
   expect_rejected({"--observer", "690005,5325010", "-o", "seen.tif", "--area", "0,0,1"},
@@ -231,7 +231,7 @@ TEST_F(VisibilityRasterTest, bad_wishes_are_errors_and_leave_no_map) {
   expect_rejected({"--observer", "690005,5325010", "-o", "seen.tif", "--vv", "256"}, "--visible-value");
   expect_rejected(
       {"--observer", "690005,5325010", "-o", "seen.tif", "--mode", "height", "--highest", "1", "--tz", "2"},
-      "--highest must be above");
+      "--highest does not exceed");
   for (const Words& words : {Words{"--mode", "count", "--highest", "5"},
                              {"--places", "4"},
                              {"--mode", "height", "--places", "4"},

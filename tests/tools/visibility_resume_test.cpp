@@ -87,13 +87,13 @@ TEST_F(ResumeTest, file_that_is_no_checkpoint_is_never_replaced_by_one) {
     const ProgramResult rejected =
         run(with(k_points, {"--observer", "101,201,7", "-o", "out.las", "--checkpoint", "notes.txt", flag}));
     EXPECT_EQ(rejected.exit_code, 2);
-    EXPECT_TRUE(contains(rejected.err, "notes.txt:byte 0: not a checkpoint of such a run")) << rejected.err;
+    EXPECT_TRUE(contains(rejected.err, "notes.txt:byte 0: not a visibility checkpoint")) << rejected.err;
     EXPECT_EQ(read("notes.txt"), "precious");
   }
   const ProgramResult same =
       run(with(k_points, {"--observer", "101,201,7", "-o", "out.las", "--checkpoint", "./out.las"}));
   EXPECT_EQ(same.exit_code, 2);
-  EXPECT_TRUE(contains(same.err, "./out.las: also the name of an output")) << same.err;
+  EXPECT_TRUE(contains(same.err, "./out.las: two outputs have this name")) << same.err;
 }
 
 TEST_F(ResumeTest, lines_killed_at_many_moments_give_the_bytes_of_an_uninterrupted_run) {

@@ -157,7 +157,7 @@ TEST_F(SkyTest, sun_needs_a_position_and_a_time) {
   };
   EXPECT_TRUE(contains(err("--from", "midsummer"), "invalid date and time"));
   EXPECT_TRUE(contains(err("--from", "2026-06-21T10:00"), "time zone"));
-  EXPECT_TRUE(contains(err("--from", "2026-02-30"), "expected a day such as"));
+  EXPECT_TRUE(contains(err("--from", "2026-02-30"), "expected a date such as"));
   EXPECT_TRUE(contains(err("--to", "2026-06-20"), "empty time range"));
   EXPECT_TRUE(contains(err("--step", "0"), "--step"));
   EXPECT_TRUE(contains(err("--bin", "40"), "--bin"));

@@ -68,11 +68,15 @@ TEST(PairTable, errors_name_the_line) {
   EXPECT_EQ(problem_of(positions + "1,2,3,4\n"), "");
   EXPECT_TRUE(problem_of(positions + "1,2,3\n").starts_with(":line 2: too few columns"));
   EXPECT_TRUE(problem_of(positions + "1,2,3,4,5\n").starts_with(":line 2: too many columns"));
-  EXPECT_TRUE(problem_of(positions + "\n1,2,x,4\n").starts_with(":line 3: to_x is not a finite number"));
-  EXPECT_TRUE(problem_of(positions + "1,2,,4\n").starts_with(":line 2: to_x is not a finite number"));
-  EXPECT_TRUE(problem_of(positions + "1,nan,3,4\n").starts_with(":line 2: from_y is not a finite number"));
-  EXPECT_TRUE(problem_of(positions + "1,inf,3,4\n").starts_with(":line 2: from_y is not a finite number"));
-  EXPECT_TRUE(problem_of("from,to\na,\n").starts_with(":line 2: missing name of an end"));
+  EXPECT_TRUE(
+      problem_of(positions + "\n1,2,x,4\n").starts_with(":line 3: invalid to_x; expected a finite number"));
+  EXPECT_TRUE(
+      problem_of(positions + "1,2,,4\n").starts_with(":line 2: invalid to_x; expected a finite number"));
+  EXPECT_TRUE(
+      problem_of(positions + "1,nan,3,4\n").starts_with(":line 2: invalid from_y; expected a finite number"));
+  EXPECT_TRUE(
+      problem_of(positions + "1,inf,3,4\n").starts_with(":line 2: invalid from_y; expected a finite number"));
+  EXPECT_TRUE(problem_of("from,to\na,\n").starts_with(":line 2: missing endpoint name"));
 }
 
 }  // namespace

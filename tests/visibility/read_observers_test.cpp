@@ -99,10 +99,9 @@ TEST_F(ReadObserversTest, wrong_csv_names_line_and_column) {
   expect_problem("a.csv", "x,z\n1,2\n", ":line 1: ", "missing column y");
   expect_problem("a.csv", "x,y,hight\n1,2,3\n", ":line 1: ", "\"hight\"");
   expect_problem("a.csv", "x,y,azim_min,azimuth_min\n1,2,3,4\n", ":line 1: ", "duplicate");
-  expect_problem("a.csv", "x,y\n1,2\n\n3,\n",
-                 ":line 4: ", "y is not a number; expected a number, found nothing");
-  expect_problem("a.csv", "x,y,height\n1,2,3m\n", ":line 2: ", "height is not a number");
-  expect_problem("a.csv", "x,y,z\n1,2,nan\n", ":line 2: ", "z is not a number");
+  expect_problem("a.csv", "x,y\n1,2\n\n3,\n", ":line 4: ", "invalid y; expected a number, found nothing");
+  expect_problem("a.csv", "x,y,height\n1,2,3m\n", ":line 2: ", "invalid height");
+  expect_problem("a.csv", "x,y,z\n1,2,nan\n", ":line 2: ", "invalid z");
   expect_problem("a.csv", "x,y\n1,2,3\n", ":line 2: ", "too many columns; expected 2, found 3");
   expect_problem("a.csv", "x,y\n1\n", ":line 2: ", "too few columns");
 }
@@ -212,7 +211,7 @@ TEST_F(ReadObserversTest, empty_and_damaged_files_are_errors) {
   expect_problem("o.las", "LASF", ": ", "expected CSV, GeoJSON, GeoPackage or Shapefile");
   expect_problem("o.geojson", geojson(R"({"type":"Feature","id":3,"properties":{"height":"tall"},
                    "geometry":{"type":"Point","coordinates":[1,2]}})"),
-                 ":feature 3: ", "height is not a number");
+                 ":feature 3: ", "invalid height");
   EXPECT_NE(problem_of(folder_ / "absent.gpkg").find("not a file"), std::string::npos);
   EXPECT_NE(problem_of(folder_ / "absent.csv").find("absent.csv: "), std::string::npos);
   EXPECT_NE(problem_of(geojson("")).find("not a file"), std::string::npos) << "text is not read as GeoJSON";

@@ -40,7 +40,8 @@ Bounds parse_box(const std::string& text) {
   std::vector<double> numbers;
   for (const std::string& word : split_list(text)) numbers.push_back(parse_number(word));
   if (numbers.size() != 4 && numbers.size() != 6)
-    throw UsageError("expected x0,y0,x1,y1 or x0,y0,z0,x1,y1,z1 or a polygon file, found '" + text + "'");
+    throw UsageError("invalid value; expected x0,y0,x1,y1 or x0,y0,z0,x1,y1,z1 or a polygon file, found '" +
+                     text + "'");
   const std::size_t axes = numbers.size() / 2;
   Bounds box{glm::dvec3(std::numeric_limits<double>::lowest()),
              glm::dvec3(std::numeric_limits<double>::max())};
@@ -49,8 +50,9 @@ Bounds parse_box(const std::string& text) {
     box.min[position] = numbers[axis];
     box.max[position] = numbers[axes + axis];
     if (box.min[position] > box.max[position]) {
-      throw UsageError(fmt::format("expected the lower {0} first, found {0} from {1} to {2}", "xyz"[axis],
-                                   box.min[position], box.max[position]));
+      throw UsageError(
+          fmt::format("limits out of order; expected the lower {0} first, found {0} from {1} to {2}",
+                      "xyz"[axis], box.min[position], box.max[position]));
     }
   }
   return box;
@@ -80,7 +82,7 @@ void add_crop_options(const Options& command, CropOptions& options) {
                 "keep points in the box x0,y0,x1,y1 or x0,y0,z0,x1,y1,z1, in the cloud's unit, mostly "
                 "metres, or in the polygons of a GeoJSON, GeoPackage or Shapefile; the border is included",
                 [&options](const std::string& text) {
-                  if (text.empty()) throw UsageError("expected a box or a file, found nothing");
+                  if (text.empty()) throw UsageError("missing value; expected a box or a file");
                   options.text = text;
                   options.box = is_box(text) ? std::optional(parse_box(text)) : std::nullopt;
                   options.polygons = options.box ? "" : text;

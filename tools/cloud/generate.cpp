@@ -34,7 +34,7 @@ Command add_generate(const Options& program) {
       "the site: a courtyard with houses, trees, lamp posts and a car, scanned from the ground and "
       "from the air",
       [](const std::string& text) {
-        if (text != "courtyard") throw UsageError("expected courtyard, found '" + text + "'");
+        if (text != "courtyard") throw UsageError("invalid value; expected courtyard, found '" + text + "'");
       });
   generate.required().file("-o,--output", "FILE.las|FILE.laz",
                            "output: LAS 1.4, or LAZ by the extension; metres, UTM zone 32N", command->output);

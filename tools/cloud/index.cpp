@@ -29,7 +29,7 @@ ExitCode run(const IndexCommand& command) {
   if (command.index.cell_size > 0.0 && command.index.organisation != Organisation::fixed)
     throw Error({.problem = "--cell-size requires --organisation fixed"});
   if (command.output.extension() != ".alidade")
-    throw file_error(command.output, "not the name of an index file", "the extension .alidade");
+    throw file_error(command.output, "unknown output format", "the extension .alidade");
   if (command.index.surfaces && command.index.spacing_neighbours &&
       *command.index.spacing_neighbours != k_surface_neighbours) {
     throw input_error("--surfaces requires the 8th neighbour", "--spacings 8, or none",

@@ -17,13 +17,15 @@ compare::PixelRectangle parse_rectangle(const std::string& text) {
     const std::size_t end = std::min(text.find(',', begin), text.size());
     const bool is_last = i == 3;
     if ((end == text.size()) != is_last)
-      throw UsageError("expected LEFT,TOP,RIGHT,BOTTOM in pixels, such as 0,0,600,400, found '" + text + "'");
+      throw UsageError(
+          "invalid value; expected LEFT,TOP,RIGHT,BOTTOM in pixels, such as 0,0,600,400, found '" + text +
+          "'");
     numbers[i] = static_cast<int>(parse_count(text.substr(begin, end - begin), 0, k_farthest));
     begin = end + 1;
   }
   const compare::PixelRectangle rectangle{numbers[0], numbers[1], numbers[2], numbers[3]};
   if (rectangle.left >= rectangle.right || rectangle.top >= rectangle.bottom)
-    throw UsageError("expected LEFT < RIGHT and TOP < BOTTOM, found '" + text + "'");
+    throw UsageError("limits out of order; expected LEFT < RIGHT and TOP < BOTTOM, found '" + text + "'");
   return rectangle;
 }
 
@@ -187,13 +189,13 @@ void check_wishes_for_many(const CompareRequest& request) {
   require(!request.has_maps() && !request.has_points() && !has_clouds,
           "maps and points require a single pair of images", "--report or --reports for many");
   require(!request.packing || !request.reports.empty(), "--report-pictures requires reports of pairs",
-          "--reports FOLDER with it");
+          "--reports FOLDER");
 }
 
 void check_wishes_for_one(const CompareRequest& request) {
   require(request.reports.empty(), "--reports requires many pairs", "--report FILE.html");
   require(!request.packing || !request.report.empty(), "--report-pictures requires a report",
-          "--report FILE.html with it");
+          "--report FILE.html");
   require(!request.has_points() || request.comparison.find_changes, "points require regions of change",
           "--changes flip|color|depth with --reference-points or --test-points");
   for (const RegionPointsRequest& points : {request.reference_points, request.test_points})

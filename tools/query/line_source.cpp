@@ -5,7 +5,6 @@
 #include <sys/stat.h>
 #include <unistd.h>
 #include <cerrno>
-#include <cstring>
 #include <utility>
 
 #include "base/error.h"
@@ -29,8 +28,7 @@ std::string_view LineBlock::line(std::size_t i) const {
 LineSource LineSource::open(const std::string& name) {
   if (name == "-") return {"standard input", FileDescriptor(::dup(STDIN_FILENO))};
   FileDescriptor descriptor(::open(name.c_str(), O_RDONLY | O_CLOEXEC));
-  if (!descriptor.is_open())
-    throw Error({.file = name, .problem = "cannot open the file", .found = std::strerror(errno)});
+  if (!descriptor.is_open()) throw system_error(name, "cannot open the file");
   LineSource source(name, std::move(descriptor));
   struct stat status {};
   if (::fstat(source.descriptor_.number(), &status) == 0 && S_ISREG(status.st_mode))
@@ -54,8 +52,7 @@ bool LineSource::read_more() {
     if (interrupted()) throw Cancelled();
     const ::ssize_t count = ::read(descriptor_.number(), waiting_.data() + have, waiting_.size() - have);
     if (count < 0 && errno == EINTR) continue;
-    if (count < 0)
-      throw Error({.file = name_, .problem = "cannot read the file", .found = std::strerror(errno)});
+    if (count < 0) throw system_error(name_, "cannot read the file");
     if (count == 0) break;
     have += static_cast<std::size_t>(count);
   }

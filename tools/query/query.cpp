@@ -142,11 +142,13 @@ AnswerForm chosen_form(const QueryCommand& command) {
   if (!form && (extension == ".jsonl" || extension == ".ndjson")) form = AnswerForm::json_lines;
   if (!form && (extension == ".las" || extension == ".laz")) form = AnswerForm::las;
   if (!form)
-    throw file_error(command.output, "unknown output format", ".csv, .jsonl, .las or .laz, or --format");
+    throw file_error(command.output, "unknown output format",
+                     "the extension .csv, .jsonl, .las or .laz, or --format");
   if (form == AnswerForm::las && command.output.empty())
     throw input_error("LAS output requires a file", "-o FILE.las");
   if (form == AnswerForm::las && (command.count || command.occluded))
-    throw file_error(command.output, "LAS cannot store --count and --occluded", ".csv or .jsonl");
+    throw file_error(command.output, "LAS cannot store --count and --occluded",
+                     "the extension .csv or .jsonl");
   return *form;
 }
 

@@ -31,7 +31,7 @@ std::vector<std::size_t> read_header(const TextLine& line, const TargetKind& kin
     const std::size_t column = kind.column(name);
     if (column == kind.columns.size()) {
       line.fail(offset_in(line, name), fmt::format("unknown column {}", quote(name)),
-                "some of " + kind.names());
+                "one of " + kind.names());
     }
     if (std::ranges::find(columns, column) != columns.end())
       line.fail(offset_in(line, name), fmt::format("duplicate column {}", name));
@@ -80,7 +80,7 @@ void parse_cells(const TextLine& line, const TargetKind& kind, std::span<const s
     if (cells[i].empty() && !column.required) continue;
     const auto number = parse_number(cells[i]);
     if (!number) {
-      line.fail(offset, fmt::format("{} is not a number", column.name), "a number",
+      line.fail(offset, fmt::format("invalid {}", column.name), "a number",
                 cells[i].empty() ? "nothing" : quote(cells[i]));
     }
     check_value(line, offset, column, *number, cells[i]);
@@ -132,12 +132,12 @@ class RowFiller {
       std::string known = kind_.names();
       for (const TargetVector& other : kind_.vectors) known += fmt::format(", {}", other.name);
       line_.fail(member.key_begin, "unknown key " + document_.quote(member.key_begin, member.key_end),
-                 "some of " + known);
+                 "one of " + known);
     }
     const auto* const array = std::get_if<JsonArray>(&member.value.data);
     if (array == nullptr || array->size() != 3) {
-      line_.fail(member.value.begin, fmt::format("{} is not a vector", member.key),
-                 "an array of three numbers", found(member.value));
+      line_.fail(member.value.begin, fmt::format("invalid {}", member.key), "an array of three numbers",
+                 found(member.value));
     }
     for (std::size_t i = 0; i < 3; ++i) put((*array)[i], vector->first + i);
   }
@@ -158,7 +158,7 @@ class RowFiller {
       if (*text == "inf") return std::numeric_limits<double>::infinity();
       if (*text == "-inf") return -std::numeric_limits<double>::infinity();
     }
-    line_.fail(value.begin, fmt::format("{} is not a number", column.name), "a number", found(value));
+    line_.fail(value.begin, fmt::format("invalid {}", column.name), "a number", found(value));
   }
 
   std::string found(const JsonValue& value) const { return document_.quote(value.begin, value.end); }

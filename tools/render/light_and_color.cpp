@@ -19,7 +19,7 @@ std::string without_blanks_around(const std::string& text) {
 glm::dvec2 parse_pair(const std::string& text, double largest_first, double largest_second) {
   const std::size_t comma = text.find(',');
   if (comma == std::string::npos)
-    throw UsageError("expected two numbers separated by a comma, found '" + text + "'");
+    throw UsageError("invalid value; expected two numbers separated by a comma, found '" + text + "'");
   return {parse_number(without_blanks_around(text.substr(0, comma)), -largest_first, largest_first),
           parse_number(without_blanks_around(text.substr(comma + 1)), -largest_second, largest_second)};
 }
@@ -42,9 +42,10 @@ void place_sun_by_time(renderer::Scene& scene, const renderer::LoadedCloud* clou
 
 image::ValueRange parse_range(const std::string& text, double least, double most) {
   const std::vector<std::string> ends = split_list(text);
-  if (ends.size() != 2) throw UsageError("expected two numbers, found '" + text + "'");
+  if (ends.size() != 2) throw UsageError("invalid value; expected two numbers, found '" + text + "'");
   const image::ValueRange range{parse_number(ends[0], least, most), parse_number(ends[1], least, most)};
-  if (!(range.low < range.high)) throw UsageError("expected the smaller number first, found '" + text + "'");
+  if (!(range.low < range.high))
+    throw UsageError("limits out of order; expected the smaller number first, found '" + text + "'");
   return range;
 }
 
@@ -54,7 +55,7 @@ std::vector<image::ClassColor> parse_class_colors(const std::string& text) {
     const std::size_t sign = part.find('=');
     const std::optional<Color16> color =
         sign == std::string::npos ? std::nullopt : image::parse_hex_color(part.substr(sign + 1));
-    if (!color) throw UsageError("expected CLASS=#rrggbb, found '" + part + "'");
+    if (!color) throw UsageError("invalid value; expected CLASS=#rrggbb, found '" + part + "'");
     classes.push_back({static_cast<std::uint8_t>(parse_count(part.substr(0, sign), 0, 255)), *color});
   }
   return classes;
@@ -63,7 +64,7 @@ std::vector<image::ClassColor> parse_class_colors(const std::string& text) {
 std::filesystem::path parse_legend(const std::string& text) {
   const std::filesystem::path file(text);
   if (file.extension() != ".png" && file.extension() != ".PNG")
-    throw UsageError("expected the extension .png, found '" + text + "'");
+    throw UsageError("unknown output format; expected the extension .png, found '" + text + "'");
   return file;
 }
 
@@ -72,7 +73,7 @@ glm::ivec2 parse_legend_size(const std::string& text) {
   constexpr int k_least_side = 24;
   const ImageSize size = parse_image_size(text);
   if (size.width < k_least_side || size.height < k_least_side) {
-    throw UsageError("expected at least " + std::to_string(k_least_side) +
+    throw UsageError("invalid value; expected at least " + std::to_string(k_least_side) +
                      " pixels in each direction, found '" + text + "'");
   }
   return {size.width, size.height};
@@ -101,15 +102,15 @@ void add_light_options(const Options& render, LightRequest& request) {
                request.ao_distance, [](const std::string& text) {
                  return text == "auto" ? std::nullopt : std::optional(parse_number(text, 1e-6, 1e12));
                });
-  const Option sun =
-      render.value("--sun", "AZIMUTH,ELEVATION",
-                   "position of the sun, degrees: azimuth clockwise from north (+y), elevation above the "
-                   "horizon; the scene's brightness is kept",
-                   [&request](const std::string& text) {
-                     request.sun = parse_pair(text, 360.0, 90.0);
-                     if (request.sun->y == -90.0)
-                       throw UsageError("expected an elevation above -90, found '" + text + "'");
-                   });
+  const Option sun = render.value(
+      "--sun", "AZIMUTH,ELEVATION",
+      "position of the sun, degrees: azimuth clockwise from north (+y), elevation above the "
+      "horizon; the scene's brightness is kept",
+      [&request](const std::string& text) {
+        request.sun = parse_pair(text, 360.0, 90.0);
+        if (request.sun->y == -90.0)
+          throw UsageError("invalid value; expected an elevation above -90, found '" + text + "'");
+      });
   const Option time =
       render.excludes(sun).value("--sun-time", "DATE-TIME",
                                  "the sun at this time, such as 2026-06-21T12:00:00+02:00; brightness by "
@@ -127,7 +128,7 @@ void apply_light_options(const LightRequest& request, renderer::Scene& scene) {
   scene.render.mode = request.mode.value_or(scene.render.mode);
   if (request.ao_distance) scene.render.ao_distance = *request.ao_distance;
   if (request.ao_distance && scene.render.mode != renderer::RenderMode::ambient_occlusion)
-    throw input_error("--ao-distance requires ambient occlusion", "--mode ambient_occlusion with it");
+    throw input_error("--ao-distance requires ambient occlusion", "--mode ambient_occlusion");
   if (request.sun) require_path_mode(scene, "--sun");
   if (request.sun_time) require_path_mode(scene, "--sun-time");
   if (request.sun_place) require_path_mode(scene, "--sun-place");
@@ -154,7 +155,7 @@ void apply_light_options(const LightRequest& request, renderer::Scene& scene) {
   }
   if (request.sun_place) {
     if (!scene.sun_by_time)
-      throw input_error("--sun-place requires --sun-time", "--sun-time DATE-TIME with it");
+      throw input_error("--sun-place requires --sun-time", "--sun-time DATE-TIME", "none");
     scene.sun_by_time->latitude = request.sun_place->x;
     scene.sun_by_time->longitude = request.sun_place->y;
   }
@@ -163,7 +164,7 @@ void apply_light_options(const LightRequest& request, renderer::Scene& scene) {
 void require_path_mode(const renderer::Scene& scene, const std::string& option) {
   if (scene.render.mode == renderer::RenderMode::path) return;
   const auto mode = std::ranges::find(renderer::k_modes, scene.render.mode, &renderer::NamedMode::mode);
-  throw input_error(option + " has no effect in this mode", "--mode path", std::string(mode->name));
+  throw input_error(option + " does not apply to this mode", "--mode path", std::string(mode->name));
 }
 
 void prepare_sky(renderer::Scene& scene, const std::filesystem::path& scene_file, Verbosity verbosity) {
@@ -206,7 +207,7 @@ void add_color_options(const Options& command, ColorRequest& request) {
                 "gps_time, return_number, number_of_returns, or another attribute by its name (default: rgb, "
                 "else intensity, else height)",
                 [&request](const std::string& text) {
-                  if (text.empty()) throw UsageError("expected a name, found ''");
+                  if (text.empty()) throw UsageError("missing value; expected a name");
                   request.by = text;
                 });
   command.choice("--color-map",

@@ -99,14 +99,14 @@ void check_long_render(const LongRenderRequest& request, Replaceable replaceable
   const auto check = [&](const std::filesystem::path& file, bool may_exist) {
     if (file.empty()) return;
     for (const std::filesystem::path& output : outputs) {
-      if (same_file(file, output)) throw file_error(file, "also the name of an image", "another name");
+      if (same_file(file, output)) throw file_error(file, "two outputs have this name", "another name");
     }
     check_writable(file, may_exist, inputs);
   };
   if (!request.preview.empty()) {
     const std::optional<image::ImageFormat> format = image::image_format(request.preview);
     if (format != image::ImageFormat::png && format != image::ImageFormat::jpeg)
-      throw file_error(request.preview, "unknown preview format", "the extension .png, .jpg or .jpeg");
+      throw file_error(request.preview, "unknown output format", "the extension .png, .jpg or .jpeg");
     if (!request.checkpoint.file.empty() && same_file(request.preview, request.checkpoint.file))
       throw file_error(request.preview, "preview and checkpoint have the same name");
   }

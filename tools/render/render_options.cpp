@@ -19,7 +19,7 @@ std::vector<image::Layer> parse_layers(const std::string& text) {
   for (const std::string& word : split_list(text)) {
     const auto known = std::ranges::find(image::k_layers, word, &image::NamedLayer::name);
     if (known == image::k_layers.end())
-      throw UsageError("expected some of " + layer_list() + ", found '" + word + "'");
+      throw UsageError("unknown layer; expected one of " + layer_list() + ", found '" + word + "'");
     layers.push_back(known->layer);
   }
   return layers;
@@ -27,7 +27,7 @@ std::vector<image::Layer> parse_layers(const std::string& text) {
 
 double parse_positive(const std::string& text, const std::string& expected) {
   const double value = parse_number(text);
-  if (!(value > 0.0)) throw UsageError("expected " + expected + ", found '" + text + "'");
+  if (!(value > 0.0)) throw UsageError("invalid value; expected " + expected + ", found '" + text + "'");
   return value;
 }
 

@@ -16,7 +16,8 @@ template <std::size_t count>
 std::array<double, count> parse_coordinates(const std::string& text) {
   const std::vector<std::string> words = split_list(text);
   if (words.size() != count)
-    throw UsageError(fmt::format("expected {} numbers separated by commas, found '{}'", count, text));
+    throw UsageError(
+        fmt::format("invalid value; expected {} numbers separated by commas, found '{}'", count, text));
   std::array<double, count> numbers{};
   for (std::size_t i = 0; i < count; ++i)
     numbers[i] = parse_number(words[i], -k_largest_coordinate, k_largest_coordinate);
@@ -85,7 +86,7 @@ Pattern take_apart(const std::filesystem::path& file) {
       const char kind = end < text.size() ? text[end] : ' ';
       pattern.by_name = kind == 's' && end == i + 1;
       if ((kind != 'd' && !pattern.by_name) || pattern.width > k_largest_width)
-        fail(file, "an invalid percent sign");
+        fail(file, "invalid percent sign");
       i = end;
     }
   }
@@ -167,8 +168,8 @@ View view_of_cloud(const CameraRequest& request, const renderer::Scene& scene,
   if (cloud == nullptr) throw file_error(scene_file, "the scene has neither a camera nor a cloud");
   if (cloud->octree.size() == 0) {
     // What was asked for, which for an index file is not what its points came from.
-    throw file_error(scene.cloud->files.front(), "the cloud has no points",
-                     "a cloud with points, or --camera FILE");
+    throw file_error(scene.cloud->files.front(), "the cloud has no points for a default view",
+                     "--camera FILE");
   }
   if (!request.from_above) {
     const ImageSize size = request.size.value_or(ImageSize{1200, 800});

@@ -28,7 +28,7 @@ void add_load_options(const Options& command, LoadOptions& options) {
                   constexpr std::size_t k_least = std::size_t{1} << 20;
                   options.memory = parse_size(text);
                   if (options.memory < k_least)
-                    throw UsageError("expected at least 1M, found '" + text + "'");
+                    throw UsageError("invalid value; expected at least 1M, found '" + text + "'");
                 });
   command.choice("--color-depth",
                  "bits in use of LAS colours (default: 8 if none exceeds 255); the database stores 16",
@@ -80,7 +80,8 @@ database::ServerName server_name(const LoadCommand& command) {
   const database::StoreOptions other;
   const bool is_named_twice = !name.table.empty() && command.store.table != other.table;
   if (is_named_twice || command.store.chunk_points != other.chunk_points) {
-    throw file_error(name.shown(), is_named_twice ? "duplicate table name" : "servers do not use chunks",
+    throw file_error(name.shown(),
+                     is_named_twice ? "duplicate table name" : "--chunk-points does not apply to servers",
                      is_named_twice ? "?table= or --table" : "no --chunk-points");
   }
   if (name.table.empty()) name.table = command.store.table;

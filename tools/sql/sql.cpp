@@ -29,7 +29,7 @@ std::string read_text(const std::filesystem::path& file) {
   if (const std::size_t nul = text.find('\0'); nul != std::string::npos) {
     throw Error({.file = file.string(),
                  .location = database::text_location(text, nul),
-                 .problem = "a NUL byte",
+                 .problem = "the file contains a NUL byte",
                  .found = "0"});
   }
   return text;
@@ -50,7 +50,8 @@ ExitCode run(const SqlCommand& command, bool has_statement) {
     throw input_error("missing database", "alidade sql DB \"SELECT ...\", or alidade sql load FILE... DB");
   if (database::is_server_name(command.database.string())) {
     throw file_error(database::ServerName(command.database.string()).shown(),
-                     "use psql for a server, with the extension alidade_pg", "an SQLite file");
+                     "not an SQLite file but a server",
+                     "an SQLite file (for a server, use psql with the alidade_pg extension)");
   }
   SqlRun run{.form = command.csv    ? RowForm::csv
                      : command.json ? RowForm::json

@@ -42,7 +42,7 @@ bool is_geojson(const std::filesystem::path& file) {
 void check_options(const HorizonCommand& command) {
   const auto require = [](const std::filesystem::path& file, bool right, const char* expected) {
     if (file.empty() || right) return;
-    throw file_error(file, "unknown format", expected);
+    throw file_error(file, "unknown output format", expected);
   };
   require(command.output, is_geojson(command.output) || has_extension(command.output, {".csv"}),
           "the extension .csv or .geojson");

@@ -127,7 +127,8 @@ LineEnds load_line_ends(const PairRequest& request, const VisibilityCloud& cloud
   if (!request.pairs.empty()) given = visibility::read_pair_table(request.pairs);
   const bool has_positions = !given.empty() && given.front().has_positions;
   if (has_positions && !request.positions.empty())
-    throw file_error(request.pairs, "the pairs have coordinates", "names of --places, or no --places");
+    throw file_error(request.pairs, "pairs given as coordinates, but --places requires names",
+                     "names of positions, or no --places");
   ObserverOptions options;
   if (has_positions) options = ends_with_positions(given);
   options.file = request.positions;
@@ -155,7 +156,7 @@ void check_report_memory(const LineEnds& ends, bool has_zones) {
   std::uint64_t bytes = 0;
   if (__builtin_mul_overflow(lines, bytes_per_line, &bytes))
     bytes = std::numeric_limits<std::uint64_t>::max();
-  check_memory(bytes, "the reports on all pairs");
+  check_memory(bytes, "the reports of all lines");
 }
 
 /// Errors: a margin at either end that leaves nothing of a line.
@@ -188,9 +189,8 @@ double unit_of(const VisibilityCloud& cloud, const std::filesystem::path& file) 
   if (cloud.cloud.cloud.crs.empty()) return 1.0;
   if (const std::optional<double> metres = image_module().metres_per_unit(cloud.cloud.cloud.crs))
     return *metres;
-  throw file_error(
-      file, "wavelengths and the Earth radius require a known unit of length, not degrees or an unknown unit",
-      "a projected reference system: reproject the cloud");
+  throw file_error(file, "wavelengths and the Earth radius require a known linear unit",
+                   "a projected reference system: reproject the cloud");
 }
 
 visibility::LineReportOptions report_options(const LinesCommand& command, const VisibilityCloud& cloud) {
@@ -275,7 +275,8 @@ void add_radio(const Options& lines, LinesCommand& command) {
               "report the first Fresnel zone of this frequency, 5.8GHz or 868MHz; GHz without a unit",
               [&command](const std::string& text) {
                 command.frequency = visibility::parse_frequency(text);
-                if (!command.frequency) throw UsageError("expected 1MHz to 1000GHz, found '" + text + "'");
+                if (!command.frequency)
+                  throw UsageError("invalid value; expected 1MHz to 1000GHz, found '" + text + "'");
               });
   group.value("--earth-radius-factor", "K|off",
               "bend lines for an Earth of K times its radius, which includes the refraction of radio waves "

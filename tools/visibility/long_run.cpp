@@ -61,7 +61,7 @@ void check_checkpoint(const CheckpointRequest& request, bool overwrite,
   std::error_code error;
   for (const std::filesystem::path& output : outputs) {
     if (!output.empty() && same_file(request.file, output))
-      throw file_error(request.file, "also the name of an output", "another name");
+      throw file_error(request.file, "two outputs have this name", "another name");
   }
   const bool is_there = std::filesystem::exists(request.file, error);
   if (is_there && !request.resume && !overwrite)
@@ -71,7 +71,7 @@ void check_checkpoint(const CheckpointRequest& request, bool overwrite,
   if (is_there && !is_parts_file(request.file)) {
     throw Error({.file = request.file.string(),
                  .location = "byte 0",
-                 .problem = "not a checkpoint of such a run",
+                 .problem = "not a visibility checkpoint",
                  .expected = "a checkpoint, or the name of a file that does not exist"});
   }
 }

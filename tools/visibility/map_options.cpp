@@ -27,12 +27,15 @@ Bounds parse_area(const std::string& text) {
   for (std::size_t i = 0; i < numbers.size(); ++i) {
     const bool last = i + 1 == numbers.size();
     const std::size_t end = last ? text.size() : text.find(',', begin);
-    if (end == std::string::npos) throw UsageError("expected XMIN,YMIN,XMAX,YMAX, found '" + text + "'");
+    if (end == std::string::npos)
+      throw UsageError("invalid value; expected XMIN,YMIN,XMAX,YMAX, found '" + text + "'");
     numbers[i] = parse_number(text.substr(begin, end - begin));
     begin = end + 1;
   }
   const Bounds area{{numbers[0], numbers[1], 0.0}, {numbers[2], numbers[3], 0.0}};
-  if (area.empty()) throw UsageError("expected XMIN,YMIN,XMAX,YMAX with min <= max, found '" + text + "'");
+  if (area.empty())
+    throw UsageError("limits out of order; expected XMIN,YMIN,XMAX,YMAX with min <= max, found '" + text +
+                     "'");
   return area;
 }
 
@@ -106,7 +109,7 @@ void check_map_writing(const MapOptions& map, bool overwrite,
   image_module();
   if (map.preview.empty()) return;
   if (file_extension(map.preview) != ".png")
-    throw file_error(map.preview, "unsupported preview format", "the extension .png");
+    throw file_error(map.preview, "unknown output format", "the extension .png");
   check_writable(map.preview, overwrite, other_files);
   image::find_font();
 }

@@ -13,7 +13,8 @@ constexpr std::size_t k_most_lines = 8;  ///< said about observers
 /// Two angles with a comma between.
 std::pair<double, double> parse_angles(const std::string& text, double least, double most) {
   const std::vector<std::string> words = split_list(text);
-  if (words.size() != 2) throw UsageError("expected two angles separated by a comma, found '" + text + "'");
+  if (words.size() != 2)
+    throw UsageError("invalid value; expected two angles separated by a comma, found '" + text + "'");
   return {parse_number(words[0], least, most), parse_number(words[1], least, most)};
 }
 
@@ -27,7 +28,8 @@ void add_view(const Options& group, visibility::ObserverDefaults& defaults) {
                   "north (default: 0,360)",
                   [&defaults](const std::string& text) {
                     const auto [from, to] = parse_angles(text, -360.0, 720.0);
-                    if (from == to) throw UsageError("expected two different angles, found '" + text + "'");
+                    if (from == to)
+                      throw UsageError("invalid value; expected two different angles, found '" + text + "'");
                     defaults.azimuth_min = from;
                     defaults.azimuth_max = to;
                   });
@@ -36,17 +38,20 @@ void add_view(const Options& group, visibility::ObserverDefaults& defaults) {
       [&defaults](const std::string& text) {
         constexpr double k_north = 90.0;
         const auto [from, to] = parse_angles(text, -360.0, 360.0);
-        if (from >= to) throw UsageError("expected the smaller angle first, found '" + text + "'");
+        if (from >= to)
+          throw UsageError("limits out of order; expected the smaller angle first, found '" + text + "'");
         defaults.azimuth_min = k_north - to;
         defaults.azimuth_max = k_north - from;
       });
-  group.value("--vertical-fov", "E0,E1", "field of view in degrees above the horizontal (default: -90,90)",
-              [&defaults](const std::string& text) {
-                const auto [low, high] = parse_angles(text, -90.0, 90.0);
-                if (low > high) throw UsageError("expected the lower angle first, found '" + text + "'");
-                defaults.elevation_min = low;
-                defaults.elevation_max = high;
-              });
+  group.value(
+      "--vertical-fov", "E0,E1", "field of view in degrees above the horizontal (default: -90,90)",
+      [&defaults](const std::string& text) {
+        const auto [low, high] = parse_angles(text, -90.0, 90.0);
+        if (low > high)
+          throw UsageError("limits out of order; expected the lower angle first, found '" + text + "'");
+        defaults.elevation_min = low;
+        defaults.elevation_max = high;
+      });
 }
 
 /// Those of the command line, then those of the file.
@@ -89,7 +94,7 @@ void add_observer_options(const Options& command, ObserverOptions& options) {
               "reference system of the observers, such as EPSG:4326 (x is east), overriding their file; "
               "cloud: the cloud's (default: the file's, for CSV and --observer the cloud's)",
               [&options](const std::string& text) {
-                if (text.empty()) throw UsageError("expected a reference system, found nothing");
+                if (text.empty()) throw UsageError("missing value; expected a reference system");
                 options.reference = text;
               });
   group.number("--observer-grid", "LENGTH",

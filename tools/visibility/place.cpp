@@ -31,7 +31,7 @@ std::map<int, double> parse_weights(const std::string& text) {
   for (const std::string& word : split_list(text)) {
     const std::size_t equals = word.find('=');
     if (equals == std::string::npos)
-      throw UsageError("expected CLASS=WEIGHT, such as 6=2.5, found '" + word + "'");
+      throw UsageError("invalid value; expected CLASS=WEIGHT, such as 6=2.5, found '" + word + "'");
     const auto number = static_cast<int>(parse_count(word.substr(0, equals), 0, 255));
     if (!weights.emplace(number, parse_number(word.substr(equals + 1), 0.0, 1e9)).second)
       throw UsageError(fmt::format("duplicate weight of class {}", number));
@@ -45,7 +45,7 @@ void check_options(const PlaceCommand& command) {
   const std::vector<std::filesystem::path> inputs = command.inputs({command.candidates.file});
   const std::filesystem::path outputs[] = {command.output, command.curve};
   if (!command.curve.empty() && image::image_format(command.curve) != image::ImageFormat::png)
-    throw file_error(command.curve, "unsupported curve format", "the extension .png");
+    throw file_error(command.curve, "unknown output format", "the extension .png");
   check_outputs(outputs, command.overwrite, inputs);
   check_checkpoint(command.checkpoint, command.overwrite, outputs, inputs);
 }

@@ -93,7 +93,7 @@ void check_values(const RasterCommand& command) {
   const visibility::ViewshedMode mode = command.mode;
   const auto check = [mode](bool is_given, const std::string& option, visibility::ViewshedMode of) {
     if (!is_given || mode == of) return;
-    throw input_error("option " + option + " does not apply to this map",
+    throw input_error(option + " does not apply to this map",
                       fmt::format("--mode {}", k_mode_words[static_cast<std::size_t>(of)]));
   };
   check(command.visible_value.has_value(), "--visible-value", visibility::ViewshedMode::visible);
@@ -104,11 +104,12 @@ void check_values(const RasterCommand& command) {
   const visibility::SeenValues values = seen_values_of(command);
   if (values.visible == values.invisible) {
     throw input_error("visible and invisible cells have the same value",
-                      "--visible-value and --invisible-value that differ", std::to_string(values.visible));
+                      "different values for --visible-value and --invisible-value",
+                      std::to_string(values.visible) + " for both");
   }
   const double highest = command.highest.value_or(visibility::ViewshedOptions().highest);
   if (mode == visibility::ViewshedMode::height && highest <= command.map.target_height.value_or(0.0))
-    throw Error({.problem = "--highest must be above --target-height"});
+    throw Error({.problem = "--highest does not exceed --target-height"});
 }
 
 /// Errors that need no cloud.

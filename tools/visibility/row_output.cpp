@@ -8,7 +8,7 @@ namespace alidade::tools {
 visibility::RowForm chosen_row_form(const std::filesystem::path& file) {
   const std::optional<visibility::RowForm> form = visibility::row_form(file);
   if (form) return *form;
-  throw file_error(file, "unknown output format", ".csv, .json or .geojson");
+  throw file_error(file, "unknown output format", "the extension .csv, .json or .geojson");
 }
 
 void load_row_writer(const std::filesystem::path& file) {

@@ -15,7 +15,7 @@ namespace {
 /// Errors that need no cloud: the output's name or position; options that mean nothing for this kind of output.
 void check_sky_request(const SkyRequest& request) {
   const auto reject = [](const std::string& option, const std::string& kind) {
-    throw input_error("option " + option + " does not apply to this output", kind);
+    throw input_error(option + " does not apply to this output", kind);
   };
   if (request.is_map()) {
     if (request.receiver) reject("--receiver", "points (.las, .laz, .ply); cells of a map are horizontal");

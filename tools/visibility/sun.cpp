@@ -35,7 +35,7 @@ SunDate parse_sun_date(const std::string& text) {
     return {parse_date_time(text + "T00:00Z"), true};
   } catch (const Error&) {
     // What was added to a day is nothing that the user wrote.
-    throw UsageError("expected a day such as 2026-06-21, found '" + text + "'");
+    throw UsageError("invalid date; expected a date such as 2026-06-21, found '" + text + "'");
   }
 }
 
@@ -202,7 +202,7 @@ ExitCode run(const SunCommand& command) {
 glm::dvec2 parse_position(const std::string& text) {
   const std::size_t comma = text.find(',');
   if (comma == std::string::npos)
-    throw UsageError("expected two numbers separated by a comma, found '" + text + "'");
+    throw UsageError("invalid value; expected two numbers separated by a comma, found '" + text + "'");
   const std::size_t second = std::min(text.find_first_not_of(' ', comma + 1), text.size());
   return {parse_number(text.substr(0, comma), -90.0, 90.0), parse_number(text.substr(second), -360.0, 360.0)};
 }

@@ -38,8 +38,7 @@ int whole_steps(const char* what, double range, double step, double least, doubl
   constexpr double k_slack = 1e-6;
   const double steps = range / step;
   check_range(step >= least && step <= most && !(std::fabs(steps - std::round(steps)) > k_slack * steps),
-              what, fmt::format("degrees from {} to {}, with {} an integer multiple", least, most, range),
-              step);
+              what, fmt::format("degrees from {} to {} that divide {} evenly", least, most, range), step);
   return static_cast<int>(std::round(steps));
 }
 
@@ -162,8 +161,7 @@ std::vector<HorizonDirection> horizon(const Occluders& occluders, const SightEnd
   const double from = options.azimuth_min;
   double width = options.azimuth_max - from;
   if (width <= 0.0) width += k_turn;
-  check_range(std::fabs(from) <= 2.0 * k_turn && width > 0.0, "azimuth range", "limits from -720 to 720",
-              from);
+  check_range(std::fabs(from) <= 2.0 * k_turn && width > 0.0, "azimuth", "-720 to 720", from);
 
   // Limits on a multiple of a step count as on it.
   constexpr double k_slack = 1e-9;

@@ -49,7 +49,7 @@ void take_cell(const CsvTable& table, std::size_t column, std::string_view cell,
   if (cell.empty() && (meaning == z_column || meaning == height_column)) return;
   const std::optional<double> number = parse_number(cell);
   if (!number || !std::isfinite(*number))
-    table.fail(fmt::format("{} is not a finite number", k_columns[column]), "a number",
+    table.fail(fmt::format("invalid {}", k_columns[column]), "a finite number",
                cell.empty() ? "nothing" : quote(cell));
   if (meaning == x_column) end.position.x = *number;
   if (meaning == y_column) end.position.y = *number;
@@ -64,7 +64,7 @@ GivenPair read_row(const CsvTable& table) {
   for (std::size_t i = 0; i < table.cells().size(); ++i)
     take_cell(table, table.columns()[i], table.cells()[i], pair);
   if (!pair.has_positions && (pair.from.name.empty() || pair.to.name.empty()))
-    table.fail("missing name of an end", "names of positions");
+    table.fail("missing endpoint name", "the names of two positions");
   return pair;
 }
 

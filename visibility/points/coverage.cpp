@@ -104,7 +104,7 @@ void check_coverage(std::size_t candidates, std::size_t targets) {
   if (__builtin_mul_overflow(std::uint64_t{candidates}, row_bytes, &bytes) ||
       __builtin_add_overflow(bytes, std::uint64_t{sizeof(SightEnd)} * targets, &bytes))
     bytes = std::numeric_limits<std::uint64_t>::max();
-  check_memory(bytes, "who of the candidates sees which of the targets");
+  check_memory(bytes, "the visibility of each target from each candidate");
 }
 
 Coverage::Coverage(std::size_t candidates, std::size_t targets)
@@ -176,7 +176,7 @@ std::vector<PlacementTarget> thin_points(const Octree& octree, double spacing,
       if (!is_new && is_nearer) best = here;
     }
     if (cells.size() < next_check) return;
-    check_memory(k_bytes_per_cell * cells.size(), "targets so near each other");
+    check_memory(k_bytes_per_cell * cells.size(), "targets at this spacing");
     next_check *= 2;
   });
   std::vector<Best> chosen;

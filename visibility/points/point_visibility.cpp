@@ -208,8 +208,8 @@ void check_point_visibility(std::uint64_t points, std::size_t observers,
   if (__builtin_mul_overflow(points, bytes_per_point, &bytes))
     bytes = std::numeric_limits<std::uint64_t>::max();
   check_memory(bytes, options.with_blockers
-                          ? "who sees the points, and a column of blockers for each observer"
-                          : "who sees the points");
+                          ? "the visibility of all points and a column of blockers for each observer"
+                          : "the visibility of all points");
 }
 
 PointVisibility point_visibility(const Occluders& occluders, std::span<const Observer> observers,

@@ -366,8 +366,8 @@ Ground make_ground(const Octree& octree, std::span<const std::uint8_t> classific
   constexpr std::uint64_t k_bytes_per_cell = 50;
   constexpr double k_lowest_distances = 4.0;
   if (octree.size() == 0) throw Error({.problem = "the cloud has no points for the ground"});
-  check_that(options.reach >= 0.0 && std::isfinite(options.reach),
-             "the reach of the ground must be at least 0", {}, fmt::format("{}", options.reach));
+  check_that(options.reach >= 0.0 && std::isfinite(options.reach), "ground reach out of range", "at least 0",
+             fmt::format("{}", options.reach));
   const GroundSource source = chosen_source(
       options.source, std::ranges::find(classifications, k_ground_class) != classifications.end());
   const bool by_class = source == GroundSource::classified;

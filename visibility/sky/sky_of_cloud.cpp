@@ -50,7 +50,7 @@ void for_each_point_target(const Occluders& occluders, std::span<const glm::vec3
                            const Question& question, const LongWork& work, const Answer& answer,
                            const Take& take) {
   const TreeView& tree = occluders.octree().view();
-  check_that(normals.empty() || normals.size() == tree.point_count, "missing normals: expected one per point",
+  check_that(normals.empty() || normals.size() == tree.point_count, "wrong number of normals",
              std::to_string(tree.point_count), std::to_string(normals.size()));
   const std::vector<std::vector<Leaf>> blocks = leaf_blocks(tree, targets_at_once(question.lines));
   std::uint64_t done = 0;

@@ -118,7 +118,8 @@ TEST(CopcHierarchyTest, pages_may_be_anywhere) {
   put(sample.pages_offset + 16, std::uint64_t{sample.pages_offset});
   put(sample.pages_offset + 24, std::int32_t{32});
   EXPECT_TRUE(contains(error_of([&] { open(sample.bytes); }),
-                       "duplicate page of the COPC hierarchy, referenced again by byte " +
+                       "page of the COPC hierarchy referenced more than once; expected one reference, found "
+                       "a second one by byte " +
                            std::to_string(sample.pages_offset)));
 }
 

@@ -84,13 +84,15 @@ TEST(E57Images, that_leave_the_file_are_errors) {
     const std::string file = builder.file();
     return error_of([&] { open(file); });
   };
-  EXPECT_NE(error("fileOffset=\"48\" length=\"999999\"").find("image 1: \"jpegImage\" exceeds the file"),
+  EXPECT_NE(error("fileOffset=\"48\" length=\"999999\"")
+                .find("image 1: invalid length of \"jpegImage\"; expected at most"),
             std::string::npos);
-  EXPECT_NE(error("fileOffset=\"48\" length=\"3100\"").find("exceeds its section"), std::string::npos);
-  EXPECT_NE(error("fileOffset=\"999999\" length=\"1\"").find("image 1: the jpegImage begins after the end"),
+  EXPECT_NE(error("fileOffset=\"48\" length=\"3100\"").find("invalid length of"), std::string::npos);
+  EXPECT_NE(error("fileOffset=\"999999\" length=\"1\"")
+                .find("image 1: invalid offset of the jpegImage; expected less than"),
             std::string::npos);
-  EXPECT_NE(error("length=\"1\"").find("fileOffset is not an integer"), std::string::npos);
-  EXPECT_NE(error("fileOffset=\"64\" length=\"1\"").find("missing section"), std::string::npos);
+  EXPECT_NE(error("length=\"1\"").find("invalid fileOffset of"), std::string::npos);
+  EXPECT_NE(error("fileOffset=\"64\" length=\"1\"").find("wrong section id of"), std::string::npos);
 }
 
 TEST(E57Images, that_are_together_larger_than_the_file_are_an_error) {

@@ -278,7 +278,9 @@ TEST(LasWriteTest, without_finish_no_file_is_left) {
 TEST(LasWriteTest, an_existing_file_is_replaced_only_if_requested) {
   const std::filesystem::path path = test::test_folder() / "out.las";
   write_las(path, PointCloud{});
-  EXPECT_NE(error_of([&] { write_las(path, PointCloud{}); }).find("the file exists; --overwrite replaces it"),
+  EXPECT_NE(error_of([&] {
+              write_las(path, PointCloud{});
+            }).find("the file exists; expected another name, or --overwrite"),
             std::string::npos);
   write_las(path, PointCloud{}, {.overwrite = true});
 }

@@ -172,7 +172,7 @@ TEST(RepackFileTest, damaged_files_are_errors_and_leave_no_output) {
   }
   EXPECT_NE(error_of([&] {
               repack_las(folder / "in.las", folder / "packed.laz");
-            }).find("the file exists; --overwrite replaces it"),
+            }).find("the file exists; expected another name, or --overwrite"),
             std::string::npos);
 }
 

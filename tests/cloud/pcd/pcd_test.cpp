@@ -171,9 +171,11 @@ TEST(Pcd, errors_name_file_offset_expectation_and_finding) {
                                                                 << text.substr(0, 300);
   };
   expect("289814.15 4320978.61 170.76\n", "memory:line 1: unknown header line; expected VERSION");
-  expect("FIELDS x y z\nSIZE 4 4\n", "memory:line 2: missing value of a field; expected 3 values, found 2");
-  expect("FIELDS x y z\nSIZE 4 4 four\n", "memory:line 2: not an integer");
-  expect("FIELDS x y z\nTYPE F F\n", "memory:line 2: missing type of a field");
+  expect("FIELDS x y z\nSIZE 4 4\n",
+         "memory:line 2: wrong number of values; expected 3, one per field, found 2");
+  expect("FIELDS x y z\nSIZE 4 4 four\n", "memory:line 2: invalid value; expected an integer");
+  expect("FIELDS x y z\nTYPE F F\n",
+         "memory:line 2: wrong number of types; expected 3, one per field, found 2");
   expect("FIELDS x y z\nSIZE 4 4 4\nTYPE F F F\nWIDTH 1\n", "memory:line 4: truncated header");
   expect("FIELDS x y z\nSIZE 4 4 4\nTYPE F F F\nDATA ascii\n", "missing number of points");
   expect("SIZE\nTYPE\nWIDTH 1\nDATA ascii\n", "missing FIELDS");
@@ -195,10 +197,10 @@ TEST(Pcd, errors_name_file_offset_expectation_and_finding) {
   expect("FIELDS x x z\nSIZE 4 4 4\nTYPE F F F\nWIDTH 0\nDATA ascii\n", "duplicate column name");
   expect("FIELDS a y z\nSIZE 4 4 4\nTYPE F F F\nWIDTH 0\nDATA ascii\n", "missing x column");
   expect(xyz_header("2", "ascii") + "1 2 3\n4 5 zz\n",
-         "memory:line 13: not a number; expected a number, found \"zz\"");
+         "memory:line 13: invalid value; expected a number, found \"zz\"");
   expect(xyz_header("2", "ascii") + "1 2 3\n4 5         \n", "memory:line 13: wrong number of values");
   expect(xyz_header("2", "ascii") + "1.25 2.25 3.25\n", "truncated file; expected 2 points, found 1");
-  expect("# .PCD\nVIEWPOINT 0 0 zero\n", "memory:line 2: not a number");
+  expect("# .PCD\nVIEWPOINT 0 0 zero\n", "memory:line 2: invalid viewpoint; expected numbers");
   expect(std::string(10 << 20, 'x'), "memory:line 1: line too long");
 }
 

@@ -20,7 +20,7 @@ TEST(PlyMalformed, errors_name_file_offset_expectation_and_finding) {
     EXPECT_NE(ply_error(text).find(message), std::string::npos) << ply_error(text) << "\nfor\n"
                                                                 << text.substr(0, 300);
   };
-  expect("plx\n", "memory:byte 0: not a PLY file; expected a first line \"ply\", found \"plx\"");
+  expect("plx\n", "memory:byte 0: not a PLY file; expected \"ply\" as the first line, found \"plx\"");
   expect("ply\nformat ascii 2.0\n", "memory:line 2: unsupported PLY format");
   expect("ply\nelement vertex 1\n" + xyz + "end_header\n1 2 3\n", "missing format line");
   expect(start + "element vertex 1\n" + xyz, "memory:line 6: truncated header; expected end_header");
@@ -28,8 +28,7 @@ TEST(PlyMalformed, errors_name_file_offset_expectation_and_finding) {
   expect(start + "element vertex -1\n", "memory:line 3: invalid element line");
   expect(start + "element vertex 99999999999999999999\n", "memory:line 3: invalid element line");
   expect(start + "element vertex 1\nproperty half x\n", "memory:line 4: unsupported property type");
-  expect(start + "element vertex 1\nproperty list float int a\n",
-         "memory:line 4: invalid count type of a list");
+  expect(start + "element vertex 1\nproperty list float int a\n", "memory:line 4: invalid list count type");
   expect(start + "element vertex 1\nproperty x\n", "memory:line 4: invalid property line");
   expect(start + "elephant 1\n", "memory:line 3: unknown header line");
   expect(start + "element face 1\nproperty int a\nend_header\n1\n", "missing points; expected an element");
@@ -40,7 +39,7 @@ TEST(PlyMalformed, errors_name_file_offset_expectation_and_finding) {
   expect(start + "element vertex 1\n" + xyz + "property float x\nend_header\n1 2 3 4\n",
          "duplicate column name");
   expect(start + "element vertex 2\n" + xyz + "end_header\n1 2 3\n4 5 six\n",
-         "memory:line 9: not a number; expected a number, found \"six\"");
+         "memory:line 9: invalid value; expected a number, found \"six\"");
   expect(start + "element vertex 1\n" + xyz + "end_header\n1 2        \n", "memory:line 8: too few values");
   expect(start + "element vertex 1\n" + xyz + "end_header\n1 2 3 4\n", "memory:line 8: too many values");
   expect(start + "element vertex 3\n" + xyz + "end_header\n1.25 2.25 3.25\n4.25 5.25 6.25\n",
@@ -77,15 +76,15 @@ TEST(PlyMalformed, a_list_with_a_negative_or_impossible_length_is_an_error) {
     std::string text = header;
     append(text, count);
     text += "xyz";
-    EXPECT_NE(ply_error(text).find("a list of \"a\" has an invalid length; expected 0 to 0, found " +
-                                   std::to_string(count)),
-              std::string::npos)
+    EXPECT_NE(
+        ply_error(text).find("invalid list length of \"a\"; expected 0 to 0, found " + std::to_string(count)),
+        std::string::npos)
         << ply_error(text);
   }
   EXPECT_NE(
       ply_error("ply\nformat ascii 1.0\nelement vertex 1\nproperty list int int a\nproperty char x\nproperty "
                 "char y\nproperty char z\nend_header\n-1 1 2 3\n")
-          .find("line 9: invalid length of a list"),
+          .find("line 9: invalid list length"),
       std::string::npos);
 }
 

@@ -74,13 +74,13 @@ TEST(Ptx, errors_name_file_line_expectation_and_finding) {
   expect("1\nmany\n", "memory:line 2: invalid number of rows of a scan");
   expect("1\n1\n1 2 3 4\n", "memory:line 3: invalid PTX header: missing the scanner's position");
   expect("1\n1\n" + k_pose + "1 0 0\n", "memory:line 7: invalid PTX header: missing the transform");
-  expect("1\n1\n" + k_pose + "1 0 0 nan\n", "memory:line 7: not a finite number");
-  expect("1\n1\n" + k_pose + "1 0 0 zero\n", "memory:line 7: not a number");
+  expect("1\n1\n" + k_pose + "1 0 0 nan\n", "memory:line 7: invalid value; expected a finite number");
+  expect("1\n1\n" + k_pose + "1 0 0 zero\n", "memory:line 7: invalid value; expected a number");
   expect("1\n1\n" + k_pose, "truncated file");
   expect(scan("1\n1\n", "1 0 0 1\n0 1 0 0\n0 0 1 0\n0 0 5 1\n", "1 2 3 0.5\n"),
          "memory:line 10: the transform is not");
   expect(scan("1\n1\n", k_identity, "1 2\n"), "memory:line 11: invalid point");
-  expect(scan("1\n1\n", k_identity, "1 2 3 x\n"), "memory:line 11: not a number");
+  expect(scan("1\n1\n", k_identity, "1 2 3 x\n"), "memory:line 11: invalid value; expected a number");
   expect(scan("1\n2\n", k_identity, "1 2 3 0.5\n"), "truncated file");
   expect(scan("4294967296\n4294967296\n", k_identity, "1 2 3 0.5\n"),
          "memory:line 2: truncated file: too short for the points of the scan; expected at most 11, found "

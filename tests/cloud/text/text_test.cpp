@@ -179,12 +179,12 @@ TEST(Text, errors_name_file_line_expectation_and_finding) {
                                                                  << text.substr(0, 300);
   };
   expect("1 2 3\n4 five 6\n",
-         "memory:line 2: invalid number in the column \"y\"; expected a number, found \"five\"");
+         "memory:line 2: invalid value in the column \"y\"; expected a number, found \"five\"");
   expect("1 2 3\n\n4 5\n", "memory:line 3: too few columns; expected 3, found 2");
   expect("1 2 3\n4 5 6 7\n", "memory:line 2: too many columns; expected 3, found 4");
   expect("1 2\n", "memory:line 1: too few columns for a point");
-  expect("1,2,3\n4,,6\n", "memory:line 2: invalid number in the column \"y\"; expected a number, found \"\"");
-  expect("1,2,3,4\n1,2,3,four\n", "memory:line 2: invalid number in the column \"intensity\"");
+  expect("1,2,3\n4,,6\n", "memory:line 2: invalid value in the column \"y\"; expected a number, found \"\"");
+  expect("1,2,3,4\n1,2,3,four\n", "memory:line 2: invalid value in the column \"intensity\"");
   expect("hello world\n1 2 3\n", "memory:line 1: neither a point nor a header with column names");
   expect("X,Y,X\n1,2,3\n", "duplicate column name; expected unique names, found \"X\"");
   expect("x,z\n1,2\n", "memory:line 1: neither a point nor a header");

@@ -92,7 +92,7 @@ rejected 'a table that is there' 'the table points exists' sql load yard.las "$(
 "$program" sql load yard.las "$(table points)" --overwrite -q
 expect 'it was replaced' 20000 "$(sql 'SELECT count(*) FROM points')"
 sql 'CREATE TABLE wages(x int)'
-rejected 'a table that is no cloud' 'expected a cloud, which has' sql load yard.las "$(table wages)" --overwrite
+rejected 'a table that is no cloud' 'expected a cloud with the table' sql load yard.las "$(table wages)" --overwrite
 expect 'it stays' wages "$(sql "SELECT relname FROM pg_class WHERE relname = 'wages'")"
 "$program" generate courtyard --points 400000 --seed 3 -o large.las -q
 # The server is slow, so that there is time to end the program while it stores.
@@ -151,7 +151,7 @@ rejected 'no server' 'cannot connect to the server' info 'postgresql://127.0.0.1
 rejected 'no coordinates' 'missing numeric column y; expected x, y and z, found x' info "$(table wages)"
 sql "CREATE TABLE words(x text, y text, z text); CREATE TABLE bright AS SELECT 1 AS x, 2 AS y, 3 AS z, 70000 AS intensity"
 rejected 'a table of texts' 'missing numeric column x' info "$(table words)"
-rejected 'a value that cannot be' 'row 1: intensity out of the range of the attribute; expected 0 to 65535, found 70000' \
+rejected 'a value that cannot be' 'row 1: intensity out of range for the attribute; expected 0 to 65535, found 70000' \
   convert "$(table bright)" -o bright.las
 rejected 'a view that fails' 'division by zero' info "$(sql 'CREATE VIEW broken AS SELECT x, y, z / 0 AS z FROM bright'; table broken)"
 sql 'INSERT INTO points SELECT * FROM points WHERE id = 1'

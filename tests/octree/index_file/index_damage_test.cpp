@@ -112,11 +112,12 @@ TEST(IndexDamage, another_byte_order_another_version_and_another_file_are_told_a
     file = sound_file();
     put<std::uint32_t>(file, 12, version);
     const std::string message = error_of([&] { test::index_in_memory(file); });
-    EXPECT_NE(message.find("unsupported index file version; create the file again with 'alidade index"),
-              std::string::npos)
+    EXPECT_NE(
+        message.find(
+            "unsupported index file version; expected version 2 (create the file again with 'alidade index')"),
+        std::string::npos)
         << message;
-    EXPECT_NE(message.find("expected version 2, found version " + std::to_string(version)), std::string::npos)
-        << message;
+    EXPECT_NE(message.find("found version " + std::to_string(version)), std::string::npos) << message;
   }
   file = sound_file();
   file[3] = std::byte{'x'};
@@ -168,8 +169,9 @@ TEST(IndexDamage, files_on_disk_are_named_with_the_damaged_byte) {
   Bytes file = sound_file();
   file[64] ^= std::byte{1};
   test::write_bytes(path, file);
-  EXPECT_NE(error_of([&] { open_index(path); }).find(path.string() + ":byte 32: corrupt header"),
-            std::string::npos);
+  EXPECT_NE(
+      error_of([&] { open_index(path); }).find(path.string() + ":byte 32: corrupt header: wrong checksum"),
+      std::string::npos);
   test::write_bytes(path, {});
   EXPECT_NE(error_of([&] { open_index(path); }).find("not an Alidade index file"), std::string::npos);
   EXPECT_NE(error_of([&] { open_index(path.parent_path()); }).find("a regular file"), std::string::npos);

@@ -227,9 +227,10 @@ TEST(IndexFile, an_existing_file_is_replaced_only_with_overwrite) {
   const PointCloud cloud = small_cloud();
   const Octree octree = build(cloud);
   test::write_bytes(path, {});
-  EXPECT_NE(
-      error_of([&] { save_index(path, octree, cloud); }).find("the file exists; --overwrite replaces it"),
-      std::string::npos);
+  EXPECT_NE(error_of([&] {
+              save_index(path, octree, cloud);
+            }).find("the file exists; expected another name, or --overwrite"),
+            std::string::npos);
   EXPECT_EQ(std::filesystem::file_size(path), 0u);
   save_index(path, octree, cloud, {.overwrite = true});
   EXPECT_NO_THROW(verify_index(path));

@@ -83,14 +83,14 @@ TEST(IndexForgery, broken_links_are_errors) {
   const std::uint64_t nodes = section(sound_file(), IndexSection::nodes).bytes / sizeof(Node);
   for (const std::uint32_t child : {0u, static_cast<std::uint32_t>(nodes), 0xffffffffu, 0xfffffff8u}) {
     expect(problem_after([&](Bytes& file) { put(file, in_node(file, 0, k_first_child), child); }),
-           "invalid child: expected a later node below");
+           "invalid child; expected a later node below");
   }
   // Node 1 is a child of the root; the root's first child moved on takes a node away from somebody else.
   expect(problem_after([](Bytes& file) { put<std::uint32_t>(file, in_node(file, 0, k_first_child), 2); }),
          "node");
   expect(problem_after(
              [](Bytes& file) { put<std::uint32_t>(file, in_node(file, 0, k_first_point), 0xffffff00u); }),
-         "its leaves end at a wrong storage index: expected");
+         "its leaves end at a wrong storage index; expected");
   for (const int kind : {33, 36, 127}) {
     expect(problem_after([&](Bytes& file) {
              for (std::size_t slot = 0; slot < k_node_width; ++slot)
@@ -117,7 +117,7 @@ TEST(IndexForgery, points_that_do_not_stand_one_after_another_are_an_error) {
     const std::size_t offset = in_node(file, nodes - 1, k_first_point);
     put(file, offset, get<std::uint32_t>(file, offset) - 1);
   });
-  EXPECT_NE(message.find("its points begin at a wrong storage index: expected"), std::string::npos)
+  EXPECT_NE(message.find("its points begin at a wrong storage index; expected"), std::string::npos)
       << message;
 }
 
@@ -139,7 +139,7 @@ TEST(IndexForgery, an_id_beyond_the_points_is_an_error) {
     const std::string message = problem_after([&](Bytes& file) {
       put(file, section(file, IndexSection::ids).offset + 4 * offset, static_cast<std::uint32_t>(points));
     });
-    EXPECT_NE(message.find("corrupt section ids: id out of range: expected less than 1508, found 1508"),
+    EXPECT_NE(message.find("corrupt section ids: id out of range; expected less than 1508, found 1508"),
               std::string::npos)
         << message;
     EXPECT_NE(
