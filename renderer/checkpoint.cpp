@@ -163,7 +163,7 @@ void check_head(const InputFile& file, const CheckpointHead& head, const Picture
         fmt::format("{} x {} pixels, {} samples", head.width, head.height, head.samples));
   }
   if (head.pass_end < 1 || head.pass_end > head.samples) {
-    throw file_error(file.name(), "corrupt checkpoint: number of samples in progress out of range",
+    throw file_error(file.name(), "corrupt checkpoint: number of unfinished samples out of range",
                      fmt::format("1 to {}", head.samples), std::to_string(head.pass_end));
   }
   const std::uint64_t expected = head.head_bytes + rest_bytes(state);

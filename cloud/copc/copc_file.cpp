@@ -83,7 +83,7 @@ class Entries {
     }
     if (!offsets_.insert(page.offset).second) {
       fail_at_byte(file_.name(), page.offset, "page of the COPC hierarchy referenced more than once",
-                   "one reference", "a second one by " + said);
+                   "one reference", "a second one from " + said);
     }
     // Pages that overlap could be many more than the file has room for.
     bytes_ += page.size;

@@ -337,9 +337,9 @@ TEST_F(CheckpointTest, of_another_kind_version_or_byte_order_is_detected) {
             std::string::npos);
   EXPECT_NE(message_of(48, 2).find("corrupt checkpoint: invalid noise flag; expected 0 or 1, found 2"),
             std::string::npos);
-  EXPECT_NE(message_of(52, 0).find("corrupt checkpoint: number of samples in progress out of range"),
+  EXPECT_NE(message_of(52, 0).find("corrupt checkpoint: number of unfinished samples out of range"),
             std::string::npos);
-  EXPECT_NE(message_of(52, 6).find("corrupt checkpoint: number of samples in progress out of range"),
+  EXPECT_NE(message_of(52, 6).find("corrupt checkpoint: number of unfinished samples out of range"),
             std::string::npos);
   EXPECT_NE(message_of(68, 0xffffffff).find("seconds"), std::string::npos);
   EXPECT_NE(message_of(72, 0xffffffff).find("the fingerprint exceeds the file; expected at most"),

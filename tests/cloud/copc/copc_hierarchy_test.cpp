@@ -119,7 +119,7 @@ TEST(CopcHierarchyTest, pages_may_be_anywhere) {
   put(sample.pages_offset + 24, std::int32_t{32});
   EXPECT_TRUE(contains(error_of([&] { open(sample.bytes); }),
                        "page of the COPC hierarchy referenced more than once; expected one reference, found "
-                       "a second one by byte " +
+                       "a second one from byte " +
                            std::to_string(sample.pages_offset)));
 }
 

@@ -112,10 +112,9 @@ TEST(IndexDamage, another_byte_order_another_version_and_another_file_are_told_a
     file = sound_file();
     put<std::uint32_t>(file, 12, version);
     const std::string message = error_of([&] { test::index_in_memory(file); });
-    EXPECT_NE(
-        message.find(
-            "unsupported index file version; expected version 2 (create the file again with 'alidade index')"),
-        std::string::npos)
+    EXPECT_NE(message.find("unsupported index file version; expected version 2 (create the file again with "
+                           "'alidade index')"),
+              std::string::npos)
         << message;
     EXPECT_NE(message.find("found version " + std::to_string(version)), std::string::npos) << message;
   }
