@@ -32,7 +32,7 @@ inline bool has_traversal(const Octree& octree, const RayQuery& query) {
   const TreeView& tree = octree.view();
   return query.measure != Measure::distance && query.radius < k_longest && query.spacing_factor < k_longest &&
          is_short(tree.lattice.offset) && is_short(tree.bounds.min) && is_short(tree.bounds.max) &&
-         is_short(tree.lattice.scale * std::ldexp(1.0, tree.root_level));
+         tree.extent.frame_width < k_longest;
 }
 
 template <class Target>

@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
+#include <algorithm>
 #include <bit>
+#include <cmath>
 #include <cstddef>
 #include <cstdint>
 #include <memory>
@@ -137,6 +139,18 @@ enum class Organisation : std::uint8_t {
   layered,   ///< every node holds a sample of the points in its cell, coarse to fine
 };
 
+/// Lengths of a tree that every query needs, in metres; derived from its lattice, base and bounds.
+struct TreeExtent {
+  // Four values each, the last being 0, so that they fill vectors.
+  double corner[4] = {};             ///< of the root's frame, world
+  double low[4] = {}, high[4] = {};  ///< of the bounds, world
+  float scale[4] = {};               ///< of the lattice
+  double widest_scale = 0.0;
+  double frame_width = 0.0;         ///< of the root's frame, along the axis of the widest scale
+  double largest_coordinate = 0.0;  ///< no coordinate, with the lattice's offset, is farther from 0
+  double size = 0.0;                ///< sum of the sides of the bounds
+};
+
 /// The flat arrays of an octree, as traversals read them. A *storage index* is a point's number in the order
 /// of the leaves; its id, the row in the cloud, is point_id(view, storage index).
 struct TreeView {
@@ -149,6 +163,7 @@ struct TreeView {
   /// Levels of nodes; the root is level 0. The level of a point is that of the node whose leaf slot holds it.
   int level_count = 0;
   Bounds bounds;                ///< of the points, world
+  TreeExtent extent;            ///< set by Octree
   const Node* nodes = nullptr;  ///< the root is nodes[0]
   /// Leaf of c points that starts at storage index p: coordinates[3p .. 3p + 3c) = c x, c y, c z: steps from
   /// the corner of its parent node's frame, divided by 2^coordinate_shift(level). Readable for
@@ -190,6 +205,26 @@ inline void append_tree_checksums(const TreeView& tree, std::vector<std::uint64_
       sums);
 }
 
+inline TreeExtent extent_of(const TreeView& tree) {
+  TreeExtent extent;
+  const glm::dvec3 corner = to_world(tree.lattice, tree.base), size = tree.bounds.size();
+  for (int axis = 0; axis < 3; ++axis) {
+    extent.corner[axis] = corner[axis];
+    extent.low[axis] = tree.bounds.min[axis];
+    extent.high[axis] = tree.bounds.max[axis];
+    extent.scale[axis] = static_cast<float>(tree.lattice.scale[axis]);
+    extent.widest_scale = std::max(extent.widest_scale, tree.lattice.scale[axis]);
+    // Positions are sums of the lattice's offset and a product that may be as large.
+    extent.largest_coordinate =
+        std::max(extent.largest_coordinate,
+                 std::fabs(tree.lattice.offset[axis]) +
+                     std::max(std::fabs(tree.bounds.min[axis]), std::fabs(tree.bounds.max[axis])));
+  }
+  extent.frame_width = std::ldexp(extent.widest_scale, tree.root_level);
+  extent.size = size.x + size.y + size.z;
+  return extent;
+}
+
 constexpr int k_coordinate_padding = 32;
 
 /// The id of the point at a storage index.
@@ -228,7 +263,9 @@ class Octree {
   Octree() = default;
   /// `storage` keeps alive what the view points to.
   Octree(const TreeView& view, std::shared_ptr<const void> storage, InstructionSet instruction_set)
-      : view_(view), storage_(std::move(storage)), instruction_set_(instruction_set) {}
+      : view_(view), storage_(std::move(storage)), instruction_set_(instruction_set) {
+    view_.extent = extent_of(view_);
+  }
 
   std::size_t size() const { return view_.point_count; }
   const Lattice& lattice() const { return view_.lattice; }

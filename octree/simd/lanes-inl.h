@@ -52,6 +52,20 @@ HWY_INLINE unsigned mask_bits(D d, const Mask& mask) {
 #endif
 }
 
+/// The same for bytes, up to 32 of them.
+template <class D, class Mask>
+HWY_INLINE unsigned byte_mask_bits(D d, const Mask& mask) {
+#if HWY_TARGET == HWY_AVX3
+  (void)d;
+  return mask.raw;
+#else
+  std::uint8_t bytes[8] = {};
+  hn::StoreMaskBits(d, mask, bytes);
+  return bytes[0] | static_cast<unsigned>(bytes[1]) << 8 | static_cast<unsigned>(bytes[2]) << 16 |
+         static_cast<unsigned>(bytes[3]) << 24;
+#endif
+}
+
 inline std::uint32_t index_of_lowest_bit(std::uint32_t bits) {
   return static_cast<std::uint32_t>(std::countr_zero(bits));
 }

@@ -81,7 +81,7 @@ HWY_INLINE hn::Mask<RayLanes> lanes_in_list(std::uint32_t first, std::uint32_t c
 
 /// A vector of rays as boxes meet them; lanes from `count` on meet nothing.
 struct RayGroup {
-  RayVector inverse[3], t_low, origin_t[3], t_cut;
+  RayVector inverse[3], t_first, origin_t[3], t_cut;
 
   RayGroup(const RayBoxes* boxes, const std::uint32_t* rays, std::uint32_t count) {
     static_assert(sizeof(RayBoxes) == 8 * sizeof(float));
@@ -90,7 +90,7 @@ struct RayGroup {
       inverse[axis] = columns.column[axis];
       origin_t[axis] = columns.column[4 + axis];
     }
-    t_low = columns.column[3];
+    t_first = columns.column[3];
     t_cut = columns.column[7];
     const RayLanes d;
     if (count < hn::Lanes(d))
@@ -186,6 +186,7 @@ class LeafGroupTest {
 
     Group(const RayBatch& batch, const std::uint32_t* rays, const float* t_near, std::size_t rows,
           const double* corner) {
+      // Lanes without a ray hold zeros or what earlier groups left: finite or not, nothing follows from them.
       alignas(64) float from[k_most_lanes][4], direction[k_most_lanes][4], limits[k_most_lanes][4];
       for (std::size_t row = 0; row < rows; ++row)
         relative_to(batch[rays[row]], t_near[row], corner, from[row], direction[row], limits[row]);
@@ -200,7 +201,7 @@ class LeafGroupTest {
   void visit_group(const RayBatch& batch, const std::uint32_t* rays, const float* t_near, std::uint32_t left,
                    std::uint64_t& answers) const {
     const RayLanes d;
-    const std::size_t rows = hn::Lanes(d);
+    const std::size_t rows = std::min<std::size_t>(hn::Lanes(d), left);
     const Group group(batch, rays, t_near, rows, index_.corner);
     const auto error = hn::Set(d, float_above(index_.error));
     const auto low = hn::Sub(group.t_min, error);

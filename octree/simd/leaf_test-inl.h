@@ -61,12 +61,12 @@ class LeafTest {
     Index(const QuerySetup& setup, const std::array<std::uint32_t, 3>& frame_corner, int level) {
       error = setup.leaf_error(level);
       for (int axis = 0; axis < 3; ++axis)
-        corner[axis] = setup.corner[axis] + setup.scale[axis] * frame_corner[axis];
+        corner[axis] = setup.tree.extent.corner[axis] + setup.tree.lattice.scale[axis] * frame_corner[axis];
       corner[3] = 0.0;
       const double outer = setup.query.radius + error;
       outer_sq = float_above(outer * outer);
       const auto step = static_cast<float>(power_of_two(coordinate_shift(level)));
-      for (int axis = 0; axis < 3; ++axis) scale[axis] = setup.float_scale[axis] * step;
+      for (int axis = 0; axis < 3; ++axis) scale[axis] = setup.tree.extent.scale[axis] * step;
     }
   };
 

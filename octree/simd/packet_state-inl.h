@@ -126,8 +126,8 @@ struct PacketRays {
     V enter = hn::Neg(infinity), leave = infinity, way = hn::Zero(d), inverses[3];
     for (int axis = 0; axis < 3; ++axis) {
       const V o = hn::Load(d, origin[axis] + lane);
-      const V below = hn::Sub(hn::Set(d, setup.low_face[axis]), o),
-              above = hn::Sub(hn::Set(d, setup.high_face[axis]), o);
+      const V below = hn::Sub(hn::Set(d, setup.tree.extent.low[axis] - setup.box_radius), o),
+              above = hn::Sub(hn::Set(d, setup.tree.extent.high[axis] + setup.box_radius), o);
       inverses[axis] =
           hn::Div(hn::Set(d, 1.0), hn::Max(hn::Abs(hn::Load(d, direction[axis] + lane)), hn::Set(d, 1e-12)));
       way = hn::Add(way, hn::Max(hn::Abs(below), hn::Abs(above)));
@@ -161,8 +161,8 @@ struct PacketRays {
     V start_along = hn::Zero(d);
     for (int axis = 0; axis < 3; ++axis) {
       const V to = hn::Load(d, direction[axis] + lane);
-      const V from =
-          hn::MulAdd(begin, to, hn::Sub(hn::Load(d, origin[axis] + lane), hn::Set(d, setup.corner[axis])));
+      const V from = hn::MulAdd(
+          begin, to, hn::Sub(hn::Load(d, origin[axis] + lane), hn::Set(d, setup.tree.extent.corner[axis])));
       start_along = hn::MulAdd(from, to, start_along);
       const V mirrored = (octant >> axis & 1) != 0 ? hn::Neg(from) : from;
       Boxes& group = boxes[lane / k_lanes];

@@ -9,6 +9,7 @@
 
 #include <algorithm>
 #include <array>
+#include <bit>
 #include <cstdint>
 #include <span>
 #include <utility>
@@ -32,8 +33,10 @@ class RayOrder {
     const hn::CappedTag<double, k_columns> d;
     const hn::Rebind<std::int32_t, decltype(d)> ints;
     constexpr std::size_t lanes = hn::MaxLanes(hn::CappedTag<double, k_columns>());
-    Cells cells(rays, distance);
-    std::array<std::uint32_t, (8u << k_bits) + 1> begin{};
+    // A cell for every few rays: counting goes through all cells.
+    const int bits = std::clamp(static_cast<int>(std::bit_width(rays.size())) - 2, 0, k_most_bits);
+    Cells cells(rays, distance, bits);
+    std::vector<std::uint32_t> begin((std::size_t{8} << bits) + 1);
     std::vector<std::uint16_t> keys(rays.size());
     for (std::size_t i = 0; i < rays.size(); ++i) {
       const double* const columns = &rays[i].origin.x;
@@ -45,13 +48,13 @@ class RayOrder {
         cell += hn::GetLane(hn::SumOfLanes(ints, weighted));
       }
       const auto key =
-          static_cast<std::uint16_t>(octant_of(rays[i]) << k_bits | static_cast<std::uint32_t>(cell));
+          static_cast<std::uint16_t>(octant_of(rays[i]) << bits | static_cast<std::uint32_t>(cell));
       keys[i] = key;
       ++begin[key];
     }
     std::uint32_t sum = 0;
     for (std::size_t key = 0; key < begin.size(); ++key) {
-      if (key % (1u << k_bits) == 0) octant_begin_[key >> k_bits] = sum;
+      if (key % (std::size_t{1} << bits) == 0) octant_begin_[key >> bits] = sum;
       sum += std::exchange(begin[key], sum);
     }
     for (std::size_t i = 0; i < rays.size(); ++i) numbers_[begin[keys[i]]++] = static_cast<std::uint32_t>(i);
@@ -63,14 +66,14 @@ class RayOrder {
   }
 
  private:
-  static constexpr int k_bits = 11;
+  static constexpr int k_most_bits = 11;
   static constexpr std::size_t k_columns = 8;  ///< of a ray; the last two are not used
 
   struct Cells {
     double low[k_columns], scale[k_columns] = {};
     std::int32_t weight[k_columns] = {};
 
-    Cells(std::span<const Ray> rays, double distance) {
+    Cells(std::span<const Ray> rays, double distance, int all_bits) {
       const hn::CappedTag<double, k_columns> d;
       double high[k_columns];
       for (std::size_t lane = 0; lane < k_columns; lane += hn::Lanes(d)) {
@@ -88,7 +91,7 @@ class RayOrder {
       std::array<int, 6> bits{};
       for (std::size_t column = 0; column < 6; ++column)
         length[column] = (high[column] - low[column]) * (column < 3 ? 1.0 : distance);
-      for (int bit = 0; bit < k_bits; ++bit) {
+      for (int bit = 0; bit < all_bits; ++bit) {
         const auto longest = static_cast<std::size_t>(std::ranges::max_element(length) - length.begin());
         ++bits[longest];
         length[longest] *= 0.5;

@@ -147,8 +147,8 @@ class RayPacket {
     for (int axis = 0; axis < 3; ++axis) {
       const bool down = (octant_ >> axis & 1) != 0;
       const float corner = static_cast<float>(static_cast<std::int32_t>(frame.corner[axis] >> 8)) * 256.0f *
-                           setup_.float_scale[axis];
-      const float step = grid_step * setup_.float_scale[axis];
+                           setup_.tree.extent.scale[axis];
+      const float step = grid_step * setup_.tree.extent.scale[axis];
       const float low = corner - margin, high = corner + (step + margin);
       const std::uint8_t *const first = down ? node.high[axis] : node.low[axis], *const last =
                                                                                      down ? node.low[axis]

@@ -81,65 +81,42 @@ struct QuerySetup {
       : tree(asked_tree),
         query(asked_query),
         longest_way(greatest_way),
-        double_error(double_error_of(asked_tree, greatest_way)) {
-    const glm::dvec3 root_corner = to_world(tree.lattice, tree.base);
-    const glm::dvec3& lattice_scale = tree.lattice.scale;
-    widest_scale = std::max({lattice_scale.x, lattice_scale.y, lattice_scale.z});
-    const double frame_width = widest_scale * power_of_two(tree.root_level);
+        double_error(double_error_of(asked_tree.extent, greatest_way)) {
     const double budget = query.spacing_factor > 0.0 ? 0x1p-19 : 0x1p-20;
-    box_margin = budget * (frame_width + query.radius) + double_error;
+    box_margin = budget * (tree.extent.frame_width + query.radius) + double_error;
     box_radius = query.radius + box_margin;
-    for (int axis = 0; axis < 3; ++axis) {
-      corner[axis] = root_corner[axis];
-      scale[axis] = lattice_scale[axis];
-      float_scale[axis] = static_cast<float>(lattice_scale[axis]);
-      low_face[axis] = tree.bounds.min[axis] - box_radius;
-      high_face[axis] = tree.bounds.max[axis] + box_radius;
-    }
   }
 
   /// Exceeds by how much lanes are wrong about t and distance of points in leaves below a frame of this
   /// level.
   double leaf_error(int level) const {
     const int shift = coordinate_shift(level);
-    const double lost = shift > 0 ? 2.0 * widest_scale * power_of_two(shift) : 0.0;
-    return double_error + lost + 0x1p-18 * (widest_scale * power_of_two(level) + box_radius);
+    const double lost = shift > 0 ? 2.0 * tree.extent.widest_scale * power_of_two(shift) : 0.0;
+    return double_error + lost + 0x1p-18 * (tree.extent.widest_scale * power_of_two(level) + box_radius);
   }
 
   /// For rays with a way of so many metres to the far end of the points.
-  static double double_error_of(const TreeView& tree, double way) {
-    // Positions are sums of the lattice's offset and a product that may be as large.
-    double largest = 0.0;
-    for (int axis = 0; axis < 3; ++axis) {
-      largest =
-          std::max(largest, std::fabs(tree.lattice.offset[axis]) +
-                                std::max(std::fabs(tree.bounds.min[axis]), std::fabs(tree.bounds.max[axis])));
-    }
+  static double double_error_of(const TreeExtent& extent, double way) {
     // A ray's origin lies not farther from zero than the points by more than the way between them.
-    return 0x1p-48 * (largest + 2.0 * way) + 4e-12 * way + 1e-30;
+    return 0x1p-48 * (extent.largest_coordinate + 2.0 * way) + 4e-12 * way + 1e-30;
   }
 
   static double usual_way(const TreeView& tree, const RayQuery& query) {
-    const glm::dvec3 size = tree.bounds.size();
-    return 8.0 * (size.x + size.y + size.z + query.radius);
+    return 8.0 * (tree.extent.size + query.radius);
   }
 
   const TreeView& tree;
   const RayQuery& query;
   const double longest_way;
   const double double_error;
-  double widest_scale = 0.0;
   double box_radius = 0.0;
-  double box_margin = 0.0;                     ///< of it, what is not radius
-  double corner[3] = {}, scale[3] = {};        ///< world position of the root's corner; lattice scale
-  double low_face[3] = {}, high_face[3] = {};  ///< of the points' bounds, widened, world
-  float float_scale[3] = {};
+  double box_margin = 0.0;  ///< of it, what is not radius
 };
 
 /// What of a ray meets boxes, relative to the root's corner. t of a face at x is x * inverse - origin_t.
 struct alignas(32) RayBoxes {
   float inverse[3];   ///< 1 / direction, components kept 1e-12 away from zero
-  float t_low;        ///< nothing that ends before counts
+  float t_first;      ///< nothing that projects before counts; what ends before local t = 0 does neither
   float origin_t[3];  ///< local origin * inverse
   float t_cut;        ///< nothing that begins after counts
 
@@ -156,7 +133,8 @@ struct RayLimits {
 };
 
 /// What else is known of a ray on its way, a cache line of it. Lengths are in local t, which counts from
-/// where the ray enters the root's box, so that origins far away cost no precision.
+/// where the ray is both inside the root's box and not before its limits by more than the radius, so that
+/// origins far away cost no precision.
 struct alignas(64) RayState {
   RayLimits limits;
   double shift;  ///< t = local t + shift
