@@ -68,6 +68,7 @@ template <class Value>
 struct OptionalValue<std::optional<Value>> {
   using type = Value;
 };
+
 /// What an option stores: Value, for a target that is a Value or an optional one.
 template <class Target>
 using ValueOf = typename OptionalValue<Target>::type;

@@ -27,6 +27,7 @@ class IndexWriter {
     entry_ = {kind, element_bytes(kind), file_.size(), 0, 0};
     first_checksum_ = blocks_.sums().size();
   }
+
   /// Appends bytes to the section.
   void add(std::span<const std::byte> bytes) {
     entry_.bytes += bytes.size();
