@@ -365,7 +365,7 @@ Command add_info(const Options& program) {
                                      options->image_folder);
   command.needs(folder).flag("--overwrite", "replace existing images", options->overwrite);
   add_verbosity(command, options->verbosity);
-  return {command, [options](const CommandLine&) { return run(*options); }};
+  return command_of(command, options, run);
 }
 
 }  // namespace alidade::tools
