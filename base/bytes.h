@@ -45,6 +45,7 @@ class HeaderFields {
   T get(std::size_t offset) const {
     return load<T>(bytes_.data() + offset);
   }
+
   /// Throws an Error about the field at `offset` unless `holds`.
   template <class Found>
   void require(bool holds, std::size_t offset, std::string problem, std::string expected,

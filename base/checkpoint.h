@@ -142,6 +142,7 @@ class PartWriter {
   void put(Value value) {
     put_all(std::span<const Value>(&value, 1));
   }
+
   /// A vector or span of numbers; how many there are is not put.
   template <class Values>
   void put_all(const Values& values) {
@@ -170,6 +171,7 @@ class PartReader {
     take_all(one);
     return value;
   }
+
   /// As many as the vector or span is long.
   template <class Values>
   void take_all(Values& values) {
@@ -179,12 +181,14 @@ class PartReader {
     std::ranges::copy(bytes_.first(into.size()), into.begin());
     bytes_ = bytes_.subspan(into.size());
   }
+
   /// A number of values that follow, each of at least so many bytes: checked before memory is taken for them.
   std::size_t take_count(std::size_t least_bytes) {
     const auto count = take<std::uint64_t>();
     require(count <= bytes_.size() / least_bytes);
     return static_cast<std::size_t>(count);
   }
+
   /// Errors: bytes are left.
   void finish() const { require(bytes_.empty()); }
 

@@ -57,7 +57,8 @@ class Error : public std::runtime_error {
               std::move(found));
 }
 
-/// Throws the Error of a wrong request unless `holds`.
+/// Throws the Error of a wrong request unless `holds`. The texts are made in any case: functions that run per
+/// target throw input_error() behind an `if`.
 inline void check_that(bool holds, std::string problem, std::string expected = {}, std::string found = {}) {
   if (holds) return;
   throw Error({.problem = std::move(problem), .expected = std::move(expected), .found = std::move(found)});

@@ -16,7 +16,7 @@
 
 namespace alidade {
 
-/// Calls work(i) for every i in [0, count), in parallel, `grain` or more of them one after another.
+/// Calls work(i) for every i in [0, count), in parallel, at least half of `grain` of them one after another.
 template <class Index, class Work>
 void in_parallel(Index count, std::type_identity_t<Index> grain, const Work& work) {
   tbb::parallel_for(tbb::blocked_range<Index>(0, count, grain), [&](const auto& range) {

@@ -60,6 +60,7 @@ inline constexpr std::string_view k_byte_order_mark = "\xEF\xBB\xBF";
 inline bool is_blank(char character) {
   return character == ' ' || character == '\t' || character == '\r';
 }
+
 /// The text without is_blank() characters at its ends.
 std::string_view trim(std::string_view text);
 

@@ -32,7 +32,9 @@ void add_bend(const Distortion& distortion, Fields& fields) {
 }
 
 struct DistortionObject {
-  std::string operator()(const auto&) const { return ""; }
+  std::string operator()(const PinholeLens&) const { return ""; }
+  std::string operator()(const OrthographicLens&) const { return ""; }
+  std::string operator()(const EquirectangularLens&) const { return ""; }
   std::string operator()(const BrownLens& lens) const {
     Fields fields;
     const Distortion& distortion = lens.distortion;

@@ -25,6 +25,7 @@ double length_of(double x, double y) {
 Seen towards(double x, double y, double z) {
   return LensRay{.origin = glm::dvec3(0.0), .direction = {x, y, z}};
 }
+
 /// `angle` off the axis, towards `side` on the film, which has the length `side_length`.
 Seen towards(const glm::dvec2& side, double side_length, double angle) {
   const SineCosine turn = sine_cosine(angle);

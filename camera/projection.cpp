@@ -28,7 +28,9 @@ void check_distortion(const Distortion& distortion) {
 }
 
 struct CheckLens {
-  void operator()(const auto&) const {}
+  void operator()(const PinholeLens&) const {}
+  void operator()(const OrthographicLens&) const {}
+  void operator()(const EquirectangularLens&) const {}
   void operator()(const BrownLens& lens) const { check_distortion(lens.distortion); }
   void operator()(const FisheyeLens& lens) const { check_distortion(lens.distortion); }
   void operator()(const FieldOfViewLens& lens) const {

@@ -83,6 +83,7 @@ struct SomeFiles {
   void add(const std::string& file) {
     if (count++ == 0) first = file;
   }
+
   /// "a.las", "a.las and 1 more file", "a.las and 2 more files".
   std::string text() const {
     if (count < 2) return first;

@@ -29,6 +29,7 @@ class TiffBytes {
     const auto bytes = std::as_bytes(std::span(&value, 1));
     bytes_.insert(bytes_.end(), bytes.begin(), bytes.end());
   }
+
   /// An entry of the directory: tag, type (2 text, 3 short, 4 long, 12 double), count, value or its position.
   void entry(std::uint16_t tag, std::uint16_t type, std::size_t count, std::size_t value) {
     add(tag);

@@ -49,6 +49,7 @@ constexpr std::array<glm::dvec3, 2> k_grey = {{{0.20, 0.20, 0.20}, {0.95, 0.95, 
 
 // In the order of ColorMap.
 constexpr std::span<const glm::dvec3> k_control_values[] = {k_viridis, k_inferno, k_turbo, k_terrain, k_grey};
+static_assert(std::size(k_control_values) == k_color_maps.size());
 
 }  // namespace
 

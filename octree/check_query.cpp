@@ -36,7 +36,7 @@ void check_position(const glm::dvec3& position, const char* what) {
 void check_unit(const glm::dvec3& direction, const char* what) {
   const double square = direction.x * direction.x + direction.y * direction.y + direction.z * direction.z;
   if (std::fabs(std::sqrt(square) - 1.0) <= k_length_tolerance) return;
-  throw file_error({}, fmt::format("{} is not normalized", what), "a unit vector", text_of(direction));
+  throw input_error(fmt::format("{} is not normalized", what), "a unit vector", text_of(direction));
 }
 
 void check_interval(double t_min, double t_max) {
@@ -100,8 +100,8 @@ void check(const Cone& cone) {
 void check(const Path& path) {
   require(path.vertices.size() >= 2, "too few path vertices", "at least 2", path.vertices.size());
   if (path.vertex_t.size() != path.vertices.size()) {
-    throw file_error({}, "wrong number of t values in the path", fmt::format("{}", path.vertices.size()),
-                     fmt::format("{}", path.vertex_t.size()));
+    throw input_error("wrong number of t values in the path", fmt::format("{}", path.vertices.size()),
+                      fmt::format("{}", path.vertex_t.size()));
   }
   check_interval(path.t_min, path.t_max);
   for (const glm::dvec3& vertex : path.vertices) check_position(vertex, "a vertex");
@@ -111,7 +111,7 @@ void check(const Path& path) {
     follows = length > 0.0 && std::isfinite(length) && path.vertex_t[i + 1] == path.vertex_t[i] + length;
   }
   if (!follows || !std::isfinite(path.vertex_t.back()))
-    throw file_error({}, "vertex_t is not the length along the path", "a path from make_path");
+    throw input_error("vertex_t is not the length along the path", "a path from make_path");
 }
 
 void check(const HalfSpaces& region) {
@@ -137,13 +137,13 @@ void check_against(const Octree& octree, int max_level, double spacing_factor) {
   if (max_level != k_all_levels && octree.view().organisation != Organisation::layered)
     throw Error({.problem = "max_level requires a layered octree", .expected = "Organisation::layered"});
   if (spacing_factor != 0.0 && !octree.view().spacings)
-    throw file_error({}, "spacing_factor requires an octree with spacings", "with_spacings()");
+    throw input_error("spacing_factor requires an octree with spacings", "with_spacings()");
 }
 
 void check_room(std::size_t targets, std::size_t room) {
   if (targets == room) return;
-  throw file_error({}, "the span of answers does not match the targets", fmt::format("{}", targets),
-                   fmt::format("{}", room));
+  throw input_error("the span of answers does not match the targets", fmt::format("{}", targets),
+                    fmt::format("{}", room));
 }
 
 }  // namespace alidade

@@ -132,6 +132,7 @@ class AlongTarget : public TargetOn<T> {
     else
       return this->target_.axis;
   }
+
   /// The limit where it is widest among the points in reach. NaN where nothing is known.
   double widest(const Reach& reach) const {
     if constexpr (std::is_same_v<T, Ray>)

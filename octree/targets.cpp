@@ -11,12 +11,11 @@ Cone make_cone(const glm::dvec3& apex, const glm::dvec3& direction, double half_
                double t_min, double t_max) {
   constexpr double k_right_angle = 1.5707963267948966;
   if (!(half_angle >= 0.0 && half_angle < k_right_angle)) {
-    throw file_error({}, "cone half angle out of range", "at least 0 and less than pi / 2",
-                     fmt::format("{}", half_angle));
+    throw input_error("cone half angle out of range", "at least 0 and less than pi / 2",
+                      fmt::format("{}", half_angle));
   }
   if (!(radius >= 0.0 && std::isfinite(radius)))
-    throw file_error({}, "cone radius out of range", "a finite number, at least 0",
-                     fmt::format("{}", radius));
+    throw input_error("cone radius out of range", "a finite number, at least 0", fmt::format("{}", radius));
   return {make_ray(apex, direction, t_min, t_max), radius, std::tan(half_angle)};
 }
 
@@ -30,8 +29,9 @@ Plane make_plane(const glm::dvec3& point, const glm::dvec3& normal) {
 }
 
 HalfSpaces make_slab(const Plane& plane, double thickness) {
-  check_that(thickness >= 0.0 && std::isfinite(thickness), "slab thickness out of range",
-             "a finite number, at least 0", fmt::format("{}", thickness));
+  if (!(thickness >= 0.0 && std::isfinite(thickness)))
+    throw input_error("slab thickness out of range", "a finite number, at least 0",
+                      fmt::format("{}", thickness));
   return {{plane, {plane.point + thickness * plane.normal, -plane.normal}}};
 }
 
@@ -51,8 +51,9 @@ Path make_path(const std::vector<glm::dvec3>& vertices, double t_min, double t_m
     }
     path.vertices.push_back(vertex);
   }
-  check_that(path.vertices.size() >= 2, "too few distinct path vertices", "at least 2",
-             fmt::format("{}", path.vertices.size()));
+  if (path.vertices.size() < 2)
+    throw input_error("too few distinct path vertices", "at least 2",
+                      fmt::format("{}", path.vertices.size()));
   if (!std::isfinite(path.vertex_t.back())) throw Error({.problem = "the path length overflows"});
   return path;
 }

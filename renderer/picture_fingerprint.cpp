@@ -89,6 +89,7 @@ class Text {
   void add_all(const Values&... values) {
     (add(values), ...);
   }
+
   /// Of a struct with so many fields.
   template <int count, class Struct>
   void add_fields(const Struct& fields) {

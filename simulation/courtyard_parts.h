@@ -63,6 +63,7 @@ struct WallPlan {
   glm::dvec3 shutter_tint{0.25, 0.37, 0.30};
   bool cornice = true;
 };
+
 /// The wall with niches behind its windows and doors, their stone frames and sills, and a cornice below the
 /// eaves.
 void add_wall(Objects& objects, const WallPlan& plan);

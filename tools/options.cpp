@@ -105,6 +105,12 @@ bool Option::given() const {
   return option_->count() > 0;
 }
 
+Options Options::group(const std::string& heading) const {
+  Options options = *this;
+  options.heading_ = heading;
+  return options;
+}
+
 Options Options::required() const {
   Options options = *this;
   options.is_required_ = true;

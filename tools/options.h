@@ -68,6 +68,7 @@ template <class Value>
 struct OptionalValue<std::optional<Value>> {
   using type = Value;
 };
+
 /// What an option stores: Value, for a target that is a Value or an optional one.
 template <class Target>
 using ValueOf = typename OptionalValue<Target>::type;
@@ -100,7 +101,7 @@ class Options {
   using Take = std::function<void(const std::string&)>;
 
   /// The same command; what is declared through the answer stands under this heading.
-  Options group(const std::string& heading) const { return {app_, heading}; }
+  Options group(const std::string& heading) const;
 
   /// The same command and heading; what is declared through the answer is required, needs that option, or
   /// excludes it and is excluded by it.
@@ -287,7 +288,7 @@ struct RunRequest {
   bool partial = false;        ///< ReadOptions::partial
   std::optional<int> threads;  ///< empty: all of the machine
   Verbosity verbosity = Verbosity::normal;
-  CommandLine words;  ///< of the program, filled when it runs
+  CommandLine words;  ///< of the program, filled by command_of() when it runs
 };
 
 /// Declares --partial, --threads, -q and -v.

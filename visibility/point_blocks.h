@@ -21,8 +21,8 @@ struct PlacedPoint {
   std::uint64_t point_id = 0;
 };
 
-/// All leaves in the order of the octree, in blocks of `size` points and at most a leaf more. The same blocks
-/// for the same tree.
+/// All leaves in the order of the octree, each in one block of `size` points and at most a leaf more. The same
+/// blocks for the same tree. Cost: linear in the leaves; so is the memory.
 inline std::vector<std::vector<Leaf>> leaf_blocks(const TreeView& tree, std::size_t size) {
   std::vector<std::vector<Leaf>> blocks;
   std::size_t points = size;

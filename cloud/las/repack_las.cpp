@@ -13,8 +13,8 @@
 #include "cloud/las/write_las.h"
 #include "cloud/laz/chunk_table.h"
 #include "cloud/laz/laz_layout.h"
-#include "cloud/laz/laz_point_writer.h"
 #include "cloud/laz/laz_points.h"
+#include "cloud/laz/record_writer.h"
 
 namespace alidade {
 namespace {

@@ -15,7 +15,7 @@
 #include "base/words.h"
 #include "cloud/las/las_records.h"
 #include "cloud/laz/laz_layout.h"
-#include "cloud/laz/laz_point_writer.h"
+#include "cloud/laz/record_writer.h"
 #include "cloud/rows.h"
 
 namespace alidade {

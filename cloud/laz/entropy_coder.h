@@ -348,6 +348,7 @@ class ArithmeticEncoder {
   static T value(const std::byte* at) {
     return load<T>(at);
   }
+
   /// Records are not changed by encoding them.
   template <class T>
   static void put(const std::byte*, const T&) {}

@@ -47,6 +47,7 @@ class Point10Models {
     for (SymbolModelSet* models : {&bits_, &classifications_, &user_data_}) models->reset();
     for (IntegerCompressor* compressor : {&intensity_, &source_, &x_, &y_, &z_}) compressor->reset();
   }
+
   /// Those of the bits above that a point sets.
   unsigned changes_to(const Point10& point) const {
     return (point.classification != last_.classification ? k_classification : 0) |
@@ -92,6 +93,7 @@ class Point10Version1 : Point10Models {
     oldest_ = 0;
     scan_angle_.reset();
   }
+
   /// Codes the next record.
   template <class Coder, class Byte>
   void code(Coder& coder, Byte* record) {
@@ -162,6 +164,7 @@ class Point10Version2 : Point10Models {
     y_steps_.fill({});
     scan_angles_.reset();
   }
+
   /// Codes the next record.
   template <class Coder, class Byte>
   void code(Coder& coder, Byte* record) {
@@ -247,6 +250,7 @@ class GpsTimeVersion1 {
     multiple_.reset();
     integers_.reset();
   }
+
   /// Codes the next time.
   template <class Coder, class Byte>
   void code(Coder& coder, Byte* record) {
@@ -325,6 +329,7 @@ class ExtraBytesVersion2 {
     std::memcpy(last_.data(), first, last_.size());
     differences_.reset();
   }
+
   /// Codes the next bytes.
   template <class Coder, class Byte>
   void code(Coder& coder, Byte* record) {
@@ -357,6 +362,7 @@ class BytesVersion1 {
     changed_.reset();
     bytes_.reset();
   }
+
   /// Codes the next bytes.
   template <class Coder, class Byte>
   void code(Coder& coder, Byte* record) {

@@ -345,7 +345,8 @@ class WavePacketModels {
   /// All models are fresh again.
   void reset();
 
-  /// Replaces the last wave packet by the next one, which is `packet` if it is encoded. Does not allocate.
+  /// Replaces the last wave packet by the next one, which is `packet` if it is encoded. Decoders do not read
+  /// `packet`, which must have k_size bytes for them too. The first use of a context allocates its models.
   template <class Coder>
   void code(Coder& coder, std::byte* last, const std::byte* packet);
 

@@ -71,6 +71,7 @@ class SsimTile {
   double* values(int picture, int row) {
     return values_[static_cast<std::size_t>(picture)].data() + static_cast<std::ptrdiff_t>(row) * k_pitch;
   }
+
   /// Filters along the rows; to be called before similarities().
   void filter_rows() {
     double squares[k_pitch], products[k_pitch];
@@ -88,6 +89,7 @@ class SsimTile {
       filter(products + k_ssim_reach, 1, width_, means_[3].data() + offset);
     }
   }
+
   /// SSIM and its contrast and structure part of the pixels of a row; `width` of each.
   void similarities(int row, double* similarity, double* contrast) {
     constexpr double k_c1 = 0.01 * 0.01, k_c2 = 0.03 * 0.03;

@@ -203,6 +203,7 @@ ALIDADE_SQL_FUNCTION(alidade_gist_penalty) {
       std::isnan(growth) ? 0.0F : static_cast<float>(std::min(growth, k_most));
   PG_RETURN_POINTER(PG_GETARG_POINTER(2));
 }
+
 /// Halves the entries by their centres along the axis where these lie farthest apart.
 ALIDADE_SQL_FUNCTION(alidade_gist_split) {
   const auto& entries = *reinterpret_cast<GistEntryVector*>(PG_GETARG_POINTER(0));
@@ -236,6 +237,7 @@ ALIDADE_SQL_FUNCTION(alidade_gist_same) {
   *reinterpret_cast<bool*>(PG_GETARG_POINTER(2)) = a.min == b.min && a.max == b.max;
   PG_RETURN_POINTER(PG_GETARG_POINTER(2));
 }
+
 /// Indexes are built bottom up, from points in Morton order.
 ALIDADE_SQL_FUNCTION(alidade_gist_sort_support) {
   reinterpret_cast<SortSupport>(PG_GETARG_POINTER(0))->comparator = [](Datum a, Datum b, SortSupport) {

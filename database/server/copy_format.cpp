@@ -20,7 +20,7 @@ constexpr std::size_t k_head = k_signature.size() + 2 * sizeof(std::int32_t);
 constexpr std::int32_t k_longest = 8;
 
 [[noreturn]] void reject_rows(std::string expected, std::string found) {
-  throw file_error({}, "the server sent invalid rows", std::move(expected), std::move(found));
+  throw input_error("the server sent invalid rows", std::move(expected), std::move(found));
 }
 
 /// Numbers travel with the highest byte first.

@@ -49,8 +49,8 @@ void store_whole(ScalarType type, std::int64_t value, std::byte* at) {
 template <class Number>
 Number sent(const NumberColumn& column, CopyField field) {
   if (field.size() != static_cast<std::size_t>(scalar_size(column.type))) {
-    throw file_error({}, fmt::format("the server sent a value of the wrong size for {}", column.name),
-                     fmt::format("{} bytes", scalar_size(column.type)), std::to_string(field.size()));
+    throw input_error(fmt::format("the server sent a value of the wrong size for {}", column.name),
+                      fmt::format("{} bytes", scalar_size(column.type)), std::to_string(field.size()));
   }
   return with_type(column.type, [&](auto none) {
     return static_cast<Number>(load<decltype(none)>(field.data(), std::endian::big));

@@ -21,8 +21,8 @@ constexpr const char* k_file = "libpq.so.5";
 
 [[noreturn]] void reject_library() {
   const char* const reason = ::dlerror();
-  throw file_error({}, "server connections require the PostgreSQL client library",
-                   "the package libpq5 or an equivalent", reason != nullptr ? reason : k_file);
+  throw input_error("server connections require the PostgreSQL client library",
+                    "the package libpq5 or an equivalent", reason != nullptr ? reason : k_file);
 }
 
 /// PostgreSQL's client library, which is loaded when a server is first asked: with what it brings along,

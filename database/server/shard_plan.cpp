@@ -24,8 +24,8 @@ namespace {
   // What is in front of an @ may be a password, which must not be in a message.
   const std::size_t at = text.rfind('@');
   const std::string found(at == std::string_view::npos ? text : text.substr(at));
-  throw file_error({}, std::move(problem), "HOST/DATABASE or HOST:PORT/DATABASE",
-                   (at == std::string_view::npos ? "" : "...") + found);
+  throw input_error(std::move(problem), "HOST/DATABASE or HOST:PORT/DATABASE",
+                    (at == std::string_view::npos ? "" : "...") + found);
 }
 
 /// Neither what programs take for an option or a setting, nor what terminals take for a command.

@@ -86,21 +86,25 @@ class Statement {
     return check(
         sqlite3_bind_text64(statement_, index, text.data(), text.size(), SQLITE_TRANSIENT, SQLITE_UTF8));
   }
+
   /// The bytes must stay until the next step(). Null bytes are NULL.
   Statement& bind(int index, std::span<const std::byte> bytes) {
     return check(sqlite3_bind_blob64(statement_, index, bytes.data(), bytes.size(), SQLITE_STATIC));
   }
+
   /// Whether there is another row.
   bool step() {
     const int result = sqlite3_step(statement_);
     if (result != SQLITE_ROW && result != SQLITE_DONE) fail();
     return result == SQLITE_ROW;
   }
+
   /// Runs a statement without rows, after which it can be bound and run again.
   void run() {
     step();
     reset();
   }
+
   /// The same with these for all parameters.
   template <class... Values>
   void run_with(const Values&... values) {
@@ -119,6 +123,7 @@ class Statement {
     const unsigned char* const start = sqlite3_column_text(statement_, column);
     return start == nullptr ? std::string() : std::string(reinterpret_cast<const char*>(start));
   }
+
   /// Until the next step().
   std::span<const std::byte> bytes(int column) const {
     const void* const start = sqlite3_column_blob(statement_, column);

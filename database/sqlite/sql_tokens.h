@@ -59,6 +59,7 @@ class TokenList {
   bool is_sign(std::size_t index, std::string_view sign) const {
     return is(index, SqlTokenKind::sign) && text(index) == sign;
   }
+
   /// `word` in small characters.
   bool is_word(std::size_t index, std::string_view word) const;
   bool is_one_of(std::size_t index, std::initializer_list<std::string_view> words) const;

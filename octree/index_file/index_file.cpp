@@ -77,6 +77,7 @@ void require_none(const IndexSections& sections, const std::optional<TreeFault>&
   constexpr IndexSection k_kinds[] = {IndexSection::nodes,       IndexSection::ids,
                                       IndexSection::coordinates, IndexSection::positions,
                                       IndexSection::spacings,    IndexSection::slot_spacings};
+  static_assert(std::size(k_kinds) == std::size_t(TreeFault::Array::slot_spacings) + 1);
   const IndexSection kind = k_kinds[static_cast<std::size_t>(fault->array)];
   const std::uint64_t values = kind == IndexSection::coordinates ? 3 * fault->index : fault->index;
   sections.fail(kind, values * element_bytes(kind),

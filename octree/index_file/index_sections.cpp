@@ -151,6 +151,7 @@ class Reader {
     const std::byte* const from = take(bytes);
     if (bytes > 0) std::memcpy(values.data(), from, bytes);
   }
+
   /// Entries that each take at least `least_bytes` of what is left.
   template <class Entries, class Visit>
   void list(Entries& entries, std::size_t least_bytes, const Visit& visit) {
@@ -164,6 +165,7 @@ class Reader {
     require(used_ == bytes_.size(), 0, "extra bytes after the metadata", std::to_string(used_),
             bytes_.size());
   }
+
   /// Rejects what is `back` bytes before the next one unless the condition holds.
   template <class Found>
   void require(bool holds, std::size_t back, const char* problem, const std::string& expected,

@@ -27,6 +27,7 @@ class IndexWriter {
     entry_ = {kind, element_bytes(kind), file_.size(), 0, 0};
     first_checksum_ = blocks_.sums().size();
   }
+
   /// Appends bytes to the section.
   void add(std::span<const std::byte> bytes) {
     entry_.bytes += bytes.size();
@@ -85,8 +86,8 @@ void check_cloud(const Octree& octree, const PointCloud& cloud) {
     throw Error({.problem = "octree and cloud have different lattices"});
   for_each_column(cloud, cloud, [&](Attribute attribute, const auto& column, const auto&) {
     if (column.empty() || column.size() == octree.size()) return;
-    throw file_error({}, "wrong column size: " + attribute_names(attribute).front(),
-                     fmt::format("{} values", octree.size()), std::to_string(column.size()));
+    throw input_error("wrong column size: " + attribute_names(attribute).front(),
+                      fmt::format("{} values", octree.size()), std::to_string(column.size()));
   });
   for (const ExtraDimension& dimension : cloud.extra_dimensions) {
     const auto bytes = static_cast<std::size_t>(dimension.byte_count);

@@ -103,6 +103,7 @@ struct LeafCoordinates {
           hn::Set(d, position[axis] - (shift > 0 ? 0.5f * lattice_scale[axis] * (step - 1.0f) : 0.0f));
     }
   }
+
   /// What is lost of them. Nothing unless they are shifted.
   static HWY_INLINE float lost(int level, double widest_scale) {
     const int shift = coordinate_shift(level);
@@ -113,6 +114,7 @@ struct LeafCoordinates {
   HWY_INLINE V operator()(int axis, int first) const {
     return hn::MulSub(load_as_float(PointLanes(), values + axis * count + first), scale[axis], origin[axis]);
   }
+
   /// Bits of the mask that are points of the leaf.
   HWY_INLINE unsigned in_leaf(const hn::Mask<PointLanes>& mask, int first) const {
     const PointLanes d;

@@ -109,6 +109,7 @@ class PacketLeafTest {
       judge();
     }
   }
+
   /// Bit per ray: it has an answer.
   std::uint64_t found() const { return found_ & ~unclear_; }
   /// Bit per ray: it must be asked for alone.

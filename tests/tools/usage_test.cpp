@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "tests/tools/run_program.h"
 #include "tests/tools/said_by.h"
+#include "tools/options.h"
 
 namespace alidade::test {
 namespace {
@@ -38,6 +39,16 @@ TEST_F(UsageTest, help_of_every_command_gives_units_and_examples) {
     EXPECT_EQ(result.err, "");
     for (const std::string& part : parts) EXPECT_TRUE(contains(result.out, part)) << command << ": " << part;
   }
+}
+
+TEST(Options, what_is_declared_through_them_stays_required_under_a_heading) {
+  tools::Parser parser;
+  const tools::Options info = parser.program().command("info", "");
+  std::string file;
+  info.required().group("Files").text("--file", "FILE", "", file);
+  EXPECT_THROW(parser.parse(std::vector<std::string>{"info"}), tools::UsageError);
+  EXPECT_EQ(parser.parse(std::vector<std::string>{"info", "--file", "a"}), tools::Parser::Wish::work);
+  EXPECT_EQ(file, "a");
 }
 
 TEST_F(UsageTest, version_is_a_line_on_stdout) {

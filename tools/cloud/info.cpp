@@ -135,6 +135,7 @@ std::string copc_text(const std::filesystem::path& file) {
 
 const char* organisation_name(Organisation organisation) {
   constexpr const char* k_names[] = {"adaptive", "fixed", "layered"};
+  static_assert(std::size(k_names) == std::size_t(Organisation::layered) + 1);
   return k_names[static_cast<std::size_t>(organisation)];
 }
 
@@ -364,7 +365,7 @@ Command add_info(const Options& program) {
                                      options->image_folder);
   command.needs(folder).flag("--overwrite", "replace existing images", options->overwrite);
   add_verbosity(command, options->verbosity);
-  return {command, [options](const CommandLine&) { return run(*options); }};
+  return command_of(command, options, run);
 }
 
 }  // namespace alidade::tools

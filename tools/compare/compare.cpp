@@ -251,8 +251,9 @@ ExitCode run(const CompareRequest& request) {
   return is_batch(request) ? compare_many(request) : compare_one(request);
 }
 
-/// With the exit codes of idiff, whose 2 is no error.
-ExitCode run_as_idiff(const CompareRequest& request) {
+/// If requested with the exit codes of idiff, whose 2 is no error.
+ExitCode run_with_codes(const CompareRequest& request) {
+  if (!request.idiff_codes) return run(request);
   try {
     return run(request);
   } catch (const Cancelled&) {
@@ -287,11 +288,7 @@ Command add_compare(const Options& program) {
       program.command("compare", "Compare an image with a reference: metrics, maps, regions, report");
   add_compare_options(compare, *request);
   compare.manual(fmt::format(fmt::runtime(manual("compare")), fmt::arg("figures", names_of_figures())));
-  return {compare, [request](const CommandLine&) {
-            return with_threads(request->threads, [&] {
-              return request->idiff_codes ? run_as_idiff(*request) : run(*request);
-            });
-          }};
+  return command_of(compare, request, run_with_codes);
 }
 
 }  // namespace alidade::tools

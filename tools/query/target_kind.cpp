@@ -60,7 +60,7 @@ constexpr TargetColumn k_box_columns[] = {{"min_x", limit}, {"min_y", limit}, {"
 constexpr TargetVector k_box_vectors[] = {{"min", 0}, {"max", 3}};
 
 // In the order of TargetFamily.
-constexpr TargetKind k_kinds[k_target_families] = {
+constexpr TargetKind k_kinds[] = {
     {"ray", "rays", "ray_id", "Ray", k_ray_columns, k_ray_vectors, "--rays", "--ray",
      "rays: origin, direction of any length"},
     {"cone", "cones", "cone_id", "Cone", k_cone_columns, k_ray_vectors, "--cones", "--cone",
@@ -73,6 +73,7 @@ constexpr TargetKind k_kinds[k_target_families] = {
      "axis-aligned boxes, faces included"},
     {"point", "points", "query_id", "Query", k_point_columns, k_position_vectors, "--points", "--point",
      "places"}};
+static_assert(std::size(k_kinds) == k_target_families);
 
 }  // namespace
 

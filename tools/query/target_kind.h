@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
+#include <concepts>
 #include <cstddef>
 #include <cstdint>
 #include <span>
 #include <string>
 #include <string_view>
-#include <type_traits>
 
 #include "octree/query.h"
 
@@ -66,15 +66,15 @@ struct TargetKind {
 const TargetKind& target_kind(TargetFamily family);
 
 /// The kind of Ray, Cone, Path, HalfSpaces, Bounds, glm::dvec3.
-template <class Target>
+template <Askable Target>
 const TargetKind& target_kind() {
   using enum TargetFamily;
-  return target_kind(std::is_same_v<Target, Ray>          ? rays
-                     : std::is_same_v<Target, Cone>       ? cones
-                     : std::is_same_v<Target, Path>       ? path
-                     : std::is_same_v<Target, HalfSpaces> ? planes
-                     : std::is_same_v<Target, Bounds>     ? boxes
-                                                          : points);
+  return target_kind(std::same_as<Target, Ray>          ? rays
+                     : std::same_as<Target, Cone>       ? cones
+                     : std::same_as<Target, Path>       ? path
+                     : std::same_as<Target, HalfSpaces> ? planes
+                     : std::same_as<Target, Bounds>     ? boxes
+                                                        : points);
 }
 
 /// A line of a text, with what is needed to say where something in it is wrong.

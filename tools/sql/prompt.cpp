@@ -123,6 +123,7 @@ class LineEditor {
     library_->stifle_history(k_kept_lines);
     if (!history_.empty()) library_->read_history(history_.c_str());
   }
+
   /// Writes the last 1000 lines to it, if it can be written.
   ~LineEditor() {
     if (library_ == nullptr || history_.empty()) return;

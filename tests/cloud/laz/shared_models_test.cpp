@@ -38,9 +38,10 @@ void expect_colors_come_back(const std::vector<Color>& colors) {
     const Bytes bytes = encoder.finish();
     models.reset();
     ArithmeticDecoder decoder(bytes);
+    const Color unread{};
     Color color = colors[0];
     for (std::size_t i = 1; i < colors.size(); ++i) {
-      models.code(decoder, color.data(), nullptr);
+      models.code(decoder, color.data(), unread.data());
       ASSERT_EQ(color, colors[i]) << i;
     }
     EXPECT_FALSE(decoder.failed());
@@ -127,9 +128,10 @@ TEST(WavePacketModelsTest, offsets_that_stay_follow_move_and_jump_come_back) {
     const Bytes bytes = encoder.finish();
     models.reset();
     ArithmeticDecoder decoder(bytes);
+    const WavePacket unread{};
     WavePacket packet = packets[0];
     for (std::size_t i = 1; i < packets.size(); ++i) {
-      models.code(decoder, packet.data(), nullptr);
+      models.code(decoder, packet.data(), unread.data());
       ASSERT_EQ(packet, packets[i]) << i;
     }
     EXPECT_FALSE(decoder.failed());

@@ -77,6 +77,21 @@ TEST(IndexDamage, a_flipped_bit_anywhere_is_found_by_verifying_and_does_no_harm_
   }
 }
 
+TEST(IndexDamage, a_wrong_checksum_of_any_section_in_the_header_is_found_by_verifying) {
+  const Bytes& sound = sound_file();
+  for (const SectionRow& row : test::section_rows(sound)) {
+    Bytes file = sound;
+    put(file, row.row + 24, test::get<std::uint64_t>(file, row.row + 24) ^ 1);
+    seal_header(file);
+    const auto kind = static_cast<IndexSection>(row.kind);
+    const std::string expected = kind == IndexSection::checksums
+                                     ? "its checksum differs from the one in the header"
+                                     : "wrong checksum of the checksums of section " + name(kind);
+    const std::string message = error_of([&] { test::index_in_memory(file).verify(); });
+    EXPECT_NE(message.find("corrupt section checksums: " + expected), std::string::npos) << message;
+  }
+}
+
 TEST(IndexDamage, a_flipped_bit_in_nodes_or_ids_is_an_error_before_the_first_query) {
   Bytes file = sound_file();
   test::Random random;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "cloud/laz/laz_point_writer.h"
+#include "cloud/laz/record_writer.h"
 
 #include <tbb/enumerable_thread_specific.h>
 #include <tbb/task_arena.h>

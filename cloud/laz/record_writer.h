@@ -29,6 +29,7 @@ class RecordWriter {
 
   /// Appends a whole number of point data records. Errors: as OutputFile.
   void write(std::span<const std::byte> records);
+
   /// Packs what is left, and writes the table and its offset. Call once, last.
   void finish();
 
