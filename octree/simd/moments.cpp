@@ -196,7 +196,7 @@ HWY_INLINE PointVector in_layer(const Layer& layer, PointVector x, PointVector y
                                 PointVector closeness) {
   const PointLanes d;
   const auto height = hn::Abs(height_above(layer.level, x, y, z)), limit = hn::Set(d, layer.limit);
-  return layer.side == Layer::Side::within ? hn::IfThenElseZero(hn::Lt(height, limit), closeness)
+  return layer.side == Layer::Side::within ? hn::IfThenElseZero(hn::Le(height, limit), closeness)
                                            : hn::IfThenElseZero(hn::Gt(height, limit), closeness);
 }
 

@@ -37,7 +37,7 @@ struct Level {
   float level;
 };
 
-/// Some of a ball's points: those whose heights are within a limit, or those beyond it.
+/// Some of a ball's points: those whose heights are within a limit, which is inclusive, or those beyond it.
 struct Layer {
   enum class Side { within, beyond };
 
