@@ -25,37 +25,49 @@ glm::dmat3 covariance(const simd::Moments& moments, const glm::dvec3& mean) {
   return {xx, xy, xz, xy, yy, yz, xz, yz, zz};
 }
 
-/// Eigenvalues of a symmetric matrix, with their vectors as columns. Source: Jacobi's method, Golub and Van
-/// Loan, section 8.5.
+/// Eigenvalues of a symmetric matrix, with their vectors as columns.
 struct Eigen {
   glm::dvec3 values;
   glm::dmat3 vectors{1.0};
 };
 
+/// Turns a symmetric matrix in the plane of axes p and q so that a[p][q] vanishes, and the vectors with it.
+/// False if it is 0 already. Both halves of the matrix are kept, since their last bits differ.
+template <int p, int q>
+bool rotate(glm::dmat3& a, glm::dmat3& vectors) {
+  constexpr int r = 3 - p - q;
+  // So small that no further rotation shows in the normal.
+  if (a[p][q] * a[p][q] <= 1e-24 * std::fabs(a[p][p] * a[q][q])) return false;
+  const double theta = (a[q][q] - a[p][p]) / (2.0 * a[p][q]);
+  if (!std::isfinite(theta)) return false;
+  const double t = std::copysign(1.0, theta) / (std::fabs(theta) + std::sqrt(theta * theta + 1.0));
+  const double c = 1.0 / std::sqrt(t * t + 1.0), s = t * c;
+  const double pp = c * a[p][p] - s * a[p][q], pq = s * a[p][p] + c * a[p][q];
+  const double qp = c * a[q][p] - s * a[q][q], qq = s * a[q][p] + c * a[q][q];
+  a[p][p] = c * pp - s * qp;
+  a[q][p] = s * pp + c * qp;
+  a[p][q] = c * pq - s * qq;
+  a[q][q] = s * pq + c * qq;
+  const double rp = a[r][p], rq = a[r][q], pr = a[p][r], qr = a[q][r];
+  a[r][p] = c * rp - s * rq;
+  a[r][q] = s * rp + c * rq;
+  a[p][r] = c * pr - s * qr;
+  a[q][r] = s * pr + c * qr;
+  const glm::dvec3 column = vectors[p];
+  vectors[p] = c * column - s * vectors[q];
+  vectors[q] = s * column + c * vectors[q];
+  return true;
+}
+
+/// Source: Jacobi's method, Golub and Van Loan, section 8.5.
 Eigen eigen(glm::dmat3 a) {
+  constexpr int k_most_sweeps = 8;
   Eigen result;
-  for (int sweep = 0; sweep < 8; ++sweep) {
-    for (const auto& [p, q] : {std::pair(0, 1), std::pair(0, 2), std::pair(1, 2)}) {
-      // So small that no further rotation shows in the normal.
-      if (a[p][q] * a[p][q] <= 1e-24 * std::fabs(a[p][p] * a[q][q])) continue;
-      const double theta = (a[q][q] - a[p][p]) / (2.0 * a[p][q]);
-      if (!std::isfinite(theta)) continue;
-      const double t = std::copysign(1.0, theta) / (std::fabs(theta) + std::sqrt(theta * theta + 1.0));
-      const double c = 1.0 / std::sqrt(t * t + 1.0), s = t * c;
-      for (int k = 0; k < 3; ++k) {
-        const double kp = a[k][p], kq = a[k][q];
-        a[k][p] = c * kp - s * kq;
-        a[k][q] = s * kp + c * kq;
-      }
-      for (int k = 0; k < 3; ++k) {
-        const double pk = a[p][k], qk = a[q][k];
-        a[p][k] = c * pk - s * qk;
-        a[q][k] = s * pk + c * qk;
-      }
-      const glm::dvec3 column = result.vectors[p];
-      result.vectors[p] = c * column - s * result.vectors[q];
-      result.vectors[q] = s * column + c * result.vectors[q];
-    }
+  for (int sweep = 0; sweep < k_most_sweeps; ++sweep) {
+    const bool first = rotate<0, 1>(a, result.vectors);
+    const bool second = rotate<0, 2>(a, result.vectors);
+    const bool third = rotate<1, 2>(a, result.vectors);
+    if (!first && !second && !third) break;
   }
   result.values = {a[0][0], a[1][1], a[2][2]};
   return result;
@@ -89,7 +101,9 @@ LocalPlane fit_plane(const simd::Moments& moments) {
           glm::length(mean + height * normal)};
 }
 
-LocalPlane fit_plane(const simd::Moments& moments, double reach) {
+}  // namespace
+
+LocalPlane plane_of(const simd::Moments& moments, double reach) {
   LocalPlane plane = fit_plane(moments);
   plane.height *= reach;
   plane.thickness *= reach;
@@ -97,26 +111,8 @@ LocalPlane fit_plane(const simd::Moments& moments, double reach) {
   return plane;
 }
 
-}  // namespace
-
 LocalPlane local_plane(const Octree& octree, const glm::dvec3& position, double reach) {
-  return fit_plane(simd::moment_sums(octree.instruction_set()).around(octree.view(), position, reach), reach);
-}
-
-LocalPlane local_plane(std::span<const glm::dvec3> offsets, double reach) {
-  simd::Moments moments;
-  for (const glm::dvec3& offset : offsets) {
-    const glm::vec3 p(offset / reach);
-    const float closeness = 1.0f - (p.x * p.x + p.y * p.y + p.z * p.z);
-    if (!(closeness > 0.0f)) continue;
-    const float weight = closeness * closeness;
-    moments.weight += weight;
-    moments.count += 1.0f;
-    const float squares[6] = {p.x * p.x, p.x * p.y, p.x * p.z, p.y * p.y, p.y * p.z, p.z * p.z};
-    for (int axis = 0; axis < 3; ++axis) moments.first[axis] += weight * p[axis];
-    for (int i = 0; i < 6; ++i) moments.second[i] += weight * squares[i];
-  }
-  return fit_plane(moments, reach);
+  return plane_of(simd::local_sums(octree.instruction_set()).around(octree.view(), {position, reach}), reach);
 }
 
 }  // namespace alidade

@@ -2,11 +2,14 @@
 #pragma once
 
 #include <glm/vec3.hpp>
-#include <span>
 
 #include "octree/octree.h"
 
 namespace alidade {
+
+namespace simd {
+struct Moments;
+}
 
 /// The surface that the points around a position lie on.
 struct LocalPlane {
@@ -23,7 +26,7 @@ struct LocalPlane {
 /// Source: Hoppe et al., Surface Reconstruction from Unorganized Points, 1992.
 LocalPlane local_plane(const Octree& octree, const glm::dvec3& position, double reach);
 
-/// The same of these points alone, given as offsets from the position.
-LocalPlane local_plane(std::span<const glm::dvec3> offsets, double reach);
+/// The same from sums over some of those points.
+LocalPlane plane_of(const simd::Moments& moments, double reach);
 
 }  // namespace alidade

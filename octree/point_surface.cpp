@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <glm/common.hpp>
 #include <glm/geometric.hpp>
 #include <glm/vec2.hpp>
 #include <memory>
@@ -13,7 +14,6 @@
 #include "base/huge_memory.h"
 #include "octree/local_plane.h"
 #include "octree/parallel_loops.h"
-#include "octree/query.h"
 #include "octree/simd/moments.h"
 #include "octree/spacing.h"
 
@@ -21,7 +21,8 @@ namespace alidade {
 namespace {
 
 // 8 bits: 3 for the distance, of which 0 means none, and 5 for the direction.
-constexpr int k_directions = 32, k_levels = 7;
+using simd::k_directions;
+constexpr int k_levels = 7;
 // In spacings.
 constexpr double k_step = 0.1, k_gap = 0.2, k_reach = 2.5, k_least_support = 1.5;
 /// What lies within this of a line in some direction determines how far the sheet reaches there: some nine
@@ -59,42 +60,16 @@ const std::array<glm::dvec2, k_directions>& directions() {
   return all;
 }
 
-/// How far the sheet's points around a point reach in each direction, in spacings; 0 if there are none.
-std::array<double, k_directions> reaches(const Octree& octree, const glm::dvec3& position, double spacing,
-                                         const PointSurface& surface) {
-  constexpr double k_thicknesses = 4.0, k_spacings = 1e-3;
-  const double thickness = k_thicknesses * surface.thickness + k_spacings * spacing;
-  const Axes axes = axes_across(surface.normal);
-  std::array<double, k_directions> farthest{};
-  for (const PointHit& point : find(octree, position, PointQuery{.radius = k_reach * spacing})) {
-    const glm::dvec3 offset = point.position - position;
-    if (std::fabs(glm::dot(offset, surface.normal) + surface.height) > thickness) continue;
-    const glm::dvec2 across(glm::dot(offset, axes.first) / spacing, glm::dot(offset, axes.second) / spacing);
-    for (int i = 0; i < k_directions; ++i) {
-      const glm::dvec2& direction = directions()[i];
-      const double beside = std::fabs(across.x * direction.y - across.y * direction.x);
-      const double along = across.x * direction.x + across.y * direction.y;
-      farthest[i] = beside < k_half_width ? std::max(farthest[i], along) : farthest[i];
-    }
-  }
-  return farthest;
+const std::array<glm::vec2, k_directions>& float_directions() {
+  static const std::array<glm::vec2, k_directions> all = [] {
+    std::array<glm::vec2, k_directions> made{};
+    std::ranges::transform(directions(), made.begin(), [](const glm::dvec2& d) { return glm::vec2(d); });
+    return made;
+  }();
+  return all;
 }
 
 }  // namespace
-
-std::uint8_t fit_sheet_edge(const Octree& octree, const glm::dvec3& position, double spacing,
-                            const PointSurface& surface) {
-  if (!surface.exists) return 0;
-  const std::array<double, k_directions> farthest = reaches(octree, position, spacing, surface);
-  int best = -1;
-  for (int i = 0; i < k_directions; ++i) {
-    const bool has_support = farthest[(i + k_directions / 2) % k_directions] >= k_least_support;
-    if (has_support && (best < 0 || farthest[i] < farthest[best])) best = i;
-  }
-  if (best < 0) return 0;
-  const int level = static_cast<int>(std::lround(farthest[best] / k_step)) + 1;
-  return level > k_levels ? 0 : static_cast<std::uint8_t>(k_directions * level + best);
-}
 
 SheetEdge edge_of(const TreeView& tree, std::uint64_t point_id, const glm::dvec3& normal) {
   const int packed = tree.sheet_edges[point_id], level = packed / k_directions;
@@ -156,18 +131,41 @@ std::uint32_t pack(const PointSurface& surface, double unit) {
          nearest_length(std::fabs(surface.height) / unit) << 5 | length_above(surface.thickness / unit);
 }
 
+/// The points within reach of a position.
+class PointsNear {
+ public:
+  PointsNear(const Octree& octree, const simd::Ball& ball)
+      : tree_(octree.view()), sums_(simd::local_sums(octree.instruction_set())), ball_(ball) {}
+
+  double reach() const { return ball_.reach; }
+
+  LocalPlane plane() const { return plane_of(sums_.around(tree_, ball_), reach()); }
+  simd::Moments of_layer(const simd::Layer& layer) const { return sums_.of_layer(tree_, ball_, layer); }
+  simd::HeightSums heights(const simd::Level& level) const { return sums_.heights(tree_, ball_, level); }
+  simd::Extents extents(const simd::Layer& layer, const simd::Fan& fan) const {
+    return sums_.extents(tree_, ball_, layer, fan);
+  }
+
+  /// The plane that is `height` below the position. Metres.
+  simd::Level level(const glm::dvec3& normal, double height) const {
+    return {glm::vec3(normal), static_cast<float>(-height / reach())};
+  }
+
+ private:
+  const TreeView& tree_;
+  const simd::LocalSums& sums_;
+  const simd::Ball ball_;
+};
+
 /// Heights of two sheets above a position, along a normal. Metres.
 struct Sheets {
   double lower = 0.0, upper = 0.0;
 };
 
-/// Of the points around a position, estimated from the moments of their heights; empty if they look like one
-/// sheet.
-std::optional<Sheets> two_sheets(const Octree& octree, const glm::dvec3& position, double reach,
-                                 const LocalPlane& plane) {
-  const simd::HeightSums sums = simd::moment_sums(octree.instruction_set())
-                                    .heights(octree.view(), position, reach, glm::vec3(plane.normal),
-                                             static_cast<float>(-plane.height / reach));
+/// Estimated from the moments of the points' heights; empty if they look like one sheet.
+std::optional<Sheets> two_sheets(const PointsNear& points, const LocalPlane& plane) {
+  const simd::HeightSums sums = points.heights(points.level(plane.normal, plane.height));
+  const double reach = points.reach();
   const double mean = sums.powers[0] / sums.weight;
   const double second = sums.powers[1] / sums.weight, third = sums.powers[2] / sums.weight,
                fourth = sums.powers[3] / sums.weight;
@@ -188,24 +186,17 @@ std::optional<Sheets> two_sheets(const Octree& octree, const glm::dvec3& positio
 }
 
 /// The plane of the sheet that the position is on, where there are two; otherwise `plane`.
-LocalPlane choose_sheet(const Octree& octree, const glm::dvec3& position, double reach,
-                        const LocalPlane& plane) {
-  const std::optional<Sheets> sheets = two_sheets(octree, position, reach, plane);
+LocalPlane choose_sheet(const PointsNear& points, const LocalPlane& plane) {
+  const std::optional<Sheets> sheets = two_sheets(points, plane);
   if (!sheets) return plane;
   const double gap = sheets->upper - sheets->lower;
   const bool on_upper = std::fabs(sheets->upper) < std::fabs(sheets->lower);
   LocalPlane sheet = plane;
   sheet.height = -(on_upper ? sheets->upper : sheets->lower);
-  const std::vector<PointHit> around = find(octree, position, PointQuery{.radius = reach});
-  std::vector<glm::dvec3> offsets;
+  const auto limit = static_cast<float>(0.5 * gap / points.reach());
   // The first plane leans towards both sheets, the second hardly.
   for (int pass = 0; pass < 2; ++pass) {
-    offsets.clear();
-    for (const PointHit& point : around) {
-      const glm::dvec3 offset = point.position - position;
-      if (std::fabs(glm::dot(offset, sheet.normal) + sheet.height) < 0.5 * gap) offsets.push_back(offset);
-    }
-    sheet = local_plane(offsets, reach);
+    sheet = plane_of(points.of_layer({points.level(sheet.normal, sheet.height), limit}), points.reach());
     if (sheet.trust < k_least_sheet_trust) return plane;
   }
   // Sheets of a plate are parallel to it.
@@ -214,53 +205,113 @@ LocalPlane choose_sheet(const Octree& octree, const glm::dvec3& position, double
   return is_parallel && gap > k_apart * sheet.thickness ? sheet : plane;
 }
 
+/// Heights above a sheet up to which a point is part of it.
+double sheet_limit(double thickness, double length) {
+  constexpr double k_thicknesses = 4.0, k_share = 1e-3;
+  return k_thicknesses * thickness + k_share * length;
+}
+
 /// Whether a point stands so far off the sheet of its neighbours that it is no part of it.
 bool off_sheet(const LocalPlane& plane, double reach) {
-  constexpr double k_thicknesses = 4.0, k_reaches = 1e-3;
-  return std::fabs(plane.height) > k_thicknesses * plane.thickness + k_reaches * reach;
+  return std::fabs(plane.height) > sheet_limit(plane.thickness, reach);
 }
 
 /// The surface of a point off the sheet of its neighbours: that of the others, as on the ground at the foot
 /// of a wall with many more points; or one of its own beside the sheet. None where it stands far off with few
 /// others, like a bird above a field: its distance to its neighbours would make a wide disc of it.
-PointSurface surface_beside(const Octree& octree, const glm::dvec3& position, double spacing, double reach,
-                            const LocalPlane& sheet) {
+PointSurface surface_beside(const PointsNear& points, double spacing, const LocalPlane& sheet) {
   constexpr double k_far = 0.5;  // spacings
+  const double reach = points.reach();
   // A third of what a sheet with this spacing has within reach; one that ends here has half.
   const double few = k_surface_neighbours / 3.0 * (reach / spacing) * (reach / spacing);
-  std::vector<glm::dvec3> others;
-  for (const PointHit& point : find(octree, position, PointQuery{.radius = reach})) {
-    LocalPlane from_sheet = sheet;
-    const glm::dvec3 offset = point.position - position;
-    from_sheet.height += glm::dot(offset, sheet.normal);
-    if (off_sheet(from_sheet, reach)) others.push_back(offset);
-  }
+  const auto limit = static_cast<float>(sheet_limit(sheet.thickness, reach) / reach);
+  const simd::Moments others =
+      points.of_layer({points.level(sheet.normal, sheet.height), limit, simd::Layer::Side::beyond});
   const bool is_far = std::fabs(sheet.height) > k_far * spacing;
-  if (is_far && static_cast<double>(others.size()) < few) return {};
-  const LocalPlane plane = local_plane(others, reach);
+  if (is_far && others.count < few) return {};
+  const LocalPlane plane = plane_of(others, reach);
   if (plane.trust >= k_least_trust && !off_sheet(plane, reach))
     return {true, plane.normal, plane.height, plane.thickness};
   if (is_far) return {};
   return {true, sheet.normal, 0.0, sheet.thickness};
 }
 
+/// How far the sheet's points within k_reach spacings of a point reach in each direction, in spacings; 0 if
+/// there are none.
+simd::Extents sheet_extents(const PointsNear& points, const PointSurface& surface) {
+  const double reach = points.reach();
+  const auto limit = static_cast<float>(sheet_limit(surface.thickness, reach / k_reach) / reach);
+  const Axes axes = axes_across(surface.normal);
+  simd::Extents extents = points.extents({points.level(surface.normal, surface.height), limit},
+                                         {glm::vec3(axes.first), glm::vec3(axes.second), float_directions(),
+                                          static_cast<float>(k_half_width / k_reach)});
+  for (float& extent : extents) extent *= static_cast<float>(k_reach);
+  return extents;
+}
+
+/// The edge of a point's sheet as edge_of() unpacks it.
+std::uint8_t fit_sheet_edge(const PointsNear& points, const PointSurface& surface) {
+  const simd::Extents extents = sheet_extents(points, surface);
+  int best = -1;
+  for (int i = 0; i < k_directions; ++i) {
+    const bool has_support = extents[(i + k_directions / 2) % k_directions] >= k_least_support;
+    if (has_support && (best < 0 || extents[i] < extents[best])) best = i;
+  }
+  if (best < 0) return 0;
+  const int level = static_cast<int>(std::lround(extents[best] / k_step)) + 1;
+  return level > k_levels ? 0 : static_cast<std::uint8_t>(k_directions * level + best);
+}
+
+/// Finds the points around positions that are close together: the nodes they are in are found once for many.
+class Neighbourhood {
+ public:
+  explicit Neighbourhood(const Octree& octree) : octree_(octree) {}
+
+  /// The positions of the next points.
+  void enter(const Bounds& box) { next_ = box; }
+
+  PointsNear points(const glm::dvec3& position, double reach) {
+    // Nodes of a much longer reach would take longer than the walk.
+    constexpr double k_longest = 4.0;
+    const bool found = box_.contains(position) && reach <= reach_ && reach_ <= k_longest * reach;
+    if (!found) find(position, reach);
+    return PointsNear(octree_, {position, reach, &nodes_});
+  }
+
+ private:
+  void find(const glm::dvec3& position, double reach) {
+    // For the spacings of the next points, and for those of them that are near.
+    constexpr double k_slack = 1.25, k_side = 2.0;
+    reach_ = k_slack * reach;
+    box_.min = glm::max(next_.min, position - k_side * reach);
+    box_.max = glm::min(next_.max, position + k_side * reach);
+    simd::local_sums(octree_.instruction_set()).find_nodes(octree_.view(), box_, reach_, nodes_);
+  }
+
+  const Octree& octree_;
+  Bounds next_, box_;
+  double reach_ = 0.0;
+  std::vector<Frame> nodes_;
+};
+
 struct FittedSurface {
   PointSurface surface;
   bool may_end = true;  ///< whether an edge of the sheet may be near
 };
 
-FittedSurface fit_surface(const Octree& octree, const glm::dvec3& position, double spacing) {
-  constexpr double k_reaches[] = {2.5, 1.5, 1.1, 5.0};
+FittedSurface fit_surface(Neighbourhood& around, const glm::dvec3& position, double spacing) {
+  constexpr double k_reaches[] = {k_reach, 1.5, 1.1, 5.0};
   // Near an edge the mean of a sheet's points lies farther inward, in reaches, than it does by chance.
   constexpr double k_centered = 0.1;
   if (!std::isfinite(spacing)) return {};
   for (const double factor : k_reaches) {
     const double reach = factor * spacing;
-    const LocalPlane fitted = local_plane(octree, position, reach);
+    const PointsNear points = around.points(position, reach);
+    const LocalPlane fitted = points.plane();
     if (fitted.trust < k_least_trust) continue;
     // Few points look like two sheets by chance.
-    const LocalPlane plane = factor < k_reaches[0] ? fitted : choose_sheet(octree, position, reach, fitted);
-    if (off_sheet(plane, reach)) return {surface_beside(octree, position, spacing, reach, plane)};
+    const LocalPlane plane = factor < k_reaches[0] ? fitted : choose_sheet(points, fitted);
+    if (off_sheet(plane, reach)) return {surface_beside(points, spacing, plane)};
     const bool may_end = factor != k_reaches[0] || plane.off_center > k_centered * reach;
     return {{true, plane.normal, plane.height, plane.thickness}, may_end};
   }
@@ -277,18 +328,21 @@ struct Surfaces {
 class SurfaceFitter {
  public:
   SurfaceFitter(const Octree& octree, Surfaces& surfaces, double unit)
-      : octree_(octree), surfaces_(surfaces), unit_(unit) {}
+      : tree_(octree.view()), around_(octree), surfaces_(surfaces), unit_(unit) {}
 
   void operator()(const Leaf& leaf) {
-    const TreeView& tree = octree_.view();
+    Bounds box;
+    for (std::uint32_t i = 0; i < leaf.count; ++i)
+      box.grow(to_world(tree_.lattice, position_of(tree_, leaf, i)));
+    around_.enter(box);
     for (std::uint32_t i = 0; i < leaf.count; ++i) {
-      const LatticePosition position = position_of(tree, leaf, i);
+      const LatticePosition position = position_of(tree_, leaf, i);
       // Points of one position have one surface, and mostly come one after another.
       if (!known_ || position != last_)
-        fit(to_world(tree.lattice, position), spacing_at(tree, leaf.first + i));
+        fit(to_world(tree_.lattice, position), spacing_at(tree_, leaf.first + i));
       known_ = true;
       last_ = position;
-      const std::uint64_t id = point_id(tree, leaf.first + i);
+      const std::uint64_t id = point_id(tree_, leaf.first + i);
       surfaces_.points[id] = packed_;
       surfaces_.edges[id] = edge_;
     }
@@ -296,12 +350,16 @@ class SurfaceFitter {
 
  private:
   void fit(const glm::dvec3& position, double spacing) {
-    const FittedSurface fitted = fit_surface(octree_, position, spacing);
+    const FittedSurface fitted = fit_surface(around_, position, spacing);
     packed_ = pack(fitted.surface, unit_);
-    edge_ = fitted.may_end ? fit_sheet_edge(octree_, position, spacing, unpack(packed_, unit_)) : 0;
+    const PointSurface surface = unpack(packed_, unit_);
+    edge_ = fitted.may_end && surface.exists
+                ? fit_sheet_edge(around_.points(position, k_reach * spacing), surface)
+                : std::uint8_t{0};
   }
 
-  const Octree& octree_;
+  const TreeView& tree_;
+  Neighbourhood around_;
   Surfaces& surfaces_;
   const double unit_;
   bool known_ = false;

@@ -51,7 +51,7 @@ struct PointSurface {
 constexpr int k_surface_neighbours = 8;
 
 /// The same octree with the surface of every point, as surface_of() returns it. An octree that has surfaces is
-/// returned as it is. `progress` is in points. Requires spacings. Cost: about 5 microseconds of one thread
+/// returned as it is. `progress` is in points. Requires spacings. Cost: 1 to 2 microseconds of one thread
 /// per point, in parallel; 5 B per point. Where sheets end is measured, too (octree/point_surface.h). Points
 /// that stand off the sheet of their neighbours by more than half their spacing have a surface only with
 /// others like them. How: a plane is fitted (octree/local_plane.h) to the points within 2.5 spacings; where
@@ -73,15 +73,6 @@ struct SheetEdge {
   /// In spacings of the point; infinite if none is near.
   double distance = std::numeric_limits<double>::infinity();
 };
-
-/// The edge of a point's sheet in 8 bits, 0 for none: that direction in which the sheet's points within 2.5
-/// spacings reach least far, if they reach at least 1.5 spacings the other way; a fifth of a spacing is added
-/// for the gap between the last point and the edge. Edges farther away than 0.85 spacings are not kept.
-/// Sheets that end on both sides, such as lines of a scan far from each other, have no edge. position and
-/// spacing: of the point, metres, the spacing finite and above 0; surface: as surface_of() returns it. The same
-/// bits on every instruction set. Cost: 3 microseconds.
-std::uint8_t fit_sheet_edge(const Octree& octree, const glm::dvec3& position, double spacing,
-                            const PointSurface& surface);
 
 /// The edge beside a point, whose direction is one of 32 and whose distance is good to a tenth of a spacing.
 /// Requires surfaces; normal: that of surface_of().

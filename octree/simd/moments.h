@@ -2,40 +2,81 @@
 #pragma once
 
 #include <array>
+#include <glm/vec2.hpp>
 #include <glm/vec3.hpp>
+#include <vector>
 
+#include "base/bounds.h"
 #include "base/instruction_set.h"
 #include "octree/octree.h"
+#include "octree/tree_walk.h"
 
 namespace alidade::simd {
 
-/// Sums over the points around a position. Offsets p from it are in units of the reach; the weight of a point
-/// is (1 - |p|^2)^2, and 0 beyond the reach.
+/// The points within reach of a position, that at the reach itself left out. Their offsets p from it are in
+/// units of the reach.
+struct Ball {
+  glm::dvec3 position;
+  double reach;  ///< metres, > 0
+  /// Found for a box and a reach that contain this ball (LocalSums::find_nodes); null: the walk begins at the
+  /// root. Does not change an answer.
+  const std::vector<Frame>* nodes = nullptr;
+};
+
+/// Sums over the points of a ball; the weight of a point is (1 - |p|^2)^2.
 struct Moments {
   float weight = 0.0f;
-  float count = 0.0f;  ///< of points within reach
+  float count = 0.0f;  ///< of points
   std::array<float, 3> first{};
   std::array<float, 6> second{};  ///< xx xy xz yy yz zz
 };
 
-/// Sums of powers of heights over the same points with the same weights. The height of a point is its offset
-/// along a direction, less a level, in units of the reach.
+/// What heights are measured from. The height of a point is p along the direction, less the level.
+struct Level {
+  glm::vec3 direction;  ///< of length 1
+  float level;
+};
+
+/// Some of a ball's points: those whose heights are within a limit, which is inclusive, or those beyond it.
+struct Layer {
+  enum class Side { within, beyond };
+
+  Level level;
+  float limit;
+  Side side = Side::within;
+};
+
+/// Sums of powers of heights over the same points with the same weights.
 struct HeightSums {
   float weight = 0.0f;
   std::array<float, 4> powers{};  ///< of h, h^2, h^3, h^4
 };
 
-/// The sums, compiled for one instruction set. Unlike in queries, floats are the answer; so all sets add the
-/// same numbers in the same order, in sixteen columns however many lanes there are, and no product is fused
-/// with a sum.
-struct MomentSums {
-  Moments (*around)(const TreeView& tree, const glm::dvec3& index, double reach);
-  /// direction: of length 1; level: in units of the reach.
-  HeightSums (*heights)(const TreeView& tree, const glm::dvec3& index, double reach,
-                        const glm::vec3& direction, float level);
+constexpr int k_directions = 32;
+/// How far points reach in each of these directions; 0 if there are none.
+using Extents = std::array<float, k_directions>;
+
+/// Directions in a plane, and the points that count in each: those within a distance of a line along it.
+struct Fan {
+  glm::vec3 first_axis, second_axis;  ///< of the plane: of length 1, at right angles
+  const std::array<glm::vec2, k_directions>& directions;
+  float half_width;
+};
+
+/// What points around a position add up to, compiled for one instruction set. Unlike in queries, floats are
+/// the answer; so all sets add the same numbers in the same order, in sixteen columns however many lanes there
+/// are, and no product is fused with a sum.
+struct LocalSums {
+  /// Replaces `nodes` by those with leaves within reach of a box, in the order of a walk. They serve all balls
+  /// that have their position in the box and at most this reach.
+  void (*find_nodes)(const TreeView& tree, const Bounds& box, double reach, std::vector<Frame>& nodes);
+  Moments (*around)(const TreeView& tree, const Ball& ball);
+  Moments (*of_layer)(const TreeView& tree, const Ball& ball, const Layer& layer);
+  HeightSums (*heights)(const TreeView& tree, const Ball& ball, const Level& level);
+  Extents (*extents)(const TreeView& tree, const Ball& ball, const Layer& layer, const Fan& fan);
 };
 
 /// For an available instruction set (not `best`).
-const MomentSums& moment_sums(InstructionSet instruction_set);
+const LocalSums& local_sums(InstructionSet instruction_set);
 
 }  // namespace alidade::simd

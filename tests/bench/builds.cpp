@@ -5,6 +5,8 @@
 #include <string>
 
 #include "octree/build.h"
+#include "octree/point_surface.h"
+#include "octree/spacing.h"
 #include "tests/bench/bench_site.h"
 #include "tests/bench/process_memory.h"
 #include "tests/bench/ray_bench.h"
@@ -50,6 +52,14 @@ void build_without_ids(benchmark::State& state, std::int64_t points, int threads
   time_build(state, cloud, threads, [&] { return build_in_stored_order(cloud).memory(); });
 }
 
+void fit_surfaces(benchmark::State& state, std::int64_t points, int threads) {
+  const Octree octree =
+      with_spacings(bench_site(static_cast<std::size_t>(points)).octree, k_surface_neighbours);
+  for (auto _ : state) on_threads(threads, [&] { return with_surfaces(octree).size(); });
+  state.counters["seconds_per_point"] = benchmark::Counter(
+      static_cast<double>(points), benchmark::Counter::kIsRate | benchmark::Counter::kInvert);
+}
+
 #ifdef ALIDADE_WITH_EMBREE
 /// Embree's memory with the vertices it reads, as the process grows.
 void build_embree(benchmark::State& state, std::int64_t points) {
@@ -73,6 +83,8 @@ void register_octree_builds() {
       add_benchmark(threads, {"build", with_threads("wide", threads), count}, build_wide, points, threads);
       add_benchmark(threads, {"build", with_threads("without_ids", threads), count}, build_without_ids,
                     points, threads);
+      add_benchmark(threads, {"build", with_threads("surfaces", threads), count}, fit_surfaces, points,
+                    threads);
     }
   }
 }

@@ -20,6 +20,7 @@ void register_embree_rays();
 /// - build/octree/POINTS
 /// - build/wide/POINTS: more than 2^21 lattice steps on an axis
 /// - build/without_ids/POINTS: in stored order
+/// - build/surfaces/POINTS: the surface of every point, in seconds per point
 void register_octree_builds();
 
 /// - build/embree_2_threads/POINTS, with the points in the octree's order

@@ -3,9 +3,11 @@
 
 #include <gtest/gtest.h>
 
+#include <array>
 #include <cmath>
 #include <cstring>
 #include <glm/geometric.hpp>
+#include <vector>
 
 #include "octree/build.h"
 #include "octree/simd/moments.h"
@@ -68,8 +70,8 @@ TEST(Moments, are_those_of_the_points_within_reach) {
       for (const Asked& asked : positions_in(family.cloud, 20, random)) {
         SCOPED_TRACE(family.name + " " + asked_octree.name);
         const auto expected = sums_in_double(family.cloud, asked);
-        const simd::Moments found = simd::moment_sums(asked_octree.octree.instruction_set())
-                                        .around(asked_octree.octree.view(), asked.position, asked.reach);
+        const simd::Moments found = simd::local_sums(asked_octree.octree.instruction_set())
+                                        .around(asked_octree.octree.view(), {asked.position, asked.reach});
         // Floats resolve positions within a frame to 2^-24 of its width. In units of the reach that may be
         // more.
         const TreeView& tree = asked_octree.octree.view();
@@ -90,7 +92,7 @@ TEST(Moments, are_the_same_bits_on_every_instruction_set) {
     Random random(family.name + "_bits");
     for (const Asked& asked : positions_in(family.cloud, 100, random)) {
       const auto with = [&](InstructionSet set) {
-        return simd::moment_sums(set).around(octree.view(), asked.position, asked.reach);
+        return simd::local_sums(set).around(octree.view(), {asked.position, asked.reach});
       };
       const simd::Moments scalar = with(InstructionSet::scalar);
       for (const InstructionSet set : available_instruction_sets()) {
@@ -98,6 +100,100 @@ TEST(Moments, are_the_same_bits_on_every_instruction_set) {
         ASSERT_EQ(std::memcmp(&found, &scalar, sizeof scalar), 0) << family.name << " " << name(set);
       }
     }
+  }
+}
+
+const std::array<glm::vec2, simd::k_directions>& directions() {
+  static const std::array<glm::vec2, simd::k_directions> all = [] {
+    std::array<glm::vec2, simd::k_directions> made{};
+    for (int i = 0; i < simd::k_directions; ++i) {
+      const float angle = 6.2831853f * static_cast<float>(i) / simd::k_directions;
+      made[i] = {std::cos(angle), std::sin(angle)};
+    }
+    return made;
+  }();
+  return all;
+}
+
+/// All sums over a ball.
+struct AllSums {
+  simd::Moments around, within, beyond;
+  simd::HeightSums heights;
+  simd::Extents extents;
+};
+
+AllSums all_sums(const TreeView& tree, InstructionSet set, const simd::Ball& ball) {
+  const simd::LocalSums& sums = simd::local_sums(set);
+  const simd::Level level{glm::normalize(glm::vec3(0.2f, -0.1f, 1.0f)), 0.05f};
+  const simd::Layer within{level, 0.3f}, beyond{level, 0.3f, simd::Layer::Side::beyond};
+  const simd::Fan fan{glm::vec3(1, 0, 0), glm::vec3(0, 1, 0), directions(), 0.5f};
+  return {sums.around(tree, ball), sums.of_layer(tree, ball, within), sums.of_layer(tree, ball, beyond),
+          sums.heights(tree, ball, level), sums.extents(tree, ball, within, fan)};
+}
+
+TEST(LocalSums, are_the_same_bits_on_every_instruction_set_and_from_nodes_found_for_a_box) {
+  static_assert(sizeof(AllSums) % sizeof(float) == 0);
+  for (const PointFamily& family : test::point_families()) {
+    Random random(family.name + "_nodes");
+    for (const test::NamedOctree& named : test::octrees_of(family.cloud)) {
+      SCOPED_TRACE(family.name + " " + named.name);
+      const TreeView& tree = named.octree.view();
+      for (const Asked& asked : positions_in(family.cloud, 20, random)) {
+        const AllSums expected = all_sums(tree, InstructionSet::scalar, {asked.position, asked.reach});
+        Bounds box;
+        for (int corner = 0; corner < 2; ++corner) {
+          const glm::dvec3 side(random.unit(), random.unit(), random.unit());
+          box.grow(asked.position + (corner == 0 ? -asked.reach : asked.reach) * side);
+        }
+        const double reach = (1.0 + random.unit()) * asked.reach;
+        for (const InstructionSet set : available_instruction_sets()) {
+          std::vector<Frame> nodes;
+          simd::local_sums(set).find_nodes(tree, box, reach, nodes);
+          const AllSums alone = all_sums(tree, set, {asked.position, asked.reach});
+          const AllSums together = all_sums(tree, set, {asked.position, asked.reach, &nodes});
+          ASSERT_EQ(std::memcmp(&alone, &expected, sizeof expected), 0) << name(set);
+          ASSERT_EQ(std::memcmp(&together, &expected, sizeof expected), 0) << name(set);
+        }
+      }
+    }
+  }
+}
+
+TEST(LocalSums, of_the_two_sides_of_a_layer_are_those_of_all_points) {
+  for (const PointFamily& family : test::point_families()) {
+    if (family.cloud.size() == 0) continue;
+    const Octree octree = build(family.cloud);
+    Random random(family.name + "_layers");
+    for (const Asked& asked : positions_in(family.cloud, 50, random)) {
+      const AllSums sums = all_sums(octree.view(), octree.instruction_set(), {asked.position, asked.reach});
+      EXPECT_EQ(sums.within.count + sums.beyond.count, sums.around.count) << family.name;
+      EXPECT_EQ(sums.heights.weight, sums.around.weight) << family.name;
+    }
+  }
+}
+
+/// Points far from others in a wide tree: no rounding of the wide frames loses one within reach.
+TEST(LocalSums, count_every_point_within_reach_in_a_wide_tree) {
+  Random random("wide_tree");
+  PointCloud cloud;
+  cloud.lattice.scale = glm::dvec3(1e-3);
+  for (int i = 0; i < 20000; ++i)
+    cloud.positions.emplace_back(random.below(400), random.below(400), random.below(400));
+  cloud.positions.emplace_back(1 << 30, 1 << 30, 1 << 30);
+  const Octree octree = build(cloud);
+  for (int i = 0; i < 500; ++i) {
+    const Asked asked{cloud.world(random.below(20000)), random.between(0.003, 0.03)};
+    double count = 0.0;
+    bool at_reach = false;
+    for (std::size_t id = 0; id < cloud.size(); ++id) {
+      const double distance = glm::length(cloud.world(id) - asked.position) / asked.reach;
+      at_reach = at_reach || std::fabs(distance - 1.0) < 1e-3;
+      count += distance < 1.0 ? 1.0 : 0.0;
+    }
+    if (at_reach) continue;
+    EXPECT_EQ(
+        simd::local_sums(octree.instruction_set()).around(octree.view(), {asked.position, asked.reach}).count,
+        count);
   }
 }
 
