@@ -5,79 +5,18 @@
 #define HWY_TARGET_INCLUDE "octree/simd/box_search.cpp"
 #include <hwy/foreach_target.h>
 
+#include <memory>
+#include <utility>
+
 #include "octree/candidate.h"
 #include "octree/simd/box_walk-inl.h"
 #include "octree/simd/choose_table.h"
 #include "octree/simd/first_answers.h"
+#include "octree/simd/sort_keys.h"
 
 HWY_BEFORE_NAMESPACE();
 namespace alidade::simd {
 namespace HWY_NAMESPACE {
-
-/// The points, in the order of the leaves.
-class BoxFinder {
- public:
-  BoxFinder(const TreeView& tree, const Bounds& box, const PointQuery& query, std::size_t query_index)
-      : tree_(tree), box_(box), query_(query), query_index_(query_index) {}
-
-  bool is_done() const { return false; }
-  bool all(const Frame&, int) const { return false; }
-
-  void leaf(const Leaf& leaf, std::uint32_t points) {
-    if (count_ + k_max_leaf_size > keys_.size()) {
-      keys_.resize(2 * keys_.size() + k_first_room);
-      positions_.resize(keys_.size());
-    }
-    if (query_.filter || (tree_.positions && leaf.first >= tree_.first_exact)) {
-      for (; points != 0; points &= points - 1) {
-        const std::uint32_t i = index_of_lowest_bit(points);
-        const std::uint64_t id = point_id(tree_, leaf.first + i);
-        const LatticePosition position = position_of(tree_, leaf, i);
-        if (!query_.filter || evaluate(box_, query_, to_world(tree_.lattice, position), id, query_index_))
-          add(id, position);
-      }
-      return;
-    }
-    // What position_of() does, with what is the same for all points of the leaf taken out of the loop.
-    const std::uint16_t* const x = tree_.coordinates + std::size_t{3} * leaf.first;
-    const std::uint16_t *const y = x + leaf.count, *const z = y + leaf.count;
-    std::uint32_t corner[3];
-    for (int axis = 0; axis < 3; ++axis)
-      corner[axis] = static_cast<std::uint32_t>(tree_.base[axis]) + leaf.corner[axis];
-    for (; points != 0; points &= points - 1) {
-      const std::uint32_t i = index_of_lowest_bit(points);
-      add(point_id(tree_, leaf.first + i),
-          {static_cast<std::int32_t>(corner[0] + x[i]), static_cast<std::int32_t>(corner[1] + y[i]),
-           static_cast<std::int32_t>(corner[2] + z[i])});
-    }
-  }
-
-  /// Appends the k points with the lowest ids.
-  void finish(std::size_t k, std::vector<PointHit>& answers) {
-    keys_.resize(count_);
-    sort_by_id(keys_, k);
-    const std::size_t room = answers.size() + keys_.size();
-    if (answers.capacity() < room) answers.reserve(std::max(2 * answers.capacity(), room));
-    for (const IdKey key : keys_)
-      answers.push_back({key >> 32, to_world(tree_.lattice, positions_[key & 0xffffffffu]), 0.0});
-  }
-
- private:
-  static constexpr std::size_t k_first_room = 256;
-
-  void add(std::uint64_t id, const LatticePosition& position) {
-    keys_[count_] = id << 32 | count_;
-    positions_[count_++] = position;
-  }
-
-  const TreeView& tree_;
-  const Bounds& box_;
-  const PointQuery& query_;
-  const std::size_t query_index_;
-  std::size_t count_ = 0;
-  std::vector<IdKey> keys_;  ///< longer than count_, as positions_
-  std::vector<LatticePosition> positions_;
-};
 
 /// How many points, up to k.
 class BoxCounter {
@@ -113,19 +52,90 @@ class BoxCounter {
   std::size_t count_ = 0;
 };
 
-std::size_t count(const TreeView& tree, const Bounds& box, const PointQuery& query, std::size_t k,
-                  std::size_t query_index) {
-  const LatticeBox steps(tree, box);
+std::size_t count_in(const TreeView& tree, const Bounds& box, const LatticeBox& steps,
+                     const PointQuery& query, std::size_t k, std::size_t query_index) {
   BoxCounter counter(tree, box, query, k, query_index);
   if (!steps.empty()) BoxWalk(tree, steps, query.max_level, counter).run();
   return counter.count();
+}
+
+/// The points, in the order of the leaves.
+class BoxFinder {
+ public:
+  BoxFinder(const TreeView& tree, const Bounds& box, const LatticeBox& steps, const PointQuery& query,
+            std::size_t query_index)
+      : tree_(tree), box_(box), steps_(steps), query_(query), query_index_(query_index) {}
+
+  bool is_done() const { return false; }
+  bool all(const Frame&, int) const { return false; }
+
+  void leaf(const Leaf& leaf, std::uint32_t bits) {
+    if (count_ + k_max_leaf_size + k_unpack_room > room_) grow();
+    const std::size_t before = count_;
+    count_ += unpack(tree_, leaf, bits, points_.get() + before);
+    if (query_.filter) keep_admitted(before);
+  }
+
+  /// Appends the k points with the lowest ids.
+  void finish(std::size_t k, std::vector<PointHit>& answers) {
+    std::vector<SortKey> keys(count_);
+    for (std::size_t i = 0; i < count_; ++i) keys[i] = point_id(tree_, points_[i].index) << 32 | i;
+    if (count_ > k) {
+      std::nth_element(keys.begin(), keys.begin() + static_cast<std::ptrdiff_t>(k), keys.end());
+      keys.resize(k);
+    }
+    sort_keys(keys);
+    const std::size_t room = answers.size() + keys.size();
+    if (answers.capacity() < room) answers.reserve(std::max(2 * answers.capacity(), room));
+    for (const SortKey key : keys)
+      answers.push_back({key >> 32, to_world(tree_.lattice, points_[number_of(key)].position), 0.0});
+  }
+
+ private:
+  static constexpr std::size_t k_first_room = 512;
+  static constexpr std::size_t k_many = 16384;
+
+  /// Many points are counted, which takes far less time than moving them from one room to the next.
+  void grow() {
+    std::size_t room = std::max(2 * room_, k_first_room);
+    if (room > k_many && !query_.filter)
+      room = std::max(room_, count_in(tree_, box_, steps_, query_, k_all, query_index_)) + k_max_leaf_size +
+             k_unpack_room;
+    auto points = std::make_unique_for_overwrite<StoredPoint[]>(room);
+    std::copy_n(points_.get(), count_, points.get());
+    points_ = std::move(points);
+    room_ = room;
+  }
+
+  void keep_admitted(std::size_t first) {
+    const std::size_t end = std::exchange(count_, first);
+    for (std::size_t i = first; i < end; ++i) {
+      const StoredPoint point = points_[i];
+      if (evaluate(box_, query_, to_world(tree_.lattice, point.position), point_id(tree_, point.index),
+                   query_index_))
+        points_[count_++] = point;
+    }
+  }
+
+  const TreeView& tree_;
+  const Bounds& box_;
+  const LatticeBox& steps_;
+  const PointQuery& query_;
+  const std::size_t query_index_;
+  std::size_t count_ = 0, room_ = 0;
+  std::unique_ptr<StoredPoint[]> points_;
+};
+
+std::size_t count(const TreeView& tree, const Bounds& box, const PointQuery& query, std::size_t k,
+                  std::size_t query_index) {
+  return count_in(tree, box, LatticeBox(tree, box), query, k, query_index);
 }
 
 void find(const TreeView& tree, const Bounds& box, const PointQuery& query, std::size_t k,
           std::size_t query_index, std::vector<PointHit>& answers) {
   const LatticeBox steps(tree, box);
   if (steps.empty()) return;
-  BoxFinder finder(tree, box, query, query_index);
+  BoxFinder finder(tree, box, steps, query, query_index);
   BoxWalk(tree, steps, query.max_level, finder).run();
   finder.finish(k, answers);
 }

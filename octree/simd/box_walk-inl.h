@@ -17,6 +17,54 @@ HWY_BEFORE_NAMESPACE();
 namespace alidade::simd {
 namespace HWY_NAMESPACE {
 
+/// A point as it is stored.
+struct StoredPoint {
+  LatticePosition position;
+  std::uint32_t index;  ///< storage index
+};
+
+/// How many more than there are unpack() may overwrite.
+constexpr std::size_t k_unpack_room = 16;
+
+/// Unpacks those points of a leaf whose bits are set; how many.
+HWY_INLINE std::size_t unpack(const TreeView& tree, const Leaf& leaf, std::uint32_t bits,
+                              StoredPoint* points) {
+  std::size_t count = 0;
+  if (tree.positions && leaf.first >= tree.first_exact) {
+    for (; bits != 0; bits &= bits - 1) {
+      const std::uint32_t i = index_of_lowest_bit(bits);
+      points[count++] = {position_of(tree, leaf, i), leaf.first + i};
+    }
+    return count;
+  }
+  // What position_of() does.
+  static_assert(sizeof(StoredPoint) == 4 * sizeof(std::int32_t));
+  const hn::CappedTag<std::int32_t, k_unpack_room> d;
+  const hn::Rebind<std::uint16_t, decltype(d)> stored;
+  const std::uint16_t* const coordinates = tree.coordinates + std::size_t{3} * leaf.first;
+  const auto corner = [&](int axis) {
+    return hn::Set(
+        d, static_cast<std::int32_t>(static_cast<std::uint32_t>(tree.base[axis]) + leaf.corner[axis]));
+  };
+  const auto corner_x = corner(0), corner_y = corner(1), corner_z = corner(2);
+  const std::uint32_t all_lanes = (1u << hn::Lanes(d)) - 1u;
+  for (std::uint32_t first = 0; first < leaf.count; first += static_cast<std::uint32_t>(hn::Lanes(d))) {
+    const std::uint32_t here = bits >> first & all_lanes;
+    if (here == 0) continue;
+    const std::uint8_t bytes[8] = {static_cast<std::uint8_t>(here), static_cast<std::uint8_t>(here >> 8)};
+    const auto mask = hn::LoadMaskBits(d, bytes);
+    const auto on_axis = [&](int axis, const auto& origin) {
+      const auto steps = hn::PromoteTo(d, hn::LoadU(stored, coordinates + axis * leaf.count + first));
+      return hn::Compress(hn::Add(steps, origin), mask);
+    };
+    const auto index = hn::Add(hn::Iota(d, 0), hn::Set(d, static_cast<std::int32_t>(leaf.first + first)));
+    hn::StoreInterleaved4(on_axis(0, corner_x), on_axis(1, corner_y), on_axis(2, corner_z),
+                          hn::Compress(index, mask), d, reinterpret_cast<std::int32_t*>(points + count));
+    count += static_cast<std::size_t>(std::popcount(here));
+  }
+  return count;
+}
+
 /// Hands leaves out with the points in a box, as bits. Visit: leaf(leaf, bits); all(frame, slot) -> whether
 /// that is all it wants of the points below, which are all inside.
 template <class Visit>

@@ -56,6 +56,12 @@ class NearestGroup {
     const LatticeBox box(tree_, region);
     if (!box.empty()) BoxWalk(tree_, box, query_.max_level, *this).run();
     if (is_done()) return false;
+    for (std::size_t i = 0; i < count_; ++i) {
+      const glm::dvec3 position = to_world(tree_.lattice, points_.stored[i].position);
+      for (int axis = 0; axis < 3; ++axis)
+        points_.local[axis][i] = static_cast<float>(position[axis] - center_[axis]);
+      points_.position[i] = position;
+    }
     for (int axis = 0; axis < 3; ++axis) std::fill_n(points_.local[axis] + count_, k_lanes, 1e18f);
     return true;
   }
@@ -80,14 +86,7 @@ class NearestGroup {
   bool is_done() const { return count_ + k_max_leaf_size > k_most_points; }
   bool all(const Frame&, int) const { return false; }
   void leaf(const Leaf& leaf, std::uint32_t bits) {
-    for (; bits != 0; bits &= bits - 1) {
-      const std::uint32_t i = index_of_lowest_bit(bits);
-      const glm::dvec3 position = to_world(tree_.lattice, position_of(tree_, leaf, i));
-      for (int axis = 0; axis < 3; ++axis)
-        points_.local[axis][count_] = static_cast<float>(position[axis] - center_[axis]);
-      points_.position[count_] = position;
-      points_.id[count_++] = static_cast<std::uint32_t>(point_id(tree_, leaf.first + i));
-    }
+    count_ += unpack(tree_, leaf, bits, points_.stored + count_);
   }
 
  private:
@@ -102,7 +101,7 @@ class NearestGroup {
     alignas(64) std::int32_t near[k_most_near + 2 * k_lanes];
     alignas(64) std::int32_t rank[k_most_near + 2 * k_lanes];
     std::int32_t order[k_most_near];
-    std::uint32_t id[k_most_points];
+    StoredPoint stored[k_most_points + k_unpack_room];
     glm::dvec3 position[k_most_points];
   };
 
@@ -141,7 +140,8 @@ class NearestGroup {
     const std::size_t first = answers.size();
     for (std::size_t i = 0; i < candidates; ++i) {
       const auto point = static_cast<std::size_t>(points_.near[points_.order[i]]);
-      const auto answer = decider.evaluate(points_.position[point], points_.id[point]);
+      const auto answer =
+          decider.evaluate(points_.position[point], point_id(tree_, points_.stored[point].index));
       if (!answer) continue;
       answers.push_back(*answer);
       for (std::size_t at = answers.size() - 1; at > first && decider.precedes(answers[at], answers[at - 1]);
