@@ -87,8 +87,12 @@ class BoxFinder {
     sort_keys(keys);
     const std::size_t room = answers.size() + keys.size();
     if (answers.capacity() < room) answers.reserve(std::max(2 * answers.capacity(), room));
-    for (const SortKey key : keys)
-      answers.push_back({key >> 32, to_world(tree_.lattice, points_[number_of(key)].position), 0.0});
+    for (const SortKey key : keys) {
+      // Member by member: copying an answer from the stack would wait for its members to get there.
+      PointHit& answer = answers.emplace_back();
+      answer.point_id = key >> 32;
+      answer.position = to_world(tree_.lattice, points_[number_of(key)].position);
+    }
   }
 
  private:
