@@ -67,6 +67,12 @@ void give_back_pages(void* pages, std::size_t byte_count) noexcept {
   munmap(pages, whole_pages(byte_count));
 }
 
+void request_huge_pages(void* memory, std::size_t byte_count) noexcept {
+  const auto address = reinterpret_cast<std::uintptr_t>(memory);
+  const std::uintptr_t first = whole_pages(address), end = (address + byte_count) / k_huge_page * k_huge_page;
+  if (first < end) madvise(reinterpret_cast<void*>(first), end - first, MADV_HUGEPAGE);
+}
+
 PageRelease::PageRelease(void* memory, std::size_t byte_count, std::size_t block_size)
     : begin_(reinterpret_cast<std::uintptr_t>(memory)), block_size_(block_size) {
   first_block_ = (begin_ + block_size - 1) / block_size * block_size;

@@ -21,6 +21,9 @@ void* take_pages(std::size_t byte_count);
 /// `byte_count` as it was taken.
 void give_back_pages(void* pages, std::size_t byte_count) noexcept;
 
+/// Requests huge pages for memory of another origin, before it is first used.
+void request_huge_pages(void* memory, std::size_t byte_count) noexcept;
+
 /// A large array of plain values in such memory; values are not set. Fixed size, movable.
 template <class Value>
 class HugeArray {

@@ -1,8 +1,10 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
+#include <algorithm>
 #include <cmath>
 #include <optional>
+#include <span>
 #include <vector>
 
 #include "octree/octree.h"
@@ -63,6 +65,31 @@ void find_into(const Octree& octree, const Target& target, const Query& query, s
     const std::vector<Answer> found = neighbors.in_order();
     answers.insert(answers.end(), found.begin(), found.end());
   });
+}
+
+/// Whether targets near each other share work.
+inline bool suits_turns(const Octree& octree, const PointQuery& query) {
+  return octree.size() > 0 && query.k <= simd::k_most_in_turn && !query.filter;
+}
+
+/// Appends the answers of one target after another, and where those of each end. reach: of simd::Search.
+/// Requires: no filter, and an octree that is not empty.
+inline void find_in_turn(const Octree& octree, std::span<const glm::dvec3> targets, const PointQuery& query,
+                         double& reach, std::vector<PointHit>& answers, std::vector<std::size_t>& ends) {
+  const auto suits = [&](const glm::dvec3& target) {
+    return simd::suits_lanes(octree.view(), target, query);
+  };
+  while (!targets.empty()) {
+    const auto suiting = static_cast<std::size_t>(std::ranges::find_if_not(targets, suits) - targets.begin());
+    if (suiting > 0) {
+      simd::search<glm::dvec3>(octree.instruction_set())
+          .find_in_turn(octree.view(), targets.first(suiting), query, query.k, reach, answers, ends);
+    } else {
+      find_into(octree, targets[0], query, query.k, 0, answers);
+      ends.push_back(answers.size());
+    }
+    targets = targets.subspan(std::max<std::size_t>(suiting, 1));
+  }
 }
 
 template <class Target, class Query>

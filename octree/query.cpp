@@ -1,13 +1,20 @@
 // SPDX-License-Identifier: MIT
 #include "octree/query.h"
 
+#include <tbb/parallel_for.h>
 #include <tbb/task_arena.h>
 
 #include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numeric>
 
+#include "base/huge_memory.h"
 #include "octree/answer_target.h"
 #include "octree/check_query.h"
+#include "octree/morton.h"
 #include "octree/octree.h"
+#include "octree/simd/sort_keys.h"
 
 namespace alidade {
 namespace {
@@ -66,6 +73,105 @@ void ask_rays(const Octree& octree, std::span<const Ray> rays, const RayQuery& q
   });
 }
 
+/// Brings targets, given by their numbers in the lower halves, into an order in which each is near the one
+/// before.
+void sort_along_curve(std::span<const glm::dvec3> targets, std::vector<simd::SortKey>& numbers) {
+  constexpr int k_bits = 10;
+  Bounds bounds;
+  for (const simd::SortKey key : numbers) bounds.grow(targets[simd::number_of(key)]);
+  const glm::dvec3 size = bounds.size();
+  const double widest = std::max({size.x, size.y, size.z, std::numeric_limits<double>::min()});
+  if (std::isinf(widest)) return;
+  const double cells = ((1 << k_bits) - 1) / widest;
+  for (simd::SortKey& key : numbers) {
+    const glm::dvec3 cell = (targets[simd::number_of(key)] - bounds.min) * cells;
+    key = simd::number_of(key) |
+          morton_key(static_cast<std::uint32_t>(cell.x), static_cast<std::uint32_t>(cell.y),
+                     static_cast<std::uint32_t>(cell.z))
+              << 32;
+  }
+  simd::sort_keys(numbers);
+}
+
+/// A batch that is answered along a curve through the targets, whatever the order of the caller.
+class CurveBatch {
+ public:
+  CurveBatch(const Octree& octree, std::span<const glm::dvec3> targets, const PointQuery& query)
+      : octree_(octree), targets_(targets), query_(query) {}
+
+  Answers<PointHit> find() {
+    for_each_range(targets_, k_turn, [](std::size_t, std::size_t) {});  // checks them
+    std::vector<simd::SortKey> order(targets_.size());
+    std::iota(order.begin(), order.end(), simd::SortKey{0});
+    sort_along_curve(targets_, order);
+    std::vector<std::size_t>& begin = answers_.begin;
+    begin.resize(targets_.size() + 1);
+    // Mostly it is known how many points answer: then answers are put where they belong at once.
+    const bool is_known = std::isinf(query_.radius) && query_.max_level == k_all_levels;
+    if (is_known) {
+      for (std::size_t& first : begin) first = std::min(query_.k, octree_.size());
+      make_room();
+    }
+    std::vector<Turn> turns((order.size() + k_turn - 1) / k_turn);
+    tbb::parallel_for(std::size_t{0}, turns.size(), [&](std::size_t t) {
+      const std::span<const simd::SortKey> rest = std::span(order).subspan(t * k_turn);
+      const auto numbers = rest.first(std::min(rest.size(), k_turn));
+      turns[t].numbers.assign(numbers.begin(), numbers.end());
+      answer(turns[t]);
+      if (!is_known) return;
+      put_in_place(turns[t]);
+      turns[t] = {};
+    });
+    if (is_known) return std::move(answers_);
+    for (const Turn& turn : turns)
+      for (std::size_t i = 0; i < turn.numbers.size(); ++i)
+        begin[simd::number_of(turn.numbers[i])] = turn.ends[i] - (i == 0 ? 0 : turn.ends[i - 1]);
+    make_room();
+    tbb::parallel_for(std::size_t{0}, turns.size(), [&](std::size_t t) { put_in_place(turns[t]); });
+    return std::move(answers_);
+  }
+
+ private:
+  static constexpr std::size_t k_turn = 1024;
+
+  /// Targets one after another along the curve.
+  struct Turn {
+    std::vector<simd::SortKey> numbers;  ///< in the lower halves
+    std::vector<PointHit> answers;
+    std::vector<std::size_t> ends;  ///< of each target's answers
+  };
+
+  /// `begin` holds how many answers each target has, and then where they begin.
+  void make_room() {
+    std::vector<std::size_t>& begin = answers_.begin;
+    begin.back() = 0;
+    std::exclusive_scan(begin.begin(), begin.end(), begin.begin(), std::size_t{0});
+    answers_.all.reserve(begin.back());
+    request_huge_pages(answers_.all.data(), begin.back() * sizeof(PointHit));
+    answers_.all.resize(begin.back());
+  }
+
+  void answer(Turn& turn) const {
+    sort_along_curve(targets_, turn.numbers);
+    std::vector<glm::dvec3> targets(turn.numbers.size());
+    for (std::size_t i = 0; i < targets.size(); ++i) targets[i] = targets_[simd::number_of(turn.numbers[i])];
+    turn.ends.reserve(targets.size());
+    double reach = 0.0;
+    find_in_turn(octree_, targets, query_, reach, turn.answers, turn.ends);
+  }
+
+  void put_in_place(const Turn& turn) {
+    for (std::size_t i = 0, first = 0; i < turn.ends.size(); first = turn.ends[i++])
+      std::copy_n(turn.answers.data() + first, turn.ends[i] - first,
+                  answers_.all.data() + answers_.begin[simd::number_of(turn.numbers[i])]);
+  }
+
+  const Octree& octree_;
+  const std::span<const glm::dvec3> targets_;
+  const PointQuery& query_;
+  Answers<PointHit> answers_;
+};
+
 }  // namespace
 
 template <AskableAlong T>
@@ -105,6 +211,10 @@ template <Askable T>
 Answers<AnswerOf<T>> FamilyAnswers<T>::find(const Octree& octree, std::span<const T> targets,
                                             const QueryOf<T>& query) {
   check_many(octree, targets, query);
+  if constexpr (std::same_as<T, glm::dvec3>) {
+    if (suits_turns(octree, query) && targets.size() <= std::numeric_limits<std::uint32_t>::max())
+      return CurveBatch(octree, targets, query).find();
+  }
   return answer_all<AnswerOf<T>>(targets, k_grain, [&](std::size_t i, std::vector<AnswerOf<T>>& answers) {
     find_into(octree, targets[i], query, query.k, i, answers);
   });

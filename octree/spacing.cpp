@@ -10,6 +10,7 @@
 #include <memory>
 #include <numeric>
 #include <optional>
+#include <span>
 #include <tuple>
 #include <vector>
 
@@ -32,29 +33,49 @@ class Neighbours {
   Neighbours(const Octree& octree, int number, int max_level = k_all_levels)
       : octree_(octree), number_(static_cast<std::size_t>(number)), max_level_(max_level) {}
 
-  /// Distance to it from the position of a point; infinite if there are fewer.
-  double spacing(const glm::dvec3& position) {
+  /// Appends the distance to it from the position of each of some points; infinite if there are fewer. Fast
+  /// where each is near the one before, that of the last call included.
+  void spacings(std::span<const glm::dvec3> positions, std::vector<double>& spacings) {
+    nearest_.clear();
+    ends_.clear();
     // The point itself comes first. Where it has twins, they must not crowd out the others.
-    if (const auto found = others(position, {.k = number_ + 1, .max_level = max_level_})) return *found;
-    const auto elsewhere = [](const Candidate& candidate) { return candidate.distance > 0.0; };
-    return others(position, {.k = number_, .max_level = max_level_, .filter = elsewhere})
-        .value_or(std::numeric_limits<double>::infinity());
+    const PointQuery query{.k = number_ + 1, .max_level = max_level_};
+    find_in_turn(octree_, positions, query, reach_, nearest_, ends_);
+    std::size_t begin = 0;
+    for (std::size_t i = 0; i < positions.size(); begin = ends_[i++]) {
+      const auto found = elsewhere(std::span(nearest_).subspan(begin, ends_[i] - begin));
+      spacings.push_back(found ? *found : among_twins(positions[i]));
+    }
+  }
+
+  double spacing(const glm::dvec3& position) {
+    std::vector<double> spacing;
+    spacings(std::span(&position, 1), spacing);
+    return spacing.front();
   }
 
  private:
-  /// Distance of the n-th point elsewhere among the first k.
-  std::optional<double> others(const glm::dvec3& position, const PointQuery& query) {
-    nearest_.clear();
-    find_into(octree_, position, query, query.k, 0, nearest_);
-    const auto first = std::ranges::find_if(nearest_, [](const PointHit& hit) { return hit.distance > 0.0; });
-    if (static_cast<std::size_t>(nearest_.end() - first) < number_) return std::nullopt;
+  double among_twins(const glm::dvec3& position) const {
+    const auto is_elsewhere = [](const Candidate& candidate) { return candidate.distance > 0.0; };
+    std::vector<PointHit> nearest;
+    find_into(octree_, position, PointQuery{.k = number_, .max_level = max_level_, .filter = is_elsewhere},
+              number_, 0, nearest);
+    return elsewhere(nearest).value_or(std::numeric_limits<double>::infinity());
+  }
+
+  /// Distance of the n-th point elsewhere.
+  std::optional<double> elsewhere(std::span<const PointHit> nearest) const {
+    const auto first = std::ranges::find_if(nearest, [](const PointHit& hit) { return hit.distance > 0.0; });
+    if (static_cast<std::size_t>(nearest.end() - first) < number_) return std::nullopt;
     return (first + static_cast<std::ptrdiff_t>(number_ - 1))->distance;
   }
 
   const Octree& octree_;
   const std::size_t number_;
   const int max_level_;
+  double reach_ = 0.0;
   std::vector<PointHit> nearest_;
+  std::vector<std::size_t> ends_;
 };
 
 bool before(const glm::dvec3& a, const glm::dvec3& b) {
@@ -73,15 +94,20 @@ class SpacingMeter {
       : tree_(octree.view()), neighbours_(octree, neighbours) {}
 
   void measure(const Leaf& leaf, std::uint16_t* spacings) {
+    positions_.clear();
+    std::size_t numbers[k_max_leaf_size];
     for (std::uint32_t i = 0; i < leaf.count; ++i) {
       const LatticePosition position = position_of(tree_, leaf, i);
       // Points of one position mostly stand one after another.
-      if (!known_ || position != last_)
-        bits_ = spacing_bits(neighbours_.spacing(to_world(tree_.lattice, position)));
+      if (!known_ || position != last_) positions_.push_back(to_world(tree_.lattice, position));
       known_ = true;
       last_ = position;
-      spacings[leaf.first + i] = bits_;
+      numbers[i] = positions_.size();
     }
+    neighbours_.spacings(positions_, spacings_);
+    for (std::uint32_t i = 0; i < leaf.count; ++i)
+      spacings[leaf.first + i] = spacing_bits(spacings_[numbers[i]]);
+    spacings_ = {spacings_.back()};
   }
 
  private:
@@ -89,7 +115,9 @@ class SpacingMeter {
   Neighbours neighbours_;
   bool known_ = false;
   LatticePosition last_{};
-  std::uint16_t bits_ = 0;
+  std::vector<glm::dvec3> positions_;
+  /// Those of the positions, behind that of the last one of the leaf before.
+  std::vector<double> spacings_{0.0};
 };
 
 }  // namespace

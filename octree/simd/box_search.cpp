@@ -5,189 +5,18 @@
 #define HWY_TARGET_INCLUDE "octree/simd/box_search.cpp"
 #include <hwy/foreach_target.h>
 
+#include <memory>
+#include <utility>
+
 #include "octree/candidate.h"
-#include "octree/simd/box_test-inl.h"
+#include "octree/simd/box_walk-inl.h"
 #include "octree/simd/choose_table.h"
 #include "octree/simd/first_answers.h"
-#include "octree/simd/lattice_box.h"
+#include "octree/simd/sort_keys.h"
 
 HWY_BEFORE_NAMESPACE();
 namespace alidade::simd {
 namespace HWY_NAMESPACE {
-
-/// Hands leaves out with the points in a box, as bits. Visit: leaf(leaf, bits); all(frame, slot) -> whether
-/// that is all it wants of the points below, which are all inside.
-template <class Visit>
-class BoxWalk {
- public:
-  BoxWalk(const TreeView& tree, const LatticeBox& box, int max_level, Visit& visit)
-      : tree_(tree), box_(box), max_level_(max_level), visit_(visit) {}
-
-  void run() { walk(root_frame(tree_), false); }
-
- private:
-  void walk(const Frame& frame, bool is_inside) {
-    const Node& node = tree_.nodes[frame.node];
-    const Slots slots(node);
-    unsigned met = 0xffff, inside = 0xffff;
-    if (!is_inside) compare_boxes(frame, node, met, inside);
-    if (frame.depth >= max_level_) met &= slots.leaf;
-    met &= slots.leaf | slots.inner;
-    for (; met != 0 && !visit_.is_done(); met &= met - 1) {
-      const int slot = std::countr_zero(met);
-      const bool child_inside = (inside >> slot & 1u) != 0;
-      if (child_inside && visit_.all(frame, slot)) continue;
-      if ((slots.leaf >> slot & 1u) != 0) {
-        const Leaf leaf = slots.leaf_in(node, frame, slot);
-        const std::uint32_t all = leaf.count == 32 ? ~0u : (1u << leaf.count) - 1u;
-        const std::uint32_t points = child_inside ? all : compare_points(leaf, frame.level) & all;
-        if (points != 0) visit_.leaf(leaf, points);
-      } else {
-        walk(slots.child_in(node, frame, slot), child_inside);
-      }
-    }
-  }
-
-  /// met: boxes that have a lattice step in common with the box; inside: that have no step outside.
-  void compare_boxes(const Frame& frame, const Node& node, unsigned& met, unsigned& inside) const {
-    const hn::CappedTag<std::uint8_t, k_node_width> d;
-    const int shift = frame.level - k_min_frame_level;
-    for (int axis = 0; axis < 3; ++axis) {
-      const std::int64_t low = box_.low[axis] - frame.corner[axis],
-                         high = box_.high[axis] - frame.corner[axis];
-      // In grid steps of the frame; shifts round down. [first, last] are touched, [first_full, last_full]
-      // covered.
-      const std::int64_t first = low >> shift, last = high >> shift,
-                         first_full = (low + (std::int64_t{1} << shift) - 1) >> shift,
-                         last_full = ((high + 1) >> shift) - 1;
-      if (last < 0 || first > 255) met = 0;
-      if (last_full < 0 || first_full > 255) inside = 0;
-      const auto byte = [&](std::int64_t step) {
-        return hn::Set(d, static_cast<std::uint8_t>(std::clamp<std::int64_t>(step, 0, 255)));
-      };
-      const auto touched_first = byte(first), touched_last = byte(last), full_first = byte(first_full),
-                 full_last = byte(last_full);
-      unsigned met_here = 0, inside_here = 0;
-      for (std::size_t lane = 0; lane < k_node_width; lane += hn::Lanes(d)) {
-        const auto box_low = hn::LoadU(d, node.low[axis] + lane),
-                   box_high = hn::LoadU(d, node.high[axis] + lane);
-        const auto meets = hn::And(hn::Eq(hn::Max(box_high, touched_first), box_high),
-                                   hn::Eq(hn::Min(box_low, touched_last), box_low));
-        const auto stays = hn::And(hn::Eq(hn::Max(box_low, full_first), box_low),
-                                   hn::Eq(hn::Min(box_high, full_last), box_high));
-        met_here |= byte_mask_bits(d, meets) << lane;
-        inside_here |= byte_mask_bits(d, stays) << lane;
-      }
-      met &= met_here;
-      inside &= inside_here;
-    }
-  }
-
-  /// Bit per point: inside. Bits past the leaf's count mean nothing.
-  std::uint32_t compare_points(const Leaf& leaf, int level) const {
-    std::uint32_t points = 0;
-    if (coordinate_shift(level) > 0) {
-      for (std::uint32_t i = 0; i < leaf.count; ++i)
-        points |= box_.contains(position_of(tree_, leaf, i), tree_.base) ? 1u << i : 0u;
-      return points;
-    }
-    const hn::CappedTag<std::uint16_t, 16> d;
-    const std::uint16_t* const coordinates = tree_.coordinates + std::size_t{3} * leaf.first;
-    points = ~0u;
-    for (int axis = 0; axis < 3; ++axis) {
-      const std::int64_t low = box_.low[axis] - leaf.corner[axis], high = box_.high[axis] - leaf.corner[axis];
-      if (high < 0 || low > 0xffff) return 0;
-      const auto first = hn::Set(d, static_cast<std::uint16_t>(std::max<std::int64_t>(low, 0))),
-                 last = hn::Set(d, static_cast<std::uint16_t>(std::min<std::int64_t>(high, 0xffff)));
-      std::uint32_t here = 0;
-      for (std::size_t i = 0; i < leaf.count; i += hn::Lanes(d)) {
-        const auto value = hn::LoadU(d, coordinates + axis * leaf.count + i);
-        const auto stays = hn::And(hn::Eq(hn::Max(value, first), value), hn::Eq(hn::Min(value, last), value));
-        here |= byte_mask_bits(d, stays) << i;
-      }
-      points &= here;
-    }
-    return points;
-  }
-
-  /// Bit i = lane i of the mask.
-  template <class D, class Mask>
-  static std::uint32_t byte_mask_bits(D d, const Mask& mask) {
-    std::uint8_t bytes[8] = {};
-    hn::StoreMaskBits(d, mask, bytes);
-    return bytes[0] | static_cast<std::uint32_t>(bytes[1]) << 8;
-  }
-
-  const TreeView& tree_;
-  const LatticeBox& box_;
-  const int max_level_;
-  Visit& visit_;
-};
-
-/// The points, in the order of the leaves.
-class BoxFinder {
- public:
-  BoxFinder(const TreeView& tree, const Bounds& box, const PointQuery& query, std::size_t query_index)
-      : tree_(tree), box_(box), query_(query), query_index_(query_index) {}
-
-  bool is_done() const { return false; }
-  bool all(const Frame&, int) const { return false; }
-
-  void leaf(const Leaf& leaf, std::uint32_t points) {
-    if (count_ + k_max_leaf_size > keys_.size()) {
-      keys_.resize(2 * keys_.size() + k_first_room);
-      positions_.resize(keys_.size());
-    }
-    if (query_.filter || (tree_.positions && leaf.first >= tree_.first_exact)) {
-      for (; points != 0; points &= points - 1) {
-        const std::uint32_t i = index_of_lowest_bit(points);
-        const std::uint64_t id = point_id(tree_, leaf.first + i);
-        const LatticePosition position = position_of(tree_, leaf, i);
-        if (!query_.filter || evaluate(box_, query_, to_world(tree_.lattice, position), id, query_index_))
-          add(id, position);
-      }
-      return;
-    }
-    // What position_of() does, with what is the same for all points of the leaf taken out of the loop.
-    const std::uint16_t* const x = tree_.coordinates + std::size_t{3} * leaf.first;
-    const std::uint16_t *const y = x + leaf.count, *const z = y + leaf.count;
-    std::uint32_t corner[3];
-    for (int axis = 0; axis < 3; ++axis)
-      corner[axis] = static_cast<std::uint32_t>(tree_.base[axis]) + leaf.corner[axis];
-    for (; points != 0; points &= points - 1) {
-      const std::uint32_t i = index_of_lowest_bit(points);
-      add(point_id(tree_, leaf.first + i),
-          {static_cast<std::int32_t>(corner[0] + x[i]), static_cast<std::int32_t>(corner[1] + y[i]),
-           static_cast<std::int32_t>(corner[2] + z[i])});
-    }
-  }
-
-  /// Appends the k points with the lowest ids.
-  void finish(std::size_t k, std::vector<PointHit>& answers) {
-    keys_.resize(count_);
-    sort_by_id(keys_, k);
-    const std::size_t room = answers.size() + keys_.size();
-    if (answers.capacity() < room) answers.reserve(std::max(2 * answers.capacity(), room));
-    for (const IdKey key : keys_)
-      answers.push_back({key >> 32, to_world(tree_.lattice, positions_[key & 0xffffffffu]), 0.0});
-  }
-
- private:
-  static constexpr std::size_t k_first_room = 256;
-
-  void add(std::uint64_t id, const LatticePosition& position) {
-    keys_[count_] = id << 32 | count_;
-    positions_[count_++] = position;
-  }
-
-  const TreeView& tree_;
-  const Bounds& box_;
-  const PointQuery& query_;
-  const std::size_t query_index_;
-  std::size_t count_ = 0;
-  std::vector<IdKey> keys_;  ///< longer than count_, as positions_
-  std::vector<LatticePosition> positions_;
-};
 
 /// How many points, up to k.
 class BoxCounter {
@@ -223,19 +52,94 @@ class BoxCounter {
   std::size_t count_ = 0;
 };
 
-std::size_t count(const TreeView& tree, const Bounds& box, const PointQuery& query, std::size_t k,
-                  std::size_t query_index) {
-  const LatticeBox steps(tree, box);
+std::size_t count_in(const TreeView& tree, const Bounds& box, const LatticeBox& steps,
+                     const PointQuery& query, std::size_t k, std::size_t query_index) {
   BoxCounter counter(tree, box, query, k, query_index);
   if (!steps.empty()) BoxWalk(tree, steps, query.max_level, counter).run();
   return counter.count();
+}
+
+/// The points, in the order of the leaves.
+class BoxFinder {
+ public:
+  BoxFinder(const TreeView& tree, const Bounds& box, const LatticeBox& steps, const PointQuery& query,
+            std::size_t query_index)
+      : tree_(tree), box_(box), steps_(steps), query_(query), query_index_(query_index) {}
+
+  bool is_done() const { return false; }
+  bool all(const Frame&, int) const { return false; }
+
+  void leaf(const Leaf& leaf, std::uint32_t bits) {
+    if (count_ + k_max_leaf_size + k_unpack_room > room_) grow();
+    const std::size_t before = count_;
+    count_ += unpack(tree_, leaf, bits, points_.get() + before);
+    if (query_.filter) keep_admitted(before);
+  }
+
+  /// Appends the k points with the lowest ids.
+  void finish(std::size_t k, std::vector<PointHit>& answers) {
+    std::vector<SortKey> keys(count_);
+    for (std::size_t i = 0; i < count_; ++i) keys[i] = point_id(tree_, points_[i].index) << 32 | i;
+    if (count_ > k) {
+      std::nth_element(keys.begin(), keys.begin() + static_cast<std::ptrdiff_t>(k), keys.end());
+      keys.resize(k);
+    }
+    sort_keys(keys);
+    const std::size_t room = answers.size() + keys.size();
+    if (answers.capacity() < room) answers.reserve(std::max(2 * answers.capacity(), room));
+    for (const SortKey key : keys) {
+      // Member by member: copying an answer from the stack would wait for its members to get there.
+      PointHit& answer = answers.emplace_back();
+      answer.point_id = key >> 32;
+      answer.position = to_world(tree_.lattice, points_[number_of(key)].position);
+    }
+  }
+
+ private:
+  static constexpr std::size_t k_first_room = 512;
+  static constexpr std::size_t k_many = 16384;
+
+  /// Many points are counted, which takes far less time than moving them from one room to the next.
+  void grow() {
+    std::size_t room = std::max(2 * room_, k_first_room);
+    if (room > k_many && !query_.filter)
+      room = std::max(room_, count_in(tree_, box_, steps_, query_, k_all, query_index_)) + k_max_leaf_size +
+             k_unpack_room;
+    auto points = std::make_unique_for_overwrite<StoredPoint[]>(room);
+    std::copy_n(points_.get(), count_, points.get());
+    points_ = std::move(points);
+    room_ = room;
+  }
+
+  void keep_admitted(std::size_t first) {
+    const std::size_t end = std::exchange(count_, first);
+    for (std::size_t i = first; i < end; ++i) {
+      const StoredPoint point = points_[i];
+      if (evaluate(box_, query_, to_world(tree_.lattice, point.position), point_id(tree_, point.index),
+                   query_index_))
+        points_[count_++] = point;
+    }
+  }
+
+  const TreeView& tree_;
+  const Bounds& box_;
+  const LatticeBox& steps_;
+  const PointQuery& query_;
+  const std::size_t query_index_;
+  std::size_t count_ = 0, room_ = 0;
+  std::unique_ptr<StoredPoint[]> points_;
+};
+
+std::size_t count(const TreeView& tree, const Bounds& box, const PointQuery& query, std::size_t k,
+                  std::size_t query_index) {
+  return count_in(tree, box, LatticeBox(tree, box), query, k, query_index);
 }
 
 void find(const TreeView& tree, const Bounds& box, const PointQuery& query, std::size_t k,
           std::size_t query_index, std::vector<PointHit>& answers) {
   const LatticeBox steps(tree, box);
   if (steps.empty()) return;
-  BoxFinder finder(tree, box, query, query_index);
+  BoxFinder finder(tree, box, steps, query, query_index);
   BoxWalk(tree, steps, query.max_level, finder).run();
   finder.finish(k, answers);
 }

@@ -11,9 +11,11 @@
 #include <bit>
 #include <vector>
 
+#include "octree/simd/box_walk-inl.h"
 #include "octree/simd/first_answers.h"
 #include "octree/simd/lanes-inl.h"
 #include "octree/simd/ray_state.h"
+#include "octree/simd/sort_keys.h"
 #include "octree/tree_walk.h"
 
 // What a search does with the points that lanes could not discard. Lanes describe every point whether it may
@@ -209,37 +211,46 @@ class NearestCollector {
   Waiting few_[k_few];
 };
 
-/// All points.
-template <class Target>
+/// All points. Count: counts them without collecting, or nothing (0).
+template <class Target, class Count>
 class AllCollector {
  public:
   using Answer = typename Target::Answer;
   static constexpr bool k_has_cut = false;
   static constexpr bool k_counts = false;
 
-  AllCollector(const TreeView& tree, const Target& target, std::vector<Answer>& answers)
-      : tree_(tree), target_(target), answers_(answers), first_(answers.size()) {}
+  AllCollector(const TreeView& tree, const Target& target, const Count& count, std::vector<Answer>& answers)
+      : tree_(tree), target_(target), count_(count), answers_(answers), first_(answers.size()) {}
 
   float cut() const { return std::numeric_limits<float>::infinity(); }
   bool is_done() const { return false; }
 
   void add(const Leaf& leaf, const TestedPoints& points) {
-    for (std::uint32_t rest = points.possible; rest != 0; rest &= rest - 1) {
-      if (const auto answer = decide(tree_, target_, leaf, index_of_lowest_bit(rest)))
+    StoredPoint stored[k_max_leaf_size + k_unpack_room];
+    const std::size_t count = unpack(tree_, leaf, points.possible, stored);
+    for (std::size_t i = 0; i < count; ++i) {
+      if (const auto answer =
+              target_.evaluate(to_world(tree_.lattice, stored[i].position), point_id(tree_, stored[i].index)))
         answers_.push_back(*answer);
     }
+    if (is_counted_ || answers_.size() - first_ < k_many) return;
+    // Moving many answers again and again takes longer than counting them.
+    is_counted_ = true;
+    const std::size_t room = first_ + count_();
+    if (answers_.capacity() < room) answers_.reserve(std::max(2 * answers_.capacity(), room));
   }
 
-  void finish() {
-    std::sort(answers_.begin() + static_cast<std::ptrdiff_t>(first_), answers_.end(),
-              Precedes<Target>{target_});
-  }
+  void finish() { sort_answers(target_, first_, answers_); }
 
  private:
+  static constexpr std::size_t k_many = 1024;
+
   const TreeView& tree_;
   const Target& target_;
+  const Count& count_;
   std::vector<Answer>& answers_;
   const std::size_t first_;
+  bool is_counted_ = false;
 };
 
 /// How many points, up to k.

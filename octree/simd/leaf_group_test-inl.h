@@ -186,10 +186,15 @@ class LeafGroupTest {
 
     Group(const RayBatch& batch, const std::uint32_t* rays, const float* t_near, std::size_t rows,
           const double* corner) {
-      // Lanes without a ray hold zeros or what earlier groups left: finite or not, nothing follows from them.
       alignas(64) float from[k_most_lanes][4], direction[k_most_lanes][4], limits[k_most_lanes][4];
       for (std::size_t row = 0; row < rows; ++row)
         relative_to(batch[rays[row]], t_near[row], corner, from[row], direction[row], limits[row]);
+      // Lanes without a ray repeat the first one.
+      for (std::size_t row = rows; row < hn::Lanes(RayLanes()); ++row) {
+        std::copy_n(from[0], 4, from[row]);
+        std::copy_n(direction[0], 4, direction[row]);
+        std::copy_n(limits[0], 4, limits[row]);
+      }
       const RayLanes d;
       RayVector padding;
       hn::LoadInterleaved4(d, from[0], x, y, z, padding);

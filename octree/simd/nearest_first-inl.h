@@ -132,15 +132,6 @@ void find_first(const TreeView& tree, const Kernel& kernel, const Target& target
   nearest.finish();
 }
 
-/// Appends all answers.
-template <class Kernel, class Target, class Query, class Answer>
-void find_all(const TreeView& tree, const Kernel& kernel, const Target& target, const Query& query,
-              std::vector<Answer>& answers) {
-  AllCollector<Target> all(tree, target, answers);
-  NearestFirst(tree, kernel, all, query.max_level, k_all).run();
-  all.finish();
-}
-
 /// How many answers, up to k.
 template <class Kernel, class Target, class Query>
 std::size_t count_first(const TreeView& tree, const Kernel& kernel, const Target& target, const Query& query,
@@ -148,6 +139,18 @@ std::size_t count_first(const TreeView& tree, const Kernel& kernel, const Target
   CountCollector<Target> counter(tree, target, k);
   NearestFirst(tree, kernel, counter, query.max_level, k_all).run();
   return counter.count();
+}
+
+/// Appends all answers.
+template <class Kernel, class Target, class Query, class Answer>
+void find_all(const TreeView& tree, const Kernel& kernel, const Target& target, const Query& query,
+              std::vector<Answer>& answers) {
+  const auto count = [&] {
+    return knows_all_points(query) ? count_first(tree, kernel, target, query, k_all) : 0;
+  };
+  AllCollector all(tree, target, count, answers);
+  NearestFirst(tree, kernel, all, query.max_level, k_all).run();
+  all.finish();
 }
 
 }  // namespace HWY_NAMESPACE

@@ -8,6 +8,7 @@
 #include "octree/query_targets.h"
 #include "octree/simd/choose_table.h"
 #include "octree/simd/nearest_first-inl.h"
+#include "octree/simd/nearest_group-inl.h"
 
 HWY_BEFORE_NAMESPACE();
 namespace alidade::simd {
@@ -153,7 +154,45 @@ std::size_t count(const TreeView& tree, const glm::dvec3& point, const PointQuer
   return count_first(tree, kernel, PointTarget(point, query, query_index), query, k);
 }
 
-constexpr Search<glm::dvec3> k_point_search{find, count};
+/// How many of the first targets stand close together, measured by the distance of their k-th points.
+std::size_t group_size(std::span<const glm::dvec3> targets, double reach) {
+  constexpr double k_widest = 4.0;
+  Bounds box;
+  std::size_t count = 0;
+  for (; count < std::min(targets.size(), NearestGroup::k_most_targets); ++count) {
+    box.grow(targets[count]);
+    const glm::dvec3 size = box.size();
+    if (std::max({size.x, size.y, size.z}) > k_widest * reach) break;
+  }
+  return std::max<std::size_t>(count, 1);
+}
+
+void find_in_turn(const TreeView& tree, std::span<const glm::dvec3> targets, const PointQuery& query,
+                  std::size_t k, double& reach, std::vector<PointHit>& answers,
+                  std::vector<std::size_t>& ends) {
+  constexpr std::size_t k_fewest = 4;  // for whom collecting pays
+  constexpr double k_allowance = 1.15;
+  NearestGroup group(tree, query, k);
+  const double reach_of_few = std::isinf(query.radius) ? 0.0 : query.radius;
+  while (!targets.empty()) {
+    const std::size_t count = group_size(targets, reach);
+    const bool is_collected = count >= k_fewest && group.collect(targets.first(count), reach);
+    double reaches[NearestGroup::k_most_targets] = {};
+    for (std::size_t i = 0; i < count; ++i) {
+      const std::size_t first = answers.size();
+      if (!is_collected || !group.find(targets[i], answers)) find(tree, targets[i], query, k, 0, answers);
+      ends.push_back(answers.size());
+      reaches[i] = answers.size() - first < k ? reach_of_few : answers.back().distance;
+    }
+    // Nine in ten, so that a few outliers do not make the next group collect too much.
+    double* const most = reaches + count * 9 / 10;
+    std::nth_element(reaches, most, reaches + count);
+    reach = k_allowance * *most;
+    targets = targets.subspan(count);
+  }
+}
+
+constexpr Search<glm::dvec3> k_point_search{find, count, find_in_turn};
 
 }  // namespace HWY_NAMESPACE
 }  // namespace alidade::simd

@@ -31,6 +31,9 @@ struct Traversal {
 /// The traversal for an available instruction set (not `best`).
 const Traversal& traversal(InstructionSet instruction_set);
 
+/// More neighbours take so long to choose that sharing the way to them gains little.
+constexpr std::size_t k_most_in_turn = 64;
+
 /// Queries of one family, by any measure and with any conditions, compiled for one instruction set: of rays
 /// those that `Traversal` does not answer, of points, and of boxes. Lanes only discard what double arithmetic
 /// would discard too; what remains is decided by octree/candidate.h. So all sets give the same bits. World
@@ -45,6 +48,13 @@ struct Search {
                std::size_t query_index, std::vector<AnswerOf<T>>& answers);
   std::size_t (*count)(const TreeView& tree, const T& target, const QueryOf<T>& query, std::size_t k,
                        std::size_t query_index);
+  /// Of points only: appends the k first points of one target after another, and where those of each end.
+  /// Fast where each target is near the one before. reach: the distance of the k-th point of targets near the
+  /// first one, or 0 if it is not known; becomes that of the last ones. Requires: no
+  /// filter.
+  void (*find_in_turn)(const TreeView& tree, std::span<const T> targets, const QueryOf<T>& query,
+                       std::size_t k, double& reach, std::vector<AnswerOf<T>>& answers,
+                       std::vector<std::size_t>& ends) = nullptr;
 };
 
 /// The search for an available instruction set (not `best`).

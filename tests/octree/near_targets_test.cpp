@@ -1,0 +1,151 @@
+// SPDX-License-Identifier: MIT
+#include <tbb/global_control.h>
+
+#include <algorithm>
+
+#include "tests/octree/as_brute_force.h"
+#include "tests/support/positions.h"
+
+// Batches of points that stand near each other share their way through the tree (octree/query.cpp).
+
+namespace alidade {
+namespace {
+
+using namespace test;
+
+constexpr std::size_t k_most = 64;
+
+/// Dense where the cloud is, some far away, in no order.
+std::vector<glm::dvec3> near_targets(const PointCloud& cloud, Random& random) {
+  const Positions positions(cloud, random);
+  std::vector<glm::dvec3> targets;
+  for (int copy = 0; copy < 2; ++copy) {
+    for (const PointHit& hit : brute_force::find(cloud, positions.point(), {.k = 120})) {
+      targets.push_back(hit.position);
+      if (random.below(3) == 0) targets.push_back(hit.position + positions.spacing() * random.in_cube());
+    }
+  }
+  for (int i = 0; i < 40; ++i) targets.push_back(positions.anywhere());
+  for (std::size_t i = targets.size(); i > 1; --i) std::swap(targets[i - 1], targets[random.below(i)]);
+  return targets;
+}
+
+/// The k first within the radius, of the first ones without limits.
+std::vector<PointHit> limited(const std::vector<PointHit>& first, const PointQuery& query) {
+  std::vector<PointHit> answers;
+  for (const PointHit& hit : first)
+    if (hit.distance <= query.radius && answers.size() < query.k) answers.push_back(hit);
+  return answers;
+}
+
+void expect_answers(const Octree& octree, const std::vector<glm::dvec3>& targets, const PointQuery& query,
+                    const std::vector<std::vector<PointHit>>& expected) {
+  const Answers<PointHit> found = find(octree, targets, query);
+  ASSERT_EQ(found.size(), targets.size());
+  ASSERT_EQ(found.begin.back(), found.all.size());
+  for (std::size_t i = 0; i < targets.size(); ++i)
+    ASSERT_TRUE(same_hits(found[i], std::span<const PointHit>(expected[i]))) << "target " << i;
+}
+
+TEST(NearTargetsVsBruteForce, k_nearest_are_the_same_bits_in_every_organisation_and_instruction_set) {
+  for (const PointFamily& family : point_families()) {
+    if (family.cloud.size() == 0) continue;
+    Random random(family.name + "_near_targets");
+    const std::vector<glm::dvec3> targets = near_targets(family.cloud, random);
+    std::vector<std::vector<PointHit>> first;
+    for (const glm::dvec3& target : targets)
+      first.push_back(brute_force::find(family.cloud, target, {.k = k_most}));
+    const double spacing = Positions(family.cloud, random).spacing();
+    for (const NamedOctree& named : octrees_of(family.cloud)) {
+      for (const InstructionSet set : available_instruction_sets()) {
+        const Octree octree = named.octree.with_instruction_set(set);
+        for (const PointQuery& query :
+             {PointQuery{.k = 1}, PointQuery{.k = 10}, PointQuery{.radius = spacing, .k = 10},
+              PointQuery{.radius = 3.0 * spacing, .k = 10}, PointQuery{.k = k_most}}) {
+          SCOPED_TRACE(family.name + ", " + named.name + ", " + std::string(name(set)) + ", k " +
+                       std::to_string(query.k) + ", radius " + std::to_string(query.radius));
+          std::vector<std::vector<PointHit>> expected;
+          for (const std::vector<PointHit>& one : first) expected.push_back(limited(one, query));
+          expect_answers(octree, targets, query, expected);
+          if (HasFatalFailure()) return;
+        }
+      }
+    }
+  }
+}
+
+/// Find of each target.
+std::vector<std::vector<PointHit>> one_by_one(const Octree& octree, const std::vector<glm::dvec3>& targets,
+                                              const PointQuery& query) {
+  std::vector<std::vector<PointHit>> answers;
+  for (const glm::dvec3& target : targets) answers.push_back(find(octree, target, query));
+  return answers;
+}
+
+TEST(NearTargets, answers_keep_to_the_coarse_levels_that_are_asked_for) {
+  for (const PointFamily& family : point_families()) {
+    Random random(family.name + "_levels");
+    if (family.cloud.size() == 0) continue;
+    const std::vector<glm::dvec3> targets = near_targets(family.cloud, random);
+    for (const NamedOctree& named : octrees_of(family.cloud)) {
+      if (named.octree.view().organisation != Organisation::layered) continue;
+      for (int level = 0; level < 4; ++level) {
+        const PointQuery query{.k = 5, .max_level = level};
+        SCOPED_TRACE(family.name + ", " + named.name + ", level " + std::to_string(level));
+        expect_answers(named.octree, targets, query, one_by_one(named.octree, targets, query));
+      }
+    }
+  }
+}
+
+TEST(NearTargets, answers_are_the_same_on_any_number_of_threads_and_in_any_order) {
+  const PointFamily family = point_families().back();
+  const Octree octree = build(family.cloud);
+  Random random("near_targets_on_threads");
+  std::vector<glm::dvec3> targets;
+  for (int i = 0; i < 10; ++i)
+    std::ranges::copy(near_targets(family.cloud, random), std::back_inserter(targets));
+  for (const PointQuery& query : {PointQuery{.k = 7}, PointQuery{.radius = 0.3, .k = 20}}) {
+    std::vector<std::vector<PointHit>> expected = one_by_one(octree, targets, query);
+    for (const std::size_t threads : {1, 2, 5}) {
+      const tbb::global_control limit(tbb::global_control::max_allowed_parallelism, threads);
+      expect_answers(octree, targets, query, expected);
+      std::ranges::reverse(targets);
+      std::ranges::reverse(expected);
+    }
+  }
+}
+
+TEST(NearTargets, of_any_finite_coordinates_are_answered) {
+  const PointFamily family = point_families()[3];
+  const Octree octree = build(family.cloud);
+  const std::vector<glm::dvec3> targets{glm::dvec3(1e308), glm::dvec3(-1e308), glm::dvec3(0.0),
+                                        glm::dvec3(0.0),   glm::dvec3(5e-324), glm::dvec3(1e30)};
+  for (const PointQuery& query : {PointQuery{.k = 3}, PointQuery{.radius = 1e308, .k = 3}}) {
+    std::vector<std::vector<PointHit>> expected;
+    for (const glm::dvec3& target : targets)
+      expected.push_back(brute_force::find(family.cloud, target, query));
+    expect_answers(octree, targets, query, expected);
+  }
+}
+
+TEST(NearTargets, whose_neighbours_are_too_many_to_collect_are_answered) {
+  // A dense heap in a sparse plane: the reach of the plane's points holds too many of the heap's.
+  std::vector<glm::dvec3> positions;
+  Random random("heap_in_a_plane");
+  for (int i = 0; i < 10000; ++i) positions.push_back(glm::dvec3(5.0) + 0.01 * random.in_cube());
+  for (int i = 0; i < 1000; ++i) positions.push_back(10.0 * glm::dvec3(random.unit(), random.unit(), 0.5));
+  const PointCloud cloud = make_cloud(positions, {glm::dvec3(0.0001), glm::dvec3(0.0)});
+  const Octree octree = build(cloud);
+  std::vector<glm::dvec3> targets;
+  for (std::size_t i = 0; i < cloud.size(); i += i < 10000 ? 100 : 1) targets.push_back(cloud.world(i));
+  for (const std::size_t k : {1, 10, 64}) {
+    const PointQuery query{.k = k};
+    std::vector<std::vector<PointHit>> expected;
+    for (const glm::dvec3& target : targets) expected.push_back(brute_force::find(cloud, target, query));
+    expect_answers(octree, targets, query, expected);
+  }
+}
+
+}  // namespace
+}  // namespace alidade
