@@ -187,7 +187,8 @@ class LeafGroupTest {
     Group(const RayBatch& batch, const std::uint32_t* rays, const float* t_near, std::size_t rows,
           const double* corner) {
       alignas(64) float from[k_most_lanes][4], direction[k_most_lanes][4], limits[k_most_lanes][4];
-      for (std::size_t row = 0; row < rows; ++row)
+      relative_to(batch[rays[0]], t_near[0], corner, from[0], direction[0], limits[0]);
+      for (std::size_t row = 1; row < rows; ++row)
         relative_to(batch[rays[row]], t_near[row], corner, from[row], direction[row], limits[row]);
       // Lanes without a ray repeat the first one.
       for (std::size_t row = rows; row < hn::Lanes(RayLanes()); ++row) {
