@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <glm/common.hpp>
 #include <limits>
 #include <numeric>
 
@@ -14,6 +15,7 @@
 #include "octree/check_query.h"
 #include "octree/morton.h"
 #include "octree/octree.h"
+#include "octree/simd/ray_state.h"
 #include "octree/simd/sort_keys.h"
 
 namespace alidade {
@@ -46,6 +48,56 @@ void ask_many(const Octree& octree, std::span<const Target> targets, const Query
   });
 }
 
+/// Brings targets, given by their numbers in the lower halves, into an order in which each is near the one
+/// before. position(number): of a target.
+template <class Position>
+void sort_along_curve(const Position& position, std::vector<simd::SortKey>& numbers) {
+  constexpr int k_bits = 10;
+  Bounds bounds;
+  for (const simd::SortKey key : numbers) bounds.grow(position(simd::number_of(key)));
+  const glm::dvec3 size = bounds.size();
+  const double widest = std::max({size.x, size.y, size.z, std::numeric_limits<double>::min()});
+  if (std::isinf(widest)) return;
+  const double cells = ((1 << k_bits) - 1) / widest;
+  for (simd::SortKey& key : numbers) {
+    const glm::dvec3 cell = (position(simd::number_of(key)) - bounds.min) * cells;
+    key = simd::number_of(key) |
+          morton_key(static_cast<std::uint32_t>(cell.x), static_cast<std::uint32_t>(cell.y),
+                     static_cast<std::uint32_t>(cell.z))
+              << 32;
+  }
+  simd::sort_keys(numbers);
+}
+
+/// Calls trace(rays, first_index, answers) for parts of a batch of rays that start here and there, in an order in which
+/// they start side by side: so they share their way through the tree. The order costs some 30 ns per ray, and rays that
+/// bounce off surfaces, shuffled, take 0.6 to 0.7 of the time. Indices are those of the parts.
+template <class Answer, class Trace>
+void trace_side_by_side(const Octree& octree, std::span<const Ray> rays, std::span<Answer> answers,
+                        const Trace& trace) {
+  constexpr std::size_t k_most_sorted = std::size_t{1} << 20;      // bounds the memory for the order
+  for_each_range(rays, k_grain, [](std::size_t, std::size_t) {});  // checks them
+  for (std::size_t begin = 0; begin < rays.size(); begin += k_most_sorted) {
+    const std::span<const Ray> part = rays.subspan(begin, std::min(k_most_sorted, rays.size() - begin));
+    std::vector<simd::SortKey> order(part.size());
+    std::iota(order.begin(), order.end(), simd::SortKey{0});
+    const auto start = [&](std::uint32_t number) {
+      return glm::clamp(part[number].origin, octree.bounds().min, octree.bounds().max);
+    };
+    sort_along_curve(start, order);
+    const std::size_t grain = stream_grain(part.size());
+    tbb::parallel_for(std::size_t{0}, (part.size() + grain - 1) / grain, [&](std::size_t p) {
+      const std::span<const simd::SortKey> rest = std::span(order).subspan(p * grain);
+      const std::span<const simd::SortKey> numbers = rest.first(std::min(rest.size(), grain));
+      std::vector<Ray> sorted(numbers.size());
+      std::vector<Answer> found(numbers.size());
+      for (std::size_t i = 0; i < sorted.size(); ++i) sorted[i] = part[simd::number_of(numbers[i])];
+      trace(std::span<const Ray>(sorted), std::size_t{0}, std::span<Answer>(found));
+      for (std::size_t i = 0; i < sorted.size(); ++i) answers[begin + simd::number_of(numbers[i])] = found[i];
+    });
+  }
+}
+
 /// Many rays to `closest` or `occluded`: through the tree together, those that lanes do not answer one by
 /// one.
 template <class Answer, class Stream, class Ask>
@@ -57,40 +109,25 @@ void ask_rays(const Octree& octree, std::span<const Ray> rays, const RayQuery& q
   }
   check_many(octree, rays, query);
   check_room(rays.size(), answers.size());
-  for_each_range(rays, stream_grain(rays.size()), [&](std::size_t first, std::size_t last) {
-    while (first < last) {
-      const auto rest = rays.subspan(first, last - first);
+  const auto trace = [&](std::span<const Ray> rest, std::size_t first_index, std::span<Answer> room) {
+    while (!rest.empty()) {
       const auto suiting =
           static_cast<std::size_t>(std::ranges::find_if_not(rest, suits_traversal) - rest.begin());
-      if (suiting > 0)
-        stream(octree.view(), rest.first(suiting), query, first, answers.subspan(first, suiting));
-      first += suiting;
-      if (first < last) {
-        answers[first] = ask(octree, rays[first], query, first);
-        ++first;
-      }
+      if (suiting > 0) stream(octree.view(), rest.first(suiting), query, first_index, room.first(suiting));
+      if (suiting == rest.size()) return;
+      room[suiting] = ask(octree, rest[suiting], query, first_index + suiting);
+      rest = rest.subspan(suiting + 1);
+      room = room.subspan(suiting + 1);
+      first_index += suiting + 1;
     }
+  };
+  // A filter is told the index of the ray.
+  if (rays.size() >= 4 * k_most_stream_rays && !query.filter &&
+      !simd::start_side_by_side(octree.view().extent, rays))
+    return trace_side_by_side(octree, rays, answers, trace);
+  for_each_range(rays, stream_grain(rays.size()), [&](std::size_t first, std::size_t last) {
+    trace(rays.subspan(first, last - first), first, answers.subspan(first, last - first));
   });
-}
-
-/// Brings targets, given by their numbers in the lower halves, into an order in which each is near the one
-/// before.
-void sort_along_curve(std::span<const glm::dvec3> targets, std::vector<simd::SortKey>& numbers) {
-  constexpr int k_bits = 10;
-  Bounds bounds;
-  for (const simd::SortKey key : numbers) bounds.grow(targets[simd::number_of(key)]);
-  const glm::dvec3 size = bounds.size();
-  const double widest = std::max({size.x, size.y, size.z, std::numeric_limits<double>::min()});
-  if (std::isinf(widest)) return;
-  const double cells = ((1 << k_bits) - 1) / widest;
-  for (simd::SortKey& key : numbers) {
-    const glm::dvec3 cell = (targets[simd::number_of(key)] - bounds.min) * cells;
-    key = simd::number_of(key) |
-          morton_key(static_cast<std::uint32_t>(cell.x), static_cast<std::uint32_t>(cell.y),
-                     static_cast<std::uint32_t>(cell.z))
-              << 32;
-  }
-  simd::sort_keys(numbers);
 }
 
 /// A batch that is answered along a curve through the targets, whatever the order of the caller.
@@ -103,7 +140,7 @@ class CurveBatch {
     for_each_range(targets_, k_turn, [](std::size_t, std::size_t) {});  // checks them
     std::vector<simd::SortKey> order(targets_.size());
     std::iota(order.begin(), order.end(), simd::SortKey{0});
-    sort_along_curve(targets_, order);
+    sort_along_curve([&](std::uint32_t number) { return targets_[number]; }, order);
     std::vector<std::size_t>& begin = answers_.begin;
     begin.resize(targets_.size() + 1);
     // Mostly it is known how many points answer: then answers are put where they belong at once.
@@ -152,7 +189,7 @@ class CurveBatch {
   }
 
   void answer(Turn& turn) const {
-    sort_along_curve(targets_, turn.numbers);
+    sort_along_curve([&](std::uint32_t number) { return targets_[number]; }, turn.numbers);
     std::vector<glm::dvec3> targets(turn.numbers.size());
     for (std::size_t i = 0; i < targets.size(); ++i) targets[i] = targets_[simd::number_of(turn.numbers[i])];
     turn.ends.reserve(targets.size());

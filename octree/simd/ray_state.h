@@ -5,8 +5,10 @@
 #include <array>
 #include <bit>
 #include <cmath>
+#include <cstddef>
 #include <cstdint>
 #include <limits>
+#include <span>
 
 #include "base/ray.h"
 #include "cloud/lattice.h"
@@ -51,6 +53,28 @@ inline float float_below(double value) {
 inline unsigned octant_of(const Ray& ray) {
   return (ray.direction.x < 0.0 ? 1u : 0u) | (ray.direction.y < 0.0 ? 2u : 0u) |
          (ray.direction.z < 0.0 ? 4u : 0u);
+}
+
+/// Whether a condition holds for most of 64 pairs of rays that follow one another, spread over a batch.
+template <class Condition>
+bool holds_for_most_pairs(std::span<const Ray> rays, const Condition& condition) {
+  constexpr std::size_t k_samples = 64;
+  if (rays.size() < 2) return false;
+  std::size_t count = 0;
+  for (std::size_t s = 0; s < k_samples; ++s) {
+    const std::size_t i = s * (rays.size() - 1) / k_samples;
+    count += condition(rays[i], rays[i + 1]);
+  }
+  return 2 * count > k_samples;
+}
+
+/// Whether most rays start near the one before, measured by the size of the tree.
+inline bool start_side_by_side(const TreeExtent& extent, std::span<const Ray> rays) {
+  const double near = extent.size / 64.0;
+  return holds_for_most_pairs(rays, [&](const Ray& a, const Ray& b) {
+    const glm::dvec3 apart = b.origin - a.origin;
+    return std::fabs(apart.x) + std::fabs(apart.y) + std::fabs(apart.z) <= near;
+  });
 }
 
 /// Whose radius the spheres around the points have.

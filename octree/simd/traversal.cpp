@@ -199,11 +199,10 @@ class Tracer {
   /// to the sun), and up to twice its time for others.
   bool go_alike() const {
     constexpr double k_near = 0.05;
-    return 2 * count_samples([&](const Ray& a, const Ray& b) {
-             const glm::dvec3 turn = b.direction - a.direction;
-             return std::fabs(turn.x) + std::fabs(turn.y) + std::fabs(turn.z) <= k_near;
-           }) >
-           k_samples;
+    return holds_for_most_pairs(rays_, [&](const Ray& a, const Ray& b) {
+      const glm::dvec3 turn = b.direction - a.direction;
+      return std::fabs(turn.x) + std::fabs(turn.y) + std::fabs(turn.z) <= k_near;
+    });
   }
 
   /// Answers by packets; by the stream what is left once packets meet nodes with too few rays to pay.
@@ -314,26 +313,7 @@ class Tracer {
   bool share_nodes() const {
     constexpr std::size_t k_many_rays = 2048;
     if (rays_.size() >= k_many_rays && 128 * rays_.size() >= setup_.tree.node_count) return true;
-    const glm::dvec3 size = setup_.tree.bounds.size();
-    const double near = (size.x + size.y + size.z) / 64.0;
-    return 2 * count_samples([&](const Ray& a, const Ray& b) {
-             const glm::dvec3 apart = b.origin - a.origin;
-             return std::fabs(apart.x) + std::fabs(apart.y) + std::fabs(apart.z) <= near;
-           }) >
-           k_samples;
-  }
-
-  /// How many of k_samples pairs of rays that follow one another meet a condition.
-  static constexpr std::size_t k_samples = 64;
-  template <class Condition>
-  std::size_t count_samples(const Condition& condition) const {
-    if (rays_.size() < 2) return 0;
-    std::size_t count = 0;
-    for (std::size_t s = 0; s < k_samples; ++s) {
-      const std::size_t i = s * (rays_.size() - 1) / k_samples;
-      count += condition(rays_[i], rays_[i + 1]);
-    }
-    return count;
+    return start_side_by_side(setup_.tree.extent, rays_);
   }
 
   /// The rays that are to go through the tree; the states of the others hold the answer.

@@ -80,6 +80,44 @@ TEST_F(Batch, of_rays_gives_closest_and_occluded_in_the_order_of_the_rays) {
   }
 }
 
+TEST_F(Batch, of_many_rays_that_start_here_and_there_answers_in_their_order) {
+  // So many that they are sorted; among them rays that lanes do not answer and far away ones.
+  std::vector<Ray> rays;
+  for (const FindRayCase& c : find_ray_cases(family_.cloud, 55000, random_)) rays.push_back(c.target);
+  for (std::size_t i = 0; i < rays.size(); i += 1000) {
+    rays[i].direction *= 1.0 + 1e-9;
+    rays[i + 1].origin += glm::dvec3(1e9, 0, 0);
+  }
+  const CandidateFilter odd = [](const Candidate& point) { return point.query_index % 2 == 1; };
+  for (const RayQuery& query :
+       {RayQuery{.radius = 0.2}, RayQuery{.radius = 0.2, .measure = Measure::t, .filter = odd}}) {
+    std::vector<std::optional<Hit>> expected;
+    for (std::size_t i = 0; i < rays.size(); ++i) {
+      expected.push_back(closest(octree_, rays[i], {.radius = query.radius, .measure = query.measure}));
+      if (query.filter && i % 2 == 0) expected.back().reset();
+    }
+    for (const std::size_t threads : {1, 2, 5}) {
+      const tbb::global_control limit(tbb::global_control::max_allowed_parallelism, threads);
+      std::vector<std::optional<Hit>> hits(rays.size());
+      std::vector<std::uint8_t> blocked(rays.size());
+      closest(octree_, rays, query, hits);
+      occluded(octree_, rays, query, blocked);
+      for (std::size_t i = 0; i < rays.size(); ++i) {
+        ASSERT_TRUE(same_hits(hits[i], expected[i])) << "ray " << i;
+        ASSERT_EQ(blocked[i] != 0, expected[i].has_value()) << "ray " << i;
+      }
+    }
+  }
+  rays[41000].t_max = std::numeric_limits<double>::quiet_NaN();
+  std::vector<std::optional<Hit>> hits(rays.size());
+  try {
+    closest(octree_, rays, {.radius = 0.2}, hits);
+    FAIL() << "a ray without an interval was accepted";
+  } catch (const Error& error) {
+    EXPECT_NE(std::string(error.what()).find("ray 41000"), std::string::npos) << error.what();
+  }
+}
+
 TEST_F(Batch, of_cones_paths_regions_boxes_and_points_answers_in_their_order) {
   expect_as_one_by_one(octree_, cone_cases(family_.cloud, k_targets, random_), ConeQuery{.k = 5});
   expect_as_one_by_one(octree_, path_cases(family_.cloud, k_targets, random_), PathQuery{.radius = 0.5});
