@@ -52,14 +52,14 @@ HWY_INLINE std::size_t unpack(const TreeView& tree, const Leaf& leaf, std::uint3
     const std::uint32_t here = bits >> first & all_lanes;
     if (here == 0) continue;
     const std::uint8_t bytes[8] = {static_cast<std::uint8_t>(here), static_cast<std::uint8_t>(here >> 8)};
-    const auto mask = hn::LoadMaskBits(d, bytes);
+    const Compressor compress(d, hn::LoadMaskBits(d, bytes));
     const auto on_axis = [&](int axis, const auto& origin) {
       const auto steps = hn::PromoteTo(d, hn::LoadU(stored, coordinates + axis * leaf.count + first));
-      return hn::Compress(hn::Add(steps, origin), mask);
+      return compress(hn::Add(steps, origin));
     };
     const auto index = hn::Add(hn::Iota(d, 0), hn::Set(d, static_cast<std::int32_t>(leaf.first + first)));
-    hn::StoreInterleaved4(on_axis(0, corner_x), on_axis(1, corner_y), on_axis(2, corner_z),
-                          hn::Compress(index, mask), d, reinterpret_cast<std::int32_t*>(points + count));
+    hn::StoreInterleaved4(on_axis(0, corner_x), on_axis(1, corner_y), on_axis(2, corner_z), compress(index),
+                          d, reinterpret_cast<std::int32_t*>(points + count));
     count += static_cast<std::size_t>(std::popcount(here));
   }
   return count;

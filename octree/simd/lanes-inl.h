@@ -66,6 +66,49 @@ HWY_INLINE unsigned byte_mask_bits(D d, const Mask& mask) {
 #endif
 }
 
+/// Brings lanes of a mask, of 32 bits each, to the front of vectors.
+template <class D>
+class Compressor {
+ public:
+#if HWY_TARGET == HWY_AVX2
+  // Highway's Compress copies a table to the stack at every call, as gcc 12 compiles it.
+  HWY_INLINE Compressor(D d, const hn::Mask<D>& mask)
+      : bits_(mask_bits(hn::RebindToFloat<D>(), to_float(d, mask))) {
+    order_ = _mm256_srlv_epi32(_mm256_set1_epi32(static_cast<int>(k_numbers_of_bits[bits_])),
+                               _mm256_setr_epi32(0, 4, 8, 12, 16, 20, 24, 28));
+  }
+  template <class V>
+  HWY_INLINE V operator()(const V& v) const {
+    const hn::DFromV<V> d;
+    const hn::RebindToSigned<decltype(d)> ints;
+    return hn::BitCast(
+        d, hn::Vec<decltype(ints)>{_mm256_permutevar8x32_epi32(hn::BitCast(ints, v).raw, order_)});
+  }
+  std::uint32_t count() const {
+    return static_cast<std::uint32_t>(std::popcount(bits_));
+  }
+
+ private:
+  static HWY_INLINE hn::Mask<hn::RebindToFloat<D>> to_float(D, const hn::Mask<D>& mask) {
+    return hn::RebindMask(hn::RebindToFloat<D>(), mask);
+  }
+  unsigned bits_;
+  __m256i order_;
+#else
+  HWY_INLINE Compressor(D, const hn::Mask<D>& mask) : mask_(mask) {}
+  template <class V>
+  HWY_INLINE V operator()(const V& v) const {
+    return hn::Compress(v, hn::RebindMask(hn::DFromV<V>(), mask_));
+  }
+  std::uint32_t count() const {
+    return static_cast<std::uint32_t>(hn::CountTrue(D(), mask_));
+  }
+
+ private:
+  hn::Mask<D> mask_;
+#endif
+};
+
 inline std::uint32_t index_of_lowest_bit(std::uint32_t bits) {
   return static_cast<std::uint32_t>(std::countr_zero(bits));
 }

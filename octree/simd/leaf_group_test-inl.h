@@ -111,9 +111,10 @@ struct RayList {
     const RayLanes d;
     const RayNumbers n;
     // A whole vector at a time: what stands past the count is written over or is padding.
-    hn::StoreU(hn::Compress(numbers, hn::RebindMask(n, mask)), n, rays + count);
-    hn::StoreU(hn::Compress(t, mask), d, t_near + count);
-    count += static_cast<std::uint32_t>(hn::CountTrue(d, mask));
+    const Compressor compress(d, mask);
+    hn::StoreU(compress(numbers), n, rays + count);
+    hn::StoreU(compress(t), d, t_near + count);
+    count += compress.count();
   }
 
   /// Discards the rays that need nothing any more that begins at t_near.

@@ -126,9 +126,10 @@ class NearestGroup {
       const auto distance_sq = hn::MulAdd(dz, dz, hn::MulAdd(dy, dy, hn::Mul(dx, dx)));
       const auto is_near = hn::Le(distance_sq, outer_sq);
       if (hn::AllFalse(d, is_near)) continue;
-      hn::StoreU(hn::Compress(distance_sq, is_near), d, points.near_sq + count);
-      hn::StoreU(hn::Compress(indices, hn::RebindMask(ints, is_near)), ints, points.near + count);
-      count += hn::CountTrue(d, is_near);
+      const Compressor compress(d, is_near);
+      hn::StoreU(compress(distance_sq), d, points.near_sq + count);
+      hn::StoreU(compress(indices), ints, points.near + count);
+      count += compress.count();
     }
     return count;
   }

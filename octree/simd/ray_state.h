@@ -221,6 +221,17 @@ struct LineFromRoot {
   }
 };
 
+/// The numbers of the bits of a byte, the lowest first, four bits each.
+constexpr std::array<std::uint32_t, 256> k_numbers_of_bits = [] {
+  std::array<std::uint32_t, 256> numbers{};
+  for (std::uint32_t byte = 0; byte < 256; ++byte) {
+    int count = 0;
+    for (std::uint32_t bit = 0; bit < 8; ++bit)
+      if ((byte >> bit & 1) != 0) numbers[byte] |= bit << (4 * count++);
+  }
+  return numbers;
+}();
+
 struct SlotOrder {
   std::array<std::uint8_t, k_node_width> slot;
   int count = 0;
