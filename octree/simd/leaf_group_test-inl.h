@@ -81,7 +81,7 @@ HWY_INLINE hn::Mask<RayLanes> lanes_in_list(std::uint32_t first, std::uint32_t c
 
 /// A vector of rays as boxes meet them; lanes from `count` on meet nothing.
 struct RayGroup {
-  RayVector inverse[3], t_first, origin_t[3], t_cut;
+  RayVector inverse[3], origin_t[3], t_cut;
 
   RayGroup(const RayBoxes* boxes, const std::uint32_t* rays, std::uint32_t count) {
     static_assert(sizeof(RayBoxes) == 8 * sizeof(float));
@@ -90,7 +90,6 @@ struct RayGroup {
       inverse[axis] = columns.column[axis];
       origin_t[axis] = columns.column[4 + axis];
     }
-    t_first = columns.column[3];
     t_cut = columns.column[7];
     const RayLanes d;
     if (count < hn::Lanes(d))

@@ -139,8 +139,8 @@ struct QuerySetup {
 
 /// What of a ray meets boxes, relative to the root's corner. t of a face at x is x * inverse - origin_t.
 struct alignas(32) RayBoxes {
-  float inverse[3];   ///< 1 / direction, components kept 1e-12 away from zero
-  float t_first;      ///< nothing that projects before counts; what ends before local t = 0 does neither
+  float inverse[3];  ///< 1 / direction, components kept 1e-12 away from zero
+  float unused;
   float origin_t[3];  ///< local origin * inverse
   float t_cut;        ///< nothing that begins after counts
 

@@ -70,8 +70,7 @@ HWY_INLINE float grid_step_of(int level) {
 }
 
 /// Slots whose widened box the ray meets between local t = 0 and t_cut, empty slots included, and where it enters
-/// each. corner: of the node's frame, lattice steps.
-/// spacings: of the node's slots; only for Radii::own.
+/// each. corner: of the node's frame, lattice steps. spacings: of the node's slots; only for Radii::own.
 template <Radii radii>
 HWY_INLINE unsigned meet_boxes(const RayOnGrid<radii>& ray, float t_cut, const Node& node,
                                const float* corner, int level, const OwnRadii& own_radii,

@@ -46,8 +46,8 @@ HWY_INLINE Course set_up(const QuerySetup& setup, const RayUnderWay& under_way) 
   const hn::CappedTag<double, 4> d;
   alignas(32) double inverse[4], way[4], enters[4], leaves[4];
   for (std::size_t lane = 0; lane < 4; lane += hn::Lanes(d)) {
-    // The fourth values are what is behind in the ray; nobody requests what comes of them. The sign is taken here and
-    // nowhere else, so that -0.0 cannot be seen differently in two computations.
+    // Lane 3 holds the next member of the ray; its results are not used. The sign is taken here and nowhere else, so
+    // that -0.0 has the same sign everywhere.
     const auto origin = hn::LoadU(d, &ray.origin.x + lane), direction = hn::LoadU(d, &ray.direction.x + lane);
     const auto length = hn::Div(hn::Set(d, 1.0), hn::Max(hn::Abs(direction), hn::Set(d, 1e-12)));
     const auto inverses = hn::IfThenElse(hn::Lt(direction, hn::Zero(d)), hn::Neg(length), length);
@@ -71,18 +71,16 @@ HWY_INLINE Course set_up(const QuerySetup& setup, const RayUnderWay& under_way) 
   state.limits.t_max = clamped(ray.t_max - begin);
   state.limits.entry_min = clamped(setup.query.entry_min - begin);
   state.limits.cut = state.limits.t_max + setup.double_error;
-  const float t_first = float_below(std::max(state.limits.t_min, state.limits.entry_min)),
-              t_cut = float_above(state.limits.cut);
+  const float t_cut = float_above(state.limits.cut);
   const hn::Rebind<float, decltype(d)> floats;
   for (std::size_t lane = 0; lane < 4; lane += hn::Lanes(d)) {
     const auto inverses = hn::Load(d, inverse + lane);
     const auto origin = hn::MulAdd(
         hn::Set(d, begin), hn::LoadU(d, &ray.direction.x + lane),
         hn::Sub(hn::LoadU(d, &ray.origin.x + lane), hn::LoadU(d, setup.tree.extent.corner + lane)));
-    // Stored whole, since what is stored in parts cannot be loaded whole for a while.
+    // One store per vector: a vector load soon after stores of its parts would stall.
     const auto is_axis = hn::FirstN(floats, lane < 3 ? 3 - lane : 0);
-    hn::Store(hn::IfThenElse(is_axis, hn::DemoteTo(floats, inverses), hn::Set(floats, t_first)), floats,
-              boxes.inverse + lane);
+    hn::Store(hn::DemoteTo(floats, inverses), floats, boxes.inverse + lane);
     hn::Store(
         hn::IfThenElse(is_axis, hn::DemoteTo(floats, hn::Mul(origin, inverses)), hn::Set(floats, t_cut)),
         floats, boxes.origin_t + lane);
