@@ -111,6 +111,53 @@ TEST(IndexForgery, broken_links_are_errors) {
          "unexpected child on level 1");
 }
 
+/// What is said of a file with one value of its header changed and a right checksum.
+template <class T>
+std::string problem_of_header(std::size_t offset, T value) {
+  Bytes file = sound_file();
+  put(file, offset, value);
+  seal_header(file);
+  return error_of([&] { test::index_in_memory(file); });
+}
+
+TEST(IndexForgery, a_number_just_outside_its_range_has_an_error_of_its_own) {
+  const auto expect = [](std::size_t offset, auto value, const std::string& part) {
+    const std::string message = problem_of_header(offset, value);
+    EXPECT_NE(message.find(part), std::string::npos) << offset << " " << value << ": " << message;
+  };
+  const auto points = static_cast<std::uint32_t>(get<std::uint64_t>(sound_file(), 40));
+  const double infinity = std::numeric_limits<double>::infinity();
+  expect(16, 4097u, "wrong header size");
+  expect(56, 7u, "invalid root level");
+  expect(56, 33u, "invalid root level");
+  expect(60, 0u, "invalid number of levels");
+  expect(60, static_cast<std::uint32_t>(k_max_tree_depth + 1), "invalid number of levels");
+  expect(64, 3u, "unknown organisation");
+  expect(68, 2u, "unknown flags");
+  expect(132, points + 1, "invalid storage index of the first exact position");
+  expect(204, 65u, "invalid number of neighbours");
+  expect(204, 0u, "invalid length unit of surfaces");
+  for (const std::size_t axis : {0, 1, 2}) {
+    for (const double scale : {0.0, -1.0, std::nan(""), infinity})
+      expect(72 + 8 * axis, scale, "invalid lattice scale");
+    for (const double offset : {std::nan(""), infinity})
+      expect(96 + 8 * axis, offset, "invalid lattice offset");
+    for (const double bound : {std::nan(""), -infinity, 1e300})
+      expect(136 + 8 * axis, bound, "invalid bounds");
+  }
+}
+
+TEST(IndexForgery, a_section_that_is_not_as_its_kind_has_an_error_of_its_own) {
+  const std::vector<SectionRow> rows = test::section_rows(sound_file());
+  for (std::size_t i = 0; i < rows.size(); ++i) {
+    const std::uint32_t element = get<std::uint32_t>(sound_file(), rows[i].row + 4);
+    EXPECT_NE(problem_of_header(rows[i].row + 4, element + 1).find("wrong element size"), std::string::npos);
+    if (i == 0) continue;
+    EXPECT_NE(problem_of_header(rows[i].row, rows[i - 1].kind).find("sections out of order"),
+              std::string::npos);
+  }
+}
+
 TEST(IndexForgery, points_that_do_not_stand_one_after_another_are_an_error) {
   const std::uint64_t nodes = section(sound_file(), IndexSection::nodes).bytes / sizeof(Node);
   const std::string message = problem_after([&](Bytes& file) {
@@ -289,6 +336,7 @@ TEST(IndexForgery, contents_that_contradict_each_other_are_found_by_verifying) {
     put<std::uint16_t>(file, offset + 100, 0xbf80);
   });
   expect("wrong bounds of the points", [](Bytes& file) { put(file, 136, get<double>(file, 136) - 1.0); });
+  expect("wrong bounds of the points", [](Bytes& file) { put(file, 160, get<double>(file, 160) + 1.0); });
   expect("levels", [](Bytes& file) { put<std::uint32_t>(file, 60, get<std::uint32_t>(file, 60) + 1); });
 }
 

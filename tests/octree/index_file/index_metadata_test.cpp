@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
 // Metadata of an index file, as docs/index_file.md describes them, and the tables of that page.
+#include <algorithm>
 #include <array>
 #include <fstream>
 #include <sstream>
@@ -115,6 +116,46 @@ std::uint64_t width(const std::string& type) {
   for (std::size_t open = bracket; open < type.size(); open = type.find('[', open + 1))
     bytes *= std::stoull(type.substr(open + 1));
   return bytes;
+}
+
+/// What is said of metadata whose bytes that differ between two clouds become `value`.
+std::string problem_of_metadata(const PointCloud& cloud, const PointCloud& other, std::uint8_t value) {
+  Bytes bytes = encode_index_metadata(cloud);
+  const Bytes others = encode_index_metadata(other);
+  EXPECT_EQ(bytes.size(), others.size());
+  for (std::size_t i = 0; i < std::min(bytes.size(), others.size()); ++i)
+    if (bytes[i] != others[i]) bytes[i] = std::byte{value};
+  return test::error_of([&] { read_index_metadata(bytes, 0, "memory"); });
+}
+
+TEST(IndexMetadata, values_that_cannot_be_are_errors) {
+  const auto expect = [](const std::string& message, const std::string& part) {
+    EXPECT_NE(message.find(part), std::string::npos) << message;
+  };
+  PointCloud cloud;
+  ExtraDimension& dimension = cloud.extra_dimensions.emplace_back();
+  dimension.type = ScalarType::uint8;
+  dimension.byte_count = 1;
+  PointCloud other = cloud;
+  other.extra_dimensions[0].has_scale = true;
+  expect(problem_of_metadata(cloud, other, 2), "invalid flag in the metadata");
+  other = cloud;
+  other.extra_dimensions[0].type = ScalarType::int8;
+  expect(problem_of_metadata(cloud, other, 11), "invalid type of an extra dimension");
+  dimension.type = ScalarType::bytes;
+  other = cloud;
+  other.extra_dimensions[0].byte_count = 2;
+  expect(problem_of_metadata(cloud, other, 0), "invalid size of an extra dimension");
+}
+
+TEST(IndexMetadata, bytes_behind_the_last_list_are_an_error) {
+  PointCloud cloud;
+  cloud.scanner_positions.push_back({"scan", glm::dvec3(1.0)});
+  Bytes bytes = encode_index_metadata(cloud);
+  EXPECT_NO_THROW(read_index_metadata(bytes, 0, "memory"));
+  bytes.push_back(std::byte{0});
+  const std::string message = test::error_of([&] { read_index_metadata(bytes, 0, "memory"); });
+  EXPECT_NE(message.find("extra bytes after the metadata"), std::string::npos) << message;
 }
 
 TEST(IndexPage, tables_cover_every_byte_once) {
