@@ -145,6 +145,7 @@ TEST(BadQuery, max_level_is_an_error_where_there_are_no_levels) {
   for (const Organisation organisation : {Organisation::adaptive, Organisation::fixed}) {
     const Octree octree = build(three_points(), {.organisation = organisation});
     EXPECT_THROW((void)find(octree, good_ray(), coarse), Error);
+    EXPECT_THROW((void)find(octree, good_ray(), {.radius = 1.0, .max_level = k_all_levels - 1}), Error);
     EXPECT_THROW((void)closest(octree, good_ray(), coarse), Error);
     EXPECT_THROW((void)occluded(octree, good_ray(), coarse), Error);
     EXPECT_THROW((void)find(octree, rays, coarse), Error);
@@ -178,6 +179,8 @@ TEST(BadQuery, paths_that_no_make_path_made_are_errors) {
   bad = good;
   bad.vertices[1] = bad.vertices[0];
   expect_rejected(bad, PathQuery{}, "vertex_t is not the length");
+  bad.vertex_t = {0.0, 0.0, length_of(bad.vertices[2] - bad.vertices[1])};
+  expect_rejected(bad, PathQuery{}, "vertex_t is not the length");
   bad = good;
   bad.vertex_t.pop_back();
   expect_rejected(bad, PathQuery{}, "wrong number of t values in the path");
@@ -188,7 +191,12 @@ TEST(BadQuery, paths_that_no_make_path_made_are_errors) {
 }
 
 TEST(BadQuery, a_box_with_a_face_that_is_not_a_number_is_an_error) {
-  expect_rejected(Bounds{{0, 0, k_nan}, {1, 1, 1}}, PointQuery{}, "a face of the box is NaN");
+  for (int axis = 0; axis < 3; ++axis) {
+    Bounds low{{0, 0, 0}, {1, 1, 1}}, high = low;
+    low.min[axis] = high.max[axis] = k_nan;
+    expect_rejected(low, PointQuery{}, "a face of the box is NaN");
+    expect_rejected(high, PointQuery{}, "a face of the box is NaN");
+  }
 }
 
 TEST(BadQuery, an_empty_cloud_answers_nothing) {

@@ -158,6 +158,36 @@ TEST(IndexForgery, a_section_that_is_not_as_its_kind_has_an_error_of_its_own) {
   }
 }
 
+TEST(IndexForgery, leaves_that_end_one_point_too_late_are_an_error) {
+  const std::string message = problem_after([](Bytes& file) {
+    auto first = static_cast<std::uint32_t>(get<std::uint64_t>(file, 40) + 1);
+    for (std::size_t slot = 0; slot < k_node_width; ++slot) {
+      const auto kind = get<std::uint8_t>(file, in_node(file, 0, k_kind + slot));
+      if (kind <= k_max_leaf_size) first -= kind;
+    }
+    put(file, in_node(file, 0, k_first_point), first);
+  });
+  EXPECT_NE(message.find("its leaves end at a wrong storage index; expected 1508, found 1509"),
+            std::string::npos)
+      << message;
+}
+
+TEST(IndexForgery, points_that_are_in_no_leaf_are_found_by_verifying) {
+  const PointCloud cloud =
+      test::make_cloud(std::vector<glm::dvec3>(300, glm::dvec3(1, 2, 3)), {glm::dvec3(0.001), glm::dvec3(0)});
+  const auto path = test::test_folder() / "one_place.alidade";
+  save_index(path, build(cloud), cloud);
+  Bytes file = test::read_bytes(path);
+  std::size_t slot = k_node_width - 1;
+  while (get<std::uint8_t>(file, in_node(file, 0, k_kind + slot)) == 0) --slot;
+  const std::size_t last = in_node(file, 0, k_kind + slot);
+  put<std::uint8_t>(file, last, static_cast<std::uint8_t>(get<std::uint8_t>(file, last) - 1));
+  seal(file);
+  const std::string message = error_of([&] { test::index_in_memory(file).verify(); });
+  EXPECT_NE(message.find("wrong number of points in the leaves; expected 300, found 299"), std::string::npos)
+      << message;
+}
+
 TEST(IndexForgery, points_that_do_not_stand_one_after_another_are_an_error) {
   const std::uint64_t nodes = section(sound_file(), IndexSection::nodes).bytes / sizeof(Node);
   const std::string message = problem_after([&](Bytes& file) {
