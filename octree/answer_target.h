@@ -73,7 +73,7 @@ inline bool suits_turns(const Octree& octree, const PointQuery& query) {
 }
 
 /// Appends the answers of one target after another, and where those of each end. reach: of simd::Search.
-/// Requires: no filter, and an octree that is not empty.
+/// Requires: no filter.
 inline void find_in_turn(const Octree& octree, std::span<const glm::dvec3> targets, const PointQuery& query,
                          double& reach, std::vector<PointHit>& answers, std::vector<std::size_t>& ends) {
   const auto suits = [&](const glm::dvec3& target) {

@@ -32,7 +32,7 @@ struct Eigen {
 };
 
 /// Turns a symmetric matrix in the plane of axes p and q so that a[p][q] vanishes, and the vectors with it.
-/// False if it is 0 already. Both halves of the matrix are kept, since their last bits differ.
+/// False if it is too small to show in the normal. Both halves of the matrix are kept, since their last bits differ.
 template <int p, int q>
 bool rotate(glm::dmat3& a, glm::dmat3& vectors) {
   constexpr int r = 3 - p - q;

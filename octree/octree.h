@@ -147,7 +147,7 @@ struct TreeExtent {
   float scale[4] = {};               ///< of the lattice
   double widest_scale = 0.0;
   double frame_width = 0.0;         ///< of the root's frame, along the axis of the widest scale
-  double largest_coordinate = 0.0;  ///< no coordinate, with the lattice's offset, is farther from 0
+  double largest_coordinate = 0.0;  ///< at least |offset of the lattice| + |coordinate| of every point
   double size = 0.0;                ///< sum of the sides of the bounds
 };
 

@@ -66,7 +66,7 @@ HWY_INLINE std::size_t unpack(const TreeView& tree, const Leaf& leaf, std::uint3
 }
 
 /// Hands leaves out with the points in a box, as bits. Visit: leaf(leaf, bits); all(frame, slot) -> whether
-/// that is all it wants of the points below, which are all inside.
+/// it needs no more of the points below, which are all inside.
 template <class Visit>
 class BoxWalk {
  public:
@@ -133,7 +133,7 @@ class BoxWalk {
     }
   }
 
-  /// Bit per point: inside. Bits past the leaf's count mean nothing.
+  /// Bit per point: inside. Bits past the leaf's count are undefined.
   std::uint32_t compare_points(const Leaf& leaf, int level) const {
     std::uint32_t points = 0;
     if (coordinate_shift(level) > 0) {
@@ -158,14 +158,6 @@ class BoxWalk {
       points &= here;
     }
     return points;
-  }
-
-  /// Bit i = lane i of the mask.
-  template <class D, class Mask>
-  static std::uint32_t byte_mask_bits(D d, const Mask& mask) {
-    std::uint8_t bytes[8] = {};
-    hn::StoreMaskBits(d, mask, bytes);
-    return bytes[0] | static_cast<std::uint32_t>(bytes[1]) << 8;
   }
 
   const TreeView& tree_;

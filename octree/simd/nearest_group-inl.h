@@ -19,7 +19,7 @@ HWY_BEFORE_NAMESPACE();
 namespace alidade::simd {
 namespace HWY_NAMESPACE {
 
-/// The k nearest points of targets that stand close together: one walk through the tree collects the points
+/// The k nearest points of targets that are close together: one walk through the tree collects the points
 /// around all of them, which are then compared with each target, without a tree. What this does not settle is
 /// left to a search of its own.
 ///
@@ -49,6 +49,7 @@ class NearestGroup {
       region.max[axis] += margin;
       width = std::max(width, region.max[axis] - region.min[axis]);
     }
+    if (!(width < k_widest)) return false;
     reach_ = reach;
     center_ = region.center();
     error_ = float_above(0x1p-20 * width + 1e-18);
@@ -91,6 +92,7 @@ class NearestGroup {
 
  private:
   static constexpr std::size_t k_lanes = 16;  ///< at least those of PointLanes
+  static constexpr double k_widest = 1e15;    ///< metres; floats hold squares of such lengths
   static constexpr std::size_t k_most_points = 2048;
   static constexpr std::size_t k_most_near = 256;  ///< the distance of each is compared with all
 

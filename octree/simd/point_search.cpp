@@ -154,7 +154,7 @@ std::size_t count(const TreeView& tree, const glm::dvec3& point, const PointQuer
   return count_first(tree, kernel, PointTarget(point, query, query_index), query, k);
 }
 
-/// How many of the first targets stand close together, measured by the distance of their k-th points.
+/// How many of the first targets are close together, measured by the distance of their k-th points.
 std::size_t group_size(std::span<const glm::dvec3> targets, double reach) {
   constexpr double k_widest = 4.0;
   Bounds box;
@@ -170,7 +170,7 @@ std::size_t group_size(std::span<const glm::dvec3> targets, double reach) {
 void find_in_turn(const TreeView& tree, std::span<const glm::dvec3> targets, const PointQuery& query,
                   std::size_t k, double& reach, std::vector<PointHit>& answers,
                   std::vector<std::size_t>& ends) {
-  constexpr std::size_t k_fewest = 4;  // for whom collecting pays
+  constexpr std::size_t k_fewest = 4;  // smaller groups are searched singly
   constexpr double k_allowance = 1.15;
   NearestGroup group(tree, query, k);
   const double reach_of_few = std::isinf(query.radius) ? 0.0 : query.radius;

@@ -59,7 +59,8 @@ class RayOrder {
   }
 
  private:
-  static constexpr std::size_t k_columns = 8;  ///< of a ray; the last two are not used
+  static constexpr std::size_t k_columns = 8;       ///< of a ray; the last two are not used
+  static constexpr double k_least_extent = 1e-290;  ///< of a column; the inverse of less may overflow
 
   /// A coordinate that the key depends on.
   struct Column {
@@ -95,7 +96,7 @@ class RayOrder {
     std::vector<Column> columns;
     for (std::size_t column = 0; column < 6; ++column) {
       const std::size_t cells = std::size_t{1} << shifts[column].size();
-      if (cells == 1 || !(high[column] > low[column])) continue;
+      if (cells == 1 || !(high[column] - low[column] > k_least_extent)) continue;
       const double scale = (static_cast<double>(cells) - 0.001) / (high[column] - low[column]);
       std::vector<std::uint16_t> key_bits(cells);
       for (std::size_t cell = 0; cell < cells; ++cell)

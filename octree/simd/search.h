@@ -48,10 +48,9 @@ struct Search {
                std::size_t query_index, std::vector<AnswerOf<T>>& answers);
   std::size_t (*count)(const TreeView& tree, const T& target, const QueryOf<T>& query, std::size_t k,
                        std::size_t query_index);
-  /// Of points only: appends the k first points of one target after another, and where those of each end.
-  /// Fast where each target is near the one before. reach: the distance of the k-th point of targets near the
-  /// first one, or 0 if it is not known; becomes that of the last ones. Requires: no
-  /// filter.
+  /// Of points, null for other targets: appends the k first points of one target after another, and where those
+  /// of each end. Fast where each target is near the one before. reach: the distance of the k-th point of targets
+  /// near the first one, or 0 if it is not known; becomes that of the last ones. Requires: no filter.
   void (*find_in_turn)(const TreeView& tree, std::span<const T> targets, const QueryOf<T>& query,
                        std::size_t k, double& reach, std::vector<AnswerOf<T>>& answers,
                        std::vector<std::size_t>& ends) = nullptr;

@@ -129,6 +129,22 @@ TEST(NearTargets, of_any_finite_coordinates_are_answered) {
   }
 }
 
+TEST(NearTargets, of_clouds_far_beyond_what_floats_hold_are_answered) {
+  Random random("far_cloud");
+  std::vector<glm::dvec3> positions;
+  for (int i = 0; i < 34; ++i)
+    positions.push_back(2.0 * glm::dvec3(random.unit(), random.unit(), random.unit()));
+  PointCloud cloud = make_cloud(positions, {glm::dvec3(0.001), glm::dvec3(0.0)});
+  for (const double offset : {1e20, 1e36, 3e39, 1e45, 1e300}) {
+    cloud.lattice.offset = glm::dvec3(offset);
+    const std::vector<glm::dvec3> targets(8, cloud.world(0));
+    const PointQuery query{.k = 3};
+    const std::vector<std::vector<PointHit>> expected(targets.size(),
+                                                      brute_force::find(cloud, targets[0], query));
+    expect_answers(build(cloud), targets, query, expected);
+  }
+}
+
 TEST(NearTargets, whose_neighbours_are_too_many_to_collect_are_answered) {
   // A dense heap in a sparse plane: the reach of the plane's points holds too many of the heap's.
   std::vector<glm::dvec3> positions;
