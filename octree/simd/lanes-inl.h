@@ -35,12 +35,29 @@ HWY_INLINE hn::Vec<D> load_as_float(D d, const T* values) {
   return hn::ConvertTo(d, hn::PromoteTo(ints, hn::LoadU(hn::Rebind<T, D>(), values)));
 }
 
+#if HWY_TARGET == HWY_AVX3
+/// The bits of a mask register, by an instruction of our choice: gcc 12 may store 16 bits of a mask on the stack and load
+/// 32 as its number.
+template <class Bits>
+HWY_INLINE unsigned in_general_register(Bits mask) {
+  unsigned bits;
+  if constexpr (sizeof(Bits) == 1) {
+    asm("kmovb %1, %0" : "=r"(bits) : "k"(mask));
+  } else if constexpr (sizeof(Bits) == 2) {
+    asm("kmovw %1, %0" : "=r"(bits) : "k"(mask));
+  } else {
+    asm("kmovd %1, %0" : "=r"(bits) : "k"(mask));
+  }
+  return bits;
+}
+#endif
+
 /// Bit i = lane i of the mask.
 template <class D, class Mask>
 HWY_INLINE unsigned mask_bits(D d, const Mask& mask) {
 #if HWY_TARGET == HWY_AVX3
   (void)d;
-  return mask.raw;
+  return in_general_register(mask.raw);
 #elif HWY_TARGET == HWY_AVX2
   (void)d;
   return static_cast<unsigned>(_mm256_movemask_ps(mask.raw));
@@ -57,7 +74,7 @@ template <class D, class Mask>
 HWY_INLINE unsigned byte_mask_bits(D d, const Mask& mask) {
 #if HWY_TARGET == HWY_AVX3
   (void)d;
-  return mask.raw;
+  return in_general_register(mask.raw);
 #else
   std::uint8_t bytes[8] = {};
   hn::StoreMaskBits(d, mask, bytes);
