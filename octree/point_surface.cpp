@@ -303,7 +303,7 @@ FittedSurface fit_surface(Neighbourhood& around, const glm::dvec3& position, dou
   constexpr double k_reaches[] = {k_reach, 1.5, 1.1, 5.0};
   // Near an edge the mean of a sheet's points lies farther inward, in reaches, than it does by chance.
   constexpr double k_centered = 0.1;
-  if (!std::isfinite(spacing)) return {};
+  if (!(spacing > 0.0 && std::isfinite(spacing))) return {};
   for (const double factor : k_reaches) {
     const double reach = factor * spacing;
     const PointsNear points = around.points(position, reach);

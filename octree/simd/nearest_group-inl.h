@@ -41,8 +41,8 @@ class NearestGroup {
     double largest = 0.0;
     for (int axis = 0; axis < 3; ++axis)
       largest = std::max({largest, std::fabs(region.min[axis]), std::fabs(region.max[axis])});
-    // The distances that decide are rounded, and so are the faces.
-    const double margin = reach * (1.0 + 0x1p-40) + 0x1p-50 * largest;
+    // The distances that decide are rounded, and so are the faces; squares of lengths below 1e-154 vanish.
+    const double margin = reach * (1.0 + 0x1p-40) + 0x1p-50 * largest + 1e-150;
     double width = 0.0;
     for (int axis = 0; axis < 3; ++axis) {
       region.min[axis] -= margin;
