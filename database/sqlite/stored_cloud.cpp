@@ -235,8 +235,9 @@ std::vector<ChunkLocation> wanted_chunks(ChunkStore& store, std::span<const Poin
   for (const PointFilter& filter : any_of)
     std::ranges::move(store.chunks(filter), std::back_inserter(chunks));
   std::ranges::sort(chunks, {}, &ChunkLocation::id);
-  const auto twice = std::ranges::unique(chunks, {}, &ChunkLocation::id);
-  chunks.erase(twice.begin(), twice.end());
+  // Not std::ranges::unique: clang 14 rejects the subranges of GCC's library.
+  const auto have_equal_ids = [](const ChunkLocation& a, const ChunkLocation& b) { return a.id == b.id; };
+  chunks.erase(std::unique(chunks.begin(), chunks.end(), have_equal_ids), chunks.end());
   return chunks;
 }
 
