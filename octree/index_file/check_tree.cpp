@@ -244,8 +244,8 @@ class PointCheck {
     constexpr std::uint16_t k_infinite = 0x7f80;
     const bool is_one_position = frame.level == k_min_frame_level && box.low == box.high;
     for (std::uint32_t index = leaf.first; index < leaf.first + leaf.count; ++index) {
-      if (tree_.spacings[index] > k_infinite)
-        first_.add(frame.node, {Array::spacings, index, "the spacing is negative or NaN"});
+      if (tree_.spacings[index] == 0 || tree_.spacings[index] > k_infinite)
+        first_.add(frame.node, {Array::spacings, index, "the spacing is not positive"});
       if (is_one_position && tree_.spacings[index] != tree_.spacings[leaf.first])
         first_.add(frame.node,
                    {Array::spacings, index, "points with equal positions have different spacings"});

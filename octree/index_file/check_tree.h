@@ -32,7 +32,7 @@ std::optional<TreeFault> find_bad_id(const TreeView& tree, std::uint32_t begin, 
 
 /// Whether the answers are those of the points: every storage index is in one leaf, every id occurs once,
 /// every box holds the points below it, coordinates agree with exact positions, the bounds are those of the
-/// points, slots of one position have the lowest ids in the first of them, and spacings are numbers that are
+/// points, slots of one position have the lowest ids in the first of them, and spacings are positive and
 /// the same for all points of a slot of one position. Requires that find_broken_link() and find_bad_id() find
 /// nothing. Cost: one pass over all arrays, one more over points of one position for each level they take; in
 /// parallel; 12 B per node and 1/4 B per point.

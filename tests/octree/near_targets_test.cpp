@@ -6,7 +6,7 @@
 #include "tests/octree/as_brute_force.h"
 #include "tests/support/positions.h"
 
-// Batches of points that stand near each other share their way through the tree (octree/query.cpp).
+// Batches of points that are near each other share their way through the tree (octree/query.cpp).
 
 namespace alidade {
 namespace {
@@ -80,6 +80,19 @@ std::vector<std::vector<PointHit>> one_by_one(const Octree& octree, const std::v
   std::vector<std::vector<PointHit>> answers;
   for (const glm::dvec3& target : targets) answers.push_back(find(octree, target, query));
   return answers;
+}
+
+/// Squares of lengths below 1e-154 vanish: such points are all at distance 0, and the lowest ids are nearest.
+TEST(NearTargets, distances_whose_squares_vanish_are_decided_by_id) {
+  std::vector<glm::dvec3> positions;
+  for (int i = 0; i < 100; ++i) positions.push_back(1e-165 * glm::dvec3(i, 2 * i % 7, 0));
+  const PointCloud cloud = make_cloud(positions, {glm::dvec3(1e-165), glm::dvec3(0)});
+  const std::vector<glm::dvec3> targets(8, positions.back());
+  for (const std::size_t k : {1, 5}) {
+    const PointQuery query{.k = k};
+    const std::vector<PointHit> expected = brute_force::find(cloud, targets.front(), query);
+    expect_answers(build(cloud), targets, query, {targets.size(), expected});
+  }
 }
 
 TEST(NearTargets, answers_keep_to_the_coarse_levels_that_are_asked_for) {

@@ -49,6 +49,13 @@ inline SectionRow section(const Bytes& file, IndexSection kind) {
   return {};
 }
 
+/// Byte of a node's field in the file.
+inline std::size_t in_node(const Bytes& file, std::size_t node, std::size_t field) {
+  return section(file, IndexSection::nodes).offset + node * sizeof(Node) + field;
+}
+inline constexpr std::size_t k_kind = offsetof(Node, kind), k_first_child = offsetof(Node, first_child),
+                             k_first_point = offsetof(Node, first_point);
+
 /// Does with a file what programs do: asks it, and looks up attributes by the ids of the answers.
 inline void use(const IndexFile& index) {
   const Octree octree = index.octree();
