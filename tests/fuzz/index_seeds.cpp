@@ -27,7 +27,11 @@ void add_attributes(PointCloud& cloud) {
   dimension.name = "extra";
   dimension.values.resize(8 * cloud.size());
   cloud.crs.wkt = "LOCAL_CS[\"seed\"]";
-  cloud.files.push_back({"seed.las", "LAS", "1.4", 7, cloud.size(), 0});
+  cloud.files.push_back({.path = "seed.las",
+                         .format = "LAS",
+                         .version = "1.4",
+                         .point_format = 7,
+                         .point_count = cloud.size()});
   cloud.warnings.emplace_back("seed.las: is a seed");
   cloud.records.push_back({"seed", 1, "a record", {1, 2, 3}, false});
 }

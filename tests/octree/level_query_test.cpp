@@ -1,5 +1,8 @@
 // SPDX-License-Identifier: MIT
+#include <algorithm>
+
 #include "tests/octree/as_brute_force.h"
+#include "tests/support/positions.h"
 
 namespace alidade {
 namespace {
@@ -62,6 +65,45 @@ TEST(MaxLevel, gives_the_coarse_levels_of_a_layered_octree_to_boxes) {
 
 TEST(MaxLevel, gives_the_coarse_levels_of_a_layered_octree_to_points) {
   expect_first_levels(point_cases);
+}
+
+TEST(MaxLevel, gives_the_coarse_levels_of_a_layered_octree_to_batches_of_rays) {
+  const PointFamily family = point_families().back();
+  const Octree octree = build(family.cloud, {.organisation = Organisation::layered, .leaf_size = 4});
+  Random random("levels of batches");
+  const Positions positions(family.cloud, random);
+  const glm::dvec3 along = random.direction();
+  const auto number_of = [](std::span<const std::uint8_t> answers) {
+    return static_cast<std::size_t>(std::ranges::count(answers, std::uint8_t{1}));
+  };
+  // Through the tree in packets, or together one node after another: they start side by side.
+  constexpr int k_rays = 3000;
+  for (const bool go_alike : {true, false}) {
+    std::vector<Ray> rays;
+    for (int i = 0; i < k_rays; ++i) {
+      const glm::dvec3 origin = positions.bounds().min + positions.bounds().size() * (double(i) / k_rays);
+      rays.push_back(make_ray(origin, go_alike ? along + 0.001 * random.in_cube() : random.direction()));
+    }
+    std::vector<std::size_t> blocked_by_level;
+    for (int level = 0; level < octree.view().level_count; ++level) {
+      const RayQuery query{.radius = 0.2 * positions.spacing(), .max_level = level};
+      for (const InstructionSet set : available_instruction_sets()) {
+        SCOPED_TRACE("level " + std::to_string(level) + ", " + std::string(name(set)));
+        const Octree asked = octree.with_instruction_set(set);
+        std::vector<std::optional<Hit>> hits(rays.size());
+        std::vector<std::uint8_t> blocked(rays.size());
+        closest(asked, rays, query, hits);
+        occluded(asked, rays, query, blocked);
+        for (std::size_t i = 0; i < rays.size(); ++i) {
+          ASSERT_TRUE(same_hits(hits[i], closest(asked, rays[i], query))) << i;
+          ASSERT_EQ(blocked[i] != 0, hits[i].has_value()) << i;
+        }
+        if (set == InstructionSet::scalar) blocked_by_level.push_back(number_of(blocked));
+      }
+    }
+    EXPECT_LT(blocked_by_level[0], blocked_by_level[1]);
+    EXPECT_LT(blocked_by_level[1], blocked_by_level.back());
+  }
 }
 
 TEST(MaxLevel, beyond_the_last_level_is_the_whole_cloud) {

@@ -95,6 +95,18 @@ TEST(NearTargets, distances_whose_squares_vanish_are_decided_by_id) {
   }
 }
 
+/// Points are collected up to a reach, 1.15 times the distances found before: here 1.15, by the first target alone.
+/// Of two points a little farther than that from the second target, the nearer one is not collected.
+TEST(NearTargets, points_beyond_what_was_collected_are_found) {
+  const std::vector<glm::dvec3> targets = {{-100, 0, 0}, {0, 0, 0}, {4, 0, 0}, {4, 0.1, 0}, {4, 0.2, 0}};
+  const PointCloud cloud = make_cloud({{-101, 0, 0}, {1.15 + 4e-7, 0, 0}, {-1.15 - 2e-7, 0, 0}, {4, 1, 0}},
+                                      {glm::dvec3(1e-7), glm::dvec3(0)});
+  std::vector<std::vector<PointHit>> expected;
+  for (const glm::dvec3& target : targets) expected.push_back(brute_force::find(cloud, target, {.k = 1}));
+  EXPECT_EQ(expected[1][0].point_id, 2u);
+  expect_answers(build(cloud), targets, {.k = 1}, expected);
+}
+
 TEST(NearTargets, answers_keep_to_the_coarse_levels_that_are_asked_for) {
   for (const PointFamily& family : point_families()) {
     Random random(family.name + "_levels");

@@ -110,7 +110,7 @@ TEST(IndexForgery, broken_links_are_errors) {
          "child 1 is 1 levels below level 8");
   expect(problem_after([&](Bytes& file) { lower_inner_by(file, k_max_level_drop + 1); }),
          "levels below level");
-  expect(problem_after([](Bytes& file) {
+  expect(problem_after([&](Bytes& file) {
            // The first node whose children come after another node's last child gets that child, too.
            const auto last_child = [&](std::uint32_t node) {
              const Node parent = get<Node>(file, in_node(file, node, 0));
@@ -270,6 +270,31 @@ TEST(IndexForgery, no_nodes_do_harm) {
     rejected += is_rejected(file);
   }
   EXPECT_GT(rejected, 1000);
+}
+
+TEST(IndexForgery, metadata_that_disagree_with_sections_are_an_error) {
+  const auto expect = [](const std::string& part, const auto& change) {
+    Bytes file = sound_file();
+    change(file);
+    seal(file);
+    const std::string message = error_of([&] { (void)test::index_in_memory(file).columns(); });
+    EXPECT_NE(message.find(part), std::string::npos) << message;
+  };
+  // The longest of the records (fill_everything).
+  constexpr std::uint64_t k_record_bytes = 70000;
+  const auto put_record_bytes = [](Bytes& file, std::uint64_t bytes) {
+    std::size_t offset = section(file, IndexSection::metadata).offset;
+    while (get<std::uint64_t>(file, offset) != k_record_bytes) ++offset;
+    put(file, offset, bytes);
+  };
+  expect("the data of the records exceeds its section",
+         [&](Bytes& file) { put_record_bytes(file, k_record_bytes + 1); });
+  expect("the section of record data is too long",
+         [&](Bytes& file) { put_record_bytes(file, k_record_bytes - 1); });
+  expect("wrong size of", [](Bytes& file) {
+    const SectionRow row = section(file, IndexSection::extra_dimensions);
+    put(file, row.row + 16, row.bytes - 1);
+  });
 }
 
 TEST(IndexForgery, no_metadata_do_harm) {

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
 // Index files with right checksums and sound links whose contents contradict each other: only verify() finds that.
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 
 #include "octree/index_file/check_tree.h"
@@ -70,11 +71,6 @@ TEST(IndexVerify, contents_that_contradict_each_other) {
     expect("the spacing is not positive",
            [&](Bytes& file) { put(file, section(file, IndexSection::spacings).offset + 100, spacing); });
   }
-  expect("the coordinates do not match the exact position", [](Bytes& file) {
-    const std::uint64_t offset =
-        section(file, IndexSection::coordinates).offset + 6 * std::uint64_t{get<std::uint32_t>(file, 132)};
-    put<std::uint16_t>(file, offset, static_cast<std::uint16_t>(get<std::uint16_t>(file, offset) ^ 1));
-  });
   expect("wrong bounds of the points", [](Bytes& file) { put(file, 136, get<double>(file, 136) - 1.0); });
   expect("wrong bounds of the points", [](Bytes& file) { put(file, 160, get<double>(file, 160) + 1.0); });
   expect("levels", [](Bytes& file) { put<std::uint32_t>(file, 60, get<std::uint32_t>(file, 60) + 1); });
@@ -113,6 +109,18 @@ TEST(IndexVerify, lower_ids_behind_higher_ones_at_one_position) {
   const std::string message = error_of([&] { test::index_in_memory(file).verify(); });
   EXPECT_NE(message.find("slots with equal positions are not sorted by id: slot"), std::string::npos)
       << message;
+}
+
+TEST(IndexVerify, coordinates_beside_exact_positions) {
+  Bytes file = sound_file();
+  const std::uint64_t first_exact = get<std::uint32_t>(file, 132);
+  const std::uint64_t offset =
+      section(file, IndexSection::coordinates).offset + 3 * sizeof(std::uint16_t) * first_exact;
+  put<std::uint16_t>(file, offset, static_cast<std::uint16_t>(get<std::uint16_t>(file, offset) ^ 1));
+  seal(file);
+  const std::string message = error_of([&] { test::index_in_memory(file).verify(); });
+  EXPECT_NE(message.find("the coordinates do not match the exact position"), std::string::npos) << message;
+  EXPECT_NE(message.find(fmt::format("byte {}:", offset)), std::string::npos) << message;
 }
 
 // With ids, two equal ones would be found first.
