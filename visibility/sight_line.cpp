@@ -81,7 +81,7 @@ std::vector<Ray> rays_of(const Occluders& occluders, std::span<const SightLine> 
 RayQuery query_of(const Occluders& occluders, std::span<const SightLine> lines) {
   RayQuery query{.radius = occluders.largest_radius(), .measure = Measure::t};
   if (!occluders.options().radius) {
-    query.spacing_factor = occluders.has_surfaces() ? k_disc_share : k_sphere_share;
+    query.spacing_factor = occluders.has_surfaces() ? k_disc_spacings : k_sphere_share;
   }
   query.filter = [&occluders, lines](const Candidate& candidate) {
     return crossing(occluders, lines[candidate.query_index], candidate).has_value();
@@ -94,8 +94,8 @@ Blocker blocker_of(const Occluders& occluders, const SightLine& line, const Hit&
   Blocker blocker{hit.point_id, hit.position, hit.t};
   const PointSurface surface = occluders.surface(hit.point_id);
   if (surface.exists) {
-    blocker.distance =
-        *meeting_position(line, hit.position - surface.height * surface.normal, surface.normal);
+    const PointDisc disc = point_disc(hit.position, surface, 0.0);
+    blocker.distance = *plane_crossing(disc, line.from.position, line.direction);
   }
   return blocker;
 }

@@ -81,7 +81,7 @@ HWY_INLINE unsigned meet_boxes(const RayOnGrid<radii>& ray, float t_cut, const N
   for (int axis = 0; axis < 3; ++axis) {
     step[axis] = ray.step[axis] * grid_step;
     const float base = corner[axis] * ray.step[axis] - ray.origin_t[axis];
-    // `high` is inclusive: its face stands one grid step further. That is the nearer one to a ray that goes down.
+    // `high` is inclusive: its face is one grid step further. That is the nearer one to a ray that goes down.
     near[axis] = base - ray.reach[axis] + std::min(step[axis], 0.0f);
     far[axis] = base + ray.reach[axis] + std::max(step[axis], 0.0f);
   }
@@ -124,7 +124,7 @@ class RayWalk {
             static_cast<std::uint16_t>(from.depth)} {}
 
   /// Whether the ray meets leaves of the node.
-  HWY_INLINE bool look(const Traversed<measure, any, radii>& traversed) {
+  HWY_INLINE bool meet_children(const Traversed<measure, any, radii>& traversed) {
     const TreeView& tree = traversed.setup.tree;
     const Node& node = tree.nodes[at_.node];
     const Slots slots(node);
@@ -159,7 +159,7 @@ class RayWalk {
     hwy::Prefetch(traversed.setup.tree.nodes + at_.node);
   }
 
-  /// Requires: look() was true.
+  /// Requires: meet_children() was true.
   HWY_INLINE void test_leaves(const Traversed<measure, any, radii>& traversed) {
     const Node& node = traversed.setup.tree.nodes[at_.node];
     const Slots slots(node);
@@ -180,7 +180,7 @@ class RayWalk {
   }
 
   /// To the next node; false at the end of the way.
-  HWY_INLINE bool go_on(const Traversed<measure, any, radii>& traversed) {
+  HWY_INLINE bool next_node(const Traversed<measure, any, radii>& traversed) {
     if (any && ray_.state.found()) return false;
     const Node* nodes = traversed.setup.tree.nodes;
     if (children_ != 0) {
@@ -266,8 +266,8 @@ template <Measure measure, bool any, Radii radii>
 void trace(const Traversed<measure, any, radii>& traversed, const RayUnderWay& ray, const Frame& from) {
   RayWalk<measure, any, radii> walk(traversed, ray, from);
   do {
-    if (walk.look(traversed)) walk.test_leaves(traversed);
-  } while (walk.go_on(traversed));
+    if (walk.meet_children(traversed)) walk.test_leaves(traversed);
+  } while (walk.next_node(traversed));
 }
 
 }  // namespace HWY_NAMESPACE

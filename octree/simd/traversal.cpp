@@ -113,7 +113,7 @@ void trace_interleaved(const Traversed<measure, any, radii>& traversed, const Ra
     for (std::size_t i = 0; i < active;) {
       Turn& turn = turns[i];
       Walk& walk = *walk_of(turn);
-      if (!turn.has_leaves && walk.look(traversed)) {
+      if (!turn.has_leaves && walk.meet_children(traversed)) {
         walk.prefetch_leaves(traversed);
         turn.has_leaves = true;
         ++i;
@@ -121,7 +121,7 @@ void trace_interleaved(const Traversed<measure, any, radii>& traversed, const Ra
       }
       if (turn.has_leaves) walk.test_leaves(traversed);
       turn.has_leaves = false;
-      if (walk.go_on(traversed)) {
+      if (walk.next_node(traversed)) {
         walk.prefetch_node(traversed);
         ++i;
       } else if (next < rays.size()) {

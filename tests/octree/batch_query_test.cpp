@@ -40,6 +40,18 @@ void expect_as_one_by_one(const Octree& octree, const std::vector<QueryCase<Targ
   }
 }
 
+void expect_closest_and_occluded(const Octree& octree, std::span<const Ray> rays, const RayQuery& query,
+                                 const std::vector<std::optional<Hit>>& expected) {
+  std::vector<std::optional<Hit>> hits(rays.size());
+  std::vector<std::uint8_t> blocked(rays.size());
+  closest(octree, rays, query, hits);
+  occluded(octree, rays, query, blocked);
+  for (std::size_t i = 0; i < rays.size(); ++i) {
+    ASSERT_TRUE(same_hits(hits[i], expected[i])) << "ray " << i;
+    ASSERT_EQ(blocked[i] != 0, expected[i].has_value()) << "ray " << i;
+  }
+}
+
 class Batch : public ::testing::Test {
  protected:
   Batch() : family_(point_families().back()), octree_(build(family_.cloud)) {}
@@ -66,16 +78,11 @@ TEST_F(Batch, of_rays_gives_closest_and_occluded_in_the_order_of_the_rays) {
   for (const RayQuery& query :
        {RayQuery{.radius = 0.2}, RayQuery{.radius = 0.2, .measure = Measure::t, .filter = odd},
         RayQuery{.measure = Measure::distance}, RayQuery{.radius = 0.3, .entry_min = 1e-6}}) {
+    std::vector<std::optional<Hit>> expected;
+    for (const Ray& ray : rays) expected.push_back(closest(octree_, ray, query));
     for (const std::size_t threads : {1, 2, 5}) {
       const tbb::global_control limit(tbb::global_control::max_allowed_parallelism, threads);
-      std::vector<std::optional<Hit>> hits(rays.size());
-      std::vector<std::uint8_t> blocked(rays.size());
-      closest(octree_, rays, query, hits);
-      occluded(octree_, rays, query, blocked);
-      for (std::size_t i = 0; i < rays.size(); ++i) {
-        ASSERT_TRUE(same_hits(hits[i], closest(octree_, rays[i], query))) << "ray " << i;
-        ASSERT_EQ(blocked[i] != 0, hits[i].has_value()) << "ray " << i;
-      }
+      expect_closest_and_occluded(octree_, rays, query, expected);
     }
   }
 }
@@ -98,14 +105,7 @@ TEST_F(Batch, of_many_rays_that_start_here_and_there_answers_in_their_order) {
     }
     for (const std::size_t threads : {1, 2, 5}) {
       const tbb::global_control limit(tbb::global_control::max_allowed_parallelism, threads);
-      std::vector<std::optional<Hit>> hits(rays.size());
-      std::vector<std::uint8_t> blocked(rays.size());
-      closest(octree_, rays, query, hits);
-      occluded(octree_, rays, query, blocked);
-      for (std::size_t i = 0; i < rays.size(); ++i) {
-        ASSERT_TRUE(same_hits(hits[i], expected[i])) << "ray " << i;
-        ASSERT_EQ(blocked[i] != 0, expected[i].has_value()) << "ray " << i;
-      }
+      expect_closest_and_occluded(octree_, rays, query, expected);
     }
   }
   rays[41000].t_max = std::numeric_limits<double>::quiet_NaN();

@@ -62,8 +62,7 @@ class Reaches {
       if (options.shape == OccluderShape::disc || is_within(eye_, point.position, k_less * sphere)) return {};
       return k_more * sphere;
     }
-    const glm::dvec3 center = point.position - surface.height * surface.normal;
-    if (is_own(eye_, point.position, radius, center, surface.normal)) return {};
+    if (is_own(eye_, point_disc(point.position, surface, radius))) return {};
     return k_more * radius;
   }
 
