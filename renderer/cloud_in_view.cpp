@@ -80,13 +80,13 @@ double distance_to(const Bounds& box, const glm::dvec3& position) {
   return glm::distance(position, glm::clamp(position, box.min, box.max));
 }
 
-struct Candidate {
+struct CandidateNode {
   double spacing;  ///< of its points in the picture, in any unit
   std::size_t file;
   std::uint32_t node;
 
   /// Coarse nodes come first; among equals the order is that of the files, so that it is always the same.
-  bool operator<(const Candidate& other) const {
+  bool operator<(const CandidateNode& other) const {
     if (spacing != other.spacing) return spacing < other.spacing;
     return std::pair(file, node) > std::pair(other.file, other.node);
   }
@@ -131,7 +131,7 @@ std::vector<ChosenNodes> nodes_in_view(std::span<const std::unique_ptr<CopcFile>
   const bool is_perspective =
       camera != nullptr && !std::holds_alternative<camera::OrthographicLens>(camera->lens);
   const std::optional<ViewCone> cone = is_perspective ? std::optional<ViewCone>(*camera) : std::nullopt;
-  std::priority_queue<Candidate> candidates;
+  std::priority_queue<CandidateNode> candidates;
   const auto add = [&](std::size_t file, std::uint32_t number) {
     const CopcFile& copc = *files[file];
     const CopcNode& node = copc.hierarchy().nodes[number];
@@ -149,7 +149,7 @@ std::vector<ChosenNodes> nodes_in_view(std::span<const std::unique_ptr<CopcFile>
   std::vector<std::vector<std::uint32_t>> chosen(files.size());
   std::uint64_t points = 0;
   while (!candidates.empty()) {
-    const Candidate next = candidates.top();
+    const CandidateNode next = candidates.top();
     const CopcNode& node = files[next.file]->hierarchy().nodes[next.node];
     candidates.pop();
     if (next.node != 0 && points + node.chunk.point_count > most_points) continue;

@@ -44,12 +44,8 @@ struct Vertex {
       : surface(surface_there),
         material(regularized(*surface.material, roughness)),
         basis(basis_around(surface.normal)),
-        wo(basis.to_local(-ray.direction)) {
-    ray_origin.from = intersection.on_cloud ? RayOrigin::From::point : RayOrigin::From::object;
-    ray_origin.index = intersection.index;
-    ray_origin.center = intersection.center;
-    ray_origin.radius = intersection.radius;
-  }
+        wo(basis.to_local(-ray.direction)),
+        ray_origin(intersection.leaving(false)) {}
 
   RayOrigin leaving(const glm::dvec3& wi) const {
     RayOrigin result = ray_origin;

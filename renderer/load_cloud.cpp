@@ -92,7 +92,29 @@ LoadedCloud build_cloud(const CloudSettings& settings, const CloudInputs& inputs
 
 }  // namespace
 
+namespace {
+
+/// The radii of discs.
+void choose_disc_radius(const CloudSettings& settings, LoadedCloud& cloud, const Progress& progress) {
+  check_that(settings.max_level >= k_max_level, "discs do not support max_level",
+             "spheres, or all levels: spacings are those of the whole cloud");
+  check_that(!settings.radius, "discs do not support one radius for all points", "adapted radii");
+  check_that(!std::holds_alternative<Dielectric>(settings.material), "discs do not support glass", "spheres");
+  const AdaptedRadius adapted = settings.adapted_radius.value_or(
+      AdaptedRadius{.neighbours = k_surface_neighbours, .factor = k_disc_spacings});
+  check_that(adapted.neighbours == k_surface_neighbours, "discs do not support another number of neighbours",
+             std::to_string(k_surface_neighbours), std::to_string(adapted.neighbours));
+  check_positive(adapted.factor, "factor between spacings and radii");
+  cloud.spacing_factor = adapted.factor;
+  cloud.radius = adapted.max ? *adapted.max : k_widest_over_automatic * automatic_radius(cloud.octree);
+  check_positive(cloud.radius, "largest radius of points");
+  cloud.octree = with_surfaces(with_spacings(cloud.octree, k_surface_neighbours, progress), progress);
+}
+
+}  // namespace
+
 void choose_radius(const CloudSettings& settings, LoadedCloud& cloud, const Progress& progress) {
+  if (settings.shape != PointShape::sphere) return choose_disc_radius(settings, cloud, progress);
   const std::optional<AdaptedRadius>& adapted = settings.adapted_radius;
   const std::optional<double> given = adapted ? adapted->max : settings.radius;
   if (given) check_positive(*given, adapted ? "largest radius of points" : "radius of points");

@@ -61,12 +61,17 @@ class Text {
     add_all(by, attribute, map, range, percentiles, classes);
   }
   void add(const CloudSettings& cloud) {
-    const auto& [files, partial, color_depth, radius, adapted_radius, hits, color, material, normals,
+    const auto& [files, partial, color_depth, radius, adapted_radius, hits, color, material, normals, shape,
                  max_level] = cloud;
-    add_all(files, partial, color_depth, radius, adapted_radius, hits, color, material, normals, max_level);
+    add_all(files, partial, color_depth, radius, adapted_radius, hits, color, material, normals, shape,
+            max_level);
   }
   void add(const Sphere& sphere) { add_fields<3>(sphere); }
   void add(const GroundPlane& plane) { add_fields<2>(plane); }
+  void add(const Model& model) {
+    const auto& [surfaces, material] = model;
+    add_all(surfaces->name(), material);
+  }
   void add(const ConstantSky& sky) { add_fields<1>(sky); }
   void add(const GradientSky& sky) { add_fields<2>(sky); }
   void add(const ImageSky& sky) {

@@ -253,7 +253,7 @@ AdaptedRadius read_adapted_radius(const JsonNode& node) {
 
 CloudSettings read_cloud_settings(const JsonNode& node, const std::filesystem::path& scene_file) {
   const JsonFields fields(node, {"files", "file", "partial", "radius", "hits", "color", "color_depth",
-                                 "normals", "max_level", "material"});
+                                 "normals", "surface", "max_level", "material"});
   CloudSettings cloud;
   const auto files = fields.find("files"), file = fields.find("file");
   if (files && file) file->fail("\"file\" and \"files\" exclude each other", "one of them", "both");
@@ -282,6 +282,8 @@ CloudSettings read_cloud_settings(const JsonNode& node, const std::filesystem::p
   }
   if (const auto normals = fields.find("normals"))
     cloud.normals = choice_of(*normals, {"sphere", "smooth"}) == 0 ? NormalMode::sphere : NormalMode::smooth;
+  if (const auto surface = fields.find("surface"))
+    cloud.shape = static_cast<PointShape>(choice_of(*surface, {"sphere", "disc", "blend"}));
   if (const auto material = fields.find("material")) cloud.material = read_material(*material, true);
   return cloud;
 }

@@ -67,6 +67,7 @@ RenderStatistics statistics_of(const PictureState& state, const Scene& scene, co
 
 void check_camera_position(const camera::Camera& camera, const Scene& scene, const LoadedCloud& cloud) {
   if (std::holds_alternative<camera::OrthographicLens>(camera.lens)) return;
+  if (scene.cloud && scene.cloud->shape != PointShape::sphere) return;  // discs have no inside
   const bool all_levels = !scene.cloud || scene.cloud->max_level >= k_max_level;
   const int max_level = all_levels ? k_all_levels : scene.cloud->max_level;
   const std::optional<SphereAround> sphere = sphere_around(cloud, camera.pose.position, max_level);

@@ -70,11 +70,7 @@ void trace_ambient_occlusion(const World& world, const Sky& sky, double ao_dista
         sampler.start_at(k_first_path_dimension);
         rays.push_back(
             {surface.ray_origin, basis_around(facing).to_world(sample_cosine_hemisphere(sampler.next_2d()))});
-        ray_origins.push_back({.from = met.on_cloud ? RayOrigin::From::point : RayOrigin::From::object,
-                               .index = met.index,
-                               .center = met.center,
-                               .inward = glm::dot(facing, surface.normal) < 0.0,
-                               .radius = met.radius});
+        ray_origins.push_back(met.leaving(glm::dot(facing, surface.normal) < 0.0));
         asked.push_back(path);
         colors.push_back(seen.color);
       },

@@ -12,6 +12,8 @@
 #include <variant>
 #include <vector>
 
+#include "base/bounds.h"
+#include "base/ray.h"
 #include "camera/camera.h"
 #include "cloud/read_cloud.h"
 #include "geo/sun.h"
@@ -38,6 +40,13 @@ enum class NormalMode {
            ///< surface
 };
 
+/// What a point is to a ray.
+enum class PointShape {
+  sphere,  ///< the sphere around it: the paper's way
+  disc,    ///< the disc of its sheet (octree/point_disc.h), or a small sphere where it has no sheet
+  blend,   ///< the same, with position, normal and colour blended over the discs of one sheet
+};
+
 /// Radii that follow the density of the points: of each point, factor times the distance to its n-th nearest
 /// neighbour (octree/spacing.h), at most max. On a surface with so many points per square metre the
 /// eighth neighbour is 1.6 / sqrt(density) away; spheres of three quarters of that leave 1 % of it open.
@@ -60,7 +69,8 @@ struct CloudSettings {
   HitMode hits = HitMode::entry;
   image::PointColoring color;
   Material material = Lambertian{};
-  NormalMode normals = NormalMode::sphere;  ///< glass points are always spheres
+  NormalMode normals = NormalMode::sphere;  ///< of spheres; glass points are always spheres
+  PointShape shape = PointShape::sphere;
   /// Only the levels 0 to max_level of an index file of organisation layered: a thinned cloud, for previews.
   int max_level = k_max_level;
 };
@@ -77,7 +87,35 @@ struct GroundPlane {
   Material material = Lambertian{Rgb(0.5f)};
 };
 
-using Object = std::variant<Sphere, GroundPlane>;
+/// Surfaces with colours of their own that are not the scene's to describe, such as the exact site behind a
+/// simulated scan. Opaque, seen from both sides. Safe to ask from many threads.
+class Surfaces {
+ public:
+  struct Hit {
+    double t = 0.0;                    ///< along the ray, metres
+    glm::dvec3 normal{0.0, 0.0, 1.0};  ///< unit, towards the side the ray came from
+    Rgb color{1.0f};                   ///< linear
+  };
+
+  Surfaces() = default;
+  Surfaces(const Surfaces&) = delete;
+  Surfaces& operator=(const Surfaces&) = delete;
+  virtual ~Surfaces() = default;
+
+  /// The first one with t_min <= t <= t_max, where t_min is at least 0. The same answer for the same ray.
+  virtual std::optional<Hit> closest(const Ray& ray) const = 0;
+  virtual Bounds bounds() const = 0;  ///< world
+  /// For messages and checkpoints: the same name, the same surfaces.
+  virtual std::string name() const = 0;
+};
+
+/// Surfaces as part of a scene.
+struct Model {
+  std::shared_ptr<const Surfaces> surfaces;  ///< not null
+  Material material = Lambertian{};          ///< not glass
+};
+
+using Object = std::variant<Sphere, GroundPlane, Model>;
 
 /// Sky of one radiance.
 struct ConstantSky {

@@ -102,11 +102,32 @@ double intersect(const GroundPlane& plane, const Ray& ray, bool own, bool /*inwa
   return t > 0.0 ? t : k_none;
 }
 
+/// What a ray that leaves a model does not meet of it: rounding of coordinates and of shapes.
+constexpr double k_model_clearance = 1e-5;  // metres
+
+double intersect(const Model& model, const Ray& ray, bool own, bool /*inward*/) {
+  const auto hit =
+      model.surfaces->closest({ray.origin, ray.direction, own ? k_model_clearance : 0.0, k_none});
+  return hit ? hit->t : k_none;
+}
+
 Surface on_sphere(const Ray& ray, double t, const glm::dvec3& center, double radius) {
   Surface surface;
   surface.normal = glm::normalize(ray.origin + t * ray.direction - center);
   // Put back on the sphere: a distant camera has left some rounding in t.
   surface.position = surface.ray_origin = center + radius * surface.normal;
+  return surface;
+}
+
+/// t: that of the surfaces' answer to this ray.
+Surface on_model(const Ray& ray, double t, const Model& model) {
+  constexpr double k_slack = 1e-9;  // nothing is nearer
+  const auto hit =
+      model.surfaces->closest({ray.origin, ray.direction, std::max(t - k_slack, 0.0), t + k_slack});
+  Surface surface{.position = ray.origin + t * ray.direction, .material = &model.material};
+  surface.ray_origin = surface.position;
+  surface.normal = hit ? hit->normal : -ray.direction;
+  if (hit) surface.color = glm::min(hit->color, Rgb(k_brightest_point));
   return surface;
 }
 
@@ -142,7 +163,11 @@ World::World(const Scene& scene, const LoadedCloud* cloud) : objects_(&scene.obj
                 .max_level = settings.max_level < k_max_level ? settings.max_level : k_all_levels},
       .material = settings.material,
   };
-  if (settings.normals == NormalMode::smooth && !std::holds_alternative<Dielectric>(settings.material)) {
+  // First looks at a cloud have no surfaces yet.
+  if (settings.shape != PointShape::sphere && cloud->octree.view().surfaces != nullptr) {
+    discs_.emplace(*cloud, settings.shape == PointShape::blend);
+  } else if (settings.normals == NormalMode::smooth &&
+             !std::holds_alternative<Dielectric>(settings.material)) {
     smooth_normals_.emplace(cloud->octree);
   }
   linear_.resize(65536);
@@ -172,10 +197,11 @@ std::optional<Intersection> World::nearest(const Ray& ray, const RayOrigin& ray_
 void World::nearest(std::span<const Ray> rays, std::span<const RayOrigin> ray_origins,
                     std::span<std::optional<Intersection>> met) const {
   std::vector<Ray> asked;
+  std::vector<SheetOrigin> sheets;
   std::vector<std::size_t> numbers;
   for (std::size_t i = 0; i < rays.size(); ++i) {
     Intersection best = nearest_object(rays[i], ray_origins[i]);
-    if (cloud_ && ray_origins[i].from == RayOrigin::From::point && ray_origins[i].inward) {
+    if (cloud_ && ray_origins[i].from == RayOrigin::From::point && ray_origins[i].inward && !discs_) {
       const RayOrigin& ray_origin = ray_origins[i];
       const double t = intersect_sphere(rays[i], ray_origin.center, ray_origin.radius, Roots::far_one);
       if (t < best.t) {
@@ -186,31 +212,52 @@ void World::nearest(std::span<const Ray> rays, std::span<const RayOrigin> ray_or
                 .radius = ray_origin.radius};
       }
     } else if (cloud_) {
-      // The interval limits projections, which lie up to a radius behind the position of entry.
-      asked.push_back({rays[i].origin, rays[i].direction, 0.0, best.t + cloud_->query.radius});
+      asked.push_back({rays[i].origin, rays[i].direction, 0.0, best.t});
+      sheets.push_back(ray_origins[i].sheet);
       numbers.push_back(i);
     }
     met[i] = best.t == k_none ? std::nullopt : std::optional(best);
   }
   if (asked.empty()) return;
-  std::vector<std::optional<Hit>> hits(asked.size());
+  const std::vector<std::optional<Intersection>> on_cloud = meet_cloud(asked, sheets);
+  for (std::size_t a = 0; a < asked.size(); ++a) {
+    std::optional<Intersection>& best = met[numbers[a]];
+    if (on_cloud[a] && (!best || on_cloud[a]->t < best->t)) best = on_cloud[a];
+  }
+}
+
+std::vector<std::optional<Intersection>> World::meet_cloud(std::span<const Ray> rays,
+                                                           std::span<const SheetOrigin> sheets) const {
+  std::vector<std::optional<Intersection>> met(rays.size());
+  if (discs_) {
+    std::vector<std::optional<DiscHit>> hits(rays.size());
+    {
+      const AddedTime time(query_nanoseconds_);
+      discs_->closest(rays, sheets, hits);
+    }
+    for (std::size_t i = 0; i < rays.size(); ++i)
+      if (hits[i]) met[i] = {.t = hits[i]->t, .on_cloud = true, .index = hits[i]->point_id, .disc = hits[i]};
+    return met;
+  }
+  // The interval limits projections, which lie up to a radius behind the position of entry.
+  std::vector<Ray> asked(rays.begin(), rays.end());
+  for (Ray& ray : asked) ray.t_max += cloud_->query.radius;
   if (watch_) watch_(asked, false);
+  std::vector<std::optional<Hit>> hits(asked.size());
   {
     const AddedTime time(query_nanoseconds_);
     closest(*cloud_->octree, asked, cloud_->query, hits);
   }
-  for (std::size_t a = 0; a < asked.size(); ++a) {
-    const std::optional<Hit>& hit = hits[a];
-    std::optional<Intersection>& best = met[numbers[a]];
-    if (hit && (!best || hit->entry < best->t)) {
-      best = {.t = hit->entry,
+  for (std::size_t i = 0; i < asked.size(); ++i) {
+    if (!hits[i]) continue;
+    const bool has_own = cloud_->query.spacing_factor > 0.0;
+    met[i] = {.t = hits[i]->entry,
               .on_cloud = true,
-              .index = hit->point_id,
-              .center = hit->position,
-              .radius = cloud_->query.spacing_factor > 0.0 ? sphere_radius(cloud_->query, *hit)
-                                                           : cloud_->query.radius};
-    }
+              .index = hits[i]->point_id,
+              .center = hits[i]->position,
+              .radius = has_own ? sphere_radius(cloud_->query, *hits[i]) : cloud_->query.radius};
   }
+  return met;
 }
 
 bool World::blocked(const Ray& ray, const RayOrigin& ray_origin) const {
@@ -222,11 +269,13 @@ bool World::blocked(const Ray& ray, const RayOrigin& ray_origin) const {
 void World::blocked(std::span<const Ray> rays, std::span<const RayOrigin> ray_origins,
                     std::span<std::uint8_t> answers, double reach) const {
   std::vector<Ray> asked;
+  std::vector<SheetOrigin> sheets;
   std::vector<std::size_t> numbers;
   for (std::size_t i = 0; i < rays.size(); ++i) {
     answers[i] = nearest_object(rays[i], ray_origins[i]).t < reach ? 1 : 0;
     if (answers[i] != 0 || !cloud_) continue;
     asked.push_back({rays[i].origin, rays[i].direction, 0.0, reach});
+    sheets.push_back(ray_origins[i].sheet);
     numbers.push_back(i);
   }
   if (asked.empty()) return;
@@ -234,7 +283,10 @@ void World::blocked(std::span<const Ray> rays, std::span<const RayOrigin> ray_or
   if (watch_) watch_(asked, true);
   {
     const AddedTime time(query_nanoseconds_);
-    occluded(*cloud_->octree, asked, cloud_->query, occlusions);
+    if (discs_)
+      discs_->blocked(asked, sheets, occlusions);
+    else
+      occluded(*cloud_->octree, asked, cloud_->query, occlusions);
   }
   for (std::size_t a = 0; a < asked.size(); ++a) answers[numbers[a]] = occlusions[a];
 }
@@ -251,13 +303,22 @@ void World::smooth(const Ray& ray, const Intersection& intersection, Surface& su
 }
 
 Surface World::surface_at(const Ray& ray, const Intersection& intersection) const {
+  if (intersection.disc) {
+    const DiscHit& disc = *intersection.disc;
+    Surface surface{.position = ray.origin + intersection.t * ray.direction, .normal = disc.normal};
+    surface.ray_origin = surface.position;
+    surface.material = &cloud_->material;
+    surface.color =
+        linear(cloud_->shows_normals ? normal_color(ray, disc.normal) : Color16(disc.color + 0.5));
+    return surface;
+  }
   if (intersection.on_cloud) {
     Surface surface = on_sphere(ray, intersection.t, intersection.center, intersection.radius);
     surface.material = &cloud_->material;
     if (smooth_normals_) smooth(ray, intersection, surface);
     const Color16 color =
         cloud_->shows_normals ? normal_color(ray, surface.normal) : cloud_->colors[intersection.index];
-    surface.color = {linear_[color.r], linear_[color.g], linear_[color.b]};
+    surface.color = linear(color);
     return surface;
   }
   const Object& object = (*objects_)[intersection.index];
@@ -266,6 +327,7 @@ Surface World::surface_at(const Ray& ray, const Intersection& intersection) cons
     surface.material = &sphere->material;
     return surface;
   }
+  if (const auto* model = std::get_if<Model>(&object)) return on_model(ray, intersection.t, *model);
   const auto& plane = std::get<GroundPlane>(object);
   Surface surface{.position = ray.origin + intersection.t * ray.direction, .material = &plane.material};
   surface.position.z = plane.height;

@@ -14,6 +14,7 @@
 #include "octree/local_plane.h"
 #include "octree/octree.h"
 #include "octree/query.h"
+#include "renderer/disc_tracer.h"
 #include "renderer/load_cloud.h"
 #include "renderer/scene.h"
 
@@ -58,15 +59,28 @@ struct RayOrigin {
   glm::dvec3 center{0.0};   ///< of the point
   bool inward = false;      ///< the ray goes on inside
   double radius = 0.0;      ///< of the point's sphere; needed by rays that go on inside
+  SheetOrigin sheet{};      ///< of clouds of discs
 };
 
 /// Where a ray meets something first.
 struct Intersection {
   double t = std::numeric_limits<double>::infinity();
   bool on_cloud = false;
-  std::uint64_t index = 0;  ///< of the object, or point id
-  glm::dvec3 center{0.0};   ///< of the point
-  double radius = 0.0;      ///< of its sphere
+  std::uint64_t index = 0;        ///< of the object, or point id
+  glm::dvec3 center{0.0};         ///< of the point
+  double radius = 0.0;            ///< of its sphere
+  std::optional<DiscHit> disc{};  ///< in clouds of discs
+
+  /// For rays that leave this position. inward: they go on inside.
+  RayOrigin leaving(bool inward) const {
+    RayOrigin origin{.from = on_cloud ? RayOrigin::From::point : RayOrigin::From::object,
+                     .index = index,
+                     .center = center,
+                     .inward = inward,
+                     .radius = radius};
+    if (disc) origin.sheet = disc->leaving;
+    return origin;
+  }
 };
 
 /// The hit position, ready for shading.
@@ -115,10 +129,15 @@ class World {
  private:
   void smooth(const Ray& ray, const Intersection& intersection, Surface& surface) const;
   Intersection nearest_object(const Ray& ray, const RayOrigin& ray_origin) const;
+  /// The cloud's answers to rays that end where the nearest object is.
+  std::vector<std::optional<Intersection>> meet_cloud(std::span<const Ray> rays,
+                                                      std::span<const SheetOrigin> sheets) const;
+  Rgb linear(const Color16& color) const { return {linear_[color.r], linear_[color.g], linear_[color.b]}; }
 
   const std::vector<Object>* objects_;
   std::optional<CloudGeometry> cloud_;
   std::optional<SmoothNormals> smooth_normals_;
+  std::optional<DiscCloud> discs_;
   RayWatch watch_;
   mutable std::atomic<std::int64_t> query_nanoseconds_{0};
   std::vector<float> linear_;  ///< linear value of each 16-bit display value

@@ -43,6 +43,9 @@ std::string text(const Object& object) {
     std::string operator()(const Sphere& s) const {
       return fmt::format("sphere {}{}{}", text(s.center), text(s.radius), text(s.material));
     }
+    std::string operator()(const Model& m) const {
+      return fmt::format("model {} {}", m.surfaces->name(), text(m.material));
+    }
     std::string operator()(const GroundPlane& p) const {
       return fmt::format("plane {}{}", text(p.height), text(p.material));
     }
@@ -81,6 +84,7 @@ std::string text(const CloudSettings& cloud) {
   for (const auto& file : cloud.files) result += file.string() + " ";
   result += fmt::format("depth {} hits {} {}normals {} ", int(cloud.color_depth), int(cloud.hits),
                         text(cloud.color), int(cloud.normals));
+  if (cloud.shape != PointShape::sphere) result += fmt::format("shape {} ", int(cloud.shape));
   if (cloud.partial) result += "partial ";
   if (cloud.max_level != k_max_level) result += fmt::format("levels {} ", cloud.max_level);
   if (cloud.adapted_radius) {

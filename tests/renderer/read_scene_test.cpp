@@ -36,7 +36,7 @@ std::string with(const std::string& rest) {
 TEST(ReadSceneTest, a_scene_has_the_values_of_its_file) {
   const Scene scene = parse_scene(R"({
     "version": 1, "description": "all of it",
-    "cloud": { "files": ["a.las", "../b.ply"], "partial": true, "radius": 0.05, "hits": "t", "color": "intensity", "color_depth": 8, "normals": "smooth", "max_level": 4,
+    "cloud": { "files": ["a.las", "../b.ply"], "partial": true, "radius": 0.05, "hits": "t", "color": "intensity", "color_depth": 8, "normals": "smooth", "surface": "blend", "max_level": 4,
                "material": { "type": "metal", "roughness": 0.25 } },
     "objects": [ { "type": "sphere", "center": [2, 1.5, -1], "radius": 0.5,
                    "material": { "type": "metal", "albedo": [0.9, 0.8, 0.7], "roughness": 0.1 } },
@@ -52,7 +52,7 @@ TEST(ReadSceneTest, a_scene_has_the_values_of_its_file) {
     "output": { "file": "out/yard.exr", "layers": ["id", "variance"], "exposure": -1.5, "precision": "float" } })",
                                   "scenes/yard.json");
   EXPECT_EQ(describe(scene),
-            "cloud scenes/a.las b.ply depth 1 hits 1 color intensity normals 1 partial levels 4 "
+            "cloud scenes/a.las b.ply depth 1 hits 1 color intensity normals 1 shape 2 partial levels 4 "
             "0.050000000000000003 "
             "metal own 0.25 \n"
             "sphere 2 1.5 -1 0.5 metal 0.89999997615814209 0.80000001192092896 0.69999998807907104 "

@@ -80,7 +80,7 @@ std::vector<Sample> samples() {
   for (const Json& each : cameras()) all.push_back({"camera.schema.json", each});
   Json scene = Json::parse(R"({
     "version": 1, "description": "a scene",
-    "cloud": { "files": ["a.las", "b.las"], "partial": true, "radius": 0.5, "hits": "t", "color": "height", "color_depth": 16, "normals": "smooth", "max_level": 3,
+    "cloud": { "files": ["a.las", "b.las"], "partial": true, "radius": 0.5, "hits": "t", "color": "height", "color_depth": 16, "normals": "smooth", "surface": "blend", "max_level": 3,
                "material": { "type": "lambertian", "albedo": [0.1, 0.2, 0.3] } },
     "objects": [
       { "type": "sphere", "center": [1, 2, 3], "radius": 2,

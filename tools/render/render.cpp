@@ -24,6 +24,10 @@ std::vector<std::filesystem::path> input_files(const RenderCommand& command, con
 }
 
 std::string radius_text(const renderer::CloudSettings& settings, const renderer::LoadedCloud& cloud) {
+  if (settings.shape != renderer::PointShape::sphere) {
+    return fmt::format("discs of radius {:.4g} times the distance to neighbour 8, at most {:.4g}",
+                       cloud.spacing_factor, cloud.radius);
+  }
   if (settings.adapted_radius) {
     return fmt::format("spheres of radius {:.4g} times the distance to neighbour {}, at most {:.4g}",
                        cloud.spacing_factor, settings.adapted_radius->neighbours, cloud.radius);

@@ -3,6 +3,8 @@
 
 #include "octree/spacing.h"
 #include "renderer/read_scene.h"
+#include "simulation/courtyard.h"
+#include "tools/render/site_surfaces.h"
 
 namespace alidade::tools {
 namespace {
@@ -100,6 +102,14 @@ void add_cloud_options(const Options& render, RenderCommand& command) {
                 "(default: the scene's; smooth without a scene)",
                 command.normals,
                 {{"sphere", renderer::NormalMode::sphere}, {"smooth", renderer::NormalMode::smooth}});
+  render.choice(
+      "--surface",
+      "what a point is to a ray: its sphere (default), the disc of the plane through its neighbours, or "
+      "discs blended into one surface",
+      command.shape,
+      {{"sphere", renderer::PointShape::sphere},
+       {"disc", renderer::PointShape::disc},
+       {"blend", renderer::PointShape::blend}});
   render.count("--max-level", "N",
                "only levels 0 to N of an index file made with --organisation layered: a quick preview of a "
                "thinned cloud (default: all levels)",
@@ -133,6 +143,16 @@ void apply(const RadiusRequest& request, renderer::CloudSettings& cloud) {
   adapted.max = request.max.value_or(adapted.max);
 }
 
+/// Puts the site in place of the scene's cloud.
+void put_exact_site(renderer::Scene& scene, const std::filesystem::path& scene_file) {
+  renderer::Model model{std::make_shared<SiteSurfaces>(simulation::courtyard(), "courtyard")};
+  if (scene.cloud) model.material = scene.cloud->material;
+  if (std::holds_alternative<renderer::Dielectric>(model.material))
+    throw file_error(scene_file, "--site does not support glass as the cloud's material");
+  scene.cloud.reset();
+  scene.objects.emplace_back(std::move(model));
+}
+
 /// One of the options about the cloud that were given; empty if there is none.
 std::string cloud_option(const RenderCommand& command) {
   const RadiusRequest& radius = command.radius;
@@ -143,6 +163,7 @@ std::string cloud_option(const RenderCommand& command) {
   if (command.color_depth) return "--color-depth";
   if (command.hits) return "--hits";
   if (command.normals) return "--normals";
+  if (command.shape) return "--surface";
   if (command.max_level) return "--max-level";
   if (command.partial) return "--partial";
   if (command.in_view) return "--in-view";
@@ -159,6 +180,7 @@ void apply_cloud_options(const RenderCommand& command, renderer::Scene& scene) {
   apply(command.color, cloud.color);
   cloud.hits = command.hits.value_or(cloud.hits);
   cloud.normals = command.normals.value_or(cloud.normals);
+  cloud.shape = command.shape.value_or(cloud.shape);
   cloud.max_level = command.max_level.value_or(cloud.max_level);
   cloud.partial = cloud.partial || command.partial;
 }
@@ -168,10 +190,19 @@ void apply_cloud_options(const RenderCommand& command, renderer::Scene& scene) {
 std::shared_ptr<RenderCommand> add_render_options(const Options& render) {
   auto command = std::make_shared<RenderCommand>();
   const Option scene = render.file("scene", "SCENE.json", "scene file", command->scene_file);
-  add_cloud_files(render.excludes(scene), "--cloud", "FILE...",
-                  "cloud files, folders or patterns such as 'tiles/*.las' to render without a scene file" +
-                      k_database_help,
-                  command->files);
+  const Option cloud = add_cloud_files(
+      render.excludes(scene), "--cloud", "FILE...",
+      "cloud files, folders or patterns such as 'tiles/*.las' to render without a scene file" +
+          k_database_help,
+      command->files);
+  render.excludes(cloud).value(
+      "--site", "courtyard",
+      "render the exact surfaces of the site that 'alidade generate' scans, in place of the "
+      "scene's cloud: the truth for renders of its scans",
+      [command = command.get()](const std::string& text) {
+        if (text != "courtyard") throw UsageError("invalid value; expected courtyard, found '" + text + "'");
+        command->exact_site = true;
+      });
   render.file("-o,--output", "FILE",
               "output image: .png, .jpg, .exr or .tif (default: the scene's); for a set of cameras with %04d "
               "(number, from 0) or %s (name)",
@@ -195,10 +226,11 @@ std::shared_ptr<RenderCommand> add_render_options(const Options& render) {
 }
 
 renderer::Scene requested_scene(const RenderCommand& command) {
-  if (command.scene_file.empty() && command.files.empty())
+  if (command.scene_file.empty() && command.files.empty() && !command.exact_site)
     throw input_error("nothing to render", "SCENE.json or --cloud FILE...");
   renderer::Scene scene =
       command.scene_file.empty() ? daylight_scene(command.files) : renderer::read_scene(command.scene_file);
+  if (command.exact_site) put_exact_site(scene, command.scene_file);
   apply_cloud_options(command, scene);
   apply_light_options(command.light, scene);
   if (command.max_bounces) require_path_mode(scene, "--max-bounces");

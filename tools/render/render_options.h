@@ -28,6 +28,7 @@ struct RadiusRequest {
 /// What was asked of `alidade render`. Everything that is empty is left as the scene has it.
 struct RenderCommand : CloudRequest {
   std::filesystem::path scene_file;
+  bool exact_site = false;  ///< the courtyard itself in place of a scan
   bool in_view = false;  ///< of a cloud in a database, only what the cameras see is read
   std::filesystem::path output;
   CameraRequest camera;
@@ -39,6 +40,7 @@ struct RenderCommand : CloudRequest {
   ColorRequest color;
   std::optional<renderer::HitMode> hits;
   std::optional<renderer::NormalMode> normals;
+  std::optional<renderer::PointShape> shape;
   std::optional<int> max_level;
   std::optional<double> exposure;
   std::vector<image::Layer> layers;

@@ -165,19 +165,27 @@ std::vector<View> requested_views(const CameraRequest& request, const renderer::
 
 View view_of_cloud(const CameraRequest& request, const renderer::Scene& scene,
                    const renderer::LoadedCloud* cloud, const std::filesystem::path& scene_file) {
-  if (cloud == nullptr) throw file_error(scene_file, "the scene has neither a camera nor a cloud");
-  if (cloud->octree.size() == 0) {
+  Bounds models;
+  for (const renderer::Object& object : scene.objects)
+    if (const auto* model = std::get_if<renderer::Model>(&object)) models.grow(model->surfaces->bounds());
+  if (cloud == nullptr && models.empty())
+    throw file_error(scene_file, "the scene has neither a camera nor a cloud");
+  if (cloud != nullptr && cloud->octree.size() == 0) {
     // What was asked for, which for an index file is not what its points came from.
     throw file_error(scene.cloud->files.front(), "the cloud has no points for a default view",
                      "--camera FILE");
   }
   if (!request.from_above) {
     const ImageSize size = request.size.value_or(ImageSize{1200, 800});
-    return {"", camera::overview_camera(renderer::visible_bounds(*cloud), size.width, size.height)};
+    Bounds seen = cloud != nullptr ? renderer::visible_bounds(*cloud) : models;
+    return {"", camera::overview_camera(seen, size.width, size.height)};
   }
-  Bounds bounds = cloud->octree.bounds();
-  bounds.min -= glm::dvec3(cloud->radius);
-  bounds.max += glm::dvec3(cloud->radius);
+  Bounds bounds = models;
+  if (cloud != nullptr) {
+    bounds = cloud->octree.bounds();
+    bounds.min -= glm::dvec3(cloud->radius);
+    bounds.max += glm::dvec3(cloud->radius);
+  }
   if (request.extent) {
     const auto& [least_x, least_y, largest_x, largest_y] = *request.extent;
     if (!(least_x < largest_x && least_y < largest_y))

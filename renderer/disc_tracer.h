@@ -1,0 +1,74 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <cstdint>
+#include <glm/vec3.hpp>
+#include <optional>
+#include <span>
+#include <vector>
+
+#include "octree/point_disc.h"
+#include "octree/query.h"
+#include "renderer/load_cloud.h"
+#include "renderer/scene.h"
+
+// What rays meet where points are discs of their sheets. A ray meets a disc where it crosses the plane of the sheet within
+// the radius of the point and not beyond the edge of the sheet; a point without a sheet is a small sphere, met where the
+// ray enters it. The first crossing is the least t; of equal ones the lowest point id.
+//
+// Blended: the discs that count beside the first one are those of points within whose radius the first crossing lies, if
+// they belong to its sheet: their normal deviates by at most 32 degrees, and their plane passes within a quarter of the
+// radius plus 4 mm of the crossing. Of them t (where the ray crosses their plane), normal and colour are averaged, weighted
+// by exp(-8 d^2 / r^2) with the distance d of the point from the first crossing and its radius r.
+
+namespace alidade::renderer {
+
+/// What a ray that leaves a sheet does not meet: the discs of that sheet, which are near (is_part_of_surface()) and whose
+/// normal deviates by at most 32 degrees. A reach of 0: the ray begins in the air.
+struct SheetOrigin {
+  double reach = 0.0, thickness = 0.0;  ///< metres
+  glm::dvec3 normal{0.0, 0.0, 1.0};
+};
+
+/// Cosine of the 32 degrees by which normals of one sheet deviate at most.
+constexpr double k_same_sheet_cosine = 0.848;
+
+/// Where a ray meets the cloud.
+struct DiscHit {
+  double t = 0.0;              ///< metres
+  std::uint64_t point_id = 0;  ///< of the first crossing
+  glm::dvec3 normal{0.0};      ///< unit, towards the ray's side
+  glm::dvec3 color{0.0};       ///< 16-bit display values
+  SheetOrigin leaving{};       ///< for rays that go on from there
+};
+
+/// The cloud of a scene as discs. Keeps a reference to the cloud, which must outlive it and have surfaces. Safe to use from
+/// many threads.
+class DiscCloud {
+ public:
+  DiscCloud(const LoadedCloud& cloud, bool blends);
+
+  /// The first hit of each ray with 0 < t < the ray's t_max. All of one length.
+  void closest(std::span<const Ray> rays, std::span<const SheetOrigin> origins,
+               std::span<std::optional<DiscHit>> hits) const;
+  /// Whether there is one.
+  void blocked(std::span<const Ray> rays, std::span<const SheetOrigin> origins,
+               std::span<std::uint8_t> answers) const;
+
+ private:
+  struct Crossing;
+
+  std::optional<Crossing> crossing(const Ray& ray, const SheetOrigin& origin, std::uint64_t point_id,
+                                   const glm::dvec3& position, double radius) const;
+  DiscHit blended(const Ray& ray, const Crossing& first, std::span<const Candidate> candidates) const;
+  /// The points whose spheres rays meet in their intervals, by point id.
+  std::vector<std::vector<Candidate>> candidates_along(std::span<const Ray> rays) const;
+  RayQuery query() const;
+
+  const LoadedCloud& cloud_;
+  const std::span<const Color16> colors_;
+  const bool blends_;
+  double largest_sphere_;  ///< of points without a sheet, metres
+};
+
+}  // namespace alidade::renderer

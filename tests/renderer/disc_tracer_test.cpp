@@ -1,0 +1,218 @@
+// SPDX-License-Identifier: MIT
+#include "renderer/disc_tracer.h"
+
+#include <gtest/gtest.h>
+
+#include <glm/geometric.hpp>
+
+#include "octree/distance.h"
+#include "octree/spacing.h"
+#include "octree/tree_walk.h"
+#include "renderer/render.h"
+#include "tests/renderer/tracer_scenes.h"
+#include "tests/support/point_families.h"
+
+namespace alidade {
+
+using namespace renderer;
+
+namespace {
+
+using test::Random;
+
+/// A wall, a floor that ends at it, and points without a sheet.
+std::vector<glm::dvec3> corner_points(Random& random, int count) {
+  std::vector<glm::dvec3> points;
+  for (int i = 0; i < count; ++i) {
+    points.emplace_back(random.between(0, 4), random.between(0, 4), 0.002 * random.in_cube().z);
+    points.emplace_back(random.between(0, 4), 4.0 + 0.002 * random.in_cube().z, random.between(0, 3));
+    if (i % 10 == 0) points.push_back(glm::dvec3(2, 2, 1.5) + 1.2 * random.in_cube());
+  }
+  return points;
+}
+
+LoadedCloud disc_cloud(const std::vector<glm::dvec3>& points, Random& random) {
+  LoadedCloud cloud = test::loaded(points, 0.1, {glm::dvec3(1e-4), glm::dvec3(0)});
+  for (Color16& color : cloud.colors) color = Color16(static_cast<std::uint16_t>(random.bits()));
+  CloudSettings settings;
+  settings.shape = PointShape::blend;
+  choose_radius(settings, cloud);
+  return cloud;
+}
+
+/// Positions and radii by point id.
+struct PlainPoints {
+  explicit PlainPoints(const LoadedCloud& cloud) {
+    const TreeView& tree = cloud.octree.view();
+    for (const LatticePosition& position : positions_in_order(tree))
+      positions.push_back(to_world(tree.lattice, position));
+    for (const double spacing : spacings_in_order(tree))
+      radii.push_back(std::min(cloud.radius, cloud.spacing_factor * spacing));
+    largest_sphere = automatic_radius(cloud.octree);
+  }
+
+  std::vector<glm::dvec3> positions;
+  std::vector<double> radii;
+  double largest_sphere = 0.0;
+};
+
+/// The first crossing by its definition, over all points. Where: the point and t.
+std::optional<std::pair<std::uint64_t, double>> first_crossing(const LoadedCloud& cloud,
+                                                               const PlainPoints& points, const Ray& ray,
+                                                               const SheetOrigin& origin) {
+  const TreeView& tree = cloud.octree.view();
+  const std::vector<glm::dvec3>& positions = points.positions;
+  std::optional<std::pair<std::uint64_t, double>> first;
+  for (std::uint64_t id = 0; id < positions.size(); ++id) {
+    const double radius = points.radii[id];
+    const PointSurface surface = surface_of(tree, id);
+    std::optional<double> t;
+    if (surface.exists) {
+      const PointDisc disc = point_disc(positions[id], surface, radius);
+      t = plane_crossing(disc, ray.origin, ray.direction);
+      if (!t) continue;
+      const glm::dvec3 met = ray.origin + *t * ray.direction;
+      if (!is_within_radius(disc, met)) continue;
+      if (radius < cloud.radius && is_beyond_edge(disc, met, tree, id, cloud.spacing_factor)) continue;
+      if (origin.reach > 0.0 && is_part_of_surface(disc, ray.origin, origin.reach, origin.thickness) &&
+          std::fabs(glm::dot(disc.normal, origin.normal)) >= k_same_sheet_cosine)
+        continue;
+    } else {
+      const double sphere = std::min(0.35 / cloud.spacing_factor * radius, points.largest_sphere);
+      const glm::dvec3 offset = positions[id] - ray.origin;
+      const double middle = glm::dot(offset, ray.direction);
+      const glm::dvec3 beside = offset - middle * ray.direction;
+      const double half_chord_sq = sphere * sphere - glm::dot(beside, beside);
+      if (half_chord_sq >= 0.0) t = middle - std::sqrt(half_chord_sq);
+    }
+    if (t && *t > 0.0 && *t < ray.t_max && (!first || *t < first->second)) first = {id, *t};
+  }
+  return first;
+}
+
+TEST(DiscCloud, the_first_crossing_is_that_of_its_definition) {
+  Random random;
+  const LoadedCloud cloud = disc_cloud(corner_points(random, 700), random);
+  const DiscCloud discs(cloud, false);
+  const PlainPoints points(cloud);
+  std::vector<Ray> rays;
+  std::vector<SheetOrigin> origins;
+  for (int i = 0; i < 1500; ++i) {
+    const bool leaves = i % 3 == 0;
+    const std::uint64_t id = random.below(points.positions.size());
+    const glm::dvec3 origin = leaves ? points.positions[id] : glm::dvec3(2, 1, 1) + 4.0 * random.in_cube();
+    rays.push_back(make_ray(origin, random.direction(), 0.0, i % 5 == 0 ? random.between(0.0, 6.0) : 1e9));
+    origins.push_back(leaves ? SheetOrigin{0.3, 0.02, surface_of(cloud.octree.view(), id).normal}
+                             : SheetOrigin{});
+  }
+  std::vector<std::optional<DiscHit>> hits(rays.size());
+  std::vector<std::uint8_t> blocked(rays.size());
+  discs.closest(rays, origins, hits);
+  discs.blocked(rays, origins, blocked);
+  int met = 0;
+  for (std::size_t i = 0; i < rays.size(); ++i) {
+    const auto expected = first_crossing(cloud, points, rays[i], origins[i]);
+    ASSERT_EQ(hits[i].has_value(), expected.has_value()) << i;
+    ASSERT_EQ(blocked[i] != 0, expected.has_value()) << i;
+    if (!expected) continue;
+    ++met;
+    ASSERT_EQ(hits[i]->point_id, expected->first) << i;
+    ASSERT_EQ(hits[i]->t, expected->second) << i;
+    ASSERT_LT(glm::dot(hits[i]->normal, rays[i].direction), 1e-12);
+  }
+  EXPECT_GT(met, 200);
+}
+
+TEST(DiscCloud, a_blended_plane_is_flat_and_a_rim_stays_sharp) {
+  Random random;
+  std::vector<glm::dvec3> points;
+  for (int i = 0; i < 20000; ++i)
+    points.emplace_back(random.between(-2, 2), random.between(-2, 2), 0.003 * random.in_cube().z);
+  const LoadedCloud cloud = disc_cloud(points, random);
+  const DiscCloud discs(cloud, true);
+  std::vector<Ray> rays;
+  for (int i = 0; i < 2000; ++i)
+    rays.push_back(make_ray({random.between(-1.9, 1.9), random.between(-1.9, 1.9), 3.0}, {0.3, 0.2, -1}));
+  const std::vector<SheetOrigin> origins(rays.size());
+  std::vector<std::optional<DiscHit>> hits(rays.size());
+  discs.closest(rays, origins, hits);
+  int met = 0;
+  for (std::size_t i = 0; i < rays.size(); ++i) {
+    const glm::dvec3 ground = rays[i].origin + 3.0 / -rays[i].direction.z * rays[i].direction;
+    const bool inside =
+        std::max(std::fabs(ground.x),
+                 std::fabs(ground.y))<1.9, outside = std::max(std::fabs(ground.x), std::fabs(ground.y))> 2.05;
+    if (outside) {
+      ASSERT_FALSE(hits[i]) << ground.x << " " << ground.y;
+    }
+    if (!inside) continue;
+    ++met;
+    ASSERT_TRUE(hits[i]) << ground.x << " " << ground.y;
+    ASSERT_NEAR(hits[i]->t * -rays[i].direction.z, 3.0, 0.003);
+    ASSERT_GT(hits[i]->normal.z, 0.995);
+  }
+  EXPECT_GT(met, 1000);
+}
+
+TEST(DiscCloud, pictures_are_the_same_bytes_on_any_threads_and_instruction_set) {
+  Random random;
+  const LoadedCloud cloud = disc_cloud(corner_points(random, 3000), random);
+  Scene scene;
+  scene.cloud.emplace().shape = PointShape::blend;
+  scene.camera = camera::pinhole_from_fov(60, 40, 60.0, camera::look_at({2, -3, 2}, {2, 4, 0.5}));
+  scene.sun = geo::Sun{.irradiance = {2.0f, 2.0f, 2.0f}};
+  scene.render.samples = 2;
+  std::optional<image::Film> first;
+  for (const InstructionSet set : available_instruction_sets()) {
+    LoadedCloud asked = cloud;
+    asked.octree = cloud.octree.with_instruction_set(set);
+    const image::Film film = render(scene, &asked);
+    if (!first) first = film;
+    EXPECT_EQ(film.color, first->color) << name(set);
+    EXPECT_EQ(film.depth, first->depth) << name(set);
+    EXPECT_EQ(film.id, first->id) << name(set);
+  }
+}
+
+TEST(DiscCloud, settings_that_discs_do_not_have_are_errors) {
+  Random random;
+  const std::vector<glm::dvec3> points = corner_points(random, 50);
+  const auto expect_error = [&](const CloudSettings& settings) {
+    LoadedCloud cloud = test::loaded(points, 0.1);
+    EXPECT_THROW(choose_radius(settings, cloud), Error);
+  };
+  CloudSettings discs;
+  discs.shape = PointShape::disc;
+  CloudSettings settings = discs;
+  settings.radius = 0.1;
+  expect_error(settings);
+  settings = discs;
+  settings.material = Dielectric{};
+  expect_error(settings);
+  settings = discs;
+  settings.adapted_radius = AdaptedRadius{.neighbours = 5};
+  expect_error(settings);
+  settings = discs;
+  settings.max_level = 3;
+  expect_error(settings);
+  LoadedCloud cloud = test::loaded(points, 0.1);
+  EXPECT_NO_THROW(choose_radius(discs, cloud));
+}
+
+TEST(DiscCloud, of_few_collinear_or_coincident_points_makes_a_picture) {
+  for (const std::vector<glm::dvec3>& points :
+       {std::vector<glm::dvec3>{{0, 0, 0}}, std::vector<glm::dvec3>(40, glm::dvec3(0.0)),
+        std::vector<glm::dvec3>{{0, 0, 0}, {1, 0, 0}, {2, 0, 0}, {1000, 0, 0}}}) {
+    Random random;
+    const LoadedCloud cloud = disc_cloud(points, random);
+    Scene scene;
+    scene.cloud.emplace().shape = PointShape::blend;
+    scene.camera = camera::pinhole_from_fov(30, 20, 60.0, camera::look_at({0, -3, 0}, {0, 0, 0}));
+    scene.render.samples = 1;
+    const image::Film film = render(scene, &cloud);
+    for (const Rgb& color : film.color) ASSERT_TRUE(std::isfinite(color.r + color.g + color.b));
+  }
+}
+
+}  // namespace
+}  // namespace alidade

@@ -1,0 +1,64 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <cstdint>
+#include <memory>
+
+#include "camera/camera.h"
+#include "image/film.h"
+#include "renderer/load_cloud.h"
+#include "tools/render/site_surfaces.h"
+
+// How far pictures of a scan are from pictures of the site that was scanned: the same camera, integrator and random
+// numbers, and only the answers to rays differ.
+
+namespace alidade::test {
+
+/// The courtyard, made once.
+const std::shared_ptr<const tools::SiteSurfaces>& exact_courtyard();
+
+struct ScanQuality {
+  std::uint64_t points = 1'000'000;
+  double noise = 0.0;        ///< standard deviation along the beam, metres; 0: the scanners' own, 1.5 to 6 mm
+  double stray_share = 0.0;  ///< points anywhere in the site's bounds, of all
+};
+
+/// A scan of the courtyard with colours.
+PointCloud courtyard_cloud(const ScanQuality& quality);
+
+/// The views that fidelity is measured in, 3:2: the whole yard, benches and a lamp from eye level, and the roofs from
+/// a drone.
+struct FidelityView {
+  const char* name;
+  camera::Camera camera;
+};
+std::vector<FidelityView> fidelity_views(int width);
+
+/// The scene of the courtyard (scenes/courtyard.json) without a cloud or a camera.
+renderer::Scene courtyard_light();
+
+/// A picture of the site or of a scan: colour, depth, distance, normals and positions. `scene` has a camera.
+image::Film exact_picture(renderer::Scene scene);
+image::Film picture_of(const renderer::Scene& scene, const renderer::LoadedCloud& cloud);
+
+struct Fidelity {
+  // Over the pixels whose centres see a surface in both pictures.
+  double depth_median = 0.0, depth_p95 = 0.0;  ///< of absolute differences, metres
+  double far_off = 0.0;                        ///< share of differences above 10 cm
+  // The same over interior pixels: neither they nor the eight around them are beside a jump of the true depth.
+  double interior_p95 = 0.0;   ///< metres
+  double normal_median = 0.0;  ///< angle between normals, degrees
+  /// How much thicker silhouettes are than in truth, metres: the area, at its own depth, that is more than half a metre
+  /// nearer than the truth, over the length of the true silhouettes. To be read as a ratio.
+  double grown = 0.0;
+  /// Share of the true surface where the picture has nothing, or something more than half a metre behind.
+  double holes = 0.0;
+  // Of the colours as a display shows them.
+  double flip = 0.0, ssim = 0.0, psnr = 0.0;
+};
+
+/// exposure: stops. Requires: both films of `camera`, a pinhole.
+Fidelity fidelity(const camera::Camera& camera, const image::Film& truth, const image::Film& picture,
+                  double exposure);
+
+}  // namespace alidade::test
