@@ -77,6 +77,32 @@ TEST_F(RenderCommandTest, cloud_options_for_a_scene_without_a_cloud_are_an_error
   EXPECT_EQ(result.exit_code, 0) << result.err;
 }
 
+TEST_F(RenderCommandTest, an_exact_site_takes_the_place_of_the_cloud) {
+  ASSERT_EQ(run(small({"--site", "courtyard", "-o", "site.png"})).exit_code, 0);
+  write("scene.json", R"({"version": 1, "cloud": {"file": "none.las"}})");
+  ASSERT_EQ(run(small({"scene.json", "--site", "courtyard", "-o", "scene.png"})).exit_code, 0);
+  EXPECT_NE(read("site.png"), read("scene.png"));  // whose light is another
+  const ProgramResult radius = run(small({"--site", "courtyard", "--radius", "0.1", "-o", "no.png"}));
+  EXPECT_EQ(radius.exit_code, 2);
+  EXPECT_TRUE(contains(radius.err, "the scene has no cloud for --radius")) << radius.err;
+  write("glass.json", R"({"version": 1, "cloud": {"file": "none.las", "material": {"type": "dielectric"}}})");
+  const ProgramResult glass = run(small({"glass.json", "--site", "courtyard", "-o", "no.png"}));
+  EXPECT_EQ(glass.exit_code, 2);
+  EXPECT_TRUE(contains(glass.err, "--site does not support glass")) << glass.err;
+  EXPECT_EQ(run(small({"--site", "moon", "-o", "no.png"})).exit_code, 2);
+}
+
+TEST_F(RenderCommandTest, discs_are_said_and_rejected_with_one_radius) {
+  write_square("square.xyz");
+  const ProgramResult result = run(small({"--cloud", "square.xyz", "--surface", "blend", "-o", "out.png"}));
+  ASSERT_EQ(result.exit_code, 0) << result.err;
+  EXPECT_TRUE(contains(result.err, "discs of radius 0.92 times the distance to neighbour 8")) << result.err;
+  const ProgramResult radius =
+      run(small({"--cloud", "square.xyz", "--surface", "disc", "--radius", "0.5", "-o", "no.png"}));
+  EXPECT_EQ(radius.exit_code, 2);
+  EXPECT_TRUE(contains(radius.err, "discs do not support one radius for all points")) << radius.err;
+}
+
 TEST_F(RenderCommandTest, misspelt_key_in_a_scene_gives_file_line_and_suggestion) {
   write("scene.json", "{\n  \"version\": 1,\n  \"camrea\": \"a.json\"\n}\n");
   const ProgramResult result = run({"render", "scene.json", "-o", "out.png"});
