@@ -38,7 +38,7 @@ inline std::optional<double> plane_crossing(const PointDisc& disc, const glm::dv
   return position;
 }
 
-/// Whether a position on the plane is on the disc, whose edges do not matter.
+/// Whether a position is within the radius of the point, whether or not the sheet ends before.
 inline bool is_within_radius(const PointDisc& disc, const glm::dvec3& position) {
   const glm::dvec3 offset = position - disc.point;
   return glm::dot(offset, offset) <= disc.radius * disc.radius;

@@ -186,6 +186,7 @@ LoadedCloud load_coarse_cloud(const CloudSettings& wanted, const CloudInputs& in
   for (const auto& file : files) widest = std::max(widest, file->info().spacing);
   settings.radius.reset();
   settings.adapted_radius = AdaptedRadius{.max = widest};
+  settings.shape = PointShape::sphere;  // measuring sheets would take longer than the picture
   const AttributeSet attributes =
       image::check_color_of_files(settings.color, inputs, Damage::reject, inputs.first_name().string());
   const std::vector<ChosenNodes> nodes = nodes_in_view(files, camera, most_points);

@@ -28,10 +28,7 @@ struct DiscCloud::Crossing {
 };
 
 DiscCloud::DiscCloud(const LoadedCloud& cloud, bool blends)
-    : cloud_(cloud),
-      colors_(cloud.point_colors()),
-      blends_(blends),
-      largest_sphere_(automatic_radius(cloud.octree)) {}
+    : cloud_(cloud), colors_(cloud.point_colors()), blends_(blends) {}
 
 RayQuery DiscCloud::query() const {
   return {.radius = cloud_.radius, .spacing_factor = cloud_.spacing_factor};
@@ -43,7 +40,8 @@ std::optional<DiscCloud::Crossing> DiscCloud::crossing(const Ray& ray, const She
   const TreeView& tree = cloud_.octree.view();
   Crossing result{.point_id = point_id, .surface = surface_of(tree, point_id)};
   if (!result.surface.exists) {
-    const double sphere = std::min(k_lone_spacings / cloud_.spacing_factor * radius, largest_sphere_);
+    const double sphere =
+        std::min({k_lone_spacings / cloud_.spacing_factor * radius, radius, cloud_.lone_radius});
     const glm::dvec3 offset = position - ray.origin;
     const double middle = glm::dot(offset, ray.direction);
     const glm::dvec3 beside = offset - middle * ray.direction;
@@ -72,23 +70,21 @@ std::optional<DiscCloud::Crossing> DiscCloud::crossing(const Ray& ray, const She
 
 DiscHit DiscCloud::blended(const Ray& ray, const Crossing& first,
                            std::span<const Candidate> candidates) const {
-  const auto color_of = [&](std::uint64_t id) {
-    return colors_.empty() ? glm::dvec3(0.0) : glm::dvec3(colors_[id]);
-  };
+  const auto color_of = [&](std::uint64_t id) { return colors_.empty() ? Color16(0) : colors_[id]; };
   DiscHit hit{.t = first.t, .point_id = first.point_id, .color = color_of(first.point_id)};
   const glm::dvec3 met = ray.origin + first.t * ray.direction;
   if (!first.surface.exists) {
-    hit.normal = glm::normalize(met - first.disc.point);
+    hit.sheet.normal = glm::normalize(met - first.disc.point);
     return hit;  // whose sphere no ray meets that begins on it
   }
   const auto facing = [&](const glm::dvec3& normal) {
     return glm::dot(normal, ray.direction) > 0.0 ? -normal : normal;
   };
   const glm::dvec3 first_normal = facing(first.disc.normal);
-  hit.normal = first_normal;
-  hit.leaving = {.reach = k_own_radii * first.disc.radius,
-                 .thickness = k_own_thicknesses * first.surface.thickness + k_own_rise * first.disc.radius,
-                 .normal = first_normal};
+  hit.sheet = {.normal = first_normal,
+               .reach = static_cast<float>(k_own_radii * first.disc.radius),
+               .thickness = static_cast<float>(k_own_thicknesses * first.surface.thickness +
+                                               k_own_rise * first.disc.radius)};
   if (!blends_) return hit;
   double sum = 0.0, t_sum = 0.0, farthest = 0.0;
   glm::dvec3 normal_sum(0.0), color_sum(0.0);
@@ -109,14 +105,16 @@ DiscHit DiscCloud::blended(const Ray& ray, const Crossing& first,
     sum += weight;
     t_sum += weight * (*t - first.t);
     normal_sum += weight * (cosine < 0.0 ? -disc.normal : disc.normal);
-    color_sum += weight * color_of(candidate.point_id);
+    color_sum += weight * glm::dvec3(color_of(candidate.point_id));
     farthest = std::max(farthest, height);
   }
   if (!(sum > 0.0)) return hit;
-  hit.t = std::max(first.t + t_sum / sum, 0.0);
-  hit.normal = facing(glm::normalize(normal_sum));
-  hit.color = color_sum / sum;
-  hit.leaving.thickness += 2.0 * farthest;
+  const double t = first.t + t_sum / sum;
+  if (t > 0.0 && t < ray.t_max) hit.t = t;
+  // A sheet that curves out of sight keeps the side that the ray came from.
+  if (glm::dot(normal_sum, ray.direction) < 0.0) hit.sheet.normal = glm::normalize(normal_sum);
+  hit.color = Color16(color_sum / sum + 0.5);
+  hit.sheet.thickness += static_cast<float>(2.0 * farthest);
   return hit;
 }
 
@@ -145,10 +143,9 @@ void DiscCloud::closest(std::span<const Ray> rays, std::span<const SheetOrigin> 
   for (std::size_t i = 0; i < rays.size(); ++i) {
     hits[i].reset();
     if (!entered[i]) continue;
-    const auto crossed =
-        crossing_of(i, entered[i]->point_id, entered[i]->position, sphere_radius(first_query, *entered[i]));
-    if (!crossed) continue;
-    around.push_back({rays[i].origin, rays[i].direction, entered[i]->entry - widest, crossed->t + widest});
+    // To where the ray leaves that point's sphere, by when it has crossed its disc.
+    const double leaves = 2.0 * entered[i]->t - entered[i]->entry;
+    around.push_back({rays[i].origin, rays[i].direction, entered[i]->entry - widest, leaves + widest});
     numbers.push_back(i);
   }
   const std::vector<std::vector<Candidate>> found = candidates_along(around);

@@ -19,27 +19,27 @@
 // Blended: the discs that count beside the first one are those of points within whose radius the first crossing lies, if
 // they belong to its sheet: their normal deviates by at most 32 degrees, and their plane passes within a quarter of the
 // radius plus 4 mm of the crossing. Of them t (where the ray crosses their plane), normal and colour are averaged, weighted
-// by exp(-8 d^2 / r^2) with the distance d of the point from the first crossing and its radius r.
+// by exp(-8 d^2 / r^2) with the distance d of the point from the first crossing and its radius r. Planes that the ray crosses
+// more than r from the first crossing do not count, nor does a mean t outside the limits or a normal that faces away.
 
 namespace alidade::renderer {
 
 /// What a ray that leaves a sheet does not meet: the discs of that sheet, which are near (is_part_of_surface()) and whose
 /// normal deviates by at most 32 degrees. A reach of 0: the ray begins in the air.
 struct SheetOrigin {
-  double reach = 0.0, thickness = 0.0;  ///< metres
   glm::dvec3 normal{0.0, 0.0, 1.0};
+  float reach = 0.0f, thickness = 0.0f;  ///< metres
 };
 
 /// Cosine of the 32 degrees by which normals of one sheet deviate at most.
 constexpr double k_same_sheet_cosine = 0.848;
 
-/// Where a ray meets the cloud.
+/// Where a ray meets the cloud. Small, since there are thousands at a time.
 struct DiscHit {
   double t = 0.0;              ///< metres
   std::uint64_t point_id = 0;  ///< of the first crossing
-  glm::dvec3 normal{0.0};      ///< unit, towards the ray's side
-  glm::dvec3 color{0.0};       ///< 16-bit display values
-  SheetOrigin leaving{};       ///< for rays that go on from there
+  SheetOrigin sheet{};  ///< for rays that go on from there; its normal shows to the side the ray came from
+  Color16 color{0};     ///< display value
 };
 
 /// The cloud of a scene as discs. Keeps a reference to the cloud, which must outlive it and have surfaces. Safe to use from
@@ -68,7 +68,6 @@ class DiscCloud {
   const LoadedCloud& cloud_;
   const std::span<const Color16> colors_;
   const bool blends_;
-  double largest_sphere_;  ///< of points without a sheet, metres
 };
 
 }  // namespace alidade::renderer

@@ -15,6 +15,7 @@
 #include "octree/build.h"
 #include "octree/index_file/index_file.h"
 #include "octree/parallel_loops.h"
+#include "octree/point_disc.h"
 #include "octree/query.h"
 #include "octree/spacing.h"
 
@@ -90,30 +91,34 @@ LoadedCloud build_cloud(const CloudSettings& settings, const CloudInputs& inputs
   return index_cloud(std::move(cloud), seen, settings, name, afterwards);
 }
 
-}  // namespace
-
-namespace {
-
-/// The radii of discs.
+/// Requires: check_shape().
 void choose_disc_radius(const CloudSettings& settings, LoadedCloud& cloud, const Progress& progress) {
-  check_that(settings.max_level >= k_max_level, "discs do not support max_level",
-             "spheres, or all levels: spacings are those of the whole cloud");
-  check_that(!settings.radius, "discs do not support one radius for all points", "adapted radii");
-  check_that(!std::holds_alternative<Dielectric>(settings.material), "discs do not support glass", "spheres");
-  const AdaptedRadius adapted = settings.adapted_radius.value_or(
-      AdaptedRadius{.neighbours = k_surface_neighbours, .factor = k_disc_spacings});
-  check_that(adapted.neighbours == k_surface_neighbours, "discs do not support another number of neighbours",
-             std::to_string(k_surface_neighbours), std::to_string(adapted.neighbours));
+  const AdaptedRadius adapted = settings.adapted_radius.value_or(AdaptedRadius{.factor = k_disc_spacings});
   check_positive(adapted.factor, "factor between spacings and radii");
   cloud.spacing_factor = adapted.factor;
-  cloud.radius = adapted.max ? *adapted.max : k_widest_over_automatic * automatic_radius(cloud.octree);
+  cloud.lone_radius = automatic_radius(cloud.octree);
+  cloud.radius = adapted.max.value_or(k_widest_over_automatic * cloud.lone_radius);
   check_positive(cloud.radius, "largest radius of points");
   cloud.octree = with_surfaces(with_spacings(cloud.octree, k_surface_neighbours, progress), progress);
 }
 
 }  // namespace
 
+void check_shape(const CloudSettings& settings) {
+  if (settings.shape == PointShape::sphere) return;
+  check_that(settings.max_level >= k_max_level, "discs do not support max_level",
+             "spheres, or all levels: spacings are those of the whole cloud");
+  check_that(!settings.radius, "discs do not support one radius for all points",
+             "the radius auto, or factor and max of adapted radii");
+  check_that(!std::holds_alternative<Dielectric>(settings.material), "discs do not support glass", "spheres");
+  const int neighbours = settings.adapted_radius ? settings.adapted_radius->neighbours : k_surface_neighbours;
+  check_that(neighbours == k_surface_neighbours, "discs do not support this number of neighbours",
+             std::to_string(k_surface_neighbours), std::to_string(neighbours));
+}
+
 void choose_radius(const CloudSettings& settings, LoadedCloud& cloud, const Progress& progress) {
+  check_shape(settings);
+  cloud.spacing_factor = cloud.lone_radius = 0.0;
   if (settings.shape != PointShape::sphere) return choose_disc_radius(settings, cloud, progress);
   const std::optional<AdaptedRadius>& adapted = settings.adapted_radius;
   const std::optional<double> given = adapted ? adapted->max : settings.radius;

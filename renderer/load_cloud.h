@@ -24,6 +24,7 @@ struct LoadedCloud {
   std::span<const Color16> mapped_colors{};  ///< the same instead, in an index file's map that octree keeps
   double radius = 0.0;          ///< metres, the one used; the greatest one where each point has its own
   double spacing_factor = 0.0;  ///< above 0: each point has its own, see RayQuery::spacing_factor
+  double lone_radius = 0.0;     ///< of discs: spheres of points without a sheet are no wider, metres
   image::ColorKey color;        ///< what the colours show
   Crs crs;
   std::vector<CloudFile> files;
@@ -60,10 +61,13 @@ Bounds visible_bounds(const LoadedCloud& cloud);
 LoadedCloud index_cloud(PointCloud&& cloud, AttributeSet attributes, const CloudSettings& settings,
                         const std::string& name, const Progress& progress = {});
 
-/// Chooses the radii of a cloud's points as its settings say: fills radius and spacing_factor, and measures
-/// the spacings if radii adapt to the density and the octree has none for so many neighbours. `progress` is
-/// in points measured. Errors: a radius, factor or number of neighbours out of range; adapted radii of only
-/// some levels.
+/// Errors: discs with one radius for all points, of glass, of some levels, or by other neighbours than the 8th.
+void check_shape(const CloudSettings& settings);
+
+/// Chooses the radii of a cloud's points as its settings say: fills radius, spacing_factor and lone_radius,
+/// and measures the spacings if radii adapt to the density and the octree has none for so many neighbours;
+/// for discs it fits surfaces, too. `progress` is in points measured. Errors: as check_shape(); a radius,
+/// factor or number of neighbours out of range; adapted radii of only some levels.
 void choose_radius(const CloudSettings& settings, LoadedCloud& cloud, const Progress& progress = {});
 
 /// A point in whose sphere a position lies.

@@ -212,52 +212,58 @@ void World::nearest(std::span<const Ray> rays, std::span<const RayOrigin> ray_or
                 .radius = ray_origin.radius};
       }
     } else if (cloud_) {
-      asked.push_back({rays[i].origin, rays[i].direction, 0.0, best.t});
-      sheets.push_back(ray_origins[i].sheet);
+      // The interval of spheres limits projections, which lie up to a radius behind the position of entry.
+      asked.push_back(
+          {rays[i].origin, rays[i].direction, 0.0, best.t + (discs_ ? 0.0 : cloud_->query.radius)});
+      if (discs_) sheets.push_back(ray_origins[i].sheet);
       numbers.push_back(i);
     }
     met[i] = best.t == k_none ? std::nullopt : std::optional(best);
   }
   if (asked.empty()) return;
-  const std::vector<std::optional<Intersection>> on_cloud = meet_cloud(asked, sheets);
-  for (std::size_t a = 0; a < asked.size(); ++a) {
-    std::optional<Intersection>& best = met[numbers[a]];
-    if (on_cloud[a] && (!best || on_cloud[a]->t < best->t)) best = on_cloud[a];
+  discs_ ? meet_discs(asked, sheets, numbers, met) : meet_spheres(asked, numbers, met);
+}
+
+void World::meet_spheres(std::span<const Ray> rays, std::span<const std::size_t> numbers,
+                         std::span<std::optional<Intersection>> met) const {
+  std::vector<std::optional<Hit>> hits(rays.size());
+  if (watch_) watch_(rays, false);
+  {
+    const AddedTime time(query_nanoseconds_);
+    closest(*cloud_->octree, rays, cloud_->query, hits);
+  }
+  for (std::size_t i = 0; i < rays.size(); ++i) {
+    const std::optional<Hit>& hit = hits[i];
+    std::optional<Intersection>& best = met[numbers[i]];
+    if (!hit || (best && hit->entry >= best->t)) continue;
+    best = {.t = hit->entry,
+            .on_cloud = true,
+            .index = hit->point_id,
+            .center = hit->position,
+            .radius = cloud_->query.spacing_factor > 0.0 ? sphere_radius(cloud_->query, *hit)
+                                                         : cloud_->query.radius};
   }
 }
 
-std::vector<std::optional<Intersection>> World::meet_cloud(std::span<const Ray> rays,
-                                                           std::span<const SheetOrigin> sheets) const {
-  std::vector<std::optional<Intersection>> met(rays.size());
-  if (discs_) {
-    std::vector<std::optional<DiscHit>> hits(rays.size());
-    {
-      const AddedTime time(query_nanoseconds_);
-      discs_->closest(rays, sheets, hits);
-    }
-    for (std::size_t i = 0; i < rays.size(); ++i)
-      if (hits[i]) met[i] = {.t = hits[i]->t, .on_cloud = true, .index = hits[i]->point_id, .disc = hits[i]};
-    return met;
-  }
-  // The interval limits projections, which lie up to a radius behind the position of entry.
-  std::vector<Ray> asked(rays.begin(), rays.end());
-  for (Ray& ray : asked) ray.t_max += cloud_->query.radius;
-  if (watch_) watch_(asked, false);
-  std::vector<std::optional<Hit>> hits(asked.size());
+void World::meet_discs(std::span<const Ray> rays, std::span<const SheetOrigin> sheets,
+                       std::span<const std::size_t> numbers,
+                       std::span<std::optional<Intersection>> met) const {
+  std::vector<std::optional<DiscHit>> hits(rays.size());
   {
     const AddedTime time(query_nanoseconds_);
-    closest(*cloud_->octree, asked, cloud_->query, hits);
+    discs_->closest(rays, sheets, hits);
   }
-  for (std::size_t i = 0; i < asked.size(); ++i) {
-    if (!hits[i]) continue;
-    const bool has_own = cloud_->query.spacing_factor > 0.0;
-    met[i] = {.t = hits[i]->entry,
-              .on_cloud = true,
-              .index = hits[i]->point_id,
-              .center = hits[i]->position,
-              .radius = has_own ? sphere_radius(cloud_->query, *hits[i]) : cloud_->query.radius};
+  for (std::size_t i = 0; i < rays.size(); ++i) {
+    const std::optional<DiscHit>& hit = hits[i];
+    std::optional<Intersection>& best = met[numbers[i]];
+    if (!hit || (best && hit->t >= best->t)) continue;
+    best = {.t = hit->t,
+            .on_cloud = true,
+            .index = hit->point_id,
+            .on_disc = true,
+            .sheet = hit->sheet,
+            .color = hit->color};
   }
-  return met;
 }
 
 bool World::blocked(const Ray& ray, const RayOrigin& ray_origin) const {
@@ -275,7 +281,7 @@ void World::blocked(std::span<const Ray> rays, std::span<const RayOrigin> ray_or
     answers[i] = nearest_object(rays[i], ray_origins[i]).t < reach ? 1 : 0;
     if (answers[i] != 0 || !cloud_) continue;
     asked.push_back({rays[i].origin, rays[i].direction, 0.0, reach});
-    sheets.push_back(ray_origins[i].sheet);
+    if (discs_) sheets.push_back(ray_origins[i].sheet);
     numbers.push_back(i);
   }
   if (asked.empty()) return;
@@ -303,13 +309,12 @@ void World::smooth(const Ray& ray, const Intersection& intersection, Surface& su
 }
 
 Surface World::surface_at(const Ray& ray, const Intersection& intersection) const {
-  if (intersection.disc) {
-    const DiscHit& disc = *intersection.disc;
-    Surface surface{.position = ray.origin + intersection.t * ray.direction, .normal = disc.normal};
+  if (intersection.on_disc) {
+    const glm::dvec3& normal = intersection.sheet.normal;
+    Surface surface{.position = ray.origin + intersection.t * ray.direction, .normal = normal};
     surface.ray_origin = surface.position;
     surface.material = &cloud_->material;
-    surface.color =
-        linear(cloud_->shows_normals ? normal_color(ray, disc.normal) : Color16(disc.color + 0.5));
+    surface.color = linear(cloud_->shows_normals ? normal_color(ray, normal) : intersection.color);
     return surface;
   }
   if (intersection.on_cloud) {

@@ -66,10 +66,12 @@ struct RayOrigin {
 struct Intersection {
   double t = std::numeric_limits<double>::infinity();
   bool on_cloud = false;
-  std::uint64_t index = 0;        ///< of the object, or point id
-  glm::dvec3 center{0.0};         ///< of the point
-  double radius = 0.0;            ///< of its sphere
-  std::optional<DiscHit> disc{};  ///< in clouds of discs
+  std::uint64_t index = 0;  ///< of the object, or point id
+  glm::dvec3 center{0.0};   ///< of the point
+  double radius = 0.0;      ///< of its sphere
+  bool on_disc = false;     ///< in clouds of discs: the next ones count in place of centre and radius
+  SheetOrigin sheet{};
+  Color16 color{0};
 
   /// For rays that leave this position. inward: they go on inside.
   RayOrigin leaving(bool inward) const {
@@ -78,7 +80,7 @@ struct Intersection {
                      .center = center,
                      .inward = inward,
                      .radius = radius};
-    if (disc) origin.sheet = disc->leaving;
+    origin.sheet = sheet;
     return origin;
   }
 };
@@ -120,7 +122,7 @@ class World {
 
   const std::vector<Object>& objects() const { return *objects_; }
 
-  /// From now on `watch` receives all rays that the octree is queried with.
+  /// From now on `watch` receives all rays that an octree of spheres is queried with.
   void watch_rays(RayWatch watch) { watch_ = std::move(watch); }
 
   /// Seconds that all threads together have spent in queries of the octree.
@@ -129,9 +131,11 @@ class World {
  private:
   void smooth(const Ray& ray, const Intersection& intersection, Surface& surface) const;
   Intersection nearest_object(const Ray& ray, const RayOrigin& ray_origin) const;
-  /// The cloud's answers to rays that end where the nearest object is.
-  std::vector<std::optional<Intersection>> meet_cloud(std::span<const Ray> rays,
-                                                      std::span<const SheetOrigin> sheets) const;
+  /// Put what these rays meet of the cloud into `met`, at these numbers, where it is nearer than what is there.
+  void meet_spheres(std::span<const Ray> rays, std::span<const std::size_t> numbers,
+                    std::span<std::optional<Intersection>> met) const;
+  void meet_discs(std::span<const Ray> rays, std::span<const SheetOrigin> sheets,
+                  std::span<const std::size_t> numbers, std::span<std::optional<Intersection>> met) const;
   Rgb linear(const Color16& color) const { return {linear_[color.r], linear_[color.g], linear_[color.b]}; }
 
   const std::vector<Object>* objects_;

@@ -31,11 +31,13 @@ std::vector<glm::dvec3> corner_points(Random& random, int count) {
   return points;
 }
 
-LoadedCloud disc_cloud(const std::vector<glm::dvec3>& points, Random& random) {
+LoadedCloud disc_cloud(const std::vector<glm::dvec3>& points, Random& random,
+                       const std::optional<AdaptedRadius>& radius = {}) {
   LoadedCloud cloud = test::loaded(points, 0.1, {glm::dvec3(1e-4), glm::dvec3(0)});
   for (Color16& color : cloud.colors) color = Color16(static_cast<std::uint16_t>(random.bits()));
   CloudSettings settings;
   settings.shape = PointShape::blend;
+  settings.adapted_radius = radius;
   choose_radius(settings, cloud);
   return cloud;
 }
@@ -78,7 +80,7 @@ std::optional<std::pair<std::uint64_t, double>> first_crossing(const LoadedCloud
           std::fabs(glm::dot(disc.normal, origin.normal)) >= k_same_sheet_cosine)
         continue;
     } else {
-      const double sphere = std::min(0.35 / cloud.spacing_factor * radius, points.largest_sphere);
+      const double sphere = std::min({0.35 / cloud.spacing_factor * radius, radius, points.largest_sphere});
       const glm::dvec3 offset = positions[id] - ray.origin;
       const double middle = glm::dot(offset, ray.direction);
       const glm::dvec3 beside = offset - middle * ray.direction;
@@ -90,9 +92,10 @@ std::optional<std::pair<std::uint64_t, double>> first_crossing(const LoadedCloud
   return first;
 }
 
-TEST(DiscCloud, the_first_crossing_is_that_of_its_definition) {
+/// least_met: so many rays meet something.
+void expect_first_crossings(const std::optional<AdaptedRadius>& radius, int least_met) {
   Random random;
-  const LoadedCloud cloud = disc_cloud(corner_points(random, 700), random);
+  const LoadedCloud cloud = disc_cloud(corner_points(random, 700), random, radius);
   const DiscCloud discs(cloud, false);
   const PlainPoints points(cloud);
   std::vector<Ray> rays;
@@ -102,7 +105,7 @@ TEST(DiscCloud, the_first_crossing_is_that_of_its_definition) {
     const std::uint64_t id = random.below(points.positions.size());
     const glm::dvec3 origin = leaves ? points.positions[id] : glm::dvec3(2, 1, 1) + 4.0 * random.in_cube();
     rays.push_back(make_ray(origin, random.direction(), 0.0, i % 5 == 0 ? random.between(0.0, 6.0) : 1e9));
-    origins.push_back(leaves ? SheetOrigin{0.3, 0.02, surface_of(cloud.octree.view(), id).normal}
+    origins.push_back(leaves ? SheetOrigin{surface_of(cloud.octree.view(), id).normal, 0.3f, 0.02f}
                              : SheetOrigin{});
   }
   std::vector<std::optional<DiscHit>> hits(rays.size());
@@ -118,9 +121,17 @@ TEST(DiscCloud, the_first_crossing_is_that_of_its_definition) {
     ++met;
     ASSERT_EQ(hits[i]->point_id, expected->first) << i;
     ASSERT_EQ(hits[i]->t, expected->second) << i;
-    ASSERT_LT(glm::dot(hits[i]->normal, rays[i].direction), 1e-12);
+    ASSERT_LT(glm::dot(hits[i]->sheet.normal, rays[i].direction), 1e-12);
   }
-  EXPECT_GT(met, 200);
+  EXPECT_GT(met, least_met);
+}
+
+TEST(DiscCloud, the_first_crossing_is_that_of_its_definition) {
+  expect_first_crossings({}, 200);
+  // Small and large discs, and all as wide as allowed.
+  expect_first_crossings(AdaptedRadius{.factor = 0.1}, 3);
+  expect_first_crossings(AdaptedRadius{.factor = 2.0}, 200);
+  expect_first_crossings(AdaptedRadius{.factor = 2.0, .max = 0.05}, 30);
 }
 
 TEST(DiscCloud, a_blended_plane_is_flat_and_a_rim_stays_sharp) {
@@ -139,9 +150,9 @@ TEST(DiscCloud, a_blended_plane_is_flat_and_a_rim_stays_sharp) {
   int met = 0;
   for (std::size_t i = 0; i < rays.size(); ++i) {
     const glm::dvec3 ground = rays[i].origin + 3.0 / -rays[i].direction.z * rays[i].direction;
-    const bool inside =
-        std::max(std::fabs(ground.x),
-                 std::fabs(ground.y))<1.9, outside = std::max(std::fabs(ground.x), std::fabs(ground.y))> 2.05;
+    const double from_middle = std::max(std::fabs(ground.x), std::fabs(ground.y));
+    const bool inside = from_middle < 1.9;
+    const bool outside = from_middle > 2.05;
     if (outside) {
       ASSERT_FALSE(hits[i]) << ground.x << " " << ground.y;
     }
@@ -149,7 +160,7 @@ TEST(DiscCloud, a_blended_plane_is_flat_and_a_rim_stays_sharp) {
     ++met;
     ASSERT_TRUE(hits[i]) << ground.x << " " << ground.y;
     ASSERT_NEAR(hits[i]->t * -rays[i].direction.z, 3.0, 0.003);
-    ASSERT_GT(hits[i]->normal.z, 0.995);
+    ASSERT_GT(hits[i]->sheet.normal.z, 0.995);
   }
   EXPECT_GT(met, 1000);
 }

@@ -37,7 +37,6 @@ TEST(Fidelity, of_each_surface_stays_as_good_as_it_is) {
   LoadedCloud cloud = index_cloud(test::courtyard_cloud({.points = 300'000}), simulation::scan_attributes(),
                                   CloudSettings{}, "scan");
   const Fidelity sphere = fidelity_of(PointShape::sphere, truth, cloud);
-  cloud.spacing_factor = 0.0;
   const Fidelity disc = fidelity_of(PointShape::disc, truth, cloud);
   const Fidelity blend = fidelity_of(PointShape::blend, truth, cloud);
   // Half as much again as measured.

@@ -84,7 +84,7 @@ TEST_F(RenderCommandTest, an_exact_site_takes_the_place_of_the_cloud) {
   EXPECT_NE(read("site.png"), read("scene.png"));  // whose light is another
   const ProgramResult radius = run(small({"--site", "courtyard", "--radius", "0.1", "-o", "no.png"}));
   EXPECT_EQ(radius.exit_code, 2);
-  EXPECT_TRUE(contains(radius.err, "the scene has no cloud for --radius")) << radius.err;
+  EXPECT_TRUE(contains(radius.err, "--radius has no effect with --site")) << radius.err;
   write("glass.json", R"({"version": 1, "cloud": {"file": "none.las", "material": {"type": "dielectric"}}})");
   const ProgramResult glass = run(small({"glass.json", "--site", "courtyard", "-o", "no.png"}));
   EXPECT_EQ(glass.exit_code, 2);

@@ -239,7 +239,13 @@ renderer::ImageMetadata metadata(const renderer::Scene& scene, const View& view,
   metadata.command = picture_command(words);
   if (!scene.sun_origin.empty()) metadata.further.emplace_back("alidade:sun", scene.sun_origin);
   if (!view.name.empty()) metadata.further.emplace_back("alidade:camera_name", view.name);
+  for (const renderer::Object& object : scene.objects)
+    if (const auto* model = std::get_if<renderer::Model>(&object))
+      metadata.further.emplace_back("alidade:site", model->surfaces->name());
   if (cloud == nullptr) return metadata;
+  if (scene.cloud->shape != renderer::PointShape::sphere)
+    metadata.further.emplace_back("alidade:surface",
+                                  scene.cloud->shape == renderer::PointShape::disc ? "disc" : "blend");
   for (const CloudFile& file : cloud->files) metadata.cloud_files.push_back(file.path.string());
   metadata.cloud_offset = cloud->octree.lattice().offset;
   metadata.crs = cloud->crs;

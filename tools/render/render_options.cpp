@@ -173,6 +173,7 @@ std::string cloud_option(const RenderCommand& command) {
 void apply_cloud_options(const RenderCommand& command, renderer::Scene& scene) {
   const std::string option = cloud_option(command);
   if (option.empty()) return;
+  if (command.exact_site) throw Error({.problem = option + " has no effect with --site"});
   if (!scene.cloud) throw file_error(command.scene_file, "the scene has no cloud for " + option);
   renderer::CloudSettings& cloud = *scene.cloud;
   apply(command.radius, cloud);
@@ -227,13 +228,18 @@ std::shared_ptr<RenderCommand> add_render_options(const Options& render) {
 
 renderer::Scene requested_scene(const RenderCommand& command) {
   if (command.scene_file.empty() && command.files.empty() && !command.exact_site)
-    throw input_error("nothing to render", "SCENE.json or --cloud FILE...");
+    throw input_error("nothing to render", "SCENE.json, --cloud FILE... or --site courtyard");
   renderer::Scene scene =
       command.scene_file.empty() ? daylight_scene(command.files) : renderer::read_scene(command.scene_file);
   if (command.exact_site) put_exact_site(scene, command.scene_file);
   apply_cloud_options(command, scene);
   apply_light_options(command.light, scene);
   if (command.max_bounces) require_path_mode(scene, "--max-bounces");
+  if (scene.cloud) renderer::check_shape(*scene.cloud);
+  // Without points there is no extent to choose a distance by.
+  if (command.exact_site && scene.render.mode == renderer::RenderMode::ambient_occlusion &&
+      !scene.render.ao_distance)
+    throw input_error("--site requires a distance for ambient occlusion", "--ao-distance METRES");
   scene.render.samples = command.samples.value_or(scene.render.samples);
   scene.render.max_bounces = command.max_bounces.value_or(scene.render.max_bounces);
   scene.render.seed = command.seed.value_or(scene.render.seed);

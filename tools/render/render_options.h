@@ -29,7 +29,7 @@ struct RadiusRequest {
 struct RenderCommand : CloudRequest {
   std::filesystem::path scene_file;
   bool exact_site = false;  ///< the courtyard itself in place of a scan
-  bool in_view = false;  ///< of a cloud in a database, only what the cameras see is read
+  bool in_view = false;     ///< of a cloud in a database, only what the cameras see is read
   std::filesystem::path output;
   CameraRequest camera;
   LightRequest light;

@@ -284,7 +284,7 @@ TEST(IndexForgery, metadata_that_disagree_with_sections_are_an_error) {
   constexpr std::uint64_t k_record_bytes = 70000;
   const auto put_record_bytes = [](Bytes& file, std::uint64_t bytes) {
     std::size_t offset = section(file, IndexSection::metadata).offset;
-    while (get<std::uint64_t>(file, offset) != k_record_bytes) ++offset;
+    while (get<std::uint64_t>(file, offset) != k_record_bytes) ASSERT_LT(++offset + 8, file.size());
     put(file, offset, bytes);
   };
   expect("the data of the records exceeds its section",
