@@ -3,6 +3,8 @@
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
+
 #include "octree/index_file/check_tree.h"
 #include "octree/index_file/index_file.h"
 #include "octree/octree.h"
@@ -126,7 +128,8 @@ TEST(IndexVerify, coordinates_beside_exact_positions) {
 // With ids, two equal ones would be found first.
 TEST(IndexVerify, a_point_in_two_leaves_of_a_tree_without_ids) {
   Node nodes[2] = {};
-  for (Node& node : nodes) std::fill(&node.high[0][0], &node.high[3][0], std::uint8_t{255});
+  for (Node& node : nodes)
+    for (auto& row : node.high) std::ranges::fill(row, std::uint8_t{255});
   nodes[0].kind[0] = 1;
   nodes[0].kind[1] = k_inner_kind;
   nodes[0].first_child = 1;
