@@ -7,14 +7,17 @@
 
 #include "octree/point_surface.h"
 
-// The disc that stands for a point of a sheet where rays and lines of sight meet it: on the plane of the sheet, as wide as
-// the point's radius around the point, cut off where the sheet ends.
+// The disc that rays and lines of sight meet in place of a point of a sheet. It lies on the plane of the sheet, within the
+// radius of the point, and is cut off where the sheet ends.
 
 namespace alidade {
 
 /// Radius of a disc in spacings to the 8th neighbour: leaves 0.1 % of a surface of random points uncovered,
 /// exp(-8 * 0.92^2), and reaches little beyond its edges.
 constexpr double k_disc_spacings = 0.92;
+
+/// The same for the sphere of a point without a sheet among discs: such points, mostly at edges, need to close little.
+constexpr double k_lone_spacings = 0.35;
 
 struct PointDisc {
   glm::dvec3 point{0.0};   ///< the point itself

@@ -10,12 +10,20 @@
 namespace alidade::renderer {
 namespace {
 
-// Points without a surface need to close little.
-constexpr double k_lone_spacings = 0.35;
 constexpr double k_sheet_share = 0.25, k_sheet_slack = 0.004;
 constexpr double k_falloff = 8.0;
 // What a ray leaves behind: as far as its sheet reaches, and as thick as it is and curves.
 constexpr double k_own_radii = 3.0, k_own_thicknesses = 3.0, k_own_rise = 0.1;
+
+/// Rays that reach all points which these cross: up to a radius from where points are projected.
+std::vector<Ray> widened(std::span<const Ray> rays, double radius) {
+  std::vector<Ray> wider(rays.begin(), rays.end());
+  for (Ray& ray : wider) {
+    ray.t_min = -radius;
+    ray.t_max += radius;
+  }
+  return wider;
+}
 
 }  // namespace
 
@@ -122,12 +130,6 @@ void DiscCloud::closest(std::span<const Ray> rays, std::span<const SheetOrigin> 
                         std::span<std::optional<DiscHit>> hits) const {
   RayQuery first_query = query();
   const double widest = cloud_.radius;
-  std::vector<Ray> asked(rays.begin(), rays.end());
-  // Crossings are up to a radius from where points are projected.
-  for (Ray& ray : asked) {
-    ray.t_min = -widest;
-    ray.t_max += widest;
-  }
   const auto crossing_of = [&](std::size_t ray, std::uint64_t id, const glm::dvec3& position, double radius) {
     return crossing(rays[ray], origins[ray], id, position, radius);
   };
@@ -135,7 +137,7 @@ void DiscCloud::closest(std::span<const Ray> rays, std::span<const SheetOrigin> 
     return crossing_of(c.query_index, c.point_id, c.position, c.radius).has_value();
   };
   std::vector<std::optional<Hit>> entered(rays.size());
-  alidade::closest(cloud_.octree, asked, first_query, entered);
+  alidade::closest(cloud_.octree, widened(rays, widest), first_query, entered);
   // Of the points whose spheres are entered no later than the first crossing found, one may be crossed earlier, and
   // some are blended.
   std::vector<Ray> around;
@@ -187,16 +189,11 @@ std::vector<std::vector<Candidate>> DiscCloud::candidates_along(std::span<const 
 void DiscCloud::blocked(std::span<const Ray> rays, std::span<const SheetOrigin> origins,
                         std::span<std::uint8_t> answers) const {
   RayQuery asked_query = query();
-  std::vector<Ray> asked(rays.begin(), rays.end());
-  for (Ray& ray : asked) {
-    ray.t_min = -cloud_.radius;
-    ray.t_max += cloud_.radius;
-  }
   asked_query.filter = [&](const Candidate& c) {
     const std::size_t i = c.query_index;
     return crossing(rays[i], origins[i], c.point_id, c.position, c.radius).has_value();
   };
-  occluded(cloud_.octree, asked, asked_query, answers);
+  occluded(cloud_.octree, widened(rays, cloud_.radius), asked_query, answers);
 }
 
 }  // namespace alidade::renderer

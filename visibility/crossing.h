@@ -15,8 +15,6 @@ namespace alidade::visibility {
 
 // Radii in spacings, where each point has its own and all are spheres.
 constexpr double k_sphere_share = 0.5;
-// Points without a surface among discs, mostly at edges, are spheres that need to close little.
-constexpr double k_lone_share = 0.35;
 
 /// Whether a disc is part of the surface that an end lies on.
 inline bool is_own(const SightEnd& end, const PointDisc& disc) {
@@ -39,7 +37,7 @@ inline double candidate_radius(const Occluders& occluders, double spacing) {
 /// Radius of the sphere of a point without a surface; radius: candidate_radius().
 inline double sphere_of(const Occluders& occluders, double radius) {
   if (occluders.options().radius || !occluders.has_surfaces()) return radius;
-  return std::min(k_lone_share / k_disc_spacings * radius, occluders.largest_sphere());
+  return std::min(k_lone_spacings / k_disc_spacings * radius, occluders.largest_sphere());
 }
 
 /// Where a point blocks a line, metres from the line's start; empty if it does not.
