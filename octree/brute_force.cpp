@@ -14,14 +14,20 @@ namespace {
 
 /// Whether a point answers: evaluate() of octree/candidate.h, with what a path or a ray needs made ready.
 template <class Target, class Query>
-auto evaluator(const Target& target, const Query& query, std::span<const double> spacings) {
+auto evaluator(const Target& target, const Query& query, const PointProperties& properties) {
   if constexpr (std::is_same_v<Target, Path>) {
     return [&, segments = segments_of(target)](const glm::dvec3& position, std::uint64_t id) {
       return evaluate(project(segments, position), target.t_min, target.t_max, query, position, id);
     };
   } else if constexpr (std::is_same_v<Target, Ray>) {
-    return [&, spacings](const glm::dvec3& position, std::uint64_t id) {
-      const double radius = query.spacing_factor > 0.0 ? own_radius(query, spacings[id]) : query.radius;
+    return [&](const glm::dvec3& position, std::uint64_t id) {
+      const double radius =
+          query.spacing_factor > 0.0 ? own_radius(query, properties.spacings[id]) : query.radius;
+      if (query.measure == Measure::crossing) {
+        const TreeView& tree = *properties.surfaces;
+        return evaluate_crossing(target, query, radius, surface_of(tree, id), tree.sheet_edges[id], position,
+                                 id, 0);
+      }
       return evaluate(target, query, radius, position, id, 0);
     };
   } else {
@@ -32,13 +38,17 @@ auto evaluator(const Target& target, const Query& query, std::span<const double>
 
 template <class Target, class Query>
 void check_all(const PointCloud& cloud, const Target& target, const Query& query,
-               std::span<const double> spacings) {
+               const PointProperties& properties) {
   if constexpr (std::is_same_v<Target, Ray>) {
     check(query);
-    if (query.spacing_factor > 0.0 && spacings.size() != cloud.size()) {
+    if (query.measure == Measure::crossing && cloud.size() > 0 &&
+        !(properties.surfaces && properties.surfaces->surfaces &&
+          properties.surfaces->point_count == cloud.size()))
+      throw Error({.problem = "measure crossing requires the surfaces of the points"});
+    if (query.spacing_factor > 0.0 && properties.spacings.size() != cloud.size()) {
       throw Error({.problem = "spacing_factor requires the spacings of the points",
                    .expected = std::to_string(cloud.size()),
-                   .found = std::to_string(spacings.size())});
+                   .found = std::to_string(properties.spacings.size())});
     }
   }
   check_target(target, query);
@@ -49,9 +59,9 @@ void check_all(const PointCloud& cloud, const Target& target, const Query& query
 /// All answers, in the order of the points.
 template <Askable T>
 std::vector<AnswerOf<T>> all(const PointCloud& cloud, const T& target, const QueryOf<T>& query,
-                             std::span<const double> spacings) {
-  check_all(cloud, target, query, spacings);
-  const auto answer_of = evaluator(target, query, spacings);
+                             const PointProperties& properties) {
+  check_all(cloud, target, query, properties);
+  const auto answer_of = evaluator(target, query, properties);
   std::vector<AnswerOf<T>> answers;
   for (std::size_t id = 0; id < cloud.size(); ++id) {
     if (const auto answer = answer_of(cloud.world(id), id)) answers.push_back(*answer);
@@ -82,8 +92,8 @@ std::vector<double> spacings(const PointCloud& cloud, int neighbours) {
 
 template <Askable T>
 std::vector<AnswerOf<T>> find(const PointCloud& cloud, const T& target, const QueryOf<T>& query,
-                              std::span<const double> spacings) {
-  std::vector<AnswerOf<T>> answers = all(cloud, target, query, spacings);
+                              const PointProperties& properties) {
+  std::vector<AnswerOf<T>> answers = all(cloud, target, query, properties);
   std::ranges::sort(answers, [&](const auto& a, const auto& b) { return precedes(measure_of(query), a, b); });
   if (answers.size() > query.k) answers.resize(query.k);
   return answers;
@@ -91,39 +101,39 @@ std::vector<AnswerOf<T>> find(const PointCloud& cloud, const T& target, const Qu
 
 template <Askable T>
 std::size_t count(const PointCloud& cloud, const T& target, const QueryOf<T>& query,
-                  std::span<const double> spacings) {
-  return std::min(all(cloud, target, query, spacings).size(), query.k);
+                  const PointProperties& properties) {
+  return std::min(all(cloud, target, query, properties).size(), query.k);
 }
 
 template <AskableAlong T>
 std::optional<Hit> closest(const PointCloud& cloud, const T& target, const QueryOf<T>& query,
-                           std::span<const double> spacings) {
-  const std::vector<Hit> answers = find(cloud, target, query, spacings);
+                           const PointProperties& properties) {
+  const std::vector<Hit> answers = find(cloud, target, query, properties);
   return answers.empty() ? std::nullopt : std::optional(answers.front());
 }
 
 template <AskableAlong T>
 bool occluded(const PointCloud& cloud, const T& target, const QueryOf<T>& query,
-              std::span<const double> spacings) {
-  return !all(cloud, target, query, spacings).empty();
+              const PointProperties& properties) {
+  return !all(cloud, target, query, properties).empty();
 }
 
-using Spacings = std::span<const double>;
-template std::optional<Hit> closest(const PointCloud&, const Ray&, const RayQuery&, Spacings);
-template std::optional<Hit> closest(const PointCloud&, const Cone&, const ConeQuery&, Spacings);
-template bool occluded(const PointCloud&, const Ray&, const RayQuery&, Spacings);
-template bool occluded(const PointCloud&, const Cone&, const ConeQuery&, Spacings);
-template std::vector<Hit> find(const PointCloud&, const Ray&, const RayQuery&, Spacings);
-template std::vector<Hit> find(const PointCloud&, const Cone&, const ConeQuery&, Spacings);
-template std::vector<PathHit> find(const PointCloud&, const Path&, const PathQuery&, Spacings);
-template std::vector<PointHit> find(const PointCloud&, const HalfSpaces&, const PointQuery&, Spacings);
-template std::vector<PointHit> find(const PointCloud&, const Bounds&, const PointQuery&, Spacings);
-template std::vector<PointHit> find(const PointCloud&, const glm::dvec3&, const PointQuery&, Spacings);
-template std::size_t count(const PointCloud&, const Ray&, const RayQuery&, Spacings);
-template std::size_t count(const PointCloud&, const Cone&, const ConeQuery&, Spacings);
-template std::size_t count(const PointCloud&, const Path&, const PathQuery&, Spacings);
-template std::size_t count(const PointCloud&, const HalfSpaces&, const PointQuery&, Spacings);
-template std::size_t count(const PointCloud&, const Bounds&, const PointQuery&, Spacings);
-template std::size_t count(const PointCloud&, const glm::dvec3&, const PointQuery&, Spacings);
+using Properties = const PointProperties&;
+template std::optional<Hit> closest(const PointCloud&, const Ray&, const RayQuery&, Properties);
+template std::optional<Hit> closest(const PointCloud&, const Cone&, const ConeQuery&, Properties);
+template bool occluded(const PointCloud&, const Ray&, const RayQuery&, Properties);
+template bool occluded(const PointCloud&, const Cone&, const ConeQuery&, Properties);
+template std::vector<Hit> find(const PointCloud&, const Ray&, const RayQuery&, Properties);
+template std::vector<Hit> find(const PointCloud&, const Cone&, const ConeQuery&, Properties);
+template std::vector<PathHit> find(const PointCloud&, const Path&, const PathQuery&, Properties);
+template std::vector<PointHit> find(const PointCloud&, const HalfSpaces&, const PointQuery&, Properties);
+template std::vector<PointHit> find(const PointCloud&, const Bounds&, const PointQuery&, Properties);
+template std::vector<PointHit> find(const PointCloud&, const glm::dvec3&, const PointQuery&, Properties);
+template std::size_t count(const PointCloud&, const Ray&, const RayQuery&, Properties);
+template std::size_t count(const PointCloud&, const Cone&, const ConeQuery&, Properties);
+template std::size_t count(const PointCloud&, const Path&, const PathQuery&, Properties);
+template std::size_t count(const PointCloud&, const HalfSpaces&, const PointQuery&, Properties);
+template std::size_t count(const PointCloud&, const Bounds&, const PointQuery&, Properties);
+template std::size_t count(const PointCloud&, const glm::dvec3&, const PointQuery&, Properties);
 
 }  // namespace alidade::brute_force

@@ -5,6 +5,7 @@
 
 #include "octree/distance.h"
 #include "octree/path_index.h"
+#include "octree/point_disc.h"
 #include "octree/query.h"
 
 // How one point is decided, shared by brute force and index: whatever an index discards beforehand, what is
@@ -14,15 +15,16 @@
 
 namespace alidade {
 
-/// The answer if the filter admits it. query_index: number of the target in a batch; radius: of the point.
+/// The answer if the filter admits it. query_index: number of the target in a batch; radius, disc: of the point.
 template <class Answer>
 std::optional<Answer> admitted(const CandidateFilter& filter, const Answer& answer, std::size_t query_index,
-                               double radius = 0.0) {
+                               double radius = 0.0, const PointDisc* disc = nullptr) {
   if (!filter) return answer;
   Candidate candidate{.point_id = answer.point_id,
                       .position = answer.position,
                       .distance = answer.distance,
                       .radius = radius,
+                      .disc = disc,
                       .query_index = query_index};
   if constexpr (requires { answer.t; }) candidate.t = answer.t;
   return filter(candidate) ? std::optional(answer) : std::nullopt;
@@ -45,6 +47,53 @@ inline std::optional<Hit> evaluate(const Ray& ray, const RayQuery& query, double
   if (!(entry_position >= query.entry_min)) return std::nullopt;
   const Hit hit{point_id, position, projection.t, projection.distance, entry_position};
   return admitted(query.filter, hit, query_index, radius);
+}
+
+/// Radius of the sphere of a point without a sheet, whose own radius is this: see RayQuery::lone_radius.
+inline double lone_radius(const RayQuery& query, double radius) {
+  return std::min({radius, k_lone_spacings / query.spacing_factor * radius, query.lone_radius});
+}
+
+/// Measure::crossing. radius, surface, packed_edge: of this point.
+inline std::optional<Hit> evaluate_crossing(const Ray& ray, const RayQuery& query, double radius,
+                                            const PointSurface& surface, std::uint8_t packed_edge,
+                                            const glm::dvec3& position, std::uint64_t point_id,
+                                            std::size_t query_index) {
+  const RayProjection projection = project(ray, position);
+  const double sphere = surface.exists ? radius : lone_radius(query, radius);
+  if (!(projection.distance <= sphere)) return std::nullopt;
+  const double entry_position = entry(projection, sphere);
+  double t = entry_position;
+  PointDisc disc;
+  if (surface.exists) {
+    disc = point_disc(position, surface, radius);
+    const std::optional<double> crossed = plane_crossing(disc, ray.origin, ray.direction);
+    if (!crossed) return std::nullopt;
+    const double beside = *crossed - projection.t;
+    if (!(beside * beside <= radius * radius - projection.distance * projection.distance))
+      return std::nullopt;
+    // Within the sphere, also where that is rounding, so that bounds of entries are bounds of crossings.
+    t = std::max(*crossed, entry_position);
+  }
+  if (!(t >= ray.t_min && t <= ray.t_max && entry_position >= query.entry_min)) return std::nullopt;
+  // Spacings do not follow from the widest radius.
+  if (surface.exists && radius < query.radius &&
+      is_beyond_edge(disc, ray.origin + t * ray.direction, packed_edge, query.spacing_factor))
+    return std::nullopt;
+  return admitted(query.filter, Hit{point_id, position, t, projection.distance, entry_position}, query_index,
+                  radius, surface.exists ? &disc : nullptr);
+}
+
+/// The point at a storage index as an answer to a ray, if the points have radii of their own.
+inline std::optional<Hit> evaluate_own(const Ray& ray, const RayQuery& query, const TreeView& tree,
+                                       std::uint32_t index, const glm::dvec3& position,
+                                       std::size_t query_index) {
+  const double radius = own_radius(query, spacing_at(tree, index));
+  const std::uint64_t id = point_id(tree, index);
+  if (query.measure == Measure::crossing)
+    return evaluate_crossing(ray, query, radius, surface_at(tree, index), tree.stored_edges[index], position,
+                             id, query_index);
+  return evaluate(ray, query, radius, position, id, query_index);
 }
 
 /// For points that share the query's radius.
@@ -109,6 +158,7 @@ inline double measured(Measure measure, const Hit& hit) {
     case Measure::distance:
       return hit.distance;
     case Measure::t:
+    case Measure::crossing:
       return hit.t;
     default:
       return hit.entry;
@@ -122,13 +172,6 @@ inline double measured(Measure measure, const PathHit& hit) {
 /// Points, boxes and half-spaces know one order only.
 inline double measured(Measure, const PointHit& hit) {
   return hit.distance;
-}
-
-/// What a query orders by; distance if it knows one order only.
-template <class Query>
-Measure measure_of(const Query& query) {
-  if constexpr (requires { query.measure; }) return query.measure;
-  return Measure::distance;
 }
 
 /// Order of answers: by the measure, then by point id.

@@ -61,10 +61,17 @@ void check(const RayQuery& query) {
   if (std::isnan(query.entry_min)) throw Error({.problem = "entry_min is NaN"});
   require(query.measure != Measure::entry || !std::isinf(query.radius), "measure entry requires a radius",
           "a finite radius, or measure t or distance", "none");
+  if (query.measure != Measure::crossing) return;
+  require(query.spacing_factor > 0.0, "measure crossing requires radii of the points' own",
+          "a spacing_factor above 0", query.spacing_factor);
+  require(!std::isinf(query.radius), "measure crossing requires a radius", "a finite radius", "none");
+  require(query.lone_radius >= 0.0, "lone_radius out of range", "at least 0", query.lone_radius);
 }
 
 void check(const ConeQuery& query) {
   check_k(query.k, query.max_level);
+  if (query.measure == Measure::crossing)
+    throw Error({.problem = "cones do not support measure crossing", .expected = "t, distance or entry"});
 }
 
 void check(const PathQuery& query) {
@@ -72,6 +79,8 @@ void check(const PathQuery& query) {
   check_radius(query.radius);
   if (query.measure == Measure::entry)
     throw Error({.problem = "paths do not support measure entry", .expected = "t or distance"});
+  if (query.measure == Measure::crossing)
+    throw Error({.problem = "paths do not support measure crossing", .expected = "t or distance"});
 }
 
 void check(const PointQuery& query) {
@@ -132,12 +141,14 @@ void check(const glm::dvec3& point) {
   check_position(point, "the point");
 }
 
-void check_against(const Octree& octree, int max_level, double spacing_factor) {
+void check_against(const Octree& octree, int max_level, double spacing_factor, Measure measure) {
   if (octree.size() == 0) return;
   if (max_level != k_all_levels && octree.view().organisation != Organisation::layered)
     throw Error({.problem = "max_level requires a layered octree", .expected = "Organisation::layered"});
   if (spacing_factor != 0.0 && !octree.view().spacings)
     throw input_error("spacing_factor requires an octree with spacings", "with_spacings()");
+  if (measure == Measure::crossing && !octree.view().stored_surfaces)
+    throw input_error("measure crossing requires an octree that is ready for it", "with_discs()");
 }
 
 void check_room(std::size_t targets, std::size_t room) {

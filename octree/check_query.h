@@ -25,10 +25,11 @@ namespace alidade {
 std::string text_of(const glm::dvec3& v);
 
 /// Errors: k = 0; radius negative or NaN; spacing_factor negative or not finite; entry_min NaN;
-/// Measure::entry with an infinite radius; max_level negative.
+/// Measure::entry with an infinite radius; max_level negative; Measure::crossing with an infinite radius, without
+/// spacing_factor, or with a lone_radius that is negative or NaN.
 void check(const RayQuery& query);
 void check(const ConeQuery& query);
-/// Errors beside those: Measure::entry.
+/// Errors beside those of cones and rays: Measure::entry.
 void check(const PathQuery& query);
 void check(const PointQuery& query);
 /// For boxes and half-spaces. Errors beside those: a radius.
@@ -62,13 +63,13 @@ void check_target(const Target& target, const Query& query) {
 }
 
 /// What the query asks of the octree. Errors: max_level for one that has points and is not layered;
-/// spacing_factor for one that has points and no spacings.
-void check_against(const Octree& octree, int max_level, double spacing_factor);
+/// spacing_factor for one that has points and no spacings; Measure::crossing for one without with_discs().
+void check_against(const Octree& octree, int max_level, double spacing_factor, Measure measure);
 template <class Query>
 void check_against(const Octree& octree, const Query& query) {
   double spacing_factor = 0.0;
   if constexpr (requires { query.spacing_factor; }) spacing_factor = query.spacing_factor;
-  check_against(octree, query.max_level, spacing_factor);
+  check_against(octree, query.max_level, spacing_factor, measure_of(query));
 }
 
 /// All of it.

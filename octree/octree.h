@@ -188,6 +188,10 @@ struct TreeView {
   double surface_unit = 0.0;
   /// Where the sheet of each point ends (octree/point_surface.h), by point id, packed. Null without surfaces.
   const std::uint8_t* sheet_edges = nullptr;
+  /// Both by storage index, the surfaces readable for k_coordinate_padding values past the end. Null if not asked for
+  /// (with_discs()).
+  const std::uint32_t* stored_surfaces = nullptr;
+  const std::uint8_t* stored_edges = nullptr;
 
   /// Length of `positions`.
   std::uint32_t exact_count() const { return positions ? point_count - first_exact : 0; }

@@ -47,11 +47,12 @@ inline bool is_within_radius(const PointDisc& disc, const glm::dvec3& position) 
   return glm::dot(offset, offset) <= disc.radius * disc.radius;
 }
 
-/// Whether a position on the plane lies beyond the edge of the sheet. Requires: the radius is `spacings` of the point's
-/// spacings, and the point is in this tree, which has surfaces.
-inline bool is_beyond_edge(const PointDisc& disc, const glm::dvec3& position, const TreeView& tree,
-                           std::uint64_t point_id, double spacings) {
-  const SheetEdge edge = edge_of(tree, point_id, disc.normal);
+/// Whether a position on the plane lies beyond the edge of the sheet, as it is stored. Requires: the radius is `spacings`
+/// of the point's spacings.
+inline bool is_beyond_edge(const PointDisc& disc, const glm::dvec3& position, std::uint8_t packed_edge,
+                           double spacings) {
+  if (packed_edge == 0) return false;
+  const SheetEdge edge = unpack_edge(packed_edge, disc.normal);
   return glm::dot(position - disc.point, edge.direction) * spacings > edge.distance * disc.radius;
 }
 

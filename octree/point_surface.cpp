@@ -12,7 +12,9 @@
 #include <vector>
 
 #include "base/huge_memory.h"
+#include "base/parallel.h"
 #include "octree/local_plane.h"
+#include "octree/packed_surface.h"
 #include "octree/parallel_loops.h"
 #include "octree/simd/moments.h"
 #include "octree/spacing.h"
@@ -71,8 +73,8 @@ const std::array<glm::vec2, k_directions>& float_directions() {
 
 }  // namespace
 
-SheetEdge edge_of(const TreeView& tree, std::uint64_t point_id, const glm::dvec3& normal) {
-  const int packed = tree.sheet_edges[point_id], level = packed / k_directions;
+SheetEdge unpack_edge(std::uint8_t packed, const glm::dvec3& normal) {
+  const int level = packed / k_directions;
   if (level == 0) return {};
   const Axes axes = axes_across(normal);
   const glm::dvec2& direction = directions()[packed % k_directions];
@@ -84,20 +86,12 @@ namespace {
 constexpr double k_least_sheet_trust = 0.8;  // of one of two sheets
 constexpr double k_least_trust = 0.7;        // of a plane that is a surface
 
-// 32 bits: one that says "exists", 10 + 10 for the normal, sign and 5 for the height, 5 for the thickness.
-constexpr double k_side_steps = 1022.0;
-constexpr std::uint32_t k_exists = 0x80000000u, k_below = 0x400u, k_length_mask = 31u;
-
-/// Lengths that five bits represent, in units: 0, then from 2^-13 up to 4 by factors of the root of 2.
-constexpr std::array<double, 32> k_lengths = [] {
-  std::array<double, 32> lengths{};
-  double whole = 4.0;
-  for (std::size_t i = 31; i > 0; --i) {
-    lengths[i] = i % 2 == 1 ? whole : 0.70710678118654752 * whole;
-    if (i % 2 == 0) whole *= 0.5;
-  }
-  return lengths;
-}();
+using packed_surface::k_below;
+using packed_surface::k_exists;
+using packed_surface::k_length_mask;
+using packed_surface::k_lengths;
+using packed_surface::k_side_mask;
+using packed_surface::k_side_steps;
 
 /// The nearest length.
 std::uint32_t nearest_length(double length) {
@@ -116,9 +110,11 @@ std::uint32_t length_above(double length) {
 
 PointSurface unpack(std::uint32_t packed, double unit) {
   if ((packed & k_exists) == 0) return {};
-  const double height = unit * k_lengths[packed >> 5 & k_length_mask];
-  return {true, unpack_normal({packed >> 21 & 0x3ffu, packed >> 11 & 0x3ffu}, k_side_steps),
-          (packed & k_below) != 0 ? -height : height, unit * k_lengths[packed & k_length_mask]};
+  const double height = unit * k_lengths[packed >> packed_surface::k_height & k_length_mask];
+  const glm::uvec2 normal = {packed >> packed_surface::k_first_side & k_side_mask,
+                             packed >> packed_surface::k_second_side & k_side_mask};
+  return {true, unpack_normal(normal, k_side_steps), (packed & k_below) != 0 ? -height : height,
+          unit * k_lengths[packed & k_length_mask]};
 }
 
 std::uint32_t pack(const PointSurface& surface, double unit) {
@@ -127,8 +123,10 @@ std::uint32_t pack(const PointSurface& surface, double unit) {
   // Packing keeps the upper one of the two normals.
   const bool turned = surface.normal.z < 0.0;
   const bool below = (surface.height < 0.0) != turned;
-  return k_exists | normal.x << 21 | normal.y << 11 | (below ? k_below : 0u) |
-         nearest_length(std::fabs(surface.height) / unit) << 5 | length_above(surface.thickness / unit);
+  return k_exists | normal.x << packed_surface::k_first_side | normal.y << packed_surface::k_second_side |
+         (below ? k_below : 0u) |
+         nearest_length(std::fabs(surface.height) / unit) << packed_surface::k_height |
+         length_above(surface.thickness / unit);
 }
 
 /// The points within reach of a position.
@@ -386,6 +384,34 @@ Octree with_surfaces(const Octree& octree, const Progress& progress) {
 
 PointSurface surface_of(const TreeView& tree, std::uint64_t point_id) {
   return unpack(tree.surfaces[point_id], tree.surface_unit);
+}
+
+Octree with_discs(const Octree& octree) {
+  if (octree.size() == 0 || octree.view().stored_surfaces) return octree;
+  struct Stored {
+    std::shared_ptr<const void> octree;  // keeps its arrays alive
+    HugeArray<std::uint32_t> surfaces;
+    HugeArray<std::uint8_t> edges;
+  };
+  const auto made = std::make_shared<Stored>();
+  TreeView tree = octree.view();
+  made->octree = octree.storage();
+  made->surfaces = HugeArray<std::uint32_t>(std::size_t{tree.point_count} + k_coordinate_padding);
+  made->edges = HugeArray<std::uint8_t>(tree.point_count);
+  constexpr std::uint32_t k_grain = 1 << 16;
+  in_parallel(tree.point_count, k_grain, [&](std::uint32_t index) {
+    const std::uint64_t id = point_id(tree, index);
+    made->surfaces.data()[index] = tree.surfaces[id];
+    made->edges.data()[index] = tree.sheet_edges[id];
+  });
+  std::fill_n(made->surfaces.data() + tree.point_count, k_coordinate_padding, 0u);
+  tree.stored_surfaces = made->surfaces.data();
+  tree.stored_edges = made->edges.data();
+  return Octree(tree, made, octree.instruction_set());
+}
+
+PointSurface surface_at(const TreeView& tree, std::uint32_t index) {
+  return unpack(tree.stored_surfaces[index], tree.surface_unit);
 }
 
 }  // namespace alidade

@@ -1,10 +1,7 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
-#include <cmath>
 #include <cstdint>
-#include <glm/geometric.hpp>
-#include <glm/vec2.hpp>
 #include <glm/vec3.hpp>
 #include <limits>
 
@@ -12,26 +9,6 @@
 #include "octree/octree.h"
 
 namespace alidade {
-
-/// A direction whose side is free, as two whole numbers in [0, steps], which must be even so that upright
-/// stays upright. Source: the octahedral map of Cigolle et al., A Survey of Efficient Representations for
-/// Independent Unit Vectors, JCGT 2014; the upper half alone, whose square turned by 45 degrees fills the
-/// whole range.
-inline glm::uvec2 pack_normal(const glm::dvec3& normal, double steps) {
-  const glm::dvec3 n = normal / (std::fabs(normal.x) + std::fabs(normal.y) + std::fabs(normal.z));
-  const double sign = n.z < 0.0 ? -1.0 : 1.0;
-  const auto step = [&](double position) {
-    return static_cast<std::uint32_t>((0.5 + 0.5 * position) * steps + 0.5);
-  };
-  return {step(sign * (n.x + n.y)), step(sign * (n.x - n.y))};
-}
-
-/// Of length 1, z >= 0.
-inline glm::dvec3 unpack_normal(const glm::uvec2& packed, double steps) {
-  const double u = packed.x / steps * 2.0 - 1.0, v = packed.y / steps * 2.0 - 1.0;
-  const double x = 0.5 * (u + v), y = 0.5 * (u - v);
-  return glm::normalize(glm::dvec3(x, y, 1.0 - std::fabs(x) - std::fabs(y)));
-}
 
 // The surface that each point of a cloud was measured on: what makes discs of points.
 //
@@ -64,6 +41,13 @@ Octree with_surfaces(const Octree& octree, const Progress& progress = {});
 /// most 41 %. All queries that take discs take these rounded values. Requires surfaces.
 PointSurface surface_of(const TreeView& tree, std::uint64_t point_id);
 
+/// The same octree, ready for queries of Measure::crossing: its surfaces also in the order of the storage indices.
+/// Requires surfaces. Cost: as fast as memory delivers; 5 B per point.
+Octree with_discs(const Octree& octree);
+
+/// surface_of() the point at a storage index. Requires with_discs().
+PointSurface surface_at(const TreeView& tree, std::uint32_t index);
+
 // Where the sheet of points that a point belongs to ends beside it: at the edge of a roof, or where the
 // scanner's shadow begins. There a disc around the point would reach out into the air.
 
@@ -74,8 +58,13 @@ struct SheetEdge {
   double distance = std::numeric_limits<double>::infinity();
 };
 
-/// The edge beside a point, whose direction is one of 32 and whose distance is good to a tenth of a spacing.
-/// Requires surfaces; normal: that of surface_of().
-SheetEdge edge_of(const TreeView& tree, std::uint64_t point_id, const glm::dvec3& normal);
+/// An edge as it is stored: one of 32 directions, and a distance that is good to a tenth of a spacing. normal: that of
+/// the point's surface.
+SheetEdge unpack_edge(std::uint8_t packed, const glm::dvec3& normal);
+
+/// The edge beside a point. Requires surfaces.
+inline SheetEdge edge_of(const TreeView& tree, std::uint64_t point_id, const glm::dvec3& normal) {
+  return unpack_edge(tree.sheet_edges[point_id], normal);
+}
 
 }  // namespace alidade

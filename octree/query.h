@@ -25,8 +25,8 @@ namespace alidade {
 struct Hit {
   std::uint64_t point_id = 0;  ///< row of the cloud
   glm::dvec3 position{0.0};    ///< of the point, world coordinates
-  double t = 0.0;              ///< position of the point's projection on the ray, metres
-  double distance = 0.0;       ///< of the point to the ray's line, metres
+  double t = 0.0;         ///< position of the point's projection on the ray, metres; see Measure::crossing
+  double distance = 0.0;  ///< of the point to the ray's line, metres
   /// Where the ray enters the sphere around the point whose radius is the query's (for a cone: the limit at
   /// t), metres; -infinity if the radius is infinite.
   double entry = 0.0;
@@ -78,8 +78,8 @@ struct PathHit {
 //   the targets. Errors name the number of the target ("ray 17").
 // - Common Errors: k = 0; radius negative or NaN; spacing_factor negative or not finite, or above 0 for an
 //   octree without spacings; Measure::entry with an infinite radius (of rays) or at all
-//   (of paths); max_level negative, or given for an octree that is not layered; room for answers not as long
-//   as the targets. A batch with Errors leaves its answers half done.
+//   (of paths); Measure::crossing of cones and paths, or without what it needs; max_level negative, or given
+//   for an octree that is not layered; room for answers not as long as the targets. A batch with Errors leaves its answers half done.
 
 class Octree;
 
@@ -88,7 +88,12 @@ enum class Measure {
   distance,  ///< to the line of the ray or to the path
   t,         ///< position of the projection (the paper's "closest")
   entry,     ///< where the ray enters the sphere around the point, see Hit::entry; not for paths
+  /// Where the ray crosses the disc of the point's sheet (octree/point_disc.h); of a point without a sheet, where it enters
+  /// a small sphere. Of rays only.
+  crossing,
 };
+
+struct PointDisc;
 
 /// A point that meets all other conditions of a query, as its filter sees it.
 struct Candidate {
@@ -96,8 +101,9 @@ struct Candidate {
   glm::dvec3 position{0.0};
   double t = 0.0;  ///< 0 for points, boxes and half-spaces
   double distance = 0.0;
-  double radius = 0.0;          ///< of ray queries: the point's (RayQuery::spacing_factor); 0 for others
-  std::size_t query_index = 0;  ///< number of the target in a batch
+  double radius = 0.0;              ///< of ray queries: the point's (RayQuery::spacing_factor); 0 for others
+  const PointDisc* disc = nullptr;  ///< of Measure::crossing: what the ray meets; of a small sphere null
+  std::size_t query_index = 0;      ///< number of the target in a batch
 };
 
 /// Says whether a candidate counts: for classes, times, oriented discs. Must give the same answer for the
@@ -130,6 +136,10 @@ struct RayQuery {
   /// a point: TreeView::level_count.
   int max_level = k_all_levels;
   CandidateFilter filter{};
+  /// Of Measure::crossing, which takes discs of the points' own radii (spacing_factor above 0) in an octree that is ready
+  /// for it (with_discs()): Hit::t is the position of the crossing, to which the ray's interval applies. The
+  /// sphere of a point without a sheet has k_lone_spacings, at most its own radius and this one. Metres.
+  double lone_radius = k_unlimited_radius;
 };
 
 /// Conditions of a cone query; the limit on the distance is the cone's own.
@@ -157,6 +167,13 @@ struct PointQuery {
   int max_level = k_all_levels;
   CandidateFilter filter{};
 };
+
+/// What a query orders by; distance if it knows one order only.
+template <class Query>
+Measure measure_of(const Query& query) {
+  if constexpr (requires { query.measure; }) return query.measure;
+  return Measure::distance;
+}
 
 /// Answers to a batch: those of target i are answers[i]. One after another in memory.
 template <class Answer>

@@ -153,9 +153,21 @@ class OwnRadiusTarget : public RayTarget {
       : AlongTarget(ray, query, query_index), tree_(tree) {}
 
   std::optional<Hit> evaluate(const glm::dvec3& position, std::uint64_t index) const {
-    const auto stored = static_cast<std::uint32_t>(index);
-    return alidade::evaluate(target_, query_, own_radius(query_, spacing_at(tree_, stored)), position,
-                             point_id(tree_, stored), query_index_);
+    return evaluate_own(target_, query_, tree_, static_cast<std::uint32_t>(index), position, query_index_);
+  }
+
+  bool outside_interval(const Reach& reach) const {
+    if (query_.measure != Measure::crossing) return AlongTarget::outside_interval(reach);
+    // A disc is crossed at most its radius from the projection of its point.
+    const double beside =
+        query_.radius + 0x1p-40 * (query_.radius + std::fabs(reach.t.low) + std::fabs(reach.t.high));
+    return reach.t.low - beside > target_.t_max ||
+           reach.t.high + beside < std::max(target_.t_min, query_.entry_min);
+  }
+  double least_measure(const Reach& reach) const {
+    // Crossings order as entries do, and are not before them.
+    if (query_.measure != Measure::crossing) return AlongTarget::least_measure(reach);
+    return entry({reach.t.low, reach.distance}, query_.radius);
   }
 
  private:

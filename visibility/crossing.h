@@ -63,7 +63,8 @@ inline std::optional<double> crossing(const Occluders& occluders, const SightLin
   if (!is_within_radius(disc, met)) return std::nullopt;
   // Radii that are given are those of whole discs, and of widest ones spacings do not follow from the radius.
   const bool has_edge = !occluders.options().radius && candidate.radius < occluders.largest_radius();
-  if (has_edge && is_beyond_edge(disc, met, occluders.octree().view(), candidate.point_id, k_disc_spacings))
+  if (has_edge &&
+      is_beyond_edge(disc, met, occluders.octree().view().sheet_edges[candidate.point_id], k_disc_spacings))
     return std::nullopt;
   if (is_own(line.from, disc) || (!endless && is_own(line.to, disc))) return std::nullopt;
   return position;

@@ -11,6 +11,7 @@
 
 #include <optional>
 
+#include "octree/simd/disc_test-inl.h"
 #include "octree/simd/lanes-inl.h"
 #include "octree/simd/ray_state.h"
 
@@ -49,7 +50,8 @@ class LeafTest {
       : setup_(setup),
         radius_above_(float_above(setup.query.radius)),
         own_radii_(setup.query),
-        all_in_double_(static_cast<bool>(setup.query.filter)) {}
+        disc_test_(setup),
+        all_in_double_(measure == Measure::crossing || setup.query.filter) {}
 
   /// Leaves below one frame.
   struct Index {
@@ -148,23 +150,28 @@ class LeafTest {
       return hn::Set(d, this->inner_sq(index));
     };
     const auto t_min = hn::Set(d, limits[0]), t_max = hn::Set(d, limits[1]);
-    const auto low = hn::Sub(t_min, error);
-    // What begins after the cut does not count; a sphere begins at most its radius before its t.
+    auto low = hn::Sub(t_min, error);
+    // What begins after the cut does not count; a sphere begins at most its radius before its t, and a disc in it.
     auto high = hn::Add(hn::Set(d, limits[3]), error);
-    if constexpr (measure == Measure::entry)
-      high = hn::Min(hn::Add(high, hn::Add(hn::Set(d, radius_above_), error)), hn::Add(t_max, error));
+    const auto reach = hn::Add(hn::Set(d, radius_above_), error);
+    if constexpr (measure == Measure::entry) high = hn::Min(hn::Add(high, reach), hn::Add(t_max, error));
+    if constexpr (measure == Measure::crossing) {
+      low = hn::Sub(low, reach);
+      high = hn::Add(high, reach);
+    }
     const auto along_x = hn::Set(d, along[0]), along_y = hn::Set(d, along[1]), along_z = hn::Set(d, along[2]);
 
     // All vectors first, without asking in between: which of them hold a possible point nobody can foresee.
     hn::Vec<PointLanes> ts[vectors], distances_sq[vectors];
     std::uint32_t possible = 0;
     const std::uint16_t* coordinates = setup_.tree.coordinates + std::size_t{3} * leaf.first;
+    const auto from_start = [&](int axis, int i) {
+      return hn::MulSub(load_as_float(d, coordinates + axis * leaf.count + i * lanes),
+                        hn::Set(d, index.scale[axis]), hn::Set(d, from[axis]));
+    };
     for (int i = 0; i < vectors; ++i) {
-      const auto from_corner = [&](int axis) {
-        return hn::MulSub(load_as_float(d, coordinates + axis * leaf.count + i * lanes),
-                          hn::Set(d, index.scale[axis]), hn::Set(d, from[axis]));
-      };
-      const auto point = on_line(from_corner(0), from_corner(1), from_corner(2), along_x, along_y, along_z);
+      const auto point =
+          on_line(from_start(0, i), from_start(1, i), from_start(2, i), along_x, along_y, along_z);
       ts[i] = point.t;
       distances_sq[i] = point.distance_sq;
       const auto near =
@@ -173,6 +180,25 @@ class LeafTest {
     }
     possible &= 0xffffffffu >> (k_max_leaf_size - count);
     if (possible == 0) return;
+    if constexpr (measure == Measure::crossing) {
+      if (setup_.tree.ids) hwy::Prefetch(setup_.tree.ids + leaf.first + index_of_lowest_bit(possible));
+      alignas(64) float lows[k_max_leaf_size];
+      const auto first = hn::Sub(t_min, error), last = hn::Add(hn::Set(d, limits[3]), error);
+      std::uint32_t crossed = 0;
+      for (int i = 0; i < vectors; ++i) {
+        if ((possible >> (i * lanes) & ((1ull << lanes) - 1u)) == 0) continue;
+        const NearRay points{
+            from_start(0, i), from_start(1, i), from_start(2, i), ts[i], distances_sq[i], error,
+            outer_sq_of(i),   radius[i]};
+        const Crossings crossings = disc_test_(leaf.first + i * lanes, points, along);
+        hn::Store(crossings.low, d, lows + i * lanes);
+        const auto counts = hn::And(hn::Le(crossings.low, crossings.high),
+                                    hn::And(hn::Le(crossings.low, last), hn::Ge(crossings.high, first)));
+        crossed |= mask_bits(d, counts) << (i * lanes);
+      }
+      decide_in_order(ray, leaf, possible & crossed, start, lows);
+      return;
+    }
 
     const auto surely_low = hn::Add(t_min, error), surely_high = hn::Sub(t_max, error),
                surely_after = hn::Add(hn::Set(d, limits[2]), error);
@@ -237,6 +263,26 @@ class LeafTest {
       if (in_double(ray, leaf, index_of_lowest_bit(possible))) finish(ray);
   }
 
+  /// lows: none of the points begins before, from `start` on.
+  void decide_in_order(const RayUnderWay& ray, const Leaf& leaf, std::uint32_t possible, double start,
+                       const float* lows) const {
+    while (possible != 0) {
+      std::uint32_t next = index_of_lowest_bit(possible);
+      for (std::uint32_t rest = possible & (possible - 1); rest != 0; rest &= rest - 1) {
+        const std::uint32_t i = index_of_lowest_bit(rest);
+        if (lows[i] < lows[next]) next = i;
+      }
+      possible &= ~(1u << next);
+      if constexpr (any) {
+        if (!in_double(ray, leaf, next)) continue;
+        finish(ray);
+        return;
+      }
+      if (start + lows[next] > ray.state.limits.cut) return;
+      decide(ray, leaf, next);
+    }
+  }
+
   static void cut_at(const RayUnderWay& ray, double t) {
     if (t > ray.state.limits.cut) return;
     ray.state.limits.cut = t;
@@ -246,7 +292,8 @@ class LeafTest {
   void decide(const RayUnderWay& ray, const Leaf& leaf, std::uint32_t index) const {
     const std::optional<Hit> hit = in_double(ray, leaf, index);
     if (!hit) return;
-    if (ray.state.found()) {
+    const bool is_surely_first = measured(measure, *hit) - ray.state.shift < ray.state.best_low;
+    if (!is_surely_first) {
       const std::optional<Hit> best = in_double(ray, ray.state.best_position, ray.state.best_index);
       // Coordinates of a damaged index file can lie where floats are sure of them and doubles are not.
       if (best && !precedes(measure, *hit, *best)) {
@@ -271,10 +318,10 @@ class LeafTest {
 
   std::optional<Hit> in_double(const RayUnderWay& ray, const LatticePosition& position,
                                std::uint32_t index) const {
-    const double radius =
-        radii == Radii::own ? own_radius(setup_.query, spacing_at(setup_.tree, index)) : setup_.query.radius;
-    return evaluate(ray.asked, setup_.query, radius, to_world(setup_.tree.lattice, position),
-                    point_id(setup_.tree, index), ray.query_index);
+    const glm::dvec3 world = to_world(setup_.tree.lattice, position);
+    if constexpr (radii == Radii::own)
+      return evaluate_own(ray.asked, setup_.query, setup_.tree, index, world, ray.query_index);
+    return evaluate(ray.asked, setup_.query, world, point_id(setup_.tree, index), ray.query_index);
   }
 
   void keep(const RayUnderWay& ray, const Leaf& leaf, std::uint32_t index) const {
@@ -287,6 +334,7 @@ class LeafTest {
   const QuerySetup& setup_;
   const float radius_above_;
   const OwnRadii own_radii_;
+  const DiscTest disc_test_;  ///< of Measure::crossing
   const bool all_in_double_;
 };
 

@@ -7,6 +7,7 @@
 
 #include "octree/query_targets.h"
 #include "octree/simd/choose_table.h"
+#include "octree/simd/local_point-inl.h"
 #include "octree/simd/nearest_first-inl.h"
 #include "octree/simd/nearest_group-inl.h"
 
@@ -14,56 +15,20 @@ HWY_BEFORE_NAMESPACE();
 namespace alidade::simd {
 namespace HWY_NAMESPACE {
 
-/// Distances to a point, for NearestFirst. Bounds are squares of distances.
-///
-/// All positions are relative to the corner of a node's frame, whose width is W; D is the farthest the
-/// point lies from there on an axis. `error` exceeds what can go wrong between a float distance and the
-/// double one that decides, in units of 2^-24:
-/// - a coordinate: rounding of scale, of the local point and of their difference, together 2 W + 2 D; the
-/// norm
-///   of three of them 3.5 (W + D);
-/// - squares, sum and root: 3 roundings of at most 1.8 (W + D), and as much again for `low` and `high`;
-/// together
-///   7 (W + D). The sum stays below 11 (W + D); the budget is 16 (W + D).
-/// - in double (offset, scale and steps to world coordinates; the point to local ones): 2^-48 of the largest
-///   coordinate or offset;
-/// - where squares leave the range of floats: 1e-18.
-/// Boxes are widened by `error`, so that only the rounding of squares and sums is left, which `limit` allows
-/// for.
+/// Distances to a point, for NearestFirst. Bounds are squares of distances. Boxes are widened by the error of the point
+/// (LocalPoint), so that only the rounding of squares and sums is left, which `limit` allows for.
 class PointKernel {
  public:
-  struct Local {
-    float point[3];
-    float error;
-  };
+  using Local = LocalPoint::Local;
 
   PointKernel(const TreeView& tree, const glm::dvec3& point, double radius, bool filtered)
-      : tree_(tree), radius_(at_least(radius)), all_in_double_(filtered) {
-    const glm::dvec3 corner = to_world(tree.lattice, tree.base);
-    double largest = 0.0;
-    for (int axis = 0; axis < 3; ++axis) {
-      point_[axis] = point[axis] - corner[axis];
-      float_scale_[axis] = static_cast<float>(tree.lattice.scale[axis]);
-      widest_scale_ = std::max(widest_scale_, tree.lattice.scale[axis]);
-      largest = std::max({largest, std::fabs(point[axis]), std::fabs(corner[axis]),
-                          std::fabs(tree.bounds.max[axis]), std::fabs(tree.lattice.offset[axis])});
-    }
-    double_error_ = 0x1p-48 * largest + 1e-18;
+      : tree_(tree), point_(tree, point), radius_(at_least(radius)), all_in_double_(filtered) {
     if (std::isinf(radius)) radius_ = std::numeric_limits<float>::infinity();
     certain_radius_ = std::isinf(radius) ? radius_ : at_most(radius);
   }
 
   HWY_INLINE Local at(const std::array<std::uint32_t, 3>& corner, int level) const {
-    Local local;
-    double farthest = 0.0;
-    for (int axis = 0; axis < 3; ++axis) {
-      const double from_corner = point_[axis] - tree_.lattice.scale[axis] * corner[axis];
-      farthest = std::max(farthest, std::fabs(from_corner));
-      local.point[axis] = static_cast<float>(from_corner);
-    }
-    local.error =
-        static_cast<float>(double_error_ + 0x1p-20 * (widest_scale_ * power_of_two(level) + farthest)) * k_up;
-    return local;
+    return point_.at(corner, level);
   }
 
   HWY_INLINE float limit(float cut) const {
@@ -82,13 +47,7 @@ class PointKernel {
     for (std::size_t lane = 0; lane < k_node_width; lane += hn::Lanes(d)) {
       auto nearest_sq = hn::Zero(d), farthest_sq = hn::Zero(d);
       for (int axis = 0; axis < 3; ++axis) {
-        const float step = float_scale_[axis] * grid_step;
-        // `high` is inclusive: its points stand up to one lattice step below the next grid step.
-        const auto to_low = hn::MulAdd(load_as_float(d, node.low[axis] + lane), hn::Set(d, step),
-                                       hn::Set(d, -local.point[axis] - local.error));
-        const auto from_high =
-            hn::NegMulAdd(load_as_float(d, node.high[axis] + lane), hn::Set(d, step),
-                          hn::Set(d, local.point[axis] - (step - float_scale_[axis]) - local.error));
+        const auto [to_low, from_high] = gaps_of(local, point_.scale(), grid_step, node, axis, lane);
         const auto gap = hn::Max(hn::Max(to_low, from_high), hn::Zero(d));
         nearest_sq = hn::MulAdd(gap, gap, nearest_sq);
         if constexpr (tests_inside) {
@@ -107,12 +66,12 @@ class PointKernel {
   HWY_INLINE void test_points(const Local& local, const Leaf& leaf, int level, float cut,
                               TestedPoints& points) const {
     const PointLanes d;
-    const float error = local.error + LeafCoordinates::lost(level, widest_scale_);
+    const float error = local.error + LeafCoordinates::lost(level, point_.widest_scale());
     const float outer = std::min(cut, radius_) + error;
     const auto outer_sq = hn::Set(d, outer * outer * k_up);
     const auto inner = hn::Set(d, all_in_double_ ? -1.0f : certain_radius_);
     const auto float_error = hn::Set(d, error);
-    const LeafCoordinates coordinates(tree_, leaf, level, float_scale_, local.point);
+    const LeafCoordinates coordinates(tree_, leaf, level, point_.scale(), local.point);
     points.possible = points.certain = 0;
     for (int first = 0; first < coordinates.count; first += static_cast<int>(hn::Lanes(d))) {
       const auto x = coordinates(0, first), y = coordinates(1, first), z = coordinates(2, first);
@@ -130,9 +89,7 @@ class PointKernel {
 
  private:
   const TreeView& tree_;
-  double point_[3];  ///< from the root's corner
-  double widest_scale_ = 0.0, double_error_ = 0.0;
-  float float_scale_[3];
+  const LocalPoint point_;
   float radius_, certain_radius_;  ///< not below and not above the radius
   const bool all_in_double_;
 };

@@ -126,10 +126,12 @@ class RayStream {
 
   void test_leaf(const Leaf& leaf, std::uint32_t count,
                  const typename LeafTest<measure, any, radii>::Index& index, const RayList& list) {
-    if (list.count >= k_min_rays_at_leaf && !traversed_.leaf_test.all_in_double()) {
-      LeafGroupTest<measure, any, radii>(setup_, traversed_.leaf_test, leaf, count, index)
-          .visit(batch_, list, answers_);
-      return;
+    if constexpr (measure != Measure::crossing) {
+      if (list.count >= k_min_rays_at_leaf && !traversed_.leaf_test.all_in_double()) {
+        LeafGroupTest<measure, any, radii>(setup_, traversed_.leaf_test, leaf, count, index)
+            .visit(batch_, list, answers_);
+        return;
+      }
     }
     for (std::uint32_t i = 0; i < list.count; ++i)
       traversed_.leaf_test.visit(batch_[list.rays[i]], leaf, count, index, list.t_near[i]);

@@ -14,7 +14,7 @@ namespace alidade::simd {
 
 /// Ray queries on a tree, compiled for one instruction set. Lanes only discard, and only what double
 /// arithmetic would discard too; what remains is decided by octree/candidate.h. So all sets give the same
-/// bits. Requires: a checked query of measure t or entry, checked rays with directions of length 1 but for
+/// bits. Requires: a checked query of measure t, entry or crossing, checked rays with directions of length 1 but for
 /// rounding, a tree that is not empty, no length beyond 1e15.
 struct Traversal {
   std::optional<Hit> (*closest)(const TreeView& tree, const Ray& ray, const RayQuery& query,

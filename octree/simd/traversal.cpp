@@ -160,7 +160,7 @@ class Tracer {
       return;
     }
     constexpr std::size_t k_least_lanes = 4;
-    if constexpr (hn::MaxLanes(RayLanes()) >= k_least_lanes) {
+    if constexpr (measure != Measure::crossing && hn::MaxLanes(RayLanes()) >= k_least_lanes) {
       if (!leaf_test_.all_in_double() && go_alike()) {
         answer_in_packets(answers);
         return;
@@ -361,6 +361,7 @@ using TracerTag = std::type_identity<Tracer<measure, any, radii>>;
 /// Calls use(TracerTag) for the tracer that suits a query for any point.
 template <class Use>
 auto with_tracer_of_any(const RayQuery& query, const Use& use) {
+  if (query.measure == Measure::crossing) return use(TracerTag<Measure::crossing, true, Radii::own>());
   return query.spacing_factor > 0.0 ? use(TracerTag<Measure::t, true, Radii::own>())
                                     : use(TracerTag<Measure::t, true, Radii::shared>());
 }
@@ -368,6 +369,7 @@ auto with_tracer_of_any(const RayQuery& query, const Use& use) {
 /// The same for the closest point.
 template <class Use>
 auto with_tracer_of_closest(const RayQuery& query, const Use& use) {
+  if (query.measure == Measure::crossing) return use(TracerTag<Measure::crossing, false, Radii::own>());
   if (query.spacing_factor > 0.0) {
     return query.measure == Measure::t ? use(TracerTag<Measure::t, false, Radii::own>())
                                        : use(TracerTag<Measure::entry, false, Radii::own>());

@@ -1,0 +1,151 @@
+// SPDX-License-Identifier: MIT
+#include "octree/enclosing_spheres.h"
+
+#include <algorithm>
+
+#undef HWY_TARGET_INCLUDE
+#define HWY_TARGET_INCLUDE "octree/simd/enclosing_spheres.cpp"
+#include <hwy/foreach_target.h>
+
+#include "octree/answer_target.h"
+#include "octree/simd/box_walk-inl.h"
+#include "octree/simd/choose_table.h"
+#include "octree/simd/local_point-inl.h"
+
+HWY_BEFORE_NAMESPACE();
+namespace alidade::simd {
+namespace HWY_NAMESPACE {
+
+/// The walk to the spheres that hold a position.
+class EnclosingSpheres {
+ public:
+  EnclosingSpheres(const TreeView& tree, const glm::dvec3& position, const RayQuery& query,
+                   std::vector<PointSphere>& spheres)
+      : tree_(tree),
+        position_(position),
+        query_(query),
+        local_(tree, position),
+        radii_(query),
+        spheres_(spheres) {}
+
+  void run() {
+    Frame waiting[k_max_tree_depth * k_node_width];
+    std::size_t count = 0;
+    waiting[count++] = root_frame(tree_);
+    while (count > 0) {
+      const Frame frame = waiting[--count];
+      const Node& node = tree_.nodes[frame.node];
+      const Slots slots(node);
+      const auto local = local_.at(frame.corner, frame.level);
+      const unsigned near = near_slots(node, frame, local);
+      for (unsigned leaves = near & slots.leaf; leaves != 0; leaves &= leaves - 1)
+        visit_leaf(slots.leaf_in(node, frame, std::countr_zero(leaves)), frame.level, local);
+      for (unsigned inner = near & slots.inner; inner != 0;) {
+        const int last = std::bit_width(inner) - 1;
+        inner &= ~(1u << last);
+        waiting[count++] = slots.child_in(node, frame, last);
+      }
+    }
+  }
+
+ private:
+  HWY_INLINE unsigned near_slots(const Node& node, const Frame& frame, const LocalPoint::Local& local) const {
+    const ChildLanes d;
+    const auto grid_step = static_cast<float>(power_of_two(frame.level - k_min_frame_level));
+    const std::uint16_t* const spacings = slot_spacings(tree_, frame.node);
+    unsigned near = 0;
+    for (std::size_t lane = 0; lane < k_node_width; lane += hn::Lanes(d)) {
+      auto distance_sq = hn::Zero(d);
+      for (int axis = 0; axis < 3; ++axis) {
+        const auto [to_low, from_high] = gaps_of(local, local_.scale(), grid_step, node, axis, lane);
+        const auto gap = hn::Max(hn::Max(to_low, from_high), hn::Zero(d));
+        distance_sq = hn::MulAdd(gap, gap, distance_sq);
+      }
+      const auto radius = radii_.above(d, spacings + lane);
+      const auto limit_sq = hn::Mul(hn::Mul(radius, radius), hn::Set(d, k_up));
+      near |= mask_bits(d, hn::Le(distance_sq, limit_sq)) << lane;
+    }
+    return near;
+  }
+
+  HWY_INLINE void visit_leaf(const Leaf& leaf, int level, const LocalPoint::Local& local) {
+    const PointLanes d;
+    const auto error = hn::Set(d, local.error + LeafCoordinates::lost(level, local_.widest_scale()));
+    const LeafCoordinates coordinates(tree_, leaf, level, local_.scale(), local.point);
+    std::uint32_t possible = 0;
+    for (int first = 0; first < coordinates.count; first += static_cast<int>(hn::Lanes(d))) {
+      const auto x = coordinates(0, first), y = coordinates(1, first), z = coordinates(2, first);
+      const auto distance_sq = hn::MulAdd(z, z, hn::MulAdd(y, y, hn::Mul(x, x)));
+      const auto radius = radii_.above(d, tree_.spacings + leaf.first + first);
+      possible |= coordinates.in_leaf(hn::Le(distance_sq, OwnRadii::outer_sq(d, radius, error)), first)
+                  << first;
+    }
+    if (possible == 0) return;
+    StoredPoint stored[k_max_leaf_size + k_unpack_room];
+    const std::size_t count = unpack(tree_, leaf, possible, stored);
+    for (std::size_t i = 0; i < count; ++i) {
+      const PointSphere sphere{to_world(tree_.lattice, stored[i].position),
+                               own_radius(query_, spacing_at(tree_, stored[i].index)), stored[i].index};
+      if (distance(position_, sphere.center) <= sphere.radius) spheres_.push_back(sphere);
+    }
+  }
+
+  const TreeView& tree_;
+  const glm::dvec3& position_;
+  const RayQuery& query_;
+  const LocalPoint local_;
+  const OwnRadii radii_;
+  std::vector<PointSphere>& spheres_;
+};
+
+void find_enclosing(const TreeView& tree, const glm::dvec3& position, const RayQuery& query,
+                    std::vector<PointSphere>& spheres) {
+  EnclosingSpheres(tree, position, query, spheres).run();
+}
+
+constexpr auto k_find_enclosing = &find_enclosing;
+
+}  // namespace HWY_NAMESPACE
+}  // namespace alidade::simd
+HWY_AFTER_NAMESPACE();
+
+#if HWY_ONCE
+namespace alidade {
+namespace {
+
+using FindEnclosing = void (*)(const TreeView&, const glm::dvec3&, const RayQuery&,
+                               std::vector<PointSphere>&);
+
+FindEnclosing find_enclosing_with(InstructionSet instruction_set) {
+  using namespace simd;
+  ALIDADE_CHOOSE_TABLE(instruction_set, k_find_enclosing)
+}
+
+}  // namespace
+
+void find_enclosing(const Octree& octree, const glm::dvec3& position, const RayQuery& query,
+                    std::vector<PointSphere>& spheres) {
+  const TreeView& tree = octree.view();
+  if (octree.size() == 0) return;
+  const auto first = static_cast<std::ptrdiff_t>(spheres.size());
+  if (simd::suits_lanes(tree, position, PointQuery{.radius = query.radius}) &&
+      query.spacing_factor < k_longest) {
+    find_enclosing_with(octree.instruction_set())(tree, position, query, spheres);
+  } else {
+    for_each_leaf(tree, [&](const Leaf& leaf) {
+      for (std::uint32_t i = 0; i < leaf.count; ++i) {
+        const PointSphere sphere{to_world(tree.lattice, position_of(tree, leaf, i)),
+                                 own_radius(query, spacing_at(tree, leaf.first + i)), leaf.first + i};
+        if (distance(position, sphere.center) <= sphere.radius) spheres.push_back(sphere);
+      }
+    });
+  }
+  // Leaves below wide frames are stored behind all others.
+  if (!std::is_sorted(spheres.begin() + first, spheres.end(),
+                      [](const PointSphere& a, const PointSphere& b) { return a.index < b.index; }))
+    std::sort(spheres.begin() + first, spheres.end(),
+              [](const PointSphere& a, const PointSphere& b) { return a.index < b.index; });
+}
+
+}  // namespace alidade
+#endif  // HWY_ONCE

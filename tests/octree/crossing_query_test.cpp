@@ -1,0 +1,267 @@
+// SPDX-License-Identifier: MIT
+#include <gtest/gtest.h>
+
+#include <glm/geometric.hpp>
+#include <memory>
+
+#include "base/error.h"
+#include "octree/brute_force.h"
+#include "octree/build.h"
+#include "octree/candidate.h"
+#include "octree/enclosing_spheres.h"
+#include "octree/explain.h"
+#include "octree/point_surface.h"
+#include "octree/query.h"
+#include "octree/spacing.h"
+#include "octree/tree_walk.h"
+#include "tests/support/octrees.h"
+#include "tests/support/point_families.h"
+#include "tests/support/random.h"
+#include "tests/support/ray_families.h"
+#include "tests/support/same_hits.h"
+
+namespace alidade {
+namespace {
+
+using test::point_families;
+using test::PointFamily;
+using test::Random;
+using test::ray_cases;
+using test::RayCase;
+using test::same_hits;
+
+constexpr int k_neighbours = 8;
+
+/// The octree with any surfaces, equal ones at equal positions: three in four points have one, half of them an edge.
+Octree with_random_surfaces(const Octree& octree) {
+  struct Arrays {
+    std::shared_ptr<const void> octree;
+    std::vector<std::uint32_t> surfaces;
+    std::vector<std::uint8_t> edges;
+  };
+  const auto made = std::make_shared<Arrays>();
+  made->octree = octree.storage();
+  for (const LatticePosition& position : positions_in_order(octree.view())) {
+    std::uint64_t bits = 0x9e3779b97f4a7c15u;
+    for (int axis = 0; axis < 3; ++axis) {
+      bits = (bits ^ static_cast<std::uint32_t>(position[axis])) * 0xff51afd7ed558ccdu;
+      bits ^= bits >> 32;
+    }
+    made->surfaces.push_back(static_cast<std::uint32_t>(bits) | static_cast<std::uint32_t>(bits >> 32) << 31);
+    made->edges.push_back(static_cast<std::uint8_t>((bits >> 40 & 1) == 0 ? 0 : 32 + (bits >> 41) % 224));
+  }
+  TreeView view = octree.view();
+  view.surfaces = made->surfaces.data();
+  view.sheet_edges = made->edges.data();
+  view.surface_unit = 0.1 * automatic_radius(octree);
+  return Octree(view, made, octree.instruction_set());
+}
+
+/// Two walls that meet, a floor that ends, coarse beside fine, and points beside them.
+PointCloud sheets(Random& random) {
+  const glm::dvec3 site(690000.0, 5325000.0, 300.0);
+  std::vector<glm::dvec3> points;
+  const auto add = [&](double x, double y, double z) { points.push_back(site + glm::dvec3(x, y, z)); };
+  for (int i = 0; i < 400; ++i) {
+    add(random.between(0, 4), random.between(0, 4), 0.002 * random.in_cube().z);
+    add(random.between(0, 4), 4.0 + 0.002 * random.in_cube().z, random.between(0, 3));
+    add(4.0, random.between(0, 4), random.between(0, 0.2));
+    if (i % 10 == 0) add(random.between(0, 4), random.between(0, 4), random.between(0.2, 3.0));
+  }
+  return test::make_cloud(points, {glm::dvec3(1e-4), site});
+}
+
+struct Asked {
+  std::string name;
+  PointCloud cloud;
+  bool fitted = true;  ///< surfaces are fitted, not random
+};
+
+std::vector<Asked> asked_clouds() {
+  std::vector<Asked> asked;
+  Random random("sheets");
+  const PointCloud cloud = sheets(random);
+  asked.push_back({"fitted sheets", cloud, true});
+  asked.push_back({"random sheets", cloud, false});
+  for (const PointFamily& family : point_families()) asked.push_back({family.name, family.cloud, false});
+  return asked;
+}
+
+Octree with_discs_of(const Octree& octree, bool fitted) {
+  const Octree spaced = with_spacings(octree, k_neighbours);
+  return with_discs(fitted ? with_surfaces(spaced) : with_random_surfaces(spaced));
+}
+
+RayQuery crossing_query(const RayQuery& from, Random& random) {
+  constexpr double k_factors[] = {0.1, 0.92, 3.0, 1e6};
+  RayQuery query = from;
+  query.measure = Measure::crossing;
+  query.spacing_factor = k_factors[random.below(4)];
+  if (std::isinf(query.radius)) query.radius = 1e9;
+  if (random.below(2) == 0) query.lone_radius = query.radius * random.between(0.0, 0.5);
+  return query;
+}
+
+class CrossingVsBruteForce : public ::testing::TestWithParam<InstructionSet> {};
+
+TEST_P(CrossingVsBruteForce, closest_occluded_find_and_count_are_the_same_bits_on_every_family) {
+  std::size_t hit_count = 0, miss_count = 0;
+  for (const Asked& asked : asked_clouds()) {
+    const std::vector<double> spacings = brute_force::spacings(asked.cloud, k_neighbours);
+    for (const test::NamedOctree& named : test::octrees_of(asked.cloud, GetParam())) {
+      const Octree octree = with_discs_of(named.octree, asked.fitted);
+      const brute_force::PointProperties properties(spacings, &octree.view());
+      Random random(asked.name + "_crossing");
+      for (const RayCase& c : ray_cases(asked.cloud, 20, random)) {
+        const RayQuery query = crossing_query(c.query, random);
+        SCOPED_TRACE(asked.name + " " + named.name + " factor " + std::to_string(query.spacing_factor));
+        const std::vector<Hit> expected = brute_force::find(asked.cloud, c.ray, query, properties);
+        const std::optional<Hit> first = expected.empty() ? std::nullopt : std::optional(expected.front());
+        ASSERT_TRUE(same_hits(closest(octree, c.ray, query), first));
+        ASSERT_EQ(occluded(octree, c.ray, query), first.has_value());
+        ASSERT_TRUE(same_hits(find(octree, c.ray, query), expected));
+        ASSERT_EQ(count(octree, c.ray, query), expected.size());
+        ASSERT_TRUE(same_hits(explain(octree, c.ray, query).hits, expected));
+        ++(first ? hit_count : miss_count);
+      }
+    }
+  }
+  EXPECT_GT(hit_count, 300u);
+  EXPECT_GT(miss_count, 300u);
+}
+
+/// Rays between points, which cross discs at all angles.
+TEST_P(CrossingVsBruteForce, batches_are_the_same_bits_whatever_the_filter) {
+  BuildOptions options;
+  options.instruction_set = GetParam();
+  std::size_t hit_count = 0;
+  for (const Asked& asked : asked_clouds()) {
+    if (asked.cloud.size() == 0) continue;
+    const std::vector<double> spacings = brute_force::spacings(asked.cloud, k_neighbours);
+    const Octree octree = with_discs_of(build(asked.cloud, options), asked.fitted);
+    const brute_force::PointProperties properties(spacings, &octree.view());
+    Random random(asked.name + "_crossing_batches");
+    for (int turn = 0; turn < 6; ++turn) {
+      const double radius = 2.0 * automatic_radius(octree);
+      RayQuery query = crossing_query({.radius = std::max(radius, 1e-3) * std::pow(8.0, turn % 3)}, random);
+      if (turn % 2 == 1) {
+        query.filter = [](const Candidate& candidate) {
+          return candidate.disc == nullptr || candidate.disc->normal.x < 0.3;
+        };
+      }
+      std::vector<Ray> rays;
+      for (int i = 0; i < 60; ++i) {
+        const glm::dvec3 from = asked.cloud.world(random.below(asked.cloud.size()));
+        const glm::dvec3 to = asked.cloud.world(random.below(asked.cloud.size()));
+        const glm::dvec3 start = from + radius * random.in_cube(),
+                         way = to + radius * random.in_cube() - start;
+        if (!(glm::dot(way, way) > 0.0)) continue;
+        // Of one start, along one direction, and any.
+        const bool follows = !rays.empty() && turn % 3 != 2;
+        rays.push_back(make_ray(follows && turn % 3 == 0 ? rays[0].origin : start,
+                                follows && turn % 3 == 1 ? rays[0].direction + 0.01 * random.in_cube() : way,
+                                i % 4 == 0 ? random.between(-radius, radius) : 0.0));
+      }
+      std::vector<std::optional<Hit>> hits(rays.size());
+      std::vector<std::uint8_t> blocked(rays.size());
+      closest(octree, rays, query, hits);
+      occluded(octree, rays, query, blocked);
+      for (std::size_t i = 0; i < rays.size(); ++i) {
+        SCOPED_TRACE(asked.name + " turn " + std::to_string(turn) + " ray " + std::to_string(i));
+        const std::optional<Hit> expected = brute_force::closest(asked.cloud, rays[i], query, properties);
+        ASSERT_TRUE(same_hits(hits[i], expected));
+        ASSERT_EQ(blocked[i] != 0, expected.has_value());
+        hit_count += expected.has_value();
+      }
+    }
+  }
+  EXPECT_GT(hit_count, 1000u);
+}
+
+TEST_P(CrossingVsBruteForce, spheres_that_hold_a_position_are_all_that_do) {
+  std::size_t held = 0;
+  for (const Asked& asked : asked_clouds()) {
+    for (const test::NamedOctree& named : test::octrees_of(asked.cloud, GetParam())) {
+      const Octree octree = with_spacings(named.octree, k_neighbours);
+      Random random(asked.name + "_enclosing");
+      for (int i = 0; i < 30 && octree.size() > 0; ++i) {
+        const RayQuery query = crossing_query({.radius = std::pow(10.0, random.between(-3.0, 3.0))}, random);
+        const double away = std::pow(10.0, random.between(-4.0, i == 0 ? 12.0 : 2.0));
+        const glm::dvec3 position =
+            asked.cloud.world(random.below(asked.cloud.size())) + away * random.in_cube();
+        std::vector<PointSphere> expected;
+        for_each_leaf(octree.view(), [&](const Leaf& leaf) {
+          for (std::uint32_t p = 0; p < leaf.count; ++p) {
+            const double radius = own_radius(query, spacing_at(octree.view(), leaf.first + p));
+            const glm::dvec3 center = to_world(octree.lattice(), position_of(octree.view(), leaf, p));
+            if (distance(position, center) <= radius) expected.push_back({center, radius, leaf.first + p});
+          }
+        });
+        std::ranges::sort(expected, {}, &PointSphere::index);
+        std::vector<PointSphere> found{{glm::dvec3(7.0), 7.0, 7}};
+        find_enclosing(octree, position, query, found);
+        ASSERT_EQ(found.size(), expected.size() + 1) << asked.name << " " << named.name << " " << i;
+        for (std::size_t s = 0; s < expected.size(); ++s) {
+          ASSERT_EQ(found[s + 1].index, expected[s].index);
+          ASSERT_EQ(found[s + 1].center, expected[s].center);
+          ASSERT_EQ(found[s + 1].radius, expected[s].radius);
+        }
+        held += expected.size();
+      }
+    }
+  }
+  EXPECT_GT(held, 1000u);
+}
+
+INSTANTIATE_TEST_SUITE_P(, CrossingVsBruteForce, ::testing::ValuesIn(available_instruction_sets()),
+                         [](const auto& set) { return std::string(name(set.param)); });
+
+TEST(Crossing, of_a_plane_is_known_on_paper) {
+  std::vector<glm::dvec3> points;
+  for (int x = -20; x <= 20; ++x)
+    for (int y = -20; y <= 20; ++y) points.emplace_back(0.1 * x, 0.1 * y, 0.0);
+  points.emplace_back(0.0, 0.0, 40.0);  // a bird
+  const PointCloud cloud = test::make_cloud(points, {glm::dvec3(1e-3), glm::dvec3(0)});
+  const Octree octree = with_discs(with_surfaces(with_spacings(build(cloud), k_neighbours)));
+  const RayQuery query{
+      .radius = 1.0, .measure = Measure::crossing, .spacing_factor = 0.92, .lone_radius = 0.25};
+  const glm::dvec3 direction = glm::normalize(glm::dvec3(3.0, 0.0, -4.0));
+  const auto on_plane = closest(octree, make_ray({-1.2, 0.43, 2.0}, direction), query);
+  ASSERT_TRUE(on_plane);
+  EXPECT_NEAR(on_plane->t, 2.5, 1e-9);
+  EXPECT_NEAR(on_plane->position.x, 0.3, 0.13);
+  // Steeply along the sheet, where spheres reach far before and beside it.
+  const auto grazing = closest(octree, make_ray({-10.0, 0.43, 0.1}, {100.0, 0.0, -1.0}), query);
+  ASSERT_TRUE(grazing);
+  EXPECT_NEAR(grazing->t * 0.1 / std::hypot(10.0, 0.1), 0.1, 1e-6);
+  EXPECT_FALSE(closest(octree, make_ray({-3.0, 0.0, 0.01}, {1.0, 0.0, 0.0}), query))
+      << "passes above the sheet";
+  EXPECT_FALSE(occluded(octree, make_ray({2.09, 0.0, 1.0}, {0.0, 0.0, -1.0}), query)) << "beyond the edge";
+  const auto bird = closest(octree, make_ray({-3.0, 0.15, 40.0}, {1.0, 0.0, 0.0}), query);
+  ASSERT_TRUE(bird);
+  EXPECT_NEAR(bird->t, 2.8, 1e-9) << "a sphere of 25 cm, met 20 cm before its middle";
+  EXPECT_FALSE(occluded(octree, make_ray({-3.0, 0.26, 40.0}, {1.0, 0.0, 0.0}), query));
+}
+
+TEST(Crossing, without_what_it_needs_is_an_error) {
+  const PointCloud cloud = test::make_cloud({{0, 0, 0}, {1, 0, 0}}, {glm::dvec3(0.5), glm::dvec3(0)});
+  const Octree spaced = with_spacings(build(cloud), 1);
+  const Octree octree = with_discs(with_surfaces(spaced));
+  const Ray ray = make_ray({0.0, -5.0, 0.0}, {0.0, 1.0, 0.0});
+  const RayQuery query{.radius = 1.0, .measure = Measure::crossing, .spacing_factor = 1.0};
+  EXPECT_NO_THROW(closest(octree, ray, query));
+  EXPECT_THROW(closest(spaced, ray, query), Error);
+  EXPECT_THROW(brute_force::closest(cloud, ray, query, spacings_in_order(spaced.view())), Error);
+  for (const RayQuery& bad :
+       {RayQuery{.radius = 1.0, .measure = Measure::crossing},
+        RayQuery{.measure = Measure::crossing, .spacing_factor = 1.0},
+        RayQuery{.radius = 1.0, .measure = Measure::crossing, .spacing_factor = 1.0, .lone_radius = -1.0}})
+    EXPECT_THROW(closest(octree, ray, bad), Error);
+  EXPECT_THROW(
+      closest(octree, make_cone({0, -5, 0}, {0, 1, 0}, 0.1), ConeQuery{.measure = Measure::crossing}), Error);
+  EXPECT_THROW(find(octree, make_path({{0, 0, 0}, {1, 0, 0}}), PathQuery{.measure = Measure::crossing}),
+               Error);
+}
+
+}  // namespace
+}  // namespace alidade
