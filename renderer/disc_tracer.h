@@ -7,20 +7,21 @@
 #include <span>
 #include <vector>
 
+#include "octree/enclosing_spheres.h"
 #include "octree/point_disc.h"
 #include "octree/query.h"
 #include "renderer/load_cloud.h"
 #include "renderer/scene.h"
 
-// What rays meet where points are discs of their sheets. A ray meets a disc where it crosses the plane of the sheet within
-// the radius of the point and not beyond the edge of the sheet; a point without a sheet is a small sphere, met where the
-// ray enters it. The first crossing is the least t; of equal ones the lowest point id.
+// What rays meet where points are discs of their sheets: Measure::crossing (octree/query.h) says where, and the first
+// crossing is the least t; of equal ones the lowest point id.
 //
 // Blended: the discs that count beside the first one are those of points within whose radius the first crossing lies, if
 // they belong to its sheet: their normal deviates by at most 32 degrees, and their plane passes within a quarter of the
 // radius plus 4 mm of the crossing. Of them t (where the ray crosses their plane), normal and colour are averaged, weighted
 // by exp(-8 d^2 / r^2) with the distance d of the point from the first crossing and its radius r. Planes that the ray crosses
-// more than r from the first crossing do not count, nor does a mean t outside the limits or a normal that faces away.
+// more than r from the first crossing do not count, nor does a mean t outside the limits or a normal that faces away. Rays
+// that leave a sheet meet discs that are not blended: what they find is spread over many of them.
 
 namespace alidade::renderer {
 
@@ -42,13 +43,13 @@ struct DiscHit {
   Color16 color{0};     ///< display value
 };
 
-/// The cloud of a scene as discs. Keeps a reference to the cloud, which must outlive it and have surfaces. Safe to use from
+/// The cloud of a scene as discs. Keeps references to the cloud, which must outlive it and have surfaces. Safe to use from
 /// many threads.
 class DiscCloud {
  public:
   DiscCloud(const LoadedCloud& cloud, bool blends);
 
-  /// The first hit of each ray with 0 < t < the ray's t_max. All of one length.
+  /// The first hit of each ray in its interval. All of one length.
   void closest(std::span<const Ray> rays, std::span<const SheetOrigin> origins,
                std::span<std::optional<DiscHit>> hits) const;
   /// Whether there is one.
@@ -56,16 +57,15 @@ class DiscCloud {
                std::span<std::uint8_t> answers) const;
 
  private:
-  struct Crossing;
+  /// For these rays, which must outlive it.
+  RayQuery query_of(std::span<const Ray> rays, std::span<const SheetOrigin> origins) const;
+  DiscHit disc_hit(const Ray& ray, const Hit& first, bool blends, std::vector<PointSphere>& around) const;
+  /// hit: that of the disc alone. around: the spheres that hold its position.
+  void blend(const Ray& ray, const std::vector<PointSphere>& around, DiscHit& hit) const;
+  Color16 color_of(std::uint64_t point_id) const { return colors_.empty() ? Color16(0) : colors_[point_id]; }
 
-  std::optional<Crossing> crossing(const Ray& ray, const SheetOrigin& origin, std::uint64_t point_id,
-                                   const glm::dvec3& position, double radius) const;
-  DiscHit blended(const Ray& ray, const Crossing& first, std::span<const Candidate> candidates) const;
-  /// The points whose spheres rays meet in their intervals, by point id.
-  std::vector<std::vector<Candidate>> candidates_along(std::span<const Ray> rays) const;
-  RayQuery query() const;
-
-  const LoadedCloud& cloud_;
+  const Octree octree_;
+  const RayQuery query_;
   const std::span<const Color16> colors_;
   const bool blends_;
 };

@@ -8,7 +8,7 @@
 #include <glm/geometric.hpp>
 
 #include "base/color.h"
-#include "octree/point_surface.h"
+#include "octree/packed_surface.h"
 #include "octree/spacing.h"
 
 namespace alidade::renderer {
@@ -212,9 +212,7 @@ void World::nearest(std::span<const Ray> rays, std::span<const RayOrigin> ray_or
                 .radius = ray_origin.radius};
       }
     } else if (cloud_) {
-      // The interval of spheres limits projections, which lie up to a radius behind the position of entry.
-      asked.push_back(
-          {rays[i].origin, rays[i].direction, 0.0, best.t + (discs_ ? 0.0 : cloud_->query.radius)});
+      asked.push_back(interval(rays[i], best.t));
       if (discs_) sheets.push_back(ray_origins[i].sheet);
       numbers.push_back(i);
     }
@@ -222,6 +220,12 @@ void World::nearest(std::span<const Ray> rays, std::span<const RayOrigin> ray_or
   }
   if (asked.empty()) return;
   discs_ ? meet_discs(asked, sheets, numbers, met) : meet_spheres(asked, numbers, met);
+}
+
+Ray World::interval(const Ray& ray, double t) const {
+  if (discs_) return {ray.origin, ray.direction, cloud_->query.entry_min, t};
+  // The interval of spheres limits projections, which lie up to a radius behind the position of entry.
+  return {ray.origin, ray.direction, 0.0, t + cloud_->query.radius};
 }
 
 void World::meet_spheres(std::span<const Ray> rays, std::span<const std::size_t> numbers,
@@ -280,7 +284,7 @@ void World::blocked(std::span<const Ray> rays, std::span<const RayOrigin> ray_or
   for (std::size_t i = 0; i < rays.size(); ++i) {
     answers[i] = nearest_object(rays[i], ray_origins[i]).t < reach ? 1 : 0;
     if (answers[i] != 0 || !cloud_) continue;
-    asked.push_back({rays[i].origin, rays[i].direction, 0.0, reach});
+    asked.push_back({rays[i].origin, rays[i].direction, discs_ ? cloud_->query.entry_min : 0.0, reach});
     if (discs_) sheets.push_back(ray_origins[i].sheet);
     numbers.push_back(i);
   }

@@ -131,6 +131,8 @@ class World {
  private:
   void smooth(const Ray& ray, const Intersection& intersection, Surface& surface) const;
   Intersection nearest_object(const Ray& ray, const RayOrigin& ray_origin) const;
+  /// The ray as the cloud is queried with it, for what it meets before t.
+  Ray interval(const Ray& ray, double t) const;
   /// Put what these rays meet of the cloud into `met`, at these numbers, where it is nearer than what is there.
   void meet_spheres(std::span<const Ray> rays, std::span<const std::size_t> numbers,
                     std::span<std::optional<Intersection>> met) const;

@@ -5,6 +5,8 @@
 
 #include <glm/geometric.hpp>
 
+#include "octree/brute_force.h"
+#include "octree/candidate.h"
 #include "octree/distance.h"
 #include "octree/spacing.h"
 #include "octree/tree_walk.h"
@@ -42,68 +44,82 @@ LoadedCloud disc_cloud(const std::vector<glm::dvec3>& points, Random& random,
   return cloud;
 }
 
-/// Positions and radii by point id.
+/// The points of a cloud in the order of the storage indices, with all that discs are made of.
 struct PlainPoints {
-  explicit PlainPoints(const LoadedCloud& cloud) {
-    const TreeView& tree = cloud.octree.view();
-    for (const LatticePosition& position : positions_in_order(tree))
-      positions.push_back(to_world(tree.lattice, position));
-    for (const double spacing : spacings_in_order(tree))
-      radii.push_back(std::min(cloud.radius, cloud.spacing_factor * spacing));
-    largest_sphere = automatic_radius(cloud.octree);
+  explicit PlainPoints(const LoadedCloud& loaded)
+      : tree(loaded.octree.view()),
+        query{.radius = loaded.radius,
+              .measure = Measure::crossing,
+              .spacing_factor = loaded.spacing_factor,
+              .lone_radius = loaded.lone_radius},
+        spacings(spacings_in_order(tree)) {
+    cloud.lattice = tree.lattice;
+    cloud.positions = positions_in_order(tree);
+    for (std::uint32_t index = 0; index < tree.point_count; ++index) ids.push_back(point_id(tree, index));
   }
 
-  std::vector<glm::dvec3> positions;
-  std::vector<double> radii;
-  double largest_sphere = 0.0;
+  const TreeView& tree;
+  const RayQuery query;
+  const std::vector<double> spacings;  ///< by id
+  PointCloud cloud;
+  std::vector<std::uint64_t> ids;  ///< by storage index
 };
 
-/// The first crossing by its definition, over all points. Where: the point and t.
-std::optional<std::pair<std::uint64_t, double>> first_crossing(const LoadedCloud& cloud,
-                                                               const PlainPoints& points, const Ray& ray,
-                                                               const SheetOrigin& origin) {
-  const TreeView& tree = cloud.octree.view();
-  const std::vector<glm::dvec3>& positions = points.positions;
-  std::optional<std::pair<std::uint64_t, double>> first;
-  for (std::uint64_t id = 0; id < positions.size(); ++id) {
-    const double radius = points.radii[id];
-    const PointSurface surface = surface_of(tree, id);
-    std::optional<double> t;
-    if (surface.exists) {
-      const PointDisc disc = point_disc(positions[id], surface, radius);
-      t = plane_crossing(disc, ray.origin, ray.direction);
-      if (!t) continue;
-      const glm::dvec3 met = ray.origin + *t * ray.direction;
-      if (!is_within_radius(disc, met)) continue;
-      if (radius < cloud.radius && is_beyond_edge(disc, met, tree, id, cloud.spacing_factor)) continue;
-      if (origin.reach > 0.0 && is_part_of_surface(disc, ray.origin, origin.reach, origin.thickness) &&
-          std::fabs(glm::dot(disc.normal, origin.normal)) >= k_same_sheet_cosine)
-        continue;
-    } else {
-      const double sphere = std::min({0.35 / cloud.spacing_factor * radius, radius, points.largest_sphere});
-      const glm::dvec3 offset = positions[id] - ray.origin;
-      const double middle = glm::dot(offset, ray.direction);
-      const glm::dvec3 beside = offset - middle * ray.direction;
-      const double half_chord_sq = sphere * sphere - glm::dot(beside, beside);
-      if (half_chord_sq >= 0.0) t = middle - std::sqrt(half_chord_sq);
-    }
-    if (t && *t > 0.0 && *t < ray.t_max && (!first || *t < first->second)) first = {id, *t};
+/// The first crossing by its definition.
+std::optional<Hit> first_crossing(const PlainPoints& points, const Ray& ray, const SheetOrigin& origin) {
+  RayQuery query = points.query;
+  query.filter = [&](const Candidate& candidate) {
+    return !candidate.disc || origin.reach == 0.0f ||
+           !is_part_of_surface(*candidate.disc, ray.origin, origin.reach, origin.thickness) ||
+           std::fabs(glm::dot(candidate.disc->normal, origin.normal)) < k_same_sheet_cosine;
+  };
+  return brute_force::closest(points.cloud, ray, query, {points.spacings, &points.tree});
+}
+
+/// The blended hit by its definition (renderer/disc_tracer.h): t, and the colour without rounding.
+struct Blended {
+  double t;
+  glm::dvec3 color;
+};
+std::optional<Blended> blended(const PlainPoints& points, std::span<const Color16> colors, const Ray& ray,
+                               const Hit& first) {
+  const PointSurface own = surface_of(points.tree, first.point_id);
+  if (!own.exists) return std::nullopt;
+  const glm::dvec3 met = ray.origin + first.t * ray.direction;
+  double sum = 0.0, t_sum = 0.0;
+  glm::dvec3 color_sum(0.0);
+  for (const std::uint64_t id : points.ids) {
+    const PointSurface surface = surface_of(points.tree, id);
+    const double radius = own_radius(points.query, points.spacings[id]);
+    const glm::dvec3 position = points.cloud.world(id);
+    if (!surface.exists || distance(met, position) > radius) continue;
+    const glm::dvec3 center = position - surface.height * surface.normal;
+    if (std::fabs(glm::dot(surface.normal, own.normal)) < 0.848) continue;
+    if (std::fabs(glm::dot(met - center, surface.normal)) > 0.25 * radius + 0.004) continue;
+    const double t = glm::dot(center - ray.origin, surface.normal) / glm::dot(ray.direction, surface.normal);
+    if (!(std::fabs(t - first.t) <= radius)) continue;
+    const glm::dvec3 offset = met - position;
+    const double weight = std::exp(-8.0 * glm::dot(offset, offset) / (radius * radius));
+    sum += weight;
+    t_sum += weight * (t - first.t);
+    color_sum += weight * glm::dvec3(colors[id]);
   }
-  return first;
+  const double t = first.t + t_sum / sum;
+  return Blended{t >= ray.t_min && t <= ray.t_max ? t : first.t, color_sum / sum};
 }
 
 /// least_met: so many rays meet something.
-void expect_first_crossings(const std::optional<AdaptedRadius>& radius, int least_met) {
+void expect_first_crossings(const std::optional<AdaptedRadius>& radius, int least_met, bool blends) {
   Random random;
   const LoadedCloud cloud = disc_cloud(corner_points(random, 700), random, radius);
-  const DiscCloud discs(cloud, false);
+  const DiscCloud discs(cloud, blends);
   const PlainPoints points(cloud);
   std::vector<Ray> rays;
   std::vector<SheetOrigin> origins;
   for (int i = 0; i < 1500; ++i) {
     const bool leaves = i % 3 == 0;
-    const std::uint64_t id = random.below(points.positions.size());
-    const glm::dvec3 origin = leaves ? points.positions[id] : glm::dvec3(2, 1, 1) + 4.0 * random.in_cube();
+    const std::uint64_t id = random.below(points.cloud.size());
+    const glm::dvec3 origin = leaves ? points.cloud.world(id) : glm::dvec3(2, 1, 1) + 4.0 * random.in_cube();
     rays.push_back(make_ray(origin, random.direction(), 0.0, i % 5 == 0 ? random.between(0.0, 6.0) : 1e9));
     origins.push_back(leaves ? SheetOrigin{surface_of(cloud.octree.view(), id).normal, 0.3f, 0.02f}
                              : SheetOrigin{});
@@ -112,26 +128,41 @@ void expect_first_crossings(const std::optional<AdaptedRadius>& radius, int leas
   std::vector<std::uint8_t> blocked(rays.size());
   discs.closest(rays, origins, hits);
   discs.blocked(rays, origins, blocked);
-  int met = 0;
+  int met = 0, blends_met = 0;
   for (std::size_t i = 0; i < rays.size(); ++i) {
-    const auto expected = first_crossing(cloud, points, rays[i], origins[i]);
+    const std::optional<Hit> expected = first_crossing(points, rays[i], origins[i]);
     ASSERT_EQ(hits[i].has_value(), expected.has_value()) << i;
     ASSERT_EQ(blocked[i] != 0, expected.has_value()) << i;
     if (!expected) continue;
     ++met;
-    ASSERT_EQ(hits[i]->point_id, expected->first) << i;
-    ASSERT_EQ(hits[i]->t, expected->second) << i;
+    ASSERT_EQ(hits[i]->point_id, expected->point_id) << i;
     ASSERT_LT(glm::dot(hits[i]->sheet.normal, rays[i].direction), 1e-12);
+    const auto mean = blends && origins[i].reach == 0.0f
+                          ? blended(points, cloud.point_colors(), rays[i], *expected)
+                          : std::nullopt;
+    ASSERT_EQ(hits[i]->t, mean ? mean->t : expected->t) << i;
+    if (!mean) {
+      ASSERT_EQ(hits[i]->color, cloud.point_colors()[expected->point_id]);
+      continue;
+    }
+    ++blends_met;
+    ASSERT_EQ(hits[i]->color, Color16(mean->color + 0.5));
   }
   EXPECT_GT(met, least_met);
+  EXPECT_GT(blends_met, blends ? least_met / 3 : -1);
 }
 
 TEST(DiscCloud, the_first_crossing_is_that_of_its_definition) {
-  expect_first_crossings({}, 200);
+  expect_first_crossings({}, 200, false);
   // Small and large discs, and all as wide as allowed.
-  expect_first_crossings(AdaptedRadius{.factor = 0.1}, 3);
-  expect_first_crossings(AdaptedRadius{.factor = 2.0}, 200);
-  expect_first_crossings(AdaptedRadius{.factor = 2.0, .max = 0.05}, 30);
+  expect_first_crossings(AdaptedRadius{.factor = 0.1}, 3, false);
+  expect_first_crossings(AdaptedRadius{.factor = 2.0}, 200, false);
+  expect_first_crossings(AdaptedRadius{.factor = 2.0, .max = 0.05}, 30, false);
+}
+
+TEST(DiscCloud, a_blended_crossing_is_that_of_its_definition) {
+  expect_first_crossings({}, 200, true);
+  expect_first_crossings(AdaptedRadius{.factor = 2.0}, 200, true);
 }
 
 TEST(DiscCloud, a_blended_plane_is_flat_and_a_rim_stays_sharp) {
