@@ -49,9 +49,9 @@ inline std::optional<Hit> evaluate(const Ray& ray, const RayQuery& query, double
   return admitted(query.filter, hit, query_index, radius);
 }
 
-/// Radius of the sphere of a point without a sheet, whose own radius is this: see RayQuery::lone_radius.
+/// Radius of the sphere of a point without a sheet, whose own radius is this: see RayQuery::lone_factor.
 inline double lone_radius(const RayQuery& query, double radius) {
-  return std::min({radius, k_lone_spacings / query.spacing_factor * radius, query.lone_radius});
+  return std::min({radius, query.lone_factor / query.spacing_factor * radius, query.lone_radius});
 }
 
 /// Measure::crossing. radius, surface, packed_edge: of this point.

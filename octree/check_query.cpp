@@ -65,6 +65,8 @@ void check(const RayQuery& query) {
   require(query.spacing_factor > 0.0, "measure crossing requires radii of the points' own",
           "a spacing_factor above 0", query.spacing_factor);
   require(!std::isinf(query.radius), "measure crossing requires a radius", "a finite radius", "none");
+  require(query.lone_factor >= 0.0 && std::isfinite(query.lone_factor), "lone_factor out of range",
+          "a finite number, at least 0", query.lone_factor);
   require(query.lone_radius >= 0.0, "lone_radius out of range", "at least 0", query.lone_radius);
 }
 

@@ -26,7 +26,7 @@ std::string text_of(const glm::dvec3& v);
 
 /// Errors: k = 0; radius negative or NaN; spacing_factor negative or not finite; entry_min NaN;
 /// Measure::entry with an infinite radius; max_level negative; Measure::crossing with an infinite radius, without
-/// spacing_factor, or with a lone_radius that is negative or NaN.
+/// spacing_factor, or with a lone_factor or lone_radius that is negative or NaN.
 void check(const RayQuery& query);
 void check(const ConeQuery& query);
 /// Errors beside those of cones and rays: Measure::entry.

@@ -137,9 +137,10 @@ struct RayQuery {
   int max_level = k_all_levels;
   CandidateFilter filter{};
   /// Of Measure::crossing, which takes discs of the points' own radii (spacing_factor above 0) in an octree that is ready
-  /// for it (with_discs()): Hit::t is the position of the crossing, to which the ray's interval applies. The
-  /// sphere of a point without a sheet has k_lone_spacings, at most its own radius and this one. Metres.
-  double lone_radius = k_unlimited_radius;
+  /// for it (with_discs()): Hit::t is the position of the crossing, to which the ray's interval applies. The radius of the
+  /// sphere of a point without a sheet is lone_factor times its spacing, at most lone_radius and that of a disc.
+  double lone_factor = 0.25;
+  double lone_radius = k_unlimited_radius;  ///< metres
 };
 
 /// Conditions of a cone query; the limit on the distance is the cone's own.

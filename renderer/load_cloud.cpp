@@ -93,9 +93,9 @@ LoadedCloud build_cloud(const CloudSettings& settings, const CloudInputs& inputs
 
 /// Requires: check_shape().
 void choose_disc_radius(const CloudSettings& settings, LoadedCloud& cloud, const Progress& progress) {
-  const AdaptedRadius adapted = settings.adapted_radius.value_or(AdaptedRadius{.factor = k_disc_spacings});
-  check_positive(adapted.factor, "factor between spacings and radii");
-  cloud.spacing_factor = adapted.factor;
+  const AdaptedRadius adapted = settings.adapted_radius.value_or(AdaptedRadius{});
+  cloud.spacing_factor = adapted.factor.value_or(k_disc_spacings);
+  check_positive(cloud.spacing_factor, "factor between spacings and radii");
   cloud.lone_radius = automatic_radius(cloud.octree);
   cloud.radius = adapted.max.value_or(k_widest_over_automatic * cloud.lone_radius);
   check_positive(cloud.radius, "largest radius of points");
@@ -127,8 +127,9 @@ void choose_radius(const CloudSettings& settings, LoadedCloud& cloud, const Prog
   if (!adapted) return;
   check_that(settings.max_level >= k_max_level, "adapted radii do not support max_level",
              "one radius, or all levels: spacings are those of the whole cloud");
-  check_positive(adapted->factor, "factor between spacings and radii");
-  cloud.spacing_factor = adapted->factor;
+  constexpr double k_sphere_spacings = 0.75;
+  cloud.spacing_factor = adapted->factor.value_or(k_sphere_spacings);
+  check_positive(cloud.spacing_factor, "factor between spacings and radii");
   if (!given) cloud.radius *= k_widest_over_automatic;
   cloud.octree = with_spacings(cloud.octree, adapted->neighbours, progress);
 }

@@ -51,9 +51,9 @@ enum class PointShape {
 /// neighbour (octree/spacing.h), at most max. On a surface with so many points per square metre the
 /// eighth neighbour is 1.6 / sqrt(density) away; spheres of three quarters of that leave 1 % of it open.
 struct AdaptedRadius {
-  int neighbours = 8;           ///< 1 to 64
-  double factor = 0.75;         ///< above 0
-  std::optional<double> max{};  ///< metres; empty: four times the radius that "auto" would be
+  int neighbours = 8;              ///< 1 to 64
+  std::optional<double> factor{};  ///< above 0; empty: 0.75 for spheres, 0.92 for discs
+  std::optional<double> max{};     ///< metres; empty: four times the radius that "auto" would be
 };
 
 /// More levels than any octree has: all of them.

@@ -8,7 +8,6 @@
 #endif
 
 #include "octree/packed_surface.h"
-#include "octree/point_disc.h"
 #include "octree/simd/lanes-inl.h"
 #include "octree/simd/ray_state.h"
 
@@ -42,7 +41,7 @@ class DiscTest {
       : surfaces_(setup.tree.stored_surfaces),
         unit_(static_cast<float>(setup.tree.surface_unit)),
         lone_share_(setup.query.spacing_factor > 0.0
-                        ? float_above(std::min(k_lone_spacings / setup.query.spacing_factor, 1.0))
+                        ? float_above(std::min(setup.query.lone_factor / setup.query.spacing_factor, 1.0))
                         : 0.0f),
         lone_radius_(float_above(std::min(setup.query.lone_radius, setup.query.radius))) {}
 

@@ -89,7 +89,8 @@ std::string text(const CloudSettings& cloud) {
   if (cloud.max_level != k_max_level) result += fmt::format("levels {} ", cloud.max_level);
   if (cloud.adapted_radius) {
     const AdaptedRadius& radius = *cloud.adapted_radius;
-    result += fmt::format("neighbours {} factor {} max {} ", radius.neighbours, text(radius.factor),
+    result += fmt::format("neighbours {} factor {} max {} ", radius.neighbours,
+                          radius.factor ? text(*radius.factor) : "default ",
                           radius.max ? text(*radius.max) : "none ");
   }
   return result + (cloud.radius ? text(*cloud.radius) : "auto ") + text(cloud.material);

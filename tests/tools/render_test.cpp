@@ -28,7 +28,7 @@ TEST_F(RenderCommandTest, cloud_without_scene_gives_a_picture_and_prints_what_wa
   ASSERT_EQ(result.exit_code, 0) << result.err;
   EXPECT_EQ(read("out.png").substr(1, 3), "PNG");
   EXPECT_EQ(result.out, "");
-  EXPECT_TRUE(contains(result.err, "400 points, coloured by height, spheres of radius")) << result.err;
+  EXPECT_TRUE(contains(result.err, "400 points, coloured by height, discs of radius")) << result.err;
 }
 
 TEST_F(RenderCommandTest, quiet_prints_nothing) {
@@ -92,15 +92,29 @@ TEST_F(RenderCommandTest, an_exact_site_takes_the_place_of_the_cloud) {
   EXPECT_EQ(run(small({"--site", "moon", "-o", "no.png"})).exit_code, 2);
 }
 
-TEST_F(RenderCommandTest, discs_are_said_and_rejected_with_one_radius) {
+TEST_F(RenderCommandTest, clouds_are_discs_unless_options_are_of_spheres) {
   write_square("square.xyz");
-  const ProgramResult result = run(small({"--cloud", "square.xyz", "--surface", "blend", "-o", "out.png"}));
-  ASSERT_EQ(result.exit_code, 0) << result.err;
-  EXPECT_TRUE(contains(result.err, "discs of radius 0.92 times the distance to neighbour 8")) << result.err;
-  const ProgramResult radius =
-      run(small({"--cloud", "square.xyz", "--surface", "disc", "--radius", "0.5", "-o", "no.png"}));
-  EXPECT_EQ(radius.exit_code, 2);
-  EXPECT_TRUE(contains(radius.err, "discs do not support one radius for all points")) << radius.err;
+  int number = 0;
+  const auto expect_surface = [&](std::vector<std::string> options, const std::string& surface) {
+    options.insert(options.begin(), {"--cloud", "square.xyz", "-o", std::to_string(number++) + ".png"});
+    const ProgramResult result = run(small(options));
+    ASSERT_EQ(result.exit_code, 0) << result.err;
+    EXPECT_TRUE(contains(result.err, surface)) << result.err;
+  };
+  expect_surface({}, "discs of radius 0.92 times the distance to neighbour 8");
+  expect_surface({"--surface", "disc", "--radius-factor", "0.5"}, "discs of radius 0.5 times");
+  expect_surface({"--surface", "sphere"}, "spheres of radius");
+  expect_surface({"--radius", "0.5"}, "spheres of radius 0.5");
+  expect_surface({"--normals", "sphere"}, "spheres of radius");
+  expect_surface({"--radius", "adapted", "--radius-neighbours", "2"}, "spheres of radius 0.75 times");
+  for (const std::vector<std::string>& option :
+       {std::vector<std::string>{"--radius", "0.5"}, {"--hits", "t"}, {"--normals", "smooth"}}) {
+    const ProgramResult result =
+        run(small({"--cloud", "square.xyz", "--surface", "disc", option[0], option[1], "-o", "no.png"}));
+    EXPECT_EQ(result.exit_code, 2);
+    EXPECT_TRUE(contains(result.err, option[0])) << result.err;
+    EXPECT_TRUE(contains(result.err, "has no effect on discs")) << result.err;
+  }
 }
 
 TEST_F(RenderCommandTest, misspelt_key_in_a_scene_gives_file_line_and_suggestion) {
@@ -160,7 +174,8 @@ TEST_F(RenderCommandTest, max_level_shows_a_thinned_cloud_of_a_layered_index) {
     const std::string content = read(picture);
     return content.substr(content.find("IDAT"));  // before that stands the command
   };
-  const std::string whole = render("whole.png", {}), coarse = render("coarse.png", {"--max-level", "1"});
+  const std::string whole = render("whole.png", {"--surface", "sphere"}),
+                    coarse = render("coarse.png", {"--max-level", "1"});
   EXPECT_NE(whole, coarse);
   // All levels there are make the whole cloud, with the same radius.
   EXPECT_EQ(whole, render("all.png", {"--max-level", "255"}));
@@ -170,8 +185,9 @@ TEST_F(RenderCommandTest, adapted_radii_are_measured_once_and_kept_in_an_index_f
   ASSERT_EQ(run({"generate", "courtyard", "--points", "20000", "-o", "site.las", "-q"}).exit_code, 0);
   ASSERT_EQ(run({"index", "site.las", "--spacings", "8", "-o", "site.alidade", "-q"}).exit_code, 0);
   const auto render = [&](const std::string& cloud, const std::string& picture) {
-    const ProgramResult result = run({"render", "--cloud", cloud, "-o", picture, "--radius", "adapted",
-                                      "--radius-max", "2", "--size", "32x24", "--samples", "2"});
+    const ProgramResult result =
+        run({"render", "--cloud", cloud, "-o", picture, "--surface", "sphere", "--radius", "adapted",
+             "--radius-max", "2", "--size", "32x24", "--samples", "2"});
     EXPECT_EQ(result.exit_code, 0) << result.err;
     EXPECT_TRUE(contains(result.err, "spheres of radius 0.75 times the distance to neighbour 8, at most 2"))
         << result.err;

@@ -155,7 +155,8 @@ renderer::LoadedCloud load(const RenderCommand& command, const renderer::Scene& 
   const Progress measure = [&](std::uint64_t done, std::uint64_t total) {
     if (!measuring) {
       line.finish();
-      measuring.emplace("measuring spacings", "points", verbosity);
+      const bool fits = settings.shape != renderer::PointShape::sphere;
+      measuring.emplace(fits ? "measuring surfaces" : "measuring spacings", "points", verbosity);
     }
     return measuring->callback()(done, total);
   };

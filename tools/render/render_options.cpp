@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "tools/render/render_options.h"
 
+#include "octree/point_surface.h"
 #include "octree/spacing.h"
 #include "renderer/read_scene.h"
 #include "simulation/courtyard.h"
@@ -70,13 +71,16 @@ void add_picture_options(const Options& render, RenderCommand& command) {
 
 void add_cloud_options(const Options& render, RenderCommand& command) {
   RadiusRequest& radius = command.radius;
-  render.value("--radius", "R|auto|adapted",
-               "radius of the points, metres; auto: one radius from the spacing; adapted: one per point from "
-               "the distance to its neighbours, small where the scan is dense (default auto)",
-               [&radius](const std::string& text) { parse_radius(text, radius); });
+  render.value(
+      "--radius", "R|auto|adapted",
+      "radius of the points, metres; auto: one radius from the spacing, of discs adapted; adapted: one per "
+      "point from the distance to its neighbours, small where the scan is dense (default auto)",
+      [&radius](const std::string& text) { parse_radius(text, radius); });
   add_adapted_radius_option(
       render, radius, "--radius-factor", "F",
-      "adapted radii are F times the distance to the neighbour (default 0.75); implies --radius adapted",
+      "adapted radii are F times the distance to the neighbour (default 0.75, of discs 0.92); implies "
+      "--radius "
+      "adapted",
       [&radius](const std::string& text) { radius.factor = parse_positive(text, "a positive number"); });
   add_adapted_radius_option(render, radius, "--radius-neighbours", "N",
                             "adapted radii use the distance to the N-th nearest neighbour, 1 to 64 (default "
@@ -102,14 +106,16 @@ void add_cloud_options(const Options& render, RenderCommand& command) {
                 "(default: the scene's; smooth without a scene)",
                 command.normals,
                 {{"sphere", renderer::NormalMode::sphere}, {"smooth", renderer::NormalMode::smooth}});
-  render.choice(
-      "--surface",
-      "what a point is to a ray: its sphere (default), the disc of the plane through its neighbours, or "
-      "discs blended into one surface",
-      command.shape,
-      {{"sphere", renderer::PointShape::sphere},
-       {"disc", renderer::PointShape::disc},
-       {"blend", renderer::PointShape::blend}});
+  render.choice("--surface",
+                "what a point is to a ray: its sphere, as in the paper; the disc of the plane through its "
+                "neighbours; or "
+                "discs blended into one surface (default: the scene's; without a scene blend, and sphere "
+                "with --radius METRES, "
+                "--hits, --normals, --max-level)",
+                command.shape,
+                {{"sphere", renderer::PointShape::sphere},
+                 {"disc", renderer::PointShape::disc},
+                 {"blend", renderer::PointShape::blend}});
   render.count("--max-level", "N",
                "only levels 0 to N of an index file made with --organisation layered: a quick preview of a "
                "thinned cloud (default: all levels)",
@@ -124,6 +130,7 @@ renderer::Scene daylight_scene(const CloudInputs& clouds) {
   renderer::CloudSettings& cloud = scene.cloud.emplace();
   cloud.files = clouds.names();
   cloud.normals = renderer::NormalMode::smooth;
+  cloud.shape = renderer::PointShape::blend;
   scene.sun = geo::Sun{.irradiance = {2.2f, 2.1f, 1.95f}};
   return scene;
 }
@@ -138,7 +145,7 @@ void apply(const RadiusRequest& request, renderer::CloudSettings& cloud) {
   }
   if (!cloud.adapted_radius) cloud.adapted_radius.emplace();
   renderer::AdaptedRadius& adapted = *cloud.adapted_radius;
-  adapted.factor = request.factor.value_or(adapted.factor);
+  if (request.factor) adapted.factor = request.factor;
   adapted.neighbours = request.neighbours.value_or(adapted.neighbours);
   adapted.max = request.max.value_or(adapted.max);
 }
@@ -170,6 +177,17 @@ std::string cloud_option(const RenderCommand& command) {
   return given_option(command.color);
 }
 
+/// One of the options that were given and have a meaning for spheres only; empty if there is none.
+std::string sphere_option(const RenderCommand& command) {
+  const RadiusRequest& radius = command.radius;
+  if (radius.kind == RadiusRequest::Kind::length) return "--radius METRES";
+  if (radius.neighbours.value_or(k_surface_neighbours) != k_surface_neighbours) return "--radius-neighbours";
+  if (command.hits) return "--hits";
+  if (command.normals) return "--normals";
+  if (command.max_level) return "--max-level";
+  return {};
+}
+
 void apply_cloud_options(const RenderCommand& command, renderer::Scene& scene) {
   const std::string option = cloud_option(command);
   if (option.empty()) return;
@@ -181,9 +199,15 @@ void apply_cloud_options(const RenderCommand& command, renderer::Scene& scene) {
   apply(command.color, cloud.color);
   cloud.hits = command.hits.value_or(cloud.hits);
   cloud.normals = command.normals.value_or(cloud.normals);
-  cloud.shape = command.shape.value_or(cloud.shape);
   cloud.max_level = command.max_level.value_or(cloud.max_level);
   cloud.partial = cloud.partial || command.partial;
+  if (command.shape) cloud.shape = *command.shape;
+  if (cloud.shape == renderer::PointShape::sphere) return;
+  const std::string only_spheres = sphere_option(command);
+  if (only_spheres.empty()) return;
+  if (command.shape)
+    throw input_error(only_spheres + " has no effect on discs", "--surface sphere, or no such option");
+  cloud.shape = renderer::PointShape::sphere;
 }
 
 }  // namespace
