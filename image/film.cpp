@@ -29,6 +29,9 @@ Film::Film(int film_width, int film_height, std::span<const Layer> layers)
   if (asked(Layer::position)) position.assign(count(), glm::dvec3(0.0));
   if (asked(Layer::albedo)) albedo.assign(count(), Rgb(0.0f));
   if (asked(Layer::id)) id.assign(count(), 0);
+  if (asked(Layer::depth_sigma)) depth_sigma.assign(count(), k_infinity);
+  if (asked(Layer::coverage)) coverage.assign(count(), 0.0f);
+  if (asked(Layer::support)) support.assign(count(), 0);
 }
 
 bool Film::holds(Layer layer) const {
@@ -49,6 +52,12 @@ bool Film::holds(Layer layer) const {
       return !id.empty();
     case Layer::variance:
       return !variance.empty();
+    case Layer::depth_sigma:
+      return !depth_sigma.empty();
+    case Layer::coverage:
+      return !coverage.empty();
+    case Layer::support:
+      return !support.empty();
   }
   return false;
 }

@@ -13,10 +13,11 @@ namespace alidade::image {
 
 /// The finished image, pixel by pixel, row 0 on top. Colour and its variance are means over the pixel's
 /// samples; the other values come from the ray through the pixel's centre and are never filtered. A pixel
-/// whose centre sees no surface has infinite depth and distance, zero normal, position and albedo, and id 0.
+/// whose centre sees no surface has infinite depth and distance, zero normal, position and albedo, and id 0. The
+/// coverage comes from sixteen rays, evenly spread over the pixel.
 ///
 /// Layers that were not asked for are empty. Memory per pixel: colour with alpha 16 bytes, variance 12, depth
-/// 4, distance 4, normal 12, position 24, albedo 12, id 4.
+/// 4, distance 4, normal 12, position 24, albedo 12, id 4, sigma of the depth 4, coverage 4, support 4.
 ///
 /// Variance: how far the pixel's colour would lie from that of endlessly many samples, squared, on average.
 /// The samples of a pixel lie more evenly than independent ones, so sample variance over their number
@@ -33,6 +34,11 @@ struct Film {
   std::vector<glm::dvec3> position;  ///< world
   std::vector<Rgb> albedo;           ///< linear
   std::vector<std::uint32_t> id;     ///< point id + 1; objects count down from 4294967295; 0 = nothing
+  /// Standard deviation of the depth from that of the surface that was scanned, metres. 0 on objects, infinite where
+  /// nothing is seen, and at rims before nothing.
+  std::vector<float> depth_sigma;
+  std::vector<float> coverage;         ///< share of the pixel that sees the cloud, in sixteenths
+  std::vector<std::uint32_t> support;  ///< points that the surface is made of; 0 on objects and of nothing
 
   Film() = default;
   /// Every layer, with the values of a pixel that sees nothing.

@@ -80,7 +80,12 @@ float value_of(const Film& film, std::size_t pixel, const Channel& channel, cons
       return film.albedo[pixel][i];
     case Layer::variance:
       return film.variance[pixel][i];
+    case Layer::depth_sigma:
+      return film.depth_sigma[pixel];
+    case Layer::coverage:
+      return film.coverage[pixel];
     case Layer::id:
+    case Layer::support:
       break;
   }
   return 0.0f;
@@ -108,7 +113,10 @@ std::vector<Channel> exr_channels(const OutputSettings& output) {
       {Layer::position, ChannelType::single_float, {"P.X", "P.Y", "P.Z"}},
       {Layer::albedo, color, {"albedo.R", "albedo.G", "albedo.B"}},
       {Layer::id, ChannelType::unsigned_integer, {"id"}},
-      {Layer::variance, ChannelType::single_float, {"variance.R", "variance.G", "variance.B"}}};
+      {Layer::variance, ChannelType::single_float, {"variance.R", "variance.G", "variance.B"}},
+      {Layer::depth_sigma, ChannelType::single_float, {"depth.sigma"}},
+      {Layer::coverage, ChannelType::single_float, {"coverage"}},
+      {Layer::support, ChannelType::unsigned_integer, {"support"}}};
   std::vector<Channel> channels;
   for (const Group& group : groups) {
     if (std::ranges::find(output.layers, group.layer) == output.layers.end()) continue;
@@ -135,7 +143,7 @@ void pack_row(const Film& film, int y, std::span<const Channel> channels, const 
     const std::size_t pixel = film.index(x, y);
     for (const Channel& channel : channels) {
       if (channel.type == ChannelType::unsigned_integer) {
-        byte = put(bytes, byte, film.id[pixel]);
+        byte = put(bytes, byte, (channel.layer == Layer::id ? film.id : film.support)[pixel]);
         continue;
       }
       const float value = value_of(film, pixel, channel, offset);

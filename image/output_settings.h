@@ -10,7 +10,19 @@
 namespace alidade::image {
 
 /// One group of image channels.
-enum class Layer { color, depth, distance, normal, position, albedo, id, variance };
+enum class Layer {
+  color,
+  depth,
+  distance,
+  normal,
+  position,
+  albedo,
+  id,
+  variance,
+  depth_sigma,
+  coverage,
+  support
+};
 
 /// A layer and the word for it in scene files and on command lines.
 struct NamedLayer {
@@ -19,14 +31,17 @@ struct NamedLayer {
 };
 
 /// Every layer, in the order of the enum.
-inline constexpr std::array<NamedLayer, 8> k_layers = {{{"color", Layer::color},
-                                                        {"depth", Layer::depth},
-                                                        {"distance", Layer::distance},
-                                                        {"normal", Layer::normal},
-                                                        {"position", Layer::position},
-                                                        {"albedo", Layer::albedo},
-                                                        {"id", Layer::id},
-                                                        {"variance", Layer::variance}}};
+inline constexpr std::array<NamedLayer, 11> k_layers = {{{"color", Layer::color},
+                                                         {"depth", Layer::depth},
+                                                         {"distance", Layer::distance},
+                                                         {"normal", Layer::normal},
+                                                         {"position", Layer::position},
+                                                         {"albedo", Layer::albedo},
+                                                         {"id", Layer::id},
+                                                         {"variance", Layer::variance},
+                                                         {"depth.sigma", Layer::depth_sigma},
+                                                         {"coverage", Layer::coverage},
+                                                         {"support", Layer::support}}};
 
 struct OutputSettings {
   std::filesystem::path file;               ///< .exr, .png, .jpg, .tif; may be empty in a scene file

@@ -78,7 +78,8 @@ inline std::optional<Hit> evaluate_crossing(const Ray& ray, const RayQuery& quer
   if (!(t >= ray.t_min && t <= ray.t_max && entry_position >= query.entry_min)) return std::nullopt;
   // Spacings do not follow from the widest radius.
   if (surface.exists && radius < query.radius &&
-      is_beyond_edge(disc, ray.origin + t * ray.direction, packed_edge, query.spacing_factor))
+      is_beyond_edge(disc, ray.origin + t * ray.direction, packed_edge, query.spacing_factor,
+                     query.edge_shift))
     return std::nullopt;
   return admitted(query.filter, Hit{point_id, position, t, projection.distance, entry_position}, query_index,
                   radius, surface.exists ? &disc : nullptr);

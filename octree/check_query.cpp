@@ -67,6 +67,7 @@ void check(const RayQuery& query) {
   require(!std::isinf(query.radius), "measure crossing requires a radius", "a finite radius", "none");
   require(query.lone_factor >= 0.0 && std::isfinite(query.lone_factor), "lone_factor out of range",
           "a finite number, at least 0", query.lone_factor);
+  require(std::isfinite(query.edge_shift), "edge_shift is not finite", "a finite number", query.edge_shift);
   require(query.lone_radius >= 0.0, "lone_radius out of range", "at least 0", query.lone_radius);
 }
 

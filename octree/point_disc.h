@@ -47,13 +47,13 @@ inline bool is_within_radius(const PointDisc& disc, const glm::dvec3& position) 
   return glm::dot(offset, offset) <= disc.radius * disc.radius;
 }
 
-/// Whether a position on the plane lies beyond the edge of the sheet, as it is stored. Requires: the radius is `spacings`
-/// of the point's spacings.
+/// Whether a position on the plane lies beyond the edge of the sheet, as it is stored, shifted outwards by so many
+/// spacings. Requires: the radius is `spacings` of the point's spacings.
 inline bool is_beyond_edge(const PointDisc& disc, const glm::dvec3& position, std::uint8_t packed_edge,
-                           double spacings) {
+                           double spacings, double shift = 0.0) {
   if (packed_edge == 0) return false;
   const SheetEdge edge = unpack_edge(packed_edge, disc.normal);
-  return glm::dot(position - disc.point, edge.direction) * spacings > edge.distance * disc.radius;
+  return glm::dot(position - disc.point, edge.direction) * spacings > (edge.distance + shift) * disc.radius;
 }
 
 /// Whether a disc is part of the surface that a position lies on: the disc's point is near, within `reach` or 3 of its

@@ -141,6 +141,7 @@ struct RayQuery {
   /// sphere of a point without a sheet is lone_factor times its spacing, at most lone_radius and that of a disc.
   double lone_factor = 0.25;
   double lone_radius = k_unlimited_radius;  ///< metres
+  double edge_shift = 0.0;  ///< discs reach so many spacings farther than the edges of their sheets
 };
 
 /// Conditions of a cone query; the limit on the distance is the cone's own.

@@ -11,10 +11,9 @@
 namespace alidade::renderer {
 namespace {
 
-constexpr double k_sheet_share = 0.25, k_sheet_slack = 0.004;
 constexpr double k_falloff = 8.0;
 // What a ray leaves behind: as far as its sheet reaches, and as thick as it is and curves.
-constexpr double k_own_radii = 3.0, k_own_thicknesses = 3.0, k_own_rise = 0.1;
+constexpr double k_own_thicknesses = 3.0, k_own_rise = 0.1;
 
 }  // namespace
 
@@ -41,37 +40,32 @@ RayQuery DiscCloud::query_of(std::span<const Ray> rays, std::span<const SheetOri
   return query;
 }
 
-void DiscCloud::blend(const Ray& ray, const std::vector<PointSphere>& around, DiscHit& hit) const {
+SheetSums DiscCloud::blend(const Ray& ray, const DiscHit& hit, std::vector<PointSphere>& around) const {
   const TreeView& tree = octree_.view();
   const glm::dvec3 met = ray.origin + hit.t * ray.direction, first_normal = hit.sheet.normal;
-  double sum = 0.0, t_sum = 0.0, farthest = 0.0;
-  glm::dvec3 normal_sum(0.0), color_sum(0.0);
+  around.clear();
+  find_enclosing(octree_, met, query_, around);
+  SheetSums sums;
   for (const PointSphere& sphere : around) {
     const PointSurface surface = surface_at(tree, sphere.index);
     if (!surface.exists) continue;
     const PointDisc disc = point_disc(sphere.center, surface, sphere.radius);
-    const double cosine = glm::dot(disc.normal, first_normal);
-    const double height = std::fabs(glm::dot(met - disc.center, disc.normal));
-    if (std::fabs(cosine) < k_same_sheet_cosine || height > k_sheet_share * disc.radius + k_sheet_slack)
-      continue;
+    if (!is_of_sheet(disc, met, first_normal)) continue;
     const std::optional<double> t = plane_crossing(disc, ray.origin, ray.direction);
     // A ray along the sheet meets the planes anywhere.
     if (!t || std::fabs(*t - hit.t) > disc.radius) continue;
     const glm::dvec3 offset = met - disc.point;
     const double weight = std::exp(-k_falloff * glm::dot(offset, offset) / (disc.radius * disc.radius));
-    sum += weight;
-    t_sum += weight * (*t - hit.t);
-    normal_sum += weight * (cosine < 0.0 ? -disc.normal : disc.normal);
-    color_sum += weight * glm::dvec3(color_of(point_id(tree, sphere.index)));
-    farthest = std::max(farthest, height);
+    const double later = *t - hit.t;
+    ++sums.count;
+    sums.weight += weight;
+    sums.t += weight * later;
+    sums.t_squared += weight * later * later;
+    sums.normal += weight * (glm::dot(disc.normal, first_normal) < 0.0 ? -disc.normal : disc.normal);
+    sums.color += weight * glm::dvec3(color_of(point_id(tree, sphere.index)));
+    sums.farthest = std::max(sums.farthest, height_above_sheet(disc, met));
   }
-  if (!(sum > 0.0)) return;
-  const double t = hit.t + t_sum / sum;
-  if (t >= ray.t_min && t <= ray.t_max) hit.t = t;
-  // A sheet that curves out of sight keeps the side that the ray came from.
-  if (glm::dot(normal_sum, ray.direction) < 0.0) hit.sheet.normal = glm::normalize(normal_sum);
-  hit.color = Color16(color_sum / sum + 0.5);
-  hit.sheet.thickness += static_cast<float>(2.0 * farthest);
+  return sums;
 }
 
 DiscHit DiscCloud::disc_hit(const Ray& ray, const Hit& first, bool blends,
@@ -88,12 +82,17 @@ DiscHit DiscCloud::disc_hit(const Ray& ray, const Hit& first, bool blends,
   const double radius = sphere_radius(query_, on_sphere);
   const PointDisc disc = point_disc(first.position, surface, radius);
   hit.sheet = {.normal = glm::dot(disc.normal, ray.direction) > 0.0 ? -disc.normal : disc.normal,
-               .reach = static_cast<float>(k_own_radii * radius),
+               .reach = static_cast<float>(k_sheet_radii * radius),
                .thickness = static_cast<float>(k_own_thicknesses * surface.thickness + k_own_rise * radius)};
   if (!blends) return hit;
-  around.clear();
-  find_enclosing(octree_, met, query_, around);
-  blend(ray, around, hit);
+  const SheetSums sums = blend(ray, hit, around);
+  if (!(sums.weight > 0.0)) return hit;
+  const double t = hit.t + sums.t / sums.weight;
+  if (t >= ray.t_min && t <= ray.t_max) hit.t = t;
+  // A sheet that curves out of sight keeps the side that the ray came from.
+  if (glm::dot(sums.normal, ray.direction) < 0.0) hit.sheet.normal = glm::normalize(sums.normal);
+  hit.color = Color16(sums.color / sums.weight + 0.5);
+  hit.sheet.thickness += static_cast<float>(2.0 * sums.farthest);
   return hit;
 }
 

@@ -8,8 +8,8 @@
 #include <vector>
 
 #include "octree/enclosing_spheres.h"
-#include "octree/point_disc.h"
 #include "octree/query.h"
+#include "renderer/disc_sheet.h"
 #include "renderer/load_cloud.h"
 #include "renderer/scene.h"
 
@@ -32,15 +32,21 @@ struct SheetOrigin {
   float reach = 0.0f, thickness = 0.0f;  ///< metres
 };
 
-/// Cosine of the 32 degrees by which normals of one sheet deviate at most.
-constexpr double k_same_sheet_cosine = 0.848;
-
 /// Where a ray meets the cloud. Small, since there are thousands at a time.
 struct DiscHit {
   double t = 0.0;              ///< metres
   std::uint64_t point_id = 0;  ///< of the first crossing
   SheetOrigin sheet{};  ///< for rays that go on from there; its normal shows to the side the ray came from
   Color16 color{0};     ///< display value
+};
+
+/// How far a hit is to be trusted.
+struct HitTrust {
+  /// Standard deviation of t from that of the surface that was scanned, metres. It follows from how the planes of the
+  /// sheet differ and how thick it is; from what the ray would meet before if discs and spheres were wider; and, unless
+  /// points of the sheet surround the hit, from what lies behind. Infinite where that is nothing.
+  double sigma = 0.0;
+  std::uint32_t support = 0;  ///< points that the surface there is made of
 };
 
 /// The cloud of a scene as discs. Keeps references to the cloud, which must outlive it and have surfaces. Safe to use from
@@ -56,12 +62,22 @@ class DiscCloud {
   void blocked(std::span<const Ray> rays, std::span<const SheetOrigin> origins,
                std::span<std::uint8_t> answers) const;
 
+  /// Of what rays from the air hit first; support 0 of those that hit nothing.
+  void trust(std::span<const Ray> rays, std::span<HitTrust> answers) const;
+
  private:
+  struct Rim;
+
   /// For these rays, which must outlive it.
   RayQuery query_of(std::span<const Ray> rays, std::span<const SheetOrigin> origins) const;
   DiscHit disc_hit(const Ray& ray, const Hit& first, bool blends, std::vector<PointSphere>& around) const;
-  /// hit: that of the disc alone. around: the spheres that hold its position.
-  void blend(const Ray& ray, const std::vector<PointSphere>& around, DiscHit& hit) const;
+  /// Over the discs of the sheet around a hit on one of them. around: room.
+  SheetSums blend(const Ray& ray, const DiscHit& hit, std::vector<PointSphere>& around) const;
+  /// How far a hit is to be trusted that is not at a rim.
+  HitTrust trust_amid(const Ray& ray, const Hit& first, std::vector<PointSphere>& around) const;
+  /// The hit as that of a rim, unless points of its sheet surround it. before: t where the ray begins.
+  std::optional<Rim> rim(const Ray& ray, std::size_t number, const Hit& first, double before,
+                         std::vector<PointSphere>& around) const;
   Color16 color_of(std::uint64_t point_id) const { return colors_.empty() ? Color16(0) : colors_[point_id]; }
 
   const Octree octree_;

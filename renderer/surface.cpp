@@ -270,6 +270,25 @@ void World::meet_discs(std::span<const Ray> rays, std::span<const SheetOrigin> s
   }
 }
 
+void World::trust(std::span<const Ray> rays, std::span<const std::optional<Intersection>> met,
+                  std::span<HitTrust> answers) const {
+  std::ranges::fill(answers, HitTrust{});
+  std::vector<Ray> asked;
+  std::vector<std::size_t> numbers;
+  for (std::size_t i = 0; i < rays.size(); ++i) {
+    if (!met[i] || !met[i]->on_cloud) continue;
+    if (!discs_) {
+      answers[i] = {.sigma = met[i]->radius, .support = 1};
+      continue;
+    }
+    asked.push_back(interval(rays[i], k_none));
+    numbers.push_back(i);
+  }
+  std::vector<HitTrust> of_discs(asked.size());
+  if (discs_) discs_->trust(asked, of_discs);
+  for (std::size_t a = 0; a < asked.size(); ++a) answers[numbers[a]] = of_discs[a];
+}
+
 bool World::blocked(const Ray& ray, const RayOrigin& ray_origin) const {
   std::uint8_t answer = 0;
   blocked({&ray, 1}, {&ray_origin, 1}, {&answer, 1});

@@ -118,6 +118,11 @@ class World {
   void blocked(std::span<const Ray> rays, std::span<const RayOrigin> ray_origins,
                std::span<std::uint8_t> answers, double reach = std::numeric_limits<double>::infinity()) const;
 
+  /// How far the hits of nearest() by these rays, which begin in the air, are to be trusted: those of objects fully, those
+  /// on spheres to a radius.
+  void trust(std::span<const Ray> rays, std::span<const std::optional<Intersection>> met,
+             std::span<HitTrust> answers) const;
+
   Surface surface_at(const Ray& ray, const Intersection& intersection) const;
 
   const std::vector<Object>& objects() const { return *objects_; }

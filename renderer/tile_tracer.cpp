@@ -13,11 +13,14 @@ double depth_share(const camera::Camera& camera, const Ray& ray) {
   return glm::dot(ray.direction, camera.pose.forward);
 }
 
-void fill_pixel(const RenderTask& task, const Ray& ray, const Intersection& met, std::size_t pixel,
-                image::Film& film) {
+void fill_pixel(const RenderTask& task, const Ray& ray, const Intersection& met, const HitTrust& trust,
+                std::size_t pixel, image::Film& film) {
   const Surface surface = task.world.surface_at(ray, met);
   if (film.holds(image::Layer::depth))
     film.depth[pixel] = static_cast<float>(met.t * depth_share(task.projection.camera(), ray));
+  if (film.holds(image::Layer::depth_sigma))
+    film.depth_sigma[pixel] = static_cast<float>(trust.sigma * depth_share(task.projection.camera(), ray));
+  if (film.holds(image::Layer::support)) film.support[pixel] = trust.support;
   if (film.holds(image::Layer::distance)) film.distance[pixel] = static_cast<float>(met.t);
   if (film.holds(image::Layer::normal)) {
     const bool away = glm::dot(surface.normal, ray.direction) > 0.0;
@@ -64,21 +67,50 @@ std::vector<PathResult> sample_tiles(const RenderTask& task, std::span<const Til
   return results;
 }
 
-void fill_center_layers(const RenderTask& task, const TileBox& box, image::Film& film) {
+namespace {
+
+/// What rays through one position of each pixel of a box meet.
+struct PixelRays {
+  /// in_pixel: from the pixel's corner, pixels.
+  PixelRays(const RenderTask& task, const TileBox& box, const glm::dvec2& in_pixel, const image::Film& film) {
+    for (int y = box.y_begin; y < box.y_end; ++y) {
+      for (int x = box.x_begin; x < box.x_end; ++x) {
+        const std::optional<Ray> ray = task.projection.ray(glm::dvec2(x, y) + in_pixel);
+        if (!ray) continue;
+        rays.push_back(*ray);
+        pixels.push_back(film.index(x, y));
+      }
+    }
+    met.resize(rays.size());
+    task.world.nearest(rays, std::vector<RayOrigin>(rays.size()), met);
+  }
+
   std::vector<Ray> rays;
   std::vector<std::size_t> pixels;
-  for (int y = box.y_begin; y < box.y_end; ++y) {
-    for (int x = box.x_begin; x < box.x_end; ++x) {
-      const std::optional<Ray> ray = task.projection.ray({x + 0.5, y + 0.5});
-      if (!ray) continue;
-      rays.push_back(*ray);
-      pixels.push_back(film.index(x, y));
-    }
+  std::vector<std::optional<Intersection>> met;
+};
+
+void fill_coverage(const RenderTask& task, const TileBox& box, image::Film& film) {
+  constexpr int k_side = 4;
+  for (int i = 0; i < k_side * k_side; ++i) {
+    const PixelRays through(task, box,
+                            (glm::dvec2(i % k_side, i / k_side) + 0.5) / static_cast<double>(k_side), film);
+    for (std::size_t r = 0; r < through.rays.size(); ++r)
+      if (through.met[r] && through.met[r]->on_cloud)
+        film.coverage[through.pixels[r]] += 1.0f / (k_side * k_side);
   }
-  std::vector<std::optional<Intersection>> met(rays.size());
-  task.world.nearest(rays, std::vector<RayOrigin>(rays.size()), met);
-  for (std::size_t i = 0; i < rays.size(); ++i)
-    if (met[i]) fill_pixel(task, rays[i], *met[i], pixels[i], film);
+}
+
+}  // namespace
+
+void fill_center_layers(const RenderTask& task, const TileBox& box, image::Film& film) {
+  const PixelRays center(task, box, glm::dvec2(0.5), film);
+  std::vector<HitTrust> trust(center.rays.size());
+  if (film.holds(image::Layer::depth_sigma) || film.holds(image::Layer::support))
+    task.world.trust(center.rays, center.met, trust);
+  for (std::size_t i = 0; i < center.rays.size(); ++i)
+    if (center.met[i]) fill_pixel(task, center.rays[i], *center.met[i], trust[i], center.pixels[i], film);
+  if (film.holds(image::Layer::coverage)) fill_coverage(task, box, film);
 }
 
 }  // namespace alidade::renderer

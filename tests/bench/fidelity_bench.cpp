@@ -46,17 +46,20 @@ renderer::LoadedCloud loaded(const test::ScanQuality& quality, const CloudSettin
 void print_head(const std::string& what) {
   fmt::print("\n### {}\n\n", what);
   fmt::print(
-      "| points | surface | depth median / p95 cm | interior p95 cm | > 10 cm off % | grown cm | holes % | "
+      "| points | surface | depth median / p95 cm | sigma cm | > 3 sigma % | interior p95 cm | > 10 cm off % "
+      "| grown cm | holes % | "
       "normals ° | "
-      "FLIP / SSIM / PSNR | s |\n|--:|---|--:|--:|--:|--:|--:|--:|--:|--:|\n");
+      "FLIP / SSIM / PSNR | s |\n|--:|---|--:|--:|--:|--:|--:|--:|--:|--:|--:|--:|\n");
 }
 
 void print_row(const std::string& points, const char* rule, const test::Fidelity& f, double seconds) {
   fmt::print(
-      "| {} | {} | {:.2f} / {:.0f} | {:.1f} | {:.1f} | {:.1f} | {:.2f} | {:.1f} | {:.3f} / {:.3f} / {:.1f} | "
+      "| {} | {} | {:.2f} / {:.0f} | {:.2f} | {:.1f} | {:.1f} | {:.1f} | {:.1f} | {:.2f} | {:.1f} | {:.3f} / "
+      "{:.3f} / {:.1f} | "
       "{:.1f} |\n",
-      points, rule, 100 * f.depth_median, 100 * f.depth_p95, 100 * f.interior_p95, 100 * f.far_off,
-      100 * f.grown, 100 * f.holes, f.normal_median, f.flip, f.ssim, f.psnr, seconds);
+      points, rule, 100 * f.depth_median, 100 * f.depth_p95, 100 * f.sigma_median, 100 * f.surprises,
+      100 * f.interior_p95, 100 * f.far_off, 100 * f.grown, 100 * f.holes, f.normal_median, f.flip, f.ssim,
+      f.psnr, seconds);
   std::fflush(stdout);
 }
 

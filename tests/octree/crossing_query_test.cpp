@@ -99,6 +99,7 @@ RayQuery crossing_query(const RayQuery& from, Random& random) {
   query.spacing_factor = k_factors[random.below(4)];
   if (std::isinf(query.radius)) query.radius = 1e9;
   if (random.below(2) == 0) query.lone_factor = random.between(0.0, 2.0);
+  if (random.below(2) == 0) query.edge_shift = random.between(-0.5, 0.5);
   if (random.below(2) == 0) query.lone_radius = query.radius * random.between(0.0, 0.5);
   return query;
 }

@@ -4,10 +4,13 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <glm/geometric.hpp>
+#include <glm/trigonometric.hpp>
 
 #include "renderer/render.h"
 #include "simulation/scan.h"
+#include "tests/renderer/tracer_scenes.h"
 
 namespace alidade {
 
@@ -45,6 +48,71 @@ TEST(Fidelity, of_each_surface_stays_as_good_as_it_is) {
   EXPECT_LT(blend.flip, disc.flip);
   EXPECT_LT(disc.flip, sphere.flip);
   EXPECT_LT(blend.grown, 0.6 * sphere.grown);
+}
+
+TEST(Fidelity, fewer_than_one_depth_in_a_hundred_is_wrong_by_more_than_three_sigma) {
+  Scene scene = flat_yard();
+  CloudSettings blend;
+  blend.shape = PointShape::blend;
+  scene.cloud = blend;
+  scene.render.samples = 1;
+  const std::vector<test::FidelityView> views = test::fidelity_views(180);
+  std::vector<image::Film> truths;
+  for (const test::FidelityView& view : views) {
+    scene.camera = view.camera;
+    truths.push_back(test::exact_picture(scene));
+  }
+  for (const std::uint64_t points : {100'000u, 500'000u}) {
+    const LoadedCloud cloud =
+        index_cloud(test::courtyard_cloud({.points = points}), simulation::scan_attributes(), blend, "scan");
+    for (std::size_t i = 0; i < views.size(); ++i) {
+      scene.camera = views[i].camera;
+      const Fidelity measured =
+          test::fidelity(views[i].camera, truths[i], test::picture_of(scene, cloud), 0.0);
+      EXPECT_LT(measured.surprises, 0.0125) << views[i].name << " " << points;
+      // Not by being unsure of everything.
+      if (points == 500'000u) {
+        EXPECT_LT(measured.sigma_median, 0.04) << views[i].name;
+      }
+    }
+  }
+}
+
+TEST(Layers, of_a_scan_tell_how_sure_they_are) {
+  // A floor that ends at x = 1, one point far above it, and a ball beside it.
+  std::vector<glm::dvec3> points;
+  for (int x = -20; x <= 20; ++x)
+    for (int y = -20; y <= 20; ++y) points.emplace_back(0.05 * x, 0.05 * y, 0.0);
+  const double focal = 10.0 / std::tan(glm::radians(30.0)), bird_x = -3.5 * 9.0 / focal,
+               bird_y = 0.5 * 9.0 / focal;
+  points.emplace_back(bird_x, bird_y, 1.0);  // in the middle of a pixel
+  LoadedCloud cloud = test::loaded(points, 0.1, {glm::dvec3(1e-4), glm::dvec3(0)});
+  Scene scene;
+  scene.cloud.emplace().shape = PointShape::blend;
+  choose_radius(*scene.cloud, cloud);
+  scene.objects.emplace_back(Sphere{.center = {3.0, 0.0, 0.0}, .radius = 0.5});
+  scene.camera = camera::pinhole_from_fov(80, 20, 60.0, camera::look_at({0.0, 0.0, 10.0}, {0.0, 0.001, 0.0}));
+  scene.render.samples = 1;
+  const image::Film film = render(scene, &cloud);
+  const auto pixel_at = [&](double x, double y, double z) {
+    const double scale = scene.camera->fx / (10.0 - z);
+    return film.index(static_cast<int>(40.0 + scale * x), static_cast<int>(10.0 - scale * y));
+  };
+  const std::size_t floor = pixel_at(0.4, 0.0, 0.0), ball = pixel_at(3.0, 0.0, 0.5),
+                    air = pixel_at(-4.0, 0.0, 0.0), rim = pixel_at(1.0, 0.0, 0.0),
+                    bird = pixel_at(bird_x, bird_y, 1.0);
+  EXPECT_LT(film.depth_sigma[floor], 0.005f);
+  EXPECT_EQ(film.coverage[floor], 1.0f);
+  EXPECT_GT(film.support[floor], 3u);
+  EXPECT_EQ(film.depth_sigma[ball], 0.0f);
+  EXPECT_EQ(film.coverage[ball], 0.0f);
+  EXPECT_EQ(film.support[ball], 0u);
+  EXPECT_TRUE(std::isinf(film.depth_sigma[air]));
+  EXPECT_EQ(film.coverage[air] + static_cast<float>(film.support[air]), 0.0f);
+  EXPECT_GT(film.coverage[rim], 0.0f);
+  EXPECT_LT(film.coverage[rim], 1.0f);
+  EXPECT_EQ(film.support[bird], 1u);
+  EXPECT_GT(film.depth_sigma[bird], 0.5f) << "the floor may be seen past it";
 }
 
 TEST(Fidelity, of_the_truth_to_itself_is_perfect) {

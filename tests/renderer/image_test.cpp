@@ -44,6 +44,9 @@ Film colorful_film(int width = 13, int height = 70) {
     film.color[i] = 2.0f * color();
     film.alpha[i] = static_cast<float>(random.unit());
     film.variance[i] = 1e-9f * color();
+    film.depth_sigma[i] = i % 7 == 0 ? film.depth_sigma[i] : 0.001f * static_cast<float>(i);
+    film.coverage[i] = static_cast<float>(i % 17) / 16.0f;
+    film.support[i] = static_cast<std::uint32_t>(i % 40);
     film.depth[i] = static_cast<float>(random.between(1, 100));
     film.distance[i] = static_cast<float>(random.between(1, 100));
     film.normal[i] = color();
@@ -118,8 +121,9 @@ class Picture {
   std::unique_ptr<OIIO::ImageInput> input_;
 };
 
-constexpr Layer k_all_layers[] = {Layer::color,    Layer::depth,  Layer::distance, Layer::normal,
-                                  Layer::position, Layer::albedo, Layer::id,       Layer::variance};
+constexpr Layer k_all_layers[] = {Layer::color,       Layer::depth,    Layer::distance, Layer::normal,
+                                  Layer::position,    Layer::albedo,   Layer::id,       Layer::variance,
+                                  Layer::depth_sigma, Layer::coverage, Layer::support};
 
 TEST_F(ImageTest, exr_holds_every_layer_under_its_conventional_names_and_types) {
   const Film film = colorful_film();
@@ -131,7 +135,7 @@ TEST_F(ImageTest, exr_holds_every_layer_under_its_conventional_names_and_types) 
     Picture picture(settings.file);
     EXPECT_EQ(picture.spec().width, film.width);
     EXPECT_EQ(picture.spec().height, film.height);
-    EXPECT_EQ(picture.spec().nchannels, 19);
+    EXPECT_EQ(picture.spec().nchannels, 22);
     const auto expect = [&](const std::string& name, bool may_be_half, const auto& value_of) {
       const bool is_half = half && may_be_half;
       EXPECT_EQ(picture.format(name), is_half ? OIIO::TypeHalf : OIIO::TypeFloat) << name;
@@ -161,8 +165,12 @@ TEST_F(ImageTest, exr_holds_every_layer_under_its_conventional_names_and_types) 
     expect("A", true, [&](std::size_t i) { return film.alpha[i]; });
     expect("Z", false, [&](std::size_t i) { return film.depth[i]; });
     expect("distance.T", false, [&](std::size_t i) { return film.distance[i]; });
+    expect("depth.sigma", false, [&](std::size_t i) { return film.depth_sigma[i]; });
+    expect("coverage", false, [&](std::size_t i) { return film.coverage[i]; });
     EXPECT_EQ(picture.format("id"), OIIO::TypeUInt);
     EXPECT_EQ(picture.channel<std::uint32_t>("id"), film.id);
+    EXPECT_EQ(picture.format("support"), OIIO::TypeUInt);
+    EXPECT_EQ(picture.channel<std::uint32_t>("support"), film.support);
   }
 }
 

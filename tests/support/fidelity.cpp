@@ -24,7 +24,7 @@ constexpr double k_off_plane = 0.05;  // metres from a pixel's plane to its neig
 constexpr double k_far_off = 0.1;     // metres
 
 const std::vector<image::Layer> k_layers = {image::Layer::color, image::Layer::depth, image::Layer::normal,
-                                            image::Layer::position};
+                                            image::Layer::position, image::Layer::depth_sigma};
 
 bool sees(const image::Film& film, std::size_t pixel) {
   return std::isfinite(film.depth[pixel]);
@@ -153,9 +153,9 @@ image::Film picture_of(const renderer::Scene& scene, const renderer::LoadedCloud
 
 Fidelity fidelity(const camera::Camera& camera, const image::Film& truth, const image::Film& picture,
                   double exposure) {
-  std::vector<double> differences, interior_differences, angles;
+  std::vector<double> differences, interior_differences, angles, sigmas;
   const std::vector<std::uint8_t> interior = interior_of(truth);
-  std::size_t true_pixels = 0, missing = 0, far_off = 0;
+  std::size_t true_pixels = 0, missing = 0, far_off = 0, surprises = 0;
   double grown_area = 0.0;
   for (std::size_t pixel = 0; pixel < truth.count(); ++pixel) {
     const double true_depth = truth.depth[pixel], depth = picture.depth[pixel];
@@ -165,6 +165,8 @@ Fidelity fidelity(const camera::Camera& camera, const image::Film& truth, const 
     if (!sees(truth, pixel) || !sees(picture, pixel)) continue;
     differences.push_back(std::fabs(depth - true_depth));
     far_off += differences.back() > k_far_off;
+    sigmas.push_back(picture.depth_sigma[pixel]);
+    surprises += differences.back() > 3.0 * sigmas.back();
     if (interior[pixel] == 0) continue;
     interior_differences.push_back(differences.back());
     const double cosine = glm::dot(glm::dvec3(truth.normal[pixel]), glm::dvec3(picture.normal[pixel]));
@@ -175,6 +177,8 @@ Fidelity fidelity(const camera::Camera& camera, const image::Film& truth, const 
     return all == 0 ? 0.0 : static_cast<double>(part) / static_cast<double>(all);
   };
   result.far_off = share(far_off, differences.size());
+  result.surprises = share(surprises, differences.size());
+  result.sigma_median = quantile(sigmas, 0.5);
   result.depth_median = quantile(differences, 0.5);
   result.depth_p95 = quantile(differences, 0.95);
   result.interior_p95 = quantile(interior_differences, 0.95);

@@ -45,6 +45,8 @@ struct Fidelity {
   // Over the pixels whose centres see a surface in both pictures.
   double depth_median = 0.0, depth_p95 = 0.0;  ///< of absolute differences, metres
   double far_off = 0.0;                        ///< share of differences above 10 cm
+  double surprises = 0.0;                      ///< share of differences above 3 sigma of the picture
+  double sigma_median = 0.0;                   ///< metres
   // The same over interior pixels: neither they nor the eight around them are beside a jump of the true depth.
   double interior_p95 = 0.0;   ///< metres
   double normal_median = 0.0;  ///< angle between normals, degrees
