@@ -259,7 +259,7 @@ class PictureRenderer {
 
   void fill(std::span<const std::size_t> tiles) {
     for (const std::size_t tile : tiles) {
-      if (filled_[tile] == 0) fill_center_layers(task_, state_.grid.box(tile), film_);
+      if (filled_[tile] == 0) fill_center_layers(task_.projection, task_.world, state_.grid.box(tile), film_);
       filled_[tile] = 1;
     }
   }

@@ -13,25 +13,28 @@ double depth_share(const camera::Camera& camera, const Ray& ray) {
   return glm::dot(ray.direction, camera.pose.forward);
 }
 
-void fill_pixel(const RenderTask& task, const Ray& ray, const Intersection& met, const HitTrust& trust,
-                std::size_t pixel, image::Film& film) {
-  const Surface surface = task.world.surface_at(ray, met);
-  if (film.holds(image::Layer::depth))
-    film.depth[pixel] = static_cast<float>(met.t * depth_share(task.projection.camera(), ray));
+void fill_pixel(const camera::Camera& camera, const World& world, const Ray& ray, const Intersection& met,
+                const HitTrust& trust, std::size_t pixel, image::Film& film) {
+  const double share = depth_share(camera, ray);
+  if (film.holds(image::Layer::depth)) film.depth[pixel] = static_cast<float>(met.t * share);
   if (film.holds(image::Layer::depth_sigma))
-    film.depth_sigma[pixel] = static_cast<float>(trust.sigma * depth_share(task.projection.camera(), ray));
+    film.depth_sigma[pixel] = static_cast<float>(trust.sigma * share);
   if (film.holds(image::Layer::support)) film.support[pixel] = trust.support;
   if (film.holds(image::Layer::distance)) film.distance[pixel] = static_cast<float>(met.t);
+  if (film.holds(image::Layer::id)) {
+    film.id[pixel] =
+        met.on_cloud ? static_cast<std::uint32_t>(met.index + 1) : static_cast<std::uint32_t>(~met.index);
+  }
+  if (!film.holds(image::Layer::normal) && !film.holds(image::Layer::position) &&
+      !film.holds(image::Layer::albedo))
+    return;
+  const Surface surface = world.surface_at(ray, met);
   if (film.holds(image::Layer::normal)) {
     const bool away = glm::dot(surface.normal, ray.direction) > 0.0;
     film.normal[pixel] = glm::vec3(away ? -surface.normal : surface.normal);
   }
   if (film.holds(image::Layer::position)) film.position[pixel] = surface.position;
   if (film.holds(image::Layer::albedo)) film.albedo[pixel] = albedo(*surface.material, surface.color);
-  if (film.holds(image::Layer::id)) {
-    film.id[pixel] =
-        met.on_cloud ? static_cast<std::uint32_t>(met.index + 1) : static_cast<std::uint32_t>(~met.index);
-  }
 }
 
 }  // namespace
@@ -72,17 +75,18 @@ namespace {
 /// What rays through one position of each pixel of a box meet.
 struct PixelRays {
   /// in_pixel: from the pixel's corner, pixels.
-  PixelRays(const RenderTask& task, const TileBox& box, const glm::dvec2& in_pixel, const image::Film& film) {
+  PixelRays(const camera::Projection& projection, const World& world, const TileBox& box,
+            const glm::dvec2& in_pixel, const image::Film& film) {
     for (int y = box.y_begin; y < box.y_end; ++y) {
       for (int x = box.x_begin; x < box.x_end; ++x) {
-        const std::optional<Ray> ray = task.projection.ray(glm::dvec2(x, y) + in_pixel);
+        const std::optional<Ray> ray = projection.ray(glm::dvec2(x, y) + in_pixel);
         if (!ray) continue;
         rays.push_back(*ray);
         pixels.push_back(film.index(x, y));
       }
     }
     met.resize(rays.size());
-    task.world.nearest(rays, std::vector<RayOrigin>(rays.size()), met);
+    world.nearest(rays, std::vector<RayOrigin>(rays.size()), met);
   }
 
   std::vector<Ray> rays;
@@ -90,10 +94,11 @@ struct PixelRays {
   std::vector<std::optional<Intersection>> met;
 };
 
-void fill_coverage(const RenderTask& task, const TileBox& box, image::Film& film) {
+void fill_coverage(const camera::Projection& projection, const World& world, const TileBox& box,
+                   image::Film& film) {
   constexpr int k_side = 4;
   for (int i = 0; i < k_side * k_side; ++i) {
-    const PixelRays through(task, box,
+    const PixelRays through(projection, world, box,
                             (glm::dvec2(i % k_side, i / k_side) + 0.5) / static_cast<double>(k_side), film);
     for (std::size_t r = 0; r < through.rays.size(); ++r)
       if (through.met[r] && through.met[r]->on_cloud)
@@ -103,14 +108,17 @@ void fill_coverage(const RenderTask& task, const TileBox& box, image::Film& film
 
 }  // namespace
 
-void fill_center_layers(const RenderTask& task, const TileBox& box, image::Film& film) {
-  const PixelRays center(task, box, glm::dvec2(0.5), film);
+void fill_center_layers(const camera::Projection& projection, const World& world, const TileBox& box,
+                        image::Film& film) {
+  const PixelRays center(projection, world, box, glm::dvec2(0.5), film);
   std::vector<HitTrust> trust(center.rays.size());
   if (film.holds(image::Layer::depth_sigma) || film.holds(image::Layer::support))
-    task.world.trust(center.rays, center.met, trust);
+    world.trust(center.rays, center.met, trust);
   for (std::size_t i = 0; i < center.rays.size(); ++i)
-    if (center.met[i]) fill_pixel(task, center.rays[i], *center.met[i], trust[i], center.pixels[i], film);
-  if (film.holds(image::Layer::coverage)) fill_coverage(task, box, film);
+    if (center.met[i])
+      fill_pixel(projection.camera(), world, center.rays[i], *center.met[i], trust[i], center.pixels[i],
+                 film);
+  if (film.holds(image::Layer::coverage)) fill_coverage(projection, world, box, film);
 }
 
 }  // namespace alidade::renderer

@@ -87,6 +87,7 @@ std::vector<PathResult> sample_tiles(const RenderTask& task, std::span<const Til
 
 /// Gives the pixels of a box what their centres see, in the layers that the film holds (colour and variance
 /// are left alone).
-void fill_center_layers(const RenderTask& task, const TileBox& box, image::Film& film);
+void fill_center_layers(const camera::Projection& projection, const World& world, const TileBox& box,
+                        image::Film& film);
 
 }  // namespace alidade::renderer
