@@ -8,6 +8,7 @@
 #include <OpenImageIO/filesystem.h>
 #include <OpenImageIO/imageio.h>
 #include <algorithm>
+#include <bit>
 #include <cassert>
 #include <cmath>
 #include <cstring>
@@ -255,6 +256,54 @@ void write_png(const Canvas& canvas, const std::filesystem::path& file, bool ove
     const auto pixels = std::as_bytes(std::span(canvas.bytes()));
     std::ranges::copy(pixels.subspan(static_cast<std::size_t>(y) * row.size(), row.size()), row.begin());
   });
+  output.commit();
+}
+
+void write_depth_map(std::span<const float> values, int width, int height, DepthFormat format,
+                     const std::vector<std::pair<std::string, std::string>>& texts,
+                     const std::filesystem::path& file, bool overwrite) {
+  assert(values.size() == static_cast<std::size_t>(width) * static_cast<std::size_t>(height));
+  static_assert(std::endian::native == std::endian::little);
+  OutputFile output(file, overwrite);
+  if (format == DepthFormat::npy || format == DepthFormat::colmap) {
+    const std::string head = depth_map_head(format, width, height);
+    output.write(std::as_bytes(std::span(head)));
+    output.write(std::as_bytes(values));
+    output.commit();
+    return;
+  }
+  const bool whole = format == DepthFormat::png16;
+  // OpenCV reads zeros from a file with a channel Z alone; what it finds in Y is the same depth.
+  const std::size_t channels = format == DepthFormat::exr ? 2 : 1;
+  OIIO::ImageSpec spec(width, height, static_cast<int>(channels), whole ? OIIO::TypeUInt16 : OIIO::TypeFloat);
+  // Left out, OpenImageIO writes the time: the same map would not give the same bytes.
+  spec.attribute("DateTime", "");
+  if (format != DepthFormat::png16) spec.attribute("compression", "zip");
+  if (format == DepthFormat::exr) {
+    spec.channelnames = {"Y", "Z"};
+    spec.z_channel = 1;
+  }
+  for (const auto& [key, text] : texts) spec.attribute(key, text);
+  const char* const writer = whole ? "png" : format == DepthFormat::exr ? "openexr" : "tiff";
+  write_rows(writer, file, output, spec, [&](int y, std::span<std::byte> row) {
+    std::size_t byte = 0;
+    const std::size_t columns = static_cast<std::size_t>(width);
+    for (const float value : values.subspan(static_cast<std::size_t>(y) * columns, columns))
+      for (std::size_t channel = 0; channel < channels; ++channel)
+        byte = whole ? put(row, byte, static_cast<std::uint16_t>(value)) : put(row, byte, value);
+  });
+  output.commit();
+}
+
+void write_depth_mask(std::span<const float> depths, int width, int height, const std::filesystem::path& file,
+                      bool overwrite) {
+  OutputFile output(file, overwrite);
+  write_rows("png", file, output, OIIO::ImageSpec(width, height, 1, OIIO::TypeUInt8),
+             [&](int y, std::span<std::byte> row) {
+               const std::size_t begin = static_cast<std::size_t>(y) * row.size();
+               for (std::size_t x = 0; x < row.size(); ++x)
+                 row[x] = std::isfinite(depths[begin + x]) ? std::byte{255} : std::byte{0};
+             });
   output.commit();
 }
 

@@ -5,12 +5,14 @@
 #include <filesystem>
 #include <glm/vec3.hpp>
 #include <optional>
+#include <span>
 #include <string>
 #include <utility>
 #include <vector>
 
 #include "cloud/crs.h"
 #include "image/canvas.h"
+#include "image/depth_map.h"
 #include "image/film.h"
 #include "image/output_settings.h"
 
@@ -35,5 +37,17 @@ void write_image(const Film& film, const OutputSettings& output, const ImageFact
 /// Writes a canvas as PNG. The file is written completely or not at all. Errors: a name that does not end in
 /// .png; an existing file without `overwrite`; a full disk and other write failures.
 void write_png(const Canvas& canvas, const std::filesystem::path& file, bool overwrite);
+
+/// Writes the values of depth_values(), width times height of them, in a format. `texts`: keys and texts, kept
+/// by EXR, PNG and TIFF. The file is written completely or not at all. Errors: an existing file without
+/// `overwrite`; a full disk and other write failures, anything OpenImageIO reports. Memory: the encoded map.
+void write_depth_map(std::span<const float> values, int width, int height, DepthFormat format,
+                     const std::vector<std::pair<std::string, std::string>>& texts,
+                     const std::filesystem::path& file, bool overwrite);
+
+/// Writes which pixels met a surface, those with a finite depth, as PNG of one channel: 255, others 0. Errors:
+/// as write_depth_map().
+void write_depth_mask(std::span<const float> depths, int width, int height, const std::filesystem::path& file,
+                      bool overwrite);
 
 }  // namespace alidade::image
