@@ -11,9 +11,11 @@ namespace {
 
 constexpr std::array<std::string_view, 5> k_flags = {"--overwrite", "--skip-existing", "--quiet", "--verbose",
                                                      "--resume"};
-constexpr std::array<std::string_view, 8> k_options = {
-    "--output",  "--threads",          "--legend",     "--legend-size",
-    "--preview", "--preview-interval", "--checkpoint", "--checkpoint-interval"};
+constexpr std::array<std::string_view, 14> k_options = {
+    "--output",     "--threads",          "--legend",      "--legend-size",
+    "--preview",    "--preview-interval", "--checkpoint",  "--checkpoint-interval",
+    "--depth",      "--depth-format",     "--depth-scale", "--depth-along",
+    "--depth-mask", "--transforms-out"};
 
 /// Flags that cannot change the picture: those of the list, and -q and -v alone or together.
 bool is_silent_flag(std::string_view word) {

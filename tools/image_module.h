@@ -28,6 +28,8 @@ namespace alidade::tools {
 struct ImageModule {
   decltype(&renderer::write_image) write_image = &renderer::write_image;
   decltype(&image::write_legend) write_legend = &image::write_legend;
+  decltype(&image::write_depth_map) write_depth_map = &image::write_depth_map;
+  decltype(&image::write_depth_mask) write_depth_mask = &image::write_depth_mask;
   decltype(&image::read_sky_image) read_sky_image = &image::read_sky_image;
   decltype(&geo::place_sun) place_sun = &geo::place_sun;
   decltype(&geo::describe) describe_sun = &geo::describe;

@@ -9,6 +9,7 @@
 #include "tools/cloud/load_cloud.h"
 #include "tools/command.h"
 #include "tools/image_module.h"
+#include "tools/render/image_metadata.h"
 #include "tools/render/long_render.h"
 #include "tools/render/render_options.h"
 #include "tools/render/views.h"
@@ -232,37 +233,19 @@ void check_legend_file(const RenderCommand& command, const renderer::Scene& scen
   }
 }
 
-renderer::ImageMetadata metadata(const renderer::Scene& scene, const View& view,
-                                 const renderer::LoadedCloud* cloud, const CommandLine& words) {
-  renderer::ImageMetadata metadata;
-  metadata.camera = view.camera;
-  metadata.render = scene.render;
-  metadata.command = picture_command(words);
-  if (!scene.sun_origin.empty()) metadata.further.emplace_back("alidade:sun", scene.sun_origin);
-  if (!view.name.empty()) metadata.further.emplace_back("alidade:camera_name", view.name);
-  for (const renderer::Object& object : scene.objects)
-    if (const auto* model = std::get_if<renderer::Model>(&object))
-      metadata.further.emplace_back("alidade:site", model->surfaces->name());
-  if (cloud == nullptr) return metadata;
-  if (scene.cloud->shape != renderer::PointShape::sphere)
-    metadata.further.emplace_back("alidade:surface",
-                                  scene.cloud->shape == renderer::PointShape::disc ? "disc" : "blend");
-  for (const CloudFile& file : cloud->files) metadata.cloud_files.push_back(file.path.string());
-  metadata.cloud_offset = cloud->octree.lattice().offset;
-  metadata.crs = cloud->crs;
-  metadata.radius = cloud->radius;
-  if (cloud->spacing_factor > 0.0) {
-    metadata.further.emplace_back("alidade:radius_factor", fmt::format("{:.17g}", cloud->spacing_factor));
-    metadata.further.emplace_back("alidade:radius_neighbours",
-                                  std::to_string(cloud->octree.view().spacing_neighbours));
-  }
-  for (const auto& text : image::color_metadata(cloud->color)) metadata.further.push_back(text);
-  return metadata;
-}
-
 std::uint64_t camera_rays(const renderer::Scene& scene, const camera::Camera& camera) {
   return std::uint64_t{static_cast<std::uint32_t>(camera.width)} * static_cast<std::uint32_t>(camera.height) *
          static_cast<std::uint32_t>(scene.render.samples);
+}
+
+DepthPlan requested_depth(const RenderCommand& command, const renderer::Scene& scene,
+                          std::span<const View> views, const PictureList& list) {
+  std::vector<std::filesystem::path> others = list.files();
+  others.insert(others.end(), list.finished.begin(), list.finished.end());
+  others.insert(others.end(),
+                {command.color.legend, command.long_render.preview, command.long_render.checkpoint.file});
+  return plan_depth_maps(command.depth, command.camera, views, {command.overwrite, command.skip_existing},
+                         input_files(command, scene), others);
 }
 
 void check_views(std::span<const Picture> pictures, const renderer::Scene& scene,
@@ -299,7 +282,7 @@ renderer::RenderStatistics render_all(std::span<const Picture> pictures, rendere
     scene.output.file = picture.file;
     total -= camera_rays(scene, picture.view.camera);
     std::uint64_t rays_of_picture = 0;
-    renderer::ImageMetadata texts = metadata(scene, picture.view, cloud, command.words);
+    renderer::ImageMetadata texts = image_metadata(scene, picture.view, cloud, command.words);
     renderer::RenderOptions options =
         render_options(command.long_render, scene.output, resumed && &picture == &pictures.front(), texts);
     if (options.checkpoint && resumed && verbosity != Verbosity::quiet)
@@ -328,19 +311,23 @@ renderer::RenderStatistics render_all(std::span<const Picture> pictures, rendere
 ExitCode run(const RenderCommand& command) {
   const Verbosity verbosity = command.verbosity;
   renderer::Scene scene = requested_scene(command);
-  image::check_image_name(scene.output.file);
+  const bool has_picture = !scene.output.file.empty();
+  if (has_picture) image::check_image_name(scene.output.file);
   std::vector<std::string> warnings;
   const std::vector<View> views = requested_views(command.camera, scene, warnings);
   say_warnings(verbosity, warnings);
-  PictureList list = requested_pictures(command, scene, views);
+  PictureList list;
+  if (has_picture) list = requested_pictures(command, scene, views);
   std::vector<Picture>& pictures = list.pictures;
-  if (pictures.empty()) {
+  DepthPlan depth = requested_depth(command, scene, views, list);
+  if (pictures.empty() && depth.empty()) {
     remove_finished_checkpoint(command.long_render, list.finished);
     say_note(verbosity, "all images exist");
     return ExitCode::done;
   }
-  const std::optional<Resumption> resumed =
-      find_resumption(command.long_render, list.files(), list.finished, verbosity);
+  std::optional<Resumption> resumed;
+  if (!pictures.empty())
+    resumed = find_resumption(command.long_render, list.files(), list.finished, verbosity);
   if (verbosity != Verbosity::quiet) warn_of_few_samples(command.long_render, scene.render.samples);
   // Before the work, so that a program that cannot write pictures does not render for hours first.
   image_module();
@@ -349,17 +336,27 @@ ExitCode run(const RenderCommand& command) {
   if (verbosity == Verbosity::verbose)
     say_note(fmt::format("instruction set {}", name(best_instruction_set())));
   if (!views.empty()) check_views(pictures, scene, nullptr);
-  prepare_sky(scene, command.scene_file, verbosity);
+  if (!pictures.empty()) prepare_sky(scene, command.scene_file, verbosity);
 
   CloudInputs clouds = command.files;
   if (scene.cloud && clouds.empty()) clouds = resolve_clouds(scene.cloud->files, cloud_formats());
-  if (scene.cloud && !command.long_render.preview.empty() && !resumed)
+  if (scene.cloud && !command.long_render.preview.empty() && !resumed && !pictures.empty())
     show_first_looks(command, scene, clouds, views.empty() ? nullptr : &pictures.front().view);
   std::optional<renderer::LoadedCloud> loaded;
   if (scene.cloud) loaded = load(command, scene, clouds, views);
   const renderer::LoadedCloud* const cloud = loaded ? &*loaded : nullptr;
-  if (views.empty()) pictures.front().view = view_of_cloud(command.camera, scene, cloud, command.scene_file);
+  if (views.empty()) {
+    const View view = view_of_cloud(command.camera, scene, cloud, command.scene_file);
+    for (Picture& picture : pictures) picture.view = view;
+    for (DepthJob& job : depth.jobs) job.view = view;
+  }
   check_views(pictures, scene, cloud);
+  for (const DepthJob& job : depth.jobs) check_views(std::array{Picture{job.view, {}}}, scene, cloud);
+  if (!depth.jobs.empty() && cloud != nullptr && !command.shape) warn_of_spheres(scene, *cloud, verbosity);
+  write_depth_maps(
+      depth, scene, cloud,
+      [&](const View& view) { return image_metadata(scene, view, cloud, command.words); }, verbosity);
+  if (pictures.empty()) return ExitCode::done;
   prepare_light(scene, cloud, verbosity);
   if (wants_legend)
     image_module().write_legend(cloud->color, command.color.legend, command.color.legend_size,

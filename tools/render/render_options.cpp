@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: MIT
 #include "tools/render/render_options.h"
 
+#include <fmt/format.h>
+
 #include "octree/point_surface.h"
 #include "octree/spacing.h"
 #include "renderer/read_scene.h"
@@ -210,6 +212,18 @@ void apply_cloud_options(const RenderCommand& command, renderer::Scene& scene) {
   cloud.shape = renderer::PointShape::sphere;
 }
 
+/// Errors: nothing is to be written; an option that only pictures have.
+void check_depth_alone(const RenderCommand& command) {
+  if (command.depth.file.empty()) throw file_error(command.scene_file, "missing output", "-o FILE");
+  const LongRenderRequest& long_render = command.long_render;
+  const std::pair<const char*, bool> given[] = {
+      {"--layers", !command.layers.empty()},       {"--legend", !command.color.legend.empty()},
+      {"--preview", !long_render.preview.empty()}, {"--checkpoint", !long_render.checkpoint.file.empty()},
+      {"--time-limit", !!long_render.time_limit},  {"--target-noise", !!long_render.target_noise}};
+  for (const auto& [option, is_given] : given)
+    if (is_given) throw input_error(fmt::format("{} requires a picture", option), "-o FILE beside --depth");
+}
+
 }  // namespace
 
 std::shared_ptr<RenderCommand> add_render_options(const Options& render) {
@@ -230,7 +244,7 @@ std::shared_ptr<RenderCommand> add_render_options(const Options& render) {
       });
   render.file("-o,--output", "FILE",
               "output image: .png, .jpg, .exr or .tif (default: the scene's); for a set of cameras with %04d "
-              "(number, from 0) or %s (name)",
+              "(number, from 0), %s (name of the photograph) or %f (the same with folders and extension)",
               command->output);
   render.flag(
       "--in-view",
@@ -241,6 +255,7 @@ std::shared_ptr<RenderCommand> add_render_options(const Options& render) {
   render.flag("--skip-existing", "skip existing images, to continue an interrupted set",
               command->skip_existing);
   add_camera_options(render, command->camera);
+  add_depth_options(render, command->depth);
   add_light_options(render, command->light);
   add_picture_options(render, *command);
   add_cloud_options(render, *command);
@@ -267,11 +282,12 @@ renderer::Scene requested_scene(const RenderCommand& command) {
   scene.render.samples = command.samples.value_or(scene.render.samples);
   scene.render.max_bounces = command.max_bounces.value_or(scene.render.max_bounces);
   scene.render.seed = command.seed.value_or(scene.render.seed);
-  if (!command.output.empty()) scene.output.file = command.output;
+  if (!command.output.empty() || !command.depth.file.empty()) scene.output.file = command.output;
   scene.output.exposure = command.exposure.value_or(scene.output.exposure);
   if (!command.layers.empty()) scene.output.layers = command.layers;
-  if (scene.output.file.empty()) throw file_error(command.scene_file, "missing output", "-o FILE");
-  if (!command.layers.empty() && image::image_format(scene.output.file) != image::ImageFormat::exr)
+  if (scene.output.file.empty()) check_depth_alone(command);
+  if (!scene.output.file.empty() && !command.layers.empty() &&
+      image::image_format(scene.output.file) != image::ImageFormat::exr)
     throw file_error(scene.output.file, "layers require EXR", "the extension .exr, or no --layers");
   return scene;
 }

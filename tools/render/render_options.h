@@ -8,6 +8,7 @@
 
 #include "renderer/scene.h"
 #include "tools/command.h"
+#include "tools/render/depth_maps.h"
 #include "tools/render/light_and_color.h"
 #include "tools/render/long_render.h"
 #include "tools/render/views.h"
@@ -32,6 +33,7 @@ struct RenderCommand : CloudRequest {
   bool in_view = false;     ///< of a cloud in a database, only what the cameras see is read
   std::filesystem::path output;
   CameraRequest camera;
+  DepthRequest depth;
   LightRequest light;
   std::optional<int> samples, max_bounces;
   std::optional<std::uint64_t> seed;

@@ -57,13 +57,13 @@ std::vector<View> views_of_file(const CameraRequest& request, const renderer::Sc
 /// A pattern taken apart: text, one field, text.
 struct Pattern {
   std::string before, after;
-  bool has_field = false, by_name = false;
+  enum class Field { none, number, name, full_name } field = Field::none;
   std::size_t width = 0;
 };
 
 [[noreturn]] void fail(const std::filesystem::path& pattern, const std::string& problem) {
   throw file_error(pattern, problem,
-                   "one %04d (number) or %s (name) in the output name, such as out_%04d.png");
+                   "one %04d (number), %s or %f (name) in the output name, such as out_%04d.png");
 }
 
 Pattern take_apart(const std::filesystem::path& file) {
@@ -71,21 +71,26 @@ Pattern take_apart(const std::filesystem::path& file) {
   Pattern pattern;
   const std::string text = file.string();
   for (std::size_t i = 0; i < text.size(); ++i) {
-    std::string& part = pattern.has_field ? pattern.after : pattern.before;
+    std::string& part = pattern.field != Pattern::Field::none ? pattern.after : pattern.before;
     if (text[i] != '%') {
       part += text[i];
     } else if (text.compare(i, 2, "%%") == 0) {
       part += text[++i];
     } else {
-      if (pattern.has_field) fail(file, "several numbers or names");
-      pattern.has_field = true;
+      if (pattern.field != Pattern::Field::none) fail(file, "several numbers or names");
       std::size_t end = i + 1;
       for (; end < text.size() && text[end] >= '0' && text[end] <= '9' && pattern.width <= k_largest_width;
            ++end)
         pattern.width = 10 * pattern.width + static_cast<std::size_t>(text[end] - '0');
       const char kind = end < text.size() ? text[end] : ' ';
-      pattern.by_name = kind == 's' && end == i + 1;
-      if ((kind != 'd' && !pattern.by_name) || pattern.width > k_largest_width)
+      const bool is_plain = end == i + 1;
+      if (kind == 'd' && pattern.width <= k_largest_width)
+        pattern.field = Pattern::Field::number;
+      else if (is_plain && kind == 's')
+        pattern.field = Pattern::Field::name;
+      else if (is_plain && kind == 'f')
+        pattern.field = Pattern::Field::full_name;
+      else
         fail(file, "invalid percent sign");
       i = end;
     }
@@ -98,11 +103,21 @@ std::string file_name_of(const std::string& name) {
   // A dot at the very beginning of a file's name begins no extension.
   const bool has_extension = dot != std::string::npos && dot > folder;
   std::string result = has_extension ? name.substr(0, dot) : name;
+  // Else pictures of ./images/a.jpg are hidden files.
+  if (result.starts_with("./")) result.erase(0, 2);
   for (char& c : result) {
     const bool fine = static_cast<unsigned char>(c) >= 0x20 && c != '/' && c != '\\' && c != ':' && c != 0x7F;
     if (!fine) c = '_';
   }
   return result;
+}
+
+/// The name with its folders and extension. Errors: it would lead out of the folder of the output.
+std::string full_name_of(const std::string& name, const std::filesystem::path& pattern) {
+  const std::filesystem::path path = std::filesystem::path(name).lexically_normal();
+  if (path.is_absolute() || path.empty() || !path.has_filename() || *path.begin() == "..")
+    fail(pattern, fmt::format("the name of camera '{}' leads out of the folder of the output", name));
+  return path.generic_string();
 }
 
 }  // namespace
@@ -203,15 +218,16 @@ View view_of_cloud(const CameraRequest& request, const renderer::Scene& scene,
 std::vector<std::filesystem::path> picture_names(const std::filesystem::path& pattern,
                                                  std::span<const View> views) {
   const Pattern parts = take_apart(pattern);
-  if (!parts.has_field && views.size() > 1)
+  if (parts.field == Pattern::Field::none && views.size() > 1)
     fail(pattern,
          fmt::format("{} cameras, but one output name (--camera-name selects one camera)", views.size()));
   std::vector<std::filesystem::path> names;
   std::map<std::filesystem::path, std::string> taken;
   for (std::size_t i = 0; i < views.size(); ++i) {
-    const std::string field = !parts.has_field ? ""
-                              : parts.by_name  ? file_name_of(views[i].name)
-                                               : fmt::format("{:0{}}", i, parts.width);
+    std::string field;
+    if (parts.field == Pattern::Field::number) field = fmt::format("{:0{}}", i, parts.width);
+    if (parts.field == Pattern::Field::name) field = file_name_of(views[i].name);
+    if (parts.field == Pattern::Field::full_name) field = full_name_of(views[i].name, pattern);
     names.emplace_back(parts.before + field + parts.after);
     const auto [earlier, is_new] = taken.emplace(names.back(), views[i].name);
     if (!is_new) {

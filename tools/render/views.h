@@ -50,9 +50,10 @@ View view_of_cloud(const CameraRequest& request, const renderer::Scene& scene,
                    const renderer::LoadedCloud* cloud, const std::filesystem::path& scene_file);
 
 /// Names of the pictures of a set, in its order. `pattern` holds one %d, %04d (number, from 0, with leading
-/// zeros up to that width) or %s (the camera's name without extension, with / and what file names cannot hold
-/// as _); %% is a percent sign. Errors: none or several of them though there is more than one view; two views
-/// that would have the same name.
+/// zeros up to that width), %s (the camera's name without extension, with / and what file names cannot hold
+/// as _) or %f (the name with its folders and extension); %% is a percent sign. Errors: none or several of
+/// them though there is more than one view; two views that would have the same name; of %f, a name that leads
+/// out of the folder.
 std::vector<std::filesystem::path> picture_names(const std::filesystem::path& pattern,
                                                  std::span<const View> views);
 

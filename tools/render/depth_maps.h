@@ -1,0 +1,71 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <functional>
+#include <optional>
+#include <vector>
+
+#include "image/depth_map.h"
+#include "renderer/picture_metadata.h"
+#include "tools/render/depth_transforms.h"
+#include "tools/render/views.h"
+
+// Depth maps beside the pictures of `alidade render`, or in place of them. docs/depth.md.
+
+namespace alidade::tools {
+
+struct DepthRequest {
+  std::filesystem::path file;  ///< empty: none; for a set of cameras a pattern, like the mask's
+  std::filesystem::path mask, transforms;
+  std::optional<image::DepthFormat> format;  ///< empty: by the extension
+  std::optional<double> scale;               ///< units per metre; empty: by the format
+  image::Layer layer = image::Layer::depth;  ///< or distance
+};
+
+/// Declares the options; they fill `request`.
+void add_depth_options(const Options& render, DepthRequest& request);
+
+/// A depth map to make; names are empty where the file is there already and may stay, or is not requested.
+struct DepthJob {
+  View view;
+  std::filesystem::path file, mask;
+};
+
+/// All depth maps to make.
+struct DepthPlan {
+  image::DepthFormat format = image::DepthFormat::npy;
+  double scale = 1.0;
+  image::Layer layer = image::Layer::depth;
+  bool overwrite = false;
+  std::vector<DepthJob> jobs;
+  std::vector<View> views;                   ///< of all maps, those that are there already included
+  std::vector<std::filesystem::path> files;  ///< theirs
+  std::optional<DepthTransforms> transforms;
+
+  bool empty() const { return jobs.empty() && !transforms; }
+};
+
+/// Which files that are there already may be replaced, or may stay.
+struct ExistingFiles {
+  bool overwrite = false, skip = false;
+};
+
+/// Lets a run fail before it starts. `views` are those of the pictures; empty if the cloud must be known first,
+/// for one map, whose view is then filled in. `inputs` is all that is read, `outputs` all else that is written.
+/// Errors: an extension that is not the format's; names of a set as of picture_names(); a file that would be
+/// written twice, exists, or cannot be written; --transforms-out without a set of a transforms.json.
+DepthPlan plan_depth_maps(const DepthRequest& request, const CameraRequest& camera,
+                          std::span<const View> views, ExistingFiles existing,
+                          std::span<const std::filesystem::path> inputs,
+                          std::span<const std::filesystem::path> outputs);
+
+/// Warns of points that are spheres, as nobody may have meant for depth maps.
+void warn_of_spheres(const renderer::Scene& scene, const renderer::LoadedCloud& cloud, Verbosity verbosity);
+
+/// Makes them one after the other, then the transforms.json, and says what the maps could not hold. `metadata`
+/// is what the picture of a view would say. Errors: write failures; Cancelled.
+void write_depth_maps(const DepthPlan& plan, const renderer::Scene& scene, const renderer::LoadedCloud* cloud,
+                      const std::function<renderer::ImageMetadata(const View&)>& metadata,
+                      Verbosity verbosity);
+
+}  // namespace alidade::tools

@@ -1,0 +1,14 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include "renderer/picture_metadata.h"
+#include "tools/render/views.h"
+
+namespace alidade::tools {
+
+/// What a picture or depth map of a scene says about where it comes from. `cloud` may be null; `words` is the
+/// command line.
+renderer::ImageMetadata image_metadata(const renderer::Scene& scene, const View& view,
+                                       const renderer::LoadedCloud* cloud, const CommandLine& words);
+
+}  // namespace alidade::tools
