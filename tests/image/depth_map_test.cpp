@@ -1,13 +1,18 @@
 // SPDX-License-Identifier: MIT
 #include "image/depth_map.h"
 
+#include <OpenImageIO/imageio.h>
 #include <gtest/gtest.h>
 
 #include <cmath>
 #include <cstring>
+#include <filesystem>
+#include <fstream>
 #include <limits>
+#include <sstream>
 
 #include "base/error.h"
+#include "image/image_file.h"
 
 namespace alidade::image {
 namespace {
@@ -62,6 +67,70 @@ TEST(DepthMap, heads_are_those_of_numpy_and_colmap) {
     EXPECT_NE(head.find("'shape': (7, " + std::to_string(width) + "), }"), std::string::npos) << head;
   }
   EXPECT_EQ(depth_map_head(DepthFormat::colmap, 640, 7), "640&7&1&");
+}
+
+std::string read_bytes(const std::filesystem::path& file) {
+  std::ostringstream bytes;
+  bytes << std::ifstream(file, std::ios::binary).rdbuf();
+  return bytes.str();
+}
+
+/// All channels of a picture as floats; whole numbers as they are.
+std::vector<float> read_pixels(const std::filesystem::path& file, OIIO::ImageSpec& spec) {
+  const auto image = OIIO::ImageInput::open(file.string());
+  if (!image) return {};
+  spec = image->spec();
+  std::vector<float> values(static_cast<std::size_t>(spec.width) * static_cast<std::size_t>(spec.height) *
+                            static_cast<std::size_t>(spec.nchannels));
+  image->read_image(0, 0, 0, spec.nchannels, OIIO::TypeFloat, values.data());
+  const float largest = spec.format == OIIO::TypeUInt16  ? 65535.0f
+                        : spec.format == OIIO::TypeUInt8 ? 255.0f
+                                                         : 1.0f;
+  for (float& value : values) value = largest == 1.0f ? value : std::round(value * largest);
+  return values;
+}
+
+TEST(DepthMap, files_hold_the_values_and_have_the_same_bytes_each_time) {
+  const std::filesystem::path folder = std::filesystem::temp_directory_path() / "alidade_depth_map_test";
+  std::filesystem::remove_all(folder);
+  std::filesystem::create_directory(folder);
+  constexpr int k_width = 37, k_height = 70;  // more rows than are encoded at once
+  std::vector<float> depths;
+  for (int i = 0; i < k_width * k_height; ++i)
+    depths.push_back(i % 5 == 0 ? k_infinity : 0.25f + 60.0f * static_cast<float>(i) / (k_width * k_height));
+  for (const NamedDepthFormat& known : k_depth_formats) {
+    DepthLoss loss;
+    const std::vector<float> values =
+        depth_values(depths, known.format, default_depth_scale(known.format), loss);
+    const std::filesystem::path file = folder / ("map" + std::string(known.extensions[0]));
+    write_depth_map(values, k_width, k_height, known.format, {{"alidade:depth", "text"}}, file, false);
+    EXPECT_THROW(write_depth_map(values, k_width, k_height, known.format, {}, file, false), Error);
+    const std::string bytes = read_bytes(file);
+    write_depth_map(values, k_width, k_height, known.format, {{"alidade:depth", "text"}}, file, true);
+    EXPECT_TRUE(read_bytes(file) == bytes) << known.name;
+    if (known.format == DepthFormat::npy || known.format == DepthFormat::colmap) {
+      const std::string head = depth_map_head(known.format, k_width, k_height);
+      ASSERT_EQ(bytes.size(), head.size() + values.size() * sizeof(float));
+      EXPECT_EQ(std::memcmp(bytes.data() + head.size(), values.data(), values.size() * sizeof(float)), 0);
+      continue;
+    }
+    OIIO::ImageSpec spec;
+    const std::vector<float> read = read_pixels(file, spec);
+    const auto channels = static_cast<std::size_t>(known.format == DepthFormat::exr ? 2 : 1);
+    ASSERT_EQ(read.size(), channels * values.size()) << known.name;
+    for (std::size_t i = 0; i < read.size(); ++i) ASSERT_EQ(read[i], values[i / channels]) << known.name;
+    if (known.format == DepthFormat::exr) {
+      EXPECT_EQ(spec.channelnames, (std::vector<std::string>{"Y", "Z"}));
+    }
+    EXPECT_EQ(spec.format, known.format == DepthFormat::png16 ? OIIO::TypeUInt16 : OIIO::TypeFloat);
+  }
+  const std::filesystem::path mask = folder / "mask.png";
+  write_depth_mask(depths, k_width, k_height, mask, false);
+  OIIO::ImageSpec spec;
+  const std::vector<float> read = read_pixels(mask, spec);
+  ASSERT_EQ(read.size(), depths.size());
+  for (std::size_t i = 0; i < read.size(); ++i) EXPECT_EQ(read[i], i % 5 == 0 ? 0.0f : 255.0f);
+  std::filesystem::remove_all(folder);
 }
 
 }  // namespace

@@ -141,7 +141,7 @@ TEST_F(RenderDepthTest, spheres_are_used_where_the_options_say_so_and_are_warned
     all.insert(all.end(), {option, value});
     const ProgramResult result = render(all);
     ASSERT_EQ(result.exit_code, 0) << result.err;
-    EXPECT_EQ(contains(result.err, "spheres make depths too small by up to their radius"), warned)
+    EXPECT_EQ(contains(result.err, "make depths too small, at grazing angles by several radii"), warned)
         << result.err;
   }
 }
@@ -210,6 +210,23 @@ TEST_F(RenderDepthTest, what_16_bits_cannot_hold_is_0_and_is_reported) {
                        "deeper than the 3.27675 m that 16 bits hold with --depth-scale 20000, and are 0; the "
                        "deepest, 4 m, requires --depth-scale 1.63e+04 or another format"))
       << result.err;
+}
+
+TEST_F(RenderDepthTest, what_lies_beside_or_behind_a_fisheye_has_no_depth_along_the_axis) {
+  write("fish.json", R"({"version": 1, "model": "fisheye", "width": 64, "height": 64,
+    "intrinsics": {"fx": 15, "fy": 15, "cx": 32, "cy": 32}, "distortion": {},
+    "pose": {"look_at": {"eye": [101, 201, 5.5], "target": [102, 201, 5.5]}}})");
+  const ProgramResult axis = render({"--camera", "fish.json", "--depth", "0.npy", "--depth-mask", "0.png"});
+  ASSERT_EQ(axis.exit_code, 0) << axis.err;
+  EXPECT_TRUE(contains(axis.err,
+                       "pixels are 90 degrees or more off the optical axis, and are 0; they require "
+                       "--depth-along ray"))
+      << axis.err;
+  const ProgramResult ray =
+      render({"--camera", "fish.json", "--depth", "1.npy", "--depth-mask", "1.png", "--depth-along", "ray"});
+  ASSERT_EQ(ray.exit_code, 0) << ray.err;
+  EXPECT_FALSE(contains(ray.err, "90 degrees")) << ray.err;
+  EXPECT_EQ(read("0.png"), read("1.png"));
 }
 
 TEST_F(RenderDepthTest, a_view_of_the_whole_cloud_and_an_exact_site_have_depth_too) {

@@ -163,8 +163,8 @@ DepthPlan plan_depth_maps(const DepthRequest& request, const CameraRequest& came
 
 void warn_of_spheres(const renderer::Scene& scene, const renderer::LoadedCloud& cloud, Verbosity verbosity) {
   if (scene.cloud->shape != renderer::PointShape::sphere) return;
-  say_warnings(verbosity, {fmt::format("spheres make depths too small by up to their radius, {:.3g} m; "
-                                       "--surface disc, without --radius, avoids this",
+  say_warnings(verbosity, {fmt::format("spheres of radius {:.3g} m make depths too small, at grazing angles "
+                                       "by several radii; --surface disc, without --radius, avoids this",
                                        cloud.radius)});
 }
 
