@@ -82,10 +82,10 @@ void check_fingerprint(const Fingerprint& made, const Fingerprint& asked, const 
     const bool comparable = before.name == now.name;
     const auto [made_with, asked_for] = telling_parts(before.value, now.value);
     throw Error({.file = file,
-                 .problem = fmt::format(
-                     "this checkpoint belongs to another {}: it has {} {}, this run has {}{}", words.of,
-                     before.name, made_with, comparable ? "" : now.name + " ", asked_for),
-                 .expected = fmt::format("the same {}, or no --resume", words.same)});
+                 .problem = fmt::format("this {} belongs to another {}: it has {} {}, {} has {}{}",
+                                        words.file, words.of, before.name, made_with, words.other,
+                                        comparable ? "" : now.name + " ", asked_for),
+                 .expected = fmt::format("the same {}{}", words.same, words.remedy)});
   }
 }
 

@@ -75,6 +75,9 @@ using Fingerprint = std::vector<FingerprintEntry>;
 struct FingerprintWords {
   std::string of = "picture";
   std::string same = "scene, cloud and options";  ///< what has to be the same
+  std::string file = "checkpoint";                ///< what kind of file has the fingerprint
+  std::string other = "this run";                 ///< what it is compared with
+  std::string remedy = ", or no --resume";
 };
 
 /// Errors: the first entry that differs, under `file`: "made with seed 1, asked for 2". Long texts are shown
