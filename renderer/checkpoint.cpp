@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 #include <algorithm>
 #include <array>
+#include <charconv>
 #include <cstdint>
 #include <cstring>
 #include <vector>
@@ -79,21 +80,74 @@ CheckpointHead read_head(InputFile& file) {
 
 constexpr std::size_t k_tile_bytes = 16;
 
-/// Calls `use` with the bytes of everything behind the head but the tiles, in the order of the file.
-template <class State, class Use>
-void for_each_array(State& state, const Use& use) {
-  use(std::span(state.levels));
-  for (auto& band : state.bands) {
-    use(std::span(band.mean));
-    use(std::span(band.met_count));
-    use(std::span(band.squares));
-    use(std::span(band.earlier));
+/// Tiles of a part as a checkpoint has them: row by row.
+std::vector<std::size_t> tiles_by_row(std::vector<std::size_t> tiles) {
+  std::ranges::sort(tiles);
+  return tiles;
+}
+
+/// Calls use(first, count) for the pixels that some tiles of a row of tiles have in each row of pixels; `first`
+/// counts from the start of the row of tiles.
+template <class Use>
+void for_each_run(const TileGrid& grid, std::span<const std::size_t> tiles, const Use& use) {
+  if (tiles.empty()) return;
+  const TileBox band = grid.band(grid.row_of(tiles.front()));
+  if (tiles.size() == static_cast<std::size_t>(grid.columns())) return use(std::size_t{0}, band.count());
+  for (int y = 0; y < band.height(); ++y) {
+    for (const std::size_t tile : tiles) {
+      const TileBox box = grid.box(tile);
+      use(static_cast<std::size_t>(y) * static_cast<std::size_t>(band.width()) +
+              static_cast<std::size_t>(box.x_begin),
+          static_cast<std::size_t>(box.width()));
+    }
   }
 }
 
-std::uint64_t rest_bytes(const PictureState& state) {
-  std::uint64_t bytes = k_tile_bytes * state.tiles.size();
-  for_each_array(state, [&](const auto& values) { bytes += values.size_bytes(); });
+/// Calls use(row, tiles) with those of each row of tiles.
+template <class Use>
+void for_each_row(const TileGrid& grid, std::span<const std::size_t> tiles, const Use& use) {
+  for (int row = 0; row < grid.rows(); ++row) {
+    const auto end = std::ranges::find_if(tiles, [&](std::size_t tile) { return grid.row_of(tile) != row; });
+    const auto count = static_cast<std::size_t>(end - tiles.begin());
+    use(row, tiles.first(count));
+    tiles = tiles.subspan(count);
+  }
+}
+
+/// Calls `use` with everything behind the head but the tiles, in the order of the file: spans of numbers.
+/// `tiles` are in the order of tiles_by_row().
+template <class State, class Film, class Use>
+void for_each_array(State& state, Film& film, std::span<const std::size_t> tiles, const Use& use) {
+  if (state.with_noise)
+    for (const std::size_t tile : tiles) use(std::span(state.levels).subspan(tile, 1));
+  const auto use_row = [&](std::span<const std::size_t> in_row, std::size_t start, auto& values) {
+    if (values.empty()) return;
+    for_each_run(state.grid, in_row, [&](std::size_t first, std::size_t count) {
+      use(std::span(values).subspan(start + first, count));
+    });
+  };
+  for_each_row(state.grid, tiles, [&](int row, std::span<const std::size_t> in_row) {
+    auto& band = state.bands[static_cast<std::size_t>(row)];
+    use_row(in_row, 0, band.mean);
+    use_row(in_row, 0, band.met_count);
+    use_row(in_row, 0, band.squares);
+    use_row(in_row, 0, band.earlier);
+  });
+  for_each_row(state.grid, tiles, [&](int row, std::span<const std::size_t> in_row) {
+    const std::size_t start = film.index(0, state.grid.band(row).y_begin);
+    use_row(in_row, start, film.depth);
+    use_row(in_row, start, film.distance);
+    use_row(in_row, start, film.normal);
+    use_row(in_row, start, film.position);
+    use_row(in_row, start, film.albedo);
+    use_row(in_row, start, film.id);
+  });
+}
+
+std::uint64_t rest_bytes(const PictureState& state, const image::Film& film,
+                         std::span<const std::size_t> tiles) {
+  std::uint64_t bytes = k_tile_bytes * tiles.size();
+  for_each_array(state, film, tiles, [&](const auto& values) { bytes += values.size_bytes(); });
   return bytes;
 }
 
@@ -113,7 +167,7 @@ class BlockReader {
   }
   /// Once everything has been taken.
   std::uint64_t sum() {
-    sums_.push_back(checksum(block_));
+    if (used_ > 0) sums_.push_back(checksum(block_));
     return checksum(std::as_bytes(std::span(sums_)));
   }
 
@@ -135,11 +189,12 @@ class BlockReader {
   std::size_t used_ = 0;
 };
 
-void read_tiles(BlockReader& reader, const InputFile& file, int samples, PictureState& state) {
-  std::vector<std::byte> bytes(k_tile_bytes * state.tiles.size());
+void read_tiles(BlockReader& reader, const InputFile& file, int samples, std::span<const std::size_t> tiles,
+                PictureState& state) {
+  std::vector<std::byte> bytes(k_tile_bytes * tiles.size());
   reader.take(bytes);
-  for (std::size_t tile = 0; tile < state.tiles.size(); ++tile) {
-    const std::byte* const at = bytes.data() + k_tile_bytes * tile;
+  const std::byte* at = bytes.data();
+  for (const std::size_t tile : tiles) {
     const auto reached = load<std::uint32_t>(at), stopped = load<std::uint32_t>(at + 4);
     if (reached > static_cast<std::uint32_t>(samples) || stopped > 1) {
       throw file_error(file.name(), fmt::format("corrupt checkpoint: invalid state of tile {}", tile),
@@ -147,11 +202,26 @@ void read_tiles(BlockReader& reader, const InputFile& file, int samples, Picture
                        fmt::format("{} samples, stopped {}", reached, stopped));
     }
     state.tiles[tile] = {reached, stopped == 1, load<std::uint64_t>(at + 8)};
+    at += k_tile_bytes;
+  }
+}
+
+/// Reads what is behind a head.
+void read_rest(InputFile& file, std::uint64_t head_bytes, std::uint64_t rest_checksum, int samples,
+               std::span<const std::size_t> tiles, PictureState& state, image::Film& film) {
+  BlockReader reader(file, head_bytes);
+  read_tiles(reader, file, samples, tiles, state);
+  for_each_array(state, film, tiles,
+                 [&](const auto& values) { reader.take(std::as_writable_bytes(values)); });
+  const std::uint64_t sum = reader.sum();
+  if (sum != rest_checksum) {
+    throw file_error(file.name(), "corrupt checkpoint: wrong checksum of the samples",
+                     fmt::format("{:016x}", rest_checksum), fmt::format("{:016x}", sum));
   }
 }
 
 void check_head(const InputFile& file, const CheckpointHead& head, const PictureFingerprint& fingerprint,
-                int samples, const PictureState& state) {
+                int samples, std::span<const std::size_t> tiles, const PictureState& state) {
   check_fingerprint(head.fingerprint, fingerprint, file.name());
   // The fingerprint says all this as well; what follows must not rely on a text.
   if (head.width != static_cast<std::uint32_t>(state.grid.width()) ||
@@ -166,35 +236,27 @@ void check_head(const InputFile& file, const CheckpointHead& head, const Picture
     throw file_error(file.name(), "corrupt checkpoint: number of unfinished samples out of range",
                      fmt::format("1 to {}", head.samples), std::to_string(head.pass_end));
   }
-  const std::uint64_t expected = head.head_bytes + rest_bytes(state);
+  const std::uint64_t expected = head.head_bytes + rest_bytes(state, image::Film(), tiles);
   if (head.file_bytes != expected)
     throw file_error(file.name(), "corrupt checkpoint: wrong file size", fmt::format("{} bytes", expected),
                      std::to_string(head.file_bytes));
 }
 
-}  // namespace
-
-void write_checkpoint(const std::filesystem::path& path, const PictureFingerprint& fingerprint, int samples,
-                      const PictureState& state, double seconds) {
-  CheckpointHead head{.width = static_cast<std::uint32_t>(state.grid.width()),
-                      .height = static_cast<std::uint32_t>(state.grid.height()),
-                      .with_noise = state.with_noise ? 1u : 0u,
-                      .pass_end = static_cast<std::uint32_t>(state.pass_end),
-                      .samples_taken = state.sample_count(),
-                      .seconds = seconds,
-                      .samples = static_cast<std::uint32_t>(samples),
-                      .fingerprint = fingerprint};
-  OutputFile file(path, true);
+void write_state(const std::filesystem::path& path, CheckpointHead head, const PictureState& state,
+                 const image::Film& film, bool overwrite) {
+  const std::vector<std::size_t> tiles = tiles_by_row(state.order);
+  OutputFile file(path, overwrite);
   file.write(encode_head(head));
   ChecksumBlocks blocks([&](std::span<const std::byte> block) { file.write(block); });
-  for (const TileState& tile : state.tiles) {
+  for (const std::size_t each : tiles) {
+    const TileState& tile = state.tiles[each];
     std::array<std::byte, k_tile_bytes> bytes{};
     store(bytes.data(), tile.samples);
     store<std::uint32_t>(bytes.data() + 4, tile.stopped ? 1 : 0);
     store(bytes.data() + 8, tile.ray_count);
     blocks.add(bytes);
   }
-  for_each_array(state, [&](const auto& values) { blocks.add(std::as_bytes(values)); });
+  for_each_array(state, film, tiles, [&](const auto& values) { blocks.add(std::as_bytes(values)); });
   blocks.end();
   head.rest_checksum = checksum(std::as_bytes(std::span(blocks.sums())));
   head.file_bytes = file.size();
@@ -202,20 +264,97 @@ void write_checkpoint(const std::filesystem::path& path, const PictureFingerprin
   file.commit();
 }
 
+CheckpointHead head_of(const PictureFingerprint& fingerprint, int samples, const PictureState& state,
+                       double seconds) {
+  return {.width = static_cast<std::uint32_t>(state.grid.width()),
+          .height = static_cast<std::uint32_t>(state.grid.height()),
+          .with_noise = state.with_noise ? 1u : 0u,
+          .pass_end = static_cast<std::uint32_t>(state.pass_end),
+          .samples_taken = state.sample_count(),
+          .seconds = seconds,
+          .samples = static_cast<std::uint32_t>(samples),
+          .fingerprint = fingerprint};
+}
+
+/// Takes the part out of a fingerprint. Errors: it is invalid.
+PicturePart take_part(PictureFingerprint& fingerprint, const std::string& file) {
+  const auto entry = std::ranges::find(fingerprint, "part", &FingerprintEntry::name);
+  PicturePart part;
+  if (entry == fingerprint.end()) return part;
+  const std::string text = entry->value;
+  const char* const end = text.data() + text.size();
+  const auto number = std::from_chars(text.data(), end, part.number);
+  if (number.ptr != end) std::from_chars(number.ptr + 1, end, part.count);
+  fingerprint.erase(entry);
+  if (part_text(part) == text && part.number >= 1 && part.number <= part.count && part.count <= k_most_parts)
+    return part;
+  throw file_error(file, "corrupt checkpoint: invalid part", "1/N to N/N");
+}
+
+}  // namespace
+
+void write_checkpoint(const std::filesystem::path& path, const PictureFingerprint& fingerprint, int samples,
+                      const PictureState& state, double seconds) {
+  write_state(path, head_of(fingerprint, samples, state, seconds), state, image::Film(), true);
+}
+
+void write_part(const std::filesystem::path& path, const PictureFingerprint& fingerprint, int samples,
+                const PictureState& state, const image::Film& film, bool overwrite) {
+  CheckpointHead head = head_of(fingerprint, samples, state, 0.0);
+  head.pass_end = head.samples;  // however it was reached
+  write_state(path, head, state, film, overwrite);
+}
+
 void read_checkpoint(InputFile file, const PictureFingerprint& fingerprint, int samples,
                      PictureState& state) {
+  const std::vector<std::size_t> tiles = tiles_by_row(state.order);
   const CheckpointHead head = read_head(file);
-  check_head(file, head, fingerprint, samples, state);
-  BlockReader reader(file, head.head_bytes);
-  read_tiles(reader, file, samples, state);
-  for_each_array(state, [&](const auto& values) { reader.take(std::as_writable_bytes(values)); });
-  const std::uint64_t sum = reader.sum();
-  if (sum != head.rest_checksum) {
-    throw file_error(file.name(), "corrupt checkpoint: wrong checksum of the samples",
-                     fmt::format("{:016x}", head.rest_checksum), fmt::format("{:016x}", sum));
-  }
+  check_head(file, head, fingerprint, samples, tiles, state);
+  image::Film none;
+  read_rest(file, head.head_bytes, head.rest_checksum, samples, tiles, state, none);
   state.pass_end = static_cast<int>(head.pass_end);
   state.seconds = head.seconds;
+}
+
+PartHead read_part_head(const std::filesystem::path& path) {
+  constexpr std::uint32_t k_most_side = 65536, k_most_pixels = 1u << 28;
+  InputFile file(path);
+  CheckpointHead head = read_head(file);
+  if (head.width < 1 || head.height < 1 || head.width > k_most_side || head.height > k_most_side ||
+      std::uint64_t{head.width} * head.height > k_most_pixels || head.samples < 1 ||
+      head.samples > static_cast<std::uint32_t>(k_max_samples)) {
+    throw file_error(file.name(), "corrupt checkpoint: its sizes are out of range",
+                     fmt::format("up to {} pixels with up to {} samples", k_most_pixels, k_max_samples),
+                     fmt::format("{} x {} pixels, {} samples", head.width, head.height, head.samples));
+  }
+  PartHead part{.file = path.string(),
+                .part = take_part(head.fingerprint, file.name()),
+                .width = static_cast<int>(head.width),
+                .height = static_cast<int>(head.height),
+                .samples = static_cast<int>(head.samples),
+                .with_noise = head.with_noise == 1,
+                .samples_taken = head.samples_taken,
+                .file_bytes = head.file_bytes,
+                .head_bytes = head.head_bytes,
+                .rest_checksum = head.rest_checksum};
+  part.fingerprint = std::move(head.fingerprint);
+  return part;
+}
+
+void read_part(const PartHead& head, PictureState& state, image::Film& film) {
+  InputFile file{std::filesystem::path(head.file)};
+  const std::vector<std::size_t> tiles = tiles_by_row(tiles_of(state.grid, head.part));
+  const std::uint64_t expected = head.head_bytes + rest_bytes(state, film, tiles);
+  if (head.file_bytes != expected) {
+    throw file_error(file.name(), "corrupt checkpoint: wrong file size", fmt::format("{} bytes", expected),
+                     std::to_string(head.file_bytes));
+  }
+  read_rest(file, head.head_bytes, head.rest_checksum, head.samples, tiles, state, film);
+  for (const std::size_t tile : tiles) {
+    if (state.tiles[tile].samples == static_cast<std::uint32_t>(head.samples)) continue;
+    throw file_error(file.name(), fmt::format("corrupt part: tile {} is unfinished", tile),
+                     fmt::format("{} samples", head.samples), std::to_string(state.tiles[tile].samples));
+  }
 }
 
 bool is_checkpoint(const std::filesystem::path& path) {
@@ -226,7 +365,10 @@ bool is_checkpoint(const std::filesystem::path& path) {
 CheckpointSummary read_checkpoint_summary(const std::filesystem::path& path) {
   InputFile file(path);
   const CheckpointHead head = read_head(file);
-  const double all = double{1} * head.width * head.height * head.samples;
+  PictureFingerprint fingerprint = head.fingerprint;
+  const int parts = take_part(fingerprint, file.name()).count;
+  // Parts differ by a tile at most.
+  const double all = double{1} * head.width * head.height * head.samples / parts;
   return {.picture = head.fingerprint.empty() ? "" : head.fingerprint.front().value,
           .samples_taken = head.samples_taken,
           .share = all > 0.0 ? std::clamp(static_cast<double>(head.samples_taken) / all, 0.0, 1.0) : 0.0,

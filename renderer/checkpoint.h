@@ -30,6 +30,11 @@
 //                 with noise: per tile   24 doubles, LevelSums
 //                 per row of tiles       means (3 doubles), counts of met surfaces (4 B) and with noise
 //                                        squares and earlier means (3 floats each), pixel by pixel
+//                 finished part: per row of tiles, its layers of the pixels' centres, pixel by pixel
+//
+// A checkpoint of a part has only the tiles and pixels of the part, in the same order. A finished part is such
+// a checkpoint with all samples, 0 seconds and the layers of the pixels' centres; its fingerprint ends with
+// what the image says besides its pixels (renderer/merge_parts.h).
 
 namespace alidade::renderer {
 
@@ -61,6 +66,32 @@ void write_checkpoint(const std::filesystem::path& file, const PictureFingerprin
 /// order, version or picture, naming the first thing that differs; a file cut short, too long or damaged.
 /// Memory: the fingerprint, at most the file's size, and 1 MiB.
 void read_checkpoint(InputFile file, const PictureFingerprint& fingerprint, int samples, PictureState& state);
+
+/// Writes a finished part; `film` has the layers of the pixels' centres that are requested. Errors: those of
+/// OutputFile.
+void write_part(const std::filesystem::path& file, const PictureFingerprint& fingerprint, int samples,
+                const PictureState& state, const image::Film& film, bool overwrite);
+
+/// What a file of a part says about itself.
+struct PartHead {
+  std::string file;
+  PicturePart part;
+  int width = 0, height = 0;  ///< of the picture, pixels
+  int samples = 0;            ///< per pixel, in the end
+  bool with_noise = false;
+  std::uint64_t samples_taken = 0;  ///< camera samples
+  std::uint64_t file_bytes = 0, head_bytes = 0;
+  std::uint64_t rest_checksum = 0;   ///< of all behind the head
+  PictureFingerprint fingerprint{};  ///< "part" left out
+};
+
+/// Reads the head alone. Errors: no checkpoint of a picture; another byte order or version; damaged; cut short
+/// or too long; sizes that no picture has.
+PartHead read_part_head(const std::filesystem::path& file);
+
+/// Reads a finished part into the state and the film of the whole picture, which have its size and layers.
+/// Errors: unfinished; damaged.
+void read_part(const PartHead& head, PictureState& state, image::Film& film);
 
 /// Whether a file begins as checkpoints do, of whatever version. Errors: those of InputFile.
 bool is_checkpoint(const std::filesystem::path& file);

@@ -165,6 +165,7 @@ PictureFingerprint picture_fingerprint(const Scene& scene, const LoadedCloud* cl
   const auto& [samples, max_bounces, seed, mode, ao_distance] = scene.render;
   PictureFingerprint fingerprint{
       {"picture", options.checkpoint ? options.checkpoint->picture : ""},
+      {"part", part_text(options.part)},
       {"picture version", std::to_string(k_picture_version)},
       {"seed", std::to_string(seed)},
       {"number of samples", std::to_string(samples)},

@@ -5,7 +5,6 @@
 #include <tbb/parallel_for.h>
 #include <tbb/task_arena.h>
 #include <algorithm>
-#include <numeric>
 #include <optional>
 #include <span>
 #include <vector>
@@ -113,24 +112,6 @@ void RenderWatch::save() {
 
 namespace {
 
-/// Bit k moves to bit 2k.
-std::uint64_t spread_bits(std::uint32_t number) {
-  std::uint64_t bits = 0;
-  for (unsigned k = 0; k < 16; ++k) bits |= std::uint64_t{number >> k & 1u} << 2 * k;
-  return bits;
-}
-
-/// Paths of neighbouring tiles meet the same part of the cloud: tiles along Morton's curve.
-std::vector<std::size_t> tiles_in_order(const TileGrid& grid) {
-  std::vector<std::size_t> order(grid.count());
-  std::iota(order.begin(), order.end(), std::size_t{0});
-  std::ranges::sort(order, {}, [&](std::size_t tile) {
-    return spread_bits(static_cast<std::uint32_t>(grid.column_of(tile))) |
-           spread_bits(static_cast<std::uint32_t>(grid.row_of(tile))) << 1;
-  });
-  return order;
-}
-
 /// What render_picture() does.
 class PictureRenderer {
  public:
@@ -140,7 +121,7 @@ class PictureRenderer {
         state_(state),
         watch_(watch),
         film_(film),
-        order_(tiles_in_order(state.grid)),
+        order_(state.order),
         filled_(state.tiles.size(), film.holds_any() ? 0 : 1),
         progressive_(options.preview || options.time_limit || options.target_noise) {
     if (options.target_noise) stop_rule_.emplace(*options.target_noise, floor);
@@ -171,7 +152,9 @@ class PictureRenderer {
 
   /// Sets the end of the first pass that gives any tile samples.
   void begin_passes() {
-    const auto fewest = static_cast<int>(std::ranges::min(state_.tiles, {}, &TileState::samples).samples);
+    int fewest = order_.empty() ? 0 : task_.settings.samples;
+    for (const std::size_t tile : order_)
+      fewest = std::min(fewest, static_cast<int>(state_.tiles[tile].samples));
     state_.pass_end = 0;
     do state_.pass_end = next_pass_end();
     while (state_.pass_end <= fewest && state_.pass_end < task_.settings.samples);
@@ -266,7 +249,7 @@ class PictureRenderer {
 
   void expect_total() {
     double total = 0.0;
-    for (std::size_t tile = 0; tile < state_.tiles.size(); ++tile) {
+    for (const std::size_t tile : order_) {
       const double samples = stop_rule_ ? stop_rule_->expected_samples(state_, tile, task_.settings.samples)
                                         : task_.settings.samples;
       total += samples * static_cast<double>(state_.grid.box(tile).count());
@@ -278,7 +261,7 @@ class PictureRenderer {
   PictureState& state_;
   RenderWatch& watch_;
   image::Film& film_;
-  const Tiles order_;
+  const Tiles& order_;
   std::vector<std::uint8_t> filled_;  ///< by tile: the layers of the pixels' centres
   std::optional<StopRule> stop_rule_;
   const bool progressive_;

@@ -1,9 +1,11 @@
 // SPDX-License-Identifier: MIT
 #include "renderer/picture_state.h"
 
+#include <algorithm>
 #include <bit>
 #include <cassert>
 #include <limits>
+#include <numeric>
 
 #include "renderer/noise.h"
 
@@ -20,10 +22,33 @@ std::size_t band_index(const PictureState& state, const TileBox& box, int y) {
          static_cast<std::size_t>(box.x_begin);
 }
 
+/// Bit k moves to bit 2k.
+std::uint64_t spread_bits(std::uint32_t number) {
+  std::uint64_t bits = 0;
+  for (unsigned k = 0; k < 16; ++k) bits |= std::uint64_t{number >> k & 1u} << 2 * k;
+  return bits;
+}
+
 }  // namespace
 
-PictureState::PictureState(int width, int height, bool noise)
+std::vector<std::size_t> tiles_of(const TileGrid& grid, PicturePart part) {
+  std::vector<std::size_t> order(grid.count());
+  std::iota(order.begin(), order.end(), std::size_t{0});
+  std::ranges::sort(order, {}, [&](std::size_t tile) {
+    return spread_bits(static_cast<std::uint32_t>(grid.column_of(tile))) |
+           spread_bits(static_cast<std::uint32_t>(grid.row_of(tile))) << 1;
+  });
+  if (part.count == 1) return order;
+  std::vector<std::size_t> tiles;
+  for (auto i = static_cast<std::size_t>(part.number - 1); i < order.size();
+       i += static_cast<std::size_t>(part.count))
+    tiles.push_back(order[i]);
+  return tiles;
+}
+
+PictureState::PictureState(int width, int height, bool noise, PicturePart part)
     : grid(width, height),
+      order(tiles_of(grid, part)),
       with_noise(noise),
       bands(static_cast<std::size_t>(grid.rows())),
       tiles(grid.count()),

@@ -9,6 +9,7 @@
 
 #include "image/film.h"
 #include "renderer/integrator.h"
+#include "renderer/render.h"
 #include "renderer/tile_tracer.h"
 
 namespace alidade::renderer {
@@ -34,10 +35,14 @@ struct TileState {
   std::uint64_t ray_count = 0;  ///< rays its samples took
 };
 
-/// A picture under way: all one must keep to go on with it. Beside the bands about 1 byte per pixel.
+/// The tiles of a part, along Morton's curve: paths of neighbouring tiles meet the same part of the cloud.
+std::vector<std::size_t> tiles_of(const TileGrid& grid, PicturePart part);
+
+/// A picture under way, or a part of one: all one must keep to go on with it. Beside the bands about 1 byte per pixel.
 /// Different tiles may be worked on by different threads.
 struct PictureState {
   TileGrid grid;
+  std::vector<std::size_t> order;  ///< tiles_of() what is rendered
   bool with_noise = false;
   std::vector<SumBand> bands;  ///< by row of tiles
   std::vector<TileState> tiles;
@@ -45,7 +50,7 @@ struct PictureState {
   int pass_end = 0;  ///< every tile is to reach this many samples, or stopped before, or more are requested
   double seconds = 0.0;  ///< spent on it before the last resumption
 
-  PictureState(int width, int height, bool with_noise);
+  PictureState(int width, int height, bool with_noise, PicturePart part = {});
 
   /// Camera samples taken.
   std::uint64_t sample_count() const;

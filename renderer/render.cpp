@@ -25,6 +25,11 @@ void check_options(const Scene& scene, const RenderOptions& options) {
   if (const auto& checkpoint = options.checkpoint)
     check_that(checkpoint->interval > 0.0, "invalid checkpoint interval", "a positive number of seconds",
                std::to_string(checkpoint->interval));
+  const auto [number, count] = options.part;
+  check_that(count >= 1 && count <= k_most_parts && number >= 1 && number <= count, "invalid part",
+             fmt::format("1/N to N/N, N at most {}", k_most_parts), part_text(options.part));
+  check_that(count == 1 || (!options.time_limit && !options.target_noise),
+             "parts support neither a time limit nor a noise target", "a number of samples");
   if (const auto& preview = options.preview)
     check_that(preview->interval >= 0.0 && preview->longest_side >= 1, "invalid preview options",
                "seconds, at least 0, and at least one pixel", std::to_string(preview->interval));
@@ -43,19 +48,32 @@ std::vector<image::Layer> center_layers(const RenderOptions& options) {
   return layers;
 }
 
+std::uint64_t pixel_count(const TileGrid& grid, PicturePart part) {
+  std::uint64_t count = 0;
+  if (part.count == 1) return grid.pixel_count();
+  for (const std::size_t tile : tiles_of(grid, part)) count += grid.box(tile).count();
+  return count;
+}
+
 /// What was reached.
 RenderStatistics statistics_of(const PictureState& state, const Scene& scene, const RenderOptions& options,
                                double floor) {
   RenderStatistics statistics;
   statistics.ray_count = state.ray_count();
-  const auto [least, most] = std::ranges::minmax(state.tiles, {}, &TileState::samples);
-  statistics.least_samples = static_cast<int>(least.samples);
-  statistics.most_samples = static_cast<int>(most.samples);
-  statistics.mean_samples = static_cast<double>(state.sample_count()) /
-                            (static_cast<double>(state.grid.width()) * state.grid.height());
+  std::uint32_t least = state.order.empty() ? 0 : k_max_samples, most = 0;
+  for (const std::size_t tile : state.order) {
+    least = std::min(least, state.tiles[tile].samples);
+    most = std::max(most, state.tiles[tile].samples);
+  }
+  statistics.least_samples = static_cast<int>(least);
+  statistics.most_samples = static_cast<int>(most);
+  if (!state.order.empty())
+    statistics.mean_samples = static_cast<double>(state.sample_count()) /
+                              static_cast<double>(pixel_count(state.grid, options.part));
   if (state.with_noise) statistics.noise = reached_noise(state, floor);
-  statistics.tiles = state.tiles.size();
-  for (const TileState& tile : state.tiles) {
+  statistics.tiles = state.order.size();
+  for (const std::size_t each : state.order) {
+    const TileState& tile = state.tiles[each];
     if (tile.stopped) continue;
     if (options.target_noise) ++statistics.noisy_tiles;
     if (tile.samples < static_cast<std::uint32_t>(scene.render.samples)) ++statistics.hurried_tiles;
@@ -63,7 +81,64 @@ RenderStatistics statistics_of(const PictureState& state, const Scene& scene, co
   return statistics;
 }
 
+/// What the rays through a picture's pixels have given.
+struct RenderedState {
+  PictureState state;
+  image::Film film;  ///< the layers of the pixels' centres
+};
+
+RenderedState render_state(const Scene& scene, const LoadedCloud* cloud, const RenderOptions& options,
+                           RenderStatistics* statistics) {
+  check_options(scene, options);
+  const camera::Camera& camera = *scene.camera;
+  camera::check_camera(camera);
+  if (cloud != nullptr) check_camera_position(camera, scene, *cloud);
+  const camera::Projection projection(camera);
+  World world(scene, cloud);
+  world.watch_rays(options.watch_rays);
+  const Lights lights(scene);
+  const RenderTask task{projection, scene.render, world, lights,
+                        ambient_occlusion_distance(scene.render, cloud)};
+  const double floor = noise_floor(scene.output.exposure);
+
+  RenderedState rendered{{camera.width, camera.height, keeps_noise(options), options.part}, {}};
+  PictureState& state = rendered.state;
+  PictureFingerprint fingerprint;
+  if (options.checkpoint) {
+    fingerprint = picture_fingerprint(scene, cloud, options);
+    const std::filesystem::path& file = options.checkpoint->file;
+    if (options.checkpoint->resume && std::filesystem::exists(file)) {
+      read_checkpoint(InputFile(file), fingerprint, scene.render.samples, state);
+      if (options.checkpoint->resumed) options.checkpoint->resumed();
+    }
+  }
+  image::Film& film = rendered.film = image::Film(camera.width, camera.height, center_layers(options));
+  RenderWatch watch(options, state, scene.render.samples, std::move(fingerprint));
+  try {
+    render_picture(task, options, floor, state, watch, film);
+    watch.finish();
+  } catch (const Cancelled&) {
+    watch.save();
+    throw;
+  }
+  if (statistics != nullptr) {
+    *statistics = statistics_of(state, scene, options, floor);
+    statistics->seconds = watch.seconds();
+    statistics->query_seconds = world.query_seconds();
+    if (film.holds_any()) statistics->ray_count += pixel_count(state.grid, options.part);
+  }
+  return rendered;
+}
+
 }  // namespace
+
+std::string part_text(PicturePart part) {
+  return fmt::format("{}/{}", part.number, part.count);
+}
+
+std::uint64_t pixel_count(int width, int height, PicturePart part) {
+  return pixel_count(TileGrid(width, height), part);
+}
 
 void check_camera_position(const camera::Camera& camera, const Scene& scene, const LoadedCloud& cloud) {
   if (std::holds_alternative<camera::OrthographicLens>(camera.lens)) return;
@@ -83,45 +158,19 @@ bool keeps_noise(const RenderOptions& options) {
 
 image::Film render(const Scene& scene, const LoadedCloud* cloud, const RenderOptions& options,
                    RenderStatistics* statistics) {
-  check_options(scene, options);
-  const camera::Camera& camera = *scene.camera;
-  camera::check_camera(camera);
-  if (cloud != nullptr) check_camera_position(camera, scene, *cloud);
-  const camera::Projection projection(camera);
-  World world(scene, cloud);
-  world.watch_rays(options.watch_rays);
-  const Lights lights(scene);
-  const RenderTask task{projection, scene.render, world, lights,
-                        ambient_occlusion_distance(scene.render, cloud)};
-  const double floor = noise_floor(scene.output.exposure);
+  RenderedState rendered = render_state(scene, cloud, options, statistics);
+  move_into_film(rendered.state, wants(options, image::Layer::variance), rendered.film);
+  return std::move(rendered.film);
+}
 
-  PictureState state(camera.width, camera.height, keeps_noise(options));
-  PictureFingerprint fingerprint;
-  if (options.checkpoint) {
-    fingerprint = picture_fingerprint(scene, cloud, options);
-    const std::filesystem::path& file = options.checkpoint->file;
-    if (options.checkpoint->resume && std::filesystem::exists(file)) {
-      read_checkpoint(InputFile(file), fingerprint, scene.render.samples, state);
-      if (options.checkpoint->resumed) options.checkpoint->resumed();
-    }
-  }
-  image::Film film(camera.width, camera.height, center_layers(options));
-  RenderWatch watch(options, state, scene.render.samples, std::move(fingerprint));
-  try {
-    render_picture(task, options, floor, state, watch, film);
-    watch.finish();
-  } catch (const Cancelled&) {
-    watch.save();
-    throw;
-  }
-  if (statistics != nullptr) {
-    *statistics = statistics_of(state, scene, options, floor);
-    statistics->seconds = watch.seconds();
-    statistics->query_seconds = world.query_seconds();
-    if (film.holds_any()) statistics->ray_count += film.count();
-  }
-  move_into_film(state, wants(options, image::Layer::variance), film);
-  return film;
+void render_part(const Scene& scene, const LoadedCloud* cloud, const RenderOptions& options,
+                 const PartOutput& output, RenderStatistics* statistics) {
+  const RenderedState rendered = render_state(scene, cloud, options, statistics);
+  PictureFingerprint fingerprint = picture_fingerprint(scene, cloud, options);
+  // Machines may use different folders.
+  std::erase_if(fingerprint, [](const FingerprintEntry& entry) { return entry.name == "picture"; });
+  fingerprint.insert(fingerprint.end(), output.image.begin(), output.image.end());
+  write_part(output.file, fingerprint, scene.render.samples, rendered.state, rendered.film, output.overwrite);
 }
 
 }  // namespace alidade::renderer

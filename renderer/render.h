@@ -8,6 +8,7 @@
 #include <string>
 #include <vector>
 
+#include "base/fingerprint.h"
 #include "base/progress.h"
 #include "image/film.h"
 #include "renderer/load_cloud.h"
@@ -44,6 +45,27 @@ struct CheckpointOptions {
   std::function<void(const Error&)> failed{};
 };
 
+/// One of several parts of a picture, for a machine each: of its tiles of about 16 x 16 pixels, numbered along
+/// Morton's curve, every `count`-th from the `number`-th on. Tiles beside each other take about the same time,
+/// so parts that hold every n-th tile take about the same time, too; stripes of sky and of trees do not.
+/// Along the curve they are evenly spread in both directions for any `count`; along rows, a `count` that
+/// divides the number of columns would give stripes.
+struct PicturePart {
+  int number = 1;  ///< from 1
+  int count = 1;   ///< 1: the whole picture
+
+  bool operator==(const PicturePart&) const = default;
+};
+
+/// The most parts of a picture.
+inline constexpr int k_most_parts = 65536;
+
+/// "3/20".
+std::string part_text(PicturePart part);
+
+/// Pixels of a part of a picture.
+std::uint64_t pixel_count(int width, int height, PicturePart part);
+
 struct RenderOptions {
   /// In camera samples (pixels * samples per pixel); called from one thread at a time. With a time limit or a
   /// target the total is what may be expected.
@@ -59,6 +81,8 @@ struct RenderOptions {
   std::optional<double> target_noise{};
   std::optional<PreviewOptions> preview{};
   std::optional<CheckpointOptions> checkpoint{};
+  /// What of the picture is rendered; pixels of other parts are as those without samples.
+  PicturePart part{};
   RayWatch watch_rays{};  ///< for measurements
 };
 
@@ -94,9 +118,23 @@ void check_camera_position(const camera::Camera& camera, const Scene& scene, con
 /// alpha and 12 for the variance, which replace the sums; what film.h says for each further layer;
 /// and a few megabytes per thread.
 ///
-/// Errors: no camera; a number outside its range; of checkpoints: damage, another picture, a failed write.
-/// Cancelled, if `progress` says so; the checkpoint then holds all samples taken.
+/// Errors: no camera; a number outside its range; a part with a time limit or a target, on which pixels of other
+/// parts depend; of checkpoints: damage, another picture, a failed write. Cancelled, if `progress` says so; the
+/// checkpoint then holds all samples taken.
 image::Film render(const Scene& scene, const LoadedCloud* cloud, const RenderOptions& options = {},
                    RenderStatistics* statistics = nullptr);
+
+/// Where a part goes.
+struct PartOutput {
+  std::filesystem::path file;
+  bool overwrite = false;
+  Fingerprint image{};  ///< what the image says besides its pixels: image_entries()
+};
+
+/// Renders a part as render() does, and writes it to a file for merge_parts(). The bytes depend on nothing
+/// else, as those of pictures. Memory: the sums and the layers of the whole picture. Errors: those of render()
+/// and OutputFile.
+void render_part(const Scene& scene, const LoadedCloud* cloud, const RenderOptions& options,
+                 const PartOutput& output, RenderStatistics* statistics = nullptr);
 
 }  // namespace alidade::renderer

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cstddef>
+#include <cstdint>
 #include <span>
 #include <vector>
 
@@ -31,6 +32,9 @@ class TileGrid {
 
   int width() const { return width_; }    ///< of the picture, pixels
   int height() const { return height_; }  ///< of the picture, pixels
+  std::uint64_t pixel_count() const {
+    return static_cast<std::uint64_t>(width_) * static_cast<std::uint64_t>(height_);
+  }
   int columns() const { return columns_; }
   int rows() const { return rows_; }
   std::size_t count() const { return static_cast<std::size_t>(columns_) * static_cast<std::size_t>(rows_); }

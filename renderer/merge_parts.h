@@ -1,0 +1,45 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <filesystem>
+#include <span>
+
+#include "image/film.h"
+#include "image/image_file.h"
+#include "renderer/checkpoint.h"
+#include "renderer/picture_metadata.h"
+
+// Parts of a picture that different machines have rendered, joined into the picture that one would have
+// rendered. Merging reads neither the scene nor the cloud: a part has all that the image file needs.
+//
+//   machine i of 20:  render_part(scene, &cloud, {.layers = ..., .part = {i, 20}},
+//                                 {file, overwrite, image_entries(output, metadata)});
+//   then:             const MergedPicture merged = merge_parts(files, "picture.exr");
+//                     image::write_image(merged.film, merged.output, merged.facts, overwrite);
+
+namespace alidade::renderer {
+
+/// What an image file says besides its pixels, as entries of a fingerprint: its kind, layers, exposure, CRS and
+/// metadata. The camera must be set.
+Fingerprint image_entries(const image::OutputSettings& output, const ImageMetadata& metadata);
+
+/// A picture and all that write_image() needs.
+struct MergedPicture {
+  image::Film film;
+  image::OutputSettings output;
+  image::ImageFacts facts;
+  std::uint64_t samples_taken = 0;  ///< camera samples
+  int parts = 0;
+};
+
+/// Joins the parts of a picture, in any order, for an image file of this name: the film and the facts are those
+/// of one run. The same part may be given again if it has the same samples. The files may be of machines that
+/// use other folders for the image; all else that a fingerprint has must be equal.
+///
+/// Errors: not a part; unfinished; of another picture than the first file, naming the first thing that differs;
+/// twice with other samples; parts that are missing, by number; a picture whose extension does not fit (.exr
+/// for parts of an EXR, else .png, .jpg or .tif); damaged, cut short or too long. Memory: as render(), and the
+/// heads of all parts.
+MergedPicture merge_parts(std::span<const std::filesystem::path> files, const std::filesystem::path& picture);
+
+}  // namespace alidade::renderer
