@@ -11,11 +11,11 @@ namespace {
 
 constexpr std::array<std::string_view, 5> k_flags = {"--overwrite", "--skip-existing", "--quiet", "--verbose",
                                                      "--resume"};
-constexpr std::array<std::string_view, 14> k_options = {
+constexpr std::array<std::string_view, 15> k_options = {
     "--output",     "--threads",          "--legend",      "--legend-size",
     "--preview",    "--preview-interval", "--checkpoint",  "--checkpoint-interval",
     "--depth",      "--depth-format",     "--depth-scale", "--depth-along",
-    "--depth-mask", "--transforms-out"};
+    "--depth-mask", "--transforms-out",   "--part"};
 
 /// Flags that cannot change the picture: those of the list, and -q and -v alone or together.
 bool is_silent_flag(std::string_view word) {
@@ -141,9 +141,10 @@ ExitCode run_program(const CommandLine& command_line) {
   check_server_names(command_line);
   Parser parser;
   const Options program = parser.program();
-  const std::vector<Command> commands = {add_info(program),    add_generate(program),   add_index(program),
-                                         add_convert(program), add_query(program),      add_render(program),
-                                         add_compare(program), add_visibility(program), add_sql(program)};
+  const std::vector<Command> commands = {add_info(program),    add_generate(program), add_index(program),
+                                         add_convert(program), add_query(program),    add_render(program),
+                                         add_merge(program),   add_compare(program),  add_visibility(program),
+                                         add_sql(program)};
   // Behind the program's name.
   const auto words = std::span(command_line).subspan(std::min<std::size_t>(command_line.size(), 1));
 

@@ -41,6 +41,7 @@ Command add_index(const Options& program);
 Command add_convert(const Options& program);
 Command add_query(const Options& program);
 Command add_render(const Options& program);
+Command add_merge(const Options& program);
 Command add_compare(const Options& program);
 Command add_sql(const Options& program);
 

@@ -27,6 +27,7 @@ namespace alidade::tools {
 /// headers. Only the module makes an ImageModule: the program would have to link the functions.
 struct ImageModule {
   decltype(&renderer::write_image) write_image = &renderer::write_image;
+  decltype(&image::write_image) write_film = &image::write_image;
   decltype(&image::write_legend) write_legend = &image::write_legend;
   decltype(&image::write_depth_map) write_depth_map = &image::write_depth_map;
   decltype(&image::write_depth_mask) write_depth_mask = &image::write_depth_mask;

@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "renderer/checkpoint.h"
+#include "renderer/merge_parts.h"
 #include "renderer/noise.h"
 
 namespace alidade::tools {
@@ -69,17 +70,35 @@ class PreviewFile {
   bool warned_ = false;
 };
 
+renderer::PicturePart parse_part(const std::string& text) {
+  const std::size_t slash = text.find('/');
+  if (slash == std::string::npos)
+    throw UsageError("invalid value; expected I/N, such as 3/20, found '" + text + "'");
+  renderer::PicturePart part;
+  part.count = static_cast<int>(parse_count(text.substr(slash + 1), 1, renderer::k_most_parts));
+  part.number =
+      static_cast<int>(parse_count(text.substr(0, slash), 1, static_cast<std::uint64_t>(part.count)));
+  return part;
+}
+
 }  // namespace
 
+std::filesystem::path written_file(const LongRenderRequest& request, const std::filesystem::path& image) {
+  if (!request.part) return image;
+  return image.string() + fmt::format(".part{}of{}", request.part->number, request.part->count);
+}
+
 void add_long_render_options(const Options& render, LongRenderRequest& request) {
-  render.number("--time-limit", "S",
-                "seconds per image: rendering stops then and reports the number of samples. At least one "
-                "sample per pixel, at most --samples. The bytes depend on the time",
-                request.time_limit, 0.0, k_most_seconds);
-  render.number("--target-noise", "E",
-                "stop a tile of about 16x16 pixels at an estimated relative error of at most E, such as "
-                "0.02; a tile gets at least 32 samples and at most --samples",
-                request.target_noise, 1e-6, 1e6);
+  const Option time_limit =
+      render.number("--time-limit", "S",
+                    "seconds per image: rendering stops then and reports the number of samples. At least one "
+                    "sample per pixel, at most --samples. The bytes depend on the time",
+                    request.time_limit, 0.0, k_most_seconds);
+  const Option target_noise =
+      render.number("--target-noise", "E",
+                    "stop a tile of about 16x16 pixels at an estimated relative error of at most E, such as "
+                    "0.02; a tile gets at least 32 samples and at most --samples",
+                    request.target_noise, 1e-6, 1e6);
   const Option preview = render.value(
       "--preview", "FILE", "preview of the unfinished image, .png or .jpg, rewritten every few seconds",
       request.preview, std::identity());
@@ -91,6 +110,14 @@ void add_long_render_options(const Options& render, LongRenderRequest& request) 
       "camera sees best, then 8 N and so on (default 300000; 0: only the image itself)",
       request.preview_points, 0, k_most_preview_points);
   add_checkpoint_options(render, request.checkpoint, "rewritten every minute", "picture");
+  render.excludes(time_limit)
+      .excludes(target_noise)
+      .excludes(preview)
+      .value(
+          "--part", "I/N",
+          "render part I of N, such as 3/20, for 'alidade merge': writes FILE.part3of20 instead of the image "
+          "FILE. A part has every N-th tile of about 16x16 pixels",
+          request.part, parse_part);
 }
 
 void check_long_render(const LongRenderRequest& request, Replaceable replaceable,
@@ -163,6 +190,7 @@ renderer::RenderOptions render_options(const LongRenderRequest& request, const i
                        : std::vector{image::Layer::color};
   options.time_limit = request.time_limit;
   options.target_noise = request.target_noise;
+  options.part = request.part.value_or(renderer::PicturePart());
   if (!request.preview.empty()) {
     const auto file = std::make_shared<PreviewFile>(request.preview, output, metadata);
     options.preview = {.show = [file](const image::Film& film) { file->show(film); },
@@ -176,6 +204,22 @@ renderer::RenderOptions render_options(const LongRenderRequest& request, const i
                           .failed = checkpoint_warning()};
   }
   return options;
+}
+
+void render_to_file(const LongRenderRequest& request, const renderer::Scene& scene,
+                    const renderer::LoadedCloud* cloud, const renderer::RenderOptions& options,
+                    renderer::ImageMetadata metadata, bool overwrite,
+                    renderer::RenderStatistics& statistics) {
+  if (request.part) {
+    renderer::render_part(scene, cloud, options,
+                          {written_file(request, scene.output.file), overwrite,
+                           renderer::image_entries(scene.output, metadata)},
+                          &statistics);
+    return;
+  }
+  const image::Film film = renderer::render(scene, cloud, options, &statistics);
+  for (auto& text : reached_texts(request, statistics)) metadata.further.push_back(std::move(text));
+  image_module().write_image(film, scene.output, metadata, overwrite);
 }
 
 std::vector<std::pair<std::string, std::string>> reached_texts(const LongRenderRequest& request,

@@ -23,7 +23,11 @@ struct LongRenderRequest {
   double preview_interval = 3.0;
   std::uint64_t preview_points = 300'000;  ///< of the first look at COPC files; 0 = none
   CheckpointRequest checkpoint;
+  std::optional<renderer::PicturePart> part;  ///< empty: whole images
 };
+
+/// The file that is written for an image: the image, or of a part "IMAGE.part3of20".
+std::filesystem::path written_file(const LongRenderRequest& request, const std::filesystem::path& image);
 
 /// Declares the options; they fill `request`.
 void add_long_render_options(const Options& render, LongRenderRequest& request);
@@ -61,6 +65,11 @@ void warn_of_few_samples(const LongRenderRequest& request, int samples);
 /// The options for one picture, progress left out. `metadata` and `write_picture` must outlive them.
 renderer::RenderOptions render_options(const LongRenderRequest& request, const image::OutputSettings& output,
                                        bool resume, const renderer::ImageMetadata& metadata);
+
+/// Renders the scene's picture and writes it, with what was reached, or renders a part and writes that.
+void render_to_file(const LongRenderRequest& request, const renderer::Scene& scene,
+                    const renderer::LoadedCloud* cloud, const renderer::RenderOptions& options,
+                    renderer::ImageMetadata metadata, bool overwrite, renderer::RenderStatistics& statistics);
 
 /// What was reached, as metadata and for people (with what ended it, if that is not what was asked for), if
 /// the end was not settled beforehand; else nothing.

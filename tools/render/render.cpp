@@ -197,21 +197,23 @@ PictureList requested_pictures(const RenderCommand& command, const renderer::Sce
   if (is_set(command.camera)) names = picture_names(scene.output.file, views);
   const std::vector<std::filesystem::path> inputs = input_files(command, scene);
   PictureList list;
+  std::vector<std::filesystem::path> outputs;
   for (std::size_t i = 0; i < names.size(); ++i) {
+    outputs.push_back(written_file(command.long_render, names[i]));
     std::error_code error;
-    if (command.skip_existing && std::filesystem::exists(names[i], error)) {
+    if (command.skip_existing && std::filesystem::exists(outputs[i], error)) {
       list.finished.push_back(names[i]);
       continue;
     }
-    check_writable(names[i], command.overwrite, inputs);
+    check_writable(outputs[i], command.overwrite, inputs);
     // Without a view yet it is chosen once the cloud is known.
     list.pictures.push_back({i < views.size() ? views[i] : View(), names[i]});
   }
-  if (!command.color.legend.empty()) names.push_back(command.color.legend);
+  if (!command.color.legend.empty()) outputs.push_back(command.color.legend);
   check_long_render(command.long_render,
                     {.any = command.overwrite,
                      .earlier_preview = command.skip_existing || command.long_render.checkpoint.resume},
-                    names, inputs);
+                    outputs, inputs);
   return list;
 }
 
@@ -219,6 +221,8 @@ PictureList requested_pictures(const RenderCommand& command, const renderer::Sce
 /// a checkpoint, whose legend it was.
 bool is_wanted(const std::filesystem::path& legend, const RenderCommand& command, bool resumed) {
   std::error_code error;
+  // Parts have one legend, which the first one writes.
+  if (command.long_render.part && command.long_render.part->number > 1) return false;
   const bool may_stay = !command.overwrite && (command.skip_existing || resumed);
   return !legend.empty() && !(may_stay && std::filesystem::exists(legend, error));
 }
@@ -233,8 +237,9 @@ void check_legend_file(const RenderCommand& command, const renderer::Scene& scen
   }
 }
 
-std::uint64_t camera_rays(const renderer::Scene& scene, const camera::Camera& camera) {
-  return std::uint64_t{static_cast<std::uint32_t>(camera.width)} * static_cast<std::uint32_t>(camera.height) *
+std::uint64_t camera_rays(const renderer::Scene& scene, const camera::Camera& camera,
+                          const std::optional<renderer::PicturePart>& part) {
+  return renderer::pixel_count(camera.width, camera.height, part.value_or(renderer::PicturePart())) *
          static_cast<std::uint32_t>(scene.render.samples);
 }
 
@@ -270,7 +275,8 @@ renderer::RenderStatistics render_all(std::span<const Picture> pictures, rendere
                                       const renderer::LoadedCloud* cloud, const RenderCommand& command,
                                       const std::optional<Resumption>& resumed) {
   std::uint64_t total = 0, done = 0;
-  for (const Picture& picture : pictures) total += camera_rays(scene, picture.view.camera);
+  const std::optional<renderer::PicturePart>& part = command.long_render.part;
+  for (const Picture& picture : pictures) total += camera_rays(scene, picture.view.camera, part);
   const Verbosity verbosity = command.verbosity;
   ProgressLine line(pictures.size() == 1 ? "rendering" : fmt::format("rendering {} images", pictures.size()),
                     "camera rays", verbosity);
@@ -280,7 +286,7 @@ renderer::RenderStatistics render_all(std::span<const Picture> pictures, rendere
   for (const Picture& picture : pictures) {
     scene.camera = picture.view.camera;
     scene.output.file = picture.file;
-    total -= camera_rays(scene, picture.view.camera);
+    total -= camera_rays(scene, picture.view.camera, part);
     std::uint64_t rays_of_picture = 0;
     renderer::ImageMetadata texts = image_metadata(scene, picture.view, cloud, command.words);
     renderer::RenderOptions options =
@@ -292,10 +298,8 @@ renderer::RenderStatistics render_all(std::span<const Picture> pictures, rendere
       return progress(done + rays, done + all_rays + total);
     };
     renderer::RenderStatistics of_picture;
-    const image::Film film = renderer::render(scene, cloud, options, &of_picture);
-    for (auto& text : reached_texts(command.long_render, of_picture))
-      texts.further.push_back(std::move(text));
-    image_module().write_image(film, scene.output, texts, command.overwrite);
+    render_to_file(command.long_render, scene, cloud, options, std::move(texts), command.overwrite,
+                   of_picture);
     remove_checkpoint(command.long_render);
     const std::string reached = describe_reached(command.long_render, of_picture);
     if (!reached.empty() && verbosity != Verbosity::quiet)
@@ -370,9 +374,9 @@ ExitCode run(const RenderCommand& command) {
     if (!checkpoint.empty()) say_how_to_resume(verbosity, checkpoint.string());
     throw;
   }
-  const std::string written = pictures.size() == 1 ? pictures.front().file.string()
-                                                   : fmt::format("{} to {}", pictures.front().file.string(),
-                                                                 pictures.back().file.string());
+  const std::string first = written_file(command.long_render, pictures.front().file).string(),
+                    last = written_file(command.long_render, pictures.back().file).string(),
+                    written = pictures.size() == 1 ? first : fmt::format("{} to {}", first, last);
   say_note(verbosity,
            fmt::format("{} rays in {:.1f} s ({} rays/s); wrote {}",
                        short_count(static_cast<double>(statistics.ray_count)), statistics.seconds,
