@@ -319,6 +319,8 @@ void read_checkpoint(InputFile file, const PictureFingerprint& fingerprint, int 
 PartHead read_part_head(const std::filesystem::path& path) {
   constexpr std::uint32_t k_most_side = 65536, k_most_pixels = 1u << 28;
   InputFile file(path);
+  if (!begins_as(file, k_pictures))
+    fail_at_byte(file.name(), 0, "not a part of an image", "a file that 'alidade render --part' wrote");
   CheckpointHead head = read_head(file);
   if (head.width < 1 || head.height < 1 || head.width > k_most_side || head.height > k_most_side ||
       std::uint64_t{head.width} * head.height > k_most_pixels || head.samples < 1 ||

@@ -170,7 +170,7 @@ std::map<int, PartHead> checked_parts(std::span<const std::filesystem::path> fil
   return parts;
 }
 
-/// Errors: the files have fewer bytes than the picture takes, of which memory is to be taken.
+/// Errors: the files have fewer bytes than the picture, for which memory is taken next.
 void check_bytes(const std::map<int, PartHead>& parts) {
   const PartHead& first = parts.begin()->second;
   constexpr std::uint64_t k_least = sizeof(glm::dvec3) + 4, k_noise = 2 * sizeof(glm::vec3);

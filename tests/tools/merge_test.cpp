@@ -199,7 +199,7 @@ TEST_F(MergeTest, damaged_parts_and_other_files_are_errors) {
   flipped = whole;
   flipped[90] = static_cast<char>(flipped[90] ^ 1);
   rejects(flipped, "corrupt checkpoint: wrong header checksum");
-  rejects("PNG, or so", "a.png.part2of2:byte 0: not an Alidade checkpoint");
+  rejects("PNG, or so", "a.png.part2of2:byte 0: not a part of an image");
   const auto forged = [&](std::size_t position, std::uint32_t value) {
     std::vector<std::byte> bytes(whole.size());
     std::memcpy(bytes.data(), whole.data(), whole.size());
