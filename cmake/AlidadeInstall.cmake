@@ -5,7 +5,7 @@ get_property(ALIDADE_LIBRARIES GLOBAL PROPERTY ALIDADE_LIBRARIES)
 install(TARGETS ${ALIDADE_LIBRARIES} EXPORT AlidadeTargets ARCHIVE DESTINATION ${CMAKE_INSTALL_LIBDIR})
 install(EXPORT AlidadeTargets NAMESPACE alidade:: DESTINATION ${CMAKE_INSTALL_LIBDIR}/cmake/Alidade)
 
-set(ALIDADE_HEADER_FOLDERS base cloud octree simulation)
+set(ALIDADE_HEADER_FOLDERS base cloud octree mesh simulation)
 if(ALIDADE_BUILD_RENDERER)
   list(APPEND ALIDADE_HEADER_FOLDERS geo image camera renderer visibility compare)
 endif()

@@ -69,7 +69,8 @@ class Text {
   void add(const Sphere& sphere) { add_fields<3>(sphere); }
   void add(const GroundPlane& plane) { add_fields<2>(plane); }
   void add(const Model& model) {
-    const auto& [surfaces, material] = model;
+    const auto& [surfaces, material, mesh] = model;
+    // The name of a mesh has file, placement and a checksum.
     add_all(surfaces->name(), material);
   }
   void add(const ConstantSky& sky) { add_fields<1>(sky); }

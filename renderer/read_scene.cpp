@@ -288,9 +288,28 @@ CloudSettings read_cloud_settings(const JsonNode& node, const std::filesystem::p
   return cloud;
 }
 
-Object read_object(const JsonNode& node) {
-  const JsonNode type = type_of(node, {"type", "center", "radius", "height", "material"});
-  if (choice_of(type, {"sphere", "ground_plane"}) == 1) {
+Model read_mesh_object(const JsonNode& node, const std::filesystem::path& scene_file) {
+  const JsonFields fields(node, {"type", "file", "scale", "rotate_z", "translate", "material"});
+  Model model;
+  MeshFile& mesh = model.mesh.emplace();
+  mesh.file = path_beside(scene_file, fields.require("file"));
+  if (const auto scale = fields.find("scale")) mesh.placement.scale = scale->number(k_length);
+  if (const auto turn = fields.find("rotate_z")) mesh.placement.rotate_z = turn->number(k_angle);
+  if (const auto move = fields.find("translate")) mesh.placement.translate = move->vector(k_coordinate);
+  if (const auto material = fields.find("material")) {
+    model.material = read_material(*material, true);
+    if (model.material.index() > 1)
+      material->fail("invalid material of a mesh", "\"lambertian\" or \"metal\"");
+  }
+  return model;
+}
+
+Object read_object(const JsonNode& node, const std::filesystem::path& scene_file) {
+  const JsonNode type = type_of(
+      node, {"type", "center", "radius", "height", "file", "scale", "rotate_z", "translate", "material"});
+  const std::size_t kind = choice_of(type, {"sphere", "ground_plane", "mesh"});
+  if (kind == 2) return read_mesh_object(node, scene_file);
+  if (kind == 1) {
     const JsonFields fields(node, {"type", "height", "material"});
     GroundPlane plane;
     if (const auto height = fields.find("height")) plane.height = height->number(k_coordinate);
@@ -355,7 +374,7 @@ Scene parse_scene(std::string_view text, const std::filesystem::path& name) {
   if (const auto cloud = fields.find("cloud")) scene.cloud = read_cloud_settings(*cloud, name);
   if (const auto objects = fields.find("objects")) {
     for (const JsonNode& object : objects->elements(0, std::size_t(-1)))
-      scene.objects.push_back(read_object(object));
+      scene.objects.push_back(read_object(object, name));
   }
   if (const auto sky = fields.find("sky")) scene.sky = read_sky(*sky, name);
   if (const auto sun = fields.find("sun")) read_sun(*sun, scene);

@@ -19,6 +19,7 @@
 #include "geo/sun.h"
 #include "image/output_settings.h"
 #include "image/point_color.h"
+#include "mesh/triangle_mesh.h"
 #include "renderer/material.h"
 
 // A scene as plain data: what a scene file says, with defaults filled in and paths made absolute or relative
@@ -109,10 +110,18 @@ class Surfaces {
   virtual std::string name() const = 0;
 };
 
+/// A mesh in a file, and where it stands.
+struct MeshFile {
+  std::filesystem::path file;
+  MeshPlacement placement;
+};
+
 /// Surfaces as part of a scene.
 struct Model {
-  std::shared_ptr<const Surfaces> surfaces;  ///< not null
-  Material material = Lambertian{};          ///< not glass
+  /// Not null when rendered; those of a mesh are null until its file is read (renderer/mesh_surfaces.h).
+  std::shared_ptr<const Surfaces> surfaces;
+  Material material = Lambertian{};  ///< lambertian or metal
+  std::optional<MeshFile> mesh{};    ///< empty: surfaces of another kind
 };
 
 using Object = std::variant<Sphere, GroundPlane, Model>;

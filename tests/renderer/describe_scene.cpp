@@ -44,7 +44,10 @@ std::string text(const Object& object) {
       return fmt::format("sphere {}{}{}", text(s.center), text(s.radius), text(s.material));
     }
     std::string operator()(const Model& m) const {
-      return fmt::format("model {} {}", m.surfaces->name(), text(m.material));
+      if (!m.mesh) return fmt::format("model {} {}", m.surfaces->name(), text(m.material));
+      const MeshPlacement& placement = m.mesh->placement;
+      return fmt::format("mesh {} {}{}{}{}", m.mesh->file.string(), text(placement.scale),
+                         text(placement.rotate_z), text(placement.translate), text(m.material));
     }
     std::string operator()(const GroundPlane& p) const {
       return fmt::format("plane {}{}", text(p.height), text(p.material));

@@ -45,7 +45,10 @@ TEST(ReadSceneTest, a_scene_has_the_values_of_its_file) {
                  { "type": "sphere", "center": [0, 0, 0], "radius": 2,
                    "material": { "type": "emissive", "radiance": [5, 6, 7] } },
                  { "type": "ground_plane", "height": 3, "material": { "type": "lambertian", "albedo": [0, 0.5, 1] } },
-                 { "type": "ground_plane" } ],
+                 { "type": "ground_plane" },
+                 { "type": "mesh", "file": "../house.ply", "scale": 0.5, "rotate_z": -30, "translate": [690000, 5325000, 500],
+                   "material": { "type": "metal", "roughness": 0.5 } },
+                 { "type": "mesh", "file": "a.obj" } ],
     "sky": { "type": "constant", "radiance": [0.25, 0.5, 0.75] },
     "sun": { "azimuth": 90, "elevation": 45, "irradiance": [1, 2, 3], "angular_diameter": 0 },
     "render": { "samples": 7, "max_bounces": 0, "seed": 18446744073709551615 },
@@ -61,6 +64,8 @@ TEST(ReadSceneTest, a_scene_has_the_values_of_its_file) {
             "sphere 0 0 0 2 emissive 5 6 7 \n"
             "plane 3 lambertian 0 0.5 1 \n"
             "plane 0 lambertian 0.5 0.5 0.5 \n"
+            "mesh house.ply 0.5 -30 690000 5325000 500 metal own 0.5 \n"
+            "mesh scenes/a.obj 1 0 0 0 0 lambertian own \n"
             "sky constant 0.25 0.5 0.75 \n"
             "sun 90 45 1 2 3 0 \n"
             "camera chosen\n"

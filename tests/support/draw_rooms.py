@@ -13,12 +13,12 @@ ROOT = pathlib.Path(__file__).resolve().parents[2]
 PICTURE = ROOT / "docs/images/rooms.svg"
 WORDS = {
     "base": "what every room needs", "cloud": "from file to points", "octree": "from points to hit",
-    "geo": "where on Earth", "image": "pixels", "camera": "from pixel to ray", "simulation": "a known world",
+    "mesh": "from triangles to hit", "geo": "where on Earth", "image": "pixels", "camera": "from pixel to ray", "simulation": "a known world",
     "renderer": "from scene to image", "visibility": "from observers to maps", "compare": "two images, a verdict",
     "database": "from SQL to rows", "tools": "the program alidade",
 }
 # From left to right where rooms stand side by side.
-COLUMNS = ["database", "compare", "renderer", "visibility", "octree", "image", "geo", "camera", "simulation", "cloud", "base", "tools"]
+COLUMNS = ["database", "compare", "renderer", "visibility", "octree", "mesh", "image", "geo", "camera", "simulation", "cloud", "base", "tools"]
 WIDTH, HEIGHT, GAP, RISE = 176, 56, 20, 64
 
 

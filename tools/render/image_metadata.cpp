@@ -18,7 +18,7 @@ renderer::ImageMetadata image_metadata(const renderer::Scene& scene, const View&
   if (!view.name.empty()) metadata.further.emplace_back("alidade:camera_name", view.name);
   for (const renderer::Object& object : scene.objects)
     if (const auto* model = std::get_if<renderer::Model>(&object))
-      metadata.further.emplace_back("alidade:site", model->surfaces->name());
+      metadata.further.emplace_back(model->mesh ? "alidade:mesh" : "alidade:site", model->surfaces->name());
   if (cloud == nullptr) return metadata;
   if (scene.cloud->shape != renderer::PointShape::sphere)
     metadata.further.emplace_back("alidade:surface",

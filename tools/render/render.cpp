@@ -10,6 +10,7 @@
 #include "tools/command.h"
 #include "tools/image_module.h"
 #include "tools/render/image_metadata.h"
+#include "tools/render/load_meshes.h"
 #include "tools/render/long_render.h"
 #include "tools/render/render_options.h"
 #include "tools/render/views.h"
@@ -21,6 +22,7 @@ std::vector<std::filesystem::path> input_files(const RenderCommand& command, con
   std::vector<std::filesystem::path> files{command.scene_file, command.camera.file, command.camera.lens_file};
   if (scene.cloud) files.insert(files.end(), scene.cloud->files.begin(), scene.cloud->files.end());
   if (const auto* sky = std::get_if<renderer::ImageSky>(&scene.sky)) files.push_back(sky->file);
+  add_mesh_files(scene, files);
   return files;
 }
 
@@ -341,6 +343,7 @@ ExitCode run(const RenderCommand& command) {
     say_note(fmt::format("instruction set {}", name(best_instruction_set())));
   if (!views.empty()) check_views(pictures, scene, nullptr);
   if (!pictures.empty()) prepare_sky(scene, command.scene_file, verbosity);
+  load_meshes(scene, verbosity);
 
   CloudInputs clouds = command.files;
   if (scene.cloud && clouds.empty()) clouds = resolve_clouds(scene.cloud->files, cloud_formats());

@@ -124,16 +124,17 @@ void add_cloud_options(const Options& render, RenderCommand& command) {
                command.max_level, 0, renderer::k_max_level);
 }
 
-/// A cloud without a scene: a sun in the south-east, and a sky dim enough for white walls to keep their
+/// Clouds, meshes or the site without a scene: a sun in the south-east, and a sky dim enough for white walls to keep their
 /// shading.
 renderer::Scene daylight_scene(const CloudInputs& clouds) {
   renderer::Scene scene;
   scene.sky = renderer::GradientSky{.horizon = {0.72f, 0.80f, 0.88f}, .zenith = {0.30f, 0.48f, 0.80f}};
+  scene.sun = geo::Sun{.irradiance = {2.2f, 2.1f, 1.95f}};
+  if (clouds.empty()) return scene;
   renderer::CloudSettings& cloud = scene.cloud.emplace();
   cloud.files = clouds.names();
   cloud.normals = renderer::NormalMode::smooth;
   cloud.shape = renderer::PointShape::blend;
-  scene.sun = geo::Sun{.irradiance = {2.2f, 2.1f, 1.95f}};
   return scene;
 }
 
@@ -242,6 +243,11 @@ std::shared_ptr<RenderCommand> add_render_options(const Options& render) {
         if (text != "courtyard") throw UsageError("invalid value; expected courtyard, found '" + text + "'");
         command->exact_site = true;
       });
+  render.values(
+      "--mesh", "FILE",
+      "PLY or OBJ file of triangles in world coordinates, such as a planned building, beside the cloud "
+      "or the scene; may be given again",
+      [command = command.get()](const std::string& text) { command->meshes.emplace_back(text); });
   render.file("-o,--output", "FILE",
               "output image: .png, .jpg, .exr or .tif (default: the scene's); for a set of cameras with %04d "
               "(number, from 0), %s (name of the photograph) or %f (the same with folders and extension)",
@@ -266,19 +272,23 @@ std::shared_ptr<RenderCommand> add_render_options(const Options& render) {
 }
 
 renderer::Scene requested_scene(const RenderCommand& command) {
-  if (command.scene_file.empty() && command.files.empty() && !command.exact_site)
-    throw input_error("nothing to render", "SCENE.json, --cloud FILE... or --site courtyard");
+  if (command.scene_file.empty() && command.files.empty() && command.meshes.empty() && !command.exact_site)
+    throw input_error("nothing to render", "SCENE.json, --cloud FILE..., --mesh FILE... or --site courtyard");
   renderer::Scene scene =
       command.scene_file.empty() ? daylight_scene(command.files) : renderer::read_scene(command.scene_file);
   if (command.exact_site) put_exact_site(scene, command.scene_file);
+  for (const std::filesystem::path& file : command.meshes)
+    scene.objects.emplace_back(renderer::Model{.surfaces = {}, .mesh = renderer::MeshFile{file, {}}});
   apply_cloud_options(command, scene);
   apply_light_options(command.light, scene);
   if (command.max_bounces) require_path_mode(scene, "--max-bounces");
   if (scene.cloud) renderer::check_shape(*scene.cloud);
   // Without points there is no extent to choose a distance by.
-  if (command.exact_site && scene.render.mode == renderer::RenderMode::ambient_occlusion &&
+  const bool is_site_or_mesh = command.exact_site || !command.meshes.empty();
+  if (is_site_or_mesh && !scene.cloud && scene.render.mode == renderer::RenderMode::ambient_occlusion &&
       !scene.render.ao_distance)
-    throw input_error("--site requires a distance for ambient occlusion", "--ao-distance METRES");
+    throw input_error("a picture without a cloud requires a distance for ambient occlusion",
+                      "--ao-distance METRES");
   scene.render.samples = command.samples.value_or(scene.render.samples);
   scene.render.max_bounces = command.max_bounces.value_or(scene.render.max_bounces);
   scene.render.seed = command.seed.value_or(scene.render.seed);

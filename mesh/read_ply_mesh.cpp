@@ -1,0 +1,254 @@
+// SPDX-License-Identifier: MIT
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "base/error.h"
+#include "base/text_scanner.h"
+#include "cloud/ply/ply_header.h"
+#include "cloud/point_table.h"
+#include "mesh/mesh_builder.h"
+
+namespace alidade {
+namespace {
+
+constexpr std::uint64_t k_rows_per_report = 1 << 14;
+
+/// Rows of a text.
+class TextRows {
+ public:
+  TextRows(InputFile& file, const PlyHeader& header)
+      : scanner_(file, header.data_offset, header.line_count) {}
+
+  void begin(const PlyElement& element) {
+    if (!scanner_.next_words(words_))
+      scanner_.fail("truncated file", "more lines of the element '" + element.name + "'");
+    next_ = 0;
+  }
+  double value(ScalarType type) {
+    if (next_ >= words_.size()) scanner_.fail("too few values");
+    return require_cell(scanner_, words_[next_++], type).number;
+  }
+  /// How many values a list can have.
+  std::uint64_t room(ScalarType /*type*/) const { return words_.size() - next_; }
+  [[noreturn]] void fail(const std::string& problem, const std::string& expected,
+                         const std::string& found) const {
+    scanner_.fail(problem, expected, found);
+  }
+  std::uint64_t offset() const { return scanner_.offset(); }
+
+ private:
+  TextScanner scanner_;
+  std::vector<std::string_view> words_;
+  std::size_t next_ = 0;
+};
+
+/// Rows of a binary file.
+class BinaryRows {
+ public:
+  BinaryRows(InputFile& file, const PlyHeader& header)
+      : file_(file), cursor_(file, header.data_offset), order_(byte_order(header.format)) {}
+
+  void begin(const PlyElement& /*element*/) { row_ = cursor_.offset(); }
+  double value(ScalarType type) {
+    return cell_from(cursor_.take(static_cast<std::size_t>(scalar_size(type))), type, order_).number;
+  }
+  std::uint64_t room(ScalarType type) const {
+    return (file_.size() - cursor_.offset()) / static_cast<std::uint64_t>(scalar_size(type));
+  }
+  [[noreturn]] void fail(const std::string& problem, const std::string& expected,
+                         const std::string& found) const {
+    fail_at_byte(file_.name(), row_, problem, expected, found);
+  }
+  std::uint64_t offset() const { return cursor_.offset(); }
+
+ private:
+  InputFile& file_;
+  ByteCursor cursor_;
+  std::endian order_;
+  std::uint64_t row_ = 0;
+};
+
+/// What a property is to a mesh.
+enum class Part { x, y, z, red, green, blue, polygon, other };
+
+Part part_of(const PlyProperty& property, bool is_vertex) {
+  if (property.is_list) {
+    const bool names_vertices = property.name == "vertex_indices" || property.name == "vertex_index";
+    return !is_vertex && names_vertices ? Part::polygon : Part::other;
+  }
+  if (is_vertex && property.name == "x") return Part::x;
+  if (is_vertex && property.name == "y") return Part::y;
+  if (is_vertex && property.name == "z") return Part::z;
+  if (property.name == "red" || property.name == "diffuse_red") return Part::red;
+  if (property.name == "green" || property.name == "diffuse_green") return Part::green;
+  if (property.name == "blue" || property.name == "diffuse_blue") return Part::blue;
+  return Part::other;
+}
+
+/// Integers fill their type; others are 0 to 1.
+float channel(double value, ScalarType type) {
+  const double largest = type == ScalarType::uint8 ? 255.0 : type == ScalarType::uint16 ? 65535.0 : 1.0;
+  return static_cast<float>(
+      linear_from_srgb(std::isnan(value) ? 0.0 : std::clamp(value / largest, 0.0, 1.0)));
+}
+
+struct Row {
+  glm::dvec3 position{0.0};
+  Rgb color{0.0f};
+  std::vector<std::uint32_t> polygon;
+};
+
+template <class Rows>
+std::uint64_t list_length(Rows& rows, const PlyProperty& property) {
+  const double count = rows.value(property.count_type);
+  const std::uint64_t room = rows.room(property.type);
+  if (!(count >= 0.0 && count <= static_cast<double>(room)))
+    rows.fail("invalid list length of '" + property.name + "'", fmt::format("0 to {}", room),
+              fmt::format("{:.0f}", count));
+  return static_cast<std::uint64_t>(count);
+}
+
+class PlyMeshReader {
+ public:
+  PlyMeshReader(InputFile& file, PlyHeader header, std::uint64_t& left_out, const Progress& progress)
+      : file_(file), header_(std::move(header)), left_out_(left_out), progress_(progress) {}
+
+  TriangleMesh read() {
+    header_.format == PlyFormat::ascii ? read_elements(TextRows(file_, header_))
+                                       : read_elements(BinaryRows(file_, header_));
+    return std::move(mesh_);
+  }
+
+ private:
+  const PlyElement& vertex() const { return header_.elements[header_.vertex]; }
+
+  /// Errors: more rows than the file has bytes for; more than a mesh may have.
+  void check_room(const PlyElement& element, std::uint64_t bytes_in_memory) const {
+    const bool is_text = header_.format == PlyFormat::ascii;
+    const std::uint64_t size = is_text ? 2 * element.properties.size() : element.smallest_size();
+    const std::uint64_t left = file_.size() - header_.data_offset;
+    if (element.count == 0) return;
+    // The end of the last line may be missing.
+    if (size == 0 || element.count > (left + 1) / size)
+      throw file_error(file_.name(), "truncated file: too short for its element '" + element.name + "'",
+                       fmt::format("{} of at least {} bytes", element.count, size),
+                       fmt::format("{} bytes", left));
+    if (element.count > k_most_mesh_parts)
+      throw file_error(file_.name(), "too many of the element '" + element.name + "'",
+                       fmt::format("at most {}", k_most_mesh_parts), std::to_string(element.count));
+    check_free_memory(file_.name(), element.count * bytes_in_memory);
+  }
+
+  template <class Rows>
+  void read_elements(Rows rows) {
+    for (const PlyElement& element : header_.elements) {
+      const bool is_vertex = &element == &vertex(), is_face = element.name == "face";
+      // Without properties there are no bytes to read, but maybe a huge count.
+      if (element.properties.empty()) continue;
+      if (is_vertex || is_face)
+        read_element(rows, element, is_vertex);
+      else
+        skip(rows, element);
+    }
+  }
+
+  template <class Rows>
+  void read_element(Rows& rows, const PlyElement& element, bool is_vertex) {
+    std::vector<Part> parts;
+    for (const PlyProperty& property : element.properties) parts.push_back(part_of(property, is_vertex));
+    const auto has = [&](Part part) { return std::ranges::find(parts, part) != parts.end(); };
+    if (is_vertex && !(has(Part::x) && has(Part::y) && has(Part::z)))
+      throw file_error(file_.name(), "vertices without coordinates", "the properties x, y and z");
+    if (!is_vertex && !has(Part::polygon))
+      throw file_error(file_.name(), "faces without vertices", "the list vertex_indices or vertex_index");
+    const bool has_color = has(Part::red) && has(Part::green) && has(Part::blue);
+    check_room(element, is_vertex ? sizeof(glm::dvec3) + has_color * sizeof(Rgb)
+                                  : sizeof(TriangleMesh::Triangle) + has_color * sizeof(Rgb));
+    if (is_vertex)
+      mesh_.vertices.reserve(element.count);
+    else
+      mesh_.triangles.reserve(mesh_.triangles.size() + element.count);
+    if (has_color && is_vertex) mesh_.vertex_colors.reserve(element.count);
+    Row row;
+    for (std::uint64_t i = 0; i < element.count; ++i) {
+      if (i % k_rows_per_report == 0) report(progress_, rows.offset(), file_.size());
+      rows.begin(element);
+      fill(rows, element, parts, row);
+      if (is_vertex) {
+        mesh_.vertices.push_back(row.position);
+        if (has_color) mesh_.vertex_colors.push_back(row.color);
+      } else {
+        add_fan(file_.name(), row.polygon, mesh_, left_out_);
+        if (has_color) mesh_.triangle_colors.resize(mesh_.triangles.size(), row.color);
+      }
+    }
+  }
+
+  template <class Rows>
+  void fill(Rows& rows, const PlyElement& element, const std::vector<Part>& parts, Row& row) {
+    for (std::size_t p = 0; p < parts.size(); ++p) {
+      const PlyProperty& property = element.properties[p];
+      if (parts[p] == Part::polygon) {
+        fill_polygon(rows, property, row.polygon);
+      } else if (property.is_list) {
+        skip_list(rows, property);
+      } else {
+        const double value = rows.value(property.type);
+        const int part = static_cast<int>(parts[p]);
+        if (part < 3)
+          row.position[part] = value;
+        else if (part < 6)
+          row.color[part - 3] = channel(value, property.type);
+      }
+    }
+  }
+
+  template <class Rows>
+  void fill_polygon(Rows& rows, const PlyProperty& property, std::vector<std::uint32_t>& polygon) {
+    const std::uint64_t count = list_length(rows, property);
+    polygon.clear();
+    for (std::uint64_t i = 0; i < count; ++i) {
+      const double number = rows.value(property.type);
+      if (!(number >= 0.0 && number < static_cast<double>(vertex().count)) || number != std::floor(number))
+        rows.fail("a face names a vertex that does not exist",
+                  fmt::format("numbers from 0 to below {}", vertex().count), fmt::format("{:.17g}", number));
+      polygon.push_back(static_cast<std::uint32_t>(number));
+    }
+  }
+
+  template <class Rows>
+  static void skip_list(Rows& rows, const PlyProperty& property) {
+    for (std::uint64_t left = list_length(rows, property); left > 0; --left) rows.value(property.type);
+  }
+
+  template <class Rows>
+  void skip(Rows& rows, const PlyElement& element) {
+    for (std::uint64_t i = 0; i < element.count; ++i) {
+      if (i % k_rows_per_report == 0) report(progress_, rows.offset(), file_.size());
+      rows.begin(element);
+      for (const PlyProperty& property : element.properties)
+        property.is_list ? skip_list(rows, property) : static_cast<void>(rows.value(property.type));
+    }
+  }
+
+  InputFile& file_;
+  PlyHeader header_;
+  std::uint64_t& left_out_;
+  const Progress& progress_;
+  TriangleMesh mesh_;
+};
+
+}  // namespace
+
+TriangleMesh read_ply_mesh(InputFile& file, std::uint64_t& left_out, const Progress& progress) {
+  // Its check of the room names an option that is for clouds alone.
+  return PlyMeshReader(file, read_ply_header(file, Damage::read_over), left_out, progress).read();
+}
+
+}  // namespace alidade

@@ -1,0 +1,319 @@
+// SPDX-License-Identifier: MIT
+#include "mesh/triangle_tree.h"
+
+#include <tbb/parallel_invoke.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <glm/common.hpp>
+#include <glm/geometric.hpp>
+#include <limits>
+#include <utility>
+
+#include "base/parallel.h"
+
+namespace alidade {
+namespace {
+
+/// Triangles of a leaf.
+constexpr std::uint32_t k_block = 4;
+
+/// Ranges halve, and there are fewer than 2^32 triangles.
+constexpr int k_most_levels = 32;
+
+constexpr double k_infinity = std::numeric_limits<double>::infinity();
+
+using Box = std::array<glm::vec3, 2>;
+
+/// Stretch of a ray within a box; empty if begin > end.
+struct Stretch {
+  double begin = -k_infinity, end = k_infinity;
+};
+
+/// The next float that is not on the wrong side of the value.
+float rounded(double value, float towards) {
+  const auto nearest = static_cast<float>(value);
+  const bool is_outside = towards < 0.0f ? nearest <= value : nearest >= value;
+  return is_outside ? nearest : std::nextafter(nearest, towards);
+}
+
+}  // namespace
+
+/// A ray on its way through the tree, from the middle of the mesh.
+class TriangleTree::Walk {
+ public:
+  Walk(const Ray& ray, const glm::dvec3& origin)
+      : t_min(ray.t_min), t_max(ray.t_max), origin_(origin), direction_(ray.direction) {
+    for (int axis = 0; axis < 3; ++axis) {
+      if (std::fabs(direction_[axis]) > std::fabs(direction_[z_])) z_ = axis;
+      // The inverse of less would be infinite.
+      is_level_[axis] = std::fabs(direction_[axis]) < 1e-290;
+      inverse_[axis] = is_level_[axis] ? 0.0 : 1.0 / direction_[axis];
+    }
+    x_ = (z_ + 1) % 3;
+    y_ = (x_ + 1) % 3;
+    shear_ = glm::dvec3(direction_[x_], direction_[y_], 1.0) / direction_[z_];
+  }
+
+  /// Monotonic, rounding included: that of a box within another lies within that of the other. So what is left
+  /// out with a node would have been left out alone, too.
+  template <class Vector>
+  Stretch within(const Vector& low, const Vector& high) const {
+    Stretch stretch;
+    for (int axis = 0; axis < 3; ++axis) {
+      const double to_low = low[axis] - origin_[axis], to_high = high[axis] - origin_[axis];
+      if (is_level_[axis]) {
+        if (to_low > 0.0 || to_high < 0.0) return {k_infinity, -k_infinity};
+        continue;
+      }
+      const double a = to_low * inverse_[axis], b = to_high * inverse_[axis];
+      stretch.begin = std::max(stretch.begin, std::min(a, b));
+      stretch.end = std::min(stretch.end, std::max(a, b));
+    }
+    return stretch;
+  }
+
+  /// The same of a node's box and the interval that is left.
+  Stretch left_within(const Box& box) const {
+    const Stretch stretch = within(box[0], box[1]);
+    return {std::max(stretch.begin, t_min), std::min(stretch.end, t_max)};
+  }
+
+  /// Where the ray meets a triangle, as t and the weights of a, b, c; empty if it passes by or lies in its
+  /// plane. Two triangles get the same value for the side they share, so that no ray slips between them.
+  /// Source: Woop, Benthin, Wald, Watertight Ray/Triangle Intersection, JCGT 2(1), 2013.
+  std::optional<std::pair<double, std::array<double, 3>>> meet(const glm::dvec3& a, const glm::dvec3& b,
+                                                               const glm::dvec3& c) const {
+    const glm::dvec3 from_a = sheared(a), from_b = sheared(b), from_c = sheared(c);
+    const double u = from_c.x * from_b.y - from_c.y * from_b.x;
+    const double v = from_a.x * from_c.y - from_a.y * from_c.x;
+    const double w = from_b.x * from_a.y - from_b.y * from_a.x;
+    if ((u < 0.0 || v < 0.0 || w < 0.0) && (u > 0.0 || v > 0.0 || w > 0.0)) return std::nullopt;
+    const double sum = u + v + w;
+    if (sum == 0.0) return std::nullopt;
+    const std::array<double, 3> weights{u / sum, v / sum, w / sum};
+    return std::pair(weights[0] * from_a.z + weights[1] * from_b.z + weights[2] * from_c.z, weights);
+  }
+
+  double t_min, t_max;
+
+ private:
+  /// Seen along the ray: x and y to its sides, z in units of t.
+  glm::dvec3 sheared(const glm::dvec3& vertex) const {
+    const glm::dvec3 offset = vertex - origin_;
+    return {offset[x_] - shear_.x * offset[z_], offset[y_] - shear_.y * offset[z_], shear_.z * offset[z_]};
+  }
+
+  glm::dvec3 origin_, direction_, inverse_{0.0}, shear_{0.0};
+  std::array<bool, 3> is_level_{};
+  int x_ = 0, y_ = 0, z_ = 0;
+};
+
+/// Sorts triangles: each range of blocks is cut in the middle along its longest side.
+class TriangleTree::Build {
+ public:
+  Build(TriangleTree& tree, const Progress& progress)
+      : tree_(tree), progress_(progress, tree.triangles_.size()), items_(tree.triangles_.size()) {
+    in_parallel(items_.size(), 4096, [&](std::size_t i) {
+      const TriangleMesh::Triangle& triangle = tree_.triangles_[i];
+      const glm::dvec3 sum =
+          tree_.vertices_[triangle[0]] + tree_.vertices_[triangle[1]] + tree_.vertices_[triangle[2]];
+      items_[i] = {glm::vec3(sum), static_cast<std::uint32_t>(i)};
+    });
+  }
+
+  void run() {
+    const auto blocks = static_cast<std::uint32_t>((std::uint64_t{items_.size()} + k_block - 1) / k_block);
+    tree_.nodes_.resize(blocks);
+    // The first one is the second half of nothing, and holds the box of all.
+    tree_.nodes_[0].boxes[0] = build(0, blocks);
+    std::vector<TriangleMesh::Triangle> sorted(items_.size());
+    tree_.numbers_.resize(items_.size());
+    in_parallel(items_.size(), 4096, [&](std::size_t i) {
+      sorted[i] = tree_.triangles_[items_[i].number];
+      tree_.numbers_[i] = items_[i].number;
+    });
+    tree_.triangles_ = std::move(sorted);
+  }
+
+ private:
+  static constexpr std::uint32_t k_blocks_of_a_task = 1024;
+
+  struct Item {
+    glm::vec3 corner_sum{0.0f};
+    std::uint32_t number = 0;
+  };
+
+  std::size_t first_of(std::uint32_t block) const {
+    return std::min(std::size_t{block} * k_block, items_.size());
+  }
+
+  Box build(std::uint32_t begin, std::uint32_t end) {
+    if (end - begin == 1) return box_of_block(begin);
+    const std::uint32_t middle = begin + (end - begin) / 2;
+    cut(first_of(begin), first_of(middle), first_of(end));
+    auto& halves = tree_.nodes_[middle].boxes;
+    const auto build_first = [&] { halves[0] = build(begin, middle); };
+    const auto build_second = [&] { halves[1] = build(middle, end); };
+    if (end - begin > k_blocks_of_a_task) {
+      tbb::parallel_invoke(build_first, build_second);
+    } else {
+      build_first();
+      build_second();
+      if (end - begin > k_blocks_of_a_task / 2) progress_.add(first_of(end) - first_of(begin));
+    }
+    return {glm::min(halves[0][0], halves[1][0]), glm::max(halves[0][1], halves[1][1])};
+  }
+
+  void cut(std::size_t begin, std::size_t middle, std::size_t end) {
+    glm::vec3 low = items_[begin].corner_sum, high = low;
+    for (std::size_t i = begin; i < end; ++i) {
+      low = glm::min(low, items_[i].corner_sum);
+      high = glm::max(high, items_[i].corner_sum);
+    }
+    const glm::vec3 size = high - low;
+    const int axis = size.x >= size.y && size.x >= size.z ? 0 : size.y >= size.z ? 1 : 2;
+    const auto at = [&](std::size_t i) { return items_.begin() + static_cast<std::ptrdiff_t>(i); };
+    std::nth_element(at(begin), at(middle), at(end), [axis](const Item& a, const Item& b) {
+      return std::pair(a.corner_sum[axis], a.number) < std::pair(b.corner_sum[axis], b.number);
+    });
+  }
+
+  Box box_of_block(std::uint32_t block) {
+    Bounds bounds;
+    for (std::size_t i = first_of(block); i < first_of(block + 1); ++i)
+      for (const std::uint32_t vertex : tree_.triangles_[items_[i].number])
+        bounds.grow(tree_.vertices_[vertex]);
+    Box box;
+    for (int axis = 0; axis < 3; ++axis) {
+      constexpr float k_far = std::numeric_limits<float>::infinity();
+      box[0][axis] = rounded(bounds.min[axis] - tree_.slack_, -k_far);
+      box[1][axis] = rounded(bounds.max[axis] + tree_.slack_, k_far);
+    }
+    return box;
+  }
+
+  TriangleTree& tree_;
+  JoinedProgress progress_;
+  std::vector<Item> items_;
+};
+
+TriangleTree::TriangleTree(TriangleMesh mesh, const Progress& progress)
+    : vertices_(std::move(mesh.vertices)),
+      triangles_(std::move(mesh.triangles)),
+      vertex_colors_(std::move(mesh.vertex_colors)),
+      triangle_colors_(std::move(mesh.triangle_colors)) {
+  for (const TriangleMesh::Triangle& triangle : triangles_)
+    for (const std::uint32_t vertex : triangle) bounds_.grow(vertices_[vertex]);
+  middle_ = bounds_.center();
+  for (glm::dvec3& vertex : vertices_) vertex -= middle_;
+  // A flat box at a corner must not lose rays to the rounding of its sides.
+  slack_ = 0x1p-40 * length_of(bounds_.size());
+  Build(*this, progress).run();
+}
+
+TriangleTree::Walk TriangleTree::walk_of(const Ray& ray) const {
+  return {ray, ray.origin - middle_};
+}
+
+/// Without normal and colour. t is held in the triangle's own box, from which rounding would take it where the
+/// ray grazes the plane.
+std::optional<TriangleHit> TriangleTree::meet(const Walk& walk, std::uint32_t place) const {
+  const TriangleMesh::Triangle& triangle = triangles_[place];
+  const glm::dvec3 &a = vertices_[triangle[0]], &b = vertices_[triangle[1]], &c = vertices_[triangle[2]];
+  const auto met = walk.meet(a, b, c);
+  if (!met) return std::nullopt;
+  const Stretch stretch =
+      walk.within(glm::min(a, glm::min(b, c)) - slack_, glm::max(a, glm::max(b, c)) + slack_);
+  const double t = std::min(std::max(met->first, stretch.begin), stretch.end);
+  if (!(stretch.begin <= stretch.end && t >= walk.t_min && t <= walk.t_max)) return std::nullopt;
+  return TriangleHit{.t = t, .triangle = numbers_[place], .vertices = triangle, .weights = met->second};
+}
+
+TriangleHit TriangleTree::finished(const Ray& ray, TriangleHit hit) const {
+  const glm::dvec3& a = vertices_[hit.vertices[0]];
+  const glm::dvec3 normal = glm::cross(vertices_[hit.vertices[1]] - a, vertices_[hit.vertices[2]] - a);
+  // Far from the origin a sliver may have lost its area in coordinates from the middle.
+  hit.normal = normal == glm::dvec3(0.0) ? -ray.direction : unit_direction(normal);
+  if (glm::dot(hit.normal, ray.direction) > 0.0) hit.normal = -hit.normal;
+  return hit;
+}
+
+template <class Visit>
+void TriangleTree::for_blocks(Walk& walk, const Visit& visit) const {
+  struct Range {
+    std::uint32_t begin, end;
+    double entry;
+  };
+  const Stretch all = walk.left_within(nodes_[0].boxes[0]);
+  if (!(all.begin <= all.end)) return;
+  std::array<Range, k_most_levels + 1> waiting;
+  int count = 0;
+  waiting[count++] = {0, static_cast<std::uint32_t>(nodes_.size()), all.begin};
+  while (count > 0) {
+    Range range = waiting[--count];
+    // Equal ones may have a smaller number.
+    bool goes_on = range.entry <= walk.t_max;
+    while (goes_on && range.end - range.begin > 1) {
+      const std::uint32_t middle = range.begin + (range.end - range.begin) / 2;
+      const Node& node = nodes_[middle];
+      const Stretch first = walk.left_within(node.boxes[0]), second = walk.left_within(node.boxes[1]);
+      const bool meets_first = first.begin <= first.end, meets_second = second.begin <= second.end;
+      const Range first_half{range.begin, middle, first.begin}, second_half{middle, range.end, second.begin};
+      const bool first_is_nearer = first.begin <= second.begin;
+      if (meets_first && meets_second) waiting[count++] = first_is_nearer ? second_half : first_half;
+      goes_on = meets_first || meets_second;
+      range = meets_first && (!meets_second || first_is_nearer) ? first_half : second_half;
+    }
+    if (!goes_on) continue;
+    const std::uint64_t begin = std::uint64_t{range.begin} * k_block;
+    const std::uint64_t end = std::min<std::uint64_t>(begin + k_block, triangles_.size());
+    for (std::uint64_t place = begin; place < end; ++place)
+      if (visit(static_cast<std::uint32_t>(place))) return;
+  }
+}
+
+std::optional<TriangleHit> TriangleTree::closest(const Ray& ray) const {
+  Walk walk = walk_of(ray);
+  std::optional<TriangleHit> best;
+  for_blocks(walk, [&](std::uint32_t place) {
+    const auto hit = meet(walk, place);
+    if (hit && (!best || std::pair(hit->t, hit->triangle) < std::pair(best->t, best->triangle))) {
+      best = hit;
+      walk.t_max = hit->t;
+    }
+    return false;
+  });
+  if (best) best = finished(ray, *best);
+  return best;
+}
+
+bool TriangleTree::occluded(const Ray& ray) const {
+  Walk walk = walk_of(ray);
+  bool is_met = false;
+  for_blocks(walk, [&](std::uint32_t place) { return is_met = meet(walk, place).has_value(); });
+  return is_met;
+}
+
+std::optional<TriangleHit> TriangleTree::closest_by_brute_force(const Ray& ray) const {
+  const Walk walk = walk_of(ray);
+  std::optional<TriangleHit> best;
+  for (std::uint32_t place = 0; place < triangle_count(); ++place) {
+    const auto hit = meet(walk, place);
+    if (hit && (!best || std::pair(hit->t, hit->triangle) < std::pair(best->t, best->triangle))) best = hit;
+  }
+  if (best) best = finished(ray, *best);
+  return best;
+}
+
+std::optional<Rgb> TriangleTree::color(const TriangleHit& hit) const {
+  if (!triangle_colors_.empty()) return triangle_colors_[hit.triangle];
+  if (vertex_colors_.empty()) return std::nullopt;
+  Rgb color(0.0f);
+  for (std::size_t i = 0; i < 3; ++i)
+    color += static_cast<float>(hit.weights[i]) * vertex_colors_[hit.vertices[i]];
+  return color;
+}
+
+}  // namespace alidade
