@@ -122,6 +122,8 @@ class PlyMeshReader {
   TriangleMesh read() {
     header_.format == PlyFormat::ascii ? read_elements(TextRows(file_, header_))
                                        : read_elements(BinaryRows(file_, header_));
+    // Of several elements named face some may lack colours.
+    if (!mesh_.triangle_colors.empty()) mesh_.triangle_colors.resize(mesh_.triangles.size(), Rgb(0.5f));
     return std::move(mesh_);
   }
 

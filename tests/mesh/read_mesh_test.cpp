@@ -169,13 +169,13 @@ TEST_F(ReadMeshTest, malformed_ply_files_are_errors) {
   const std::string corners = "0 0 0\n1 0 0\n0 1 0\n";
   EXPECT_EQ(error("a.ply", ply("3", "1", corners + "3 0 1 2\n")), "no error");
   EXPECT_EQ(error("a.ply", ply("3", "1", corners + "3 0 1 3\n")),
-            "a.ply:line 12: a face names a vertex that does not exist; expected numbers from 0 to below 3, "
+            "a.ply:line 13: a face names a vertex that does not exist; expected numbers from 0 to below 3, "
             "found 3");
   EXPECT_EQ(error("a.ply", ply("3", "1", corners + "3 0 1 -1\n")),
-            "a.ply:line 12: a face names a vertex that does not exist; expected numbers from 0 to below 3, "
+            "a.ply:line 13: a face names a vertex that does not exist; expected numbers from 0 to below 3, "
             "found -1");
   EXPECT_EQ(error("a.ply", ply("3", "1", corners + "9 0 1 2\n")),
-            "a.ply:line 12: invalid list length of 'vertex_index'; expected 0 to 3, found 9");
+            "a.ply:line 13: invalid list length of 'vertex_index'; expected 0 to 3, found 9");
   EXPECT_EQ(error("a.ply", ply("3", "1", "0 0 0\n1 nan 0\n0 1 0\n3 0 1 2\n")),
             "a.ply: vertex 1 is not finite");
   // Counts are compared with the file before memory is taken.

@@ -133,7 +133,7 @@ TEST_F(UsageTest, scene_and_cloud_exclude_each_other) {
 TEST_F(UsageTest, render_without_scene_or_cloud_reports_what_is_missing) {
   const ProgramResult result = run({"render", "-o", "a.png"});
   EXPECT_EQ(result.exit_code, 2);
-  EXPECT_TRUE(contains(result.err, "SCENE.json, --cloud FILE... or --site")) << result.err;
+  EXPECT_TRUE(contains(result.err, "SCENE.json, --cloud FILE..., --mesh FILE or --site")) << result.err;
 }
 
 TEST_F(UsageTest, program_itself_loads_neither_image_nor_map_libraries) {

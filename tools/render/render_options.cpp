@@ -273,7 +273,7 @@ std::shared_ptr<RenderCommand> add_render_options(const Options& render) {
 
 renderer::Scene requested_scene(const RenderCommand& command) {
   if (command.scene_file.empty() && command.files.empty() && command.meshes.empty() && !command.exact_site)
-    throw input_error("nothing to render", "SCENE.json, --cloud FILE..., --mesh FILE... or --site courtyard");
+    throw input_error("nothing to render", "SCENE.json, --cloud FILE..., --mesh FILE or --site courtyard");
   renderer::Scene scene =
       command.scene_file.empty() ? daylight_scene(command.files) : renderer::read_scene(command.scene_file);
   if (command.exact_site) put_exact_site(scene, command.scene_file);
