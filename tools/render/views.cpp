@@ -192,8 +192,9 @@ View view_of_cloud(const CameraRequest& request, const renderer::Scene& scene,
   }
   if (!request.from_above) {
     const ImageSize size = request.size.value_or(ImageSize{1200, 800});
-    Bounds seen = models;
-    if (cloud != nullptr) seen.grow(renderer::visible_bounds(*cloud));
+    Bounds seen = cloud != nullptr ? renderer::visible_bounds(*cloud) : models;
+    // A mesh elsewhere would make the cloud a speck.
+    if (meet(seen, models)) seen.grow(models);
     return {"", camera::overview_camera(seen, size.width, size.height)};
   }
   Bounds bounds = models;
