@@ -263,6 +263,7 @@ TEST_F(RenderDepthTest, mistakes_are_errors_before_the_work) {
   expect({"--depth", "a.png", "--depth-mask", "a.png"}, "a.png: two outputs have this name");
   expect({"--depth", "a.npy", "--layers", "depth"}, "--layers requires a picture; expected -o FILE");
   expect({"--depth", "a.npy", "--time-limit", "1"}, "--time-limit requires a picture");
+  expect({"--depth", "a.npy", "--part", "1/2"}, "--part requires a picture");
   expect({"--depth", "a.npy", "--preview", "p.png"}, "--preview requires a picture");
   expect({"--depth", "a.npy", "--camera", "model"}, "a.npy: 2 cameras, but one output name");
   expect({"--depth", "%s.npy", "--depth-mask", "m.png", "--camera", "model"}, "m.png: 2 cameras");
@@ -278,6 +279,28 @@ TEST_F(RenderDepthTest, mistakes_are_errors_before_the_work) {
   expect({"--depth", "%s.npy", "--camera", "transforms.json", "--transforms-out", "transforms.json",
           "--overwrite"},
          "transforms.json: the output is also an input");
+}
+
+TEST_F(RenderDepthTest, maps_come_with_the_first_part_of_a_picture_and_stay_when_it_resumes) {
+  const std::vector<std::string> words{"--camera", "model",   "--camera-name", "a",         "-q", "-o",
+                                       "a.png",    "--depth", "depth.npy",     "--samples", "2"};
+  const auto with = [&](const std::vector<std::string>& more) {
+    std::vector<std::string> all = words;
+    all.insert(all.end(), more.begin(), more.end());
+    return render(all);
+  };
+  ASSERT_EQ(with({"--part", "2/2"}).exit_code, 0);
+  EXPECT_FALSE(std::filesystem::exists(folder / "depth.npy"));
+  ASSERT_EQ(with({"--part", "1/2"}).exit_code, 0);
+  EXPECT_TRUE(std::filesystem::exists(folder / "depth.npy"));
+  const ProgramResult again = with({});
+  EXPECT_EQ(again.exit_code, 2);
+  EXPECT_TRUE(contains(again.err, "depth.npy: the file exists")) << again.err;
+  // Without a checkpoint, a resumption starts from the beginning; with one, the map may stay.
+  EXPECT_EQ(with({"--checkpoint", "state", "--resume"}).exit_code, 2);
+  write("state", "not a checkpoint");
+  const ProgramResult resumed = with({"--checkpoint", "state", "--resume"});
+  EXPECT_FALSE(contains(resumed.err, "depth.npy")) << resumed.err;
 }
 
 TEST_F(RenderDepthTest, a_full_disk_leaves_no_map) {

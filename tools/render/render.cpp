@@ -247,11 +247,18 @@ std::uint64_t camera_rays(const renderer::Scene& scene, const camera::Camera& ca
 
 DepthPlan requested_depth(const RenderCommand& command, const renderer::Scene& scene,
                           std::span<const View> views, const PictureList& list) {
+  // Like the legend, they come with the first part.
+  if (command.long_render.part && command.long_render.part->number > 1) return {};
+  const CheckpointRequest& checkpoint = command.long_render.checkpoint;
+  std::error_code error;
+  // The run that wrote the checkpoint wrote them before.
+  const bool resumes = checkpoint.resume && std::filesystem::exists(checkpoint.file, error);
   std::vector<std::filesystem::path> others = list.files();
   others.insert(others.end(), list.finished.begin(), list.finished.end());
   others.insert(others.end(),
                 {command.color.legend, command.long_render.preview, command.long_render.checkpoint.file});
-  return plan_depth_maps(command.depth, command.camera, views, {command.overwrite, command.skip_existing},
+  return plan_depth_maps(command.depth, command.camera, views,
+                         {command.overwrite, command.skip_existing || (resumes && !command.overwrite)},
                          input_files(command, scene), others);
 }
 

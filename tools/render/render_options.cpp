@@ -217,10 +217,13 @@ void apply_cloud_options(const RenderCommand& command, renderer::Scene& scene) {
 void check_depth_alone(const RenderCommand& command) {
   if (command.depth.file.empty()) throw file_error(command.scene_file, "missing output", "-o FILE");
   const LongRenderRequest& long_render = command.long_render;
-  const std::pair<const char*, bool> given[] = {
-      {"--layers", !command.layers.empty()},       {"--legend", !command.color.legend.empty()},
-      {"--preview", !long_render.preview.empty()}, {"--checkpoint", !long_render.checkpoint.file.empty()},
-      {"--time-limit", !!long_render.time_limit},  {"--target-noise", !!long_render.target_noise}};
+  const std::pair<const char*, bool> given[] = {{"--layers", !command.layers.empty()},
+                                                {"--legend", !command.color.legend.empty()},
+                                                {"--preview", !long_render.preview.empty()},
+                                                {"--checkpoint", !long_render.checkpoint.file.empty()},
+                                                {"--time-limit", !!long_render.time_limit},
+                                                {"--target-noise", !!long_render.target_noise},
+                                                {"--part", !!long_render.part}};
   for (const auto& [option, is_given] : given)
     if (is_given) throw input_error(fmt::format("{} requires a picture", option), "-o FILE beside --depth");
 }
