@@ -111,6 +111,7 @@ ComparedImage cropped(const ComparedImage& image, const PixelRectangle& rectangl
   result.color = part(image.color, image.width, rectangle, 3);
   result.alpha = part(image.alpha, image.width, rectangle, 1);
   result.depth = part(image.depth, image.width, rectangle, 1);
+  result.depth_sigma = part(image.depth_sigma, image.width, rectangle, 1);
   result.normals = part(image.normals, image.width, rectangle, 3);
   result.ids = part(image.ids, image.width, rectangle, 1);
   return result;
@@ -178,6 +179,7 @@ ComparedImage resized(const ComparedImage& image, int width, int height) {
     end_below(result.color, image.color);
   for (float& value : result.alpha) value = std::clamp(value, 0.0f, 1.0f);
   result.depth = nearest(image, image.depth, 1, width, height);
+  result.depth_sigma = nearest(image, image.depth_sigma, 1, width, height);
   result.normals = nearest(image, image.normals, 3, width, height);
   result.ids = nearest(image, image.ids, 1, width, height);
   return result;

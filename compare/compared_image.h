@@ -19,18 +19,20 @@ namespace alidade::compare {
 enum class ColorEncoding { display, linear };
 
 /// An image as it is compared: row by row from the top, pixel (0, 0) top left. Layers that the file does not
-/// have are empty. Memory per pixel: colour 12 bytes, alpha 4, depth 4, normals 12, ids 4.
+/// have are empty. Memory per pixel: colour 12 bytes, alpha 4, depth 4, its sigma 4, normals 12, ids 4.
 struct ComparedImage {
   std::filesystem::path file;
   int width = 0, height = 0;
   int origin_x = 0, origin_y = 0;  ///< where an EXR's data window begins in its display window
   ColorEncoding encoding = ColorEncoding::display;
-  int color_channels = 0;          ///< as stored: 1 (grey, copied to three) or 3; 0: layers only
-  int largest_code = 0;            ///< of a display image: 255, 65535; 0: not whole numbers (linear, resized)
-  std::vector<float> color;        ///< 3 per pixel; display: code / largest code; linear: as stored
-  std::vector<float> alpha;        ///< 1 per pixel, not multiplied into display colours
-  std::vector<float> depth;        ///< layer Z, metres; is_depth() states where there is nothing
-  std::vector<float> normals;      ///< layer N, 3 per pixel; 0 0 0 where there is nothing
+  int color_channels = 0;    ///< as stored: 1 (grey, copied to three) or 3; 0: layers only
+  int largest_code = 0;      ///< of a display image: 255, 65535; 0: not whole numbers (linear, resized)
+  std::vector<float> color;  ///< 3 per pixel; display: code / largest code; linear: as stored
+  std::vector<float> alpha;  ///< 1 per pixel, not multiplied into display colours
+  std::vector<float> depth;  ///< layer Z, metres; is_depth() states where there is nothing
+  std::vector<float>
+      depth_sigma;             ///< layer depth.sigma, metres: standard deviation of depth; infinite: unknown
+  std::vector<float> normals;  ///< layer N, 3 per pixel; 0 0 0 where there is nothing
   std::vector<std::uint32_t> ids;  ///< layer id: point id + 1; 0 where there is nothing
   std::vector<std::pair<std::string, std::string>> metadata;  ///< of our own pictures and of EXIF, as texts
 
@@ -57,7 +59,7 @@ class SizeMismatch : public Error {
 constexpr std::uint64_t k_most_compared_pixels = std::uint64_t{1} << 28;
 
 /// Reads an image of any format that OpenImageIO knows: the channels R G B, or a single one as grey, A, Z,
-/// N.X N.Y N.Z (also Nx Ny Nz) and id; others are ignored. EXIF orientation is obeyed, CMYK turned into
+/// N.X N.Y N.Z (also Nx Ny Nz), id, and beside these depth.sigma; others are ignored. EXIF orientation is obeyed, CMYK turned into
 /// RGB, of several images in a file the first is taken. NaN and infinite values stay: the metrics count them.
 /// Whole ids may be stored as floating point, as long as all of them are exact: below 2^24 (half: 2^11).
 /// Memory for pixels is taken as they arrive, whatever size the file claims. Errors: no such file, not a
@@ -95,7 +97,7 @@ ComparedImage cropped(const ComparedImage& image, const PixelRectangle& rectangl
 /// The image at another size: colour and alpha through OpenImageIO's resize (its default filter: Lanczos 3
 /// when shrinking, Blackman-Harris when growing), display colours clamped to 0 .. 1, linear ones to no less
 /// than 0 or the least that the image has; NaN and infinity spread over the pixels that the filter reaches.
-/// Depth, normals and ids are taken from the nearest pixel, since a mean of two depths or ids is nobody's.
+/// Depth, its sigma, normals and ids are taken from the nearest pixel, since a mean of two depths or ids is nobody's.
 /// The origin is 0, 0. The same bytes on any number of threads. Errors: a size that is not positive or beyond
 /// k_most_compared_pixels, what OpenImageIO reports. Cost: about a second for 8 million pixels; memory: the
 /// result.

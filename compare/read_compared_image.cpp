@@ -58,6 +58,7 @@ void turn_upright(ComparedImage& image, int orientation) {
   turn(image.color, walk, width, height, 3);
   turn(image.alpha, walk, width, height, 1);
   turn(image.depth, walk, width, height, 1);
+  turn(image.depth_sigma, walk, width, height, 1);
   turn(image.normals, walk, width, height, 3);
   turn(image.ids, walk, width, height, 1);
 }
@@ -73,9 +74,10 @@ constexpr int k_longest_text = 4096;
 struct Positions {
   std::array<int, 3> color{-1, -1, -1};
   std::array<int, 3> normal{-1, -1, -1};
-  int alpha = -1, depth = -1, id = -1;
+  int alpha = -1, depth = -1, depth_sigma = -1, id = -1;
   int color_channels = 0;
 
+  /// What can be compared by itself.
   std::array<int, 9> all() const {
     return {color[0], color[1], color[2], normal[0], normal[1], normal[2], alpha, depth, id};
   }
@@ -92,6 +94,7 @@ Positions positions_of(const OIIO::ImageSpec& spec, bool has_named_channels) {
   Positions positions;
   positions.alpha = spec.channelindex("A");
   positions.depth = spec.channelindex("Z");
+  positions.depth_sigma = spec.channelindex("depth.sigma");
   positions.id = spec.channelindex("id");
   positions.normal = three(spec, {"N.X", "N.Y", "N.Z"});
   if (positions.normal[0] < 0) positions.normal = three(spec, {"Nx", "Ny", "Nz"});
@@ -145,6 +148,7 @@ std::vector<Target> targets_of(const Positions& positions, ComparedImage& image)
   for (std::size_t i = 0; i < 3; ++i) add(positions.normal[i], image.normals, 3, i);
   add(positions.alpha, image.alpha, 1, 0);
   add(positions.depth, image.depth, 1, 0);
+  add(positions.depth_sigma, image.depth_sigma, 1, 0);
   return targets;
 }
 

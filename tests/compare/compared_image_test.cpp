@@ -215,6 +215,19 @@ TEST_F(ComparedImageTest, every_exif_orientation_gives_the_upright_picture) {
   }
 }
 
+TEST_F(ComparedImageTest, sigma_is_read_and_turned_with_its_depth) {
+  OIIO::ImageSpec spec(2, 1, 2, OIIO::TypeFloat);
+  spec.channelnames = {"Z", "depth.sigma"};
+  spec.attribute("Orientation", 3);
+  const ComparedImage image =
+      read_compared_image(written("turned.exr", spec, std::vector<float>{4.0f, 0.5f, 8.0f, 0.25f}));
+  EXPECT_EQ(image.depth, (std::vector<float>{8.0f, 4.0f}));
+  EXPECT_EQ(image.depth_sigma, (std::vector<float>{0.25f, 0.5f}));
+  spec.channelnames = {"depth.sigma", "other"};
+  EXPECT_NE(error_of(written("sigma.exr", spec, std::vector<float>(4))).find("nothing to compare"),
+            std::string::npos);
+}
+
 // 8 x 8 pixels of cyan 55, magenta 155, yellow 255 and black 205 of 255, which Adobe's files count from full
 // ink to none: each ink lets through its value, black 205 / 255 of that: 44.2, 124.6 and 205. Quantised by
 // the compression.
@@ -312,11 +325,13 @@ TEST_F(ComparedImageTest, a_crop_holds_the_pixels_inside_and_nothing_beyond_is_g
   image.color_channels = 3;
   for (int i = 0; i < 18; ++i) image.color.push_back(static_cast<float>(i));
   image.ids = {1, 2, 3, 4, 5, 6};
+  image.depth_sigma = {0.1f, 0.2f, 0.3f, 0.4f, 0.5f, 0.6f};
   const ComparedImage part = cropped(image, {1, 1, 3, 2});
   EXPECT_EQ(part.width, 2);
   EXPECT_EQ(part.height, 1);
   EXPECT_EQ(part.color, (std::vector<float>{12, 13, 14, 15, 16, 17}));
   EXPECT_EQ(part.ids, (std::vector<std::uint32_t>{5, 6}));
+  EXPECT_EQ(part.depth_sigma, (std::vector<float>{0.5f, 0.6f}));
   EXPECT_TRUE(part.depth.empty());
   EXPECT_THROW(cropped(image, {1, 1, 4, 2}), Error);
   EXPECT_THROW(cropped(image, {-1, 0, 2, 2}), Error);
@@ -349,6 +364,7 @@ TEST_F(ComparedImageTest, resizing_filters_colours_and_picks_the_nearest_depth_a
   for (std::uint32_t i = 0; i < 64; ++i) {
     image.ids.push_back(i);
     image.depth.push_back(static_cast<float>(i));
+    image.depth_sigma.push_back(0.5f * static_cast<float>(i));
   }
   const ComparedImage small = resized(image, 4, 2);
   EXPECT_EQ(small.width, 4);
@@ -357,6 +373,7 @@ TEST_F(ComparedImageTest, resizing_filters_colours_and_picks_the_nearest_depth_a
   for (const float value : small.color) EXPECT_NEAR(value, 0.25f, 1e-6f);
   EXPECT_EQ(small.ids, (std::vector<std::uint32_t>{17, 19, 21, 23, 49, 51, 53, 55}));
   EXPECT_EQ(small.depth[5], 51.0f);
+  EXPECT_EQ(small.depth_sigma[5], 25.5f);
   EXPECT_THROW(resized(image, 0, 4), Error);
   EXPECT_THROW(resized(image, 1 << 20, 1 << 20), Error);
 }
