@@ -7,6 +7,7 @@
 #include <cmath>
 
 #include "base/parallel.h"
+#include "compare/metrics/agreement.h"
 #include "image/srgb.h"
 
 namespace alidade::compare {
@@ -158,7 +159,7 @@ image::BytePicture displayed(const ComparedImage& image, double farthest) {
 
 std::vector<const DifferenceMap*> ComparisonPictures::maps() const {
   std::vector<const DifferenceMap*> maps;
-  for (const std::optional<DifferenceMap>* map : {&flip_map, &color_map, &depth_map})
+  for (const std::optional<DifferenceMap>* map : {&flip_map, &color_map, &depth_map, &agreement_map})
     if (*map) maps.push_back(&**map);
   return maps;
 }
@@ -192,6 +193,8 @@ void add_maps(ComparisonPictures& pictures, const ComparedPair& pair, PairMaps m
   if (pair.have_depth())
     add_map(pictures, pictures.depth_map,
             made.depth ? std::move(*made.depth) : depth_difference(pair.reference, pair.test, mask), "m");
+  if (have_agreement(pair.reference, pair.test))
+    pictures.agreement_map = depth_agreement(pair.reference, pair.test, mask);
 }
 
 }  // namespace alidade::compare

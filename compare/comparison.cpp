@@ -107,6 +107,7 @@ class ComparisonRun {
     if (!is_shown) give_back(image.normals);
     if (!is_shown && !options_.find_changes) give_back(image.ids);
     if (!options_.match && !options_.align) give_back(image.alpha);
+    if (!options_.keep_pictures) give_back(image.depth_sigma);
   }
 
   ColorFigures figures() {

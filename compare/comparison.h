@@ -96,7 +96,7 @@ struct ColorFigures {
 struct ComparisonPictures {
   image::BytePicture reference, test;
   std::optional<image::BytePicture> matched;  ///< the test with matched colours
-  std::optional<DifferenceMap> color_map, flip_map, depth_map;
+  std::optional<DifferenceMap> color_map, flip_map, depth_map, agreement_map;
   std::vector<HistogramPicture> histograms;
 
   /// The maps that there are.

@@ -12,6 +12,7 @@
 #include <utility>
 
 #include "base/parallel.h"
+#include "compare/metrics/agreement.h"
 #include "compare/metrics/pixel_sums.h"
 #include "image/color_map.h"
 #include "image/image_file.h"
@@ -140,24 +141,38 @@ DifferenceMap depth_difference(const ComparedImage& reference, const ComparedIma
   return map;
 }
 
+DifferenceMap depth_agreement(const ComparedImage& reference, const ComparedImage& test,
+                              const ImageMask& mask) {
+  DifferenceMap map = empty_map(reference, test, mask);
+  map.title = "Depth agreement";
+  map.label = "within three standard deviations";
+  map.categories = {{{0, 0, 0}, "nothing in either"},
+                    {{56, 158, 84}, "agrees"},
+                    {{205, 205, 205}, "not scanned"},
+                    {{214, 40, 40}, "differs"}};
+  const DepthAgreement agreement(reference, test);
+  // Agreement has the order of the categories.
+  fill_values(map, [&](std::size_t pixel) { return static_cast<float>(agreement.at(pixel)); });
+  return map;
+}
+
 namespace {
 
 constexpr image::Rgb8 k_paper{255, 255, 255}, k_text{30, 30, 30}, k_note{95, 95, 95}, k_line{60, 60, 60};
 constexpr int k_margin = 24, k_font_size = 18, k_title_size = 24, k_note_size = 14, k_row = 28;
 constexpr int k_bar_width = 24, k_bar_height = 240, k_most_ticks = 7;
 
-/// What a pixel is when it has no number: positions in k_absences.
-enum Absence : std::size_t { k_ignored, k_nothing, k_only_reference, k_only_test };
+/// What a pixel is when it has no number: positions in swatches_of(), before the map's categories.
+enum Absence : std::size_t { k_ignored, k_nothing, k_only_reference, k_only_test, k_absences };
 
-struct AbsenceStyle {
-  image::Rgb8 color{};
-  const char* label;
-};
-
-constexpr std::array<AbsenceStyle, 4> k_absences = {{{{150, 150, 158}, "excluded"},
-                                                     {{96, 96, 104}, "nothing to compare"},
-                                                     {{150, 60, 190}, "only in the reference"},
-                                                     {{40, 150, 70}, "only in the test"}}};
+std::vector<MapCategory> swatches_of(const DifferenceMap& map) {
+  std::vector<MapCategory> swatches = {{k_excluded_color, "excluded"},
+                                       {{96, 96, 104}, "nothing to compare"},
+                                       {{150, 60, 190}, "only in the reference"},
+                                       {{40, 150, 70}, "only in the test"}};
+  swatches.insert(swatches.end(), map.categories.begin(), map.categories.end());
+  return swatches;
+}
 
 image::Rgb8 to_rgb8(const glm::dvec3& display) {
   const auto channel = [](double value) {
@@ -208,29 +223,26 @@ MapPixel stronger(const MapPixel& a, const MapPixel& b) {
   return std::isnan(a.value) || std::abs(b.value) > std::abs(a.value) ? b : a;
 }
 
-/// Why a pixel has no number; empty if it has one.
-std::optional<std::size_t> absence_of(const MapPixel& pixel) {
+/// The swatch of a pixel without a number; empty if it has one.
+std::optional<std::size_t> swatch_of(const DifferenceMap& map, const MapPixel& pixel) {
   if (pixel.is_ignored) return k_ignored;
   if (std::isnan(pixel.value)) return k_nothing;
   if (std::isinf(pixel.value)) return pixel.value > 0.0f ? k_only_reference : k_only_test;
+  if (!map.categories.empty()) return k_absences + static_cast<std::size_t>(pixel.value);
   return {};
 }
 
-image::Rgb8 color_of(const DifferenceMap& map, const MapPixel& pixel) {
-  if (const std::optional<std::size_t> absence = absence_of(pixel)) return k_absences[*absence].color;
+image::Rgb8 color_of(const DifferenceMap& map, const std::vector<MapCategory>& swatches,
+                     const MapPixel& pixel) {
+  if (const std::optional<std::size_t> swatch = swatch_of(map, pixel)) return swatches[*swatch].color;
   return color_at(map, position_of(map, static_cast<double>(pixel.value)));
 }
-
-/// A row of the legend.
-struct Swatch {
-  image::Rgb8 color{};
-  std::string label;
-};
 
 class DifferenceDrawer {
  public:
   DifferenceDrawer(const DifferenceMap& map, const image::Font& font, int longest_side)
-      : map_(map), font_(font), swatches_(swatches()), ticks_(image::round_ticks(map.range, k_most_ticks)) {
+      : map_(map), font_(font), swatches_(swatches_of(map)), rows_(rows()) {
+    if (map.categories.empty()) ticks_ = image::round_ticks(map.range, k_most_ticks);
     const int longest = std::max(map.width, map.height);
     shrink_ = (longest + longest_side - 1) / longest_side;
     // Small pictures are shown larger, so that the legend does not dwarf them.
@@ -254,19 +266,21 @@ class DifferenceDrawer {
 
  private:
   /// Those that occur, with their shares of the picture.
-  std::vector<Swatch> swatches() const {
-    std::array<std::size_t, 4> counts{};
+  std::vector<MapCategory> rows() const {
+    std::vector<std::size_t> counts(swatches_.size());
     for (std::size_t i = 0; i < map_.values.size(); ++i) {
-      if (const std::optional<std::size_t> absence = absence_of(pixel_of(map_, i))) ++counts[*absence];
+      if (const std::optional<std::size_t> swatch = swatch_of(map_, pixel_of(map_, i))) ++counts[*swatch];
     }
-    std::vector<Swatch> rows;
+    std::vector<MapCategory> rows;
     for (std::size_t i = 0; i < counts.size(); ++i) {
       if (counts[i] == 0) continue;
       const double percent = 100.0 * static_cast<double>(counts[i]) / static_cast<double>(map_.values.size());
       rows.push_back(
-          {k_absences[i].color, std::string(k_absences[i].label) +
-                                    (percent < 0.1 ? "  < 0.1 %" : fmt::format("  {:.1f} %", percent))});
+          {swatches_[i].color,
+           swatches_[i].label + (percent < 0.1 ? "  < 0.1 %" : fmt::format("  {:.1f} %", percent))});
     }
+    // The strongest is on top, as in the bar of numbers.
+    if (!map_.categories.empty()) std::ranges::reverse(rows);
     return rows;
   }
 
@@ -274,7 +288,7 @@ class DifferenceDrawer {
     int width = font_.measure(map_.label, k_font_size).width;
     for (const image::RoundTick& tick : ticks_)
       width = std::max(width, k_bar_width + 16 + font_.measure(tick.label, k_font_size).width);
-    for (const Swatch& row : swatches_)
+    for (const MapCategory& row : rows_)
       width = std::max(width, k_row + 8 + font_.measure(row.label, k_font_size).width);
     for (const std::string& note : map_.notes)
       width = std::max(width, font_.measure(note, k_note_size).width);
@@ -282,8 +296,9 @@ class DifferenceDrawer {
   }
 
   int panel_height() const {
-    const auto rows = static_cast<int>(swatches_.size()), notes = static_cast<int>(map_.notes.size());
-    return k_bar_height + 2 * k_row + k_row * rows + (k_row - 6) * notes;
+    const auto rows = static_cast<int>(rows_.size()), notes = static_cast<int>(map_.notes.size());
+    const int bar = map_.categories.empty() ? k_bar_height + k_row : 0;
+    return k_row + bar + k_row * rows + (k_row - 6) * notes;
   }
 
   MapPixel shown(int column, int row) const {
@@ -299,7 +314,8 @@ class DifferenceDrawer {
     tbb::parallel_for(0, box_.height() / enlarge_, [&](int row) {
       for (int column = 0; column < box_.width() / enlarge_; ++column) {
         const int left = box_.left + column * enlarge_, top = box_.top + row * enlarge_;
-        canvas.fill({left, top, left + enlarge_, top + enlarge_}, color_of(map_, shown(column, row)));
+        canvas.fill({left, top, left + enlarge_, top + enlarge_},
+                    color_of(map_, swatches_, shown(column, row)));
       }
     });
   }
@@ -308,19 +324,8 @@ class DifferenceDrawer {
     int y = box_.top;
     font_.draw(canvas, left, y + 16, map_.label, k_font_size, k_text);
     y += k_row + 4;
-    for (int i = 0; i < k_bar_height; ++i) {
-      const double position = 1.0 - static_cast<double>(i) / (k_bar_height - 1);
-      canvas.fill({left, y + i, left + k_bar_width, y + i + 1}, color_at(map_, position));
-    }
-    canvas.frame({left - 1, y - 1, left + k_bar_width + 1, y + k_bar_height + 1}, k_line);
-    for (const image::RoundTick& tick : ticks_) {
-      const int at =
-          y + static_cast<int>(std::lround((1.0 - position_of(map_, tick.value)) * (k_bar_height - 1)));
-      canvas.fill({left + k_bar_width + 1, at, left + k_bar_width + 7, at + 1}, k_line);
-      font_.draw(canvas, left + k_bar_width + 12, at + 6, tick.label, k_font_size, k_text);
-    }
-    y += k_bar_height + k_row;
-    for (const Swatch& row : swatches_) {
+    if (map_.categories.empty()) y = draw_bar(canvas, left, y);
+    for (const MapCategory& row : rows_) {
       const image::PixelBox box{left, y, left + k_row, y + k_row - 8};
       canvas.fill(box, row.color);
       canvas.frame(box, k_line);
@@ -333,9 +338,25 @@ class DifferenceDrawer {
     }
   }
 
+  /// The colours of numbers, from `y` downwards; returns where the next row begins.
+  int draw_bar(image::Canvas& canvas, int left, int y) const {
+    for (int i = 0; i < k_bar_height; ++i) {
+      const double position = 1.0 - static_cast<double>(i) / (k_bar_height - 1);
+      canvas.fill({left, y + i, left + k_bar_width, y + i + 1}, color_at(map_, position));
+    }
+    canvas.frame({left - 1, y - 1, left + k_bar_width + 1, y + k_bar_height + 1}, k_line);
+    for (const image::RoundTick& tick : ticks_) {
+      const int at =
+          y + static_cast<int>(std::lround((1.0 - position_of(map_, tick.value)) * (k_bar_height - 1)));
+      canvas.fill({left + k_bar_width + 1, at, left + k_bar_width + 7, at + 1}, k_line);
+      font_.draw(canvas, left + k_bar_width + 12, at + 6, tick.label, k_font_size, k_text);
+    }
+    return y + k_bar_height + k_row;
+  }
+
   const DifferenceMap& map_;
   const image::Font& font_;
-  std::vector<Swatch> swatches_;
+  std::vector<MapCategory> swatches_, rows_;  ///< what there may be; the legend, with shares
   std::vector<image::RoundTick> ticks_;
   int shrink_ = 1, enlarge_ = 1;
   image::PixelBox box_;
@@ -345,9 +366,10 @@ class DifferenceDrawer {
 
 image::Canvas paint_difference(const DifferenceMap& map) {
   image::Canvas canvas(map.width, map.height, k_paper);
+  const std::vector<MapCategory> swatches = swatches_of(map);
   tbb::parallel_for(0, map.height, [&](int y) {
     for (int x = 0; x < map.width; ++x) {
-      canvas.fill({x, y, x + 1, y + 1}, color_of(map, pixel_of(map, pixel_index(x, y, map.width))));
+      canvas.fill({x, y, x + 1, y + 1}, color_of(map, swatches, pixel_of(map, pixel_index(x, y, map.width))));
     }
   });
   return canvas;

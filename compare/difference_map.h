@@ -20,12 +20,23 @@ enum class DifferenceColors {
   balance,  ///< blue below, light grey at 0, red above: which way
 };
 
+/// Of pixels that do not count.
+constexpr image::Rgb8 k_excluded_color{150, 150, 158};
+
+/// What pixels of a map without numbers are.
+struct MapCategory {
+  image::Rgb8 color{};
+  std::string label;
+};
+
 /// One value per pixel and what it means.
 struct DifferenceMap {
   std::string title;
   std::string label;  ///< what the numbers are, with their unit
   DifferenceColors colors = DifferenceColors::heat;
   image::ValueRange range{};  ///< values of the first and last colour
+  /// Values are positions in this list, from no change to the strongest; empty: values are numbers.
+  std::vector<MapCategory> categories{};
   int width = 0, height = 0;
   /// NaN: there is nothing to compare. Infinite: only one picture has something there; plus the reference,
   /// minus the test (the other one's surface is infinitely far away).
@@ -47,6 +58,11 @@ DifferenceMap flip_difference(std::vector<float> flip, int width, const ImageMas
 /// least 1 mm; what only one picture has is distinguished. Both pictures must have depth and one size.
 DifferenceMap depth_difference(const ComparedImage& reference, const ComparedImage& test,
                                const ImageMask& mask);
+
+/// Where depths agree (green), differ (red) or are missing in a scan (light grey), black where neither image
+/// has any (compare/metrics/agreement.h). Requires have_agreement() and one size.
+DifferenceMap depth_agreement(const ComparedImage& reference, const ComparedImage& test,
+                              const ImageMask& mask);
 
 /// The map alone, a pixel for a pixel.
 image::Canvas paint_difference(const DifferenceMap& map);

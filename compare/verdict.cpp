@@ -69,6 +69,15 @@ Value one_sided_depth(const Comparison& comparison) {
          static_cast<double>(comparison.counted);
 }
 
+/// Percentage of the pixels; NaN if neither image has any depth.
+template <std::uint64_t AgreementMetrics::*k_count>
+Value agreement(const Comparison& comparison) {
+  if (!comparison.layers.agreement) return {};
+  const AgreementMetrics& found = *comparison.layers.agreement;
+  if (found.agreeing + found.differing + found.not_scanned == 0) return std::nan("");
+  return 100.0 * static_cast<double>(found.*k_count) / static_cast<double>(comparison.counted);
+}
+
 Value shift(const Comparison& comparison) {
   if (!comparison.alignment) return {};
   // An unreliable shift does not count as measured.
@@ -156,6 +165,15 @@ constexpr auto k_kinds = std::to_array<MetricKind>({
      k_depth<&DepthMetrics::percent_within_1_percent>},
     {"depth_one_sided", k_depth_group, "In one image only", "%", lower,
      "pixels where only one image has depth", one_sided_depth},
+    {"depth_agrees", k_depth_group, "Agrees", "%", higher,
+     "pixels whose depths differ by at most three standard deviations; requires the layer depth.sigma",
+     agreement<&AgreementMetrics::agreeing>},
+    {"depth_differs", k_depth_group, "Differs", "%", lower,
+     "pixels beyond that, or with depth where an image of exact surfaces has none; requires depth.sigma",
+     agreement<&AgreementMetrics::differing>},
+    {"depth_not_scanned", k_depth_group, "Not scanned", "%", lower,
+     "pixels with depth in one image where the other, a scan, has none; requires depth.sigma",
+     agreement<&AgreementMetrics::not_scanned>},
     {"normal_mean", k_normal_group, "Mean angle", "deg", lower, "between the normals, in degrees",
      of_layer<&Layers::normals, &NormalMetrics::mean>},
     {"normal_p95", k_normal_group, "95th percentile", "deg", lower,

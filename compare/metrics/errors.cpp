@@ -315,6 +315,7 @@ LayerMetrics layer_metrics(const ComparedImage& reference, const ComparedImage& 
   require_same_size(reference, test);
   LayerMetrics metrics;
   if (!reference.depth.empty() && !test.depth.empty()) metrics.depth = compare_depth(reference, test, mask);
+  metrics.agreement = agreement_metrics(reference, test, mask);
   if (!reference.normals.empty() && !test.normals.empty())
     metrics.normals = compare_normals(reference, test, mask);
   if (!reference.ids.empty() && !test.ids.empty()) metrics.ids = compare_ids(reference, test, mask);

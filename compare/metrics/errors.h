@@ -6,6 +6,7 @@
 #include <span>
 
 #include "compare/compared_image.h"
+#include "compare/metrics/agreement.h"
 
 namespace alidade::compare {
 
@@ -72,6 +73,7 @@ struct AlphaMetrics {
 /// Of the layers that both pictures have; others are empty.
 struct LayerMetrics {
   std::optional<DepthMetrics> depth;
+  std::optional<AgreementMetrics> agreement;  ///< of depth, if at least one has its sigma
   std::optional<NormalMetrics> normals;
   std::optional<IdMetrics> ids;
   std::optional<AlphaMetrics> alpha;

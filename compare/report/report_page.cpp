@@ -3,6 +3,7 @@
 
 #include <fmt/format.h>
 #include <tbb/parallel_for.h>
+#include <ranges>
 
 #include "compare/report/comparison_json.h"
 
@@ -38,6 +39,10 @@ Json rows_json(const Comparison& comparison) {
   return rows;
 }
 
+std::string css_color(const image::Rgb8& color) {
+  return fmt::format("rgb({},{},{})", color[0], color[1], color[2]);
+}
+
 /// Colours of a map from its lowest value to its highest, as CSS says them.
 Json colors_of(const DifferenceMap& map) {
   constexpr int k_steps = 33;
@@ -52,23 +57,29 @@ Json colors_of(const DifferenceMap& map) {
         static_cast<float>(map.range.low + (map.range.high - map.range.low) * i / (k_steps - 1));
   const image::Canvas canvas = paint_difference(ramp);
   Json colors = Json::array();
-  for (int i = 0; i < k_steps; ++i) {
-    const image::Rgb8 color = canvas.at(i, 0);
-    colors.push_back(fmt::format("rgb({},{},{})", color[0], color[1], color[2]));
-  }
+  for (int i = 0; i < k_steps; ++i) colors.push_back(css_color(canvas.at(i, 0)));
   return colors;
 }
 
 Json map_json(const PagePicture& picture, const DifferenceMap& map) {
   std::string note = map.title + ": " + map.label + ".";
   for (const std::string& line : map.notes) note += " " + line + ".";
-  return {{"id", picture.id},
-          {"kind", "map"},
-          {"title", map.title},
-          {"note", note},
-          {"low", fmt::format("{:.3g}", map.range.low)},
-          {"high", fmt::format("{:.3g}", map.range.high)},
-          {"colors", colors_of(map)}};
+  Json json{{"id", picture.id}, {"kind", "map"}, {"title", map.title}, {"note", note}};
+  if (!map.categories.empty()) {
+    Json categories = Json::array();
+    const auto add = [&](const std::string& label, const image::Rgb8& color) {
+      categories.push_back({{"label", label}, {"color", css_color(color)}});
+    };
+    for (const MapCategory& category : map.categories | std::views::reverse)
+      add(category.label, category.color);
+    if (!map.mask.counts.empty()) add("excluded", k_excluded_color);
+    json["categories"] = categories;
+    return json;
+  }
+  json["low"] = fmt::format("{:.3g}", map.range.low);
+  json["high"] = fmt::format("{:.3g}", map.range.high);
+  json["colors"] = colors_of(map);
+  return json;
 }
 
 Json views_json(const std::vector<PagePicture>& pictures) {

@@ -87,11 +87,19 @@ function choose(id) {
   for (const button of byId('views').children) button.setAttribute('aria-pressed', String(button.dataset.view === id));
   byId('divider').hidden = byId('swipe-control').hidden = view.kind !== 'swipe';
   byId('blink-control').hidden = view.kind !== 'blink';
-  byId('heat-control').hidden = byId('legend').hidden = !isMap(view);
+  byId('heat-control').hidden = !isMap(view);
+  byId('legend').hidden = !isMap(view) || Boolean(view.categories);
+  byId('categories').hidden = !view.categories;
   stage.classList.toggle('still', view.kind !== 'swipe');
   stage.setAttribute('aria-label', view.note);
   byId('view-note').textContent = view.note;
-  if (isMap(view)) {
+  if (view.categories) {
+    byId('categories').replaceChildren(...view.categories.map(({ label, color }) => {
+      const swatch = make('span', {});
+      swatch.style.background = color;
+      return make('li', {}, swatch, label);
+    }));
+  } else if (isMap(view)) {
     byId('legend-low').textContent = view.low;
     byId('legend-high').textContent = view.high;
     byId('legend-bar').setAttribute('aria-label', `Colours from ${view.low} to ${view.high}`);

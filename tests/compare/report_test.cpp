@@ -204,6 +204,33 @@ TEST_F(ReportTest, pictures_with_layers_only_have_a_page_too) {
   expect_quiet(page);
 }
 
+TEST_F(ReportTest, the_map_of_agreement_has_a_legend_of_categories) {
+  std::vector<float> layers;
+  for (int i = 0; i < 120 * 80; ++i) layers.insert(layers.end(), {5.0f, 0.1f});
+  write_layers("a.exr", 120, 80, {"Z", "depth.sigma"}, layers);
+  layers[2 * 121] = 6.0f;
+  write_layers("b.exr", 120, 80, {"Z", "depth.sigma"}, layers);
+  ComparisonOptions options;
+  options.keep_pictures = true;
+  const Comparison comparison = compare_files(folder / "a.exr", folder / "b.exr", options);
+  write_page(report_page(comparison, {}, PicturePacking::automatic), folder / "report.html", false);
+  Chromium page(folder, 1280, 900);
+  page.open(folder / "report.html");
+  EXPECT_NE(text_of(page, "metrics").find("Not scanned"), std::string::npos) << text_of(page, "metrics");
+  page.press("m");
+  EXPECT_FALSE(page.evaluate("document.getElementById('legend').hidden").get<bool>());
+  EXPECT_TRUE(page.evaluate("document.getElementById('categories').hidden").get<bool>());
+  page.press("m");
+  EXPECT_TRUE(page.evaluate("document.getElementById('legend').hidden").get<bool>());
+  EXPECT_FALSE(page.evaluate("document.getElementById('categories').hidden").get<bool>());
+  EXPECT_EQ(text_of(page, "categories"), "differsnot scannedagreesnothing in either");
+  EXPECT_NE(page.evaluate("getComputedStyle(document.querySelector('#categories span')).backgroundColor"),
+            "rgba(0, 0, 0, 0)");
+  page.press("r");
+  EXPECT_TRUE(page.evaluate("document.getElementById('categories').hidden").get<bool>());
+  expect_quiet(page);
+}
+
 TEST_F(ReportTest, b_blinks_and_space_switches) {
   Chromium page(folder, 1280, 900);
   page.open(write_report());
