@@ -9,8 +9,9 @@ namespace {
 TEST_F(CompareTest, help_names_units_thresholds_exit_codes_and_examples) {
   const ProgramResult result = compare("--help");
   EXPECT_EQ(result.exit_code, 0);
-  for (const char* const part : {"metres", "pixels", "STOPS", "flip_median", "depth_5cm",
-                                 "Exit codes:", "Examples:", "--fail-above", "--idiff-codes"})
+  for (const char* const part :
+       {"metres", "pixels", "STOPS", "flip_median", "depth_5cm", "depth_not_scanned", "--agreement-map",
+        "Exit codes:", "Examples:", "--fail-above", "--idiff-codes"})
     EXPECT_TRUE(contains(result.out, part)) << part;
 }
 
@@ -101,6 +102,27 @@ TEST_F(CompareTest, missing_inputs_are_errors_before_anything_is_written) {
   EXPECT_TRUE(contains(result.err, "depth.png: this map cannot be computed from these images")) << result.err;
   for (const char* const name : {"r.html", "flip.png", "depth.png"})
     EXPECT_FALSE(std::filesystem::exists(folder / name)) << name;
+}
+
+TEST_F(CompareTest, agreement_is_a_map_with_figures_and_requires_depth_sigma) {
+  render("plain.exr", "32x24", {"--layers", "color,depth"});
+  render("scan.exr", "32x24", {"--layers", "color,depth,depth.sigma"});
+  const json metrics = found("plain.exr scan.exr --agreement-map map.png")["metrics"];
+  EXPECT_EQ(metrics["depth_differs"], 0.0);
+  EXPECT_EQ(metrics["depth_not_scanned"], 0.0);
+  EXPECT_GT(metrics["depth_agrees"], 0.0);
+  EXPECT_TRUE(read("map.png").starts_with("\x89PNG"));
+  EXPECT_EQ(compare("plain.exr scan.exr --agreement-map map.png").exit_code, 2) << "the file exists";
+  EXPECT_EQ(compare("plain.exr scan.exr --fail-above depth_differs=0").exit_code, 0);
+  EXPECT_EQ(compare("plain.exr scan.exr --fail-above depth_agrees=100.5").exit_code, 1);
+  const ProgramResult result = compare("plain.exr plain.exr --agreement-map none.png");
+  EXPECT_EQ(result.exit_code, 2);
+  EXPECT_TRUE(contains(result.err, "none.png: this map cannot be computed from these images") &&
+              contains(result.err, "render --layers color,depth,depth.sigma"))
+      << result.err;
+  EXPECT_FALSE(std::filesystem::exists(folder / "none.png"));
+  const ProgramResult lacking = compare("plain.exr plain.exr --fail-above depth_agrees=90");
+  EXPECT_TRUE(contains(lacking.err, "depth.sigma")) << lacking.err;
 }
 
 TEST_F(CompareTest, reports_and_maps_appear_whole_and_replace_nothing_unasked) {

@@ -169,6 +169,9 @@ std::vector<MapOutput> maps_to_write(const CompareRequest& request,
   add(request.color_map, pictures.color_map, "two images with colours");
   add(request.flip_map, pictures.flip_map, "two images with colours");
   add(request.depth_map, pictures.depth_map, "two images with the layer Z");
+  add(request.agreement_map, pictures.agreement_map,
+      "two images with the layer Z, at least one of them with depth.sigma (render --layers "
+      "color,depth,depth.sigma)");
   return outputs;
 }
 

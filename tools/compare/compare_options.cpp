@@ -157,6 +157,10 @@ void add_answers(const Options& command, CompareRequest& request) {
   group.file("--color-map", "FILE.png", "image of the colour differences, with legend", request.color_map);
   group.file("--flip-map", "FILE.png", "image of FLIP, with legend", request.flip_map);
   group.file("--depth-map", "FILE.png", "image of the depth differences, with legend", request.depth_map);
+  group.file("--agreement-map", "FILE.png",
+             "image of where depths agree within three standard deviations (the layer depth.sigma, metres), "
+             "differ, or were not scanned",
+             request.agreement_map);
   group.flag("--overwrite", "replace existing files", request.overwrite);
 }
 
@@ -166,6 +170,7 @@ std::vector<std::filesystem::path> outputs_of(const CompareRequest& request) {
           request.color_map,
           request.flip_map,
           request.depth_map,
+          request.agreement_map,
           request.reference_points.output,
           request.test_points.output};
 }

@@ -25,11 +25,13 @@ struct CompareRequest : RunRequest {
   bool idiff_codes = false, json = false;
   std::filesystem::path report, reports;
   std::optional<image::PicturePacking> packing;
-  std::filesystem::path color_map, flip_map, depth_map;
+  std::filesystem::path color_map, flip_map, depth_map, agreement_map;
   RegionPointsRequest reference_points, test_points;
   bool overwrite = false;
 
-  bool has_maps() const { return !color_map.empty() || !flip_map.empty() || !depth_map.empty(); }
+  bool has_maps() const {
+    return !color_map.empty() || !flip_map.empty() || !depth_map.empty() || !agreement_map.empty();
+  }
   bool has_points() const { return !reference_points.output.empty() || !test_points.output.empty(); }
 };
 
