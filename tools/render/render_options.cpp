@@ -299,8 +299,6 @@ renderer::Scene requested_scene(const RenderCommand& command) {
   scene.output.exposure = command.exposure.value_or(scene.output.exposure);
   if (!command.layers.empty()) scene.output.layers = command.layers;
   if (scene.output.file.empty()) check_depth_alone(command);
-  if (command.long_render.part && !command.depth.file.empty())
-    throw input_error("--part and --depth exclude each other", "depth maps by a command of their own");
   if (!scene.output.file.empty() && !command.layers.empty() &&
       image::image_format(scene.output.file) != image::ImageFormat::exr)
     throw file_error(scene.output.file, "layers require EXR", "the extension .exr, or no --layers");
