@@ -80,7 +80,7 @@ TEST_F(GoldenTest, materials_of_all_kinds) {
 TEST_F(GoldenTest, heights_from_straight_above) {
   scan_courtyard();
   render({"--cloud", "courtyard.las", "--orthographic", "top", "--resolution", "0.5", "--mode", "headlight",
-          "--color-by", "height", "--samples", "4"},
+          "--color-by", "height", "--surface", "sphere", "--samples", "4"},
          "heights.png");
   expect_golden("heights.png", "flip=0.01,psnr<40,max=0.5");
 }

@@ -200,8 +200,10 @@ View view_of_cloud(const CameraRequest& request, const renderer::Scene& scene,
   Bounds bounds = models;
   if (cloud != nullptr) {
     bounds = cloud->octree.bounds();
-    bounds.min -= glm::dvec3(cloud->radius);
-    bounds.max += glm::dvec3(cloud->radius);
+    // Discs end near the last points, however wide the widest may be.
+    const double beyond = cloud->lone_radius > 0.0 ? cloud->lone_radius : cloud->radius;
+    bounds.min -= glm::dvec3(beyond);
+    bounds.max += glm::dvec3(beyond);
   }
   if (request.extent) {
     const auto& [least_x, least_y, largest_x, largest_y] = *request.extent;
