@@ -3,7 +3,6 @@
 // in Markdown, and writes contact sheets into the folder.
 #include <fmt/format.h>
 
-#include <chrono>
 #include <cstdio>
 #include <filesystem>
 #include <functional>
@@ -80,9 +79,8 @@ class Bench {
       scene.cloud.emplace().normals = renderer::NormalMode::smooth;
       rule.apply(*scene.cloud);
       renderer::choose_radius(*scene.cloud, cloud);
-      const auto start = std::chrono::steady_clock::now();
-      const image::Film picture = test::picture_of(scene, cloud);
-      const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+      double seconds = 0.0;
+      const image::Film picture = test::picture_of(scene, cloud, &seconds);
       print_row(points, rule.name, test::fidelity(view.camera, truth, picture, scene.output.exposure),
                 seconds);
       if (rule.on_sheet) shown.push_back(picture);

@@ -37,9 +37,10 @@ std::vector<FidelityView> fidelity_views(int width);
 /// The scene of the courtyard (scenes/courtyard.json) without a cloud or a camera.
 renderer::Scene courtyard_light();
 
-/// A picture of the site or of a scan: colour, depth, distance, normals and positions. `scene` has a camera.
+/// A picture of the site or of a scan: colour, depth, normals, positions, and sigma of the depth. `scene` has a camera.
+/// seconds: of rendering all but sigma.
 image::Film exact_picture(renderer::Scene scene);
-image::Film picture_of(const renderer::Scene& scene, const renderer::LoadedCloud& cloud);
+image::Film picture_of(renderer::Scene scene, const renderer::LoadedCloud& cloud, double* seconds = nullptr);
 
 struct Fidelity {
   // Over the pixels whose centres see a surface in both pictures.
