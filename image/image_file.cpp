@@ -76,7 +76,9 @@ float value_of(const Film& film, std::size_t pixel, const Channel& channel, cons
       return film.normal[pixel][i];
     // A pixel without a surface stays 0 0 0; infinite depth distinguishes it from a real position.
     case Layer::position:
-      return film.id[pixel] == 0 ? 0.0f : static_cast<float>(film.position[pixel][i] - offset[i]);
+      return film.position[pixel] == glm::dvec3(0.0)
+                 ? 0.0f
+                 : static_cast<float>(film.position[pixel][i] - offset[i]);
     case Layer::albedo:
       return film.albedo[pixel][i];
     case Layer::variance:

@@ -217,6 +217,17 @@ TEST_F(ImageTest, positions_are_precise_far_from_the_origin) {
   for (std::size_t i = 0; i + 1 < y.size(); ++i) EXPECT_NEAR(5320000.0 + y[i], film.position[i].y, 0.0003);
 }
 
+TEST_F(ImageTest, positions_need_no_other_layer) {
+  OutputSettings settings = output("position.exr");
+  settings.layers = {Layer::position};
+  Film film(2, 1, settings.layers);
+  film.position[1] = {690012.5, 5320007.25, 3.5};
+  write_image(film, settings, metadata(), false);
+  Picture picture(settings.file);
+  EXPECT_EQ(picture.channel<float>("P.X"), (std::vector<float>{0.0f, 12.5f}));
+  EXPECT_EQ(picture.channel<float>("P.Y"), (std::vector<float>{0.0f, 7.25f}));
+}
+
 TEST(PositionOffsetTest, is_zero_near_the_origin_and_round_elsewhere) {
   Camera camera;
   camera.pose.position = {-4999, 4999, 0};
