@@ -52,9 +52,9 @@ Camera photo_camera() {
 }
 
 /// The scan in its own colours, without light.
-ComparedImage seen(const LoadedCloud& cloud, const Camera& camera) {
+ComparedImage seen(const LoadedCloud& cloud, const Camera& camera, PointShape shape = PointShape::sphere) {
   Scene scene;
-  scene.cloud.emplace();
+  scene.cloud.emplace().shape = shape;
   scene.render.mode = RenderMode::flat;
   scene.render.samples = 1;
   scene.camera = camera;
@@ -125,6 +125,19 @@ TEST_F(Photograph, render_from_its_camera_is_aligned_and_the_shift_of_the_same_r
     EXPECT_NEAR(shifted.shift_y, alignment.shift_y + y, 0.1);
     EXPECT_LT(shifted.score_unshifted, 0.5 * shifted.score);
   }
+}
+
+TEST_F(Photograph, discs_are_where_the_photograph_has_them_and_spheres_are_not) {
+  CloudSettings settings = Pair::scan_settings();
+  settings.shape = PointShape::blend;
+  const LoadedCloud cloud = load_cloud(settings);
+  const Alignment of_discs = align(pair().photo, seen(cloud, pair().camera, PointShape::blend), {});
+  const Alignment of_spheres = align(pair().photo, pair().render, {});
+  EXPECT_TRUE(of_discs.is_certain);
+  EXPECT_LT(std::hypot(of_discs.shift_x, of_discs.shift_y), 0.15);
+  EXPECT_LT(4.0 * std::hypot(of_discs.shift_x, of_discs.shift_y),
+            std::hypot(of_spheres.shift_x, of_spheres.shift_y));
+  EXPECT_GT(of_discs.score, of_spheres.score);
 }
 
 TEST_F(Photograph, matched_colours_are_nearer_and_a_render_of_other_exposure_is_brought_back) {
