@@ -24,8 +24,13 @@ void check_map_unit(const PointCloud& cloud) {
 }
 
 /// Adds a mesh without its colours. Errors: then there are too many vertices or triangles, under its file.
-void join(const TriangleMesh& mesh, const std::filesystem::path& file, TriangleMesh& all) {
+void join(TriangleMesh mesh, const std::filesystem::path& file, TriangleMesh& all) {
   constexpr std::size_t k_most = std::numeric_limits<std::uint32_t>::max();
+  if (all.triangles.empty()) {
+    all.vertices = std::move(mesh.vertices);
+    all.triangles = std::move(mesh.triangles);
+    return;
+  }
   if (mesh.vertices.size() > k_most - all.vertices.size() ||
       mesh.triangles.size() > k_most - all.triangles.size())
     throw file_error(file, "too many vertices or triangles in all meshes", fmt::format("at most {}", k_most));
