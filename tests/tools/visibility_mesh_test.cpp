@@ -3,8 +3,10 @@
 #include <nlohmann/json.hpp>
 
 #include <array>
-#include <sstream>
+#include <cmath>
+#include <cstring>
 
+#include "cloud/read_cloud.h"
 #include "tests/tools/program_words.h"
 #include "tests/tools/resume_test.h"
 #include "tests/tools/wall_site.h"
@@ -65,19 +67,21 @@ TEST_F(VisibilityMeshTest, lines_are_blocked_and_name_the_position_alone) {
 }
 
 TEST_F(VisibilityMeshTest, points_behind_it_have_the_blocker_minus_two) {
-  visibility("points", {"--observer", "-4,0,1.5", "--mesh", "screen.obj", "-o", "seen.ply"});
-  ASSERT_EQ(run({"convert", "seen.ply", "-o", "seen.csv"}).exit_code, 0);
-  std::istringstream rows(read("seen.csv"));
-  std::string row, names;
-  std::getline(rows, names);
-  ASSERT_TRUE(names.ends_with("Visible,VisibleCount,Blocker")) << names;
+  visibility("points", {"--observer", "-4,0,1.5", "--mesh", "screen.obj", "-o", "seen.las"});
+  const std::filesystem::path file = folder / "seen.las";
+  const PointCloud cloud = read_cloud({&file, 1});
+  std::vector<std::int64_t> blockers(cloud.size());
+  for (const ExtraDimension& dimension : cloud.extra_dimensions) {
+    if (dimension.name != "Blocker") continue;
+    ASSERT_EQ(dimension.type, ScalarType::int64);
+    std::memcpy(blockers.data(), dimension.values.data(), dimension.values.size());
+  }
   int hidden = 0;
-  while (std::getline(rows, row)) {
-    double x = 0.0, y = 0.0;
-    ASSERT_EQ(std::sscanf(row.c_str(), "%lf,%lf", &x, &y), 2) << row;
-    if (x < -1.9 || std::fabs(y) > 2.9) continue;
+  for (std::size_t id = 0; id < cloud.size(); ++id) {
+    const glm::dvec3 position = cloud.world(id);
+    if (position.x < -1.9 || std::fabs(position.y) > 2.9) continue;
     ++hidden;
-    EXPECT_TRUE(row.ends_with(",0,0,-2")) << row;
+    ASSERT_EQ(blockers[id], -2) << id;
   }
   EXPECT_GT(hidden, 500);
 }
@@ -85,7 +89,7 @@ TEST_F(VisibilityMeshTest, points_behind_it_have_the_blocker_minus_two) {
 TEST_F(VisibilityMeshTest, raster_place_sky_and_sun_see_less) {
   const auto [cells, fewer_cells] =
       said("raster", {"--observer", "-4,0,1.5", "--resolution", "0.5", "-o", "seen.tif"}, "; visible ");
-  EXPECT_GT(cells, 60.0);
+  EXPECT_GT(cells, 50.0);
   EXPECT_LT(fewer_cells, 0.8 * cells);
   EXPECT_GT(fewer_cells, 0.2 * cells);
   write("candidates.csv", "x,y,z\n-4,0,1.5\n");
@@ -114,7 +118,7 @@ TEST_F(VisibilityMeshTest, several_meshes_block_together) {
         "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\nproperty float z\n"
         "element face 1\nproperty list uchar int vertex_indices\nend_header\n-3 -3 0\n-3 3 0\n-3 0 2\n3 0 1 "
         "2\n");
-  write("places.csv", "x,y,z,name\n-4,0,1,west\n-1,0,1,east\n-1,0,4,high\n");
+  write("places.csv", "x,y,z,name\n-4,0,1,west\n-1,0,1,east\n-1,0,5,high\n");
   write("pairs.csv", "from,to\nwest,east\nwest,high\n");
   const ProgramResult result =
       visibility("lines", {"--places", "places.csv", "--pairs", "pairs.csv", "--mesh", "screen.obj", "--mesh",
