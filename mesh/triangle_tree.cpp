@@ -127,7 +127,7 @@ class TriangleTree::Build {
     const auto blocks = static_cast<std::uint32_t>((std::uint64_t{items_.size()} + k_block - 1) / k_block);
     tree_.nodes_.resize(blocks);
     // The first one is the second half of nothing, and holds the box of all.
-    tree_.nodes_[0].boxes[0] = build(0, blocks);
+    tree_.nodes_[0].boxes[0] = build_task(0, blocks);
     std::vector<TriangleMesh::Triangle> sorted(items_.size());
     tree_.numbers_.resize(items_.size());
     in_parallel(items_.size(), 4096, [&](std::size_t i) {
@@ -154,16 +154,21 @@ class TriangleTree::Build {
     const std::uint32_t middle = begin + (end - begin) / 2;
     cut(first_of(begin), first_of(middle), first_of(end));
     auto& halves = tree_.nodes_[middle].boxes;
-    const auto build_first = [&] { halves[0] = build(begin, middle); };
-    const auto build_second = [&] { halves[1] = build(middle, end); };
     if (end - begin > k_blocks_of_a_task) {
-      tbb::parallel_invoke(build_first, build_second);
+      tbb::parallel_invoke([&] { halves[0] = build_task(begin, middle); },
+                           [&] { halves[1] = build_task(middle, end); });
     } else {
-      build_first();
-      build_second();
-      if (end - begin > k_blocks_of_a_task / 2) progress_.add(first_of(end) - first_of(begin));
+      halves[0] = build(begin, middle);
+      halves[1] = build(middle, end);
     }
     return {glm::min(halves[0][0], halves[1][0]), glm::max(halves[0][1], halves[1][1])};
+  }
+
+  /// The same; a range that is not divided among threads counts as done then.
+  Box build_task(std::uint32_t begin, std::uint32_t end) {
+    const Box box = build(begin, end);
+    if (end - begin <= k_blocks_of_a_task) progress_.add(first_of(end) - first_of(begin));
+    return box;
   }
 
   void cut(std::size_t begin, std::size_t middle, std::size_t end) {

@@ -143,6 +143,18 @@ TEST(TriangleTreeTest, triangles_that_do_not_count_are_left_out) {
   EXPECT_GT(others, 30);
 }
 
+TEST(TriangleTreeTest, progress_ends_with_all_triangles) {
+  for (const int count : {1, 1000, 4101, 9000}) {
+    std::uint64_t last = 0;
+    const TriangleTree tree(soup(count, 1.0, glm::dvec3(0.0)), [&](std::uint64_t done, std::uint64_t total) {
+      EXPECT_EQ(total, static_cast<std::uint64_t>(count));
+      last = done;
+      return true;
+    });
+    EXPECT_EQ(last, static_cast<std::uint64_t>(count));
+  }
+}
+
 TEST(TriangleTreeTest, any_finds_what_a_loop_over_all_triangles_finds_and_opens_few_boxes) {
   const glm::dvec3 offset(5e5, 5e6, 1e3);
   const TriangleMesh mesh = soup(1003, 0.5, offset);
