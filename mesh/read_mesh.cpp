@@ -5,11 +5,14 @@
 #include <fstream>
 #include <glm/geometric.hpp>
 #include <optional>
+#include <span>
 #include <string>
 #include <utility>
+#include <vector>
 
 #include "base/error.h"
 #include "base/exact_math.h"
+#include "base/fingerprint.h"
 #include "base/ray.h"
 #include "base/words.h"
 #include "mesh/mesh_builder.h"
@@ -91,6 +94,15 @@ void add_fan(const std::string& file, std::span<const std::uint32_t> polygon, Tr
     else
       mesh.triangles.push_back(triangle);
   }
+}
+
+std::uint64_t checksum(const TriangleMesh& mesh) {
+  std::vector<std::uint64_t> sums;
+  append_checksums(
+      {std::as_bytes(std::span(mesh.vertices)), std::as_bytes(std::span(mesh.triangles)),
+       std::as_bytes(std::span(mesh.vertex_colors)), std::as_bytes(std::span(mesh.triangle_colors))},
+      sums);
+  return checksum(std::as_bytes(std::span(sums)));
 }
 
 TriangleMesh read_mesh(const std::filesystem::path& file, const MeshPlacement& placement,

@@ -27,6 +27,9 @@ struct TriangleMesh {
   std::vector<std::string> warnings;
 };
 
+/// Of vertices, triangles and colours: different for different meshes, but for rare coincidences.
+std::uint64_t checksum(const TriangleMesh& mesh);
+
 /// How a mesh is put into the world: scaled about the origin of its file, turned about that origin, then
 /// moved.
 struct MeshPlacement {

@@ -127,7 +127,7 @@ class TriangleTree::Build {
     const auto blocks = static_cast<std::uint32_t>((std::uint64_t{items_.size()} + k_block - 1) / k_block);
     tree_.nodes_.resize(blocks);
     // The first one is the second half of nothing, and holds the box of all.
-    tree_.nodes_[0].boxes[0] = build(0, blocks);
+    tree_.nodes_[0].boxes[0] = build_task(0, blocks);
     std::vector<TriangleMesh::Triangle> sorted(items_.size());
     tree_.numbers_.resize(items_.size());
     in_parallel(items_.size(), 4096, [&](std::size_t i) {
@@ -154,16 +154,21 @@ class TriangleTree::Build {
     const std::uint32_t middle = begin + (end - begin) / 2;
     cut(first_of(begin), first_of(middle), first_of(end));
     auto& halves = tree_.nodes_[middle].boxes;
-    const auto build_first = [&] { halves[0] = build(begin, middle); };
-    const auto build_second = [&] { halves[1] = build(middle, end); };
     if (end - begin > k_blocks_of_a_task) {
-      tbb::parallel_invoke(build_first, build_second);
+      tbb::parallel_invoke([&] { halves[0] = build_task(begin, middle); },
+                           [&] { halves[1] = build_task(middle, end); });
     } else {
-      build_first();
-      build_second();
-      if (end - begin > k_blocks_of_a_task / 2) progress_.add(first_of(end) - first_of(begin));
+      halves[0] = build(begin, middle);
+      halves[1] = build(middle, end);
     }
     return {glm::min(halves[0][0], halves[1][0]), glm::max(halves[0][1], halves[1][1])};
+  }
+
+  /// The same; a range that is not divided among threads counts as done then.
+  Box build_task(std::uint32_t begin, std::uint32_t end) {
+    const Box box = build(begin, end);
+    if (end - begin <= k_blocks_of_a_task) progress_.add(first_of(end) - first_of(begin));
+    return box;
   }
 
   void cut(std::size_t begin, std::size_t middle, std::size_t end) {
@@ -231,6 +236,14 @@ std::optional<TriangleHit> TriangleTree::meet(const Walk& walk, std::uint32_t pl
   return TriangleHit{.t = t, .triangle = numbers_[place], .vertices = triangle, .weights = met->second};
 }
 
+/// The same, if it counts.
+std::optional<TriangleHit> TriangleTree::meet(const Walk& walk, std::uint32_t place, const Ray& ray,
+                                              const TriangleFilter& counts) const {
+  std::optional<TriangleHit> hit = meet(walk, place);
+  if (hit && counts && !counts(finished(ray, *hit))) hit.reset();
+  return hit;
+}
+
 TriangleHit TriangleTree::finished(const Ray& ray, TriangleHit hit) const {
   const glm::dvec3& a = vertices_[hit.vertices[0]];
   const glm::dvec3 normal = glm::cross(vertices_[hit.vertices[1]] - a, vertices_[hit.vertices[2]] - a);
@@ -274,11 +287,11 @@ void TriangleTree::for_blocks(Walk& walk, const Visit& visit) const {
   }
 }
 
-std::optional<TriangleHit> TriangleTree::closest(const Ray& ray) const {
+std::optional<TriangleHit> TriangleTree::closest(const Ray& ray, const TriangleFilter& counts) const {
   Walk walk = walk_of(ray);
   std::optional<TriangleHit> best;
   for_blocks(walk, [&](std::uint32_t place) {
-    const auto hit = meet(walk, place);
+    const auto hit = meet(walk, place, ray, counts);
     if (hit && (!best || std::pair(hit->t, hit->triangle) < std::pair(best->t, best->triangle))) {
       best = hit;
       walk.t_max = hit->t;
@@ -289,22 +302,52 @@ std::optional<TriangleHit> TriangleTree::closest(const Ray& ray) const {
   return best;
 }
 
-bool TriangleTree::occluded(const Ray& ray) const {
+bool TriangleTree::occluded(const Ray& ray, const TriangleFilter& counts) const {
   Walk walk = walk_of(ray);
   bool is_met = false;
-  for_blocks(walk, [&](std::uint32_t place) { return is_met = meet(walk, place).has_value(); });
+  for_blocks(walk, [&](std::uint32_t place) { return is_met = meet(walk, place, ray, counts).has_value(); });
   return is_met;
 }
 
-std::optional<TriangleHit> TriangleTree::closest_by_brute_force(const Ray& ray) const {
+std::optional<TriangleHit> TriangleTree::closest_by_brute_force(const Ray& ray,
+                                                                const TriangleFilter& counts) const {
   const Walk walk = walk_of(ray);
   std::optional<TriangleHit> best;
   for (std::uint32_t place = 0; place < triangle_count(); ++place) {
-    const auto hit = meet(walk, place);
+    const auto hit = meet(walk, place, ray, counts);
     if (hit && (!best || std::pair(hit->t, hit->triangle) < std::pair(best->t, best->triangle))) best = hit;
   }
   if (best) best = finished(ray, *best);
   return best;
+}
+
+bool TriangleTree::any(const std::function<bool(const Bounds&)>& box,
+                       const std::function<bool(const std::array<glm::dvec3, 3>&)>& triangle) const {
+  const auto accepts = [&](const Box& from_middle) {
+    return box({middle_ + glm::dvec3(from_middle[0]), middle_ + glm::dvec3(from_middle[1])});
+  };
+  const auto accepts_any_of_block = [&](std::uint32_t block) {
+    const std::size_t begin = std::size_t{block} * k_block;
+    for (std::size_t i = begin; i < std::min(begin + k_block, triangles_.size()); ++i) {
+      const auto& [a, b, c] = triangles_[i];
+      if (triangle({middle_ + vertices_[a], middle_ + vertices_[b], middle_ + vertices_[c]})) return true;
+    }
+    return false;
+  };
+  std::array<std::array<std::uint32_t, 2>, k_most_levels + 1> waiting;
+  int count = 0;
+  if (accepts(nodes_[0].boxes[0])) waiting[count++] = {0, static_cast<std::uint32_t>(nodes_.size())};
+  while (count > 0) {
+    const auto [begin, end] = waiting[--count];
+    if (end - begin == 1) {
+      if (accepts_any_of_block(begin)) return true;
+      continue;
+    }
+    const std::uint32_t middle = begin + (end - begin) / 2;
+    if (accepts(nodes_[middle].boxes[1])) waiting[count++] = {middle, end};
+    if (accepts(nodes_[middle].boxes[0])) waiting[count++] = {begin, middle};
+  }
+  return false;
 }
 
 std::optional<Rgb> TriangleTree::color(const TriangleHit& hit) const {

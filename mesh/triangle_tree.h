@@ -3,6 +3,7 @@
 
 #include <array>
 #include <cstdint>
+#include <functional>
 #include <glm/vec3.hpp>
 #include <optional>
 #include <vector>
@@ -24,6 +25,9 @@ struct TriangleHit {
   bool operator==(const TriangleHit&) const = default;
 };
 
+/// Whether a hit counts. Must answer the same for the same hit, from many threads at once.
+using TriangleFilter = std::function<bool(const TriangleHit&)>;
+
 /// Finds the triangles of a mesh that rays meet, from both sides. Safe to use from many threads.
 ///
 /// The answer is that of a loop over all triangles, bit for bit: least t first, then least number. Edges and
@@ -36,12 +40,17 @@ class TriangleTree {
   /// triangle, and vertices that exist. `progress` is in triangles. Errors: Cancelled.
   explicit TriangleTree(TriangleMesh mesh, const Progress& progress = {});
 
-  /// The first one with t_min <= t <= t_max. Cost: some microseconds for a million triangles.
-  std::optional<TriangleHit> closest(const Ray& ray) const;
+  /// The first one with t_min <= t <= t_max that counts. Cost: some microseconds for a million triangles.
+  std::optional<TriangleHit> closest(const Ray& ray, const TriangleFilter& counts = {}) const;
   /// Whether there is one: faster.
-  bool occluded(const Ray& ray) const;
+  bool occluded(const Ray& ray, const TriangleFilter& counts = {}) const;
   /// The answer to closest() from a loop over all triangles, for tests.
-  std::optional<TriangleHit> closest_by_brute_force(const Ray& ray) const;
+  std::optional<TriangleHit> closest_by_brute_force(const Ray& ray, const TriangleFilter& counts = {}) const;
+
+  /// Whether `triangle` accepts the corners (world) of any triangle. Those in boxes (world) that `box` does not
+  /// accept are left out: it must accept every box that holds a triangle that `triangle` accepts.
+  bool any(const std::function<bool(const Bounds&)>& box,
+           const std::function<bool(const std::array<glm::dvec3, 3>&)>& triangle) const;
 
   const Bounds& bounds() const { return bounds_; }  ///< world
   std::uint32_t triangle_count() const { return static_cast<std::uint32_t>(triangles_.size()); }
@@ -59,6 +68,8 @@ class TriangleTree {
 
   Walk walk_of(const Ray& ray) const;
   std::optional<TriangleHit> meet(const Walk& walk, std::uint32_t place) const;
+  std::optional<TriangleHit> meet(const Walk& walk, std::uint32_t place, const Ray& ray,
+                                  const TriangleFilter& counts) const;
   TriangleHit finished(const Ray& ray, TriangleHit hit) const;
   template <class Visit>
   void for_blocks(Walk& walk, const Visit& visit) const;

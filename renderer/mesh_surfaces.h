@@ -2,7 +2,6 @@
 #pragma once
 
 #include <string>
-#include <vector>
 
 #include "base/progress.h"
 #include "mesh/triangle_tree.h"
@@ -27,10 +26,5 @@ class MeshSurfaces final : public Surfaces {
   std::string name_;  ///< made of the mesh before the tree takes it
   TriangleTree tree_;
 };
-
-/// Reads the file of a model's mesh. `reading` is in bytes, `building` in triangles. Warnings are added.
-/// Requires: the model has a mesh. Errors: as read_mesh().
-void load_mesh(Model& model, std::vector<std::string>& warnings, const Progress& reading = {},
-               const Progress& building = {});
 
 }  // namespace alidade::renderer

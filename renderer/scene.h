@@ -118,7 +118,8 @@ struct MeshFile {
 
 /// Surfaces as part of a scene.
 struct Model {
-  /// Not null when rendered; those of a mesh are null until its file is read (renderer/mesh_surfaces.h).
+  /// Not null when rendered; those of a mesh are null until its file is read (mesh/triangle_mesh.h) and made
+  /// MeshSurfaces (renderer/mesh_surfaces.h).
   std::shared_ptr<const Surfaces> surfaces;
   Material material = Lambertian{};  ///< lambertian or metal
   std::optional<MeshFile> mesh{};    ///< empty: surfaces of another kind

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: MIT
 #include "renderer/surface.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <chrono>
 #include <cmath>
@@ -150,6 +152,13 @@ double smallest_entry(const Bounds& bounds, double radius) {
 }
 
 World::World(const Scene& scene, const LoadedCloud* cloud) : objects_(&scene.objects) {
+  for (std::size_t index = 0; index < scene.objects.size(); ++index) {
+    const auto* model = std::get_if<Model>(&scene.objects[index]);
+    if (model == nullptr || model->surfaces != nullptr) continue;
+    throw Error({.file = model->mesh ? model->mesh->file.string() : "",
+                 .problem = fmt::format("object {} has no surfaces", index),
+                 .expected = "a model with surfaces: read its mesh before"});
+  }
   if (cloud == nullptr || cloud->octree.size() == 0) return;
   const CloudSettings settings = scene.cloud.value_or(CloudSettings{});
   cloud_ = CloudGeometry{

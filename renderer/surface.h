@@ -98,7 +98,7 @@ struct Surface {
 /// threads.
 class World {
  public:
-  /// `cloud` may be null.
+  /// `cloud` may be null. Errors: a model without surfaces.
   World(const Scene& scene, const LoadedCloud* cloud);
 
   /// The nearest surface in front of the ray's origin. Between a sphere of the cloud and an object the

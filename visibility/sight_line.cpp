@@ -72,6 +72,39 @@ Ray ray_of(const Occluders& occluders, const SightLine& line) {
 
 constexpr std::size_t k_grain = 1024;
 
+/// Whether an end lies on the triangle that a line meets at this position.
+bool lies_on(const SightEnd& end, const glm::dvec3& met, const glm::dvec3& normal) {
+  return std::fabs(glm::dot(end.position - met, normal)) < end.mesh_contact;
+}
+
+/// What of a mesh blocks a line, which must outlive this.
+struct MeshQuery {
+  Ray ray;
+  TriangleFilter counts;
+
+  explicit MeshQuery(const SightLine& line)
+      : ray{line.from.position, line.direction, 0.0, line.length}, counts([&line](const TriangleHit& hit) {
+          const glm::dvec3 met = line.from.position + hit.t * line.direction;
+          const bool endless = line.length == std::numeric_limits<double>::infinity();
+          return !lies_on(line.from, met, hit.normal) && (endless || !lies_on(line.to, met, hit.normal));
+        }) {}
+};
+
+/// Replaces what of the cloud blocks lines where the mesh does so before.
+void put_mesh_before(const TriangleTree& mesh, const ChordLines& lines,
+                     std::span<std::optional<Blocker>> blockers) {
+  in_parallel(blockers.size(), k_grain, [&](std::size_t line) {
+    for (std::size_t chord = lines.begin[line]; chord < lines.begin[line + 1]; ++chord) {
+      const MeshQuery query(lines.chords[chord]);
+      const std::optional<TriangleHit> hit = mesh.closest(query.ray, query.counts);
+      if (!hit) continue;
+      const Blocker blocker{k_mesh_blocker, query.ray.position(hit->t), lines.starts[chord] + hit->t};
+      if (!blockers[line] || blocker.distance < blockers[line]->distance) blockers[line] = blocker;
+      return;
+    }
+  });
+}
+
 std::vector<Ray> rays_of(const Occluders& occluders, std::span<const SightLine> lines) {
   std::vector<Ray> rays(lines.size());
   in_parallel(lines.size(), k_grain, [&](std::size_t i) { rays[i] = ray_of(occluders, lines[i]); });
@@ -162,6 +195,43 @@ void count_crossings(const Occluders& occluders, const ChordLines& lines, std::s
   });
 }
 
+/// The first points that block lines at their first crossing.
+void first_points(const Occluders& occluders, std::span<const SightLine> lines,
+                  std::span<std::optional<Blocker>> blockers) {
+  std::vector<std::optional<Hit>> hits(lines.size());
+  closest(occluders.octree(), rays_of(occluders, lines), query_of(occluders, lines), hits);
+  in_parallel(lines.size(), k_grain, [&](std::size_t i) {
+    blockers[i].reset();
+    if (hits[i]) blockers[i] = blocker_of(occluders, lines[i], *hits[i]);
+  });
+}
+
+/// The same for lines of chords.
+void first_points(const Occluders& occluders, const ChordLines& lines,
+                  std::span<std::optional<Blocker>> blockers) {
+  std::vector<std::optional<Blocker>> of_chords(lines.chords.size());
+  first_points(occluders, lines.chords, of_chords);
+  for (std::size_t line = 0; line < blockers.size(); ++line) {
+    std::size_t chord = lines.begin[line];
+    while (chord < lines.begin[line + 1] && !of_chords[chord]) ++chord;
+    blockers[line].reset();
+    if (chord == lines.begin[line + 1]) continue;
+    blockers[line] = of_chords[chord];
+    blockers[line]->distance += lines.starts[chord];
+  }
+}
+
+/// The same at the crossing that the transparency allows no more.
+void last_points(const Occluders& occluders, const ChordLines& lines,
+                 std::span<std::optional<Blocker>> blockers) {
+  // All that blocks them is in memory at once.
+  constexpr std::size_t k_chords_at_once = 1 << 12;
+  for (std::size_t from = 0, to = 0; from < blockers.size(); from = to) {
+    while (to < blockers.size() && lines.begin[to] - lines.begin[from] < k_chords_at_once) ++to;
+    count_crossings(occluders, lines, from, to, blockers);
+  }
+}
+
 void check_room(std::size_t lines, std::size_t answers) {
   if (lines == answers) return;
   throw Error({.problem = "the span of answers does not match the lines of sight",
@@ -187,7 +257,7 @@ SightLine sight_ray(const SightEnd& from, const glm::dvec3& direction, double le
                  .found = std::to_string(length)});
   }
   const Ray ray = make_ray(from.position, direction);
-  SightLine line{from, {}, ray.direction, length};
+  SightLine line{from, chord_end({}), ray.direction, length};
   // Nothing is known about where it ends.
   if (std::isfinite(length)) line.to.position = ray.position(length);
   return line;
@@ -228,54 +298,40 @@ std::optional<Blocker> first_blocker(const Occluders& occluders, const SightLine
 void first_blockers(const Occluders& occluders, std::span<const SightLine> lines,
                     std::span<std::optional<Blocker>> blockers) {
   check_room(lines.size(), blockers.size());
-  if (occluders.options().transparency > 1) {
-    const std::vector<double> starts(lines.size());
-    std::vector<std::size_t> begin(lines.size() + 1);
-    std::iota(begin.begin(), begin.end(), std::size_t{0});
-    return first_blockers(occluders, ChordLines{lines, starts, begin}, blockers);
-  }
-  std::vector<std::optional<Hit>> hits(lines.size());
-  closest(occluders.octree(), rays_of(occluders, lines), query_of(occluders, lines), hits);
-  in_parallel(lines.size(), k_grain, [&](std::size_t i) {
-    blockers[i].reset();
-    if (hits[i]) blockers[i] = blocker_of(occluders, lines[i], *hits[i]);
-  });
+  const OccluderOptions& options = occluders.options();
+  if (options.transparency == 1 && options.mesh == nullptr) return first_points(occluders, lines, blockers);
+  const std::vector<double> starts(lines.size());
+  std::vector<std::size_t> begin(lines.size() + 1);
+  std::iota(begin.begin(), begin.end(), std::size_t{0});
+  first_blockers(occluders, ChordLines{lines, starts, begin}, blockers);
 }
 
 void first_blockers(const Occluders& occluders, const ChordLines& lines,
                     std::span<std::optional<Blocker>> blockers) {
   check_room(lines.begin.size() - 1, blockers.size());
-  if (occluders.options().transparency == 1) {
-    std::vector<std::optional<Blocker>> of_chords(lines.chords.size());
-    first_blockers(occluders, lines.chords, of_chords);
-    for (std::size_t line = 0; line < blockers.size(); ++line) {
-      std::size_t chord = lines.begin[line];
-      while (chord < lines.begin[line + 1] && !of_chords[chord]) ++chord;
-      blockers[line].reset();
-      if (chord == lines.begin[line + 1]) continue;
-      blockers[line] = of_chords[chord];
-      blockers[line]->distance += lines.starts[chord];
-    }
-    return;
-  }
-  // All that blocks them is in memory at once.
-  constexpr std::size_t k_chords_at_once = 1 << 12;
-  for (std::size_t from = 0, to = 0; from < blockers.size(); from = to) {
-    while (to < blockers.size() && lines.begin[to] - lines.begin[from] < k_chords_at_once) ++to;
-    count_crossings(occluders, lines, from, to, blockers);
-  }
+  const OccluderOptions& options = occluders.options();
+  options.transparency == 1 ? first_points(occluders, lines, blockers)
+                            : last_points(occluders, lines, blockers);
+  if (options.mesh != nullptr) put_mesh_before(*options.mesh, lines, blockers);
 }
 
 void blocked(const Occluders& occluders, std::span<const SightLine> lines, std::span<std::uint8_t> answers) {
   check_room(lines.size(), answers.size());
-  if (occluders.options().transparency == 1) {
-    occluded(occluders.octree(), rays_of(occluders, lines), query_of(occluders, lines), answers);
+  const OccluderOptions& options = occluders.options();
+  if (options.transparency > 1) {
+    std::vector<std::optional<Blocker>> blockers(lines.size());
+    first_blockers(occluders, lines, blockers);
+    std::ranges::transform(blockers, answers.begin(),
+                           [](const std::optional<Blocker>& blocker) { return blocker ? 1 : 0; });
     return;
   }
-  std::vector<std::optional<Blocker>> blockers(lines.size());
-  first_blockers(occluders, lines, blockers);
-  std::ranges::transform(blockers, answers.begin(),
-                         [](const std::optional<Blocker>& blocker) { return blocker ? 1 : 0; });
+  occluded(occluders.octree(), rays_of(occluders, lines), query_of(occluders, lines), answers);
+  if (options.mesh == nullptr) return;
+  in_parallel(lines.size(), k_grain, [&](std::size_t i) {
+    if (answers[i] != 0) return;
+    const MeshQuery query(lines[i]);
+    answers[i] = options.mesh->occluded(query.ray, query.counts) ? 1 : 0;
+  });
 }
 
 }  // namespace alidade::visibility

@@ -160,6 +160,24 @@ TEST_F(ReadMeshTest, malformed_obj_files_are_errors_that_name_the_line) {
   EXPECT_EQ(error("a.stl", "solid"), "a.stl: unknown mesh format; expected the extension .ply or .obj");
 }
 
+TEST_F(ReadMeshTest, a_small_file_that_claims_many_triangles_is_rejected) {
+  const auto claimed = [](const std::string& format, const std::string& vertices, const std::string& faces) {
+    return "ply\nformat " + format + " 1.0\nelement vertex " + vertices +
+           "\nproperty float x\nproperty float y\nproperty float z\nelement face " + faces +
+           "\nproperty list uchar int vertex_index\nend_header\n";
+  };
+  const std::string many = "100000000";
+  for (const std::string format : {"ascii", "binary_little_endian", "binary_big_endian"}) {
+    const std::string data = format == "ascii" ? "0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n" : std::string(49, '\0');
+    EXPECT_NE(error("a.ply", claimed(format, "3", many) + data)
+                  .find("a.ply: truncated file: too short for its element 'face'"),
+              std::string::npos);
+    EXPECT_NE(error("a.ply", claimed(format, many, "1") + data)
+                  .find("a.ply: truncated file: too short for its element 'vertex'"),
+              std::string::npos);
+  }
+}
+
 TEST_F(ReadMeshTest, malformed_ply_files_are_errors) {
   const auto ply = [](const std::string& vertices, const std::string& faces, const std::string& data) {
     return "ply\nformat ascii 1.0\nelement vertex " + vertices +

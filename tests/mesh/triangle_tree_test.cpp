@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <glm/geometric.hpp>
 #include <limits>
@@ -120,6 +121,70 @@ TEST(TriangleTreeTest, answers_are_those_of_a_loop_over_all_triangles) {
   expect_answers_of_brute_force(soup(1003, 1.0, glm::dvec3(0.0)), glm::dvec3(0.0), 1500);
   expect_answers_of_brute_force(soup(2000, 1.0, {5e6, 5e6, 1e3}), {5e6, 5e6, 1e3}, 1000);
   expect_answers_of_brute_force(grid(20), {10, 10, 0}, 2000);
+}
+
+TEST(TriangleTreeTest, triangles_that_do_not_count_are_left_out) {
+  const TriangleTree tree(soup(1003, 1.0, {5e5, 5e6, 1e3}));
+  const TriangleFilter counts = [](const TriangleHit& hit) {
+    return hit.triangle % 3 == 0 && hit.normal.z > 0.2 && hit.t > -5.0;
+  };
+  Numbers numbers;
+  int hits = 0, others = 0;
+  for (int i = 0; i < 1000; ++i) {
+    const Ray ray = make_ray(glm::dvec3(5e5, 5e6, 1e3) + 12.0 * numbers.vector(), numbers.vector());
+    const auto expected = tree.closest_by_brute_force(ray, counts);
+    EXPECT_EQ(tree.closest(ray, counts), expected) << i;
+    EXPECT_EQ(tree.occluded(ray, counts), expected.has_value()) << i;
+    if (expected) EXPECT_TRUE(counts(*expected));
+    hits += expected ? 1 : 0;
+    others += expected != tree.closest(ray) ? 1 : 0;
+  }
+  EXPECT_GT(hits, 30);
+  EXPECT_GT(others, 30);
+}
+
+TEST(TriangleTreeTest, progress_ends_with_all_triangles) {
+  for (const int count : {1, 1000, 4101, 9000}) {
+    std::uint64_t last = 0;
+    const TriangleTree tree(soup(count, 1.0, glm::dvec3(0.0)), [&](std::uint64_t done, std::uint64_t total) {
+      EXPECT_EQ(total, static_cast<std::uint64_t>(count));
+      last = done;
+      return true;
+    });
+    EXPECT_EQ(last, static_cast<std::uint64_t>(count));
+  }
+}
+
+TEST(TriangleTreeTest, any_finds_what_a_loop_over_all_triangles_finds_and_opens_few_boxes) {
+  const glm::dvec3 offset(5e5, 5e6, 1e3);
+  const TriangleMesh mesh = soup(1003, 0.5, offset);
+  const TriangleTree tree(mesh);
+  Numbers numbers;
+  int found = 0, opened = 0;
+  for (int i = 0; i < 500; ++i) {
+    // Triangles that lie within a ball.
+    const glm::dvec3 middle = offset + 11.0 * numbers.vector();
+    const auto in_ball = [&](const std::array<glm::dvec3, 3>& corners) {
+      return std::ranges::all_of(
+          corners, [&](const glm::dvec3& corner) { return glm::distance(corner, middle) < 1.0; });
+    };
+    const bool expected = std::ranges::any_of(mesh.triangles, [&](const TriangleMesh::Triangle& triangle) {
+      return in_ball({mesh.vertices[triangle[0]], mesh.vertices[triangle[1]], mesh.vertices[triangle[2]]});
+    });
+    const Bounds ball{middle - 1.0, middle + 1.0};
+    EXPECT_EQ(tree.any(
+                  [&](const Bounds& box) {
+                    ++opened;
+                    return meet(box, ball);
+                  },
+                  in_ball),
+              expected)
+        << i;
+    found += expected ? 1 : 0;
+  }
+  EXPECT_GT(found, 50);
+  EXPECT_LT(found, 450);
+  EXPECT_LT(opened, 500 * 100);
 }
 
 TEST(TriangleTreeTest, of_triangles_at_the_same_place_the_first_one_is_met) {

@@ -1,9 +1,11 @@
 // SPDX-License-Identifier: MIT
 #include "renderer/render.h"
 
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 #include <tbb/global_control.h>
 
+#include <filesystem>
 #include <glm/geometric.hpp>
 
 #include "tests/renderer/mixed_scene.h"
@@ -52,6 +54,30 @@ TEST(Render, film_does_not_depend_on_the_instruction_set) {
     SCOPED_TRACE(name(set));
     expect_same(render(mixed_scene(), &cloud), best);
   }
+}
+
+TEST(Render, a_model_without_surfaces_is_an_error) {
+  Scene scene = mixed_scene();
+  scene.objects.emplace_back(Model{.surfaces = {}, .mesh = MeshFile{"house.obj", {}}});
+  const auto message = [&](const LoadedCloud* cloud, const RenderOptions& options) -> std::string {
+    try {
+      render(scene, cloud, options);
+    } catch (const Error& error) {
+      return error.what();
+    }
+    return "no error";
+  };
+  const LoadedCloud cloud = mixed_cloud();
+  const std::string expected = fmt::format("house.obj: object {} has no surfaces", scene.objects.size() - 1);
+  EXPECT_NE(message(&cloud, {}).find(expected), std::string::npos) << message(&cloud, {});
+  EXPECT_NE(message(nullptr, {}).find(expected), std::string::npos);
+  RenderOptions kept;
+  kept.checkpoint.emplace();
+  kept.checkpoint->file = std::filesystem::path(::testing::TempDir()) / "a_model_without_surfaces";
+  EXPECT_NE(message(&cloud, kept).find(expected), std::string::npos);
+  PartOutput part;
+  part.file = kept.checkpoint->file;
+  EXPECT_THROW(render_part(scene, &cloud, {}, part), Error);
 }
 
 TEST(Render, another_seed_is_another_noise_around_the_same_picture) {

@@ -176,6 +176,26 @@ TEST_F(LineFilesTest, an_existing_file_is_not_replaced_unasked) {
   EXPECT_NO_THROW(write_lines(lines, RowForm::csv, {}, {}, file, true));
 }
 
+TEST_F(LineFilesTest, a_mesh_has_a_position_but_neither_id_nor_class) {
+  LineTable lines = table();
+  lines.reports[0].blocker->point_id = k_mesh_blocker;
+  FresnelClearance& zone = lines.reports[0].fresnel.emplace();
+  zone.obstructions = {{k_mesh_blocker, 0.5}, {1, 0.25}};
+  const Json hidden = Json::parse(written(lines, RowForm::json))["lines"][0];
+  EXPECT_EQ(hidden["visible"], false);
+  EXPECT_TRUE(hidden["blocker"].is_null());
+  EXPECT_TRUE(hidden["blocker_class"].is_null());
+  EXPECT_NEAR(hidden["blocker_at"], 30.0, 1e-3);
+  EXPECT_NEAR(hidden["blocker_x"], 30.0, 1e-3);
+  EXPECT_EQ(hidden["fresnel_class"], 6);
+  EXPECT_EQ(hidden["fresnel_class_share"], 0.25);
+  EXPECT_TRUE(hidden["obstructions"]["points"][0]["point"].is_null());
+  EXPECT_TRUE(hidden["obstructions"]["points"][0]["class"].is_null());
+  EXPECT_EQ(hidden["obstructions"]["points"][1]["point"], 1);
+  lines.reports[0].fresnel.reset();
+  EXPECT_NE(written(lines, RowForm::csv).find(",0,,,3"), std::string::npos) << written(lines, RowForm::csv);
+}
+
 TEST(LonLat, unknown_and_local_systems_are_empty) {
   const std::vector<glm::dvec3> position = {{0, 0, 0}};
   EXPECT_FALSE(lon_lat({}, position));

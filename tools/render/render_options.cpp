@@ -7,6 +7,7 @@
 #include "octree/spacing.h"
 #include "renderer/read_scene.h"
 #include "simulation/courtyard.h"
+#include "tools/cloud/mesh_files.h"
 #include "tools/render/site_surfaces.h"
 
 namespace alidade::tools {
@@ -246,11 +247,7 @@ std::shared_ptr<RenderCommand> add_render_options(const Options& render) {
         if (text != "courtyard") throw UsageError("invalid value; expected courtyard, found '" + text + "'");
         command->exact_site = true;
       });
-  render.values(
-      "--mesh", "FILE",
-      "PLY or OBJ file of triangles in world coordinates, such as a planned building, beside the cloud "
-      "or the scene; may be given again",
-      [command = command.get()](const std::string& text) { command->meshes.emplace_back(text); });
+  add_mesh_option(render, "beside the cloud or the scene", command->meshes);
   render.file("-o,--output", "FILE",
               "output image: .png, .jpg, .exr or .tif (default: the scene's); for a set of cameras with %04d "
               "(number, from 0), %s (name of the photograph) or %f (the same with folders and extension)",

@@ -7,11 +7,11 @@
 namespace alidade::tools {
 namespace {
 
-/// The cloud is given by its points; lists, curve and preview are outputs.
-constexpr std::array<std::string_view, 13> k_silent_options = {
+/// The cloud is given by its points, meshes by their triangles; lists, curve and preview are outputs.
+constexpr std::array<std::string_view, 14> k_silent_options = {
     "cloud",     "help",    "output", "lists",   "curve",      "preview",
     "overwrite", "threads", "quiet",  "verbose", "checkpoint", "checkpoint-interval",
-    "resume"};
+    "resume",    "mesh"};
 
 std::string joined(const std::vector<std::string>& words) {
   std::string text;
@@ -93,6 +93,8 @@ Fingerprint run_fingerprint(const CheckpointRequest& request, const VisibilityCl
   const std::uint64_t classes = checksum(std::as_bytes(cloud.columns.classifications));
   fingerprint.push_back(
       {"classes", cloud.columns.classifications.empty() ? "none" : sum_text({&classes, 1})});
+  if (cloud.mesh.tree != nullptr)
+    fingerprint.push_back({"meshes", fmt::format("{:016x}", cloud.mesh.checksum)});
   return fingerprint;
 }
 

@@ -55,6 +55,11 @@ class SeenList {
   OutputFile file_;
 };
 
+std::int64_t blocker_number(std::uint32_t blocker) {
+  if (blocker == visibility::k_no_blocker) return -1;
+  return blocker == visibility::k_blocked_by_mesh ? -2 : std::int64_t{blocker};
+}
+
 /// `seen` must outlive the columns.
 std::vector<ResultColumn> columns_of(const visibility::PointVisibility& seen) {
   std::vector<ResultColumn> columns;
@@ -76,11 +81,10 @@ std::vector<ResultColumn> columns_of(const visibility::PointVisibility& seen) {
   }
   for (std::size_t i = 0; i < seen.blockers.size(); ++i) {
     const std::vector<std::uint32_t>& blockers = seen.blockers[i];
-    columns.push_back(result_column<std::int64_t>(
-        seen.blockers.size() == 1 ? "Blocker" : fmt::format("Blocker_{}", i + 1),
-        "id of the blocking point, -1: none", ScalarType::int64, [&blockers](std::size_t id) {
-          return blockers[id] == visibility::k_no_blocker ? std::int64_t{-1} : std::int64_t{blockers[id]};
-        }));
+    columns.push_back(
+        result_column<std::int64_t>(seen.blockers.size() == 1 ? "Blocker" : fmt::format("Blocker_{}", i + 1),
+                                    "blocking point, -1 none, -2 mesh", ScalarType::int64,
+                                    [&blockers](std::size_t id) { return blocker_number(blockers[id]); }));
   }
   return columns;
 }

@@ -13,6 +13,7 @@
 
 #include "base/error.h"
 #include "geo/earth.h"
+#include "mesh/triangle_tree.h"
 #include "octree/query.h"
 #include "octree/spacing.h"
 #include "visibility/crossing.h"
@@ -72,6 +73,84 @@ class Reaches {
   std::vector<double> spacings_;  ///< by point id; empty if all have one radius
 };
 
+/// All lines from an eye in one azimuth between two elevations.
+class SightFan {
+ public:
+  SightFan(const SightEnd& eye, double azimuth, double bottom, double top)
+      : eye_(eye),
+        along_(geo::compass_direction(azimuth, 0.0)),
+        bottom_(sine_cosine_of_degrees(bottom)),
+        top_(sine_cosine_of_degrees(top)) {}
+
+  /// Whether surely none of them meets a triangle that the eye does not lie on.
+  bool is_free(const TriangleTree& mesh) const {
+    return !mesh.any([this](const Bounds& box) { return may_reach(box); },
+                     [this](const std::array<glm::dvec3, 3>& corners) { return may_reach(corners); });
+  }
+
+ private:
+  /// A position as seen from the eye along the azimuth, metres.
+  struct Position {
+    double run, aside, rise;
+
+    /// Far more than what rounding makes of it.
+    double slack() const { return 1e-6 * (1.0 + std::fabs(run) + std::fabs(aside) + std::fabs(rise)); }
+  };
+
+  Position seen(const glm::dvec3& position) const {
+    const glm::dvec3 offset = position - eye_.position;
+    return {offset.x * along_.x + offset.y * along_.y, offset.x * along_.y - offset.y * along_.x, offset.z};
+  }
+
+  /// Whether the convex hull of positions may reach into the fan: no face of the wedge around it parts them.
+  bool may_reach(std::span<const Position> hull) const {
+    bool is_behind = true, is_left = true, is_right = true, is_above = true, is_below = true;
+    for (const Position& one : hull) {
+      const double slack = one.slack();
+      is_behind = is_behind && one.run < -slack;
+      is_left = is_left && one.aside < -slack;
+      is_right = is_right && one.aside > slack;
+      is_above = is_above && one.rise * top_.cosine - one.run * top_.sine > slack;
+      is_below = is_below && one.rise * bottom_.cosine - one.run * bottom_.sine < -slack;
+    }
+    return !(is_behind || is_left || is_right || is_above || is_below);
+  }
+
+  bool may_reach(const Bounds& box) const {
+    std::array<Position, 8> hull;
+    for (std::size_t i = 0; i < hull.size(); ++i)
+      hull[i] =
+          seen({i & 1 ? box.max.x : box.min.x, i & 2 ? box.max.y : box.min.y, i & 4 ? box.max.z : box.min.z});
+    return may_reach(hull);
+  }
+
+  /// By what the vertical plane of the fan cuts from the triangle.
+  bool may_reach(const std::array<glm::dvec3, 3>& corners) const {
+    if (is_own(corners)) return false;
+    std::array<Position, 6> cut;
+    std::size_t count = 0;
+    for (std::size_t i = 0; i < 3; ++i) {
+      const Position from = seen(corners[i]), to = seen(corners[(i + 1) % 3]);
+      if (std::fabs(from.aside) <= from.slack()) cut[count++] = from;
+      if ((from.aside < 0.0) == (to.aside < 0.0)) continue;
+      const double share = from.aside / (from.aside - to.aside);
+      cut[count++] = {from.run + share * (to.run - from.run), 0.0, from.rise + share * (to.rise - from.rise)};
+    }
+    return count > 0 && may_reach(std::span(cut).first(count));
+  }
+
+  /// Whether the eye surely lies on it.
+  bool is_own(const std::array<glm::dvec3, 3>& corners) const {
+    const glm::dvec3 normal = glm::cross(corners[1] - corners[0], corners[2] - corners[0]);
+    return std::fabs(glm::dot(eye_.position - corners[0], normal)) <
+           0.5 * eye_.mesh_contact * glm::length(normal);
+  }
+
+  const SightEnd& eye_;
+  glm::dvec3 along_;
+  SineCosine bottom_, top_;
+};
+
 /// The highest blocked line of one azimuth.
 struct AzimuthSearch {
   const Occluders& occluders;
@@ -120,7 +199,9 @@ struct AzimuthSearch {
       if (point.t < 0.0) return glm::distance(point.position, eye.position) <= *reach + k_slack;
       return point.distance <= (*reach + k_slack) / half.cosine + slope * point.t;
     };
-    return !occluded(occluders.octree(), cone, query);
+    if (occluded(occluders.octree(), cone, query)) return false;
+    const TriangleTree* const mesh = occluders.options().mesh.get();
+    return mesh == nullptr || SightFan(eye, azimuth, bottom, top).is_free(*mesh);
   }
 
   std::optional<int> highest_line(int low, int high) const {
@@ -213,7 +294,8 @@ std::string horizon_csv(std::span<const HorizonDirection> horizon) {
     }
     const Blocker& blocker = *direction.blocker;
     text += fmt::format("{:.6g},{:.6g},{:.4f},{},{:.12g},{:.12g},{:.12g}\n", direction.azimuth,
-                        *direction.elevation, blocker.distance, blocker.point_id, blocker.position.x,
+                        *direction.elevation, blocker.distance,
+                        blocker.is_mesh() ? "" : std::to_string(blocker.point_id), blocker.position.x,
                         blocker.position.y, blocker.position.z);
   }
   return text;
@@ -253,7 +335,7 @@ std::string horizon_geojson(std::span<const HorizonDirection> horizon, const Hor
       geometry = point_geometry(positions[next++]);
       properties["elevation"] = *direction.elevation;
       properties["distance"] = direction.blocker->distance;
-      properties["point_id"] = direction.blocker->point_id;
+      properties["point_id"] = direction.blocker->is_mesh() ? Json() : Json(direction.blocker->point_id);
       properties["z"] = direction.blocker->position.z;
     }
     text += ",\n" + feature(std::move(geometry), std::move(properties)).dump();

@@ -38,11 +38,11 @@ struct HorizonOptions {
 struct HorizonDirection {
   double azimuth = 0.0;               ///< degrees clockwise from north (+y), [0, 360)
   std::optional<double> elevation{};  ///< degrees above the horizontal; empty if nothing blocks any line
-  std::optional<Blocker> blocker{};   ///< the first point that blocks the line at that elevation
+  std::optional<Blocker> blocker{};   ///< what first blocks the line at that elevation
 };
 
 /// The horizon, azimuth by azimuth clockwise from azimuth_min. Errors: options out of range. Memory: 8 B per
-/// point. Cost: the free sky is ruled out with cones (no point near any of the lines in them), single lines
+/// point. Cost: the free sky is ruled out with cones (no point near any of the lines in them, no triangle between them), single lines
 /// are only asked close to the edge: some 10^2 to 10^3 queries per azimuth, in parallel. `progress` is in
 /// azimuths. The same on any number of threads and any instruction set.
 std::vector<HorizonDirection> horizon(const Occluders& occluders, const SightEnd& eye,
@@ -71,7 +71,8 @@ struct HorizonFacts {
 };
 
 /// The line as CSV with a line of names: azimuth, elevation (degrees), distance (along the line of sight, in
-/// the cloud's unit), point_id, x, y, z of that point. Cells of azimuths without a horizon are empty.
+/// the cloud's unit), point_id, x, y, z of that point; of a mesh point_id is empty, and x, y, z are where the
+/// line meets it. Cells of azimuths without a horizon are empty.
 std::string horizon_csv(std::span<const HorizonDirection> horizon);
 
 /// The positions that horizon_geojson() wants longitude and latitude of (lon_lat.h): the blocking points, in
@@ -80,7 +81,7 @@ std::vector<glm::dvec3> horizon_positions(std::span<const HorizonDirection> hori
                                           const HorizonFacts& facts);
 
 /// The line as GeoJSON (RFC 7946): the observer, with the sky-view factors, and every blocking point with
-/// azimuth, elevation, distance, point_id and z, as points; azimuths without a horizon have no geometry.
+/// azimuth, elevation, distance, point_id (null: the mesh) and z, as points; azimuths without a horizon have no geometry.
 /// Without longitudes and latitudes the coordinates are the cloud's, and a member "coordinate_system" of the
 /// collection says so.
 std::string horizon_geojson(std::span<const HorizonDirection> horizon, const HorizonFacts& facts,

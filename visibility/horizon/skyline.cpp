@@ -52,7 +52,7 @@ image::Film depth_panorama(const Occluders& occluders, const SightEnd& eye, int 
       },
       [&](std::size_t pixel, const Blocker& blocker) {
         film.distance[pixel] = film.depth[pixel] = static_cast<float>(blocker.distance);
-        film.id[pixel] = static_cast<std::uint32_t>(blocker.point_id + 1);
+        if (!blocker.is_mesh()) film.id[pixel] = static_cast<std::uint32_t>(blocker.point_id + 1);
       });
   return film;
 }

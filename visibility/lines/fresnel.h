@@ -31,12 +31,12 @@ double fresnel_radius(double wavelength, double length);
 /// Share of the radius that has to be free.
 constexpr double k_clear_share = 0.6;
 
-/// Tubes that fill the zone, and so the most points that are the first to obstruct one.
+/// Tubes that fill the zone, and so the most blockers that are the first to obstruct one.
 constexpr int k_most_obstructions = 512;
 
-/// A point and the share of the zone that it is the first to obstruct.
+/// A point, or the mesh, and the share of the zone that it is the first to obstruct.
 struct Obstruction {
-  std::uint64_t point_id = 0;
+  std::uint64_t point_id = 0;  ///< or k_mesh_blocker
   double share = 0.0;
 };
 

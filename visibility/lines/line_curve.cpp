@@ -28,7 +28,7 @@ struct Piece {
 Piece inner_piece(const LineCurve& curve, const TubePosition& position, double t_begin, double t_end,
                   double widest_sphere) {
   const glm::dvec3 begin = curve.position(t_begin, position), end = curve.position(t_end, position);
-  Piece piece{sight_line({begin}, {end}), t_begin, t_end};
+  Piece piece{sight_line(chord_end(begin), chord_end(end)), t_begin, t_end};
   if (t_begin > curve.begin()) {
     piece.lead = std::min(widest_sphere, piece.line.length);
     piece.line.from.position = begin - piece.lead * piece.line.direction;

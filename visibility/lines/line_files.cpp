@@ -68,9 +68,14 @@ GivenPair read_row(const CsvTable& table) {
   return pair;
 }
 
-Row class_of(const LineTable& table, std::uint64_t point_id) {
-  if (table.classifications.empty()) return nullptr;
-  return table.classifications[point_id];
+/// Null for a mesh.
+Row id_of(std::uint64_t blocker_id) {
+  return blocker_id == k_mesh_blocker ? Row() : Row(blocker_id);
+}
+
+Row class_of(const LineTable& table, std::uint64_t blocker_id) {
+  if (table.classifications.empty() || blocker_id == k_mesh_blocker) return nullptr;
+  return table.classifications[blocker_id];
 }
 
 /// A class and its share of a zone.
@@ -79,12 +84,12 @@ struct ClassShare {
   double share;
 };
 
-/// The largest first, then by number; empty for a cloud without classes.
+/// The largest first, then by number; without meshes; empty for a cloud without classes.
 std::vector<ClassShare> class_shares(const LineTable& table, const FresnelClearance& fresnel) {
   std::array<double, 256> shares{};
-  if (!table.classifications.empty()) {
-    for (const Obstruction& one : fresnel.obstructions)
-      shares[table.classifications[one.point_id]] += one.share;
+  for (const Obstruction& one : fresnel.obstructions) {
+    const Row number = class_of(table, one.point_id);
+    if (!number.is_null()) shares[number.get<std::size_t>()] += one.share;
   }
   std::vector<ClassShare> classes;
   for (int number = 0; number < 256; ++number) {
@@ -141,7 +146,7 @@ Row line_row(const LineTable& table, std::size_t line) {
   row["length"] = report.length;
   row["visible"] = !report.blocker;
   const std::optional<Blocker>& blocker = report.blocker;
-  row["blocker"] = blocker ? Row(blocker->point_id) : Row();
+  row["blocker"] = blocker ? id_of(blocker->point_id) : Row();
   row["blocker_class"] = blocker ? class_of(table, blocker->point_id) : Row();
   row["blocker_at"] = blocker ? Row(blocker->distance) : Row();
   for (int axis = 0; axis < 3; ++axis)
@@ -160,7 +165,7 @@ Row line_obstructions(const LineTable& table, std::size_t line) {
   if (fresnel) {
     for (const Obstruction& one : fresnel->obstructions)
       points.push_back(
-          {{"point", one.point_id}, {"class", class_of(table, one.point_id)}, {"share", one.share}});
+          {{"point", id_of(one.point_id)}, {"class", class_of(table, one.point_id)}, {"share", one.share}});
     for (const ClassShare& one : class_shares(table, *fresnel))
       classes.push_back({{"class", one.number}, {"share", one.share}});
   }

@@ -24,6 +24,7 @@ struct Putting {
   }
   void flag(bool value) { writer.put(std::uint8_t{value}); }
   void id(std::uint64_t value) { writer.put(value); }
+  void blocker_id(std::uint64_t value) { writer.put(value); }
   void length(const std::vector<Obstruction>& all) { writer.put(std::uint64_t{all.size()}); }
   template <class Part>
   bool has(const std::optional<Part>& part) {
@@ -44,6 +45,10 @@ struct Taking {
   void id(std::uint64_t& value) {
     number(value);
     reader.require(value < point_count);
+  }
+  void blocker_id(std::uint64_t& value) {
+    number(value);
+    reader.require(value < point_count || value == k_mesh_blocker);
   }
   void length(std::vector<Obstruction>& all) { all.resize(reader.take_count(k_obstruction_bytes)); }
   template <class Part>
@@ -74,7 +79,7 @@ void pass_fresnel(auto& way, auto& zone) {
   way.number(zone.points);
   way.length(zone.obstructions);
   for (auto& one : zone.obstructions) {
-    way.id(one.point_id);
+    way.blocker_id(one.point_id);
     way.number(one.share);
   }
 }
@@ -82,7 +87,7 @@ void pass_fresnel(auto& way, auto& zone) {
 void pass_report(auto& way, auto& report) {
   way.number(report.length);
   if (way.has(report.blocker)) {
-    way.id(report.blocker->point_id);
+    way.blocker_id(report.blocker->point_id);
     pass_position(way, report.blocker->position);
     way.number(report.blocker->distance);
   }

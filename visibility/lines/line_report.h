@@ -28,7 +28,7 @@ struct LinePair {
 
 struct LineReport {
   double length = 0.0;  ///< of the chord, metres
-  /// The first point that blocks; its distance is metres along the chord. Empty: they see each other.
+  /// The first point or triangle that blocks; its distance is metres along the chord. Empty: they see each other.
   std::optional<Blocker> blocker{};
   /// The point that comes nearest to the line's open part (line_points.h); empty if none lies beside it.
   std::optional<LinePoint> nearest{};

@@ -131,7 +131,9 @@ class View {
     first_blockers(occluders_, lines_, first_);
     for (std::size_t n = 0; n < lines_.size(); ++n) {
       blocked_[n] = first_[n].has_value();
-      if (first_[n]) answers.blockers[asked_[n].number] = static_cast<std::uint32_t>(first_[n]->point_id);
+      if (!first_[n]) continue;
+      answers.blockers[asked_[n].number] =
+          first_[n]->is_mesh() ? k_blocked_by_mesh : static_cast<std::uint32_t>(first_[n]->point_id);
     }
   }
 

@@ -19,7 +19,9 @@
 
 namespace alidade::visibility {
 
+// Ids of clouds are smaller (octree/build.h).
 constexpr std::uint32_t k_no_blocker = 0xFFFFFFFF;
+constexpr std::uint32_t k_blocked_by_mesh = 0xFFFFFFFE;
 constexpr int k_most_sub_rays = 255;
 constexpr std::size_t k_most_mask_observers = 64;
 
@@ -56,8 +58,8 @@ struct PointVisibility {
   /// or faces the eye if there is none. The lines end on a spiral that starts at the point and covers the
   /// disc evenly (Vogel, A better way to construct the sunflower head, 1979). Empty with one line.
   std::vector<float> fractions;
-  /// By observer: the first point that blocks the line to the point itself; k_no_blocker if nothing does or
-  /// the point is out of view. Empty unless asked for.
+  /// By observer: the first point that blocks the line to the point itself; k_blocked_by_mesh if it is
+  /// the mesh that does, k_no_blocker if nothing does or the point is out of view. Empty unless asked for.
   std::vector<std::vector<std::uint32_t>> blockers;
 };
 

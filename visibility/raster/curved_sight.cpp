@@ -84,6 +84,7 @@ SightBatch::SightBatch(const Occluders& occluders, const SightCurve& curve)
   // A line is blocked within a point's radius of the point.
   reach_.min -= occluders.largest_radius();
   reach_.max += occluders.largest_radius();
+  if (const auto& mesh = occluders.options().mesh) reach_.grow(mesh->bounds());
 }
 
 void SightBatch::add(const SightEnd& from, const SightEnd& to) {
@@ -99,9 +100,9 @@ void SightBatch::add(const SightEnd& from, const SightEnd& to) {
   for (std::int64_t i = asked.begin; i < asked.end; ++i) {
     const double begin = std::max(0.0, static_cast<double>(i) / chords - overlap),
                  end = std::min(1.0, static_cast<double>(i + 1) / chords + overlap);
-    const SightEnd chord_from = i == 0 ? from : SightEnd{curve_.position(from.position, to.position, begin)};
+    const SightEnd chord_from = i == 0 ? from : chord_end(curve_.position(from.position, to.position, begin));
     const SightEnd chord_to =
-        i + 1 == count ? to : SightEnd{curve_.position(from.position, to.position, end)};
+        i + 1 == count ? to : chord_end(curve_.position(from.position, to.position, end));
     chords_.push_back(sight_line(chord_from, chord_to));
     chord_starts_.push_back(i == 0 ? 0.0 : begin * length);
   }

@@ -61,7 +61,11 @@ class LowestSeen {
     double highest;  ///< that the observer looks at
   };
 
-  double radius_of(std::uint64_t point_id) const {
+  /// By which a line that this blocks is raised at the blocker. Openings of meshes are looked for in steps as
+  /// wide as the cloud's.
+  double step_past(const Blocker& blocker) const {
+    if (blocker.is_mesh()) return occluders_.largest_sphere();
+    const std::uint64_t point_id = blocker.point_id;
     const double radius = candidate_radius(occluders_, spacings_.empty() ? 0.0 : spacings_[point_id]);
     return occluders_.surface(point_id).exists ? radius : sphere_of(occluders_, radius);
   }
@@ -95,7 +99,7 @@ class LowestSeen {
           const double magnified =
               glm::length(position - observer.eye().position) / std::max(blocker->distance, k_finest);
           search.blocked = search.tried;
-          search.tried += std::max(k_finest, radius_of(blocker->point_id) * std::max(magnified, 1.0));
+          search.tried += std::max(k_finest, step_past(*blocker) * std::max(magnified, 1.0));
           search.tried = std::min(search.tried, search.highest);
           // Higher than what another observer sees, it does not matter.
           if (search.tried > search.blocked && search.tried < heights[search.target])

@@ -1,0 +1,32 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "base/bounds.h"
+#include "mesh/triangle_mesh.h"
+#include "tools/console.h"
+#include "tools/options.h"
+
+// What commands with --mesh have in common.
+
+namespace alidade::tools {
+
+/// Declares --mesh, which may be given again; its files go behind `files`. `purpose`: what triangles are for, the
+/// end of its help text.
+void add_mesh_option(const Options& command, const std::string& purpose,
+                     std::vector<std::filesystem::path>& files);
+
+/// Reads a mesh, shows progress, and prints warnings and how large it is. Errors: as read_mesh().
+TriangleMesh read_mesh_shown(const std::filesystem::path& file, const MeshPlacement& placement,
+                             Verbosity verbosity);
+
+/// What make(progress) returns, which builds a tree of triangles, with its progress shown.
+template <class Make>
+auto build_mesh_shown(Verbosity verbosity, const Make& make) {
+  return with_progress("sorting triangles", "triangles", verbosity, make);
+}
+
+}  // namespace alidade::tools
