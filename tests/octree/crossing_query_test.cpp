@@ -295,6 +295,7 @@ TEST(Crossing, of_a_plane_is_known_on_paper) {
   const auto bird = closest(octree, make_ray({-3.0, 0.15, 40.0}, {1.0, 0.0, 0.0}), query);
   ASSERT_TRUE(bird);
   EXPECT_NEAR(bird->t, 2.8, 1e-9) << "a sphere of 25 cm, met 20 cm before its middle";
+  EXPECT_TRUE(occluded(octree, make_ray({-3.0, 0.25, 40.0}, {1.0, 0.0, 0.0}), query));
   EXPECT_FALSE(occluded(octree, make_ray({-3.0, 0.26, 40.0}, {1.0, 0.0, 0.0}), query));
 }
 
@@ -325,6 +326,16 @@ TEST(Crossing, a_ray_at_the_edge_of_a_disc_meets_it_and_one_beside_does_not) {
         EXPECT_FALSE(closest(octree, down(beyond), query)) << radius;
         EXPECT_FALSE(occluded(octree, down(beyond), query)) << radius;
       }
+      // So is the limit on the entry into the sphere around the point.
+      RayQuery entered = query;
+      entered.filter = [](const Candidate& candidate) {
+        return candidate.position == glm::dvec3(1.0, 0.5, 0.0);
+      };
+      const Ray through = make_ray({1.0, 0.5, 2.0}, {0.0, 0.0, -1.0});
+      entered.entry_min = 2.0 - radius;
+      EXPECT_TRUE(closest(octree, through, entered));
+      entered.entry_min = std::nextafter(2.0 - radius, 2.0);
+      EXPECT_FALSE(closest(octree, through, entered));
       // The same of the positions that are in the spheres.
       std::vector<PointSphere> held;
       find_enclosing(octree, {1.0 + radius, 0.5, 0.0}, query, held);

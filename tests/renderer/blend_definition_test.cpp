@@ -187,7 +187,7 @@ class DiscDefinition : public ::testing::Test {
  protected:
   static std::vector<std::optional<DiscHit>> hits_of(const DiscCloud& discs, const std::vector<Ray>& rays) {
     const std::vector<SheetOrigin> origins(rays.size());
-    std::vector<std::optional<DiscHit>> hits(rays.size());
+    std::vector<std::optional<DiscHit>> hits(rays.size(), DiscHit{});  // which must not stay
     discs.closest(rays, origins, hits);
     return hits;
   }
@@ -235,13 +235,42 @@ TEST_F(DiscDefinition, the_sheet_that_rays_leave_is_that_of_the_points) {
   EXPECT_GT(facing_away, 0);
 }
 
+TEST_F(DiscDefinition, a_mean_outside_of_the_interval_does_not_count) {
+  Random random;
+  const LoadedCloud cloud = disc_cloud(corner_points(random, 1000), random);
+  const PlainPoints points(cloud);
+  const DiscCloud discs(cloud, true);
+  std::vector<Ray> rays, to_first, from_first;
+  std::vector<double> first_t;
+  for (const Ray& ray : rays_through(random, 1000)) {
+    const std::optional<Hit> first = first_crossing(points, ray, {});
+    if (!first) continue;
+    rays.push_back(ray);
+    first_t.push_back(first->t);
+    to_first.push_back({ray.origin, ray.direction, 0.0, first->t});
+    from_first.push_back({ray.origin, ray.direction, first->t, ray.t_max});
+  }
+  const auto hits = hits_of(discs, rays), ended = hits_of(discs, to_first),
+             begun = hits_of(discs, from_first);
+  int before = 0, behind = 0;
+  for (std::size_t i = 0; i < rays.size(); ++i) {
+    ASSERT_TRUE(hits[i] && ended[i] && begun[i]) << i;
+    ASSERT_EQ(ended[i]->t, std::min(hits[i]->t, first_t[i])) << i;
+    ASSERT_EQ(begun[i]->t, std::max(hits[i]->t, first_t[i])) << i;
+    before += hits[i]->t < first_t[i] ? 1 : 0;
+    behind += hits[i]->t > first_t[i] ? 1 : 0;
+  }
+  EXPECT_GT(before, 5);
+  EXPECT_GT(behind, 50);
+}
+
 TEST_F(DiscDefinition, trust_follows_from_the_points_around_before_and_behind) {
   Random random;
   const LoadedCloud cloud = disc_cloud(corner_with_foliage(random, 500), random);
   const PlainPoints points(cloud);
   const DiscCloud discs(cloud, true);
   const std::vector<Ray> rays = rays_through(random, 3000);
-  std::vector<HitTrust> answers(rays.size());
+  std::vector<HitTrust> answers(rays.size(), {7.0, 7});  // which must not stay
   discs.trust(rays, answers);
   int amid = 0, before_nothing = 0, lone = 0, uncertain = 0;
   for (std::size_t i = 0; i < rays.size(); ++i) {
