@@ -37,7 +37,7 @@ constexpr int k_surface_neighbours = 8;
 /// (SAS/STAT User's Guide, The CLUSTER Procedure).
 Octree with_surfaces(const Octree& octree, const Progress& progress = {});
 
-/// The surface of a point: normals are good to 0.1 degree, heights to 19 %, thicknesses are rounded up by at
+/// The surface of a point: normals are good to 0.14 degrees, heights to 19 %, thicknesses are rounded up by at
 /// most 41 %. All queries that take discs take these rounded values. Requires surfaces.
 PointSurface surface_of(const TreeView& tree, std::uint64_t point_id);
 

@@ -141,6 +141,9 @@ void for_each_array(State& state, Film& film, std::span<const std::size_t> tiles
     use_row(in_row, start, film.position);
     use_row(in_row, start, film.albedo);
     use_row(in_row, start, film.id);
+    use_row(in_row, start, film.depth_sigma);
+    use_row(in_row, start, film.coverage);
+    use_row(in_row, start, film.support);
   });
 }
 

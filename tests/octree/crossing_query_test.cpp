@@ -83,6 +83,11 @@ std::vector<Asked> asked_clouds() {
   const PointCloud cloud = sheets(random);
   asked.push_back({"fitted sheets", cloud, true});
   asked.push_back({"random sheets", cloud, false});
+  // Doubles of its coordinates are as coarse as its lattice.
+  const glm::dvec3 site(690000.0, 5325000.0, 300.0);
+  std::vector<glm::dvec3> grain;
+  for (int i = 0; i < 1000; ++i) grain.push_back(site + 1e-4 * random.in_cube());
+  asked.push_back({"grain", test::make_cloud(grain, {glm::dvec3(1e-9), site}), false});
   for (const PointFamily& family : point_families()) asked.push_back({family.name, family.cloud, false});
   return asked;
 }
@@ -180,17 +185,65 @@ TEST_P(CrossingVsBruteForce, batches_are_the_same_bits_whatever_the_filter) {
   EXPECT_GT(hit_count, 1000u);
 }
 
+/// Rays whose interval is the crossing alone, of planes that many discs share, too: no rounding of lanes may lose it.
+TEST_P(CrossingVsBruteForce, an_interval_that_is_the_crossing_alone_holds_it) {
+  BuildOptions options;
+  options.instruction_set = GetParam();
+  std::size_t hit_count = 0;
+  for (const Asked& asked : asked_clouds()) {
+    if (asked.cloud.size() == 0) continue;
+    const std::vector<double> spacings = brute_force::spacings(asked.cloud, k_neighbours);
+    const Octree octree = with_discs_of(build(asked.cloud, options), asked.fitted);
+    const brute_force::PointProperties properties(spacings, &octree.view());
+    Random random(asked.name + "_crossing_alone");
+    RayQuery query = crossing_query({.radius = std::max(4.0 * automatic_radius(octree), 1e-3)}, random);
+    query.spacing_factor = 3.0;
+    std::vector<Ray> rays;
+    std::vector<std::optional<Hit>> expected;
+    for (int i = 0; i < 60; ++i) {
+      const glm::dvec3 to = asked.cloud.world(random.below(asked.cloud.size()));
+      const double away = std::pow(10.0, random.between(-3.0, 2.0));
+      const Ray ray = make_ray(to + away * random.in_cube(), random.direction());
+      for (const Hit& hit : brute_force::find(asked.cloud, ray, query, properties)) {
+        rays.push_back({ray.origin, ray.direction, hit.t, hit.t});
+        expected.push_back(brute_force::closest(asked.cloud, rays.back(), query, properties));
+        ASSERT_TRUE(expected.back());
+        if (rays.size() % 8 == 0) break;
+      }
+    }
+    std::vector<std::optional<Hit>> hits(rays.size());
+    std::vector<std::uint8_t> blocked(rays.size());
+    closest(octree, rays, query, hits);
+    occluded(octree, rays, query, blocked);
+    for (std::size_t i = 0; i < rays.size(); ++i) {
+      SCOPED_TRACE(asked.name + " ray " + std::to_string(i));
+      ASSERT_TRUE(same_hits(hits[i], expected[i]));
+      ASSERT_TRUE(blocked[i] != 0);
+      ASSERT_TRUE(same_hits(closest(octree, rays[i], query), expected[i]));
+      ++hit_count;
+    }
+  }
+  EXPECT_GT(hit_count, 500u);
+}
+
 TEST_P(CrossingVsBruteForce, spheres_that_hold_a_position_are_all_that_do) {
   std::size_t held = 0;
   for (const Asked& asked : asked_clouds()) {
+    Random random(asked.name + "_enclosing");
     for (const test::NamedOctree& named : test::octrees_of(asked.cloud, GetParam())) {
       const Octree octree = with_spacings(named.octree, k_neighbours);
-      Random random(asked.name + "_enclosing");
-      for (int i = 0; i < 30 && octree.size() > 0; ++i) {
-        const RayQuery query = crossing_query({.radius = std::pow(10.0, random.between(-3.0, 3.0))}, random);
-        const double away = std::pow(10.0, random.between(-4.0, i == 0 ? 12.0 : 2.0));
-        const glm::dvec3 position =
-            asked.cloud.world(random.below(asked.cloud.size())) + away * random.in_cube();
+      for (int i = 0; i < 80 && octree.size() > 0; ++i) {
+        RayQuery query = crossing_query({.radius = std::pow(10.0, random.between(-3.0, 3.0))}, random);
+        const double away = std::pow(10.0, random.between(-5.0, i == 0 ? 12.0 : 2.0));
+        const glm::dvec3 point = asked.cloud.world(random.below(asked.cloud.size()));
+        const glm::dvec3 position = point + away * random.in_cube();
+        // On the surface of a sphere.
+        if (i % 2 == 1) {
+          query.radius =
+              distance(position, i % 4 == 1 ? point : asked.cloud.world(random.below(asked.cloud.size())));
+          query.spacing_factor = 1e6;
+          if (!(query.radius > 0.0)) continue;
+        }
         std::vector<PointSphere> expected;
         for_each_leaf(octree.view(), [&](const Leaf& leaf) {
           for (std::uint32_t p = 0; p < leaf.count; ++p) {
@@ -242,7 +295,74 @@ TEST(Crossing, of_a_plane_is_known_on_paper) {
   const auto bird = closest(octree, make_ray({-3.0, 0.15, 40.0}, {1.0, 0.0, 0.0}), query);
   ASSERT_TRUE(bird);
   EXPECT_NEAR(bird->t, 2.8, 1e-9) << "a sphere of 25 cm, met 20 cm before its middle";
+  EXPECT_TRUE(occluded(octree, make_ray({-3.0, 0.25, 40.0}, {1.0, 0.0, 0.0}), query));
   EXPECT_FALSE(occluded(octree, make_ray({-3.0, 0.26, 40.0}, {1.0, 0.0, 0.0}), query));
+}
+
+/// The limit is closed: numbers are such that nothing is rounded.
+TEST(Crossing, a_ray_at_the_edge_of_a_disc_meets_it_and_one_beside_does_not) {
+  std::vector<glm::dvec3> points;
+  for (int x = -8; x <= 8; ++x)
+    for (int y = -8; y <= 8; ++y) points.emplace_back(0.125 * x, 0.125 * y, 0.0);
+  const PointCloud cloud = test::make_cloud(points, {glm::dvec3(0.125), glm::dvec3(0)});
+  for (const InstructionSet set : available_instruction_sets()) {
+    SCOPED_TRACE(name(set));
+    BuildOptions options;
+    options.instruction_set = set;
+    const Octree octree = with_discs(with_surfaces(with_spacings(build(cloud, options), k_neighbours)));
+    // Wider by their spacings, so that all have this radius, and no edge of the sheet cuts them.
+    for (const double radius : {0.0625, 0.25}) {
+      const RayQuery query{.radius = radius, .measure = Measure::crossing, .spacing_factor = 100.0};
+      for (const double t_min : {0.0, 2.0}) {
+        const auto down = [&](double beside) {
+          return make_ray({1.0 + beside, 0.5, 2.0}, {0.0, 0.0, -1.0}, t_min, 2.0);
+        };
+        const auto met = closest(octree, down(radius), query);
+        ASSERT_TRUE(met) << radius;
+        EXPECT_EQ(met->t, 2.0);
+        EXPECT_EQ(met->position, glm::dvec3(1.0, 0.5, 0.0));
+        EXPECT_TRUE(occluded(octree, down(radius), query));
+        const double beyond = std::nextafter(1.0 + radius, 2.0) - 1.0;
+        EXPECT_FALSE(closest(octree, down(beyond), query)) << radius;
+        EXPECT_FALSE(occluded(octree, down(beyond), query)) << radius;
+      }
+      // So is the limit on the entry into the sphere around the point.
+      RayQuery entered = query;
+      entered.filter = [](const Candidate& candidate) {
+        return candidate.position == glm::dvec3(1.0, 0.5, 0.0);
+      };
+      const Ray through = make_ray({1.0, 0.5, 2.0}, {0.0, 0.0, -1.0});
+      entered.entry_min = 2.0 - radius;
+      EXPECT_TRUE(closest(octree, through, entered));
+      entered.entry_min = std::nextafter(2.0 - radius, 2.0);
+      EXPECT_FALSE(closest(octree, through, entered));
+      // The same of the positions that are in the spheres.
+      std::vector<PointSphere> held;
+      find_enclosing(octree, {1.0 + radius, 0.5, 0.0}, query, held);
+      EXPECT_EQ(held.size(), 1u);
+      find_enclosing(octree, {std::nextafter(1.0 + radius, 2.0), 0.5, 0.0}, query, held);
+      EXPECT_EQ(held.size(), 1u);
+    }
+  }
+}
+
+TEST(Crossing, sheets_end_where_they_do_however_wide_discs_are_and_farther_on_request) {
+  std::vector<glm::dvec3> points;
+  for (int x = -20; x <= 20; ++x)
+    for (int y = -20; y <= 20; ++y) points.emplace_back(0.1 * x, 0.1 * y, 0.0);
+  const PointCloud cloud = test::make_cloud(points, {glm::dvec3(1e-3), glm::dvec3(0)});
+  const Octree octree = with_discs(with_surfaces(with_spacings(build(cloud), k_neighbours)));
+  // Points at the rim have their 8th neighbours 0.2 m away, and their edges half a step of the grid beside them.
+  for (const double factor : {0.92, 1.3}) {
+    RayQuery query{.radius = 10.0, .measure = Measure::crossing, .spacing_factor = factor};
+    const auto is_met = [&](double x) {
+      return occluded(octree, make_ray({x, 0.03, 1.0}, {0.0, 0.0, -1.0}), query);
+    };
+    EXPECT_TRUE(is_met(2.02)) << factor;
+    EXPECT_FALSE(is_met(2.12)) << factor;
+    query.edge_shift = 0.5;
+    EXPECT_TRUE(is_met(2.12)) << factor;
+  }
 }
 
 TEST(Crossing, without_what_it_needs_is_an_error) {

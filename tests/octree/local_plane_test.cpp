@@ -214,5 +214,58 @@ TEST(LocalPlane, of_points_on_an_inclined_plane_is_that_plane_at_utm_coordinates
   EXPECT_EQ(local_plane(build(PointCloud()), site, 0.2).trust, 0.0);
 }
 
+/// Points about the origin, all as far away, so that they weigh the same.
+LocalPlane plane_of_points(const std::vector<glm::dvec3>& points) {
+  return local_plane(build(test::make_cloud(points, {glm::dvec3(1e-6), glm::dvec3(0.0)})), glm::dvec3(0.0),
+                     2.0);
+}
+
+TEST(LocalPlane, trust_is_known_on_paper) {
+  // Six more points than three make it certain.
+  for (int count = 1; count <= 12; ++count) {
+    std::vector<glm::dvec3> ring;
+    for (int i = 0; i < count; ++i)
+      ring.emplace_back(std::cos(6.283185307 * i / count), std::sin(6.283185307 * i / count), 0.0);
+    EXPECT_NEAR(plane_of_points(ring).trust, count < 4 ? 0.0 : std::min(1.0, (count - 3) / 6.0), 1e-4)
+        << count;
+  }
+  // Corners of a box, each taken twice: variances are the squares of half its sides.
+  const auto corners = [](double x, double y, double z) {
+    std::vector<glm::dvec3> points;
+    for (int i = 0; i < 16; ++i) points.emplace_back(i & 1 ? x : -x, i & 2 ? y : -y, i & 4 ? z : -z);
+    return plane_of_points(points);
+  };
+  for (const double ratio : {0.0, 0.05, 0.1, 0.2, 0.3, 0.4}) {
+    EXPECT_NEAR(corners(0.7, 0.7, 0.7 * std::sqrt(ratio)).trust, std::clamp((0.35 - ratio) / 0.29, 0.0, 1.0),
+                1e-3)
+        << "thickness " << ratio;
+    EXPECT_NEAR(corners(0.7, 0.7 * std::sqrt(ratio), 0.0).trust, std::min(1.0, ratio / 0.1), 1e-3)
+        << "breadth " << ratio;
+  }
+}
+
+TEST(LocalPlane, lies_where_its_points_do) {
+  // Half a ring, 0.3 below the position: the mean of its points is beside it.
+  std::vector<glm::dvec3> points;
+  double beside = 0.0;
+  for (int i = -4; i <= 4; ++i) {
+    const double angle = 0.3 * i;
+    points.emplace_back(std::cos(angle), std::sin(angle), -0.3);
+    beside += std::cos(angle) / 9.0;
+  }
+  const LocalPlane plane = plane_of_points(points);
+  EXPECT_NEAR(plane.height * plane.normal.z, 0.3, 1e-5);
+  EXPECT_NEAR(plane.off_center, beside, 1e-5);
+  EXPECT_NEAR(plane.thickness, 0.0, 1e-3);
+  // A thick sheet that is tilted a little, by less than its points deviate from it.
+  const glm::dvec3 normal = glm::normalize(glm::dvec3(1e-4, 2e-4, 1.0));
+  const glm::dvec3 u = glm::normalize(glm::cross(normal, {0, 1, 0})), v = glm::cross(normal, u);
+  points.clear();
+  for (int i = 0; i < 8; ++i)
+    points.push_back((i & 1 ? 0.9 : -0.9) * u + (i & 2 ? 0.7 : -0.7) * v + (i & 4 ? 0.2 : -0.2) * normal);
+  EXPECT_NEAR(glm::length(glm::cross(plane_of_points(points).normal, normal)), 0.0, 1e-5);
+  EXPECT_NEAR(plane_of_points(points).thickness, 0.2, 1e-5);
+}
+
 }  // namespace
 }  // namespace alidade

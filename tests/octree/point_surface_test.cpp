@@ -6,8 +6,10 @@
 #include <algorithm>
 #include <cmath>
 #include <glm/geometric.hpp>
+#include <glm/trigonometric.hpp>
 
 #include "octree/build.h"
+#include "octree/packed_surface.h"
 #include "octree/spacing.h"
 #include "tests/support/point_families.h"
 #include "tests/support/random.h"
@@ -166,6 +168,22 @@ TEST(PointSurface, of_an_octree_that_has_them_is_not_fitted_again) {
   add(cloud, Square{}, random);
   const Octree octree = with_all(cloud);
   EXPECT_EQ(with_surfaces(octree).view().surfaces, octree.view().surfaces);
+}
+
+TEST(PackedNormal, is_good_to_0_14_degrees_and_upright_stays_upright) {
+  Random random;
+  double worst = 0.0;
+  for (int i = 0; i < 20000; ++i) {
+    const glm::dvec3 normal = glm::normalize(random.direction());
+    const glm::dvec3 packed =
+        unpack_normal(pack_normal(normal, packed_surface::k_side_steps), packed_surface::k_side_steps);
+    ASSERT_NEAR(glm::length(packed), 1.0, 1e-12);
+    worst = std::max(worst, glm::length(glm::cross(packed, normal)));
+  }
+  EXPECT_LT(worst, glm::radians(0.14));
+  EXPECT_EQ(
+      unpack_normal(pack_normal({0, 0, -1}, packed_surface::k_side_steps), packed_surface::k_side_steps),
+      glm::dvec3(0, 0, 1));
 }
 
 }  // namespace

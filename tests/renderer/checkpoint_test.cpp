@@ -70,24 +70,27 @@ class CheckpointTest : public ::testing::Test {
 };
 
 TEST_F(CheckpointTest, interrupted_render_resumes_to_the_same_film) {
-  const LoadedCloud cloud = mixed_cloud();
-  Scene scene = mixed_scene();
-  scene.render.samples = 70;
-  RenderStatistics whole_statistics;
-  const Film whole = render(scene, &cloud, {}, &whole_statistics);
-  for (const int reports : {0, 1, 3}) {
-    std::filesystem::remove(file_);
-    render_in_part(scene, &cloud, options(false), reports);
-    if (reports == 0) {
-      EXPECT_LT(read_checkpoint_summary(file_).share, 1.0);
+  for (const PointShape shape : test::k_point_shapes) {
+    SCOPED_TRACE(test::shape_name(shape));
+    const LoadedCloud cloud = mixed_cloud(shape);
+    Scene scene = mixed_scene(shape);
+    scene.render.samples = 70;
+    RenderStatistics whole_statistics;
+    const Film whole = render(scene, &cloud, {}, &whole_statistics);
+    for (const int reports : {0, 1, 3}) {
+      std::filesystem::remove(file_);
+      render_in_part(scene, &cloud, options(false), reports);
+      if (reports == 0) {
+        EXPECT_LT(read_checkpoint_summary(file_).share, 1.0);
+      }
+      RenderStatistics statistics;
+      int resumed = 0;
+      RenderOptions again = options(true);
+      again.checkpoint->resumed = [&] { ++resumed; };
+      expect_same(render(scene, &cloud, again, &statistics), whole);
+      EXPECT_EQ(resumed, 1);
+      EXPECT_EQ(statistics.ray_count, whole_statistics.ray_count);
     }
-    RenderStatistics statistics;
-    int resumed = 0;
-    RenderOptions again = options(true);
-    again.checkpoint->resumed = [&] { ++resumed; };
-    expect_same(render(scene, &cloud, again, &statistics), whole);
-    EXPECT_EQ(resumed, 1);
-    EXPECT_EQ(statistics.ray_count, whole_statistics.ray_count);
   }
 }
 

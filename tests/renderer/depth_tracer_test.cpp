@@ -12,26 +12,29 @@ namespace alidade::test {
 namespace {
 
 TEST(DepthTracer, gives_the_layers_of_the_picture_to_the_last_bit_on_any_number_of_threads) {
-  Scene scene = mixed_scene();
-  const LoadedCloud cloud = mixed_cloud();
-  scene.cloud->normals = NormalMode::smooth;
-  const Camera pinhole = *scene.camera;
-  Camera panorama = panorama_camera({0, -3, 1}, 40, 20);
-  Camera orthographic = pinhole;
-  orthographic.lens = OrthographicLens{};
-  orthographic.fx = orthographic.fy = 10.0;
-  Camera fisheye = pinhole;
-  fisheye.lens = FisheyeLens{};
-  fisheye.fx = fisheye.fy = 12.0;
-  const DepthTracer tracer(scene, &cloud);
-  for (const Camera& camera : {pinhole, panorama, orthographic, fisheye}) {
-    scene.camera = camera;
-    const Film film = render(scene, &cloud);
-    for (const int threads : {1, 3}) {
-      const tbb::global_control limit(tbb::global_control::max_allowed_parallelism,
-                                      static_cast<std::size_t>(threads));
-      EXPECT_EQ(tracer.trace(camera, Layer::depth).depth, film.depth);
-      EXPECT_EQ(tracer.trace(camera, Layer::distance).distance, film.distance);
+  for (const PointShape shape : k_point_shapes) {
+    SCOPED_TRACE(shape_name(shape));
+    Scene scene = mixed_scene(shape);
+    const LoadedCloud cloud = mixed_cloud(shape);
+    scene.cloud->normals = NormalMode::smooth;
+    const Camera pinhole = *scene.camera;
+    Camera panorama = panorama_camera({0, -3, 1}, 40, 20);
+    Camera orthographic = pinhole;
+    orthographic.lens = OrthographicLens{};
+    orthographic.fx = orthographic.fy = 10.0;
+    Camera fisheye = pinhole;
+    fisheye.lens = FisheyeLens{};
+    fisheye.fx = fisheye.fy = 12.0;
+    const DepthTracer tracer(scene, &cloud);
+    for (const Camera& camera : {pinhole, panorama, orthographic, fisheye}) {
+      scene.camera = camera;
+      const Film film = render(scene, &cloud);
+      for (const int threads : {1, 3}) {
+        const tbb::global_control limit(tbb::global_control::max_allowed_parallelism,
+                                        static_cast<std::size_t>(threads));
+        EXPECT_EQ(tracer.trace(camera, Layer::depth).depth, film.depth);
+        EXPECT_EQ(tracer.trace(camera, Layer::distance).distance, film.distance);
+      }
     }
   }
 }

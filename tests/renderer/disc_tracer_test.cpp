@@ -5,14 +5,8 @@
 
 #include <glm/geometric.hpp>
 
-#include "octree/brute_force.h"
-#include "octree/candidate.h"
 #include "octree/distance.h"
-#include "octree/spacing.h"
-#include "octree/tree_walk.h"
-#include "renderer/render.h"
-#include "tests/renderer/tracer_scenes.h"
-#include "tests/support/point_families.h"
+#include "tests/renderer/disc_clouds.h"
 
 namespace alidade {
 
@@ -20,61 +14,11 @@ using namespace renderer;
 
 namespace {
 
+using test::corner_points;
+using test::disc_cloud;
+using test::first_crossing;
+using test::PlainPoints;
 using test::Random;
-
-/// A wall, a floor that ends at it, and points without a sheet.
-std::vector<glm::dvec3> corner_points(Random& random, int count) {
-  std::vector<glm::dvec3> points;
-  for (int i = 0; i < count; ++i) {
-    points.emplace_back(random.between(0, 4), random.between(0, 4), 0.002 * random.in_cube().z);
-    points.emplace_back(random.between(0, 4), 4.0 + 0.002 * random.in_cube().z, random.between(0, 3));
-    if (i % 10 == 0) points.push_back(glm::dvec3(2, 2, 1.5) + 1.2 * random.in_cube());
-  }
-  return points;
-}
-
-LoadedCloud disc_cloud(const std::vector<glm::dvec3>& points, Random& random,
-                       const std::optional<AdaptedRadius>& radius = {}) {
-  LoadedCloud cloud = test::loaded(points, 0.1, {glm::dvec3(1e-4), glm::dvec3(0)});
-  for (Color16& color : cloud.colors) color = Color16(static_cast<std::uint16_t>(random.bits()));
-  CloudSettings settings;
-  settings.shape = PointShape::blend;
-  settings.adapted_radius = radius;
-  choose_radius(settings, cloud);
-  return cloud;
-}
-
-/// The points of a cloud in the order of the storage indices, with all that discs are made of.
-struct PlainPoints {
-  explicit PlainPoints(const LoadedCloud& loaded)
-      : tree(loaded.octree.view()),
-        query{.radius = loaded.radius,
-              .measure = Measure::crossing,
-              .spacing_factor = loaded.spacing_factor,
-              .lone_radius = loaded.lone_radius},
-        spacings(spacings_in_order(tree)) {
-    cloud.lattice = tree.lattice;
-    cloud.positions = positions_in_order(tree);
-    for (std::uint32_t index = 0; index < tree.point_count; ++index) ids.push_back(point_id(tree, index));
-  }
-
-  const TreeView& tree;
-  const RayQuery query;
-  const std::vector<double> spacings;  ///< by id
-  PointCloud cloud;
-  std::vector<std::uint64_t> ids;  ///< by storage index
-};
-
-/// The first crossing by its definition.
-std::optional<Hit> first_crossing(const PlainPoints& points, const Ray& ray, const SheetOrigin& origin) {
-  RayQuery query = points.query;
-  query.filter = [&](const Candidate& candidate) {
-    return !candidate.disc || origin.reach == 0.0f ||
-           !is_part_of_surface(*candidate.disc, ray.origin, origin.reach, origin.thickness) ||
-           std::fabs(glm::dot(candidate.disc->normal, origin.normal)) < k_same_sheet_cosine;
-  };
-  return brute_force::closest(points.cloud, ray, query, {points.spacings, &points.tree});
-}
 
 /// The blended hit by its definition (renderer/disc_tracer.h): t, and the colour without rounding.
 struct Blended {
@@ -196,26 +140,6 @@ TEST(DiscCloud, a_blended_plane_is_flat_and_a_rim_stays_sharp) {
   EXPECT_GT(met, 1000);
 }
 
-TEST(DiscCloud, pictures_are_the_same_bytes_on_any_threads_and_instruction_set) {
-  Random random;
-  const LoadedCloud cloud = disc_cloud(corner_points(random, 3000), random);
-  Scene scene;
-  scene.cloud.emplace().shape = PointShape::blend;
-  scene.camera = camera::pinhole_from_fov(60, 40, 60.0, camera::look_at({2, -3, 2}, {2, 4, 0.5}));
-  scene.sun = geo::Sun{.irradiance = {2.0f, 2.0f, 2.0f}};
-  scene.render.samples = 2;
-  std::optional<image::Film> first;
-  for (const InstructionSet set : available_instruction_sets()) {
-    LoadedCloud asked = cloud;
-    asked.octree = cloud.octree.with_instruction_set(set);
-    const image::Film film = render(scene, &asked);
-    if (!first) first = film;
-    EXPECT_EQ(film.color, first->color) << name(set);
-    EXPECT_EQ(film.depth, first->depth) << name(set);
-    EXPECT_EQ(film.id, first->id) << name(set);
-  }
-}
-
 TEST(DiscCloud, settings_that_discs_do_not_have_are_errors) {
   Random random;
   const std::vector<glm::dvec3> points = corner_points(random, 50);
@@ -239,21 +163,6 @@ TEST(DiscCloud, settings_that_discs_do_not_have_are_errors) {
   expect_error(settings);
   LoadedCloud cloud = test::loaded(points, 0.1);
   EXPECT_NO_THROW(choose_radius(discs, cloud));
-}
-
-TEST(DiscCloud, of_few_collinear_or_coincident_points_makes_a_picture) {
-  for (const std::vector<glm::dvec3>& points :
-       {std::vector<glm::dvec3>{{0, 0, 0}}, std::vector<glm::dvec3>(40, glm::dvec3(0.0)),
-        std::vector<glm::dvec3>{{0, 0, 0}, {1, 0, 0}, {2, 0, 0}, {1000, 0, 0}}}) {
-    Random random;
-    const LoadedCloud cloud = disc_cloud(points, random);
-    Scene scene;
-    scene.cloud.emplace().shape = PointShape::blend;
-    scene.camera = camera::pinhole_from_fov(30, 20, 60.0, camera::look_at({0, -3, 0}, {0, 0, 0}));
-    scene.render.samples = 1;
-    const image::Film film = render(scene, &cloud);
-    for (const Rgb& color : film.color) ASSERT_TRUE(std::isfinite(color.r + color.g + color.b));
-  }
 }
 
 }  // namespace

@@ -63,12 +63,13 @@ TEST(PictureParts, reject_invalid_numbers_and_ends_that_depend_on_other_parts) {
   EXPECT_THROW(render(scene, nullptr, {.target_noise = 0.1, .part = {1, 2}}), Error);
 }
 
-TEST(MergeParts, gives_film_and_facts_of_one_run) {
+void expect_film_and_facts_of_one_run(PointShape shape) {
+  SCOPED_TRACE(test::shape_name(shape));
   const auto folder = std::filesystem::temp_directory_path() / "alidade_merge_parts";
   std::filesystem::remove_all(folder);
   std::filesystem::create_directories(folder);
-  const LoadedCloud cloud = mixed_cloud();
-  const Scene scene = mixed_scene();
+  const LoadedCloud cloud = mixed_cloud(shape);
+  const Scene scene = mixed_scene(shape);
   const OutputSettings output{.file = "a.exr", .layers = all_layers(), .exposure = 0.1, .half = false};
   ImageMetadata metadata;
   metadata.camera = *scene.camera;
@@ -102,6 +103,10 @@ TEST(MergeParts, gives_film_and_facts_of_one_run) {
   EXPECT_EQ(merged.facts.crs, facts.crs);
   EXPECT_EQ(merged.facts.position_offset, facts.position_offset);
   std::filesystem::remove_all(folder);
+}
+
+TEST(MergeParts, gives_film_and_facts_of_one_run) {
+  for (const PointShape shape : test::k_point_shapes) expect_film_and_facts_of_one_run(shape);
 }
 
 }  // namespace

@@ -23,10 +23,12 @@ using test::mixed_cloud;
 using test::mixed_scene;
 
 TEST(Render, film_does_not_depend_on_the_number_of_threads) {
-  const LoadedCloud cloud = mixed_cloud();
-  for (const NormalMode normals : {NormalMode::sphere, NormalMode::smooth}) {
-    Scene scene = mixed_scene();
-    scene.cloud->normals = normals;
+  std::vector<Scene> scenes{mixed_scene()};
+  scenes[0].cloud->normals = NormalMode::smooth;
+  for (const PointShape shape : test::k_point_shapes) scenes.push_back(mixed_scene(shape));
+  for (const Scene& scene : scenes) {
+    SCOPED_TRACE(test::shape_name(scene.cloud->shape));
+    const LoadedCloud cloud = mixed_cloud(scene.cloud->shape);
     Film films[3];
     RenderStatistics statistics[3];
     for (int threads = 1; threads <= 3; ++threads) {
@@ -41,18 +43,16 @@ TEST(Render, film_does_not_depend_on_the_number_of_threads) {
 }
 
 TEST(Render, film_does_not_depend_on_the_instruction_set) {
-  test::Random random("mixed cloud");
-  std::vector<glm::dvec3> positions;
-  for (int i = 0; i < 3000; ++i) positions.push_back(random.in_cube() + glm::dvec3(0, 0, 1));
-  const PointCloud points = test::make_cloud(positions, {glm::dvec3(0.001), glm::dvec3(0.0)});
-  LoadedCloud cloud = mixed_cloud();
-  const Film best = render(mixed_scene(), &cloud);
-  for (const InstructionSet set : available_instruction_sets()) {
-    BuildOptions build_options;
-    build_options.instruction_set = set;
-    cloud.octree = build(points, build_options);
-    SCOPED_TRACE(name(set));
-    expect_same(render(mixed_scene(), &cloud), best);
+  for (const PointShape shape : test::k_point_shapes) {
+    const Scene scene = mixed_scene(shape);
+    const LoadedCloud cloud = mixed_cloud(shape);
+    const Film best = render(scene, &cloud);
+    for (const InstructionSet set : available_instruction_sets()) {
+      const LoadedCloud built = mixed_cloud(shape, set);
+      SCOPED_TRACE(test::shape_name(shape) + " " + std::string(name(set)));
+      EXPECT_EQ(built.octree.instruction_set(), set);
+      expect_same(render(scene, &built), best);
+    }
   }
 }
 
@@ -78,6 +78,23 @@ TEST(Render, a_model_without_surfaces_is_an_error) {
   PartOutput part;
   part.file = kept.checkpoint->file;
   EXPECT_THROW(render_part(scene, &cloud, {}, part), Error);
+}
+
+/// Otherwise the comparisons of films of discs would prove little.
+TEST(Render, film_of_discs_has_sheets_rims_and_points_without_a_sheet) {
+  const LoadedCloud cloud = mixed_cloud(PointShape::blend);
+  const Film film = render(mixed_scene(PointShape::blend), &cloud);
+  int sheets = 0, rims = 0, lone = 0, before_nothing = 0;
+  for (std::size_t pixel = 0; pixel < film.count(); ++pixel) {
+    sheets += film.support[pixel] > 3 ? 1 : 0;
+    lone += film.support[pixel] == 1 ? 1 : 0;
+    rims += film.coverage[pixel] > 0.0f && film.coverage[pixel] < 1.0f ? 1 : 0;
+    before_nothing += film.support[pixel] > 0 && std::isinf(film.depth_sigma[pixel]) ? 1 : 0;
+  }
+  EXPECT_GT(sheets, 150);
+  EXPECT_GT(rims, 50);
+  EXPECT_GT(lone, 50);
+  EXPECT_GT(before_nothing, 20);
 }
 
 TEST(Render, another_seed_is_another_noise_around_the_same_picture) {
@@ -166,6 +183,9 @@ TEST(Render, layers_that_are_not_requested_are_empty_and_the_others_the_same) {
     if (known.layer == Layer::position) expected.position = all.position;
     if (known.layer == Layer::albedo) expected.albedo = all.albedo;
     if (known.layer == Layer::id) expected.id = all.id;
+    if (known.layer == Layer::depth_sigma) expected.depth_sigma = all.depth_sigma;
+    if (known.layer == Layer::coverage) expected.coverage = all.coverage;
+    if (known.layer == Layer::support) expected.support = all.support;
     expect_same(film, expected);
   }
 }

@@ -36,11 +36,16 @@ inline Scene dark_scene(const Camera& camera, int samples, int max_bounces) {
   return scene;
 }
 
+inline const Lattice k_millimetres{glm::dvec3(0.001), glm::dvec3(0.0)};
+
 /// A cloud of white points, ready to trace.
 inline LoadedCloud loaded(const std::vector<glm::dvec3>& positions, double radius,
-                          const Lattice& lattice = {glm::dvec3(0.001), glm::dvec3(0.0)}) {
+                          const Lattice& lattice = k_millimetres,
+                          InstructionSet instruction_set = InstructionSet::best) {
+  BuildOptions options;
+  options.instruction_set = instruction_set;
   LoadedCloud cloud;
-  cloud.octree = build(make_cloud(positions, lattice));
+  cloud.octree = build(make_cloud(positions, lattice), options);
   cloud.colors.assign(positions.size(), Color16(65535));
   cloud.radius = radius;
   return cloud;

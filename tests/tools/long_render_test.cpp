@@ -57,7 +57,7 @@ class LongRenderTest : public ProgramTest {
     const auto wait_while = [&](const auto& condition) {
       while (program.running() && condition()) std::this_thread::sleep_for(std::chrono::milliseconds(2));
     };
-    if (moment < 0.4) wait_while([&] { return !contains(program.errors_so_far(), "spheres of radius"); });
+    if (moment < 0.4) wait_while([&] { return !contains(program.errors_so_far(), " of radius "); });
     if (moment >= 0.6) wait_while([&] { return !std::filesystem::exists(folder / "state"); });
     std::this_thread::sleep_for(std::chrono::microseconds(random.below(moment < 0.6 ? 500'000 : 50'000)));
     program.send(SIGKILL);
@@ -68,12 +68,13 @@ class LongRenderTest : public ProgramTest {
     return false;
   }
 
-  /// Starts the words again and again until the program has been killed so often; then lets it end. Whenever
-  /// it ends before, its picture must be the expected one, too.
+  /// Starts the words again and again until the program has been killed so often, and has resumed at least once; then
+  /// lets it end. Whenever it ends before, its picture must be the expected one, too.
   void kill_and_resume(const Words& words, const std::string& picture, const std::string& expected,
                        int kills) {
     Random random(picture);
-    for (int kill = 0; kill < kills;) {
+    resumed_ = 0;
+    for (int kill = 0; kill < kills || (resumed_ == 0 && kill < 10 * kills);) {
       if (killed(words, random)) {
         ++kill;
       } else {
@@ -92,12 +93,16 @@ class LongRenderTest : public ProgramTest {
 const Words k_render = {"render", "--cloud", "square.xyz", "--size=80x60"};
 const Words k_keep = {"--checkpoint", "state", "--checkpoint-interval", "0.01", "--resume"};
 
-TEST_F(LongRenderTest, killed_at_20_random_moments_gives_the_bytes_of_an_uninterrupted_run) {
-  const Words words = with(
-      k_render, {"--samples=500", "--layers", "color,depth,distance,normal,position,albedo,id,variance"});
-  ASSERT_EQ(run(with(words, {"-o", "whole.exr"})).exit_code, 0);
-  kill_and_resume(with(with(words, k_keep), {"-o", "out.exr", "--overwrite"}), "out.exr", read("whole.exr"),
-                  20);
+TEST_F(LongRenderTest, killed_at_random_moments_gives_the_bytes_of_an_uninterrupted_run) {
+  for (const auto& [surface, kills] : {std::pair{"sphere", 4}, {"disc", 6}, {"blend", 10}}) {
+    SCOPED_TRACE(surface);
+    const Words words = with(
+        k_render, {"--samples=500", "--surface", surface, "--layers",
+                   "color,depth,distance,normal,position,albedo,id,variance,depth.sigma,coverage,support"});
+    const std::string whole = fmt::format("whole_{}.exr", surface), cut = fmt::format("{}.exr", surface);
+    ASSERT_EQ(run(with(words, {"-o", whole})).exit_code, 0);
+    kill_and_resume(with(with(words, k_keep), {"-o", cut, "--overwrite"}), cut, read(whole), kills);
+  }
 }
 
 TEST_F(LongRenderTest, killed_with_a_target_of_noise_it_ends_with_the_same_bytes) {

@@ -24,7 +24,8 @@ Words with(Words words, const Words& more) {
 }
 
 const Words k_render = {"render", "--cloud", "square.xyz", "--size=80x60", "--samples=4"};
-const std::string k_layers = "--layers=variance,color,depth,distance,normal,position,albedo,id";
+const std::string k_layers =
+    "--layers=variance,color,depth,distance,normal,position,albedo,id,depth.sigma,coverage,support";
 
 class MergeTest : public ProgramTest {
  protected:
@@ -63,7 +64,7 @@ class MergeTest : public ProgramTest {
     const std::string whole = "whole" + extension, merged = "merged" + extension;
     ok(with(words, {"-o", whole}));
     render_parts(words, "apart" + extension, count);
-    ok(with(with({"merge", "-q"}, parts_of("apart" + extension, count)), {"-o", merged}));
+    ok(with(with({"merge", "-q", "--overwrite"}, parts_of("apart" + extension, count)), {"-o", merged}));
     EXPECT_TRUE(read(whole) == read(merged)) << extension << " of " << count << " parts";
   }
 };
@@ -72,6 +73,11 @@ TEST_F(MergeTest, parts_give_the_bytes_of_one_run) {
   expect_same(k_render, ".png", 3);
   expect_same(k_render, ".jpg", 2);
   expect_same(with(k_render, {k_layers}), ".exr", 7);
+}
+
+TEST_F(MergeTest, parts_of_every_surface_give_the_bytes_of_one_run) {
+  for (const std::string surface : {"disc", "blend", "sphere"})
+    expect_same(with(k_render, {k_layers, "--surface", surface, "--overwrite"}), ".exr", 3);
 }
 
 TEST_F(MergeTest, orthophoto_of_parts_gives_the_bytes_of_one_run) {

@@ -6,6 +6,7 @@
 #include <cstring>
 #include <nlohmann/json.hpp>
 
+#include "compare/compared_image.h"
 #include "tests/tools/run_program.h"
 
 namespace alidade::test {
@@ -158,6 +159,26 @@ TEST_F(RenderDepthTest, a_picture_is_the_same_with_and_without_depth_beside_it) 
   EXPECT_TRUE(read("a.exr") == alone);
   EXPECT_EQ(names(),
             (std::vector<std::string>{"a.bin", "a.exr", "m.png", "model", "square.xyz", "transforms.json"}));
+}
+
+/// Of tests/tools/render_depth_test.py, which compares the other formats with this one.
+TEST_F(RenderDepthTest, a_map_has_the_values_of_the_layer_of_a_picture) {
+  for (const std::string surface : {"disc", "blend", "sphere"}) {
+    const ProgramResult result =
+        render({"--camera", "model", "--camera-name", "a", "--surface", surface, "--samples", "2", "-q",
+                "--overwrite", "--layers", "color,depth", "-o", "a.exr", "--depth", "a.bin"});
+    ASSERT_EQ(result.exit_code, 0) << result.err;
+    const std::vector<float> depths = map("a.bin");
+    const compare::ComparedImage picture = compare::read_compared_image(folder / "a.exr");
+    ASSERT_EQ(picture.depth.size(), depths.size());
+    std::size_t seen = 0;
+    for (std::size_t pixel = 0; pixel < depths.size(); ++pixel) {
+      const bool sees = compare::is_depth(picture.depth[pixel]);
+      ASSERT_EQ(depths[pixel], sees ? picture.depth[pixel] : 0.0f) << surface;
+      seen += sees ? 1 : 0;
+    }
+    EXPECT_GT(seen, 80u);
+  }
 }
 
 TEST_F(RenderDepthTest, maps_of_a_set_have_the_names_that_colmap_looks_for) {

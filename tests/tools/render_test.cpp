@@ -40,11 +40,15 @@ TEST_F(RenderCommandTest, quiet_prints_nothing) {
 
 TEST_F(RenderCommandTest, same_bytes_on_any_number_of_threads) {
   ASSERT_EQ(run({"generate", "courtyard", "--points", "2e4", "-o", "yard.las", "-q"}).exit_code, 0);
-  for (const std::string extension : {".png", ".exr"}) {
+  for (const auto& [surface, extension] :
+       {std::pair<std::string, std::string>{"blend", ".png"}, {"blend", ".exr"}, {"disc", ".exr"}}) {
     std::string first;
     for (const std::string threads : {"1", "2", "5"}) {
-      const std::string name = "threads" + threads + extension;
-      ASSERT_EQ(run(small({"--cloud", "yard.las", "-q", "--threads", threads, "-o", name})).exit_code, 0);
+      const std::string name = surface + threads + extension;
+      ASSERT_EQ(
+          run(small({"--cloud", "yard.las", "--surface", surface, "-q", "--threads", threads, "-o", name}))
+              .exit_code,
+          0);
       if (first.empty()) first = read(name);
       EXPECT_TRUE(read(name) == first) << name;
     }
