@@ -10,6 +10,7 @@
 #include <functional>
 #include <glm/geometric.hpp>
 #include <limits>
+#include <memory>
 
 #include "renderer/mesh_surfaces.h"
 #include "tests/renderer/mixed_scene.h"
@@ -181,11 +182,9 @@ TEST_P(DiscTraps, hostile_meshes_among_discs_are_errors_or_give_a_finite_picture
     SCOPED_TRACE(trap.name);
     std::ofstream(folder / trap.name) << trap.text;
     Model model;
-    model.mesh = MeshFile{folder / trap.name, {}};
-    std::vector<std::string> warnings;
     std::string problem;
     try {
-      load_mesh(model, warnings);
+      model.surfaces = std::make_shared<MeshSurfaces>(read_mesh(folder / trap.name, {}), trap.name);
     } catch (const Error& error) {
       problem = error.what();
     }
@@ -194,7 +193,7 @@ TEST_P(DiscTraps, hostile_meshes_among_discs_are_errors_or_give_a_finite_picture
     if (!problem.empty()) continue;
     Scene scene = mixed_scene(GetParam());
     scene.camera = view({0.0, -4.0, 0.5}, {0.0, 0.0, 0.5});
-    scene.objects = {Model{model.surfaces}};
+    scene.objects = {model};
     const Film film = render(scene, &cloud);
     expect_sane(film);
     EXPECT_GT(std::ranges::count(film.id, 0xffffffffu), 5) << "the mesh is seen";
