@@ -101,22 +101,6 @@ class TerrainSurface::Walk {
     return {std::min(a, b), std::max(a, b)};
   }
 
-  /// Within the box of a square of patches, as far as the ray goes. `most`: the last column and row of centres.
-  Stretch within(const Square& square, const Range& range, const glm::ivec2& most, double slack) const {
-    const auto side = [&square](int first, int last) {
-      const std::int64_t end = (std::int64_t{first} + 1) << square.level;
-      return std::array{static_cast<double>(std::int64_t{first} << square.level),
-                        static_cast<double>(std::min<std::int64_t>(end, last))};
-    };
-    const auto [west, east] = side(square.column, most.x);
-    const auto [north, south] = side(square.row, most.y);
-    Stretch stretch{t_min, t_max};
-    stretch.cut(between(0, west, east));
-    stretch.cut(between(1, north, south));
-    stretch.cut(between(2, range.low - slack, range.high + slack));
-    return stretch;
-  }
-
   double at(int axis, double t) const { return origin_[axis] + t * direction_[axis]; }
   const glm::dvec3& direction() const { return direction_; }
   const Ray& ray() const { return ray_; }
@@ -174,6 +158,12 @@ TerrainSurface::TerrainSurface(Raster<float> heights) : heights_(std::move(heigh
   }
 }
 
+glm::ivec2 TerrainSurface::size_of(int level) const {
+  if (level == 0) return {heights_.grid.columns - 1, heights_.grid.rows - 1};
+  const Level& of_all = levels_[static_cast<std::size_t>(level - 1)];
+  return {of_all.columns, of_all.rows};
+}
+
 TerrainSurface::Range TerrainSurface::patch_range(int column, int row) const {
   const float* const north = &heights_.at(column, row);
   const float* const south = north + heights_.grid.columns;
@@ -201,29 +191,57 @@ Bounds TerrainSurface::box_of(const Square& square, const Range& range) const {
   return {{north_west.x, south_east.y, range.low}, {south_east.x, north_west.y, range.high}};
 }
 
-/// Calls visit(column, row) for patches in squares that `accept` accepts, until it returns true.
-template <class Accept, class Visit>
-void TerrainSurface::for_patches(const std::array<int, 4>& order, const Accept& accept,
-                                 const Visit& visit) const {
+/// Calls visit(column, row) for the patches that the ray may meet up to t = limit, which may sink meanwhile, the
+/// near ones first, until it returns true. What it leaves out meet() would reject: the stretches of a square hold
+/// those of its patches, and heights of the ray are compared with more slack.
+template <class Visit>
+void TerrainSurface::for_patches(const Walk& walk, const double& limit, const Visit& visit) const {
+  struct Waiting {
+    Square square;
+    double begin;
+  };
   if (levels_.empty()) return;
-  std::array<Square, 3 * k_most_levels + 1> waiting;
+  const double slack = slack_ + 0x1p-40 * std::fabs(walk.ray().origin.z);
+  const glm::ivec2 most = size_of(0);
+  // Both halves of a square along an axis.
+  const auto halves = [&walk](int axis, int first, int level, int last) {
+    const std::int64_t low = std::int64_t{first} << level, half = std::int64_t{1} << (level - 1);
+    const auto line = [last](std::int64_t at) {
+      return static_cast<double>(std::min<std::int64_t>(at, last));
+    };
+    return std::array{walk.between(axis, line(low), line(low + half)),
+                      walk.between(axis, line(low + half), line(low + 2 * half))};
+  };
+  const std::array<int, 4> order = walk.order();
+  std::array<Waiting, 3 * k_most_levels + 1> waiting;
   int count = 0;
-  waiting[count++] = {static_cast<int>(levels_.size()), 0, 0};
+  waiting[count++] = {{static_cast<int>(levels_.size()), 0, 0}, walk.t_min};
   while (count > 0) {
-    const Square square = waiting[--count];
-    const Range range = range_of(square);
-    if (range.low > range.high || !accept(square, range)) continue;
-    if (square.level == 0) {
-      if (visit(square.column, square.row)) return;
-      continue;
+    const auto [square, entry] = waiting[--count];
+    if (entry > limit) continue;
+    const auto x = halves(0, square.column, square.level, most.x),
+               y = halves(1, square.row, square.level, most.y);
+    const int level = square.level - 1;
+    const glm::ivec2 size = size_of(level);
+    std::array<Waiting, 4> found;
+    int found_count = 0;
+    for (const int child : order) {
+      const Square part{level, 2 * square.column + (child & 1), 2 * square.row + (child >> 1)};
+      if (part.column >= size.x || part.row >= size.y) continue;
+      Stretch stretch{walk.t_min, walk.t_max};
+      stretch.cut(x[child & 1]);
+      stretch.cut(y[child >> 1]);
+      if (stretch.empty() || stretch.begin > limit) continue;
+      const Range range = range_of(part);
+      const double from = walk.at(2, stretch.begin), to = walk.at(2, stretch.end);
+      const double low = range.low - slack, high = range.high + slack;
+      if (range.low > range.high || (from < low && to < low) || (from > high && to > high)) continue;
+      if (level > 0)
+        found[found_count++] = {part, stretch.begin};
+      else if (visit(part.column, part.row))
+        return;
     }
-    const int columns = square.level == 1 ? heights_.grid.columns - 1 : levels_[square.level - 2].columns,
-              rows = square.level == 1 ? heights_.grid.rows - 1 : levels_[square.level - 2].rows;
-    for (int i = 3; i >= 0; --i) {
-      const Square child{square.level - 1, 2 * square.column + (order[i] & 1),
-                         2 * square.row + (order[i] >> 1)};
-      if (child.column < columns && child.row < rows) waiting[count++] = child;
-    }
+    while (found_count > 0) waiting[count++] = found[--found_count];
   }
 }
 
@@ -288,13 +306,13 @@ bool is_before(const TerrainHit& hit, const std::optional<TerrainHit>& best) {
 std::optional<TerrainHit> TerrainSurface::closest(const Ray& ray, const TerrainFilter& counts) const {
   const Walk walk(ray, heights_.grid);
   std::optional<TerrainHit> best;
-  const auto accept = [&](const Square& square, const Range& range) {
-    const Stretch stretch = walk.within(square, range, last_center(), slack_);
-    return !stretch.empty() && (!best || stretch.begin <= best->t);
-  };
-  for_patches(walk.order(), accept, [&](int column, int row) {
+  double limit = ray.t_max;
+  for_patches(walk, limit, [&](int column, int row) {
     const std::optional<TerrainHit> hit = meet(walk, column, row, counts);
-    if (hit && is_before(*hit, best)) best = hit;
+    if (hit && is_before(*hit, best)) {
+      best = hit;
+      limit = hit->t;
+    }
     return false;
   });
   return best;
@@ -303,12 +321,8 @@ std::optional<TerrainHit> TerrainSurface::closest(const Ray& ray, const TerrainF
 bool TerrainSurface::occluded(const Ray& ray, const TerrainFilter& counts) const {
   const Walk walk(ray, heights_.grid);
   bool is_met = false;
-  for_patches(
-      walk.order(),
-      [&](const Square& square, const Range& range) {
-        return !walk.within(square, range, last_center(), slack_).empty();
-      },
-      [&](int column, int row) { return is_met = meet(walk, column, row, counts).has_value(); });
+  for_patches(walk, ray.t_max,
+              [&](int column, int row) { return is_met = meet(walk, column, row, counts).has_value(); });
   return is_met;
 }
 
@@ -328,11 +342,20 @@ std::optional<TerrainHit> TerrainSurface::closest_by_brute_force(const Ray& ray,
 }
 
 bool TerrainSurface::any(const std::function<bool(const Bounds&)>& box) const {
-  bool is_found = false;
-  for_patches(
-      {0, 1, 2, 3}, [&](const Square& square, const Range& range) { return box(box_of(square, range)); },
-      [&](int, int) { return is_found = true; });
-  return is_found;
+  return !levels_.empty() && any_within({static_cast<int>(levels_.size()), 0, 0}, box);
+}
+
+bool TerrainSurface::any_within(const Square& square, const std::function<bool(const Bounds&)>& box) const {
+  const Range range = range_of(square);
+  if (range.low > range.high || !box(box_of(square, range))) return false;
+  if (square.level == 0) return true;
+  const int level = square.level - 1;
+  const glm::ivec2 size = size_of(level);
+  for (int child = 0; child < 4; ++child) {
+    const Square part{level, 2 * square.column + (child & 1), 2 * square.row + (child >> 1)};
+    if (part.column < size.x && part.row < size.y && any_within(part, box)) return true;
+  }
+  return false;
 }
 
 }  // namespace alidade::geo

@@ -70,13 +70,14 @@ class TerrainSurface {
   struct Square;
   class Walk;
 
-  /// Column and row of the south-eastern one.
-  glm::ivec2 last_center() const { return {heights_.grid.columns - 1, heights_.grid.rows - 1}; }
+  /// Squares of a level in a row and in a column; of level 0 patches.
+  glm::ivec2 size_of(int level) const;
   Range patch_range(int column, int row) const;
   Range range_of(const Square& square) const;
   Bounds box_of(const Square& square, const Range& range) const;
-  template <class Accept, class Visit>
-  void for_patches(const std::array<int, 4>& order, const Accept& accept, const Visit& visit) const;
+  template <class Visit>
+  void for_patches(const Walk& walk, const double& limit, const Visit& visit) const;
+  bool any_within(const Square& square, const std::function<bool(const Bounds&)>& box) const;
   std::optional<TerrainHit> meet(const Walk& walk, int column, int row, const TerrainFilter& counts) const;
 
   Raster<float> heights_;
