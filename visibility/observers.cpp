@@ -140,7 +140,7 @@ std::vector<Observer> place_observers(std::span<const GivenObserver> given, cons
     check_view(one.source, observer);
     const std::optional<double> foot = one.z ? one.z : ground(one.position);
     if (!foot) {
-      reject(one.source, "no points of the cloud below the observer", "a position inside the cloud, or a z",
+      reject(one.source, "no ground below the observer", "a position inside the cloud or raster, or a z",
              fmt::format("{}, {}", one.position.x, one.position.y));
     }
     observer.stands_on_ground = !one.z;
