@@ -50,15 +50,15 @@ struct HeightRaster {
   Crs crs;                ///< WKT; empty if the file has none
 };
 
-/// Whether GDAL reads the file as a raster. Grids in text of x, y and z are clouds, not rasters; so are files
-/// that are missing.
+/// Whether GDAL reads the file as a raster. Not for text of x, y and z, which is a cloud, and for missing files.
 bool is_raster(const std::filesystem::path& file);
 
 /// Reads the first band of a raster in any format of GDAL, with its scale and offset. Rows come back from the
 /// north. `progress` is in cells. Errors: not a raster; no band of numbers; no georeference; rotated or
 /// sheared; cells that are not square (to a thousandth of a cell over the raster); more than k_most_cells
-/// cells, or more than the memory holds; geographic coordinates; damaged data. Cost: that of GDAL's reading.
-/// Memory: 4 B per cell, checked with that of a terrain.
+/// cells, or more than the memory holds; geographic coordinates; a finite height beyond 1e6, a no-data value that
+/// the file does not declare; damaged data. Cost: that of GDAL's reading. Memory: 4 B per cell, checked with that
+/// of a terrain.
 HeightRaster read_heights(const std::filesystem::path& file, const Progress& progress = {});
 
 /// Whether two systems have the same x and y, heights aside; also if one of them does not say, or GDAL does

@@ -117,6 +117,13 @@ HeightRaster read_heights(const std::filesystem::path& file, const Progress& pro
     for (std::size_t i = 0; i < values.size(); ++i) {
       heights[i] = is_valid[i] != 0 ? static_cast<float>(offset + scale * values[i])
                                     : std::numeric_limits<float>::quiet_NaN();
+      // Mostly the lowest float.
+      constexpr float k_highest = 1e6f;
+      if (std::isfinite(heights[i]) && std::fabs(heights[i]) > k_highest) {
+        throw file_error(file, "the raster has a height beyond 1e6",
+                         "a declared no-data value: gdal_edit.py -a_nodata VALUE",
+                         fmt::format("{:g}", values[i]));
+      }
     }
     constexpr int k_rows_per_report = 256;
     if (row % k_rows_per_report == 0)

@@ -71,6 +71,18 @@ TEST_F(ReadHeightsTest, rotated_sheared_and_oblong_cells_are_errors) {
     EXPECT_THROW(read_heights(decimetres(transform)), Error) << transform[1] << " " << transform[2];
 }
 
+TEST_F(ReadHeightsTest, an_undeclared_no_data_value_is_an_error) {
+  Raster<float> heights({{0, 2}, 1.0, 2, 2}, 5.0f);
+  for (const float height : {-3.4028235e38f, 2e6f}) {
+    heights.at(1, 0) = height;
+    write_raster(
+        folder_ / "a.tif",
+        {.grid = heights.grid, .bands = {{.values = std::span<const float>(heights.values)}}, .crs = {}},
+        true);
+    EXPECT_THROW(read_heights(folder_ / "a.tif"), Error) << height;
+  }
+}
+
 TEST_F(ReadHeightsTest, rasters_are_told_by_their_content) {
   std::filesystem::rename(decimetres({0, 1, 0, 0, 0, -1}), folder_ / "heights");
   EXPECT_TRUE(is_raster(folder_ / "heights"));
