@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <string>
+#include <utility>
 
 #include "base/error.h"
 #include "base/huge_memory.h"
@@ -51,6 +52,28 @@ RasterGrid grid_over(const Bounds& area, double cell_size) {
           cell_size,
           static_cast<int>(x.count()),
           static_cast<int>(y.count())};
+}
+
+Bounds area_of(const RasterGrid& grid) {
+  const glm::dvec2 corner = grid.south_east();
+  return {{grid.north_west.x, corner.y, 0.0}, {corner.x, grid.north_west.y, 0.0}};
+}
+
+RasterGrid part_over(const RasterGrid& grid, const Bounds& area) {
+  const auto cells = [&grid](double begin, double end, int count) {
+    // A rounding must not add a row of cells that the area only touches.
+    constexpr double k_slack = 1e-6;
+    const double first = std::clamp(std::floor(begin / grid.cell_size + k_slack), 0.0, count - 1.0);
+    const double last = std::clamp(std::ceil(end / grid.cell_size - k_slack), first + 1.0, count + 0.0);
+    return std::pair(static_cast<int>(first), static_cast<int>(last - first));
+  };
+  const auto [column, columns] =
+      cells(area.min.x - grid.north_west.x, area.max.x - grid.north_west.x, grid.columns);
+  const auto [row, rows] = cells(grid.north_west.y - area.max.y, grid.north_west.y - area.min.y, grid.rows);
+  return {{grid.north_west.x + column * grid.cell_size, grid.north_west.y - row * grid.cell_size},
+          grid.cell_size,
+          columns,
+          rows};
 }
 
 std::optional<glm::ivec2> cell_at(const RasterGrid& grid, const glm::dvec2& position) {

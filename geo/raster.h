@@ -56,6 +56,13 @@ struct Raster {
 /// k_most_cells cells, whose number is said.
 RasterGrid grid_over(const Bounds& area, double cell_size);
 
+/// The area of a grid, to the outer edges of its cells; z is 0.
+Bounds area_of(const RasterGrid& grid);
+
+/// The cells of a grid that hold an area, in x and y; at least one. What of the area lies outside of the grid
+/// does not count. Requires: a cell in the grid.
+RasterGrid part_over(const RasterGrid& grid, const Bounds& area);
+
 /// The cell that a position lies in; what lies on an edge of two belongs to the one in the east or south, on
 /// the outer edges to the outermost cell. Empty outside of the grid.
 std::optional<glm::ivec2> cell_at(const RasterGrid& grid, const glm::dvec2& position);

@@ -35,6 +35,9 @@ struct ImageModule {
   decltype(&geo::place_sun) place_sun = &geo::place_sun;
   decltype(&geo::describe) describe_sun = &geo::describe;
   decltype(&geo::write_raster) write_raster = &geo::write_raster;
+  decltype(&geo::is_raster) is_raster = &geo::is_raster;
+  decltype(&geo::read_heights) read_heights = &geo::read_heights;
+  decltype(&geo::is_same_plane) is_same_plane = &geo::is_same_plane;
   decltype(&geo::read_polygons) read_polygons = &geo::read_polygons;
   decltype(&geo::lon_lat) lon_lat = &geo::lon_lat;
   decltype(static_cast<std::optional<double> (*)(const Crs&)>(&geo::metres_per_unit)) metres_per_unit =

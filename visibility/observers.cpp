@@ -140,7 +140,7 @@ std::vector<Observer> place_observers(std::span<const GivenObserver> given, cons
     check_view(one.source, observer);
     const std::optional<double> foot = one.z ? one.z : ground(one.position);
     if (!foot) {
-      reject(one.source, "no points of the cloud below the observer", "a position inside the cloud, or a z",
+      reject(one.source, "no ground below the observer", "a position inside the cloud or raster, or a z",
              fmt::format("{}, {}", one.position.x, one.position.y));
     }
     observer.stands_on_ground = !one.z;
@@ -228,15 +228,28 @@ double sphere_radius_of(const Occluders& occluders, const PointHit& point) {
   return sphere_of(occluders, candidate_radius(occluders, neighbours.back().distance));
 }
 
+/// Whether the surface of a terrain is above a position, by more than what an end of a line may lie in it.
+bool is_below(const geo::TerrainSurface& terrain, const glm::dvec3& position) {
+  return terrain.occluded({position, {0.0, 0.0, 1.0}, k_mesh_contact});
+}
+
 std::string remark_on(const Occluders& occluders, const Observer& observer) {
-  const Bounds& box = occluders.octree().bounds();
+  const auto& terrain = occluders.options().terrain;
+  const bool has_points = occluders.octree().size() > 0;
+  const char* const all = has_points ? "cloud" : "raster";
+  Bounds box = occluders.octree().bounds();
+  if (terrain != nullptr) box.grow(terrain->bounds());
   const double outside = distance_to(box, observer.position);
   if (outside > observer.max_distance) {
-    return fmt::format("{} sees nothing: the cloud is {:.6g} away, beyond the maximum distance {:.6g}",
-                       observer.name, outside, observer.max_distance);
+    return fmt::format("{} sees nothing: the {} is {:.6g} away, beyond the maximum distance {:.6g}",
+                       observer.name, all, outside, observer.max_distance);
   }
   if (outside > std::max(glm::length(box.size()), k_never_far))
-    return fmt::format("{} is {:.6g} outside the cloud; check its reference system", observer.name, outside);
+    return fmt::format("{} is {:.6g} outside the {}; check its reference system", observer.name, outside,
+                       all);
+  if (terrain != nullptr && is_below(*terrain, observer.position))
+    return fmt::format("{} is below the surface of the raster", observer.name);
+  if (!has_points) return "";
   if (!observer.stands_on_ground && is_below_all(occluders.octree(), observer.position))
     return fmt::format("{} is below all points near it", observer.name);
   const auto nearest = find(occluders.octree(), observer.position, {.k = 1});
@@ -251,7 +264,7 @@ std::string remark_on(const Occluders& occluders, const Observer& observer) {
 
 std::vector<std::string> observer_remarks(const Occluders& occluders, std::span<const Observer> observers) {
   std::vector<std::string> remarks;
-  if (occluders.octree().size() == 0) return remarks;
+  if (occluders.octree().size() == 0 && occluders.options().terrain == nullptr) return remarks;
   for (const Observer& observer : observers) {
     std::string remark = remark_on(occluders, observer);
     if (!remark.empty()) remarks.push_back(std::move(remark));

@@ -72,33 +72,61 @@ Ray ray_of(const Occluders& occluders, const SightLine& line) {
 
 constexpr std::size_t k_grain = 1024;
 
-/// Whether an end lies on the triangle that a line meets at this position.
-bool lies_on(const SightEnd& end, const glm::dvec3& met, const glm::dvec3& normal) {
-  return std::fabs(glm::dot(end.position - met, normal)) < end.mesh_contact;
+/// The part of a line that the surfaces beside the points may block.
+Ray ray_between_ends(const SightLine& line) {
+  return {line.from.position, line.direction, 0.0, line.length};
 }
 
-/// What of a mesh blocks a line, which must outlive this.
-struct MeshQuery {
-  Ray ray;
-  TriangleFilter counts;
+/// Whether a line keeps to a surface, as near as this, from where it meets it to an end that lies on the plane
+/// there. Triangles are as flat as that plane.
+bool keeps_to(const TriangleTree&, const Ray&, double) {
+  return true;
+}
+bool keeps_to(const geo::TerrainSurface& terrain, const Ray& between, double distance) {
+  // Lines so far above and below must stay on their sides.
+  for (const double side : {-distance, distance}) {
+    Ray beside = between;
+    beside.origin.z += side;
+    if (terrain.occluded(beside)) return false;
+  }
+  return true;
+}
 
-  explicit MeshQuery(const SightLine& line)
-      : ray{line.from.position, line.direction, 0.0, line.length}, counts([&line](const TriangleHit& hit) {
-          const glm::dvec3 met = line.from.position + hit.t * line.direction;
-          const bool endless = line.length == std::numeric_limits<double>::infinity();
-          return !lies_on(line.from, met, hit.normal) && (endless || !lies_on(line.to, met, hit.normal));
-        }) {}
-};
+/// Whether a crossing with a surface blocks: neither end lies on it. Both must outlive what is returned.
+template <class Surface>
+auto crossings_that_block(const Surface& surface, const SightLine& line) {
+  return [&surface, &line](const auto& hit) {
+    const auto lies_on = [&](const SightEnd& end, double t) {
+      const glm::dvec3 met = line.from.position + hit.t * line.direction;
+      return std::fabs(glm::dot(end.position - met, hit.normal)) < end.mesh_contact &&
+             keeps_to(surface, {line.from.position, line.direction, std::min(t, hit.t), std::max(t, hit.t)},
+                      end.mesh_contact);
+    };
+    const bool endless = line.length == std::numeric_limits<double>::infinity();
+    return !lies_on(line.from, 0.0) && (endless || !lies_on(line.to, line.length));
+  };
+}
 
-/// Replaces what of the cloud blocks lines where the mesh does so before.
-void put_mesh_before(const TriangleTree& mesh, const ChordLines& lines,
-                     std::span<std::optional<Blocker>> blockers) {
+/// Calls visit(surface) for the surfaces beside the points: the mesh and the terrain.
+template <class Visit>
+void for_surfaces(const OccluderOptions& options, const Visit& visit) {
+  if (options.mesh != nullptr) visit(*options.mesh);
+  if (options.terrain != nullptr) visit(*options.terrain);
+}
+
+bool has_surfaces_beside(const OccluderOptions& options) {
+  return options.mesh != nullptr || options.terrain != nullptr;
+}
+
+/// Replaces what of the cloud blocks lines where such a surface does so before.
+template <class Surface>
+void put_before(const Surface& surface, const ChordLines& lines, std::span<std::optional<Blocker>> blockers) {
   in_parallel(blockers.size(), k_grain, [&](std::size_t line) {
     for (std::size_t chord = lines.begin[line]; chord < lines.begin[line + 1]; ++chord) {
-      const MeshQuery query(lines.chords[chord]);
-      const std::optional<TriangleHit> hit = mesh.closest(query.ray, query.counts);
+      const Ray ray = ray_between_ends(lines.chords[chord]);
+      const auto hit = surface.closest(ray, crossings_that_block(surface, lines.chords[chord]));
       if (!hit) continue;
-      const Blocker blocker{k_mesh_blocker, query.ray.position(hit->t), lines.starts[chord] + hit->t};
+      const Blocker blocker{k_mesh_blocker, ray.position(hit->t), lines.starts[chord] + hit->t};
       if (!blockers[line] || blocker.distance < blockers[line]->distance) blockers[line] = blocker;
       return;
     }
@@ -299,7 +327,8 @@ void first_blockers(const Occluders& occluders, std::span<const SightLine> lines
                     std::span<std::optional<Blocker>> blockers) {
   check_room(lines.size(), blockers.size());
   const OccluderOptions& options = occluders.options();
-  if (options.transparency == 1 && options.mesh == nullptr) return first_points(occluders, lines, blockers);
+  if (options.transparency == 1 && !has_surfaces_beside(options))
+    return first_points(occluders, lines, blockers);
   const std::vector<double> starts(lines.size());
   std::vector<std::size_t> begin(lines.size() + 1);
   std::iota(begin.begin(), begin.end(), std::size_t{0});
@@ -312,7 +341,7 @@ void first_blockers(const Occluders& occluders, const ChordLines& lines,
   const OccluderOptions& options = occluders.options();
   options.transparency == 1 ? first_points(occluders, lines, blockers)
                             : last_points(occluders, lines, blockers);
-  if (options.mesh != nullptr) put_mesh_before(*options.mesh, lines, blockers);
+  for_surfaces(options, [&](const auto& surface) { put_before(surface, lines, blockers); });
 }
 
 void blocked(const Occluders& occluders, std::span<const SightLine> lines, std::span<std::uint8_t> answers) {
@@ -326,11 +355,12 @@ void blocked(const Occluders& occluders, std::span<const SightLine> lines, std::
     return;
   }
   occluded(occluders.octree(), rays_of(occluders, lines), query_of(occluders, lines), answers);
-  if (options.mesh == nullptr) return;
-  in_parallel(lines.size(), k_grain, [&](std::size_t i) {
-    if (answers[i] != 0) return;
-    const MeshQuery query(lines[i]);
-    answers[i] = options.mesh->occluded(query.ray, query.counts) ? 1 : 0;
+  for_surfaces(options, [&](const auto& surface) {
+    in_parallel(lines.size(), k_grain, [&](std::size_t i) {
+      if (answers[i] != 0) return;
+      answers[i] =
+          surface.occluded(ray_between_ends(lines[i]), crossings_that_block(surface, lines[i])) ? 1 : 0;
+    });
   });
 }
 

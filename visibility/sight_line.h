@@ -12,6 +12,7 @@
 #include <span>
 
 #include "base/progress.h"
+#include "geo/terrain_surface.h"
 #include "mesh/triangle_tree.h"
 #include "octree/octree.h"
 #include "octree/point_surface.h"
@@ -35,7 +36,8 @@ constexpr int k_answers_version = 4;
 // graze flat ground pass over it; spheres would make every surface thicker by their radius. A point without
 // a surface (foliage, wires) is a sphere, which blocks a line that passes it within a radius. Discs that
 // would reach beyond the edge of their sheet (octree/point_surface.h) are cut off there. A mesh beside the
-// points, such as a planned building, is opaque from both sides.
+// points, such as a planned building, and a terrain, the bilinear surface of an elevation raster, are opaque
+// from both sides. The cloud may be empty beside them.
 
 enum class OccluderShape {
   automatic,  ///< discs where there is a surface, spheres elsewhere
@@ -58,6 +60,8 @@ struct OccluderOptions {
   /// Triangles that block as well, at their first crossing whatever the transparency; null: none. The other
   /// options do not apply to them.
   std::shared_ptr<const TriangleTree> mesh{};
+  /// A terrain that blocks in the same way; null: none.
+  std::shared_ptr<const geo::TerrainSurface> terrain{};
 };
 
 /// The cloud as what blocks sight. Safe to use from many threads.
@@ -95,12 +99,14 @@ class Occluders {
 //   if (std::optional<Blocker> blocker = first_blocker(occluders, sight_line({eye}, tree))) ...
 //
 // A line is blocked by discs whose plane it crosses, and by spheres whose middle it passes, in its closed
-// interval from end to end, and by triangles of the mesh that it meets there. What an end itself lies on does
-// not block it: discs whose middle is near it and whose plane passes through it (SightEnd), spheres that it lies
-// in, and triangles whose plane passes within k_mesh_contact of it.
+// interval from end to end, and by triangles of the mesh and by the terrain where it meets them there. What an
+// end itself lies on does not block it: discs whose middle is near it and whose plane passes through it
+// (SightEnd), spheres that it lies in, triangles whose plane passes within k_mesh_contact of it, and the terrain
+// if the plane that touches it at the crossing does so and the line keeps to it, within k_mesh_contact in
+// height, from there to the end.
 
-/// An end lies on a triangle if its plane passes nearer than this: metres. Coordinates of ends may be rounded to
-/// millimetres.
+/// An end lies on a triangle or terrain if its plane passes nearer than this: metres. Coordinates of ends may be
+/// rounded to millimetres.
 constexpr double k_mesh_contact = 0.001;
 
 /// One end of a sight line.
@@ -110,8 +116,8 @@ struct SightEnd {
   /// passes within own_thickness (metres) of the position are the surface that the end lies on. 0: a position
   /// in the air.
   double own_reach = 0.0, own_thickness = 0.0;
-  /// The end lies on triangles whose plane passes nearer than this, metres. 0: where chords of a line meet,
-  /// and where a ray ends.
+  /// The end lies on triangles and terrain whose plane passes nearer than this, metres. 0: where chords of a
+  /// line meet, and where a ray ends.
   double mesh_contact = k_mesh_contact;
 };
 
@@ -147,15 +153,15 @@ SightEnd end_on_point(const Occluders& occluders, std::uint64_t point_id, const 
 /// nearest has no surface, a position in the air. Cost: a microsecond.
 SightEnd end_near_surface(const Occluders& occluders, const glm::dvec3& position);
 
-/// Blocker::point_id of a mesh; no point has it.
+/// Blocker::point_id of a mesh or terrain; no point has it.
 constexpr std::uint64_t k_mesh_blocker = std::numeric_limits<std::uint64_t>::max();
 
 /// What blocks a line.
 struct Blocker {
   std::uint64_t point_id = 0;  ///< or k_mesh_blocker
-  glm::dvec3 position{0.0};    ///< of the point, or where the line meets the mesh
+  glm::dvec3 position{0.0};    ///< of the point, or where the line meets the mesh or terrain
   /// Metres from the line's start to where it crosses the disc, passes the middle of the sphere or meets the
-  /// mesh.
+  /// mesh or terrain.
   double distance = 0.0;
 
   bool is_mesh() const { return point_id == k_mesh_blocker; }
@@ -163,13 +169,13 @@ struct Blocker {
 };
 
 /// The first point that blocks, in the order of where the line passes their middles (the projection t), then
-/// by point id; with a transparency of k, the one that makes the k-th separate crossing. The first triangle of
-/// the mesh instead if its distance is smaller. Empty: seen.
+/// by point id; with a transparency of k, the one that makes the k-th separate crossing. The first crossing of
+/// the mesh or terrain instead if its distance is smaller. Empty: seen.
 std::optional<Blocker> first_blocker(const Occluders& occluders, const SightLine& line);
 
 /// Many lines at once, in parallel; the same answers on any number of threads and any instruction set. Lines
 /// that lie near each other should follow each other. Answers as many as lines. Cost: 0.3 to some
-/// microseconds of one thread per line, and as many for a mesh.
+/// microseconds of one thread per line, and as many for a mesh or terrain.
 void first_blockers(const Occluders& occluders, std::span<const SightLine> lines,
                     std::span<std::optional<Blocker>> blockers);
 

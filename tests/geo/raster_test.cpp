@@ -86,5 +86,21 @@ TEST(RasterGridTest, more_memory_than_there_is_is_rejected) {
   EXPECT_THROW(check_memory(std::numeric_limits<std::uint64_t>::max(), "a test"), Error);
 }
 
+TEST(RasterGrid, a_part_keeps_the_cells_of_the_grid) {
+  const RasterGrid grid{{690000.0, 5325000.0}, 0.1, 50, 40};
+  EXPECT_EQ(area_of(grid).min, glm::dvec3(690000.0, 5324996.0, 0.0));
+  EXPECT_EQ(area_of(grid).max, glm::dvec3(690005.0, 5325000.0, 0.0));
+  EXPECT_EQ(part_over(grid, area_of(grid)), grid);
+  const RasterGrid part = part_over(grid, {{690001.05, 5324997.0, 0}, {690002.0, 5324998.01, 0}});
+  EXPECT_EQ(part.columns, 10);
+  EXPECT_EQ(part.rows, 11);
+  EXPECT_NEAR(part.north_west.x, 690001.0, 1e-8);
+  EXPECT_NEAR(part.north_west.y, 5324998.1, 1e-8);
+  const RasterGrid beyond = part_over(grid, {{689000, 5324999.99, 0}, {690000.01, 5326000, 0}});
+  EXPECT_EQ(beyond.columns, 1);
+  EXPECT_EQ(beyond.rows, 1);
+  EXPECT_EQ(beyond.north_west, grid.north_west);
+}
+
 }  // namespace
 }  // namespace alidade::test

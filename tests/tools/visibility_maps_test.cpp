@@ -228,7 +228,7 @@ TEST_F(VisibilityMapsTest, mistakes_of_users_are_errors_before_surfaces_are_meas
   const Words raster = with({"-o", "seen.tif"}, k_eye);
   expect_rejected_early("raster", {"-o", "seen.tif", "--observers", "nobody.csv"}, "nobody.csv");
   expect_rejected_early("raster", {"-o", "seen.tif", "--observer", "690900,5325100"},
-                        "no points of the cloud below the observer");
+                        "no ground below the observer");
   expect_rejected_early("raster", with(raster, {"--resolution", "0.0001"}), "cells");
   expect_rejected_early("raster", with(raster, {"--area", "0,0,1,1"}), "--area");
   expect_rejected_early("raster", with(raster, {"--ground", "class", "--preview", "seen.jpg"}), ".png");

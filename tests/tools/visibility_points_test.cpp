@@ -234,7 +234,7 @@ TEST_F(VisibilityPointsTest, wrong_input_is_a_clear_error_and_leaves_nothing) {
   write("empty.xyz", "");
   const std::vector<std::pair<Words, std::string>> wrong = {
       {{}, "missing observers"},
-      {{"--observer", "1,2"}, "no points of the cloud below"},
+      {{"--observer", "1,2"}, "no ground below the observer"},
       {{"--observer", "1,2,nan"}, "invalid position"},
       {{"--observer", "690005;5325010;3"}, "invalid position"},
       {{"--observer", k_eye, "--horizontal-fov", "5"}, "--horizontal-fov"},

@@ -72,5 +72,20 @@ TEST(ObserverRemarks, name_observers_inside_the_sphere_of_a_point) {
   EXPECT_EQ(remark_on(cloud.occluders({.shape = OccluderShape::sphere, .radius = 0.5}), {5, 5, 0.7}), "");
 }
 
+TEST(ObserverRemarks, name_observers_below_a_terrain_and_far_outside_of_it) {
+  OccluderOptions options;
+  options.terrain =
+      std::make_shared<const geo::TerrainSurface>(geo::Raster<float>({{-500, 500}, 10.0, 100, 100}, 7.0f));
+  const Occluders alone(build(PointCloud()), options), beside = garden().occluders(options);
+  for (const Occluders& occluders : {alone, beside}) {
+    EXPECT_EQ(remark_on(occluders, {-400, 0, 6.9}), "mast is below the surface of the raster");
+    EXPECT_EQ(remark_on(occluders, {-400, 0, 6.9995}), "") << "on it";
+    EXPECT_EQ(remark_on(occluders, {-400, 0, 9}, 10.0), "");
+  }
+  EXPECT_EQ(remark_on(alone, {9000, 0, 9}), "mast is 8505 outside the raster; check its reference system");
+  EXPECT_EQ(remark_on(alone, {600, 0, 9}, 50.0),
+            "mast sees nothing: the raster is 105.019 away, beyond the maximum distance 50");
+}
+
 }  // namespace
 }  // namespace alidade::test

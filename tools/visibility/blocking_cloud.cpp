@@ -6,10 +6,12 @@
 #include <limits>
 #include <utility>
 
+#include "base/words.h"
 #include "geo/map_unit.h"
 #include "octree/point_surface.h"
 #include "tools/cloud/load_cloud.h"
 #include "tools/cloud/mesh_files.h"
+#include "tools/image_module.h"
 
 namespace alidade::tools {
 namespace {
@@ -51,8 +53,69 @@ BlockingMesh load_blocking_mesh(const std::vector<std::filesystem::path>& files,
           sum};
 }
 
+BlockingTerrain terrain_of(geo::HeightRaster raster, const std::filesystem::path& file, Verbosity verbosity) {
+  const geo::RasterGrid grid = raster.heights.grid;
+  const double place[] = {grid.north_west.x, grid.north_west.y, grid.cell_size,
+                          static_cast<double>(grid.columns), static_cast<double>(grid.rows)};
+  const std::uint64_t sums[] = {checksum(std::as_bytes(std::span(raster.heights.values))),
+                                checksum(std::as_bytes(std::span(place)))};
+  auto surface = std::make_shared<const geo::TerrainSurface>(std::move(raster.heights));
+  if (surface->patch_count() == 0) {
+    throw file_error(file, "the raster has no surface", "heights in 2 x 2 neighbouring cells",
+                     fmt::format("{} x {} cells", grid.columns, grid.rows));
+  }
+  say_note(verbosity, fmt::format("terrain of {} x {} cells of {:g}, {:g} to {:g} high, from {}",
+                                  grid.columns, grid.rows, grid.cell_size, surface->bounds().min.z,
+                                  surface->bounds().max.z, file.string()));
+  return {std::move(surface), checksum(std::as_bytes(std::span(sums)))};
+}
+
+geo::HeightRaster read_heights_shown(const std::filesystem::path& file, Verbosity verbosity) {
+  return with_progress("reading raster", "cells", verbosity,
+                       [&](const Progress& progress) { return image_module().read_heights(file, progress); });
+}
+
+/// Whether a raster was given instead of a cloud. Text is a cloud if its name says so: to ask GDAL takes longer
+/// than to read a small one.
+bool is_raster_alone(const CloudInputs& files) {
+  if (files.size() != 1) return false;
+  const CloudInput& input = files.inputs.front();
+  const bool may_be_text =
+      input.is(k_text_format) && !has_extension(input.name, {".csv", ".txt", ".xyz", ".pts"});
+  std::error_code error;
+  return (input.format == nullptr || may_be_text) && std::filesystem::is_regular_file(input.name, error) &&
+         image_module().is_raster(input.name);
+}
+
+/// A terrain without points.
+void load_raster_alone(const VisibilityRequest& request, AcceptedInput accepted, VisibilityCloud& loaded) {
+  const std::filesystem::path& file = request.files.first_name();
+  if (accepted == AcceptedInput::points) {
+    throw file_error(file, "a raster has no points, which this result requires",
+                     "a point cloud, and the raster as --terrain");
+  }
+  if (!request.occluders.terrain.empty()) {
+    throw file_error(request.occluders.terrain, "a second raster beside " + file.string(),
+                     "one raster: join several with gdalbuildvrt");
+  }
+  geo::HeightRaster raster = read_heights_shown(file, request.verbosity);
+  PointCloud none;
+  none.crs = raster.crs;
+  loaded.terrain = terrain_of(std::move(raster), file, request.verbosity);
+  loaded.cloud.octree = build(none);
+  loaded.cloud.cloud = std::move(none);
+}
+
+/// Errors: both systems are known and differ.
+void check_same_plane(const Crs& terrain, const std::filesystem::path& file, const Crs& cloud) {
+  if (image_module().is_same_plane(terrain, cloud)) return;
+  throw file_error(file, "the raster is in another reference system than the cloud",
+                   crs_name(cloud) + ": reproject the raster with gdalwarp -t_srs", crs_name(terrain));
+}
+
 /// With all that occluders would measure themselves, in steps that show their progress.
 Octree measured(Octree octree, const visibility::OccluderOptions& options, Verbosity verbosity) {
+  if (octree.size() == 0) return octree;
   const bool needs_surfaces = options.shape != visibility::OccluderShape::sphere;
   const bool needs_spacings = needs_surfaces || !options.radius;
   if (needs_spacings && octree.view().spacing_neighbours != k_surface_neighbours)
@@ -72,15 +135,22 @@ std::string class_list(const std::bitset<256>& classes) {
 std::string description_of(const visibility::Occluders& occluders, const OccluderRequest& request,
                            bool has_ignored) {
   const visibility::OccluderOptions& options = occluders.options();
-  std::string text = options.shape == visibility::OccluderShape::automatic
+  const bool has_points = occluders.octree().size() > 0;
+  std::string text = !has_points ? "no points"
+                     : options.shape == visibility::OccluderShape::automatic
                          ? "discs block, and spheres of points without surface"
                      : options.shape == visibility::OccluderShape::disc
                          ? "discs block, points without surface do not"
                          : "spheres block";
-  text += options.radius ? fmt::format("; radius {}", *options.radius)
-                         : fmt::format("; radii up to {:.3g}", occluders.largest_radius());
+  if (has_points)
+    text += options.radius ? fmt::format("; radius {}", *options.radius)
+                           : fmt::format("; radii up to {:.3g}", occluders.largest_radius());
   if (options.transparency > 1) text += fmt::format("; at {} crossings", options.transparency);
   if (options.mesh != nullptr) text += fmt::format("; {} triangles", options.mesh->triangle_count());
+  if (options.terrain != nullptr) {
+    const geo::RasterGrid& grid = options.terrain->heights().grid;
+    text += fmt::format("; terrain of {} x {} cells of {:g}", grid.columns, grid.rows, grid.cell_size);
+  }
   if (has_ignored) text += fmt::format("; without classes {}", class_list(request.ignored_classes));
   return text;
 }
@@ -103,6 +173,11 @@ void add_occluder_options(const Options& command, OccluderRequest& request) {
               "block a line at this number of separate crossings (default: 1); more looks through foliage",
               request.options.transparency, 1, 1000);
   add_mesh_option(group, "that block at their first crossing", request.meshes);
+  group.file(
+      "--terrain", "FILE",
+      "elevation raster (GeoTIFF or another format of GDAL) in the reference system of the cloud, whose "
+      "bilinear surface blocks; the ground is the higher of its heights and the points' ground",
+      request.terrain);
   group.value("--ignore-classes", "LIST|none", "points of these classes do not block (default: 7,18, noise)",
               request.ignored_classes, [](const std::string& text) {
                 return text == "none" ? std::bitset<256>() : parse_classes(text);
@@ -113,16 +188,31 @@ std::vector<std::filesystem::path> VisibilityRequest::inputs(
     std::initializer_list<std::filesystem::path> more) const {
   std::vector<std::filesystem::path> files = CloudRequest::inputs(more);
   files.insert(files.end(), occluders.meshes.begin(), occluders.meshes.end());
+  if (!occluders.terrain.empty()) files.push_back(occluders.terrain);
   return files;
 }
 
-std::unique_ptr<VisibilityCloud> load_cloud_alone(const VisibilityRequest& request, AttributeSet attributes) {
+std::unique_ptr<VisibilityCloud> load_cloud_alone(const VisibilityRequest& request, AttributeSet attributes,
+                                                  AcceptedInput accepted) {
   auto loaded = std::make_unique<VisibilityCloud>();
   loaded->mesh = load_blocking_mesh(request.occluders.meshes, request.verbosity);
+  if (is_raster_alone(request.files)) {
+    load_raster_alone(request, accepted, *loaded);
+    loaded->columns = loaded->cloud.columns();
+    return loaded;
+  }
+  const std::filesystem::path& terrain = request.occluders.terrain;
+  Crs terrain_crs;
+  if (!terrain.empty()) {
+    geo::HeightRaster raster = read_heights_shown(terrain, request.verbosity);
+    terrain_crs = raster.crs;
+    loaded->terrain = terrain_of(std::move(raster), terrain, request.verbosity);
+  }
   loaded->cloud = load_shown(request, {.read = {.attributes = attributes | Attribute::classification}});
   if (loaded->cloud.octree.size() == 0)
     throw file_error(request.files.first_name(), "the cloud has no points");
   check_map_unit(loaded->cloud.cloud);
+  if (!terrain.empty()) check_same_plane(terrain_crs, terrain, loaded->cloud.cloud.crs);
   loaded->columns = loaded->cloud.columns();
   return loaded;
 }
@@ -130,6 +220,7 @@ std::unique_ptr<VisibilityCloud> load_cloud_alone(const VisibilityRequest& reque
 void measure_occluders(VisibilityCloud& cloud, const OccluderRequest& request, Verbosity verbosity) {
   visibility::OccluderOptions options = request.options;
   options.mesh = cloud.mesh.tree;
+  options.terrain = cloud.terrain.surface;
   const std::span<const std::uint8_t> classes = cloud.columns.classifications;
   // Asking for every point takes time, so it is left out where no point has such a class.
   const bool has_ignored =
@@ -146,10 +237,15 @@ void measure_occluders(VisibilityCloud& cloud, const OccluderRequest& request, V
 
 visibility::Ground find_ground(const VisibilityCloud& cloud, visibility::GroundOptions options,
                                Verbosity verbosity) {
-  return with_progress("computing the ground", "points", verbosity, [&](const Progress& progress) {
-    options.progress = progress;
-    return visibility::make_ground(cloud.octree(), cloud.columns.classifications, options);
-  });
+  if (!cloud.has_points()) return visibility::Ground(*cloud.terrain.surface);
+  visibility::Ground ground =
+      with_progress("computing the ground", "points", verbosity, [&](const Progress& progress) {
+        options.progress = progress;
+        return visibility::make_ground(cloud.octree(), cloud.columns.classifications, options);
+      });
+  if (cloud.terrain.surface != nullptr)
+    ground.raise_to(std::make_shared<const visibility::Ground>(*cloud.terrain.surface));
+  return ground;
 }
 
 }  // namespace alidade::tools

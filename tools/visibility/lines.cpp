@@ -244,7 +244,7 @@ Fingerprint fingerprint_of(const LinesCommand& command, const VisibilityCloud& c
 ExitCode run_lines(const LinesCommand& command) {
   check_options(command);
   load_row_writer(command.output);
-  const auto cloud = load_cloud_alone(command, {});
+  const auto cloud = load_cloud_alone(command, {}, AcceptedInput::points_or_raster);
   const visibility::LineReportOptions options = report_options(command, *cloud);
   visibility::check_line_report(options, command.occluders.options.transparency);
   const LineEnds ends = load_line_ends(command.pairs, *cloud, command.verbosity);

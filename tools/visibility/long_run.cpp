@@ -8,10 +8,10 @@ namespace alidade::tools {
 namespace {
 
 /// The cloud is given by its points, meshes by their triangles; lists, curve and preview are outputs.
-constexpr std::array<std::string_view, 14> k_silent_options = {
+constexpr std::array<std::string_view, 15> k_silent_options = {
     "cloud",     "help",    "output", "lists",   "curve",      "preview",
     "overwrite", "threads", "quiet",  "verbose", "checkpoint", "checkpoint-interval",
-    "resume",    "mesh"};
+    "resume",    "mesh",    "terrain"};
 
 std::string joined(const std::vector<std::string>& words) {
   std::string text;
@@ -95,6 +95,8 @@ Fingerprint run_fingerprint(const CheckpointRequest& request, const VisibilityCl
       {"classes", cloud.columns.classifications.empty() ? "none" : sum_text({&classes, 1})});
   if (cloud.mesh.tree != nullptr)
     fingerprint.push_back({"meshes", fmt::format("{:016x}", cloud.mesh.checksum)});
+  if (cloud.terrain.surface != nullptr)
+    fingerprint.push_back({"terrain", fmt::format("{:016x}", cloud.terrain.checksum)});
   return fingerprint;
 }
 

@@ -59,6 +59,8 @@ void add_ground(const Options& command, MapOptions& map) {
 
 std::string ground_text(const visibility::Ground& ground) {
   const geo::RasterGrid& grid = ground.heights().grid;
+  if (ground.source() == visibility::GroundSource::terrain)
+    return fmt::format("heights of the raster in cells of {:.4g}", grid.cell_size);
   return fmt::format("{} in cells of {:.4g}, {:.1f} % of them measured",
                      ground.source() == visibility::GroundSource::classified ? "points of classes 2, 9 and 11"
                                                                              : "lowest points",
@@ -87,7 +89,7 @@ void add_map_options(const Options& command, MapOptions& map) {
              map.preview);
   group.number("--resolution", "LENGTH",
                "cell size (default: 1, 2 or 5 times a power of ten, for at most 1000 cells along a side, "
-               "none smaller than those of the ground)",
+               "none smaller than those of the ground; of a raster its own cells)",
                map.resolution, 1e-6, 1e9);
   group.value("--area", "XMIN,YMIN,XMAX,YMAX", "only this part of the cloud (default: all of it)", map.area,
               parse_area);
@@ -115,27 +117,41 @@ void check_map_writing(const MapOptions& map, bool overwrite,
 }
 
 visibility::Ground find_map_ground(const MapOptions& map, const VisibilityCloud& cloud, Verbosity verbosity) {
+  if (!cloud.has_points() && (map.ground_source || map.ground_cell || map.ground_reach)) {
+    throw input_error("--ground, --ground-cell and --ground-reach do not apply to a raster",
+                      "none of them: the ground is the heights of the raster");
+  }
   visibility::GroundOptions options;
   options.source = map.ground_source.value_or(visibility::GroundSource::automatic);
   options.cell_size = map.ground_cell;
   options.reach = map.ground_reach.value_or(options.reach);
   visibility::Ground ground = find_ground(cloud, options, verbosity);
-  say_note(verbosity, "ground: " + ground_text(ground));
+  const bool is_raised = cloud.has_points() && cloud.terrain.surface != nullptr;
+  say_note(verbosity,
+           "ground: " + ground_text(ground) + (is_raised ? "; the terrain where it is higher" : ""));
   return ground;
 }
 
 Bounds map_area(const MapOptions& map, const VisibilityCloud& cloud) {
-  const Bounds all = cloud.octree().bounds();
+  Bounds all = cloud.area();
   if (!map.area) return all;
+  if (cloud.terrain.surface != nullptr) all.grow(geo::area_of(cloud.terrain.surface->heights().grid));
   const Bounds area = geo::cropped(all, *map.area);
-  if (area.empty()) throw Error({.problem = "--area contains no points of the cloud"});
+  if (area.empty()) {
+    throw Error({.problem = cloud.has_points() ? "--area contains no points of the cloud"
+                                               : "--area contains no cells of the raster"});
+  }
   return area;
 }
 
 geo::RasterGrid map_grid(const MapOptions& map, const Bounds& area, const visibility::Ground& ground,
                          int bands, const std::string& unit, Verbosity verbosity) {
-  const double usual = visibility::usual_resolution(area, ground.heights().grid.cell_size);
-  const geo::RasterGrid grid = geo::grid_over(area, map.resolution.value_or(usual));
+  const geo::RasterGrid& own = ground.heights().grid;
+  const bool is_raster = ground.source() == visibility::GroundSource::terrain;
+  const geo::RasterGrid grid =
+      is_raster && !map.resolution
+          ? geo::part_over(own, area)
+          : geo::grid_over(area, map.resolution.value_or(visibility::usual_resolution(area, own.cell_size)));
   geo::check_map_memory(grid, bands);
   say_note(verbosity, fmt::format("map: {} x {} cells of {:g}{}{}", grid.columns, grid.rows, grid.cell_size,
                                   unit.empty() ? "" : " ", unit));

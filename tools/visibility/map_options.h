@@ -53,10 +53,12 @@ void check_map_writing(const MapOptions& map, bool overwrite,
 /// The ground below the cloud, with progress; it is said how it was found.
 visibility::Ground find_map_ground(const MapOptions& map, const VisibilityCloud& cloud, Verbosity verbosity);
 
-/// The part of the cloud that is requested. Errors: --area holds nothing of it.
+/// The part of the cloud, or of the terrain, that is requested; without --area that of points if there are any.
+/// Errors: --area holds nothing of it.
 Bounds map_area(const MapOptions& map, const VisibilityCloud& cloud);
 
-/// The cells over an area, by default usual_resolution(), not finer than the ground; says them. Errors: too
+/// The cells over an area, by default usual_resolution(), not finer than the ground, and of a raster its own
+/// cells; says them. Errors: too
 /// many of them, or too many for the memory with so many bands.
 geo::RasterGrid map_grid(const MapOptions& map, const Bounds& area, const visibility::Ground& ground,
                          int bands, const std::string& unit, Verbosity verbosity);

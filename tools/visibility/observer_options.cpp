@@ -126,7 +126,7 @@ std::vector<visibility::Observer> load_observers(const ObserverOptions& options,
       ground ? ground : [&](const glm::dvec2& position) { return own_ground->at(position); };
   if (options.grid) {
     const auto grid = with_progress("placing observers", "cells", verbosity, [&](const Progress& progress) {
-      return visibility::observer_grid(cloud.octree().bounds(), *options.grid, height_at, progress);
+      return visibility::observer_grid(cloud.area(), *options.grid, height_at, progress);
     });
     given.insert(given.end(), grid.begin(), grid.end());
   }

@@ -116,7 +116,8 @@ SkySite load_sky_site(const SkyRequest& request, int bands) {
   check_sky_request(request);
   const AttributeSet attributes = request.is_map() ? Attribute::classification : AttributeSet::all();
   const Verbosity verbosity = request.verbosity;
-  SkySite site{load_cloud_alone(request, attributes), {}, {}, {}};
+  const AcceptedInput accepted = request.is_map() ? AcceptedInput::points_or_raster : AcceptedInput::points;
+  SkySite site{load_cloud_alone(request, attributes, accepted), {}, {}, {}};
   if (!request.is_map()) return site;
   site.ground = find_map_ground(request.map, *site.cloud, verbosity);
   site.unit = cloud_unit(site.cloud->cloud.cloud.crs).name;

@@ -76,8 +76,8 @@ SunSky sun_of(const SunCommand& command, const VisibilityCloud& cloud) {
   constexpr double k_usual_bin = 3.0;
   SunSky sun;
   visibility::SunSchedule& schedule = sun.schedule;
-  sun.is_map_known = image_module().place_schedule(
-      cloud.cloud.cloud.crs, glm::dvec2(cloud.octree().bounds().center()), command.position, schedule);
+  sun.is_map_known = image_module().place_schedule(cloud.cloud.cloud.crs, glm::dvec2(cloud.area().center()),
+                                                   command.position, schedule);
   schedule.from = begin_of(*command.from, schedule.longitude);
   schedule.to = end_of(command.to.value_or(*command.from), schedule.longitude);
   schedule.step_minutes = command.step_minutes;

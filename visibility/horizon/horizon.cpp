@@ -87,6 +87,10 @@ class SightFan {
     return !mesh.any([this](const Bounds& box) { return may_reach(box); },
                      [this](const std::array<glm::dvec3, 3>& corners) { return may_reach(corners); });
   }
+  /// The same of the boxes of a terrain's patches.
+  bool is_free(const geo::TerrainSurface& terrain) const {
+    return !terrain.any([this](const Bounds& box) { return may_reach(box); });
+  }
 
  private:
   /// A position as seen from the eye along the azimuth, metres.
@@ -200,8 +204,10 @@ struct AzimuthSearch {
       return point.distance <= (*reach + k_slack) / half.cosine + slope * point.t;
     };
     if (occluded(occluders.octree(), cone, query)) return false;
-    const TriangleTree* const mesh = occluders.options().mesh.get();
-    return mesh == nullptr || SightFan(eye, azimuth, bottom, top).is_free(*mesh);
+    const SightFan fan(eye, azimuth, bottom, top);
+    const auto& mesh = occluders.options().mesh;
+    const auto& terrain = occluders.options().terrain;
+    return (mesh == nullptr || fan.is_free(*mesh)) && (terrain == nullptr || fan.is_free(*terrain));
   }
 
   std::optional<int> highest_line(int low, int high) const {

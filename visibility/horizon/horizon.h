@@ -71,7 +71,7 @@ struct HorizonFacts {
 };
 
 /// The line as CSV with a line of names: azimuth, elevation (degrees), distance (along the line of sight, in
-/// the cloud's unit), point_id, x, y, z of that point; of a mesh point_id is empty, and x, y, z are where the
+/// the cloud's unit), point_id, x, y, z of that point; of a mesh or terrain point_id is empty, and x, y, z are where the
 /// line meets it. Cells of azimuths without a horizon are empty.
 std::string horizon_csv(std::span<const HorizonDirection> horizon);
 
@@ -81,7 +81,8 @@ std::vector<glm::dvec3> horizon_positions(std::span<const HorizonDirection> hori
                                           const HorizonFacts& facts);
 
 /// The line as GeoJSON (RFC 7946): the observer, with the sky-view factors, and every blocking point with
-/// azimuth, elevation, distance, point_id (null: the mesh) and z, as points; azimuths without a horizon have no geometry.
+/// azimuth, elevation, distance, point_id (null: mesh or terrain) and z, as points; azimuths without a horizon have
+/// no geometry.
 /// Without longitudes and latitudes the coordinates are the cloud's, and a member "coordinate_system" of the
 /// collection says so.
 std::string horizon_geojson(std::span<const HorizonDirection> horizon, const HorizonFacts& facts,

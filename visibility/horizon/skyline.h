@@ -18,7 +18,7 @@ namespace alidade::visibility {
 
 /// Everything around an eye as distances: the layers depth, distance (equal, as a panorama has no axis) and
 /// id (point id + 1) of a panorama_camera() (camera/camera.h) at the eye, whose middle column looks north.
-/// Pixels that see nothing within max_distance have infinite distances and id 0, those that see a mesh its
+/// Pixels that see nothing within max_distance have infinite distances and id 0, those that see a mesh or terrain its
 /// distance and id 0. A pixel shows the first
 /// blocker of the line through its centre (sight_line.h). Requires sides of at least 1 pixel. Cost: a line
 /// per pixel, in parallel. `progress` is in pixels.

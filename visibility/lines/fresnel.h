@@ -34,7 +34,7 @@ constexpr double k_clear_share = 0.6;
 /// Tubes that fill the zone, and so the most blockers that are the first to obstruct one.
 constexpr int k_most_obstructions = 512;
 
-/// A point, or the mesh, and the share of the zone that it is the first to obstruct.
+/// A point, or the mesh or terrain, and the share of the zone that it is the first to obstruct.
 struct Obstruction {
   std::uint64_t point_id = 0;  ///< or k_mesh_blocker
   double share = 0.0;

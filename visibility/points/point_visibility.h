@@ -59,7 +59,7 @@ struct PointVisibility {
   /// disc evenly (Vogel, A better way to construct the sunflower head, 1979). Empty with one line.
   std::vector<float> fractions;
   /// By observer: the first point that blocks the line to the point itself; k_blocked_by_mesh if it is
-  /// the mesh that does, k_no_blocker if nothing does or the point is out of view. Empty unless asked for.
+  /// the mesh or terrain that does, k_no_blocker if nothing does or the point is out of view. Empty unless asked for.
   std::vector<std::vector<std::uint32_t>> blockers;
 };
 

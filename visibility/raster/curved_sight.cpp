@@ -85,6 +85,7 @@ SightBatch::SightBatch(const Occluders& occluders, const SightCurve& curve)
   reach_.min -= occluders.largest_radius();
   reach_.max += occluders.largest_radius();
   if (const auto& mesh = occluders.options().mesh) reach_.grow(mesh->bounds());
+  if (const auto& terrain = occluders.options().terrain) reach_.grow(terrain->bounds());
 }
 
 void SightBatch::add(const SightEnd& from, const SightEnd& to) {

@@ -296,6 +296,8 @@ void widen(std::vector<std::uint8_t>& set, const geo::RasterGrid& grid, double r
 }
 
 GroundSource chosen_source(GroundSource asked, bool is_classified) {
+  check_that(asked != GroundSource::terrain, "a terrain is not the ground of points",
+             "another source, and Ground::raise_to()");
   check_that(asked != GroundSource::classified || is_classified, "missing ground class", "points of class 2",
              "none in the cloud");
   if (asked != GroundSource::automatic) return asked;
@@ -333,7 +335,22 @@ void fill_gaps(geo::Raster<double>& raster) {
   raster = std::move(levels[0].heights);
 }
 
+Ground::Ground(const geo::TerrainSurface& terrain) : reach_(0.0), source_(GroundSource::terrain) {
+  const geo::Raster<float>& heights = terrain.heights();
+  heights_.grid = heights.grid;
+  heights_.values.assign(heights.values.begin(), heights.values.end());
+  measured_cells_ = static_cast<std::uint64_t>(
+      std::ranges::count_if(heights.values, [](float height) { return !std::isnan(height); }));
+}
+
 std::optional<double> Ground::at(const glm::dvec2& position) const {
+  const std::optional<double> own = own_at(position);
+  if (terrain_ == nullptr) return own;
+  const std::optional<double> other = terrain_->at(position);
+  return own && other ? std::max(*own, *other) : own ? own : other;
+}
+
+std::optional<double> Ground::own_at(const glm::dvec2& position) const {
   const geo::RasterGrid& grid = heights_.grid;
   const glm::dvec2 corner = grid.south_east();
   const bool near = position.x >= grid.north_west.x - reach_ && position.x <= corner.x + reach_ &&

@@ -3,11 +3,13 @@
 
 #include <cstdint>
 #include <glm/vec2.hpp>
+#include <memory>
 #include <optional>
 #include <span>
 
 #include "base/progress.h"
 #include "geo/raster.h"
+#include "geo/terrain_surface.h"
 #include "octree/octree.h"
 
 // The ground below a cloud, as heights on a grid.
@@ -20,7 +22,8 @@ namespace alidade::visibility {
 enum class GroundSource {
   automatic,   ///< by class if the cloud has points of class 2, otherwise lowest points
   classified,  ///< points of the ASPRS classes 2, ground, 9, water, and 11, road surface
-  lowest,  ///< the lowest point of each cell: where nothing of the ground was seen, it is a roof or a crown
+  lowest,   ///< the lowest point of each cell: where nothing of the ground was seen, it is a roof or a crown
+  terrain,  ///< not of points: the heights of an elevation raster
 };
 
 struct GroundOptions {
@@ -34,7 +37,7 @@ struct GroundOptions {
   Progress progress{};  ///< in points
 };
 
-/// Heights of the ground.
+/// Heights of the ground, of points or of an elevation raster.
 class Ground {
  public:
   /// `heights`: NaN where there is no ground. `reach`: so far beyond the grid the ground goes on as at its
@@ -42,21 +45,31 @@ class Ground {
   Ground(geo::Raster<double> heights, double reach, GroundSource source, std::uint64_t measured_cells)
       : heights_(std::move(heights)), reach_(reach), source_(source), measured_cells_(measured_cells) {}
 
-  /// Bilinear between the middles of cells; from the outermost middles on, as there. Empty where there is no
-  /// ground.
+  /// The ground of a terrain, which ends at the outer edges of its cells.
+  explicit Ground(const geo::TerrainSurface& terrain);
+
+  /// The higher of both grounds, and where only one is, that one: what lies below a terrain is never seen.
+  /// heights() and the rest stay those of this one.
+  void raise_to(std::shared_ptr<const Ground> terrain) { terrain_ = std::move(terrain); }
+
+  /// Bilinear between the middles of cells; from the outermost middles on, as there; beside a cell without
+  /// height by the others. Empty where there is no ground.
   std::optional<double> at(const glm::dvec2& position) const;
 
   const geo::Raster<double>& heights() const { return heights_; }
-  /// `classified` or `lowest`.
+  /// Any but `automatic`.
   GroundSource source() const { return source_; }
   /// Cells with a height of their own; that of the others is interpolated.
   std::uint64_t measured_cells() const { return measured_cells_; }
 
  private:
+  std::optional<double> own_at(const glm::dvec2& position) const;
+
   geo::Raster<double> heights_;
   double reach_;
   GroundSource source_;
   std::uint64_t measured_cells_;
+  std::shared_ptr<const Ground> terrain_{};
 };
 
 /// The ground under a cloud, over all its bounds. `classifications` by point id; empty if the cloud has none.
@@ -65,7 +78,7 @@ class Ground {
 /// all others of its cell and of the cells around than 1 + the cell's side (a wrong echo), does not count.
 /// Gaps are filled by the membrane through what is around them (Laposition's equation).
 /// Cost: about 30 ns per point and cell. Memory: 50 B per cell, checked beforehand.
-/// Errors: an empty cloud; `classified` without points of class 2; those of grid_over(); reach negative or
+/// Errors: an empty cloud; `classified` without points of class 2; `terrain`; those of grid_over(); reach negative or
 /// not finite.
 Ground make_ground(const Octree& octree, std::span<const std::uint8_t> classifications,
                    const GroundOptions& options);

@@ -27,7 +27,10 @@ class LowestSeen {
   /// The references must outlive this. Memory: 8 B per point, unless all have one radius. Errors: more than
   /// there is.
   LowestSeen(const Occluders& occluders, const ViewshedOptions& options)
-      : occluders_(occluders), options_(options), batch_(occluders, options.curve) {
+      : occluders_(occluders),
+        options_(options),
+        batch_(occluders, options.curve),
+        is_terrain_alone_(occluders.octree().size() == 0 && occluders.options().mesh == nullptr) {
     if (occluders.options().radius) return;
     check_memory(sizeof(double) * occluders.octree().size(), "the spacings of the points");
     spacings_ = spacings_in_order(occluders.octree().view());
@@ -99,11 +102,16 @@ class LowestSeen {
           const double magnified =
               glm::length(position - observer.eye().position) / std::max(blocker->distance, k_finest);
           search.blocked = search.tried;
+          const double lowest = heights[search.target];
+          if (is_terrain_alone_) {
+            search.tried = std::min(search.highest, lowest);
+            if (search.tried > search.blocked) searches_[left++] = search;
+            continue;
+          }
           search.tried += std::max(k_finest, step_past(*blocker) * std::max(magnified, 1.0));
           search.tried = std::min(search.tried, search.highest);
           // Higher than what another observer sees, it does not matter.
-          if (search.tried > search.blocked && search.tried < heights[search.target])
-            searches_[left++] = search;
+          if (search.tried > search.blocked && search.tried < lowest) searches_[left++] = search;
         }
       }
       searches_.resize(left);
@@ -139,6 +147,7 @@ class LowestSeen {
   ViewshedOptions options_;
   std::vector<double> spacings_;  ///< by point id; empty if all points have one radius
   SightBatch batch_;
+  bool is_terrain_alone_;  ///< then what is higher than what is seen is seen, too
   std::vector<Search> searches_, seen_;
   std::uint64_t line_count_ = 0;
 };

@@ -58,8 +58,9 @@ struct Viewshed {
 ///
 /// `height`: from the target height up, lines are tried until one is free, each raised by the radius of the
 /// point that blocked the one before, as it projects on the cell (at least 0.01), or by that of the widest
-/// sphere if the mesh blocked it; then the height is halved in to 0.01. So it is the lowest at which there is sight, also below a bridge or a crown, but for openings
-/// lower than the points' own distances. Of several observers the lowest counts. Only heights between the
+/// sphere if the mesh or terrain blocked it; over a terrain alone `highest` is tried at once. Then the height
+/// is halved in to 0.01. So it is the lowest at which there is sight, also below a bridge or a crown, but for
+/// openings lower than the points' own distances, and for holes of the terrain. Of several observers the lowest counts. Only heights between the
 /// target height and `highest` that lie in an observer's field of view and within its distance are tried: a
 /// cell whose ground lies below the view has the height at which the view begins, if that is seen, and
 /// `highest` if nothing in the view is. Out of range are cells with no such height.
