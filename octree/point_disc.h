@@ -16,9 +16,6 @@ namespace alidade {
 /// exp(-8 * 0.92^2), and reaches little beyond its edges.
 constexpr double k_disc_spacings = 0.92;
 
-/// The same for the sphere of a point without a sheet among discs: such points, mostly at edges, need to close little.
-constexpr double k_lone_spacings = 0.35;
-
 struct PointDisc {
   glm::dvec3 point{0.0};   ///< the point itself
   glm::dvec3 center{0.0};  ///< below or above it on the sheet

@@ -13,12 +13,22 @@
 
 namespace alidade::visibility {
 
-// Radii in spacings, where each point has its own and all are spheres.
-constexpr double k_sphere_share = 0.5;
+// Radii in spacings, where each point has its own: where all are spheres, and of points without a surface among discs.
+// These, mostly at edges and in foliage, need to close little; from 0.25 down lines pass between the foot of a wall and
+// the ground.
+constexpr double k_sphere_share = 0.5, k_lone_share = 0.28;
 
-/// Whether a disc is part of the surface that an end lies on.
-inline bool is_own(const SightEnd& end, const PointDisc& disc) {
-  return end.own_reach > 0.0 && is_part_of_surface(disc, end.position, end.own_reach, end.own_thickness);
+/// Whether a disc is part of the surface that an end lies on. A disc is no better known than its sheet is thick.
+inline bool is_own(const SightEnd& end, const PointDisc& disc, const PointSurface& surface) {
+  constexpr double k_thicknesses = 1.0;
+  return end.own_reach > 0.0 &&
+         is_part_of_surface(disc, end.position, end.own_reach,
+                            std::max(end.own_thickness, k_thicknesses * surface.thickness));
+}
+
+/// Whether what a line meets this far from an end, of a point with this radius, is of the same thing as the end.
+inline bool is_beside(const SightEnd& end, double distance, double radius) {
+  return end.is_lone && distance < k_lone_radii * radius;
 }
 
 /// Whether an end lies in a sphere.
@@ -37,7 +47,7 @@ inline double candidate_radius(const Occluders& occluders, double spacing) {
 /// Radius of the sphere of a point without a surface; radius: candidate_radius().
 inline double sphere_of(const Occluders& occluders, double radius) {
   if (occluders.options().radius || !occluders.has_surfaces()) return radius;
-  return std::min(k_lone_spacings / k_disc_spacings * radius, occluders.largest_sphere());
+  return std::min(k_lone_share / k_disc_spacings * radius, occluders.largest_sphere());
 }
 
 /// Where a point blocks a line, metres from the line's start; empty if it does not.
@@ -53,7 +63,9 @@ inline std::optional<double> crossing(const Occluders& occluders, const SightLin
     if (!(candidate.distance <= radius && candidate.t >= 0.0 && candidate.t <= line.length))
       return std::nullopt;
     if (is_within(line.from, candidate.position, radius)) return std::nullopt;
-    if (!endless && is_within(line.to, candidate.position, radius)) return std::nullopt;
+    if (!endless && (is_within(line.to, candidate.position, radius) ||
+                     is_beside(line.to, line.length - candidate.t, candidate.radius)))
+      return std::nullopt;
     return candidate.t;
   }
   const PointDisc disc = point_disc(candidate.position, surface, candidate.radius);
@@ -66,7 +78,10 @@ inline std::optional<double> crossing(const Occluders& occluders, const SightLin
   if (has_edge &&
       is_beyond_edge(disc, met, occluders.octree().view().sheet_edges[candidate.point_id], k_disc_spacings))
     return std::nullopt;
-  if (is_own(line.from, disc) || (!endless && is_own(line.to, disc))) return std::nullopt;
+  if (is_own(line.from, disc, surface)) return std::nullopt;
+  if (!endless &&
+      (is_own(line.to, disc, surface) || is_beside(line.to, line.length - *position, candidate.radius)))
+    return std::nullopt;
   return position;
 }
 

@@ -294,7 +294,7 @@ SightLine sight_ray(const SightEnd& from, const glm::dvec3& direction, double le
 SightEnd end_on_point(const Occluders& occluders, std::uint64_t point_id, const glm::dvec3& position,
                       const glm::dvec3& seen_from) {
   const PointSurface surface = occluders.surface(point_id);
-  if (!surface.exists) return {position};
+  if (!surface.exists) return {.position = position, .is_lone = occluders.has_surfaces()};
   const glm::dvec3 way = seen_from - position;
   double rise = glm::dot(way, surface.normal);
   // Where sight grazes the surface, the error of the normal hides the side; the upper one is the likelier.

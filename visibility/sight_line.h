@@ -29,7 +29,7 @@ inline double golden_turns(int i) {
 }
 
 /// Raised by whoever changes the answers of sight lines; checkpoints are checked against it.
-constexpr int k_answers_version = 4;
+constexpr int k_answers_version = 5;
 
 // What blocks sight. A point of a surface is a disc: it blocks a line that crosses the plane of its sheet
 // (octree/point_surface.h) within a radius of the point. So a surface is as thick as it is, and lines that
@@ -49,7 +49,7 @@ struct OccluderOptions {
   OccluderShape shape = OccluderShape::automatic;
   /// Metres, of all points, > 0. Empty: each point has its own, by its spacing, the distance to its 8th
   /// neighbour: 0.92 of it for a disc, which leaves 0.1 % of a surface open, at most 16 times what the
-  /// renderer's automatic radius would be; 0.35 of it for a sphere among discs, 0.5 where all are spheres, at
+  /// renderer's automatic radius would be; 0.28 of it for a sphere among discs, 0.5 where all are spheres, at
   /// most that automatic radius. Given and widest discs are not cut off at edges.
   std::optional<double> radius{};
   /// So many separate crossings block, >= 1: 1 for solid things, more to see through foliage. Crossings
@@ -109,13 +109,19 @@ class Occluders {
 /// rounded to millimetres.
 constexpr double k_mesh_contact = 0.001;
 
+/// How near to a lone end nothing blocks, in radii of the disc or of what would be one: some 1.4 spacings.
+constexpr double k_lone_radii = 1.5;
+
 /// One end of a sight line.
 struct SightEnd {
   glm::dvec3 position{0.0};
   /// Discs with their point within own_reach (metres), or 3 of their radii if these are more, whose plane
-  /// passes within own_thickness (metres) of the position are the surface that the end lies on. 0: a position
-  /// in the air.
+  /// passes within own_thickness (metres), or the thickness of their own sheet, of the position are the surface that
+  /// the end lies on. 0: a position in the air.
   double own_reach = 0.0, own_thickness = 0.0;
+  /// Whether it is a point without a surface among discs, as in foliage or at an edge: what a line meets within
+  /// k_lone_radii of it is of the same thing.
+  bool is_lone = false;
   /// The end lies on triangles and terrain whose plane passes nearer than this, metres. 0: where chords of a
   /// line meet, and where a ray ends.
   double mesh_contact = k_mesh_contact;

@@ -63,7 +63,7 @@ class Reaches {
       if (options.shape == OccluderShape::disc || is_within(eye_, point.position, k_less * sphere)) return {};
       return k_more * sphere;
     }
-    if (is_own(eye_, point_disc(point.position, surface, radius))) return {};
+    if (is_own(eye_, point_disc(point.position, surface, radius), surface)) return {};
     return k_more * radius;
   }
 
