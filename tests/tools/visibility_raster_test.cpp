@@ -223,8 +223,7 @@ TEST_F(VisibilityRasterTest, bad_wishes_are_errors_and_leave_no_map) {
                   "XMIN,YMIN,XMAX,YMAX");
   expect_rejected({"--observer", "691005,5325010,610", "--md", "50", "-o", "seen.tif"},
                   "no observer reaches the map");
-  expect_rejected({"--observer", "691005,5325010", "-o", "seen.tif"},
-                  "no ground below the observer");
+  expect_rejected({"--observer", "691005,5325010", "-o", "seen.tif"}, "no ground below the observer");
   expect_rejected({"--observer", "nan,5325010,1", "-o", "seen.tif"}, "invalid position");
   expect_rejected({"--observer", "690005,5325010", "-o", "seen.tif", "--mode", "all"},
                   "visible|count|height|fraction");
