@@ -2,9 +2,13 @@
 #include <fmt/format.h>
 #include <gdal.h>
 
+#include <algorithm>
+#include <array>
 #include <cmath>
+#include <cstdint>
 #include <limits>
 #include <string_view>
+#include <vector>
 
 #include "base/error.h"
 #include "base/huge_memory.h"

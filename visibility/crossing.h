@@ -20,10 +20,8 @@ constexpr double k_sphere_share = 0.5, k_lone_share = 0.28;
 
 /// Whether a disc is part of the surface that an end lies on. A disc is no better known than its sheet is thick.
 inline bool is_own(const SightEnd& end, const PointDisc& disc, const PointSurface& surface) {
-  constexpr double k_thicknesses = 1.0;
-  return end.own_reach > 0.0 &&
-         is_part_of_surface(disc, end.position, end.own_reach,
-                            std::max(end.own_thickness, k_thicknesses * surface.thickness));
+  return end.own_reach > 0.0 && is_part_of_surface(disc, end.position, end.own_reach,
+                                                   std::max(end.own_thickness, surface.thickness));
 }
 
 /// Whether what a line meets this far from an end, of a point with this radius, is of the same thing as the end.

@@ -26,7 +26,7 @@ class ReadHeightsTest : public ::testing::Test {
   }
   void TearDown() override { std::filesystem::remove_all(folder_); }
 
-  /// 3 x 2 cells of 16-bit numbers 1 to 6 in decimetres above 100, of which 5 stands for no data.
+  /// 3 x 2 cells: the 16-bit numbers 1 to 6, in decimetres above 100; 5 is the no-data value.
   std::filesystem::path decimetres(std::array<double, 6> transform) const {
     const std::filesystem::path file = folder_ / "decimetres.tif";
     const GDALDatasetH raster =

@@ -122,10 +122,9 @@ class CrossingVsBruteForce : public ::testing::TestWithParam<InstructionSet> {};
 TEST_P(CrossingVsBruteForce, closest_occluded_find_and_count_are_the_same_bits_on_every_family) {
   std::size_t hit_count = 0, miss_count = 0;
   for (const Asked& asked : asked_clouds()) {
-    const std::vector<double>& spacings = asked.spacings;
     for (const test::NamedOctree& named : test::octrees_of(asked.cloud, GetParam())) {
       const Octree octree = with_discs_of(named.octree, asked.fitted);
-      const brute_force::PointProperties properties(spacings, &octree.view());
+      const brute_force::PointProperties properties(asked.spacings, &octree.view());
       Random random(asked.name + "_crossing");
       for (const RayCase& c : ray_cases(asked.cloud, 20, random)) {
         const RayQuery query = crossing_query(c.query, random);
@@ -152,9 +151,8 @@ TEST_P(CrossingVsBruteForce, batches_are_the_same_bits_whatever_the_filter) {
   std::size_t hit_count = 0;
   for (const Asked& asked : asked_clouds()) {
     if (asked.cloud.size() == 0) continue;
-    const std::vector<double>& spacings = asked.spacings;
     const Octree octree = with_discs_of(build(asked.cloud, options), asked.fitted);
-    const brute_force::PointProperties properties(spacings, &octree.view());
+    const brute_force::PointProperties properties(asked.spacings, &octree.view());
     Random random(asked.name + "_crossing_batches");
     for (int turn = 0; turn < 6; ++turn) {
       const double radius = 2.0 * automatic_radius(octree);
@@ -200,9 +198,8 @@ TEST_P(CrossingVsBruteForce, an_interval_that_is_the_crossing_alone_holds_it) {
   std::size_t hit_count = 0;
   for (const Asked& asked : asked_clouds()) {
     if (asked.cloud.size() == 0) continue;
-    const std::vector<double>& spacings = asked.spacings;
     const Octree octree = with_discs_of(build(asked.cloud, options), asked.fitted);
-    const brute_force::PointProperties properties(spacings, &octree.view());
+    const brute_force::PointProperties properties(asked.spacings, &octree.view());
     Random random(asked.name + "_crossing_alone");
     RayQuery query = crossing_query({.radius = std::max(4.0 * automatic_radius(octree), 1e-3)}, random);
     query.spacing_factor = 3.0;

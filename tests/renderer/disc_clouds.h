@@ -14,7 +14,7 @@
 #include "tests/renderer/tracer_scenes.h"
 #include "tests/support/random.h"
 
-// Small clouds of discs, and the points of which definitions are computed by plain loops.
+// Small clouds of discs, and their points as the plain loops of definitions take them.
 
 namespace alidade::test {
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// Clouds of which no surface can be made, or which cameras and radii do not suit: their pictures have finite colours, and
-// layers with the values that image/film.h states.
+// Clouds without surfaces, and cameras and radii that do not fit the cloud: pictures have finite colours, and layers have
+// the values that image/film.h states.
 #include <gtest/gtest.h>
 
 #include <algorithm>

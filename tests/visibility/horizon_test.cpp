@@ -9,6 +9,7 @@
 #include "base/error.h"
 #include "geo/earth.h"
 #include "tests/support/random.h"
+#include "tests/visibility/checked_sight.h"
 #include "tests/visibility/sampled_shapes.h"
 
 namespace alidade::test {
@@ -133,19 +134,7 @@ TEST(Horizon, is_the_highest_blocked_of_all_lines) {
     const HorizonOptions options{.step = 2.0, .resolution = 0.25};
     const std::vector<HorizonDirection> line = horizon(occluders, eye, options);
     ASSERT_EQ(line.size(), 180u);
-    for (const HorizonDirection& direction : line) {
-      std::vector<SightLine> lines;
-      for (int step = 360; step >= -360; --step)
-        lines.push_back(sight_ray(eye, compass_direction(direction.azimuth, 90.0 * step / 360)));
-      std::vector<std::uint8_t> answers(lines.size());
-      blocked(occluders, lines, answers);
-      const auto first = std::ranges::find(answers, std::uint8_t{1});
-      ASSERT_EQ(direction.elevation.has_value(), first != answers.end()) << direction.azimuth;
-      if (!direction.elevation) continue;
-      const auto number = first - answers.begin();
-      EXPECT_EQ(*direction.elevation, 90.0 * static_cast<double>(360 - number) / 360) << direction.azimuth;
-      EXPECT_EQ(direction.blocker, first_blocker(occluders, lines[static_cast<std::size_t>(number)]));
-    }
+    for (const HorizonDirection& direction : line) expect_highest_blocked(direction, occluders, eye);
   }
 }
 

@@ -10,6 +10,7 @@
 
 #include "geo/earth.h"
 #include "tests/support/random.h"
+#include "tests/visibility/checked_sight.h"
 #include "tests/visibility/viewshed_place.h"
 #include "tests/visibility/wall_cloud.h"
 #include "visibility/horizon/skyline.h"
@@ -45,15 +46,6 @@ std::shared_ptr<const TriangleTree> wall_at(double x, double height = 4.0,
 /// Points far aside, so that only a mesh can block.
 WallCloud elsewhere() {
   return WallCloud().add({0, 50, 0}, {4, 0, 0}, {0, 4, 0}, 0.5);
-}
-
-/// Of one line; both ways to get it must agree.
-std::optional<Blocker> blocker_of(const Occluders& occluders, const SightLine& line) {
-  const std::optional<Blocker> blocker = first_blocker(occluders, line);
-  std::uint8_t answer = 2;
-  blocked(occluders, {&line, 1}, {&answer, 1});
-  EXPECT_EQ(answer, blocker ? 1 : 0);
-  return blocker;
 }
 
 TEST(SightMesh, a_mesh_between_two_positions_blocks_where_the_line_meets_it) {
@@ -276,17 +268,8 @@ TEST(SightMesh, the_horizon_is_the_highest_blocked_of_all_lines) {
     int meshes = 0;
     for (const HorizonDirection& direction :
          horizon(occluders, eye, {.step = 2.0, .resolution = 0.25, .max_distance = 7.0})) {
-      std::vector<SightLine> lines;
-      for (int step = 360; step >= -360; --step)
-        lines.push_back(sight_ray(eye, geo::compass_direction(direction.azimuth, 90.0 * step / 360), 7.0));
-      std::vector<std::uint8_t> answers(lines.size());
-      blocked(occluders, lines, answers);
-      const auto first = std::ranges::find(answers, std::uint8_t{1});
-      ASSERT_EQ(direction.elevation.has_value(), first != answers.end()) << direction.azimuth;
+      expect_highest_blocked(direction, occluders, eye, 7.0);
       if (!direction.elevation) continue;
-      const auto number = first - answers.begin();
-      EXPECT_EQ(*direction.elevation, 90.0 * static_cast<double>(360 - number) / 360) << direction.azimuth;
-      EXPECT_EQ(direction.blocker, first_blocker(occluders, lines[static_cast<std::size_t>(number)]));
       meshes += direction.blocker->is_mesh() ? 1 : 0;
     }
     EXPECT_GT(meshes, 60);

@@ -7,6 +7,7 @@
 
 #include "base/error.h"
 #include "octree/build.h"
+#include "tests/visibility/checked_sight.h"
 #include "tests/visibility/wall_cloud.h"
 #include "visibility/horizon/horizon.h"
 #include "visibility/lines/line_report.h"
@@ -34,15 +35,6 @@ Occluders alone(std::shared_ptr<const TerrainSurface> terrain, int transparency 
   options.transparency = transparency;
   options.terrain = std::move(terrain);
   return Occluders(build(PointCloud()), options);
-}
-
-/// Of one line; both ways to get it must agree.
-std::optional<Blocker> blocker_of(const Occluders& occluders, const SightLine& line) {
-  const std::optional<Blocker> blocker = first_blocker(occluders, line);
-  std::uint8_t answer = 2;
-  blocked(occluders, {&line, 1}, {&answer, 1});
-  EXPECT_EQ(answer, blocker ? 1 : 0);
-  return blocker;
 }
 
 TEST(SightTerrain, without_points_it_blocks_where_the_line_meets_it_whatever_the_transparency) {

@@ -29,7 +29,7 @@ glm::dvec3 on_grid(const RasterGrid& grid, const glm::dvec3& position) {
           (grid.north_west.y - position.y) / grid.cell_size - 0.5, position.z};
 }
 
-/// Height of a position above the patch that `middle` lies in; infinite where there is none.
+/// How high a position is above the surface of the patch around `middle`; infinite without a patch.
 double clearance(const Raster<float>& heights, const glm::dvec3& position, const glm::dvec3& middle) {
   const int column = static_cast<int>(std::floor(middle.x)), row = static_cast<int>(std::floor(middle.y));
   if (column < 0 || row < 0 || column + 1 >= heights.grid.columns || row + 1 >= heights.grid.rows)

@@ -76,7 +76,7 @@ class Ground {
 /// How: of every cell the mean of its ground points, or its lowest point, brought to the middle of the cell
 /// along the slope of its neighbours, so that planes are exact. A lowest point that lies alone, farther below
 /// all others of its cell and of the cells around than 1 + the cell's side (a wrong echo), does not count.
-/// Gaps are filled by the membrane through what is around them (Laposition's equation).
+/// Gaps are filled by the membrane through what is around them (Laplace's equation).
 /// Cost: about 30 ns per point and cell. Memory: 50 B per cell, checked beforehand.
 /// Errors: an empty cloud; `classified` without points of class 2; `terrain`; those of grid_over(); reach negative or
 /// not finite.
