@@ -93,12 +93,18 @@ LocalPlane fit_plane(const simd::Moments& moments) {
   const double flatness = std::clamp((k_thick - ratio) / (k_thick - k_flat), 0.0, 1.0);
   const double support =
       std::min(1.0, (moments.count - k_fewest_points + 1.0) / (k_enough_points - k_fewest_points + 1.0));
-  // A row of points is flat in any direction across it.
-  const double breadth = std::min(1.0, width / (0.1 * found.values[wide]));
+  // A row of points is flat in any direction across it, and so is a cluster that is small beside the reach with a few
+  // points far away. Those all over a disc have a variance of 1/8 each way.
+  constexpr double k_least_share = 0.1, k_least_width = 0.02;
+  const double breadth = std::min(1.0, width / std::max(k_least_share * found.values[wide], k_least_width));
   const glm::dvec3 normal = glm::normalize(found.vectors[thin]);
   const double height = -glm::dot(mean, normal);
-  return {normal, flatness * support * breadth, height, std::sqrt(std::max(0.0, found.values[thin])),
-          glm::length(mean + height * normal)};
+  return {normal,
+          flatness * support * breadth,
+          height,
+          std::sqrt(std::max(0.0, found.values[thin])),
+          glm::length(mean + height * normal),
+          moments.count};
 }
 
 }  // namespace

@@ -19,6 +19,7 @@ struct LocalPlane {
   double thickness = 0.0;            ///< standard deviation of the points from the plane, metres
   /// Distance of the points' mean from the position along the plane, metres: small in the midst of a surface.
   double off_center = 0.0;
+  double count = 0.0;  ///< of the points
 };
 
 /// Fits a plane to the points within `reach` metres of a position, nearer ones weighing more. Requires reach >

@@ -301,16 +301,23 @@ FittedSurface fit_surface(Neighbourhood& around, const glm::dvec3& position, dou
   constexpr double k_reaches[] = {k_reach, 1.5, 1.1, 5.0};
   // Near an edge the mean of a sheet's points lies farther inward, in reaches, than it does by chance.
   constexpr double k_centered = 0.1;
+  // Around a lone point, such as a bird or a stray return, points lie much denser than it does itself, and on more than
+  // one sheet; at the border of a dense part of a sheet only denser.
+  constexpr double k_dense = 3.0, k_lone = 5.0, k_thick = 0.1;
   if (!(spacing > 0.0 && std::isfinite(spacing))) return {};
   for (const double factor : k_reaches) {
     const double reach = factor * spacing;
     const PointsNear points = around.points(position, reach);
     const LocalPlane fitted = points.plane();
-    if (fitted.trust < k_least_trust) continue;
+    // 1 where the sheet goes on as it is within one spacing.
+    const double density = fitted.count / (k_surface_neighbours * factor * factor);
+    const bool is_thick = fitted.thickness > k_thick * spacing;
+    if (factor == k_reach && density > k_lone && is_thick) return {};
+    if ((density > k_dense && is_thick) || fitted.trust < k_least_trust) continue;
     // Few points look like two sheets by chance.
-    const LocalPlane plane = factor < k_reaches[0] ? fitted : choose_sheet(points, fitted);
+    const LocalPlane plane = factor < k_reach ? fitted : choose_sheet(points, fitted);
     if (off_sheet(plane, reach)) return {surface_beside(points, spacing, plane)};
-    const bool may_end = factor != k_reaches[0] || plane.off_center > k_centered * reach;
+    const bool may_end = factor != k_reach || plane.off_center > k_centered * reach;
     return {{true, plane.normal, plane.height, plane.thickness}, may_end};
   }
   return {};

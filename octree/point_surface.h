@@ -31,9 +31,11 @@ constexpr int k_surface_neighbours = 8;
 /// returned as it is. `progress` is in points. Requires spacings. Cost: 1 to 2 microseconds of one thread
 /// per point, in parallel; 5 B per point. Where sheets end is measured, too (octree/point_surface.h). Points
 /// that stand off the sheet of their neighbours by more than half their spacing have a surface only with
-/// others like them. How: a plane is fitted (octree/local_plane.h) to the points within 2.5 spacings; where
-/// these are no surface, within 1.5, 1.1 (another surface is near) and 5 (noise is as large as the spacing).
-/// Two sheets are two values of the heights above that plane: their coefficient of bimodality is near 1
+/// others like them, and points that lie much thinner than what is around them on more than one sheet have none: the
+/// disc of a bird or a stray return would be wider than any sheet. How: a plane is fitted (octree/local_plane.h) to the
+/// points within 2.5 spacings; where these are no surface, within 1.5, 1.1 (another surface is near) and 5 (noise is as
+/// large as the spacing). Two sheets are two values of the heights above that plane: their coefficient of bimodality is
+/// near 1
 /// (SAS/STAT User's Guide, The CLUSTER Procedure).
 Octree with_surfaces(const Octree& octree, const Progress& progress = {});
 

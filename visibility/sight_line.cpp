@@ -20,10 +20,14 @@ namespace alidade::visibility {
 
 Occluders::Occluders(const Octree& octree, const OccluderOptions& options, const Progress& progress)
     : octree_(octree), options_(options) {
-  constexpr double k_widest_disc = 16.0;
-  const double radius = options.radius.value_or(1.0);
-  check_that(std::isfinite(radius) && radius > 0.0, "invalid occluder radius", "a positive length",
-             std::to_string(radius));
+  // In automatic radii. A bird or a stray return among discs is no larger for having its neighbours far away.
+  constexpr double k_widest_disc = 16.0, k_widest_lone = 0.35;
+  for (const double radius : {options.radius.value_or(1.0), options.radius_max.value_or(1.0)}) {
+    check_that(std::isfinite(radius) && radius > 0.0, "invalid occluder radius", "a positive length",
+               std::to_string(radius));
+  }
+  check_that(!options.radius || !options.radius_max, "occluders have one radius or a largest one",
+             "one of them", "both");
   check_that(options.transparency >= 1, "invalid transparency", "at least 1",
              std::to_string(options.transparency));
   if (has_surfaces() || !options.radius) {
@@ -32,11 +36,13 @@ Occluders::Occluders(const Octree& octree, const OccluderOptions& options, const
   }
   if (has_surfaces()) octree_ = with_surfaces(octree_, progress);
   if (options.radius) {
-    largest_radius_ = largest_sphere_ = radius;
-  } else {
-    largest_sphere_ = automatic_radius(octree_);
-    largest_radius_ = has_surfaces() ? k_widest_disc * largest_sphere_ : largest_sphere_;
+    typical_radius_ = largest_radius_ = largest_sphere_ = *options.radius;
+    return;
   }
+  const double widest = options.radius_max.value_or(std::numeric_limits<double>::infinity());
+  typical_radius_ = automatic_radius(octree_);
+  largest_sphere_ = std::min(widest, (has_surfaces() ? k_widest_lone : 1.0) * typical_radius_);
+  largest_radius_ = has_surfaces() ? std::min(widest, k_widest_disc * typical_radius_) : largest_sphere_;
 }
 
 namespace {
@@ -45,9 +51,9 @@ constexpr double k_lift = 1.0;  // thicknesses
 
 /// How far the surface of an end reaches around it, metres.
 double own_reach(const Occluders& occluders) {
-  constexpr double k_radii = 3.0, k_spheres = 4.0;
+  constexpr double k_radii = 3.0, k_typical = 4.0;
   return occluders.options().radius ? k_radii * *occluders.options().radius
-                                    : k_spheres * occluders.largest_sphere();
+                                    : k_typical * occluders.typical_radius();
 }
 
 /// How thick the surface of an end is around its sheet; also when it has no thickness but that of the
@@ -308,7 +314,7 @@ SightEnd end_on_point(const Occluders& occluders, std::uint64_t point_id, const 
 SightEnd end_near_surface(const Occluders& occluders, const glm::dvec3& position) {
   if (!occluders.has_surfaces()) return {position};
   const std::vector<PointHit> nearest =
-      find(occluders.octree(), position, PointQuery{.radius = occluders.largest_sphere(), .k = 1});
+      find(occluders.octree(), position, PointQuery{.radius = occluders.typical_radius(), .k = 1});
   if (nearest.empty()) return {position};
   const PointSurface surface = occluders.surface(nearest.front().point_id);
   if (!surface.exists) return {position};

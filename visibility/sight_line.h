@@ -29,7 +29,7 @@ inline double golden_turns(int i) {
 }
 
 /// Raised by whoever changes the answers of sight lines; checkpoints are checked against it.
-constexpr int k_answers_version = 5;
+constexpr int k_answers_version = 6;
 
 // What blocks sight. A point of a surface is a disc: it blocks a line that crosses the plane of its sheet
 // (octree/point_surface.h) within a radius of the point. So a surface is as thick as it is, and lines that
@@ -49,9 +49,12 @@ struct OccluderOptions {
   OccluderShape shape = OccluderShape::automatic;
   /// Metres, of all points, > 0. Empty: each point has its own, by its spacing, the distance to its 8th
   /// neighbour: 0.92 of it for a disc, which leaves 0.1 % of a surface open, at most 16 times what the
-  /// renderer's automatic radius would be; 0.28 of it for a sphere among discs, 0.5 where all are spheres, at
-  /// most that automatic radius. Given and widest discs are not cut off at edges.
+  /// renderer's automatic radius would be; 0.28 of it for a sphere among discs, at most 0.35 of that automatic
+  /// radius, since a stray return is no larger for having its neighbours far away; where all are spheres, 0.5 of
+  /// it, at most that automatic radius. Given and widest discs are not cut off at edges.
   std::optional<double> radius{};
+  /// No disc or sphere is wider: metres, > 0. Empty: as above. Not together with `radius`.
+  std::optional<double> radius_max{};
   /// So many separate crossings block, >= 1: 1 for solid things, more to see through foliage. Crossings
   /// within a point's diameter of the first of them are one.
   int transparency = 1;
@@ -68,14 +71,16 @@ struct OccluderOptions {
 class Occluders {
  public:
   /// Measures spacings (of 8 neighbours) and fits surfaces where the octree lacks them and they are needed.
-  /// `progress` is in points, the spacings' first, then the surfaces'. Errors: radius or transparency out of
-  /// range. Memory: 7 B per point. Cost: 2 to 5 microseconds of one thread per point, in parallel; nothing
+  /// `progress` is in points, the spacings' first, then the surfaces'. Errors: radius, radius_max or transparency out
+  /// of range, or both radii. Memory: 7 B per point. Cost: 2 to 5 microseconds of one thread per point, in parallel; nothing
   /// for an octree that has them.
   Occluders(const Octree& octree, const OccluderOptions& options, const Progress& progress = {});
 
   /// With what was measured.
   const Octree& octree() const { return octree_; }
   const OccluderOptions& options() const { return options_; }
+  /// That of all points, or the renderer's automatic one, metres.
+  double typical_radius() const { return typical_radius_; }
   /// No disc or sphere is wider. Metres.
   double largest_radius() const { return largest_radius_; }
   /// No sphere is wider, metres.
@@ -89,7 +94,7 @@ class Occluders {
  private:
   Octree octree_;
   OccluderOptions options_;
-  double largest_radius_ = 0.0, largest_sphere_ = 0.0;
+  double typical_radius_ = 0.0, largest_radius_ = 0.0, largest_sphere_ = 0.0;
 };
 
 // Whether one sees from here to there, through the points of a cloud.
@@ -149,13 +154,13 @@ SightLine sight_ray(const SightEnd& from, const glm::dvec3& direction,
 /// A point of the cloud as an end: on its sheet, lifted by the sheet's thickness towards the side that
 /// `seen_from` is on; where the line grazes the sheet by less than 0.02 (1.1 degrees), upwards. Its own
 /// surface are the discs whose planes pass within 3 thicknesses and whose points are near: within 3 of their
-/// radii or, where each has its own, 4 of the widest sphere's. A point without a surface stands where it is.
+/// radii or, where each has its own, 4 of the typical one. A point without a surface stands where it is.
 /// Requires: point_id has this position.
 SightEnd end_on_point(const Occluders& occluders, std::uint64_t point_id, const glm::dvec3& position,
                       const glm::dvec3& seen_from);
 
 /// A position on or a little above the ground or a roof as an end: the surface of the nearest point, as far as
-/// it passes near the position, is its own. Where no point is within the radius of the widest sphere, or the
+/// it passes near the position, is its own. Where no point is within the typical radius, or the
 /// nearest has no surface, a position in the air. Cost: a microsecond.
 SightEnd end_near_surface(const Occluders& occluders, const glm::dvec3& position);
 

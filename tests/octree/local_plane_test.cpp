@@ -239,8 +239,12 @@ TEST(LocalPlane, trust_is_known_on_paper) {
     EXPECT_NEAR(corners(0.7, 0.7, 0.7 * std::sqrt(ratio)).trust, std::clamp((0.35 - ratio) / 0.29, 0.0, 1.0),
                 1e-3)
         << "thickness " << ratio;
-    EXPECT_NEAR(corners(0.7, 0.7 * std::sqrt(ratio), 0.0).trust, std::min(1.0, ratio / 0.1), 1e-3)
+    // Long rows are broad from a tenth of their variance on.
+    EXPECT_NEAR(corners(1.0, std::sqrt(ratio), 0.0).trust, std::min(1.0, ratio / 0.1), 1e-3)
         << "breadth " << ratio;
+    // A cluster must be broad beside the reach of 2, too.
+    EXPECT_NEAR(corners(0.2, 0.2 * std::sqrt(ratio), 0.0).trust, std::min(1.0, ratio * 0.01 / 0.02), 1e-3)
+        << "breadth of a cluster " << ratio;
   }
 }
 

@@ -147,7 +147,7 @@ TEST(SightBatchTest, a_sphere_where_two_chords_meet_is_crossed_once) {
 std::optional<Blocker> unclipped_blocker(const Occluders& occluders, const SightCurve& curve,
                                          const glm::dvec3& from, const glm::dvec3& to) {
   const std::int64_t count = curve.chord_count(glm::length(glm::dvec2(to) - glm::dvec2(from)));
-  const double length = glm::length(to - from), overlap = 2.0 * occluders.largest_sphere() / length;
+  const double length = glm::length(to - from), overlap = 2.0 * occluders.typical_radius() / length;
   for (std::int64_t i = 0; i < count; ++i) {
     const double begin = std::max(0.0, static_cast<double>(i) / static_cast<double>(count) - overlap),
                  end = std::min(1.0, static_cast<double>(i + 1) / static_cast<double>(count) + overlap);

@@ -166,9 +166,14 @@ void add_occluder_options(const Options& command, OccluderRequest& request) {
                {{"auto", visibility::OccluderShape::automatic},
                 {"disc", visibility::OccluderShape::disc},
                 {"sphere", visibility::OccluderShape::sphere}});
-  group.number("--radius", "R",
-               "of discs and spheres, in metres (default: per point, from the distance to its neighbours)",
-               request.options.radius, 1e-6, 1e6);
+  const Option radius = group.number(
+      "--radius", "R",
+      "of discs and spheres, in metres (default: per point, from the distance to its neighbours)",
+      request.options.radius, 1e-6, 1e6);
+  group.excludes(radius).number(
+      "--radius-max", "R",
+      "no disc or sphere is wider than this, in metres (default: 16 times the automatic radius of spheres)",
+      request.options.radius_max, 1e-6, 1e6);
   group.count("--transparency", "K",
               "block a line at this number of separate crossings (default: 1); more looks through foliage",
               request.options.transparency, 1, 1000);

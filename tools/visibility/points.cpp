@@ -1,6 +1,11 @@
 // SPDX-License-Identifier: MIT
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <iterator>
+#include <string>
+#include <vector>
+
 #include "base/error.h"
 #include "base/output_file.h"
 #include "base/words.h"
@@ -146,6 +151,34 @@ visibility::PointVisibility look(const VisibilityCloud& cloud,
   });
 }
 
+/// How much of what is hidden rests on points without a surface, and on the point that hides most.
+std::string blocking_text(const visibility::PointVisibility& seen, const visibility::Occluders& occluders) {
+  std::vector<std::uint32_t> blockers;
+  for (const std::vector<std::uint32_t>& column : seen.blockers) {
+    std::ranges::copy_if(column, std::back_inserter(blockers),
+                         [](std::uint32_t blocker) { return blocker < visibility::k_blocked_by_mesh; });
+  }
+  if (blockers.empty()) return {};
+  std::ranges::sort(blockers);
+  std::size_t lone = 0, most = 0;
+  std::uint32_t widest = 0;
+  for (auto first = blockers.begin(); first != blockers.end();) {
+    const auto last = std::upper_bound(first, blockers.end(), *first);
+    const auto count = static_cast<std::size_t>(last - first);
+    if (!occluders.surface(*first).exists) lone += count;
+    if (count > most) widest = *first;
+    most = std::max(most, count);
+    first = last;
+  }
+  const auto percent = [&](std::size_t count) {
+    return 100.0 * static_cast<double>(count) / static_cast<double>(blockers.size());
+  };
+  return fmt::format(
+      "points without a surface block {:.1f} % of the lines that points block; point {} blocks most, {:.3g} "
+      "%",
+      percent(lone), widest, percent(most));
+}
+
 ExitCode run(const PointsCommand& command) {
   check_options(command);
   const Verbosity verbosity = command.verbosity;
@@ -174,6 +207,8 @@ ExitCode run(const PointsCommand& command) {
            fmt::format("{} of {} points are visible ({:.1f} %); wrote {}", count, seen.counts.size(),
                        100.0 * static_cast<double>(count) / static_cast<double>(seen.counts.size()),
                        command.output.string()));
+  if (const std::string text = blocking_text(seen, *cloud->occluders); !text.empty())
+    say_note(verbosity, text);
   return ExitCode::done;
 }
 

@@ -168,7 +168,7 @@ std::vector<std::optional<CurveCrossings>> crossings(const Occluders& occluders,
   std::vector<Piece> pieces;
   std::vector<std::size_t> ends;
   for (const CurveLine& line : lines) {
-    add_pieces(line, occluders.largest_sphere(), pieces);
+    add_pieces(line, occluders.typical_radius(), pieces);
     ends.push_back(pieces.size());
   }
   std::vector<SightLine> sight_lines(pieces.size());

@@ -93,7 +93,7 @@ void SightBatch::add(const SightEnd& from, const SightEnd& to) {
   if (!std::isfinite(length)) throw Error({.problem = "an end of a line of sight is not finite"});
   const std::int64_t count = curve_.chord_count(distance_between(from.position, to.position));
   // A sphere that a joint lies in would block neither chord: they overlap by more than it is wide.
-  const double overlap = 2.0 * std::max(occluders_.largest_sphere(), 0.0) / length;
+  const double overlap = 2.0 * std::max(occluders_.typical_radius(), 0.0) / length;
   const ChordRange asked =
       count == 1 ? ChordRange{0, 1}
                  : chords_over(stretch_over(reach_, from.position, to.position), count, overlap);

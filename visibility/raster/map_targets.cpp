@@ -67,7 +67,7 @@ SightEnd end_on_ground(const Occluders& occluders, const glm::dvec3& position) {
     const glm::dvec3 center = hit.position - surface.height * surface.normal;
     const glm::dvec2 way = glm::dvec2(position) - glm::dvec2(center);
     const double sheet = center.z - (way.x * surface.normal.x + way.y * surface.normal.y) / surface.normal.z;
-    if (std::fabs(sheet - position.z) > occluders.largest_sphere()) continue;
+    if (std::fabs(sheet - position.z) > occluders.typical_radius()) continue;
     // What a point of this sheet has as its own surface, the position has too.
     const SightEnd on_point = end_on_point(occluders, hit.point_id, hit.position, hit.position);
     if (!end) {

@@ -67,7 +67,7 @@ class LowestSeen {
   /// By which a line that this blocks is raised at the blocker. Openings of meshes are looked for in steps as
   /// wide as the cloud's.
   double step_past(const Blocker& blocker) const {
-    if (blocker.is_mesh()) return occluders_.largest_sphere();
+    if (blocker.is_mesh()) return occluders_.typical_radius();
     const std::uint64_t point_id = blocker.point_id;
     const double radius = candidate_radius(occluders_, spacings_.empty() ? 0.0 : spacings_[point_id]);
     return occluders_.surface(point_id).exists ? radius : sphere_of(occluders_, radius);
