@@ -296,18 +296,6 @@ void check_options(const ChangeOptions& options) {
              "invalid registration error", "at least 0", fmt::format("{}", options.registration_error));
 }
 
-void check_overlap(const Bounds& before, const Bounds& after) {
-  const auto text = [](const Bounds& box) {
-    return fmt::format("{:.2f},{:.2f},{:.2f} to {:.2f},{:.2f},{:.2f}", box.min.x, box.min.y, box.min.z,
-                       box.max.x, box.max.y, box.max.z);
-  };
-  bool overlap = true;
-  for (int axis = 0; axis < 3; ++axis)
-    overlap = overlap && before.min[axis] <= after.max[axis] && after.min[axis] <= before.max[axis];
-  check_that(overlap, "the epochs do not overlap", "two scans of one site in one reference system",
-             fmt::format("before {}, after {}", text(before), text(after)));
-}
-
 std::optional<double> median(std::vector<double> values) {
   if (values.empty()) return std::nullopt;
   const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
@@ -323,11 +311,24 @@ const char* name_of(ChangeClass kind) {
   return k_names[static_cast<std::size_t>(kind)];
 }
 
+void check_overlap(const Octree& before_cloud, const Octree& after_cloud) {
+  const Bounds &before = before_cloud.bounds(), &after = after_cloud.bounds();
+  const auto text = [](const Bounds& box) {
+    return fmt::format("{:.2f},{:.2f},{:.2f} to {:.2f},{:.2f},{:.2f}", box.min.x, box.min.y, box.min.z,
+                       box.max.x, box.max.y, box.max.z);
+  };
+  bool overlap = true;
+  for (int axis = 0; axis < 3; ++axis)
+    overlap = overlap && before.min[axis] <= after.max[axis] && after.min[axis] <= before.max[axis];
+  check_that(overlap, "the epochs do not overlap", "two scans of one site in one reference system",
+             fmt::format("before {}, after {}", text(before), text(after)));
+}
+
 Changes find_changes(const Epoch& before, const Epoch& after, const ChangeOptions& options) {
   check_epoch(before, "BEFORE");
   check_epoch(after, "AFTER");
   check_options(options);
-  check_overlap(before.occluders.octree().bounds(), after.occluders.octree().bounds());
+  check_overlap(before.occluders.octree(), after.occluders.octree());
   const EpochCloud old_cloud(before), new_cloud(after);
   const std::uint64_t old_points = old_cloud.octree().size();
   const std::uint64_t points = old_points + new_cloud.octree().size();

@@ -69,6 +69,9 @@ struct Changes {
   PointChanges before, after;
 };
 
+/// Errors: the bounds of both clouds do not overlap.
+void check_overlap(const Octree& before, const Octree& after);
+
 /// Compares both epochs. Each point is tested in this order:
 ///
 /// 1. Its cylinder holds surfaces of both epochs, k_least_cylinder_points points of each around about the same middle:
