@@ -96,7 +96,7 @@ std::unique_ptr<EpochCloud> load_epoch(const ChangeCommand& command, const Epoch
                     request.files_option));
   }
   if (!epoch->origins.empty())
-    say_note(command.verbosity, fmt::format("{}: {} points, {} scanner positions", request.name,
+    say_note(command.verbosity, fmt::format("{}: {} points, {} scanner position(s)", request.name,
                                             epoch->cloud.octree.size(), epoch->origins.size()));
   return epoch;
 }

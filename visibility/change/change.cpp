@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <glm/common.hpp>
 #include <glm/geometric.hpp>
 #include <numbers>
 #include <span>
@@ -214,18 +215,19 @@ class Comparison {
     const double behind = blocker->distance - distance;
     if (std::fabs(behind) <= point.spacing) return Sight::met;
     if (behind < 0.0) return Sight::hidden;
-    if (is_in_plane(point, blocker->position)) return Sight::met;
+    if (is_same_plane(point, *blocker)) return Sight::met;
     const glm::dvec3 direction = way / distance;
     return is_aimed(point, distance, *blocker) && is_front(*blocker, direction) ? Sight::passed
                                                                                 : Sight::unknown;
   }
 
   /// Whether a line that grazes the surface of a point ends on it, behind the point.
-  bool is_in_plane(const ComparedPoint& point, const glm::dvec3& end) const {
+  bool is_same_plane(const ComparedPoint& point, const Blocker& blocker) const {
     constexpr double k_near_spacings = 16.0;
-    const glm::dvec3 offset = end - point.position;
+    const glm::dvec3 offset = blocker.position - point.position;
     return point.surface.exists && glm::length(offset) <= k_near_spacings * point.spacing &&
-           std::fabs(glm::dot(offset, point.surface.normal)) <= point.window;
+           std::fabs(glm::dot(offset, point.surface.normal)) <= point.window &&
+           other_.is_parallel(blocker.point_id, point.surface.normal);
   }
 
   /// Whether a line ends on the side of a surface that was scanned. Where there are no points, as below a scanner,
@@ -317,9 +319,14 @@ void check_overlap(const Octree& before_cloud, const Octree& after_cloud) {
     return fmt::format("{:.2f},{:.2f},{:.2f} to {:.2f},{:.2f},{:.2f}", box.min.x, box.min.y, box.min.z,
                        box.max.x, box.max.y, box.max.z);
   };
+  // Flat ground that has moved has a little room in between.
+  constexpr double k_room = 0.1;
+  const glm::dvec3 size = glm::max(before.size(), after.size());
+  const double room = k_room * std::max({size.x, size.y, size.z});
   bool overlap = true;
   for (int axis = 0; axis < 3; ++axis)
-    overlap = overlap && before.min[axis] <= after.max[axis] && after.min[axis] <= before.max[axis];
+    overlap =
+        overlap && before.min[axis] - room <= after.max[axis] && after.min[axis] - room <= before.max[axis];
   check_that(overlap, "the epochs do not overlap", "two scans of one site in one reference system",
              fmt::format("before {}, after {}", text(before), text(after)));
 }

@@ -69,7 +69,7 @@ struct Changes {
   PointChanges before, after;
 };
 
-/// Errors: the bounds of both clouds do not overlap.
+/// Errors: the bounds of both clouds are farther apart than a tenth of their longest side.
 void check_overlap(const Octree& before, const Octree& after);
 
 /// Compares both epochs. Each point is tested in this order:
@@ -89,9 +89,9 @@ void check_overlap(const Octree& before, const Octree& after);
 /// That a line of sight is free in the cloud of its epoch is taken as proof that the scanner saw along it, so origins
 /// must be those of scanners that scan all around.
 ///
-/// The same bits on any number of threads and any instruction set. Errors: an empty cloud, clouds whose bounds do not
-/// overlap, options out of range, origins not finite, other occluders. Memory: 13 B per point. Cost: 10 to 40
-/// microseconds of one thread per point; for points without a counterpart a microsecond more per origin.
+/// The same bits on any number of threads and any instruction set. Errors: an empty cloud, those of check_overlap(),
+/// options out of range, origins not finite, other occluders. Memory: 13 B per point. Cost: 10 to 40 microseconds of one
+/// thread per point; for points without a counterpart a microsecond more per origin.
 Changes find_changes(const Epoch& before, const Epoch& after, const ChangeOptions& options = {});
 
 /// The points of one class of one epoch.
