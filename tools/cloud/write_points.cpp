@@ -97,9 +97,7 @@ class Rows {
     if (own == batch_.lattice) return;
     for (LatticePosition& position : batch_.positions) {
       const auto moved = to_lattice(batch_.lattice, to_world(own, position));
-      if (!moved)
-        throw input_error("coordinates of the clouds are too far from each other for one file",
-                          "clouds of one site");
+      if (!moved) throw input_error("a point lies outside the bounds of its cloud", "an intact index file");
       position = *moved;
     }
   }
@@ -113,14 +111,36 @@ class Rows {
   PointCloud batch_;
 };
 
+/// The offset of the first cloud, and the finest of all scales that 32 bits hold, or 10, 100, ... of it.
+Lattice common_lattice(std::span<const CloudResults> clouds) {
+  Lattice lattice = clouds.front().cloud.octree.lattice();
+  Bounds bounds;
+  bool is_common = true;
+  for (const CloudResults& cloud : clouds) {
+    const Lattice& own = cloud.cloud.octree.lattice();
+    is_common = is_common && own == lattice;
+    lattice.scale = glm::min(lattice.scale, own.scale);
+    if (cloud.cloud.octree.size() == 0) continue;
+    bounds.grow(cloud.cloud.octree.bounds().min);
+    bounds.grow(cloud.cloud.octree.bounds().max);
+  }
+  if (is_common || bounds.empty()) return lattice;
+  constexpr double k_most_steps = 2147483646.0;
+  const glm::dvec3 reach =
+      glm::max(glm::abs(bounds.min - lattice.offset), glm::abs(bounds.max - lattice.offset));
+  for (int axis = 0; axis < 3; ++axis)
+    while (reach[axis] > k_most_steps * lattice.scale[axis]) lattice.scale[axis] *= 10.0;
+  return lattice;
+}
+
 /// All rows of all clouds.
 class AllRows {
  public:
   explicit AllRows(std::span<const CloudResults> clouds) {
     layout_.like = description_of(clouds.front().cloud);
+    layout_.like.lattice = common_lattice(clouds);
     for (const CloudResults& cloud : clouds) {
       if (layout_.like.crs.empty()) layout_.like.crs = cloud.cloud.cloud.crs;
-      layout_.like.lattice.scale = glm::min(layout_.like.lattice.scale, cloud.cloud.octree.lattice().scale);
       size_ += clouds_.emplace_back(cloud, layout_).size();
     }
   }

@@ -12,7 +12,6 @@
 #include "tools/command.h"
 #include "tools/image_module.h"
 #include "tools/visibility/blocking_cloud.h"
-#include "visibility/observers.h"
 
 namespace alidade::tools {
 namespace {
@@ -27,7 +26,7 @@ struct EpochRequest {
   const char* option;        ///< "--origin-before"
   const char* files_option;  ///< "--origins-before"
   CloudInputs files;
-  std::vector<visibility::GivenObserver> origins;
+  std::vector<glm::dvec3> origins;
   std::filesystem::path origins_file;
 };
 
@@ -58,18 +57,22 @@ void check_options(const ChangeCommand& command) {
   check_writable(command.output, command.overwrite, inputs);
 }
 
+glm::dvec3 parse_position(const std::string& text) {
+  const std::vector<std::string> words = split_list(text);
+  if (words.size() != 3) throw UsageError("invalid value; expected X,Y,Z, found '" + text + "'");
+  return {parse_number(words[0]), parse_number(words[1]), parse_number(words[2])};
+}
+
 std::vector<glm::dvec3> origins_of(const EpochRequest& request, const PointCloud& cloud) {
-  std::vector<visibility::GivenObserver> given = request.origins;
+  std::vector<glm::dvec3> origins = request.origins;
   if (!request.origins_file.empty()) {
     const geo::ObserverReference reference{
         .cloud = cloud.crs, .option = request.files_option, .whose = "scanner positions"};
-    const auto read = image_module().read_observers(request.origins_file, reference);
-    given.insert(given.end(), read.begin(), read.end());
-  }
-  std::vector<glm::dvec3> origins;
-  for (const visibility::GivenObserver& one : given) {
-    if (!one.z) throw file_error(one.source, "a scanner position has no height", "X,Y,Z");
-    origins.emplace_back(one.position, *one.z + one.height.value_or(0.0));
+    for (const visibility::GivenObserver& one :
+         image_module().read_observers(request.origins_file, reference)) {
+      if (!one.z) throw file_error(one.source, "a scanner position has no height", "x, y and z");
+      origins.emplace_back(one.position, *one.z + one.height.value_or(0.0));
+    }
   }
   if (origins.empty())
     for (const ScannerPosition& scanner : cloud.scanner_positions) origins.push_back(scanner.position);
@@ -104,14 +107,22 @@ std::unique_ptr<EpochCloud> load_epoch(const ChangeCommand& command, const Epoch
 /// Errors: both systems are known and differ.
 void check_same_system(const ChangeCommand& command, const EpochCloud& before, const EpochCloud& after) {
   const Crs &old_crs = before.cloud.cloud.crs, &new_crs = after.cloud.cloud.crs;
-  if (old_crs.empty() != new_crs.empty() && command.verbosity != Verbosity::quiet)
-    say_warning(fmt::format("only {} states a reference system; that of the other is assumed to be the same",
-                            old_crs.empty() ? "AFTER" : "BEFORE"));
-  if (old_crs.empty() || new_crs.empty() || compare_crs(old_crs, new_crs) == CrsAgreement::same ||
-      image_module().is_same_plane(old_crs, new_crs))
+  if (old_crs == new_crs) return;
+  if (old_crs.empty() || new_crs.empty()) {
+    say_warnings(
+        command.verbosity,
+        {fmt::format("only {} states a reference system; that of the other is assumed to be the same",
+                     old_crs.empty() ? "AFTER" : "BEFORE")});
     return;
-  throw file_error(command.after.files.first_name(), "AFTER is in another reference system than BEFORE",
-                   crs_name(old_crs) + ": reproject one of them", crs_name(new_crs));
+  }
+  if (compare_crs(old_crs, new_crs) == CrsAgreement::same) return;
+  if (!image_module().is_same_plane(old_crs, new_crs)) {
+    throw file_error(command.after.files.first_name(), "AFTER is in another reference system than BEFORE",
+                     crs_name(old_crs) + ": reproject one of them", crs_name(new_crs));
+  }
+  say_warnings(command.verbosity,
+               {fmt::format("BEFORE is in {}, AFTER in {}; both are assumed to be the same",
+                            crs_name(old_crs), crs_name(new_crs))});
 }
 
 void measure(const ChangeCommand& command, EpochCloud& epoch) {
@@ -187,13 +198,16 @@ json json_of(const Summaries& all) {
   return {{"points", count_of(all)}, {"classes", classes}};
 }
 
-/// Most of what is compared seems to have moved by a little: the clouds are not that well registered.
-bool seems_unregistered(const Summaries& all) {
-  constexpr double k_little = 5.0;  // times the level of detection
+/// Says so if most of what is compared has moved by more than its level of detection, without a registration error.
+void say_registration(const ChangeCommand& command, const Summaries& all) {
   const ChangeSummary& same = all[static_cast<std::size_t>(ChangeClass::same)];
   const ChangeSummary& moved = all[static_cast<std::size_t>(ChangeClass::moved)];
-  return moved.count > same.count / 2 &&
-         *moved.median_absolute_distance < k_little * *moved.median_detection_level;
+  if (command.options.registration_error > 0.0 || moved.count <= same.count) return;
+  say_warnings(
+      command.verbosity,
+      {fmt::format("most surfaces have moved, half of them by less than {:.4f}; if that is the accuracy of "
+                   "the registration, pass it as --registration-error",
+                   *moved.median_absolute_distance)});
 }
 
 ExitCode run(const ChangeCommand& command) {
@@ -219,10 +233,7 @@ ExitCode run(const ChangeCommand& command) {
   write_to_stdout(command.json
                       ? json{{"before", json_of(old_classes)}, {"after", json_of(new_classes)}}.dump(2) + "\n"
                       : table_of("BEFORE", old_classes) + "\n" + table_of("AFTER", new_classes));
-  if (command.options.registration_error == 0.0 && seems_unregistered(new_classes)) {
-    say_warnings(command.verbosity, {"most surfaces have moved by little more than the level of detection; "
-                                     "pass the accuracy of the registration as --registration-error"});
-  }
+  say_registration(command, new_classes);
   return ExitCode::done;
 }
 
@@ -240,12 +251,11 @@ void add_epoch(const Options& change, const char* operand, EpochRequest& epoch) 
 
 void add_origins(const Options& change, EpochRequest& epoch) {
   const Options group = change.group("Scanner positions");
-  group.values(
-      epoch.option, "X,Y,Z",
-      fmt::format("position of a scanner of {}, in the coordinates of the cloud. May be repeated "
-                  "(default: the poses of an E57 file)",
-                  epoch.name),
-      [&epoch](const std::string& text) { epoch.origins.push_back(visibility::parse_observer(text)); });
+  group.values(epoch.option, "X,Y,Z",
+               fmt::format("position of a scanner of {}, in the coordinates of the cloud. May be repeated "
+                           "(default: the poses of an E57 file)",
+                           epoch.name),
+               [&epoch](const std::string& text) { epoch.origins.push_back(parse_position(text)); });
   group.file(
       epoch.files_option, "FILE",
       fmt::format("scanner positions of {} from a file: CSV with the header x,y,z, or points of GeoJSON, "
