@@ -8,11 +8,8 @@
 #include <set>
 
 #include "base/error.h"
-#include "octree/point_surface.h"
-#include "octree/spacing.h"
 #include "tests/support/random.h"
 #include "tests/visibility/sampled_shapes.h"
-#include "visibility/change/m3c2.h"
 
 namespace alidade::test {
 namespace {
@@ -69,39 +66,6 @@ double share(const PointChanges& changes, ChangeClass kind, std::size_t first = 
   return static_cast<double>(std::count(begin + static_cast<std::ptrdiff_t>(first),
                                         begin + static_cast<std::ptrdiff_t>(end), kind)) /
          static_cast<double>(end - first);
-}
-
-TEST(M3c2, a_surface_is_the_mean_of_its_points_in_the_cylinder) {
-  Points points;
-  for (const double z : {0.01, 0.02, 0.06}) points.emplace_back(0.05, 0.0, z);
-  points.emplace_back(0.11, 0.0, 0.0);  // beside the cylinder
-  points.emplace_back(0.0, 0.0, 0.5);   // beyond it
-  const auto surface = nearest_surface(octree_of(points), {{0, 0, 0}, {0, 0, 1}, 0.1, 0.4, 0.1}, 0.0);
-  ASSERT_TRUE(surface);
-  EXPECT_EQ(surface->count, 3u);
-  EXPECT_NEAR(surface->position, 0.03, 1e-9);
-  EXPECT_NEAR(surface->deviation, std::sqrt(0.0007), 1e-9) << "of a sample: divided by n - 1";
-  EXPECT_NEAR(surface->middle.x, 0.05, 1e-9);
-}
-
-TEST(M3c2, of_several_surfaces_the_nearest_counts) {
-  Points points;
-  for (const double z : {0.100, 0.102, -0.201, -0.199}) points.emplace_back(0.0, 0.0, z);
-  const Octree octree = octree_of(points);
-  const Cylinder cylinder{{0, 0, 0}, {0, 0, 1}, 0.1, 0.4, 0.02};
-  EXPECT_NEAR(nearest_surface(octree, cylinder, 0.0)->position, 0.101, 1e-9);
-  EXPECT_NEAR(nearest_surface(octree, cylinder, -0.1)->position, -0.2, 1e-9);
-  EXPECT_EQ(nearest_surface(octree, cylinder, 0.0, [&](std::uint64_t id) { return id > 1; })->count, 2u);
-}
-
-TEST(M3c2, an_empty_cylinder_has_no_surface) {
-  EXPECT_FALSE(nearest_surface(octree_of({{0, 0, 1}}), {{0, 0, 0}, {0, 0, 1}, 0.1, 0.4, 0.1}, 0.0));
-}
-
-TEST(M3c2, the_level_of_detection_is_that_of_the_paper) {
-  const CylinderSurface one{25, 0.0, 0.01, {}}, other{16, 0.0, 0.02, {}};
-  EXPECT_NEAR(detection_level(one, other, 0.003),
-              1.96 * (std::sqrt(0.01 * 0.01 / 25 + 0.02 * 0.02 / 16) + 0.003), 1e-15);
 }
 
 TEST(Change, names_are_those_of_the_manual) {
