@@ -26,8 +26,7 @@ constexpr double k_max_distance = 0.15, k_registration_error = 0.001;  // metres
 constexpr double k_thin = 0.25;                                        // metres between beams
 
 enum Kind { surfaces, thin, edges, crowns, k_kinds };
-constexpr std::array<const char*, k_kinds> k_kind_names{"surfaces", "thinly scanned surfaces",
-                                                        "surfaces at edges", "crowns"};
+constexpr std::array<const char*, k_kinds> k_kind_names{"surfaces", "thinly scanned", "at edges", "crowns"};
 
 /// Rows: what is true; columns: what was found. gone and appeared are one.
 struct Confusion {
@@ -49,16 +48,17 @@ struct Confusion {
     }
   }
 
-  void print(const char* lost) const {
+  /// Rows of the table, those without points left out.
+  void print(const char* epoch, const char* kind, const char* lost) const {
     const std::array<const char*, 4> names{"same", "moved", lost, "never seen"};
     for (std::size_t row = 0; row < 4; ++row) {
       std::size_t all = 0;
       for (const std::size_t count : counts[row]) all += count;
-      std::string text = fmt::format("| {} | {} |", names[row], all);
+      if (all == 0) continue;
+      std::string text = fmt::format("| {} | {} | {} | {} |", epoch, kind, names[row], all);
       for (std::size_t column = 0; column < 4; ++column)
-        text += all == 0 ? " |"
-                         : fmt::format(" {:.1f} |", 100.0 * static_cast<double>(counts[row][column]) /
-                                                        static_cast<double>(all));
+        text += fmt::format(" {:.1f} |",
+                            100.0 * static_cast<double>(counts[row][column]) / static_cast<double>(all));
       fmt::print("{}\n", text);
     }
   }
@@ -77,11 +77,13 @@ std::vector<std::uint8_t> at_edges(const Octree& octree, const PointCloud& cloud
   return edges;
 }
 
-void print_epoch(const char* name, const SiteState& own, const PointCloud& cloud, const Octree& octree,
-                 const SiteState& other, const PointChanges& found, ChangeClass lost, int sign) {
-  // Angle between beams: rows and columns of a raster of 150 by 360 degrees, of which 0.7 meet something.
-  const double step = std::sqrt(0.7 * 2.618 * 6.283 * static_cast<double>(own.stations.size()) /
-                                static_cast<double>(cloud.size()));
+/// Prints the rows of one epoch; returns the errors of distances, metres.
+std::vector<double> print_epoch(const char* name, const SiteState& own, const PointCloud& cloud,
+                                const Octree& octree, const SiteState& other, std::size_t other_points,
+                                const PointChanges& found, ChangeClass lost, int sign) {
+  // Angle between beams of the other epoch: rows and columns of a raster of 150 by 360 degrees, of which 0.7 meet something.
+  const double step = std::sqrt(0.7 * 2.618 * 6.283 * static_cast<double>(other.stations.size()) /
+                                static_cast<double>(other_points));
   const test::TrueChanges truth = test::true_changes(own, cloud, other, k_max_distance, lost);
   const std::vector<std::uint8_t> edges = at_edges(octree, cloud, truth.classes);
   std::array<Confusion, k_kinds> confusions;
@@ -99,17 +101,9 @@ void print_epoch(const char* name, const SiteState& own, const PointCloud& cloud
         found.classes[id] == ChangeClass::moved)
       errors.push_back(std::fabs(sign * truth.distances[id] - static_cast<double>(found.distances[id])));
   }
-  for (int kind = 0; kind < k_kinds; ++kind) {
-    fmt::print(
-        "\n{}, {}\n\n| truth | points | same, % | moved, % | {}, % | never seen, % "
-        "|\n|---|--:|--:|--:|--:|--:|\n",
-        name, k_kind_names[kind], name_of(lost));
-    confusions[kind].print(name_of(lost));
-  }
-  if (errors.empty()) return;
-  std::ranges::sort(errors);
-  fmt::print("\nerror of the distance of {} moved points: median {:.2f} mm, 95 % {:.2f} mm\n", errors.size(),
-             1e3 * errors[errors.size() / 2], 1e3 * errors[errors.size() * 95 / 100]);
+  for (std::size_t kind = 0; kind < k_kinds; ++kind)
+    confusions[kind].print(name, k_kind_names[kind], name_of(lost));
+  return errors;
 }
 
 void print_tables(std::uint64_t points) {
@@ -122,11 +116,19 @@ void print_tables(std::uint64_t points) {
       find_changes({old_occluders, site.before.stations}, {new_occluders, site.after.stations},
                    {.registration_error = k_registration_error, .max_distance = k_max_distance});
   const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
-  fmt::print("\n## {} and {} points, compared in {:.1f} s\n", before.size(), after.size(), seconds);
-  print_epoch("BEFORE", site.before, before, old_occluders.octree(), site.after, changes.before,
-              ChangeClass::gone, 1);
-  print_epoch("AFTER", site.after, after, new_occluders.octree(), site.before, changes.after,
-              ChangeClass::appeared, -1);
+  fmt::print("\n{} and {} points, compared in {:.1f} s:\n\n", before.size(), after.size(), seconds);
+  fmt::print(
+      "| epoch | where | truth | points | same, % | moved, % | gone or new, % | never seen, % |\n"
+      "|---|---|---|--:|--:|--:|--:|--:|\n");
+  std::vector<double> errors = print_epoch("BEFORE", site.before, before, old_occluders.octree(), site.after,
+                                           after.size(), changes.before, ChangeClass::gone, 1);
+  const std::vector<double> more =
+      print_epoch("AFTER", site.after, after, new_occluders.octree(), site.before, before.size(),
+                  changes.after, ChangeClass::appeared, -1);
+  errors.insert(errors.end(), more.begin(), more.end());
+  std::ranges::sort(errors);
+  fmt::print("\nerror of the distance of {} moved points: median {:.2f} mm, 95 % {:.2f} mm\n", errors.size(),
+             1e3 * errors[errors.size() / 2], 1e3 * errors[errors.size() * 95 / 100]);
   std::fflush(stdout);
 }
 

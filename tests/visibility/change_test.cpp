@@ -178,20 +178,45 @@ TEST(Change, what_has_nothing_behind_it_or_is_out_of_range_was_never_seen) {
 }
 
 TEST(Change, ground_below_a_scanner_is_never_seen_and_not_gone) {
-  const Points all = yard();
+  Points all;
+  add_rectangle(all, {-5, -5, 0}, {10, 0, 0}, {0, 7, 0}, 0.1);
+  add_rectangle(all, {-5, 2, 0}, {10, 0, 0}, {0, 6, -6}, 0.1);
   Points with_hole;
   for (const glm::dvec3& point : all)
     if (glm::length(point) > 1.2) with_hole.push_back(point);
-  // The second scanner looks along the ground, across the hole.
-  const std::vector<glm::dvec3> scanners{{0, 0, 1.7}, {0, -4.5, 1.7}};
+  // The second scanner looks across the hole: its lines go on below the ground and leave it again on the slope, which
+  // the third scanner sees.
+  const std::vector<glm::dvec3> scanners{{0, 0, 1.7}, {0, -4.5, 1.7}, {0, 8, 3}};
   const Changes changes = changes_of(Scan(all, scanners), Scan(with_hole, scanners));
   EXPECT_EQ(share(changes.before, ChangeClass::gone), 0.0);
   EXPECT_EQ(share(changes.before, ChangeClass::moved), 0.0);
   for (std::size_t id = 0; id < all.size(); ++id) {
-    if (glm::length(all[id]) < 0.8) {
+    // Points beyond are within a spacing of the edge.
+    if (glm::length(all[id]) < 0.9)
       ASSERT_EQ(changes.before.classes[id], ChangeClass::never_seen) << all[id].x << " " << all[id].y;
-    }
   }
+}
+
+TEST(Change, a_line_that_grazes_the_ground_does_not_pass) {
+  // Ground that AFTER lacks a strip of, 2 cm lower where lines over the strip meet it again.
+  Points all;
+  add_rectangle(all, {-2, -2, 0}, {4, 0, 0}, {0, 6, 0}, 0.1);
+  Points after;
+  for (const glm::dvec3& point : all)
+    if (point.y < 0.95 || point.y > 1.65)
+      after.push_back(point - glm::dvec3(0, 0, point.y > 1.65 ? 0.02 : 0.0));
+  const std::vector<glm::dvec3> scanner{{0, -3, 0.4}};
+  EXPECT_EQ(share(changes_of(Scan(all, scanner), Scan(after, scanner)).before, ChangeClass::gone), 0.0);
+}
+
+TEST(Change, thin_things_are_gone_only_where_beams_would_have_met_them) {
+  Points with_wire = yard();
+  const std::size_t first = with_wire.size();
+  for (int i = 0; i <= 100; ++i) with_wire.emplace_back(0.01 * i - 0.5, 0.0, 1.0);
+  const std::vector<glm::dvec3> scanner{{0, -3, 1.7}};
+  const Scan before(with_wire, scanner);
+  EXPECT_GT(share(changes_of(before, Scan(yard(0.05), scanner)).before, ChangeClass::gone, first), 0.95);
+  EXPECT_GT(share(changes_of(before, Scan(yard(0.4), scanner)).before, ChangeClass::never_seen, first), 0.95);
 }
 
 TEST(Change, foliage_is_compared_without_normals) {

@@ -91,10 +91,14 @@ class EpochCloud {
     std::ranges::stable_sort(by_distance, {}, [&](const glm::dvec3& origin) {
       return glm::dot(origin - position, origin - position);
     });
-    const auto seen_from = std::ranges::find_if(by_distance, [&](const glm::dvec3& origin) {
-      return !first_blocker(occluders(),
-                            sight_line({origin}, end_on_point(occluders(), id, position, origin)));
-    });
+    // What blocks within some spacings is of the same surface.
+    constexpr double k_own_spacings = 3.0;
+    const auto is_seen_from = [&](const glm::dvec3& origin) {
+      const SightLine line = sight_line({origin}, end_on_point(occluders(), id, position, origin));
+      const std::optional<Blocker> blocker = first_blocker(occluders(), line);
+      return !blocker || blocker->distance >= line.length - k_own_spacings * spacing(id);
+    };
+    const auto seen_from = std::ranges::find_if(by_distance, is_seen_from);
     return side_towards((seen_from == by_distance.end() ? by_distance.front() : *seen_from) - position);
   }
 
