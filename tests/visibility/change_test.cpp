@@ -197,6 +197,22 @@ TEST(Change, ground_below_a_scanner_is_never_seen_and_not_gone) {
   }
 }
 
+TEST(Change, a_surface_on_one_side_only_is_no_counterpart) {
+  // A valley whose one slope AFTER has not scanned: the mean of the points beside is higher.
+  Points valley, half;
+  for (int x = -40; x <= 40; ++x)
+    for (int y = -40; y <= 40; ++y) {
+      const glm::dvec3 point(0.05 * x, 0.05 * y, 0.6 * 0.05 * x * 0.05 * x);
+      valley.push_back(point);
+      if (x >= 0) half.push_back(point);
+    }
+  const std::vector<glm::dvec3> scanner{{0, 0, 5}};
+  const Changes changes = changes_of(Scan(valley, scanner), Scan(half, scanner));
+  for (std::size_t id = 0; id < valley.size(); ++id)
+    if (valley[id].x < -0.03 && valley[id].x > -0.3 && std::fabs(valley[id].y) < 1.5)
+      ASSERT_NE(changes.before.classes[id], ChangeClass::moved) << valley[id].x;
+}
+
 TEST(Change, a_line_that_grazes_the_ground_does_not_pass) {
   // Ground that AFTER lacks a strip of, 2 cm lower where lines over the strip meet it again.
   Points all;
