@@ -81,7 +81,7 @@ std::vector<std::uint8_t> at_edges(const Octree& octree, const PointCloud& cloud
 std::vector<double> print_epoch(const char* name, const SiteState& own, const PointCloud& cloud,
                                 const Octree& octree, const SiteState& other, std::size_t other_points,
                                 const PointChanges& found, ChangeClass lost, int sign) {
-  // Angle between beams of the other epoch: rows and columns of a raster of 150 by 360 degrees, of which 0.7 meet something.
+  // Angle between beams of the other epoch: a raster of 150 by 360 degrees, 0.7 of whose beams have an echo.
   const double step = std::sqrt(0.7 * 2.618 * 6.283 * static_cast<double>(other.stations.size()) /
                                 static_cast<double>(other_points));
   const test::TrueChanges truth = test::true_changes(own, cloud, other, k_max_distance, lost);

@@ -170,7 +170,8 @@ TEST_F(ChangeProgramTest, scanner_positions_come_from_files_and_from_poses) {
 
 TEST_F(ChangeProgramTest, without_scanner_positions_it_says_what_to_do) {
   const std::string said = error(with(k_change, {"-o", "change.las"}));
-  EXPECT_TRUE(contains(said, "before.las: unknown scanner positions: what is new cannot be told")) << said;
+  EXPECT_TRUE(contains(said, "before.las: unknown scanner positions: what is new cannot be distinguished"))
+      << said;
   EXPECT_TRUE(contains(said, "--origin-before X,Y,Z")) << said;
   EXPECT_TRUE(contains(error(with(k_change, {"-o", "change.las", "--origin-before", "690000,5324997,601.7"})),
                        "after.las: unknown scanner positions: what is gone"));

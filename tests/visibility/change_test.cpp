@@ -153,7 +153,7 @@ TEST(Change, what_is_hidden_was_never_seen) {
   const std::vector<glm::dvec3> scanner{{0, -3, 1.7}};
   const Changes changes = changes_of(Scan(open, scanner), Scan(screened, scanner));
   EXPECT_EQ(share(changes.before, ChangeClass::never_seen, first), 1.0);
-  // A second scanner sees the place from above the screen, empty.
+  // A second scanner sees the position of the box from above the screen, empty.
   for (const glm::dvec3& point : yard())
     if (point.y > 1.5) screened.push_back(point);
   const Changes seen = changes_of(Scan(open, scanner), Scan(screened, {{0, -3, 1.7}, {0, 1.3, 4.5}}));
@@ -388,7 +388,7 @@ TEST(Change, a_few_points_are_no_surface_and_no_trouble) {
     for (std::size_t i = 0; i < count; ++i) points.emplace_back(0.1 * static_cast<double>(i), 0, 0);
     const Changes changes = changes_of(Scan(points, {{0, 0, 1}}), Scan(points, {{0, 0, 1}}));
     EXPECT_EQ(share(changes.before, ChangeClass::same), 1.0) << count;
-    // All at one position, which a scanner stands on as well.
+    // All at one position, that of the scanner.
     const Points equal(count, glm::dvec3(1.0));
     EXPECT_EQ(share(changes_of(Scan(equal, {{1, 1, 1}}), Scan(equal, {{1, 1, 1}})).after, ChangeClass::same),
               1.0);

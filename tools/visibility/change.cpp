@@ -93,7 +93,7 @@ std::unique_ptr<EpochCloud> load_epoch(const ChangeCommand& command, const Epoch
   if (epoch->origins.empty() && !command.no_sight) {
     throw file_error(
         request.files.first_name(),
-        fmt::format("unknown scanner positions: what is {} cannot be told from what was never seen",
+        fmt::format("unknown scanner positions: what is {} cannot be distinguished from what was never seen",
                     &request == &command.before ? "new" : "gone"),
         fmt::format("{} X,Y,Z, {} FILE, an E57 file with poses, or --no-sight", request.option,
                     request.files_option));

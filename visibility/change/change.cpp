@@ -37,7 +37,7 @@ constexpr double k_least_trust = 0.7;
 /// Cosine between normals of one surface: 45 degrees.
 constexpr double k_least_parallel = 0.70710678118654752;
 
-/// What is asked of one epoch.
+/// One epoch with what is queried of it.
 class EpochCloud {
  public:
   explicit EpochCloud(const Epoch& epoch) : epoch_(epoch), spacings_(epoch.occluders.octree().size()) {

@@ -97,7 +97,7 @@ Changes find_changes(const Epoch& before, const Epoch& after, const ChangeOption
 /// The points of one class of one epoch.
 struct ChangeSummary {
   std::uint64_t count = 0;
-  /// Square metres that the points stand for: each a circle through its 8th neighbour has room for 8.
+  /// Square metres: for each point an 8th of the circle through its 8th neighbour.
   double area = 0.0;
   // Of points with a distance; empty if there are none. Metres.
   std::optional<double> median_distance{}, median_absolute_distance{}, median_detection_level{};
