@@ -144,7 +144,7 @@ ExitCode run_program(const CommandLine& command_line) {
   const std::vector<Command> commands = {add_info(program),    add_generate(program), add_index(program),
                                          add_convert(program), add_query(program),    add_render(program),
                                          add_merge(program),   add_compare(program),  add_visibility(program),
-                                         add_sql(program)};
+                                         add_change(program),  add_sql(program)};
   // Behind the program's name.
   const auto words = std::span(command_line).subspan(std::min<std::size_t>(command_line.size(), 1));
 

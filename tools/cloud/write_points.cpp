@@ -3,10 +3,13 @@
 
 #include <fmt/format.h>
 #include <algorithm>
+#include <glm/common.hpp>
 
+#include "base/error.h"
 #include "base/words.h"
 #include "cloud/las/write_las.h"
 #include "cloud/ply/write_ply.h"
+#include "cloud/rows.h"
 #include "octree/tree_walk.h"
 
 namespace alidade::tools {
@@ -14,71 +17,160 @@ namespace {
 
 constexpr std::size_t k_rows_at_once = 1 << 17;
 
-/// Some rows of a cloud with their results.
+/// The attribute columns of a cloud but those of its own that results replace; their names go behind `replaced`.
+AttributeColumns kept_columns(const CloudResults& cloud, std::vector<std::string>& replaced) {
+  AttributeColumns columns = cloud.cloud.columns();
+  std::erase_if(columns.extra_dimensions, [&](const ExtraColumn& column) {
+    const bool is_replaced = std::ranges::any_of(cloud.results, [&](const ResultColumn& result) {
+      return result.description.name == column.description.name;
+    });
+    if (is_replaced) replaced.push_back(column.description.name);
+    return is_replaced;
+  });
+  return columns;
+}
+
+/// What all rows of a file share.
+struct RowLayout {
+  PointCloud like;  ///< with the extra dimensions, without values
+  AttributeSet attributes = Attribute::extra_dimensions;
+};
+
+/// The rows of one cloud with their results.
 class Rows {
  public:
-  Rows(const IndexedCloud& cloud, const std::vector<ResultColumn>& results)
-      : columns_(cloud.columns()), results_(results), positions_(positions_in_order(cloud.octree.view())) {
-    batch_.lattice = cloud.octree.lattice();
-    std::erase_if(columns_.extra_dimensions, [&](const ExtraColumn& column) {
-      const bool is_replaced = std::ranges::any_of(results_, [&](const ResultColumn& result) {
-        return result.description.name == column.description.name;
-      });
-      if (is_replaced) replaced_.push_back(column.description.name);
-      return is_replaced;
-    });
-    for (const ExtraColumn& column : columns_.extra_dimensions)
-      batch_.extra_dimensions.push_back(column.description);
-    for (const ResultColumn& result : results_) batch_.extra_dimensions.push_back(result.description);
+  /// Adds what the cloud has to `layout`, which must outlive the rows.
+  Rows(const CloudResults& cloud, RowLayout& layout)
+      : cloud_(cloud), columns_(kept_columns(cloud, replaced_)), layout_(layout) {
+    layout.attributes = layout.attributes | columns_.attributes();
+    std::vector<ExtraDimension> own;
+    for (const ExtraColumn& column : columns_.extra_dimensions) own.push_back(column.description);
+    for (const ResultColumn& result : cloud.results) own.push_back(result.description);
+    for (std::size_t i = 0; i < own.size(); ++i)
+      dimensions_.push_back(find_extra_dimension(layout.like, own[i], occurrence_of(own, i)));
   }
 
-  std::size_t size() const { return positions_.size(); }
-  AttributeSet attributes() const { return columns_.attributes() | Attribute::extra_dimensions; }
-  /// Without values.
-  const std::vector<ExtraDimension>& dimensions() const { return batch_.extra_dimensions; }
+  std::size_t size() const { return cloud_.cloud.octree.size(); }
   /// Names of the cloud's own dimensions that are left out.
   const std::vector<std::string>& replaced() const { return replaced_; }
 
-  /// Valid until the next call.
+  /// Rows in the layout, which is complete. Valid until the next call.
   const PointCloud& rows(std::size_t first, std::size_t count) {
-    batch_.positions.assign(positions_.begin() + static_cast<std::ptrdiff_t>(first),
-                            positions_.begin() + static_cast<std::ptrdiff_t>(first + count));
-    for_each_column(batch_, columns_, [&](Attribute, auto& column, const auto& all) {
-      if (all.empty()) return;
-      const auto some = all.subspan(first, count);
-      column.assign(some.begin(), some.end());
+    if (first == 0) start();
+    take_positions(first, count);
+    for_each_column(batch_, columns_, [&](Attribute attribute, auto& column, const auto& all) {
+      if (!layout_.attributes.contains(attribute)) return;
+      column.assign(count, {});
+      if (!all.empty()) std::ranges::copy(all.subspan(first, count), column.begin());
     });
-    auto dimension = batch_.extra_dimensions.begin();
+    auto dimension = dimensions_.begin();
     for (const ExtraColumn& column : columns_.extra_dimensions) {
       const auto bytes = static_cast<std::size_t>(column.description.byte_count);
       const auto some = column.values.subspan(first * bytes, count * bytes);
-      (dimension++)->values.assign(some.begin(), some.end());
+      values_of(*dimension++).assign(some.begin(), some.end());
     }
-    for (const ResultColumn& result : results_) {
-      dimension->values.resize(count * static_cast<std::size_t>(result.description.byte_count));
-      result.fill(first, count, dimension->values.data());
-      ++dimension;
+    for (const ResultColumn& result : cloud_.results) {
+      std::vector<std::uint8_t>& values = values_of(*dimension++);
+      values.resize(count * static_cast<std::size_t>(result.description.byte_count));
+      result.fill(first, count, values.data());
     }
     return batch_;
   }
 
  private:
-  AttributeColumns columns_;  ///< without those that are left out
-  const std::vector<ResultColumn>& results_;
-  std::vector<LatticePosition> positions_;
+  void start() {
+    positions_ = positions_in_order(cloud_.cloud.octree.view());
+    batch_.lattice = layout_.like.lattice;
+    batch_.extra_dimensions = layout_.like.extra_dimensions;
+  }
+
+  std::vector<std::uint8_t>& values_of(std::size_t dimension) {
+    return batch_.extra_dimensions[dimension].values;
+  }
+
+  void take_positions(std::size_t first, std::size_t count) {
+    const Lattice& own = cloud_.cloud.octree.lattice();
+    batch_.positions.assign(positions_.begin() + static_cast<std::ptrdiff_t>(first),
+                            positions_.begin() + static_cast<std::ptrdiff_t>(first + count));
+    for (ExtraDimension& dimension : batch_.extra_dimensions)
+      dimension.values.assign(count * static_cast<std::size_t>(dimension.byte_count), 0);
+    if (own == batch_.lattice) return;
+    for (LatticePosition& position : batch_.positions) {
+      const auto moved = to_lattice(batch_.lattice, to_world(own, position));
+      if (!moved) throw input_error("a point lies outside the bounds of its cloud", "an intact index file");
+      position = *moved;
+    }
+  }
+
+  const CloudResults& cloud_;
   std::vector<std::string> replaced_;
+  AttributeColumns columns_;  ///< without those that are left out
+  const RowLayout& layout_;
+  std::vector<std::size_t> dimensions_;  ///< where its own and its results are among those of the layout
+  std::vector<LatticePosition> positions_;
   PointCloud batch_;
 };
 
-void write_las_rows(const std::filesystem::path& file, const IndexedCloud& cloud, Rows& rows, bool overwrite,
+/// The offset of the first cloud, and the finest of all scales that 32 bits hold, or 10, 100, ... of it.
+Lattice common_lattice(std::span<const CloudResults> clouds) {
+  Lattice lattice = clouds.front().cloud.octree.lattice();
+  Bounds bounds;
+  bool is_common = true;
+  for (const CloudResults& cloud : clouds) {
+    const Lattice& own = cloud.cloud.octree.lattice();
+    is_common = is_common && own == lattice;
+    lattice.scale = glm::min(lattice.scale, own.scale);
+    if (cloud.cloud.octree.size() == 0) continue;
+    bounds.grow(cloud.cloud.octree.bounds().min);
+    bounds.grow(cloud.cloud.octree.bounds().max);
+  }
+  if (is_common || bounds.empty()) return lattice;
+  constexpr double k_most_steps = 2147483646.0;
+  const glm::dvec3 reach =
+      glm::max(glm::abs(bounds.min - lattice.offset), glm::abs(bounds.max - lattice.offset));
+  for (int axis = 0; axis < 3; ++axis)
+    while (reach[axis] > k_most_steps * lattice.scale[axis]) lattice.scale[axis] *= 10.0;
+  return lattice;
+}
+
+/// All rows of all clouds.
+class AllRows {
+ public:
+  explicit AllRows(std::span<const CloudResults> clouds) {
+    layout_.like = description_of(clouds.front().cloud);
+    layout_.like.lattice = common_lattice(clouds);
+    for (const CloudResults& cloud : clouds) {
+      if (layout_.like.crs.empty()) layout_.like.crs = cloud.cloud.cloud.crs;
+      size_ += clouds_.emplace_back(cloud, layout_).size();
+    }
+  }
+  AllRows(const AllRows&) = delete;
+  AllRows& operator=(const AllRows&) = delete;
+
+  std::size_t size() const { return size_; }
+  const RowLayout& layout() const { return layout_; }
+  std::span<const Rows> clouds() const { return clouds_; }
+
+  /// Some rows from one on, of one cloud. Valid until the next call.
+  const PointCloud& from(std::size_t first) {
+    auto cloud = clouds_.begin();
+    for (; first >= cloud->size(); ++cloud) first -= cloud->size();
+    return cloud->rows(first, std::min(k_rows_at_once, cloud->size() - first));
+  }
+
+ private:
+  RowLayout layout_;
+  std::vector<Rows> clouds_;
+  std::size_t size_ = 0;
+};
+
+void write_las_rows(const std::filesystem::path& file, AllRows& rows, bool overwrite,
                     const Progress& progress) {
-  PointCloud like = description_of(cloud);
-  like.extra_dimensions = rows.dimensions();
-  LasWriter writer(file, like, rows.attributes(), {.overwrite = overwrite});
-  for (std::size_t first = 0; first < rows.size(); first += k_rows_at_once) {
-    const std::size_t count = std::min(k_rows_at_once, rows.size() - first);
-    writer.write(rows.rows(first, count));
-    report(progress, first + count, rows.size());
+  LasWriter writer(file, rows.layout().like, rows.layout().attributes, {.overwrite = overwrite});
+  for (std::size_t first = 0; first < rows.size();) {
+    const PointCloud& some = rows.from(first);
+    writer.write(some);
+    report(progress, first += some.size(), rows.size());
   }
   writer.finish();
 }
@@ -103,19 +195,24 @@ void check_points_name(const std::filesystem::path& file) {
 
 void write_points(const std::filesystem::path& file, const IndexedCloud& cloud,
                   const std::vector<ResultColumn>& results, bool overwrite, Verbosity verbosity) {
+  const CloudResults only{cloud, results};
+  write_points(file, {&only, 1}, overwrite, verbosity);
+}
+
+void write_points(const std::filesystem::path& file, std::span<const CloudResults> clouds, bool overwrite,
+                  Verbosity verbosity) {
   check_points_name(file);
-  Rows rows(cloud, results);
+  AllRows rows(clouds);
   if (verbosity != Verbosity::quiet) {
-    for (const std::string& name : rows.replaced())
-      say_warning(fmt::format("{}: replacing the cloud's {}", file.string(), name));
+    for (const Rows& cloud : rows.clouds())
+      for (const std::string& name : cloud.replaced())
+        say_warning(fmt::format("{}: replacing the cloud's {}", file.string(), name));
   }
   ProgressLine line("writing", "points", verbosity);
   if (file_extension(file) != ".ply") {
-    write_las_rows(file, cloud, rows, overwrite, line.callback());
+    write_las_rows(file, rows, overwrite, line.callback());
   } else {
-    const PlyPieces pieces = [&rows](std::size_t first) -> const PointCloud& {
-      return rows.rows(first, std::min(k_rows_at_once, rows.size() - first));
-    };
+    const PlyPieces pieces = [&rows](std::size_t first) -> const PointCloud& { return rows.from(first); };
     write_ply(file, rows.size(), pieces, {.overwrite = overwrite, .progress = line.callback()});
   }
   line.finish();

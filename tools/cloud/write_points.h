@@ -5,6 +5,7 @@
 #include <cstring>
 #include <filesystem>
 #include <functional>
+#include <span>
 #include <string>
 #include <utility>
 #include <vector>
@@ -42,6 +43,12 @@ ResultColumn result_column(std::string name, std::string description, ScalarType
   return column;
 }
 
+/// A cloud and the columns that are added to it.
+struct CloudResults {
+  const IndexedCloud& cloud;
+  std::vector<ResultColumn> results;
+};
+
 /// Error unless the name ends in .las, .laz or .ply.
 void check_points_name(const std::filesystem::path& file);
 
@@ -50,5 +57,12 @@ void check_points_name(const std::filesystem::path& file);
 /// of their names are left out, which is said. Memory: 12 B per point. Errors: as LasWriter, write_ply().
 void write_points(const std::filesystem::path& file, const IndexedCloud& cloud,
                   const std::vector<ResultColumn>& results, bool overwrite, Verbosity verbosity);
+
+/// The same for several clouds, at least one, in one file, each behind the one before. A column that only some have
+/// is 0 in the others. Positions are on one lattice: the first one's offset and the finest scales, or 10, 100, ... of them where
+/// 32 bits do not hold these, so that those on other lattices are rounded by half a step at most. Reference system: that of the first cloud that has one;
+/// records and encoding: of the first.
+void write_points(const std::filesystem::path& file, std::span<const CloudResults> clouds, bool overwrite,
+                  Verbosity verbosity);
 
 }  // namespace alidade::tools

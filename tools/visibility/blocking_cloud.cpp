@@ -16,15 +16,6 @@
 namespace alidade::tools {
 namespace {
 
-/// Error if x and y of the cloud are degrees and z is a length: then no distance can be measured and nothing
-/// has an elevation, so that all answers about sight would be wrong.
-void check_map_unit(const PointCloud& cloud) {
-  if (geo::map_unit(cloud.crs) != geo::MapUnit::degree) return;
-  throw file_error(cloud.files.empty() ? "" : cloud.files.front().path.string(),
-                   "geographic coordinates (degrees) are not supported",
-                   "a projected reference system: reproject the cloud");
-}
-
 /// Adds a mesh without its colours. Errors: then there are too many vertices or triangles, under its file.
 void join(TriangleMesh mesh, const std::filesystem::path& file, TriangleMesh& all) {
   constexpr std::size_t k_most = std::numeric_limits<std::uint32_t>::max();
@@ -156,6 +147,13 @@ std::string description_of(const visibility::Occluders& occluders, const Occlude
 }
 
 }  // namespace
+
+void check_map_unit(const PointCloud& cloud) {
+  if (geo::map_unit(cloud.crs) != geo::MapUnit::degree) return;
+  throw file_error(cloud.files.empty() ? "" : cloud.files.front().path.string(),
+                   "geographic coordinates (degrees) are not supported",
+                   "a projected reference system: reproject the cloud");
+}
 
 void add_occluder_options(const Options& command, OccluderRequest& request) {
   const Options group = command.group("What blocks");

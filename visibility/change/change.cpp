@@ -1,0 +1,380 @@
+// SPDX-License-Identifier: MIT
+#include "visibility/change/change.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <glm/common.hpp>
+#include <glm/geometric.hpp>
+#include <numbers>
+#include <span>
+
+#include "base/error.h"
+#include "octree/local_plane.h"
+#include "octree/parallel_loops.h"
+#include "octree/point_disc.h"
+#include "octree/query.h"
+#include "octree/spacing.h"
+#include "visibility/change/m3c2.h"
+
+namespace alidade::visibility {
+namespace {
+
+constexpr float k_none = std::numeric_limits<float>::quiet_NaN();
+/// Radius of a cylinder in spacings: it holds some 32 points.
+constexpr double k_cylinder_spacings = 2.0;
+/// Most that may be between a surface and what it is taken for when it has moved, in radii of the cylinder.
+constexpr double k_distance_radii = 3.0;
+/// Points of one surface keep within so many radii of its mean, or so many thicknesses of the point's sheet.
+constexpr double k_window_radii = 1.0 / 6.0, k_window_thicknesses = 3.0;
+/// Points of both surfaces lie around the same middle but for so many radii. Where one epoch has points on one side only,
+/// as at the hole below a scanner, an error of the normal would be taken for a distance.
+constexpr double k_most_aside = 0.4;
+/// A plane through neighbours is a surface from this trust on, as in octree/point_surface.cpp.
+constexpr double k_least_trust = 0.7;
+/// Cosine between normals of one surface: 45 degrees.
+constexpr double k_least_parallel = 0.70710678118654752;
+
+/// One epoch with what is queried of it.
+class EpochCloud {
+ public:
+  explicit EpochCloud(const Epoch& epoch) : epoch_(epoch), spacings_(epoch.occluders.octree().size()) {
+    // The spacing of a few points is infinite.
+    const double most = epoch.occluders.largest_radius() / k_disc_spacings;
+    const std::vector<double> spacings = spacings_in_order(octree().view());
+    std::ranges::transform(spacings, spacings_.begin(),
+                           [most](double spacing) { return static_cast<float>(std::min(spacing, most)); });
+  }
+
+  const Octree& octree() const { return epoch_.occluders.octree(); }
+  const Occluders& occluders() const { return epoch_.occluders; }
+  const CountedPoints& counts() const { return occluders().options().counts; }
+  bool is_counted(std::uint64_t id) const { return !counts() || counts()(id); }
+  std::span<const glm::dvec3> origins() const { return epoch_.origins; }
+  double spacing(std::uint64_t id) const { return spacings_[id]; }
+
+  PointSurface surface(std::uint64_t id) const { return occluders().surface(id); }
+
+  /// The points nearest to a position, within a distance.
+  std::vector<PointHit> nearest(const glm::dvec3& position, std::size_t k,
+                                double distance = k_unlimited_radius) const {
+    PointQuery query{.radius = distance, .k = k};
+    if (counts()) query.filter = [this](const Candidate& point) { return counts()(point.point_id); };
+    return find(octree(), position, query);
+  }
+
+  /// Whether a point counts and is on a surface with this normal.
+  bool is_parallel(std::uint64_t id, const glm::dvec3& normal) const {
+    if (!is_counted(id)) return false;
+    const PointSurface other = surface(id);
+    return other.exists && std::fabs(glm::dot(other.normal, normal)) >= k_least_parallel;
+  }
+
+  /// The surface in a cylinder: of parallel points.
+  std::optional<CylinderSurface> surface_in(const Cylinder& cylinder) const {
+    return nearest_surface(octree(), cylinder, 0.0,
+                           [&](std::uint64_t id) { return is_parallel(id, cylinder.axis); });
+  }
+
+  /// 1 if the normal of a point shows to the nearest scanner that sees it, -1 if it shows away; without scanners
+  /// whether it shows upwards.
+  double side_of(std::uint64_t id, const glm::dvec3& position, const glm::dvec3& normal) const {
+    const auto side_towards = [&](const glm::dvec3& way) { return glm::dot(way, normal) < 0.0 ? -1.0 : 1.0; };
+    if (origins().empty()) return side_towards({0.0, 0.0, 1.0});
+    const double first = side_towards(origins().front() - position);
+    const bool all_agree = std::ranges::all_of(
+        origins(), [&](const glm::dvec3& origin) { return side_towards(origin - position) == first; });
+    if (all_agree) return first;
+    std::vector<glm::dvec3> by_distance = epoch_.origins;
+    std::ranges::stable_sort(by_distance, {}, [&](const glm::dvec3& origin) {
+      return glm::dot(origin - position, origin - position);
+    });
+    // What blocks within some spacings is of the same surface.
+    constexpr double k_own_spacings = 3.0;
+    const auto is_seen_from = [&](const glm::dvec3& origin) {
+      const SightLine line = sight_line({origin}, end_on_point(occluders(), id, position, origin));
+      const std::optional<Blocker> blocker = first_blocker(occluders(), line);
+      return !blocker || blocker->distance >= line.length - k_own_spacings * spacing(id);
+    };
+    const auto seen_from = std::ranges::find_if(by_distance, is_seen_from);
+    return side_towards((seen_from == by_distance.end() ? by_distance.front() : *seen_from) - position);
+  }
+
+ private:
+  const Epoch& epoch_;
+  std::vector<float> spacings_;
+};
+
+/// A point of one epoch, and the lengths that it is compared by.
+struct ComparedPoint {
+  std::uint64_t id = 0;
+  glm::dvec3 position{0.0};
+  PointSurface surface;
+  double spacing = 0.0;       ///< metres
+  double near_limit = 0.0;    ///< a point of the other epoch within this is the same thing, metres
+  double nearest = 0.0;       ///< distance to the nearest point of the other epoch, metres
+  double radius = 0.0;        ///< of the cylinder, metres
+  double max_distance = 0.0;  ///< metres
+  double window = 0.0;        ///< metres
+};
+
+struct Finding {
+  ChangeClass kind = ChangeClass::never_seen;
+  float distance = k_none, detection_level = k_none;
+};
+
+/// What a line of sight of the other epoch says of a position.
+enum class Sight { unknown, hidden, met, passed };
+
+/// Compares points of one epoch with the other.
+class Comparison {
+ public:
+  /// `sign`: 1 for points of BEFORE, -1 for those of AFTER.
+  Comparison(const EpochCloud& own, const EpochCloud& other, const ChangeOptions& options, int sign)
+      : own_(own), other_(other), options_(options), sign_(sign) {}
+
+  Finding compare(std::uint64_t id, const glm::dvec3& position) const {
+    if (!own_.is_counted(id)) return {ChangeClass::ignored};
+    const ComparedPoint point = measured(id, position);
+    if (const std::optional<Finding> finding = by_distance(point)) return *finding;
+    if (is_near(point)) return {ChangeClass::same};
+    return {by_sight(point)};
+  }
+
+ private:
+  PointSurface surface_at(std::uint64_t id, const glm::dvec3& position) const {
+    if (!options_.normal_radius) return own_.surface(id);
+    const LocalPlane plane = local_plane(own_.octree(), position, *options_.normal_radius);
+    return {plane.trust >= k_least_trust, plane.normal, plane.height, plane.thickness};
+  }
+
+  ComparedPoint measured(std::uint64_t id, const glm::dvec3& position) const {
+    ComparedPoint point{.id = id, .position = position, .surface = surface_at(id, position)};
+    point.spacing = own_.spacing(id);
+    const std::vector<PointHit> nearest = other_.nearest(position, 1);
+    point.nearest = nearest.empty() ? std::numeric_limits<double>::infinity() : nearest.front().distance;
+    point.near_limit =
+        std::max(point.spacing, nearest.empty() ? 0.0 : other_.spacing(nearest.front().point_id));
+    point.radius = options_.cylinder_radius.value_or(k_cylinder_spacings * point.near_limit);
+    point.max_distance = options_.max_distance.value_or(k_distance_radii * point.radius);
+    point.window = std::max(k_window_radii * point.radius, k_window_thicknesses * point.surface.thickness);
+    return point;
+  }
+
+  /// Steps 1 of find_changes(); empty: the other epoch has no such surface within reach.
+  std::optional<Finding> by_distance(const ComparedPoint& point) const {
+    if (!point.surface.exists || !(point.nearest <= std::hypot(point.radius, point.max_distance)))
+      return std::nullopt;
+    const Cylinder cylinder{point.position, point.surface.normal, point.radius, point.max_distance,
+                            point.window};
+    const std::optional<CylinderSurface> other = other_.surface_in(cylinder);
+    if (!other || other->count < k_least_cylinder_points) return std::nullopt;
+    const std::optional<CylinderSurface> own = own_.surface_in(cylinder);
+    if (!own || own->count < k_least_cylinder_points) return std::nullopt;
+    const double offset = other->position - own->position;
+    if (glm::length(other->middle - own->middle - offset * cylinder.axis) > k_most_aside * point.radius)
+      return std::nullopt;
+    const double level = detection_level(*own, *other, options_.registration_error);
+    const double side = own_.side_of(point.id, point.position, point.surface.normal);
+    return Finding{std::fabs(offset) > level ? ChangeClass::moved : ChangeClass::same,
+                   static_cast<float>(sign_ * side * offset), static_cast<float>(level)};
+  }
+
+  /// Step 2: whether the other epoch has a point here. One on a surface must be on the same as the point, if that has
+  /// one.
+  bool is_near(const ComparedPoint& point) const {
+    constexpr std::size_t k_neighbours = 8;
+    if (point.nearest > point.near_limit) return false;
+    if (!point.surface.exists) return true;
+    const glm::dvec3& normal = point.surface.normal;
+    return std::ranges::any_of(
+        other_.nearest(point.position, k_neighbours, point.near_limit), [&](const PointHit& hit) {
+          if (!other_.surface(hit.point_id).exists) return hit.distance <= point.spacing;
+          return other_.is_parallel(hit.point_id, normal) &&
+                 std::fabs(glm::dot(hit.position - point.position, normal)) <= point.window;
+        });
+  }
+
+  /// Step 3.
+  ChangeClass by_sight(const ComparedPoint& point) const {
+    if (other_.origins().empty()) return ChangeClass::unmatched;
+    bool is_met = false;
+    for (const glm::dvec3& origin : other_.origins()) {
+      const Sight sight = sight_from(origin, point);
+      if (sight == Sight::passed) return sign_ > 0 ? ChangeClass::gone : ChangeClass::appeared;
+      is_met = is_met || sight == Sight::met;
+    }
+    return is_met ? ChangeClass::same : ChangeClass::never_seen;
+  }
+
+  Sight sight_from(const glm::dvec3& origin, const ComparedPoint& point) const {
+    const glm::dvec3 way = point.position - origin;
+    const double distance = glm::length(way);
+    if (!(distance > point.radius && distance <= options_.max_range)) return Sight::unknown;
+    const std::optional<Blocker> blocker =
+        first_blocker(other_.occluders(), sight_ray({origin}, way, options_.max_range));
+    if (!blocker) return Sight::unknown;
+    const double behind = blocker->distance - distance;
+    if (std::fabs(behind) <= point.spacing) return Sight::met;
+    if (behind < 0.0) return Sight::hidden;
+    if (is_same_plane(point, *blocker)) return Sight::met;
+    const glm::dvec3 direction = way / distance;
+    return is_aimed(point, distance, *blocker) && is_front(*blocker, direction) ? Sight::passed
+                                                                                : Sight::unknown;
+  }
+
+  /// Whether a line that grazes the surface of a point ends on it, behind the point.
+  bool is_same_plane(const ComparedPoint& point, const Blocker& blocker) const {
+    constexpr double k_near_spacings = 16.0;
+    const glm::dvec3 offset = blocker.position - point.position;
+    return point.surface.exists && glm::length(offset) <= k_near_spacings * point.spacing &&
+           std::fabs(glm::dot(offset, point.surface.normal)) <= point.window &&
+           other_.is_parallel(blocker.point_id, point.surface.normal);
+  }
+
+  /// Whether a line ends on the side of a surface that was scanned. Where there are no points, as below a scanner,
+  /// lines pass through the ground and end on surfaces from behind.
+  bool is_front(const Blocker& blocker, const glm::dvec3& direction) const {
+    const PointSurface surface = other_.surface(blocker.point_id);
+    return !surface.exists || other_.side_of(blocker.point_id, blocker.position, surface.normal) *
+                                      glm::dot(surface.normal, direction) <
+                                  0.0;
+  }
+
+  /// Whether lines to where one at this distance is blocked are as dense at the point as its surface is wide.
+  bool is_aimed(const ComparedPoint& point, double distance, const Blocker& blocker) const {
+    // A surface is fitted to points within 2.5 spacings; a lone point has its neighbours.
+    constexpr double k_width_of_surface = 5.0, k_width_of_lone = 1.6;
+    const double between = other_.spacing(blocker.point_id) * distance / blocker.distance;
+    return between <= (point.surface.exists ? k_width_of_surface : k_width_of_lone) * point.spacing;
+  }
+
+  const EpochCloud& own_;
+  const EpochCloud& other_;
+  const ChangeOptions& options_;
+  int sign_;
+};
+
+PointChanges compare_all(const EpochCloud& own, const EpochCloud& other, const ChangeOptions& options,
+                         int sign, const Progress& progress) {
+  const Comparison comparison(own, other, options, sign);
+  const TreeView& tree = own.octree().view();
+  PointChanges changes{std::vector<ChangeClass>(tree.point_count), std::vector<float>(tree.point_count),
+                       std::vector<float>(tree.point_count)};
+  for_each_leaf_in_parallel(tree, progress, [&] {
+    return [&](const Leaf& leaf) {
+      for (std::uint32_t i = 0; i < leaf.count; ++i) {
+        const std::uint64_t id = point_id(tree, leaf.first + i);
+        const Finding finding = comparison.compare(id, to_world(tree.lattice, position_of(tree, leaf, i)));
+        changes.classes[id] = finding.kind;
+        changes.distances[id] = finding.distance;
+        changes.detection_levels[id] = finding.detection_level;
+      }
+    };
+  });
+  return changes;
+}
+
+void check_epoch(const Epoch& epoch, const char* name) {
+  const OccluderOptions& occluders = epoch.occluders.options();
+  check_that(epoch.occluders.octree().size() > 0, fmt::format("the epoch {} has no points", name));
+  check_that(epoch.occluders.has_surfaces() && !occluders.radius && occluders.transparency == 1 &&
+                 !occluders.mesh && !occluders.terrain,
+             "unsupported occluders for change detection", "default shape, radius and transparency");
+  for (const glm::dvec3& origin : epoch.origins)
+    if (!is_finite(origin))
+      throw input_error(fmt::format("a scanner position of {} is not finite", name), "");
+}
+
+void check_options(const ChangeOptions& options) {
+  const auto check = [](const char* name, std::optional<double> value) {
+    if (value && !(*value > 0.0 && std::isfinite(*value)))
+      throw input_error(fmt::format("invalid {}", name), "a positive length", fmt::format("{}", *value));
+  };
+  check("radius of normals", options.normal_radius);
+  check("radius of cylinders", options.cylinder_radius);
+  check("maximum distance", options.max_distance);
+  check_that(options.max_range > 0.0, "invalid range of the scanners", "a positive length",
+             fmt::format("{}", options.max_range));
+  check_that(options.registration_error >= 0.0 && std::isfinite(options.registration_error),
+             "invalid registration error", "at least 0", fmt::format("{}", options.registration_error));
+}
+
+std::optional<double> median(std::vector<double> values) {
+  if (values.empty()) return std::nullopt;
+  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
+  std::ranges::nth_element(values, middle);
+  return *middle;
+}
+
+}  // namespace
+
+const char* name_of(ChangeClass kind) {
+  constexpr std::array<const char*, k_change_classes> k_names{"same",       "moved",     "gone",   "new",
+                                                              "never seen", "unmatched", "ignored"};
+  return k_names[static_cast<std::size_t>(kind)];
+}
+
+void check_overlap(const Octree& before_cloud, const Octree& after_cloud) {
+  const Bounds &before = before_cloud.bounds(), &after = after_cloud.bounds();
+  const auto text = [](const Bounds& box) {
+    return fmt::format("{:.2f},{:.2f},{:.2f} to {:.2f},{:.2f},{:.2f}", box.min.x, box.min.y, box.min.z,
+                       box.max.x, box.max.y, box.max.z);
+  };
+  // Flat ground that has moved has a little room in between.
+  constexpr double k_room = 0.1;
+  const glm::dvec3 size = glm::max(before.size(), after.size());
+  const double room = k_room * std::max({size.x, size.y, size.z});
+  bool overlap = true;
+  for (int axis = 0; axis < 3; ++axis)
+    overlap =
+        overlap && before.min[axis] - room <= after.max[axis] && after.min[axis] - room <= before.max[axis];
+  check_that(overlap, "the epochs do not overlap", "two scans of one site in one reference system",
+             fmt::format("before {}, after {}", text(before), text(after)));
+}
+
+Changes find_changes(const Epoch& before, const Epoch& after, const ChangeOptions& options) {
+  check_epoch(before, "BEFORE");
+  check_epoch(after, "AFTER");
+  check_options(options);
+  check_overlap(before.occluders.octree(), after.occluders.octree());
+  const EpochCloud old_cloud(before), new_cloud(after);
+  const std::uint64_t old_points = old_cloud.octree().size();
+  const std::uint64_t points = old_points + new_cloud.octree().size();
+  const auto from = [&](std::uint64_t first) -> Progress {
+    if (!options.progress) return {};
+    return [&options, first, points](std::uint64_t done, std::uint64_t) {
+      return options.progress(first + done, points);
+    };
+  };
+  Changes changes;
+  changes.before = compare_all(old_cloud, new_cloud, options, 1, from(0));
+  changes.after = compare_all(new_cloud, old_cloud, options, -1, from(old_points));
+  return changes;
+}
+
+std::vector<ChangeSummary> summaries_of(const PointChanges& changes, const Occluders& occluders) {
+  const std::vector<double> spacings = spacings_in_order(occluders.octree().view());
+  std::vector<ChangeSummary> summaries(k_change_classes);
+  std::vector<std::vector<double>> distances(k_change_classes), levels(k_change_classes);
+  for (std::size_t id = 0; id < changes.classes.size(); ++id) {
+    const auto kind = static_cast<std::size_t>(changes.classes[id]);
+    ++summaries[kind].count;
+    if (std::isfinite(spacings[id]))
+      summaries[kind].area += std::numbers::pi * spacings[id] * spacings[id] / k_surface_neighbours;
+    if (std::isnan(changes.distances[id])) continue;
+    distances[kind].push_back(changes.distances[id]);
+    levels[kind].push_back(changes.detection_levels[id]);
+  }
+  for (std::size_t kind = 0; kind < summaries.size(); ++kind) {
+    summaries[kind].median_distance = median(distances[kind]);
+    for (double& distance : distances[kind]) distance = std::fabs(distance);
+    summaries[kind].median_absolute_distance = median(std::move(distances[kind]));
+    summaries[kind].median_detection_level = median(std::move(levels[kind]));
+  }
+  return summaries;
+}
+
+}  // namespace alidade::visibility

@@ -1,0 +1,109 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <cstdint>
+#include <glm/vec3.hpp>
+#include <limits>
+#include <optional>
+#include <vector>
+
+#include "base/progress.h"
+#include "visibility/sight_line.h"
+
+// What has changed between two scans of one site, point by point: a point whose counterpart is missing in the other
+// epoch is gone or new only if lines of sight of that epoch pass through its position; otherwise that epoch never saw
+// the position.
+//
+//   const Occluders before(build(old_cloud), {}), after(build(new_cloud), {});
+//   const Changes changes = find_changes({before, old_origins}, {after, new_origins}, {.registration_error = 0.005});
+//   if (changes.before.classes[id] == ChangeClass::gone) ...
+
+namespace alidade::visibility {
+
+/// What the other epoch says of a point.
+enum class ChangeClass : std::uint8_t {
+  same = 0,        ///< it has the surface: the distance is within the level of detection, or points are near
+  moved = 1,       ///< it has the surface at a significant distance along the normal
+  gone = 2,        ///< of BEFORE: lines of sight of AFTER pass through the position
+  appeared = 3,    ///< "new", of AFTER: lines of sight of BEFORE pass through the position
+  never_seen = 4,  ///< none of its lines of sight passed or met the position: hidden, or out of range
+  unmatched = 5,   ///< it has no surface here, and where it was measured from is unknown
+  ignored = 6,     ///< the point does not count (OccluderOptions::counts)
+};
+constexpr int k_change_classes = 7;
+
+/// "same", "moved", "gone", "new", "never seen", "unmatched", "ignored".
+const char* name_of(ChangeClass kind);
+
+/// One scan of the site. `occluders` must outlive it.
+struct Epoch {
+  const Occluders& occluders;       ///< with surfaces, one crossing blocks, and radii by spacings
+  std::vector<glm::dvec3> origins;  ///< where scanners were, world coordinates; empty: unknown
+};
+
+struct ChangeOptions {
+  double registration_error = 0.0;  ///< standard deviation of the offset between the clouds, metres, >= 0
+  /// Of the sphere whose points define the normal, metres, > 0. Empty: the surfaces of octree/point_surface.h,
+  /// 2.5 spacings of the point.
+  std::optional<double> normal_radius{};
+  /// Of the cylinder, metres, > 0. Empty: twice the spacing (to the 8th neighbour) of the point or, if it is more,
+  /// of the nearest point of the other epoch.
+  std::optional<double> cylinder_radius{};
+  /// A surface within this along the normal has moved, one farther away is another one: metres, > 0. Empty: 3
+  /// radii of the cylinder.
+  std::optional<double> max_distance{};
+  double max_range = std::numeric_limits<double>::infinity();  ///< of the scanners, metres, > 0
+  Progress progress{};                                         ///< in points of both clouds
+};
+
+/// Of one epoch, by point id.
+struct PointChanges {
+  std::vector<ChangeClass> classes;
+  /// M3C2 distance from BEFORE to AFTER along the normal, metres. Normals point to the scanner, upwards if no
+  /// origin is known: material that comes is positive. NaN for points without a surface or a counterpart.
+  std::vector<float> distances;
+  std::vector<float> detection_levels;  ///< LoD95, metres; NaN where the distance is
+};
+
+struct Changes {
+  PointChanges before, after;
+};
+
+/// Errors: the bounds of both clouds are farther apart than a tenth of their longest side.
+void check_overlap(const Octree& before, const Octree& after);
+
+/// Compares both epochs. Each point is tested in this order:
+///
+/// 1. Its cylinder holds surfaces of both epochs, k_least_cylinder_points points of each around about the same middle:
+///    the M3C2 distance (m3c2.h) is insignificant, `same`, or not, `moved`. Points count whose own surfaces are
+///    parallel to that of the point within 45 degrees; those of one surface lie within a sixth of the cylinder's
+///    radius, or 3 thicknesses, of its mean.
+/// 2. A point of the other epoch is within the larger of both spacings, on the same plane if both points have surfaces:
+///    `same`. That decides for foliage and wires, which have no normal, and for edges.
+/// 3. Lines from the other epoch's origins through the point, to the first surface of that epoch. Beyond the point:
+///    the line passes, `gone` or `appeared`, if it ends on the side of a surface that was scanned, and points there
+///    are dense enough for a beam to have met the point's surface. At the point, or beyond it on its plane, where a
+///    line grazes it: `same`. Before the point: hidden. Nothing there, or out of range: unknown. One line that passes
+///    decides; if none passes or meets the point, `never_seen`.
+///
+/// That a line of sight is free in the cloud of its epoch is taken as proof that the scanner saw along it, so origins
+/// must be those of scanners that scan all around.
+///
+/// The same bits on any number of threads and any instruction set. Errors: an empty cloud, those of check_overlap(),
+/// options out of range, origins not finite, other occluders. Memory: 21 B per point. Cost: 10 to 40 microseconds of one
+/// thread per point; for points without a counterpart a microsecond more per origin.
+Changes find_changes(const Epoch& before, const Epoch& after, const ChangeOptions& options = {});
+
+/// The points of one class of one epoch.
+struct ChangeSummary {
+  std::uint64_t count = 0;
+  /// Square metres: for each point an 8th of the circle through its 8th neighbour.
+  double area = 0.0;
+  // Of points with a distance; empty if there are none. Metres.
+  std::optional<double> median_distance{}, median_absolute_distance{}, median_detection_level{};
+};
+
+/// The summary of each class, in their order. Cost: linear.
+std::vector<ChangeSummary> summaries_of(const PointChanges& changes, const Occluders& occluders);
+
+}  // namespace alidade::visibility
