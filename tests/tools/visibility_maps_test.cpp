@@ -242,6 +242,39 @@ TEST_F(VisibilityMapsTest, cells_without_ground_have_no_data_in_any_map) {
   }
 }
 
+TEST_F(VisibilityMapsTest, cells_that_nobody_scanned_have_no_data_in_any_map) {
+  // A field of 20 x 20 with a pond of 8 x 8 without echoes: its ground is closed, but not known.
+  PointCloud field_with_pond = field();
+  field_with_pond.positions.clear();
+  for (int i = 0; i < 80 * 80; ++i) {
+    const int column = i % 80, row = i / 80;
+    if (column > 24 && column < 56 && row > 24 && row < 56) continue;
+    field_with_pond.positions.emplace_back(250 * column, 250 * row, 0);
+  }
+  field_with_pond.classifications.assign(field_with_pond.positions.size(), 2);
+  write_las(folder / "pond.las", field_with_pond);
+  const auto middle_of = [&](const Words& words) {
+    const ProgramResult result = run(with(
+        with({"visibility"}, words), {"pond.las", "--resolution", "2", "--overwrite", "-o", "pond.tif"}));
+    EXPECT_EQ(result.exit_code, 0) << result.err;
+    const GDALDatasetH map = GDALOpen((folder / "pond.tif").c_str(), GA_ReadOnly);
+    float middle = 0.0f, corner = 0.0f;
+    GDALRasterBandH band = GDALGetRasterBand(map, 1);
+    EXPECT_EQ(GDALRasterIO(band, GF_Read, 5, 5, 1, 1, &middle, 1, 1, GDT_Float32, 0, 0), CE_None);
+    EXPECT_EQ(GDALRasterIO(band, GF_Read, 1, 1, 1, 1, &corner, 1, 1, GDT_Float32, 0, 0), CE_None);
+    const double nodata = GDALGetRasterNoDataValue(band, nullptr);
+    GDALClose(map);
+    EXPECT_NE(corner, nodata) << words[0];
+    return middle == nodata;
+  };
+  for (const Words& words : {Words{"raster", "--observer", "690001,5325001,602"},
+                             Words{"raster", "--observer", "690001,5325001,602", "--mode", "count"},
+                             Words{"sky", "--directions", "4"}, with({"sun", "--beam-only"}, k_day)}) {
+    EXPECT_TRUE(middle_of(words)) << words[0];
+    EXPECT_FALSE(middle_of(with(words, {"--ground-reach", "10"}))) << words[0] << ": the user says so";
+  }
+}
+
 TEST_F(VisibilityMapsTest, mistakes_of_users_are_errors_before_surfaces_are_measured) {
   const Words raster = with({"-o", "seen.tif"}, k_eye);
   expect_rejected_early("raster", {"-o", "seen.tif", "--observers", "nobody.csv"}, "nobody.csv");

@@ -50,7 +50,7 @@ TEST_F(SkyTest, horizon_is_csv_on_stdout_with_a_row_per_azimuth) {
   std::istringstream lines(result.out);
   std::string line;
   std::getline(lines, line);
-  EXPECT_EQ(line, "azimuth,elevation,distance,point_id,x,y,z");
+  EXPECT_EQ(line, "azimuth,elevation,distance,point_id,x,y,z,unscanned");
   int rows = 0;
   double east = -90.0;
   for (; std::getline(lines, line); ++rows)

@@ -97,11 +97,13 @@ TEST(SkylinePicture, draws_sky_things_and_the_line) {
 }
 
 TEST(HorizonFile, csv_has_a_row_per_azimuth) {
-  EXPECT_EQ(horizon_csv(two_directions()),
-            "azimuth,elevation,distance,point_id,x,y,z\n"
-            "0,12.25,23.4567,7,690000.125,5325020.5,610\n"
-            "120,,,,,,\n"
-            "240,-1.5,15.0000,8,689990,5324990,600\n");
+  std::vector<HorizonDirection> line = two_directions();
+  line[2].unscanned = 4.5;
+  EXPECT_EQ(horizon_csv(line),
+            "azimuth,elevation,distance,point_id,x,y,z,unscanned\n"
+            "0,12.25,23.4567,7,690000.125,5325020.5,610,\n"
+            "120,,,,,,,\n"
+            "240,-1.5,15.0000,8,689990,5324990,600,4.5000\n");
 }
 
 TEST(HorizonFile, geojson_has_points_on_the_globe_or_reports_that_they_are_not) {

@@ -60,13 +60,6 @@ void add_bins(const Occluders& occluders, std::span<const SkyTarget> targets, co
   }
 }
 
-/// The slope above which light from an azimuth comes from before a receiver; infinite: none does.
-double facing_slope(const glm::dvec3& normal, const glm::dvec2& direction) {
-  const double towards = normal.x * direction.x + normal.y * direction.y;
-  if (towards >= 0.0 && (towards > 0.0 || normal.z > 0.0)) return 0.0;
-  return normal.z > 0.0 ? -towards / normal.z : std::numeric_limits<double>::infinity();
-}
-
 void add_fans(const geo::TerrainSurface& terrain, std::span<const SkyTarget> targets, const SunLight& light,
               const SunHoursOptions& options, std::span<Sums> sums) {
   const auto periods = static_cast<std::size_t>(light.periods);
@@ -90,12 +83,6 @@ void add_fans(const geo::TerrainSurface& terrain, std::span<const SkyTarget> tar
 
 glm::dvec3 tilted_normal(double tilt, double azimuth) {
   return geo::compass_direction(azimuth, 90.0 - tilt);
-}
-
-bool has_horizons(const Occluders& occluders, double max_distance) {
-  const OccluderOptions& options = occluders.options();
-  return occluders.octree().size() == 0 && options.mesh == nullptr && options.terrain != nullptr &&
-         std::isinf(max_distance);
 }
 
 void sun_hours(const Occluders& occluders, std::span<const SkyTarget> targets, const SunLight& light,

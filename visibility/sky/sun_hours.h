@@ -32,10 +32,6 @@ struct SunHoursOptions {
 /// Normal of a receiver that is tilted from the horizontal, towards an azimuth; degrees, tilt in [0, 90].
 glm::dvec3 tilted_normal(double tilt, double azimuth);
 
-/// Whether horizons can replace lines of sight: a terrain alone blocks, whatever its distance. Below a line that meets it
-/// every line of the azimuth meets it or goes below it.
-bool has_horizons(const Occluders& occluders, double max_distance);
-
 /// Radiation of every target, period by period; `answers`: targets times light.periods of them.
 ///
 /// Bins: a line towards the middle of each that nothing blocks. The sun is a point, and is behind a surface or before
