@@ -135,6 +135,22 @@ TEST(Radiation, in_a_crater_is_that_of_the_sky_above_its_rim) {
   }
 }
 
+TEST(SkyView, above_horizons_is_the_mean_of_the_squared_cosines_of_their_elevations) {
+  // Steyn 1980; one wall in the north seen under the angle b: (1 + cos b) / 2 where it is endless.
+  const auto view = [](const Occluders& occluders, const glm::dvec3& position) {
+    const SkyTarget target = target_in_open({position});
+    float of_target = 0.0f;
+    sky_views(occluders, std::span(&target, 1), {.directions = 256}, std::span(&of_target, 1));
+    return of_target;
+  };
+  EXPECT_NEAR(view(flat(), {0.5, 0.5, 0.0}), 1.0, 1e-6);
+  const Occluders plateau =
+      terrain_of(2000, 20, [](const glm::dvec2& position) { return position.y > 4.0 ? 5.0 : 0.0; });
+  // Its edge is at y = 4.5.
+  EXPECT_NEAR(view(plateau, {0.5, -0.5, 0.0}), 0.5 * (1.0 + std::cos(std::atan2(5.0, 5.0))), 0.002);
+  EXPECT_NEAR(view(plateau, {0.5, -0.5, 5.0}), 1.0, 1e-6);
+}
+
 /// The share of an even sky on the horizontal: every patch has the radiance 1/pi.
 double view_by_patches(const Occluders& occluders, const SkyTarget& target) {
   SunLight light = sun_light(std::vector<SunStep>{{180.0, 40.0, 1.0, 500.0, 100.0, 1367.0, 0}}, 1, {});

@@ -62,8 +62,10 @@ struct SunSky {
 /// Declares the options of the sun.
 void add_sun_request(const Options& sun, SunCommand& command);
 
-/// The sun over a site, with progress. Errors: as place_schedule(), sun_steps(), sun_periods(), Weather.
-std::unique_ptr<SunSky> sun_of(const SunCommand& command, const VisibilityCloud& cloud);
+/// The sun over a site, with progress. `targets`: how many receivers there are, if they are few; then every step counts
+/// alone up to 10^7 lines of sight. Errors: as place_schedule(), sun_steps(), sun_periods(), Weather.
+std::unique_ptr<SunSky> sun_of(const SunCommand& command, const VisibilityCloud& cloud,
+                               std::optional<std::size_t> targets = {});
 
 /// Says where and how long the sun is up, and what open ground gets.
 void say_sun(const SunCommand& command, const SunSky& sun);

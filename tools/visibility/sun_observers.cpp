@@ -71,7 +71,9 @@ void write_diagram(const SunCommand& command, const VisibilityCloud& cloud, cons
   double highest = 0.0;
   for (const visibility::SkylineCurve& curve : texts.curves)
     for (const glm::dvec2& position : curve.positions) highest = std::max(highest, position.y);
-  visibility::DepthStrip strip = visibility::strip_around(line, 0.0, 360.0, highest);
+  constexpr double k_room_of_labels = 5.0;  // degrees
+  visibility::DepthStrip strip =
+      visibility::strip_around(line, 0.0, 360.0, std::min(highest + k_room_of_labels, 90.0));
   with_progress("drawing the skyline", "lines of sight", command.verbosity, [&](const Progress& progress) {
     visibility::fill_strip(occluders, eye, command.max_distance, strip, progress);
   });
@@ -88,7 +90,7 @@ ExitCode run_sun_observers(const SunCommand& command) {
   if (!command.diagram.empty() && observers.size() != 1)
     throw input_error("--diagram requires a single observer", "one observer",
                       std::to_string(observers.size()));
-  const std::unique_ptr<SunSky> sun = sun_of(command, *cloud);
+  const std::unique_ptr<SunSky> sun = sun_of(command, *cloud, observers.size());
   say_sun(command, *sun);
   measure_occluders(*cloud, command.occluders, command.verbosity);
   say_observer_remarks(observers, *cloud, command.verbosity);

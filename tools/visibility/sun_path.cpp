@@ -187,9 +187,10 @@ std::span<const SunQuantity> sun_quantities(const SunCommand& command) {
   return std::span(k_quantities).first(command.beam_only ? 2 : k_quantities.size());
 }
 
-std::unique_ptr<SunSky> sun_of(const SunCommand& command, const VisibilityCloud& cloud) {
+std::unique_ptr<SunSky> sun_of(const SunCommand& command, const VisibilityCloud& cloud,
+                               std::optional<std::size_t> targets) {
   // With fewer steps bins would save little time.
-  constexpr std::size_t k_most_exact_steps = 1000;
+  constexpr std::size_t k_most_exact_steps = 1000, k_most_exact_lines = 10'000'000;
   constexpr double k_usual_bin = 3.0, k_usual_fan = 1.0;
   auto sun = std::make_unique<SunSky>();
   visibility::SunSchedule& schedule = sun->schedule;
@@ -216,9 +217,11 @@ std::unique_ptr<SunSky> sun_of(const SunCommand& command, const VisibilityCloud&
   sun->steps = steps.size();
   for (const visibility::SunStep& step : steps) sun->hours += step.hours;
   const bool fans = by_horizons(command, cloud);
-  sun->bin = command.bin.value_or(steps.size() <= k_most_exact_steps ? 0.0
-                                  : fans                             ? k_usual_fan
-                                                                     : k_usual_bin);
+  const std::size_t most_steps =
+      targets ? std::max(k_most_exact_steps, k_most_exact_lines / std::max<std::size_t>(*targets, 1))
+              : k_most_exact_steps;
+  const double usual = steps.size() <= most_steps ? 0.0 : fans ? k_usual_fan : k_usual_bin;
+  sun->bin = command.bin.value_or(usual);
   sun->light = visibility::sun_light(steps, static_cast<int>(sun->periods.size()),
                                      {.bin = sun->bin, .has_sky = !command.beam_only, .by_horizons = fans});
   return sun;
