@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: MIT
 // Radiation of places whose answer is known on paper.
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 
+#include <array>
 #include <cmath>
 #include <glm/geometric.hpp>
 #include <numbers>
@@ -272,6 +274,42 @@ TEST(SunPeriods, are_local_years_months_and_days) {
   }
   schedule.to = parse_date_time("2027-03-01T23:00Z");
   EXPECT_THROW(names(SunPeriod::day), Error);
+}
+
+TEST(SunSteps, of_a_weather_file_have_all_energy_of_their_hours) {
+  // Every hour of the year has 120 W/m2 of the sky, hours without sun nothing of it.
+  std::string text =
+      "LOCATION,a,b,c,d,1,48.0,0.0,0.0,500\nDESIGN CONDITIONS,0\nTYPICAL/EXTREME PERIODS,0\n"
+      "GROUND TEMPERATURES,0\nHOLIDAYS/DAYLIGHT SAVINGS,No,0,0,0\nCOMMENTS 1,a\nCOMMENTS 2,b\n"
+      "DATA PERIODS,1,1,Data,Sunday,1/1,12/31\n";
+  constexpr std::array k_days = {31, 28, 31, 30, 31, 30, 31, 31, 30, 31, 30, 31};
+  for (int month = 1; month <= 12; ++month)
+    for (int day = 1; day <= k_days[static_cast<std::size_t>(month - 1)]; ++day)
+      for (int hour = 1; hour <= 24; ++hour)
+        text += fmt::format("1999,{},{},{},0,C,1,1,9,9,0,0,3,0,240,120,0,0\n", month, day, hour);
+  InputFile file(std::as_bytes(std::span(text)), "even.epw");
+  const Weather weather(file);
+  SunSchedule schedule;
+  schedule.from = parse_date_time("2026-06-21T00:00Z");
+  schedule.to = parse_date_time("2026-06-22T00:00Z");
+  schedule.step_minutes = 10.0;
+  schedule.latitude = 48.0;
+  schedule.weather = &weather;
+  double energy = 0.0, beam = 0.0, hours = 0.0;
+  for (const SunStep& step : sun_steps(schedule)) {
+    energy += step.hours * step.diffuse;
+    beam += step.hours * step.irradiance;
+    hours += step.hours;
+  }
+  // The sun is up for 16 hours, in parts of 17 or 18.
+  EXPECT_NEAR(hours, 16.0, 0.3);
+  const double touched = energy / 120.0;
+  EXPECT_NEAR(touched, std::round(touched), 1e-9);
+  EXPECT_GE(touched, hours);
+  EXPECT_LE(touched, 18.0);
+  EXPECT_NEAR(beam, 2.0 * energy, 1e-6);
+  schedule.to = parse_date_time("2026-06-21T12:05Z");
+  EXPECT_EQ(sun_steps(schedule).back().diffuse, 120.0) << "a step cut short has no more than its time";
 }
 
 TEST(SunSteps, have_the_turbidity_of_their_month) {

@@ -131,6 +131,13 @@ TEST(Weather, of_pvgis_is_in_utc_and_hours_begin_at_their_time) {
   EXPECT_EQ(weather.height(), 250.0);
   EXPECT_EQ(weather.at(parse_date_time("2026-01-01T00:30Z")).direct_normal, 0.0);
   EXPECT_EQ(weather.at(parse_date_time("2026-06-21T11:30Z")).diffuse_horizontal, 11.0);
+  // Around ten minutes past the hour, or from the hour on.
+  EXPECT_EQ(weather.at(parse_date_time("2026-06-21T11:45Z")).diffuse_horizontal, 12.0);
+  EXPECT_EQ(weather.at(parse_date_time("2026-12-31T23:45Z")).diffuse_horizontal, 0.0);
+  const Weather plain = read(replaced(text, "Irradiance Time Offset (h): 0.1761\n", ""));
+  EXPECT_EQ(plain.at(parse_date_time("2026-06-21T11:45Z")).diffuse_horizontal, 11.0);
+  EXPECT_NE(plain.checksum(), weather.checksum());
+  expect_error(replaced(text, "0.1761", "x"), "line 4: invalid time offset");
   expect_error(replaced(text, "Gb(n)", "Gb(i)"), "line 7: missing column; expected Gb(n)");
   expect_error(replaced(text, "Longitude (dec", "Lon (dec"), "line 2: wrong line of the PVGIS head");
 }

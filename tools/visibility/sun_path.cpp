@@ -133,7 +133,7 @@ bool by_horizons(const SunCommand& command, const VisibilityCloud& cloud) {
 
 std::string model_text(const SunSky& sun) {
   const visibility::SunSchedule& schedule = sun.schedule;
-  if (sun.weather) return fmt::format("weather of a {} file", sun.weather->format());
+  if (sun.weather) return fmt::format("weather of the {} file", sun.weather->format());
   std::string turbidity = fmt::format("{:g}", schedule.air.linke_turbidity);
   if (schedule.monthly_turbidity)
     turbidity = fmt::format("{:g} from January to December", fmt::join(*schedule.monthly_turbidity, " "));

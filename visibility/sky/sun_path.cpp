@@ -3,6 +3,7 @@
 
 #include <fmt/format.h>
 #include <cmath>
+#include <cstdint>
 
 #include "base/error.h"
 #include "geo/earth.h"
@@ -80,6 +81,38 @@ void set_irradiance(const SunSchedule& schedule, const Moment& moment, SunStep& 
   step.diffuse = diffuse_irradiance(step.elevation, day, air);
 }
 
+/// Gives the steps with sun of an hour of a weather file the energy of all steps of that hour.
+class WholeHours {
+ public:
+  /// Both must outlive the object; `weather` may be null: then nothing happens.
+  WholeHours(const Weather* weather, std::vector<SunStep>& steps) : weather_(weather), steps_(steps) {}
+
+  /// Comes to a step, before it is added to the steps if the sun is up.
+  void enter(const Moment& middle, double hours, bool is_up) {
+    if (weather_ == nullptr) return;
+    if (const std::int64_t number = weather_->hour_number(middle); number != number_) {
+      finish();
+      number_ = number;
+    }
+    all_ += hours;
+    if (is_up) up_ += hours;
+  }
+  void finish() {
+    for (; first_ < steps_.size() && weather_ != nullptr; ++first_) {
+      steps_[first_].irradiance *= all_ / up_;
+      steps_[first_].diffuse *= all_ / up_;
+    }
+    all_ = up_ = 0.0;
+  }
+
+ private:
+  const Weather* weather_;
+  std::vector<SunStep>& steps_;
+  std::int64_t number_ = 0;
+  std::size_t first_ = 0;        ///< step of the hour
+  double all_ = 0.0, up_ = 0.0;  ///< hours
+};
+
 }  // namespace
 
 std::vector<std::string> sun_periods(const SunSchedule& schedule) {
@@ -132,6 +165,7 @@ std::vector<SunStep> sun_steps(const SunSchedule& schedule, const Progress& prog
       .pressure = k_sea_pressure * std::exp(-schedule.air.height / k_scale_height)};
   const int first_period = period_number(schedule, schedule.from);
   std::vector<SunStep> steps;
+  WholeHours whole_hours(schedule.weather, steps);
   const auto total = static_cast<std::size_t>(count);
   for (std::size_t i = 0; i < total; ++i) {
     constexpr std::size_t k_report_interval = 256;
@@ -140,6 +174,7 @@ std::vector<SunStep> sun_steps(const SunSchedule& schedule, const Progress& prog
     const Moment middle = later(schedule.from, 0.5 * (begin + end));
     const geo::SunPosition sun = geo::sun_position(middle, observer);
     const double elevation = rounded(sun.elevation);
+    whole_hours.enter(middle, (end - begin) / 3600.0, elevation > 0.0);
     if (!(elevation > 0.0)) continue;
     SunStep one{.azimuth = wrapped(rounded(sun.azimuth - schedule.grid_north)),
                 .elevation = elevation,
@@ -148,6 +183,7 @@ std::vector<SunStep> sun_steps(const SunSchedule& schedule, const Progress& prog
     set_irradiance(schedule, middle, one);
     steps.push_back(one);
   }
+  whole_hours.finish();
   report(progress, total, total);
   return steps;
 }

@@ -176,8 +176,12 @@ class Weather::Reader {
       cells_ = {trim(cells_.front().substr(line.name.size()))};
       line.value = number(0, "position", line.least, line.most);
     }
+    constexpr std::string_view k_offset = "Irradiance Time Offset (h):";
     do {
       next_line_of("the line of column names: time(UTC),...");
+      if (!cells_.front().starts_with(k_offset)) continue;
+      cells_ = {trim(cells_.front().substr(k_offset.size()))};
+      weather_.shift_ = 0.5 - number(0, "time offset", 0.0, 1.0);
     } while (cells_.front() != "time(UTC)");
     direct_ = column_of("Gb(n)");
     diffuse_ = column_of("Gd(h)");
@@ -228,14 +232,22 @@ Weather::Weather(InputFile& file) {
 }
 
 const HourlyIrradiance& Weather::at(const Moment& moment) const {
-  const double hours = moment.seconds / 3600.0 + time_zone_, days = std::floor(hours / 24.0);
-  const std::chrono::year_month_day date(moment.day + std::chrono::days(static_cast<int>(days)));
-  const auto hour = static_cast<unsigned>(std::fmin(hours - 24.0 * days, 23.0));
-  return hours_[*slot_of(static_cast<unsigned>(date.month()), static_cast<unsigned>(date.day()), hour)];
+  constexpr std::int64_t k_hours = k_hours_per_day;
+  const std::int64_t number = hour_number(moment), hour = (number % k_hours + k_hours) % k_hours;
+  const std::chrono::year_month_day date(
+      std::chrono::sys_days(std::chrono::days(static_cast<int>((number - hour) / k_hours))));
+  return hours_[*slot_of(static_cast<unsigned>(date.month()), static_cast<unsigned>(date.day()),
+                         static_cast<unsigned>(hour))];
+}
+
+std::int64_t Weather::hour_number(const Moment& moment) const {
+  constexpr std::int64_t k_hours = k_hours_per_day;
+  const double hours = std::floor(moment.seconds / 3600.0 + time_zone_ + shift_);
+  return moment.day.time_since_epoch().count() * k_hours + static_cast<std::int64_t>(hours);
 }
 
 std::uint64_t Weather::checksum() const {
-  std::vector<double> numbers{time_zone_};
+  std::vector<double> numbers{time_zone_ + shift_};
   for (const HourlyIrradiance& hour : hours_)
     numbers.insert(numbers.end(), {hour.direct_normal, hour.diffuse_horizontal});
   return alidade::checksum(std::as_bytes(std::span(numbers)));

@@ -26,7 +26,8 @@ class Weather {
   /// - EPW, TMY3: hours 1 to 24 of local standard time, each the mean of the hour that ends there. Source: Crawley, Hand,
   ///   Lawrie, Improving the Weather Information Available to Simulation Programs, 1999; Wilcox and Marion, Users Manual
   ///   for TMY3 Data Sets, 2008, table 3-1.
-  /// - PVGIS: UTC; a row holds for the hour that begins at its time, minutes are passed over.
+  /// - PVGIS: UTC; a row holds for the hour that begins at its time, minutes are passed over, or if the head states an
+  ///   irradiance time offset, for the hour around its time plus that.
   /// Memory: 140 kB. Errors, with the line, what was found and what is expected: none of these files; a line of the
   /// head, a column or a cell missing; an invalid number or one out of range, so also a missing value (9999); hours that
   /// do not follow each other; several rows per hour; a year that does not begin with its first hour or ends early.
@@ -34,6 +35,9 @@ class Weather {
 
   /// The hour that a moment is in. 29 February is 28 February where the file lacks it.
   const HourlyIrradiance& at(const Moment& moment) const;
+
+  /// Counts the hours of the file's clock: moments of one hour have one number.
+  std::int64_t hour_number(const Moment& moment) const;
 
   const std::string& format() const { return format_; }  ///< "EPW", "TMY3" or "PVGIS"
   double latitude() const { return latitude_; }          ///< degrees north
@@ -47,6 +51,7 @@ class Weather {
 
   std::string format_;
   double latitude_ = 0.0, longitude_ = 0.0, height_ = 0.0, time_zone_ = 0.0;
+  double shift_ = 0.0;                   ///< hours by which the hours of the rows begin before their times
   std::vector<HourlyIrradiance> hours_;  ///< of a leap year
 };
 
