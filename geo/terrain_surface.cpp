@@ -194,9 +194,10 @@ Bounds TerrainSurface::box_of(const Square& square, const Range& range) const {
 /// Calls visit(column, row, stretch) for the patches that the ray passes over or under and that keep(range, stretch)
 /// lets pass, as all squares that hold them, the near ones first, until it returns true. keep() must let a square
 /// pass if it does so for a patch of it, with its stretch and heights within those of the square; it may let fewer
-/// pass as time goes on.
-template <class Keep, class Visit>
-void TerrainSurface::descend(const Walk& walk, const Keep& keep, const Visit& visit) const {
+/// pass as time goes on: still(range, stretch) is asked again when a square's turn has come, and may be cheaper.
+template <class Keep, class Still, class Visit>
+void TerrainSurface::descend(const Walk& walk, const Keep& keep, const Still& still,
+                             const Visit& visit) const {
   struct Waiting {
     Square square;
     Range range;
@@ -221,7 +222,7 @@ void TerrainSurface::descend(const Walk& walk, const Keep& keep, const Visit& vi
   while (count > 0) {
     const Waiting one = waiting[--count];
     const Square& square = one.square;
-    if (!keep(one.range, one.stretch)) continue;
+    if (!still(one.range, one.stretch)) continue;
     const auto x = halves(0, square.column, square.level, most.x),
                y = halves(1, square.row, square.level, most.y);
     const int level = square.level - 1;
@@ -260,6 +261,7 @@ void TerrainSurface::for_patches(const Walk& walk, const double& limit, const Vi
         const double low = range.low - slack, high = range.high + slack;
         return !((from < low && to < low) || (from > high && to > high));
       },
+      [&](const Range&, const Stretch& stretch) { return stretch.begin <= limit; },
       [&](int column, int row, const Stretch&) { return visit(column, row); });
 }
 
@@ -269,33 +271,31 @@ double TerrainSurface::horizon_slope(const glm::dvec3& eye, const glm::dvec2& di
   // What is nearer than this rises as the patch does there: its share of a slope is lost to rounding.
   const double nearest = 1e-6 * grid.cell_size;
   double best = least;
-  descend(
-      walk,
-      [&](const Range& range, const Stretch& stretch) {
-        return range.high - eye.z > best * std::max(stretch.begin, 0.0) && range.low <= range.high;
-      },
-      [&](int column, int row, const Stretch& stretch) {
-        const double nw = heights_.at(column, row), ne = heights_.at(column + 1, row),
-                     sw = heights_.at(column, row + 1), se = heights_.at(column + 1, row + 1);
-        // The height along the ray is start + linear t + square t^2, t from the eye on.
-        const double twist = (se - sw) - (ne - nw), east = walk.at(0, 0.0) - column,
-                     south = walk.at(1, 0.0) - row;
-        const double along_x = walk.direction().x, along_y = walk.direction().y;
-        const double rise = nw + (ne - nw) * east + (sw - nw) * south + twist * east * south - eye.z,
-                     linear = (ne - nw + twist * south) * along_x + (sw - nw + twist * east) * along_y,
-                     square = twist * along_x * along_y;
-        if (stretch.end < nearest) return false;
-        const auto take = [&](double t) { best = std::max(best, rise / t + linear + square * t); };
-        const double begin = std::max(stretch.begin, nearest);
-        if (stretch.begin < nearest && std::fabs(rise) < nearest) best = std::max(best, linear);
-        take(begin);
-        take(stretch.end);
-        if (rise * square > 0.0) {
-          const double between = std::sqrt(rise / square);
-          if (between > begin && between < stretch.end) take(between);
-        }
-        return false;
-      });
+  const auto may_rise = [&](const Range& range, const Stretch& stretch) {
+    return range.high - eye.z > best * std::max(stretch.begin, 0.0);
+  };
+  descend(walk, may_rise, may_rise, [&](int column, int row, const Stretch& stretch) {
+    const double nw = heights_.at(column, row), ne = heights_.at(column + 1, row),
+                 sw = heights_.at(column, row + 1), se = heights_.at(column + 1, row + 1);
+    // The height along the ray is start + linear t + square t^2, t from the eye on.
+    const double twist = (se - sw) - (ne - nw), east = walk.at(0, 0.0) - column,
+                 south = walk.at(1, 0.0) - row;
+    const double along_x = walk.direction().x, along_y = walk.direction().y;
+    const double rise = nw + (ne - nw) * east + (sw - nw) * south + twist * east * south - eye.z,
+                 linear = (ne - nw + twist * south) * along_x + (sw - nw + twist * east) * along_y,
+                 square = twist * along_x * along_y;
+    if (stretch.end < nearest) return false;
+    const auto take = [&](double t) { best = std::max(best, rise / t + linear + square * t); };
+    const double begin = std::max(stretch.begin, nearest);
+    if (stretch.begin < nearest && std::fabs(rise) < nearest) best = std::max(best, linear);
+    take(begin);
+    take(stretch.end);
+    if (rise * square > 0.0) {
+      const double between = std::sqrt(rise / square);
+      if (between > begin && between < stretch.end) take(between);
+    }
+    return false;
+  });
   return best;
 }
 

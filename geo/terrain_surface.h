@@ -82,8 +82,8 @@ class TerrainSurface {
   Range patch_range(int column, int row) const;
   Range range_of(const Square& square) const;
   Bounds box_of(const Square& square, const Range& range) const;
-  template <class Keep, class Visit>
-  void descend(const Walk& walk, const Keep& keep, const Visit& visit) const;
+  template <class Keep, class Still, class Visit>
+  void descend(const Walk& walk, const Keep& keep, const Still& still, const Visit& visit) const;
   template <class Visit>
   void for_patches(const Walk& walk, const double& limit, const Visit& visit) const;
   bool any_within(const Square& square, const std::function<bool(const Bounds&)>& box) const;
