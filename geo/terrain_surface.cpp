@@ -191,17 +191,19 @@ Bounds TerrainSurface::box_of(const Square& square, const Range& range) const {
   return {{north_west.x, south_east.y, range.low}, {south_east.x, north_west.y, range.high}};
 }
 
-/// Calls visit(column, row) for the patches that the ray may meet up to t = limit, which may sink meanwhile, the
-/// near ones first, until it returns true. What it leaves out meet() would reject: the stretches of a square hold
-/// those of its patches, and heights of the ray are compared with more slack.
-template <class Visit>
-void TerrainSurface::for_patches(const Walk& walk, const double& limit, const Visit& visit) const {
+/// Calls visit(column, row, stretch) for the patches that the ray passes over or under and that keep(range, stretch)
+/// lets pass, as all squares that hold them, the near ones first, until it returns true. keep() must let a square
+/// pass if it does so for a patch of it, with its stretch and heights within those of the square; it may let fewer
+/// pass as time goes on: still(range, stretch) is asked again when a square's turn has come, and may be cheaper.
+template <class Keep, class Still, class Visit>
+void TerrainSurface::descend(const Walk& walk, const Keep& keep, const Still& still,
+                             const Visit& visit) const {
   struct Waiting {
     Square square;
-    double begin;
+    Range range;
+    Stretch stretch;
   };
   if (levels_.empty()) return;
-  const double slack = slack_ + 0x1p-40 * std::fabs(walk.ray().origin.z);
   const glm::ivec2 most = size_of(0);
   // Both halves of a square along an axis.
   const auto halves = [&walk](int axis, int first, int level, int last) {
@@ -215,10 +217,12 @@ void TerrainSurface::for_patches(const Walk& walk, const double& limit, const Vi
   const std::array<int, 4> order = walk.order();
   std::array<Waiting, 3 * k_most_levels + 1> waiting;
   int count = 0;
-  waiting[count++] = {{static_cast<int>(levels_.size()), 0, 0}, walk.t_min};
+  const Square top{static_cast<int>(levels_.size()), 0, 0};
+  waiting[count++] = {top, range_of(top), {walk.t_min, walk.t_max}};
   while (count > 0) {
-    const auto [square, entry] = waiting[--count];
-    if (entry > limit) continue;
+    const Waiting one = waiting[--count];
+    const Square& square = one.square;
+    if (!still(one.range, one.stretch)) continue;
     const auto x = halves(0, square.column, square.level, most.x),
                y = halves(1, square.row, square.level, most.y);
     const int level = square.level - 1;
@@ -231,18 +235,68 @@ void TerrainSurface::for_patches(const Walk& walk, const double& limit, const Vi
       Stretch stretch{walk.t_min, walk.t_max};
       stretch.cut(x[child & 1]);
       stretch.cut(y[child >> 1]);
-      if (stretch.empty() || stretch.begin > limit) continue;
+      if (stretch.empty()) continue;
       const Range range = range_of(part);
-      const double from = walk.at(2, stretch.begin), to = walk.at(2, stretch.end);
-      const double low = range.low - slack, high = range.high + slack;
-      if (range.low > range.high || (from < low && to < low) || (from > high && to > high)) continue;
+      if (range.low > range.high || !keep(range, stretch)) continue;
       if (level > 0)
-        found[found_count++] = {part, stretch.begin};
-      else if (visit(part.column, part.row))
+        found[found_count++] = {part, range, stretch};
+      else if (visit(part.column, part.row, stretch))
         return;
     }
     while (found_count > 0) waiting[count++] = found[--found_count];
   }
+}
+
+/// The same for the patches that the ray may meet up to t = limit, which may sink meanwhile. What it leaves out
+/// meet() would reject: the stretches of a square hold those of its patches, and heights of the ray are compared with
+/// more slack.
+template <class Visit>
+void TerrainSurface::for_patches(const Walk& walk, const double& limit, const Visit& visit) const {
+  const double slack = slack_ + 0x1p-40 * std::fabs(walk.ray().origin.z);
+  descend(
+      walk,
+      [&](const Range& range, const Stretch& stretch) {
+        if (stretch.begin > limit) return false;
+        const double from = walk.at(2, stretch.begin), to = walk.at(2, stretch.end);
+        const double low = range.low - slack, high = range.high + slack;
+        return !((from < low && to < low) || (from > high && to > high));
+      },
+      [&](const Range&, const Stretch& stretch) { return stretch.begin <= limit; },
+      [&](int column, int row, const Stretch&) { return visit(column, row); });
+}
+
+double TerrainSurface::horizon_slope(const glm::dvec3& eye, const glm::dvec2& direction, double least) const {
+  const RasterGrid& grid = heights_.grid;
+  const Walk walk({eye, {direction.x, direction.y, 0.0}, 0.0, k_infinity}, grid);
+  // What is nearer than this rises as the patch does there: its share of a slope is lost to rounding.
+  const double nearest = 1e-6 * grid.cell_size;
+  double best = least;
+  const auto may_rise = [&](const Range& range, const Stretch& stretch) {
+    return range.high - eye.z > best * std::max(stretch.begin, 0.0);
+  };
+  descend(walk, may_rise, may_rise, [&](int column, int row, const Stretch& stretch) {
+    const double nw = heights_.at(column, row), ne = heights_.at(column + 1, row),
+                 sw = heights_.at(column, row + 1), se = heights_.at(column + 1, row + 1);
+    // The height along the ray is start + linear t + square t^2, t from the eye on.
+    const double twist = (se - sw) - (ne - nw), east = walk.at(0, 0.0) - column,
+                 south = walk.at(1, 0.0) - row;
+    const double along_x = walk.direction().x, along_y = walk.direction().y;
+    const double rise = nw + (ne - nw) * east + (sw - nw) * south + twist * east * south - eye.z,
+                 linear = (ne - nw + twist * south) * along_x + (sw - nw + twist * east) * along_y,
+                 square = twist * along_x * along_y;
+    if (stretch.end < nearest) return false;
+    const auto take = [&](double t) { best = std::max(best, rise / t + linear + square * t); };
+    const double begin = std::max(stretch.begin, nearest);
+    if (stretch.begin < nearest && std::fabs(rise) < nearest) best = std::max(best, linear);
+    take(begin);
+    take(stretch.end);
+    if (rise * square > 0.0) {
+      const double between = std::sqrt(rise / square);
+      if (between > begin && between < stretch.end) take(between);
+    }
+    return false;
+  });
+  return best;
 }
 
 /// The first hit of a patch that exists. Both patches of an edge compute the same height where the ray crosses

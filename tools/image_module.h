@@ -17,6 +17,7 @@
 #include "visibility/points/placement.h"
 #include "visibility/raster/map_picture.h"
 #include "visibility/read_observers.h"
+#include "visibility/sky/sun_curves.h"
 #include "visibility/sky/sun_path.h"
 
 namespace alidade::tools {
@@ -49,6 +50,8 @@ struct ImageModule {
   decltype(&visibility::write_skyline) write_skyline = &visibility::write_skyline;
   decltype(&visibility::place_schedule) place_schedule = &visibility::place_schedule;
   decltype(&visibility::sun_steps) sun_steps = &visibility::sun_steps;
+  decltype(&visibility::sun_curves) sun_curves = &visibility::sun_curves;
+  decltype(&visibility::sun_periods) sun_periods = &visibility::sun_periods;
   decltype(&compare::compare_files) compare_files = &compare::compare_files;
   decltype(&compare::compare_pairs) compare_pairs = &compare::compare_pairs;
   decltype(&compare::report_page) report_page = &compare::report_page;

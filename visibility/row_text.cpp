@@ -108,4 +108,31 @@ Row geojson_feature(std::span<const glm::dvec3> positions, const Row& properties
   return feature;
 }
 
+bool write_positions(const PositionTable& table, const Row& members, RowForm form, const RowFileHead& head,
+                     const ToLonLat& to_lon_lat, const std::filesystem::path& file, bool overwrite) {
+  OutputFile output(file, overwrite);
+  std::optional<std::vector<glm::dvec3>> on_earth;
+  if (form == RowForm::csv) {
+    write_text(output, csv_names(table.rows.front()));
+    for (const Row& row : table.rows) write_text(output, csv_values(row));
+  } else if (form == RowForm::json) {
+    Row object = members_of(head);
+    object.update(members);
+    JsonListWriter rows(output, object, table.list);
+    for (const Row& row : table.rows) rows.add(row);
+    rows.finish();
+  } else {
+    if (to_lon_lat) on_earth = to_lon_lat(table.positions);
+    const std::span<const glm::dvec3> positions = on_earth ? *on_earth : table.positions;
+    Row object = geojson_head(head, on_earth.has_value());
+    object.update(members);
+    JsonListWriter features(output, object, "features");
+    for (std::size_t i = 0; i < table.rows.size(); ++i)
+      features.add(geojson_feature(positions.subspan(i, 1), table.rows[i]));
+    features.finish();
+  }
+  output.commit();
+  return form != RowForm::geojson || on_earth.has_value();
+}
+
 }  // namespace alidade::visibility

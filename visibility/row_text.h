@@ -65,4 +65,19 @@ Row geojson_head(const RowFileHead& head, bool on_earth);
 /// "Point" for one position, "LineString" for more.
 Row geojson_feature(std::span<const glm::dvec3> positions, const Row& properties);
 
+/// Rows that each belong to a position.
+struct PositionTable {
+  std::string list;                   ///< what JSON calls them: "places"
+  std::vector<Row> rows;              ///< with the same names, in the same order
+  std::vector<glm::dvec3> positions;  ///< one per row
+};
+
+/// Writes them as CSV (names, then a line each), JSON (an object with the list) or GeoJSON (a Point each); `members` are
+/// those of the JSON object beside those of the head. The file is
+/// written completely or not at all. Returns false if GeoJSON got the positions as they are, because there is no
+/// `to_lon_lat` or it cannot. Errors: an existing file without `overwrite`; a full disk and other write failures.
+/// Requires a row.
+bool write_positions(const PositionTable& table, const Row& members, RowForm form, const RowFileHead& head,
+                     const ToLonLat& to_lon_lat, const std::filesystem::path& file, bool overwrite);
+
 }  // namespace alidade::visibility

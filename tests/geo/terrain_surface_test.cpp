@@ -210,5 +210,63 @@ TEST(TerrainSurface, bounds_hold_the_patches_and_any_finds_their_boxes) {
   EXPECT_EQ(boxes, 39) << "each patch once";
 }
 
+/// The highest slope of the surface above the eye by sampling it along a direction.
+double sampled_slope(const Raster<float>& raster, const glm::dvec3& eye, const glm::dvec2& direction) {
+  constexpr double k_step = 0.003;
+  double best = 0.0;
+  for (double t = k_step; t < 200.0; t += k_step) {
+    const glm::dvec3 position = eye + t * glm::dvec3(direction, 0.0);
+    const int column = static_cast<int>(
+                  std::floor((position.x - raster.grid.north_west.x) / raster.grid.cell_size - 0.5)),
+              row = static_cast<int>(
+                  std::floor((raster.grid.north_west.y - position.y) / raster.grid.cell_size - 0.5));
+    if (column < 0 || row < 0 || column + 1 >= raster.grid.columns || row + 1 >= raster.grid.rows) continue;
+    const double height = height_at(raster, column, row, position);
+    if (std::isfinite(height)) best = std::max(best, (height - eye.z) / t);
+  }
+  return best;
+}
+
+TEST(TerrainSurface, horizon_slope_is_the_highest_of_all_positions_along_the_direction) {
+  Random random;
+  for (const Raster<float>& raster : rasters(random)) {
+    const TerrainSurface terrain(raster);
+    for (int i = 0; i < 40; ++i) {
+      const auto column = static_cast<int>(random.below(raster.grid.columns)),
+                 row = static_cast<int>(random.below(raster.grid.rows));
+      const double height = raster.at(column, row);
+      if (std::isnan(height)) continue;
+      const glm::dvec3 eye =
+          over(raster.grid, column, row, height + (i % 2 == 0 ? 0.0 : random.between(0, 3)));
+      const double angle = random.between(0, 7);
+      const glm::dvec2 direction(std::sin(angle), std::cos(angle));
+      const double slope = terrain.horizon_slope(eye, direction),
+                   sampled = sampled_slope(raster, eye, direction);
+      EXPECT_GE(slope, sampled - 1e-5) << i;
+      EXPECT_LE(slope, sampled + 0.02 * (1.0 + sampled)) << i;
+      EXPECT_EQ(terrain.horizon_slope(eye, direction, slope), slope);
+      EXPECT_EQ(terrain.horizon_slope(eye, direction, slope + 1.0), slope + 1.0) << "nothing is above that";
+    }
+  }
+}
+
+TEST(TerrainSurface, horizon_slope_separates_lines_that_meet_the_surface_from_free_ones) {
+  Random random;
+  const Raster<float> raster = raster_of(
+      37, 23, [](int column, int row) { return 600.0 + 8.0 * std::sin(0.5 * column) * std::cos(0.3 * row); });
+  const TerrainSurface terrain(raster);
+  for (int i = 0; i < 500; ++i) {
+    const auto column = static_cast<int>(random.below(37)), row = static_cast<int>(random.below(23));
+    const glm::dvec3 eye = over(raster.grid, column, row, raster.at(column, row) + 0.01);
+    const double angle = random.between(0, 7);
+    constexpr glm::dvec2 k_along[] = {{0, 1}, {1, 0}, {0, -1}, {-1, 0}};
+    const glm::dvec2 direction =
+        i % 5 == 0 ? k_along[i / 5 % 4] : glm::dvec2(std::sin(angle), std::cos(angle));
+    const double slope = terrain.horizon_slope(eye, direction);
+    EXPECT_FALSE(terrain.occluded(make_ray(eye, {direction, slope + 1e-6}, 0.0)));
+    if (slope > 0.0) EXPECT_TRUE(terrain.occluded(make_ray(eye, {direction, slope - 1e-6}, 0.0))) << i;
+  }
+}
+
 }  // namespace
 }  // namespace alidade::test

@@ -177,21 +177,36 @@ TEST_F(VisibilityMapsTest, a_map_of_the_sky_is_one_of_the_same_kind) {
 }
 
 TEST_F(VisibilityMapsTest, a_map_of_the_sun_has_hours_and_energy) {
-  const json info = map_of("sun", "sun.tif", with(k_cells, k_day));
+  const json info = map_of("sun", "sun.tif", with(with(k_cells, k_day), {"--beam-only"}));
   expect_map(info);
-  ASSERT_EQ(info["bands"].size(), 2u);
-  const Words names{"SunHours", "SunEnergy"}, units{"h", "kWh/m2"};
-  for (std::size_t i = 0; i < 2; ++i) {
+  const Words names{"SunHours", "BeamEnergy"};
+  ASSERT_EQ(info["bands"].size(), names.size());
+  for (std::size_t i = 0; i < names.size(); ++i) {
     EXPECT_EQ(info["bands"][i]["description"], names[i]);
-    EXPECT_EQ(info["bands"][i]["unit"], units[i]);
+    EXPECT_EQ(info["bands"][i]["unit"], i == 0 ? "h" : "Wh/m2");
     EXPECT_EQ(info["bands"][i]["noDataValue"], -9999.0);
   }
   const json& metadata = info["metadata"][""];
+  EXPECT_EQ(metadata["alidade_sun_receiver"], "horizontal");
   EXPECT_TRUE(contains(metadata["alidade_sun_from"], "2026-06-2"));
   EXPECT_EQ(metadata["alidade_sun_step_minutes"], "240");
   EXPECT_EQ(metadata["alidade_sun_bin_degrees"], "exact");
   EXPECT_TRUE(contains(metadata["alidade_place"], "latitude 48.0"));
-  EXPECT_TRUE(contains(metadata["alidade_clear_sky"], "Linke turbidity 3"));
+  EXPECT_TRUE(contains(metadata["alidade_sky"], "Linke turbidity 3"));
+}
+
+TEST_F(VisibilityMapsTest, a_map_of_the_sun_by_months_has_bands_for_each) {
+  const json info =
+      map_of("sun", "months.tif",
+             {"--resolution", "20", "--from", "2026-03-31", "--to", "2026-04-02", "--place", "48,11",
+              "--step", "240", "--per", "month", "--receiver", "surface", "--preview", "m.png"});
+  const Words names{"SunHours_2026-03",        "BeamEnergy_2026-03",    "DiffuseEnergy_2026-03",
+                    "ReflectedEnergy_2026-03", "GlobalEnergy_2026-03",  "SunHours_2026-04",
+                    "BeamEnergy_2026-04",      "DiffuseEnergy_2026-04", "ReflectedEnergy_2026-04",
+                    "GlobalEnergy_2026-04"};
+  ASSERT_EQ(info["bands"].size(), names.size());
+  for (std::size_t i = 0; i < names.size(); ++i) EXPECT_EQ(info["bands"][i]["description"], names[i]);
+  EXPECT_EQ(info["metadata"][""]["alidade_sun_receiver"], "slope of the ground");
 }
 
 TEST_F(VisibilityMapsTest, cells_without_ground_have_no_data_in_any_map) {
@@ -218,9 +233,45 @@ TEST_F(VisibilityMapsTest, cells_without_ground_have_no_data_in_any_map) {
                              GDT_Float32, 0, 0),
                 CE_None);
       EXPECT_EQ(values[15 * 7 + 7], -9999.0f) << words[0];
-      EXPECT_GT(values[15 * 13 + 1], 0.0f) << words[0];
+      // Level ground gets nothing from the ground around.
+      const bool is_reflected =
+          std::string(GDALGetDescription(GDALGetRasterBand(map, number))) == "ReflectedEnergy";
+      EXPECT_GT(values[15 * 13 + 1], is_reflected ? -1.0f : 0.0f) << words[0];
     }
     GDALClose(map);
+  }
+}
+
+TEST_F(VisibilityMapsTest, cells_that_nobody_scanned_have_no_data_in_any_map) {
+  // A field of 20 x 20 with a pond of 8 x 8 without echoes: its ground is closed, but not known.
+  PointCloud field_with_pond = field();
+  field_with_pond.positions.clear();
+  for (int i = 0; i < 80 * 80; ++i) {
+    const int column = i % 80, row = i / 80;
+    if (column > 24 && column < 56 && row > 24 && row < 56) continue;
+    field_with_pond.positions.emplace_back(250 * column, 250 * row, 0);
+  }
+  field_with_pond.classifications.assign(field_with_pond.positions.size(), 2);
+  write_las(folder / "pond.las", field_with_pond);
+  const auto middle_of = [&](const Words& words) {
+    const ProgramResult result = run(with(
+        with({"visibility"}, words), {"pond.las", "--resolution", "2", "--overwrite", "-o", "pond.tif"}));
+    EXPECT_EQ(result.exit_code, 0) << result.err;
+    const GDALDatasetH map = GDALOpen((folder / "pond.tif").c_str(), GA_ReadOnly);
+    float middle = 0.0f, corner = 0.0f;
+    GDALRasterBandH band = GDALGetRasterBand(map, 1);
+    EXPECT_EQ(GDALRasterIO(band, GF_Read, 5, 5, 1, 1, &middle, 1, 1, GDT_Float32, 0, 0), CE_None);
+    EXPECT_EQ(GDALRasterIO(band, GF_Read, 1, 1, 1, 1, &corner, 1, 1, GDT_Float32, 0, 0), CE_None);
+    const double nodata = GDALGetRasterNoDataValue(band, nullptr);
+    GDALClose(map);
+    EXPECT_NE(corner, nodata) << words[0];
+    return middle == nodata;
+  };
+  for (const Words& words : {Words{"raster", "--observer", "690001,5325001,602"},
+                             Words{"raster", "--observer", "690001,5325001,602", "--mode", "count"},
+                             Words{"sky", "--directions", "4"}, with({"sun", "--beam-only"}, k_day)}) {
+    EXPECT_TRUE(middle_of(words)) << words[0];
+    EXPECT_FALSE(middle_of(with(words, {"--ground-reach", "10"}))) << words[0] << ": the user says so";
   }
 }
 

@@ -50,7 +50,7 @@ TEST_F(SkyTest, horizon_is_csv_on_stdout_with_a_row_per_azimuth) {
   std::istringstream lines(result.out);
   std::string line;
   std::getline(lines, line);
-  EXPECT_EQ(line, "azimuth,elevation,distance,point_id,x,y,z");
+  EXPECT_EQ(line, "azimuth,elevation,distance,point_id,x,y,z,unscanned");
   int rows = 0;
   double east = -90.0;
   for (; std::getline(lines, line); ++rows)
@@ -124,25 +124,79 @@ TEST_F(SkyTest, sky_and_sun_write_maps_of_the_ground) {
 TEST_F(SkyTest, sun_counts_hours_and_energy_of_every_point) {
   // In the morning the wall's shadow lies west of it.
   const Words day{"--place", "48,11", "--step", "30", "--receiver", "horizontal"};
-  Words morning = day, all = day;
+  Words morning = day, whole = day;
   for (const char* const word :
        {"-o", "morning.las", "--from", "2026-06-21T04:00Z", "--to", "2026-06-21T10:00Z"})
     morning.emplace_back(word);
-  for (const char* const word : {"-o", "day.las", "--from", "2026-06-21"}) all.emplace_back(word);
+  for (const char* const word : {"-o", "day.las", "--from", "2026-06-21"}) whole.emplace_back(word);
   ProgramResult result = visibility("sun", morning);
   ASSERT_EQ(result.exit_code, 0) << result.err;
-  result = visibility("sun", all);
+  result = visibility("sun", whole);
   ASSERT_EQ(result.exit_code, 0) << result.err;
-  const std::vector<float> hours = column("morning.las", "SunHours"), energy = column("day.las", "SunEnergy"),
-                           of_day = column("day.las", "SunHours");
+  const std::vector<float> hours = column("morning.las", "SunHours"),
+                           energy = column("day.las", "BeamEnergy"), of_day = column("day.las", "SunHours");
   EXPECT_NEAR(hours[floor(20, 0)], 6.0, 0.01) << "east of the wall";
   EXPECT_LT(hours[floor(-2, 0)], 3.0) << "west of the wall";
   // Of 16 hours; the sun rises behind the wall's end.
   EXPECT_GT(of_day[floor(-25, -25)], 14.0);
   EXPECT_LT(of_day[floor(-25, -25)], 16.1);
-  EXPECT_GT(energy[floor(-25, -25)], 6.5);
-  EXPECT_LT(energy[floor(-25, -25)], 8.0);
+  EXPECT_GT(energy[floor(-25, -25)], 6500.0);
+  EXPECT_LT(energy[floor(-25, -25)], 8000.0);
+  const std::vector<float> diffuse = column("day.las", "DiffuseEnergy"),
+                           all = column("day.las", "GlobalEnergy");
+  EXPECT_GT(diffuse[floor(-25, -25)], 1100.0);
+  EXPECT_LT(diffuse[floor(-1, 0)], 0.8 * diffuse[floor(-25, -25)]);
+  EXPECT_NEAR(all[floor(-25, -25)], energy[floor(-25, -25)] + diffuse[floor(-25, -25)], 1.0);
   EXPECT_LT(energy[floor(-1, 0)], 0.8 * energy[floor(-25, -25)]);
+}
+
+TEST_F(SkyTest, sun_of_observers_is_a_row_for_each_and_period_with_a_diagram) {
+  const Words words{"--place",    "48,11", "--step",     "60",    "--from",
+                    "2026-06-21", "--to",  "2026-06-22", "--per", "day"};
+  const auto sun = [&](Words more) {
+    more.insert(more.begin(), words.begin(), words.end());
+    return visibility("sun", more);
+  };
+  ProgramResult result = sun({"--observer", "-3,0.03,1", "--observer", "-0.3,0,0.1", "-o", "sun.csv"});
+  ASSERT_EQ(result.exit_code, 0) << result.err;
+  std::istringstream lines(read("sun.csv"));
+  std::string line;
+  std::getline(lines, line);
+  EXPECT_EQ(line, "observer,x,y,z,period,SunHours,BeamEnergy,DiffuseEnergy,ReflectedEnergy,GlobalEnergy");
+  std::vector<double> hours;
+  while (std::getline(lines, line)) {
+    EXPECT_TRUE(contains(line, hours.size() % 2 == 0 ? "2026-06-21" : "2026-06-22")) << line;
+    const std::size_t at = line.find("2026-06-2") + 11;
+    hours.push_back(std::stod(line.substr(at)));
+  }
+  ASSERT_EQ(hours.size(), 4u);
+  EXPECT_GT(hours[0], 1.2 * hours[2]) << "the second one is beside the wall";
+  EXPECT_EQ(
+      sun({"--observer", "-3,0.03,1", "-o", "sun.json", "--diagram", "sun.png", "--tilt", "40"}).exit_code,
+      0);
+  EXPECT_TRUE(read("sun.png").starts_with("\x89PNG"));
+  const auto object = nlohmann::json::parse(read("sun.json"));
+  EXPECT_EQ(object["alidade_sun_receiver"], "tilt 40, aspect 180");
+  EXPECT_GT(object["observers"][0]["ReflectedEnergy"], 0.0);
+  EXPECT_EQ(sun({"--observer", "-3,0.03,1", "-o", "sun.geojson"}).exit_code, 0);
+  EXPECT_EQ(nlohmann::json::parse(read("sun.geojson"))["features"].size(), 2u);
+
+  const auto err = [&](const Words& more) {
+    Words all{"--observer", "-3,0.03,1", "-o", "b.csv"};
+    all.insert(all.end(), more.begin(), more.end());
+    const ProgramResult wrong = sun(all);
+    EXPECT_EQ(wrong.exit_code, 2) << more.front();
+    return wrong.err;
+  };
+  EXPECT_TRUE(contains(err({"--observer", "1,1,1", "--diagram", "b.png"}), "expected one observer, found 2"));
+  EXPECT_TRUE(contains(err({"--diagram", "b.jpg"}), "the extension .png"));
+  EXPECT_TRUE(contains(err({"--resolution", "1"}), "--resolution does not apply to --observer"));
+  EXPECT_TRUE(contains(err({"--receiver", "surface"}), "--tilt and --aspect"));
+  EXPECT_TRUE(contains(err({"--turbidity", "3,4"}), "one number, or twelve"));
+  write("bad.epw", "LOCATION,a,b,c,d,e,148,11,1,500\n");
+  EXPECT_TRUE(contains(err({"--weather", "bad.epw"}), "bad.epw:line 1: invalid latitude"));
+  EXPECT_EQ(sun({"--diagram", "b.png", "-o", "b.las"}).exit_code, 2) << "without observers";
+  EXPECT_FALSE(std::filesystem::exists(folder / "b.csv"));
 }
 
 TEST_F(SkyTest, sun_needs_a_position_and_a_time) {
@@ -168,7 +222,6 @@ TEST_F(SkyTest, sun_needs_a_position_and_a_time) {
 TEST_F(SkyTest, options_of_maps_mean_nothing_for_points_nor_the_other_way) {
   EXPECT_TRUE(contains(visibility("sky", {"-o", "a.las", "--resolution", "1"}).err, "--resolution"));
   EXPECT_TRUE(contains(visibility("sky", {"-o", "a.ply", "--target-height", "1"}).err, "--target-height"));
-  EXPECT_TRUE(contains(visibility("sky", {"-o", "a.tif", "--receiver", "surface"}).err, "--receiver"));
   EXPECT_TRUE(contains(visibility("sky", {"-o", "a.las", "--preview", "a.png"}).err, "--preview"));
   EXPECT_TRUE(contains(visibility("sky", {"-o", "a.tif", "--preview", "a.jpg"}).err, ".png"));
   EXPECT_TRUE(contains(visibility("sky", {"-o", "a.txt"}).err, "the extension .las, .laz, .ply or .tif"));

@@ -156,6 +156,57 @@ TEST(GroundTest, there_is_no_ground_beyond_the_reach_of_the_cloud) {
   EXPECT_FALSE(ground.at({k_east, std::numeric_limits<double>::quiet_NaN()}));
 }
 
+TEST(GroundTest, gaps_and_what_lies_beyond_the_points_were_not_scanned) {
+  // Ground with a pond of 6 x 6 that gave no echo, and a house of 6 x 6.
+  Site site;
+  Random random;
+  for (int i = 0; i < 40000; ++i) {
+    const double x = random.between(0, 30), y = random.between(0, 30);
+    const bool is_pond = x > 5 && x < 11 && y > 5 && y<11, is_house = x> 18 && x < 24 && y > 18 && y < 24;
+    if (!is_pond) site.add(x, y, is_house ? 520.0 : plane(x, y), is_house ? 6 : 2);
+  }
+  const auto scanned = [](const Ground& ground, double x, double y) {
+    return ground.is_scanned({k_east + x, k_north + y});
+  };
+  const Ground ground = site.ground();
+  EXPECT_FALSE(std::isnan(at(ground, 8, 8))) << "observers find the ground in the gap";
+  EXPECT_FALSE(scanned(ground, 8, 8));
+  EXPECT_TRUE(scanned(ground, 21, 21)) << "below the roof";
+  EXPECT_FALSE(scanned(ground, -3, 15));
+  EXPECT_FALSE(scanned(ground, std::numeric_limits<double>::quiet_NaN(), 15));
+  for (double x = 0.1; x < 30.0; x += 0.7) {
+    EXPECT_TRUE(scanned(ground, x, 2.0)) << x;
+    EXPECT_TRUE(scanned(ground, x, 28.0)) << x;
+  }
+  const glm::dvec2 corner(k_east, k_north);
+  EXPECT_NEAR(unscanned_length(ground, corner + glm::dvec2(1, 8), corner + glm::dvec2(29, 8)), 4.0, 0.8)
+      << "the pond without its rim";
+  EXPECT_EQ(unscanned_length(ground, corner + glm::dvec2(1, 2), corner + glm::dvec2(29, 2)), 0.0);
+  EXPECT_NEAR(unscanned_length(ground, corner + glm::dvec2(29, 2), corner + glm::dvec2(129, 2)), 99.0, 2.0);
+  EXPECT_EQ(unscanned_length(ground, corner, corner), 0.0);
+  EXPECT_TRUE(scanned(site.ground({.scanned_reach = 4.0}), 8, 8));
+  EXPECT_FALSE(scanned(site.ground({.reach = 0.0}), 5.6, 8)) << "not beyond the reach";
+  EXPECT_THROW(site.ground({.scanned_reach = -1.0}), Error);
+}
+
+TEST(GroundTest, of_a_raster_was_scanned_where_its_cells_have_heights) {
+  Raster<float> heights({{0.0, 4.0}, 1.0, 4, 4}, 7.0f);
+  heights.at(1, 1) = std::numeric_limits<float>::quiet_NaN();
+  auto terrain = std::make_shared<const Ground>(TerrainSurface(heights));
+  EXPECT_TRUE(terrain->at({1.9, 2.5})) << "from the cell beside";
+  EXPECT_FALSE(terrain->is_scanned({1.9, 2.5}));
+  EXPECT_TRUE(terrain->is_scanned({2.1, 2.5}));
+  EXPECT_TRUE(terrain->is_scanned({0.0, 0.0}));
+  EXPECT_FALSE(terrain->is_scanned({-0.1, 0.0}));
+  Site site;
+  site.scatter(100, 1, plane, 2);
+  Ground points = site.ground();
+  points.raise_to(terrain);
+  EXPECT_TRUE(points.is_scanned({2.1, 2.5}));
+  EXPECT_TRUE(points.is_scanned({k_east + 0.5, k_north + 0.5}));
+  EXPECT_FALSE(points.is_scanned({1.9, 2.5}));
+}
+
 TEST(GroundTest, bad_wishes_are_errors) {
   Site site;
   EXPECT_THROW(site.ground(), Error);

@@ -26,10 +26,10 @@ Points yard() {
 }
 
 /// Morning, noon, afternoon.
-std::vector<SunBin> bins() {
+SunLight bins() {
   const std::vector<SunStep> steps{
       {90.0, 20.0, 1.0, 500.0}, {180.0, 60.0, 2.0, 800.0}, {330.0, 30.0, 4.0, 600.0}};
-  return sun_bins(steps, 0.0);
+  return sun_light(steps, 1, {.has_sky = false});
 }
 
 TEST(PointSkyViews, are_those_of_single_targets_by_point_id) {
@@ -63,15 +63,15 @@ TEST(PointSkyViews, use_valid_normals) {
 TEST(PointSunHours, are_those_of_single_targets_by_point_id) {
   const Points points = yard();
   const Occluders occluders(octree_of(points), {});
-  const std::vector<SunHours> hours = point_sun_hours(occluders, {}, bins(), {});
+  const std::vector<Radiation> hours = point_sun_hours(occluders, {}, bins(), {});
   ASSERT_EQ(hours.size(), points.size());
   for (std::size_t id = 0; id < points.size(); id += 97) {
     std::vector<SkyTarget> target{target_on_point(occluders, id, points[id], {})};
     find_open_sides(occluders, 64, target);
-    SunHours answer;
+    Radiation answer;
     sun_hours(occluders, target, bins(), {}, std::span(&answer, 1));
     EXPECT_EQ(hours[id].hours, answer.hours) << id;
-    EXPECT_EQ(hours[id].kilowatt_hours, answer.kilowatt_hours) << id;
+    EXPECT_EQ(hours[id].beam, answer.beam) << id;
   }
 }
 
@@ -103,13 +103,13 @@ TEST(PointSkyViews, are_the_same_when_the_run_was_stopped_between) {
   EXPECT_EQ(stopped_and_resumed(
                 [&](const LongWork& work) { return point_sky_views(occluders, {}, options, work); }),
             point_sky_views(occluders, {}, options));
-  const std::vector<SunHours> whole = point_sun_hours(occluders, {}, bins(), {});
-  const std::vector<SunHours> cut = stopped_and_resumed(
+  const std::vector<Radiation> whole = point_sun_hours(occluders, {}, bins(), {});
+  const std::vector<Radiation> cut = stopped_and_resumed(
       [&](const LongWork& work) { return point_sun_hours(occluders, {}, bins(), {}, work); });
   ASSERT_EQ(cut.size(), whole.size());
   for (std::size_t i = 0; i < whole.size(); ++i) {
     ASSERT_EQ(cut[i].hours, whole[i].hours) << i;
-    ASSERT_EQ(cut[i].kilowatt_hours, whole[i].kilowatt_hours) << i;
+    ASSERT_EQ(cut[i].beam, whole[i].beam) << i;
   }
 }
 
@@ -123,7 +123,8 @@ TEST(GroundSkyViews, fall_towards_a_wall_and_are_nothing_without_ground) {
   grid.cell_size = 1.0;
   grid.columns = 2;
   grid.rows = 14;
-  const Raster<float> views = ground_sky_views(occluders, ground, grid, 0.0, {.directions = 64});
+  const Raster<float> views =
+      ground_sky_views(occluders, ground, grid, 0.0, {.directions = 64, .receiver = SkyReceiver::horizontal});
   for (int row = 0; row + 1 < 9; ++row) EXPECT_LE(views.at(0, row), views.at(0, row + 1) + 0.02f) << row;
   EXPECT_LT(views.at(0, 0), 0.65f);
   EXPECT_GT(views.at(0, 8), 0.9f);
@@ -137,7 +138,8 @@ TEST(GroundSkyViews, are_seen_from_the_positions_that_a_viewshed_looks_at) {
   const Occluders occluders(octree_of(yard()), {});
   const Ground ground = make_ground(occluders.octree(), {}, {.cell_size = 0.5, .reach = 1.0});
   const RasterGrid grid = grid_over({{-4, -4, 0}, {4, 4, 0}}, 1.0);
-  const Raster<float> views = ground_sky_views(occluders, ground, grid, 0.25, {.directions = 32});
+  const Raster<float> views = ground_sky_views(occluders, ground, grid, 0.25,
+                                               {.directions = 32, .receiver = SkyReceiver::horizontal});
   for (int row = 0; row < grid.rows; ++row) {
     const glm::dvec2 position = grid.center(3, row);
     const SkyTarget target = target_in_open(
@@ -167,15 +169,16 @@ TEST(GroundSunHours, fall_in_the_shadow_of_a_wall) {
   grid.cell_size = 2.0;
   grid.columns = 1;
   grid.rows = 8;
-  const SunMaps maps = ground_sun_hours(occluders, ground, grid, 0.0, bins(), {});
+  const Raster<Radiation> map = ground_sun_hours(occluders, ground, grid, 0.0, bins(), {}).front();
   // The wall hides the sun in the north-west from positions nearer than 4 m / tan 30 degrees.
-  EXPECT_NEAR(maps.hours.at(0, 0), 3.0, 1e-6);
-  EXPECT_NEAR(maps.hours.at(0, 4), 7.0, 1e-6);
-  const auto energy = [](double elevation) { return std::sin(elevation * std::numbers::pi / 180.0); };
-  EXPECT_NEAR(maps.kilowatt_hours.at(0, 0), 0.5 * energy(20) + 1.6 * energy(60), 1e-5);
-  EXPECT_NEAR(maps.kilowatt_hours.at(0, 4), 0.5 * energy(20) + 1.6 * energy(60) + 2.4 * energy(30), 1e-5);
-  EXPECT_TRUE(std::isnan(maps.hours.at(0, 7)));
-  EXPECT_TRUE(std::isnan(maps.kilowatt_hours.at(0, 7)));
+  EXPECT_NEAR(map.at(0, 0).hours, 3.0, 1e-6);
+  EXPECT_NEAR(map.at(0, 4).hours, 7.0, 1e-6);
+  const auto energy = [](double elevation) {
+    return 1000.0 * std::sin(elevation * std::numbers::pi / 180.0);
+  };
+  EXPECT_NEAR(map.at(0, 0).beam, 0.5 * energy(20) + 1.6 * energy(60), 1e-2);
+  EXPECT_NEAR(map.at(0, 4).beam, 0.5 * energy(20) + 1.6 * energy(60) + 2.4 * energy(30), 1e-2);
+  EXPECT_TRUE(std::isnan(map.at(0, 7).hours));
 }
 
 }  // namespace

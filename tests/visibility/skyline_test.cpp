@@ -12,6 +12,7 @@
 #include "image/font.h"
 #include "tests/visibility/sampled_shapes.h"
 #include "visibility/horizon/horizon.h"
+#include "visibility/sky/sun_curves.h"
 
 namespace alidade::test {
 
@@ -96,12 +97,69 @@ TEST(SkylinePicture, draws_sky_things_and_the_line) {
   EXPECT_GT(sky, strip.width * strip.height / 2);
 }
 
+TEST(Skyline, curves_are_bright_over_the_sky_and_faint_over_what_hides_them) {
+  constexpr Rgb8 k_color{200, 10, 240};
+  DepthStrip strip;
+  strip.width = 720;
+  strip.height = 320;
+  strip.distances.assign(720 * 320, std::numeric_limits<float>::infinity());
+  for (int y = 0; y < 320; ++y) std::fill_n(strip.distances.begin() + y * 720, 360, 10.0f);
+  SkylineTexts texts;
+  texts.curves.push_back({.positions = {{350, 45}, {10, 45}, {350, 45}}, .color = k_color});
+  const auto count_of = [&](const Canvas& canvas, const auto& counts) {
+    int count = 0;
+    for (int y = 0; y < canvas.height(); ++y)
+      for (int x = 0; x < canvas.width(); ++x) count += counts(x, canvas.at(x, y));
+    return count;
+  };
+  const auto is_curve = [&](int, const Rgb8& color) { return color == k_color; };
+  EXPECT_EQ(count_of(draw_skyline(strip, {}, texts, Font(find_font())), is_curve), 0)
+      << "north is passed, not crossed";
+  texts.curves.front().positions = {{10, 45}, {180, 45}, {350, 45}};
+  texts.curves.front().marks = {{{270, 45}, "12"}};
+  const Canvas canvas = draw_skyline(strip, {}, texts, Font(find_font()));
+  const int bright = count_of(canvas, is_curve);
+  EXPECT_GT(bright, 300) << "half of the line, about 340 pixels";
+  EXPECT_LT(bright, 1000);
+  strip.distances.assign(720 * 320, 10.0f);
+  EXPECT_EQ(count_of(draw_skyline(strip, {}, texts, Font(find_font())), is_curve), 0);
+}
+
+TEST(SunCurves, are_the_paths_of_solstices_and_equinox_with_hours_of_mean_solar_time) {
+  SunSchedule schedule;
+  schedule.from = parse_date_time("2026-05-05T00:00Z");
+  schedule.to = parse_date_time("2026-05-06T00:00Z");
+  schedule.latitude = 48.0;
+  schedule.longitude = 11.0;
+  const std::vector<SkylineCurve> curves = sun_curves(schedule);
+  ASSERT_GT(curves.size(), 3u);
+  const std::span<const SkylineCurve> days = std::span(curves).last(3);
+  const double tilt = 23.44;
+  for (const auto& [curve, noon] :
+       {std::pair{&days[0], 42.0 + tilt}, {&days[1], 42.0}, {&days[2], 42.0 - tilt}}) {
+    double highest = 0.0;
+    for (const glm::dvec2& position : curve->positions) highest = std::max(highest, position.y);
+    EXPECT_NEAR(highest, noon, 0.3) << curve->label;
+  }
+  EXPECT_EQ(days[0].label, "21 June");
+  EXPECT_EQ(days[0].marks.size(), 16u) << "from 4 to 19";
+  const auto noon = std::ranges::find(days[0].marks, "12", &SkylineCurve::Mark::label);
+  ASSERT_NE(noon, days[0].marks.end());
+  // The equation of time is below two minutes then.
+  EXPECT_NEAR(noon->position.x, 180.0, 1.5);
+  const auto lines = static_cast<int>(curves.size()) - 3;
+  EXPECT_EQ(lines, 16) << "an hour each that has sun in summer";
+  for (const SkylineCurve& line : std::span(curves).first(16)) EXPECT_TRUE(line.label.empty());
+}
+
 TEST(HorizonFile, csv_has_a_row_per_azimuth) {
-  EXPECT_EQ(horizon_csv(two_directions()),
-            "azimuth,elevation,distance,point_id,x,y,z\n"
-            "0,12.25,23.4567,7,690000.125,5325020.5,610\n"
-            "120,,,,,,\n"
-            "240,-1.5,15.0000,8,689990,5324990,600\n");
+  std::vector<HorizonDirection> line = two_directions();
+  line[2].unscanned = 4.5;
+  EXPECT_EQ(horizon_csv(line),
+            "azimuth,elevation,distance,point_id,x,y,z,unscanned\n"
+            "0,12.25,23.4567,7,690000.125,5325020.5,610,\n"
+            "120,,,,,,,\n"
+            "240,-1.5,15.0000,8,689990,5324990,600,4.5000\n");
 }
 
 TEST(HorizonFile, geojson_has_points_on_the_globe_or_reports_that_they_are_not) {

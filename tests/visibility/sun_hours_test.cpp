@@ -38,10 +38,15 @@ double hours_of(std::span<const SunStep> steps) {
                          [](double sum, const SunStep& step) { return sum + step.hours; });
 }
 
-SunHours at(const Occluders& occluders, const SkyTarget& target, std::span<const SunBin> bins,
-            SkyReceiver receiver = SkyReceiver::surface) {
-  SunHours answer;
-  sun_hours(occluders, std::span(&target, 1), bins, {receiver}, std::span(&answer, 1));
+/// The sun alone.
+SunLight beam_light(std::span<const SunStep> steps, double bin) {
+  return sun_light(steps, 1, {.bin = bin, .has_sky = false});
+}
+
+Radiation at(const Occluders& occluders, const SkyTarget& target, const SunLight& light,
+             SkyReceiver receiver = SkyReceiver::surface) {
+  Radiation answer;
+  sun_hours(occluders, std::span(&target, 1), light, {.receiver = receiver}, std::span(&answer, 1));
   return answer;
 }
 
@@ -57,18 +62,6 @@ SkyTarget open_target(const Occluders& occluders, const Points& points, const gl
   std::vector<SkyTarget> target{target_on_point(occluders, id, points[id], {})};
   find_open_sides(occluders, 64, target);
   return target.front();
-}
-
-TEST(BeamIrradiance, is_that_of_the_solar_radiation_atlas) {
-  // By hand: mass 1 (0.99971 by its formula), 1 / 8.26717 thick, turbidity 3, at the mean distance.
-  EXPECT_NEAR(beam_irradiance(90.0, 93.99, {}), 1367.0 * std::exp(-0.8662 * 3.0 / 8.26717), 0.5);
-  EXPECT_NEAR(beam_irradiance(90.0, 2.84, {}) / beam_irradiance(90.0, 185.46, {}), 1.03344 / 0.96656, 1e-5);
-  EXPECT_EQ(beam_irradiance(0.0, 1.0, {}), 0.0);
-  EXPECT_EQ(beam_irradiance(-5.0, 1.0, {}), 0.0);
-  EXPECT_GT(beam_irradiance(30.0, 1.0, {.height = 3000.0}), 1.1 * beam_irradiance(30.0, 1.0, {}));
-  EXPECT_LT(beam_irradiance(30.0, 1.0, {.linke_turbidity = 6.0}), 0.8 * beam_irradiance(30.0, 1.0, {}));
-  // Both formulas for the thickness meet near mass 20, which is an elevation of 2.0 degrees.
-  EXPECT_NEAR(beam_irradiance(1.98, 1.0, {}), beam_irradiance(2.02, 1.0, {}), 3.0);
 }
 
 TEST(SunSteps, are_those_in_which_the_sun_is_up) {
@@ -127,24 +120,25 @@ TEST(SunSchedule, position_is_given_or_that_of_the_map) {
   EXPECT_NEAR(range.grid_north, 1.9, 0.1);
 }
 
-TEST(SunBins, keep_hours_and_energy) {
+TEST(SunLight, bins_keep_hours_and_energy) {
   const std::vector<SunStep> steps = sun_steps(schedule("2026-01-01T00:00Z", "2027-01-01T00:00Z", 30.0));
-  const std::vector<SunBin> exact = sun_bins(steps, 0.0), coarse = sun_bins(steps, 3.0);
-  EXPECT_EQ(exact.size(), steps.size());
-  EXPECT_GT(coarse.size(), 600u);
-  EXPECT_LT(coarse.size(), 800u);
-  double hours = 0.0;
-  glm::dvec3 all(0.0), binned(0.0);
-  for (const SunBin& bin : exact) all += bin.energy;
-  for (const SunBin& bin : coarse) {
-    hours += bin.hours;
-    binned += bin.energy;
-    EXPECT_NEAR(glm::length(bin.direction), 1.0, 1e-12);
-  }
-  EXPECT_NEAR(hours, hours_of(steps), 1e-9);
-  EXPECT_NEAR(glm::distance(all, binned), 0.0, 1e-6 * glm::length(all));
-  EXPECT_THROW(sun_bins(steps, -1.0), Error);
-  EXPECT_THROW(sun_bins(steps, NAN), Error);
+  const SunLight exact = beam_light(steps, 0.0), coarse = beam_light(steps, 3.0);
+  EXPECT_EQ(exact.bins.size(), steps.size());
+  EXPECT_GT(coarse.bins.size(), 600u);
+  EXPECT_LT(coarse.bins.size(), 800u);
+  const auto sum_of = [](const SunLight& light) {
+    LightSums sum;
+    for (const LightBin& bin : light.bins)
+      for (const LightBin::Share& share : bin.shares) sum += share.sums;
+    return sum;
+  };
+  for (const LightBin& bin : coarse.bins) EXPECT_NEAR(glm::length(bin.direction), 1.0, 1e-12);
+  EXPECT_NEAR(sum_of(coarse).hours, hours_of(steps), 1e-9);
+  const glm::dvec3 all = sum_of(exact).beam;
+  EXPECT_NEAR(glm::distance(all, sum_of(coarse).beam), 0.0, 1e-6 * glm::length(all));
+  EXPECT_NEAR(coarse.open.front().beam.z, all.z, 1e-6 * all.z);
+  EXPECT_THROW(beam_light(steps, -1.0), Error);
+  EXPECT_THROW(beam_light(steps, NAN), Error);
 }
 
 /// A wall from west to east, 0.4 m thick, scanned on both sides and on top.
@@ -171,12 +165,12 @@ TEST(SunHours, of_a_walls_north_side_are_those_with_the_sun_in_the_north) {
       hours += cosine > 0.0 ? step.hours : 0.0;
       (cosine > 0.0 ? energy : south_energy) += std::fabs(cosine) * step.hours * step.irradiance / 1000.0;
     }
-    const std::vector<SunBin> bins = sun_bins(steps, 0.0);
+    const SunLight bins = beam_light(steps, 0.0);
     // Points on the wall's edges are spheres, which the sun must pass when it looks along the wall.
     EXPECT_NEAR(at(occluders, north, bins).hours, hours, 0.25) << from;
-    EXPECT_NEAR(at(occluders, north, bins).kilowatt_hours, energy, 0.01 + 0.01 * energy) << from;
+    EXPECT_NEAR(at(occluders, north, bins).beam / 1000.0, energy, 0.01 + 0.01 * energy) << from;
     EXPECT_NEAR(at(occluders, south, bins).hours, hours_of(steps) - hours, 0.25) << from;
-    EXPECT_NEAR(at(occluders, south, bins).kilowatt_hours, south_energy, 0.01 + 0.01 * south_energy) << from;
+    EXPECT_NEAR(at(occluders, south, bins).beam / 1000.0, south_energy, 0.01 + 0.01 * south_energy) << from;
   }
 }
 
@@ -199,7 +193,7 @@ TEST(SunHours, in_front_of_a_wall_end_when_its_shadow_comes) {
   }
   EXPECT_GT(hours, 1.0);
   EXPECT_LT(hours, hours_of(steps) - 2.0);
-  EXPECT_NEAR(at(occluders, ground, sun_bins(steps, 0.0)).hours, hours, 0.15);
+  EXPECT_NEAR(at(occluders, ground, beam_light(steps, 0.0)).hours, hours, 0.15);
 }
 
 /// The clear sky's beam on a plane, by another way: sums over minutes, with the formulas written again.
@@ -241,10 +235,10 @@ TEST(SunHours, energy_of_an_open_plane_is_the_integral_of_the_model) {
     EXPECT_GT(expected, 30.0);
     const std::vector<SunStep> steps = sun_steps(range);
     for (const double bin : {0.0, 3.0}) {
-      const SunHours answer = at(occluders, plane, sun_bins(steps, bin));
-      EXPECT_NEAR(answer.kilowatt_hours, expected, 2e-3 * expected) << slope << " " << bin;
+      const Radiation answer = at(occluders, plane, beam_light(steps, bin));
+      EXPECT_NEAR(answer.beam / 1000.0, expected, 2e-3 * expected) << slope << " " << bin;
     }
-    EXPECT_NEAR(at(occluders, plane, sun_bins(steps, 0.0), SkyReceiver::horizontal).kilowatt_hours,
+    EXPECT_NEAR(at(occluders, plane, beam_light(steps, 0.0), SkyReceiver::horizontal).beam / 1000.0,
                 integral(range, {0, 0, 1}, k_days), slope == 0.0 ? 0.1 : 1.5);
   }
 }
@@ -255,10 +249,10 @@ TEST(SunHours, of_a_years_bins_are_near_those_of_its_steps) {
   const std::vector<SunStep> steps = sun_steps(schedule("2026-01-01T00:00Z", "2027-01-01T00:00Z", 20.0));
   for (const double y : {1.0, 3.0, 6.0}) {
     const SkyTarget ground = target_in_open(end_near_surface(occluders, {0, y, 0}));
-    const SunHours exact = at(occluders, ground, sun_bins(steps, 0.0)),
-                   binned = at(occluders, ground, sun_bins(steps, 3.0));
+    const Radiation exact = at(occluders, ground, beam_light(steps, 0.0)),
+                    binned = at(occluders, ground, beam_light(steps, 3.0));
     EXPECT_NEAR(binned.hours, exact.hours, 0.02 * hours_of(steps)) << y;
-    EXPECT_NEAR(binned.kilowatt_hours, exact.kilowatt_hours, 0.03 * exact.kilowatt_hours + 5.0) << y;
+    EXPECT_NEAR(binned.beam / 1000.0, exact.beam / 1000.0, 0.03 * exact.beam / 1000.0 + 5.0) << y;
   }
 }
 

@@ -89,6 +89,12 @@ View look_around(const HorizonCommand& command, const VisibilityCloud& cloud,
     throw input_error("the field of view contains no azimuth",
                       "a smaller --step or a wider --horizontal-fov");
   }
+  const visibility::Ground ground = find_ground(cloud, {}, Verbosity::quiet);
+  for (visibility::HorizonDirection& one : view.line) {
+    if (!one.blocker) continue;
+    one.unscanned = visibility::unscanned_length(ground, glm::dvec2(view.eye.position),
+                                                 glm::dvec2(one.blocker->position));
+  }
   view.facts.eye = view.observer.position;
   const bool all_round =
       width_of_view(observer) >= 360.0 && observer.elevation_min <= 0.0 && observer.elevation_max >= 90.0;

@@ -261,6 +261,10 @@ ExitCode run_lines(const LinesCommand& command) {
       long_run.work("testing lines of sight", "lines", [&](const Progress& progress, PartCheckpoint* parts) {
         return visibility::report_lines(*cloud->occluders, table.pairs, options, progress, parts);
       });
+  const visibility::Ground ground = find_ground(*cloud, {}, Verbosity::quiet);
+  for (const visibility::LinePair& pair : table.pairs)
+    table.unscanned.push_back(
+        visibility::unscanned_length(ground, glm::dvec2(pair.from.position), glm::dvec2(pair.to.position)));
   write_rows(command, cloud->cloud.cloud, [&](auto form, const auto& head, const auto& to_lon_lat) {
     return visibility::write_lines(table, form, head, to_lon_lat, command.output, command.overwrite);
   });

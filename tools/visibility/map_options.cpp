@@ -52,9 +52,11 @@ void add_ground(const Options& command, MapOptions& map) {
                "cell size of the ground (default: the mean distance of the points of these classes, or four "
                "times that of all points)",
                map.ground_cell, 1e-6, 1e9);
-  group.number("--ground-reach", "LENGTH",
-               "no ground beyond this distance from the cloud's points (default: 10)", map.ground_reach, 0.0,
-               1e9);
+  group.number(
+      "--ground-reach", "LENGTH",
+      "no ground, and no value in maps, beyond this distance from the cloud's points (default: 10; for cells "
+      "of maps three cells of the ground, at least 1)",
+      map.ground_reach, 0.0, 1e9);
 }
 
 std::string ground_text(const visibility::Ground& ground) {
@@ -125,6 +127,7 @@ visibility::Ground find_map_ground(const MapOptions& map, const VisibilityCloud&
   options.source = map.ground_source.value_or(visibility::GroundSource::automatic);
   options.cell_size = map.ground_cell;
   options.reach = map.ground_reach.value_or(options.reach);
+  options.scanned_reach = map.ground_reach;
   visibility::Ground ground = find_ground(cloud, options, verbosity);
   const bool is_raised = cloud.has_points() && cloud.terrain.surface != nullptr;
   say_note(verbosity,

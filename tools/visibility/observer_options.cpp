@@ -78,7 +78,7 @@ void print_positions(std::span<const visibility::Observer> observers) {
 
 }  // namespace
 
-void add_observer_options(const Options& command, ObserverOptions& options) {
+void add_observer_positions(const Options& command, ObserverOptions& options) {
   const Options group = command.group(k_observer_group);
   group.values(
       "--observer", "X,Y[,Z]",
@@ -104,7 +104,11 @@ void add_observer_options(const Options& command, ObserverOptions& options) {
       "--observer-height,--oz,--observer_elevation", "LENGTH",
       "height of the eye above the foot (default: 0 for observers with a z, 2 for those on the ground)",
       options.defaults.height, 0.0, 1e6);
-  add_view(group, options.defaults);
+}
+
+void add_observer_options(const Options& command, ObserverOptions& options) {
+  add_observer_positions(command, options);
+  add_view(command.group(k_observer_group), options.defaults);
 }
 
 void add_target_height(const Options& command, std::optional<double>& height) {

@@ -27,6 +27,9 @@ struct ObserverOptions {
 /// Declares the options in a group of their own; they fill `options`.
 void add_observer_options(const Options& command, ObserverOptions& options);
 
+/// The options of positions alone: no fields of view, which do not apply to what shines from all sides.
+void add_observer_positions(const Options& command, ObserverOptions& options);
+
 /// The heading that options of observers stand under.
 inline constexpr const char* k_observer_group = "Observers";
 

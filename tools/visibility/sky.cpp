@@ -17,9 +17,7 @@ void check_sky_request(const SkyRequest& request) {
   const auto reject = [](const std::string& option, const std::string& kind) {
     throw input_error(option + " does not apply to this output", kind);
   };
-  if (request.is_map()) {
-    if (request.receiver) reject("--receiver", "points (.las, .laz, .ply); cells of a map are horizontal");
-  } else {
+  if (!request.is_map()) {
     if (!has_extension(request.output, {".las", ".laz", ".ply"}))
       throw file_error(request.output, "unknown output format", "the extension .las, .laz, .ply or .tif");
     if (const std::string option = given_map_option(request.map); !option.empty())
@@ -37,7 +35,8 @@ struct SkyCommand : SkyRequest {
 
 visibility::SkyViewOptions sky_options(const SkyCommand& command) {
   return {.directions = command.directions,
-          .receiver = command.receiver.value_or(visibility::SkyReceiver::surface),
+          .receiver = command.receiver.value_or(command.is_map() ? visibility::SkyReceiver::horizontal
+                                                                 : visibility::SkyReceiver::surface),
           .max_distance = command.max_distance};
 }
 
@@ -52,12 +51,15 @@ std::string map_sky(const SkyCommand& command, const SkySite& site, LongRun& lon
   const std::string found =
       range_and_mean([&](std::size_t i) { return views.values[i]; }, views.values.size());
   const SkyBand band{views, "SkyView", ""};
-  write_sky_map(
-      command, site, std::span(&band, 1),
-      {{"alidade_sky", fmt::format("sky-view factor on the horizontal, {} directions", command.directions)}},
-      {.title = "Sky-view factor",
-       .values = {},
-       .scale = visibility::MapScale{image::ColorMap::viridis, {0.0, 1.0}, "sky-view factor"}});
+  write_sky_map(command, site, std::span(&band, 1),
+                {{"alidade_sky", fmt::format("sky-view factor on the {}, {} directions",
+                                             sky_options(command).receiver == visibility::SkyReceiver::surface
+                                                 ? "slope of the ground"
+                                                 : "horizontal",
+                                             command.directions)}},
+                {.title = "Sky-view factor",
+                 .values = {},
+                 .scale = visibility::MapScale{image::ColorMap::viridis, {0.0, 1.0}, "sky-view factor"}});
   return found;
 }
 
@@ -101,7 +103,11 @@ void add_sky_request(const Options& command, SkyRequest& request) {
       request.output);
   group.flag("--overwrite", "replace existing files", request.overwrite);
   group.choice(
-      "--receiver", "receiver at each point: its surface (default) or the horizontal", request.receiver,
+      "--receiver",
+      "receiver: the surface of a point (default of points), the slope of the ground of a cell, or the "
+      "horizontal "
+      "(default of maps)",
+      request.receiver,
       {{"surface", visibility::SkyReceiver::surface}, {"horizontal", visibility::SkyReceiver::horizontal}});
   group.value("--max-distance", "LENGTH", "largest distance of blocking points (default: inf)",
               request.max_distance, parse_distance_limit);

@@ -19,7 +19,7 @@ namespace alidade::tools {
 
 /// Options of both commands.
 struct SkyRequest : VisibilityRequest {
-  std::optional<visibility::SkyReceiver> receiver;  ///< points only
+  std::optional<visibility::SkyReceiver> receiver;  ///< empty: surfaces of points, horizontal cells
   MapOptions map;                                   ///< maps only
   CheckpointRequest checkpoint;
   double max_distance = std::numeric_limits<double>::infinity();

@@ -292,17 +292,18 @@ SkyShares sky_above(std::span<const HorizonDirection> horizon) {
 }
 
 std::string horizon_csv(std::span<const HorizonDirection> horizon) {
-  std::string text = "azimuth,elevation,distance,point_id,x,y,z\n";
+  std::string text = "azimuth,elevation,distance,point_id,x,y,z,unscanned\n";
   for (const HorizonDirection& direction : horizon) {
     if (!direction.blocker) {
-      text += fmt::format("{:.6g},,,,,,\n", direction.azimuth);
+      text += fmt::format("{:.6g},,,,,,,\n", direction.azimuth);
       continue;
     }
     const Blocker& blocker = *direction.blocker;
-    text += fmt::format("{:.6g},{:.6g},{:.4f},{},{:.12g},{:.12g},{:.12g}\n", direction.azimuth,
+    text += fmt::format("{:.6g},{:.6g},{:.4f},{},{:.12g},{:.12g},{:.12g},{}\n", direction.azimuth,
                         *direction.elevation, blocker.distance,
                         blocker.is_mesh() ? "" : std::to_string(blocker.point_id), blocker.position.x,
-                        blocker.position.y, blocker.position.z);
+                        blocker.position.y, blocker.position.z,
+                        direction.unscanned ? fmt::format("{:.4f}", *direction.unscanned) : "");
   }
   return text;
 }
@@ -343,6 +344,7 @@ std::string horizon_geojson(std::span<const HorizonDirection> horizon, const Hor
       properties["distance"] = direction.blocker->distance;
       properties["point_id"] = direction.blocker->is_mesh() ? Json() : Json(direction.blocker->point_id);
       properties["z"] = direction.blocker->position.z;
+      if (direction.unscanned) properties["unscanned"] = *direction.unscanned;
     }
     text += ",\n" + feature(std::move(geometry), std::move(properties)).dump();
   }

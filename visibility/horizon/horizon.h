@@ -39,6 +39,9 @@ struct HorizonDirection {
   double azimuth = 0.0;               ///< degrees clockwise from north (+y), [0, 360)
   std::optional<double> elevation{};  ///< degrees above the horizontal; empty if nothing blocks any line
   std::optional<Blocker> blocker{};   ///< what first blocks the line at that elevation
+  /// Length before the blocker over ground that nobody scanned (unscanned_length() of raster/ground.h); whoever knows the
+  /// ground sets it.
+  std::optional<double> unscanned{};
 };
 
 /// The horizon, azimuth by azimuth clockwise from azimuth_min. Errors: options out of range. Memory: 8 B per
@@ -71,7 +74,7 @@ struct HorizonFacts {
 };
 
 /// The line as CSV with a line of names: azimuth, elevation (degrees), distance (along the line of sight, in
-/// the cloud's unit), point_id, x, y, z of that point; of a mesh or terrain point_id is empty, and x, y, z are where the
+/// the cloud's unit), point_id, x, y, z of that point, unscanned; of a mesh or terrain point_id is empty, and x, y, z are where the
 /// line meets it. Cells of azimuths without a horizon are empty.
 std::string horizon_csv(std::span<const HorizonDirection> horizon);
 

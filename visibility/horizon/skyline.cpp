@@ -57,11 +57,12 @@ image::Film depth_panorama(const Occluders& occluders, const SightEnd& eye, int 
   return film;
 }
 
-DepthStrip strip_around(std::span<const HorizonDirection> horizon, double azimuth_min, double azimuth_max) {
+DepthStrip strip_around(std::span<const HorizonDirection> horizon, double azimuth_min, double azimuth_max,
+                        double highest) {
   constexpr double k_room_above = 3.0, k_room_below = 8.0, k_round = 5.0, k_least_extent = 20.0;
   constexpr double k_pixels_per_degree = 4.0, k_rows_per_degree = 8.0;
   constexpr int k_least_width = 720, k_least_height = 320, k_most_height = 560;
-  double low = 0.0, high = 0.0;
+  double low = 0.0, high = highest;
   for (const HorizonDirection& direction : horizon) {
     if (!direction.elevation) continue;
     low = std::min(low, *direction.elevation);

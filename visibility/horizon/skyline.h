@@ -2,6 +2,7 @@
 #pragma once
 
 #include <filesystem>
+#include <glm/vec2.hpp>
 #include <limits>
 #include <span>
 #include <string>
@@ -35,24 +36,40 @@ struct DepthStrip {
   std::vector<float> distances;                      ///< metres; infinity: sky
 };
 
-/// A strip of the right size and range of elevations for the skyline of this horizon: its line, with some
-/// room above and below. `distances` is empty.
-DepthStrip strip_around(std::span<const HorizonDirection> horizon, double azimuth_min, double azimuth_max);
+/// A strip of the right size and range of elevations for the skyline of this horizon: its line, and what else rises to
+/// `highest` degrees, with some room above and below. `distances` is empty.
+DepthStrip strip_around(std::span<const HorizonDirection> horizon, double azimuth_min, double azimuth_max,
+                        double highest = 0.0);
 
 /// Fills in the distances: a line per pixel, in parallel. `progress` is in pixels.
 void fill_strip(const Occluders& occluders, const SightEnd& eye, double max_distance, DepthStrip& strip,
                 const Progress& progress = {});
 
-/// What stands around the picture.
+/// A line over the picture, such as the path of the sun. Positions are azimuth and elevation, degrees; where the azimuth
+/// leaps by more than 180 degrees the line is cut.
+struct SkylineCurve {
+  std::vector<glm::dvec2> positions;
+  image::Rgb8 color{};
+  double width = 2.0;   ///< pixels
+  std::string label{};  ///< beside its highest position; empty: none
+  struct Mark {
+    glm::dvec2 position;
+    std::string label;  ///< above the dot
+  };
+  std::vector<Mark> marks{};  ///< dots
+};
+
+/// What stands around the picture and over it.
 struct SkylineTexts {
-  std::string title;  ///< above it
-  std::string note;   ///< below it
-  std::string unit;   ///< of distances: "m"; empty if it is not known
+  std::string title;                   ///< above it
+  std::string note;                    ///< below it
+  std::string unit;                    ///< of distances: "m"; empty if it is not known
+  std::vector<SkylineCurve> curves{};  ///< faint where something hides them
 };
 
 /// The skyline as people plot it: azimuth to the right, elevation up, what is seen coloured by distance (dark
-/// is near, on a logarithmic scale with a bar beside), the horizon line in red over it. Requires a strip that
-/// is filled.
+/// is near, on a logarithmic scale with a bar beside), the horizon line in red over it, curves bright over the sky and
+/// faint over what hides them. Requires a strip that is filled.
 image::Canvas draw_skyline(const DepthStrip& strip, std::span<const HorizonDirection> horizon,
                            const SkylineTexts& texts, const image::Font& font);
 

@@ -5,6 +5,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
+#include <glm/common.hpp>
+#include <glm/geometric.hpp>
 #include <optional>
 
 #include "image/color_map.h"
@@ -145,6 +148,85 @@ void draw_line(const DepthStrip& strip, std::span<const HorizonDirection> horizo
   }
 }
 
+/// Covers the pixels within half a width of a stretch between two positions of the canvas, those at the edge in part.
+void draw_stretch(image::Canvas& canvas, const glm::dvec2& from, const glm::dvec2& to, double width,
+                  const std::function<void(int x, int y, double cover)>& paint) {
+  const double reach = 0.5 * width + 1.0;
+  const glm::dvec2 low = glm::min(from, to) - reach, high = glm::max(from, to) + reach, way = to - from;
+  const double length_sq = glm::dot(way, way);
+  for (int y = std::max(static_cast<int>(low.y), 0);
+       y < std::min(static_cast<int>(high.y) + 1, canvas.height()); ++y) {
+    for (int x = std::max(static_cast<int>(low.x), 0);
+         x < std::min(static_cast<int>(high.x) + 1, canvas.width()); ++x) {
+      const glm::dvec2 pixel(x + 0.5, y + 0.5);
+      const double share =
+          length_sq > 0.0 ? std::clamp(glm::dot(pixel - from, way) / length_sq, 0.0, 1.0) : 0.0;
+      const double cover = 0.5 * width + 0.5 - glm::distance(pixel, from + share * way);
+      if (cover > 0.0) paint(x, y, std::min(cover, 1.0));
+    }
+  }
+}
+
+/// Curves first into a mask of their cover, so that stretches that meet do not cover a pixel twice.
+void draw_curve(const DepthStrip& strip, const SkylineCurve& curve, const Frame& frame,
+                image::Canvas& canvas) {
+  constexpr double k_hidden = 0.3, k_dot = 7.0;
+  const image::PixelBox& plot = frame.plot;
+  std::vector<float> covers(static_cast<std::size_t>(plot.width()) * static_cast<std::size_t>(plot.height()));
+  const auto index = [&](int x, int y) {
+    return static_cast<std::size_t>(y - plot.top) * static_cast<std::size_t>(plot.width()) +
+           static_cast<std::size_t>(x - plot.left);
+  };
+  const auto add = [&](int x, int y, double cover) {
+    if (x < plot.left || x >= plot.right || y < plot.top || y >= plot.bottom) return;
+    covers[index(x, y)] = std::max(covers[index(x, y)], static_cast<float>(cover));
+  };
+  const auto on_canvas = [&](const glm::dvec2& position) {
+    return glm::dvec2(frame.column(strip, position.x), frame.row(strip, position.y));
+  };
+  for (std::size_t i = 1; i < curve.positions.size(); ++i) {
+    const glm::dvec2 &from = curve.positions[i - 1], &to = curve.positions[i];
+    if (std::fabs(from.x - to.x) < 180.0)
+      draw_stretch(canvas, on_canvas(from), on_canvas(to), curve.width, add);
+  }
+  for (const SkylineCurve::Mark& mark : curve.marks)
+    draw_stretch(canvas, on_canvas(mark.position), on_canvas(mark.position), k_dot, add);
+  for (int y = plot.top; y < plot.bottom; ++y) {
+    for (int x = plot.left; x < plot.right; ++x) {
+      const bool is_hidden = std::isfinite(strip.distances[index(x, y)]);
+      const double cover = covers[index(x, y)] * (is_hidden ? k_hidden : 1.0);
+      if (cover > 0.0)
+        canvas.blend(x, y, is_hidden ? k_paper : curve.color, static_cast<int>(std::lround(255.0 * cover)));
+    }
+  }
+}
+
+/// Labels over all curves, bright over what hides the sky.
+void label_curve(const DepthStrip& strip, const SkylineCurve& curve, const Frame& frame, Writer& writer) {
+  constexpr int k_above = 9;
+  const auto write = [&](const glm::dvec2& position, int above, const std::string& label,
+                         const image::Rgb8& color) {
+    const int x = static_cast<int>(std::lround(frame.column(strip, position.x))),
+              y = static_cast<int>(std::lround(frame.row(strip, position.y)));
+    if (y <= frame.plot.top + above + k_note_size || y >= frame.plot.bottom) return;
+    const int column = std::clamp(x - frame.plot.left, 0, strip.width - 1), row = y - above - frame.plot.top;
+    const float seen = strip.distances[static_cast<std::size_t>(row) * static_cast<std::size_t>(strip.width) +
+                                       static_cast<std::size_t>(column)];
+    const bool is_sky = !std::isfinite(seen);
+    // A rim of the other brightness: a label may lie across an edge.
+    for (const auto& [right, down] : {std::pair{-1, 0}, std::pair{1, 0}, std::pair{0, -1}, std::pair{0, 1}})
+      writer.center(x + right, y - above + down, label, k_note_size, is_sky ? k_sky : k_ink);
+    writer.center(x, y - above, label, k_note_size, is_sky ? color : k_paper);
+  };
+  for (const SkylineCurve::Mark& mark : curve.marks) write(mark.position, k_above, mark.label, k_ink);
+  if (curve.positions.empty() || curve.label.empty()) return;
+  const auto highest =
+      std::ranges::max_element(curve.positions, {}, [](const glm::dvec2& one) { return one.y; });
+  const bool has_names =
+      std::ranges::any_of(curve.marks, [](const auto& mark) { return !mark.label.empty(); });
+  write(*highest, k_above + (has_names ? k_note_size + 4 : 0), curve.label, curve.color);
+}
+
 /// The narrowest of the steps people like on a compass that gives at most `most` ticks.
 double compass_step(double range, int most) {
   for (const double step : {0.1, 0.2, 0.5, 1.0, 2.0, 5.0, 10.0, 15.0, 30.0, 45.0})
@@ -224,6 +306,8 @@ image::Canvas draw_skyline(const DepthStrip& strip, std::span<const HorizonDirec
   const DistanceScale scale = scale_of(strip);
   draw_view(strip, scale, frame.plot, canvas);
   draw_line(strip, horizon, frame, canvas);
+  for (const SkylineCurve& curve : texts.curves) draw_curve(strip, curve, frame, canvas);
+  for (const SkylineCurve& curve : texts.curves) label_curve(strip, curve, frame, writer);
   draw_axes(strip, frame, canvas, writer);
   draw_bar(scale, frame, texts.unit, canvas, writer);
   writer.left(k_left, 30, texts.title, k_title_size, k_ink);

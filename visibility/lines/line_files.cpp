@@ -145,6 +145,7 @@ Row line_row(const LineTable& table, std::size_t line) {
   add_position(row, "to", pair.to.position);
   row["length"] = report.length;
   row["visible"] = !report.blocker;
+  if (!table.unscanned.empty()) row["unscanned"] = table.unscanned[line];
   const std::optional<Blocker>& blocker = report.blocker;
   row["blocker"] = blocker ? id_of(blocker->point_id) : Row();
   row["blocker_class"] = blocker ? class_of(table, blocker->point_id) : Row();

@@ -31,6 +31,7 @@ struct LineTable {
   std::vector<LinePair> pairs;
   std::vector<LineReport> reports;                ///< one per pair
   std::span<const std::uint8_t> classifications;  ///< by point id; empty if the cloud has none
+  std::vector<double> unscanned{};                ///< unscanned_length() of every pair; empty: no such column
 };
 
 /// Writes the reports; the file is written completely or not at all.

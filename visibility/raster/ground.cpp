@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <glm/geometric.hpp>
 
 namespace alidade::visibility {
 
@@ -19,6 +20,23 @@ std::optional<double> Ground::at(const glm::dvec2& position) const {
   if (terrain_ == nullptr) return own;
   const std::optional<double> other = terrain_->at(position);
   return own && other ? std::max(*own, *other) : own ? own : other;
+}
+
+bool Ground::is_scanned(const glm::dvec2& position) const {
+  if (terrain_ != nullptr && terrain_->is_scanned(position)) return true;
+  // What lies on the grid's outer edge belongs to its outermost cells, as the ground does.
+  const geo::RasterGrid& grid = heights_.grid;
+  const double margin = std::min(reach_, grid.cell_size);
+  const glm::dvec2 corner = grid.south_east();
+  if (position.x < grid.north_west.x - margin || position.x > corner.x + margin ||
+      position.y < corner.y - margin || position.y > grid.north_west.y + margin)
+    return false;
+  const std::optional<glm::ivec2> cell =
+      geo::cell_at(grid, {std::clamp(position.x, grid.north_west.x, corner.x),
+                          std::clamp(position.y, corner.y, grid.north_west.y)});
+  if (!cell) return false;
+  return scanned_.empty() ? !std::isnan(heights_.at(cell->x, cell->y))
+                          : scanned_[grid.index(cell->x, cell->y)] != 0;
 }
 
 std::optional<double> Ground::own_at(const glm::dvec2& position) const {
@@ -47,6 +65,16 @@ std::optional<double> Ground::own_at(const glm::dvec2& position) const {
   take(std::min(column + 1, grid.columns - 1), std::min(row + 1, grid.rows - 1), east * south);
   if (weights == 0.0) return std::nullopt;
   return sum / weights;
+}
+
+double unscanned_length(const Ground& ground, const glm::dvec2& from, const glm::dvec2& to) {
+  constexpr double k_most_steps = 1e6;
+  const double length = glm::distance(from, to), step = 0.5 * ground.heights().grid.cell_size;
+  const int steps = static_cast<int>(std::clamp(std::ceil(length / step), 1.0, k_most_steps));
+  int unscanned = 0;
+  for (int i = 0; i < steps; ++i)
+    unscanned += ground.is_scanned(from + (i + 0.5) / steps * (to - from)) ? 0 : 1;
+  return length * unscanned / steps;
 }
 
 }  // namespace alidade::visibility

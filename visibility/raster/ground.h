@@ -6,6 +6,7 @@
 #include <memory>
 #include <optional>
 #include <span>
+#include <vector>
 
 #include "base/progress.h"
 #include "geo/raster.h"
@@ -34,6 +35,9 @@ struct GroundOptions {
   /// Gaps are closed as far as this from the nearest cell with a point of any class; beyond, the cloud does
   /// not reach and there is no ground. In the unit of the cloud.
   double reach = 10.0;
+  /// What is farther than this from the nearest cell with a point of any class counts as never scanned (is_scanned()).
+  /// Empty: three cells, at least 1, at most `reach`.
+  std::optional<double> scanned_reach{};
   Progress progress{};  ///< in points
 };
 
@@ -41,9 +45,14 @@ struct GroundOptions {
 class Ground {
  public:
   /// `heights`: NaN where there is no ground. `reach`: so far beyond the grid the ground goes on as at its
-  /// edge.
-  Ground(geo::Raster<double> heights, double reach, GroundSource source, std::uint64_t measured_cells)
-      : heights_(std::move(heights)), reach_(reach), source_(source), measured_cells_(measured_cells) {}
+  /// edge. `scanned`: 1 for cells that were; empty: those with a height.
+  Ground(geo::Raster<double> heights, double reach, GroundSource source, std::uint64_t measured_cells,
+         std::vector<std::uint8_t> scanned = {})
+      : heights_(std::move(heights)),
+        reach_(reach),
+        source_(source),
+        measured_cells_(measured_cells),
+        scanned_(std::move(scanned)) {}
 
   /// The ground of a terrain, which ends at the outer edges of its cells.
   explicit Ground(const geo::TerrainSurface& terrain);
@@ -55,6 +64,11 @@ class Ground {
   /// Bilinear between the middles of cells; from the outermost middles on, as there; beside a cell without
   /// height by the others. Empty where there is no ground.
   std::optional<double> at(const glm::dvec2& position) const;
+
+  /// Whether the ground here was scanned, or a raster has a height for the cell: else it is closed over a gap, or goes on
+  /// beyond what was measured, and whether things are seen there is not known. Maps have no value there. What has points
+  /// of any class above it counts as scanned: the ground below roofs and crowns.
+  bool is_scanned(const glm::dvec2& position) const;
 
   const geo::Raster<double>& heights() const { return heights_; }
   /// Any but `automatic`.
@@ -69,8 +83,13 @@ class Ground {
   double reach_;
   GroundSource source_;
   std::uint64_t measured_cells_;
+  std::vector<std::uint8_t> scanned_{};  ///< by cell
   std::shared_ptr<const Ground> terrain_{};
 };
+
+/// Length of the straight line between two positions, in x and y, over ground that was not scanned: of even steps of half
+/// a cell, at most 10^6 of them.
+double unscanned_length(const Ground& ground, const glm::dvec2& from, const glm::dvec2& to);
 
 /// The ground under a cloud, over all its bounds. `classifications` by point id; empty if the cloud has none.
 /// How: of every cell the mean of its ground points, or its lowest point, brought to the middle of the cell

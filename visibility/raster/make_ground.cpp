@@ -340,8 +340,9 @@ Ground make_ground(const Octree& octree, std::span<const std::uint8_t> classific
   constexpr std::uint64_t k_bytes_per_cell = 50;
   constexpr double k_lowest_distances = 4.0;
   if (octree.size() == 0) throw Error({.problem = "the cloud has no points for the ground"});
-  check_that(options.reach >= 0.0 && std::isfinite(options.reach), "ground reach out of range", "at least 0",
-             fmt::format("{}", options.reach));
+  for (const double reach : {options.reach, options.scanned_reach.value_or(0.0)})
+    check_that(reach >= 0.0 && std::isfinite(reach), "ground reach out of range", "at least 0",
+               fmt::format("{}", reach));
   const GroundSource source = chosen_source(
       options.source, std::ranges::find(classifications, k_ground_class) != classifications.end());
   const bool by_class = source == GroundSource::classified;
@@ -360,11 +361,15 @@ Ground make_ground(const Octree& octree, std::span<const std::uint8_t> classific
   const auto measured = static_cast<std::uint64_t>(
       std::ranges::count_if(heights.values, [](double height) { return !std::isnan(height); }));
   fill_gaps(heights);
+  constexpr double k_cells = 3.0, k_least = 1.0;
+  std::vector<std::uint8_t> scanned = samples.covered;
+  const double usual = std::min(std::max(k_cells * grid.cell_size, k_least), options.reach);
+  widen(scanned, grid, options.scanned_reach.value_or(usual));
   widen(samples.covered, grid, options.reach);
   for (std::size_t i = 0; i < grid.size(); ++i) {
     if (!samples.covered[i]) heights.values[i] = k_nan;
   }
-  return Ground(std::move(heights), options.reach, source, measured);
+  return Ground(std::move(heights), options.reach, source, measured, std::move(scanned));
 }
 
 }  // namespace alidade::visibility

@@ -120,8 +120,9 @@ MapBlock MapTargets::block(std::size_t number) const {
         (glm::dvec2(part % across, part / across) + 0.5) / static_cast<double>(positions_across_) -
         glm::dvec2(0.5);
     const glm::dvec2 position = middle + share * grid_.cell_size;
-    if (const std::optional<double> height = ground_.at(position))
-      found[i] = MapTarget{cell, end_on_ground(occluders_, {position.x, position.y, *height})};
+    // Nobody knows what is seen where nothing was scanned.
+    const std::optional<double> height = ground_.is_scanned(position) ? ground_.at(position) : std::nullopt;
+    if (height) found[i] = MapTarget{cell, end_on_ground(occluders_, {position.x, position.y, *height})};
   });
   for (const std::optional<MapTarget>& target : found) {
     if (target) block.targets.push_back(*target);

@@ -40,7 +40,7 @@ struct MapTarget {
 /// A square part of a map.
 struct MapBlock {
   std::vector<std::size_t> cells;  ///< their numbers in the map, neighbours near each other
-  std::vector<MapTarget> targets;  ///< the positions that have ground, in the order of the cells
+  std::vector<MapTarget> targets;  ///< the positions with ground that was scanned, in the order of the cells
 };
 
 /// The positions of a map, block by block, so that a map of any size and with any number of positions takes

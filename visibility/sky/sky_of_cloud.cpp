@@ -3,8 +3,10 @@
 
 #include <tbb/parallel_for.h>
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstdint>
+#include <glm/geometric.hpp>
 #include <limits>
 #include <optional>
 #include <string>
@@ -38,10 +40,25 @@ std::size_t targets_at_once(std::size_t lines) {
 struct Question {
   std::size_t lines = 0;    ///< of sight
   std::size_t numbers = 1;  ///< answered
+  SkyReceiver receiver = SkyReceiver::surface;
 };
 
 /// Numbers of each target of a part, one row of as many as there are targets after another.
 using Numbers = std::vector<float>;
+
+/// The numbers of a radiation, in the order of their rows.
+constexpr std::array k_fields = {&Radiation::hours, &Radiation::beam, &Radiation::diffuse,
+                                 &Radiation::reflected};
+
+/// Normal of the ground across a cell of a map.
+glm::dvec3 ground_normal(const Ground& ground, const glm::dvec3& foot, double cell_size) {
+  const auto slope = [&](const glm::dvec2& aside) {
+    const glm::dvec2 middle(foot);
+    const double here = ground.at(middle).value_or(foot.z);
+    return (ground.at(middle + aside).value_or(here) - ground.at(middle - aside).value_or(here)) / cell_size;
+  };
+  return glm::normalize(glm::dvec3(-slope({0.5 * cell_size, 0.0}), -slope({0.0, 0.5 * cell_size}), 1.0));
+}
 
 /// Answers all points, a block at a time: answer(targets) gives its numbers, take(point id, row, number) gets
 /// them.
@@ -94,6 +111,12 @@ void for_each_ground_target(const Occluders& occluders, const Ground& ground, co
         std::vector<SkyTarget> targets;
         for (const MapTarget& target : block.targets)
           targets.push_back(target_in_open(raised(target.foot, height)));
+        if (question.receiver == SkyReceiver::surface) {
+          tbb::parallel_for(std::size_t{0}, targets.size(), [&](std::size_t i) {
+            targets[i].normal = ground_normal(ground, targets[i].front.position, grid.cell_size);
+            targets[i].is_front_open = true;
+          });
+        }
         const Numbers answers = answer(std::span<SkyTarget>(targets));
         Numbers numbers(block.cells.size());
         for (std::size_t row = 0; row < question.numbers; ++row) {
@@ -123,18 +146,27 @@ auto sky_answer(const Occluders& occluders, const SkyViewOptions& options) {
   };
 }
 
-/// Answers with hours and energy in two rows; looks for the open sides in so many directions first.
-auto sun_answer(const Occluders& occluders, std::span<const SunBin> bins, const SunHoursOptions& options,
+/// Answers with the fields of each period, row by row; looks for the open sides in so many directions first.
+auto sun_answer(const Occluders& occluders, const SunLight& light, const SunHoursOptions& options,
                 int side_directions) {
-  return [&occluders, bins, &options, side_directions](std::span<SkyTarget> targets) {
+  return [&occluders, &light, &options, side_directions](std::span<SkyTarget> targets) {
     if (side_directions > 0) find_open_sides(occluders, side_directions, targets);
-    std::vector<SunHours> of_block(targets.size());
-    sun_hours(occluders, targets, bins, options, of_block);
+    const auto periods = static_cast<std::size_t>(light.periods);
+    std::vector<Radiation> of_block(targets.size() * periods);
+    sun_hours(occluders, targets, light, options, of_block);
     Numbers numbers;
-    for (const SunHours& one : of_block) numbers.push_back(one.hours);
-    for (const SunHours& one : of_block) numbers.push_back(one.kilowatt_hours);
+    numbers.reserve(k_fields.size() * of_block.size());
+    for (std::size_t period = 0; period < periods; ++period)
+      for (const auto field : k_fields)
+        for (std::size_t i = 0; i < targets.size(); ++i)
+          numbers.push_back(of_block[i * periods + period].*field);
     return numbers;
   };
+}
+
+Question sun_question(const SunLight& light, const SunHoursOptions& options, int side_directions) {
+  return {light.bins.size() + light.fans.size() + static_cast<std::size_t>(side_directions),
+          k_fields.size() * static_cast<std::size_t>(light.periods), options.receiver};
 }
 
 }  // namespace
@@ -148,17 +180,19 @@ std::vector<float> point_sky_views(const Occluders& occluders, std::span<const g
   return views;
 }
 
-std::vector<SunHours> point_sun_hours(const Occluders& occluders, std::span<const glm::vec3> normals,
-                                      std::span<const SunBin> bins, const SunHoursOptions& options,
-                                      const LongWork& work) {
+std::vector<Radiation> point_sun_hours(const Occluders& occluders, std::span<const glm::vec3> normals,
+                                       const SunLight& light, const SunHoursOptions& options,
+                                       const LongWork& work) {
   constexpr int k_side_directions = 64;
-  std::vector<SunHours> hours(occluders.octree().size());
-  for_each_point_target(occluders, normals, {bins.size() + k_side_directions, 2}, work,
-                        sun_answer(occluders, bins, options, k_side_directions),
+  const auto periods = static_cast<std::size_t>(light.periods);
+  std::vector<Radiation> answers(occluders.octree().size() * periods);
+  for_each_point_target(occluders, normals, sun_question(light, options, k_side_directions), work,
+                        sun_answer(occluders, light, options, k_side_directions),
                         [&](std::uint64_t point_id, std::size_t row, float number) {
-                          (row == 0 ? hours[point_id].hours : hours[point_id].kilowatt_hours) = number;
+                          Radiation& answer = answers[point_id * periods + row / k_fields.size()];
+                          answer.*k_fields[row % k_fields.size()] = number;
                         });
-  return hours;
+  return answers;
 }
 
 geo::Raster<float> ground_sky_views(const Occluders& occluders, const Ground& ground,
@@ -166,23 +200,25 @@ geo::Raster<float> ground_sky_views(const Occluders& occluders, const Ground& gr
                                     const LongWork& work) {
   geo::check_map_memory(grid, 1);
   geo::Raster<float> views(grid, k_nothing);
-  SkyViewOptions facing_up = options;
-  facing_up.receiver = SkyReceiver::horizontal;
-  for_each_ground_target(occluders, ground, grid, height, {static_cast<std::size_t>(options.directions), 1},
-                         work, sky_answer(occluders, facing_up),
+  for_each_ground_target(occluders, ground, grid, height,
+                         {static_cast<std::size_t>(options.directions), 1, options.receiver}, work,
+                         sky_answer(occluders, options),
                          [&](std::size_t cell, std::size_t, float number) { views.values[cell] = number; });
   return views;
 }
 
-SunMaps ground_sun_hours(const Occluders& occluders, const Ground& ground, const geo::RasterGrid& grid,
-                         double height, std::span<const SunBin> bins, const SunHoursOptions& options,
-                         const LongWork& work) {
-  geo::check_map_memory(grid, 2);
-  SunMaps maps{geo::Raster<float>(grid, k_nothing), geo::Raster<float>(grid, k_nothing)};
-  for_each_ground_target(occluders, ground, grid, height, {bins.size(), 2}, work,
-                         sun_answer(occluders, bins, options, 0),
+std::vector<geo::Raster<Radiation>> ground_sun_hours(const Occluders& occluders, const Ground& ground,
+                                                     const geo::RasterGrid& grid, double height,
+                                                     const SunLight& light, const SunHoursOptions& options,
+                                                     const LongWork& work) {
+  constexpr int k_bands = 5;
+  geo::check_map_memory(grid, k_bands * light.periods);
+  std::vector<geo::Raster<Radiation>> maps(static_cast<std::size_t>(light.periods),
+                                           geo::Raster<Radiation>(grid, {.hours = k_nothing}));
+  for_each_ground_target(occluders, ground, grid, height, sun_question(light, options, 0), work,
+                         sun_answer(occluders, light, options, 0),
                          [&](std::size_t cell, std::size_t row, float number) {
-                           (row == 0 ? maps.hours : maps.kilowatt_hours).values[cell] = number;
+                           maps[row / k_fields.size()].values[cell].*k_fields[row % k_fields.size()] = number;
                          });
   return maps;
 }

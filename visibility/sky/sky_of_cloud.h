@@ -32,27 +32,26 @@ struct LongWork {
 std::vector<float> point_sky_views(const Occluders& occluders, std::span<const glm::vec3> normals,
                                    const SkyViewOptions& options, const LongWork& work = {});
 
-/// Direct sun of every point, by point id; the open side of points without a normal is found with
-/// find_open_sides(), of 64 directions. Memory: 8 B per point and some 20 MB. Errors: normals not one per
-/// point.
-std::vector<SunHours> point_sun_hours(const Occluders& occluders, std::span<const glm::vec3> normals,
-                                      std::span<const SunBin> bins, const SunHoursOptions& options,
-                                      const LongWork& work = {});
+/// Radiation of every point, by point id: periods of the first, then those of the next, `light.periods` each; the open
+/// side of points without a normal is found with find_open_sides(), of 64 directions. Memory: 32 B per point and period
+/// and some 20 MB. Errors: as sun_hours; normals not one per point.
+std::vector<Radiation> point_sun_hours(const Occluders& occluders, std::span<const glm::vec3> normals,
+                                       const SunLight& light, const SunHoursOptions& options,
+                                       const LongWork& work = {});
 
 /// Sky-view factor in the middle of every cell, `height` above the ground as a viewshed has it
-/// (visibility/raster/map_positions.h), which faces up there (options.receiver does not matter); NaN where
-/// there is no ground. Memory: 4 B per cell and some 30 MB; check_map_memory() of one band. Errors: as
+/// (visibility/raster/map_targets.h). The receiver is the horizontal, or the slope of the ground across the cell
+/// (SkyReceiver::surface), which what lies behind it gives no light; NaN where there is no ground. Memory: 4 B per cell and some 30 MB; check_map_memory() of one band. Errors: as
 /// sky_views; height negative or not finite; not enough memory.
 geo::Raster<float> ground_sky_views(const Occluders& occluders, const Ground& ground,
                                     const geo::RasterGrid& grid, double height, const SkyViewOptions& options,
                                     const LongWork& work = {});
 
-/// Direct sun of every cell, likewise on the horizontal; two bands.
-struct SunMaps {
-  geo::Raster<float> hours, kilowatt_hours;
-};
-SunMaps ground_sun_hours(const Occluders& occluders, const Ground& ground, const geo::RasterGrid& grid,
-                         double height, std::span<const SunBin> bins, const SunHoursOptions& options,
-                         const LongWork& work = {});
+/// Radiation of every cell, likewise, a raster for each period; its hours are NaN where there is no ground. Memory: 16 B
+/// per cell and period; check_map_memory() of 5 bands for each.
+std::vector<geo::Raster<Radiation>> ground_sun_hours(const Occluders& occluders, const Ground& ground,
+                                                     const geo::RasterGrid& grid, double height,
+                                                     const SunLight& light, const SunHoursOptions& options,
+                                                     const LongWork& work = {});
 
 }  // namespace alidade::visibility

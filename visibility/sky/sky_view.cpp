@@ -5,12 +5,16 @@
 #include <cassert>
 #include <cmath>
 #include <glm/geometric.hpp>
+#include <limits>
+#include <numbers>
 #include <string>
 #include <utility>
 
 #include "base/error.h"
 #include "base/exact_math.h"
 #include "base/parallel.h"
+#include "geo/earth.h"
+#include "visibility/sky/sky_patches.h"
 
 namespace alidade::visibility {
 namespace {
@@ -73,6 +77,24 @@ std::vector<Sides> both_sides(const Occluders& occluders, std::span<const SkyTar
   return sides;
 }
 
+/// The same integral above the horizons of even azimuths.
+double view_above_horizons(const geo::TerrainSurface& terrain, const SkyTarget& target,
+                           const SkyViewOptions& options) {
+  const glm::dvec3 up(0.0, 0.0, 1.0), surface = target.has_surface() ? target.normal : up;
+  const glm::dvec3 normal = options.receiver == SkyReceiver::surface ? surface : up;
+  const double width = 360.0 / options.directions;
+  double sum = 0.0;
+  for (int i = 0; i < options.directions; ++i) {
+    const glm::dvec2 direction(geo::compass_direction((i + 0.5) * width, 0.0));
+    const double facing = facing_slope(surface, direction);
+    if (std::isinf(facing)) continue;
+    const double slope = terrain.horizon_slope(target.front.position, direction, facing);
+    const double elevation = std::atan(slope) * 180.0 / std::numbers::pi;
+    sum += std::max(0.0, glm::dot(normal, direction_integral({i * width, (i + 1) * width, elevation, 90.0})));
+  }
+  return sum / std::numbers::pi;
+}
+
 }  // namespace
 
 std::vector<glm::dvec3> even_sky_directions(int count) {
@@ -88,6 +110,18 @@ std::vector<glm::dvec3> cosine_sky_directions(int count) {
   for (int i = 0; i < count; ++i)
     directions.push_back(spiral_direction(i, std::sqrt(1.0 - (i + 0.5) / count)));
   return directions;
+}
+
+bool has_horizons(const Occluders& occluders, double max_distance) {
+  const OccluderOptions& options = occluders.options();
+  return occluders.octree().size() == 0 && options.mesh == nullptr && options.terrain != nullptr &&
+         std::isinf(max_distance);
+}
+
+double facing_slope(const glm::dvec3& normal, const glm::dvec2& direction) {
+  const double towards = normal.x * direction.x + normal.y * direction.y;
+  if (towards >= 0.0 && (towards > 0.0 || normal.z > 0.0)) return 0.0;
+  return normal.z > 0.0 ? -towards / normal.z : std::numeric_limits<double>::infinity();
 }
 
 SkyTarget target_on_point(const Occluders& occluders, std::uint64_t point_id, const glm::dvec3& position,
@@ -116,6 +150,13 @@ SkyTarget target_in_open(const SightEnd& position) {
 void sky_views(const Occluders& occluders, std::span<const SkyTarget> targets, const SkyViewOptions& options,
                std::span<float> views) {
   assert(targets.size() == views.size());
+  if (has_horizons(occluders, options.max_distance)) {
+    check_directions(options.directions);
+    in_parallel(targets.size(), 16, [&](std::size_t i) {
+      views[i] = static_cast<float>(view_above_horizons(*occluders.options().terrain, targets[i], options));
+    });
+    return;
+  }
   const std::vector<Sides> sides = both_sides(occluders, targets, options);
   in_parallel(targets.size(), k_targets_at_once,
               [&](std::size_t i) { views[i] = static_cast<float>(wider_side(targets[i], sides[i])); });

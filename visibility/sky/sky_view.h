@@ -51,6 +51,14 @@ SkyTarget target_on_point(const Occluders& occluders, std::uint64_t point_id, co
 /// A position on or above the ground, which looks to all sides.
 SkyTarget target_in_open(const SightEnd& position);
 
+/// Whether horizons can replace lines of sight: a terrain alone blocks, whatever its distance. Below a line that meets it
+/// every line of the azimuth meets it or goes below it.
+bool has_horizons(const Occluders& occluders, double max_distance);
+
+/// The slope above which light from an azimuth (a horizontal direction of length 1) comes from before a surface with this
+/// normal, z >= 0; infinite: none does.
+double facing_slope(const glm::dvec3& normal, const glm::dvec2& direction);
+
 enum class SkyReceiver {
   horizontal,  ///< faces up: light from straight above counts most
   surface,     ///< faces where the surface does; of a target without a surface, up
@@ -76,7 +84,8 @@ struct SkyViewOptions {
 /// Determination of View-Factors in Urban Canyons, 1984; for slopes Dozier and Frew, Rapid Calculation of
 /// Terrain Parameters for Radiation Modeling From Digital Elevation Data, 1990. Errors: options out of range;
 /// as many views as targets. Cost: a line per target and direction, in parallel; fast if neighbours among the
-/// targets are neighbours in space, in batches of 10^4 to 10^5.
+/// targets are neighbours in space, in batches of 10^4 to 10^5. With has_horizons(): a horizon in each of `directions`
+/// even azimuths instead, and the integral above it: the error is that of the azimuths alone.
 void sky_views(const Occluders& occluders, std::span<const SkyTarget> targets, const SkyViewOptions& options,
                std::span<float> views);
 

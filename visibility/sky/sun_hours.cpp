@@ -7,65 +7,43 @@
 #include <cmath>
 #include <cstddef>
 #include <glm/geometric.hpp>
-#include <map>
-#include <utility>
 
 #include "base/error.h"
 #include "base/parallel.h"
 #include "geo/earth.h"
 
 namespace alidade::visibility {
-
-std::vector<SunBin> sun_bins(std::span<const SunStep> steps, double degrees) {
-  constexpr double k_widest = 30.0;
-  check_that(degrees >= 0.0 && degrees <= k_widest, "bin size of sun positions out of range",
-             fmt::format("0 to {} degrees", k_widest), fmt::format("{}", degrees));
-  std::vector<SunBin> bins;
-  std::vector<glm::dvec3> middles;
-  std::map<std::pair<int, int>, std::size_t> known;
-  for (const SunStep& step : steps) {
-    const glm::dvec3 direction = geo::compass_direction(step.azimuth, step.elevation);
-    std::size_t bin = bins.size();
-    if (degrees > 0.0) {
-      const double row = std::floor(step.elevation / degrees);
-      // As many columns as keep the bins in the middle of the row as wide as high.
-      const double breadth = sine_cosine_of_degrees(std::fmin((row + 0.5) * degrees, 90.0)).cosine;
-      const double columns = std::fmax(1.0, std::floor(360.0 * breadth / degrees + 0.5));
-      const double column = std::floor(step.azimuth / 360.0 * columns);
-      bin = known.try_emplace({static_cast<int>(row), static_cast<int>(column)}, bin).first->second;
-    }
-    if (bin == bins.size()) {
-      bins.emplace_back();
-      middles.emplace_back(0.0);
-    }
-    middles[bin] += step.hours * direction;
-    bins[bin].hours += step.hours;
-    bins[bin].energy += step.hours * step.irradiance * direction;
-  }
-  for (std::size_t i = 0; i < bins.size(); ++i) bins[i].direction = glm::normalize(middles[i]);
-  return bins;
-}
-
 namespace {
 
-/// Sums of a target, in double until they are complete.
+/// Sums of a target and period, in double until they are complete.
 struct Sums {
-  double hours = 0.0, watt_hours = 0.0;
+  double hours = 0.0, beam = 0.0, diffuse = 0.0;
+
+  void add(const LightSums& light, const glm::dvec3& normal) {
+    hours += light.hours;
+    beam += std::max(0.0, glm::dot(light.beam, normal));
+    diffuse += std::max(0.0, glm::dot(light.diffuse, normal));
+  }
 };
 
-}  // namespace
+glm::dvec3 receiver_normal(const SkyTarget& target, const SunHoursOptions& options) {
+  if (options.normal) return *options.normal;
+  const bool is_surface = options.receiver == SkyReceiver::surface && target.has_surface();
+  return is_surface ? target.normal : glm::dvec3(0.0, 0.0, 1.0);
+}
 
-void sun_hours(const Occluders& occluders, std::span<const SkyTarget> targets, std::span<const SunBin> bins,
-               const SunHoursOptions& options, std::span<SunHours> answers) {
-  assert(targets.size() == answers.size());
-  std::vector<Sums> sums(targets.size());
+void add_bins(const Occluders& occluders, std::span<const SkyTarget> targets, const SunLight& light,
+              const SunHoursOptions& options, std::span<Sums> sums) {
   std::vector<std::uint32_t> asked;
   std::vector<SightLine> lines;
   std::vector<std::uint8_t> is_blocked;
-  for (const SunBin& bin : bins) {
+  const auto periods = static_cast<std::size_t>(light.periods);
+  for (const LightBin& bin : light.bins) {
     asked.clear();
     for (std::uint32_t i = 0; i < targets.size(); ++i) {
-      if (!targets[i].has_surface() || glm::dot(bin.direction, targets[i].normal) > 0.0) asked.push_back(i);
+      const bool is_behind = targets[i].has_surface() && !(glm::dot(bin.direction, targets[i].normal) > 0.0);
+      if (!is_behind && (!options.normal || glm::dot(bin.direction, *options.normal) > 0.0))
+        asked.push_back(i);
     }
     lines.resize(asked.size());
     is_blocked.resize(asked.size());
@@ -75,15 +53,57 @@ void sun_hours(const Occluders& occluders, std::span<const SkyTarget> targets, s
     blocked(occluders, lines, is_blocked);
     for (std::size_t i = 0; i < asked.size(); ++i) {
       if (is_blocked[i] != 0) continue;
-      const SkyTarget& target = targets[asked[i]];
-      const bool tilted = options.receiver == SkyReceiver::surface && target.has_surface();
-      Sums& sum = sums[asked[i]];
-      sum.hours += bin.hours;
-      sum.watt_hours += std::max(0.0, tilted ? glm::dot(bin.energy, target.normal) : bin.energy.z);
+      const glm::dvec3 normal = receiver_normal(targets[asked[i]], options);
+      for (const LightBin::Share& share : bin.shares)
+        sums[asked[i] * periods + static_cast<std::size_t>(share.period)].add(share.sums, normal);
     }
   }
-  for (std::size_t i = 0; i < targets.size(); ++i) {
-    answers[i] = {static_cast<float>(sums[i].hours), static_cast<float>(sums[i].watt_hours / 1000.0)};
+}
+
+void add_fans(const geo::TerrainSurface& terrain, std::span<const SkyTarget> targets, const SunLight& light,
+              const SunHoursOptions& options, std::span<Sums> sums) {
+  const auto periods = static_cast<std::size_t>(light.periods);
+  in_parallel(targets.size(), 16, [&](std::size_t i) {
+    const glm::dvec3 normal = receiver_normal(targets[i], options);
+    const std::span<Sums> of_target = sums.subspan(i * periods, periods);
+    for (const LightFan& fan : light.fans) {
+      const double facing = facing_slope(normal, fan.direction);
+      if (std::isinf(facing)) continue;
+      const double slope = terrain.horizon_slope(targets[i].front.position, fan.direction, facing);
+      for (const LightFan::Share& share : fan.shares) {
+        const auto end = std::ranges::lower_bound(share.slopes, slope, std::greater<>{});
+        const auto count = static_cast<std::size_t>(end - share.slopes.begin());
+        of_target[static_cast<std::size_t>(share.period)].add(share.sums[count], normal);
+      }
+    }
+  });
+}
+
+}  // namespace
+
+glm::dvec3 tilted_normal(double tilt, double azimuth) {
+  return geo::compass_direction(azimuth, 90.0 - tilt);
+}
+
+void sun_hours(const Occluders& occluders, std::span<const SkyTarget> targets, const SunLight& light,
+               const SunHoursOptions& options, std::span<Radiation> answers) {
+  const auto periods = static_cast<std::size_t>(light.periods);
+  assert(targets.size() * periods == answers.size());
+  check_that(options.albedo >= 0.0 && options.albedo <= 1.0, "albedo out of range", "0 to 1",
+             fmt::format("{}", options.albedo));
+  check_that(light.fans.empty() || has_horizons(occluders, options.max_distance),
+             "horizons cannot replace lines of sight", "a terrain alone and no maximum distance, or bins");
+  std::vector<Sums> sums(answers.size());
+  if (!light.fans.empty())
+    add_fans(*occluders.options().terrain, targets, light, options, sums);
+  else
+    add_bins(occluders, targets, light, options, sums);
+  for (std::size_t i = 0; i < answers.size(); ++i) {
+    const LightSums& open = light.open[i % periods];
+    const double away = 0.5 * (1.0 - receiver_normal(targets[i / periods], options).z);
+    answers[i] = {static_cast<float>(sums[i].hours), static_cast<float>(sums[i].beam),
+                  static_cast<float>(sums[i].diffuse),
+                  static_cast<float>(options.albedo * away * (open.beam.z + open.diffuse.z))};
   }
 }
 

@@ -2,54 +2,54 @@
 #pragma once
 
 #include <glm/vec3.hpp>
+#include <limits>
+#include <optional>
 #include <span>
-#include <vector>
 
 #include "visibility/sky/sky_view.h"
+#include "visibility/sky/sun_light.h"
 
 namespace alidade::visibility {
 
-/// The sun in the middle of a step.
-struct SunStep {
-  double azimuth = 0.0;     ///< degrees clockwise from +y, [0, 360)
-  double elevation = 0.0;   ///< degrees above the horizon, as seen through the air, > 0
-  double hours = 0.0;       ///< how long the step is
-  double irradiance = 0.0;  ///< beam_irradiance(), W/m2
-};
+/// What a position gets from sun and sky in a period.
+struct Radiation {
+  float hours = 0.0f;  ///< of direct sun
+  float beam = 0.0f;   ///< Wh/m2 of the receiver, by the sun's disc: irradiance times the cosine of incidence
+  float diffuse = 0.0f;    ///< Wh/m2, by the part of the sky that it sees
+  float reflected = 0.0f;  ///< Wh/m2, by the ground that it faces
 
-/// Steps in which the sun is in about the same direction, taken as one.
-struct SunBin {
-  glm::dvec3 direction{0.0, 0.0, 1.0};  ///< the middle of the steps' directions, weighed by their hours
-  double hours = 0.0;
-  /// Sum of hours times irradiance times direction of the steps, Wh/m2: its product with a receiver's normal
-  /// is what the receiver gets. Exact as long as the receiver faces all of the steps.
-  glm::dvec3 energy{0.0};
-};
-
-/// Groups steps by bins of so many degrees of elevation and, at the horizon, azimuth (wider further up, so
-/// that all bins are about as large). A bin's edges of light and shade are those of its middle: a shadow
-/// comes or goes wrong by at most half a bin in some of its steps, late in as many as early. A year's steps,
-/// 10 minutes apart, lie in some 1000 bins of 3 degrees. With 0 every step is its own bin. Errors: not in [0,
-/// 30].
-std::vector<SunBin> sun_bins(std::span<const SunStep> steps, double degrees);
-
-/// What a position gets from the sun's disc, under a clear sky.
-struct SunHours {
-  float hours = 0.0f;           ///< of direct sun
-  float kilowatt_hours = 0.0f;  ///< per m2 of the receiver: beam_irradiance() times the cosine of incidence
+  float global() const { return beam + diffuse + reflected; }
 };
 
 struct SunHoursOptions {
   SkyReceiver receiver = SkyReceiver::surface;
   double max_distance = std::numeric_limits<double>::infinity();  ///< nothing farther blocks; metres
+  /// Normal of every receiver, of length 1, with z >= 0, instead of that of `receiver`.
+  std::optional<glm::dvec3> normal{};
+  double albedo = 0.2;  ///< share of its light that the ground reflects, [0, 1]
 };
 
-/// Direct sun of every target: a line towards the middle of each bin (sun_bins.h) that no point blocks. The
-/// sun is a point, and is behind a surface or before it: call find_open_sides() first, of targets that do
-/// not know their outside the front is taken. Hours count while the sun is before the surface, also for a
-/// horizontal receiver. Results do not depend on threads or instruction set. Errors: as many answers as
-/// targets. Cost: a line per target and bin, in parallel; targets in the order of the octree are fast.
-void sun_hours(const Occluders& occluders, std::span<const SkyTarget> targets, std::span<const SunBin> bins,
-               const SunHoursOptions& options, std::span<SunHours> answers);
+/// Normal of a receiver that is tilted from the horizontal, towards an azimuth; degrees, tilt in [0, 90].
+glm::dvec3 tilted_normal(double tilt, double azimuth);
+
+/// Radiation of every target, period by period; `answers`: targets times light.periods of them.
+///
+/// Bins: a line towards the middle of each that nothing blocks. The sun is a point, and is behind a surface or before
+/// it: call find_open_sides() first, of targets that do not know their outside the front is taken. Light counts while
+/// it comes from before the surface, also for a horizontal receiver, and from before the receiver.
+///
+/// Fans: the horizon of each azimuth (geo::TerrainSurface::horizon_slope) leaves what is above it. Two things differ
+/// from lines of sight: ground below the surface is solid also at the edges of holes and of the raster, and slopes at
+/// the target count to the last micrometre, not the last millimetre.
+///
+/// Reflected light is that of an even ground below an open sky: albedo times the global energy of the open horizontal
+/// times (1 - z) / 2, with z that of the receiver's normal; what stands around neither shades nor brightens it. Source:
+/// Liu and Jordan, The Long-Term Average Performance of Flat-Plate Solar-Energy Collectors, 1963; as in r.sun.
+///
+/// Results do not depend on threads or instruction set. Errors: as many answers as targets and periods; fans without
+/// has_horizons(); albedo out of range. Cost: a line per target and bin, or a horizon (1 to 3 microseconds) per target
+/// and fan, in parallel; targets in the order of the octree are fast.
+void sun_hours(const Occluders& occluders, std::span<const SkyTarget> targets, const SunLight& light,
+               const SunHoursOptions& options, std::span<Radiation> answers);
 
 }  // namespace alidade::visibility

@@ -3,7 +3,7 @@
 
 #include <fmt/format.h>
 #include <cmath>
-#include <numbers>
+#include <cstdint>
 
 #include "base/error.h"
 #include "geo/earth.h"
@@ -11,13 +11,6 @@
 
 namespace alidade::visibility {
 namespace {
-
-/// Of clean dry air, per air mass. Source: Kasten 1996, as in Rigollier et al. 2000, equations 11 and 12.
-double rayleigh_thickness(double mass) {
-  constexpr double k_low_sun = 20.0;
-  if (mass > k_low_sun) return 1.0 / (10.4 + 0.718 * mass);
-  return 1.0 / (6.6296 + mass * (1.7513 + mass * (-0.1202 + mass * (0.0065 - 0.00013 * mass))));
-}
 
 constexpr double k_seconds_per_day = 86400.0;
 
@@ -51,17 +44,102 @@ double day_of_year(const Moment& moment) {
   return static_cast<double>((moment.day - first).count()) + 1.0 + moment.seconds / k_seconds_per_day;
 }
 
+/// Counts the periods, from any on.
+int period_number(const SunSchedule& schedule, const Moment& moment) {
+  const Moment local = later(moment, std::round(schedule.longitude / 360.0 * k_seconds_per_day));
+  const std::chrono::year_month_day date(local.day);
+  const int year = static_cast<int>(date.year());
+  switch (schedule.period) {
+    case SunPeriod::whole:
+      return 0;
+    case SunPeriod::year:
+      return year;
+    case SunPeriod::month:
+      return 12 * year + static_cast<int>(static_cast<unsigned>(date.month())) - 1;
+    case SunPeriod::day:
+      return static_cast<int>(local.day.time_since_epoch().count());
+  }
+  return 0;
+}
+
+/// Gives a step the light of its moment.
+void set_irradiance(const SunSchedule& schedule, const Moment& moment, SunStep& step) {
+  const double day = day_of_year(moment);
+  step.extraterrestrial = extraterrestrial_irradiance(day);
+  if (schedule.weather != nullptr) {
+    const HourlyIrradiance& hour = schedule.weather->at(moment);
+    step.irradiance = hour.direct_normal;
+    step.diffuse = hour.diffuse_horizontal;
+    return;
+  }
+  ClearAir air = schedule.air;
+  if (schedule.monthly_turbidity) {
+    const auto month = static_cast<unsigned>(std::chrono::year_month_day(moment.day).month());
+    air.linke_turbidity = (*schedule.monthly_turbidity)[month - 1];
+  }
+  step.irradiance = beam_irradiance(step.elevation, day, air);
+  step.diffuse = diffuse_irradiance(step.elevation, day, air);
+}
+
+/// Gives the steps with sun of an hour of a weather file the energy of all steps of that hour.
+class WholeHours {
+ public:
+  /// Both must outlive the object; `weather` may be null: then nothing happens.
+  WholeHours(const Weather* weather, std::vector<SunStep>& steps) : weather_(weather), steps_(steps) {}
+
+  /// Comes to a step, before it is added to the steps if the sun is up.
+  void enter(const Moment& middle, double hours, bool is_up) {
+    if (weather_ == nullptr) return;
+    if (const std::int64_t number = weather_->hour_number(middle); number != number_) {
+      finish();
+      number_ = number;
+    }
+    all_ += hours;
+    if (is_up) up_ += hours;
+  }
+  void finish() {
+    for (; first_ < steps_.size() && weather_ != nullptr; ++first_) {
+      steps_[first_].irradiance *= all_ / up_;
+      steps_[first_].diffuse *= all_ / up_;
+    }
+    all_ = up_ = 0.0;
+  }
+
+ private:
+  const Weather* weather_;
+  std::vector<SunStep>& steps_;
+  std::int64_t number_ = 0;
+  std::size_t first_ = 0;        ///< step of the hour
+  double all_ = 0.0, up_ = 0.0;  ///< hours
+};
+
 }  // namespace
 
-double beam_irradiance(double elevation, double day_of_year, const ClearAir& air) {
-  if (!(elevation > 0.0)) return 0.0;
-  constexpr double k_solar_constant = 1367.0, k_days = 365.25;
-  constexpr double k_eccentricity = 0.03344, k_perihelion = 0.048869;
-  const double turn = 2.0 * std::numbers::pi * day_of_year / k_days;
-  const double above = k_solar_constant * (1.0 + k_eccentricity * std::cos(turn - k_perihelion));
-  const double mass = geo::air_mass(elevation) * std::exp(-air.height / 8434.5);
-  const double dimmed = above * std::exp(-0.8662 * air.linke_turbidity * mass * rayleigh_thickness(mass));
-  return std::round(dimmed * 1e4) / 1e4;
+std::vector<std::string> sun_periods(const SunSchedule& schedule) {
+  const int first = period_number(schedule, schedule.from),
+            count = period_number(schedule, later(schedule.to, -1e-3)) - first + 1;
+  check_that(count <= k_most_sun_periods, "too many periods",
+             fmt::format("at most {}: months or years, or a shorter time", k_most_sun_periods),
+             std::to_string(count));
+  std::vector<std::string> names;
+  for (int number = first; number < first + count; ++number) {
+    switch (schedule.period) {
+      case SunPeriod::whole:
+        names.emplace_back();
+        break;
+      case SunPeriod::year:
+        names.push_back(fmt::format("{:04}", number));
+        break;
+      case SunPeriod::month:
+        names.push_back(fmt::format("{:04}-{:02}", number / 12, number % 12 + 1));
+        break;
+      case SunPeriod::day:
+        names.push_back(
+            date_time_text({std::chrono::sys_days(std::chrono::days(number)), 0.0}).substr(0, 10));
+        break;
+    }
+  }
+  return names;
 }
 
 std::vector<SunStep> sun_steps(const SunSchedule& schedule, const Progress& progress) {
@@ -69,6 +147,8 @@ std::vector<SunStep> sun_steps(const SunSchedule& schedule, const Progress& prog
   require("latitude", schedule.latitude, -90.0, 90.0);
   require("longitude", schedule.longitude, -360.0, 360.0);
   require("turbidity", schedule.air.linke_turbidity, 1.0, 20.0);
+  if (schedule.monthly_turbidity)
+    for (const double turbidity : *schedule.monthly_turbidity) require("turbidity", turbidity, 1.0, 20.0);
   require("height above sea level", schedule.air.height, -1000.0, 10000.0);
   const double duration = seconds_between(schedule.from, schedule.to), step = 60.0 * schedule.step_minutes;
   check_that(duration > 0.0, "empty time range", "an end after " + date_time_text(schedule.from),
@@ -83,7 +163,9 @@ std::vector<SunStep> sun_steps(const SunSchedule& schedule, const Progress& prog
       .longitude = schedule.longitude,
       .height = schedule.air.height,
       .pressure = k_sea_pressure * std::exp(-schedule.air.height / k_scale_height)};
+  const int first_period = period_number(schedule, schedule.from);
   std::vector<SunStep> steps;
+  WholeHours whole_hours(schedule.weather, steps);
   const auto total = static_cast<std::size_t>(count);
   for (std::size_t i = 0; i < total; ++i) {
     constexpr std::size_t k_report_interval = 256;
@@ -92,12 +174,16 @@ std::vector<SunStep> sun_steps(const SunSchedule& schedule, const Progress& prog
     const Moment middle = later(schedule.from, 0.5 * (begin + end));
     const geo::SunPosition sun = geo::sun_position(middle, observer);
     const double elevation = rounded(sun.elevation);
+    whole_hours.enter(middle, (end - begin) / 3600.0, elevation > 0.0);
     if (!(elevation > 0.0)) continue;
-    steps.push_back({.azimuth = wrapped(rounded(sun.azimuth - schedule.grid_north)),
-                     .elevation = elevation,
-                     .hours = (end - begin) / 3600.0,
-                     .irradiance = beam_irradiance(elevation, day_of_year(middle), schedule.air)});
+    SunStep one{.azimuth = wrapped(rounded(sun.azimuth - schedule.grid_north)),
+                .elevation = elevation,
+                .hours = (end - begin) / 3600.0,
+                .period = period_number(schedule, middle) - first_period};
+    set_irradiance(schedule, middle, one);
+    steps.push_back(one);
   }
+  whole_hours.finish();
   report(progress, total, total);
   return steps;
 }

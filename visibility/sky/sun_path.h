@@ -1,35 +1,34 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
+#include <array>
+#include <cstddef>
 #include <glm/vec2.hpp>
 #include <optional>
+#include <string>
 #include <vector>
 
 #include "base/date_time.h"
 #include "base/progress.h"
 #include "cloud/crs.h"
-#include "visibility/sky/sun_hours.h"
+#include "visibility/sky/irradiance.h"
+#include "visibility/sky/weather.h"
 
 namespace alidade::visibility {
 
-/// The air above a position, as far as it dims the sun.
-struct ClearAir {
-  /// How many clean dry atmospheres would dim the sun as much, at an air mass of 2: 2 very clear and cold,
-  /// 3 clear and warm, 5 humid, 7 polluted. [1, 20]
-  double linke_turbidity = 3.0;
-  double height = 0.0;  ///< metres above the sea, [-1000, 10000]
-};
+/// Parts of a time range; their borders are midnights of mean solar time, 4 minutes earlier per degree to the east.
+enum class SunPeriod { whole, year, month, day };
 
-/// Irradiance by the sun's disc alone, of a surface that faces it, W/m2, under a clear sky: 1367 W/m2 above
-/// the air, at the Earth's mean distance, corrected for that of `day_of_year` (1 = 1 January; fractions
-/// count), times exp(-0.8662 T m d), with T the turbidity, m the air mass (air_mass(), times exp(-height /
-/// 8434.5)) and d the optical thickness of clean dry air. `elevation`: degrees, as seen through the air; 0 or
-/// less gives 0. Rounded to 0.0001, so that machines whose mathematical functions differ in the last bit
-/// agree. The light of the sky around the sun is not in it.
-/// Sources: European Solar Radiation Atlas: Rigollier, Bauer, Wald, On the Clear Sky Model of the ESRA, 2000;
-/// d: Kasten, The Linke Turbidity Factor Based on Improved Values of the Integral Rayleigh Optical Thickness,
-/// 1996. r.sun of GRASS computes the same.
-double beam_irradiance(double elevation, double day_of_year, const ClearAir& air);
+/// The sun in the middle of a step, and what it and the sky give.
+struct SunStep {
+  double azimuth = 0.0;           ///< degrees clockwise from +y, [0, 360)
+  double elevation = 0.0;         ///< degrees above the horizon, as seen through the air, > 0
+  double hours = 0.0;             ///< how long the step is
+  double irradiance = 0.0;        ///< of the sun's disc on a surface that faces it, W/m2
+  double diffuse = 0.0;           ///< of the sky on the horizontal, W/m2
+  double extraterrestrial = 0.0;  ///< extraterrestrial_irradiance(), W/m2
+  int period = 0;                 ///< its number in sun_periods()
+};
 
 /// A time range and a position on Earth.
 struct SunSchedule {
@@ -38,15 +37,27 @@ struct SunSchedule {
   double latitude = 0.0, longitude = 0.0;  ///< degrees
   double grid_north = 0.0;                 ///< azimuth of +y, degrees clockwise from true north
   ClearAir air;
+  /// Linke turbidity of January to December, instead of that of `air`.
+  std::optional<std::array<double, 12>> monthly_turbidity{};
+  /// Irradiances with clouds, instead of those of a clear sky; null: none. Must outlive the schedule.
+  const Weather* weather = nullptr;
+  SunPeriod period = SunPeriod::whole;  ///< what is summed apart
 };
 
 constexpr std::size_t k_most_sun_steps = 10'000'000;
 
 /// Where the sun is in the middle of every step in which it is up, in the order of time: sun_position()
-/// with the pressure that belongs to the height, angles rounded to 1e-6 degrees. `progress` is in steps.
+/// with the pressure that belongs to the height, angles rounded to 1e-6 degrees. Irradiances are those of the clear sky
+/// (irradiance.h), or of the weather in the hour of the step's middle. Steps of an hour in which the sun rises or
+/// sets get all of its energy, also what the file has for the steps of that hour without sun. `progress` is in steps.
 /// Cost: 0.04 ms per step. Errors: numbers out of range, no time between from and to, over k_most_sun_steps
 /// steps.
 std::vector<SunStep> sun_steps(const SunSchedule& schedule, const Progress& progress = {});
+
+/// Names of the periods from the first to the last that the range touches, in order: "2026", "2026-06", "2026-06-21";
+/// one empty name for the whole. Requires from < to. Errors: over k_most_sun_periods.
+constexpr int k_most_sun_periods = 366;
+std::vector<std::string> sun_periods(const SunSchedule& schedule);
 
 /// Sets latitude, longitude and grid_north of the position (x, y) of a map (geo/earth.h); a latitude
 /// and longitude that are given stay. Without a map +y is taken for true north. Returns whether the map defined

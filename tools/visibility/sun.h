@@ -1,0 +1,93 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <array>
+#include <functional>
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "base/date_time.h"
+#include "base/fingerprint.h"
+#include "tools/visibility/observer_options.h"
+#include "tools/visibility/sky.h"
+#include "visibility/sky/sun_hours.h"
+#include "visibility/sky/sun_path.h"
+#include "visibility/sky/weather.h"
+
+// `visibility sun` in three parts: what was asked for and the path of the sun, maps and points, observers.
+
+namespace alidade::tools {
+
+/// A date as people give it for sunshine: a whole day, or a moment.
+struct SunDate {
+  Moment moment;  ///< of a day: its begin in UTC, whatever the position
+  bool is_day = false;
+};
+
+struct SunCommand : SkyRequest {
+  std::optional<SunDate> from, to;
+  double step_minutes = 10.0;
+  std::optional<glm::dvec2> position;  ///< latitude, longitude
+  visibility::ClearAir air;
+  std::optional<std::array<double, 12>> monthly_turbidity;
+  std::filesystem::path weather;  ///< empty: a clear sky
+  visibility::SunPeriod period = visibility::SunPeriod::whole;
+  std::optional<double> bin;  ///< degrees; 0: none; empty: by the number of steps
+  bool beam_only = false;
+  std::optional<double> tilt, aspect;  ///< degrees
+  double albedo = 0.2;
+  ObserverOptions observers;
+  std::filesystem::path diagram;  ///< empty: none
+
+  bool has_observers() const {
+    return !observers.positions.empty() || !observers.file.empty() || observers.grid.has_value();
+  }
+  visibility::SunHoursOptions hours_options(visibility::SkyReceiver usual) const;
+};
+
+/// Where the sun is, and how that came about.
+struct SunSky {
+  visibility::SunSchedule schedule;
+  std::optional<visibility::Weather> weather;
+  bool is_map_known = false;
+  double hours = 0.0;     ///< the sun is up
+  std::size_t steps = 0;  ///< in which it is up
+  double bin = 0.0;       ///< degrees
+  std::vector<std::string> periods;
+  visibility::SunLight light;
+};
+
+/// Declares the options of the sun.
+void add_sun_request(const Options& sun, SunCommand& command);
+
+/// The sun over a site, with progress. `targets`: how many receivers there are, if they are few; then every step counts
+/// alone up to 10^7 lines of sight. Errors: as place_schedule(), sun_steps(), sun_periods(), Weather.
+std::unique_ptr<SunSky> sun_of(const SunCommand& command, const VisibilityCloud& cloud,
+                               std::optional<std::size_t> targets = {});
+
+/// Says where and how long the sun is up, and what open ground gets.
+void say_sun(const SunCommand& command, const SunSky& sun);
+
+/// How the sun was followed, for the metadata of a map.
+MapMetadata sun_metadata(const SunCommand& command, const SunSky& sun);
+
+/// What `answers` depend on beside the site.
+void add_to_fingerprint(const SunSky& sun, Fingerprint& fingerprint);
+
+/// A number of a radiation that goes into files.
+struct SunQuantity {
+  const char* name;
+  const char* unit;
+  const char* text;
+  float (*value)(const visibility::Radiation& radiation);
+};
+
+/// Those that the command writes.
+std::span<const SunQuantity> sun_quantities(const SunCommand& command);
+
+/// `visibility sun` for observers: rows and the diagram.
+ExitCode run_sun_observers(const SunCommand& command);
+
+}  // namespace alidade::tools
