@@ -45,7 +45,9 @@ inline double candidate_radius(const Occluders& occluders, double spacing) {
 /// Radius of the sphere of a point without a surface; radius: candidate_radius().
 inline double sphere_of(const Occluders& occluders, double radius) {
   if (occluders.options().radius || !occluders.has_surfaces()) return radius;
-  return std::min(k_lone_share / k_disc_spacings * radius, occluders.largest_sphere());
+  // Of a lone return little is known to be there.
+  const double own = k_lone_share / k_disc_spacings * radius, widest = occluders.largest_sphere();
+  return own < widest ? own : widest * widest / own;
 }
 
 /// Where a point blocks a line, metres from the line's start; empty if it does not.

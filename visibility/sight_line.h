@@ -49,9 +49,9 @@ struct OccluderOptions {
   OccluderShape shape = OccluderShape::automatic;
   /// Metres, of all points, > 0. Empty: each point has its own, by its spacing, the distance to its 8th
   /// neighbour: 0.92 of it for a disc, which leaves 0.1 % of a surface open, at most 16 times what the
-  /// renderer's automatic radius would be; 0.28 of it for a sphere among discs, at most 0.35 of that automatic
-  /// radius, since a stray return is no larger for having its neighbours far away; where all are spheres, 0.5 of
-  /// it, at most that automatic radius. Given and widest discs are not cut off at edges.
+  /// renderer's automatic radius would be; 0.28 of it for a sphere among discs, but beyond 0.35 of that automatic
+  /// radius the square of that over it, since of a stray return with its neighbours far away little is known to be
+  /// there; where all are spheres, 0.5 of it, at most that automatic radius. Given and widest discs are not cut off at edges.
   std::optional<double> radius{};
   /// No disc or sphere is wider: metres, > 0. Empty: as above. Not together with `radius`.
   std::optional<double> radius_max{};
