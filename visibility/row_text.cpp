@@ -108,4 +108,34 @@ Row geojson_feature(std::span<const glm::dvec3> positions, const Row& properties
   return feature;
 }
 
+bool write_point_rows(const Row& rows, std::span<const glm::dvec3> positions, const std::string& list,
+                      const Row& totals, RowForm form, const RowFileHead& head, const ToLonLat& to_lon_lat,
+                      const std::filesystem::path& file, bool overwrite) {
+  OutputFile output(file, overwrite);
+  bool is_done = true;
+  if (form == RowForm::csv) {
+    write_text(output, csv_names(rows.front()));
+    for (const Row& row : rows) write_text(output, csv_values(row));
+  } else if (form == RowForm::json) {
+    Row members = members_of(head);
+    members.update(totals);
+    JsonListWriter writer(output, members, list);
+    for (const Row& row : rows) writer.add(row);
+    writer.finish();
+  } else {
+    std::optional<std::vector<glm::dvec3>> on_earth;
+    if (to_lon_lat) on_earth = to_lon_lat(positions);
+    is_done = on_earth.has_value();
+    if (on_earth) positions = *on_earth;
+    Row members = geojson_head(head, is_done);
+    members.update(totals);
+    JsonListWriter features(output, members, "features");
+    for (std::size_t i = 0; i < rows.size(); ++i)
+      features.add(geojson_feature(positions.subspan(i, 1), rows[i]));
+    features.finish();
+  }
+  output.commit();
+  return is_done;
+}
+
 }  // namespace alidade::visibility

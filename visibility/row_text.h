@@ -65,4 +65,12 @@ Row geojson_head(const RowFileHead& head, bool on_earth);
 /// "Point" for one position, "LineString" for more.
 Row geojson_feature(std::span<const glm::dvec3> positions, const Row& properties);
 
+/// Writes rows that lie at a position each: CSV; JSON with them as `list`; or GeoJSON with points. `rows`: an array
+/// of objects with the same members, at least one. `totals`: members of the file beside the rows, which CSV cannot
+/// hold. Coordinates are turned by `to_lon_lat` for GeoJSON; the answer is whether they could be, true for the other
+/// forms. Errors: the file exists and may not be replaced, or cannot be written.
+bool write_point_rows(const Row& rows, std::span<const glm::dvec3> positions, const std::string& list,
+                      const Row& totals, RowForm form, const RowFileHead& head, const ToLonLat& to_lon_lat,
+                      const std::filesystem::path& file, bool overwrite);
+
 }  // namespace alidade::visibility

@@ -57,6 +57,13 @@ TEST_F(MapsResumeTest, maps_of_objects_killed_at_many_moments_have_the_bytes_of_
       {"-o", "seen.tif", "--preview", "seen.png"}, 4);
 }
 
+TEST_F(MapsResumeTest, summaries_killed_at_many_moments_have_the_bytes_of_an_uninterrupted_run) {
+  write("wide.xyz", yard(150));
+  kill_and_resume({"visibility", "summary", "wide.xyz", "--observer-grid", "3", "--radius", "0.1", "--step",
+                   "10", "--directions", "16"},
+                  {"-o", "summary.csv"}, 4);
+}
+
 TEST_F(MapsResumeTest, maps_of_the_sky_killed_at_many_moments_have_the_bytes_of_an_uninterrupted_run) {
   kill_and_resume(
       {"visibility", "sky", "yard.xyz", "--resolution", "0.04", "--directions", "8", "--radius", "0.1"},

@@ -82,8 +82,8 @@ std::vector<double> all_gains(const Coverage& coverage, const Covered& covered) 
   return gains;
 }
 
-std::vector<Row> rows_of(const Placement& placement, std::span<const Observer> candidates) {
-  std::vector<Row> rows;
+Row rows_of(const Placement& placement, std::span<const Observer> candidates) {
+  Row rows = Row::array();
   for (const ChosenPosition& position : placement.positions) {
     const Observer& observer = candidates[position.candidate];
     Row row;
@@ -99,29 +99,6 @@ std::vector<Row> rows_of(const Placement& placement, std::span<const Observer> c
     rows.push_back(row);
   }
   return rows;
-}
-
-Row members_with_totals(Row members, const Placement& placement) {
-  members["total"] = placement.total;
-  members["best_possible"] = placement.best_possible;
-  return members;
-}
-
-bool write_geojson(const Placement& placement, const std::vector<Row>& rows,
-                   std::span<const Observer> candidates, const RowFileHead& head, const ToLonLat& to_lon_lat,
-                   OutputFile& file) {
-  std::vector<glm::dvec3> positions;
-  for (const ChosenPosition& position : placement.positions)
-    positions.push_back(candidates[position.candidate].position);
-  std::optional<std::vector<glm::dvec3>> on_earth;
-  if (to_lon_lat) on_earth = to_lon_lat(positions);
-  if (on_earth) positions = *on_earth;
-  JsonListWriter features(file, members_with_totals(geojson_head(head, on_earth.has_value()), placement),
-                          "features");
-  for (std::size_t i = 0; i < rows.size(); ++i)
-    features.add(geojson_feature(std::span(positions).subspan(i, 1), rows[i]));
-  features.finish();
-  return on_earth.has_value();
 }
 
 }  // namespace
@@ -164,21 +141,12 @@ Placement choose_places(const Coverage& coverage, std::size_t count, std::span<c
 bool write_placement(const Placement& placement, std::span<const Observer> candidates, RowForm form,
                      const RowFileHead& head, const ToLonLat& to_lon_lat, const std::filesystem::path& file,
                      bool overwrite) {
-  const std::vector<Row> rows = rows_of(placement, candidates);
-  OutputFile output(file, overwrite);
-  bool is_done = true;
-  if (form == RowForm::csv) {
-    write_text(output, "place,candidate,name,x,y,z,gain,covered,share\n");
-    for (const Row& row : rows) write_text(output, csv_values(row));
-  } else if (form == RowForm::json) {
-    JsonListWriter positions(output, members_with_totals(members_of(head), placement), "places");
-    for (const Row& row : rows) positions.add(row);
-    positions.finish();
-  } else {
-    is_done = write_geojson(placement, rows, candidates, head, to_lon_lat, output);
-  }
-  output.commit();
-  return is_done;
+  std::vector<glm::dvec3> positions;
+  for (const ChosenPosition& position : placement.positions)
+    positions.push_back(candidates[position.candidate].position);
+  const Row totals = {{"total", placement.total}, {"best_possible", placement.best_possible}};
+  return write_point_rows(rows_of(placement, candidates), positions, "places", totals, form, head, to_lon_lat,
+                          file, overwrite);
 }
 
 }  // namespace alidade::visibility
