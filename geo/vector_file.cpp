@@ -62,11 +62,45 @@ std::string wkt_of_layer(OGRLayerH layer) {
   return wkt;
 }
 
-VectorPoint point_of(OGRGeometryH geometry) {
-  VectorPoint point{.position = {OGR_G_GetX(geometry, 0), OGR_G_GetY(geometry, 0)}};
-  if (OGR_G_Is3D(geometry) != 0) point.z = OGR_G_GetZ(geometry, 0);
+/// The point of that number.
+VectorPoint point_of(OGRGeometryH geometry, int number = 0) {
+  VectorPoint point{.position = {OGR_G_GetX(geometry, number), OGR_G_GetY(geometry, number)}};
+  if (OGR_G_Is3D(geometry) != 0) point.z = OGR_G_GetZ(geometry, number);
   if (OGR_G_IsEmpty(geometry) != 0) point.position.x = std::numeric_limits<double>::quiet_NaN();
   return point;
+}
+
+VectorPath path_of(OGRGeometryH line, bool is_ring, bool is_hole) {
+  VectorPath path{.points = {}, .is_ring = is_ring, .is_hole = is_hole};
+  const int count = OGR_G_GetPointCount(line) - (is_ring ? 1 : 0);
+  for (int i = 0; i < count; ++i) path.points.push_back(point_of(line, i));
+  return path;
+}
+
+/// Whether they are lines and polygons.
+bool add_paths(OGRGeometryH geometry, std::vector<VectorPath>& paths) {
+  const OGRwkbGeometryType type = type_of(geometry);
+  if (type == wkbLineString) {
+    paths.push_back(path_of(geometry, false, false));
+    return true;
+  }
+  const bool is_polygon = type == wkbPolygon;
+  if (!is_polygon && type != wkbMultiLineString && type != wkbMultiPolygon && type != wkbGeometryCollection)
+    return false;
+  for (int i = 0; i < OGR_G_GetGeometryCount(geometry); ++i) {
+    const OGRGeometryH part = OGR_G_GetGeometryRef(geometry, i);
+    if (is_polygon)
+      paths.push_back(path_of(part, true, i > 0));
+    else if (!add_paths(part, paths))
+      return false;
+  }
+  return true;
+}
+
+/// A copy without arcs; null of null.
+GdalHandle<OGR_G_DestroyGeometry> without_arcs(OGRGeometryH geometry) {
+  return GdalHandle<OGR_G_DestroyGeometry>(
+      geometry != nullptr ? OGR_G_GetLinearGeometry(geometry, 0.0, nullptr) : nullptr);
 }
 
 void add_polygon(OGRGeometryH polygon, const std::string& source, std::vector<PlanePolygon>& polygons) {
@@ -113,6 +147,12 @@ std::optional<std::vector<VectorPoint>> VectorFeature::points() const {
   return points;
 }
 
+std::optional<std::vector<VectorPath>> VectorFeature::paths() const {
+  std::vector<VectorPath> paths;
+  if (!add_paths(without_arcs(OGR_F_GetGeometryRef(feature_)).get(), paths)) return std::nullopt;
+  return paths;
+}
+
 std::optional<VectorField> VectorFeature::field(std::string_view name) const {
   const int index = OGR_F_GetFieldIndex(feature_, std::string(name).c_str());
   if (index < 0) return std::nullopt;
@@ -142,11 +182,7 @@ std::vector<PlanePolygon> read_polygons(const std::filesystem::path& path,
   std::vector<PlanePolygon> polygons;
   const auto take = [&](void* feature) {
     const std::string source = fmt::format("{}:feature {}", path.string(), OGR_F_GetFID(feature));
-    const OGRGeometryH given = OGR_F_GetGeometryRef(feature);
-    // A copy without arcs.
-    const GdalHandle<OGR_G_DestroyGeometry> geometry(
-        given != nullptr ? OGR_G_GetLinearGeometry(given, 0.0, nullptr) : nullptr);
-    add_polygons(geometry.get(), source, polygons);
+    add_polygons(without_arcs(OGR_F_GetGeometryRef(feature)).get(), source, polygons);
   };
   const std::string wkt = read_vector_file(path,
                                            {.content = "polygons",

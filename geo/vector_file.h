@@ -40,6 +40,13 @@ struct VectorPoint {
   std::optional<double> z{};
 };
 
+/// A line string, or a ring of a polygon, of a feature; in the reference system of its layer.
+struct VectorPath {
+  std::vector<VectorPoint> points;  ///< those of a ring without its last, which is its first again
+  bool is_ring = false;
+  bool is_hole = false;  ///< an inner ring
+};
+
 /// What take() of read_vector_file() is given, while it runs.
 class VectorFeature {
  public:
@@ -48,6 +55,9 @@ class VectorFeature {
   long long id() const;
   /// The points of a Point or a MultiPoint; empty for every other geometry.
   std::optional<std::vector<VectorPoint>> points() const;
+  /// The paths of line strings and polygons, also of several and of collections of such, arcs as short chords;
+  /// empty for every other geometry.
+  std::optional<std::vector<VectorPath>> paths() const;
   /// "Polygon", or "no geometry".
   std::string geometry_type() const;
   /// The field of that name, whatever the case of its characters; empty if the layer has none.

@@ -57,6 +57,7 @@ Command add_sql_shard_plan(const Options& sql);
 
 Command add_visibility_lines(const Options& visibility);
 Command add_visibility_place(const Options& visibility);
+Command add_visibility_summary(const Options& visibility);
 Command add_visibility_points(const Options& visibility);
 Command add_visibility_raster(const Options& visibility);
 Command add_visibility_horizon(const Options& visibility);

@@ -44,6 +44,7 @@ struct ImageModule {
   decltype(static_cast<std::optional<double> (*)(const Crs&)>(&geo::metres_per_unit)) metres_per_unit =
       &geo::metres_per_unit;
   decltype(&visibility::read_observers) read_observers = &visibility::read_observers;
+  decltype(&visibility::read_objects) read_objects = &visibility::read_objects;
   decltype(&visibility::to_cloud_reference) to_cloud_reference = &visibility::to_cloud_reference;
   decltype(&visibility::write_map_picture) write_map_picture = &visibility::write_map_picture;
   decltype(&visibility::write_coverage_picture) write_coverage_picture = &visibility::write_coverage_picture;

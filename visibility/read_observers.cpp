@@ -71,6 +71,15 @@ void read_attributes(const geo::VectorFeature& feature, GivenObserver& observer)
   }
 }
 
+/// The same at a point of its feature.
+GivenObserver moved_to(const geo::VectorPoint& point, GivenObserver given) {
+  if (!std::isfinite(point.position.x) || !std::isfinite(point.position.y))
+    throw Error({.file = given.source, .problem = "point without coordinates", .expected = "finite numbers"});
+  given.position = point.position;
+  if (point.z) given.z = *point.z;
+  return given;
+}
+
 void add_feature(const geo::VectorFeature& feature, const std::filesystem::path& path,
                  std::vector<GivenObserver>& observers) {
   GivenObserver observer{.source = fmt::format("{}:feature {}", path.string(), feature.id())};
@@ -80,14 +89,32 @@ void add_feature(const geo::VectorFeature& feature, const std::filesystem::path&
                 feature.geometry_type());
   }
   read_attributes(feature, observer);
-  for (const geo::VectorPoint& point : *points) {
-    if (!std::isfinite(point.position.x) || !std::isfinite(point.position.y)) {
-      throw Error(
-          {.file = observer.source, .problem = "point without coordinates", .expected = "finite numbers"});
-    }
-    GivenObserver& added = observers.emplace_back(observer);
-    added.position = point.position;
-    if (point.z) added.z = *point.z;
+  for (const geo::VectorPoint& point : *points) observers.push_back(moved_to(point, observer));
+}
+
+/// Adds the points of a feature as objects, or its lines and polygons as one.
+void add_feature(const geo::VectorFeature& feature, const std::filesystem::path& path,
+                 GivenObjects& objects) {
+  GivenObserver corner{.source = fmt::format("{}:feature {}", path.string(), feature.id())};
+  read_attributes(feature, corner);
+  if (const std::optional<std::vector<geo::VectorPoint>> points = feature.points()) {
+    for (const geo::VectorPoint& point : *points) objects.add_segment(moved_to(point, corner));
+    return;
+  }
+  const std::optional<std::vector<geo::VectorPath>> paths = feature.paths();
+  if (!paths) {
+    throw Error(corner.source, {}, "unsupported geometry", "points, lines or polygons",
+                feature.geometry_type());
+  }
+  const std::size_t number = objects.count();
+  for (const geo::VectorPath& line : *paths) {
+    // Nobody outside sees into a courtyard.
+    if (line.points.empty() || line.is_hole) continue;
+    ObjectPart part{.object = number, .shape = ObjectShape::wall, .begin = objects.corners.size()};
+    if (line.is_ring) part.shape = ObjectShape::outline;
+    for (const geo::VectorPoint& point : line.points) objects.corners.push_back(moved_to(point, corner));
+    part.end = objects.corners.size();
+    objects.parts.push_back(part);
   }
 }
 
@@ -134,11 +161,29 @@ void to_cloud_reference(std::vector<GivenObserver>& observers, const std::string
 
 std::vector<GivenObserver> read_observers(const std::filesystem::path& path,
                                           const geo::ObserverReference& reference) {
-  const std::string extension = file_extension(path);
-  if (extension != ".csv" && extension != ".txt") return read_vector_observers(path, reference);
+  if (!has_extension(path, {".csv", ".txt"})) return read_vector_observers(path, reference);
   std::vector<GivenObserver> observers = read_observer_table(path);
   if (!reference.given.empty()) to_cloud_reference(observers, "", reference);
   return observers;
+}
+
+GivenObjects read_objects(const std::filesystem::path& path, const geo::ObserverReference& reference) {
+  GivenObjects objects;
+  std::string wkt;
+  const bool is_table = has_extension(path, {".csv", ".txt"});
+  if (is_table) {
+    for (const GivenObserver& row : read_observer_table(path)) objects.add_segment(row);
+  } else {
+    wkt = geo::read_vector_file(
+        path,
+        {.content = "objects",
+         .expected = "CSV, GeoJSON, GeoPackage or Shapefile with points, lines or polygons",
+         .features = "objects"},
+        [&](void* feature) { add_feature(geo::VectorFeature(feature), path, objects); });
+  }
+  if (objects.parts.empty()) throw file_error(path, "contains no objects", "points, lines or polygons");
+  if (!is_table || !reference.given.empty()) to_cloud_reference(objects.corners, wkt, reference);
+  return objects;
 }
 
 }  // namespace alidade::visibility

@@ -50,6 +50,20 @@ TEST_F(MapsResumeTest, lowest_heights_killed_at_many_moments_have_the_bytes_of_a
       {"-o", "height.tif"}, 4);
 }
 
+TEST_F(MapsResumeTest, maps_of_objects_killed_at_many_moments_have_the_bytes_of_an_uninterrupted_run) {
+  kill_and_resume(
+      {"visibility", "raster", "yard.xyz", "--object", "4.5,2.7,0,3", "--object-spacing", "0.2",
+       "--object-width", "0.3", "--mode", "solid-angle", "--radius", "0.1", "--resolution", "0.02"},
+      {"-o", "seen.tif", "--preview", "seen.png"}, 4);
+}
+
+TEST_F(MapsResumeTest, summaries_killed_at_many_moments_have_the_bytes_of_an_uninterrupted_run) {
+  write("wide.xyz", yard(150));
+  kill_and_resume({"visibility", "summary", "wide.xyz", "--observer-grid", "3", "--radius", "0.1", "--step",
+                   "10", "--directions", "16"},
+                  {"-o", "summary.csv"}, 4);
+}
+
 TEST_F(MapsResumeTest, maps_of_the_sky_killed_at_many_moments_have_the_bytes_of_an_uninterrupted_run) {
   kill_and_resume(
       {"visibility", "sky", "yard.xyz", "--resolution", "0.04", "--directions", "8", "--radius", "0.1"},
@@ -75,6 +89,10 @@ TEST_F(MapsResumeTest, a_map_resumes_from_a_checkpoint_of_the_same_run_only) {
   EXPECT_EQ(run(fine).exit_code, 2) << "neither gone on from nor replaced";
   expect_another_run(with(words, {"--resolution", "0.1"}), "--resolution 0.05, this run has 0.1");
   expect_another_run(with(fine, {"--tz", "1"}), "--target-height none, this run has 1");
+  expect_another_run(
+      {"visibility", "raster", "yard.xyz", "--object", "1,2,0,3", "--radius", "0.1", "--mode", "fraction",
+       "--places", "8", "-o", "seen.tif", "--checkpoint", "state", "--resolution", "0.05"},
+      "");
   expect_another_run(with(fine, {"--observer", "1,2,7"}), "--observer 1.5,2.7,1.6, this run has");
   expect_another_run({"visibility", "sky", "yard.xyz", "-o", "sky.tif", "--checkpoint", "state"},
                      "command raster, this run has sky");

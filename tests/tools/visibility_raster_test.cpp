@@ -226,7 +226,7 @@ TEST_F(VisibilityRasterTest, bad_wishes_are_errors_and_leave_no_map) {
   expect_rejected({"--observer", "691005,5325010", "-o", "seen.tif"}, "no ground below the observer");
   expect_rejected({"--observer", "nan,5325010,1", "-o", "seen.tif"}, "invalid position");
   expect_rejected({"--observer", "690005,5325010", "-o", "seen.tif", "--mode", "all"},
-                  "visible|count|height|fraction");
+                  "visible|count|height|fraction|size|solid-angle");
   expect_rejected({"--observer", "690005,5325010", "-o", "seen.tif", "--vv", "256"}, "--visible-value");
   expect_rejected(
       {"--observer", "690005,5325010", "-o", "seen.tif", "--mode", "height", "--highest", "1", "--tz", "2"},
@@ -272,6 +272,83 @@ TEST_F(VisibilityRasterTest, observers_in_the_ground_are_warned_of) {
   EXPECT_EQ(result.exit_code, 0);
   EXPECT_TRUE(contains(result.err, "warning")) << result.err;
   EXPECT_TRUE(contains(result.err, "observer 1")) << result.err;
+}
+
+const Words k_mast = {"--object", "690015,5325010,600,612", "--resolution", "1", "-o", "seen.tif"};
+
+TEST_F(VisibilityRasterTest, objects_are_seen_from_the_cells) {
+  const ProgramResult result =
+      raster(with(k_mast, {"--oz", "1.5", "--object-spacing", "0.25", "--preview", "seen.png"}));
+  ASSERT_EQ(result.exit_code, 0) << result.err;
+  EXPECT_TRUE(contains(result.err, "1 object with 48 samples, at most 0.25 apart")) << result.err;
+  const ReadMap share = read_map("seen.tif");
+  EXPECT_EQ(share.type, GDT_Float32);
+  EXPECT_EQ(share.no_data, -9999.0);
+  EXPECT_EQ(share.at(17, 10), 1.0);
+  EXPECT_EQ(share.metadata.at("alidade_mode"), "fraction");
+  EXPECT_EQ(share.metadata.at("alidade_object_count"), "1");
+  EXPECT_TRUE(contains(share.metadata.at("alidade_objects"), "object 1: 690015 5325010 612"));
+  EXPECT_TRUE(contains(share.metadata.at("alidade_sight"), "eyes 1.5 above the ground; curvature 0.85714;"));
+  ASSERT_EQ(raster(with(k_mast, {"--oz", "1.5", "--object-spacing", "0.25", "--mode", "size", "--overwrite"}))
+                .exit_code,
+            0);
+  const ReadMap length = read_map("seen.tif");
+  EXPECT_EQ(length.at(17, 10), 12.0);
+  // Over the wall, 1.5 higher than the eye and 9.5 away, the line meets the mast 5 behind it.
+  EXPECT_NEAR(length.at(0, 10), 12.0 - (3.0 + 1.5 * 5.0 / 9.5), 0.6);
+  EXPECT_NEAR(share.at(0, 10), length.at(0, 10) / 12.0, 1e-6);
+}
+
+TEST_F(VisibilityRasterTest, objects_come_from_files) {
+  write("masts.csv", "name,x,y,height\nlow,690015,5325010,1\nhigh,690015,5325012,30\n");
+  ASSERT_EQ(
+      raster({"--objects", "masts.csv", "--mode", "count", "--resolution", "1", "-o", "seen.tif"}).exit_code,
+      0);
+  const ReadMap count = read_map("seen.tif");
+  EXPECT_EQ(count.type, GDT_UInt16);
+  EXPECT_EQ(count.at(2, 10), 1.0);
+  EXPECT_EQ(count.at(17, 10), 2.0);
+  write("house.geojson",
+        R"({"type":"Feature","properties":{"height":4},"geometry":{"type":"Polygon","coordinates":)"
+        R"([[[690014,5325008],[690018,5325008],[690018,5325012],[690014,5325012],[690014,5325008]]]}})");
+  ASSERT_EQ(raster({"--objects", "house.geojson", "--objects-crs", "cloud", "--mode", "solid-angle",
+                    "--resolution", "1", "-o", "seen.tif", "--overwrite"})
+                .exit_code,
+            0);
+  const ReadMap angle = read_map("seen.tif");
+  EXPECT_EQ(angle.at(15, 10), -9999.0) << "inside";
+  EXPECT_GT(angle.at(13, 10), 2.0) << "half a metre before a wall";
+  EXPECT_GT(angle.at(13, 10), angle.at(12, 10));
+}
+
+TEST_F(VisibilityRasterTest, objects_out_of_place_are_errors_and_leave_no_map) {
+  expect_rejected({"--object", "690015,5325010,600", "-o", "seen.tif"}, "invalid object");
+  expect_rejected({"--object", "690015,5325010,600,599", "-o", "seen.tif"}, "object without height");
+  expect_rejected(with(k_mast, {"--observer", "690005,5325010"}), "observers and objects in one map");
+  expect_rejected(with(k_mast, {"--mode", "height"}), "--mode height does not apply to objects");
+  expect_rejected(with(k_mast, {"--mode", "solid-angle"}),
+                  "--mode solid-angle requires objects with a width");
+  expect_rejected(with(k_mast, {"--horizontal-fov", "0,90"}), "a field of view does not apply to objects");
+  expect_rejected(with(k_mast, {"--tz", "1"}), "--target-height does not apply to objects");
+  expect_rejected(with(k_mast, {"--object-spacing", "0"}), "--object-spacing");
+  expect_rejected(with(k_eye, {"--object-spacing", "2"}), "--object-spacing requires objects");
+  expect_rejected(with(k_eye, {"--mode", "size"}), "--mode size requires objects");
+  expect_rejected({"--object", "691015,5325010,600,612", "--md", "50", "-o", "seen.tif"},
+                  "no object reaches the map");
+  write("masts.csv", "x,y,height\n691015,5325010,12\n");
+  expect_rejected({"--objects", "masts.csv", "-o", "seen.tif"},
+                  "masts.csv:line 2: no ground below the object");
+  write("bare.csv", "x,y,z\n690015,5325010,600\n");
+  expect_rejected({"--objects", "bare.csv", "-o", "seen.tif"}, "bare.csv:line 2: object without a height");
+  write("empty.csv", "x,y,height\n");
+  expect_rejected({"--objects", "empty.csv", "-o", "seen.tif"}, "empty.csv");
+}
+
+TEST_F(VisibilityRasterTest, an_object_far_outside_is_warned_of) {
+  const ProgramResult result =
+      raster({"--object", "690515,5325010,600,650", "--resolution", "4", "-o", "seen.tif"});
+  EXPECT_EQ(result.exit_code, 0);
+  EXPECT_TRUE(contains(result.err, "object 1 is 497")) << result.err;
 }
 
 TEST_F(VisibilityRasterTest, clouds_in_degrees_are_rejected) {

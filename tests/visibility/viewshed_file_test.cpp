@@ -29,32 +29,32 @@ std::vector<Number> numbers(const ViewshedBand& band) {
 }
 
 TEST(ViewshedBandTest, visible_has_the_requested_values) {
-  const ViewshedBand gdal = viewshed_band(viewshed(), ViewshedMode::visible, {}, 1, "m");
+  const ViewshedBand gdal = viewshed_band(viewshed(), {.mode = ViewshedMode::visible}, {}, 1, "m");
   EXPECT_EQ(numbers<std::uint8_t>(gdal), (std::vector<std::uint8_t>{254, 0, 0, 255, 255}));
   EXPECT_EQ(gdal.no_data, 254.0);
   const SeenValues own{.visible = 255, .invisible = 254, .out_of_range = 253};
-  EXPECT_EQ(numbers<std::uint8_t>(viewshed_band(viewshed(), ViewshedMode::visible, own, 1, "m")),
+  EXPECT_EQ(numbers<std::uint8_t>(viewshed_band(viewshed(), {.mode = ViewshedMode::visible}, own, 1, "m")),
             (std::vector<std::uint8_t>{252, 253, 254, 255, 255}));
   const SeenValues grass{.visible = 1, .invisible = 0, .out_of_range = {}};
-  EXPECT_EQ(numbers<std::uint8_t>(viewshed_band(viewshed(), ViewshedMode::visible, grass, 1, "m")),
+  EXPECT_EQ(numbers<std::uint8_t>(viewshed_band(viewshed(), {.mode = ViewshedMode::visible}, grass, 1, "m")),
             (std::vector<std::uint8_t>{255, 255, 0, 1, 1}));
 }
 
 TEST(ViewshedBandTest, counts_are_as_wide_as_the_number_of_observers) {
-  const ViewshedBand few = viewshed_band(viewshed(), ViewshedMode::count, {}, 65534, "m");
+  const ViewshedBand few = viewshed_band(viewshed(), {.mode = ViewshedMode::count}, {}, 65534, "m");
   EXPECT_EQ(numbers<std::uint16_t>(few), (std::vector<std::uint16_t>{65535, 65535, 0, 1, 7}));
-  const ViewshedBand many = viewshed_band(viewshed(), ViewshedMode::count, {}, 65535, "m");
+  const ViewshedBand many = viewshed_band(viewshed(), {.mode = ViewshedMode::count}, {}, 65535, "m");
   EXPECT_EQ(numbers<std::uint32_t>(many), (std::vector<std::uint32_t>{4294967295u, 4294967295u, 0, 1, 7}));
   EXPECT_EQ(many.no_data, 4294967295.0);
 }
 
 TEST(ViewshedBandTest, heights_and_shares_are_floats_and_heights_have_a_unit) {
-  const ViewshedBand height = viewshed_band(viewshed(), ViewshedMode::height, {}, 1, "ft");
+  const ViewshedBand height = viewshed_band(viewshed(), {.mode = ViewshedMode::height}, {}, 1, "ft");
   EXPECT_EQ(numbers<float>(height), (std::vector<float>{-9999.0f, -9999.0f, 0.0f, 1.0f, 7.0f}));
   EXPECT_EQ(height.unit, "ft");
   EXPECT_EQ(height.band().no_data, -9999.0);
   EXPECT_EQ(std::get<std::span<const float>>(height.band().values).size(), 5u);
-  EXPECT_EQ(viewshed_band(viewshed(), ViewshedMode::fraction, {}, 1, "ft").unit, "");
+  EXPECT_EQ(viewshed_band(viewshed(), {.mode = ViewshedMode::fraction}, {}, 1, "ft").unit, "");
 }
 
 TEST(ViewshedPictureTest, every_value_has_a_colour_and_the_scale_ends_at_the_largest) {

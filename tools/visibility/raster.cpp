@@ -8,6 +8,7 @@
 #include "tools/visibility/blocking_cloud.h"
 #include "tools/visibility/long_run.h"
 #include "tools/visibility/map_options.h"
+#include "tools/visibility/object_options.h"
 #include "tools/visibility/observer_options.h"
 #include "visibility/raster/map_targets.h"
 #include "visibility/raster/viewshed.h"
@@ -22,27 +23,39 @@ enum class DefaultSet { gdal, grass };
 /// What was asked of `alidade visibility raster`.
 struct RasterCommand : VisibilityRequest {
   ObserverOptions observers;
+  ObjectOptions objects;
   MapOptions map;
   CheckpointRequest checkpoint;
   DefaultSet like = DefaultSet::gdal;
-  visibility::ViewshedMode mode = visibility::ViewshedMode::visible;
+  std::optional<visibility::ViewshedMode> given_mode;
   std::optional<double> curvature;
   std::optional<double> highest;
   std::optional<int> positions_across;
   std::optional<std::uint8_t> visible_value, invisible_value, out_of_range_value;
+
+  visibility::ViewshedMode mode() const {
+    return given_mode.value_or(objects.any() ? visibility::ViewshedMode::fraction
+                                             : visibility::ViewshedMode::visible);
+  }
 };
 
 void add_values(const Options& raster, RasterCommand& command) {
   const Options group = raster.group("Values");
-  group.choice("--mode",
-               "visible: whether any observer sees the cell's centre; count: number of observers that do; "
-               "height: lowest visible height above the ground, to 0.01; fraction: share of free lines over "
-               "observers and positions in the cell (default: visible)",
-               command.mode,
-               {{"visible", visibility::ViewshedMode::visible},
-                {"count", visibility::ViewshedMode::count},
-                {"height", visibility::ViewshedMode::height},
-                {"fraction", visibility::ViewshedMode::fraction}});
+  group.choice(
+      "--mode",
+      "visible: whether any observer sees the cell's centre; count: number of observers that do; "
+      "height: lowest visible height above the ground, to 0.01; fraction: share of free lines over "
+      "observers and positions in the cell. With objects, visible: whether any part of one is visible; "
+      "count: number of visible objects; fraction: visible share; size: visible length, or area of walls "
+      "and objects with a width; solid-angle: of the visible parts, in steradians (default: visible, "
+      "with objects fraction)",
+      command.given_mode,
+      {{"visible", visibility::ViewshedMode::visible},
+       {"count", visibility::ViewshedMode::count},
+       {"height", visibility::ViewshedMode::height},
+       {"fraction", visibility::ViewshedMode::fraction},
+       {"size", visibility::ViewshedMode::size},
+       {"solid-angle", visibility::ViewshedMode::angle}});
   const auto add_byte = [&](const char* names, const char* help, std::optional<std::uint8_t>& target) {
     group.count(names, "0..255", help, target, 0, 255);
   };
@@ -56,7 +69,8 @@ void add_values(const Options& raster, RasterCommand& command) {
       "--highest", "LENGTH",
       "for --mode height: largest height, also the value of cells not visible up to it (default: 200)",
       command.highest, 1e-6, 1e6);
-  group.count("--places", "N", "for --mode fraction: N x N positions in every cell (default: 3)",
+  group.count("--places", "N",
+              "for --mode fraction: N x N positions in every cell (default: 3, with objects 1)",
               command.positions_across, 1, visibility::k_most_positions_across);
 }
 
@@ -86,11 +100,11 @@ visibility::SeenValues seen_values_of(const RasterCommand& command) {
   return values;
 }
 
-constexpr const char* k_mode_words[] = {"visible", "count", "height", "fraction"};
+constexpr const char* k_mode_words[] = {"visible", "count", "height", "fraction", "size", "solid-angle"};
 
 /// Errors: options that mean nothing for the mode, or nothing together.
 void check_values(const RasterCommand& command) {
-  const visibility::ViewshedMode mode = command.mode;
+  const visibility::ViewshedMode mode = command.mode();
   const auto check = [mode](bool is_given, const std::string& option, visibility::ViewshedMode of) {
     if (!is_given || mode == of) return;
     throw input_error(option + " does not apply to this map",
@@ -112,11 +126,40 @@ void check_values(const RasterCommand& command) {
     throw Error({.problem = "--highest does not exceed --target-height"});
 }
 
+/// Errors: observers and objects, or options and a mode that need the other of them.
+void check_objects(const RasterCommand& command) {
+  const ObserverOptions& observers = command.observers;
+  const visibility::ViewshedMode mode = command.mode();
+  if (!command.objects.any()) {
+    if (const std::string given = command.objects.given(); !given.empty())
+      throw input_error(given + " requires objects", "--object or --objects");
+    if (mode == visibility::ViewshedMode::size || mode == visibility::ViewshedMode::angle) {
+      throw input_error(
+          fmt::format("--mode {} requires objects", k_mode_words[static_cast<std::size_t>(mode)]),
+          "--object or --objects");
+    }
+    return;
+  }
+  if (!observers.positions.empty() || !observers.file.empty() || observers.grid)
+    throw input_error("observers and objects in one map", "either of them");
+  if (mode == visibility::ViewshedMode::height)
+    throw input_error("--mode height does not apply to objects", "another mode");
+  const visibility::ObserverDefaults all_round, &view = observers.defaults;
+  if (view.azimuth_min != all_round.azimuth_min || view.azimuth_max != all_round.azimuth_max ||
+      view.elevation_min != all_round.elevation_min || view.elevation_max != all_round.elevation_max)
+    throw input_error("a field of view does not apply to objects", "no --horizontal-fov and --vertical-fov");
+  if (command.map.target_height) {
+    throw input_error("--target-height does not apply to objects",
+                      "--observer-height for the height of the eye above each cell");
+  }
+}
+
 /// Errors that need no cloud.
 void check_options(const RasterCommand& command) {
   check_values(command);
+  check_objects(command);
   geo::check_raster_name(command.output);
-  std::vector<std::filesystem::path> others = command.inputs({command.observers.file});
+  std::vector<std::filesystem::path> others = command.inputs({command.observers.file, command.objects.file});
   check_writable(command.output, command.overwrite, others);
   check_checkpoint(command.checkpoint, command.overwrite, {{command.output, command.map.preview}}, others);
   others.push_back(command.output);
@@ -125,13 +168,17 @@ void check_options(const RasterCommand& command) {
 
 visibility::ViewshedOptions options_of(const RasterCommand& command, const CloudUnit& unit) {
   visibility::ViewshedOptions options;
-  options.mode = command.mode;
-  options.target_height = command.map.target_height.value_or(0.0);
+  options.mode = command.mode();
+  const visibility::ObserverDefaults& defaults = command.observers.defaults;
+  // With objects the eyes are above the cells.
+  options.target_height = command.objects.any() ? defaults.height.value_or(defaults.height_on_ground)
+                                                : command.map.target_height.value_or(0.0);
   // Sight bent as asked for, or as the chosen set has it where the cloud's unit is known.
   const bool usual = command.like == DefaultSet::gdal && unit.metres;
   options.curve = visibility::SightCurve(
       command.curvature.value_or(usual ? visibility::k_usual_curvature : 0.0), unit.metres.value_or(1.0));
-  options.positions_across = command.positions_across.value_or(options.positions_across);
+  options.positions_across =
+      command.positions_across.value_or(command.objects.any() ? 1 : options.positions_across);
   options.highest = command.highest.value_or(options.highest);
   return options;
 }
@@ -139,13 +186,19 @@ visibility::ViewshedOptions options_of(const RasterCommand& command, const Cloud
 /// How it is looked, for people and for the map's metadata.
 std::string sight_text(const RasterCommand& command, const visibility::ViewshedOptions& options) {
   const visibility::ObserverDefaults& defaults = command.observers.defaults;
-  std::string text = fmt::format(
-      "defaults like {}; observers {:g} above the ground, {:g} above a z of their own; targets {:g} above "
-      "the ground; curvature {:g}; maximum distance {:g}; azimuth {:g} to {:g}, elevation {:g} to {:g}",
-      command.like == DefaultSet::gdal ? "gdal_viewshed" : "r.viewshed",
-      defaults.height.value_or(defaults.height_on_ground), defaults.height.value_or(0.0),
-      options.target_height, options.curve.coefficient(), defaults.max_distance, defaults.azimuth_min,
-      defaults.azimuth_max, defaults.elevation_min, defaults.elevation_max);
+  std::string text =
+      fmt::format("defaults like {}; ", command.like == DefaultSet::gdal ? "gdal_viewshed" : "r.viewshed");
+  if (command.objects.any()) {
+    text += fmt::format("eyes {:g} above the ground; curvature {:g}; maximum distance {:g}",
+                        options.target_height, options.curve.coefficient(), defaults.max_distance);
+  } else {
+    text += fmt::format(
+        "observers {:g} above the ground, {:g} above a z of their own; targets {:g} above the ground; "
+        "curvature {:g}; maximum distance {:g}; azimuth {:g} to {:g}, elevation {:g} to {:g}",
+        defaults.height.value_or(defaults.height_on_ground), defaults.height.value_or(0.0),
+        options.target_height, options.curve.coefficient(), defaults.max_distance, defaults.azimuth_min,
+        defaults.azimuth_max, defaults.elevation_min, defaults.elevation_max);
+  }
   if (options.mode == visibility::ViewshedMode::visible) {
     const visibility::SeenValues values = seen_values_of(command);
     text +=
@@ -159,15 +212,16 @@ std::string sight_text(const RasterCommand& command, const visibility::ViewshedO
 }
 
 /// What this map says beside what all maps say.
-void add_observers(std::span<const visibility::Observer> observers, MapMetadata& metadata) {
+void add_observers(std::span<const visibility::Observer> observers, const std::string& kind,
+                   MapMetadata& metadata) {
   constexpr std::size_t k_most_observers = 100;
   std::string positions;
   for (const visibility::Observer& one : observers.first(std::min(observers.size(), k_most_observers))) {
     positions += fmt::format("{}{}: {:.17g} {:.17g} {:.17g}", positions.empty() ? "" : "\n", one.name,
                              one.position.x, one.position.y, one.position.z);
   }
-  metadata.emplace_back("alidade_observer_count", std::to_string(observers.size()));
-  metadata.emplace_back("alidade_observers", positions);
+  metadata.emplace_back(fmt::format("alidade_{}_count", kind), std::to_string(observers.size()));
+  metadata.emplace_back(fmt::format("alidade_{}s", kind), positions);
 }
 
 /// All that the values depend on.
@@ -177,6 +231,13 @@ Fingerprint fingerprint_of(const CheckpointRequest& request, const VisibilityClo
   Fingerprint fingerprint = run_fingerprint(request, cloud, observers);
   add_to_fingerprint(grid, fingerprint);
   fingerprint.push_back({"curvature", fmt::format("{:.17g}", options.curve.drop(1.0))});
+  if (options.pieces.empty()) return fingerprint;
+  std::vector<double> numbers;
+  for (const visibility::ObjectPiece& piece : options.pieces) {
+    numbers.insert(numbers.end(), {static_cast<double>(piece.object), piece.width, piece.height,
+                                   piece.normal.x, piece.normal.y});
+  }
+  add_to_fingerprint("objects", numbers, fingerprint);
   return fingerprint;
 }
 
@@ -190,6 +251,30 @@ visibility::Viewshed look(const VisibilityCloud& cloud, const visibility::Ground
   });
 }
 
+/// The observers, or the samples of the objects.
+struct Looked {
+  std::vector<visibility::Observer> observers;
+  std::vector<visibility::ObjectPiece> pieces;  ///< empty: observers
+  std::vector<visibility::Observer> named;      ///< the observers, or one for each object
+};
+
+Looked load_looked(const RasterCommand& command, const VisibilityCloud& cloud,
+                   const visibility::Ground& ground) {
+  const visibility::GroundHeight height_at = [&](const glm::dvec2& position) { return ground.at(position); };
+  if (command.objects.any()) {
+    visibility::SampledObjects objects =
+        load_objects(command.objects, command.observers.defaults.max_distance, cloud.cloud.cloud.crs,
+                     height_at, command.verbosity);
+    const auto is_line = [](const visibility::ObjectPiece& piece) { return !(piece.width > 0.0); };
+    if (command.mode() == visibility::ViewshedMode::angle && std::ranges::any_of(objects.pieces, is_line))
+      throw input_error("--mode solid-angle requires objects with a width", "--object-width");
+    return {std::move(objects.samples), std::move(objects.pieces), std::move(objects.objects)};
+  }
+  std::vector<visibility::Observer> observers =
+      load_observers(command.observers, cloud, command.verbosity, height_at);
+  return {observers, {}, observers};
+}
+
 ExitCode run(const RasterCommand& given) {
   constexpr double k_grass_observer = 1.75;
   check_options(given);
@@ -199,45 +284,47 @@ ExitCode run(const RasterCommand& given) {
   const auto cloud = load_cloud_alone(command, AttributeSet(), AcceptedInput::points_or_raster);
   const Crs& crs = cloud->cloud.cloud.crs;
   const CloudUnit unit = cloud_unit(crs);
-  const visibility::ViewshedOptions options = options_of(command, unit);
+  visibility::ViewshedOptions options = options_of(command, unit);
   const visibility::Ground ground = find_map_ground(command.map, *cloud, verbosity);
-  const std::vector<visibility::Observer> observers = load_observers(
-      command.observers, *cloud, verbosity, [&](const glm::dvec2& position) { return ground.at(position); });
+  const Looked looked = load_looked(command, *cloud, ground);
+  const std::vector<visibility::Observer>& observers = looked.observers;
+  const std::string kind = command.objects.any() ? "object" : "observer";
+  options.pieces = looked.pieces;
   const geo::RasterGrid grid =
-      map_grid(command.map, visibility::area_in_reach(map_area(command.map, *cloud), observers), ground, 1,
-               unit.name, verbosity);
+      map_grid(command.map, visibility::area_in_reach(map_area(command.map, *cloud), observers, kind), ground,
+               1, unit.name, verbosity);
   const std::string sight = sight_text(command, options);
   say_note(verbosity, "sight: " + sight);
   LongRun long_run(
       command.checkpoint,
       [&] { return fingerprint_of(command.checkpoint, *cloud, observers, grid, options); }, verbosity);
   measure_occluders(*cloud, command.occluders, verbosity);
-  say_observer_remarks(observers, *cloud, verbosity);
+  say_observer_remarks(looked.named, *cloud, verbosity);
 
   const auto start = std::chrono::steady_clock::now();
   const visibility::Viewshed seen = look(*cloud, ground, observers, grid, options, long_run);
   const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   const visibility::ViewshedBand band =
-      visibility::viewshed_band(seen, options.mode, seen_values_of(command), observers.size(), unit.name);
+      visibility::viewshed_band(seen, options, seen_values_of(command), looked.named.size(), unit.name);
   geo::RasterContents contents{
       .grid = grid, .bands = {band.band()}, .crs = crs, .metadata = map_metadata(command, *cloud, ground)};
   contents.metadata.emplace_back("alidade_mode", k_mode_words[static_cast<std::size_t>(options.mode)]);
   contents.metadata.emplace_back("alidade_sight", sight);
-  add_observers(observers, contents.metadata);
+  add_observers(looked.named, kind, contents.metadata);
   image_module().write_raster(command.output, contents, command.overwrite);
   if (!command.map.preview.empty()) {
-    image_module().write_map_picture(visibility::viewshed_picture(seen, options, observers, unit.name),
+    image_module().write_map_picture(visibility::viewshed_picture(seen, options, looked.named, unit.name),
                                      ground, command.map.preview, command.overwrite);
   }
   long_run.finish();
   const visibility::SeenShare share = visibility::seen_share(seen, options);
-  const std::string at_height = options.mode == visibility::ViewshedMode::height
-                                    ? fmt::format("at {:g} above the ground ", options.target_height)
-                                    : "";
+  std::string where = command.objects.any() ? "from " : "";
+  if (options.mode == visibility::ViewshedMode::height)
+    where = fmt::format("at {:g} above the ground ", options.target_height);
   say_note(verbosity, fmt::format("{} lines of sight in {:.1f} s ({}/s); visible {}{:.1f} % of the cells in "
                                   "range, {} cells without a value; wrote {}",
                                   short_count(static_cast<double>(seen.line_count)), seconds,
-                                  short_count(static_cast<double>(seen.line_count) / seconds), at_height,
+                                  short_count(static_cast<double>(seen.line_count) / seconds), where,
                                   share.percent, share.without, command.output.string()));
   return ExitCode::done;
 }
@@ -245,7 +332,8 @@ ExitCode run(const RasterCommand& given) {
 }  // namespace
 
 Command add_visibility_raster(const Options& visibility) {
-  const Options raster = visibility.command("raster", "Compute a viewshed of the ground");
+  const Options raster =
+      visibility.command("raster", "Compute a viewshed of the ground, or of objects from the ground");
   auto command = std::make_shared<RasterCommand>();
   const Options map = raster.group(k_map_group);
   add_cloud(raster, *command);
@@ -254,6 +342,7 @@ Command add_visibility_raster(const Options& visibility) {
   add_map_options(raster, command->map);
   add_values(raster, *command);
   add_observer_options(raster, command->observers);
+  add_object_options(raster, command->objects);
   add_target_height(raster.group(k_observer_group), command->map.target_height);
   add_sight(raster, *command);
   add_occluder_options(raster, command->occluders);

@@ -235,9 +235,13 @@ Json feature(Json geometry, Json properties) {
 
 }  // namespace
 
+int azimuths_per_turn(double step) {
+  return whole_steps("azimuth step", k_turn, step, 0.001, 120.0);
+}
+
 std::vector<HorizonDirection> horizon(const Occluders& occluders, const SightEnd& eye,
                                       const HorizonOptions& options, const Progress& progress) {
-  const int per_turn = whole_steps("azimuth step", k_turn, options.step, 0.001, 120.0);
+  const int per_turn = azimuths_per_turn(options.step);
   const ElevationSteps steps{
       whole_steps("elevation resolution", k_quarter, options.resolution, 0.0001, 10.0)};
   const auto in_quarter = [](double elevation) { return elevation >= -k_quarter && elevation <= k_quarter; };

@@ -34,6 +34,9 @@ struct HorizonOptions {
   double max_distance = std::numeric_limits<double>::infinity();  ///< nothing farther blocks; metres
 };
 
+/// How many azimuths a turn has at this step. Errors: as HorizonOptions::step has it.
+int azimuths_per_turn(double step);
+
 /// What one sees of the horizon in one azimuth.
 struct HorizonDirection {
   double azimuth = 0.0;               ///< degrees clockwise from north (+y), [0, 360)

@@ -159,14 +159,14 @@ std::optional<HeightRange> MapObserver::heights_in_view(const glm::dvec3& foot,
   return range;
 }
 
-Bounds area_in_reach(const Bounds& area, std::span<const Observer> observers) {
+Bounds area_in_reach(const Bounds& area, std::span<const Observer> observers, const std::string& who) {
   Bounds reached;
   for (const Observer& observer : observers) {
     const glm::dvec3 reach(observer.max_distance);
     reached.grow(geo::cropped(area, {observer.position - reach, observer.position + reach}));
   }
-  check_that(!reached.empty(), "no observer reaches the map",
-             "an observer near the cloud, a larger maximum distance, or another area");
+  check_that(!reached.empty(), "no " + who + " reaches the map",
+             "an " + who + " near the cloud, a larger maximum distance, or another area");
   return reached;
 }
 

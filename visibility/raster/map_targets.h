@@ -4,6 +4,7 @@
 #include <cstddef>
 #include <optional>
 #include <span>
+#include <string>
 #include <vector>
 
 #include "base/bounds.h"
@@ -94,8 +95,9 @@ class MapObserver {
   double lower_slope_, upper_slope_;  ///< rise per length of the ground at the limits of the view
 };
 
-/// The part of an area that is in reach of any observer, in x and y. Errors: none is.
-Bounds area_in_reach(const Bounds& area, std::span<const Observer> observers);
+/// The part of an area that is in reach of any observer, in x and y. Errors: none is; `who` they are.
+Bounds area_in_reach(const Bounds& area, std::span<const Observer> observers,
+                     const std::string& who = "observer");
 
 /// A cell size for an area, where nobody chose one: 1, 2 or 5 times a power of ten, the smallest that gives
 /// at most 1000 cells along the longer side and is not below `finest`.

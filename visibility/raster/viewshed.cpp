@@ -165,6 +165,15 @@ void check(std::span<const Observer> observers, const ViewshedOptions& options) 
   check_that(options.mode != ViewshedMode::height ||
                  (options.highest > options.target_height && std::isfinite(options.highest)),
              "invalid maximum height", "more than the target height", fmt::format("{}", options.highest));
+  const bool is_of_objects = !options.pieces.empty();
+  check_that(!is_of_objects || options.pieces.size() == observers.size(), "invalid samples of objects",
+             fmt::format("{} pieces", observers.size()), fmt::format("{}", options.pieces.size()));
+  const bool needs_objects = options.mode == ViewshedMode::size || options.mode == ViewshedMode::angle;
+  check_that(options.mode == ViewshedMode::height ? !is_of_objects : is_of_objects || !needs_objects,
+             "invalid map", needs_objects ? "objects" : "observers");
+  const auto has_area = [](const ObjectPiece& piece) { return piece.width > 0.0; };
+  check_that(options.mode != ViewshedMode::angle || std::ranges::all_of(options.pieces, has_area),
+             "no solid angle of objects without a width", "a width");
 }
 
 /// Says how far the whole map is, in pairs of observer and position.
@@ -186,60 +195,87 @@ std::size_t most_positions(std::size_t observers, ViewshedMode mode) {
   return std::clamp(k_most_lines / lines / observers, k_least, k_most);
 }
 
-/// Counts what is seen of the cells of a block.
+/// Sums up what is seen from or of the cells of a block, observer by observer.
 class SeenCounter {
  public:
   SeenCounter(const Occluders& occluders, const ViewshedOptions& options)
       : options_(options), batch_(occluders, options.curve) {}
 
   std::vector<float> look(std::span<const MapObserver> observers, const MapBlock& block, PairCounter& pairs) {
-    looks_.assign(block.cells.size(), 0);
-    seen_.assign(block.cells.size(), 0);
-    for (const MapObserver& observer : observers) {
-      for (const MapTarget& target : block.targets) aim(observer, target);
+    sums_.assign(block.cells.size(), {});
+    for (std::size_t i = 0; i < observers.size(); ++i) {
+      for (const MapTarget& target : block.targets) aim(observers[i], i, target);
       pairs.add(block.targets.size());
     }
     count();
     std::vector<float> values(block.cells.size(), k_no_ground);
-    for (const MapTarget& target : block.targets) values[target.cell] = value_of(target.cell);
+    for (const MapTarget& target : block.targets) values[target.cell] = value_of(sums_[target.cell]);
     return values;
   }
 
   std::uint64_t line_count() const { return line_count_; }
 
  private:
-  void aim(const MapObserver& observer, const MapTarget& target) {
+  /// Of a cell.
+  struct Sums {
+    bool is_looked_at = false;
+    std::size_t last_seen = 0;     ///< number of the object that was seen last, from 1
+    double all = 0.0, seen = 0.0;  ///< weights of lines
+  };
+  /// A line of the batch.
+  struct Look {
+    std::size_t cell, object;
+    double weight;
+  };
+
+  void aim(const MapObserver& observer, std::size_t number, const MapTarget& target) {
+    const ObjectPiece* piece = options_.pieces.empty() ? nullptr : &options_.pieces[number];
+    const std::size_t object = piece != nullptr ? piece->object : number;
+    const Sums& sums = sums_[target.cell];
     // Who is seen already need not be seen again.
-    if (options_.mode == ViewshedMode::visible && seen_[target.cell] > 0) return;
+    if (options_.mode == ViewshedMode::visible && sums.last_seen > 0) return;
+    if (options_.mode == ViewshedMode::count && sums.last_seen == object + 1) return;
     const SightEnd end = raised(target.foot, options_.target_height);
     if (!observer.looks_at(end.position)) return;
+    if (piece != nullptr && !faces(*piece, observer.eye().position, end.position)) return;
     batch_.add(observer.eye(), end);
-    cells_.push_back(target.cell);
-    if (batch_.chord_count() >= k_batch || cells_.size() >= k_batch) count();
+    looks_.push_back({target.cell, object, weight_of(piece, observer.eye().position, end.position)});
+    if (batch_.chord_count() >= k_batch || looks_.size() >= k_batch) count();
+  }
+
+  double weight_of(const ObjectPiece* piece, const glm::dvec3& middle, const glm::dvec3& eye) const {
+    if (piece == nullptr || options_.mode == ViewshedMode::visible || options_.mode == ViewshedMode::count)
+      return 1.0;
+    return options_.mode == ViewshedMode::angle ? solid_angle(*piece, middle, eye) : piece->size();
   }
 
   void count() {
     const std::span<const std::uint8_t> blocked = batch_.blocked();
-    for (std::size_t i = 0; i < cells_.size(); ++i) {
-      seen_[cells_[i]] += blocked[i] ? 0 : 1;
-      ++looks_[cells_[i]];
+    for (std::size_t i = 0; i < looks_.size(); ++i) {
+      const Look& look = looks_[i];
+      Sums& sums = sums_[look.cell];
+      sums.is_looked_at = true;
+      sums.all += look.weight;
+      if (blocked[i]) continue;
+      if (options_.mode != ViewshedMode::count || sums.last_seen != look.object + 1) sums.seen += look.weight;
+      sums.last_seen = look.object + 1;
     }
-    line_count_ += cells_.size();
+    line_count_ += looks_.size();
     batch_.clear();
-    cells_.clear();
+    looks_.clear();
   }
 
-  float value_of(std::size_t cell) const {
-    if (looks_[cell] == 0) return k_out_of_range;
-    const auto seen = static_cast<float>(seen_[cell]);
+  float value_of(const Sums& sums) const {
+    if (!sums.is_looked_at) return k_out_of_range;
+    const auto seen = static_cast<float>(sums.seen);
     if (options_.mode == ViewshedMode::visible) return seen > 0.0f ? 1.0f : 0.0f;
-    return options_.mode == ViewshedMode::count ? seen : seen / static_cast<float>(looks_[cell]);
+    return options_.mode == ViewshedMode::fraction ? seen / static_cast<float>(sums.all) : seen;
   }
 
   const ViewshedOptions& options_;
-  std::vector<std::uint64_t> looks_, seen_;  ///< of each cell
+  std::vector<Sums> sums_;  ///< of each cell
   SightBatch batch_;
-  std::vector<std::size_t> cells_;  ///< of the batch's lines
+  std::vector<Look> looks_;
   std::uint64_t line_count_ = 0;
 };
 

@@ -8,6 +8,7 @@
 #include "base/checkpoint.h"
 #include "base/progress.h"
 #include "geo/raster.h"
+#include "visibility/objects.h"
 #include "visibility/observers.h"
 #include "visibility/raster/curved_sight.h"
 #include "visibility/raster/ground.h"
@@ -25,6 +26,8 @@ enum class ViewshedMode {
   count,     ///< how many observers see it
   height,    ///< from which height above the ground on something there is seen by any observer
   fraction,  ///< share of the lines of sight that are free, over all observers and positions of the cell
+  size,      ///< of objects: how much of them is seen, as a length or area
+  angle,     ///< of objects: solid angle of what is seen of them, in steradians
 };
 
 struct ViewshedOptions {
@@ -33,6 +36,9 @@ struct ViewshedOptions {
   /// at.
   double target_height = 0.0;
   SightCurve curve{};  ///< straight unless given
+  /// What the observers are samples of, one each; empty: they are themselves who looks. Then cells are looked from,
+  /// at the target height, and the map shows what is seen of the objects there.
+  std::span<const ObjectPiece> pieces{};
   /// For `fraction`: positions_across x positions_across positions in every cell, in [1,
   /// k_most_positions_across].
   int positions_across = 3;
@@ -65,10 +71,14 @@ struct Viewshed {
 /// cell whose ground lies below the view has the height at which the view begins, if that is seen, and
 /// `highest` if nothing in the view is. Out of range are cells with no such height.
 ///
+/// Of objects (visibility/objects.h) `visible` is 1 where any sample is seen, `count` the number of objects of
+/// which one is, `fraction` the share of free lines weighted by the size of the pieces. Pieces that turn their
+/// back to a cell or are out of reach do not count; where all do so, the cell is out of range.
+///
 /// Cost: a sight line per pair, 0.5 to 2 microseconds of two cores; `height` takes several to some hundred
 /// where much is hidden. Memory: 4 B per cell and some 100 MB, of `height` 8 B per point as well;
 /// check_map_memory() of one band. Errors: no observer; positions_across, target height or highest out of
-/// range; not enough memory; those of `parts`.
+/// range; not as many pieces as observers, `height` of objects, `size` and `angle` of none, `angle` of lines; not enough memory; those of `parts`.
 Viewshed viewshed(const Occluders& occluders, const Ground& ground, std::span<const Observer> observers,
                   const geo::RasterGrid& grid, const ViewshedOptions& options);
 

@@ -39,18 +39,22 @@ std::vector<Number> numbers_of(const Viewshed& viewshed, double no_data) {
   });
 }
 
-const char* description_of(ViewshedMode mode) {
+const char* description_of(ViewshedMode mode, bool of_objects) {
   switch (mode) {
     case ViewshedMode::visible:
-      return "visible from an observer";
+      return of_objects ? "any part of an object is visible" : "visible from an observer";
     case ViewshedMode::count:
-      return "number of observers that see the cell";
+      return of_objects ? "number of objects that are visible" : "number of observers that see the cell";
     case ViewshedMode::height:
       return "lowest visible height above the ground";
+    case ViewshedMode::size:
+      return "visible size of the objects";
+    case ViewshedMode::angle:
+      return "solid angle of the visible parts of the objects";
     case ViewshedMode::fraction:
       break;
   }
-  return "share of free lines of sight";
+  return of_objects ? "visible share of the objects" : "share of free lines of sight";
 }
 
 std::string title_of(ViewshedMode mode, std::size_t observers) {
@@ -62,10 +66,33 @@ std::string title_of(ViewshedMode mode, std::size_t observers) {
       return "How many of " + who + " see it";
     case ViewshedMode::height:
       return "Height from which " + who + (observers == 1 ? " sees it" : " see it");
-    case ViewshedMode::fraction:
-      break;
+    default:
+      return "Share of sight lines of " + who + " that are free";
   }
-  return "Share of sight lines of " + who + " that are free";
+}
+
+std::string title_of_objects(ViewshedMode mode, std::size_t objects) {
+  const std::string what = objects == 1 ? "one object" : fmt::format("{} objects", objects);
+  switch (mode) {
+    case ViewshedMode::visible:
+      return "Where " + (objects == 1 ? what : "any of " + what) + " is visible";
+    case ViewshedMode::count:
+      return "How many of " + what + " are visible";
+    case ViewshedMode::size:
+      return "How much of " + what + " is visible";
+    case ViewshedMode::angle:
+      return "Solid angle of " + what;
+    default:
+      return "Visible share of " + what;
+  }
+}
+
+/// Unit of the values; empty: none, or not known.
+std::string unit_of(const ViewshedOptions& options, const std::string& length_unit) {
+  if (options.mode == ViewshedMode::angle) return "sr";
+  if (options.mode == ViewshedMode::height) return length_unit;
+  if (options.mode != ViewshedMode::size || length_unit.empty()) return "";
+  return options.pieces.front().width > 0.0 ? length_unit + "2" : length_unit;
 }
 
 }  // namespace
@@ -80,10 +107,14 @@ geo::RasterBand ViewshedBand::band() const {
   return result;
 }
 
-ViewshedBand viewshed_band(const Viewshed& viewshed, ViewshedMode mode, const SeenValues& seen_values,
-                           std::size_t observer_count, const std::string& length_unit) {
+ViewshedBand viewshed_band(const Viewshed& viewshed, const ViewshedOptions& options,
+                           const SeenValues& seen_values, std::size_t observer_count,
+                           const std::string& length_unit) {
   constexpr double k_no_float = -9999.0;
-  ViewshedBand result{.values = {}, .description = description_of(mode), .unit = {}};
+  const ViewshedMode mode = options.mode;
+  ViewshedBand result{.values = {},
+                      .description = description_of(mode, !options.pieces.empty()),
+                      .unit = unit_of(options, length_unit)};
   if (mode == ViewshedMode::visible) {
     const std::uint8_t none = free_byte(seen_values);
     result.no_data = none;
@@ -104,7 +135,6 @@ ViewshedBand viewshed_band(const Viewshed& viewshed, ViewshedMode mode, const Se
   } else {
     result.no_data = k_no_float;
     result.values = numbers_of<float>(viewshed, k_no_float);
-    if (mode == ViewshedMode::height) result.unit = length_unit;
   }
   return result;
 }
@@ -113,7 +143,10 @@ MapPicture viewshed_picture(const Viewshed& viewshed, const ViewshedOptions& opt
                             std::span<const Observer> observers, const std::string& length_unit) {
   const ViewshedMode mode = options.mode;
   const double lowest = options.target_height, highest = options.highest;
-  MapPicture picture{.title = title_of(mode, observers.size()), .values = viewshed.values};
+  const bool of_objects = !options.pieces.empty();
+  MapPicture picture{
+      .title = of_objects ? title_of_objects(mode, observers.size()) : title_of(mode, observers.size()),
+      .values = viewshed.values};
   picture.unit = length_unit;
   for (const Observer& observer : observers)
     picture.marks.push_back({glm::dvec2(observer.position), observer.name});
@@ -132,7 +165,7 @@ MapPicture viewshed_picture(const Viewshed& viewshed, const ViewshedOptions& opt
       picture.swatches = {{0.0f, k_hidden, "not visible"}, beyond};
       picture.scale = {image::ColorMap::viridis,
                        {1.0, std::max(1.0, static_cast<double>(largest))},
-                       "observers",
+                       of_objects ? "objects" : "observers",
                        std::clamp(static_cast<int>(largest), 2, 7)};
       break;
     case ViewshedMode::height:
@@ -148,6 +181,13 @@ MapPicture viewshed_picture(const Viewshed& viewshed, const ViewshedOptions& opt
     case ViewshedMode::fraction:
       picture.swatches = {{0.0f, k_hidden, "not visible"}, beyond};
       picture.scale = {image::ColorMap::viridis, {0.0, 1.0}, "share"};
+      break;
+    case ViewshedMode::size:
+    case ViewshedMode::angle:
+      picture.swatches = {{0.0f, k_hidden, "not visible"}, beyond};
+      picture.scale = {image::ColorMap::viridis,
+                       {0.0, largest > 0.0f ? static_cast<double>(largest) : 1.0},
+                       unit_of(options, length_unit)};
       break;
   }
   return picture;

@@ -35,12 +35,14 @@ struct ViewshedBand {
 
 /// `visible` as bytes, `count` as 16-bit numbers (32-bit from 65535 observers on), the others as float. No
 /// data, for cells without ground and, but with SeenValues::out_of_range, those out of range: the largest
-/// number of the type (of bytes: the largest that does not apply else), -9999 of float. `length_unit`: of
-/// heights.
-ViewshedBand viewshed_band(const Viewshed& viewshed, ViewshedMode mode, const SeenValues& seen_values,
-                           std::size_t observer_count, const std::string& length_unit);
+/// number of the type (of bytes: the largest that does not apply else), -9999 of float. `options` are those of
+/// the viewshed; `observer_count` may be that of objects; `length_unit` is that of the cloud.
+ViewshedBand viewshed_band(const Viewshed& viewshed, const ViewshedOptions& options,
+                           const SeenValues& seen_values, std::size_t observer_count,
+                           const std::string& length_unit);
 
-/// The map for people; seen cells are bright, hidden ones dark. `options` are those of the viewshed.
+/// The map for people; seen cells are bright, hidden ones dark. `options` are those of the viewshed; marked are
+/// `observers`, which may be one for each object.
 MapPicture viewshed_picture(const Viewshed& viewshed, const ViewshedOptions& options,
                             std::span<const Observer> observers, const std::string& length_unit);
 
