@@ -118,8 +118,11 @@ std::optional<double> in_ground(const geo::TerrainSurface& terrain, const SightL
     const glm::dvec3 top = end.position + glm::dvec3(0.0, 0.0, end.mesh_contact);
     return end.mesh_contact > 0.0 && terrain.occluded({top, {0.0, 0.0, -1.0}, 0.0, 2.0 * end.mesh_contact});
   };
-  const bool endless = line.length == std::numeric_limits<double>::infinity();
-  if (!lies_on(line.from) && (endless || !lies_on(line.to))) return {};
+  // A line from an end in the air comes to one on the surface from below through a hole alone.
+  const bool goes_on = line.length == std::numeric_limits<double>::infinity() || line.to.mesh_contact == 0.0;
+  const bool from_ground = lies_on(line.from), comes_on = line.from.mesh_contact == 0.0;
+  if (!(from_ground && (goes_on || lies_on(line.to))) && !(comes_on && !goes_on && lies_on(line.to)))
+    return {};
   Ray above = ray_between_ends(line);
   above.origin.z += k_mesh_contact;
   const auto hit = terrain.closest(above);
