@@ -113,6 +113,28 @@ auto crossings_that_block(const Surface& surface, const SightLine& line) {
   };
 }
 
+/// Where a line that has an end on the surface is in the ground.
+std::optional<double> in_ground(const TriangleTree&, const SightLine&) {
+  return {};
+}
+/// An end lies on the upper side of a terrain. A line that dives there and leaves at the terrain's edge, or ends on it
+/// again, meets it nowhere but at its ends; as far above as counts as on it, it does.
+std::optional<double> in_ground(const geo::TerrainSurface& terrain, const SightLine& line) {
+  const auto lies_on = [&](const SightEnd& end) {
+    const glm::dvec3 top = end.position + glm::dvec3(0.0, 0.0, end.mesh_contact);
+    return end.mesh_contact > 0.0 && terrain.occluded({top, {0.0, 0.0, -1.0}, 0.0, 2.0 * end.mesh_contact});
+  };
+  // A line from an end in the air comes to one on the surface from below through a hole alone.
+  const bool goes_on = line.length == std::numeric_limits<double>::infinity() || line.to.mesh_contact == 0.0;
+  const bool from_ground = lies_on(line.from), comes_on = line.from.mesh_contact == 0.0;
+  if (!(from_ground && (goes_on || lies_on(line.to))) && !(comes_on && !goes_on && lies_on(line.to)))
+    return {};
+  Ray above = ray_between_ends(line);
+  above.origin.z += k_mesh_contact;
+  const auto hit = terrain.closest(above);
+  return hit ? std::optional(hit->t) : std::nullopt;
+}
+
 /// Calls visit(surface) for the surfaces beside the points: the mesh and the terrain.
 template <class Visit>
 void for_surfaces(const OccluderOptions& options, const Visit& visit) {
@@ -131,8 +153,9 @@ void put_before(const Surface& surface, const ChordLines& lines, std::span<std::
     for (std::size_t chord = lines.begin[line]; chord < lines.begin[line + 1]; ++chord) {
       const Ray ray = ray_between_ends(lines.chords[chord]);
       const auto hit = surface.closest(ray, crossings_that_block(surface, lines.chords[chord]));
-      if (!hit) continue;
-      const Blocker blocker{k_mesh_blocker, ray.position(hit->t), lines.starts[chord] + hit->t};
+      const std::optional<double> t = hit ? hit->t : in_ground(surface, lines.chords[chord]);
+      if (!t) continue;
+      const Blocker blocker{k_mesh_blocker, ray.position(*t), lines.starts[chord] + *t};
       if (!blockers[line] || blocker.distance < blockers[line]->distance) blockers[line] = blocker;
       return;
     }
@@ -364,8 +387,10 @@ void blocked(const Occluders& occluders, std::span<const SightLine> lines, std::
   for_surfaces(options, [&](const auto& surface) {
     in_parallel(lines.size(), k_grain, [&](std::size_t i) {
       if (answers[i] != 0) return;
-      answers[i] =
-          surface.occluded(ray_between_ends(lines[i]), crossings_that_block(surface, lines[i])) ? 1 : 0;
+      const bool blocks =
+          surface.occluded(ray_between_ends(lines[i]), crossings_that_block(surface, lines[i])) ||
+          in_ground(surface, lines[i]).has_value();
+      answers[i] = blocks ? 1 : 0;
     });
   });
 }

@@ -108,7 +108,7 @@ class Occluders {
 // end itself lies on does not block it: discs whose middle is near it and whose plane passes through it
 // (SightEnd), spheres that it lies in, triangles whose plane passes within k_mesh_contact of it, and the terrain
 // if the plane that touches it at the crossing does so and the line keeps to it, within k_mesh_contact in
-// height, from there to the end.
+// height, from there to the end. Such an end is on the terrain's upper side: below it by more than that a line is blocked.
 
 /// An end lies on a triangle or terrain if its plane passes nearer than this: metres. Coordinates of ends may be
 /// rounded to millimetres.

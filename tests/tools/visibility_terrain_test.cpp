@@ -232,6 +232,33 @@ TEST_F(VisibilityTerrainTest, the_reference_system_must_be_that_of_the_cloud) {
   visibility("raster", {"utm.las", "--terrain", "ridge.tif", "--observer", "0,0", "-o", "out.tif"});
 }
 
+TEST_F(VisibilityTerrainTest, the_round_earth_hides_distant_targets_unless_told_otherwise) {
+  // From 1.7 to 3 m above a plane sight ends after 11.7 km.
+  write_heights("plane.tif", geo::Raster<float>({{0, 90}, 30.0, 620, 3}, 0.0f), k_utm);
+  write("pairs.csv",
+        "from_x,from_y,from_height,to_x,to_y,to_height\n15,45,1.7,8715,45,3\n15,45,1.7,18585,45,3\n");
+  const auto answers = [&](const std::string& file, const Words& words) {
+    visibility("lines", with({file, "--pairs", "pairs.csv", "-o", "lines.json"}, words));
+    std::string text;
+    for (const Json& line : Json::parse(read("lines.json")).at("lines"))
+      text += line.at("visible").get<bool>() ? "seen " : "hidden ";
+    return text;
+  };
+  EXPECT_EQ(answers("plane.tif", {}), "seen hidden ");
+  EXPECT_EQ(answers("plane.tif", {"--earth-radius-factor", "off"}), "seen seen ");
+  EXPECT_EQ(answers("plane.tif", {"--transparency", "2"}), "seen seen ") << "which needs straight lines";
+  visibility("raster", {"plane.tif", "--observer", "15,45", "--observer-height", "1.7", "--target-height",
+                        "3", "-o", "seen.tif"});
+  std::array<double, 6> transform{};
+  int columns = 0;
+  const std::vector<double> values = read_map("seen.tif", transform, columns);
+  EXPECT_EQ(values[620 + 290], 255.0);
+  EXPECT_EQ(values[620 + 619], 0.0);
+  // In a unit that is not known the Earth's radius is not, either.
+  write_heights("anywhere.tif", geo::Raster<float>({{0, 90}, 30.0, 620, 3}, 0.0f));
+  EXPECT_EQ(answers("anywhere.tif", {}), "seen seen ");
+}
+
 TEST_F(VisibilityTerrainTest, holes_numbers_that_are_none_and_observers_outside) {
   geo::Raster<float> heights = ridge();
   heights.at(3, 3) = k_hole;

@@ -67,6 +67,33 @@ TEST(SightTerrain, an_end_is_not_blocked_by_the_surface_it_lies_on_within_a_mill
   EXPECT_FALSE(blocker_of(occluders, sight_line({{0.5, 0, 4}}, {{9, 0, 0}}))) << "from the ridge";
 }
 
+TEST(SightTerrain, a_line_from_the_surface_into_the_ground_is_blocked) {
+  // A dome from edge to edge, and a slope.
+  Raster<float> dome({{-50, 50}, 1.0, 100, 100}, 0.0f), slope = dome;
+  for (int row = 0; row < 100; ++row) {
+    for (int column = 0; column < 100; ++column) {
+      const double x = column - 49.5, y = 49.5 - row;
+      dome.at(column, row) = static_cast<float>(std::sqrt(10000.0 - x * x - y * y));
+      slope.at(column, row) = static_cast<float>(0.5 * x);
+    }
+  }
+  const Occluders over = alone(std::make_shared<const TerrainSurface>(dome)),
+                  up = alone(std::make_shared<const TerrainSurface>(slope));
+  const auto at = [&](double x, double y) { return SightEnd{{x, y, std::sqrt(10000.0 - x * x - y * y)}}; };
+  EXPECT_TRUE(blocker_of(over, sight_line(at(-30.5, 0.5), at(30.5, 0.5))))
+      << "its ends alone are on the surface";
+  EXPECT_FALSE(blocker_of(over, sight_line(at(-30.5, 0.5), at(-29.5, 0.5))))
+      << "between two neighbouring cells";
+  for (const double depth : {0.0, 0.0009, -0.0009}) {
+    const SightEnd foot{{0.25, 0.25, 0.125 - depth}};
+    EXPECT_TRUE(blocker_of(up, sight_ray(foot, {1, 0, 0}))) << depth;
+    EXPECT_TRUE(blocker_of(up, sight_ray(foot, {0.9, 0, 0.4}))) << depth;
+    EXPECT_FALSE(blocker_of(up, sight_ray(foot, {0.8, 0, 0.45}))) << depth;
+    EXPECT_FALSE(blocker_of(up, sight_ray(foot, {-1, 0, 0}))) << depth;
+    EXPECT_FALSE(blocker_of(up, sight_ray(foot, {1, 0, 0.5}))) << depth << ": along the slope";
+  }
+}
+
 TEST(SightTerrain, of_points_mesh_and_terrain_the_first_blocks) {
   WallCloud cloud;
   cloud.add({5, -2, 0}, {0, 4, 0}, {0, 0, 4}, 0.1);

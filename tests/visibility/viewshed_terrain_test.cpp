@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// Viewsheds on elevation rasters alone, against lines of sight over the bilinear surface that are computed here
-// in another way: the lowest clearance of every piece of a line between two edges of patches.
+// Viewsheds on elevation rasters alone, against lines of sight over the bilinear surface that are computed in
+// another way (exact_terrain.h).
 #include <gdal.h>
 #include <gdal_alg.h>
 #include <gtest/gtest.h>
@@ -11,9 +11,9 @@
 #include <cstdio>
 #include <vector>
 
-#include "octree/build.h"
 #include "tests/support/random.h"
 #include "tests/visibility/ascii_grid.h"
+#include "tests/visibility/exact_terrain.h"
 #include "visibility/raster/viewshed.h"
 
 namespace alidade::test {
@@ -22,69 +22,6 @@ using namespace geo;
 using namespace visibility;
 
 namespace {
-
-/// x and y in cells from the centre of the north-western one, z a height.
-glm::dvec3 on_grid(const RasterGrid& grid, const glm::dvec3& position) {
-  return {(position.x - grid.north_west.x) / grid.cell_size - 0.5,
-          (grid.north_west.y - position.y) / grid.cell_size - 0.5, position.z};
-}
-
-/// How high a position is above the surface of the patch around `middle`; infinite without a patch.
-double clearance(const Raster<float>& heights, const glm::dvec3& position, const glm::dvec3& middle) {
-  const int column = static_cast<int>(std::floor(middle.x)), row = static_cast<int>(std::floor(middle.y));
-  if (column < 0 || row < 0 || column + 1 >= heights.grid.columns || row + 1 >= heights.grid.rows)
-    return std::numeric_limits<double>::infinity();
-  const double u = position.x - column, v = position.y - row;
-  const double surface = (1 - v) * ((1 - u) * heights.at(column, row) + u * heights.at(column + 1, row)) +
-                         v * ((1 - u) * heights.at(column, row + 1) + u * heights.at(column + 1, row + 1));
-  return std::isnan(surface) ? std::numeric_limits<double>::infinity() : position.z - surface;
-}
-
-/// What a line has of the surface below and above it.
-struct Clearance {
-  double lowest = std::numeric_limits<double>::infinity();
-  bool crosses = false;  ///< the surface, by more than a micrometre, which rounding takes at the ends
-};
-
-/// Of a line over the surface. Along a piece between two edges its height above the surface is a quadratic,
-/// which three of its values give. Through a hole it comes below the surface without crossing it.
-Clearance clearance_of(const Raster<float>& heights, const glm::dvec3& eye, const glm::dvec3& target) {
-  constexpr double k_rounding = 1e-6;
-  const glm::dvec3 from = on_grid(heights.grid, eye), way = on_grid(heights.grid, target) - from;
-  std::vector<double> shares{0.0, 1.0};
-  for (int axis = 0; axis < 2; ++axis) {
-    const double low = std::min(from[axis], from[axis] + way[axis]),
-                 high = std::max(from[axis], from[axis] + way[axis]);
-    for (double line = std::ceil(low); line <= high; line += 1.0)
-      if (way[axis] != 0.0) shares.push_back(std::clamp((line - from[axis]) / way[axis], 0.0, 1.0));
-  }
-  std::ranges::sort(shares);
-  Clearance found;
-  bool was_above = false, was_below = false;  // since the last hole
-  for (std::size_t i = 0; i + 1 < shares.size(); ++i) {
-    const double begin = shares[i], end = shares[i + 1];
-    if (end - begin < 1e-12) continue;
-    const glm::dvec3 middle = from + 0.5 * (begin + end) * way;
-    const double a = clearance(heights, from + begin * way, middle), b = clearance(heights, middle, middle),
-                 c = clearance(heights, from + end * way, middle);
-    if (!std::isfinite(b)) {
-      was_above = was_below = false;
-      continue;
-    }
-    double low = std::min(a, c), high = std::max(a, c);
-    const double square = 2.0 * (a + c - 2.0 * b), linear = 4.0 * b - 3.0 * a - c;
-    const double turn = square != 0.0 ? -linear / (2.0 * square) : -1.0;
-    if (turn > 0.0 && turn < 1.0) {
-      low = std::min(low, a + turn * (linear + turn * square));
-      high = std::max(high, a + turn * (linear + turn * square));
-    }
-    was_above = was_above || high > k_rounding;
-    was_below = was_below || low < -k_rounding;
-    found.crosses = found.crosses || (was_above && was_below);
-    found.lowest = std::min(found.lowest, low);
-  }
-  return found;
-}
 
 struct Agreement {
   std::size_t both = 0, only_seen = 0, only_exact = 0, neither = 0;
@@ -98,20 +35,15 @@ struct Agreement {
 
 /// An observer so high above the ground at a position in cells.
 Observer observer_over(const Raster<float>& heights, const glm::dvec2& cell, double eye_height) {
-  const RasterGrid& grid = heights.grid;
-  const glm::dvec2 foot(grid.north_west.x + (cell.x + 0.5) * grid.cell_size,
-                        grid.north_west.y - (cell.y + 0.5) * grid.cell_size);
   Observer observer;
-  observer.position = {foot.x, foot.y, *Ground(TerrainSurface(heights)).at(foot) + eye_height};
+  observer.position = above(heights, cell, eye_height);
   return observer;
 }
 
 Viewshed our_map(const Raster<float>& heights, const Observer& observer,
                  const ViewshedOptions& viewshed_options) {
-  OccluderOptions options;
-  options.terrain = std::make_shared<const TerrainSurface>(heights);
-  return viewshed(Occluders(build(PointCloud()), options), Ground(*options.terrain), {&observer, 1},
-                  heights.grid, viewshed_options);
+  return viewshed(occluders_of(heights), Ground(TerrainSurface(heights)), {&observer, 1}, heights.grid,
+                  viewshed_options);
 }
 
 /// Of gdal_viewshed with `-cc 0`, for targets on the ground: above 0 where it sees the cell.

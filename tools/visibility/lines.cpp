@@ -13,11 +13,14 @@
 #include "tools/visibility/row_output.h"
 #include "visibility/lines/fresnel.h"
 #include "visibility/lines/line_files.h"
+#include "visibility/raster/curved_sight.h"
 
 namespace alidade::tools {
 namespace {
 
 constexpr double k_radio_factor = 4.0 / 3.0;
+/// Of light, as maps have it by default.
+constexpr double k_light_factor = 1.0 / visibility::k_usual_curvature;
 
 /// Which sight lines were asked for on the command line.
 struct PairRequest {
@@ -184,20 +187,46 @@ std::vector<visibility::LinePair> pairs_of(const LineEnds& ends, const visibilit
   return pairs;
 }
 
-/// Metres of the cloud's unit, which wavelengths and the Earth are measured by.
+/// Metres of the cloud's unit; empty if it is not known.
+std::optional<double> known_unit(const VisibilityCloud& cloud) {
+  const Crs& crs = cloud.cloud.cloud.crs;
+  return crs.empty() ? std::nullopt : image_module().metres_per_unit(crs);
+}
+
+/// The same for wavelengths and the Earth. Errors: a reference system without a linear unit.
 double unit_of(const VisibilityCloud& cloud, const std::filesystem::path& file) {
   if (cloud.cloud.cloud.crs.empty()) return 1.0;
-  if (const std::optional<double> metres = image_module().metres_per_unit(cloud.cloud.cloud.crs))
-    return *metres;
+  if (const std::optional<double> metres = known_unit(cloud)) return *metres;
   throw file_error(file, "wavelengths and the Earth radius require a known linear unit",
                    "a projected reference system: reproject the cloud");
 }
 
-visibility::LineReportOptions report_options(const LinesCommand& command, const VisibilityCloud& cloud) {
+/// Whether light bent by the Earth is off the chord of any line by more than maps allow for.
+bool is_bent(const LineEnds& ends, double unit) {
+  const visibility::SightCurve light(visibility::k_usual_curvature, unit);
+  bool is_bent = false;
+  for_each_pair(ends, [&](std::size_t from, std::size_t to) {
+    const double length = distance(ends.positions[from].position, ends.positions[to].position);
+    is_bent = is_bent || light.chord_count(length) > 1;
+  });
+  return is_bent;
+}
+
+/// By how many times its radius the Earth bends the lines; empty: it is flat.
+std::optional<double> earth_factor(const LinesCommand& command, const VisibilityCloud& cloud,
+                                   const LineEnds& ends) {
+  if (command.earth_factor) return *command.earth_factor;
+  if (command.frequency) return k_radio_factor;
+  const std::optional<double> unit = known_unit(cloud);
+  const bool is_opaque = command.occluders.options.transparency <= 1;
+  return unit && is_opaque && is_bent(ends, *unit) ? std::optional(k_light_factor) : std::nullopt;
+}
+
+visibility::LineReportOptions report_options(const LinesCommand& command, const VisibilityCloud& cloud,
+                                             const LineEnds& ends) {
   visibility::LineReportOptions options;
   options.line.end_margin = command.end_margin;
-  std::optional<double> factor = command.frequency ? std::optional(k_radio_factor) : std::nullopt;
-  if (command.earth_factor) factor = *command.earth_factor;
+  const std::optional<double> factor = earth_factor(command, cloud, ends);
   if (!command.frequency && !factor) return options;
   const double unit = unit_of(cloud, command.files.first_name());
   if (factor) options.line.earth_radius = *factor * geo::k_earth_radius / unit;
@@ -245,10 +274,10 @@ ExitCode run_lines(const LinesCommand& command) {
   check_options(command);
   load_row_writer(command.output);
   const auto cloud = load_cloud_alone(command, {}, AcceptedInput::points_or_raster);
-  const visibility::LineReportOptions options = report_options(command, *cloud);
-  visibility::check_line_report(options, command.occluders.options.transparency);
   const LineEnds ends = load_line_ends(command.pairs, *cloud, command.verbosity);
   check_report_memory(ends, command.frequency.has_value());
+  const visibility::LineReportOptions options = report_options(command, *cloud, ends);
+  visibility::check_line_report(options, command.occluders.options.transparency);
   check_margin(ends, command.end_margin);
   measure_occluders(*cloud, command.occluders, command.verbosity);
   say_observer_remarks(ends.positions, *cloud, command.verbosity);
@@ -274,21 +303,26 @@ ExitCode run_lines(const LinesCommand& command) {
 }
 
 void add_radio(const Options& lines, LinesCommand& command) {
-  const Options group = lines.group("Radio");
-  group.value("--frequency", "F[GHz|MHz]",
-              "report the first Fresnel zone of this frequency, 5.8GHz or 868MHz; GHz without a unit",
-              [&command](const std::string& text) {
-                command.frequency = visibility::parse_frequency(text);
-                if (!command.frequency)
-                  throw UsageError("invalid value; expected 1MHz to 1000GHz, found '" + text + "'");
-              });
-  group.value("--earth-radius-factor", "K|off",
-              "bend lines for an Earth of K times its radius, which includes the refraction of radio waves "
-              "(default: 1.3333 with --frequency, otherwise off)",
-              [&command](const std::string& text) {
-                command.earth_factor.emplace();
-                if (text != "off") *command.earth_factor = parse_number(text, 1e-3, 1e3);
-              });
+  lines.group("Radio").value(
+      "--frequency", "F[GHz|MHz]",
+      "report the first Fresnel zone of this frequency, 5.8GHz or 868MHz; GHz without a unit",
+      [&command](const std::string& text) {
+        command.frequency = visibility::parse_frequency(text);
+        if (!command.frequency)
+          throw UsageError("invalid value; expected 1MHz to 1000GHz, found '" + text + "'");
+      });
+}
+
+void add_bending(const Options& lines, LinesCommand& command) {
+  lines.group("Lines").value(
+      "--earth-radius-factor", "K|off",
+      "bend lines for an Earth of K times its radius, which includes refraction (default: 1.3333 with "
+      "--frequency, otherwise 1.1667 if the unit of the cloud is known, --transparency is 1 and a line is "
+      "longer than half a kilometre, else off)",
+      [&command](const std::string& text) {
+        command.earth_factor.emplace();
+        if (text != "off") *command.earth_factor = parse_number(text, 1e-3, 1e3);
+      });
 }
 
 }  // namespace
@@ -302,6 +336,7 @@ Command add_visibility_lines(const Options& visibility) {
   lines.group("Lines").number("--end-margin", "LENGTH",
                               "excluded length at either end, for scanned masts and tripods (default: 0)",
                               command->end_margin, 0.0, 1e9);
+  add_bending(lines, *command);
   add_radio(lines, *command);
   add_occluder_options(lines, command->occluders);
   lines.required().file("-o,--output", "FILE", "output file: .csv, .json or .geojson", command->output);
