@@ -240,8 +240,8 @@ TEST_F(VisibilityTerrainTest, the_round_earth_hides_distant_targets_unless_told_
   const auto answers = [&](const std::string& file, const Words& words) {
     visibility("lines", with({file, "--pairs", "pairs.csv", "-o", "lines.json"}, words));
     std::string text;
-    for (const Json& line : Json::parse(read("lines.json")).at("lines"))
-      text += line.at("visible").get<bool>() ? "seen " : "hidden ";
+    const Json written = Json::parse(read("lines.json"));
+    for (const Json& line : written.at("lines")) text += line.at("visible").get<bool>() ? "seen " : "hidden ";
     return text;
   };
   EXPECT_EQ(answers("plane.tif", {}), "seen hidden ");
