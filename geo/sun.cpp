@@ -166,11 +166,6 @@ double delta_t(double year) {
   return value_of(pieces.back(), year);
 }
 
-double air_mass(double elevation) {
-  const double height = std::max(elevation, 0.0);
-  return 1.0 / (std::sin(height * std::numbers::pi / 180.0) + 0.50572 * std::pow(height + 6.07995, -1.6364));
-}
-
 Rgb clear_sky_irradiance(double elevation, double pressure) {
   Rgb irradiance(0.0f);
   if (elevation < 0.0) return irradiance;

@@ -1,7 +1,10 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
+#include <algorithm>
+#include <cmath>
 #include <glm/vec2.hpp>
+#include <numbers>
 #include <optional>
 #include <string>
 
@@ -64,7 +67,10 @@ double delta_t(double year);
 /// How much air a beam from this elevation (degrees, seen through the air) crosses, as a multiple of the way
 /// straight up: 1 at the zenith, 38 at the horizon. Elevations below 0 count as 0. Source: Kasten and Young,
 /// Revised Optical Air Mass Tables and Approximation Formula, 1989.
-double air_mass(double elevation);
+inline double air_mass(double elevation) {
+  const double height = std::max(elevation, 0.0);
+  return 1.0 / (std::sin(height * std::numbers::pi / 180.0) + 0.50572 * std::pow(height + 6.07995, -1.6364));
+}
 
 /// Irradiance of the sun on a surface that faces it, under a clear sky: 4 in each channel above the air (so
 /// that a sun at 40 degrees is about as bright as the scene's default), dimmed by exp(-depth air_mass
