@@ -22,6 +22,9 @@ struct LocalPlane {
   double count = 0.0;  ///< of the points
 };
 
+/// A plane is a surface from this trust on.
+constexpr double k_least_surface_trust = 0.7;
+
 /// Fits a plane to the points within `reach` metres of a position, nearer ones weighing more. Requires reach >
 /// 0. The same bits on every instruction set. Cost: 1 to 10 microseconds, grows with the number of points.
 /// Source: Hoppe et al., Surface Reconstruction from Unorganized Points, 1992.

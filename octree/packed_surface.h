@@ -10,6 +10,8 @@
 
 namespace alidade {
 
+struct PointSurface;
+
 /// A direction whose side is free, as two whole numbers in [0, steps], which must be even so that upright
 /// stays upright. Source: the octahedral map of Cigolle et al., A Survey of Efficient Representations for
 /// Independent Unit Vectors, JCGT 2014; the upper half alone, whose square turned by 45 degrees fills the
@@ -50,6 +52,10 @@ constexpr std::array<double, 32> k_lengths = [] {
   }
   return lengths;
 }();
+
+/// Heights and thicknesses are stored in this unit, metres (TreeView::surface_unit): heights as the nearest length,
+/// thicknesses as the least that is not smaller.
+std::uint32_t pack(const PointSurface& surface, double unit);
 
 }  // namespace packed_surface
 }  // namespace alidade

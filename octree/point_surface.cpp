@@ -84,7 +84,6 @@ SheetEdge unpack_edge(std::uint8_t packed, const glm::dvec3& normal) {
 namespace {
 
 constexpr double k_least_sheet_trust = 0.8;  // of one of two sheets
-constexpr double k_least_trust = 0.7;        // of a plane that is a surface
 
 using packed_surface::k_below;
 using packed_surface::k_exists;
@@ -93,21 +92,7 @@ using packed_surface::k_lengths;
 using packed_surface::k_side_mask;
 using packed_surface::k_side_steps;
 
-/// The nearest length.
-std::uint32_t nearest_length(double length) {
-  const auto above = std::ranges::lower_bound(k_lengths, length);
-  if (above == k_lengths.begin()) return 0;
-  if (above == k_lengths.end()) return k_length_mask;
-  const auto index = static_cast<std::uint32_t>(above - k_lengths.begin());
-  return length - k_lengths[index - 1] < k_lengths[index] - length ? index - 1 : index;
-}
-
-/// The least length that is not smaller, or the greatest.
-std::uint32_t length_above(double length) {
-  const auto above = std::ranges::lower_bound(k_lengths, length);
-  return above == k_lengths.end() ? k_length_mask : static_cast<std::uint32_t>(above - k_lengths.begin());
-}
-
+/// What packed_surface::pack() makes.
 PointSurface unpack(std::uint32_t packed, double unit) {
   if ((packed & k_exists) == 0) return {};
   const double height = unit * k_lengths[packed >> packed_surface::k_height & k_length_mask];
@@ -115,18 +100,6 @@ PointSurface unpack(std::uint32_t packed, double unit) {
                              packed >> packed_surface::k_second_side & k_side_mask};
   return {true, unpack_normal(normal, k_side_steps), (packed & k_below) != 0 ? -height : height,
           unit * k_lengths[packed & k_length_mask]};
-}
-
-std::uint32_t pack(const PointSurface& surface, double unit) {
-  if (!surface.exists) return 0;
-  const glm::uvec2 normal = pack_normal(surface.normal, k_side_steps);
-  // Packing keeps the upper one of the two normals.
-  const bool turned = surface.normal.z < 0.0;
-  const bool below = (surface.height < 0.0) != turned;
-  return k_exists | normal.x << packed_surface::k_first_side | normal.y << packed_surface::k_second_side |
-         (below ? k_below : 0u) |
-         nearest_length(std::fabs(surface.height) / unit) << packed_surface::k_height |
-         length_above(surface.thickness / unit);
 }
 
 /// The points within reach of a position.
@@ -228,7 +201,7 @@ PointSurface surface_beside(const PointsNear& points, double spacing, const Loca
   const bool is_far = std::fabs(sheet.height) > k_far * spacing;
   if (is_far && others.count < few) return {};
   const LocalPlane plane = plane_of(others, reach);
-  if (plane.trust >= k_least_trust && !off_sheet(plane, reach))
+  if (plane.trust >= k_least_surface_trust && !off_sheet(plane, reach))
     return {true, plane.normal, plane.height, plane.thickness};
   if (is_far) return {};
   return {true, sheet.normal, 0.0, sheet.thickness};
@@ -313,7 +286,7 @@ FittedSurface fit_surface(Neighbourhood& around, const glm::dvec3& position, dou
     const double density = fitted.count / (k_surface_neighbours * factor * factor);
     const bool is_thick = fitted.thickness > k_thick * spacing;
     if (factor == k_reach && density > k_lone && is_thick) return {};
-    if ((density > k_dense && is_thick) || fitted.trust < k_least_trust) continue;
+    if ((density > k_dense && is_thick) || fitted.trust < k_least_surface_trust) continue;
     // Few points look like two sheets by chance.
     const LocalPlane plane = factor < k_reach ? fitted : choose_sheet(points, fitted);
     if (off_sheet(plane, reach)) return {surface_beside(points, spacing, plane)};
@@ -356,7 +329,7 @@ class SurfaceFitter {
  private:
   void fit(const glm::dvec3& position, double spacing) {
     const FittedSurface fitted = fit_surface(around_, position, spacing);
-    packed_ = pack(fitted.surface, unit_);
+    packed_ = packed_surface::pack(fitted.surface, unit_);
     const PointSurface surface = unpack(packed_, unit_);
     edge_ = fitted.may_end && surface.exists
                 ? fit_sheet_edge(around_.points(position, k_reach * spacing), surface)

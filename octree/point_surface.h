@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <glm/vec3.hpp>
 #include <limits>
+#include <numbers>
 
 #include "base/progress.h"
 #include "octree/octree.h"
@@ -26,6 +27,12 @@ struct PointSurface {
 
 /// Spacings to this neighbour are what surfaces are meant to be fitted with.
 constexpr int k_surface_neighbours = 8;
+
+/// Area that a point of a sheet represents, by its spacing: an eighth of the circle through its 8th neighbour, which is
+/// right on average for points scattered at random.
+inline double area_of_point(double spacing) {
+  return std::numbers::pi / k_surface_neighbours * spacing * spacing;
+}
 
 /// The same octree with the surface of every point, as surface_of() returns it. An octree that has surfaces is
 /// returned as it is. `progress` is in points. Requires spacings. Cost: 1 to 2 microseconds of one thread

@@ -17,7 +17,6 @@
 #include "visibility/points/placement.h"
 #include "visibility/raster/map_picture.h"
 #include "visibility/read_observers.h"
-#include "visibility/sky/sun_curves.h"
 #include "visibility/sky/sun_path.h"
 
 namespace alidade::tools {

@@ -17,6 +17,9 @@ namespace alidade::visibility {
 // These, mostly at edges and in foliage, need to close little; from 0.25 down lines pass between the foot of a wall and
 // the ground.
 constexpr double k_sphere_share = 0.5, k_lone_share = 0.28;
+// Widest disc, in automatic radii, and from which radius on spheres among discs shrink again: a bird or a stray return
+// is no larger for having its neighbours far away.
+constexpr double k_widest_disc = 16.0, k_widest_lone = 0.35;
 
 /// Whether a disc is part of the surface that an end lies on. A disc is no better known than its sheet is thick.
 inline bool is_own(const SightEnd& end, const PointDisc& disc, const PointSurface& surface) {
@@ -42,12 +45,18 @@ inline double candidate_radius(const Occluders& occluders, double spacing) {
                   (occluders.has_surfaces() ? k_disc_spacings : k_sphere_share) * spacing);
 }
 
+/// Radius of the disc of a point; radius: candidate_radius(), which a largest one does not limit, since edges and
+/// spheres follow from the spacing in it.
+inline double disc_of(const Occluders& occluders, double radius) {
+  return std::min(radius, occluders.options().radius_max.value_or(radius));
+}
+
 /// Radius of the sphere of a point without a surface; radius: candidate_radius().
 inline double sphere_of(const Occluders& occluders, double radius) {
-  if (occluders.options().radius || !occluders.has_surfaces()) return radius;
-  // Of a lone return little is known to be there.
-  const double own = k_lone_share / k_disc_spacings * radius, widest = occluders.largest_sphere();
-  return own < widest ? own : widest * widest / own;
+  if (occluders.options().radius || !occluders.has_surfaces()) return disc_of(occluders, radius);
+  const double own = k_lone_share / k_disc_spacings * radius,
+               widest = k_widest_lone * occluders.typical_radius();
+  return disc_of(occluders, own < widest ? own : widest * widest / own);
 }
 
 /// Where a point blocks a line, metres from the line's start; empty if it does not.
@@ -72,7 +81,8 @@ inline std::optional<double> crossing(const Occluders& occluders, const SightLin
   const std::optional<double> position = plane_crossing(disc, line.from.position, line.direction);
   if (!position || !(*position >= 0.0 && *position <= line.length)) return std::nullopt;
   const glm::dvec3 met = line.from.position + *position * line.direction;
-  if (!is_within_radius(disc, met)) return std::nullopt;
+  const double radius = disc_of(occluders, candidate.radius);
+  if (!is_within_radius({disc.point, disc.center, disc.normal, radius}, met)) return std::nullopt;
   // Radii that are given are those of whole discs, and of widest ones spacings do not follow from the radius.
   const bool has_edge = !occluders.options().radius && candidate.radius < occluders.largest_radius();
   if (has_edge &&

@@ -53,7 +53,7 @@ GivenObserver parse_object(const std::string& text);
 struct ObjectPiece {
   std::size_t object = 0;
   double width = 0.0, height = 0.0;  ///< in the unit of the cloud; width 0: a line
-  glm::dvec2 normal{0.0};            ///< horizontal, of length 1; zero: turns towards whoever looks
+  glm::dvec2 normal{0.0};            ///< horizontal, of length 1; zero: turns towards the eye
   bool is_one_sided = false;         ///< visible only from where the normal points to
 
   /// Area, or length of a line.
@@ -70,7 +70,7 @@ bool faces(const ObjectPiece& piece, const glm::dvec3& middle, const glm::dvec3&
 
 struct SampleOptions {
   double spacing = 1.0;  ///< no piece is higher, or of a wall wider, than this; in the unit of the cloud, > 0
-  double width = 0.0;    ///< of vertical segments, which turn it towards whoever looks; >= 0
+  double width = 0.0;    ///< of vertical segments, which turn it towards the eye; >= 0
   double max_distance = std::numeric_limits<double>::infinity();  ///< farther away nobody sees them
 };
 

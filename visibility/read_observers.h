@@ -61,8 +61,8 @@ std::vector<GivenObserver> read_observers(const std::filesystem::path& path,
 /// Reads objects from a file, in the cloud's reference system: CSV as read_observer_table() has it, with a
 /// vertical segment in each row; else points, lines and polygons of GeoJSON, GeoPackage or Shapefile with the
 /// attributes `height`, `z` of the foot and `name`. Vertices with a z have their foot there. Each point of a
-/// multi-point is an object; the lines or polygons of a feature are one. Inner rings are passed over. Errors: those of read_observers(), of
-/// other geometries than these.
+/// multi-point is an object; the lines or polygons of a feature are one. Inner rings are passed over. Errors: those of
+/// read_observers(), of other geometries than these.
 GivenObjects read_objects(const std::filesystem::path& path, const geo::ObserverReference& reference);
 
 }  // namespace alidade::visibility

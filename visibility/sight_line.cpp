@@ -20,8 +20,6 @@ namespace alidade::visibility {
 
 Occluders::Occluders(const Octree& octree, const OccluderOptions& options, const Progress& progress)
     : octree_(octree), options_(options) {
-  // In automatic radii. A bird or a stray return among discs is no larger for having its neighbours far away.
-  constexpr double k_widest_disc = 16.0, k_widest_lone = 0.35;
   for (const double radius : {options.radius.value_or(1.0), options.radius_max.value_or(1.0)}) {
     check_that(std::isfinite(radius) && radius > 0.0, "invalid occluder radius", "a positive length",
                std::to_string(radius));
@@ -36,13 +34,11 @@ Occluders::Occluders(const Octree& octree, const OccluderOptions& options, const
   }
   if (has_surfaces()) octree_ = with_surfaces(octree_, progress);
   if (options.radius) {
-    typical_radius_ = largest_radius_ = largest_sphere_ = *options.radius;
-    return;
+    typical_radius_ = largest_radius_ = *options.radius;
+  } else {
+    typical_radius_ = automatic_radius(octree_);
+    largest_radius_ = (has_surfaces() ? k_widest_disc : 1.0) * typical_radius_;
   }
-  const double widest = options.radius_max.value_or(std::numeric_limits<double>::infinity());
-  typical_radius_ = automatic_radius(octree_);
-  largest_sphere_ = std::min(widest, (has_surfaces() ? k_widest_lone : 1.0) * typical_radius_);
-  largest_radius_ = has_surfaces() ? std::min(widest, k_widest_disc * typical_radius_) : largest_sphere_;
 }
 
 namespace {
@@ -204,7 +200,8 @@ void add_crossings(const Occluders& occluders, const SightLine& chord, double st
     const bool is_disc = occluders.surface(hit.point_id).exists;
     Blocker blocker = blocker_of(occluders, chord, hit);
     blocker.distance += start;
-    crossings.push_back({blocker, 2.0 * (is_disc ? radius : sphere_of(occluders, radius))});
+    crossings.push_back(
+        {blocker, 2.0 * (is_disc ? disc_of(occluders, radius) : sphere_of(occluders, radius))});
   }
 }
 

@@ -49,11 +49,11 @@ struct OccluderOptions {
   OccluderShape shape = OccluderShape::automatic;
   /// Metres, of all points, > 0. Empty: each point has its own, by its spacing, the distance to its 8th
   /// neighbour: 0.92 of it for a disc, which leaves 0.1 % of a surface open, at most 16 times what the
-  /// renderer's automatic radius would be; 0.28 of it for a sphere among discs, but beyond 0.35 of that automatic
-  /// radius the square of that over it, since of a stray return with its neighbours far away little is known to be
-  /// there; where all are spheres, 0.5 of it, at most that automatic radius. Given and widest discs are not cut off at edges.
+  /// renderer's automatic radius would be; 0.28 of it for a sphere among discs, and where that exceeds w = 0.35
+  /// automatic radii, w^2 divided by it: a stray return is no larger for having its neighbours far away; where all are
+  /// spheres, 0.5 of it, at most that automatic radius. Given and widest discs are not cut off at edges.
   std::optional<double> radius{};
-  /// No disc or sphere is wider: metres, > 0. Empty: as above. Not together with `radius`.
+  /// Cuts discs and spheres down to this radius: metres, > 0. Empty: as above. Not together with `radius`.
   std::optional<double> radius_max{};
   /// So many separate crossings block, >= 1: 1 for solid things, more to see through foliage. Crossings
   /// within a point's diameter of the first of them are one.
@@ -72,8 +72,8 @@ class Occluders {
  public:
   /// Measures spacings (of 8 neighbours) and fits surfaces where the octree lacks them and they are needed.
   /// `progress` is in points, the spacings' first, then the surfaces'. Errors: radius, radius_max or transparency out
-  /// of range, or both radii. Memory: 7 B per point. Cost: 2 to 5 microseconds of one thread per point, in parallel; nothing
-  /// for an octree that has them.
+  /// of range, or both radii. Memory: 7 B per point. Cost: 2 to 5 microseconds of one thread per point, in parallel;
+  /// nothing for an octree that has them.
   Occluders(const Octree& octree, const OccluderOptions& options, const Progress& progress = {});
 
   /// With what was measured.
@@ -81,10 +81,8 @@ class Occluders {
   const OccluderOptions& options() const { return options_; }
   /// That of all points, or the renderer's automatic one, metres.
   double typical_radius() const { return typical_radius_; }
-  /// No disc or sphere is wider. Metres.
+  /// No disc or sphere is wider, metres; OccluderOptions::radius_max apart.
   double largest_radius() const { return largest_radius_; }
-  /// No sphere is wider, metres.
-  double largest_sphere() const { return largest_sphere_; }
   bool has_surfaces() const { return options_.shape != OccluderShape::sphere; }
   /// The surface of a point; none where all are spheres.
   PointSurface surface(std::uint64_t point_id) const {
@@ -94,7 +92,7 @@ class Occluders {
  private:
   Octree octree_;
   OccluderOptions options_;
-  double typical_radius_ = 0.0, largest_radius_ = 0.0, largest_sphere_ = 0.0;
+  double typical_radius_ = 0.0, largest_radius_ = 0.0;
 };
 
 // Whether one sees from here to there, through the points of a cloud.
@@ -108,7 +106,8 @@ class Occluders {
 // end itself lies on does not block it: discs whose middle is near it and whose plane passes through it
 // (SightEnd), spheres that it lies in, triangles whose plane passes within k_mesh_contact of it, and the terrain
 // if the plane that touches it at the crossing does so and the line keeps to it, within k_mesh_contact in
-// height, from there to the end. Such an end is on the terrain's upper side: below it by more than that a line is blocked.
+// height, from there to the end. Such an end is on the terrain's upper side: below it by more than that a line is
+// blocked.
 
 /// An end lies on a triangle or terrain if its plane passes nearer than this: metres. Coordinates of ends may be
 /// rounded to millimetres.

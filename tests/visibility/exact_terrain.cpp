@@ -3,11 +3,14 @@
 
 #include <algorithm>
 #include <cmath>
+#include <filesystem>
+#include <memory>
 #include <numbers>
 #include <vector>
 
 #include "geo/terrain_surface.h"
 #include "octree/build.h"
+#include "tests/visibility/ascii_grid.h"
 #include "visibility/raster/ground.h"
 
 namespace alidade::test {
@@ -139,6 +142,17 @@ double exact_sky_view(const Raster<float>& heights, const glm::dvec3& eye, int a
     sum += cosine * cosine;
   }
   return sum / azimuths;
+}
+
+std::optional<Raster<float>> elevation_of_r_viewshed() {
+  const std::filesystem::path file =
+      std::filesystem::path(ALIDADE_SHARED_DATA) / "viewshed" / "grass_elevation.ascii";
+  if (!std::filesystem::exists(file)) return std::nullopt;
+  const Raster<double> elevation = read_ascii_grid(file);
+  Raster<float> heights(elevation.grid, 0.0f);
+  std::ranges::transform(elevation.values, heights.values.begin(),
+                         [](double height) { return static_cast<float>(height); });
+  return heights;
 }
 
 visibility::Occluders occluders_of(const Raster<float>& heights) {

@@ -4,7 +4,7 @@
 #include <glm/vec2.hpp>
 #include <glm/vec3.hpp>
 #include <limits>
-#include <memory>
+#include <optional>
 
 #include "geo/raster.h"
 #include "visibility/sight_line.h"
@@ -24,13 +24,16 @@ struct Clearance {
 /// Of a line over the surface. Through a hole it comes below the surface without crossing it.
 Clearance clearance_of(const geo::Raster<float>& heights, const glm::dvec3& eye, const glm::dvec3& target);
 
-/// How high the surface stands before an eye in an azimuth (degrees clockwise from north), degrees above the
-/// horizontal; -90 where there is none. Requires an eye on or above the surface.
+/// Elevation of the horizon of an eye in an azimuth (degrees clockwise from north), degrees above the horizontal; -90
+/// where there is no surface. Requires an eye on or above the surface.
 double exact_horizon(const geo::Raster<float>& heights, const glm::dvec3& eye, double azimuth);
 
 /// 1/pi times the integral of sin(elevation) over the sky above the exact horizon: the mean of cos^2 of it, or of 0
 /// where it is lower, over so many even azimuths.
 double exact_sky_view(const geo::Raster<float>& heights, const glm::dvec3& eye, int azimuths);
+
+/// The elevations of r.viewshed's test data; empty where the shared data are absent.
+std::optional<geo::Raster<float>> elevation_of_r_viewshed();
 
 /// A raster that blocks, without points.
 visibility::Occluders occluders_of(const geo::Raster<float>& heights);

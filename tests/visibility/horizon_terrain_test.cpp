@@ -108,13 +108,9 @@ TEST(HorizonTerrain, of_rough_ground_is_the_exact_one) {
 }
 
 TEST(HorizonTerrain, of_test_data_of_r_viewshed_is_the_exact_one) {
-  const std::filesystem::path file =
-      std::filesystem::path(ALIDADE_SHARED_DATA) / "viewshed" / "grass_elevation.ascii";
-  if (!std::filesystem::exists(file)) GTEST_SKIP() << "no data in " << file;
-  const Raster<double> elevation = read_ascii_grid(file);
-  Raster<float> heights(elevation.grid, 0.0f);
-  std::ranges::transform(elevation.values, heights.values.begin(),
-                         [](double height) { return static_cast<float>(height); });
+  const std::optional<Raster<float>> elevation = elevation_of_r_viewshed();
+  if (!elevation) GTEST_SKIP() << "no grass_elevation.ascii in ../shared/data/viewshed";
+  const Raster<float>& heights = *elevation;
   for (const double height : {0.05, 1.7, 40.0})
     expect_exact("elevation", heights, {{99, 81}, {40, 100}, {110.4, 40.2}}, height);
   expect_exact("elevation", heights, {{99, 81}}, 0.0);

@@ -284,8 +284,37 @@ TEST(SightLine, spheres_are_smaller_among_discs_which_close_the_surfaces) {
     const double own = 0.28 * spacing, widest = 0.35 * mixed.typical_radius();
     EXPECT_NEAR(radius, own < widest ? own : widest * widest / own, 1e-12);
     EXPECT_NEAR(sphere_of(spheres, candidate_radius(spheres, spacing)),
-                std::min(0.5 * spacing, spheres.largest_sphere()), 1e-12);
+                std::min(0.5 * spacing, spheres.typical_radius()), 1e-12);
   }
+}
+
+TEST(SightLine, a_largest_radius_only_makes_smaller) {
+  const Octree octree = build(garden());
+  const Occluders usual(octree, {});
+  const double limit = 0.1 * usual.typical_radius();
+  const Occluders limited(octree, {.radius_max = limit});
+  for (const double share : {0.05, 0.3, 0.9, 2.0, 50.0}) {
+    const double radius = candidate_radius(limited, share * usual.typical_radius());
+    ASSERT_EQ(radius, candidate_radius(usual, share * usual.typical_radius()));
+    EXPECT_EQ(sphere_of(limited, radius), std::min(limit, sphere_of(usual, radius)));
+    EXPECT_EQ(disc_of(limited, radius), std::min(limit, radius));
+  }
+  EXPECT_THROW(Occluders(octree, {.radius_max = 0.0}), Error);
+  EXPECT_THROW(Occluders(octree, {.radius = 1.0, .radius_max = 1.0}), Error);
+}
+
+TEST(SightLine, lines_pass_between_discs_that_a_largest_radius_cuts_down) {
+  // A wall of points 1 m apart; the line passes 0.5 m from the nearest ones both ways.
+  PointCloud cloud = empty_cloud();
+  for (int i = 0; i < 20 * 20; ++i)
+    cloud.positions.emplace_back(
+        *to_lattice(cloud.lattice, cloud.lattice.offset + glm::dvec3(i % 20, 0.0, i / 20)));
+  const Octree octree = build(cloud);
+  const glm::dvec3 hole = cloud.lattice.offset + glm::dvec3(9.5, 0.0, 9.5);
+  const SightLine line = sight_line({hole + glm::dvec3(0, -5, 0)}, {hole + glm::dvec3(0, 5, 0)});
+  EXPECT_TRUE(first_blocker(Occluders(octree, {}), line));
+  EXPECT_TRUE(first_blocker(Occluders(octree, {.radius_max = 0.72}), line));
+  EXPECT_FALSE(first_blocker(Occluders(octree, {.radius_max = 0.70}), line));
 }
 
 TEST(SightLine, discs_as_wide_as_any_are_not_cut_off_nearer_than_their_sheet_ends) {

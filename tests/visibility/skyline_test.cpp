@@ -12,7 +12,7 @@
 #include "image/font.h"
 #include "tests/visibility/sampled_shapes.h"
 #include "visibility/horizon/horizon.h"
-#include "visibility/sky/sun_curves.h"
+#include "visibility/sky/sun_path.h"
 
 namespace alidade::test {
 

@@ -193,17 +193,14 @@ TEST(ViewshedTerrain, heights_seen_are_those_of_exact_lines) {
 }
 
 TEST(ViewshedTerrain, test_data_of_r_viewshed_is_seen_as_by_exact_lines) {
-  const std::filesystem::path file =
-      std::filesystem::path(ALIDADE_SHARED_DATA) / "viewshed" / "grass_elevation.ascii";
-  if (!std::filesystem::exists(file)) GTEST_SKIP() << "no data in " << file;
-  const Raster<double> elevation = read_ascii_grid(file);
-  Raster<float> heights(elevation.grid, 0.0f);
-  std::ranges::transform(elevation.values, heights.values.begin(),
-                         [](double height) { return static_cast<float>(height); });
+  const std::optional<Raster<float>> elevation = elevation_of_r_viewshed();
+  if (!elevation) GTEST_SKIP() << "no grass_elevation.ascii in ../shared/data/viewshed";
+  const Raster<float>& heights = *elevation;
   // The first one is that of the published map of r.viewshed.
   for (const glm::ivec2 cell : {*cell_at(heights.grid, {634720, 216180}), {40, 100}, {110, 40}})
     expect_better_than_gdal("elevation", heights, cell, 1.72);
-  const Raster<double> published = read_ascii_grid(file.parent_path() / "grass_lake_viewshed.ascii");
+  const Raster<double> published =
+      read_ascii_grid(std::filesystem::path(ALIDADE_SHARED_DATA) / "viewshed" / "grass_lake_viewshed.ascii");
   Raster<float> map(heights.grid, 0.0f);
   std::ranges::transform(published.values, map.values.begin(),
                          [](double angle) { return std::isnan(angle) ? 0.0f : 1.0f; });

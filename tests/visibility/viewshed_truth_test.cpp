@@ -66,7 +66,7 @@ TEST(ViewshedTruthTest, the_map_of_a_scanned_yard_is_that_of_the_yard_itself) {
     int cells = 0, unknown = 0, agree = 0, inside = 0, agree_inside = 0;
     for (int row = 1; row + 1 < grid.rows; ++row) {
       for (int column = 1; column + 1 < grid.columns; ++column) {
-        // At the outer edge are cells that nobody scanned.
+        // Cells at the outer edge are unscanned.
         const bool is_unknown = std::isnan(seen.values.at(column, row));
         unknown += is_unknown;
         if (is_unknown) continue;

@@ -134,8 +134,10 @@ std::string description_of(const visibility::Occluders& occluders, const Occlude
                          ? "discs block, points without surface do not"
                          : "spheres block";
   if (has_points)
-    text += options.radius ? fmt::format("; radius {}", *options.radius)
-                           : fmt::format("; radii up to {:.3g}", occluders.largest_radius());
+    text += options.radius
+                ? fmt::format("; radius {}", *options.radius)
+                : fmt::format("; radii up to {:.3g}",
+                              std::min(occluders.largest_radius(), options.radius_max.value_or(INFINITY)));
   if (options.transparency > 1) text += fmt::format("; at {} crossings", options.transparency);
   if (options.mesh != nullptr) text += fmt::format("; {} triangles", options.mesh->triangle_count());
   if (options.terrain != nullptr) {

@@ -8,7 +8,6 @@
 #include <cmath>
 #include <glm/common.hpp>
 #include <glm/geometric.hpp>
-#include <numbers>
 #include <span>
 
 #include "base/error.h"
@@ -32,8 +31,6 @@ constexpr double k_window_radii = 1.0 / 6.0, k_window_thicknesses = 3.0;
 /// Points of both surfaces lie around the same middle but for so many radii. Where one epoch has points on one side only,
 /// as at the hole below a scanner, an error of the normal would be taken for a distance.
 constexpr double k_most_aside = 0.4;
-/// A plane through neighbours is a surface from this trust on, as in octree/point_surface.cpp.
-constexpr double k_least_trust = 0.7;
 /// Cosine between normals of one surface: 45 degrees.
 constexpr double k_least_parallel = 0.70710678118654752;
 
@@ -147,7 +144,7 @@ class Comparison {
   PointSurface surface_at(std::uint64_t id, const glm::dvec3& position) const {
     if (!options_.normal_radius) return own_.surface(id);
     const LocalPlane plane = local_plane(own_.octree(), position, *options_.normal_radius);
-    return {plane.trust >= k_least_trust, plane.normal, plane.height, plane.thickness};
+    return {plane.trust >= k_least_surface_trust, plane.normal, plane.height, plane.thickness};
   }
 
   ComparedPoint measured(std::uint64_t id, const glm::dvec3& position) const {
@@ -362,8 +359,7 @@ std::vector<ChangeSummary> summaries_of(const PointChanges& changes, const Occlu
   for (std::size_t id = 0; id < changes.classes.size(); ++id) {
     const auto kind = static_cast<std::size_t>(changes.classes[id]);
     ++summaries[kind].count;
-    if (std::isfinite(spacings[id]))
-      summaries[kind].area += std::numbers::pi * spacings[id] * spacings[id] / k_surface_neighbours;
+    if (std::isfinite(spacings[id])) summaries[kind].area += area_of_point(spacings[id]);
     if (std::isnan(changes.distances[id])) continue;
     distances[kind].push_back(changes.distances[id]);
     levels[kind].push_back(changes.detection_levels[id]);

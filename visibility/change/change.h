@@ -99,7 +99,7 @@ struct ChangeSummary {
   std::uint64_t count = 0;
   /// Square metres: for each point an 8th of the circle through its 8th neighbour.
   double area = 0.0;
-  // Of points with a distance; empty if there are none. Metres.
+  // Of the points that have a distance, metres; empty if none has.
   std::optional<double> median_distance{}, median_absolute_distance{}, median_detection_level{};
 };
 

@@ -42,15 +42,15 @@ struct HorizonDirection {
   double azimuth = 0.0;               ///< degrees clockwise from north (+y), [0, 360)
   std::optional<double> elevation{};  ///< degrees above the horizontal; empty if nothing blocks any line
   std::optional<Blocker> blocker{};   ///< what first blocks the line at that elevation
-  /// Length before the blocker over ground that nobody scanned (unscanned_length() of raster/ground.h); whoever knows the
-  /// ground sets it.
+  /// Length of the line over unscanned ground, up to the blocker (unscanned_length() of raster/ground.h). Set by callers
+  /// that have the ground.
   std::optional<double> unscanned{};
 };
 
 /// The horizon, azimuth by azimuth clockwise from azimuth_min. Errors: options out of range. Memory: 8 B per
-/// point. Cost: the free sky is ruled out with cones (no point near any of the lines in them, no triangle between them), single lines
-/// are only asked close to the edge: some 10^2 to 10^3 queries per azimuth, in parallel. `progress` is in
-/// azimuths. The same on any number of threads and any instruction set.
+/// point. Cost: the free sky is ruled out with cones (no point near any of the lines in them, no triangle between
+/// them), single lines are only asked close to the edge: some 10^2 to 10^3 queries per azimuth, in parallel. `progress`
+/// is in azimuths. The same on any number of threads and any instruction set.
 std::vector<HorizonDirection> horizon(const Occluders& occluders, const SightEnd& eye,
                                       const HorizonOptions& options, const Progress& progress = {});
 
@@ -77,8 +77,8 @@ struct HorizonFacts {
 };
 
 /// The line as CSV with a line of names: azimuth, elevation (degrees), distance (along the line of sight, in
-/// the cloud's unit), point_id, x, y, z of that point, unscanned; of a mesh or terrain point_id is empty, and x, y, z are where the
-/// line meets it. Cells of azimuths without a horizon are empty.
+/// the cloud's unit), point_id, x, y, z of that point, unscanned; of a mesh or terrain point_id is empty, and x, y, z
+/// are where the line meets it. Cells of azimuths without a horizon are empty.
 std::string horizon_csv(std::span<const HorizonDirection> horizon);
 
 /// The positions that horizon_geojson() wants longitude and latitude of (lon_lat.h): the blocking points, in

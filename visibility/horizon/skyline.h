@@ -59,7 +59,7 @@ struct SkylineCurve {
   std::vector<Mark> marks{};  ///< dots
 };
 
-/// What stands around the picture and over it.
+/// Text around the picture and curves over it.
 struct SkylineTexts {
   std::string title;                   ///< above it
   std::string note;                    ///< below it

@@ -82,8 +82,8 @@ std::vector<double> all_gains(const Coverage& coverage, const Covered& covered) 
   return gains;
 }
 
-Row rows_of(const Placement& placement, std::span<const Observer> candidates) {
-  Row rows = Row::array();
+std::vector<Row> rows_of(const Placement& placement, std::span<const Observer> candidates) {
+  std::vector<Row> rows;
   for (const ChosenPosition& position : placement.positions) {
     const Observer& observer = candidates[position.candidate];
     Row row;

@@ -12,7 +12,9 @@
 #include "base/error.h"
 #include "base/exact_math.h"
 #include "geo/earth.h"
+#include "octree/point_surface.h"
 #include "octree/spacing.h"
+#include "visibility/crossing.h"
 #include "visibility/horizon/horizon.h"
 #include "visibility/point_blocks.h"
 #include "visibility/points/point_visibility.h"
@@ -22,8 +24,6 @@ namespace {
 
 constexpr std::size_t k_classes = 256;
 constexpr double k_elevation_step = 0.1;  // degrees
-/// In automatic radii, as discs that block: a point far from all others represents no more.
-constexpr double k_widest_disc = 16.0;
 constexpr std::array<std::size_t, 3> k_ground_classes{2, 9, 11};
 
 bool is_ground(std::size_t number) {
@@ -116,10 +116,8 @@ class Summarizer {
   }
 
  private:
-  /// pi s^2 / 8, see summary.h.
   double area_of(std::uint32_t index) const {
-    const double spacing = std::min(spacing_at(octree_.view(), index), widest_);
-    return std::numbers::pi / k_surface_neighbours * spacing * spacing;
+    return area_of_point(std::min(spacing_at(octree_.view(), index), widest_));
   }
 
   std::size_t band_of(double distance) const {
@@ -236,7 +234,7 @@ class Summarizer {
   const Occluders& occluders_;
   const SummaryOptions& options_;
   const Octree octree_;  ///< with spacings
-  const double widest_;  ///< no spacing counts more
+  const double widest_;  ///< no spacing counts more, as no disc is wider
   const std::vector<std::vector<Leaf>> blocks_;
   const Bounds box_;
 };

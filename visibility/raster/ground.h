@@ -65,9 +65,9 @@ class Ground {
   /// height by the others. Empty where there is no ground.
   std::optional<double> at(const glm::dvec2& position) const;
 
-  /// Whether the ground here was scanned, or a raster has a height for the cell: else it is closed over a gap, or goes on
-  /// beyond what was measured, and whether things are seen there is not known. Maps have no value there. What has points
-  /// of any class above it counts as scanned: the ground below roofs and crowns.
+  /// Whether the ground here was scanned, or a raster has a height for the cell: else it is closed over a gap, or goes
+  /// on beyond what was measured, and whether things are seen there is not known. Maps have no value there. What has
+  /// points of any class above it counts as scanned: the ground below roofs and crowns.
   bool is_scanned(const glm::dvec2& position) const;
 
   const geo::Raster<double>& heights() const { return heights_; }
@@ -87,8 +87,8 @@ class Ground {
   std::shared_ptr<const Ground> terrain_{};
 };
 
-/// Length of the straight line between two positions, in x and y, over ground that was not scanned: of even steps of half
-/// a cell, at most 10^6 of them.
+/// Length of the straight line between two positions, in x and y, over ground that was not scanned: of even steps of
+/// half a cell, at most 10^6 of them.
 double unscanned_length(const Ground& ground, const glm::dvec2& from, const glm::dvec2& to);
 
 /// The ground under a cloud, over all its bounds. `classifications` by point id; empty if the cloud has none.

@@ -120,7 +120,7 @@ MapBlock MapTargets::block(std::size_t number) const {
         (glm::dvec2(part % across, part / across) + 0.5) / static_cast<double>(positions_across_) -
         glm::dvec2(0.5);
     const glm::dvec2 position = middle + share * grid_.cell_size;
-    // Nobody knows what is seen where nothing was scanned.
+    // What is visible on unscanned ground is unknown.
     const std::optional<double> height = ground_.is_scanned(position) ? ground_.at(position) : std::nullopt;
     if (height) found[i] = MapTarget{cell, end_on_ground(occluders_, {position.x, position.y, *height})};
   });

@@ -66,9 +66,9 @@ struct Viewshed {
 /// point that blocked the one before, as it projects on the cell (at least 0.01), or by that of the widest
 /// sphere if the mesh or terrain blocked it; over a terrain alone `highest` is tried at once. Then the height
 /// is halved in to 0.01. So it is the lowest at which there is sight, also below a bridge or a crown, but for
-/// openings lower than the points' own distances, and for holes of the terrain. Of several observers the lowest counts. Only heights between the
-/// target height and `highest` that lie in an observer's field of view and within its distance are tried: a
-/// cell whose ground lies below the view has the height at which the view begins, if that is seen, and
+/// openings lower than the points' own distances, and for holes of the terrain. Of several observers the lowest counts.
+/// Only heights between the target height and `highest` that lie in an observer's field of view and within its distance
+/// are tried: a cell whose ground lies below the view has the height at which the view begins, if that is seen, and
 /// `highest` if nothing in the view is. Out of range are cells with no such height.
 ///
 /// Of objects (visibility/objects.h) `visible` is 1 where any sample is seen, `count` the number of objects of
@@ -78,7 +78,8 @@ struct Viewshed {
 /// Cost: a sight line per pair, 0.5 to 2 microseconds of two cores; `height` takes several to some hundred
 /// where much is hidden. Memory: 4 B per cell and some 100 MB, of `height` 8 B per point as well;
 /// check_map_memory() of one band. Errors: no observer; positions_across, target height or highest out of
-/// range; not as many pieces as observers, `height` of objects, `size` and `angle` of none, `angle` of lines; not enough memory; those of `parts`.
+/// range; not as many pieces as observers, `height` of objects, `size` and `angle` of none, `angle` of lines; not
+/// enough memory; those of `parts`.
 Viewshed viewshed(const Occluders& occluders, const Ground& ground, std::span<const Observer> observers,
                   const geo::RasterGrid& grid, const ViewshedOptions& options);
 

@@ -41,8 +41,9 @@ std::vector<Radiation> point_sun_hours(const Occluders& occluders, std::span<con
 
 /// Sky-view factor in the middle of every cell, `height` above the ground as a viewshed has it
 /// (visibility/raster/map_targets.h). The receiver is the horizontal, or the slope of the ground across the cell
-/// (SkyReceiver::surface), which what lies behind it gives no light; NaN where there is no ground. Memory: 4 B per cell and some 30 MB; check_map_memory() of one band. Errors: as
-/// sky_views; height negative or not finite; not enough memory.
+/// (SkyReceiver::surface), which what lies behind it gives no light; NaN where there is no ground. Memory: 4 B per cell
+/// and some 30 MB; check_map_memory() of one band. Errors: as sky_views; height negative or not finite; not enough
+/// memory.
 geo::Raster<float> ground_sky_views(const Occluders& occluders, const Ground& ground,
                                     const geo::RasterGrid& grid, double height, const SkyViewOptions& options,
                                     const LongWork& work = {});

@@ -51,12 +51,12 @@ SkyTarget target_on_point(const Occluders& occluders, std::uint64_t point_id, co
 /// A position on or above the ground, which looks to all sides.
 SkyTarget target_in_open(const SightEnd& position);
 
-/// Whether horizons can replace lines of sight: a terrain alone blocks, whatever its distance. Below a line that meets it
-/// every line of the azimuth meets it or goes below it.
+/// Whether horizons can replace lines of sight: a terrain alone blocks, whatever its distance. Below a line that meets
+/// it every line of the azimuth meets it or goes below it.
 bool has_horizons(const Occluders& occluders, double max_distance);
 
-/// The slope above which light from an azimuth (a horizontal direction of length 1) comes from before a surface with this
-/// normal, z >= 0; infinite: none does.
+/// The slope above which light from an azimuth (a horizontal direction of length 1) comes from before a surface with
+/// this normal, z >= 0; infinite: none does.
 double facing_slope(const glm::dvec3& normal, const glm::dvec2& direction);
 
 enum class SkyReceiver {

@@ -1,11 +1,13 @@
 // SPDX-License-Identifier: MIT
-#include "visibility/sky/sun_curves.h"
+#include "visibility/sky/sun_path.h"
 
 #include <array>
 #include <chrono>
 #include <cmath>
 #include <optional>
 #include <string>
+
+#include "visibility/horizon/skyline.h"
 
 namespace alidade::visibility {
 namespace {

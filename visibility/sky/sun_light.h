@@ -72,8 +72,8 @@ struct SunLight {
 ///
 /// The sky is the cumulative sky of sky_patches.h: the radiances of each patch are summed over the steps. 145 lines go
 /// to it, one into each patch, at elevations that differ along a row, so that a level edge shades as much of the row as
-/// it covers; in fans it lies in cells of a degree of elevation, `options.bin` wide, at most 2 degrees. Patches, lines and
-/// cells keep the integral of direction over solid angle: open level ground gets exactly the diffuse energy of the
+/// it covers; in fans it lies in cells of a degree of elevation, `options.bin` wide, at most 2 degrees. Patches, lines
+/// and cells keep the integral of direction over solid angle: open level ground gets exactly the diffuse energy of the
 /// steps. Requires: periods of steps in [0, periods). Errors: options.bin not in [0, 30].
 SunLight sun_light(std::span<const SunStep> steps, int periods, const LightOptions& options);
 
