@@ -33,10 +33,11 @@ class QuietGdal {
   QuietGdal& operator=(const QuietGdal&) = delete;
 };
 
-/// A TIFF file in memory under a name of its own that is gone with this object.
+/// A file in memory under a name of its own, by default that of a TIFF file, that is gone with this object.
 class GdalMemoryFile {
  public:
-  GdalMemoryFile() : name_(fmt::format("/vsimem/alidade_{}.tif", static_cast<const void*>(this))) {}
+  explicit GdalMemoryFile(const char* extension = ".tif")
+      : name_(fmt::format("/vsimem/alidade_{}{}", static_cast<const void*>(this), extension)) {}
   ~GdalMemoryFile() { VSIUnlink(name_.c_str()); }
   GdalMemoryFile(const GdalMemoryFile&) = delete;
   GdalMemoryFile& operator=(const GdalMemoryFile&) = delete;

@@ -7,6 +7,7 @@
 #include <OpenImageIO/imageio.h>
 #include <algorithm>
 #include <cmath>
+#include <memory>
 #include <sstream>
 #include <system_error>
 
@@ -22,17 +23,23 @@ std::string size_text(int width, int height) {
   return std::to_string(width) + " x " + std::to_string(height);
 }
 
-void check(const OIIO::ImageSpec& spec, std::uint64_t file_size, const std::filesystem::path& file) {
+/// What `content` must be: a flat picture, whole, of no more pixels than these and than the file can hold.
+struct PictureLimits {
+  std::string content;
+  std::uint64_t pixels;
+  std::string pixels_text;
+};
+
+void check(const OIIO::ImageSpec& spec, std::uint64_t file_size, const PictureLimits& limits,
+           const std::filesystem::path& file) {
   if (spec.deep || spec.depth > 1)
     throw file_error(file, "not a flat image", "one value per channel and pixel");
   if (spec.width < 1 || spec.height < 1 || spec.nchannels < 1)
     throw file_error(file, "the image has no pixels");
   const std::string found = size_text(spec.width, spec.height);
   const auto count = static_cast<std::uint64_t>(spec.width) * static_cast<std::uint64_t>(spec.height);
-  if (count > k_most_sky_pixels) {
-    throw file_error(file, "too large for a sky",
-                     "at most " + std::to_string(k_most_sky_pixels) + " pixels, as in 16384 x 8192", found);
-  }
+  if (count > limits.pixels)
+    throw file_error(file, "too large for a " + limits.content, limits.pixels_text, found);
   if (count / k_most_pixels_per_byte > file_size) {
     throw file_error(file, "the file is too short for its pixels",
                      "more than " + std::to_string(file_size) + " bytes", found);
@@ -43,6 +50,19 @@ void check(const OIIO::ImageSpec& spec, std::uint64_t file_size, const std::file
     throw file_error(file, "the image is a crop",
                      "all " + size_text(spec.full_width, spec.full_height) + " pixels", found);
   }
+}
+
+/// An open picture that was checked.
+std::unique_ptr<OIIO::ImageInput> open_picture(const std::filesystem::path& file,
+                                               const PictureLimits& limits) {
+  const std::uint64_t file_size = picture_file_size(file);
+  // Alpha is not examined, so it must not be multiplied in either.
+  OIIO::ImageSpec hints;
+  hints.attribute("oiio:UnassociatedAlpha", 1);
+  auto input = OIIO::ImageInput::open(file.string(), &hints);
+  if (!input) throw file_error(file, "cannot read the image: " + image_trouble(OIIO::geterror()));
+  check(input->spec(), file_size, limits, file);
+  return input;
 }
 
 /// Which channels to read.
@@ -60,12 +80,33 @@ Channels color_channels(const OIIO::ImageSpec& spec) {
   return {0, 3};
 }
 
+/// Reads the channels of all pixels, which are `stride` bytes apart.
+void read_channels(OIIO::ImageInput& input, const Channels& channels, OIIO::TypeDesc type, void* values,
+                   std::size_t stride, const std::filesystem::path& file) {
+  const bool is_read = input.read_image(0, 0, channels.begin, channels.begin + channels.count, type, values,
+                                        static_cast<OIIO::stride_t>(stride));
+  // Of TIFF files OpenImageIO reports what is missing, but says that all is well.
+  if (!is_read || input.has_error())
+    throw file_error(file, "the image has missing pixels: " + image_trouble(input.geterror()));
+}
+
 /// Linear values of the display values 0, 1/65535, ... 1.
 std::vector<float> linear_values() {
   std::vector<float> values(65536);
   for (std::size_t code = 0; code < values.size(); ++code)
     values[code] = static_cast<float>(linear_from_srgb(static_cast<double>(code) / 65535.0));
   return values;
+}
+
+std::unique_ptr<OIIO::ImageInput> open_photo(const std::filesystem::path& file) {
+  constexpr std::uint64_t k_most_pixels = 1u << 28;
+  auto input =
+      open_picture(file, {"photo", k_most_pixels, "at most " + std::to_string(k_most_pixels) + " pixels"});
+  if (input->spec().format.is_floating_point()) {
+    throw file_error(file, "a photo with floating-point values",
+                     "a photo of 8 or 16 bits per channel, such as JPEG, PNG or TIFF");
+  }
+  return input;
 }
 
 /// Converts a value to light; counts invalid ones.
@@ -104,23 +145,15 @@ std::uint64_t picture_file_size(const std::filesystem::path& file) {
 }
 
 SkyPixels read_sky_image(const std::filesystem::path& file) {
-  const std::uint64_t file_size = picture_file_size(file);
-  // Alpha is not examined, so it must not be multiplied in either.
-  OIIO::ImageSpec hints;
-  hints.attribute("oiio:UnassociatedAlpha", 1);
-  const auto input = OIIO::ImageInput::open(file.string(), &hints);
-  if (!input) throw file_error(file, "cannot read the image: " + image_trouble(OIIO::geterror()));
+  const auto input =
+      open_picture(file, {"sky", k_most_sky_pixels,
+                          "at most " + std::to_string(k_most_sky_pixels) + " pixels, as in 16384 x 8192"});
   const OIIO::ImageSpec spec = input->spec();
-  check(spec, file_size, file);
 
   SkyPixels pixels{.width = spec.width, .height = spec.height};
   pixels.values.resize(static_cast<std::size_t>(spec.width) * static_cast<std::size_t>(spec.height));
   const Channels channels = color_channels(spec);
-  const bool is_read = input->read_image(0, 0, channels.begin, channels.begin + channels.count,
-                                         OIIO::TypeFloat, pixels.values.data(), sizeof(Rgb));
-  // Of TIFF files OpenImageIO reports what is missing, but says that all is well.
-  if (!is_read || input->has_error())
-    throw file_error(file, "the image has missing pixels: " + image_trouble(input->geterror()));
+  read_channels(*input, channels, OIIO::TypeFloat, pixels.values.data(), sizeof(Rgb), file);
   if (channels.count == 1)
     for (Rgb& value : pixels.values) value = Rgb(value.r);
 
@@ -140,6 +173,23 @@ SkyPixels read_sky_image(const std::filesystem::path& file) {
         " invalid radiances (negative, not finite or above 1e9): using 0 for negative values and NaN, "
         "65504 for infinity";
   }
+  return pixels;
+}
+
+PictureSize photo_size(const std::filesystem::path& file) {
+  const auto input = open_photo(file);
+  return {input->spec().width, input->spec().height};
+}
+
+PhotoPixels read_photo(const std::filesystem::path& file) {
+  const auto input = open_photo(file);
+  const OIIO::ImageSpec spec = input->spec();
+  PhotoPixels pixels{.size = {spec.width, spec.height}};
+  pixels.values.resize(static_cast<std::size_t>(spec.width) * static_cast<std::size_t>(spec.height));
+  const Channels channels = color_channels(spec);
+  read_channels(*input, channels, OIIO::TypeUInt8, pixels.values.data(), sizeof(pixels.values[0]), file);
+  if (channels.count == 1)
+    for (std::array<std::uint8_t, 3>& value : pixels.values) value[1] = value[2] = value[0];
   return pixels;
 }
 

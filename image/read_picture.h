@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <filesystem>
 #include <string>
@@ -35,5 +36,27 @@ inline constexpr std::uint64_t k_most_sky_pixels = 1u << 27;
 /// pixels or more than k_most_sky_pixels, more than 4096 pixels per byte of the file (no format packs so
 /// many), pixels missing. Memory: 12 bytes per pixel.
 SkyPixels read_sky_image(const std::filesystem::path& file);
+
+/// Width and height of a picture.
+struct PictureSize {
+  int width = 0, height = 0;
+  bool operator==(const PictureSize&) const = default;
+};
+
+/// The pixels of a photo as they are displayed, 8 bits each, row 0 on top.
+struct PhotoPixels {
+  PictureSize size{};
+  std::vector<std::array<std::uint8_t, 3>> values{};  ///< red, green, blue
+};
+
+/// Size of a photo as its pixels are stored: an orientation in its metadata does not count, as cameras of
+/// photogrammetry do not count it. Errors: no such file; not a picture; deep or 3D; floating-point values, which have no
+/// display; more than 2^28 pixels, or more than 4096 per byte of the file. Cost: that of reading the header.
+PictureSize photo_size(const std::filesystem::path& file);
+
+/// Reads a photo in any format that OpenImageIO knows (JPEG, PNG, TIFF, ...): the channels R, G, B, else the first
+/// three, or one as grey; alpha is ignored; 16 bits become 8. Errors: those of photo_size(); pixels missing. Memory: 3
+/// bytes per pixel.
+PhotoPixels read_photo(const std::filesystem::path& file);
 
 }  // namespace alidade::image

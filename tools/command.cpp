@@ -118,7 +118,7 @@ Command add_visibility(const Options& program) {
           {add_visibility_points(visibility), add_visibility_raster(visibility),
            add_visibility_horizon(visibility), add_visibility_sky(visibility), add_visibility_sun(visibility),
            add_visibility_lines(visibility), add_visibility_place(visibility),
-           add_visibility_summary(visibility)}};
+           add_visibility_summary(visibility), add_visibility_photos(visibility)}};
 }
 
 }  // namespace

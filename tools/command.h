@@ -56,6 +56,7 @@ Command add_sql_shard_plan(const Options& sql);
 // The commands of `alidade visibility`.
 
 Command add_visibility_lines(const Options& visibility);
+Command add_visibility_photos(const Options& visibility);
 Command add_visibility_place(const Options& visibility);
 Command add_visibility_summary(const Options& visibility);
 Command add_visibility_points(const Options& visibility);

@@ -14,6 +14,7 @@
 #include "image/read_picture.h"
 #include "renderer/picture_metadata.h"
 #include "visibility/horizon/skyline.h"
+#include "visibility/photos/photo_file.h"
 #include "visibility/points/placement.h"
 #include "visibility/raster/map_picture.h"
 #include "visibility/read_observers.h"
@@ -32,6 +33,8 @@ struct ImageModule {
   decltype(&image::write_depth_map) write_depth_map = &image::write_depth_map;
   decltype(&image::write_depth_mask) write_depth_mask = &image::write_depth_mask;
   decltype(&image::read_sky_image) read_sky_image = &image::read_sky_image;
+  decltype(&image::photo_size) photo_size = &image::photo_size;
+  decltype(&image::read_photo) read_photo = &image::read_photo;
   decltype(&geo::place_sun) place_sun = &geo::place_sun;
   decltype(&geo::describe) describe_sun = &geo::describe;
   decltype(&geo::write_raster) write_raster = &geo::write_raster;
@@ -47,6 +50,7 @@ struct ImageModule {
   decltype(&visibility::to_cloud_reference) to_cloud_reference = &visibility::to_cloud_reference;
   decltype(&visibility::write_map_picture) write_map_picture = &visibility::write_map_picture;
   decltype(&visibility::write_coverage_picture) write_coverage_picture = &visibility::write_coverage_picture;
+  decltype(&visibility::write_photos) write_photos = &visibility::write_photos;
   decltype(&visibility::write_skyline) write_skyline = &visibility::write_skyline;
   decltype(&visibility::place_schedule) place_schedule = &visibility::place_schedule;
   decltype(&visibility::sun_steps) sun_steps = &visibility::sun_steps;

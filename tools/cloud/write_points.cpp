@@ -20,6 +20,7 @@ constexpr std::size_t k_rows_at_once = 1 << 17;
 /// The attribute columns of a cloud but those of its own that results replace; their names go behind `replaced`.
 AttributeColumns kept_columns(const CloudResults& cloud, std::vector<std::string>& replaced) {
   AttributeColumns columns = cloud.cloud.columns();
+  if (!cloud.colors.empty()) columns.colors = cloud.colors;
   std::erase_if(columns.extra_dimensions, [&](const ExtraColumn& column) {
     const bool is_replaced = std::ranges::any_of(cloud.results, [&](const ResultColumn& result) {
       return result.description.name == column.description.name;

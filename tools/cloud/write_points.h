@@ -47,6 +47,7 @@ ResultColumn result_column(std::string name, std::string description, ScalarType
 struct CloudResults {
   const IndexedCloud& cloud;
   std::vector<ResultColumn> results;
+  std::span<const Color16> colors{};  ///< by point id, instead of the cloud's; empty: the cloud's
 };
 
 /// Error unless the name ends in .las, .laz or .ply.

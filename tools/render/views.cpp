@@ -4,8 +4,8 @@
 #include <fmt/format.h>
 #include <map>
 
-#include "camera/projection.h"
 #include "renderer/read_scene.h"
+#include "tools/camera_file.h"
 
 namespace alidade::tools {
 namespace {
@@ -24,33 +24,15 @@ std::array<double, count> parse_coordinates(const std::string& text) {
   return numbers;
 }
 
-/// Adds the camera and file to an error of check_camera().
-void check(const camera::Camera& camera, const std::string& file, const std::string& name) {
-  try {
-    camera::check_camera(camera);
-  } catch (const Error& error) {
-    Error::Parts parts = error.parts();
-    parts.file = file;
-    if (!name.empty()) parts.problem = fmt::format("camera '{}': {}", name, parts.problem);
-    throw Error(parts);
-  }
-}
-
 std::vector<View> views_of_file(const CameraRequest& request, const renderer::Scene& scene,
                                 std::vector<std::string>& warnings) {
   camera::CameraFileOptions options{.lens = scene.camera, .original_world = request.original_world};
   if (!request.lens_file.empty()) options.lens = camera::read_camera(request.lens_file);
-  const camera::CameraSet set = camera::read_cameras(request.file, options);
-  warnings = set.warnings;
-  const std::string file = request.file.string();
+  camera::CameraSet set = read_camera_file(
+      request.file, request.name.empty() ? std::vector<std::string>() : std::vector{request.name}, options);
+  warnings = std::move(set.warnings);
   std::vector<View> views;
-  if (request.name.empty()) {
-    for (const camera::NamedCamera& each : set.cameras) views.push_back({each.name, each.camera});
-  } else {
-    const camera::NamedCamera& chosen = camera::camera_called(set, request.name, file);
-    views.push_back({chosen.name, chosen.camera});
-  }
-  for (const View& view : views) check(view.camera, file, view.name);
+  for (camera::NamedCamera& each : set.cameras) views.push_back({std::move(each.name), each.camera});
   return views;
 }
 
@@ -123,19 +105,13 @@ std::string full_name_of(const std::string& name, const std::filesystem::path& p
 }  // namespace
 
 void add_camera_options(const Options& render, CameraRequest& request) {
-  const Option camera =
-      render.file("--camera", "FILE|FOLDER",
-                  "cameras instead of the scene's: Alidade's JSON, a COLMAP folder, transforms.json, "
-                  "reconstruction.json, sfm_data.json, or a trajectory as CSV",
-                  request.file);
+  const Option camera = render.file("--camera", "FILE|FOLDER",
+                                    "cameras instead of the scene's: " + k_camera_files, request.file);
   render.needs(camera).text("--camera-name", "NAME",
                             "one of the file's cameras, by the name of its photograph (default: all)",
                             request.name);
-  render.needs(camera).file(
-      "--lens", "FILE.json",
-      "camera file with the size and lens of a trajectory (default: the scene's camera)", request.lens_file);
-  render.needs(camera).flag("--original-world", "transforms.json: undo applied_transform and applied_scale",
-                            request.original_world);
+  add_camera_reading(render.needs(camera), " (default: the scene's camera)", request.lens_file,
+                     request.original_world);
   const Option panorama = render.excludes(camera).value(
       "--panorama", "X,Y,Z", "panorama around a position, north in the centre (default size 2048x1024)",
       [&request](const std::string& text) {

@@ -7,11 +7,12 @@
 namespace alidade::tools {
 namespace {
 
-/// The cloud is given by its points, meshes by their triangles; lists, curve and preview are outputs.
-constexpr std::array<std::string_view, 15> k_silent_options = {
-    "cloud",     "help",    "output", "lists",   "curve",      "preview",
-    "overwrite", "threads", "quiet",  "verbose", "checkpoint", "checkpoint-interval",
-    "resume",    "mesh",    "terrain"};
+/// The cloud is given by its points, meshes by their triangles; lists, curve, preview and footprints are outputs, and
+/// colours of photos are taken from what is seen.
+constexpr std::array<std::string_view, 19> k_silent_options = {
+    "cloud",  "help",     "output",    "lists",   "curve", "preview", "footprints", "footprint-cell",
+    "photos", "colorize", "overwrite", "threads", "quiet", "verbose", "checkpoint", "checkpoint-interval",
+    "resume", "mesh",     "terrain"};
 
 std::string joined(const std::vector<std::string>& words) {
   std::string text;

@@ -8,6 +8,7 @@
 #include <cmath>
 #include <glm/geometric.hpp>
 #include <limits>
+#include <utility>
 
 #include "base/error.h"
 #include "base/exact_math.h"
@@ -72,18 +73,21 @@ struct BatchAnswers {
 /// What one observer sees, asked batch by batch.
 class View {
  public:
-  View(const Occluders& occluders, const Observer& observer, const std::vector<glm::dvec2>& pattern)
+  View(const Occluders& occluders, const Observer& observer, const std::vector<glm::dvec2>& pattern,
+       std::function<bool(const glm::dvec3& position)> in_view)
       : occluders_(occluders),
         tree_(occluders.octree().view()),
         observer_(observer),
         field_(observer),
         eye_(end_near_surface(occluders, observer.position)),
-        pattern_(pattern) {}
+        pattern_(pattern),
+        in_view_(std::move(in_view)) {}
 
   void look_at(const std::vector<PlacedPoint>& targets, BatchAnswers& answers) {
+    find_in_view(targets);
     asked_.clear();
     for (std::size_t i = 0; i < targets.size(); ++i) {
-      if (field_.reaches(targets[i].position - observer_.position)) asked_.push_back({targets[i], i});
+      if (is_in_view_[i] != 0) asked_.push_back({targets[i], i});
     }
     lines_.resize(asked_.size());
     blocked_.resize(asked_.size());
@@ -102,6 +106,14 @@ class View {
     PlacedPoint target;
     std::size_t number;
   };
+
+  void find_in_view(const std::vector<PlacedPoint>& targets) {
+    is_in_view_.resize(targets.size());
+    tbb::parallel_for(std::size_t{0}, targets.size(), [&](std::size_t i) {
+      const glm::dvec3& position = targets[i].position;
+      is_in_view_[i] = field_.reaches(position - observer_.position) && (!in_view_ || in_view_(position));
+    });
+  }
 
   /// The lines to the points that are requested, or beside them on their discs.
   void make_lines(std::size_t sub_ray) {
@@ -155,7 +167,9 @@ class View {
   const FieldOfView field_;
   const SightEnd eye_;
   const std::vector<glm::dvec2>& pattern_;
+  const std::function<bool(const glm::dvec3& position)> in_view_;
   // Of the batch that is examined.
+  std::vector<std::uint8_t> is_in_view_;
   std::vector<Asked> asked_;
   std::vector<SightLine> lines_;
   std::vector<std::uint8_t> blocked_;
@@ -182,6 +196,15 @@ void add_answers(const std::vector<PlacedPoint>& targets, const BatchAnswers& an
 
 bool has_masks(std::size_t observers) {
   return observers > 1 && observers <= k_most_mask_observers;
+}
+
+/// What an observer has in view beside its field of view; empty: everything.
+std::function<bool(const glm::dvec3&)> in_view_of(const PointVisibilityOptions& options,
+                                                  std::size_t observer) {
+  if (!options.in_view) return {};
+  return [&in_view = options.in_view, observer](const glm::dvec3& position) {
+    return in_view(observer, position);
+  };
 }
 
 PointVisibility make_columns(std::size_t points, std::size_t observers,
@@ -239,7 +262,8 @@ PointVisibility point_visibility(const Occluders& occluders, std::span<const Obs
       options.parts, batches.size() * observers.size(),
       [&](std::uint64_t part, PartWriter& writer) {
         const std::size_t number = part / batches.size();
-        if (viewer != number) view.emplace(occluders, observers[number], pattern);
+        if (viewer != number)
+          view.emplace(occluders, observers[number], pattern, in_view_of(options, number));
         viewer = number;
         fetch_targets(part % batches.size());
         BatchAnswers answers(targets.size(), all);

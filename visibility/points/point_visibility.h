@@ -30,6 +30,10 @@ struct PointVisibilityOptions {
   int sub_rays = 1;
   /// Whether to report what blocks: then lines are followed to the first crossing, which takes longer.
   bool with_blockers = false;
+  /// Further limits of what observers have in view, such as the frame of a photo; empty: there are none. Called from
+  /// many threads at once, for positions in the field of view and within max_distance. Requires the same answer for the
+  /// same position.
+  std::function<bool(std::size_t observer, const glm::dvec3& position)> in_view{};
   /// Called for one observer after the other with what it sees: 1 or 0 by point id. May throw.
   std::function<void(std::size_t observer, std::span<const std::uint8_t> seen)> each_observer{};
   /// Parts that are finished already are not asked for again; null: nothing is kept. A part is what one

@@ -1,0 +1,45 @@
+// SPDX-License-Identifier: MIT
+#include "tools/camera_file.h"
+
+#include <fmt/format.h>
+
+#include "camera/projection.h"
+
+namespace alidade::tools {
+namespace {
+
+/// Adds the camera and file to an error of check_camera().
+void check(const camera::Camera& camera, const std::string& file, const std::string& name) {
+  try {
+    camera::check_camera(camera);
+  } catch (const Error& error) {
+    Error::Parts parts = error.parts();
+    parts.file = file;
+    if (!name.empty()) parts.problem = fmt::format("camera '{}': {}", name, parts.problem);
+    throw Error(parts);
+  }
+}
+
+}  // namespace
+
+void add_camera_reading(const Options& command, const std::string& lens_default,
+                        std::filesystem::path& lens_file, bool& original_world) {
+  command.file("--lens", "FILE.json", "camera file with the size and lens of a trajectory" + lens_default,
+               lens_file);
+  command.flag("--original-world", "transforms.json: undo applied_transform and applied_scale",
+               original_world);
+}
+
+camera::CameraSet read_camera_file(const std::filesystem::path& file, const std::vector<std::string>& names,
+                                   const camera::CameraFileOptions& options) {
+  camera::CameraSet set = camera::read_cameras(file, options);
+  if (!names.empty()) {
+    std::vector<camera::NamedCamera> chosen;
+    for (const std::string& name : names) chosen.push_back(camera::camera_called(set, name, file.string()));
+    set.cameras = std::move(chosen);
+  }
+  for (const camera::NamedCamera& each : set.cameras) check(each.camera, file.string(), each.name);
+  return set;
+}
+
+}  // namespace alidade::tools

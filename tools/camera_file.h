@@ -1,0 +1,29 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "camera/camera_set.h"
+#include "tools/options.h"
+
+// Camera files on the command line.
+
+namespace alidade::tools {
+
+/// What the help of --camera says of the files.
+inline const std::string k_camera_files =
+    "Alidade's JSON, a COLMAP folder, transforms.json, reconstruction.json, sfm_data.json, or a trajectory "
+    "as CSV";
+
+/// Declares --lens, whose help ends with `lens_default`, and --original-world.
+void add_camera_reading(const Options& command, const std::string& lens_default,
+                        std::filesystem::path& lens_file, bool& original_world);
+
+/// Reads the cameras of a file, or those of them with these names, in the order of the names. Each has passed
+/// check_camera(). Errors: those of read_cameras(), camera_called() and check_camera().
+camera::CameraSet read_camera_file(const std::filesystem::path& file, const std::vector<std::string>& names,
+                                   const camera::CameraFileOptions& options);
+
+}  // namespace alidade::tools

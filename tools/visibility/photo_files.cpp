@@ -1,0 +1,68 @@
+// SPDX-License-Identifier: MIT
+#include "tools/visibility/photo_files.h"
+
+#include <fmt/format.h>
+#include <algorithm>
+
+#include "base/error.h"
+#include "tools/image_module.h"
+
+namespace alidade::tools {
+namespace {
+
+namespace fs = std::filesystem;
+
+/// Relative names under which a photo may be in the folder. They do not lead out of it.
+std::vector<fs::path> names_of(const std::string& name) {
+  std::vector<fs::path> names;
+  const fs::path whole = fs::path(name).lexically_normal();
+  if (!whole.is_absolute() && !whole.empty() && *whole.begin() != "..") names.push_back(whole);
+  if (whole.has_filename()) names.push_back(whole.filename());
+  const std::size_t count = names.size();
+  for (std::size_t i = 0; i < count && !whole.has_extension(); ++i) {
+    for (const char* const extension : {".jpg", ".JPG", ".jpeg", ".png", ".PNG", ".tif", ".tiff"})
+      names.push_back(names[i].string() + extension);
+  }
+  return names;
+}
+
+/// Empty if it is missing.
+fs::path photo_of(const fs::path& folder, const std::string& name) {
+  std::error_code error;
+  for (const fs::path& each : names_of(name))
+    if (fs::is_regular_file(folder / each, error)) return folder / each;
+  return {};
+}
+
+void check_size(const fs::path& file, const camera::NamedCamera& photo) {
+  const image::PictureSize found = image_module().photo_size(file);
+  const camera::Camera& camera = photo.camera;
+  if (found == image::PictureSize{camera.width, camera.height}) return;
+  const bool is_turned = found == image::PictureSize{camera.height, camera.width};
+  throw file_error(file, fmt::format("the size of the photo differs from that of camera '{}'", photo.name),
+                   fmt::format("{} x {} pixels{}", camera.width, camera.height,
+                               is_turned ? ", not turned" : ": the photo that the camera was computed for"),
+                   fmt::format("{} x {}", found.width, found.height));
+}
+
+}  // namespace
+
+std::vector<fs::path> find_photos(const fs::path& folder, std::span<const camera::NamedCamera> cameras) {
+  std::error_code error;
+  if (!fs::is_directory(folder, error)) throw file_error(folder, "not a folder", "the folder of the photos");
+  std::vector<fs::path> files;
+  std::vector<std::string> missing;
+  for (const camera::NamedCamera& each : cameras) {
+    files.push_back(photo_of(folder, each.name));
+    if (files.back().empty()) missing.push_back(each.name);
+  }
+  if (!missing.empty()) {
+    throw file_error(folder, fmt::format("the photo of camera '{}' is missing", missing.front()),
+                     "a file of that name, or --camera-name to choose cameras",
+                     fmt::format("{} of {} photos", cameras.size() - missing.size(), cameras.size()));
+  }
+  for (std::size_t i = 0; i < files.size(); ++i) check_size(files[i], cameras[i]);
+  return files;
+}
+
+}  // namespace alidade::tools

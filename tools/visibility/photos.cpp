@@ -1,0 +1,209 @@
+// SPDX-License-Identifier: MIT
+#include <fmt/format.h>
+
+#include <limits>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "base/error.h"
+#include "camera/camera_json.h"
+#include "geo/geopackage.h"
+#include "tools/camera_file.h"
+#include "tools/cloud/write_points.h"
+#include "tools/command.h"
+#include "tools/image_module.h"
+#include "tools/visibility/blocking_cloud.h"
+#include "tools/visibility/long_run.h"
+#include "tools/visibility/observer_options.h"
+#include "tools/visibility/photo_files.h"
+#include "visibility/photos/photo_visibility.h"
+
+namespace alidade::tools {
+namespace {
+
+struct PhotosCommand : VisibilityRequest {
+  std::filesystem::path cameras, lens, photos, footprints;
+  std::vector<std::string> names;
+  bool original_world = false, colorize = false;
+  double max_distance = std::numeric_limits<double>::infinity();
+  std::optional<double> footprint_cell;
+  CheckpointRequest checkpoint;
+};
+
+/// Errors that need no cloud.
+void check_options(const PhotosCommand& command) {
+  if (command.output.empty() && command.footprints.empty())
+    throw input_error("missing output", "-o FILE for points, --footprints FILE.gpkg, or both");
+  if (!command.output.empty()) check_points_name(command.output);
+  if (!command.footprints.empty()) geo::check_geopackage_name(command.footprints);
+  if (command.colorize && command.photos.empty())
+    throw input_error("--colorize requires the photos", "--photos FOLDER");
+  const std::vector<std::filesystem::path> inputs = command.inputs({command.cameras, command.lens});
+  const std::filesystem::path outputs[] = {command.output, command.footprints};
+  check_outputs(outputs, command.overwrite, inputs);
+  check_checkpoint(command.checkpoint, command.overwrite, outputs, inputs);
+}
+
+camera::CameraSet read_photo_cameras(const PhotosCommand& command) {
+  camera::CameraFileOptions options{.lens = {}, .original_world = command.original_world};
+  if (!command.lens.empty()) options.lens = camera::read_camera(command.lens);
+  camera::CameraSet set = read_camera_file(command.cameras, command.names, options);
+  say_warnings(command.verbosity, set.warnings);
+  return set;
+}
+
+/// check_photos(), with the file of the cameras in its errors.
+void check_cameras(const PhotosCommand& command, const Octree& octree,
+                   std::span<const camera::NamedCamera> cameras) {
+  try {
+    visibility::check_photos(octree, cameras, command.max_distance);
+  } catch (const Error& error) {
+    Error::Parts parts = error.parts();
+    parts.file = command.cameras.string();
+    throw Error(parts);
+  }
+}
+
+/// What the lines depend on beside the cloud and the positions: lenses and poses, as camera files write them.
+Fingerprint fingerprint_of(const PhotosCommand& command, const VisibilityCloud& cloud,
+                           std::span<const camera::NamedCamera> cameras,
+                           std::span<const visibility::Observer> observers) {
+  Fingerprint fingerprint = run_fingerprint(command.checkpoint, cloud, observers);
+  std::string text;
+  for (const camera::NamedCamera& each : cameras) text += camera::camera_json(each.camera);
+  fingerprint.push_back({"cameras", fmt::format("{:016x}", checksum(std::as_bytes(std::span(text))))});
+  return fingerprint;
+}
+
+/// The columns of points; `seen` must outlive them.
+std::vector<ResultColumn> columns_of(const visibility::PhotoVisibility& seen) {
+  return {result_column<std::uint32_t>("PhotoCount", "photos that see the point", ScalarType::uint32,
+                                       [&seen](std::size_t id) { return seen.counts[id]; }),
+          result_column<std::uint32_t>("BestPhoto", "finest one, from 1; 0 none", ScalarType::uint32,
+                                       [&seen](std::size_t id) { return seen.best[id]; }),
+          result_column<float>("GroundSampling", "length per pixel in BestPhoto", ScalarType::float32,
+                               [&seen](std::size_t id) { return seen.sampling[id]; })};
+}
+
+/// Points that no photo sees keep the colour they have.
+void keep_colors(const AttributeColumns& columns, visibility::PhotoVisibility& seen) {
+  if (columns.colors.empty()) return;
+  for (std::size_t id = 0; id < seen.colors.size(); ++id)
+    if (seen.counts[id] == 0) seen.colors[id] = columns.colors[id];
+}
+
+void say_result(const PhotosCommand& command, const VisibilityCloud& cloud,
+                const visibility::PhotoVisibility& seen) {
+  const visibility::PhotoTotals totals = visibility::totals(seen);
+  const auto part = [&](std::size_t count) {
+    const std::uint64_t points = totals.points_by_count[count];
+    return fmt::format("{} ({:.1f} %)", points,
+                       100.0 * static_cast<double>(points) / static_cast<double>(seen.counts.size()));
+  };
+  const Verbosity verbosity = command.verbosity;
+  say_note(verbosity, fmt::format("{} points: no photo sees {}, one {}, two {}, three or more {}",
+                                  seen.counts.size(), part(0), part(1), part(2), part(3)));
+  const std::size_t photos = seen.photos.size();
+  say_note(verbosity,
+           fmt::format(
+               "{} photo{}; median ground sampling distance {:.3g}{}", photos, photos == 1 ? "" : "s",
+               totals.median_sampling,
+               photos == 1 ? "" : fmt::format(", median overlap {:.0f} %", 100.0 * totals.median_overlap)));
+  if (totals.photos_without_points > 0)
+    say_warnings(verbosity, {fmt::format("{} of {} photos see no point", totals.photos_without_points,
+                                         seen.photos.size())});
+  if (!command.colorize) return;
+  say_note(verbosity, fmt::format("{} points have colours of photos; {} {}",
+                                  seen.counts.size() - totals.points_by_count[0], totals.points_by_count[0],
+                                  cloud.columns.colors.empty() ? "are black" : "keep the colour they had"));
+}
+
+void write(const PhotosCommand& command, const VisibilityCloud& cloud,
+           std::span<const camera::NamedCamera> cameras, const visibility::PhotoVisibility& seen) {
+  if (!command.footprints.empty())
+    image_module().write_photos(seen, cameras, cloud.cloud.cloud.crs, command.footprints, command.overwrite);
+  if (command.output.empty()) return;
+  const CloudResults results{cloud.cloud, columns_of(seen), seen.colors};
+  write_points(command.output, {&results, 1}, command.overwrite, command.verbosity);
+}
+
+ExitCode run(const PhotosCommand& command) {
+  check_options(command);
+  const Verbosity verbosity = command.verbosity;
+  const camera::CameraSet set = read_photo_cameras(command);
+  std::vector<std::filesystem::path> files;
+  if (command.colorize) files = find_photos(command.photos, set.cameras);
+  if (!command.footprints.empty()) image_module();
+  const auto cloud = load_cloud_alone(
+      command, command.output.empty() ? AttributeSet(Attribute::classification) : AttributeSet::all());
+  check_cameras(command, cloud->octree(), set.cameras);
+  visibility::PhotoVisibilityOptions options{.max_distance = command.max_distance,
+                                             .footprint_cell = command.footprint_cell,
+                                             .with_footprints = !command.footprints.empty()};
+  if (command.colorize)
+    options.read_photo = [&files](std::size_t photo) { return image_module().read_photo(files[photo]); };
+  visibility::check_photo_memory(cloud->octree().size(), options);
+  measure_occluders(*cloud, command.occluders, verbosity);
+  const std::vector<visibility::Observer> observers =
+      visibility::photo_observers(set.cameras, command.max_distance);
+  say_observer_remarks(observers, *cloud, verbosity);
+  LongRun long_run(
+      command.checkpoint, [&] { return fingerprint_of(command, *cloud, set.cameras, observers); }, verbosity);
+  visibility::PhotoVisibility seen =
+      long_run.work("looking", "lines of sight", [&](const Progress& progress, PartCheckpoint* parts) {
+        options.progress = progress;
+        options.parts = parts;
+        return visibility::photo_visibility(*cloud->occluders, set.cameras, options);
+      });
+  keep_colors(cloud->columns, seen);
+  write(command, *cloud, set.cameras, seen);
+  long_run.finish();
+  say_result(command, *cloud, seen);
+  return ExitCode::done;
+}
+
+void add_photos(const Options& command, PhotosCommand& photos) {
+  const Options group = command.group("Photos");
+  group.required().file("--camera", "FILE|FOLDER", "cameras of the photos: " + k_camera_files,
+                        photos.cameras);
+  group.text("--camera-name", "NAME", "only this camera, by the name of its photo; repeatable (default: all)",
+             photos.names);
+  add_camera_reading(group, "", photos.lens, photos.original_world);
+  group.file("--photos", "FOLDER", "folder of the photos, for --colorize", photos.photos);
+  group.value("--max-distance,--md", "LENGTH", "no photo sees farther (default: inf)", photos.max_distance,
+              parse_distance_limit);
+}
+
+void add_answers(const Options& command, PhotosCommand& photos) {
+  const Options group = command.group("Answers");
+  const Option output = group.file("-o,--output", "FILE.las|FILE.laz|FILE.ply",
+                                   "output cloud: LAS 1.4, LAZ or PLY, by the extension", photos.output);
+  group.needs(output).flag("--colorize", "colour the points of the output from --photos", photos.colorize);
+  const Option footprints =
+      group.file("--footprints", "FILE.gpkg",
+                 "GeoPackage with the footprint of each photo, and the overlaps of pairs", photos.footprints);
+  group.needs(footprints)
+      .number("--footprint-cell", "LENGTH",
+              "width of the cells that footprints consist of (default: twice the median distance to the 8th "
+              "neighbour, rounded up)",
+              photos.footprint_cell, 1e-6, 1e9);
+  group.flag("--overwrite", "replace existing files", photos.overwrite);
+}
+
+}  // namespace
+
+Command add_visibility_photos(const Options& visibility) {
+  auto command = std::make_shared<PhotosCommand>();
+  const Options photos = visibility.command(
+      "photos", "Compute which photos see which points, their footprints, and colours of points");
+  add_cloud(photos, *command);
+  add_photos(photos, *command);
+  add_occluder_options(photos, command->occluders);
+  add_answers(photos, *command);
+  add_checkpoint_options(photos.group("Long runs"), command->checkpoint);
+  add_run_options(photos, *command);
+  return command_of(photos, command, run);
+}
+
+}  // namespace alidade::tools
