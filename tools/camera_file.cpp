@@ -3,6 +3,9 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+
+#include "base/error.h"
 #include "camera/projection.h"
 
 namespace alidade::tools {
@@ -35,7 +38,12 @@ camera::CameraSet read_camera_file(const std::filesystem::path& file, const std:
   camera::CameraSet set = camera::read_cameras(file, options);
   if (!names.empty()) {
     std::vector<camera::NamedCamera> chosen;
-    for (const std::string& name : names) chosen.push_back(camera::camera_called(set, name, file.string()));
+    for (const std::string& name : names) {
+      const camera::NamedCamera& called = camera::camera_called(set, name, file.string());
+      if (std::ranges::find(chosen, called.name, &camera::NamedCamera::name) != chosen.end())
+        throw file_error(file, fmt::format("duplicate camera '{}'", called.name), "each --camera-name once");
+      chosen.push_back(called);
+    }
     set.cameras = std::move(chosen);
   }
   for (const camera::NamedCamera& each : set.cameras) check(each.camera, file.string(), each.name);

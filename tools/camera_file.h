@@ -22,7 +22,7 @@ void add_camera_reading(const Options& command, const std::string& lens_default,
                         std::filesystem::path& lens_file, bool& original_world);
 
 /// Reads the cameras of a file, or those of them with these names, in the order of the names. Each has passed
-/// check_camera(). Errors: those of read_cameras(), camera_called() and check_camera().
+/// check_camera(). Errors: those of read_cameras(), camera_called() and check_camera(); a camera named twice.
 camera::CameraSet read_camera_file(const std::filesystem::path& file, const std::vector<std::string>& names,
                                    const camera::CameraFileOptions& options);
 

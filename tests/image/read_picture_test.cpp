@@ -187,5 +187,51 @@ TEST_F(ReadSkyImageTest, a_size_beyond_the_limit_or_beyond_the_file_is_an_error_
       << message(folder_ / "hollow.png");
 }
 
+class ReadPhotoTest : public ReadSkyImageTest {
+ protected:
+  static std::string photo_message(const std::filesystem::path& file) {
+    try {
+      read_photo(file);
+    } catch (const Error& error) {
+      return error.what();
+    }
+    return "no error";
+  }
+};
+
+TEST_F(ReadPhotoTest, values_are_those_that_are_displayed) {
+  std::vector<float> values;
+  for (int i = 0; i < 20 * 10 * 3; ++i) values.push_back(static_cast<float>(i % 256) / 255.0f);
+  for (const OIIO::TypeDesc type : {OIIO::TypeUInt8, OIIO::TypeUInt16}) {
+    const auto file = write("a.tif", OIIO::ImageSpec(20, 10, 3, type), values);
+    EXPECT_EQ(photo_size(file), (PictureSize{20, 10}));
+    const PhotoPixels pixels = read_photo(file);
+    ASSERT_EQ(pixels.size, (PictureSize{20, 10}));
+    ASSERT_EQ(pixels.values.size(), 200u);
+    for (int i = 0; i < 20 * 10 * 3; ++i)
+      ASSERT_EQ(pixels.values[static_cast<std::size_t>(i / 3)][static_cast<std::size_t>(i % 3)], i % 256);
+  }
+}
+
+TEST_F(ReadPhotoTest, one_channel_is_grey_and_alpha_is_ignored) {
+  using Color = std::array<std::uint8_t, 3>;
+  EXPECT_EQ(read_photo(write("g.png", OIIO::ImageSpec(1, 1, 1, OIIO::TypeUInt8), {0.2f})).values[0],
+            (Color{51, 51, 51}));
+  EXPECT_EQ(read_photo(write("a.png", OIIO::ImageSpec(1, 1, 4, OIIO::TypeUInt8), {0.2f, 0.4f, 0.6f, 0.0f}))
+                .values[0],
+            (Color{51, 102, 153}));
+}
+
+TEST_F(ReadPhotoTest, what_is_no_photo_is_an_error) {
+  const auto light = write("light.exr", OIIO::ImageSpec(2, 2, 3, OIIO::TypeFloat), noise(12, 5.0));
+  EXPECT_NE(photo_message(light).find("light.exr: a photo with floating-point values"), std::string::npos);
+  EXPECT_NE(photo_message(folder_ / "absent.jpg").find("no such file"), std::string::npos);
+  std::ofstream(folder_ / "text.jpg") << "no picture";
+  EXPECT_NE(photo_message(folder_ / "text.jpg").find("cannot read the image"), std::string::npos);
+  const auto whole = write("cut.tif", OIIO::ImageSpec(50, 50, 3, OIIO::TypeUInt8), noise(7500, 1.0));
+  std::filesystem::resize_file(whole, std::filesystem::file_size(whole) / 2);
+  EXPECT_NE(photo_message(whole), "no error");
+}
+
 }  // namespace
 }  // namespace alidade::test

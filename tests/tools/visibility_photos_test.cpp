@@ -174,15 +174,14 @@ TEST_F(VisibilityPhotosTest, bad_photos_are_errors) {
       "pixels: the photo that the camera was computed for, found 40 x 30");
   write_photo("images/west.ppm", 60, 80, "1 2 3 ");
   expect_problem(k_colored, "expected 80 x 60 pixels, not turned, found 60 x 80");
-  write("images/west.ppm", "no picture");
-  expect_problem(k_colored, "west.ppm: cannot read the image");
 }
 
 TEST_F(VisibilityPhotosTest, bad_requests_are_errors) {
   expect_problem({}, "missing output");
   expect_problem({"--colorize", "-o", "seen.las"}, "--colorize requires the photos");
   expect_problem({"--footprints", "foot.shp"}, "expected the extension .gpkg");
-  expect_problem({"-o", "seen.las", "--camera-name", "north.ppm"}, "north.ppm");
+  expect_problem({"-o", "seen.las", "--camera-name", "west", "--camera-name", "west.ppm"},
+                 "sparse: duplicate camera 'images/west.ppm'; expected each --camera-name once");
 }
 
 TEST_F(VisibilityPhotosTest, cameras_elsewhere_are_an_error_that_guesses_why) {

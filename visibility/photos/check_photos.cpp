@@ -18,17 +18,19 @@ namespace {
 
 constexpr std::size_t k_batch = 1 << 17;
 
-/// Whether the photo has any of these points in its frame and reach.
-bool shows_any(const PhotoFrame& frame, const std::vector<PlacedPoint>& points, double max_distance) {
+/// Whether the photo has any of these points, or of every so many of them, in its frame and reach.
+bool shows_any(const PhotoFrame& frame, const std::vector<PlacedPoint>& points, std::size_t every,
+               double max_distance) {
   std::atomic<bool> is_found = false;
-  tbb::parallel_for(tbb::blocked_range<std::size_t>(0, points.size()), [&](const auto& range) {
-    for (std::size_t i = range.begin(); i < range.end() && !is_found; ++i) {
-      const glm::dvec3& position = points[i].position;
-      if (frame.film_position(position) &&
-          glm::length(position - frame.camera().pose.position) <= max_distance)
-        is_found = true;
-    }
-  });
+  tbb::parallel_for(tbb::blocked_range<std::size_t>(0, (points.size() + every - 1) / every),
+                    [&](const auto& range) {
+                      for (std::size_t i = range.begin(); i < range.end() && !is_found; ++i) {
+                        const glm::dvec3& position = points[i * every].position;
+                        if (frame.film_position(position) &&
+                            glm::length(position - frame.camera().pose.position) <= max_distance)
+                          is_found = true;
+                      }
+                    });
   return is_found;
 }
 
@@ -42,15 +44,15 @@ double gap(const Bounds& a, const Bounds& b) {
   return glm::length(glm::max(glm::max(a.min - b.max, b.min - a.max), glm::dvec3(0.0)));
 }
 
-/// Whether any of the cameras, changed, has a point in its frame and reach.
+/// Whether any of the cameras, changed, has any of every so many points in its frame and reach.
 template <class Change>
-bool any_shows(const Octree& octree, std::span<const camera::NamedCamera> photos, double max_distance,
-               const Change& change) {
+bool any_shows(const Octree& octree, std::span<const camera::NamedCamera> photos, std::size_t every,
+               double max_distance, const Change& change) {
   const TreeView& tree = octree.view();
   for (const std::vector<Leaf>& batch : leaf_blocks(tree, k_batch)) {
     const std::vector<PlacedPoint> points = placed_points(tree, batch);
     for (const camera::NamedCamera& photo : photos)
-      if (shows_any(PhotoFrame(change(photo.camera)), points, max_distance)) return true;
+      if (shows_any(PhotoFrame(change(photo.camera)), points, every, max_distance)) return true;
   }
   return false;
 }
@@ -95,14 +97,16 @@ std::string reason_of_distance(const Bounds& cameras, const Bounds& cloud) {
 
 std::string likely_reason(const Octree& octree, std::span<const camera::NamedCamera> photos,
                           const Bounds& cameras, double max_distance) {
-  if (std::isfinite(max_distance) && any_shows(octree, photos, INFINITY, unchanged))
+  // Guesses need not be exact: some points of a large cloud will do.
+  const std::size_t every = octree.size() / k_batch + 1;
+  if (std::isfinite(max_distance) && any_shows(octree, photos, every, INFINITY, unchanged))
     return "a larger --max-distance";
   if (const std::string reason = reason_of_distance(cameras, octree.bounds()); !reason.empty()) return reason;
-  if (any_shows(octree, photos, max_distance, turned_over))
+  if (any_shows(octree, photos, every, max_distance, turned_over))
     return "cameras that look at the cloud: they look away from it; are their axes those of OpenGL instead "
            "of "
            "OpenCV?";
-  if (any_shows(octree, photos, max_distance, inverted))
+  if (any_shows(octree, photos, every, max_distance, inverted))
     return "cameras that look at the cloud: the inverse of their poses do; are these from world to camera "
            "instead of from camera to world?";
   return "cameras that look at the cloud, in its reference system and scale";
@@ -120,7 +124,7 @@ void check_photos(const Octree& octree, std::span<const camera::NamedCamera> pho
     }
     cameras.grow(photo.camera.pose.position);
   }
-  if (any_shows(octree, photos, max_distance, unchanged)) return;
+  if (any_shows(octree, photos, 1, max_distance, unchanged)) return;
   throw input_error(
       "no point of the cloud is in the frame of any photo",
       likely_reason(octree, photos, cameras, max_distance),
