@@ -109,8 +109,8 @@ struct Candidate {
 /// Says whether a candidate counts: for classes, times, oriented discs. Must give the same answer for the
 /// same candidate whenever asked, in any order and from several threads at once; it may be asked for points
 /// that then are no part of the answer, and not for every point that meets the other conditions.
-/// `closest` of rays asks a filter that rejects all about every point that does, some of them twice, and about
-/// those of one query_index from one thread at a time.
+/// `closest` of rays asks about every point that does and comes before its answer (all if there is none), some of them
+/// twice, and about those of one query_index from one thread at a time.
 using CandidateFilter = std::function<bool(const Candidate&)>;
 
 constexpr double k_unlimited_radius = std::numeric_limits<double>::infinity();

@@ -5,8 +5,9 @@
 #include <glm/geometric.hpp>
 #include <optional>
 
-#include "octree/candidate.h"
+#include "base/ray.h"
 #include "octree/point_disc.h"
+#include "octree/query.h"
 #include "visibility/sight_line.h"
 
 // How one point blocks one line: the filter of the ray queries that sight lines are, and of brute force.
@@ -38,6 +39,12 @@ inline bool is_within(const SightEnd& end, const glm::dvec3& point, double radiu
   return glm::dot(offset, offset) <= radius * radius;
 }
 
+/// Whether points are discs of their own radii among spheres: the octree finds their crossings (Measure::crossing). Else it
+/// finds points beside the line (Measure::t), and crossing() decides about discs.
+inline bool has_own_discs(const Occluders& occluders) {
+  return occluders.has_surfaces() && !occluders.options().radius;
+}
+
 /// Radius that the queries of sight lines give a point with this spacing: Candidate::radius.
 inline double candidate_radius(const Occluders& occluders, double spacing) {
   if (occluders.options().radius) return *occluders.options().radius;
@@ -51,45 +58,95 @@ inline double disc_of(const Occluders& occluders, double radius) {
   return std::min(radius, occluders.options().radius_max.value_or(radius));
 }
 
+/// No sphere among discs of own radii is wider.
+inline double widest_sphere(const Occluders& occluders) {
+  return k_widest_lone * occluders.typical_radius();
+}
+
 /// Radius of the sphere of a point without a surface; radius: candidate_radius().
 inline double sphere_of(const Occluders& occluders, double radius) {
-  if (occluders.options().radius || !occluders.has_surfaces()) return disc_of(occluders, radius);
-  const double own = k_lone_share / k_disc_spacings * radius,
-               widest = k_widest_lone * occluders.typical_radius();
+  if (!has_own_discs(occluders)) return disc_of(occluders, radius);
+  const double own = k_lone_share / k_disc_spacings * radius, widest = widest_sphere(occluders);
   return disc_of(occluders, own < widest ? own : widest * widest / own);
 }
 
-/// Where a point blocks a line, metres from the line's start; empty if it does not.
+/// Radius of what a candidate blocks lines with.
+inline double width_of(const Occluders& occluders, const Candidate& candidate) {
+  const bool is_disc = occluders.surface(candidate.point_id).exists;
+  return is_disc ? disc_of(occluders, candidate.radius) : sphere_of(occluders, candidate.radius);
+}
+
+/// What finds the candidates on the rays of lines, still without a filter.
+inline RayQuery query_of(const Occluders& occluders) {
+  RayQuery query{.radius = occluders.largest_radius(), .measure = Measure::t};
+  if (occluders.options().radius) return query;
+  query.spacing_factor = k_sphere_share;
+  if (!has_own_discs(occluders)) return query;
+  query.measure = Measure::crossing;
+  query.spacing_factor = k_disc_spacings;
+  query.lone_factor = k_lone_share;
+  query.lone_radius = widest_sphere(occluders);
+  return query;
+}
+
+/// The ray whose candidates hold every point that can block.
+inline Ray ray_of(const Occluders& occluders, const SightLine& line) {
+  // Lines meet spheres before their middle.
+  if (has_own_discs(occluders))
+    return {line.from.position, line.direction, -widest_sphere(occluders), line.length};
+  const double radius = occluders.largest_radius();
+  return {line.from.position, line.direction, -radius, line.length + radius};
+}
+
+/// A candidate blocks at most so far before its t, metres. Behind it a sphere may block, up to its middle.
+inline double reach_before(const Occluders& occluders) {
+  return has_own_discs(occluders) ? 0.0 : occluders.largest_radius();
+}
+
+/// Where the sphere of a point without a surface blocks a line, as crossing().
+inline std::optional<double> sphere_crossing(const Occluders& occluders, const SightLine& line,
+                                             const Candidate& candidate) {
+  if (occluders.options().shape == OccluderShape::disc) return std::nullopt;
+  const double radius = sphere_of(occluders, candidate.radius);
+  if (!(candidate.distance <= radius)) return std::nullopt;
+  const double middle = glm::dot(candidate.position - line.from.position, line.direction);
+  if (!(middle >= 0.0 && middle <= line.length) || is_within(line.from, candidate.position, radius))
+    return std::nullopt;
+  if (line.has_end() && (is_within(line.to, candidate.position, radius) ||
+                         is_beside(line.to, line.length - middle, candidate.radius)))
+    return std::nullopt;
+  return middle;
+}
+
+/// Where a disc is crossed that the query did not decide about.
+inline std::optional<double> disc_crossing(const SightLine& line, const PointDisc& disc) {
+  const std::optional<double> position = plane_crossing(disc, line.from.position, line.direction);
+  if (!position || !(*position <= line.length) ||
+      !is_within_radius(disc, line.from.position + *position * line.direction))
+    return std::nullopt;
+  return position;
+}
+
+/// Where a point blocks a line, metres from the line's start; empty if it does not. Requires a candidate of query_of() and
+/// ray_of().
 inline std::optional<double> crossing(const Occluders& occluders, const SightLine& line,
                                       const Candidate& candidate) {
-  if (const auto& counts = occluders.options().counts; counts && !counts(candidate.point_id))
-    return std::nullopt;
+  const OccluderOptions& options = occluders.options();
+  if (options.counts && !options.counts(candidate.point_id)) return std::nullopt;
+  if (has_own_discs(occluders) && candidate.disc == nullptr)
+    return sphere_crossing(occluders, line, candidate);
   const PointSurface surface = occluders.surface(candidate.point_id);
-  const bool endless = line.length == std::numeric_limits<double>::infinity();
-  if (!surface.exists) {
-    if (occluders.options().shape == OccluderShape::disc) return std::nullopt;
-    const double radius = sphere_of(occluders, candidate.radius);
-    if (!(candidate.distance <= radius && candidate.t >= 0.0 && candidate.t <= line.length))
-      return std::nullopt;
-    if (is_within(line.from, candidate.position, radius)) return std::nullopt;
-    if (!endless && (is_within(line.to, candidate.position, radius) ||
-                     is_beside(line.to, line.length - candidate.t, candidate.radius)))
-      return std::nullopt;
-    return candidate.t;
-  }
+  if (!surface.exists) return sphere_crossing(occluders, line, candidate);
   const PointDisc disc = point_disc(candidate.position, surface, candidate.radius);
-  const std::optional<double> position = plane_crossing(disc, line.from.position, line.direction);
-  if (!position || !(*position >= 0.0 && *position <= line.length)) return std::nullopt;
-  const glm::dvec3 met = line.from.position + *position * line.direction;
-  const double radius = disc_of(occluders, candidate.radius);
-  if (!is_within_radius({disc.point, disc.center, disc.normal, radius}, met)) return std::nullopt;
-  // Radii that are given are those of whole discs, and of widest ones spacings do not follow from the radius.
-  const bool has_edge = !occluders.options().radius && candidate.radius < occluders.largest_radius();
-  if (has_edge &&
-      is_beyond_edge(disc, met, occluders.octree().view().sheet_edges[candidate.point_id], k_disc_spacings))
-    return std::nullopt;
+  const std::optional<double> position = candidate.disc != nullptr ? candidate.t : disc_crossing(line, disc);
+  if (!position || !(*position >= 0.0)) return std::nullopt;
+  if (options.radius_max) {
+    PointDisc cut = disc;
+    cut.radius = disc_of(occluders, disc.radius);
+    if (!is_within_radius(cut, line.from.position + *position * line.direction)) return std::nullopt;
+  }
   if (is_own(line.from, disc, surface)) return std::nullopt;
-  if (!endless &&
+  if (line.has_end() &&
       (is_own(line.to, disc, surface) || is_beside(line.to, line.length - *position, candidate.radius)))
     return std::nullopt;
   return position;

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: MIT
 #include "visibility/sight_line.h"
 
-#include <tbb/parallel_for.h>
 #include <algorithm>
 #include <glm/geometric.hpp>
 #include <numeric>
@@ -15,6 +14,7 @@
 #include "octree/query.h"
 #include "octree/spacing.h"
 #include "visibility/crossing.h"
+#include "visibility/separate_crossings.h"
 
 namespace alidade::visibility {
 
@@ -33,6 +33,7 @@ Occluders::Occluders(const Octree& octree, const OccluderOptions& options, const
     octree_ = with_spacings(octree_, k_surface_neighbours, progress);
   }
   if (has_surfaces()) octree_ = with_surfaces(octree_, progress);
+  if (has_own_discs(*this)) octree_ = with_discs(octree_);
   if (options.radius) {
     typical_radius_ = largest_radius_ = *options.radius;
   } else {
@@ -64,12 +65,6 @@ void check_end(const SightEnd& end) {
     if (!std::isfinite(end.position[axis]))
       throw Error({.problem = "an end of a line of sight is not finite"});
   }
-}
-
-/// The ray whose cylinder holds every point that can block.
-Ray ray_of(const Occluders& occluders, const SightLine& line) {
-  const double radius = occluders.largest_radius();
-  return {line.from.position, line.direction, -radius, line.length + radius};
 }
 
 constexpr std::size_t k_grain = 1024;
@@ -104,8 +99,7 @@ auto crossings_that_block(const Surface& surface, const SightLine& line) {
              keeps_to(surface, {line.from.position, line.direction, std::min(t, hit.t), std::max(t, hit.t)},
                       end.mesh_contact);
     };
-    const bool endless = line.length == std::numeric_limits<double>::infinity();
-    return !lies_on(line.from, 0.0) && (endless || !lies_on(line.to, line.length));
+    return !lies_on(line.from, 0.0) && (!line.has_end() || !lies_on(line.to, line.length));
   };
 }
 
@@ -121,7 +115,7 @@ std::optional<double> in_ground(const geo::TerrainSurface& terrain, const SightL
     return end.mesh_contact > 0.0 && terrain.occluded({top, {0.0, 0.0, -1.0}, 0.0, 2.0 * end.mesh_contact});
   };
   // A line from an end in the air comes to one on the surface from below through a hole alone.
-  const bool goes_on = line.length == std::numeric_limits<double>::infinity() || line.to.mesh_contact == 0.0;
+  const bool goes_on = !line.has_end() || line.to.mesh_contact == 0.0;
   const bool from_ground = lies_on(line.from), comes_on = line.from.mesh_contact == 0.0;
   if (!(from_ground && (goes_on || lies_on(line.to))) && !(comes_on && !goes_on && lies_on(line.to)))
     return {};
@@ -165,10 +159,7 @@ std::vector<Ray> rays_of(const Occluders& occluders, std::span<const SightLine> 
 }
 
 RayQuery query_of(const Occluders& occluders, std::span<const SightLine> lines) {
-  RayQuery query{.radius = occluders.largest_radius(), .measure = Measure::t};
-  if (!occluders.options().radius) {
-    query.spacing_factor = occluders.has_surfaces() ? k_disc_spacings : k_sphere_share;
-  }
+  RayQuery query = query_of(occluders);
   query.filter = [&occluders, lines](const Candidate& candidate) {
     return crossing(occluders, lines[candidate.query_index], candidate).has_value();
   };
@@ -177,76 +168,13 @@ RayQuery query_of(const Occluders& occluders, std::span<const SightLine> lines) 
 
 /// hit: a point that blocks the line.
 Blocker blocker_of(const Occluders& occluders, const SightLine& line, const Hit& hit) {
-  Blocker blocker{hit.point_id, hit.position, hit.t};
   const PointSurface surface = occluders.surface(hit.point_id);
-  if (surface.exists) {
-    const PointDisc disc = point_disc(hit.position, surface, 0.0);
-    blocker.distance = *plane_crossing(disc, line.from.position, line.direction);
-  }
-  return blocker;
-}
-
-/// Where a point blocks a line, and how much of the line it takes.
-struct Crossing {
-  Blocker blocker;
-  double diameter;
-};
-
-/// What of the hits of one chord that starts so far from the start of its line.
-void add_crossings(const Occluders& occluders, const SightLine& chord, double start, const RayQuery& query,
-                   std::span<const Hit> hits, std::vector<Crossing>& crossings) {
-  for (const Hit& hit : hits) {
-    const double radius = query.spacing_factor > 0.0 ? sphere_radius(query, hit) : query.radius;
-    const bool is_disc = occluders.surface(hit.point_id).exists;
-    Blocker blocker = blocker_of(occluders, chord, hit);
-    blocker.distance += start;
-    crossings.push_back(
-        {blocker, 2.0 * (is_disc ? disc_of(occluders, radius) : sphere_of(occluders, radius))});
-  }
-}
-
-/// Of the crossings of one point that which comes first.
-void keep_first_of_each_point(std::vector<Crossing>& crossings) {
-  std::ranges::sort(crossings, {}, [](const Crossing& crossing) {
-    return std::pair(crossing.blocker.point_id, crossing.blocker.distance);
-  });
-  const auto repeated =
-      std::unique(crossings.begin(), crossings.end(), [](const Crossing& one, const Crossing& next) {
-        return one.blocker.point_id == next.blocker.point_id;
-      });
-  crossings.erase(repeated, crossings.end());
-}
-
-/// The crossing that makes the k-th separate one.
-std::optional<Blocker> separate_blocker(std::vector<Crossing>& crossings, int transparency) {
-  std::ranges::sort(crossings, {}, [](const Crossing& crossing) {
-    return std::pair(crossing.blocker.distance, crossing.blocker.point_id);
-  });
-  int count = 0;
-  double end = -std::numeric_limits<double>::infinity();
-  for (const Crossing& crossing : crossings) {
-    if (crossing.blocker.distance <= end) continue;
-    if (++count == transparency) return crossing.blocker;
-    end = crossing.blocker.distance + crossing.diameter;
-  }
-  return std::nullopt;
-}
-
-/// Answers some of the lines, [from, to), by all that blocks their chords.
-void count_crossings(const Occluders& occluders, const ChordLines& lines, std::size_t from, std::size_t to,
-                     std::span<std::optional<Blocker>> blockers) {
-  const std::size_t first = lines.begin[from];
-  const std::span<const SightLine> chords = lines.chords.subspan(first, lines.begin[to] - first);
-  const RayQuery query = query_of(occluders, chords);
-  const Answers<Hit> hits = find(occluders.octree(), rays_of(occluders, chords), query);
-  tbb::parallel_for(from, to, [&](std::size_t line) {
-    std::vector<Crossing> crossings;
-    for (std::size_t chord = lines.begin[line]; chord < lines.begin[line + 1]; ++chord)
-      add_crossings(occluders, lines.chords[chord], lines.starts[chord], query, hits[chord - first],
-                    crossings);
-    if (lines.begin[line + 1] - lines.begin[line] > 1) keep_first_of_each_point(crossings);
-    blockers[line] = separate_blocker(crossings, occluders.options().transparency);
-  });
+  double distance = hit.t;
+  if (!surface.exists)
+    distance = glm::dot(hit.position - line.from.position, line.direction);
+  else if (!has_own_discs(occluders))
+    distance = *plane_crossing(point_disc(hit.position, surface, 0.0), line.from.position, line.direction);
+  return {hit.point_id, hit.position, distance};
 }
 
 /// The first points that block lines at their first crossing.
@@ -272,17 +200,6 @@ void first_points(const Occluders& occluders, const ChordLines& lines,
     if (chord == lines.begin[line + 1]) continue;
     blockers[line] = of_chords[chord];
     blockers[line]->distance += lines.starts[chord];
-  }
-}
-
-/// The same at the crossing that the transparency allows no more.
-void last_points(const Occluders& occluders, const ChordLines& lines,
-                 std::span<std::optional<Blocker>> blockers) {
-  // All that blocks them is in memory at once.
-  constexpr std::size_t k_chords_at_once = 1 << 12;
-  for (std::size_t from = 0, to = 0; from < blockers.size(); from = to) {
-    while (to < blockers.size() && lines.begin[to] - lines.begin[from] < k_chords_at_once) ++to;
-    count_crossings(occluders, lines, from, to, blockers);
   }
 }
 
@@ -366,7 +283,7 @@ void first_blockers(const Occluders& occluders, const ChordLines& lines,
   check_room(lines.begin.size() - 1, blockers.size());
   const OccluderOptions& options = occluders.options();
   options.transparency == 1 ? first_points(occluders, lines, blockers)
-                            : last_points(occluders, lines, blockers);
+                            : find_separate_blockers(occluders, lines, blockers);
   for_surfaces(options, [&](const auto& surface) { put_before(surface, lines, blockers); });
 }
 

@@ -29,7 +29,7 @@ inline double golden_turns(int i) {
 }
 
 /// Raised by whoever changes the answers of sight lines; checkpoints are checked against it.
-constexpr int k_answers_version = 6;
+constexpr int k_answers_version = 7;
 
 // What blocks sight. A point of a surface is a disc: it blocks a line that crosses the plane of its sheet
 // (octree/point_surface.h) within a radius of the point. So a surface is as thick as it is, and lines that
@@ -141,6 +141,8 @@ struct SightLine {
   SightEnd from, to;                                        ///< `to` does not apply if the line has no end
   glm::dvec3 direction{0.0, 0.0, 1.0};                      ///< of length 1
   double length = std::numeric_limits<double>::infinity();  ///< metres
+
+  bool has_end() const { return length < std::numeric_limits<double>::infinity(); }
 };
 
 /// Errors: ends not finite. Ends at one position are a line of length 0, which nothing blocks.
@@ -178,8 +180,8 @@ struct Blocker {
   bool operator==(const Blocker&) const = default;
 };
 
-/// The first point that blocks, in the order of where the line passes their middles (the projection t), then
-/// by point id; with a transparency of k, the one that makes the k-th separate crossing. The first crossing of
+/// The first point that blocks, in the order of where the line crosses discs and enters spheres (with a given radius, and
+/// where all are spheres, of where it passes the points), then by point id; with a transparency of k, the one that makes the k-th separate crossing. The first crossing of
 /// the mesh or terrain instead if its distance is smaller. Empty: seen.
 std::optional<Blocker> first_blocker(const Occluders& occluders, const SightLine& line);
 
@@ -201,8 +203,7 @@ struct ChordLines {
 
 /// What blocks such lines, as sight_line.h has it for straight ones. Crossings are counted over all chords of
 /// a line, those of one point with two chords as one. Blocker::distance is from the line's start. Cost: that
-/// of the chords; with a transparency above 1 all that blocks a line is found, with 70 B for each point while
-/// some thousand chords are handed over. Errors: not as many answers as lines.
+/// of the chords; with a transparency above 1 two to three times as much. Errors: not as many answers as lines.
 void first_blockers(const Occluders& occluders, const ChordLines& lines,
                     std::span<std::optional<Blocker>> blockers);
 

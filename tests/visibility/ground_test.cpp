@@ -121,6 +121,22 @@ TEST(GroundTest, a_lone_echo_far_below_does_not_count) {
   EXPECT_NEAR(at(site.ground(), 20, 20), plane(20, 20), 0.1);
 }
 
+TEST(GroundTest, highest_points_are_roofs_and_crowns) {
+  const auto roof = [](double x, double y) { return plane(x, y) + 8.0 + 0.6 * x; };
+  Site site;
+  site.scatter(8000, 40, plane, 2);
+  Random random("roof");
+  for (int i = 0; i < 16000; ++i) {
+    const double x = random.between(10, 30), y = random.between(10, 30);
+    site.add(x, y, roof(x, y), 6);
+  }
+  site.add(20, 20, 560, 0);  // a bird
+  const Ground ground = site.ground({.source = GroundSource::highest});
+  EXPECT_EQ(ground.source(), GroundSource::highest);
+  for (double x = 12; x < 28; x += 1.7) EXPECT_NEAR(at(ground, x, 40 - x), roof(x, 40 - x), 0.05) << x;
+  for (double x = 1; x < 8; x += 1.7) EXPECT_NEAR(at(ground, x, 20), plane(x, 20), 0.05) << x;
+}
+
 TEST(GroundTest, the_foot_of_a_cliff_does_count) {
   const auto cliff = [](double x, double) { return x < 20 ? 500.0 : 530.0; };
   Site site;

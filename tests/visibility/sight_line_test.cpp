@@ -8,8 +8,8 @@
 #include <glm/geometric.hpp>
 #include <vector>
 
+#include "octree/brute_force.h"
 #include "octree/build.h"
-#include "octree/distance.h"
 #include "octree/spacing.h"
 #include "tests/support/random.h"
 #include "visibility/crossing.h"
@@ -53,26 +53,14 @@ PointCloud garden() {
   return cloud;
 }
 
-/// The definition: all points that block, by the position of their middle along the line, then by number.
+/// The definition: all points that block, in the order in which the line meets them.
 std::vector<Hit> all_blockers(const Occluders& occluders, const PointCloud& cloud, const SightLine& line) {
-  const Ray ray{line.from.position, line.direction};
-  const bool own_radii = !occluders.options().radius;
+  const TreeView& tree = occluders.octree().view();
+  RayQuery query = query_of(occluders);
+  query.filter = [&](const Candidate& candidate) { return crossing(occluders, line, candidate).has_value(); };
   const std::vector<double> spacings =
-      own_radii ? spacings_in_order(occluders.octree().view()) : std::vector<double>();
-  std::vector<Hit> hits;
-  for (std::size_t id = 0; id < cloud.size(); ++id) {
-    const RayProjection projection = project(ray, cloud.world(id));
-    const double radius = candidate_radius(occluders, own_radii ? spacings[id] : 0.0);
-    if (!(projection.distance <= radius)) continue;
-    const Candidate candidate{.point_id = id,
-                              .position = cloud.world(id),
-                              .t = projection.t,
-                              .distance = projection.distance,
-                              .radius = radius};
-    if (crossing(occluders, line, candidate)) hits.push_back({id, cloud.world(id), projection.t});
-  }
-  std::ranges::sort(hits, {}, [](const Hit& hit) { return std::pair(hit.t, hit.point_id); });
-  return hits;
+      query.spacing_factor > 0.0 ? spacings_in_order(tree) : std::vector<double>();
+  return brute_force::find(cloud, ray_of(occluders, line), query, {spacings, &tree});
 }
 
 std::vector<SightLine> random_lines(const Occluders& occluders, const PointCloud& cloud, std::size_t count) {

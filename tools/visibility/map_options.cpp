@@ -41,16 +41,19 @@ Bounds parse_area(const std::string& text) {
 
 void add_ground(const Options& command, MapOptions& map) {
   const Options group = command.group("Ground");
-  group.choice("--ground",
-               "ground: points of the classes 2, 9 and 11 (ground, water, road surface), or the lowest "
-               "points (default: auto, by class if there is class 2)",
-               map.ground_source,
-               {{"auto", visibility::GroundSource::automatic},
-                {"class", visibility::GroundSource::classified},
-                {"lowest", visibility::GroundSource::lowest}});
+  group.choice(
+      "--ground",
+      "ground: points of the classes 2, 9 and 11 (ground, water, road surface), the lowest points, or "
+      "the highest, which are roofs and crowns as in a surface model (default: auto, by class if there "
+      "is class 2)",
+      map.ground_source,
+      {{"auto", visibility::GroundSource::automatic},
+       {"class", visibility::GroundSource::classified},
+       {"lowest", visibility::GroundSource::lowest},
+       {"highest", visibility::GroundSource::highest}});
   group.number("--ground-cell", "LENGTH",
-               "cell size of the ground (default: the mean distance of the points of these classes, or four "
-               "times that of all points)",
+               "cell size of the ground (default: the mean distance of the points of these classes, or of "
+               "all points four times that, for the highest twice)",
                map.ground_cell, 1e-6, 1e9);
   group.number(
       "--ground-reach", "LENGTH",
@@ -63,10 +66,11 @@ std::string ground_text(const visibility::Ground& ground) {
   const geo::RasterGrid& grid = ground.heights().grid;
   if (ground.source() == visibility::GroundSource::terrain)
     return fmt::format("heights of the raster in cells of {:.4g}", grid.cell_size);
-  return fmt::format("{} in cells of {:.4g}, {:.1f} % of them measured",
-                     ground.source() == visibility::GroundSource::classified ? "points of classes 2, 9 and 11"
-                                                                             : "lowest points",
-                     grid.cell_size,
+  const std::string points = ground.source() == visibility::GroundSource::classified
+                                 ? "points of classes 2, 9 and 11"
+                             : ground.source() == visibility::GroundSource::highest ? "highest points"
+                                                                                    : "lowest points";
+  return fmt::format("{} in cells of {:.4g}, {:.1f} % of them measured", points, grid.cell_size,
                      100.0 * static_cast<double>(ground.measured_cells()) / static_cast<double>(grid.size()));
 }
 

@@ -12,23 +12,15 @@
 #include <utility>
 
 #include "base/error.h"
+#include "base/ray.h"
 #include "geo/earth.h"
 #include "mesh/triangle_tree.h"
-#include "octree/query.h"
-#include "octree/spacing.h"
-#include "visibility/crossing.h"
+#include "visibility/horizon/near_lines.h"
 
 namespace alidade::visibility {
 namespace {
 
 constexpr double k_turn = 360.0, k_quarter = 90.0;
-
-/// Elevations by their number: elevation(i) = i * resolution.
-struct ElevationSteps {
-  int per_quarter = 1;
-
-  double elevation(int step) const { return k_quarter * step / per_quarter; }
-};
 
 void check_range(bool holds, const char* what, std::string expected, double found) {
   check_that(holds, fmt::format("{} out of range", what), std::move(expected), fmt::format("{}", found));
@@ -42,36 +34,6 @@ int whole_steps(const char* what, double range, double step, double least, doubl
               what, fmt::format("degrees from {} to {} that divide {} evenly", least, most, range), step);
   return static_cast<int>(std::round(steps));
 }
-
-/// How far each point reaches that can block lines from an eye at all.
-class Reaches {
- public:
-  Reaches(const Occluders& occluders, const SightEnd& eye) : occluders_(occluders), eye_(eye) {
-    if (!occluders.options().radius) spacings_ = spacings_in_order(occluders.octree().view());
-  }
-
-  /// A little more than the radius of the point's disc or sphere; empty if it blocks no line.
-  std::optional<double> of(const Candidate& point) const {
-    constexpr double k_more = 1.0 + 1e-6, k_less = 1.0 - 1e-6;
-    const OccluderOptions& options = occluders_.options();
-    if (options.counts && !options.counts(point.point_id)) return {};
-    const double radius =
-        options.radius ? *options.radius : candidate_radius(occluders_, spacings_[point.point_id]);
-    const PointSurface surface = occluders_.surface(point.point_id);
-    if (!surface.exists) {
-      const double sphere = sphere_of(occluders_, radius);
-      if (options.shape == OccluderShape::disc || is_within(eye_, point.position, k_less * sphere)) return {};
-      return k_more * sphere;
-    }
-    if (is_own(eye_, point_disc(point.position, surface, radius), surface)) return {};
-    return k_more * radius;
-  }
-
- private:
-  const Occluders& occluders_;
-  const SightEnd& eye_;
-  std::vector<double> spacings_;  ///< by point id; empty if all have one radius
-};
 
 /// All lines from an eye in one azimuth between two elevations.
 class SightFan {
@@ -155,20 +117,24 @@ class SightFan {
   SineCosine bottom_, top_;
 };
 
+constexpr int k_lines_at_once = 16;
+
 /// The highest blocked line of one azimuth.
 struct AzimuthSearch {
   const Occluders& occluders;
-  const Reaches& reaches;
+  const NearLines& near;
   const SightEnd& eye;
   const ElevationSteps& steps;
+  int number;  ///< of the azimuth
   double azimuth, max_distance;
 
   /// Number of the highest blocked elevation in [low, high].
   std::optional<int> highest(int low, int high) const {
-    if (high - low < k_lines_at_once) return highest_line(low, high);
-    // Wider cones would let hardly any sky pass.
-    const bool is_narrow = steps.elevation(high) - steps.elevation(low) <= k_widest_cone;
+    // Wider fans would let hardly any sky pass.
+    constexpr double k_widest_fan = 23.0;  // degrees
+    const bool is_narrow = steps.elevation(high) - steps.elevation(low) <= k_widest_fan;
     if (is_narrow && is_free(low, high)) return {};
+    if (high - low < k_lines_at_once) return highest_line(low, high);
     const int middle = low + (high - low) / 2;
     const std::optional<int> upper = highest(middle + 1, high);
     return upper ? upper : highest(low, middle);
@@ -178,33 +144,10 @@ struct AzimuthSearch {
     return sight_ray(eye, geo::compass_direction(azimuth, steps.elevation(step)), max_distance);
   }
 
-  static constexpr int k_lines_at_once = 16;
-  static constexpr double k_widest_cone = 23.0;  // degrees
-
-  /// Whether no point is near enough to any line at these elevations to block it. A disc or sphere that
-  /// blocks a line holds a position of it, so its point lies within its radius of a position in the cone
-  /// around the lines.
+  /// Whether surely nothing blocks any line at these elevations.
   bool is_free(int low, int high) const {
-    constexpr double k_slack = 1e-6;
-    const double bottom = steps.elevation(low), top = steps.elevation(high);
-    const SineCosine half = sine_cosine_of_degrees(0.5 * (top - bottom) + k_slack);
-    const double slope = half.sine / half.cosine, radius = occluders.largest_radius() + k_slack;
-    Cone cone;
-    cone.axis = make_ray(eye.position, geo::compass_direction(azimuth, 0.5 * (bottom + top)), -radius,
-                         max_distance + radius);
-    // Over the slant of the cone's mantle.
-    cone.radius = radius / half.cosine;
-    cone.slope = slope;
-    ConeQuery query;
-    query.filter = [&](const Candidate& point) {
-      const std::optional<double> reach = reaches.of(point);
-      if (!reach) return false;
-      // Of what lies behind, the eye is nearest.
-      if (point.t < 0.0) return glm::distance(point.position, eye.position) <= *reach + k_slack;
-      return point.distance <= (*reach + k_slack) / half.cosine + slope * point.t;
-    };
-    if (occluded(occluders.octree(), cone, query)) return false;
-    const SightFan fan(eye, azimuth, bottom, top);
+    if (!near.are_free(number, low, high)) return false;
+    const SightFan fan(eye, azimuth, steps.elevation(low), steps.elevation(high));
     const auto& mesh = occluders.options().mesh;
     const auto& terrain = occluders.options().terrain;
     return (mesh == nullptr || fan.is_free(*mesh)) && (terrain == nullptr || fan.is_free(*terrain));
@@ -242,8 +185,7 @@ int azimuths_per_turn(double step) {
 std::vector<HorizonDirection> horizon(const Occluders& occluders, const SightEnd& eye,
                                       const HorizonOptions& options, const Progress& progress) {
   const int per_turn = azimuths_per_turn(options.step);
-  const ElevationSteps steps{
-      whole_steps("elevation resolution", k_quarter, options.resolution, 0.0001, 10.0)};
+  ElevationSteps steps{whole_steps("elevation resolution", k_quarter, options.resolution, 0.0001, 10.0)};
   const auto in_quarter = [](double elevation) { return elevation >= -k_quarter && elevation <= k_quarter; };
   check_range(in_quarter(options.elevation_min), "minimum elevation", "-90 to 90", options.elevation_min);
   check_range(in_quarter(options.elevation_max), "maximum elevation", "-90 to 90", options.elevation_max);
@@ -258,23 +200,26 @@ std::vector<HorizonDirection> horizon(const Occluders& occluders, const SightEnd
   const auto step_below = [&](double degrees, double range, int count) {
     return static_cast<int>(std::floor(degrees / range * count + k_slack));
   };
-  const int low = -step_below(-options.elevation_min, k_quarter, steps.per_quarter);
-  const int high = step_below(options.elevation_max, k_quarter, steps.per_quarter);
+  steps.low = -step_below(-options.elevation_min, k_quarter, steps.per_quarter);
+  steps.high = step_below(options.elevation_max, k_quarter, steps.per_quarter);
   const int first = -step_below(-from, k_turn, per_turn);
   const int last = step_below(from + width, k_turn, per_turn);
-  const int count = std::min(last - first + 1, per_turn);
+  const AzimuthSteps azimuths{per_turn, first, std::clamp(last - first + 1, 0, per_turn)};
 
-  std::vector<HorizonDirection> directions(static_cast<std::size_t>(std::max(count, 0)));
-  const Reaches reaches(occluders, eye);
+  std::vector<HorizonDirection> directions(static_cast<std::size_t>(azimuths.count));
+  for (std::size_t i = 0; i < directions.size(); ++i)
+    directions[i].azimuth = azimuths.azimuth(static_cast<int>(i));
+  if (steps.high < steps.low) return directions;
+  make_ray(eye.position, {0.0, 0.0, 1.0});  // an eye that is not finite is an error
+  const NearLines near(occluders, eye, azimuths, steps, k_lines_at_once);
   constexpr std::size_t k_azimuths_at_once = 64;
   for (std::size_t begin = 0; begin < directions.size(); begin += k_azimuths_at_once) {
     report(progress, begin, directions.size());
     tbb::parallel_for(begin, std::min(begin + k_azimuths_at_once, directions.size()), [&](std::size_t i) {
       HorizonDirection& direction = directions[i];
-      const int number = first + static_cast<int>(i);
-      direction.azimuth = k_turn * ((number % per_turn + per_turn) % per_turn) / per_turn;
-      const AzimuthSearch search{occluders, reaches, eye, steps, direction.azimuth, options.max_distance};
-      const std::optional<int> step = high >= low ? search.highest(low, high) : std::nullopt;
+      const AzimuthSearch search{
+          occluders, near, eye, steps, static_cast<int>(i), direction.azimuth, options.max_distance};
+      const std::optional<int> step = search.highest(steps.low, steps.high);
       if (!step) return;
       direction.elevation = steps.elevation(*step);
       direction.blocker = first_blocker(occluders, search.line(*step));

@@ -47,10 +47,10 @@ struct HorizonDirection {
   std::optional<double> unscanned{};
 };
 
-/// The horizon, azimuth by azimuth clockwise from azimuth_min. Errors: options out of range. Memory: 8 B per
-/// point. Cost: the free sky is ruled out with cones (no point near any of the lines in them, no triangle between
-/// them), single lines are only asked close to the edge: some 10^2 to 10^3 queries per azimuth, in parallel. `progress`
-/// is in azimuths. The same on any number of threads and any instruction set.
+/// The horizon, azimuth by azimuth clockwise from azimuth_min. Errors: options out of range. Memory: at most
+/// 110 MB. Cost: 0.3 microseconds of one thread per point for a table of what comes near any line; of the lines that it
+/// does not call free, and that no triangle or patch of terrain is near to, those from the highest blocked one on: 10 to
+/// 10^3 per azimuth, in parallel. `progress` is in azimuths. The same on any number of threads and any instruction set.
 std::vector<HorizonDirection> horizon(const Occluders& occluders, const SightEnd& eye,
                                       const HorizonOptions& options, const Progress& progress = {});
 

@@ -16,7 +16,7 @@
 namespace alidade::visibility {
 namespace {
 
-constexpr std::size_t k_batch = 1 << 17;
+constexpr std::size_t k_points_checked = 1 << 17;
 
 /// Whether the photo has any of these points, or of every so many of them, in its frame and reach.
 bool shows_any(const PhotoFrame& frame, const std::vector<PlacedPoint>& points, std::size_t every,
@@ -40,7 +40,7 @@ std::string box_text(const Bounds& box) {
 }
 
 /// How far a box is from another, and not from its middle; 0 where they overlap.
-double gap(const Bounds& a, const Bounds& b) {
+double gap_between(const Bounds& a, const Bounds& b) {
   return glm::length(glm::max(glm::max(a.min - b.max, b.min - a.max), glm::dvec3(0.0)));
 }
 
@@ -49,7 +49,7 @@ template <class Change>
 bool any_shows(const Octree& octree, std::span<const camera::NamedCamera> photos, std::size_t every,
                double max_distance, const Change& change) {
   const TreeView& tree = octree.view();
-  for (const std::vector<Leaf>& batch : leaf_blocks(tree, k_batch)) {
+  for (const std::vector<Leaf>& batch : leaf_blocks(tree, k_points_checked)) {
     const std::vector<PlacedPoint> points = placed_points(tree, batch);
     for (const camera::NamedCamera& photo : photos)
       if (shows_any(PhotoFrame(change(photo.camera)), points, every, max_distance)) return true;
@@ -82,10 +82,10 @@ camera::Camera inverted(camera::Camera camera) {
 /// Why cameras far from a cloud may not see it, and what to do about it; empty: they are not far.
 std::string reason_of_distance(const Bounds& cameras, const Bounds& cloud) {
   const double far = 10.0 * glm::length(cloud.max - cloud.min) + 1000.0;
-  if (gap(cameras, cloud) <= far) return "";
+  if (gap_between(cameras, cloud) <= far) return "";
   const Bounds exchanged{{cameras.min.y, cameras.min.x, cameras.min.z},
                          {cameras.max.y, cameras.max.x, cameras.max.z}};
-  if (gap(exchanged, cloud) <= far)
+  if (gap_between(exchanged, cloud) <= far)
     return "cameras in the axes of the cloud: x and y of their positions are exchanged";
   const bool are_degrees =
       cameras.min.x >= -180.0 && cameras.max.x <= 180.0 && cameras.min.y >= -90.0 && cameras.max.y <= 90.0;
@@ -98,7 +98,7 @@ std::string reason_of_distance(const Bounds& cameras, const Bounds& cloud) {
 std::string likely_reason(const Octree& octree, std::span<const camera::NamedCamera> photos,
                           const Bounds& cameras, double max_distance) {
   // Guesses need not be exact: some points of a large cloud will do.
-  const std::size_t every = octree.size() / k_batch + 1;
+  const std::size_t every = octree.size() / k_points_checked + 1;
   if (std::isfinite(max_distance) && any_shows(octree, photos, every, INFINITY, unchanged))
     return "a larger --max-distance";
   if (const std::string reason = reason_of_distance(cameras, octree.bounds()); !reason.empty()) return reason;

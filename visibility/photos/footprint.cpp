@@ -128,7 +128,7 @@ class Tracer {
 };
 
 /// Twice the area, positive counter-clockwise with north up.
-std::int64_t doubled_area(const Ring& ring) {
+std::int64_t doubled_ring_area(const Ring& ring) {
   std::int64_t area = 0;
   for (std::size_t i = 0; i < ring.corners.size(); ++i) {
     const Corner &a = ring.corners[i], &b = ring.corners[(i + 1) % ring.corners.size()];
@@ -153,7 +153,7 @@ std::vector<PlanePolygon> outline(const geo::RasterGrid& grid, std::span<const s
   std::vector<PlanePolygon> polygons(tracer.component_count());
   for (const bool is_outer : {true, false}) {
     for (const Ring& ring : rings)
-      if ((doubled_area(ring) > 0) == is_outer)
+      if ((doubled_ring_area(ring) > 0) == is_outer)
         polygons[ring.component - 1].rings.push_back(world_ring(grid, ring));
   }
   return polygons;

@@ -11,11 +11,11 @@ namespace {
 using geo::ColumnType;
 using geo::VectorValue;
 
-std::int64_t whole(std::uint64_t number) {
+std::int64_t number_of(std::uint64_t number) {
   return static_cast<std::int64_t>(number);
 }
 
-double share_of(std::uint64_t part, std::uint64_t all) {
+double share_of_points(std::uint64_t part, std::uint64_t all) {
   return static_cast<double>(part) / static_cast<double>(all);
 }
 
@@ -40,8 +40,8 @@ geo::VectorLayer footprints(const PhotoVisibility& seen, std::span<const camera:
     const auto if_any = [&](double value) { return photo.points > 0 ? VectorValue(value) : VectorValue(); };
     layer.features.push_back(
         {photo.footprint,
-         {whole(i + 1), photos[i].name, position.x, position.y, position.z, whole(photo.points),
-          share_of(photo.points, seen.counts.size()), if_any(photo.median_sampling),
+         {number_of(i + 1), photos[i].name, position.x, position.y, position.z, number_of(photo.points),
+          share_of_points(photo.points, seen.counts.size()), if_any(photo.median_sampling),
           if_any(photo.median_distance), if_any(photo.largest_overlap)}});
   }
   return layer;
@@ -62,8 +62,8 @@ geo::VectorLayer overlap_lines(const PhotoVisibility& seen, std::span<const came
     const camera::NamedCamera &first = photos[pair.first], &second = photos[pair.second];
     const std::uint64_t fewer = std::min(seen.photos[pair.first].points, seen.photos[pair.second].points);
     layer.features.push_back({std::vector{first.camera.pose.position, second.camera.pose.position},
-                              {whole(pair.first + 1), whole(pair.second + 1), first.name, second.name,
-                               whole(pair.points), share_of(pair.points, fewer)}});
+                              {number_of(pair.first + 1), number_of(pair.second + 1), first.name, second.name,
+                               number_of(pair.points), share_of_points(pair.points, fewer)}});
   }
   return layer;
 }

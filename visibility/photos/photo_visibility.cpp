@@ -19,7 +19,7 @@
 namespace alidade::visibility {
 namespace {
 
-constexpr std::size_t k_batch = 1 << 17;
+constexpr std::size_t k_points_at_once = 1 << 17;
 
 /// 0 without values.
 double median_of(std::vector<float>& values) {
@@ -64,7 +64,7 @@ class Collector {
         photos_(photos),
         frames_(frames),
         options_(options),
-        batches_(leaf_blocks(tree_, k_batch)),
+        batches_(leaf_blocks(tree_, k_points_at_once)),
         sets_(photos.size()),
         views_(options.read_photo ? tree_.point_count : 0) {
     result_.best.resize(tree_.point_count);

@@ -8,16 +8,16 @@ namespace alidade::visibility {
 namespace {
 
 /// 8 bits to 16.
-constexpr double k_step = 257.0;
+constexpr double k_to_16_bits = 257.0;
 
 /// A value of one channel and how much it weighs.
-struct Weighted {
+struct WeightedValue {
   double value = 0.0, weight = 0.0;
 };
 
-double mean(std::span<const Weighted> values) {
+double weighted_mean(std::span<const WeightedValue> values) {
   double sum = 0.0, weight = 0.0;
-  for (const Weighted& each : values) {
+  for (const WeightedValue& each : values) {
     sum += each.weight * each.value;
     weight += each.weight;
   }
@@ -25,10 +25,10 @@ double mean(std::span<const Weighted> values) {
 }
 
 /// Where the weights below and above are equal: between two values their mean.
-double median(std::span<Weighted> values) {
-  std::ranges::sort(values, {}, &Weighted::value);
+double weighted_median(std::span<WeightedValue> values) {
+  std::ranges::sort(values, {}, &WeightedValue::value);
   double all = 0.0, below = 0.0;
-  for (const Weighted& each : values) all += each.weight;
+  for (const WeightedValue& each : values) all += each.weight;
   for (std::size_t i = 0; i + 1 < values.size(); ++i) {
     below += values[i].weight;
     if (2.0 * below == all) return 0.5 * (values[i].value + values[i + 1].value);
@@ -88,11 +88,12 @@ Color16 blended(const ColorViews& views) {
   const std::vector<double> weights = balanced_weights(some);
   Color16 color(0);
   for (int channel = 0; channel < 3; ++channel) {
-    std::array<Weighted, k_color_views> values;
+    std::array<WeightedValue, k_color_views> values;
     for (std::size_t i = 0; i < count; ++i)
-      values[i] = {k_step * some[i].color[static_cast<std::size_t>(channel)], weights[i]};
-    const std::span<Weighted> used = std::span(values).first(count);
-    color[channel] = static_cast<std::uint16_t>(std::lround(count > 2 ? median(used) : mean(used)));
+      values[i] = {k_to_16_bits * some[i].color[static_cast<std::size_t>(channel)], weights[i]};
+    const std::span<WeightedValue> used = std::span(values).first(count);
+    color[channel] =
+        static_cast<std::uint16_t>(std::lround(count > 2 ? weighted_median(used) : weighted_mean(used)));
   }
   return color;
 }

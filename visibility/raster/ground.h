@@ -24,13 +24,14 @@ enum class GroundSource {
   automatic,   ///< by class if the cloud has points of class 2, otherwise lowest points
   classified,  ///< points of the ASPRS classes 2, ground, 9, water, and 11, road surface
   lowest,   ///< the lowest point of each cell: where nothing of the ground was seen, it is a roof or a crown
+  highest,  ///< the highest point of each cell: roofs and crowns, as in a digital surface model
   terrain,  ///< not of points: the heights of an elevation raster
 };
 
 struct GroundOptions {
   GroundSource source = GroundSource::automatic;
   /// Side of the grid's cells. Empty: for points of these classes their mean distance, for lowest points four
-  /// times that of all points, so that most cells have one that reached the ground.
+  /// times that of all points, so that most cells have one that reached the ground, for highest points twice.
   std::optional<double> cell_size{};
   /// Gaps are closed as far as this from the nearest cell with a point of any class; beyond, the cloud does
   /// not reach and there is no ground. In the unit of the cloud.
@@ -92,9 +93,10 @@ class Ground {
 double unscanned_length(const Ground& ground, const glm::dvec2& from, const glm::dvec2& to);
 
 /// The ground under a cloud, over all its bounds. `classifications` by point id; empty if the cloud has none.
-/// How: of every cell the mean of its ground points, or its lowest point, brought to the middle of the cell
-/// along the slope of its neighbours, so that planes are exact. A lowest point that lies alone, farther below
-/// all others of its cell and of the cells around than 1 + the cell's side (a wrong echo), does not count.
+/// How: of every cell the mean of its ground points, or its lowest or highest point, brought to the middle of the cell
+/// along the slope of its neighbours, so that planes are exact. A lowest or highest point that lies alone, farther below
+/// or above all others of its cell and of the cells around than 1 + the cell's side (a wrong echo, a bird), does not
+/// count.
 /// Gaps are filled by the membrane through what is around them (Laplace's equation).
 /// Cost: about 30 ns per point and cell. Memory: 50 B per cell, checked beforehand.
 /// Errors: an empty cloud; `classified` without points of class 2; `terrain`; those of grid_over(); reach negative or

@@ -5,6 +5,7 @@
 #include <tbb/parallel_for.h>
 #include <algorithm>
 #include <cmath>
+#include <glm/geometric.hpp>
 #include <limits>
 #include <vector>
 
@@ -157,32 +158,37 @@ GroundSamples mean_of_class(const Octree& octree, std::span<const std::uint8_t> 
   return result;
 }
 
-/// Of every cell the lowest point that is not an outlier.
-GroundSamples lowest_points(const Octree& octree, const geo::RasterGrid& grid, const Progress& progress) {
+/// Of every cell the lowest point that is not an outlier; with a sign of -1 the highest.
+GroundSamples lowest_points(const Octree& octree, const geo::RasterGrid& grid, double sign,
+                            const Progress& progress) {
   geo::Raster<TwoLowest> lowest(grid, {});
   GroundSamples result{geo::Raster<GroundSample>(grid, {.height = k_nan}),
                        std::vector<std::uint8_t>(grid.size(), 0)};
   for_each_point(octree, grid, progress, [&](const glm::ivec2& cell, std::uint64_t, const glm::dvec3& p) {
     result.covered[grid.index(cell.x, cell.y)] = 1;
-    lowest.at(cell.x, cell.y).take(sample_at(grid, cell, p));
+    lowest.at(cell.x, cell.y).take(sample_at(grid, cell, {p.x, p.y, sign * p.z}));
   });
   tbb::parallel_for(0, grid.rows, [&](int row) {
     for (int column = 0; column < grid.columns; ++column) {
       const TwoLowest& cell = lowest.at(column, row);
-      result.samples.at(column, row) = has_company(lowest, column, row) ? cell.lowest : cell.second;
+      GroundSample& sample = result.samples.at(column, row);
+      sample = has_company(lowest, column, row) ? cell.lowest : cell.second;
+      sample.height *= sign;
     }
   });
   return result;
 }
 
-/// Heights in the middles of cells; NaN where nothing was measured.
-geo::Raster<double> heights_in_middles(const geo::Raster<GroundSample>& samples) {
+/// Heights in the middles of cells; NaN where nothing was measured. Steeper slopes than `steepest` are steps, such as the
+/// edge of a roof.
+geo::Raster<double> heights_in_middles(const geo::Raster<GroundSample>& samples, double steepest) {
   geo::Raster<double> heights(samples.grid, k_nan);
   tbb::parallel_for(0, samples.grid.rows, [&](int row) {
     for (int column = 0; column < samples.grid.columns; ++column) {
       const GroundSample& sample = samples.at(column, row);
       if (!sample.exists()) continue;
-      const glm::dvec2 slope = slope_around(samples, column, row);
+      glm::dvec2 slope = slope_around(samples, column, row);
+      if (glm::dot(slope, slope) > steepest * steepest) slope = glm::dvec2(0.0);
       heights.at(column, row) = sample.height - slope.x * sample.offset.x - slope.y * sample.offset.y;
     }
   });
@@ -338,25 +344,27 @@ void fill_gaps(geo::Raster<double>& raster) {
 Ground make_ground(const Octree& octree, std::span<const std::uint8_t> classifications,
                    const GroundOptions& options) {
   constexpr std::uint64_t k_bytes_per_cell = 50;
-  constexpr double k_lowest_distances = 4.0;
+  constexpr double k_lowest_distances = 4.0, k_highest_distances = 2.0, k_steepest_roof = 1.5;
   if (octree.size() == 0) throw Error({.problem = "the cloud has no points for the ground"});
   for (const double reach : {options.reach, options.scanned_reach.value_or(0.0)})
     check_that(reach >= 0.0 && std::isfinite(reach), "ground reach out of range", "at least 0",
                fmt::format("{}", reach));
   const GroundSource source = chosen_source(
       options.source, std::ranges::find(classifications, k_ground_class) != classifications.end());
-  const bool by_class = source == GroundSource::classified;
+  const bool by_class = source == GroundSource::classified, is_highest = source == GroundSource::highest;
   const auto count = by_class
                          ? static_cast<std::uint64_t>(std::ranges::count_if(classifications, is_on_ground))
                          : octree.size();
   const double distance = mean_distance(octree.bounds(), count);
-  const geo::RasterGrid grid = geo::grid_over(
-      octree.bounds(), options.cell_size.value_or(by_class ? distance : k_lowest_distances * distance));
+  const double distances = by_class ? 1.0 : is_highest ? k_highest_distances : k_lowest_distances;
+  const geo::RasterGrid grid =
+      geo::grid_over(octree.bounds(), options.cell_size.value_or(distances * distance));
   check_memory(k_bytes_per_cell * grid.size(), "the heights of the ground");
 
   GroundSamples samples = by_class ? mean_of_class(octree, classifications, grid, options.progress)
-                                   : lowest_points(octree, grid, options.progress);
-  geo::Raster<double> heights = heights_in_middles(samples.samples);
+                                   : lowest_points(octree, grid, is_highest ? -1.0 : 1.0, options.progress);
+  geo::Raster<double> heights = heights_in_middles(
+      samples.samples, is_highest ? k_steepest_roof : std::numeric_limits<double>::infinity());
   samples.samples = {};
   const auto measured = static_cast<std::uint64_t>(
       std::ranges::count_if(heights.values, [](double height) { return !std::isnan(height); }));

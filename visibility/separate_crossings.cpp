@@ -1,0 +1,172 @@
+// SPDX-License-Identifier: MIT
+#include "visibility/separate_crossings.h"
+
+#include <algorithm>
+#include <cstddef>
+#include <limits>
+#include <tuple>
+#include <vector>
+
+#include "base/ray.h"
+#include "octree/query.h"
+#include "visibility/crossing.h"
+
+namespace alidade::visibility {
+namespace {
+
+constexpr double k_none = std::numeric_limits<double>::infinity();
+
+/// Where a point blocks a line, and how much of the line it takes.
+struct Crossing {
+  Blocker blocker;
+  double diameter;
+};
+
+bool comes_before(const Crossing& one, const Crossing& other) {
+  return std::tie(one.blocker.distance, one.blocker.point_id) <
+         std::tie(other.blocker.distance, other.blocker.point_id);
+}
+
+/// What is found of one line.
+class Crossings {
+ public:
+  /// Keeps, of the crossings of one point, that which comes first.
+  void add(const Crossing& crossing) {
+    const auto same = std::ranges::find(found_, crossing.blocker.point_id,
+                                        [](const Crossing& other) { return other.blocker.point_id; });
+    if (same != found_.end()) {
+      if (!comes_before(crossing, *same)) return;
+      found_.erase(same);
+    }
+    found_.insert(std::ranges::upper_bound(found_, crossing, comes_before), crossing);
+  }
+
+  /// The crossing that makes the k-th separate one among them.
+  std::optional<Blocker> separate(int k) const {
+    int count = 0;
+    double end = -k_none;
+    for (const auto& [blocker, diameter] : found_) {
+      if (blocker.distance <= end) continue;
+      if (++count == k) return blocker;
+      end = blocker.distance + diameter;
+    }
+    return std::nullopt;
+  }
+
+  void clear() { found_.clear(); }
+
+ private:
+  std::vector<Crossing> found_;  ///< in their order
+};
+
+/// A line on its way through the points. Crossings are collected by the filter of a query for the closest point: it
+/// rejects them all until they suffice, and admits whatever comes after that, which ends the query.
+class LineUnderWay {
+ public:
+  LineUnderWay(const Occluders& occluders, const ChordLines& lines, std::size_t line)
+      : occluders_(&occluders), lines_(&lines), line_(line), chord_(lines.begin[line]) {
+    has_ended_ = chord_ == lines.begin[line + 1];
+    cut_off();
+  }
+
+  std::size_t line() const { return line_; }
+  bool has_ended() const { return has_ended_; }
+  std::optional<Blocker> blocker() const { return crossings_.separate(occluders_->options().transparency); }
+
+  /// The part of a chord that is asked next.
+  Ray ray() const {
+    Ray ray = ray_of(*occluders_, chord());
+    ray.t_min = std::max(ray.t_min, known_);
+    return ray;
+  }
+
+  /// Whether the query may end at a candidate of that ray: it and what comes after it do not matter.
+  bool collect(const Candidate& candidate) {
+    if (candidate.t >= cut_) return true;
+    const std::optional<double> position = crossing(*occluders_, chord(), candidate);
+    if (!position) return false;
+    crossings_.add({{candidate.point_id, candidate.position, start() + *position},
+                    2.0 * width_of(*occluders_, candidate)});
+    cut_off();
+    return false;
+  }
+
+  /// All candidates of the ray, or those before the cut, were collected.
+  void go_on() {
+    if (cut_ < k_none) {
+      known_ = cut_;
+      cut_ = k_none;
+      cut_off();
+      // A crossing that was found late may have put off the last one that matters.
+      if (cut_ > known_) return;
+    }
+    known_ = -k_none;
+    cut_ = k_none;
+    has_ended_ = ++chord_ == lines_->begin[line_ + 1];
+    if (has_ended_) return;
+    cut_off();
+    // Nothing on the next chord comes before its start.
+    has_ended_ = cut_ <= reach_before(*occluders_);
+  }
+
+ private:
+  const SightLine& chord() const { return lines_->chords[chord_]; }
+  double start() const { return lines_->starts[chord_]; }
+
+  /// From where on crossings come after the last one that matters.
+  void cut_off() {
+    if (has_ended_) return;
+    const std::optional<Blocker> last = blocker();
+    if (last) cut_ = std::min(cut_, last->distance - start() + reach_before(*occluders_) + k_rounding);
+  }
+
+  static constexpr double k_rounding = 1e-6;  // metres
+
+  const Occluders* occluders_;
+  const ChordLines* lines_;
+  std::size_t line_, chord_;
+  Crossings crossings_;
+  double known_ = -k_none, cut_ = k_none;  ///< projections on the chord
+  bool has_ended_ = false;
+};
+
+/// Answers some of the lines, [from, to).
+void find_blockers(const Occluders& occluders, const ChordLines& lines, std::size_t from, std::size_t to,
+                   std::span<std::optional<Blocker>> blockers) {
+  std::vector<LineUnderWay> under_way;
+  under_way.reserve(to - from);
+  for (std::size_t line = from; line < to; ++line) under_way.emplace_back(occluders, lines, line);
+  RayQuery query = query_of(occluders);
+  query.filter = [&](const Candidate& candidate) {
+    return under_way[candidate.query_index].collect(candidate);
+  };
+  std::vector<Ray> rays;
+  std::vector<std::optional<Hit>> ends;
+  const auto keep_going = [&] {
+    std::erase_if(under_way, [&](const LineUnderWay& line) {
+      if (line.has_ended()) blockers[line.line()] = line.blocker();
+      return line.has_ended();
+    });
+    return !under_way.empty();
+  };
+  while (keep_going()) {
+    rays.clear();
+    for (const LineUnderWay& line : under_way) rays.push_back(line.ray());
+    ends.resize(rays.size());
+    closest(occluders.octree(), rays, query, ends);
+    for (LineUnderWay& line : under_way) line.go_on();
+  }
+}
+
+}  // namespace
+
+void find_separate_blockers(const Occluders& occluders, const ChordLines& lines,
+                            std::span<std::optional<Blocker>> blockers) {
+  constexpr std::size_t k_chords_at_once = 1 << 14;  // whose crossings are in memory together
+  for (std::size_t from = 0, to = 0; from < blockers.size(); from = to) {
+    while (to < blockers.size() && lines.begin[to] - lines.begin[from] < k_chords_at_once) ++to;
+    find_blockers(occluders, lines, from, to, blockers);
+  }
+}
+
+}  // namespace alidade::visibility
