@@ -45,7 +45,7 @@ std::string unknown(const std::string& kind, const std::string& word, const std:
 
 const Command* find_command(const std::vector<Command>& commands, const std::string& name) {
   const auto found =
-      std::ranges::find_if(commands, [&](const Command& command) { return command.options.name() == name; });
+      std::ranges::find_if(commands, [&](const Command& command) { return command.options.is_called(name); });
   return found == commands.end() ? nullptr : &*found;
 }
 
@@ -147,7 +147,13 @@ ExitCode run_program(const CommandLine& command_line) {
                                          add_merge(program),   add_compare(program),  add_visibility(program),
                                          add_change(program),  add_sql(program)};
   // Behind the program's name.
-  const auto words = std::span(command_line).subspan(std::min<std::size_t>(command_line.size(), 1));
+  CommandLine words(command_line.begin() + std::min<std::ptrdiff_t>(std::ssize(command_line), 1),
+                    command_line.end());
+  // "help COMMAND" is "COMMAND --help".
+  if (!words.empty() && words.front() == "help") {
+    std::ranges::rotate(words, words.begin() + 1);
+    words.back() = "--help";
+  }
 
   const std::string explanation = explain_unknown_word(words, commands);
   if (!explanation.empty()) return say_usage_error(explanation, words, commands);

@@ -135,6 +135,11 @@ Options Options::command(const std::string& name, const std::string& description
   return {command, {}};
 }
 
+Options Options::also_called(const std::string& name) const {
+  app_->alias(name);
+  return *this;
+}
+
 Options Options::require_command() const {
   app_->require_subcommand(1);
   return *this;
@@ -202,6 +207,10 @@ Option Options::flag(const std::string& names, const std::string& help, std::fun
 
 std::string Options::name() const {
   return app_->get_name();
+}
+
+bool Options::is_called(const std::string& word) const {
+  return app_->check_name(word);
 }
 
 bool Options::chosen() const {

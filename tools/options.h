@@ -112,6 +112,9 @@ class Options {
   /// Declares a sub-command, whose manual is tools/manuals/NAME.txt, or GROUP_NAME.txt for one of a group.
   Options command(const std::string& name, const std::string& description) const;
 
+  /// A second name of the command.
+  Options also_called(const std::string& name) const;
+
   /// Makes a command that is nothing without one of its sub-commands.
   Options require_command() const;
 
@@ -197,6 +200,9 @@ class Options {
 
   /// The last word of the command: "raster".
   std::string name() const;
+
+  /// Whether a word is a name of the command.
+  bool is_called(const std::string& word) const;
 
   /// Whether this command is on the command line.
   bool chosen() const;

@@ -105,7 +105,9 @@ TEST_F(ChangeProgramTest, both_epochs_are_in_one_file_with_their_classes) {
   const auto distances = values<float>(out, "M3C2Distance"), levels = values<float>(out, "LoD95");
   for (std::size_t id = 0; id < out.size(); ++id) {
     ASSERT_EQ(std::isnan(distances[id]), std::isnan(levels[id]));
-    if (classes[id] == 1) ASSERT_GT(std::fabs(distances[id]), levels[id]);
+    if (classes[id] == 1) {
+      ASSERT_GT(std::fabs(distances[id]), levels[id]);
+    }
   }
   EXPECT_TRUE(contains(result.out, "BEFORE ")) << result.out;
   EXPECT_TRUE(contains(result.out, "gone ")) << result.out;

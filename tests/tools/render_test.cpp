@@ -81,6 +81,28 @@ TEST_F(RenderCommandTest, cloud_options_for_a_scene_without_a_cloud_are_an_error
   EXPECT_EQ(result.exit_code, 0) << result.err;
 }
 
+TEST_F(RenderCommandTest, clouds_and_scenes_are_told_apart_by_their_content) {
+  write_square("square.xyz");
+  write_square("other.xyz");
+  EXPECT_EQ(run(small({"square.xyz", "-o", "one.png"})).exit_code, 0);
+  EXPECT_EQ(run(small({"square.xyz", "other.xyz", "-o", "two.png"})).exit_code, 0);
+  write("scene",
+        R"({"version": 1, "cloud": {"file": "square.xyz"}, "camera": {"version": 1, "model": "pinhole",
+    "width": 8, "height": 8, "intrinsics": {"vertical_fov": 50},
+    "pose": {"look_at": {"eye": [0, -5, 1], "target": [0, 0, 0], "up": [0, 0, 1]}}}})");
+  const ProgramResult scene = run(small({"scene", "-o", "scene.png"}));
+  EXPECT_EQ(scene.exit_code, 0) << scene.err;
+  write("bad.json", "square.xyz");
+  EXPECT_TRUE(contains(run(small({"bad.json", "-o", "no.png"})).err, "bad.json:1:1: invalid JSON"));
+  const ProgramResult both = run(small({"square.xyz", "scene", "-o", "no.png"}));
+  EXPECT_EQ(both.exit_code, 2);
+  EXPECT_TRUE(contains(both.err, "expected one scene file, or clouds, found the scene 'scene' and 1 more"))
+      << both.err;
+  const ProgramResult site = run(small({"square.xyz", "--site", "courtyard", "-o", "no.png"}));
+  EXPECT_EQ(site.exit_code, 2);
+  EXPECT_TRUE(contains(site.err, "--site does not apply to a cloud")) << site.err;
+}
+
 TEST_F(RenderCommandTest, an_exact_site_takes_the_place_of_the_cloud) {
   ASSERT_EQ(run(small({"--site", "courtyard", "-o", "site.png"})).exit_code, 0);
   write("scene.json", R"({"version": 1, "cloud": {"file": "none.las"}})");

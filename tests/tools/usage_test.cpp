@@ -32,7 +32,7 @@ TEST_F(UsageTest, help_of_every_command_gives_units_and_examples) {
       {"generate", {"metres", "Examples:", "alidade generate courtyard"}},
       {"query",
        {"metres", "degrees", "inclusive", "ray_id,rank,point_id", "Examples:", "alidade query site.las"}},
-      {"render", {"metres", "pixels", "degrees", "bits", "Examples:", "alidade render --cloud"}},
+      {"render", {"metres", "pixels", "degrees", "bits", "Examples:", "alidade render site.las"}},
       {"sql", {"metres", "dist_ray(", "dist_plane(", "shard-plan", "Examples:", "alidade sql site.db"}}};
   for (const auto& [command, parts] : expected) {
     const ProgramResult result = run({command, "--help"});
@@ -40,6 +40,20 @@ TEST_F(UsageTest, help_of_every_command_gives_units_and_examples) {
     EXPECT_EQ(result.err, "");
     for (const std::string& part : parts) EXPECT_TRUE(contains(result.out, part)) << command << ": " << part;
   }
+}
+
+TEST_F(UsageTest, the_word_help_asks_for_the_manual_of_the_words_behind_it) {
+  EXPECT_EQ(run({"help"}).out, run({"--help"}).out);
+  const ProgramResult result = run({"help", "visibility", "raster"});
+  EXPECT_EQ(result.exit_code, 0);
+  EXPECT_EQ(result.out, run({"visibility", "raster", "--help"}).out);
+  EXPECT_TRUE(contains(run({"help", "rendr"}).err, "unknown command 'rendr'; did you mean 'render'?"));
+}
+
+TEST_F(UsageTest, a_viewshed_is_a_visibility_raster) {
+  EXPECT_EQ(run({"visibility", "viewshed", "--help"}).exit_code, 0);
+  EXPECT_TRUE(contains(run({"visibility", "viewshed", "--observre", "0,0"}).err,
+                       "unknown option '--observre'; did you mean '--observer'?"));
 }
 
 TEST(Options, what_is_declared_through_them_stays_required_under_a_heading) {
@@ -134,7 +148,7 @@ TEST_F(UsageTest, scene_and_cloud_exclude_each_other) {
 TEST_F(UsageTest, render_without_scene_or_cloud_reports_what_is_missing) {
   const ProgramResult result = run({"render", "-o", "a.png"});
   EXPECT_EQ(result.exit_code, 2);
-  EXPECT_TRUE(contains(result.err, "SCENE.json, --cloud FILE..., --mesh FILE or --site")) << result.err;
+  EXPECT_TRUE(contains(result.err, "SCENE.json, CLOUD..., --mesh FILE or --site")) << result.err;
 }
 
 TEST_F(UsageTest, program_itself_loads_neither_image_nor_map_libraries) {

@@ -2,7 +2,9 @@
 #include "tools/render/render_options.h"
 
 #include <fmt/format.h>
+#include <fstream>
 
+#include "base/words.h"
 #include "octree/point_surface.h"
 #include "octree/spacing.h"
 #include "renderer/read_scene.h"
@@ -127,6 +129,30 @@ void add_cloud_options(const Options& render, RenderCommand& command) {
 
 /// Clouds, meshes or the site without a scene: a sun in the south-east, and a sky dim enough for white walls to keep their
 /// shading.
+/// Whether a file is a scene, by its name or its first character: clouds of text do not begin with a brace.
+bool is_scene(const std::filesystem::path& file) {
+  if (file_extension(file) == ".json") return true;
+  std::error_code failure;
+  if (!std::filesystem::is_regular_file(file, failure)) return false;
+  std::ifstream stream(file);
+  char first = ' ';
+  stream >> std::ws >> first;
+  return stream && first == '{';
+}
+
+void take_scene_or_cloud(const std::vector<std::string>& words, RenderCommand& command) {
+  const auto scene = std::ranges::find_if(words, is_scene);
+  if (scene == words.end()) {
+    command.files =
+        resolve_clouds(std::vector<std::filesystem::path>(words.begin(), words.end()), cloud_formats());
+    return;
+  }
+  if (words.size() > 1)
+    throw UsageError("invalid operands; expected one scene file, or clouds, found the scene '" + *scene +
+                     "' and " + std::to_string(words.size() - 1) + " more");
+  command.scene_file = *scene;
+}
+
 renderer::Scene daylight_scene(const CloudInputs& clouds) {
   renderer::Scene scene;
   scene.sky = renderer::GradientSky{.horizon = {0.72f, 0.80f, 0.88f}, .zenith = {0.30f, 0.48f, 0.80f}};
@@ -233,12 +259,14 @@ void check_depth_alone(const RenderCommand& command) {
 
 std::shared_ptr<RenderCommand> add_render_options(const Options& render) {
   auto command = std::make_shared<RenderCommand>();
-  const Option scene = render.file("scene", "SCENE.json", "scene file", command->scene_file);
-  const Option cloud = add_cloud_files(
-      render.excludes(scene), "--cloud", "FILE...",
-      "cloud files, folders or patterns such as 'tiles/*.las' to render without a scene file" +
-          k_database_help,
-      command->files);
+  const Option scene =
+      render.words("scene", "SCENE.json|CLOUD...",
+                   "scene file; or " + k_files_help + ", rendered without one" + k_database_help,
+                   [command = command.get()](const std::vector<std::string>& words) {
+                     take_scene_or_cloud(words, *command);
+                   });
+  const Option cloud =
+      add_cloud_files(render.excludes(scene), "--cloud", "FILE...", "the same as CLOUD", command->files);
   render.excludes(cloud).value(
       "--site", "courtyard",
       "render the exact surfaces of the site that 'alidade generate' scans, in place of the "
@@ -273,7 +301,9 @@ std::shared_ptr<RenderCommand> add_render_options(const Options& render) {
 
 renderer::Scene requested_scene(const RenderCommand& command) {
   if (command.scene_file.empty() && command.files.empty() && command.meshes.empty() && !command.exact_site)
-    throw input_error("nothing to render", "SCENE.json, --cloud FILE..., --mesh FILE or --site courtyard");
+    throw input_error("nothing to render", "SCENE.json, CLOUD..., --mesh FILE or --site courtyard");
+  if (command.exact_site && !command.files.empty())
+    throw input_error("--site does not apply to a cloud", "the site alone, or a scene file");
   renderer::Scene scene =
       command.scene_file.empty() ? daylight_scene(command.files) : renderer::read_scene(command.scene_file);
   if (command.exact_site) put_exact_site(scene, command.scene_file);

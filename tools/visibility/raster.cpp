@@ -333,7 +333,8 @@ ExitCode run(const RasterCommand& given) {
 
 Command add_visibility_raster(const Options& visibility) {
   const Options raster =
-      visibility.command("raster", "Compute a viewshed of the ground, or of objects from the ground");
+      visibility.command("raster", "Compute a viewshed of the ground, or of objects from the ground")
+          .also_called("viewshed");
   auto command = std::make_shared<RasterCommand>();
   const Options map = raster.group(k_map_group);
   add_cloud(raster, *command);
