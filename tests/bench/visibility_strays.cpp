@@ -149,8 +149,8 @@ int main(int argc, char** argv) {
   fmt::print(
       "| points/m2 | what | per mille | points of it | wrong by it, % | right by it, % "
       "|\n|--:|---|--:|--:|--:|--:|\n");
-  for (const double density : {1.0, 4.0, 20.0, 400.0}) {
-    if (argc > 1 && density > std::atof(argv[1])) break;
-    alidade::print_rows(density);
-  }
+  std::vector<double> densities{1.0, 4.0, 20.0, 400.0};
+  if (argc > 1) densities.clear();
+  for (int i = 1; i < argc; ++i) densities.push_back(std::atof(argv[i]));
+  for (const double density : densities) alidade::print_rows(density);
 }
