@@ -75,6 +75,8 @@ std::string point_sun(const SunCommand& command, const VisibilityCloud& cloud, c
 }
 
 ExitCode run(const SunCommand& command) {
+  if (command.beam_only && command.bounces > 0)
+    throw input_error("--bounces 1 does not apply with --beam-only", "one of the two");
   if (command.has_observers()) return run_sun_observers(command);
   if (!command.diagram.empty()) throw input_error("--diagram requires an observer", "--observer X,Y,Z");
   const SkySite site = load_sky_site(command, static_cast<int>(sun_quantities(command).size()));

@@ -38,6 +38,7 @@ struct SunCommand : SkyRequest {
   bool beam_only = false;
   std::optional<double> tilt, aspect;  ///< degrees
   double albedo = 0.2;
+  int bounces = 0;
   ObserverOptions observers;
   std::filesystem::path diagram;  ///< empty: none
 

@@ -115,8 +115,15 @@ void add_light(const Options& sun, SunCommand& command) {
       [&command](const std::string& text) { parse_turbidity(text, command); });
   group.number("--height", "METRES", "height above sea level, which thins the air (default: 0)",
                command.air.height, -1000.0, 10000.0);
-  group.number("--albedo", "SHARE", "share of light that the ground reflects, 0 to 1 (default: 0.2)",
-               command.albedo, 0.0, 1.0);
+  group.number(
+      "--albedo", "SHARE",
+      "share of light that the ground, and with --bounces 1 all surfaces reflect, 0 to 1 (default: 0.2)",
+      command.albedo, 0.0, 1.0);
+  group.count(
+      "--bounces", "N",
+      "1: whatever a receiver sees reflects the light of sun and sky that it gets itself; 0 (default): "
+      "open level ground does",
+      command.bounces, 0, 1);
   group.number("--tilt", "DEGREES", "tilt every receiver from the horizontal, 0 to 90, instead of --receiver",
                command.tilt, 0.0, 90.0);
   group.number("--aspect", "DEGREES",
@@ -171,7 +178,7 @@ constexpr std::array<SunQuantity, 5> k_quantities{{
     {"BeamEnergy", "Wh/m2", "direct sun, Wh/m2", [](const visibility::Radiation& one) { return one.beam; }},
     {"DiffuseEnergy", "Wh/m2", "light of the sky, Wh/m2",
      [](const visibility::Radiation& one) { return one.diffuse; }},
-    {"ReflectedEnergy", "Wh/m2", "light of the ground, Wh/m2",
+    {"ReflectedEnergy", "Wh/m2", "reflected light, Wh/m2",
      [](const visibility::Radiation& one) { return one.reflected; }},
     {"GlobalEnergy", "Wh/m2", "all light, Wh/m2",
      [](const visibility::Radiation& one) { return one.global(); }},
@@ -180,8 +187,10 @@ constexpr std::array<SunQuantity, 5> k_quantities{{
 }  // namespace
 
 visibility::SunHoursOptions SunCommand::hours_options(visibility::SkyReceiver usual) const {
-  visibility::SunHoursOptions options{
-      .receiver = receiver.value_or(usual), .max_distance = max_distance, .albedo = albedo};
+  visibility::SunHoursOptions options{.receiver = receiver.value_or(usual),
+                                      .max_distance = max_distance,
+                                      .albedo = albedo,
+                                      .bounces = bounces};
   if (tilt || aspect) options.normal = visibility::tilted_normal(tilt.value_or(0.0), aspect.value_or(180.0));
   return options;
 }
@@ -289,6 +298,7 @@ MapMetadata sun_metadata(const SunCommand& command, const SunSky& sun) {
           {"alidade_sun_bin_degrees", sun.bin > 0.0 ? fmt::format("{:g}", sun.bin) : "exact"},
           {"alidade_sun_receiver", receiver},
           {"alidade_sun_albedo", fmt::format("{:g}", command.albedo)},
+          {"alidade_sun_bounces", std::to_string(command.bounces)},
           {"alidade_place", fmt::format("latitude {:.6f}, longitude {:.6f}, grid north {:.6f}",
                                         schedule.latitude, schedule.longitude, schedule.grid_north)},
           {"alidade_sky", model_text(sun)}};

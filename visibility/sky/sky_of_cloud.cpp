@@ -14,6 +14,8 @@
 #include "base/error.h"
 #include "visibility/point_blocks.h"
 #include "visibility/raster/map_targets.h"
+#include "visibility/sky/bounced_light.h"
+#include "visibility/sky/sky_patches.h"
 
 namespace alidade::visibility {
 
@@ -60,11 +62,11 @@ glm::dvec3 ground_normal(const Ground& ground, const glm::dvec3& foot, double ce
   return glm::normalize(glm::dvec3(-slope({0.5 * cell_size, 0.0}), -slope({0.0, 0.5 * cell_size}), 1.0));
 }
 
-/// Answers all points, a block at a time: answer(targets) gives its numbers, take(point id, row, number) gets
+/// Answers all points, a block at a time: answer(targets, point ids) gives its numbers, take(point id, row, number) gets
 /// them.
 template <class Answer, class Take>
 void for_each_point_target(const Occluders& occluders, std::span<const glm::vec3> normals,
-                           const Question& question, const LongWork& work, const Answer& answer,
+                           const Question& question, const LongWork& work, Answer&& answer,
                            const Take& take) {
   const TreeView& tree = occluders.octree().view();
   check_that(normals.empty() || normals.size() == tree.point_count, "wrong number of normals",
@@ -81,7 +83,9 @@ void for_each_point_target(const Occluders& occluders, std::span<const glm::vec3
           targets[i] = target_on_point(occluders, points[i].point_id, points[i].position,
                                        outward(normals, points[i].point_id));
         });
-        writer.put_all(answer(std::span<SkyTarget>(targets)));
+        std::vector<std::uint64_t> point_ids;
+        for (const PlacedPoint& point : points) point_ids.push_back(point.point_id);
+        writer.put_all(answer(std::span<SkyTarget>(targets), std::span<const std::uint64_t>(point_ids)));
       },
       [&](std::uint64_t part, PartReader& reader) {
         const std::vector<PlacedPoint> points = placed_points(tree, blocks[part]);
@@ -97,8 +101,8 @@ void for_each_point_target(const Occluders& occluders, std::span<const glm::vec3
 /// The same for the cells of a map, which are given by their number in it; k_nothing for those without ground.
 template <class Answer, class Take>
 void for_each_ground_target(const Occluders& occluders, const Ground& ground, const geo::RasterGrid& grid,
-                            double height, const Question& question, const LongWork& work,
-                            const Answer& answer, const Take& take) {
+                            double height, const Question& question, const LongWork& work, Answer&& answer,
+                            const Take& take) {
   check_that(height >= 0.0 && std::isfinite(height), "height above the ground out of range", "at least 0",
              std::to_string(height));
   const MapTargets positions(occluders, ground, grid, 1, targets_at_once(question.lines));
@@ -117,7 +121,7 @@ void for_each_ground_target(const Occluders& occluders, const Ground& ground, co
             targets[i].is_front_open = true;
           });
         }
-        const Numbers answers = answer(std::span<SkyTarget>(targets));
+        const Numbers answers = answer(std::span<SkyTarget>(targets), std::span<const std::uint64_t>());
         Numbers numbers(block.cells.size());
         for (std::size_t row = 0; row < question.numbers; ++row) {
           std::ranges::fill(numbers, k_nothing);
@@ -139,7 +143,7 @@ void for_each_ground_target(const Occluders& occluders, const Ground& ground, co
 
 /// Answers with the sky-view factor of each target.
 auto sky_answer(const Occluders& occluders, const SkyViewOptions& options) {
-  return [&](std::span<SkyTarget> targets) {
+  return [&](std::span<SkyTarget> targets, std::span<const std::uint64_t>) {
     Numbers of_block(targets.size());
     sky_views(occluders, targets, options, of_block);
     return of_block;
@@ -147,13 +151,20 @@ auto sky_answer(const Occluders& occluders, const SkyViewOptions& options) {
 }
 
 /// Answers with the fields of each period, row by row; looks for the open sides in so many directions first.
-auto sun_answer(const Occluders& occluders, const SunLight& light, const SunHoursOptions& options,
-                int side_directions) {
-  return [&occluders, &light, &options, side_directions](std::span<SkyTarget> targets) {
-    if (side_directions > 0) find_open_sides(occluders, side_directions, targets);
-    const auto periods = static_cast<std::size_t>(light.periods);
+class SunAnswer {
+ public:
+  /// `cell`: of BouncedLight. The references must outlive the object.
+  SunAnswer(const Occluders& occluders, const SunLight& light, const SunHoursOptions& options,
+            int side_directions, double cell)
+      : occluders_(occluders), light_(light), options_(options), side_directions_(side_directions) {
+    if (options.bounces > 0) bounced_.emplace(occluders, light, options, cell);
+  }
+
+  Numbers operator()(std::span<SkyTarget> targets, std::span<const std::uint64_t> point_ids) {
+    if (side_directions_ > 0) find_open_sides(occluders_, side_directions_, targets);
+    const auto periods = static_cast<std::size_t>(light_.periods);
     std::vector<Radiation> of_block(targets.size() * periods);
-    sun_hours(occluders, targets, light, options, of_block);
+    answer(targets, point_ids, of_block);
     Numbers numbers;
     numbers.reserve(k_fields.size() * of_block.size());
     for (std::size_t period = 0; period < periods; ++period)
@@ -161,11 +172,32 @@ auto sun_answer(const Occluders& occluders, const SunLight& light, const SunHour
         for (std::size_t i = 0; i < targets.size(); ++i)
           numbers.push_back(of_block[i * periods + period].*field);
     return numbers;
-  };
-}
+  }
+
+ private:
+  void answer(std::span<const SkyTarget> targets, std::span<const std::uint64_t> point_ids,
+              std::span<Radiation> answers) {
+    if (!bounced_) return sun_hours(occluders_, targets, light_, options_, answers);
+    SunHoursOptions direct = options_;
+    direct.bounces = 0;
+    // What points receive on their surfaces is also what they reflect.
+    if (!point_ids.empty() && options_.receiver == SkyReceiver::surface && !options_.normal)
+      bounced_->answer_points(targets, point_ids, answers);
+    else
+      sun_hours(occluders_, targets, light_, direct, answers);
+    bounced_->add(targets, answers);
+  }
+
+  const Occluders& occluders_;
+  const SunLight& light_;
+  const SunHoursOptions& options_;
+  int side_directions_;
+  std::optional<BouncedLight> bounced_;
+};
 
 Question sun_question(const SunLight& light, const SunHoursOptions& options, int side_directions) {
-  return {light.bins.size() + light.fans.size() + static_cast<std::size_t>(side_directions),
+  const std::size_t of_bounce = options.bounces > 0 ? std::size_t{2} * k_sky_patches : 0;
+  return {light.bins.size() + light.fans.size() + of_bounce + static_cast<std::size_t>(side_directions),
           k_fields.size() * static_cast<std::size_t>(light.periods), options.receiver};
 }
 
@@ -186,8 +218,8 @@ std::vector<Radiation> point_sun_hours(const Occluders& occluders, std::span<con
   constexpr int k_side_directions = 64;
   const auto periods = static_cast<std::size_t>(light.periods);
   std::vector<Radiation> answers(occluders.octree().size() * periods);
-  for_each_point_target(occluders, normals, sun_question(light, options, k_side_directions), work,
-                        sun_answer(occluders, light, options, k_side_directions),
+  SunAnswer sun_answer(occluders, light, options, k_side_directions, 0.0);
+  for_each_point_target(occluders, normals, sun_question(light, options, k_side_directions), work, sun_answer,
                         [&](std::uint64_t point_id, std::size_t row, float number) {
                           Radiation& answer = answers[point_id * periods + row / k_fields.size()];
                           answer.*k_fields[row % k_fields.size()] = number;
@@ -215,8 +247,8 @@ std::vector<geo::Raster<Radiation>> ground_sun_hours(const Occluders& occluders,
   geo::check_map_memory(grid, k_bands * light.periods);
   std::vector<geo::Raster<Radiation>> maps(static_cast<std::size_t>(light.periods),
                                            geo::Raster<Radiation>(grid, {.hours = k_nothing}));
-  for_each_ground_target(occluders, ground, grid, height, sun_question(light, options, 0), work,
-                         sun_answer(occluders, light, options, 0),
+  SunAnswer sun_answer(occluders, light, options, 0, grid.cell_size);
+  for_each_ground_target(occluders, ground, grid, height, sun_question(light, options, 0), work, sun_answer,
                          [&](std::size_t cell, std::size_t row, float number) {
                            maps[row / k_fields.size()].values[cell].*k_fields[row % k_fields.size()] = number;
                          });

@@ -7,10 +7,12 @@
 #include <cmath>
 #include <cstddef>
 #include <glm/geometric.hpp>
+#include <string>
 
 #include "base/error.h"
 #include "base/parallel.h"
 #include "geo/earth.h"
+#include "visibility/sky/bounced_light.h"
 
 namespace alidade::visibility {
 namespace {
@@ -19,18 +21,17 @@ namespace {
 struct Sums {
   double hours = 0.0, beam = 0.0, diffuse = 0.0;
 
+  void add_to_sphere(const LightSums& light) {
+    hours += light.hours;
+    beam += 0.25 * glm::length(light.beam);
+    diffuse += 0.25 * glm::length(light.diffuse);
+  }
   void add(const LightSums& light, const glm::dvec3& normal) {
     hours += light.hours;
     beam += std::max(0.0, glm::dot(light.beam, normal));
     diffuse += std::max(0.0, glm::dot(light.diffuse, normal));
   }
 };
-
-glm::dvec3 receiver_normal(const SkyTarget& target, const SunHoursOptions& options) {
-  if (options.normal) return *options.normal;
-  const bool is_surface = options.receiver == SkyReceiver::surface && target.has_surface();
-  return is_surface ? target.normal : glm::dvec3(0.0, 0.0, 1.0);
-}
 
 void add_bins(const Occluders& occluders, std::span<const SkyTarget> targets, const SunLight& light,
               const SunHoursOptions& options, std::span<Sums> sums) {
@@ -45,6 +46,7 @@ void add_bins(const Occluders& occluders, std::span<const SkyTarget> targets, co
       if (!is_behind && (!options.normal || glm::dot(bin.direction, *options.normal) > 0.0))
         asked.push_back(i);
     }
+    if (asked.empty()) continue;
     lines.resize(asked.size());
     is_blocked.resize(asked.size());
     in_parallel(asked.size(), 1024, [&](std::size_t i) {
@@ -54,8 +56,13 @@ void add_bins(const Occluders& occluders, std::span<const SkyTarget> targets, co
     for (std::size_t i = 0; i < asked.size(); ++i) {
       if (is_blocked[i] != 0) continue;
       const glm::dvec3 normal = receiver_normal(targets[asked[i]], options);
-      for (const LightBin::Share& share : bin.shares)
-        sums[asked[i] * periods + static_cast<std::size_t>(share.period)].add(share.sums, normal);
+      for (const LightBin::Share& share : bin.shares) {
+        Sums& sum = sums[asked[i] * periods + static_cast<std::size_t>(share.period)];
+        if (options.is_sphere)
+          sum.add_to_sphere(share.sums);
+        else
+          sum.add(share.sums, normal);
+      }
     }
   }
 }
@@ -81,6 +88,12 @@ void add_fans(const geo::TerrainSurface& terrain, std::span<const SkyTarget> tar
 
 }  // namespace
 
+glm::dvec3 receiver_normal(const SkyTarget& target, const SunHoursOptions& options) {
+  if (options.normal) return *options.normal;
+  const bool is_surface = options.receiver == SkyReceiver::surface && target.has_surface();
+  return is_surface ? target.normal : glm::dvec3(0.0, 0.0, 1.0);
+}
+
 glm::dvec3 tilted_normal(double tilt, double azimuth) {
   return geo::compass_direction(azimuth, 90.0 - tilt);
 }
@@ -91,6 +104,8 @@ void sun_hours(const Occluders& occluders, std::span<const SkyTarget> targets, c
   assert(targets.size() * periods == answers.size());
   check_that(options.albedo >= 0.0 && options.albedo <= 1.0, "albedo out of range", "0 to 1",
              fmt::format("{}", options.albedo));
+  check_that(options.bounces == 0 || options.bounces == 1, "number of bounces out of range", "0 or 1",
+             std::to_string(options.bounces));
   check_that(light.fans.empty() || has_horizons(occluders, options.max_distance),
              "horizons cannot replace lines of sight", "a terrain alone and no maximum distance, or bins");
   std::vector<Sums> sums(answers.size());
@@ -105,6 +120,7 @@ void sun_hours(const Occluders& occluders, std::span<const SkyTarget> targets, c
                   static_cast<float>(sums[i].diffuse),
                   static_cast<float>(options.albedo * away * (open.beam.z + open.diffuse.z))};
   }
+  if (options.bounces > 0) BouncedLight(occluders, light, options, 0.0).add(targets, answers);
 }
 
 }  // namespace alidade::visibility

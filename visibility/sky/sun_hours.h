@@ -16,7 +16,7 @@ struct Radiation {
   float hours = 0.0f;  ///< of direct sun
   float beam = 0.0f;   ///< Wh/m2 of the receiver, by the sun's disc: irradiance times the cosine of incidence
   float diffuse = 0.0f;    ///< Wh/m2, by the part of the sky that it sees
-  float reflected = 0.0f;  ///< Wh/m2, by the ground that it faces
+  float reflected = 0.0f;  ///< Wh/m2, by the ground that it faces, or by all that it sees
 
   float global() const { return beam + diffuse + reflected; }
 };
@@ -27,7 +27,14 @@ struct SunHoursOptions {
   /// Normal of every receiver, of length 1, with z >= 0, instead of that of `receiver`.
   std::optional<glm::dvec3> normal{};
   double albedo = 0.2;  ///< share of its light that the ground reflects, [0, 1]
+  /// 0, or 1: reflected light is that of what the receivers see (bounced_light.h), with the same albedo for all.
+  int bounces = 0;
+  /// A target without a surface receives as a small sphere does, on average: a quarter of the light from all directions.
+  bool is_sphere = false;
 };
+
+/// The normal that a target receives with.
+glm::dvec3 receiver_normal(const SkyTarget& target, const SunHoursOptions& options);
 
 /// Normal of a receiver that is tilted from the horizontal, towards an azimuth; degrees, tilt in [0, 90].
 glm::dvec3 tilted_normal(double tilt, double azimuth);
@@ -46,8 +53,10 @@ glm::dvec3 tilted_normal(double tilt, double azimuth);
 /// times (1 - z) / 2, with z that of the receiver's normal; what stands around neither shades nor brightens it. Source:
 /// Liu and Jordan, The Long-Term Average Performance of Flat-Plate Solar-Energy Collectors, 1963; as in r.sun.
 ///
+/// With a bounce it is that of BouncedLight instead, for these targets alone.
+///
 /// Results do not depend on threads or instruction set. Errors: as many answers as targets and periods; fans without
-/// has_horizons(); albedo out of range. Cost: a line per target and bin, or a horizon (1 to 3 microseconds) per target
+/// has_horizons(); albedo or bounces out of range. Cost: a line per target and bin, or a horizon (1 to 3 microseconds) per target
 /// and fan, in parallel; targets in the order of the octree are fast.
 void sun_hours(const Occluders& occluders, std::span<const SkyTarget> targets, const SunLight& light,
                const SunHoursOptions& options, std::span<Radiation> answers);

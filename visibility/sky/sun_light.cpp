@@ -78,18 +78,12 @@ std::vector<LightBin> sun_bins(std::span<const SunStep> steps, double degrees) {
 
 void add_sky_bins(const SkyEnergies& energies, std::vector<LightBin>& bins) {
   for (int patch = 0; patch < k_sky_patches; ++patch) {
-    const SkyCell cell = sky_patch(patch);
     LightBin bin;
-    // By shares of what the cell gives the horizontal.
-    const double low = sine_cosine_of_degrees(cell.elevation_min).sine,
-                 high = sine_cosine_of_degrees(cell.elevation_max).sine, share = golden_turns(patch);
-    const double sine = std::sqrt(low * low + share * (high * high - low * low));
-    const SineCosine turn = sine_cosine_of_degrees(0.5 * (cell.azimuth_min + cell.azimuth_max));
-    const double cosine = patch == k_sky_patches - 1 ? 0.0 : std::sqrt(1.0 - sine * sine);
-    bin.direction = glm::normalize(glm::dvec3(turn.sine * cosine, turn.cosine * cosine, sine));
-    for_energies(energies, direction_integral(cell), patch, [&](int period, const LightSums& sums) {
-      bin.shares.push_back({period, sums});
-    });
+    bin.direction = line_into_patch(patch);
+    for_energies(energies, direction_integral(sky_patch(patch)), patch,
+                 [&](int period, const LightSums& sums) {
+                   bin.shares.push_back({period, sums});
+                 });
     if (!bin.shares.empty()) bins.push_back(std::move(bin));
   }
 }
@@ -174,6 +168,17 @@ std::vector<LightFan> sorted_fans(FanLights& lights) {
 }
 
 }  // namespace
+
+glm::dvec3 line_into_patch(int patch) {
+  const SkyCell cell = sky_patch(patch);
+  // By shares of what the cell gives the horizontal.
+  const double low = sine_cosine_of_degrees(cell.elevation_min).sine,
+               high = sine_cosine_of_degrees(cell.elevation_max).sine, share = golden_turns(patch);
+  const double sine = std::sqrt(low * low + share * (high * high - low * low));
+  const SineCosine turn = sine_cosine_of_degrees(0.5 * (cell.azimuth_min + cell.azimuth_max));
+  const double cosine = patch == k_sky_patches - 1 ? 0.0 : std::sqrt(1.0 - sine * sine);
+  return glm::normalize(glm::dvec3(turn.sine * cosine, turn.cosine * cosine, sine));
+}
 
 SunLight sun_light(std::span<const SunStep> steps, int periods, const LightOptions& options) {
   constexpr double k_widest = 30.0;

@@ -63,6 +63,10 @@ struct SunLight {
       open;  ///< of each period, all of it: the z of energies is what open level ground gets
 };
 
+/// Direction of the line of sight that stands for a patch of the sky (sky_patches.h): its elevations differ along a row,
+/// so that a level edge shades as much of the row as it covers. Requires 0 <= patch < k_sky_patches.
+glm::dvec3 line_into_patch(int patch);
+
 /// Sorts steps of the sun, and the sky above them, by direction.
 ///
 /// Bins are as wide in elevation and, at the horizon, azimuth as `options.bin` (wider further up, so that all are about
@@ -71,8 +75,7 @@ struct SunLight {
 /// degrees. Fans are as wide in azimuth; elevations stay exact.
 ///
 /// The sky is the cumulative sky of sky_patches.h: the radiances of each patch are summed over the steps. 145 lines go
-/// to it, one into each patch, at elevations that differ along a row, so that a level edge shades as much of the row as
-/// it covers; in fans it lies in cells of a degree of elevation, `options.bin` wide, at most 2 degrees. Patches, lines
+/// to it, line_into_patch(); in fans it lies in cells of a degree of elevation, `options.bin` wide, at most 2 degrees. Patches, lines
 /// and cells keep the integral of direction over solid angle: open level ground gets exactly the diffuse energy of the
 /// steps. Requires: periods of steps in [0, periods). Errors: options.bin not in [0, 30].
 SunLight sun_light(std::span<const SunStep> steps, int periods, const LightOptions& options);
