@@ -150,6 +150,40 @@ TEST_F(SkyTest, sun_counts_hours_and_energy_of_every_point) {
   EXPECT_LT(energy[floor(-1, 0)], 0.8 * energy[floor(-25, -25)]);
 }
 
+TEST_F(SkyTest, sun_with_a_bounce_lights_points_and_observers_before_the_wall) {
+  const auto sun = [&](const std::string& bounces, Words more) {
+    const Words words{"--place", "48,11", "--step", "240", "--from", "2026-06-21", "--bounces", bounces};
+    more.insert(more.begin(), words.begin(), words.end());
+    return visibility("sun", more);
+  };
+  for (const std::string bounces : {"0", "1"}) {
+    const ProgramResult result = sun(bounces, {"-o", bounces + ".las"});
+    ASSERT_EQ(result.exit_code, 0) << result.err;
+    ASSERT_EQ(sun(bounces, {"--observer", "-0.5,0,0.1", "-o", bounces + ".json"}).exit_code, 0);
+  }
+  EXPECT_EQ(nlohmann::json::parse(read("1.json"))["alidade_sun_bounces"], "1");
+  const std::vector<float> without = column("0.las", "ReflectedEnergy"),
+                           with = column("1.las", "ReflectedEnergy");
+  EXPECT_LT(without[floor(-3, 0)], 1.0f);
+  EXPECT_GT(with[floor(-3, 0)], 50.0f) << "beside the wall";
+  EXPECT_GT(with[floor(-3, 0)], 2.0f * with[floor(-25, -25)]);
+  EXPECT_EQ(column("0.las", "BeamEnergy"), column("1.las", "BeamEnergy"));
+  EXPECT_EQ(column("0.las", "DiffuseEnergy"), column("1.las", "DiffuseEnergy"));
+  const auto of_observer = [&](const std::string& file) {
+    return nlohmann::json::parse(read(file))["observers"][0]["ReflectedEnergy"].get<double>();
+  };
+  EXPECT_EQ(of_observer("0.json"), 0.0);
+  EXPECT_GT(of_observer("1.json"), 50.0);
+
+  const ProgramResult beam = sun("1", {"--beam-only", "-o", "c.las"});
+  EXPECT_NE(beam.exit_code, 0);
+  EXPECT_TRUE(contains(beam.err, "--bounces 1 does not apply with --beam-only")) << beam.err;
+  const ProgramResult two = sun("2", {"-o", "c.las"});
+  EXPECT_NE(two.exit_code, 0);
+  EXPECT_TRUE(contains(two.err, "--bounces")) << two.err;
+  EXPECT_TRUE(read("c.las").empty());
+}
+
 TEST_F(SkyTest, sun_of_observers_is_a_row_for_each_and_period_with_a_diagram) {
   const Words words{"--place",    "48,11", "--step",     "60",    "--from",
                     "2026-06-21", "--to",  "2026-06-22", "--per", "day"};

@@ -257,12 +257,12 @@ TEST(PointSunHours, with_a_bounce_are_those_of_single_targets_and_change_only_re
 
 TEST(PointSunHours, with_a_bounce_are_the_same_when_the_run_was_stopped_between) {
   Points points = yard();
-  add_rectangle(points, {-15, -15, 0}, {30, 0, 0}, {0, 9, 0}, 0.5);
+  add_rectangle(points, {-15, -18, 0}, {30, 0, 0}, {0, 12, 0}, 0.5);
   const Occluders occluders(octree_of(points), {});
   SunLight light = sun_at(180.0, 40.0);
   // Lights that nothing faces: they make the blocks small.
-  light.bins.resize(16384, {{0.0, 0.0, -1.0}, {}});
-  const SunHoursOptions options{.bounces = 1};
+  light.bins.resize(8192, {{0.0, 0.0, -1.0}, {}});
+  const SunHoursOptions options{.max_distance = 6.0, .bounces = 1};
   const std::filesystem::path file = std::filesystem::temp_directory_path() / "bounced_light.state";
   std::filesystem::remove(file);
   const Fingerprint fingerprint{{"command", "sun"}};

@@ -29,7 +29,7 @@ namespace alidade::visibility {
 /// - A point without a surface reflects as a small sphere: its irradiance is that of a sphere on average, a quarter of the
 ///   light from all directions.
 /// - Meshes and terrain, and directions below the horizon in which nothing blocks, reflect as open level ground does:
-///   where nothing stands around this is sun_hours()' own reflected light.
+///   without obstructions this is sun_hours()' own reflected light.
 /// Light that is reflected more than once is left out.
 /// Source: radiosity with one iteration, Goral et al., Modeling the Interaction of Light Between Diffuse Surfaces, 1984;
 /// patches as in Robinson and Stone 2004 (sky_patches.h).
@@ -39,7 +39,7 @@ namespace alidade::visibility {
 class BouncedLight {
  public:
   /// `options` are those of sun_hours(); bounces do not matter. `cell`: of surface points in a cube of this width whose
-  /// normals are alike, that with the smallest id stands for all; 0: every point for itself. The references must
+  /// normals are alike, that with the smallest id represents all; 0: every point for itself. The references must
   /// outlive the object. Cost: with a `cell` 0.2 microseconds per point. Memory: 8 B per point, or 4 B and 40 B per cube.
   /// Errors: cell negative or not finite.
   BouncedLight(const Occluders& occluders, const SunLight& light, const SunHoursOptions& options,

@@ -49,7 +49,7 @@ geo::Raster<float> ground_sky_views(const Occluders& occluders, const Ground& gr
                                     const LongWork& work = {});
 
 /// Radiation of every cell, likewise, a raster for each period; its hours are NaN where there is no ground. With a
-/// bounce one point stands for all in cubes as wide as the cells (bounced_light.h). Memory: 16 B per cell and period; check_map_memory() of 5 bands for each.
+/// bounce one point represents all in cubes as wide as the cells (bounced_light.h). Memory: 16 B per cell and period; check_map_memory() of 5 bands for each.
 std::vector<geo::Raster<Radiation>> ground_sun_hours(const Occluders& occluders, const Ground& ground,
                                                      const geo::RasterGrid& grid, double height,
                                                      const SunLight& light, const SunHoursOptions& options,
