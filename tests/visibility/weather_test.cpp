@@ -167,16 +167,17 @@ TEST(Weather, that_is_cut_or_out_of_order_is_an_error_with_its_line) {
 TEST(Weather, with_wrong_numbers_is_an_error_that_names_them) {
   const std::string text = epw();
   const auto with = [&](const std::string& row) { return replaced(text, epw_row(1, 1, 3, 3, 3), row); };
-  expect_error(with(epw_row(1, 1, 3, 9999, 3)),
+  expect_error(with(epw_row(1, 1, 3, 2001, 3)),
                "line 12: invalid direct normal irradiance in column 15; expected a number from 0 to 2000, "
-               "found \"9999\"");
+               "found \"2001\"");
   expect_error(with(epw_row(1, 1, 3, 3, -1)), "invalid diffuse horizontal irradiance in column 16");
   expect_error(with(epw_row(1, 1, 3, NAN, 3)), "found \"nan\"");
   expect_error(with("1983,1,1,25,60,a,0,0,0,0,0,0,0,0,1,1"),
                "invalid hour; expected a whole number from 1 to 24");
   expect_error(with("1983,13,1,4,60,a,0,0,0,0,0,0,0,0,1,1"), "invalid month");
   expect_error(with("1983,2,30,4,60,a,0,0,0,0,0,0,0,0,1,1"), "no such day");
-  expect_error(replaced(text, "PERIODS,1,1,", "PERIODS,1,4,"), "line 8: invalid number of records per hour");
+  expect_error(replaced(text, "PERIODS,1,1,", "PERIODS,1,61,"), "line 8: invalid number of records per hour");
+  expect_error(replaced(text, "PERIODS,1,1,", "PERIODS,1,4,"), "line 10: the hour has not 4 records");
   expect_error(replaced(text, "48.13", "148.13"), "line 1: invalid latitude in column 7");
   expect_error("", "the file ends early; expected an EPW, TMY3 or PVGIS file");
   expect_error("x,y\n1,2\n", "line 1: unknown weather file");

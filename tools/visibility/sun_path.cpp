@@ -155,7 +155,10 @@ std::size_t direction_count(const SunSky& sun) {
   return sun.light.bins.size() + sun.light.fans.size();
 }
 
-void warn_of_distant_weather(const SunSky& sun) {
+void warn_of_weather(const SunSky& sun) {
+  if (const std::size_t missing = sun.weather->missing_hours(); missing > 0)
+    say_warning(
+        fmt::format("irradiances are missing in {} hours of the weather file and taken as 0", missing));
   const double away = std::hypot(sun.weather->latitude() - sun.schedule.latitude,
                                  std::remainder(sun.weather->longitude() - sun.schedule.longitude, 360.0));
   if (away > 1.0)
@@ -269,7 +272,7 @@ void say_sun(const SunCommand& command, const SunSky& sun) {
                        command.beam_only ? "" : fmt::format(" and {:.3f} kWh/m2 of the sky", open.diffuse.z),
                        model_text(sun)));
   if (sun.steps == 0) say_warning("the sun is always below the horizon");
-  if (sun.weather) warn_of_distant_weather(sun);
+  if (sun.weather) warn_of_weather(sun);
 }
 
 MapMetadata sun_metadata(const SunCommand& command, const SunSky& sun) {

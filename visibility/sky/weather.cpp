@@ -47,20 +47,21 @@ class Weather::Reader {
     read_head();
     weather_.hours_.assign(k_leap_hours, {});
     std::optional<std::size_t> before;
-    std::size_t rows = 0;
+    std::size_t hours = 0;
     while (next_cells()) {
       // A blank line ends the rows; PVGIS explains its columns below.
       if (cells_.size() == 1 && cells_.front().empty()) break;
       const std::size_t slot = read_slot();
       require_order(before, slot);
-      weather_.hours_[slot] = {number(direct_, "direct normal irradiance", 0.0, k_most),
-                               number(diffuse_, "diffuse horizontal irradiance", 0.0, k_most)};
+      weather_.hours_[slot] = read_hour(slot);
       has_leap_day_ = has_leap_day_ || slot == k_leap_day;
       before = slot;
-      ++rows;
+      ++hours;
     }
     if (!before || *before + 1 != k_leap_hours)
-      scanner_.fail("the weather ends early", "a year of 8760 or 8784 hours", fmt::format("{} hours", rows));
+      scanner_.fail("the weather ends early", "a year of 8760 or 8784 hours", fmt::format("{} hours", hours));
+    if (weather_.missing_hours_ == hours)
+      scanner_.fail("the weather has no irradiances", "hours without missing values (9999)");
     for (std::size_t hour = 0; !has_leap_day_ && hour < k_hours_per_day; ++hour)
       weather_.hours_[k_leap_day + hour] = weather_.hours_[k_leap_day - k_hours_per_day + hour];
   }
@@ -94,6 +95,37 @@ class Weather::Reader {
     return *value;
   }
 
+  /// An irradiance of a row; a missing one of an EPW file is 0, as its users take it.
+  double irradiance(std::size_t column, const char* what, bool& is_missing) const {
+    constexpr double k_missing = 9999.0;
+    if (form_ == Form::epw && column < cells_.size()) {
+      const std::optional<double> value = parse_number(cells_[column]);
+      if (value && *value >= k_missing) {
+        is_missing = true;
+        return 0.0;
+      }
+    }
+    return number(column, what, 0.0, k_most);
+  }
+
+  /// Means of the rows of an hour, the first of which was read.
+  HourlyIrradiance read_hour(std::size_t slot) {
+    HourlyIrradiance sum;
+    bool is_missing = false;
+    for (unsigned record = 0; record < records_; ++record) {
+      if (record > 0) {
+        next_line_of("another record of the same hour");
+        if (const std::size_t found = read_slot(); found != slot)
+          scanner_.fail(fmt::format("the hour has not {} records", records_), text_of_slot(slot),
+                        text_of_slot(found));
+      }
+      sum.direct_normal += irradiance(direct_, "direct normal irradiance", is_missing);
+      sum.diffuse_horizontal += irradiance(diffuse_, "diffuse horizontal irradiance", is_missing);
+    }
+    if (is_missing) ++weather_.missing_hours_;
+    return {sum.direct_normal / records_, sum.diffuse_horizontal / records_};
+  }
+
   unsigned whole(std::string_view word, const char* what, unsigned least, unsigned most) const {
     const std::optional<unsigned> value = parse_count<unsigned>(trim(word));
     if (!value || *value < least || *value > most) {
@@ -119,7 +151,7 @@ class Weather::Reader {
 
   void read_head() {
     next_line_of("an EPW, TMY3 or PVGIS file");
-    if (cells_.front() == "LOCATION") {
+    if (lower_case(cells_.front()) == "location") {
       form_ = Form::epw;
       read_epw_head();
     } else if (cells_.front().starts_with("Latitude (decimal degrees)")) {
@@ -144,17 +176,18 @@ class Weather::Reader {
 
   void read_epw_head() {
     read_position(6, 7, 9, 8);
+    // The dictionary of the format writes DAYLIGHT SAVING, most files DAYLIGHT SAVINGS.
     constexpr std::array k_lines = {"DESIGN CONDITIONS",   "TYPICAL/EXTREME PERIODS",
-                                    "GROUND TEMPERATURES", "HOLIDAYS/DAYLIGHT SAVINGS",
+                                    "GROUND TEMPERATURES", "HOLIDAYS/DAYLIGHT SAVING",
                                     "COMMENTS 1",          "COMMENTS 2",
                                     "DATA PERIODS"};
     for (const std::string_view line : k_lines) {
       next_line_of(line.data());
-      if (lower_case(cells_.front()) != lower_case(line))
+      if (!lower_case(cells_.front()).starts_with(lower_case(line)))
         scanner_.fail("wrong line of the EPW head", std::string(line), quote(cells_.front()));
     }
     if (cells_.size() < 3) scanner_.fail("too few columns", "the number of records per hour in column 3");
-    whole(cells_[2], "number of records per hour", 1, 1);
+    records_ = whole(cells_[2], "number of records per hour", 1, 60);
     direct_ = 14;
     diffuse_ = 15;
   }
@@ -181,7 +214,7 @@ class Weather::Reader {
       next_line_of("the line of column names: time(UTC),...");
       if (!cells_.front().starts_with(k_offset)) continue;
       cells_ = {trim(cells_.front().substr(k_offset.size()))};
-      weather_.shift_ = 0.5 - number(0, "time offset", 0.0, 1.0);
+      weather_.shift_ = 0.5 - number(0, "time offset", -1.0, 1.0);
     } while (cells_.front() != "time(UTC)");
     direct_ = column_of("Gb(n)");
     diffuse_ = column_of("Gd(h)");
@@ -224,6 +257,7 @@ class Weather::Reader {
   Form form_ = Form::epw;
   std::vector<std::string_view> cells_;
   std::size_t direct_ = 0, diffuse_ = 0;
+  unsigned records_ = 1;  ///< of each hour
   bool has_leap_day_ = false;
 };
 
