@@ -270,15 +270,20 @@ struct FittedSurface {
   bool may_end = true;  ///< whether an edge of the sheet may be near
 };
 
-FittedSurface fit_surface(Neighbourhood& around, const glm::dvec3& position, double spacing) {
+/// usual: what spacings of the cloud are like, metres.
+FittedSurface fit_surface(Neighbourhood& around, const glm::dvec3& position, double spacing, double usual) {
   constexpr double k_reaches[] = {k_reach, 1.5, 1.1, 5.0};
   // Near an edge the mean of a sheet's points lies farther inward, in reaches, than it does by chance.
   constexpr double k_centered = 0.1;
   // Around a lone point, such as a bird or a stray return, points lie much denser than it does itself, and on more than
   // one sheet; at the border of a dense part of a sheet only denser.
   constexpr double k_dense = 3.0, k_lone = 5.0, k_thick = 0.1;
+  // Few of some points in the air, such as stray returns, lie near one plane by chance, and the disc would be wide.
+  constexpr double k_sparse = 4.0, k_thin = 0.07;
   if (!(spacing > 0.0 && std::isfinite(spacing))) return {};
+  const bool is_sparse = spacing > k_sparse * usual;
   for (const double factor : k_reaches) {
+    if (is_sparse && factor != k_reach) return {};
     const double reach = factor * spacing;
     const PointsNear points = around.points(position, reach);
     const LocalPlane fitted = points.plane();
@@ -286,6 +291,7 @@ FittedSurface fit_surface(Neighbourhood& around, const glm::dvec3& position, dou
     const double density = fitted.count / (k_surface_neighbours * factor * factor);
     const bool is_thick = fitted.thickness > k_thick * spacing;
     if (factor == k_reach && density > k_lone && is_thick) return {};
+    if (is_sparse && fitted.thickness > k_thin * spacing) return {};
     if ((density > k_dense && is_thick) || fitted.trust < k_least_surface_trust) continue;
     // Few points look like two sheets by chance.
     const LocalPlane plane = factor < k_reach ? fitted : choose_sheet(points, fitted);
@@ -328,7 +334,7 @@ class SurfaceFitter {
 
  private:
   void fit(const glm::dvec3& position, double spacing) {
-    const FittedSurface fitted = fit_surface(around_, position, spacing);
+    const FittedSurface fitted = fit_surface(around_, position, spacing, unit_);
     packed_ = packed_surface::pack(fitted.surface, unit_);
     const PointSurface surface = unpack(packed_, unit_);
     edge_ = fitted.may_end && surface.exists
@@ -339,7 +345,7 @@ class SurfaceFitter {
   const TreeView& tree_;
   Neighbourhood around_;
   Surfaces& surfaces_;
-  const double unit_;
+  const double unit_;  ///< automatic_radius()
   bool known_ = false;
   LatticePosition last_{};
   std::uint32_t packed_ = 0;

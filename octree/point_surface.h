@@ -34,16 +34,16 @@ inline double area_of_point(double spacing) {
   return std::numbers::pi / k_surface_neighbours * spacing * spacing;
 }
 
-/// The same octree with the surface of every point, as surface_of() returns it. An octree that has surfaces is
-/// returned as it is. `progress` is in points. Requires spacings. Cost: 1 to 2 microseconds of one thread
-/// per point, in parallel; 5 B per point. Where sheets end is measured, too (octree/point_surface.h). Points
-/// that stand off the sheet of their neighbours by more than half their spacing have a surface only with
-/// others like them, and points that lie much thinner than what is around them on more than one sheet have none: the
-/// disc of a bird or a stray return would be wider than any sheet. How: a plane is fitted (octree/local_plane.h) to the
-/// points within 2.5 spacings; where these are no surface, within 1.5, 1.1 (another surface is near) and 5 (noise is as
-/// large as the spacing). Two sheets are two values of the heights above that plane: their coefficient of bimodality is
-/// near 1
-/// (SAS/STAT User's Guide, The CLUSTER Procedure).
+/// The same octree with the surface of every point, as surface_of() returns it. An octree that has surfaces is returned
+/// as it is. `progress` is in points. Requires spacings. Cost: 1 to 2 microseconds of one thread per point, in
+/// parallel; 5 B per point. Where sheets end is measured, too (octree/point_surface.h). Points that stand off the sheet
+/// of their neighbours by more than half their spacing have a surface only with others like them, and points that lie
+/// much thinner than what is around them on more than one sheet have none: the disc of a bird or a stray return would
+/// be wider than any sheet. Points whose spacing is more than 4 times the automatic radius (octree/spacing.h) have one
+/// only where a sheet within 2.5 spacings is thinner than 0.07 of a spacing. How: a plane is fitted
+/// (octree/local_plane.h) to the points within 2.5 spacings; where these are no surface, within 1.5, 1.1 (another
+/// surface is near) and 5 (noise is as large as the spacing). Two sheets are two values of the heights above that
+/// plane: their coefficient of bimodality is near 1 (SAS/STAT User's Guide, The CLUSTER Procedure).
 Octree with_surfaces(const Octree& octree, const Progress& progress = {});
 
 /// The surface of a point: normals are good to 0.14 degrees, heights to 19 %, thicknesses are rounded up by at

@@ -9,6 +9,7 @@
 #include "octree/spacing.h"
 #include "renderer/read_scene.h"
 #include "simulation/courtyard.h"
+#include "tools/cloud/load_cloud.h"
 #include "tools/cloud/mesh_files.h"
 #include "tools/render/site_surfaces.h"
 
