@@ -165,7 +165,7 @@ std::size_t direction_count(const SunSky& sun) {
 void warn_of_weather(const SunSky& sun) {
   if (const std::size_t missing = sun.weather->missing_hours(); missing > 0)
     say_warning(
-        fmt::format("irradiances are missing in {} hours of the weather file and taken as 0", missing));
+        fmt::format("hours of the weather file without irradiances, which are taken as 0: {}", missing));
   const double away = std::hypot(sun.weather->latitude() - sun.schedule.latitude,
                                  std::remainder(sun.weather->longitude() - sun.schedule.longitude, 360.0));
   if (away > 1.0)
