@@ -50,8 +50,8 @@ struct PhotoPixels {
 };
 
 /// Size of a photo as its pixels are stored: an orientation in its metadata does not count, as cameras of
-/// photogrammetry do not count it. Errors: no such file; not a picture; deep or 3D; floating-point values, which have no
-/// display; more than 2^28 pixels, or more than 4096 per byte of the file. Cost: that of reading the header.
+/// photogrammetry do not count it. Errors: no such file; not a picture; deep or 3D; floating-point values, which have
+/// no display; more than 2^28 pixels, or more than 4096 per byte of the file. Cost: that of reading the header.
 PictureSize photo_size(const std::filesystem::path& file);
 
 /// Reads a photo in any format that OpenImageIO knows (JPEG, PNG, TIFF, ...): the channels R, G, B, else the first

@@ -9,6 +9,7 @@
 #include <glm/vec2.hpp>
 #include <memory>
 #include <optional>
+#include <span>
 #include <vector>
 
 #include "base/huge_memory.h"
@@ -85,19 +86,12 @@ namespace {
 
 constexpr double k_least_sheet_trust = 0.8;  // of one of two sheets
 
-using packed_surface::k_below;
-using packed_surface::k_exists;
-using packed_surface::k_length_mask;
-using packed_surface::k_lengths;
-using packed_surface::k_side_mask;
-using packed_surface::k_side_steps;
-
 /// What packed_surface::pack() makes.
 PointSurface unpack(std::uint32_t packed, double unit) {
+  using namespace packed_surface;
   if ((packed & k_exists) == 0) return {};
-  const double height = unit * k_lengths[packed >> packed_surface::k_height & k_length_mask];
-  const glm::uvec2 normal = {packed >> packed_surface::k_first_side & k_side_mask,
-                             packed >> packed_surface::k_second_side & k_side_mask};
+  const double height = unit * k_lengths[packed >> k_height & k_length_mask];
+  const glm::uvec2 normal = {packed >> k_first_side & k_side_mask, packed >> k_second_side & k_side_mask};
   return {true, unpack_normal(normal, k_side_steps), (packed & k_below) != 0 ? -height : height,
           unit * k_lengths[packed & k_length_mask]};
 }
@@ -282,8 +276,7 @@ FittedSurface fit_surface(Neighbourhood& around, const glm::dvec3& position, dou
   constexpr double k_sparse = 4.0, k_thin = 0.07;
   if (!(spacing > 0.0 && std::isfinite(spacing))) return {};
   const bool is_sparse = spacing > k_sparse * usual;
-  for (const double factor : k_reaches) {
-    if (is_sparse && factor != k_reach) return {};
+  for (const double factor : std::span(k_reaches).first(is_sparse ? 1 : std::size(k_reaches))) {
     const double reach = factor * spacing;
     const PointsNear points = around.points(position, reach);
     const LocalPlane fitted = points.plane();

@@ -36,7 +36,7 @@ inline double area_of_point(double spacing) {
 
 /// The same octree with the surface of every point, as surface_of() returns it. An octree that has surfaces is returned
 /// as it is. `progress` is in points. Requires spacings. Cost: 1 to 2 microseconds of one thread per point, in
-/// parallel; 5 B per point. Where sheets end is measured, too (octree/point_surface.h). Points that stand off the sheet
+/// parallel; 5 B per point. The edges of sheets are measured as well (edge_of()). Points that stand off the sheet
 /// of their neighbours by more than half their spacing have a surface only with others like them, and points that lie
 /// much thinner than what is around them on more than one sheet have none: the disc of a bird or a stray return would
 /// be wider than any sheet. Points whose spacing is more than 4 times the automatic radius (octree/spacing.h) have one

@@ -88,8 +88,8 @@ enum class Measure {
   distance,  ///< to the line of the ray or to the path
   t,         ///< position of the projection (the paper's "closest")
   entry,     ///< where the ray enters the sphere around the point, see Hit::entry; not for paths
-  /// Where the ray crosses the disc of the point's sheet (octree/point_disc.h); of a point without a sheet, where it enters
-  /// a small sphere. Of rays only.
+  /// Where the ray crosses the disc of the point's sheet (octree/point_disc.h); of a point without a sheet, where it
+  /// enters a small sphere. Of rays only.
   crossing,
 };
 
@@ -109,8 +109,8 @@ struct Candidate {
 /// Says whether a candidate counts: for classes, times, oriented discs. Must give the same answer for the
 /// same candidate whenever asked, in any order and from several threads at once; it may be asked for points
 /// that then are no part of the answer, and not for every point that meets the other conditions.
-/// `closest` of rays asks about every point that does and comes before its answer (all if there is none), some of them
-/// twice, and about those of one query_index from one thread at a time.
+/// `closest` of rays calls the filter for every such point before its answer, or for all of them if there is no answer.
+/// It may call it twice for a point, and for one query_index it calls it from one thread at a time.
 using CandidateFilter = std::function<bool(const Candidate&)>;
 
 constexpr double k_unlimited_radius = std::numeric_limits<double>::infinity();
@@ -136,9 +136,10 @@ struct RayQuery {
   /// a point: TreeView::level_count.
   int max_level = k_all_levels;
   CandidateFilter filter{};
-  /// Of Measure::crossing, which takes discs of the points' own radii (spacing_factor above 0) in an octree that is ready
-  /// for it (with_discs()): Hit::t is the position of the crossing, to which the ray's interval applies. The radius of the
-  /// sphere of a point without a sheet is lone_factor times its spacing, at most lone_radius and that of a disc.
+  /// Of Measure::crossing, which takes discs of the points' own radii (spacing_factor above 0) in an octree that is
+  /// ready for it (with_discs()): Hit::t is the position of the crossing, to which the ray's interval applies. The
+  /// radius of the sphere of a point without a sheet is lone_factor times its spacing, at most lone_radius and that of
+  /// a disc.
   double lone_factor = 0.25;
   double lone_radius = k_unlimited_radius;  ///< metres
   double edge_shift = 0.0;  ///< discs reach so many spacings farther than the edges of their sheets

@@ -39,8 +39,8 @@ inline bool is_within(const SightEnd& end, const glm::dvec3& point, double radiu
   return glm::dot(offset, offset) <= radius * radius;
 }
 
-/// Whether points are discs of their own radii among spheres: the octree finds their crossings (Measure::crossing). Else it
-/// finds points beside the line (Measure::t), and crossing() decides about discs.
+/// Whether points are discs of their own radii among spheres: the octree finds their crossings (Measure::crossing).
+/// Otherwise it finds points near the line (Measure::t), and crossing() tests their discs.
 inline bool has_own_discs(const Occluders& occluders) {
   return occluders.has_surfaces() && !occluders.options().radius;
 }
@@ -98,7 +98,7 @@ inline Ray ray_of(const Occluders& occluders, const SightLine& line) {
   return {line.from.position, line.direction, -radius, line.length + radius};
 }
 
-/// A candidate blocks at most so far before its t, metres. Behind it a sphere may block, up to its middle.
+/// The largest distance by which a candidate blocks before its t, metres. A sphere blocks at its middle, behind its t.
 inline double reach_before(const Occluders& occluders) {
   return has_own_discs(occluders) ? 0.0 : occluders.largest_radius();
 }
@@ -118,7 +118,7 @@ inline std::optional<double> sphere_crossing(const Occluders& occluders, const S
   return middle;
 }
 
-/// Where a disc is crossed that the query did not decide about.
+/// Where a line crosses a disc that the query did not test.
 inline std::optional<double> disc_crossing(const SightLine& line, const PointDisc& disc) {
   const std::optional<double> position = plane_crossing(disc, line.from.position, line.direction);
   if (!position || !(*position <= line.length) ||
@@ -127,8 +127,8 @@ inline std::optional<double> disc_crossing(const SightLine& line, const PointDis
   return position;
 }
 
-/// Where a point blocks a line, metres from the line's start; empty if it does not. Requires a candidate of query_of() and
-/// ray_of().
+/// Where a point blocks a line, metres from the line's start; empty if it does not. Requires a candidate of query_of()
+/// and ray_of().
 inline std::optional<double> crossing(const Occluders& occluders, const SightLine& line,
                                       const Candidate& candidate) {
   const OccluderOptions& options = occluders.options();
@@ -137,7 +137,8 @@ inline std::optional<double> crossing(const Occluders& occluders, const SightLin
     return sphere_crossing(occluders, line, candidate);
   const PointSurface surface = occluders.surface(candidate.point_id);
   if (!surface.exists) return sphere_crossing(occluders, line, candidate);
-  const PointDisc disc = point_disc(candidate.position, surface, candidate.radius);
+  const PointDisc disc =
+      candidate.disc != nullptr ? *candidate.disc : point_disc(candidate.position, surface, candidate.radius);
   const std::optional<double> position = candidate.disc != nullptr ? candidate.t : disc_crossing(line, disc);
   if (!position || !(*position >= 0.0)) return std::nullopt;
   if (options.radius_max) {

@@ -180,9 +180,10 @@ struct Blocker {
   bool operator==(const Blocker&) const = default;
 };
 
-/// The first point that blocks, in the order of where the line crosses discs and enters spheres (with a given radius, and
-/// where all are spheres, of where it passes the points), then by point id; with a transparency of k, the one that makes the k-th separate crossing. The first crossing of
-/// the mesh or terrain instead if its distance is smaller. Empty: seen.
+/// The first point that blocks, in the order of where the line crosses discs and enters spheres (with a given radius,
+/// and where all are spheres, of where it passes the points), then by point id; with a transparency of k, the one that
+/// makes the k-th separate crossing. The first crossing of the mesh or terrain instead if its distance is smaller.
+/// Empty: seen.
 std::optional<Blocker> first_blocker(const Occluders& occluders, const SightLine& line);
 
 /// Many lines at once, in parallel; the same answers on any number of threads and any instruction set. Lines

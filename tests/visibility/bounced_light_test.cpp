@@ -120,9 +120,9 @@ Points street() {
   return points;
 }
 
-/// Reflected light in the middle of its floor, per albedo: the sky that each strip of the endless walls sees, (1 - sin a) /
-/// 2 with the elevation a of the other wall, times the form factor of the strip, half the difference of the sines of its
-/// angles from the zenith (Hottel's crossed strings).
+/// Reflected light in the middle of its floor, per albedo: the sky that each strip of the endless walls sees, (1 - sin
+/// a) / 2 with the elevation a of the other wall, times the form factor of the strip, half the difference of the sines
+/// of its angles from the zenith (Hottel's crossed strings).
 double on_floor_of_street() {
   constexpr int k_strips = 100000;
   double sum = 0.0;

@@ -10,6 +10,7 @@
 #include <string>
 
 #include "base/error.h"
+#include "tests/cloud/cloud_test_support.h"
 #include "visibility/sky/sun_path.h"
 #include "visibility/sky/weather.h"
 
@@ -186,13 +187,8 @@ std::string replaced(std::string text, const std::string& what, const std::strin
   return text.replace(at, what.size(), with);
 }
 
-std::string error_of(const std::string& text) {
-  try {
-    read(text);
-  } catch (const Error& error) {
-    return error.what();
-  }
-  return {};
+std::string error_in(const std::string& text) {
+  return test::error_of([&] { read(text); });
 }
 
 TEST(WeatherFile, of_every_published_form_has_the_sums_of_its_rows) {
@@ -223,11 +219,11 @@ TEST(WeatherFile, of_epw_with_several_records_per_hour_has_their_means) {
     EXPECT_EQ(read(epw({.records = records})).checksum(), read(epw({})).checksum()) << records;
   const std::string text = epw({.records = 2});
   const std::string first = epw_row(hour_of(2007, 1, 1, 0), 60, 0, 0);
-  EXPECT_NE(error_of(replaced(text, first, "")).find("line 10: the hour has not 2 records"),
+  EXPECT_NE(error_in(replaced(text, first, "")).find("line 10: the hour has not 2 records"),
             std::string::npos);
   const std::string last = epw_row(hour_of(2012, 12, 31, 23), 60, 0, 0);
   EXPECT_NE(
-      error_of(text.substr(0, text.size() - last.size())).find("expected another record of the same hour"),
+      error_in(text.substr(0, text.size() - last.size())).find("expected another record of the same hour"),
       std::string::npos);
 }
 
@@ -244,7 +240,7 @@ TEST(WeatherFile, of_epw_has_no_light_where_it_is_missing_and_counts_these_hours
   EXPECT_EQ(weather.at(parse_date_time("2026-06-21T13:30+01:00")).diffuse_horizontal, 0.0);
   const std::string dark =
       epw_head({}) + rows(false, [](const Hour& hour) { return epw_row(hour, 60, 9999, 9999); });
-  EXPECT_NE(error_of(dark).find("the weather has no irradiances"), std::string::npos) << error_of(dark);
+  EXPECT_NE(error_in(dark).find("the weather has no irradiances"), std::string::npos) << error_in(dark);
 }
 
 TEST(WeatherFile, without_a_value_of_another_form_is_an_error) {
@@ -252,7 +248,7 @@ TEST(WeatherFile, without_a_value_of_another_form_is_an_error) {
   const std::string values = fmt::format("{},2,13,{},1", noon.direct, noon.diffuse),
                     row = fmt::format("06/21/2013,13:00,0,1415,{},1,0,", noon.direct / 2 + noon.diffuse);
   const std::string message =
-      error_of(replaced(tmy3(), row + values, row + fmt::format("-9900,2,13,{},1", noon.diffuse)));
+      error_in(replaced(tmy3(), row + values, row + fmt::format("-9900,2,13,{},1", noon.diffuse)));
   EXPECT_NE(message.find("invalid direct normal irradiance in column 8"), std::string::npos) << message;
 }
 

@@ -8,6 +8,7 @@
 #include <string>
 
 #include "base/error.h"
+#include "tests/cloud/cloud_test_support.h"
 
 namespace alidade::test {
 
@@ -50,17 +51,12 @@ Weather read(const std::string& text) {
   return Weather(file);
 }
 
-std::string error_of(const std::string& text) {
-  try {
-    read(text);
-  } catch (const Error& error) {
-    return error.what();
-  }
-  return {};
+std::string error_in(const std::string& text) {
+  return test::error_of([&] { read(text); });
 }
 
 void expect_error(const std::string& text, const std::string& part) {
-  const std::string message = error_of(text);
+  const std::string message = error_in(text);
   EXPECT_NE(message.find(part), std::string::npos) << part << " is not in: " << message;
 }
 
@@ -161,7 +157,7 @@ TEST(Weather, that_is_cut_or_out_of_order_is_an_error_with_its_line) {
                "line 4: wrong line of the EPW head; expected GROUND TEMPERATURES");
   // Cut within a row.
   expect_error(text.substr(0, text.size() - 25), "too few columns");
-  for (std::size_t size = 0; size < 600; ++size) EXPECT_NE(error_of(text.substr(0, size)), "") << size;
+  for (std::size_t size = 0; size < 600; ++size) EXPECT_NE(error_in(text.substr(0, size)), "") << size;
 }
 
 TEST(Weather, with_wrong_numbers_is_an_error_that_names_them) {

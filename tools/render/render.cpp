@@ -9,6 +9,7 @@
 #include "tools/cloud/load_cloud.h"
 #include "tools/command.h"
 #include "tools/image_module.h"
+#include "tools/render/first_looks.h"
 #include "tools/render/image_metadata.h"
 #include "tools/render/load_meshes.h"
 #include "tools/render/long_render.h"
@@ -39,35 +40,6 @@ std::string radius_text(const renderer::CloudSettings& settings, const renderer:
                      settings.radius ? "" : " (from the spacing of the points)");
 }
 
-constexpr std::uint64_t k_growth = 8;
-// What 2 cores do in half a second.
-constexpr int k_longest_side = 640;
-constexpr int k_samples = 8;
-constexpr double k_seconds = 0.5;
-
-/// The camera for a picture no larger than a first look needs.
-camera::Camera reduced(const camera::Camera& camera) {
-  const double share = static_cast<double>(k_longest_side) / std::max(camera.width, camera.height);
-  if (share >= 1.0) return camera;
-  const auto side = [&](int pixels) { return std::max(1, static_cast<int>(pixels * share)); };
-  return camera::resized(camera, side(camera.width), side(camera.height));
-}
-
-/// Renders a scene of which only a part of the cloud is there, and shows it.
-void show(const RenderCommand& command, renderer::Scene scene, const View* view,
-          const renderer::LoadedCloud& cloud, const Progress& progress) {
-  scene.camera =
-      reduced(view ? view->camera : view_of_cloud(command.camera, scene, &cloud, command.scene_file).camera);
-  prepare_light(scene, &cloud, Verbosity::quiet);
-  scene.render.samples = std::min(scene.render.samples, k_samples);
-  LongRenderRequest preview_only;
-  preview_only.preview = command.long_render.preview;
-  render_options(preview_only, scene.output, false, {})
-      .preview->show(renderer::render(
-          scene, &cloud,
-          {.progress = progress, .layers = std::vector{image::Layer::color}, .time_limit = k_seconds}));
-}
-
 void check_in_view(const renderer::CloudSettings& settings, const renderer::Scene& scene,
                    const CloudInputs& clouds, std::span<const View> views) {
   if (clouds.size() != 1 || !has_parts(clouds.inputs.front())) {
@@ -93,34 +65,6 @@ std::vector<database::PointFilter> view_filters(std::span<const View> views, dou
       filter.planes.push_back({plane, {-radius, std::numeric_limits<double>::infinity()}});
   }
   return filters;
-}
-
-/// Shows a picture in its preview file before its cloud is loaded, if the cloud is made of COPC files with
-/// more than twice `preview_points` points: first with so many of them, then with eight times as many, and so
-/// on up to half of them or 50 million. `view` is that of the picture, or null if the whole cloud is to be
-/// shown; `scene` has its sky. What cannot be shown in this way is no error here: loading reports it. Errors:
-/// Cancelled.
-void show_first_looks(const RenderCommand& command, const renderer::Scene& scene, const CloudInputs& clouds,
-                      const View* view) {
-  const Verbosity verbosity = command.verbosity;
-  const Progress progress = [](std::uint64_t, std::uint64_t) { return !interrupted(); };
-  try {
-    const std::vector<std::unique_ptr<CopcFile>> files = renderer::open_copc_cloud(clouds);
-    std::uint64_t all = 0;
-    for (const auto& file : files) all += file->header().point_count;
-    for (std::uint64_t points = command.long_render.preview_points;
-         points > 0 && points <= std::min(all / 2, k_most_preview_points); points *= k_growth) {
-      const renderer::LoadedCloud cloud = renderer::load_coarse_cloud(
-          *scene.cloud, clouds, files, view ? &view->camera : nullptr, points, progress);
-      if (cloud.octree.size() == 0) return;
-      show(command, scene, view, cloud, progress);
-      say_note(verbosity, fmt::format("{} shows {} of {} points", command.long_render.preview.string(),
-                                      short_count(static_cast<double>(cloud.octree.size())),
-                                      short_count(static_cast<double>(all))));
-    }
-  } catch (const Error& error) {
-    if (verbosity == Verbosity::verbose) say_note(fmt::format("no early preview: {}", error.what()));
-  }
 }
 
 /// What the cameras of some views see of the scene's cloud, which lies in a database: points whose spheres,

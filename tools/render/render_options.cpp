@@ -128,8 +128,6 @@ void add_cloud_options(const Options& render, RenderCommand& command) {
                command.max_level, 0, renderer::k_max_level);
 }
 
-/// Clouds, meshes or the site without a scene: a sun in the south-east, and a sky dim enough for white walls to keep their
-/// shading.
 /// Whether a file is a scene, by its name or its first character: clouds of text do not begin with a brace.
 bool is_scene(const std::filesystem::path& file) {
   if (file_extension(file) == ".json") return true;
@@ -154,6 +152,8 @@ void take_scene_or_cloud(const std::vector<std::string>& words, RenderCommand& c
   command.scene_file = *scene;
 }
 
+/// Clouds, meshes or the site without a scene: a sun in the south-east, and a sky dim enough for white walls to keep
+/// their shading.
 renderer::Scene daylight_scene(const CloudInputs& clouds) {
   renderer::Scene scene;
   scene.sky = renderer::GradientSky{.horizon = {0.72f, 0.80f, 0.88f}, .zenith = {0.30f, 0.48f, 0.80f}};

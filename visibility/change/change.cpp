@@ -28,8 +28,8 @@ constexpr double k_cylinder_spacings = 2.0;
 constexpr double k_distance_radii = 3.0;
 /// Points of one surface keep within so many radii of its mean, or so many thicknesses of the point's sheet.
 constexpr double k_window_radii = 1.0 / 6.0, k_window_thicknesses = 3.0;
-/// Points of both surfaces lie around the same middle but for so many radii. Where one epoch has points on one side only,
-/// as at the hole below a scanner, an error of the normal would be taken for a distance.
+/// Points of both surfaces lie around the same middle but for so many radii. Where one epoch has points on one side
+/// only, as at the hole below a scanner, an error of the normal would be taken for a distance.
 constexpr double k_most_aside = 0.4;
 /// Cosine between normals of one surface: 45 degrees.
 constexpr double k_least_parallel = 0.70710678118654752;

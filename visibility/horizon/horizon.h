@@ -42,14 +42,14 @@ struct HorizonDirection {
   double azimuth = 0.0;               ///< degrees clockwise from north (+y), [0, 360)
   std::optional<double> elevation{};  ///< degrees above the horizontal; empty if nothing blocks any line
   std::optional<Blocker> blocker{};   ///< what first blocks the line at that elevation
-  /// Length of the line over unscanned ground, up to the blocker (unscanned_length() of raster/ground.h). Set by callers
-  /// that have the ground.
+  /// Length of the line over unscanned ground, up to the blocker (unscanned_length() of raster/ground.h). Set by
+  /// callers that have the ground.
   std::optional<double> unscanned{};
 };
 
-/// The horizon, azimuth by azimuth clockwise from azimuth_min. Errors: options out of range. Memory: at most
-/// 110 MB. Cost: 0.3 microseconds of one thread per point for a table of what comes near any line; of the lines that it
-/// does not call free, and that no triangle or patch of terrain is near to, those from the highest blocked one on: 10 to
+/// The horizon, azimuth by azimuth clockwise from azimuth_min. Errors: options out of range. Memory: at most 110 MB.
+/// Cost: 0.3 microseconds of one thread per point for a table of what comes near any line; of the lines that it does
+/// not call free, and that no triangle or patch of terrain is near to, those from the highest blocked one on: 10 to
 /// 10^3 per azimuth, in parallel. `progress` is in azimuths. The same on any number of threads and any instruction set.
 std::vector<HorizonDirection> horizon(const Occluders& occluders, const SightEnd& eye,
                                       const HorizonOptions& options, const Progress& progress = {});

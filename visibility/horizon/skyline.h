@@ -45,8 +45,8 @@ DepthStrip strip_around(std::span<const HorizonDirection> horizon, double azimut
 void fill_strip(const Occluders& occluders, const SightEnd& eye, double max_distance, DepthStrip& strip,
                 const Progress& progress = {});
 
-/// A line over the picture, such as the path of the sun. Positions are azimuth and elevation, degrees; where the azimuth
-/// leaps by more than 180 degrees the line is cut.
+/// A line over the picture, such as the path of the sun. Positions are azimuth and elevation, degrees; where the
+/// azimuth leaps by more than 180 degrees the line is cut.
 struct SkylineCurve {
   std::vector<glm::dvec2> positions;
   image::Rgb8 color{};

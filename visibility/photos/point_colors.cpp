@@ -37,7 +37,7 @@ double weighted_median(std::span<WeightedValue> values) {
   return values.back().value;
 }
 
-/// The weights of some views, the first of which weighs most, with none above the rest.
+/// The weights of views in falling order, the first one limited to a share of the sum of the others.
 std::vector<double> balanced_weights(std::span<const ColorView> views) {
   constexpr double k_most_of_rest = 0.9;
   std::vector<double> weights;

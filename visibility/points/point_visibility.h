@@ -30,9 +30,9 @@ struct PointVisibilityOptions {
   int sub_rays = 1;
   /// Whether to report what blocks: then lines are followed to the first crossing, which takes longer.
   bool with_blockers = false;
-  /// Further limits of what observers have in view, such as the frame of a photo; empty: there are none. Called from
-  /// many threads at once, for positions in the field of view and within max_distance. Requires the same answer for the
-  /// same position.
+  /// Limits the view of an observer further, for example to the frame of a photo; empty: no further limit. Called from
+  /// many threads at once, for positions in the field of view and within max_distance. Must return the same answer for
+  /// the same position.
   std::function<bool(std::size_t observer, const glm::dvec3& position)> in_view{};
   /// Called for one observer after the other with what it sees: 1 or 0 by point id. May throw.
   std::function<void(std::size_t observer, std::span<const std::uint8_t> seen)> each_observer{};

@@ -92,15 +92,13 @@ class Ground {
 /// half a cell, at most 10^6 of them.
 double unscanned_length(const Ground& ground, const glm::dvec2& from, const glm::dvec2& to);
 
-/// The ground under a cloud, over all its bounds. `classifications` by point id; empty if the cloud has none.
-/// How: of every cell the mean of its ground points, or its lowest or highest point, brought to the middle of the cell
-/// along the slope of its neighbours, so that planes are exact. A lowest or highest point that lies alone, farther below
-/// or above all others of its cell and of the cells around than 1 + the cell's side (a wrong echo, a bird), does not
-/// count.
-/// Gaps are filled by the membrane through what is around them (Laplace's equation).
-/// Cost: about 30 ns per point and cell. Memory: 50 B per cell, checked beforehand.
-/// Errors: an empty cloud; `classified` without points of class 2; `terrain`; those of grid_over(); reach negative or
-/// not finite.
+/// The ground under a cloud, over all its bounds. `classifications` by point id; empty if the cloud has none. How: of
+/// every cell the mean of its ground points, or its lowest or highest point, brought to the middle of the cell along
+/// the slope of its neighbours, so that planes are exact. A lowest or highest point that lies alone, farther below or
+/// above all others of its cell and of the cells around than 1 + the cell's side (a wrong echo, a bird), does not
+/// count. Gaps are filled by the membrane through what is around them (Laplace's equation). Cost: about 30 ns per point
+/// and cell. Memory: 50 B per cell, checked beforehand. Errors: an empty cloud; `classified` without points of class 2;
+/// `terrain`; those of grid_over(); reach negative or not finite.
 Ground make_ground(const Octree& octree, std::span<const std::uint8_t> classifications,
                    const GroundOptions& options);
 

@@ -179,8 +179,8 @@ GroundSamples lowest_points(const Octree& octree, const geo::RasterGrid& grid, d
   return result;
 }
 
-/// Heights in the middles of cells; NaN where nothing was measured. Steeper slopes than `steepest` are steps, such as the
-/// edge of a roof.
+/// Heights in the middles of cells; NaN where nothing was measured. Steeper slopes than `steepest` are steps, such as
+/// the edge of a roof.
 geo::Raster<double> heights_in_middles(const geo::Raster<GroundSample>& samples, double steepest) {
   geo::Raster<double> heights(samples.grid, k_nan);
   tbb::parallel_for(0, samples.grid.rows, [&](int row) {

@@ -40,14 +40,14 @@ class BouncedLight {
  public:
   /// `options` are those of sun_hours(); bounces do not matter. `cell`: of surface points in a cube of this width whose
   /// normals are alike, that with the smallest id represents all; 0: every point for itself. The references must
-  /// outlive the object. Cost: with a `cell` 0.2 microseconds per point. Memory: 8 B per point, or 4 B and 40 B per cube.
-  /// Errors: cell negative or not finite.
+  /// outlive the object. Cost: with a `cell` 0.2 microseconds per point. Memory: 8 B per point, or 4 B and 40 B per
+  /// cube. Errors: cell negative or not finite.
   BouncedLight(const Occluders& occluders, const SunLight& light, const SunHoursOptions& options,
                double cell);
 
   /// Replaces the reflected light in the answers of sun_hours(), targets times light.periods of them. The same whatever
-  /// was asked before. Cost: 145 lines per target that find what blocks, and the lines of sun_hours() for every side that
-  /// is met for the first time. Memory: 16 B per side and period that was met, 2 kB per target.
+  /// was asked before. Cost: 145 lines per target that find what blocks, and the lines of sun_hours() for every side
+  /// that is met for the first time. Memory: 16 B per side and period that was met, 2 kB per target.
   void add(std::span<const SkyTarget> targets, std::span<Radiation> answers);
 
   /// sun_hours() of points of the cloud, without bounces, on their own surfaces: each side once, be it met before or

@@ -62,8 +62,8 @@ glm::dvec3 ground_normal(const Ground& ground, const glm::dvec3& foot, double ce
   return glm::normalize(glm::dvec3(-slope({0.5 * cell_size, 0.0}), -slope({0.0, 0.5 * cell_size}), 1.0));
 }
 
-/// Answers all points, a block at a time: answer(targets, point ids) gives its numbers, take(point id, row, number) gets
-/// them.
+/// Answers all points, a block at a time: answer(targets, point ids) gives its numbers, take(point id, row, number)
+/// gets them.
 template <class Answer, class Take>
 void for_each_point_target(const Occluders& occluders, std::span<const glm::vec3> normals,
                            const Question& question, const LongWork& work, Answer&& answer,

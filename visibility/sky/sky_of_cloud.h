@@ -33,8 +33,9 @@ std::vector<float> point_sky_views(const Occluders& occluders, std::span<const g
                                    const SkyViewOptions& options, const LongWork& work = {});
 
 /// Radiation of every point, by point id: periods of the first, then those of the next, `light.periods` each; the open
-/// side of points without a normal is found with find_open_sides(), of 64 directions. With a bounce each side of a point
-/// is computed once, whether it receives or reflects. Memory: 32 B per point and period, with a bounce 48 B, and some 20 MB. Errors: as sun_hours; normals not one per point.
+/// side of points without a normal is found with find_open_sides(), of 64 directions. With a bounce each side of a
+/// point is computed once, whether it receives or reflects. Memory: 32 B per point and period, with a bounce 48 B, and
+/// some 20 MB. Errors: as sun_hours; normals not one per point.
 std::vector<Radiation> point_sun_hours(const Occluders& occluders, std::span<const glm::vec3> normals,
                                        const SunLight& light, const SunHoursOptions& options,
                                        const LongWork& work = {});
@@ -49,7 +50,8 @@ geo::Raster<float> ground_sky_views(const Occluders& occluders, const Ground& gr
                                     const LongWork& work = {});
 
 /// Radiation of every cell, likewise, a raster for each period; its hours are NaN where there is no ground. With a
-/// bounce one point represents all in cubes as wide as the cells (bounced_light.h). Memory: 16 B per cell and period; check_map_memory() of 5 bands for each.
+/// bounce one point represents all in cubes as wide as the cells (bounced_light.h). Memory: 16 B per cell and period;
+/// check_map_memory() of 5 bands for each.
 std::vector<geo::Raster<Radiation>> ground_sun_hours(const Occluders& occluders, const Ground& ground,
                                                      const geo::RasterGrid& grid, double height,
                                                      const SunLight& light, const SunHoursOptions& options,

@@ -63,8 +63,8 @@ struct SunLight {
       open;  ///< of each period, all of it: the z of energies is what open level ground gets
 };
 
-/// Direction of the line of sight that represents a patch of the sky (sky_patches.h): its elevations differ along a row,
-/// so that a level edge shades as much of the row as it covers. Requires 0 <= patch < k_sky_patches.
+/// Direction of the line of sight that represents a patch of the sky (sky_patches.h): its elevations differ along a
+/// row, so that a level edge shades as much of the row as it covers. Requires 0 <= patch < k_sky_patches.
 glm::dvec3 line_into_patch(int patch);
 
 /// Sorts steps of the sun, and the sky above them, by direction.

@@ -108,7 +108,7 @@ class Weather::Reader {
     return number(column, what, 0.0, k_most);
   }
 
-  /// Means of the rows of an hour, the first of which was read.
+  /// Means over the rows of an hour. The current row is the first of them.
   HourlyIrradiance read_hour(std::size_t slot) {
     HourlyIrradiance sum;
     bool is_missing = false;
