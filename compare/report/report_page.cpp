@@ -3,7 +3,6 @@
 
 #include <fmt/format.h>
 #include <tbb/parallel_for.h>
-#include <ranges>
 
 #include "compare/report/comparison_json.h"
 
@@ -70,8 +69,8 @@ Json map_json(const PagePicture& picture, const DifferenceMap& map) {
     const auto add = [&](const std::string& label, const image::Rgb8& color) {
       categories.push_back({{"label", label}, {"color", css_color(color)}});
     };
-    for (const MapCategory& category : map.categories | std::views::reverse)
-      add(category.label, category.color);
+    for (auto category = map.categories.rbegin(); category != map.categories.rend(); ++category)
+      add(category->label, category->color);
     if (!map.mask.counts.empty()) add("excluded", k_excluded_color);
     json["categories"] = categories;
     return json;
