@@ -11,6 +11,7 @@
 #include "base/words.h"
 #include "cloud/cloud_reader.h"
 #include "cloud/copc/copc_file.h"
+#include "cloud/input_view.h"
 
 namespace alidade {
 namespace {
@@ -251,6 +252,10 @@ InputFile CloudInput::file() const {
   return InputFile(name);
 }
 
+bool CloudInput::is_changed() const {
+  return view != nullptr && !view->empty();
+}
+
 std::vector<fs::path> CloudInputs::names() const {
   std::vector<fs::path> names;
   for (const CloudInput& input : inputs) names.push_back(input.name);
@@ -263,7 +268,8 @@ std::string CloudInputs::title() const {
 }
 
 const CloudInput* CloudInputs::only(const CloudFormat& format) const {
-  return inputs.size() == 1 && inputs.front().is(format) ? &inputs.front() : nullptr;
+  if (inputs.size() != 1 || !inputs.front().is(format) || inputs.front().is_changed()) return nullptr;
+  return &inputs.front();
 }
 
 void CloudInputs::check_files() const {
@@ -297,7 +303,10 @@ CloudInput cloud_in_memory(std::span<const std::byte> bytes, std::string name, C
 }
 
 std::unique_ptr<CloudReader> open_cloud(const CloudInput& input, InputFile file, Damage damage) {
-  if (input.format != nullptr) return input.format->open(std::move(file), damage);
+  if (input.format != nullptr) {
+    std::unique_ptr<CloudReader> reader = input.format->open(std::move(file), damage);
+    return input.is_changed() ? open_view(std::move(reader), input.view, damage) : std::move(reader);
+  }
   if (file.size() == 0) throw Error({.file = file.name(), .problem = "empty file", .expected = k_supported});
   throw Error(
       {.file = file.name(), .problem = "unknown format", .expected = k_supported, .found = "binary data"});

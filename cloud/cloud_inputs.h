@@ -16,6 +16,7 @@
 namespace alidade {
 
 class CloudReader;
+struct InputView;
 
 /// One way a cloud can be stored.
 struct CloudFormat {
@@ -47,10 +48,14 @@ struct CloudInput {
   std::filesystem::path name;           ///< what messages call it
   const CloudFormat* format = nullptr;  ///< null: missing, unreadable, empty or unknown, as open_cloud() says
   std::optional<std::span<const std::byte>> memory{};  ///< the bytes of a file that is in memory
+  /// What of it is wanted, and in which reference system (cloud/input_view.h); null: all as it is.
+  std::shared_ptr<const InputView> view{};
 
   /// Opens it. Errors: InputFile's.
   InputFile file() const;
   bool is(const CloudFormat& which) const { return format == &which; }
+  /// Whether it is to be taken otherwise than it is stored.
+  bool is_changed() const;
 };
 
 /// Files that are open at once, of many.
@@ -67,7 +72,7 @@ struct CloudInputs {
   std::vector<std::filesystem::path> names() const;
   /// "a.las", "a.las and 3 more".
   std::string title() const;
-  /// The one that is of this format and the only one; else null.
+  /// The one that is of this format, the only one, and wanted as it is stored; else null.
   const CloudInput* only(const CloudFormat& format) const;
   /// Errors: the first file that cannot be opened.
   void check_files() const;

@@ -79,6 +79,11 @@ struct FileFacts {
   std::optional<Bounds> box{};
 };
 
+/// The largest channels of some colours, as the file has them.
+struct LargestColors {
+  int color = 0, near_infrared = 0;
+};
+
 /// The box that a header states, made larger by what programs round it by: 8 steps of the lattice, or a
 /// hundred-thousandth of its longest side if that is more. Empty if it is no box, does not lie on the
 /// lattice, or is a single position, as boxes are that nobody filled in.
@@ -135,6 +140,9 @@ class CloudReader {
   /// point once. Final after read(), which adds no warnings about them: the caller does. Always empty with
   /// Damage::reject.
   virtual std::vector<LostPoints> lost() const { return {}; }
+
+  /// Colours of points that the last read() has seen and left out; nothing unless a selection does.
+  virtual LargestColors left_out_colors() const { return {}; }
 
   /// Gives back file handle and buffers (InputFile::rest) until the next call that needs them; called while
   /// other files of a large set are read.

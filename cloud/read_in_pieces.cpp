@@ -77,7 +77,14 @@ class Joining {
       append_cloud(cloud_, std::move(*piece));
     }
     records_.join(first_record);
-    if (is_colored) colored_.back().end = row_count();
+    if (is_colored) {
+      // The depth of a file is that of all its points, whichever are wanted.
+      const LargestColors others = source.reader->left_out_colors();
+      ColoredRows& rows = colored_.back();
+      rows.end = row_count();
+      rows.largest_color = std::max(rows.largest_color, others.color);
+      rows.largest_near_infrared = std::max(rows.largest_near_infrared, others.near_infrared);
+    }
     const CloudFile& file = source.reader->file();
     given_.push_back({file.path.string(), file.point_count, attributes});
     if (row_count() > first_row)
@@ -197,6 +204,23 @@ std::uint64_t bytes_per_point(PointCloud& cloud, AttributeSet attributes) {
   for (const ExtraDimension& dimension : cloud.extra_dimensions)
     bytes += static_cast<std::uint64_t>(dimension.byte_count);
   return bytes;
+}
+
+/// Errors: there were points, and a selection leaves none of them.
+void check_selection(const CloudInputs& inputs, const PiecewiseCloud& whole) {
+  if (whole.point_count > 0) return;
+  std::uint64_t left_out = 0;
+  Bounds box;
+  for (const CloudFile& file : whole.rest.files) {
+    left_out += file.left_out_count;
+    if (file.left_out_count > 0 && file.stated_bounds) box.grow(*file.stated_bounds);
+  }
+  if (left_out == 0) return;
+  std::string found = fmt::format("none of {} points", left_out);
+  if (!box.empty())
+    found += fmt::format(" from {}, {}, {} to {}, {}, {}", box.min.x, box.min.y, box.min.z, box.max.x,
+                         box.max.y, box.max.z);
+  throw file_error(inputs.title(), "no points are selected", "a selection that some points meet", found);
 }
 
 }  // namespace
@@ -335,6 +359,7 @@ PiecewiseCloud read_in_pieces(const CloudInputs& inputs, const ReadOptions& opti
   whole.point_count = joining.row_count();
   whole.attributes = joining.attributes();
   report(options.progress, work, work);
+  check_selection(inputs, whole);
   warn_of_twins(inputs, cloud);
   return whole;
 }

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
 #include <fmt/format.h>
+#include <algorithm>
 #include <array>
 
 #include "base/words.h"
@@ -145,13 +146,13 @@ ExitCode run_program(const CommandLine& command_line) {
   const std::vector<Command> commands = {add_info(program),    add_generate(program), add_index(program),
                                          add_convert(program), add_query(program),    add_render(program),
                                          add_merge(program),   add_compare(program),  add_visibility(program),
-                                         add_change(program),  add_sql(program)};
+                                         add_change(program),  add_sql(program),      add_manual(program)};
   // Behind the program's name.
   CommandLine words(command_line.begin() + std::min<std::ptrdiff_t>(std::ssize(command_line), 1),
                     command_line.end());
   // "help COMMAND" is "COMMAND --help".
   if (!words.empty() && words.front() == "help") {
-    std::ranges::rotate(words, words.begin() + 1);
+    std::rotate(words.begin(), words.begin() + 1, words.end());
     words.back() = "--help";
   }
 

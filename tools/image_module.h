@@ -7,6 +7,7 @@
 #include "compare/report/page.h"
 #include "geo/earth.h"
 #include "geo/raster_file.h"
+#include "geo/reproject.h"
 #include "geo/sun.h"
 #include "geo/vector_file.h"
 #include "image/image_file.h"
@@ -43,6 +44,8 @@ struct ImageModule {
   decltype(&geo::is_same_plane) is_same_plane = &geo::is_same_plane;
   decltype(&geo::read_polygons) read_polygons = &geo::read_polygons;
   decltype(&geo::lon_lat) lon_lat = &geo::lon_lat;
+  decltype(&geo::change_reference) change_reference = &geo::change_reference;
+  decltype(&geo::metric_system) metric_system = &geo::metric_system;
   decltype(static_cast<std::optional<double> (*)(const Crs&)>(&geo::metres_per_unit)) metres_per_unit =
       &geo::metres_per_unit;
   decltype(&visibility::read_observers) read_observers = &visibility::read_observers;

@@ -7,14 +7,21 @@
 #include <CLI/CLI.hpp>
 #include <charconv>
 #include <cmath>
+#include <iterator>
+#include <utility>
 
 #include "base/output_file.h"
+#include "base/words.h"
 #include "tools/cloud/load_cloud.h"
+#include "tools/view_options.h"
 
 namespace alidade::tools {
 namespace {
 
 constexpr std::uint64_t k_most_threads = 1024;
+
+/// What CLI11 calls the options under no heading.
+constexpr std::string_view k_first_heading = "Options";
 
 /// What reads a value, naming the option in its errors.
 Options::Take naming(const std::string& names, Options::Take take) {
@@ -25,6 +32,36 @@ Options::Take naming(const std::string& names, Options::Take take) {
       throw CLI::ValidationError(names, error.what());
     }
   };
+}
+
+OptionEntry entry_of(const CLI::Option& option) {
+  OptionEntry entry{.kind = std::string(trim(option.get_option_text())),
+                    .help = option.get_description(),
+                    .is_operand = option.get_positional()};
+  if (entry.is_operand) {
+    entry.names.push_back(entry.kind.empty() ? option.get_single_name() : std::exchange(entry.kind, {}));
+    return entry;
+  }
+  entry.heading = option.get_group() == k_first_heading ? "" : option.get_group();
+  for (const std::string& name : option.get_snames()) entry.names.push_back("-" + name);
+  for (const std::string& name : option.get_lnames()) entry.names.push_back("--" + name);
+  return entry;
+}
+
+CommandEntry entry_of(const CLI::App& app) {
+  CommandEntry entry{
+      .words = {app.get_name()}, .description = app.get_description(), .text = app.get_footer()};
+  std::ranges::copy(app.get_aliases(), std::back_inserter(entry.words));
+  for (const CLI::App* command = &app; command != nullptr; command = command->get_parent())
+    entry.name = command->get_name() + (entry.name.empty() ? "" : " " + entry.name);
+  entry.usage = entry.name + " [OPTIONS]";
+  for (const CLI::Option* option : app.get_options()) {
+    entry.options.push_back(entry_of(*option));
+    if (entry.options.back().is_operand) entry.usage += " " + entry.options.back().names.front();
+  }
+  for (const CLI::App* part : app.get_subcommands({})) entry.parts.push_back(entry_of(*part));
+  if (!entry.parts.empty()) entry.usage += app.get_require_subcommand_min() > 0 ? " COMMAND" : " [COMMAND]";
+  return entry;
 }
 
 }  // namespace
@@ -156,6 +193,10 @@ std::vector<std::pair<std::string, std::vector<std::string>>> Options::given() c
   return all;
 }
 
+CommandEntry Options::entry() const {
+  return entry_of(*app_);
+}
+
 std::vector<std::string> Options::long_names() const {
   std::vector<std::string> names;
   for (const CLI::Option* option : app_->get_options())
@@ -192,7 +233,9 @@ Parser::Wish Parser::parse(std::span<const std::string> words) {
 }
 
 std::string Parser::help() const {
-  return app_->help();
+  const CLI::App* chosen = app_.get();
+  while (!chosen->get_subcommands().empty()) chosen = chosen->get_subcommands().front();
+  return help_text(entry_of(*chosen));
 }
 
 void add_verbosity(const Options& command, Verbosity& verbosity) {
@@ -251,9 +294,11 @@ bool same_file(const std::filesystem::path& a, const std::filesystem::path& b) {
 }
 
 Option add_cloud_files(const Options& command, const std::string& name, const std::string& kind,
-                       const std::string& help, CloudInputs& clouds) {
-  return command.words(name, kind, help, [&clouds](const std::vector<std::string>& words) {
-    clouds = resolve_clouds(std::vector<std::filesystem::path>(words.begin(), words.end()), cloud_formats());
+                       const std::string& help, CloudInputs& clouds,
+                       const std::shared_ptr<ViewRequest>& view) {
+  return command.words(name, kind, help, [&clouds, view](const std::vector<std::string>& words) {
+    clouds = view->apply(
+        resolve_clouds(std::vector<std::filesystem::path>(words.begin(), words.end()), cloud_formats()));
   });
 }
 
@@ -263,8 +308,10 @@ Option add_partial(const Options& command, bool& partial) {
       partial);
 }
 
-void add_cloud(const Options& command, CloudRequest& request) {
-  add_cloud_files(command.required(), "cloud", "CLOUD...", k_cloud_help, request.files);
+void add_cloud(const Options& command, CloudRequest& request,
+               std::initializer_list<std::string_view> own_options) {
+  add_cloud_files(command.required(), "cloud", "CLOUD...", k_cloud_help, request.files,
+                  add_view_options(command, own_options));
 }
 
 std::vector<std::filesystem::path> CloudRequest::inputs(

@@ -14,6 +14,7 @@
 #include <span>
 #include <stdexcept>
 #include <string>
+#include <string_view>
 #include <utility>
 #include <vector>
 
@@ -21,6 +22,7 @@
 #include "base/error.h"
 #include "cloud/cloud_inputs.h"
 #include "tools/console.h"
+#include "tools/manual_page.h"
 
 // The command line: declaring commands and options, options that several commands share, and the strict
 // reading of their values. A value with anything behind the number is an error, as is one outside its limits.
@@ -32,6 +34,8 @@ class Option;
 }  // namespace CLI
 
 namespace alidade::tools {
+
+struct ViewRequest;
 
 /// A wrong value or use of an option; the message names the option.
 struct UsageError : std::runtime_error {
@@ -210,6 +214,9 @@ class Options {
   /// Every option and operand of the command, as it is called in full, with the words given to it.
   std::vector<std::pair<std::string, std::vector<std::string>>> given() const;
 
+  /// What the manual of the command says.
+  CommandEntry entry() const;
+
   /// "--radius" and so on: all long names.
   std::vector<std::string> long_names() const;
 
@@ -279,9 +286,11 @@ inline const std::string k_database_help =
     "; or a table of a database: site.db?table=NAME or postgresql://HOST/DATABASE?table=NAME";
 
 /// Declares the option, or the operand, that takes the files of a cloud; folders and patterns are expanded
-/// (resolve_clouds()) while the command line is read. Errors then: those of resolve_clouds().
+/// (resolve_clouds()) while the command line is read. `view`: which of their points are wanted
+/// (tools/view_options.h). Errors then: those of resolve_clouds().
 Option add_cloud_files(const Options& command, const std::string& name, const std::string& kind,
-                       const std::string& help, CloudInputs& clouds);
+                       const std::string& help, CloudInputs& clouds,
+                       const std::shared_ptr<ViewRequest>& view);
 
 /// Declares --partial.
 Option add_partial(const Options& command, bool& partial);
@@ -308,8 +317,10 @@ struct CloudRequest : RunRequest {
   std::vector<std::filesystem::path> inputs(std::initializer_list<std::filesystem::path> more = {}) const;
 };
 
-/// Declares the operand that names the cloud, which is required.
-void add_cloud(const Options& command, CloudRequest& request);
+/// Declares the operand that names the cloud, which is required, and add_view_options() but for those that the
+/// command has itself.
+void add_cloud(const Options& command, CloudRequest& request,
+               std::initializer_list<std::string_view> own_options = {});
 
 /// Whether and where to keep what is finished of a long run.
 struct CheckpointRequest {

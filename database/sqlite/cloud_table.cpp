@@ -147,17 +147,6 @@ int at_end(sqlite3_vtab_cursor* base) {
   return !cursor.points || cursor.points->at_end() ? 1 : 0;
 }
 
-struct AnswerValue {
-  sqlite3_context* context;
-  void operator()(std::monostate) const {}
-  void operator()(std::int64_t whole) const { sqlite3_result_int64(context, whole); }
-  void operator()(std::uint64_t whole) const { (*this)(static_cast<double>(whole)); }
-  void operator()(double number) const { sqlite3_result_double(context, number); }
-  void operator()(std::span<const std::byte> bytes) const {
-    sqlite3_result_blob64(context, bytes.data(), bytes.size(), SQLITE_TRANSIENT);
-  }
-};
-
 int column(sqlite3_vtab_cursor* base, sqlite3_context* context, int number) {
   return table_guarded(base->pVtab, [&] {
     Cursor& cursor = cursor_of(base);
@@ -166,8 +155,7 @@ int column(sqlite3_vtab_cursor* base, sqlite3_context* context, int number) {
     const TableColumns::Kind kind = columns.kind(number);
     if (kind == TableColumns::Kind::stored) {
       const StoredColumn& stored = columns.stored(number);
-      std::visit(AnswerValue{context},
-                 stored_value(stored, cursor.store.bytes(points.chunk(), stored, points.row())));
+      answer(context, stored_value(stored, cursor.store.bytes(points.chunk(), stored, points.row())));
     } else if (kind == TableColumns::Kind::axis) {
       sqlite3_result_double(context, points.position()[columns.axis(number)]);
     } else if (kind == TableColumns::Kind::chunk) {

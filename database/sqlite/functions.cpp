@@ -91,7 +91,22 @@ constexpr SqlFunction k_functions[] = {
     {"try_plane_limit", 8, try_limit<DistanceLimit::Kind::plane>},
 };
 
+struct AnswerValue {
+  sqlite3_context* context;
+  void operator()(std::monostate) const {}
+  void operator()(std::int64_t whole) const { sqlite3_result_int64(context, whole); }
+  void operator()(std::uint64_t whole) const { (*this)(static_cast<double>(whole)); }
+  void operator()(double number) const { sqlite3_result_double(context, number); }
+  void operator()(std::span<const std::byte> bytes) const {
+    sqlite3_result_blob64(context, bytes.data(), bytes.size(), SQLITE_TRANSIENT);
+  }
+};
+
 }  // namespace
+
+void answer(sqlite3_context* context, const ColumnValue& value) {
+  std::visit(AnswerValue{context}, value);
+}
 
 std::vector<std::byte> encode(const DistanceLimit& limit) {
   std::vector<std::byte> bytes(k_head + sizeof limit.numbers);

@@ -13,6 +13,7 @@
 
 #include "database/point_filter.h"
 #include "database/sqlite/connection.h"
+#include "database/stored_column.h"
 
 // What SQLite hands to functions and tables of the module, and what they answer.
 
@@ -39,6 +40,9 @@ int guarded(const Work& work, const Fail& fail) {
     return SQLITE_ERROR;
   }
 }
+
+/// Gives SQLite the value of a column.
+void answer(sqlite3_context* context, const ColumnValue& value);
 
 /// The numbers of some arguments; empty if one of them is NULL. Errors: one is neither number nor NULL, named
 /// with `function` and counted from 1.

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: MIT
 #include <fmt/format.h>
 
-#include "base/bounds.h"
 #include "base/error.h"
 #include "base/progress.h"
 #include "base/words.h"
@@ -11,120 +10,16 @@
 #include "cloud/read_cloud.h"
 #include "cloud/rows.h"
 #include "cloud/select_points.h"
-#include "geo/vector_file.h"
 #include "tools/cloud/index.h"
 #include "tools/cloud/load_cloud.h"
 #include "tools/command.h"
-#include "tools/image_module.h"
+#include "tools/view_options.h"
 
 namespace alidade::tools {
 namespace {
 
-/// --crop and --crop-crs: which part of a cloud is wanted.
-struct CropOptions {
-  std::string text;                ///< as it was given; empty = all of the cloud
-  std::optional<Bounds> box;       ///< x0,y0,x1,y1 or x0,y0,z0,x1,y1,z1
-  std::filesystem::path polygons;  ///< or a file of polygons
-  std::string reference;           ///< --crop-crs, as ObserverReference::given
-
-  bool given() const { return !text.empty(); }
-};
-
-/// Whether a text is meant as a box. A file whose name holds commas comes first.
-bool is_box(const std::string& text) {
-  std::error_code error;
-  return text.find(',') != std::string::npos && !std::filesystem::exists(text, error);
-}
-
-Bounds parse_box(const std::string& text) {
-  std::vector<double> numbers;
-  for (const std::string& word : split_list(text)) numbers.push_back(parse_number(word));
-  if (numbers.size() != 4 && numbers.size() != 6)
-    throw UsageError("invalid value; expected x0,y0,x1,y1 or x0,y0,z0,x1,y1,z1 or a polygon file, found '" +
-                     text + "'");
-  const std::size_t axes = numbers.size() / 2;
-  Bounds box{glm::dvec3(std::numeric_limits<double>::lowest()),
-             glm::dvec3(std::numeric_limits<double>::max())};
-  for (std::size_t axis = 0; axis < axes; ++axis) {
-    const auto position = static_cast<int>(axis);
-    box.min[position] = numbers[axis];
-    box.max[position] = numbers[axes + axis];
-    if (box.min[position] > box.max[position]) {
-      throw UsageError(
-          fmt::format("limits out of order; expected the lower {0} first, found {0} from {1} to {2}",
-                      "xyz"[axis], box.min[position], box.max[position]));
-    }
-  }
-  return box;
-}
-
-/// Where points were, also those of files that were left unread; empty if there were none.
-std::string whereabouts(const PointCloud& cloud) {
-  Bounds box = cloud.bounds();
-  std::uint64_t skipped = 0;
-  for (const CloudFile& file : cloud.files) {
-    skipped += file.skipped_count;
-    if (file.skipped_count > 0 && file.stated_bounds) box.grow(*file.stated_bounds);
-  }
-  if (cloud.size() + skipped == 0) return "";
-  return fmt::format("points from {}, {}, {} to {}, {}, {}", box.min.x, box.min.y, box.min.z, box.max.x,
-                     box.max.y, box.max.z);
-}
-
-std::vector<PlanePolygon> read_polygons(const CropOptions& options, const Crs& crs) {
-  return image_module().read_polygons(
-      options.polygons,
-      {.given = options.reference, .cloud = crs, .option = "--crop-crs", .whose = "polygons"});
-}
-
-void add_crop_options(const Options& command, CropOptions& options) {
-  command.value("--crop", "BOX|FILE",
-                "keep points in the box x0,y0,x1,y1 or x0,y0,z0,x1,y1,z1, in the cloud's unit, mostly "
-                "metres, or in the polygons of a GeoJSON, GeoPackage or Shapefile; the border is included",
-                [&options](const std::string& text) {
-                  if (text.empty()) throw UsageError("missing value; expected a box or a file");
-                  options.text = text;
-                  options.box = is_box(text) ? std::optional(parse_box(text)) : std::nullopt;
-                  options.polygons = options.box ? "" : text;
-                });
-  command.value(
-      "--crop-crs", "SYSTEM",
-      "reference system of the polygons, such as EPSG:4326, overriding their file; 'cloud' for the cloud's",
-      [&options](const std::string& text) { options.reference = text; });
-}
-
-/// Finds what is wrong before a cloud is read. Errors: no such file; --crop-crs without a file.
-void check_crop(const CropOptions& options) {
-  if (options.polygons.empty()) {
-    if (!options.reference.empty()) throw input_error("--crop-crs requires a polygon file", "--crop FILE");
-    return;
-  }
-  std::error_code error;
-  if (!std::filesystem::is_regular_file(options.polygons, error))
-    throw file_error(options.polygons, "not a file", "x0,y0,x1,y1 or x0,y0,z0,x1,y1,z1 or a polygon file");
-}
-
-/// Crops a cloud, which may lack the files outside the box (ReadOptions::region). Errors: as read_polygons()
-/// of geo/vector_file.h and image_module(); no point is left of a cloud that had some.
-void crop(PointCloud& cloud, const CropOptions& options, const Progress& progress) {
-  if (!options.given()) return;
-  const std::string before = whereabouts(cloud);
-  if (options.box) {
-    crop(cloud, *options.box, progress);
-  } else {
-    crop(cloud, read_polygons(options, cloud.crs), progress);
-  }
-  if (cloud.size() == 0 && !before.empty()) {
-    throw file_error(options.polygons,
-                     options.box ? fmt::format("no points inside --crop {}", options.text)
-                                 : "no points inside the polygons",
-                     "a part of the cloud", before);
-  }
-}
-
 struct ConvertCommand : CloudRequest {
   std::filesystem::path output;
-  CropOptions crop;
   std::uint64_t every = 1;
   std::optional<double> spacing;
   ColorDepth color_depth = ColorDepth::automatic;
@@ -133,10 +28,6 @@ struct ConvertCommand : CloudRequest {
 
 /// Leaves the points that were asked for.
 void choose_points(PointCloud& cloud, const ConvertCommand& command) {
-  if (command.crop.given()) {
-    with_progress("cropping", "points", command.verbosity,
-                  [&](const Progress& progress) { crop(cloud, command.crop, progress); });
-  }
   if (command.every > 1) keep_every(cloud, command.every);
   if (command.spacing) {
     with_progress("thinning", "points", command.verbosity,
@@ -157,7 +48,8 @@ void write(const ConvertCommand& command, PointCloud& cloud) {
 
 /// Whether nothing changes but how the points of one LAS file are packed.
 bool only_packing_changes(const ConvertCommand& command) {
-  const bool chooses = command.crop.given() || command.every > 1 || command.spacing.has_value();
+  const bool chooses =
+      command.files.inputs.front().is_changed() || command.every > 1 || command.spacing.has_value();
   return has_extension(command.output, {".las", ".laz"}) && command.files.size() == 1 && !chooses &&
          command.color_depth == ColorDepth::automatic && !command.partial &&
          can_repack(command.files.first_name());
@@ -178,12 +70,11 @@ ExitCode repack(const ConvertCommand& command) {
 ExitCode run(const ConvertCommand& command) {
   if (!has_extension(command.output, {".las", ".laz", ".ply", ".alidade"}))
     throw file_error(command.output, "unknown output format", "the extension .las, .laz, .ply or .alidade");
-  check_crop(command.crop);
   check_writable(command.output, command.overwrite, command.files.names());
   if (only_packing_changes(command)) return repack(command);
-  PointCloud cloud = read_shown(command, {.color_depth = command.color_depth, .region = command.crop.box});
+  PointCloud cloud = read_shown(command, {.color_depth = command.color_depth});
   std::uint64_t all = cloud.size();
-  for (const CloudFile& file : cloud.files) all += file.skipped_count;
+  for (const CloudFile& file : cloud.files) all += file.left_out_count;
   choose_points(cloud, command);
   const std::size_t count = cloud.size();
   write(command, cloud);
@@ -198,10 +89,9 @@ Command add_convert(const Options& program) {
   auto command = std::make_shared<ConvertCommand>();
   const Options convert = program.command("convert", "Convert, join, crop and thin clouds");
   add_cloud_files(convert.required(), "files", "FILE...", k_files_help + ", or index files" + k_database_help,
-                  command->files);
+                  command->files, add_view_options(convert));
   convert.required().file("-o,--output", "FILE.las|.laz|.ply|.alidade",
                           "output file; the extension selects the format", command->output);
-  add_crop_options(convert, command->crop);
   convert.count("--every", "N", "keep the first point and every N-th after it", command->every, 1,
                 UINT64_MAX);
   convert.length(

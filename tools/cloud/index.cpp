@@ -8,6 +8,7 @@
 #include "octree/spacing.h"
 #include "tools/cloud/load_cloud.h"
 #include "tools/command.h"
+#include "tools/view_options.h"
 
 namespace alidade::tools {
 namespace {
@@ -65,7 +66,8 @@ void write_index(const std::filesystem::path& path, PointCloud& cloud, const Ind
 Command add_index(const Options& program) {
   auto command = std::make_shared<IndexCommand>();
   const Options index = program.command("index", "Build an index file, which replaces cloud files");
-  add_cloud_files(index.required(), "files", "FILE...", k_files_help, command->files);
+  add_cloud_files(index.required(), "files", "FILE...", k_files_help, command->files,
+                  add_view_options(index));
   index.required().file("-o,--output", "FILE.alidade", "output index file", command->output);
   index.choice(
       "--organisation",

@@ -13,6 +13,7 @@
 #include "octree/index_file/index_file.h"
 #include "tools/cloud/e57_images.h"
 #include "tools/command.h"
+#include "tools/view_options.h"
 
 namespace alidade::tools {
 namespace {
@@ -352,7 +353,8 @@ ExitCode run(const InfoOptions& options) {
 Command add_info(const Options& program) {
   auto options = std::make_shared<InfoOptions>();
   const Options command = program.command("info", "Describe cloud files");
-  add_cloud_files(command.required(), "files", "FILE...", k_files_help + k_database_help, options->files);
+  add_cloud_files(command.required(), "files", "FILE...", k_files_help + k_database_help, options->files,
+                  add_view_options(command));
   command.flag("--json", "print JSON instead of a table; the keys are below", options->json);
   command.flag("--verify",
                "read each index file completely, compare it with its checksums, and check that its octree "

@@ -24,9 +24,14 @@ IndexedCloud load_shown(const CloudRequest& request, IndexCloudOptions options);
 Octree with_spacings_shown(const Octree& octree, int neighbours, Verbosity verbosity);
 Octree with_surfaces_shown(const Octree& octree, Verbosity verbosity);
 
-/// Whether it is a cloud in a database that can be asked for a part of it: one that 'alidade sql load' made.
+/// Whether it is a cloud in a database that can be asked for a part of it: one that 'alidade sql load' made, and
+/// wanted as it is.
 /// Errors: those of opening a table on a server.
 bool has_parts(const CloudInput& input);
+
+/// Error if x and y of a cloud are degrees and z is a length: then no distance can be measured and nothing has an
+/// elevation, so that pictures would be hairlines and answers about sight wrong.
+void check_map_unit(const Crs& crs, const CloudInputs& clouds);
 
 /// What such parts consist of: "chunks" of SQLite, "points" of a server.
 const char* part_unit(const CloudInput& input);

@@ -278,7 +278,7 @@ std::string names_of_figures() {
   std::string_view group;
   for (const compare::MetricKind& kind : compare::metric_kinds()) {
     if (kind.group != group) text += fmt::format("  {}\n", group = kind.group);
-    text += fmt::format("    {:<18} {}\n", kind.name, kind.note);
+    text += manual_row(fmt::format("    {}", kind.name), kind.note, 23);
   }
   return text;
 }

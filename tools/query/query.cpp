@@ -41,7 +41,9 @@ void add_conditions(const Options& query, QueryCommand& command) {
   group.value("--t-max", "B", "points that project to t <= B (default: inf)", command.t_max, parse_limit);
   group.value("--entry-min", "E", "for rays with --radius: spheres entered at E or later, metres",
               command.entry_min, parse_limit);
-  group.value("--class", "LIST", "points of these classes, such as 2,6", command.classes, parse_classes);
+  group.value("--classes,--class", "LIST",
+              "points of these classes, such as 2,6; point ids stay those of all points", command.classes,
+              parse_classes);
   group.count("--max-level", "N",
               "a thinned cloud: levels 0 to N of a layered octree; built for cloud files, while an index "
               "file must be layered (alidade index --organisation layered)",
@@ -156,7 +158,7 @@ Command add_query(const Options& program) {
   const Options query = program.command(
       "query", "Find the points near rays, paths and positions, and in cones, planes and boxes");
   auto command = std::make_shared<QueryCommand>();
-  add_cloud(query, *command);
+  add_cloud(query, *command, {"--classes"});
   add_targets(query, *command);
   add_conditions(query, *command);
   add_answers(query, *command);

@@ -15,6 +15,7 @@
 #include "tools/render/long_render.h"
 #include "tools/render/render_options.h"
 #include "tools/render/views.h"
+#include "tools/view_options.h"
 
 namespace alidade::tools {
 namespace {
@@ -112,6 +113,7 @@ renderer::LoadedCloud load(const RenderCommand& command, const renderer::Scene& 
                                     : renderer::load_cloud(settings, clouds, line.callback(), measure);
   if (measuring || !command.in_view) (measuring ? *measuring : line).finish();
   say_warnings(verbosity, cloud.warnings);
+  check_map_unit(cloud.crs, clouds);
   const std::string color = cloud.color.by == image::PointColor::rgb ? "rgb" : cloud.color.word;
   say_note(verbosity, fmt::format("{} points, coloured by {}, {}", cloud.octree.size(), color,
                                   radius_text(settings, cloud)));
@@ -297,7 +299,8 @@ ExitCode run(const RenderCommand& command) {
   load_meshes(scene, verbosity);
 
   CloudInputs clouds = command.files;
-  if (scene.cloud && clouds.empty()) clouds = resolve_clouds(scene.cloud->files, cloud_formats());
+  if (scene.cloud && clouds.empty())
+    clouds = command.view->apply(resolve_clouds(scene.cloud->files, cloud_formats()));
   if (scene.cloud && !command.long_render.preview.empty() && !resumed && !pictures.empty())
     show_first_looks(command, scene, clouds, views.empty() ? nullptr : &pictures.front().view);
   std::optional<renderer::LoadedCloud> loaded;

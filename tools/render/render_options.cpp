@@ -12,6 +12,7 @@
 #include "tools/cloud/load_cloud.h"
 #include "tools/cloud/mesh_files.h"
 #include "tools/render/site_surfaces.h"
+#include "tools/view_options.h"
 
 namespace alidade::tools {
 namespace {
@@ -142,8 +143,8 @@ bool is_scene(const std::filesystem::path& file) {
 void take_scene_or_cloud(const std::vector<std::string>& words, RenderCommand& command) {
   const auto scene = std::ranges::find_if(words, is_scene);
   if (scene == words.end()) {
-    command.files =
-        resolve_clouds(std::vector<std::filesystem::path>(words.begin(), words.end()), cloud_formats());
+    command.files = command.view->apply(
+        resolve_clouds(std::vector<std::filesystem::path>(words.begin(), words.end()), cloud_formats()));
     return;
   }
   if (words.size() > 1)
@@ -260,14 +261,15 @@ void check_depth_alone(const RenderCommand& command) {
 
 std::shared_ptr<RenderCommand> add_render_options(const Options& render) {
   auto command = std::make_shared<RenderCommand>();
+  command->view = add_view_options(render);
   const Option scene =
       render.words("scene", "SCENE.json|CLOUD...",
                    "scene file; or " + k_files_help + ", rendered without one" + k_database_help,
                    [command = command.get()](const std::vector<std::string>& words) {
                      take_scene_or_cloud(words, *command);
                    });
-  const Option cloud =
-      add_cloud_files(render.excludes(scene), "--cloud", "FILE...", "the same as CLOUD", command->files);
+  const Option cloud = add_cloud_files(render.excludes(scene), "--cloud", "FILE...", "the same as CLOUD",
+                                       command->files, command->view);
   render.excludes(cloud).value(
       "--site", "courtyard",
       "render the exact surfaces of the site that 'alidade generate' scans, in place of the "

@@ -29,6 +29,7 @@ struct RadiusRequest {
 /// What was asked of `alidade render`. Everything that is empty is left as the scene has it.
 struct RenderCommand : CloudRequest {
   std::filesystem::path scene_file;
+  std::shared_ptr<ViewRequest> view;          ///< of the clouds, also those of a scene
   std::vector<std::filesystem::path> meshes;  ///< in world coordinates
   bool exact_site = false;                    ///< the courtyard itself in place of a scan
   bool in_view = false;                       ///< of a cloud in a database, only what the cameras see is read

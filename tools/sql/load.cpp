@@ -9,6 +9,7 @@
 #include "database/sqlite/store_cloud.h"
 #include "tools/cloud/load_cloud.h"
 #include "tools/command.h"
+#include "tools/view_options.h"
 
 namespace alidade::tools {
 namespace {
@@ -61,6 +62,7 @@ std::uint64_t load_with_progress(
 
 struct LoadCommand : LoadOptions {
   std::vector<std::filesystem::path> files;  ///< the last one is the database
+  std::shared_ptr<ViewRequest> view;
   database::StoreOptions store;
 };
 
@@ -90,8 +92,8 @@ database::ServerName server_name(const LoadCommand& command) {
 
 ExitCode run(const LoadCommand& command) {
   const std::filesystem::path& database = command.files.back();
-  const CloudInputs files =
-      resolve_clouds(std::span(command.files).first(command.files.size() - 1), cloud_formats());
+  const CloudInputs files = command.view->apply(
+      resolve_clouds(std::span(command.files).first(command.files.size() - 1), cloud_formats()));
   std::optional<database::ServerName> server;
   if (database::is_server_name(database.string())) {
     server = server_name(command);
@@ -147,6 +149,7 @@ Command add_sql_load(const Options& sql) {
       "database, an SQLite file, created if missing, or 'postgresql://HOST/DATABASE?table=NAME'",
       [command](const std::vector<std::string>& words) { command->files.assign(words.begin(), words.end()); },
       2);
+  command->view = add_view_options(load);
   load.text("--table", "NAME", "table name of the cloud (default: points)", command->store.table);
   load.count("--chunk-points", "N", "points per chunk of SQLite, 1 to 65536 (default: 1024)",
              command->store.chunk_points, 1, 65536);
@@ -159,7 +162,7 @@ Command add_sql_shard_plan(const Options& sql) {
   auto command = std::make_shared<ShardPlanCommand>();
   const Options plan =
       sql.command("shard-plan", "Plan the distribution of a cloud over several PostgreSQL servers");
-  add_cloud_files(plan.required(), "files", "FILE...", k_files_help, command->files);
+  add_cloud_files(plan.required(), "files", "FILE...", k_files_help, command->files, add_view_options(plan));
   plan.required().file("-o,--output", "FOLDER", "output folder", command->output);
   plan.required().words(
       "--shard", "HOST[:PORT]/DATABASE...",

@@ -150,13 +150,6 @@ std::string description_of(const visibility::Occluders& occluders, const Occlude
 
 }  // namespace
 
-void check_map_unit(const PointCloud& cloud) {
-  if (geo::map_unit(cloud.crs) != geo::MapUnit::degree) return;
-  throw file_error(cloud.files.empty() ? "" : cloud.files.front().path.string(),
-                   "geographic coordinates (degrees) are not supported",
-                   "a projected reference system: reproject the cloud");
-}
-
 void add_occluder_options(const Options& command, OccluderRequest& request) {
   const Options group = command.group("What blocks");
   group.choice("--occluder",
@@ -216,7 +209,7 @@ std::unique_ptr<VisibilityCloud> load_cloud_alone(const VisibilityRequest& reque
   loaded->cloud = load_shown(request, {.read = {.attributes = attributes | Attribute::classification}});
   if (loaded->cloud.octree.size() == 0)
     throw file_error(request.files.first_name(), "the cloud has no points");
-  check_map_unit(loaded->cloud.cloud);
+  check_map_unit(loaded->cloud.cloud.crs, request.files);
   if (!terrain.empty()) check_same_plane(terrain_crs, terrain, loaded->cloud.cloud.crs);
   loaded->columns = loaded->cloud.columns();
   return loaded;

@@ -81,10 +81,6 @@ enum class AcceptedInput {
 std::unique_ptr<VisibilityCloud> load_cloud_alone(const VisibilityRequest& request, AttributeSet attributes,
                                                   AcceptedInput accepted = AcceptedInput::points);
 
-/// Error if x and y of the cloud are degrees and z is a length: then no distance can be measured and nothing has an
-/// elevation, so that all answers about sight would be wrong.
-void check_map_unit(const PointCloud& cloud);
-
 /// Measures what the cloud lacks, shows progress, and says what blocks. May take long, so what else can be
 /// wrong is better found before. Errors: as Occluders.
 void measure_occluders(VisibilityCloud& cloud, const OccluderRequest& request, Verbosity verbosity);

@@ -11,6 +11,7 @@
 #include "tools/cloud/write_points.h"
 #include "tools/command.h"
 #include "tools/image_module.h"
+#include "tools/view_options.h"
 #include "tools/visibility/blocking_cloud.h"
 
 namespace alidade::tools {
@@ -87,7 +88,7 @@ std::unique_ptr<EpochCloud> load_epoch(const ChangeCommand& command, const Epoch
   epoch->cloud = load_shown(one, {});
   if (epoch->cloud.octree.size() == 0)
     throw file_error(request.files.first_name(), "the cloud has no points");
-  check_map_unit(epoch->cloud.cloud);
+  check_map_unit(epoch->cloud.cloud.crs, request.files);
   epoch->columns = epoch->cloud.columns();
   epoch->origins = origins_of(request, epoch->cloud.cloud);
   if (epoch->origins.empty() && !command.no_sight) {
@@ -237,15 +238,16 @@ ExitCode run(const ChangeCommand& command) {
   return ExitCode::done;
 }
 
-void add_epoch(const Options& change, const char* operand, EpochRequest& epoch) {
+void add_epoch(const Options& change, const char* operand, EpochRequest& epoch,
+               const std::shared_ptr<ViewRequest>& view) {
   change.required().value(
       operand, epoch.name,
       std::string(
           "the cloud of this epoch: a file, a folder, a quoted pattern such as 'tiles/*.las', an index file "
           "(.alidade)") +
           k_database_help,
-      [&epoch](const std::string& text) {
-        epoch.files = resolve_clouds(std::vector<std::filesystem::path>{text}, cloud_formats());
+      [&epoch, view](const std::string& text) {
+        epoch.files = view->apply(resolve_clouds(std::vector<std::filesystem::path>{text}, cloud_formats()));
       });
 }
 
@@ -292,8 +294,9 @@ Command add_change(const Options& program) {
   auto command = std::make_shared<ChangeCommand>();
   const Options change =
       program.command("change", "Find what has moved, gone or come between two scans, or was never seen");
-  add_epoch(change, "before", command->before);
-  add_epoch(change, "after", command->after);
+  const auto view = add_view_options(change, {"--ignore-classes"});
+  add_epoch(change, "before", command->before, view);
+  add_epoch(change, "after", command->after, view);
   change.required().file("-o,--output", "FILE.las|FILE.laz|FILE.ply",
                          "output: the points of both epochs, as LAS 1.4, LAZ or PLY, by the extension",
                          command->output);

@@ -220,7 +220,7 @@ Command add_visibility_horizon(const Options& visibility) {
   auto command = std::make_shared<HorizonCommand>();
   const Options horizon =
       visibility.command("horizon", "Compute the horizon, sky-view factors and a panorama at one position");
-  add_cloud(horizon, *command);
+  add_cloud(horizon, *command, {"--ignore-classes"});
   add_observer_options(horizon, command->observers);
   add_occluder_options(horizon, command->occluders);
   add_answers(horizon, *command);

@@ -331,7 +331,7 @@ Command add_visibility_lines(const Options& visibility) {
   auto command = std::make_shared<LinesCommand>();
   const Options lines =
       visibility.command("lines", "Test lines of sight between pairs of positions, and their Fresnel zones");
-  add_cloud(lines, *command);
+  add_cloud(lines, *command, {"--ignore-classes"});
   add_pair_options(lines, command->pairs);
   lines.group("Lines").number("--end-margin", "LENGTH",
                               "excluded length at either end, for scanned masts and tripods (default: 0)",

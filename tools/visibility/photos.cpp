@@ -197,7 +197,7 @@ Command add_visibility_photos(const Options& visibility) {
   auto command = std::make_shared<PhotosCommand>();
   const Options photos = visibility.command(
       "photos", "Compute which photos see which points, their footprints, and colours of points");
-  add_cloud(photos, *command);
+  add_cloud(photos, *command, {"--ignore-classes"});
   add_photos(photos, *command);
   add_occluder_options(photos, command->occluders);
   add_answers(photos, *command);

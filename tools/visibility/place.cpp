@@ -155,7 +155,7 @@ void add_answers(const Options& position, PlaceCommand& command) {
 Command add_visibility_place(const Options& visibility) {
   auto command = std::make_shared<PlaceCommand>();
   const Options position = visibility.command("place", "Choose the few observer positions that see most");
-  add_cloud(position, *command);
+  add_cloud(position, *command, {"--ignore-classes"});
   add_observer_options(position, command->candidates);
   add_targets(position, *command);
   add_occluder_options(position, command->occluders);

@@ -236,7 +236,7 @@ Command add_visibility_points(const Options& visibility) {
   auto command = std::make_shared<PointsCommand>();
   const Options points =
       visibility.command("points", "Compute the visibility of every point, and what blocks it");
-  add_cloud(points, *command);
+  add_cloud(points, *command, {"--ignore-classes"});
   add_observer_options(points, command->observers);
   add_occluder_options(points, command->occluders);
   add_answers(points, *command);

@@ -337,7 +337,7 @@ Command add_visibility_raster(const Options& visibility) {
           .also_called("viewshed");
   auto command = std::make_shared<RasterCommand>();
   const Options map = raster.group(k_map_group);
-  add_cloud(raster, *command);
+  add_cloud(raster, *command, {"--ignore-classes"});
   map.required().file("-o,--output", "FILE.tif", "output map: cloud-optimised GeoTIFF", command->output);
   map.flag("--overwrite", "replace existing files", command->overwrite);
   add_map_options(raster, command->map);

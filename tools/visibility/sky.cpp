@@ -95,7 +95,7 @@ bool SkyRequest::is_map() const {
 }
 
 void add_sky_request(const Options& command, SkyRequest& request) {
-  add_cloud(command, request);
+  add_cloud(command, request, {"--ignore-classes"});
   const Options group = command.group("Answers");
   group.required().file(
       "-o,--output", "FILE.las|FILE.laz|FILE.ply|FILE.tif",

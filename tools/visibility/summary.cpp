@@ -90,7 +90,7 @@ void add_answers(const Options& summary, SummaryCommand& command) {
 Command add_visibility_summary(const Options& visibility) {
   auto command = std::make_shared<SummaryCommand>();
   const Options summary = visibility.command("summary", "Summarize what each observer sees in one row");
-  add_cloud(summary, *command);
+  add_cloud(summary, *command, {"--ignore-classes"});
   add_observer_options(summary, command->observers);
   add_occluder_options(summary, command->occluders);
   add_answers(summary, *command);

@@ -1,0 +1,294 @@
+// SPDX-License-Identifier: MIT
+#include "cloud/input_view.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <glm/common.hpp>
+#include <iterator>
+#include <numeric>
+#include <utility>
+
+#include "base/error.h"
+#include "cloud/rows.h"
+
+namespace alidade {
+namespace {
+
+constexpr std::uint64_t k_piece_bytes = std::uint64_t{64} << 20;
+
+bool is_finite(const glm::dvec3& position) {
+  return std::isfinite(position.x) && std::isfinite(position.y) && std::isfinite(position.z);
+}
+
+/// Takes the rows out of a piece that a reader goes on filling: its columns stay, without values.
+PointCloud take_rows(PointCloud& piece, AttributeSet wanted) {
+  PointCloud rows;
+  rows.lattice = piece.lattice;
+  rows.positions = std::exchange(piece.positions, {});
+  for_each_column(rows, piece, [&](Attribute attribute, auto& column, auto& own) {
+    if (wanted.contains(attribute)) column = std::move(own);
+    own.clear();
+  });
+  for (ExtraDimension& dimension : piece.extra_dimensions) {
+    if (wanted.contains(Attribute::extra_dimensions)) {
+      rows.extra_dimensions.push_back(description_of(dimension));
+      rows.extra_dimensions.back().values = std::move(dimension.values);
+    }
+    dimension.values.clear();
+  }
+  return rows;
+}
+
+class ViewReader final : public CloudReader {
+ public:
+  ViewReader(std::unique_ptr<CloudReader> inner, std::shared_ptr<const InputView> view, Damage damage)
+      : inner_(std::move(inner)), view_(std::move(view)), facts_(inner_->facts()) {
+    if (view_->change_reference) {
+      change_ = view_->change_reference(inner_->file().path, facts_);
+      facts_.crs = change_.crs;
+      if (change_.move) facts_.box.reset();
+    }
+    sources_ = inner_->sources();
+    left_.resize(sources_.size());
+    const PointSelection& selection = view_->selection;
+    is_outside_ = damage == Damage::reject && selection.box && facts_.box && inner_->lattice() &&
+                  !meet(*selection.box, *facts_.box);
+    take_over_file();
+  }
+
+  const CloudFile& file() const override { return file_; }
+  std::vector<CloudFile> sources() const override {
+    std::vector<CloudFile> sources = inner_->sources();
+    for (std::size_t i = 0; i < sources.size(); ++i) {
+      sources[i].left_out_count = sources.size() == 1 ? left_out_ : sources[i].point_count - left_[i];
+      sources[i].point_count = left_[i];
+      if (change_.move) sources[i].stated_bounds.reset();
+    }
+    sources.front().dropped_count += dropped_;
+    return sources;
+  }
+  AttributeSet attributes() const override { return inner_->attributes(); }
+  std::optional<Lattice> lattice() const override { return change_.move ? std::nullopt : inner_->lattice(); }
+  FileFacts facts() const override { return facts_; }
+  std::optional<std::uint64_t> point_count() const override {
+    if (is_outside_) return 0;
+    return change_.move ? std::nullopt : inner_->point_count();
+  }
+  std::uint64_t work() const override { return inner_->work(); }
+  std::vector<LostPoints> lost() const override { return inner_->lost(); }
+  void rest() override { inner_->rest(); }
+  LargestColors left_out_colors() const override { return largest_; }
+
+  CoordinateSurvey survey(const Progress& progress) override {
+    if (!change_.move) return inner_->survey(progress);
+    CoordinateSurvey survey;
+    survey.dropped_count = inner_->lattice() ? 0 : survey_own().dropped_count;
+    for_each_position_block(progress, [&](std::span<glm::dvec3> positions) {
+      if (survey.finite_count == 0 && !positions.empty()) survey.resolution = resolution_at(positions[0]);
+      change_.move(positions);
+      for (const glm::dvec3& position : positions) {
+        if (is_finite(position)) {
+          survey.bounds.grow(position);
+          ++survey.finite_count;
+        } else {
+          ++survey.dropped_count;
+        }
+      }
+    });
+    dropped_ = survey.dropped_count;
+    return survey;
+  }
+
+  void read_in_pieces(PointCloud& cloud, AttributeSet wanted, const CloudPieces& pieces,
+                      const Progress& progress) override {
+    std::ranges::copy(change_.warnings, std::back_inserter(cloud.warnings));
+    if (is_outside_) {
+      left_out_ = inner_->point_count().value_or(0);
+      return take_over_file();
+    }
+    const PointSelection& selection = view_->selection;
+    AttributeSet needed = wanted;
+    if (selection.classes) needed = needed | Attribute::classification;
+    if (selection.condition) needed = AttributeSet::all();
+    PointCloud piece;
+    piece.lattice = change_.move ? own_lattice() : cloud.lattice;
+    const Lattice own = piece.lattice;
+    const CloudPieces own_pieces{.most_bytes = std::min(k_piece_bytes, pieces.most_bytes),
+                                 .bytes_beside = pieces.bytes_beside,
+                                 .take = [&](PointCloud& part) {
+                                   move_rows(part, cloud.lattice);
+                                   select_rows(part);
+                                   hand_over(part, cloud, wanted, pieces);
+                                   part.lattice = own;
+                                 }};
+    inner_->read_in_pieces(piece, needed, own_pieces, progress);
+    own_pieces.take(piece);
+    // What the file says beside its points.
+    piece.lattice = cloud.lattice;
+    piece.extra_dimensions.clear();
+    for (ScannerPosition& scanner : piece.scanner_positions) {
+      if (change_.move) change_.move(std::span(&scanner.position, 1));
+    }
+    append_cloud(cloud, std::move(piece));
+    take_over_file();
+  }
+
+ private:
+  /// The lattice that the positions have before they move.
+  Lattice own_lattice() {
+    if (const auto lattice = inner_->lattice()) return *lattice;
+    const CoordinateSurvey survey = survey_own();
+    return fit_lattice(std::span(&survey, 1));
+  }
+
+  const CoordinateSurvey& survey_own() {
+    if (!own_survey_) own_survey_ = inner_->survey({});
+    return *own_survey_;
+  }
+
+  template <class Visit>
+  void for_each_position_block(const Progress& progress, const Visit& visit) {
+    PointCloud piece;
+    piece.lattice = own_lattice();
+    std::vector<glm::dvec3> positions;
+    const CloudPieces pieces{.most_bytes = k_piece_bytes, .take = [&](PointCloud& part) {
+                               positions.resize(part.size());
+                               for (std::size_t row = 0; row < part.size(); ++row)
+                                 positions[row] = part.world(row);
+                               part.positions.clear();
+                               visit(std::span(positions));
+                             }};
+    inner_->read_in_pieces(piece, AttributeSet(), pieces, progress);
+    pieces.take(piece);
+  }
+
+  /// Half of what the image of a position moves by when it moves by a step.
+  glm::dvec3 resolution_at(const glm::dvec3& position) {
+    const glm::dvec3 step = own_lattice().scale;
+    std::array<glm::dvec3, 4> images = {position, position + glm::dvec3(step.x, 0, 0),
+                                        position + glm::dvec3(0, step.y, 0),
+                                        position + glm::dvec3(0, 0, step.z)};
+    change_.move(images);
+    glm::dvec3 largest(0.0);
+    for (int axis = 1; axis < 4; ++axis) {
+      const glm::dvec3 moved = glm::abs(images[static_cast<std::size_t>(axis)] - images[0]);
+      if (is_finite(moved)) largest = glm::max(largest, moved);
+    }
+    return 0.5 * largest;
+  }
+
+  /// Brings a part of the file onto the cloud's lattice; rows without an image go.
+  void move_rows(PointCloud& part, const Lattice& lattice) const {
+    if (!change_.move) return;
+    std::vector<glm::dvec3> positions(part.size());
+    for (std::size_t row = 0; row < part.size(); ++row) positions[row] = part.world(row);
+    change_.move(positions);
+    std::vector<std::uint8_t> marks(part.size());
+    for (std::size_t row = 0; row < part.size(); ++row) {
+      const auto moved = to_lattice(lattice, positions[row]);
+      marks[row] = moved ? 1 : 0;
+      if (moved) part.positions[row] = *moved;
+    }
+    part.lattice = lattice;
+    if (std::ranges::find(marks, 0) != marks.end()) keep_rows(part, marks);
+  }
+
+  void select_rows(PointCloud& part) {
+    const PointSelection& selection = view_->selection;
+    // So that rows are counted for the file they come from.
+    part.files = sources_of(part.size());
+    const std::size_t before = part.size();
+    for (const Color16& color : part.colors)
+      largest_.color = std::max<int>({largest_.color, color.x, color.y, color.z});
+    for (const std::uint16_t value : part.near_infrared)
+      largest_.near_infrared = std::max<int>(largest_.near_infrared, value);
+    if (selection.classes && part.size() > 0) keep_classes(part, *selection.classes);
+    if (selection.box) crop(part, *selection.box);
+    if (selection.polygons) crop(part, polygons());
+    if (selection.condition && part.size() > 0) {
+      std::vector<std::uint8_t> marks(part.size(), 1);
+      try {
+        selection.condition(part, marks);
+      } catch (const Error& error) {
+        Error::Parts parts = error.parts();
+        parts.file = inner_->file().path.string();
+        throw Error(std::move(parts));
+      }
+      keep_rows(part, marks);
+    }
+    left_out_ += before - part.size();
+    for (std::size_t i = 0; i < part.files.size(); ++i) left_[i] += part.files[i].point_count;
+    part.files.clear();
+  }
+
+  void keep_classes(PointCloud& part, const std::bitset<256>& classes) const {
+    if (part.classifications.empty())
+      throw file_error(inner_->file().path, "cannot select by class: the file has no classification",
+                       "a classified cloud");
+    std::vector<std::uint8_t> marks(part.size());
+    for (std::size_t row = 0; row < part.size(); ++row)
+      marks[row] = classes.test(part.classifications[row]) ? 1 : 0;
+    keep_rows(part, marks);
+  }
+
+  std::span<const PlanePolygon> polygons() {
+    if (!polygons_) polygons_ = view_->selection.polygons(facts_.crs);
+    return *polygons_;
+  }
+
+  /// How many of the next rows come from which source.
+  std::vector<CloudFile> sources_of(std::size_t count) {
+    std::vector<CloudFile> files(sources_.size());
+    if (files.size() == 1) {
+      files[0].point_count = count;
+      return files;
+    }
+    std::uint64_t end = 0;
+    const std::uint64_t first = std::exchange(next_row_, next_row_ + count);
+    for (std::size_t i = 0; i < files.size(); ++i) {
+      const std::uint64_t begin = std::exchange(end, end + sources_[i].point_count);
+      const std::uint64_t from = std::max(begin, first), to = std::min(end, next_row_);
+      files[i].point_count = to > from ? to - from : 0;
+    }
+    return files;
+  }
+
+  static void hand_over(PointCloud& part, PointCloud& cloud, AttributeSet wanted, const CloudPieces& pieces) {
+    PointCloud rows = take_rows(part, wanted);
+    if (pieces.take && cloud.size() > 0 &&
+        room_in_piece(cloud, rows.attributes(), rows.size(), pieces) < rows.size())
+      pieces.take(cloud);
+    if (rows.size() > 0) append_cloud(cloud, std::move(rows));
+  }
+
+  void take_over_file() {
+    file_ = inner_->file();
+    file_.dropped_count += dropped_;
+    file_.left_out_count = left_out_;
+    file_.point_count = std::accumulate(left_.begin(), left_.end(), std::uint64_t{0});
+    if (change_.move) file_.stated_bounds.reset();
+  }
+
+  std::unique_ptr<CloudReader> inner_;
+  std::shared_ptr<const InputView> view_;
+  FileFacts facts_;
+  ReferenceChange change_;
+  bool is_outside_ = false;  ///< no point can be in the selection's box
+  std::vector<CloudFile> sources_;
+  std::vector<std::uint64_t> left_;  ///< selected points, of each source
+  LargestColors largest_;            ///< of all points
+  std::uint64_t left_out_ = 0, dropped_ = 0, next_row_ = 0;
+  std::optional<CoordinateSurvey> own_survey_;
+  std::optional<std::vector<PlanePolygon>> polygons_;
+  CloudFile file_;
+};
+
+}  // namespace
+
+std::unique_ptr<CloudReader> open_view(std::unique_ptr<CloudReader> reader,
+                                       std::shared_ptr<const InputView> view, Damage damage) {
+  return std::make_unique<ViewReader>(std::move(reader), std::move(view), damage);
+}
+
+}  // namespace alidade

@@ -1,0 +1,226 @@
+// SPDX-License-Identifier: MIT
+#include "database/sqlite/where_clause.h"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+#include <tbb/parallel_for.h>
+#include <algorithm>
+#include <memory>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+#include "database/sqlite/functions.h"
+#include "database/sqlite/sqlite_api.h"
+#include "database/stored_column.h"
+
+namespace alidade::database {
+namespace {
+
+/// Rows that one connection evaluates: opening it takes as long as a few hundred of them.
+constexpr std::size_t k_rows_at_once = 1 << 16;
+
+constexpr const char* k_example = R"(a condition such as "classification = 2 AND intensity > 100")";
+
+/// A column as SQLite is given it.
+struct Column {
+  StoredColumn like{};
+  const std::byte* values = nullptr;  ///< null: a coordinate
+  int axis = 0;
+};
+
+/// The columns of a cloud in the order of the table.
+std::vector<Column> columns_of_table(const PointCloud& cloud) {
+  std::vector<Column> columns;
+  for (int axis = 0; axis < 3; ++axis)
+    columns.push_back({.like = {.name = std::string(1, "xyz"[axis])}, .axis = axis});
+  std::vector<std::span<const std::byte>> blobs(1);
+  for_each_column(cloud, [&](Attribute, const auto& column) {
+    if (!column.empty()) blobs.push_back(std::as_bytes(std::span(column)));
+  });
+  for (const ExtraDimension& dimension : cloud.extra_dimensions)
+    blobs.push_back(std::as_bytes(std::span(dimension.values)));
+  for (StoredColumn& stored : stored_columns(cloud)) {
+    if (stored.blob == 0) continue;
+    const std::byte* const values = blobs[static_cast<std::size_t>(stored.blob)].data() + stored.byte;
+    columns.push_back({.like = std::move(stored), .values = values});
+  }
+  return columns;
+}
+
+/// The rows [first, end) of a cloud as a table that SQLite reads.
+struct Rows {
+  const PointCloud& cloud;
+  const std::vector<Column>& columns;
+  std::size_t first, end;
+};
+
+struct Table {
+  sqlite3_vtab base{};  // SQLite's part, which must stand first
+  const Rows* rows;
+};
+
+struct Cursor {
+  sqlite3_vtab_cursor base{};  // SQLite's part, which must stand first
+  std::size_t row = 0;
+};
+
+const Rows& rows_of(sqlite3_vtab* base) {
+  return *reinterpret_cast<Table*>(base)->rows;
+}
+
+Cursor& cursor_of(sqlite3_vtab_cursor* base) {
+  return *reinterpret_cast<Cursor*>(base);
+}
+
+int connect(sqlite3* database, void* rows, int, const char* const*, sqlite3_vtab** made, char** message) {
+  return guarded(
+      [&] {
+        auto table = std::make_unique<Table>();
+        table->rows = static_cast<const Rows*>(rows);
+        std::vector<std::string> names;
+        for (const Column& column : table->rows->columns) names.push_back(sql_name(column.like.name));
+        const int result = sqlite3_declare_vtab(
+            database, fmt::format("CREATE TABLE point({})", fmt::join(names, ",")).c_str());
+        if (result == SQLITE_OK) *made = &table.release()->base;
+        return result;
+      },
+      [&](const char* text) { *message = sqlite3_mprintf("%s", text); });
+}
+
+int disconnect(sqlite3_vtab* base) {
+  delete reinterpret_cast<Table*>(base);
+  return SQLITE_OK;
+}
+
+int best_index(sqlite3_vtab* base, sqlite3_index_info* info) {
+  info->estimatedRows = static_cast<sqlite3_int64>(rows_of(base).end - rows_of(base).first);
+  info->estimatedCost = static_cast<double>(info->estimatedRows);
+  return SQLITE_OK;
+}
+
+int open(sqlite3_vtab*, sqlite3_vtab_cursor** made) {
+  return guarded([&] { *made = &std::make_unique<Cursor>().release()->base; }, [](const char*) {});
+}
+
+int close(sqlite3_vtab_cursor* base) {
+  delete &cursor_of(base);
+  return SQLITE_OK;
+}
+
+int filter(sqlite3_vtab_cursor* base, int, const char*, int, sqlite3_value**) {
+  cursor_of(base).row = rows_of(base->pVtab).first;
+  return SQLITE_OK;
+}
+
+int next(sqlite3_vtab_cursor* base) {
+  ++cursor_of(base).row;
+  return SQLITE_OK;
+}
+
+int at_end(sqlite3_vtab_cursor* base) {
+  return cursor_of(base).row >= rows_of(base->pVtab).end ? 1 : 0;
+}
+
+int column(sqlite3_vtab_cursor* base, sqlite3_context* context, int number) {
+  const Rows& rows = rows_of(base->pVtab);
+  const Column& column = rows.columns[static_cast<std::size_t>(number)];
+  const std::size_t row = cursor_of(base).row;
+  if (column.values == nullptr) {
+    sqlite3_result_double(context, rows.cloud.world(row)[column.axis]);
+  } else {
+    answer(context,
+           stored_value(column.like, column.values + row * static_cast<std::size_t>(column.like.size)));
+  }
+  return SQLITE_OK;
+}
+
+int row_id(sqlite3_vtab_cursor* base, sqlite3_int64* id) {
+  *id = static_cast<sqlite3_int64>(cursor_of(base).row);
+  return SQLITE_OK;
+}
+
+const sqlite3_module k_module = [] {
+  sqlite3_module module{};
+  // Without xCreate a table is there without being made.
+  module.xConnect = connect;
+  module.xBestIndex = best_index;
+  module.xDisconnect = disconnect;
+  module.xOpen = open;
+  module.xClose = close;
+  module.xFilter = filter;
+  module.xNext = next;
+  module.xEof = at_end;
+  module.xColumn = column;
+  module.xRowid = row_id;
+  return module;
+}();
+
+/// A connection to a database in memory without tables, or with one of these rows.
+class Evaluation {
+ public:
+  explicit Evaluation(const Rows* rows) {
+    const int result =
+        sqlite3_open_v2(":memory:", &database_, SQLITE_OPEN_READWRITE | SQLITE_OPEN_MEMORY, nullptr);
+    // Else a name between double quotes that no column has would be a text.
+    sqlite3_db_config(database_, SQLITE_DBCONFIG_DQS_DML, 0, nullptr);
+    if (result != SQLITE_OK || add_functions(database_) != SQLITE_OK ||
+        (rows != nullptr && sqlite3_create_module_v2(database_, "point", &k_module, const_cast<Rows*>(rows),
+                                                     nullptr) != SQLITE_OK)) {
+      const std::string message = sqlite3_errmsg(database_);
+      sqlite3_close(database_);
+      throw Error({.problem = message});
+    }
+  }
+  ~Evaluation() { sqlite3_close(database_); }
+  Evaluation(const Evaluation&) = delete;
+  Evaluation& operator=(const Evaluation&) = delete;
+
+  sqlite3* get() const { return database_; }
+
+ private:
+  sqlite3* database_ = nullptr;
+};
+
+[[noreturn]] void reject(const std::string& text, std::string_view message, std::string expected) {
+  throw Error(
+      {.problem = fmt::format("invalid condition '{}': {}", text, message), .expected = std::move(expected)});
+}
+
+}  // namespace
+
+WhereClause::WhereClause(std::string text) : text_(std::move(text)) {
+  const Evaluation evaluation(nullptr);
+  // A parenthesis of the text must not end the one around it.
+  const std::string alone = "SELECT 1 WHERE " + text_;
+  sqlite3_stmt* statement = nullptr;
+  const char* tail = nullptr;
+  const int result = sqlite3_prepare_v2(evaluation.get(), alone.c_str(), -1, &statement, &tail);
+  sqlite3_finalize(statement);
+  const std::string message = sqlite3_errmsg(evaluation.get());
+  if (result != SQLITE_OK && !message.starts_with("no such column")) reject(text_, message, k_example);
+  if (text_.find_first_not_of(" \t\n") == std::string::npos || text_.find(';') != std::string::npos)
+    reject(text_, text_.find(';') == std::string::npos ? "it is empty" : "';' ends it", k_example);
+}
+
+void WhereClause::mark(const PointCloud& cloud, std::span<std::uint8_t> marks) const {
+  const std::vector<Column> columns = columns_of_table(cloud);
+  tbb::parallel_for(
+      std::size_t{0}, (cloud.size() + k_rows_at_once - 1) / k_rows_at_once, [&](std::size_t block) {
+        const std::size_t first = block * k_rows_at_once;
+        const Rows rows{cloud, columns, first, std::min(first + k_rows_at_once, cloud.size())};
+        std::fill(marks.begin() + static_cast<std::ptrdiff_t>(rows.first),
+                  marks.begin() + static_cast<std::ptrdiff_t>(rows.end), std::uint8_t{0});
+        const Evaluation evaluation(&rows);
+        try {
+          Statement statement(evaluation.get(), "SELECT rowid FROM point WHERE (" + text_ + "\n)");
+          while (statement.step()) marks[static_cast<std::size_t>(statement.whole(0))] = 1;
+        } catch (const Error& error) {
+          std::vector<std::string_view> names;
+          for (const Column& column : columns) names.push_back(column.like.name);
+          reject(text_, error.parts().problem, fmt::format("a condition on {}", fmt::join(names, ", ")));
+        }
+      });
+}
+
+}  // namespace alidade::database

@@ -1,0 +1,162 @@
+// SPDX-License-Identifier: MIT
+#include "geo/reproject.h"
+
+#include <cpl_conv.h>
+#include <tbb/enumerable_thread_specific.h>
+#include <tbb/parallel_for.h>
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <memory>
+#include <utility>
+#include <vector>
+
+#include "base/error.h"
+#include "geo/gdal_reference.h"
+
+namespace alidade::geo {
+namespace {
+
+constexpr const char* k_systems = "a reference system such as EPSG:25832";
+
+GdalReference reference_of_text(const std::string& text) {
+  GdalReference reference(OSRNewSpatialReference(nullptr));
+  if (OSRSetFromUserInput(reference.get(), text.c_str()) != OGRERR_NONE)
+    throw input_error("unknown reference system", k_systems, "'" + text + "'");
+  OSRSetAxisMappingStrategy(reference.get(), OAMS_TRADITIONAL_GIS_ORDER);
+  return reference;
+}
+
+GdalReference reference_of_file(const Crs& crs, const std::filesystem::path& file) {
+  // Else keys would lose their vertical part.
+  CPLSetThreadLocalConfigOption("GTIFF_REPORT_COMPD_CS", "YES");
+  const std::string wkt = wkt_of(crs);
+  CPLSetThreadLocalConfigOption("GTIFF_REPORT_COMPD_CS", nullptr);
+  if (wkt.empty())
+    throw file_error(file, "cannot reproject: the reference system is unknown",
+                     "--crs EPSG:n, which states it");
+  GdalReference reference(OSRNewSpatialReference(nullptr));
+  char* text = const_cast<char*>(wkt.c_str());
+  if (OSRImportFromWkt(reference.get(), &text) != OGRERR_NONE || OSRIsLocal(reference.get()) != 0)
+    throw file_error(file, "cannot reproject: the reference system says nowhere where on Earth it is",
+                     "--crs EPSG:n, which states another", crs_name(crs));
+  OSRSetAxisMappingStrategy(reference.get(), OAMS_TRADITIONAL_GIS_ORDER);
+  return reference;
+}
+
+std::string text_of(const GdalReference& reference) {
+  // LAS wants the first kind, which does not have all systems.
+  for (const char* const format : {"FORMAT=WKT1", "FORMAT=WKT2"}) {
+    const char* const options[] = {format, nullptr};
+    char* text = nullptr;
+    const bool is_written = OSRExportToWktEx(reference.get(), &text, options) == OGRERR_NONE;
+    const std::string wkt = is_written && text != nullptr ? text : "";
+    CPLFree(text);
+    if (!wkt.empty()) return wkt;
+  }
+  throw Error({.problem = "the reference system cannot be written as WKT"});
+}
+
+/// The system with the vertical part of the other one, if only that has one.
+std::string with_heights_of(const GdalReference& plane, const GdalReference& other) {
+  const std::string wkt = text_of(plane);
+  if (OSRIsCompound(plane.get()) != 0 || OSRIsCompound(other.get()) == 0) return wkt;
+  const std::string all = text_of(other);
+  std::string part(wkt_node(all, {"VERT_CS[", "VERTCRS["}));
+  const GdalReference heights(OSRNewSpatialReference(nullptr)), both(OSRNewSpatialReference(nullptr));
+  char* text = part.data();
+  if (part.empty() || OSRImportFromWkt(heights.get(), &text) != OGRERR_NONE) return wkt;
+  const std::string name = std::string(OSRGetName(plane.get())) + " + " + OSRGetName(heights.get());
+  return OSRSetCompoundCS(both.get(), name.c_str(), plane.get(), heights.get()) == OGRERR_NONE ? text_of(both)
+                                                                                               : wkt;
+}
+
+/// Moves positions by a transformation, of which each thread uses a copy.
+class Mover {
+ public:
+  explicit Mover(GdalTransformation transformation)
+      : transformation_(std::move(transformation)),
+        copies_([this] { return GdalTransformation(OCTClone(transformation_.get())); }) {}
+
+  void operator()(std::span<glm::dvec3> positions) {
+    constexpr std::size_t k_at_once = 4096;
+    tbb::parallel_for(
+        tbb::blocked_range<std::size_t>(0, positions.size(), k_at_once), [&](const auto& range) {
+          const QuietGdal quiet;
+          const std::size_t count = range.size();
+          std::vector<double> x(count), y(count), z(count);
+          for (std::size_t i = 0; i < count; ++i) {
+            const glm::dvec3& position = positions[range.begin() + i];
+            x[i] = position.x, y[i] = position.y, z[i] = position.z;
+          }
+          std::vector<int> is_moved(count);
+          OCTTransformEx(copies_.local().get(), static_cast<int>(count), x.data(), y.data(), z.data(),
+                         is_moved.data());
+          constexpr double k_nowhere = std::numeric_limits<double>::infinity();
+          for (std::size_t i = 0; i < count; ++i)
+            positions[range.begin() + i] = is_moved[i] ? glm::dvec3(x[i], y[i], z[i]) : glm::dvec3(k_nowhere);
+        });
+  }
+
+ private:
+  GdalTransformation transformation_;
+  tbb::enumerable_thread_specific<GdalTransformation> copies_;
+};
+
+}  // namespace
+
+Crs crs_of_text(const std::string& text) {
+  const QuietGdal quiet;
+  Crs crs;
+  crs.wkt = text_of(reference_of_text(text));
+  return crs;
+}
+
+ReferenceChange change_reference(const ReferenceRequest& request, const std::filesystem::path& file,
+                                 const FileFacts& facts) {
+  const QuietGdal quiet;
+  const Crs& own = facts.crs;
+  ReferenceChange change{.crs = own};
+  if (!request.stated.empty()) {
+    change.crs = crs_of_text(request.stated);
+    if (!own.empty() && compare_crs(own, change.crs) == CrsAgreement::different)
+      change.warnings.push_back(file.string() + ": the file states the reference system " + crs_name(own) +
+                                "; " + crs_name(change.crs) + " is used instead");
+  }
+  if (request.wanted.empty()) return change;
+  if (const auto problem = implausible_crs(change.crs, facts.box.value_or(Bounds())))
+    throw file_error(file, "cannot reproject: " + *problem, "--crs EPSG:n, which states the right system");
+  const GdalReference to = reference_of_text(request.wanted), from = reference_of_file(change.crs, file);
+  change.crs = Crs();
+  change.crs.wkt = with_heights_of(to, from);
+  // Without heights in the wanted system those of a compound one must not go through a grid.
+  if (OSRIsCompound(to.get()) == 0) OSRStripVertical(from.get());
+  if (OSRIsSame(from.get(), to.get()) != 0) return change;
+  GdalTransformation transformation = transformation_between(from, to);
+  if (!transformation)
+    throw file_error(file, "no transformation to " + request.wanted, {}, CPLGetLastErrorMsg());
+  const auto mover = std::make_shared<Mover>(std::move(transformation));
+  change.move = [mover](std::span<glm::dvec3> positions) { (*mover)(positions); };
+  return change;
+}
+
+std::string metric_system(const Crs& crs, const glm::dvec3& position, const std::filesystem::path& file) {
+  const QuietGdal quiet;
+  const GdalReference from = reference_of_file(crs, file);
+  if (OSRIsProjected(from.get()) != 0) return "";
+  const GdalReference globe = globe_reference();
+  const GdalTransformation transformation = transformation_between(from, globe);
+  glm::dvec3 there = position;
+  const bool has_image =
+      transformation && OCTTransform(transformation.get(), 1, &there.x, &there.y, &there.z);
+  if (!has_image || !(std::fabs(there.y) <= 90.0))
+    throw file_error(file, "cannot choose a zone of UTM: the points lie nowhere on Earth",
+                     "--reproject EPSG:n");
+  // Source: EPSG registry, 326zz and 327zz (UTM north and south), 5041 and 5042 (UPS).
+  if (there.y > 84.0) return "EPSG:5041";
+  if (there.y < -80.0) return "EPSG:5042";
+  const int zone = std::clamp(static_cast<int>(std::floor((there.x + 180.0) / 6.0)) + 1, 1, 60);
+  return "EPSG:" + std::to_string((there.y < 0.0 ? 32700 : 32600) + zone);
+}
+
+}  // namespace alidade::geo

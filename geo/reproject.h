@@ -1,0 +1,37 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <filesystem>
+#include <glm/vec3.hpp>
+#include <string>
+
+#include "cloud/crs.h"
+#include "cloud/input_view.h"
+
+namespace alidade::geo {
+
+/// What the user says about the reference system of clouds; both as anything GDAL understands (EPSG:25832,
+/// WKT, PROJ), x east and y north whatever the axes of the system.
+struct ReferenceRequest {
+  std::string stated{};  ///< that of the file, above what it says itself; empty: what it says
+  std::string wanted{};  ///< that the points are to be in; empty: the same
+};
+
+/// How a file's positions get into the wanted system, through PROJ. Heights follow where the wanted system has
+/// heights (EPSG:25832+7837), or the file's are geocentric or ellipsoidal; otherwise they stay, and a compound
+/// system keeps its vertical part. Warns where `stated` differs from what the file says. Errors: GDAL does not
+/// understand a system; the file's is unknown or local; its points cannot lie in it (implausible_crs()); there
+/// is no way from one to the other. Cost of moving: some us per position, shared by the threads of the task
+/// arena (oneTBB).
+ReferenceChange change_reference(const ReferenceRequest& request, const std::filesystem::path& file,
+                                 const FileFacts& facts);
+
+/// The zone of UTM on WGS 84 in which a position of a system lies, or UPS near a pole: "EPSG:32632". The
+/// exceptions in Norway and Svalbard are not made. Empty for a projected system, whose unit is a length
+/// anyway. Errors: as change_reference(); the position has no image on Earth.
+std::string metric_system(const Crs& crs, const glm::dvec3& position, const std::filesystem::path& file);
+
+/// The system in which GDAL understands a text, as WKT. Errors: it does not.
+Crs crs_of_text(const std::string& text);
+
+}  // namespace alidade::geo

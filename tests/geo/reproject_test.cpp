@@ -1,0 +1,115 @@
+// SPDX-License-Identifier: MIT
+#include "geo/reproject.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <string>
+#include <vector>
+
+#include "base/error.h"
+
+namespace alidade::geo {
+namespace {
+
+FileFacts facts_of(const std::string& system) {
+  FileFacts facts;
+  if (!system.empty()) facts.crs = crs_of_text(system);
+  return facts;
+}
+
+std::string problem_of(const ReferenceRequest& request, const FileFacts& facts) {
+  try {
+    change_reference(request, "site.las", facts);
+  } catch (const Error& error) {
+    return error.what();
+  }
+  return "";
+}
+
+TEST(ReprojectTest, positions_move_as_the_published_example_says) {
+  // Source: EPSG guidance note 7-2, Transverse Mercator: 50 30' N, 0 30' E, on OSGB 1936, is E 577274.99,
+  // N 69740.50.
+  const ReferenceChange change =
+      change_reference({.wanted = "EPSG:27700"}, "site.las", facts_of("EPSG:4277"));
+  ASSERT_TRUE(change.move);
+  std::vector<glm::dvec3> positions(10'000, {0.5, 50.5, 12.5});
+  change.move(positions);
+  for (const glm::dvec3& position : {positions.front(), positions.back()}) {
+    EXPECT_NEAR(position.x, 577274.99, 0.01);
+    EXPECT_NEAR(position.y, 69740.50, 0.01);
+    EXPECT_EQ(position.z, 12.5);
+  }
+}
+
+TEST(ReprojectTest, geocentric_positions_get_ellipsoidal_heights) {
+  // On the equator at longitude 9: a hundred metres above the ellipsoid of WGS 84, the middle of zone 32.
+  const double radius = 6378137.0 + 100.0, angle = 9.0 / 180.0 * M_PI;
+  const FileFacts facts = facts_of("EPSG:4978");
+  std::vector<glm::dvec3> positions = {{radius * std::cos(angle), radius * std::sin(angle), 0.0}};
+  EXPECT_EQ(metric_system(facts.crs, positions[0], "site.las"), "EPSG:32632");
+  change_reference({.wanted = "EPSG:32632"}, "site.las", facts).move(positions);
+  EXPECT_NEAR(positions[0].x, 500000.0, 1e-3);
+  EXPECT_NEAR(positions[0].y, 0.0, 1e-3);
+  EXPECT_NEAR(positions[0].z, 100.0, 1e-3);
+}
+
+TEST(ReprojectTest, a_position_without_image_becomes_not_finite) {
+  const ReferenceChange change = change_reference({.wanted = "EPSG:3857"}, "site.las", facts_of("EPSG:4326"));
+  std::vector<glm::dvec3> positions = {{9, 50, 1}, {9, 1000, 1}};
+  change.move(positions);
+  EXPECT_TRUE(std::isfinite(positions[0].x));
+  EXPECT_FALSE(std::isfinite(positions[1].x));
+}
+
+TEST(ReprojectTest, the_same_system_moves_nothing) {
+  EXPECT_FALSE(change_reference({.wanted = "EPSG:25832"}, "site.las", facts_of("EPSG:25832")).move);
+}
+
+TEST(ReprojectTest, heights_of_a_compound_system_keep_their_name) {
+  const ReferenceChange change =
+      change_reference({.wanted = "EPSG:4258"}, "site.las", facts_of("EPSG:25832+7837"));
+  EXPECT_NE(change.crs.wkt.find("VERT_CS[\"DHHN2016 height\""), std::string::npos) << change.crs.wkt;
+  EXPECT_NE(change.crs.wkt.find("GEOGCS[\"ETRS89\""), std::string::npos) << change.crs.wkt;
+}
+
+TEST(ReprojectTest, a_system_can_be_stated_with_a_warning_where_the_file_says_another) {
+  EXPECT_TRUE(change_reference({.stated = "EPSG:25832"}, "site.las", {}).warnings.empty());
+  EXPECT_TRUE(
+      change_reference({.stated = "EPSG:25832"}, "site.las", facts_of("EPSG:25832")).warnings.empty());
+  const ReferenceChange change =
+      change_reference({.stated = "EPSG:25832"}, "site.las", facts_of("EPSG:31468"));
+  EXPECT_FALSE(change.move);
+  EXPECT_EQ(epsg_codes(change.crs), epsg_codes(crs_of_text("EPSG:25832")));
+  ASSERT_EQ(change.warnings.size(), 1u);
+  EXPECT_EQ(
+      change.warnings[0],
+      "site.las: the file states the reference system DHDN / 3-degree Gauss-Kruger zone 4; ETRS89 / UTM zone "
+      "32N is used instead");
+}
+
+TEST(ReprojectTest, zones_are_those_of_utm_and_near_the_poles_of_ups) {
+  const Crs globe = crs_of_text("EPSG:4326");
+  const auto zone = [&](double x, double y) { return metric_system(globe, {x, y, 0.0}, "site.las"); };
+  EXPECT_EQ(zone(-180, 10), "EPSG:32601");
+  EXPECT_EQ(zone(180, -10), "EPSG:32760");
+  EXPECT_EQ(zone(11.99, 48), "EPSG:32632");
+  EXPECT_EQ(zone(12, 48), "EPSG:32633");
+  EXPECT_EQ(zone(0, 85), "EPSG:5041");
+  EXPECT_EQ(zone(0, -85), "EPSG:5042");
+  EXPECT_EQ(metric_system(crs_of_text("EPSG:25832"), {690000, 5325000, 0}, "site.las"), "");
+}
+
+TEST(ReprojectTest, errors_name_the_file_and_the_way_out) {
+  EXPECT_EQ(
+      problem_of({.wanted = "EPSG:25832"}, {}),
+      "site.las: cannot reproject: the reference system is unknown; expected --crs EPSG:n, which states it");
+  EXPECT_EQ(problem_of({.wanted = "nonsense"}, facts_of("EPSG:25832")),
+            "unknown reference system; expected a reference system such as EPSG:25832, found 'nonsense'");
+  FileFacts metres = facts_of("EPSG:4326");
+  metres.box = Bounds{{515368, 4918340, 2300}, {515401, 4918381, 2330}};
+  EXPECT_NE(problem_of({.wanted = "EPSG:32632"}, metres).find("is not an angle"), std::string::npos);
+}
+
+}  // namespace
+}  // namespace alidade::geo

@@ -1,0 +1,172 @@
+// SPDX-License-Identifier: MIT
+#include "tools/view_options.h"
+
+#include <fmt/format.h>
+#include <algorithm>
+#include <functional>
+#include <limits>
+#include <utility>
+
+#include "base/error.h"
+#include "cloud/cloud_reader.h"
+#include "database/sqlite/where_clause.h"
+#include "tools/image_module.h"
+
+namespace alidade::tools {
+namespace {
+
+/// Whether a text is meant as a box. A file whose name holds commas comes first.
+bool is_box(const std::string& text) {
+  std::error_code error;
+  return text.find(',') != std::string::npos && !std::filesystem::exists(text, error);
+}
+
+Bounds parse_box(const std::string& text) {
+  std::vector<double> numbers;
+  for (const std::string& word : split_list(text)) numbers.push_back(parse_number(word));
+  if (numbers.size() != 4 && numbers.size() != 6)
+    throw UsageError("invalid value; expected x0,y0,x1,y1 or x0,y0,z0,x1,y1,z1 or a polygon file, found '" +
+                     text + "'");
+  const std::size_t axes = numbers.size() / 2;
+  Bounds box{glm::dvec3(std::numeric_limits<double>::lowest()),
+             glm::dvec3(std::numeric_limits<double>::max())};
+  for (std::size_t axis = 0; axis < axes; ++axis) {
+    const auto position = static_cast<int>(axis);
+    box.min[position] = numbers[axis];
+    box.max[position] = numbers[axes + axis];
+    if (box.min[position] > box.max[position]) {
+      throw UsageError(
+          fmt::format("limits out of order; expected the lower {0} first, found {0} from {1} to {2}",
+                      "xyz"[axis], box.min[position], box.max[position]));
+    }
+  }
+  return box;
+}
+
+/// Polygons of a file in the systems of the clouds, which many threads open.
+struct PolygonFile {
+  std::filesystem::path file;
+  std::string reference;  ///< --crop-crs, as ObserverReference::given
+  std::mutex mutex;
+  std::vector<std::pair<Crs, std::vector<PlanePolygon>>> read;
+
+  std::vector<PlanePolygon> in(const Crs& crs) {
+    const std::scoped_lock lock(mutex);
+    const auto known = std::ranges::find(read, crs, &std::pair<Crs, std::vector<PlanePolygon>>::first);
+    if (known != read.end()) return known->second;
+    read.emplace_back(
+        crs, image_module().read_polygons(
+                 file, {.given = reference, .cloud = crs, .option = "--crop-crs", .whose = "polygons"}));
+    return read.back().second;
+  }
+};
+
+void take_crop(const std::string& text, PointSelection& selection,
+               const std::shared_ptr<PolygonFile>& polygons) {
+  if (text.empty()) throw UsageError("missing value; expected a box or a file");
+  selection.box = is_box(text) ? std::optional(parse_box(text)) : std::nullopt;
+  selection.polygons = nullptr;
+  if (selection.box) return;
+  polygons->file = text;
+  std::error_code error;
+  if (!std::filesystem::is_regular_file(text, error))
+    throw file_error(text, "not a file", "x0,y0,x1,y1 or x0,y0,z0,x1,y1,z1 or a polygon file");
+  selection.polygons = [polygons](const Crs& crs) { return polygons->in(crs); };
+}
+
+void add_crop(const Options& group, PointSelection& selection) {
+  const auto polygons = std::make_shared<PolygonFile>();
+  const Option crop =
+      group.value("--crop", "BOX|FILE",
+                  "only points in the box x0,y0,x1,y1 or x0,y0,z0,x1,y1,z1, in the cloud's unit, mostly "
+                  "metres, or in the "
+                  "polygons of a GeoJSON, GeoPackage or Shapefile; the border is included",
+                  [&selection, polygons](const std::string& text) { take_crop(text, selection, polygons); });
+  group.needs(crop).value(
+      "--crop-crs", "SYSTEM",
+      "reference system of the polygons, such as EPSG:4326, overriding their file; 'cloud' for the cloud's",
+      [&selection, polygons](const std::string& text) {
+        if (selection.box) throw UsageError("requires a polygon file; expected --crop FILE, found a box");
+        polygons->reference = text;
+      });
+}
+
+void take_condition(const std::string& text, PointSelection& selection) {
+  try {
+    const auto clause = std::make_shared<database::WhereClause>(text);
+    selection.condition = [clause](const PointCloud& rows, std::span<std::uint8_t> marks) {
+      clause->mark(rows, marks);
+    };
+  } catch (const Error& error) {
+    throw UsageError(error.what());
+  }
+}
+
+/// Errors: the cloud's place is unknown.
+void choose_zone(ViewRequest& request) {
+  const std::unique_ptr<CloudReader> reader =
+      request.first->format->open(request.first->file(), Damage::read_over);
+  const FileFacts facts = reader->facts();
+  Bounds box = facts.box.value_or(Bounds());
+  if (box.empty() && !reader->lattice()) box = reader->survey({}).bounds;
+  if (box.empty())
+    throw file_error(request.first->name, "cannot choose a zone of UTM: the file does not state its bounds",
+                     "--reproject EPSG:n");
+  const Crs crs = image_module().change_reference({.stated = request.stated}, request.first->name, facts).crs;
+  request.zone = image_module().metric_system(crs, box.center(), request.first->name);
+}
+
+}  // namespace
+
+CloudInputs ViewRequest::apply(CloudInputs clouds) {
+  if (!first && !clouds.empty()) first = clouds.inputs.front();
+  for (CloudInput& input : clouds.inputs) input.view = view;
+  return clouds;
+}
+
+std::shared_ptr<ViewRequest> add_view_options(const Options& command,
+                                              std::initializer_list<std::string_view> own) {
+  const auto request = std::make_shared<ViewRequest>();
+  ViewRequest* const target = request.get();
+  PointSelection& selection = request->view->selection;
+  const auto is_own = [&](std::string_view name) { return std::ranges::find(own, name) != own.end(); };
+  const Options group = command.group("Which points, in which reference system");
+  const auto choose = [&selection](const std::bitset<256>& classes) {
+    selection.classes = selection.classes.value_or(std::bitset<256>().set()) & classes;
+  };
+  if (!is_own("--classes"))
+    group.value("--classes", "LIST", "only points of these classes, such as 2,6",
+                [choose](const std::string& text) { choose(parse_classes(text)); });
+  if (!is_own("--ignore-classes"))
+    group.value("--ignore-classes", "LIST", "no points of these classes, such as 7,18 (noise)",
+                [choose](const std::string& text) { choose(~parse_classes(text)); });
+  group.value("--where", "CONDITION",
+              "only points for which a condition of SQL holds, such as \"classification = 2 AND intensity > "
+              "100\"; columns are x, y, z and those that 'alidade sql' has: see docs/convert.md",
+              [&selection](const std::string& text) { take_condition(text, selection); });
+  if (!is_own("--crop")) add_crop(group, selection);
+  const auto change = [target](const std::filesystem::path& file, const FileFacts& facts) {
+    const bool is_automatic = target->wanted == "auto";
+    if (is_automatic) std::call_once(target->is_zone_chosen, choose_zone, std::ref(*target));
+    return image_module().change_reference({target->stated, is_automatic ? target->zone : target->wanted},
+                                           file, facts);
+  };
+  group.value(
+      "--crs", "SYSTEM",
+      "reference system of clouds that state none or a wrong one, such as EPSG:25832 or the name of a "
+      "file with WKT",
+      [target, change](const std::string& text) {
+        target->stated = text;
+        target->view->change_reference = change;
+      });
+  group.value("--reproject", "SYSTEM|auto",
+              "bring the points to another reference system, such as EPSG:25832; auto: from degrees or "
+              "geocentric coordinates to the zone of UTM of the first cloud",
+              [target, change](const std::string& text) {
+                target->wanted = text;
+                target->view->change_reference = change;
+              });
+  return request;
+}
+
+}  // namespace alidade::tools

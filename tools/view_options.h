@@ -1,0 +1,35 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <initializer_list>
+#include <memory>
+#include <mutex>
+#include <optional>
+#include <string>
+#include <string_view>
+
+#include "cloud/cloud_inputs.h"
+#include "cloud/input_view.h"
+#include "tools/options.h"
+
+namespace alidade::tools {
+
+/// What a command line says about which points of its clouds are wanted, and in which reference system.
+struct ViewRequest {
+  std::shared_ptr<InputView> view = std::make_shared<InputView>();
+  std::string stated;               ///< --crs
+  std::string wanted;               ///< --reproject
+  std::string zone;                 ///< what "auto" is, once a cloud has been opened
+  std::optional<CloudInput> first;  ///< the cloud by whose place the zone of "auto" is chosen
+  std::once_flag is_zone_chosen;
+
+  /// The clouds, taken as the command line wants them once all of it has been read.
+  CloudInputs apply(CloudInputs clouds);
+};
+
+/// Declares --classes, --ignore-classes, --where, --crop, --crop-crs, --crs and --reproject, without those in
+/// `own`, which the command has itself.
+std::shared_ptr<ViewRequest> add_view_options(const Options& command,
+                                              std::initializer_list<std::string_view> own = {});
+
+}  // namespace alidade::tools
