@@ -70,6 +70,21 @@ Lattice fit_lattice(std::span<const CoordinateSurvey> surveys) {
   return lattice;
 }
 
+std::optional<int> decimals_of(const Lattice& lattice, int axis) {
+  constexpr int k_most = 15;
+  // All steps together must not add up to more than a thousandth.
+  constexpr double k_share = 1e-3 / 4294967296.0;
+  double unit = 1.0;
+  for (int decimals = 0; decimals <= k_most; ++decimals, unit /= 10.0) {
+    const double steps = lattice.scale[axis] / unit, offset = lattice.offset[axis] / unit;
+    const double rest = std::fabs(offset - std::round(offset)) * unit;
+    if (steps >= 1.0 - k_share && std::fabs(steps - std::round(steps)) <= k_share * steps &&
+        rest <= 1e-3 * lattice.scale[axis])
+      return decimals;
+  }
+  return std::nullopt;
+}
+
 std::optional<glm::i64vec3> steps_between(const Lattice& from, const Lattice& to) {
   if (from.scale != to.scale) return std::nullopt;
   glm::i64vec3 steps;

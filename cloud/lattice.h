@@ -43,6 +43,9 @@ inline std::optional<LatticePosition> to_lattice(const Lattice& lattice, const g
   return position;
 }
 
+/// The fewest decimals that write every coordinate of an axis to a thousandth of a step; empty if 15 do not.
+std::optional<int> decimals_of(const Lattice& lattice, int axis);
+
 /// Low and high corner of points in lattice positions; low is above high without points.
 struct LatticeExtent {
   LatticePosition low{2147483647}, high{-2147483647 - 1};

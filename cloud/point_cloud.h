@@ -38,9 +38,12 @@ struct CloudFile {
   std::uint64_t point_count = 0;        ///< points taken into the cloud
   std::uint64_t dropped_count = 0;      ///< points left out because they have no finite position
   std::uint64_t skipped_count = 0;      ///< points left unread, all of the file (ReadOptions::region)
-  std::uint64_t left_out_count = 0;     ///< points that were not selected (cloud/input_view.h)
   std::optional<Bounds> stated_bounds;  ///< box of its points by its header (LAS), which may be wrong
-  std::uint64_t lost_count = 0;  ///< points that a damaged file does not give any more, as far as known
+  std::uint64_t lost_count = 0;      ///< points that a damaged file does not give any more, as far as known
+  std::uint64_t left_out_count = 0;  ///< points that were not selected (cloud/input_view.h)
+  std::string software{};            ///< that wrote it, by its header (LAS); empty if unknown
+  std::string system_identifier{};   ///< of the sensor or the processing, likewise
+  std::string created{};             ///< "2019-05-02", likewise
 };
 
 /// Where a scanner stood, by the pose of one of its scans.

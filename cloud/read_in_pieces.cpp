@@ -312,10 +312,19 @@ void apply(const ColorSpread& spread, PointCloud& cloud) {
 PiecewiseCloud read_in_pieces(const CloudInputs& inputs, const ReadOptions& options,
                               const CloudPieces& pieces) {
   std::vector<CloudSource> sources = open_sources(inputs, options);
-  std::uint64_t work = 0;
-  for (const CloudSource& source : sources)
+  std::uint64_t work = 0, bytes = 0;
+  for (const CloudSource& source : sources) {
     work += source.is_skipped ? 0 : source.has_lattice ? source.work : 2 * source.work;
-  JoinedProgress progress(options.progress, work);
+    bytes += source.is_skipped ? 0 : source.work;
+  }
+  // Two passes over a file are shown as one: its bytes are counted once.
+  const Progress shown = [&](std::uint64_t done, std::uint64_t total) {
+    const double share = total > 0 ? static_cast<double>(done) / static_cast<double>(total) : 1.0;
+    return !options.progress ||
+           options.progress(
+               done == total ? bytes : static_cast<std::uint64_t>(share * static_cast<double>(bytes)), bytes);
+  };
+  JoinedProgress progress(shown, work);
   in_turns(sources.size(), k_most_files_at_once, [&](std::size_t i) {
     if (sources[i].has_lattice) return;
     sources[i].survey = sources[i].reader->survey(progress.pass(sources[i].work));
@@ -358,7 +367,7 @@ PiecewiseCloud read_in_pieces(const CloudInputs& inputs, const ReadOptions& opti
   whole.spread = joining.finish();
   whole.point_count = joining.row_count();
   whole.attributes = joining.attributes();
-  report(options.progress, work, work);
+  report(shown, work, work);
   check_selection(inputs, whole);
   warn_of_twins(inputs, cloud);
   return whole;

@@ -105,6 +105,11 @@ MapUnit map_unit(const Crs& crs) {
   return unit == "ft" ? MapUnit::foot : MapUnit::unknown;
 }
 
+const char* unit_name(MapUnit unit) {
+  constexpr const char* k_names[] = {"unknown", "m", "ft", "deg"};
+  return k_names[static_cast<std::size_t>(unit)];
+}
+
 double metres_per_unit(MapUnit unit) {
   assert(unit != MapUnit::degree);
   constexpr double k_foot = 0.3048;

@@ -24,6 +24,9 @@ enum class MapUnit {
 /// alone: one that is named by its code only is unknown (lon_lat.h asks GDAL).
 MapUnit map_unit(const Crs& crs);
 
+/// "m", "ft", "deg" or "unknown".
+const char* unit_name(MapUnit unit);
+
 /// Metres of a unit; of an unknown one 1. Requires: not degrees.
 double metres_per_unit(MapUnit unit);
 

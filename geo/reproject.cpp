@@ -105,6 +105,12 @@ class Mover {
 
 }  // namespace
 
+std::string library_versions() {
+  int major = 0, minor = 0, patch = 0;
+  OSRGetPROJVersion(&major, &minor, &patch);
+  return fmt::format("GDAL {}, PROJ {}.{}.{}", GDALVersionInfo("RELEASE_NAME"), major, minor, patch);
+}
+
 Crs crs_of_text(const std::string& text) {
   const QuietGdal quiet;
   Crs crs;

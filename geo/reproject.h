@@ -34,4 +34,7 @@ std::string metric_system(const Crs& crs, const glm::dvec3& position, const std:
 /// The system in which GDAL understands a text, as WKT. Errors: it does not.
 Crs crs_of_text(const std::string& text);
 
+/// "GDAL 3.6.2, PROJ 9.1.1": what reads and writes maps, and transforms between systems.
+std::string library_versions();
+
 }  // namespace alidade::geo

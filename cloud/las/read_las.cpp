@@ -3,6 +3,7 @@
 
 #include <fmt/format.h>
 #include <algorithm>
+#include <chrono>
 #include <cstdint>
 #include <cstring>
 #include <utility>
@@ -127,6 +128,15 @@ class LasReader final : public CloudReader {
     about_.point_format = header_.point_format;
     about_.point_count = header_.point_count;
     if (!header_.bounds.empty()) about_.stated_bounds = header_.bounds;
+    about_.software = header_.generating_software;
+    about_.system_identifier = header_.system_identifier;
+    if (header_.creation_year > 0 && header_.creation_day > 0 && header_.creation_day <= 366) {
+      using namespace std::chrono;
+      const year_month_day day =
+          sys_days(year(header_.creation_year) / January / 1) + days(header_.creation_day - 1);
+      about_.created = fmt::format("{:04}-{:02}-{:02}", static_cast<int>(day.year()),
+                                   static_cast<unsigned>(day.month()), static_cast<unsigned>(day.day()));
+    }
   }
 
   const CloudFile& file() const override { return about_; }

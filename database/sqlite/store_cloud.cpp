@@ -13,6 +13,7 @@
 #include <utility>
 #include <vector>
 
+#include "base/output_file.h"
 #include "base/words.h"
 #include "database/sqlite/chunk_store.h"
 #include "database/sqlite/cloud_schema.h"
@@ -208,8 +209,7 @@ void store_ordered(const std::filesystem::path& file, OrderedCloud& cloud, const
     store_in(file, Connection::Mode::write, cloud, options);
     return;
   }
-  const std::filesystem::path beside =
-      file.parent_path() / fmt::format(".{}.part-{}", file.filename().string(), ::getpid());
+  const std::filesystem::path beside = temporary_beside(file, 0);
   try {
     store_in(beside, Connection::Mode::create, cloud, options);
     give_name(beside, file);

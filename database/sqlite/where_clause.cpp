@@ -10,9 +10,9 @@
 #include <utility>
 #include <vector>
 
+#include "database/cloud_column.h"
 #include "database/sqlite/functions.h"
 #include "database/sqlite/sqlite_api.h"
-#include "database/stored_column.h"
 
 namespace alidade::database {
 namespace {
@@ -22,36 +22,10 @@ constexpr std::size_t k_rows_at_once = 1 << 16;
 
 constexpr const char* k_example = R"(a condition such as "classification = 2 AND intensity > 100")";
 
-/// A column as SQLite is given it.
-struct Column {
-  StoredColumn like{};
-  const std::byte* values = nullptr;  ///< null: a coordinate
-  int axis = 0;
-};
-
-/// The columns of a cloud in the order of the table.
-std::vector<Column> columns_of_table(const PointCloud& cloud) {
-  std::vector<Column> columns;
-  for (int axis = 0; axis < 3; ++axis)
-    columns.push_back({.like = {.name = std::string(1, "xyz"[axis])}, .axis = axis});
-  std::vector<std::span<const std::byte>> blobs(1);
-  for_each_column(cloud, [&](Attribute, const auto& column) {
-    if (!column.empty()) blobs.push_back(std::as_bytes(std::span(column)));
-  });
-  for (const ExtraDimension& dimension : cloud.extra_dimensions)
-    blobs.push_back(std::as_bytes(std::span(dimension.values)));
-  for (StoredColumn& stored : stored_columns(cloud)) {
-    if (stored.blob == 0) continue;
-    const std::byte* const values = blobs[static_cast<std::size_t>(stored.blob)].data() + stored.byte;
-    columns.push_back({.like = std::move(stored), .values = values});
-  }
-  return columns;
-}
-
 /// The rows [first, end) of a cloud as a table that SQLite reads.
 struct Rows {
   const PointCloud& cloud;
-  const std::vector<Column>& columns;
+  const std::vector<CloudColumn>& columns;
   std::size_t first, end;
 };
 
@@ -79,7 +53,7 @@ int connect(sqlite3* database, void* rows, int, const char* const*, sqlite3_vtab
         auto table = std::make_unique<Table>();
         table->rows = static_cast<const Rows*>(rows);
         std::vector<std::string> names;
-        for (const Column& column : table->rows->columns) names.push_back(sql_name(column.like.name));
+        for (const CloudColumn& column : table->rows->columns) names.push_back(sql_name(column.like.name));
         const int result = sqlite3_declare_vtab(
             database, fmt::format("CREATE TABLE point({})", fmt::join(names, ",")).c_str());
         if (result == SQLITE_OK) *made = &table.release()->base;
@@ -124,14 +98,7 @@ int at_end(sqlite3_vtab_cursor* base) {
 
 int column(sqlite3_vtab_cursor* base, sqlite3_context* context, int number) {
   const Rows& rows = rows_of(base->pVtab);
-  const Column& column = rows.columns[static_cast<std::size_t>(number)];
-  const std::size_t row = cursor_of(base).row;
-  if (column.values == nullptr) {
-    sqlite3_result_double(context, rows.cloud.world(row)[column.axis]);
-  } else {
-    answer(context,
-           stored_value(column.like, column.values + row * static_cast<std::size_t>(column.like.size)));
-  }
+  answer(context, value_of(rows.cloud, rows.columns[static_cast<std::size_t>(number)], cursor_of(base).row));
   return SQLITE_OK;
 }
 
@@ -204,7 +171,7 @@ WhereClause::WhereClause(std::string text) : text_(std::move(text)) {
 }
 
 void WhereClause::mark(const PointCloud& cloud, std::span<std::uint8_t> marks) const {
-  const std::vector<Column> columns = columns_of_table(cloud);
+  const std::vector<CloudColumn> columns = cloud_columns(cloud);
   tbb::parallel_for(
       std::size_t{0}, (cloud.size() + k_rows_at_once - 1) / k_rows_at_once, [&](std::size_t block) {
         const std::size_t first = block * k_rows_at_once;
@@ -217,7 +184,7 @@ void WhereClause::mark(const PointCloud& cloud, std::span<std::uint8_t> marks) c
           while (statement.step()) marks[static_cast<std::size_t>(statement.whole(0))] = 1;
         } catch (const Error& error) {
           std::vector<std::string_view> names;
-          for (const Column& column : columns) names.push_back(column.like.name);
+          for (const CloudColumn& column : columns) names.push_back(column.like.name);
           reject(text_, error.parts().problem, fmt::format("a condition on {}", fmt::join(names, ", ")));
         }
       });

@@ -1,5 +1,9 @@
 // SPDX-License-Identifier: MIT
 #include <fmt/format.h>
+#include <tbb/parallel_for.h>
+#include <glm/geometric.hpp>
+#include <limits>
+#include <utility>
 
 #include "base/error.h"
 #include "base/progress.h"
@@ -10,6 +14,9 @@
 #include "cloud/read_cloud.h"
 #include "cloud/rows.h"
 #include "cloud/select_points.h"
+#include "cloud/text/write_text.h"
+#include "octree/build.h"
+#include "octree/point_surface.h"
 #include "tools/cloud/index.h"
 #include "tools/cloud/load_cloud.h"
 #include "tools/command.h"
@@ -23,6 +30,7 @@ struct ConvertCommand : CloudRequest {
   std::uint64_t every = 1;
   std::optional<double> spacing;
   ColorDepth color_depth = ColorDepth::automatic;
+  bool normals = false;
   bool overwrite = false;
 };
 
@@ -35,12 +43,40 @@ void choose_points(PointCloud& cloud, const ConvertCommand& command) {
   }
 }
 
+/// Gives every point the normal of the surface around it, on the side of the nearest scanner, or upwards where no
+/// scanner is known; zero where there is no surface.
+void add_normals(PointCloud& cloud, Verbosity verbosity) {
+  const Octree octree = with_surfaces_shown(
+      with_spacings_shown(build(std::as_const(cloud)), k_surface_neighbours, verbosity), verbosity);
+  cloud.normals.assign(cloud.size(), glm::vec3(0.0f));
+  tbb::parallel_for(std::size_t{0}, cloud.size(), [&](std::size_t row) {
+    const PointSurface surface = surface_of(octree.view(), row);
+    if (!surface.exists) return;
+    const glm::dvec3 position = cloud.world(row);
+    glm::dvec3 outwards(0.0, 0.0, 1.0);
+    double nearest = std::numeric_limits<double>::infinity();
+    for (const ScannerPosition& scanner : cloud.scanner_positions) {
+      const glm::dvec3 towards = scanner.position - position;
+      if (glm::dot(towards, towards) >= nearest) continue;
+      nearest = glm::dot(towards, towards);
+      outwards = towards;
+    }
+    cloud.normals[row] =
+        glm::vec3(glm::dot(surface.normal, outwards) < 0.0 ? -surface.normal : surface.normal);
+  });
+}
+
 void write(const ConvertCommand& command, PointCloud& cloud) {
   if (has_extension(command.output, {".alidade"}))
     return write_index(command.output, cloud, {.overwrite = command.overwrite}, command.verbosity);
   with_progress("writing", "points", command.verbosity, [&](const Progress& progress) {
     if (has_extension(command.output, {".ply"}))
       write_ply(command.output, cloud, {.overwrite = command.overwrite, .progress = progress});
+    else if (has_extension(command.output, {".csv", ".xyz"}))
+      write_text(command.output, cloud,
+                 {.coordinates_alone = has_extension(command.output, {".xyz"}),
+                  .overwrite = command.overwrite,
+                  .progress = progress});
     else
       write_las(command.output, cloud, {.overwrite = command.overwrite, .progress = progress});
   });
@@ -48,8 +84,8 @@ void write(const ConvertCommand& command, PointCloud& cloud) {
 
 /// Whether nothing changes but how the points of one LAS file are packed.
 bool only_packing_changes(const ConvertCommand& command) {
-  const bool chooses =
-      command.files.inputs.front().is_changed() || command.every > 1 || command.spacing.has_value();
+  const bool chooses = command.files.inputs.front().is_changed() || command.every > 1 ||
+                       command.spacing.has_value() || command.normals;
   return has_extension(command.output, {".las", ".laz"}) && command.files.size() == 1 && !chooses &&
          command.color_depth == ColorDepth::automatic && !command.partial &&
          can_repack(command.files.first_name());
@@ -68,8 +104,9 @@ ExitCode repack(const ConvertCommand& command) {
 }
 
 ExitCode run(const ConvertCommand& command) {
-  if (!has_extension(command.output, {".las", ".laz", ".ply", ".alidade"}))
-    throw file_error(command.output, "unknown output format", "the extension .las, .laz, .ply or .alidade");
+  if (!has_extension(command.output, {".las", ".laz", ".ply", ".csv", ".xyz", ".alidade"}))
+    throw file_error(command.output, "unknown output format",
+                     "the extension .las, .laz, .ply, .csv, .xyz or .alidade");
   check_writable(command.output, command.overwrite, command.files.names());
   if (only_packing_changes(command)) return repack(command);
   PointCloud cloud = read_shown(command, {.color_depth = command.color_depth});
@@ -77,6 +114,7 @@ ExitCode run(const ConvertCommand& command) {
   for (const CloudFile& file : cloud.files) all += file.left_out_count;
   choose_points(cloud, command);
   const std::size_t count = cloud.size();
+  if (command.normals && count > 0) add_normals(cloud, command.verbosity);
   write(command, cloud);
   say_note(command.verbosity,
            fmt::format("wrote {} of {} points to {}", count, all, command.output.string()));
@@ -90,7 +128,7 @@ Command add_convert(const Options& program) {
   const Options convert = program.command("convert", "Convert, join, crop and thin clouds");
   add_cloud_files(convert.required(), "files", "FILE...", k_files_help + ", or index files" + k_database_help,
                   command->files, add_view_options(convert));
-  convert.required().file("-o,--output", "FILE.las|.laz|.ply|.alidade",
+  convert.required().file("-o,--output", "FILE.las|.laz|.ply|.csv|.xyz|.alidade",
                           "output file; the extension selects the format", command->output);
   convert.count("--every", "N", "keep the first point and every N-th after it", command->every, 1,
                 UINT64_MAX);
@@ -99,6 +137,11 @@ Command add_convert(const Options& program) {
       "keep one point per cube of this edge length, in the unit of the CRS, mostly metres: the point nearest "
       "to the mean of the cube's points, with the mean of their colours and intensities",
       command->spacing);
+  convert.flag(
+      "--normals",
+      "give the points normals, of the planes through their neighbours: towards the nearest scanner where "
+      "the file knows scanners (E57, PTX), else upwards; zero for points without a surface",
+      command->normals);
   convert.choice("--color-depth",
                  "bits in use of LAS colours (default: 8 if none exceeds 255); the output has 16",
                  command->color_depth, {{"8", ColorDepth::bits_8}, {"16", ColorDepth::bits_16}});

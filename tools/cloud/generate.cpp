@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
+#include "base/error.h"
+#include "base/words.h"
 #include "simulation/courtyard.h"
-
 #include "tools/command.h"
 
 namespace alidade::tools {
@@ -15,6 +16,8 @@ struct GenerateCommand : RunRequest {
 };
 
 ExitCode run_courtyard(const GenerateCommand& command) {
+  if (!has_extension(command.output, {".las", ".laz"}))
+    throw file_error(command.output, "unknown output format", "the extension .las or .laz");
   check_writable(command.output, command.options.overwrite);
   with_progress("scanning", "points", command.verbosity, [&](const Progress& progress) {
     simulation::GenerateOptions options = command.options;

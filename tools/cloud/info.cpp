@@ -12,6 +12,7 @@
 #include "cloud/read_cloud.h"
 #include "octree/index_file/index_file.h"
 #include "tools/cloud/e57_images.h"
+#include "tools/cloud/statistics.h"
 #include "tools/command.h"
 #include "tools/view_options.h"
 
@@ -21,7 +22,7 @@ namespace {
 using Json = nlohmann::ordered_json;
 
 struct InfoOptions : CloudRequest {
-  bool json = false, verify = false, overwrite = false;
+  bool json = false, verify = false, stats = false, overwrite = false;
   std::filesystem::path image_folder;  ///< empty: no images are extracted
 };
 
@@ -33,6 +34,7 @@ struct Description {
   Bounds bounds;
   std::vector<IndexFile> indexes;  ///< those of the files that are index files
   std::vector<E57File> e57_files;
+  std::optional<CloudStatistics> statistics{};
 };
 
 /// What a single index file shows without its points being read.
@@ -52,8 +54,8 @@ CloudInputs e57_files(CloudInputs clouds) {
 }
 
 Description describe(const InfoOptions& options) {
-  if (const CloudInput* const index = options.files.only(k_index_format))
-    return describe(IndexFile(index->file()));
+  const CloudInput* const index = options.files.only(k_index_format);
+  if (index != nullptr && !options.stats) return describe(IndexFile(index->file()));
   Description description;
   const Damage damage = options.partial ? Damage::read_over : Damage::reject;
   for (const CloudInput& input : options.files.inputs) {
@@ -66,12 +68,18 @@ Description describe(const InfoOptions& options) {
   }
   // Colours are read to learn their depth, extra dimensions for their names; the rest comes from the headers.
   ProgressLine line("reading", "B", options.verbosity);
-  const AttributeSet wanted = Attribute::color | Attribute::extra_dimensions;
+  const AttributeSet wanted =
+      options.stats ? AttributeSet::all() : Attribute::color | Attribute::extra_dimensions;
   description.cloud = read_cloud(
       options.files, {.attributes = wanted, .partial = options.partial, .progress = line.callback()});
   description.point_count = description.cloud.size();
   description.bounds = description.cloud.bounds();
   if (options.verbosity == Verbosity::verbose) line.finish();
+  if (options.stats) {
+    ProgressLine counting("counting", "columns", options.verbosity);
+    description.statistics = statistics_of(description.cloud, counting.callback());
+    if (options.verbosity == Verbosity::verbose) counting.finish();
+  }
   return description;
 }
 
@@ -229,23 +237,25 @@ Json to_json(const Description& description, bool verified) {
   for (const ScannerPosition& scanner : cloud.scanner_positions)
     scanners.push_back({{"scan", scanner.scan}, {"position", triple(scanner.position)}});
   const bool empty = description.bounds.empty();
-  return {{"points", description.point_count},
-          {"files", files},
-          {"bounds",
-           {{"min", empty ? Json() : triple(description.bounds.min)},
-            {"max", empty ? Json() : triple(description.bounds.max)}}},
-          {"scale", triple(cloud.lattice.scale)},
-          {"offset", triple(cloud.lattice.offset)},
-          {"rounding_error", triple(rounding_error(cloud))},
-          {"attributes", attribute_names(description.attributes)},
-          {"extra_dimensions", extra_dimensions},
-          {"crs", cloud.crs.wkt.empty() ? Json() : Json(cloud.crs.wkt)},
-          {"geotiff_keys", cloud.crs.geotiff_keys},
-          {"epsg", epsg_codes(cloud.crs)},
-          {"scanner_positions", scanners},
-          {"indexes", indexes},
-          {"e57", e57},
-          {"warnings", cloud.warnings}};
+  Json json = {{"points", description.point_count},
+               {"files", files},
+               {"bounds",
+                {{"min", empty ? Json() : triple(description.bounds.min)},
+                 {"max", empty ? Json() : triple(description.bounds.max)}}},
+               {"scale", triple(cloud.lattice.scale)},
+               {"offset", triple(cloud.lattice.offset)},
+               {"rounding_error", triple(rounding_error(cloud))},
+               {"attributes", attribute_names(description.attributes)},
+               {"extra_dimensions", extra_dimensions},
+               {"crs", cloud.crs.wkt.empty() ? Json() : Json(cloud.crs.wkt)},
+               {"geotiff_keys", cloud.crs.geotiff_keys},
+               {"epsg", epsg_codes(cloud.crs)},
+               {"scanner_positions", scanners},
+               {"indexes", indexes},
+               {"e57", e57},
+               {"warnings", cloud.warnings}};
+  if (description.statistics) json["statistics"] = statistics_json(*description.statistics, cloud);
+  return json;
 }
 
 std::string joined(const std::vector<std::string>& words, const std::string& otherwise) {
@@ -269,9 +279,9 @@ std::array<std::string, 3> plain(const glm::dvec3& value) {
 std::array<std::string, 3> on_lattice(const glm::dvec3& value, const Lattice& lattice) {
   std::array<std::string, 3> words;
   for (int axis = 0; axis < 3; ++axis) {
-    const double decimals = std::ceil(-std::log10(lattice.scale[axis]) - 1e-9);
-    const int precision = static_cast<int>(std::fmin(std::fmax(decimals, 0.0), 17.0));
-    words[static_cast<std::size_t>(axis)] = fmt::format("{:.{}f}", value[axis], precision);
+    const std::optional<int> decimals = decimals_of(lattice, axis);
+    words[static_cast<std::size_t>(axis)] =
+        decimals ? fmt::format("{:.{}f}", value[axis], *decimals) : fmt::format("{}", value[axis]);
   }
   return words;
 }
@@ -329,7 +339,9 @@ std::string to_table(const Description& description, bool verified, Verbosity ve
   if (!extra_dimensions.empty()) text += row("extra", joined(extra_dimensions, ""));
   if (!cloud.scanner_positions.empty())
     text += row("scanners", fmt::format("{} positions are known", cloud.scanner_positions.size()));
-  return text + row("CRS", crs_text(cloud.crs, verbosity));
+  text += row("CRS", crs_text(cloud.crs, verbosity));
+  if (description.statistics) text += statistics_text(*description.statistics, cloud);
+  return text;
 }
 
 ExitCode run(const InfoOptions& options) {
@@ -343,7 +355,7 @@ ExitCode run(const InfoOptions& options) {
                     "\n");
     return ExitCode::done;
   }
-  write_to_stdout(to_table(description, options.verify, options.verbosity));
+  write_to_stdout(terminal_text(to_table(description, options.verify, options.verbosity)));
   say_warnings(options.verbosity, description.cloud.warnings);
   return ExitCode::done;
 }
@@ -356,6 +368,11 @@ Command add_info(const Options& program) {
   add_cloud_files(command.required(), "files", "FILE...", k_files_help + k_database_help, options->files,
                   add_view_options(command));
   command.flag("--json", "print JSON instead of a table; the keys are below", options->json);
+  command.flag(
+      "--stats",
+      "also read all attributes: density, dates, histograms of classes, returns and flags, and the range, "
+      "quantiles and mean of every column",
+      options->stats);
   command.flag("--verify",
                "read each index file completely, compare it with its checksums, and check that its octree "
                "contains every point once; errors name section and byte",

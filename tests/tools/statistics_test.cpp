@@ -1,0 +1,138 @@
+// SPDX-License-Identifier: MIT
+#include "tools/cloud/statistics.h"
+
+#include <algorithm>
+#include <cmath>
+#include <nlohmann/json.hpp>
+
+#include "cloud/las/write_las.h"
+#include "tests/support/random.h"
+#include "tests/tools/program_words.h"
+#include "tests/tools/run_program.h"
+
+namespace alidade::test {
+namespace {
+
+using namespace tools;
+
+PointCloud scattered(std::size_t count) {
+  Random random("statistics");
+  PointCloud cloud;
+  cloud.lattice = {.scale = glm::dvec3(0.001), .offset = {690000, 5325000, 500}};
+  for (std::size_t i = 0; i < count; ++i) {
+    cloud.positions.push_back(
+        LatticePosition(random.below(10'000), random.below(20'000), random.below(3000)));
+    cloud.intensities.push_back(static_cast<std::uint16_t>(random.below(1000)));
+    cloud.classifications.push_back(static_cast<std::uint8_t>(random.below(3)));
+    cloud.returns.push_back({static_cast<std::uint8_t>(1 + random.below(2)), 2});
+    cloud.flags.push_back(static_cast<PointFlags>(random.below(2) == 0 ? 0b100 : 0b1000'1000));
+    cloud.gps_times.push_back(2.5e8 + 0.5 * static_cast<double>(i));
+  }
+  cloud.gps_time_is_standard = true;
+  return cloud;
+}
+
+TEST(StatisticsTest, columns_are_what_sorting_them_says) {
+  const PointCloud cloud = scattered(1000);
+  const CloudStatistics statistics = statistics_of(cloud);
+  const auto column = std::ranges::find(statistics.columns, "intensity", &ColumnStatistics::name);
+  ASSERT_NE(column, statistics.columns.end());
+  std::vector<std::uint16_t> sorted = cloud.intensities;
+  std::ranges::sort(sorted);
+  EXPECT_EQ(column->least, sorted.front());
+  EXPECT_EQ(column->most, sorted.back());
+  EXPECT_EQ(column->quantiles[0], sorted[9]);
+  EXPECT_EQ(column->quantiles[2], sorted[499]);
+  EXPECT_EQ(column->quantiles[4], sorted[989]);
+  double sum = 0.0, squares = 0.0;
+  for (const double value : sorted) sum += value, squares += value * value;
+  EXPECT_NEAR(column->mean, sum / 1000, 1e-9);
+  EXPECT_NEAR(column->deviation, std::sqrt(squares / 1000 - sum / 1000 * sum / 1000), 1e-6);
+}
+
+TEST(StatisticsTest, counts_are_those_of_the_rows) {
+  const PointCloud cloud = scattered(500);
+  const CloudStatistics statistics = statistics_of(cloud);
+  for (int kind = 0; kind < 3; ++kind)
+    EXPECT_EQ(statistics.classes.at(kind), std::ranges::count(cloud.classifications, kind));
+  EXPECT_EQ(statistics.returns.at({1, 2}) + statistics.returns.at({2, 2}), 500u);
+  EXPECT_EQ(statistics.flags[2], std::ranges::count(cloud.flags, 0b100));
+  EXPECT_EQ(statistics.flags[2] + statistics.flags[3], 500u);
+  EXPECT_EQ(statistics.flags[3], statistics.flags[4]);
+}
+
+TEST(StatisticsTest, density_is_that_of_the_cells_with_points) {
+  const CloudStatistics full = statistics_of(scattered(40'000));
+  ASSERT_TRUE(full.coverage);
+  EXPECT_NEAR(full.coverage->density, 200.0, 6.0);
+  // The same points twice, the second time a hundred metres away: the gap between them does not count.
+  PointCloud two = scattered(40'000);
+  for (std::size_t row = 0; row < two.size(); row += 2) two.positions[row].x += 100'000;
+  EXPECT_NEAR(statistics_of(two).coverage->density, 100.0, 8.0);
+  PointCloud line;
+  line.positions = {{0, 0, 0}, {5, 0, 0}};
+  EXPECT_FALSE(statistics_of(line).coverage);
+}
+
+TEST(StatisticsTest, values_that_mean_none_do_not_count) {
+  PointCloud cloud = scattered(4);
+  ExtraDimension height = plain_dimension("Height", ScalarType::int16);
+  height.scale = 0.01, height.has_scale = true;
+  height.no_data.emplace();
+  height.no_data->fill(0);
+  height.values = {0, 0, 100, 0, 200, 0, 44, 1};
+  cloud.extra_dimensions = {height};
+  const CloudStatistics statistics = statistics_of(cloud);
+  const auto column = std::ranges::find(statistics.columns, "Height", &ColumnStatistics::name);
+  ASSERT_NE(column, statistics.columns.end());
+  EXPECT_EQ(column->count, 3u);
+  EXPECT_EQ(column->missing, 1u);
+  EXPECT_DOUBLE_EQ(column->mean, 2.0);
+}
+
+TEST(GpsTimeTest, moments_count_leap_seconds) {
+  const auto text = [](double seconds) { return date_time_text(*moment_of_gps_time(seconds)); };
+  // Source: 1,000,000,000 s of GPS time were 14 September 2011, 01:46:25 UTC (15 leap seconds).
+  EXPECT_EQ(text(0.0), "2011-09-14T01:46:25Z");
+  EXPECT_EQ(text(-1e9), "1980-01-06T00:00:00Z");
+  // The last second before, and the first after, the leap second of 31 December 2016.
+  EXPECT_EQ(text(1167264016.0 - 1e9), "2016-12-31T23:59:59Z");
+  EXPECT_EQ(text(1167264018.0 - 1e9), "2017-01-01T00:00:00Z");
+  EXPECT_FALSE(moment_of_gps_time(-1.1e9));
+}
+
+class InfoStatisticsTest : public ProgramTest {};
+
+TEST_F(InfoStatisticsTest, info_prints_them_as_text_and_as_json) {
+  PointCloud cloud = scattered(2000);
+  write_las(folder / "site.las", cloud);
+  const ProgramResult text = run({"info", "site.las", "--stats"});
+  ASSERT_EQ(text.exit_code, 0) << text.err;
+  for (const char* const part :
+       {"classes\n", "  1 Unclassified", "returns\n", "  1 of 2", "flags\n", "withheld", "density     ",
+        "time        2019-08-16T14:13:02Z to ", "written     by Alidade", "median", "intensity "})
+    EXPECT_TRUE(contains(text.out, part)) << part << " is not in\n" << text.out;
+  const auto json =
+      nlohmann::json::parse(run({"info", "site.las", "--stats", "--json"}).out).at("statistics");
+  EXPECT_EQ(json.at("columns").at("intensity").at("count"), 2000);
+  EXPECT_EQ(json.at("classes").at("0").get<int>() + json.at("classes").at("1").get<int>() +
+                json.at("classes").at("2").get<int>(),
+            2000);
+  EXPECT_EQ(run({"info", "site.las"}).out.find("density"), std::string::npos);
+}
+
+TEST_F(InfoStatisticsTest, formats_and_libraries_are_listed) {
+  const ProgramResult formats = run({"formats"});
+  EXPECT_EQ(formats.exit_code, 0);
+  for (const char* const part : {"LAZ", ".copc.laz", "PostgreSQL", "read, write"})
+    EXPECT_TRUE(contains(formats.out, part)) << part;
+  EXPECT_GT(nlohmann::json::parse(run({"formats", "--json"}).out).size(), 10u);
+  const std::string version = run({"--version"}).out;
+  EXPECT_EQ(version.rfind("alidade ", 0), 0u);
+  for (const char* const part :
+       {"instruction set: ", "oneTBB ", "SQLite 3", "GDAL 3", "OpenImageIO 2", "PROJ "})
+    EXPECT_TRUE(contains(version, part)) << version;
+}
+
+}  // namespace
+}  // namespace alidade::test

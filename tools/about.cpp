@@ -1,0 +1,96 @@
+// SPDX-License-Identifier: MIT
+#include "tools/about.h"
+
+#include <fmt/format.h>
+#include <hwy/highway.h>
+#include <sqlite3.h>
+#include <tbb/version.h>
+#include <CLI/Version.hpp>
+#include <nlohmann/json.hpp>
+
+#include "base/instruction_set.h"
+#include "tools/command.h"
+#include "tools/image_module.h"
+
+namespace alidade::tools {
+namespace {
+
+/// How a format can be used, for `alidade formats`.
+struct FormatFacts {
+  const char *name, *extensions, *versions, *use, *remarks;
+};
+
+constexpr FormatFacts k_formats[] = {
+    {"LAS", ".las", "1.0 to 1.4", "read, write 1.4", "point formats 0 to 10; extra bytes, records"},
+    {"LAZ", ".laz", "1.0 to 1.4", "read, write 1.4", "point by point and in layers; without wave packets"},
+    {"COPC", ".copc.laz", "1.0", "read", "queried in place, without reading all of it"},
+    {"PLY", ".ply", "1.0", "read, write", "ascii, binary of both byte orders; colours of 8 bits"},
+    {"PCD", ".pcd", "0.5 to 0.7", "read", "ascii, binary, compressed; organised clouds"},
+    {"E57", ".e57", "1.0", "read", "poses, spherical coordinates, photographs (info --extract-images)"},
+    {"PTX", ".ptx", "", "read", "poses of scans"},
+    {"PTS", ".pts", "", "read", "intensities of -2048 to 2047"},
+    {"CSV", ".csv, .txt", "", "read, write", "columns by their names"},
+    {"XYZ", ".xyz, .txt", "", "read, write", "columns by their order; coordinates alone are written"},
+    {"Alidade index", ".alidade", "2", "read, write", "octree and attributes, mapped from disk"},
+    {"SQLite", "site.db?table=NAME", "3", "read, write", "alidade sql load; chunks are read as needed"},
+    {"PostgreSQL", "postgresql://...", "", "read, write", "alidade sql load; extension alidade_pg prunes"},
+    {"Elevation raster", ".tif, ...", "", "read, write", "all that GDAL reads; GeoTIFF is written"},
+    {"Images", ".png, .jpg, .exr, .tif", "", "read, write", "all that OpenImageIO reads"},
+    {"Mesh", ".ply, .obj", "", "read", "triangles beside the cloud (--mesh)"},
+    {"Vector layer", ".geojson, .gpkg, .shp", "", "read, write",
+     "observers, polygons; GeoJSON and GeoPackage are written"},
+    {"Cameras", "COLMAP, transforms.json, ...", "", "read", "docs/cameras.md"},
+};
+
+struct FormatsCommand : RunRequest {
+  bool json = false;
+};
+
+ExitCode run(const FormatsCommand& command) {
+  if (command.json) {
+    nlohmann::ordered_json formats = nlohmann::ordered_json::array();
+    for (const FormatFacts& format : k_formats) {
+      formats.push_back({{"name", format.name},
+                         {"extensions", format.extensions},
+                         {"versions", format.versions},
+                         {"use", format.use},
+                         {"remarks", format.remarks}});
+    }
+    write_to_stdout(formats.dump(2) + "\n");
+    return ExitCode::done;
+  }
+  std::string text = fmt::format("{:<17} {:<29} {:<11} {:<16} {}\n", "format", "name", "versions", "use", "");
+  for (const FormatFacts& format : k_formats)
+    text += fmt::format("{:<17} {:<29} {:<11} {:<16} {}\n", format.name, format.extensions, format.versions,
+                        format.use, format.remarks);
+  write_to_stdout(text);
+  return ExitCode::done;
+}
+
+}  // namespace
+
+std::string version_text() {
+  std::string module;
+  try {
+    module = image_module().image_library() + ", " + image_module().map_libraries();
+  } catch (const std::exception& error) {
+    module = error.what();
+  }
+  return fmt::format("alidade " ALIDADE_VERSION
+                     "\ninstruction set: {}\ncompiler: {}\nlibraries: oneTBB {}.{}, Highway {}.{}.{}, fmt "
+                     "{}.{}.{}, SQLite {}, "
+                     "nlohmann_json {}.{}.{}, CLI11 {}\nimages and maps: {}\n",
+                     name(best_instruction_set()), __VERSION__, TBB_VERSION_MAJOR, TBB_VERSION_MINOR,
+                     HWY_MAJOR, HWY_MINOR, HWY_PATCH, FMT_VERSION / 10000, FMT_VERSION / 100 % 100,
+                     FMT_VERSION % 100, sqlite3_libversion(), NLOHMANN_JSON_VERSION_MAJOR,
+                     NLOHMANN_JSON_VERSION_MINOR, NLOHMANN_JSON_VERSION_PATCH, CLI11_VERSION, module);
+}
+
+Command add_formats(const Options& program) {
+  auto command = std::make_shared<FormatsCommand>();
+  const Options formats = program.command("formats", "List the formats of clouds, images and maps");
+  formats.flag("--json", "print JSON instead of a table", command->json);
+  return command_of(formats, command, run);
+}
+
+}  // namespace alidade::tools

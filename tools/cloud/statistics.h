@@ -1,0 +1,66 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <map>
+#include <nlohmann/json_fwd.hpp>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "base/date_time.h"
+#include "base/progress.h"
+#include "cloud/point_cloud.h"
+
+namespace alidade::tools {
+
+/// The shares below which quantiles are given.
+inline constexpr std::array<double, 5> k_quantiles = {0.01, 0.25, 0.5, 0.75, 0.99};
+
+inline constexpr std::array<const char*, 5> k_flag_names = {"synthetic", "key point", "withheld", "overlap",
+                                                            "edge of flight line"};
+
+/// What the values of a column of numbers are, without those that mean no value.
+struct ColumnStatistics {
+  std::string name;  ///< as SQL has it (database/cloud_column.h)
+  bool is_whole = false;
+  std::uint64_t count = 0, missing = 0;
+  double least = 0.0, most = 0.0, mean = 0.0, deviation = 0.0;
+  /// Values of the column itself: the least that at least this share of values does not exceed.
+  std::array<double, k_quantiles.size()> quantiles{};
+};
+
+/// How densely points cover the plane, by the cells of a grid that hold any.
+struct CoverageStatistics {
+  double cell = 0.0;  ///< edge of a cell, in the unit of x and y: about 4 spacings
+  double area = 0.0;  ///< of the cells that hold points
+  double density = 0.0, last_return_density = 0.0;  ///< points per square of that unit
+  double spacing = 0.0;                             ///< 1 / sqrt(density)
+};
+
+/// What a cloud is made of. Cost: that of sorting each column, shared by threads (oneTBB). Memory: 16 B per
+/// point and thread.
+struct CloudStatistics {
+  std::vector<ColumnStatistics> columns;
+  std::map<int, std::uint64_t> classes;                    ///< points of each class that occurs
+  std::map<std::pair<int, int>, std::uint64_t> returns;    ///< by number and count
+  std::array<std::uint64_t, k_flag_names.size()> flags{};  ///< points that have each
+  std::optional<CoverageStatistics> coverage{};            ///< empty for points on a line or in one position
+};
+
+/// Requires the attributes to have been read. `progress` is in columns.
+CloudStatistics statistics_of(const PointCloud& cloud, const Progress& progress = {});
+
+/// The moment of an adjusted standard GPS time (LAS 1.4: GPS seconds minus 10^9). Source of leap seconds:
+/// IERS Bulletin C, up to 2017; empty before the first day of GPS, 6 January 1980.
+std::optional<Moment> moment_of_gps_time(double seconds);
+
+/// As `alidade info --json` has them.
+nlohmann::ordered_json statistics_json(const CloudStatistics& statistics, const PointCloud& cloud);
+
+/// The lines of a table, with what headers say of the cloud's files and records.
+std::string statistics_text(const CloudStatistics& statistics, const PointCloud& cloud);
+
+}  // namespace alidade::tools
