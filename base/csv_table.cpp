@@ -9,17 +9,38 @@
 
 namespace alidade {
 
+namespace {
+
+/// What to do about names that are no columns, but are often given.
+std::string hint_for(std::string_view name) {
+  const std::string word = lower_case(name);
+  for (const char* const angle : {"lon", "lat", "longitude", "latitude", "lng"})
+    if (word == angle) return ", where longitude is x and latitude y (in EPSG:4326)";
+  for (const char* const axis : {"easting", "northing", "east", "north"})
+    if (word == axis) return ", where the easting is x and the northing y";
+  return "";
+}
+
+/// Whether a cell is a number with a decimal comma.
+bool has_decimal_comma(std::string_view cell) {
+  return std::ranges::count(cell, ',') == 1 && cell.find_first_not_of("+-0123456789,eE ") == cell.npos;
+}
+
+}  // namespace
+
 CsvTable::CsvTable(InputFile& file, const ColumnOf& column_of, std::string form)
     : file_(file), scanner_(file), form_(std::move(form)) {
   std::optional<std::string_view> line = scanner_.next_line();
   while (line && trim(*line).empty()) line = scanner_.next_line();
   if (!line) return;
-  split_cells(*line, ',', cells_);
+  for (const char other : {';', '\t'})
+    if (line->find(',') == line->npos && line->find(other) != line->npos) separator_ = other;
+  split(*line);
   require_few_columns(scanner_, cells_.size());
   if (parse_number(cells_.front())) fail("missing header", form_, quote(*line));
   for (const std::string_view name : cells_) {
     const std::optional<std::size_t> column = column_of(name);
-    if (!column) fail("unknown column " + quote(name), form_);
+    if (!column) fail("unknown column " + quote(name), form_ + hint_for(name), "the columns " + quote(*line));
     if (has(*column)) fail(fmt::format("duplicate column {}", name));
     columns_.push_back(*column);
   }
@@ -28,12 +49,26 @@ CsvTable::CsvTable(InputFile& file, const ColumnOf& column_of, std::string form)
 bool CsvTable::next() {
   while (const std::optional<std::string_view> line = scanner_.next_line()) {
     if (trim(*line).empty()) continue;
-    split_cells(*line, ',', cells_);
+    split(*line);
     if (cells_.size() == columns_.size()) return true;
+    const char* const separator = separator_ == ',' ? "commas" : separator_ == ';' ? "semicolons" : "tabs";
     fail(cells_.size() > columns_.size() ? "too many columns" : "too few columns",
-         std::to_string(columns_.size()), std::to_string(cells_.size()));
+         fmt::format("{}, separated by {} as in the header", columns_.size(), separator),
+         fmt::format("{} in {}", cells_.size(), quote(*line)));
   }
   return false;
+}
+
+void CsvTable::split(std::string_view line) {
+  split_cells(line, separator_, cells_);
+  if (separator_ == ',') return;
+  numbers_.clear();
+  for (std::string_view& cell : cells_) {
+    if (!has_decimal_comma(cell)) continue;
+    std::string& number = numbers_.emplace_back(cell);
+    std::ranges::replace(number, ',', '.');
+    cell = number;
+  }
 }
 
 bool CsvTable::has(std::size_t column) const {

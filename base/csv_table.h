@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstddef>
+#include <deque>
 #include <functional>
 #include <optional>
 #include <string>
@@ -13,7 +14,8 @@
 namespace alidade {
 
 /// A table as CSV: a header with the names of columns in any order, then rows with a cell for each. Blank
-/// lines are skipped. Errors name file and line.
+/// lines are skipped. Columns are separated by commas, or, where the header has none, by semicolons or tabs;
+/// numbers may then have decimal commas. Errors name file and line.
 ///
 ///   CsvTable table(file, column_of, "x,y[,z]");
 ///   while (table.next()) use(table.columns(), table.cells());
@@ -43,8 +45,12 @@ class CsvTable {
   [[noreturn]] void fail_as_empty(const std::string& what) const;
 
  private:
+  void split(std::string_view line);
+
   InputFile& file_;
   TextScanner scanner_;
+  char separator_ = ',';
+  std::deque<std::string> numbers_;  ///< of the row, whose decimal commas have become points
   std::string form_;
   std::vector<std::size_t> columns_;
   std::vector<std::string_view> cells_;

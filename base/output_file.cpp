@@ -3,8 +3,11 @@
 
 #include <fcntl.h>
 #include <fmt/format.h>
+#include <signal.h>
+#include <sys/file.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <cassert>
 #include <cerrno>
 #include <cstdio>
@@ -22,12 +25,55 @@ constexpr std::size_t k_buffer_size = 1 << 18;
   throw system_error(name, "cannot write the file");
 }
 
-/// The file a symbolic link leads to, so that replacing it keeps the link.
-std::filesystem::path resolve(const std::filesystem::path& path) {
+/// The file a symbolic link leads to, which need not exist, so that writing keeps the link.
+std::filesystem::path resolve(std::filesystem::path path) {
+  constexpr int k_most_links = 40;  // as many as Linux follows
   std::error_code error;
-  if (!std::filesystem::is_symlink(path, error)) return path;
-  const std::filesystem::path target = std::filesystem::weakly_canonical(path, error);
-  return error ? path : target;
+  for (int i = 0; i < k_most_links && std::filesystem::is_symlink(path, error); ++i) {
+    const std::filesystem::path target = std::filesystem::read_symlink(path, error);
+    if (error) return path;
+    path = path.parent_path() / target;
+  }
+  if (std::filesystem::is_symlink(path, error))
+    throw system_error(path.string(), "cannot write the file", ELOOP);
+  return path;
+}
+
+/// What the temporary files of an output begin with, and what they end with; with the numbers between them
+/// they are names that file systems take, however long the output's own is.
+struct TemporaryName {
+  std::string begin, end;
+
+  explicit TemporaryName(const std::filesystem::path& path) {
+    constexpr std::size_t k_longest = 255, k_numbers = 32;
+    begin = "." + path.stem().string();
+    end = path.extension().string();
+    if (end.size() > k_longest / 4) end.clear();
+    begin.resize(std::min(begin.size(), k_longest - k_numbers - end.size()));
+    begin += ".part-";
+  }
+};
+
+/// Removes temporary files of this output that nobody writes any more: their process has ended, and nobody holds
+/// their lock, as another machine may on a shared file system.
+void remove_stale(const std::filesystem::path& folder, const TemporaryName& like) {
+  std::error_code error;
+  for (const auto& entry : std::filesystem::directory_iterator(folder.empty() ? "." : folder, error)) {
+    const std::string name = entry.path().filename().string();
+    if (name.size() <= like.begin.size() + like.end.size() || !name.starts_with(like.begin) ||
+        !name.ends_with(like.end))
+      continue;
+    int process = 0, attempt = 0, read = 0;
+    const std::string numbers =
+        name.substr(like.begin.size(), name.size() - like.begin.size() - like.end.size());
+    const bool is_ours = std::sscanf(numbers.c_str(), "%d-%d%n", &process, &attempt, &read) == 2 &&
+                         static_cast<std::size_t>(read) == numbers.size() && process > 0;
+    if (!is_ours || ::kill(process, 0) == 0 || errno != ESRCH) continue;
+    const int descriptor = ::open(entry.path().c_str(), O_RDONLY | O_CLOEXEC | O_NOFOLLOW);
+    if (descriptor < 0) continue;
+    if (::flock(descriptor, LOCK_EX | LOCK_NB) == 0) ::unlink(entry.path().c_str());
+    ::close(descriptor);
+  }
 }
 
 [[noreturn]] void fail_because_it_exists(const std::string& name) {
@@ -63,17 +109,23 @@ void check_output(const std::filesystem::path& path, bool overwrite) {
   if (!overwrite) fail_because_it_exists(path.string());
 }
 
+std::filesystem::path temporary_beside(const std::filesystem::path& path, int attempt) {
+  const TemporaryName like(path);
+  return path.parent_path() / fmt::format("{}{}-{}{}", like.begin, ::getpid(), attempt, like.end);
+}
+
 OutputFile::OutputFile(const std::filesystem::path& path, bool overwrite)
     : name_(path.string()), overwrite_(overwrite) {
   check_output(path, overwrite);
   path_ = resolve(path);
+  remove_stale(path_.parent_path(), TemporaryName(path_));
   for (int attempt = 0; descriptor_ < 0; ++attempt) {
-    const std::string name = fmt::format(".{}.part-{}-{}{}", path_.stem().string(), ::getpid(), attempt,
-                                         path_.extension().string());
-    temporary_ = path_.parent_path() / name;
+    temporary_ = temporary_beside(path_, attempt);
     descriptor_ = ::open(temporary_.c_str(), O_RDWR | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
     if (descriptor_ < 0 && errno != EEXIST) fail(name_);
   }
+  // Where locks are not supported, the number of the process alone protects the file.
+  ::flock(descriptor_, LOCK_EX | LOCK_NB);
   buffer_.reserve(k_buffer_size);
 }
 

@@ -12,7 +12,8 @@ namespace alidade {
 
 /// A file that appears completely or not at all: bytes go to a temporary file in the same folder, and commit()
 /// renames it to its final name. Without commit() the destructor removes the temporary file, and an earlier
-/// file stays as it was.
+/// file stays as it was. Through a symbolic link its target is written, whether or not it is there. What a
+/// process that was killed left of the same output is removed.
 class OutputFile {
  public:
   /// Errors: `path` exists and `overwrite` is false, or it is not a regular file; the folder is missing or
@@ -44,6 +45,10 @@ class OutputFile {
   std::uint64_t size_ = 0;
   bool committed_ = false;
 };
+
+/// The name of this process's temporary file for an output, in its folder: ".yard.part-4711-0.las". It is short
+/// enough for file systems even if the output's own name has 255 bytes, with room for 8 more.
+std::filesystem::path temporary_beside(const std::filesystem::path& path, int attempt);
 
 /// Writes all bytes at an offset of an open file. Errors, said of `name`: no space left and other failures.
 void write_fully(const std::string& name, int descriptor, std::uint64_t offset,

@@ -11,6 +11,19 @@ add_library(alidade_flags INTERFACE)
 target_compile_features(alidade_flags INTERFACE cxx_std_20)
 target_compile_options(alidade_flags INTERFACE -ffp-contract=off -Wall -Wextra -Wshadow -Wno-psabi)
 target_include_directories(alidade_flags INTERFACE ${PROJECT_SOURCE_DIR})
+
+# Files are untrusted: what a mistake in reading them could be used for is made harder. Sanitizers do more of the same.
+include(CheckPIESupported)
+check_pie_supported()
+set(CMAKE_POSITION_INDEPENDENT_CODE ON)
+if(NOT CMAKE_CXX_FLAGS MATCHES "-fsanitize")
+  target_compile_options(alidade_flags INTERFACE -fstack-protector-strong)
+  target_compile_definitions(alidade_flags INTERFACE $<$<CONFIG:Release,RelWithDebInfo>:_FORTIFY_SOURCE=2>)
+  if(CMAKE_SYSTEM_PROCESSOR MATCHES "x86_64|AMD64")
+    target_compile_options(alidade_flags INTERFACE -fcf-protection)
+  endif()
+  add_link_options(-Wl,-z,relro,-z,now)
+endif()
 # The version that files, pictures and pages name.
 target_compile_definitions(alidade_flags INTERFACE ALIDADE_VERSION="${PROJECT_VERSION}")
 

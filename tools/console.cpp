@@ -10,6 +10,8 @@
 #include <cstdio>
 #include <cstdlib>
 
+#include "base/words.h"
+
 namespace alidade::tools {
 namespace {
 
@@ -23,9 +25,25 @@ void note_signal(int signal) {
 // Back to the first column, and the rest of the terminal's line cleared.
 const std::string k_line_start = "\r\033[K";
 
+/// The code in Unicode of what is one character of UTF-8.
+unsigned character_code(std::string_view character) {
+  const auto byte = [&](std::size_t position) { return static_cast<unsigned char>(character[position]); };
+  if (character.size() == 1) return byte(0);
+  unsigned code = byte(0) & (0x7fu >> character.size());
+  for (std::size_t position = 1; position < character.size(); ++position)
+    code = code << 6 | (byte(position) & 0x3fu);
+  return code;
+}
+
+/// Whether terminals take a character beyond ASCII as a command, or as one that turns the direction of writing.
+bool is_command(unsigned code) {
+  return (code >= 0x80 && code <= 0x9f) || (code >= 0x202a && code <= 0x202e) ||
+         (code >= 0x2066 && code <= 0x2069);
+}
+
 void say(std::string_view kind, std::string_view text) {
   std::string line = "alidade: ";
-  line.append(kind).append(text).append("\n");
+  line.append(kind).append(terminal_text(text)).append("\n");
   write_to_stderr(line);
 }
 
@@ -111,6 +129,45 @@ std::string short_count(double count) {
   return fmt::format("{:.0f}", count);
 }
 
+std::string quantity(double count, const std::string& unit) {
+  const std::string text = short_count(count);
+  // "2.3 MB", but "2.3 M points".
+  if (unit == "B") return text.find(' ') == std::string::npos ? text + " B" : text + unit;
+  const bool is_one = text == "1" && unit.ends_with('s');
+  return text + " " + (is_one ? unit.substr(0, unit.size() - 1) : unit);
+}
+
+std::string line_text(std::string_view text) {
+  std::string line;
+  while (!text.empty()) {
+    const std::size_t size = utf8_character_size(text);
+    const std::string_view character = text.substr(0, std::max<std::size_t>(size, 1));
+    text.remove_prefix(character.size());
+    const unsigned code =
+        size == 0 ? static_cast<unsigned char>(character.front()) : character_code(character);
+    if (code == '\n')
+      line += "\\n";
+    else if (size == 0 || code < 0x20 || code == 0x7f)
+      line += fmt::format("\\x{:02x}", code);
+    else if (is_command(code))
+      line += fmt::format("\\u{:04x}", code);
+    else
+      line += character;
+  }
+  return line;
+}
+
+std::string terminal_text(std::string_view text) {
+  std::string shown;
+  for (; !text.empty();) {
+    const std::size_t size = std::max<std::size_t>(utf8_character_size(text), 1);
+    const std::string_view character = text.substr(0, size);
+    shown += character == "\n" ? "\n" : line_text(character);
+    text.remove_prefix(size);
+  }
+  return shown;
+}
+
 std::string clock_time(double seconds) {
   const auto whole = static_cast<std::int64_t>(std::fmin(std::fmax(std::round(seconds), 0.0), 1e12));
   const std::int64_t hours = whole / 3600, minutes = whole / 60 % 60;
@@ -156,7 +213,7 @@ void ProgressLine::show(double seconds) {
   std::string text = fmt::format("{}: {:3.0f} %", task_, 100.0 * share);
   if (done_ > skipped_ && seconds > 0.0) {
     const double rate = static_cast<double>(done_ - skipped_) / seconds;
-    text += fmt::format(", {} {}/s", short_count(rate), unit_);
+    text += fmt::format(", {}/s", quantity(rate, unit_));
     text +=
         fmt::format(", {} left", clock_time(static_cast<double>(total_ - std::min(done_, total_)) / rate));
   }
@@ -178,8 +235,8 @@ void ProgressLine::finish() {
   if (verbosity_ == Verbosity::quiet) return;
   const double seconds = std::chrono::duration<double>(Clock::now() - start_).count();
   const auto count = static_cast<double>(total_ - std::min(skipped_, total_));
-  std::string text = fmt::format("{}: {} {} in {:.1f} s", task_, short_count(count), unit_, seconds);
-  if (seconds > 0.5) text += fmt::format(" ({} {}/s)", short_count(count / seconds), unit_);
+  std::string text = fmt::format("{}: {} in {:.1f} s", task_, quantity(count, unit_), seconds);
+  if (seconds > 0.5) text += fmt::format(" ({}/s)", quantity(count / seconds, unit_));
   write_to_stderr((on_terminal_ ? k_line_start : "") + text + "\n");
   line_open_ = false;
 }

@@ -124,6 +124,16 @@ auto with_progress(std::string task, std::string unit, Verbosity verbosity, cons
 /// "1.25 M", "340 k", "12": a count for people to read.
 std::string short_count(double count);
 
+/// "640 k points", "1 ray", "2.3 MB": a count of a unit, which is "B" or a plural.
+std::string quantity(double count, const std::string& unit);
+
+/// As one line that cannot move a terminal's cursor: control characters are shown as \n, \x1b, \u009b, bytes
+/// that are no UTF-8 as \xff, and characters that turn the direction of writing as \u202e.
+std::string line_text(std::string_view text);
+
+/// The same for a text of several lines. Names from files go to the terminal through it.
+std::string terminal_text(std::string_view text);
+
 /// "0:07", "12:30", "1:02:03".
 std::string clock_time(double seconds);
 

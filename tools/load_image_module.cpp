@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: MIT
 #include <dlfcn.h>
 #include <filesystem>
+#include <new>
+#include <string_view>
 
 #include "base/error.h"
 #include "tools/image_module.h"
@@ -8,16 +10,22 @@
 namespace alidade::tools {
 namespace {
 
-/// Where the module is: beside the program as it is built, or where both are installed.
+/// Where the module is: beside the program as it is built, else where both are installed.
 std::filesystem::path module_file() {
   std::error_code error;
   const std::filesystem::path folder = std::filesystem::canonical("/proc/self/exe", error).parent_path();
-  const std::filesystem::path installed = folder / ALIDADE_MODULE_FOLDER / ALIDADE_IMAGE_MODULE;
-  return std::filesystem::exists(installed, error) ? installed : folder / ALIDADE_IMAGE_MODULE;
+  const std::filesystem::path beside = folder / ALIDADE_IMAGE_MODULE;
+  return std::filesystem::exists(beside, error) ? beside
+                                                : folder / ALIDADE_MODULE_FOLDER / ALIDADE_IMAGE_MODULE;
 }
 
 [[noreturn]] void fail(const std::filesystem::path& file) {
   const char* const reason = ::dlerror();
+  const std::string_view text = reason != nullptr ? reason : "";
+  // What the loader calls it depends on the step at which memory ends.
+  for (const char* const sign :
+       {"annot allocate memory", "failed to map segment", "cannot create shared object"})
+    if (text.find(sign) != text.npos) throw std::bad_alloc();
   throw Error({.file = file.string(),
                .problem = std::string("cannot load the module for images and maps: ") +
                           (reason != nullptr ? reason : "unknown reason")});

@@ -2,6 +2,7 @@
 #include "base/output_file.h"
 
 #include <gtest/gtest.h>
+#include <unistd.h>
 
 #include <algorithm>
 
@@ -111,6 +112,51 @@ TEST(OutputFileTest, a_symbolic_link_keeps_leading_to_the_file) {
   file.commit();
   EXPECT_TRUE(std::filesystem::is_symlink(folder / "link.txt"));
   EXPECT_EQ(content(folder / "target.txt"), "later");
+}
+
+TEST(OutputFileTest, names_may_be_as_long_as_file_systems_take) {
+  const std::filesystem::path folder = test::test_folder();
+  for (const std::string& extension :
+       {std::string(".las"), std::string("." + std::string(100, 'e')), std::string()}) {
+    const std::filesystem::path path = folder / (std::string(255 - extension.size(), 'x') + extension);
+    OutputFile file(path, false);
+    file.write(bytes_of("long"));
+    file.commit();
+    EXPECT_EQ(content(path), "long");
+    EXPECT_LE(temporary_beside(path, 3).filename().string().size() + 8, 255u);
+  }
+  EXPECT_EQ(files_in(folder), 3u);
+}
+
+TEST(OutputFileTest, a_link_that_leads_nowhere_gets_its_target) {
+  const std::filesystem::path folder = test::test_folder();
+  std::filesystem::create_directories(folder / "data");
+  std::filesystem::create_symlink("data/real.txt", folder / "link.txt");
+  std::filesystem::create_symlink("link.txt", folder / "chain.txt");
+  for (const bool overwrite : {false, true}) {
+    OutputFile file(folder / "chain.txt", overwrite);
+    file.write(bytes_of(overwrite ? "again" : "once"));
+    file.commit();
+    EXPECT_EQ(content(folder / "data" / "real.txt"), overwrite ? "again" : "once");
+    EXPECT_TRUE(std::filesystem::is_symlink(folder / "link.txt"));
+    EXPECT_TRUE(std::filesystem::is_symlink(folder / "chain.txt"));
+  }
+  std::filesystem::create_symlink("loop.txt", folder / "loop.txt");
+  EXPECT_NE(error_of([&] { OutputFile(folder / "loop.txt", true); }), "");
+}
+
+TEST(OutputFileTest, what_a_dead_process_left_of_the_same_output_is_removed) {
+  const std::filesystem::path folder = test::test_folder(), path = folder / "out.txt";
+  // More than any process has, and a live one: this.
+  const std::string dead = ".out.part-99999999-0.txt",
+                    live = ".out.part-" + std::to_string(::getpid()) + "-7.txt";
+  for (const std::string& name :
+       {dead, live, std::string(".other.part-99999999-0.txt"), std::string(".out.part-99999999-0x.txt"),
+        std::string(".out.part-me-0.txt")})
+    test::write_text(folder / name, "unfinished");
+  OutputFile file(path, false);
+  EXPECT_FALSE(std::filesystem::exists(folder / dead));
+  EXPECT_EQ(files_in(folder), 5u);
 }
 
 }  // namespace

@@ -188,7 +188,7 @@ TEST_F(SqlLoadTest, a_full_disk_leaves_nothing_behind) {
 TEST_F(SqlLoadTest, interrupted_or_killed_it_leaves_no_half_table) {
   ASSERT_EQ(run({"generate", "courtyard", "--points=2e6", "-o", "site.las", "-q"}).exit_code, 0);
   Program interrupted({"sql", "load", "site.las", "site.db"}, folder);
-  wait_for(interrupted, ".site.db.part-");
+  wait_for(interrupted, ".site.part-");
   interrupted.send(SIGINT);
   EXPECT_EQ(interrupted.wait().exit_code, 130);
   EXPECT_EQ(names(), Words{"site.las"});

@@ -12,22 +12,6 @@
 namespace alidade::tools {
 namespace {
 
-/// The code in Unicode of what is one character of UTF-8.
-unsigned character_code(std::string_view character) {
-  const auto byte = [&](std::size_t position) { return static_cast<unsigned char>(character[position]); };
-  if (character.size() == 1) return byte(0);
-  unsigned code = byte(0) & (0x7fu >> character.size());
-  for (std::size_t position = 1; position < character.size(); ++position)
-    code = code << 6 | (byte(position) & 0x3fu);
-  return code;
-}
-
-/// Whether terminals take a character beyond ASCII as a command, or as one that turns the direction of writing.
-bool is_command(unsigned code) {
-  return (code >= 0x80 && code <= 0x9f) || (code >= 0x202a && code <= 0x202e) ||
-         (code >= 0x2066 && code <= 0x2069);
-}
-
 /// The shortest text that reads as this number again: 1.0, 0.1, 1e+300, inf.
 std::string real_text(double value) {
   std::string text = fmt::format("{}", value);
@@ -61,28 +45,6 @@ std::string value_text(sqlite3_stmt* statement, int column) {
 /// Between quotes, for JSON. Bytes that are no UTF-8 become U+FFFD.
 std::string json_text(std::string_view text) {
   return nlohmann::json(text).dump(-1, ' ', false, nlohmann::json::error_handler_t::replace);
-}
-
-/// As one line that cannot move a terminal's cursor: control characters are shown as \n, \x1b,
-/// \u009b, bytes that are no UTF-8 as \xff, and characters that turn the direction of writing as \u202e.
-std::string line_text(std::string_view text) {
-  std::string line;
-  while (!text.empty()) {
-    const std::size_t size = utf8_character_size(text);
-    const std::string_view character = text.substr(0, std::max<std::size_t>(size, 1));
-    text.remove_prefix(character.size());
-    const unsigned code =
-        size == 0 ? static_cast<unsigned char>(character.front()) : character_code(character);
-    if (code == '\n')
-      line += "\\n";
-    else if (size == 0 || code < 0x20 || code == 0x7f)
-      line += fmt::format("\\x{:02x}", code);
-    else if (is_command(code))
-      line += fmt::format("\\u{:04x}", code);
-    else
-      line += character;
-  }
-  return line;
 }
 
 /// Collects text for stdout, so that not every row is a system call.

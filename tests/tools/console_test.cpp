@@ -1,0 +1,60 @@
+// SPDX-License-Identifier: MIT
+#include "tools/console.h"
+
+#include "tests/tools/program_words.h"
+#include "tests/tools/run_program.h"
+
+namespace alidade::test {
+namespace {
+
+using tools::quantity;
+using tools::terminal_text;
+
+TEST(QuantityTest, is_written_as_people_write_it) {
+  EXPECT_EQ(quantity(1, "rays"), "1 ray");
+  EXPECT_EQ(quantity(2, "rays"), "2 rays");
+  EXPECT_EQ(quantity(640'000, "points"), "640 k points");
+  EXPECT_EQ(quantity(1'250'000, "points"), "1.25 M points");
+  EXPECT_EQ(quantity(512, "B"), "512 B");
+  EXPECT_EQ(quantity(36'000'000, "B"), "36 MB");
+  EXPECT_EQ(quantity(64'000, "B"), "64 kB");
+}
+
+TEST(TerminalTextTest, has_no_control_characters_but_line_ends) {
+  EXPECT_EQ(terminal_text("a\tb\n\x1b[31mred\x7f \xff \xe2\x80\xae"),
+            "a\\x09b\n\\x1b[31mred\\x7f \\xff \\u202e");
+  EXPECT_EQ(terminal_text("Grün"), "Grün");
+}
+
+class ConsoleTest : public ProgramTest {};
+
+TEST_F(ConsoleTest, names_of_files_do_not_move_the_cursor) {
+  const ProgramResult result = run({"info", "no\x1b[2Jfile.las"});
+  EXPECT_EQ(result.exit_code, 2);
+  EXPECT_EQ(result.err.find('\x1b'), std::string::npos) << result.err;
+  write("a\x1b[2J.csv", "x,y,z,he\x1b[5might\n1,2,3,4\n");
+  const ProgramResult info = run({"info", "a\x1b[2J.csv"});
+  EXPECT_EQ(info.exit_code, 0) << info.err;
+  EXPECT_EQ(info.out.find('\x1b'), std::string::npos) << info.out;
+}
+
+TEST_F(ConsoleTest, bytes_of_a_file_that_is_read_twice_are_counted_once) {
+  write_square("square.xyz");
+  const auto bytes = std::filesystem::file_size(folder / "square.xyz");
+  const ProgramResult result = run({"convert", "square.xyz", "-o", "square.las"});
+  EXPECT_TRUE(contains(result.err, "reading: " + quantity(static_cast<double>(bytes), "B") + " in"))
+      << result.err;
+}
+
+TEST_F(ConsoleTest, copc_is_not_written_under_its_name) {
+  write_square("square.xyz");
+  for (const char* const name : {"square.copc.laz", "SQUARE.COPC.LAZ"}) {
+    const ProgramResult result = run({"convert", "square.xyz", "-o", name});
+    EXPECT_EQ(result.exit_code, 2);
+    EXPECT_TRUE(contains(result.err, ": COPC is not written; expected another name, such as ")) << result.err;
+    EXPECT_FALSE(std::filesystem::exists(folder / name));
+  }
+}
+
+}  // namespace
+}  // namespace alidade::test

@@ -1,0 +1,32 @@
+// SPDX-License-Identifier: MIT
+// What makes mistakes in reading untrusted files harder to use, in the program and its module.
+#include "tests/tools/program_words.h"
+#include "tests/tools/run_program.h"
+#include "tests/tools/said_by.h"
+
+namespace alidade::test {
+namespace {
+
+class HardeningTest : public ProgramTest {};
+
+TEST_F(HardeningTest, program_and_module_are_position_independent_bound_at_start_and_guarded) {
+#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
+  GTEST_SKIP() << "sanitizers do more than these flags, which they do not go with";
+#endif
+  const std::filesystem::path build = ALIDADE_BUILD_FOLDER;
+  for (const char* const name : {"alidade", "alidade_images.so"}) {
+    const std::string file = (build / name).string();
+    const std::string header = said_by("readelf -hldW '" + file + "'", folder);
+    if (header.empty()) GTEST_SKIP() << "readelf of Debian's binutils is not there";
+    EXPECT_TRUE(contains(header, "DYN (")) << name;
+    EXPECT_TRUE(contains(header, "GNU_RELRO")) << name;
+    EXPECT_TRUE(contains(header, "BIND_NOW") || contains(header, "Flags: NOW")) << name;
+    // The stack is not executable.
+    EXPECT_FALSE(contains(said_by("readelf -lW '" + file + "' | grep GNU_STACK", folder), "RWE")) << name;
+    const std::string symbols = said_by("readelf --dyn-syms -W '" + file + "'", folder);
+    EXPECT_TRUE(contains(symbols, "__stack_chk_fail")) << name;
+  }
+}
+
+}  // namespace
+}  // namespace alidade::test
