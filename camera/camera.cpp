@@ -8,6 +8,8 @@
 #include <glm/matrix.hpp>
 #include <limits>
 #include <numbers>
+#include <span>
+#include <vector>
 
 #include "base/exact_math.h"
 #include "camera/projection.h"
@@ -21,12 +23,11 @@ glm::dvec3 unit(const glm::dvec3& v) {
   return largest > 0.0 ? glm::normalize(v / largest) : v;
 }
 
-/// The smallest distance behind the box's centre from which all corners lie within slopes of +-tangent on one
+/// The smallest distance behind the middle from which all points lie within slopes of +-tangent on one
 /// film axis.
-double distance_to_fit(const std::array<double, 8>& across, const std::array<double, 8>& ahead,
-                       double tangent) {
+double distance_to_fit(std::span<const double> across, std::span<const double> ahead, double tangent) {
   double highest = -std::numeric_limits<double>::infinity(), lowest = -highest;
-  for (int i = 0; i < 8; ++i) {
+  for (std::size_t i = 0; i < across.size(); ++i) {
     highest = std::max(highest, across[i] - tangent * ahead[i]);
     lowest = std::min(lowest, across[i] + tangent * ahead[i]);
   }
@@ -34,14 +35,13 @@ double distance_to_fit(const std::array<double, 8>& across, const std::array<dou
 }
 
 /// How far aside the camera must be at this distance for equal margins on both sides of one film axis.
-double position_to_center(const std::array<double, 8>& across, const std::array<double, 8>& ahead,
-                          double distance) {
+double position_to_center(std::span<const double> across, std::span<const double> ahead, double distance) {
   double low = *std::min_element(across.begin(), across.end()),
          high = *std::max_element(across.begin(), across.end());
   for (int step = 0; step < 60; ++step) {
     const double middle = 0.5 * (low + high);
     double left = std::numeric_limits<double>::infinity(), right = -left;
-    for (int i = 0; i < 8; ++i) {
+    for (std::size_t i = 0; i < across.size(); ++i) {
       const double slope = (across[i] - middle) / (ahead[i] + distance);
       left = std::min(left, slope);
       right = std::max(right, slope);
@@ -107,27 +107,46 @@ Camera resized(const Camera& camera, int width, int height) {
 }
 
 Camera overview_camera(const Bounds& bounds, int width, int height) {
+  std::vector<glm::dvec3> corners;
+  for (int corner = 0; corner < 8 && !bounds.empty(); ++corner) {
+    corners.emplace_back((corner & 1) ? bounds.max.x : bounds.min.x,
+                         (corner & 2) ? bounds.max.y : bounds.min.y,
+                         (corner & 4) ? bounds.max.z : bounds.min.z);
+  }
+  return overview_camera(corners, 0.0, width, height);
+}
+
+Camera overview_camera(std::span<const glm::dvec3> positions, double radius, int width, int height) {
   constexpr double k_vertical_fov = 40.0, k_azimuth = 45.0, k_descent = 30.0, k_margin = 0.04;
+  Bounds bounds;
+  for (const glm::dvec3& position : positions) bounds.grow(position);
   const glm::dvec3 center = bounds.empty() ? glm::dvec3(0.0) : bounds.center();
-  glm::dvec3 half = 0.5 * bounds.size();
+  const glm::dvec3 half = bounds.empty() ? glm::dvec3(0.0) : 0.5 * bounds.size();
   // A lone point needs room around it: a little, but more than rounding at its coordinates.
   const double magnitude = std::max({std::fabs(center.x), std::fabs(center.y), std::fabs(center.z)});
-  half += glm::dvec3(glm::length(half) > 0.0 ? 1e-3 * glm::length(half) : std::max(0.02, 1e-9 * magnitude));
+  const double room = glm::length(half) > 0.0 ? 1e-3 * glm::length(half) : std::max(0.02, 1e-9 * magnitude);
 
   const SineCosine azimuth = sine_cosine_of_degrees(k_azimuth), descent = sine_cosine_of_degrees(k_descent);
   const glm::dvec3 forward(azimuth.sine * descent.cosine, azimuth.cosine * descent.cosine, -descent.sine);
   CameraPose pose = look_at(glm::dvec3(0.0), forward);
   Camera camera = pinhole_from_fov(width, height, k_vertical_fov, pose);
 
-  // Corners of the box: offsets from its centre along the camera's axes.
-  std::array<double, 8> right{}, down{}, ahead{};
-  for (int corner = 0; corner < 8; ++corner) {
-    const glm::dvec3 offset((corner & 1) ? half.x : -half.x, (corner & 2) ? half.y : -half.y,
-                            (corner & 4) ? half.z : -half.z);
-    right[corner] = glm::dot(offset, pose.right);
-    down[corner] = glm::dot(offset, pose.down);
-    ahead[corner] = glm::dot(offset, pose.forward);
+  // Positions from the middle along the camera's axes, each as the corners of a box of this room.
+  std::vector<double> right, down, ahead;
+  const auto add = [&](const glm::dvec3& offset) {
+    right.push_back(glm::dot(offset, pose.right));
+    down.push_back(glm::dot(offset, pose.down));
+    ahead.push_back(glm::dot(offset, pose.forward));
+  };
+  for (const glm::dvec3& position : positions) {
+    for (int axis = 0; axis < 3; ++axis) {
+      glm::dvec3 aside(0.0);
+      aside[axis] = room;
+      add(position - center + aside);
+      add(position - center - aside);
+    }
   }
+  if (positions.empty()) add(glm::dvec3(0.0, 0.0, room)), add(glm::dvec3(0.0, 0.0, -room));
   const double distance = std::max(distance_to_fit(right, ahead, (1.0 - k_margin) * camera.cx / camera.fx),
                                    distance_to_fit(down, ahead, (1.0 - k_margin) * camera.cy / camera.fy));
   camera.pose.position = center + position_to_center(right, ahead, distance) * pose.right +

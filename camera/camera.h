@@ -7,6 +7,7 @@
 #include <glm/vec2.hpp>
 #include <glm/vec3.hpp>
 #include <optional>
+#include <span>
 
 #include "base/bounds.h"
 #include "base/ray.h"
@@ -68,6 +69,10 @@ Camera resized(const Camera& camera, int width, int height);
 /// A view of the whole box: three-quarter from above (from the south-west, 30 degrees down), filling the
 /// image.
 Camera overview_camera(const Bounds& bounds, int width, int height);
+
+/// The same of some positions instead of a box, and of what lies at most `radius` around them: no more fills the
+/// image.
+Camera overview_camera(std::span<const glm::dvec3> positions, double radius, int width, int height);
 
 /// Everything around a position: the whole sphere, the middle of the image looks north (+y), east (+x) is to
 /// the right of it. Column x of the image looks to azimuth 360 (x / width - 1/2) degrees, clockwise from

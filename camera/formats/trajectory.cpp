@@ -12,8 +12,9 @@
 namespace alidade::camera {
 namespace {
 
-constexpr std::array<std::string_view, 9> k_columns{"time", "x", "y", "z", "qw", "qx", "qy", "qz", "name"};
-constexpr std::size_t k_name = 8;
+constexpr std::array<std::string_view, 12> k_columns{
+    "time", "x", "y", "z", "qw", "qx", "qy", "qz", "look_at_x", "look_at_y", "look_at_z", "name"};
+constexpr std::size_t k_time = 0, k_position = 1, k_quaternion = 4, k_target = 8, k_name = 11;
 constexpr std::size_t k_not_there = std::size_t(-1);
 
 /// What the remarks above the table must say: nothing about axes is guessed.
@@ -40,6 +41,11 @@ void read_remark(std::string_view line, Conventions& conventions) {
 
 using Columns = std::array<std::size_t, k_columns.size()>;
 
+/// Whether the table says what cameras look at, in place of their rotation.
+bool has_targets(const Columns& columns) {
+  return columns[k_target] != k_not_there;
+}
+
 Columns read_header(std::string_view line) {
   Columns columns;
   columns.fill(k_not_there);
@@ -53,17 +59,27 @@ Columns read_header(std::string_view line) {
       throw input_error(fmt::format("duplicate column '{}'", word), "unique columns");
     column = position;
   }
-  for (std::size_t i = 0; i < k_name; ++i) {
-    if (columns[i] == k_not_there) {
-      throw input_error(fmt::format("missing column '{}'", k_columns[i]),
-                        "a header with time,x,y,z,qw,qx,qy,qz and optionally name, in any order");
+  const auto require = [&](std::size_t first, std::size_t end) {
+    for (std::size_t i = first; i < end; ++i) {
+      if (columns[i] == k_not_there) {
+        throw input_error(fmt::format("missing column '{}'", k_columns[i]),
+                          "a header with time,x,y,z,qw,qx,qy,qz or x,y,z,look_at_x,look_at_y,look_at_z, and "
+                          "optionally name, in any order");
+      }
     }
+  };
+  if (has_targets(columns)) {
+    require(k_position, k_quaternion);
+    require(k_target, k_name);
+  } else {
+    require(k_time, k_target);
   }
   return columns;
 }
 
-NamedCamera read_row(std::string_view line, const Columns& columns, const Conventions& conventions,
-                     const Camera& lens) {
+/// `number`: of the row, from 0.
+NamedCamera read_row(std::string_view line, std::size_t number, const Columns& columns,
+                     const Conventions& conventions, const Camera& lens) {
   std::vector<std::string_view> row;
   for (FieldWalk fields(line); !fields.at_end();) row.push_back(fields.word("cell"));
   const auto cell = [&](std::size_t column) {
@@ -71,17 +87,29 @@ NamedCamera read_row(std::string_view line, const Columns& columns, const Conven
     throw input_error(fmt::format("missing value for '{}'", k_columns[column]), "one value per column",
                       fmt::format("{}", row.size()));
   };
-  std::array<double, 8> numbers{};
-  for (std::size_t i = 0; i < numbers.size(); ++i)
-    numbers[i] = number_of(cell(i), std::string(k_columns[i]).c_str());
-  const auto rotation = rotation_from_quaternion({numbers[4], numbers[5], numbers[6], numbers[7]});
-  if (!rotation) throw Error({.problem = "the quaternion is zero"});
-  const glm::dvec3 position(numbers[1], numbers[2], numbers[3]);
-  if (!(std::fabs(position.x) <= 1e12 && std::fabs(position.y) <= 1e12 && std::fabs(position.z) <= 1e12))
-    throw input_error("position out of range", "coordinates within +-1e12");
-
-  NamedCamera named{std::string(columns[k_name] == k_not_there ? cell(0) : cell(k_name)), lens};
+  const auto vector_at = [&](std::size_t first) {
+    glm::dvec3 vector;
+    for (std::size_t i = 0; i < 3; ++i)
+      vector[static_cast<int>(i)] = number_of(cell(first + i), std::string(k_columns[first + i]).c_str());
+    if (!(std::fabs(vector.x) <= 1e12 && std::fabs(vector.y) <= 1e12 && std::fabs(vector.z) <= 1e12))
+      throw input_error("position out of range", "coordinates within +-1e12");
+    return vector;
+  };
+  const std::size_t named_by = columns[k_name] != k_not_there ? k_name : k_time;
+  NamedCamera named{
+      columns[named_by] == k_not_there ? fmt::format("{}", number) : std::string(cell(named_by)), lens};
+  const glm::dvec3 position = vector_at(k_position);
   CameraPose& pose = named.camera.pose;
+  if (has_targets(columns)) {
+    pose = look_at(position, vector_at(k_target));
+    return named;
+  }
+  std::array<double, 4> quaternion{};
+  for (std::size_t i = 0; i < quaternion.size(); ++i)
+    quaternion[i] = number_of(cell(k_quaternion + i), std::string(k_columns[k_quaternion + i]).c_str());
+  const auto rotation = rotation_from_quaternion(quaternion);
+  if (!rotation) throw Error({.problem = "the quaternion is zero"});
+  number_of(cell(k_time), "time");
   if (*conventions.camera_to_world) {
     pose = {.position = position, .right = (*rotation)[0], .down = (*rotation)[1], .forward = (*rotation)[2]};
   } else {
@@ -110,7 +138,7 @@ CameraSet read_trajectory(std::string_view text, const std::string& name, const 
         read_remark(line, conventions);
       } else if (!columns) {
         columns = read_header(line);
-        if (!conventions.axes || !conventions.camera_to_world) {
+        if (!has_targets(*columns) && (!conventions.axes || !conventions.camera_to_world)) {
           throw input_error("missing convention of the quaternions",
                             "a line above the header such as '# opencv camera_to_world' (or opengl, "
                             "world_to_camera)");
@@ -120,7 +148,7 @@ CameraSet read_trajectory(std::string_view text, const std::string& name, const 
                             "--lens CAMERA.json, or a scene with a camera");
         }
       } else {
-        set.cameras.push_back(read_row(line, *columns, conventions, *lens));
+        set.cameras.push_back(read_row(line, set.cameras.size(), *columns, conventions, *lens));
       }
     }
   });

@@ -1,0 +1,24 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <span>
+#include <vector>
+
+#include "base/bounds.h"
+#include "camera/camera.h"
+
+namespace alidade::camera {
+
+/// Cameras on a full circle around a box, as overview_camera() sees it from each side: the first from the
+/// south-west, then counterclockwise seen from above, `count` of equal angles between them. All look at the
+/// vertical line through the middle of the box, from one height and distance. Requires count >= 1.
+std::vector<Camera> orbit_cameras(const Bounds& bounds, int width, int height, int count);
+
+/// Cameras on a smooth way through keyframes, whose first and last they are: positions by centripetal
+/// Catmull-Rom splines (Yuksel, Schaefer and Keyser, Computer-Aided Design 43, 2011), directions by the
+/// same weights, made orthogonal again; focal lengths and principal points in between linearly. The way is
+/// covered at constant speed; standing keyframes only turn. Size and lens are those of the first keyframe.
+/// Requires: two keyframes, count >= 2. Errors: keyframes of other sizes or lenses than the first.
+std::vector<Camera> cameras_between(std::span<const Camera> keyframes, int count);
+
+}  // namespace alidade::camera

@@ -1,0 +1,141 @@
+// SPDX-License-Identifier: MIT
+#include "tools/render/film.h"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+#include <spawn.h>
+#include <sys/wait.h>
+#include <cerrno>
+#include <string>
+
+#include "base/error.h"
+#include "base/output_file.h"
+#include "base/words.h"
+#include "camera/camera_path.h"
+
+extern char** environ;
+
+namespace alidade::tools {
+namespace {
+
+bool is_film(const std::filesystem::path& file) {
+  return has_extension(file, {".mp4", ".mkv", ".mov", ".webm"});
+}
+
+/// Runs a program and waits for it. Answers its exit code; empty if there is no such program.
+std::optional<int> run_program(const std::vector<std::string>& words) {
+  std::vector<char*> arguments;
+  for (const std::string& word : words) arguments.push_back(const_cast<char*>(word.c_str()));
+  arguments.push_back(nullptr);
+  pid_t process = 0;
+  const int error = ::posix_spawnp(&process, arguments[0], nullptr, nullptr, arguments.data(), environ);
+  if (error == ENOENT) return std::nullopt;
+  if (error != 0) throw system_error(words[0], "cannot start the program", error);
+  int status = 0;
+  while (::waitpid(process, &status, 0) < 0) {
+    if (errno != EINTR) throw system_error(words[0], "cannot wait for the program");
+  }
+  // Where there is no such program, some systems only notice in the new process.
+  const int code = WIFEXITED(status) ? WEXITSTATUS(status) : 128;
+  return code == 127 ? std::nullopt : std::optional(code);
+}
+
+std::string shell_word(const std::string& word) {
+  return word.find_first_of(" '%()&;$*?") == std::string::npos ? word : "'" + word + "'";
+}
+
+}  // namespace
+
+void add_film_options(const Options& render, FilmRequest& request) {
+  const Options group = render.group("Flights");
+  const Option orbit = group.flag(
+      "--orbit", "fly once around the whole cloud: pictures for -o yard_%04d.png, or a film for -o yard.mp4",
+      request.orbits);
+  group.excludes(orbit).file(
+      "--keyframes", "FILE|FOLDER",
+      "fly on a smooth way through these cameras, of the same files as --camera; a trajectory "
+      "as CSV may have the columns x,y,z,look_at_x,look_at_y,look_at_z",
+      request.keyframes);
+  group.count("--frames", "N", "pictures of a flight, 2 to 100000 (default 150)", request.frames, 2, 100'000);
+  group.number("--frame-rate", "N", "pictures per second of a film, 1 to 240 (default 25)", request.rate, 1.0,
+               240.0);
+}
+
+void take_film(FilmRequest& request, const CameraRequest& camera, std::filesystem::path& output,
+               bool overwrite) {
+  if (request.given() && (!camera.file.empty() || camera.panorama || camera.from_above))
+    throw input_error("--orbit and --keyframes are cameras of their own",
+                      "no --camera, --panorama and --orthographic beside them");
+  if (!is_film(output)) return;
+  if (!request.given()) throw file_error(output, "a film requires a flight", "--orbit, or --keyframes FILE");
+  if (camera.size && (camera.size->width % 2 != 0 || camera.size->height % 2 != 0))
+    throw file_error(output, "the size of a film must be even", "an even --size such as 1280x720",
+                     fmt::format("{}x{}", camera.size->width, camera.size->height));
+  check_output(output, overwrite);
+  request.file = output;
+  const std::filesystem::path folder = output.parent_path() / (output.stem().string() + "_frames");
+  std::error_code error;
+  std::filesystem::create_directories(folder, error);
+  if (error) throw system_error(folder.string(), "cannot make the folder of the pictures", error.value());
+  output = folder / "%05d.png";
+}
+
+std::vector<View> flight_views(const FilmRequest& request, std::span<const View> keyframes) {
+  if (keyframes.size() < 2)
+    throw file_error(request.keyframes, "a flight requires two keyframes",
+                     "more cameras, or --camera for pictures");
+  std::vector<camera::Camera> cameras;
+  for (const View& view : keyframes) cameras.push_back(view.camera);
+  std::vector<View> views;
+  for (camera::Camera& camera : camera::cameras_between(cameras, request.frames))
+    views.push_back({fmt::format("{:05}", views.size()), std::move(camera)});
+  return views;
+}
+
+std::vector<View> views_of_cloud(const CameraRequest& camera, const FilmRequest& request,
+                                 const renderer::Scene& scene, const renderer::LoadedCloud* cloud,
+                                 const std::filesystem::path& scene_file) {
+  if (!request.orbits) return {view_of_cloud(camera, scene, cloud, scene_file)};
+  const ImageSize size = request.file.empty() ? camera.size.value_or(ImageSize{1200, 800})
+                                              : camera.size.value_or(ImageSize{1280, 720});
+  std::vector<View> views;
+  for (camera::Camera& each :
+       camera::orbit_cameras(seen_bounds(scene, cloud, scene_file), size.width, size.height, request.frames))
+    views.push_back({fmt::format("{:05}", views.size()), std::move(each)});
+  return views;
+}
+
+void write_film(const FilmRequest& request, std::span<const std::filesystem::path> pictures,
+                const std::filesystem::path& pattern, bool overwrite, Verbosity verbosity) {
+  if (request.file.empty()) return;
+  // Beside the film, so that it appears under its name only when it is whole.
+  const std::filesystem::path unfinished =
+      pattern.parent_path() / ("film" + request.file.extension().string());
+  std::vector<std::string> words = {
+      "ffmpeg", "-loglevel",     "error", "-nostdin", "-y", "-framerate", fmt::format("{}", request.rate),
+      "-i",     pattern.string()};
+  if (!has_extension(request.file, {".webm"}))
+    words.insert(words.end(), {"-c:v", "libx264", "-crf", "18", "-preset", "slow"});
+  words.insert(words.end(), {"-pix_fmt", "yuv420p", unfinished.string()});
+  const std::optional<int> code = run_program(words);
+  if (!code) {
+    words.back() = request.file.string();
+    for (std::string& word : words) word = shell_word(word);
+    say_warning(fmt::format(
+        "no film: the program ffmpeg is not installed; the {} pictures are {}, and this joins them: {}",
+        pictures.size(), pattern.string(), fmt::join(words, " ")));
+    return;
+  }
+  if (*code != 0)
+    throw file_error(request.file,
+                     fmt::format("ffmpeg ended with code {}; the pictures are {}", *code, pattern.string()));
+  check_output(request.file, overwrite);
+  std::filesystem::rename(unfinished, request.file);
+  for (const std::filesystem::path& picture : pictures) std::filesystem::remove(picture);
+  std::error_code not_empty;
+  std::filesystem::remove(pattern.parent_path(), not_empty);
+  say_note(verbosity, fmt::format("wrote {}, {} pictures of {:.1f} s", request.file.string(), pictures.size(),
+                                  static_cast<double>(pictures.size()) / request.rate));
+}
+
+}  // namespace alidade::tools

@@ -1,0 +1,46 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <filesystem>
+#include <optional>
+#include <span>
+#include <vector>
+
+#include "tools/render/views.h"
+
+namespace alidade::tools {
+
+/// A flight through the cloud, and the film that its pictures become.
+struct FilmRequest {
+  bool orbits = false;              ///< around the cloud
+  std::filesystem::path keyframes;  ///< camera file; empty: none
+  int frames = 150;
+  double rate = 25.0;          ///< pictures per second
+  std::filesystem::path file;  ///< the film; empty: only pictures
+
+  bool given() const { return orbits || !keyframes.empty(); }
+};
+
+/// Declares --orbit, --keyframes, --frames and --frame-rate.
+void add_film_options(const Options& render, FilmRequest& request);
+
+/// Checks what was asked for. If the output is a film (.mp4, .mkv, .mov, .webm): takes it over, and names its pictures instead:
+/// "yard_frames/%05d.png" for yard.mp4. The folder is made. Errors: a flight beside other cameras; a film without
+/// a flight; the file exists; sizes of odd width or height, which players do not show.
+void take_film(FilmRequest& request, const CameraRequest& camera, std::filesystem::path& output,
+               bool overwrite);
+
+/// The pictures' cameras, through keyframes.
+std::vector<View> flight_views(const FilmRequest& request, std::span<const View> keyframes);
+
+/// The cameras of an orbit around the whole cloud, or the one of view_of_cloud(). Errors: as there.
+std::vector<View> views_of_cloud(const CameraRequest& camera, const FilmRequest& request,
+                                 const renderer::Scene& scene, const renderer::LoadedCloud* cloud,
+                                 const std::filesystem::path& scene_file);
+
+/// Makes the film with the program ffmpeg and removes its pictures. Where it is not installed, the pictures stay
+/// and the command that joins them is printed. Errors: ffmpeg fails.
+void write_film(const FilmRequest& request, std::span<const std::filesystem::path> pictures,
+                const std::filesystem::path& pattern, bool overwrite, Verbosity verbosity);
+
+}  // namespace alidade::tools
