@@ -73,18 +73,27 @@ bool has_color(const AttributeColumns& columns) {
   return std::ranges::any_of(columns.colors, [](const Color16& color) { return color != Color16(0); });
 }
 
-bool has_varied_intensity(const AttributeColumns& columns) {
-  return std::any_of(columns.intensities.begin(), columns.intensities.end(),
-                     [&](std::uint16_t value) { return value != columns.intensities.front(); });
+/// Whether half of the points and more have a class that means something: not unclassified and not noise. One class
+/// alone shows nothing.
+bool is_classified(const AttributeColumns& columns) {
+  std::array<std::size_t, 256> counts{};
+  for (const std::uint8_t number : columns.classifications) ++counts[number];
+  std::size_t kinds = 0, meant = 0;
+  for (std::size_t number = 0; number < counts.size(); ++number) {
+    kinds += counts[number] > 0 ? 1 : 0;
+    if (number > 1 && number != 7 && number != 18) meant += counts[number];
+  }
+  return kinds >= 2 && 2 * meant >= columns.classifications.size();
 }
 
 PointColor automatic_color(const AttributeColumns& columns, const std::string& name,
                            std::vector<std::string>& warnings) {
   if (has_color(columns)) return PointColor::rgb;
-  const bool varied = has_varied_intensity(columns);
+  const PointColor by = is_classified(columns) ? PointColor::classification : PointColor::height;
   warnings.push_back(name + (columns.colors.empty() ? " has no colours" : " has only black colours") +
-                     (varied ? ": coloured by intensity" : " and no varying intensity: coloured by height"));
-  return varied ? PointColor::intensity : PointColor::height;
+                     ": coloured by " + color_word({.by = by}) +
+                     "; --legend FILE.png writes what the colours mean");
+  return by;
 }
 
 /// Wishes that would change nothing are mistakes.
@@ -284,7 +293,7 @@ std::optional<std::string> gps_weekday(std::int64_t week_seconds) {
 AttributeSet attributes_for(const PointColoring& coloring) {
   switch (coloring.by) {
     case PointColor::automatic:
-      return Attribute::color | Attribute::intensity;
+      return Attribute::color | Attribute::classification;
     case PointColor::height:
     case PointColor::normal:
       return {};

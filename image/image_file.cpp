@@ -189,10 +189,31 @@ void write_exr(const Film& film, const OutputSettings& output, const ImageFacts&
   });
 }
 
+/// A colour as it is displayed, where the film's are premultiplied without them.
+std::array<std::uint8_t, 3> displayed(const Film& film, std::size_t pixel, const OutputSettings& output,
+                                      double scale) {
+  const float alpha = output.transparent ? film.alpha[pixel] : 1.0f;
+  std::array<std::uint8_t, 3> codes{};
+  for (int channel = 0; channel < 3 && alpha > 0.0f; ++channel) {
+    double light = film.color[pixel][channel] / alpha * scale;
+    if (output.background && !output.transparent)
+      light =
+          std::min(light, 1.0) + (1.0 - film.alpha[pixel]) * linear_from_srgb((*output.background)[channel]);
+    codes[static_cast<std::size_t>(channel)] = srgb_code(light);
+  }
+  return codes;
+}
+
+std::uint8_t alpha_code(const Film& film, std::size_t pixel) {
+  return static_cast<std::uint8_t>(std::lround(255.0f * std::clamp(film.alpha[pixel], 0.0f, 1.0f)));
+}
+
 void write_display(const Film& film, const OutputSettings& output, const ImageFacts& facts,
                    ImageFormat format, OutputFile& file) {
-  OIIO::ImageSpec spec(film.width, film.height, 3, OIIO::TypeUInt8);
+  const bool has_alpha = output.transparent && format == ImageFormat::png;
+  OIIO::ImageSpec spec(film.width, film.height, has_alpha ? 4 : 3, OIIO::TypeUInt8);
   spec.attribute("oiio:ColorSpace", "sRGB");
+  if (has_alpha) spec.attribute("oiio:UnassociatedAlpha", 1);
   if (format == ImageFormat::jpeg) {
     // Checked here because libjpeg says it on stderr.
     if (std::max(film.width, film.height) > k_longest_jpeg_side)
@@ -204,10 +225,12 @@ void write_display(const Film& film, const OutputSettings& output, const ImageFa
   const double scale = exposure_scale(output.exposure);
   write_rows(format == ImageFormat::png ? "png" : "jpeg", output.file, file, spec,
              [&](int y, std::span<std::byte> bytes) {
-               std::size_t offset = 0;
+               auto byte = bytes.begin();
                for (int x = 0; x < film.width; ++x) {
-                 const Rgb& color = film.color[film.index(x, y)];
-                 for (int i = 0; i < 3; ++i) bytes[offset++] = std::byte{srgb_code(color[i] * scale)};
+                 const std::size_t pixel = film.index(x, y);
+                 for (const std::uint8_t code : displayed(film, pixel, output, scale))
+                   *byte++ = std::byte{code};
+                 if (has_alpha) *byte++ = std::byte{alpha_code(film, pixel)};
                }
              });
 }
@@ -221,10 +244,9 @@ void write_on_ground(const Film& film, const OutputSettings& output, const Image
     auto value = rgba.begin();
     for (int y = first_row; y < first_row + rows; ++y) {
       for (int x = 0; x < film.width; ++x) {
-        const std::size_t index = film.index(x, y);
-        for (int channel = 0; channel < 3; ++channel)
-          *value++ = srgb_code(film.color[index][channel] * scale);
-        *value++ = static_cast<std::uint8_t>(std::lround(255.0f * std::clamp(film.alpha[index], 0.0f, 1.0f)));
+        const std::size_t pixel = film.index(x, y);
+        value = std::ranges::copy(displayed(film, pixel, output, scale), value).out;
+        *value++ = alpha_code(film, pixel);
       }
     }
   };
@@ -246,6 +268,10 @@ void write_image(const Film& film, const OutputSettings& output, const ImageFact
   else
     write_display(film, output, facts, format, file);
   file.commit();
+}
+
+std::string library_version() {
+  return std::string("OpenImageIO ") + OIIO_VERSION_STRING;
 }
 
 void write_png(const Canvas& canvas, const std::filesystem::path& file, bool overwrite) {

@@ -34,6 +34,9 @@ struct ImageFacts {
 /// other write failures, anything OpenImageIO reports. Memory: the encoded picture.
 void write_image(const Film& film, const OutputSettings& output, const ImageFacts& facts, bool overwrite);
 
+/// "OpenImageIO 2.4.7": what reads and writes images.
+std::string library_version();
+
 /// Writes a canvas as PNG. The file is written completely or not at all. Errors: a name that does not end in
 /// .png; an existing file without `overwrite`; a full disk and other write failures.
 void write_png(const Canvas& canvas, const std::filesystem::path& file, bool overwrite);

@@ -7,6 +7,8 @@
 #include <string_view>
 #include <vector>
 
+#include "base/color.h"
+
 namespace alidade::image {
 
 /// One group of image channels.
@@ -47,6 +49,10 @@ struct OutputSettings {
   std::filesystem::path file;               ///< .exr, .png, .jpg, .tif; may be empty in a scene file
   std::vector<Layer> layers{Layer::color};  ///< EXR only
   double exposure = 0.0;                    ///< stops: PNG, JPEG and GeoTIFF show color * 2^exposure, sRGB
+  /// The sky that the camera sees gives no light: PNG gets alpha, colours of EXR are premultiplied with theirs.
+  bool transparent = false;
+  /// PNG and JPEG: what is shown behind the surfaces in place of the sky, display-referred, whatever the exposure.
+  std::optional<Rgb> background{};
   bool half = true;  ///< EXR: colour, normal and albedo as half; all others are always float or uint
 };
 

@@ -26,6 +26,9 @@ namespace {
 /// that closes nearly all surfaces.
 constexpr double k_widest_over_automatic = 4.0;
 
+/// Points by which it is decided what of a cloud a picture shows.
+constexpr std::size_t k_sample_count = 20000;
+
 void check_positive(double value, const std::string& what) {
   check_that(value > 0.0 && std::isfinite(value), "invalid " + what, "a positive number",
              std::to_string(value));
@@ -217,8 +220,14 @@ LoadedCloud load_cloud(const CloudSettings& settings, const Progress& progress, 
   return load_cloud(settings, resolve_clouds(settings.files, index_and_file_formats()), progress, measuring);
 }
 
+std::vector<glm::dvec3> visible_positions(const LoadedCloud& cloud) {
+  const Bounds bounds = visible_bounds(cloud);
+  std::vector<glm::dvec3> positions = sample_positions(cloud.octree, k_sample_count);
+  std::erase_if(positions, [&](const glm::dvec3& position) { return !bounds.contains(position); });
+  return positions;
+}
+
 Bounds visible_bounds(const LoadedCloud& cloud) {
-  constexpr std::size_t k_sample_count = 20000;
   constexpr double k_stray_share = 0.005, k_margin = 0.05;
   const Bounds& all = cloud.octree.bounds();
   Bounds bounds;

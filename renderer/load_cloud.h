@@ -54,6 +54,9 @@ LoadedCloud load_cloud(const CloudSettings& settings, const Progress& progress =
 /// an axis, where they lie far out): what overview_camera should show. Empty for a cloud without points.
 Bounds visible_bounds(const LoadedCloud& cloud);
 
+/// Some of the points within visible_bounds(): what overview_camera should show.
+std::vector<glm::dvec3> visible_positions(const LoadedCloud& cloud);
+
 /// Makes points that have been read ready to be traced, but for their radii: chooses their colours, frees the
 /// columns that these do not need, builds the octree. `cloud` holds attributes_for(settings.color);
 /// `attributes` are all that its files have, and `name` is what it is called, for messages. Errors: as

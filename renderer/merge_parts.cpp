@@ -17,7 +17,7 @@ namespace alidade::renderer {
 namespace {
 
 constexpr std::string_view k_kind = "kind of image", k_layers = "layers", k_exposure = "exposure",
-                           k_half = "half floats", k_crs_keys = "keys of the CRS",
+                           k_sky = "sky of the image", k_half = "half floats", k_crs_keys = "keys of the CRS",
                            k_crs_doubles = "numbers of the CRS", k_crs_text = "text of the CRS",
                            k_metadata = "metadata ";
 constexpr std::string_view k_exr = "EXR", k_display = "PNG, JPEG or GeoTIFF";
@@ -76,10 +76,24 @@ class ImageEntries {
     return layers;
   }
 
+  /// The colour in sky_text(), if there is one.
+  std::optional<Rgb> background() const {
+    const std::string& text = value(k_sky);
+    if (text == "shown" || text == "transparent") return std::nullopt;
+    const std::vector<double> color = numbers_of<double>(text, file_, k_sky);
+    if (color.size() != 3) throw file_error(file_, "corrupt part: invalid sky of the image");
+    return Rgb(color[0], color[1], color[2]);
+  }
+
   image::OutputSettings output(const std::filesystem::path& picture) const {
     const std::vector<double> exposure = numbers_of<double>(value(k_exposure), file_, k_exposure);
     if (exposure.size() != 1) throw file_error(file_, "corrupt part: invalid exposure");
-    return {.file = picture, .layers = layers(), .exposure = exposure[0], .half = value(k_half) == "1"};
+    return {.file = picture,
+            .layers = layers(),
+            .exposure = exposure[0],
+            .transparent = value(k_sky) == "transparent",
+            .background = background(),
+            .half = value(k_half) == "1"};
   }
 
   camera::Camera camera() const {
@@ -184,6 +198,14 @@ void check_bytes(const std::map<int, PartHead>& parts) {
                    fmt::format("at least {}", expected), std::to_string(found));
 }
 
+/// What is behind the surfaces: the sky, nothing, or a colour.
+std::string sky_text(const image::OutputSettings& output) {
+  if (output.transparent) return "transparent";
+  if (!output.background) return "shown";
+  const Rgb& color = *output.background;
+  return fmt::format("{:.9g} {:.9g} {:.9g}", color.r, color.g, color.b);
+}
+
 }  // namespace
 
 Fingerprint image_entries(const image::OutputSettings& output, const ImageMetadata& metadata) {
@@ -200,6 +222,7 @@ Fingerprint image_entries(const image::OutputSettings& output, const ImageMetada
   Fingerprint entries{{std::string(k_kind), std::string(kind_of(output.file))},
                       {std::string(k_layers), layers},
                       {std::string(k_exposure), fmt::format("{:.17g}", output.exposure)},
+                      {std::string(k_sky), sky_text(output)},
                       {std::string(k_half), output.half ? "1" : "0"},
                       {std::string(k_crs_keys), fmt::format("{}", fmt::join(metadata.crs.geotiff_keys, " "))},
                       {std::string(k_crs_doubles), fmt::format("{}", fmt::join(doubles, " "))},

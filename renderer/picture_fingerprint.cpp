@@ -198,6 +198,7 @@ PictureFingerprint picture_fingerprint(const Scene& scene, const LoadedCloud* cl
       {"sky", text_of(scene.sky)},
       {"sun", text_of(scene.sun)},
   };
+  if (scene.output.transparent || scene.output.background) fingerprint.push_back({"sky", "transparent"});
   fingerprint.insert(fingerprint.end(), rest.begin(), rest.end());
   return fingerprint;
 }

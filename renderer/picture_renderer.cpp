@@ -227,7 +227,9 @@ class PictureRenderer {
         count += work.back().count();
       }
       if (work.empty()) return;
-      const std::vector<PathResult> results = sample_tiles(task_, work);
+      std::vector<PathResult> results = sample_tiles(task_, work);
+      for (PathResult& result : results)
+        if (task_.hides_sky && !result.met_surface) result.radiance = Rgb(0.0f);
       {
         const auto adding = watch_.adding();
         std::span<const PathResult> rest(results);

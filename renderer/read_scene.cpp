@@ -348,7 +348,7 @@ std::vector<image::Layer> read_layers(const JsonNode& node) {
 }
 
 image::OutputSettings read_output_settings(const JsonNode& node, const std::filesystem::path& scene_file) {
-  const JsonFields fields(node, {"file", "layers", "exposure", "precision"});
+  const JsonFields fields(node, {"file", "layers", "exposure", "precision", "transparent"});
   image::OutputSettings output;
   if (const auto file = fields.find("file")) {
     output.file = path_beside(scene_file, *file);
@@ -357,6 +357,7 @@ image::OutputSettings read_output_settings(const JsonNode& node, const std::file
   }
   if (const auto layers = fields.find("layers")) output.layers = read_layers(*layers);
   if (const auto exposure = fields.find("exposure")) output.exposure = exposure->number({-64, 64});
+  if (const auto transparent = fields.find("transparent")) output.transparent = transparent->boolean();
   if (const auto precision = fields.find("precision"))
     output.half = choice_of(*precision, {"half", "float"}) == 0;
   return output;

@@ -97,8 +97,12 @@ RenderedState render_state(const Scene& scene, const LoadedCloud* cloud, const R
   World world(scene, cloud);
   world.watch_rays(options.watch_rays);
   const Lights lights(scene);
-  const RenderTask task{projection, scene.render, world, lights,
-                        ambient_occlusion_distance(scene.render, cloud)};
+  const RenderTask task{projection,
+                        scene.render,
+                        world,
+                        lights,
+                        ambient_occlusion_distance(scene.render, cloud),
+                        scene.output.transparent || scene.output.background};
   const double floor = noise_floor(scene.output.exposure);
 
   RenderedState rendered{{camera.width, camera.height, keeps_noise(options), options.part}, {}};

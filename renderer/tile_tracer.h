@@ -72,6 +72,7 @@ struct RenderTask {
   const World& world;
   const Lights& lights;
   double ao_distance;
+  bool hides_sky;  ///< from the camera: OutputSettings::transparent, background
 };
 
 /// Paths traced together: more share more of the cloud, fewer stay in the processor's second-level cache.

@@ -79,20 +79,34 @@ TEST_F(LoadCloud, automatic_takes_colours_first) {
   EXPECT_EQ(cloud.files[0].format, "LAS");
 }
 
-TEST_F(LoadCloud, automatic_takes_intensity_where_colour_is_missing_or_black_with_a_warning) {
-  const LoadedCloud plain = load_cloud(settings_for(add_intensities));
-  EXPECT_EQ(plain.color.by, PointColor::intensity);
-  EXPECT_TRUE(warns_of(plain, "site.las has no colours: coloured by intensity"));
+/// Classes 2 and 6 in turn, of as many points; the others are unclassified.
+void classify(PointCloud& cloud, std::size_t count) {
+  cloud.classifications.assign(cloud.size(), 1);
+  for (std::size_t id = 0; id < count; ++id) cloud.classifications[id] = id % 2 == 0 ? 2 : 6;
+}
+
+TEST_F(LoadCloud, automatic_takes_classes_where_colour_is_missing_or_black_with_a_warning) {
+  const LoadedCloud plain = load_cloud(settings_for([](PointCloud& points) { classify(points, 500); }));
+  EXPECT_EQ(plain.color.by, PointColor::classification);
+  EXPECT_TRUE(warns_of(plain, "site.las has no colours: coloured by classification"));
   fs::remove(folder_ / "site.las");
   const LoadedCloud black = load_cloud(settings_for([](PointCloud& points) {
     points.colors.assign(points.size(), Color16(0));
-    add_intensities(points);
+    classify(points, 1000);
   }));
-  EXPECT_EQ(black.color.by, PointColor::intensity);
-  EXPECT_TRUE(warns_of(black, "has only black colours: coloured by intensity"));
+  EXPECT_EQ(black.color.by, PointColor::classification);
+  EXPECT_TRUE(warns_of(black, "has only black colours: coloured by classification"));
 }
 
-TEST_F(LoadCloud, automatic_takes_height_where_nothing_else_varies_with_a_warning) {
+TEST_F(LoadCloud, automatic_takes_height_where_most_points_have_no_class) {
+  const LoadedCloud cloud = load_cloud(settings_for([](PointCloud& points) {
+    classify(points, 499);
+    add_intensities(points);
+  }));
+  EXPECT_EQ(cloud.color.by, PointColor::height);
+}
+
+TEST_F(LoadCloud, automatic_takes_height_where_there_are_no_classes_with_a_warning) {
   const LoadedCloud cloud =
       load_cloud(settings_for([](PointCloud& points) { points.intensities.assign(points.size(), 7); }));
   EXPECT_EQ(cloud.color.by, PointColor::height);

@@ -49,6 +49,8 @@ class PreviewFile {
       : metadata_(metadata) {
     settings_.file = file;
     settings_.exposure = output.exposure;
+    settings_.background = output.background;
+    settings_.transparent = output.transparent && image::image_format(file) != image::ImageFormat::jpeg;
     const std::string text = "of an unfinished image, possibly reduced";
     metadata_.further.emplace_back(std::string(k_preview_mark), text);
     // JPEG keeps no text but this one.

@@ -9,6 +9,7 @@
 #include "tools/cloud/load_cloud.h"
 #include "tools/command.h"
 #include "tools/image_module.h"
+#include "tools/render/automatic_exposure.h"
 #include "tools/render/first_looks.h"
 #include "tools/render/image_metadata.h"
 #include "tools/render/load_meshes.h"
@@ -125,6 +126,7 @@ renderer::LoadedCloud load(const RenderCommand& command, const renderer::Scene& 
 struct Picture {
   View view;
   std::filesystem::path file;
+  std::size_t number = 0;  ///< of its view
 };
 
 /// The pictures to make, and those left out because they are there already and may stay.
@@ -142,7 +144,11 @@ struct PictureList {
 PictureList requested_pictures(const RenderCommand& command, const renderer::Scene& scene,
                                std::span<const View> views) {
   std::vector<std::filesystem::path> names{scene.output.file};
-  if (is_set(command.camera)) names = picture_names(scene.output.file, views);
+  if (command.film.orbits)
+    names =
+        picture_names(scene.output.file, std::vector<View>(static_cast<std::size_t>(command.film.frames)));
+  else if (is_set(command.camera) || command.film.given())
+    names = picture_names(scene.output.file, views);
   const std::vector<std::filesystem::path> inputs = input_files(command, scene);
   PictureList list;
   std::vector<std::filesystem::path> outputs;
@@ -153,10 +159,12 @@ PictureList requested_pictures(const RenderCommand& command, const renderer::Sce
       list.finished.push_back(names[i]);
       continue;
     }
-    check_writable(outputs[i], command.overwrite, inputs);
+    if (command.ground.with_color) check_writable(outputs[i], command.overwrite, inputs);
     // Without a view yet it is chosen once the cloud is known.
-    list.pictures.push_back({i < views.size() ? views[i] : View(), names[i]});
+    list.pictures.push_back({i < views.size() ? views[i] : View(), names[i], i});
   }
+  for (const std::filesystem::path& file : command.ground.files(scene.output.file))
+    check_writable(file, command.overwrite, inputs);
   if (!command.color.legend.empty()) outputs.push_back(command.color.legend);
   check_long_render(command.long_render,
                     {.any = command.overwrite,
@@ -267,19 +275,38 @@ renderer::RenderStatistics render_all(std::span<const Picture> pictures, rendere
   return statistics;
 }
 
-ExitCode run(const RenderCommand& command) {
+/// requested_views(), or those of a flight.
+std::vector<View> chosen_views(const RenderCommand& command, const renderer::Scene& scene,
+                               std::vector<std::string>& warnings) {
+  if (command.film.orbits) return {};
+  if (command.film.keyframes.empty()) return requested_views(command.camera, scene, warnings);
+  CameraRequest keyframes = command.camera;
+  keyframes.file = command.film.keyframes;
+  renderer::Scene with_lens = scene;
+  if (!with_lens.camera) {
+    // Trajectories have none: a plain one.
+    const ImageSize size = command.camera.size.value_or(ImageSize{1280, 720});
+    with_lens.camera = camera::pinhole_from_fov(size.width, size.height, 50.0, camera::CameraPose());
+  }
+  return flight_views(command.film, requested_views(keyframes, with_lens, warnings));
+}
+
+ExitCode run(const RenderCommand& given) {
+  RenderCommand command = given;
   const Verbosity verbosity = command.verbosity;
+  take_film(command.film, command.camera, command.output, command.overwrite);
   renderer::Scene scene = requested_scene(command);
   const bool has_picture = !scene.output.file.empty();
   if (has_picture) image::check_image_name(scene.output.file);
   std::vector<std::string> warnings;
-  const std::vector<View> views = requested_views(command.camera, scene, warnings);
+  const std::vector<View> views = chosen_views(command, scene, warnings);
   say_warnings(verbosity, warnings);
   PictureList list;
   if (has_picture) list = requested_pictures(command, scene, views);
   std::vector<Picture>& pictures = list.pictures;
   DepthPlan depth = requested_depth(command, scene, views, list);
   if (pictures.empty() && depth.empty()) {
+    write_film(command.film, list.finished, command.output, command.overwrite, verbosity);
     remove_finished_checkpoint(command.long_render, list.finished);
     say_note(verbosity, "all images exist");
     return ExitCode::done;
@@ -306,10 +333,11 @@ ExitCode run(const RenderCommand& command) {
   std::optional<renderer::LoadedCloud> loaded;
   if (scene.cloud) loaded = load(command, scene, clouds, views);
   const renderer::LoadedCloud* const cloud = loaded ? &*loaded : nullptr;
+  std::vector<View> all_views = views;
   if (views.empty()) {
-    const View view = view_of_cloud(command.camera, scene, cloud, command.scene_file);
-    for (Picture& picture : pictures) picture.view = view;
-    for (DepthJob& job : depth.jobs) job.view = view;
+    all_views = views_of_cloud(command.camera, command.film, scene, cloud, command.scene_file);
+    for (Picture& picture : pictures) picture.view = all_views[picture.number];
+    for (DepthJob& job : depth.jobs) job.view = all_views.front();
   }
   check_views(pictures, scene, cloud);
   for (const DepthJob& job : depth.jobs) check_views(std::array{Picture{job.view, {}}}, scene, cloud);
@@ -317,8 +345,21 @@ ExitCode run(const RenderCommand& command) {
   write_depth_maps(
       depth, scene, cloud,
       [&](const View& view) { return image_metadata(scene, view, cloud, command.words); }, verbosity);
+  if (!command.ground.layers.empty() && cloud != nullptr) {
+    write_ground_layers(command.ground, scene, *cloud, clouds, all_views.front().camera, scene.output.file,
+                        command.overwrite, verbosity);
+    if (!command.ground.with_color) return ExitCode::done;
+  }
   if (pictures.empty()) return ExitCode::done;
   prepare_light(scene, cloud, verbosity);
+  const bool is_lit = scene.render.mode == renderer::RenderMode::path;
+  const bool is_automatic =
+      command.exposure ? !command.exposure->has_value() : command.scene_file.empty() && is_lit;
+  if (is_automatic && image::image_format(pictures.front().file) != image::ImageFormat::exr) {
+    // Of all pictures of a set the first, whether or not it is there already.
+    scene.output.exposure = automatic_exposure(scene, cloud, all_views.front().camera);
+    say_note(verbosity, fmt::format("exposure {:+.2f} stops (--exposure)", scene.output.exposure));
+  }
   if (wants_legend)
     image_module().write_legend(cloud->color, command.color.legend, command.color.legend_size,
                                 command.overwrite);
@@ -339,6 +380,11 @@ ExitCode run(const RenderCommand& command) {
                        short_count(static_cast<double>(statistics.ray_count)), statistics.seconds,
                        short_count(static_cast<double>(statistics.ray_count) / statistics.seconds), written));
 
+  if (!command.film.file.empty()) {
+    std::vector<std::filesystem::path> frames = list.finished;
+    for (const Picture& picture : pictures) frames.push_back(picture.file);
+    write_film(command.film, frames, command.output, command.overwrite, verbosity);
+  }
   return ExitCode::done;
 }
 

@@ -2,6 +2,7 @@
 #include "tools/render/render_options.h"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 #include <fstream>
 
 #include "base/words.h"
@@ -24,15 +25,27 @@ std::string layer_list() {
   return list;
 }
 
-std::vector<image::Layer> parse_layers(const std::string& text) {
-  std::vector<image::Layer> layers;
+std::string ground_layer_list() {
+  return fmt::format("{}", fmt::join(k_ground_layers, ","));
+}
+
+/// Takes layers of both kinds: those of EXR, and those of GeoTIFF.
+void parse_layers(const std::string& text, RenderCommand& command) {
+  command.layers.clear();
+  command.ground.layers.clear();
   for (const std::string& word : split_list(text)) {
     const auto known = std::ranges::find(image::k_layers, word, &image::NamedLayer::name);
-    if (known == image::k_layers.end())
-      throw UsageError("unknown layer; expected one of " + layer_list() + ", found '" + word + "'");
-    layers.push_back(known->layer);
+    const auto ground =
+        std::ranges::find(k_ground_layers, word, [](const char* name) { return std::string(name); });
+    if (known != image::k_layers.end())
+      command.layers.push_back(known->layer);
+    else if (ground != std::end(k_ground_layers))
+      command.ground.layers.push_back(static_cast<GroundLayer>(ground - k_ground_layers));
+    else
+      throw UsageError("unknown layer; expected one of " + layer_list() + " or of a GeoTIFF one of color," +
+                       ground_layer_list() + ", found '" + word + "'");
   }
-  return layers;
+  command.ground.with_color = !command.layers.empty();
 }
 
 double parse_positive(const std::string& text, const std::string& expected) {
@@ -67,11 +80,24 @@ void add_picture_options(const Options& render, RenderCommand& command) {
       "--max-bounces", "N",
       "scattering events after the first surface (default 8; 0: direct light of sun, sky and lamps only)",
       command.max_bounces, 0, renderer::k_max_bounces);
-  render.number("--exposure", "STOPS",
-                "brightness of PNG, JPEG and GeoTIFF: +1 is twice as bright (default 0)", command.exposure,
-                -64.0, 64.0);
-  render.value("--layers", "LIST", "layers of an EXR: " + layer_list() + " (default color)", command.layers,
-               parse_layers);
+  render.value(
+      "--exposure", "STOPS|auto",
+      "brightness of PNG, JPEG and GeoTIFF: +1 is twice as bright; auto: the first view's surfaces get a "
+      "medium brightness (default: auto without a scene, else the scene's)",
+      command.exposure, [](const std::string& text) {
+        if (text == "auto") return std::optional<double>();
+        if (text.find_first_of("0123456789") == text.npos)
+          throw UsageError("invalid value; expected a number of stops or auto, found '" + text + "'");
+        return std::optional(parse_number(text, -64.0, 64.0));
+      });
+  render.flag("--transparent",
+              "leave the sky out: PNG, EXR and GeoTIFF have alpha 0 where the camera sees no surface",
+              command.transparent);
+  render.value("--layers", "LIST",
+               "layers of an EXR: " + layer_list() + "; rasters of --orthographic as GeoTIFF: color," +
+                   ground_layer_list() +
+                   ", each in a file of its own, such as site_elevation.tif (default color)",
+               [&command](const std::string& text) { parse_layers(text, command); });
   render.count("--seed", "N", "seed of the samples; the same seed gives the same bytes (default 1)",
                command.seed, 0, UINT64_MAX);
 }
@@ -292,6 +318,7 @@ std::shared_ptr<RenderCommand> add_render_options(const Options& render) {
   render.flag("--skip-existing", "skip existing images, to continue an interrupted set",
               command->skip_existing);
   add_camera_options(render, command->camera);
+  add_film_options(render, command->film);
   add_depth_options(render, command->depth);
   add_light_options(render, command->light);
   add_picture_options(render, *command);
@@ -326,10 +353,23 @@ renderer::Scene requested_scene(const RenderCommand& command) {
   scene.render.max_bounces = command.max_bounces.value_or(scene.render.max_bounces);
   scene.render.seed = command.seed.value_or(scene.render.seed);
   if (!command.output.empty() || !command.depth.file.empty()) scene.output.file = command.output;
-  scene.output.exposure = command.exposure.value_or(scene.output.exposure);
+  if (command.exposure && *command.exposure) scene.output.exposure = **command.exposure;
+  if (command.transparent) scene.output.transparent = true;
+  // Without a scene no brightness of the sky is meant, and it must not change with the exposure.
+  const bool is_shaded = scene.render.mode != renderer::RenderMode::flat;
+  if (command.scene_file.empty() && is_shaded) scene.output.background = Rgb(0.87f, 0.91f, 0.95f);
+  if (scene.output.transparent && image::image_format(scene.output.file) == image::ImageFormat::jpeg)
+    throw file_error(scene.output.file, "JPEG has no alpha",
+                     "the extension .png, .exr or .tif, or no --transparent");
+  const bool is_on_ground =
+      command.camera.from_above && image::image_format(scene.output.file) == image::ImageFormat::geotiff;
+  if (!command.ground.layers.empty() && !is_on_ground)
+    throw file_error(scene.output.file, "layers of the ground require an orthophoto",
+                     "--orthographic top and the extension .tif");
   if (!command.layers.empty()) scene.output.layers = command.layers;
   if (scene.output.file.empty()) check_depth_alone(command);
-  if (!scene.output.file.empty() && !command.layers.empty() &&
+  const bool is_color = command.layers == std::vector{image::Layer::color};
+  if (!scene.output.file.empty() && !command.layers.empty() && !(is_on_ground && is_color) &&
       image::image_format(scene.output.file) != image::ImageFormat::exr)
     throw file_error(scene.output.file, "layers require EXR", "the extension .exr, or no --layers");
   return scene;

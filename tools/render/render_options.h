@@ -9,6 +9,8 @@
 #include "renderer/scene.h"
 #include "tools/command.h"
 #include "tools/render/depth_maps.h"
+#include "tools/render/film.h"
+#include "tools/render/ground_layers.h"
 #include "tools/render/light_and_color.h"
 #include "tools/render/long_render.h"
 #include "tools/render/views.h"
@@ -35,6 +37,7 @@ struct RenderCommand : CloudRequest {
   bool in_view = false;                       ///< of a cloud in a database, only what the cameras see is read
   std::filesystem::path output;
   CameraRequest camera;
+  FilmRequest film;
   DepthRequest depth;
   LightRequest light;
   std::optional<int> samples, max_bounces;
@@ -46,7 +49,9 @@ struct RenderCommand : CloudRequest {
   std::optional<renderer::NormalMode> normals;
   std::optional<renderer::PointShape> shape;
   std::optional<int> max_level;
-  std::optional<double> exposure;
+  std::optional<std::optional<double>> exposure;  ///< an empty one in it is "auto"
+  bool transparent = false;
+  GroundLayers ground;
   std::vector<image::Layer> layers;
   LongRenderRequest long_render;
   bool overwrite = false, skip_existing = false;

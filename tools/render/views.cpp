@@ -102,6 +102,14 @@ std::string full_name_of(const std::string& name, const std::filesystem::path& p
   return path.generic_string();
 }
 
+/// Around the meshes and other models of a scene.
+Bounds model_bounds(const renderer::Scene& scene) {
+  Bounds models;
+  for (const renderer::Object& object : scene.objects)
+    if (const auto* model = std::get_if<renderer::Model>(&object)) models.grow(model->surfaces->bounds());
+  return models;
+}
+
 }  // namespace
 
 void add_camera_options(const Options& render, CameraRequest& request) {
@@ -154,11 +162,9 @@ std::vector<View> requested_views(const CameraRequest& request, const renderer::
   return views;
 }
 
-View view_of_cloud(const CameraRequest& request, const renderer::Scene& scene,
-                   const renderer::LoadedCloud* cloud, const std::filesystem::path& scene_file) {
-  Bounds models;
-  for (const renderer::Object& object : scene.objects)
-    if (const auto* model = std::get_if<renderer::Model>(&object)) models.grow(model->surfaces->bounds());
+Bounds seen_bounds(const renderer::Scene& scene, const renderer::LoadedCloud* cloud,
+                   const std::filesystem::path& scene_file) {
+  const Bounds models = model_bounds(scene);
   if (cloud == nullptr && models.empty())
     throw file_error(scene_file, "the scene has neither a camera nor a cloud");
   if (cloud != nullptr && cloud->octree.size() == 0) {
@@ -166,14 +172,30 @@ View view_of_cloud(const CameraRequest& request, const renderer::Scene& scene,
     throw file_error(scene.cloud->files.front(), "the cloud has no points for a default view",
                      "--camera FILE");
   }
+  Bounds seen = cloud != nullptr ? renderer::visible_bounds(*cloud) : models;
+  // A mesh elsewhere would make the cloud a speck.
+  if (meet(seen, models)) seen.grow(models);
+  return seen;
+}
+
+View view_of_cloud(const CameraRequest& request, const renderer::Scene& scene,
+                   const renderer::LoadedCloud* cloud, const std::filesystem::path& scene_file) {
+  const Bounds seen = seen_bounds(scene, cloud, scene_file);
   if (!request.from_above) {
     const ImageSize size = request.size.value_or(ImageSize{1200, 800});
-    Bounds seen = cloud != nullptr ? renderer::visible_bounds(*cloud) : models;
-    // A mesh elsewhere would make the cloud a speck.
-    if (meet(seen, models)) seen.grow(models);
-    return {"", camera::overview_camera(seen, size.width, size.height)};
+    // By the points and not their box, whose corners are often empty.
+    std::vector<glm::dvec3> positions;
+    if (cloud != nullptr) positions = renderer::visible_positions(*cloud);
+    const Bounds models = model_bounds(scene);
+    if (positions.empty() || meet(seen, models))
+      return {"", camera::overview_camera(seen, size.width, size.height)};
+    // Most are smaller than the largest that radii by the density allow, unless there are few.
+    constexpr std::size_t k_few = 2000;
+    const bool is_dense = cloud->lone_radius > 0.0 && cloud->octree.size() > k_few;
+    const double radius = is_dense ? 2.0 * cloud->lone_radius : cloud->radius;
+    return {"", camera::overview_camera(positions, radius, size.width, size.height)};
   }
-  Bounds bounds = models;
+  Bounds bounds = model_bounds(scene);
   if (cloud != nullptr) {
     bounds = cloud->octree.bounds();
     // Discs end near the last points, however wide the widest may be.

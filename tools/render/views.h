@@ -44,6 +44,11 @@ std::vector<View> requested_views(const CameraRequest& request, const renderer::
 /// Whether the views are a numbered set, whose pictures have names made from a pattern.
 bool is_set(const CameraRequest& request);
 
+/// What is to be seen of a cloud, without strays, and of the scene's models near it. Errors: there are no points
+/// to look at. `scene_file` is what messages call the scene.
+Bounds seen_bounds(const renderer::Scene& scene, const renderer::LoadedCloud* cloud,
+                   const std::filesystem::path& scene_file);
+
 /// The view of a loaded cloud from above, or of the whole of it. Errors: there are no points to look at.
 /// `scene_file` is what messages call the scene.
 View view_of_cloud(const CameraRequest& request, const renderer::Scene& scene,

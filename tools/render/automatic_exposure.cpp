@@ -1,0 +1,40 @@
+// SPDX-License-Identifier: MIT
+#include "tools/render/automatic_exposure.h"
+
+#include <algorithm>
+#include <cmath>
+#include <glm/geometric.hpp>
+#include <vector>
+
+#include "base/color.h"
+
+namespace alidade::tools {
+
+double automatic_exposure(const renderer::Scene& scene, const renderer::LoadedCloud* cloud,
+                          const camera::Camera& view) {
+  constexpr int k_longest_side = 96, k_samples = 4;
+  // Source: sRGB (IEC 61966-2-1): weights of the primaries.
+  constexpr Rgb k_weights(0.2126f, 0.7152f, 0.0722f);
+  // 0.47 of white as displayed, linear.
+  constexpr double k_medium = 0.187, k_most_stops = 4.0;
+  renderer::Scene small = scene;
+  const double share = std::min(1.0, static_cast<double>(k_longest_side) / std::max(view.width, view.height));
+  small.camera = camera::resized(view, std::max(1, static_cast<int>(view.width * share)),
+                                 std::max(1, static_cast<int>(view.height * share)));
+  small.render.samples = k_samples;
+  small.output.transparent = true;
+  const image::Film film = renderer::render(small, cloud, {.layers = std::vector{image::Layer::color}});
+  std::vector<float> luminances;
+  for (std::size_t pixel = 0; pixel < film.count(); ++pixel)
+    if (film.alpha[pixel] >= 0.5f)
+      luminances.push_back(glm::dot(film.color[pixel], k_weights) / film.alpha[pixel]);
+  if (luminances.empty()) return 0.0;
+  const auto middle = luminances.begin() + static_cast<std::ptrdiff_t>(luminances.size() / 2);
+  std::nth_element(luminances.begin(), middle, luminances.end());
+  if (!(*middle > 0.0f)) return 0.0;
+  // To a hundredth of a stop, which nobody sees.
+  const double stops = std::round(100.0 * std::log2(k_medium / *middle)) / 100.0;
+  return std::clamp(stops, -k_most_stops, k_most_stops);
+}
+
+}  // namespace alidade::tools
