@@ -5,6 +5,7 @@
 
 #include "base/words.h"
 #include "database/server/server_name.h"
+#include "tools/about.h"
 #include "tools/command.h"
 
 namespace alidade::tools {
@@ -146,7 +147,8 @@ ExitCode run_program(const CommandLine& command_line) {
   const std::vector<Command> commands = {add_info(program),    add_generate(program), add_index(program),
                                          add_convert(program), add_query(program),    add_render(program),
                                          add_merge(program),   add_compare(program),  add_visibility(program),
-                                         add_change(program),  add_sql(program),      add_manual(program)};
+                                         add_change(program),  add_sql(program),      add_formats(program),
+                                         add_manual(program)};
   // Behind the program's name.
   CommandLine words(command_line.begin() + std::min<std::ptrdiff_t>(std::ssize(command_line), 1),
                     command_line.end());
@@ -164,7 +166,7 @@ ExitCode run_program(const CommandLine& command_line) {
         write_to_stdout(parser.help());
         return ExitCode::done;
       case Parser::Wish::version:
-        write_to_stdout("alidade " ALIDADE_VERSION "\n");
+        write_to_stdout(version_text());
         return ExitCode::done;
       case Parser::Wish::work:
         break;

@@ -45,6 +45,7 @@ Command add_merge(const Options& program);
 Command add_compare(const Options& program);
 Command add_change(const Options& program);
 Command add_sql(const Options& program);
+Command add_formats(const Options& program);
 Command add_manual(const Options& program);
 
 /// Runs what the command line requests, whose first word is the program's name. Errors: those of the commands.

@@ -28,6 +28,8 @@ namespace alidade::tools {
 /// beside the program, and only a command that needs one loads it. Their contracts are those of their
 /// headers. Only the module makes an ImageModule: the program would have to link the functions.
 struct ImageModule {
+  decltype(&image::library_version) image_library = &image::library_version;
+  decltype(&geo::library_versions) map_libraries = &geo::library_versions;
   decltype(&renderer::write_image) write_image = &renderer::write_image;
   decltype(&image::write_image) write_film = &image::write_image;
   decltype(&image::write_legend) write_legend = &image::write_legend;

@@ -2,6 +2,7 @@
 #include "tools/options.h"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 #include <tbb/global_control.h>
 #include <tbb/task_arena.h>
 #include <CLI/CLI.hpp>
@@ -62,6 +63,35 @@ CommandEntry entry_of(const CLI::App& app) {
   for (const CLI::App* part : app.get_subcommands({})) entry.parts.push_back(entry_of(*part));
   if (!entry.parts.empty()) entry.usage += app.get_require_subcommand_min() > 0 ? " COMMAND" : " [COMMAND]";
   return entry;
+}
+
+/// The command that was chosen, of a group's the one in it.
+const CLI::App* deepest(const CLI::App& app) {
+  const CLI::App* chosen = &app;
+  while (!chosen->get_subcommands().empty()) chosen = chosen->get_subcommands().front();
+  return chosen;
+}
+
+/// What the parser says of what is missing, in the words of the manual.
+std::string explain(const CLI::ParseError& error, const CLI::App& command) {
+  const std::string text = error.what();
+  const CommandEntry entry = entry_of(command);
+  if (text.starts_with("A subcommand is required")) {
+    std::vector<std::string> words;
+    for (const CommandEntry& part : entry.parts) words.push_back(part.words.front());
+    return fmt::format("missing command; expected one of {}", fmt::join(words, ", "));
+  }
+  for (const CLI::Option* option : command.get_options()) {
+    const std::string name = option->get_name();
+    const OptionEntry what = entry_of(*option);
+    const std::string form = what.is_operand ? what.names.front() : what.names.back() + " " + what.kind;
+    if (text == name + " is required") return fmt::format("missing {}; expected {}", form, entry.usage);
+    if (!text.starts_with(name + ": ")) continue;
+    if (text.find("required TEXT missing") != text.npos)
+      return fmt::format("{}: missing value; expected {}", name, form);
+    if (text.find("At least ") != text.npos) return fmt::format("too few operands; expected {}", form);
+  }
+  return text;
 }
 
 }  // namespace
@@ -227,15 +257,13 @@ Parser::Wish Parser::parse(std::span<const std::string> words) {
   } catch (const CLI::CallForVersion&) {
     return Wish::version;
   } catch (const CLI::ParseError& error) {
-    throw UsageError(error.what());
+    throw UsageError(explain(error, *deepest(*app_)));
   }
   return Wish::work;
 }
 
 std::string Parser::help() const {
-  const CLI::App* chosen = app_.get();
-  while (!chosen->get_subcommands().empty()) chosen = chosen->get_subcommands().front();
-  return help_text(entry_of(*chosen));
+  return help_text(entry_of(*deepest(*app_)));
 }
 
 void add_verbosity(const Options& command, Verbosity& verbosity) {
@@ -267,6 +295,9 @@ void check_writable(const std::filesystem::path& output, bool overwrite,
     if (std::filesystem::equivalent(output, input == "-" ? "/dev/stdin" : input, error))
       throw file_error(output, "the output is also an input", "another output name");
   }
+  if (has_extension(output.stem(), {".copc"}) && has_extension(output, {".laz", ".las"}))
+    throw file_error(output, "COPC is not written",
+                     "another name, such as " + output.stem().stem().string() + ".laz");
   if (!overwrite && std::filesystem::is_regular_file(output, error))
     throw file_error(output, "the file exists", "another name, or --overwrite");
   // Opened and given up at once: this finds a missing or read-only folder as the later writing would.

@@ -201,7 +201,7 @@ TEST_F(QueryInputTest, targets_across_blocks_of_the_text_are_read_once) {
   const ProgramResult result =
       run({"query", "tiny.xyz", "-q", "--rays", "targets", "--radius", "0.1", "--k", "1", "--measure", "t"});
   std::string expected = "ray_id,rank,point_id,x,y,z,t,distance,entry\n";
-  for (int i = 0; i < 60000; ++i) expected += fmt::format("{0},0,0,0,0,0,{0},0,{1:.17g}\n", i, i - 0.1);
+  for (int i = 0; i < 60000; ++i) expected += fmt::format("{0},0,0,0,0,0,{0},0,{1}\n", i, i - 0.1);
   EXPECT_TRUE(result.out == expected) << result.out.substr(0, 300);
 }
 

@@ -44,8 +44,9 @@ TEST_F(QueryNumpyTest, answers_of_1000_rays_on_a_real_scan_are_those_of_a_short_
   }
   write("rays.csv", rays);
   for (const char* const measure : {"distance", "t", "entry"}) {
-    const ProgramResult result = run({"query", cloud->string(), "-q", "--rays", "rays.csv", "--radius", "2",
-                                      "--k", "8", "--measure", measure, "-o", "answers.csv", "--overwrite"});
+    const ProgramResult result =
+        run({"query", cloud->string(), "-q", "--rays", "rays.csv", "--radius", "2", "--k", "8", "--measure",
+             measure, "--precision", "17", "-o", "answers.csv", "--overwrite"});
     ASSERT_EQ(result.exit_code, 0) << result.err;
     ASSERT_EQ(std::system(
                   fmt::format(

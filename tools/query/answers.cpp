@@ -4,6 +4,8 @@
 #include <charconv>
 #include <cmath>
 #include <cstring>
+#include <iterator>
+#include <optional>
 
 #include "tools/cloud/write_points.h"
 #include "tools/query/answers.h"
@@ -18,31 +20,49 @@ void add(std::string& text, std::uint64_t value) {
   text.append(digits, std::to_chars(std::begin(digits), std::end(digits), value).ptr);
 }
 
-void add(std::string& text, double value) {
-  char digits[32];
-  text.append(digits,
-              std::to_chars(std::begin(digits), std::end(digits), value, std::chars_format::general, 17).ptr);
+void add(std::string& text, double value, std::optional<int> digits) {
+  char written[32];
+  const auto end = digits ? std::to_chars(std::begin(written), std::end(written), value,
+                                          std::chars_format::general, *digits)
+                          : std::to_chars(std::begin(written), std::end(written), value);
+  text.append(written, end.ptr);
 }
 
-void add_value(std::string& text, const AnswerColumn& column, const AnswerRow& row, AnswerForm form) {
+/// Rounded to so many decimals, without zeros at the end.
+void add_rounded(std::string& text, double value, int decimals) {
+  char written[64];
+  char* end = fmt::format_to_n(written, std::size(written), "{:.{}f}", value, decimals).out;
+  if (decimals > 0) {
+    while (end[-1] == '0') --end;
+    if (end[-1] == '.') --end;
+  }
+  const std::string_view digits(written, end);
+  text += digits == "-0" ? "0" : digits;
+}
+
+void add_value(std::string& text, const AnswerColumn& column, const AnswerRow& row, AnswerForm form,
+               const NumberForm& numbers) {
   if (column.whole != nullptr) return add(text, row.*column.whole);
   const double value = column.real != nullptr ? row.*column.real : row.position[column.axis];
+  const auto& decimals = numbers.decimals[static_cast<std::size_t>(column.axis)];
   if (form == AnswerForm::json_lines && !std::isfinite(value)) {
     text += "null";
+  } else if (column.real == nullptr && decimals) {
+    add_rounded(text, value, *decimals);
   } else {
-    add(text, value);
+    add(text, value, numbers.digits);
   }
 }
 
 void add_row(std::string& text, const std::vector<AnswerColumn>& columns, const AnswerRow& row,
-             AnswerForm form) {
+             AnswerForm form, const NumberForm& numbers) {
   const bool json = form == AnswerForm::json_lines;
   char separator = json ? '{' : '\0';
   for (const AnswerColumn& column : columns) {
     if (separator != '\0') text += separator;
     separator = ',';
     if (json) text.append("\"").append(column.name).append("\":");
-    add_value(text, column, row, form);
+    add_value(text, column, row, form, numbers);
   }
   text += json ? "}\n" : "\n";
 }
@@ -78,8 +98,9 @@ constexpr std::size_t k_rows_per_write = 1 << 17;
 
 class AnswerText final : public AnswerOutput {
  public:
-  AnswerText(std::vector<AnswerColumn> columns, AnswerForm form, std::unique_ptr<OutputFile> file)
-      : columns_(std::move(columns)), form_(form), file_(std::move(file)) {
+  AnswerText(std::vector<AnswerColumn> columns, AnswerForm form, const NumberForm& numbers,
+             std::unique_ptr<OutputFile> file)
+      : columns_(std::move(columns)), form_(form), numbers_(numbers), file_(std::move(file)) {
     if (form_ == AnswerForm::json_lines) return;
     for (const AnswerColumn& column : columns_) header_ += (header_.empty() ? "" : ",") + column.name;
     header_ += "\n";
@@ -95,7 +116,7 @@ class AnswerText final : public AnswerOutput {
         std::vector<AnswerRow> part_rows(std::min(k_rows_per_text, end - first));
         rows.fill(first, part_rows);
         parts[p].reserve(part_rows.size() * 24 * columns_.size());
-        for (const AnswerRow& row : part_rows) add_row(parts[p], columns_, row, form_);
+        for (const AnswerRow& row : part_rows) add_row(parts[p], columns_, row, form_, numbers_);
       });
       for (const std::string& part : parts) put(part);
     }
@@ -119,6 +140,7 @@ class AnswerText final : public AnswerOutput {
 
   std::vector<AnswerColumn> columns_;
   AnswerForm form_;
+  NumberForm numbers_;
   std::string header_;  ///< until it is written: with the first rows, so that bad targets leave stdout empty
   std::unique_ptr<OutputFile> file_;
 };
@@ -197,8 +219,8 @@ class AnswerLas final : public AnswerOutput {
 }  // namespace
 
 std::unique_ptr<AnswerOutput> answers_as_text(std::vector<AnswerColumn> columns, AnswerForm form,
-                                              std::unique_ptr<OutputFile> file) {
-  return std::make_unique<AnswerText>(std::move(columns), form, std::move(file));
+                                              const NumberForm& numbers, std::unique_ptr<OutputFile> file) {
+  return std::make_unique<AnswerText>(std::move(columns), form, numbers, std::move(file));
 }
 
 std::unique_ptr<AnswerOutput> answers_as_las(const std::filesystem::path& file, bool overwrite,

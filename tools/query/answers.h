@@ -1,12 +1,14 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
+#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <filesystem>
 #include <functional>
 #include <glm/vec3.hpp>
 #include <memory>
+#include <optional>
 #include <span>
 #include <string>
 #include <type_traits>
@@ -41,6 +43,12 @@ struct AnswerColumn {
   int axis = 0;
 };
 
+/// How numbers that are no whole ones are written.
+struct NumberForm {
+  std::array<std::optional<int>, 3> decimals{};  ///< of coordinates; empty: as other numbers
+  std::optional<int> digits{};                   ///< of others; empty: as many as give the same number again
+};
+
 /// Rows of answers that are made when they are wanted, from several threads at once.
 struct AnswerRows {
   std::size_t size = 0;
@@ -59,14 +67,14 @@ class AnswerOutput {
 };
 
 enum class AnswerForm {
-  csv,         ///< a header and a line per row; numbers with 17 significant digits, "inf" and "-inf"
+  csv,         ///< a header and a line per row; infinite numbers are "inf" and "-inf"
   json_lines,  ///< an object per row; the same numbers, null for infinite ones
   las,         ///< found points
 };
 
 /// Answers as text of the form, to stdout without a file. Rows are worded in parallel. Errors: OutputFile's.
 std::unique_ptr<AnswerOutput> answers_as_text(std::vector<AnswerColumn> columns, AnswerForm form,
-                                              std::unique_ptr<OutputFile> file);
+                                              const NumberForm& numbers, std::unique_ptr<OutputFile> file);
 
 /// An extra dimension of found points: its name and the value of a row.
 struct AnswerDimension {

@@ -66,6 +66,11 @@ void add_answers(const Options& query, QueryCommand& command) {
   const Option occluded =
       group.flag("--occluded", "only whether any point matches: 0 or 1 per target", command.occluded);
   group.excludes(occluded).flag("--count", "only the number of matching points, up to K", command.count);
+  group.count(
+      "--precision", "N",
+      "significant digits of all numbers in CSV and JSON, 1 to 17 (default: coordinates have the decimals of "
+      "the cloud, other numbers as many as give the same number again)",
+      command.precision, 1, 17);
   group.file("-o,--output", "FILE", "output file: .csv, .jsonl, .las or .laz (default: CSV to stdout)",
              command.output);
   group.choice("--format", "output format, whatever the extension", command.format,

@@ -30,6 +30,7 @@ struct QueryCommand : CloudRequest {
   std::optional<Measure> measure;
   std::optional<int> max_level;
   std::optional<std::bitset<256>> classes;
+  std::optional<int> precision;  ///< significant digits of numbers in texts
   bool occluded = false, count = false, explain = false;
   bool is_loaded = false;             ///< a COPC file is not asked where it lies
   std::optional<std::size_t> memory;  ///< bytes to keep of a COPC file that is

@@ -30,6 +30,9 @@ std::vector<std::size_t> read_header(const TextLine& line, const TargetKind& kin
   for (const std::string_view name : names) {
     const std::size_t column = kind.column(name);
     if (column == kind.columns.size()) {
+      if (name.find_first_of(";\t") != name.npos)
+        line.fail(offset_in(line, name), "columns are not separated by commas", kind.form(),
+                  quote(line.text));
       line.fail(offset_in(line, name), fmt::format("unknown column {}", quote(name)),
                 "one of " + kind.names());
     }

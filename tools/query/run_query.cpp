@@ -70,7 +70,7 @@ AttributeSet needed_attributes(const QueryCommand& command, bool all) {
 }
 
 [[noreturn]] void reject_classes(const QueryCommand& command) {
-  throw file_error(command.files.first_name(), "--class requires classification");
+  throw file_error(command.files.first_name(), "--classes requires classification", "a classified cloud");
 }
 
 /// Answers whose points are numbered in another way, in the same order.
@@ -156,14 +156,17 @@ CandidateFilter class_filter(const QueryCommand& command, const IndexedCloud& cl
 
 /// `ids` holds the numbers of points, if they are not their rows.
 template <class Target>
-std::unique_ptr<AnswerOutput> open_text(const QueryCommand& command, AnswerForm form,
+std::unique_ptr<AnswerOutput> open_text(const QueryCommand& command, AnswerForm form, const Lattice& lattice,
                                         RenumberedAnswers::Ids ids = {}) {
+  NumberForm numbers{.digits = command.precision};
+  for (int axis = 0; axis < 3 && !command.precision; ++axis)
+    numbers.decimals[static_cast<std::size_t>(axis)] = decimals_of(lattice, axis);
   auto columns = command.occluded ? number_columns<Target>("occluded")
                  : command.count  ? number_columns<Target>("count")
                                   : answer_columns<Target>();
   std::unique_ptr<OutputFile> file;
   if (!command.output.empty()) file = std::make_unique<OutputFile>(command.output, command.overwrite);
-  auto text = answers_as_text(std::move(columns), form, std::move(file));
+  auto text = answers_as_text(std::move(columns), form, numbers, std::move(file));
   if (!ids || only_numbers(command)) return text;
   return std::make_unique<RenumberedAnswers>(std::move(text), std::move(ids));
 }
@@ -259,18 +262,32 @@ std::string run_targets(TargetReader<Target>& reader, AnyAsker& asker, const Que
   return explain_table(asker.statistics(), kind, tally.targets, tally.rows);
 }
 
+/// Lets mistakes in the first targets show before the cloud is loaded, unless they come through a pipe.
+template <class Target>
+void check_first_targets(const QueryCommand& command) {
+  constexpr std::size_t k_few = 1000;
+  std::error_code error;
+  const std::string& text = command.given().text;
+  if (!text.empty() && !std::filesystem::is_regular_file(text, error)) return;
+  TargetReader<Target> reader(open_targets(command), {command.t_min, command.t_max});
+  TargetBatch<Target> batch;
+  reader.next(k_few, batch);
+}
+
 template <class Target>
 ExitCode run_with(const QueryCommand& command) {
   const AnswerForm form = chosen_form(command);
   auto query = conditions<Target>(command);
   if (!command.output.empty())
     check_writable(command.output, command.overwrite, command.inputs({command.given().text}));
+  check_first_targets<Target>(command);
   TargetReader<Target> reader(open_targets(command), {command.t_min, command.t_max});
   std::string table;
   if (asks_in_place(command, form)) {
     const CopcSource source = open_copc(command);
     say_warnings(command.verbosity, source.file->warnings());
-    const std::unique_ptr<AnswerOutput> output = open_text<Target>(command, form);
+    const std::unique_ptr<AnswerOutput> output =
+        open_text<Target>(command, form, source.file->header().lattice);
     TreeAsker<Target, CopcTree> asker(CopcTree(*source.cache), query);
     table = run_targets(reader, asker, command, *output);
     table += copc_table(*source.cache);
@@ -283,7 +300,7 @@ ExitCode run_with(const QueryCommand& command) {
     const std::unique_ptr<AnswerOutput> output =
         form == AnswerForm::las ? answers_as_las(command.output, command.overwrite, cloud,
                                                  answer_dimensions<Target>(), command.verbosity)
-                                : open_text<Target>(command, form, ids_of(queried));
+                                : open_text<Target>(command, form, cloud.octree.lattice(), ids_of(queried));
     Asker<Target> asker(cloud.octree, query, command.explain);
     table = run_targets(reader, asker, command, *output);
     if (queried.part) table += part_table(*queried.part);

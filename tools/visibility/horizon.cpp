@@ -183,6 +183,7 @@ ExitCode run(const HorizonCommand& command) {
   // Fails before the work if what it ends in cannot be written here.
   if (!command.skyline.empty() || !command.depth.empty() || is_geojson(command.output)) image_module();
   const Verbosity verbosity = command.verbosity;
+  check_given(command.observers);
   const auto cloud = load_cloud_alone(command, Attribute::classification, AcceptedInput::points_or_raster);
   const visibility::Observer observer = only_observer(command, *cloud);
   measure_occluders(*cloud, command.occluders, verbosity);

@@ -2,6 +2,9 @@
 #include "tools/visibility/observer_options.h"
 
 #include <fmt/format.h>
+#include <cmath>
+#include <glm/common.hpp>
+#include <glm/geometric.hpp>
 
 #include "tools/image_module.h"
 
@@ -66,6 +69,32 @@ std::vector<visibility::GivenObserver> read_given(const ObserverOptions& options
   return given;
 }
 
+/// Errors: an observer is so far away from the cloud that its coordinates are probably mistaken, with a guess how.
+void check_places(std::span<const visibility::GivenObserver> given, const Bounds& area) {
+  if (area.empty()) return;
+  const glm::dvec2 low(area.min), high(area.max);
+  const double far = 10.0 * glm::length(high - low) + 1000.0;
+  const auto distance = [&](const glm::dvec2& position) {
+    return glm::length(glm::max(glm::max(low - position, position - high), glm::dvec2(0.0)));
+  };
+  for (const visibility::GivenObserver& one : given) {
+    const glm::dvec2& position = one.position;
+    if (distance(position) <= far) continue;
+    const bool is_exchanged = distance({position.y, position.x}) <= far;
+    const bool are_degrees = std::fabs(position.x) <= 180.0 && std::fabs(position.y) <= 180.0;
+    throw Error(one.source, {},
+                fmt::format("the observer is {:.0f} outside of the cloud", distance(position)),
+                std::string(is_exchanged ? "x before y: the coordinates seem to be exchanged"
+                            : are_degrees
+                                ? "coordinates of the cloud, or --observers-crs EPSG:4326 for longitude and "
+                                  "latitude, x first"
+                                : "coordinates in the cloud's reference system, or --observers-crs") +
+                    "; --anywhere accepts it",
+                fmt::format("{}, {}; the cloud reaches from {:.0f}, {:.0f} to {:.0f}, {:.0f}", position.x,
+                            position.y, low.x, low.y, high.x, high.y));
+  }
+}
+
 /// Says where the first observers are.
 void print_positions(std::span<const visibility::Observer> observers) {
   for (const visibility::Observer& one : observers.first(std::min(observers.size(), k_most_lines))) {
@@ -97,6 +126,8 @@ void add_observer_positions(const Options& command, ObserverOptions& options) {
                 if (text.empty()) throw UsageError("missing value; expected a reference system");
                 options.reference = text;
               });
+  group.flag("--anywhere", "accept observers far outside of the cloud, which are otherwise errors",
+             options.anywhere);
   group.number("--observer-grid", "LENGTH",
                "an observer on the ground in every square cell of this width over the cloud's extent",
                options.grid, 1e-3, 1e9);
@@ -116,14 +147,20 @@ void add_target_height(const Options& command, std::optional<double>& height) {
                  "height of the target above the ground (default: 0)", height, 0.0, 1e6);
 }
 
+void check_given(const ObserverOptions& options) {
+  if (options.positions.empty() && options.file.empty() && !options.grid)
+    throw input_error("missing observers", "--observer, --observers or --observer-grid");
+  if (!options.file.empty()) InputFile{options.file};
+}
+
 std::vector<visibility::Observer> load_observers(const ObserverOptions& options, const VisibilityCloud& cloud,
                                                  Verbosity verbosity,
                                                  const visibility::GroundHeight& ground) {
-  if (options.positions.empty() && options.file.empty() && !options.grid)
-    throw input_error("missing observers", "--observer, --observers or --observer-grid");
+  check_given(options);
   std::vector<visibility::GivenObserver> given = read_given(options, cloud.cloud.cloud.crs);
   const bool needs_ground =
       options.grid || std::ranges::any_of(given, [](const visibility::GivenObserver& one) { return !one.z; });
+  if (!options.anywhere) check_places(given, cloud.area());
   std::optional<visibility::Ground> own_ground;
   if (needs_ground && !ground) own_ground = find_ground(cloud, {}, verbosity);
   const visibility::GroundHeight height_at =

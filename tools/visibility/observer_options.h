@@ -20,6 +20,7 @@ struct ObserverOptions {
   std::filesystem::path file;                        ///< --observers; empty: none
   std::string reference;                             ///< --observers-crs, as ObserverReference::given
   std::string reference_option = "--observers-crs";  ///< what messages call it
+  bool anywhere = false;                             ///< also far outside of the cloud
   std::optional<double> grid;                        ///< --observer-grid, width of its cells
   visibility::ObserverDefaults defaults;             ///< what holds for those that do not say it themselves
 };
@@ -35,6 +36,9 @@ inline constexpr const char* k_observer_group = "Observers";
 
 /// --target-height LENGTH: how far above its cell or point a target is examined. At least 0.
 void add_target_height(const Options& command, std::optional<double>& height);
+
+/// What can be wrong before a cloud is loaded. Errors: no observers are given; their file cannot be opened.
+void check_given(const ObserverOptions& options);
 
 /// Reads the observers, in the cloud's reference system, gives them their positions, and prints these; what is
 /// strange about them say_observer_remarks() prints, once occluders are measured. Those of the command line

@@ -182,6 +182,7 @@ std::string blocking_text(const visibility::PointVisibility& seen, const visibil
 ExitCode run(const PointsCommand& command) {
   check_options(command);
   const Verbosity verbosity = command.verbosity;
+  check_given(command.observers);
   const auto cloud = load_cloud_alone(command, AttributeSet::all());
   const std::vector<visibility::Observer> observers = load_observers(command.observers, *cloud, verbosity);
   check_observer_count(command, observers.size());

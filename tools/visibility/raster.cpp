@@ -281,6 +281,7 @@ ExitCode run(const RasterCommand& given) {
   RasterCommand command = given;
   const Verbosity verbosity = command.verbosity;
   if (command.like == DefaultSet::grass) command.observers.defaults.height_on_ground = k_grass_observer;
+  if (!command.objects.any()) check_given(command.observers);
   const auto cloud = load_cloud_alone(command, AttributeSet(), AcceptedInput::points_or_raster);
   const Crs& crs = cloud->cloud.cloud.crs;
   const CloudUnit unit = cloud_unit(crs);

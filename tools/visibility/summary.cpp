@@ -43,6 +43,7 @@ ExitCode run(const SummaryCommand& command) {
   check_options(command);
   const Verbosity verbosity = command.verbosity;
   load_row_writer(command.output);
+  check_given(command.observers);
   const auto cloud = load_cloud_alone(command, Attribute::classification);
   const std::vector<visibility::Observer> observers = load_observers(command.observers, *cloud, verbosity);
   visibility::check_point_visibility(cloud->octree().size(), observers.size(), {});

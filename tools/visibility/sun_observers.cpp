@@ -84,6 +84,7 @@ void write_diagram(const SunCommand& command, const VisibilityCloud& cloud, cons
 
 ExitCode run_sun_observers(const SunCommand& command) {
   check_options(command);
+  check_given(command.observers);
   const auto cloud = load_cloud_alone(command, Attribute::classification, AcceptedInput::points_or_raster);
   const std::vector<visibility::Observer> observers =
       load_observers(command.observers, *cloud, command.verbosity);
