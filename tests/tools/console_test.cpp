@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "tools/console.h"
 
+#include "cloud/las/write_las.h"
 #include "tests/tools/program_words.h"
 #include "tests/tools/run_program.h"
 
@@ -32,9 +33,14 @@ TEST_F(ConsoleTest, names_of_files_do_not_move_the_cursor) {
   const ProgramResult result = run({"info", "no\x1b[2Jfile.las"});
   EXPECT_EQ(result.exit_code, 2);
   EXPECT_EQ(result.err.find('\x1b'), std::string::npos) << result.err;
-  write("a\x1b[2J.csv", "x,y,z,he\x1b[5might\n1,2,3,4\n");
-  const ProgramResult info = run({"info", "a\x1b[2J.csv"});
+  PointCloud cloud;
+  cloud.positions = {{1, 2, 3}};
+  cloud.extra_dimensions = {plain_dimension("he\x1b[5might", ScalarType::uint8)};
+  cloud.extra_dimensions[0].values = {7};
+  write_las(folder / "a\x1b[2J.las", cloud);
+  const ProgramResult info = run({"info", "a\x1b[2J.las"});
   EXPECT_EQ(info.exit_code, 0) << info.err;
+  EXPECT_TRUE(contains(info.out, "he\\x1b[5might")) << info.out;
   EXPECT_EQ(info.out.find('\x1b'), std::string::npos) << info.out;
 }
 

@@ -193,7 +193,10 @@ TEST_F(VisibilityPointsTest, wrong_input_is_a_clear_error_and_leaves_nothing) {
   write("empty.xyz", "");
   const std::vector<std::pair<Words, std::string>> wrong = {
       {{}, "missing observers"},
-      {{"--observer", "1,2"}, "no ground below the observer"},
+      {{"--observer", "690100,5325100"}, "no ground below the observer"},
+      {{"--observer", "11.5,48.1"},
+       "--observers-crs EPSG:4326 for longitude and latitude, x first; --anywhere"},
+      {{"--observer", "5325010,690010,3"}, "expected x before y: the coordinates seem to be exchanged"},
       {{"--observer", "1,2,nan"}, "invalid position"},
       {{"--observer", "690005;5325010;3"}, "invalid position"},
       {{"--observer", k_eye, "--horizontal-fov", "5"}, "--horizontal-fov"},
@@ -271,12 +274,12 @@ TEST_F(VisibilityPointsTest, observers_at_any_distance_are_answered) {
   write_garden();
   for (const std::string location : {"1690005,5325010,700", "1e9,5325010,1e5", "-1e12,1e12,1e12"}) {
     const ProgramResult result =
-        run(with(k_points, {"--observer", location, "-o", "seen.las", "--overwrite"}));
+        run(with(k_points, {"--observer", location, "--anywhere", "-o", "seen.las", "--overwrite"}));
     EXPECT_EQ(result.exit_code, 0) << result.err;
     EXPECT_TRUE(contains(result.err, "outside the cloud; check its reference system")) << result.err;
   }
-  EXPECT_TRUE(
-      contains(run(with(k_points, {"--observer", "1e13,0,0", "-o", "no.las"})).err, "position out of range"));
+  EXPECT_TRUE(contains(run(with(k_points, {"--observer", "1e13,0,0", "--anywhere", "-o", "no.las"})).err,
+                       "position out of range"));
 }
 
 TEST_F(VisibilityPointsTest, help_names_units_columns_and_examples) {

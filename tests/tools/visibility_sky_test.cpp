@@ -271,7 +271,7 @@ TEST_F(SkyTest, clouds_in_degrees_have_no_elevations) {
         Words{"visibility", "horizon", file->string(), "--observer", "-94.6,39.1,300"}}) {
     const ProgramResult result = run(words);
     EXPECT_EQ(result.exit_code, 2) << words[1];
-    EXPECT_TRUE(contains(result.err, "a projected reference system: reproject the cloud")) << result.err;
+    EXPECT_TRUE(contains(result.err, "a projected reference system: --reproject auto")) << result.err;
   }
 }
 

@@ -16,7 +16,7 @@ struct GenerateCommand : RunRequest {
 };
 
 ExitCode run_courtyard(const GenerateCommand& command) {
-  if (!has_extension(command.output, {".las", ".laz"}))
+  if (command.output.has_extension() && !has_extension(command.output, {".las", ".laz"}))
     throw file_error(command.output, "unknown output format", "the extension .las or .laz");
   check_writable(command.output, command.options.overwrite);
   with_progress("scanning", "points", command.verbosity, [&](const Progress& progress) {

@@ -354,7 +354,7 @@ ExitCode run(const RenderCommand& given) {
   prepare_light(scene, cloud, verbosity);
   const bool is_lit = scene.render.mode == renderer::RenderMode::path;
   const bool is_automatic =
-      command.exposure ? !command.exposure->has_value() : command.scene_file.empty() && is_lit;
+      command.exposure ? !command.exposure->has_value() : command.is_overview() && is_lit;
   if (is_automatic && image::image_format(pictures.front().file) != image::ImageFormat::exr) {
     // Of all pictures of a set the first, whether or not it is there already.
     scene.output.exposure = automatic_exposure(scene, cloud, all_views.front().camera);

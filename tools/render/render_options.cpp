@@ -83,7 +83,7 @@ void add_picture_options(const Options& render, RenderCommand& command) {
   render.value(
       "--exposure", "STOPS|auto",
       "brightness of PNG, JPEG and GeoTIFF: +1 is twice as bright; auto: the first view's surfaces get a "
-      "medium brightness (default: auto without a scene, else the scene's)",
+      "medium brightness (default: auto for an overview, without a scene and a camera, else the scene's)",
       command.exposure, [](const std::string& text) {
         if (text == "auto") return std::optional<double>();
         if (text.find_first_of("0123456789") == text.npos)
@@ -355,9 +355,9 @@ renderer::Scene requested_scene(const RenderCommand& command) {
   if (!command.output.empty() || !command.depth.file.empty()) scene.output.file = command.output;
   if (command.exposure && *command.exposure) scene.output.exposure = **command.exposure;
   if (command.transparent) scene.output.transparent = true;
-  // Without a scene no brightness of the sky is meant, and it must not change with the exposure.
+  // In an overview no brightness of the sky is meant, and it must not change with the exposure.
   const bool is_shaded = scene.render.mode != renderer::RenderMode::flat;
-  if (command.scene_file.empty() && is_shaded) scene.output.background = Rgb(0.87f, 0.91f, 0.95f);
+  if (command.is_overview() && is_shaded) scene.output.background = Rgb(0.87f, 0.91f, 0.95f);
   if (scene.output.transparent && image::image_format(scene.output.file) == image::ImageFormat::jpeg)
     throw file_error(scene.output.file, "JPEG has no alpha",
                      "the extension .png, .exr or .tif, or no --transparent");

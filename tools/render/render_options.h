@@ -55,6 +55,12 @@ struct RenderCommand : CloudRequest {
   std::vector<image::Layer> layers;
   LongRenderRequest long_render;
   bool overwrite = false, skip_existing = false;
+
+  /// Whether neither a scene nor a camera says what is seen: the picture, or the flight, shows the whole cloud.
+  bool is_overview() const {
+    return scene_file.empty() && camera.file.empty() && film.keyframes.empty() && !camera.panorama &&
+           !camera.from_above;
+  }
 };
 
 /// Declares the command's options; they fill what is returned.

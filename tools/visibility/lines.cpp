@@ -135,6 +135,7 @@ LineEnds load_line_ends(const PairRequest& request, const VisibilityCloud& cloud
   ObserverOptions options;
   if (has_positions) options = ends_with_positions(given);
   options.file = request.positions;
+  options.anywhere = true;  // masts and mountains may be far away
   options.reference = request.places_crs;
   options.reference_option = "--places-crs";
   options.defaults = request.defaults;
