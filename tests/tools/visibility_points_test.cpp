@@ -244,11 +244,11 @@ TEST_F(VisibilityPointsTest, wrong_input_is_a_clear_error_and_leaves_nothing) {
 TEST_F(VisibilityPointsTest, strange_observers_are_warned_of) {
   write_garden();
   write("o.csv", "name,x,y,z\nfar,600000,5325010,601\nlow,690005,5325010,590\n");
-  const ProgramResult result = run(with(k_points, {"--observers", "o.csv", "-o", "seen.las"}));
+  const ProgramResult result = run(with(k_points, {"--observers", "o.csv", "--anywhere", "-o", "seen.las"}));
   EXPECT_EQ(result.exit_code, 0) << result.err;
   EXPECT_TRUE(contains(result.err, "alidade: warning: far is 90000 outside the cloud")) << result.err;
   EXPECT_TRUE(contains(result.err, "alidade: warning: low is below all points near it")) << result.err;
-  const ProgramResult quiet = run(with(k_points, {"--observers", "o.csv", "-o", "quiet.las", "-q"}));
+  const ProgramResult quiet = run(with(k_points, {"--observers", "o.csv", "--anywhere", "-o", "quiet.las", "-q"}));
   EXPECT_EQ(quiet.err, "");
 }
 
