@@ -2,6 +2,7 @@
 #include "tools/view_options.h"
 
 #include <fmt/format.h>
+#include <tbb/task_arena.h>
 #include <algorithm>
 #include <functional>
 #include <limits>
@@ -147,7 +148,10 @@ std::shared_ptr<ViewRequest> add_view_options(const Options& command,
   if (!is_own("--crop")) add_crop(group, selection);
   const auto change = [target](const std::filesystem::path& file, const FileFacts& facts) {
     const bool is_automatic = target->wanted == "auto";
-    if (is_automatic) std::call_once(target->is_zone_chosen, choose_zone, std::ref(*target));
+    // Isolated: while it waits, the thread must not take up the opening of another file, which would wait for it.
+    if (is_automatic)
+      tbb::this_task_arena::isolate(
+          [&] { std::call_once(target->is_zone_chosen, choose_zone, std::ref(*target)); });
     return image_module().change_reference({target->stated, is_automatic ? target->zone : target->wanted},
                                            file, facts);
   };
