@@ -13,9 +13,7 @@ target_compile_options(alidade_flags INTERFACE -ffp-contract=off -Wall -Wextra -
 target_include_directories(alidade_flags INTERFACE ${PROJECT_SOURCE_DIR})
 
 # Files are untrusted: what a mistake in reading them could be used for is made harder. Sanitizers do more of the same.
-include(CheckPIESupported)
-check_pie_supported()
-set(CMAKE_POSITION_INDEPENDENT_CODE ON)
+# Programs are position independent by the default of Debian's compilers.
 if(NOT CMAKE_CXX_FLAGS MATCHES "-fsanitize")
   target_compile_options(alidade_flags INTERFACE -fstack-protector-strong)
   target_compile_definitions(alidade_flags INTERFACE $<$<CONFIG:Release,RelWithDebInfo>:_FORTIFY_SOURCE=2>)
