@@ -6,6 +6,7 @@
 #include <glm/geometric.hpp>
 #include <string>
 
+#include "base/bounds.h"
 #include "base/error.h"
 #include "base/exact_math.h"
 
@@ -109,11 +110,15 @@ Camera camera_at(const Knot& knot, const Camera& like) {
 
 }  // namespace
 
-std::vector<Camera> orbit_cameras(const Bounds& bounds, int width, int height, int count) {
-  // What the box sweeps over while it turns.
+std::vector<Camera> orbit_cameras(std::span<const glm::dvec3> positions, int width, int height, int count) {
+  // What the positions sweep over while they turn.
   constexpr int k_sides = 64;
+  Bounds bounds;
+  for (const glm::dvec3& position : positions) bounds.grow(position);
   const glm::dvec3 center = bounds.center(), half = 0.5 * bounds.size();
-  const double radius = std::hypot(half.x, half.y);
+  double radius = 0.0;
+  for (const glm::dvec3& position : positions)
+    radius = std::max(radius, glm::length(glm::dvec2(position - center)));
   std::vector<glm::dvec3> swept;
   for (int i = 0; i < k_sides; ++i) {
     const SineCosine side = sine_cosine_of_degrees(360.0 * i / k_sides);

@@ -4,15 +4,15 @@
 #include <span>
 #include <vector>
 
-#include "base/bounds.h"
 #include "camera/camera.h"
 
 namespace alidade::camera {
 
-/// Cameras on a full circle around a box, as overview_camera() sees it from each side: the first from the
-/// south-west, then counterclockwise seen from above, `count` of equal angles between them. All look at the
-/// vertical line through the middle of the box, from one height and distance. Requires count >= 1.
-std::vector<Camera> orbit_cameras(const Bounds& bounds, int width, int height, int count);
+/// Cameras on a full circle around some positions, as overview_camera() sees them from each side: the first from
+/// the south-west, then counterclockwise seen from above, `count` of equal angles between them. All look at the
+/// vertical line through the middle of the positions' box, from one height and distance. Requires: a position,
+/// count >= 1.
+std::vector<Camera> orbit_cameras(std::span<const glm::dvec3> positions, int width, int height, int count);
 
 /// Cameras on a smooth way through keyframes, whose first and last they are: positions by centripetal
 /// Catmull-Rom splines (Yuksel, Schaefer and Keyser, Computer-Aided Design 43, 2011), directions by the

@@ -5,7 +5,9 @@
 
 #include <cmath>
 #include <glm/geometric.hpp>
+#include <vector>
 
+#include "base/bounds.h"
 #include "base/error.h"
 
 namespace alidade::camera {
@@ -21,7 +23,11 @@ void expect_near(const glm::dvec3& a, const glm::dvec3& b, double tolerance = 1e
 
 TEST(OrbitTest, cameras_stand_on_a_circle_and_see_the_box) {
   const Bounds box{{100, 200, 5}, {140, 220, 15}};
-  const std::vector<Camera> cameras = orbit_cameras(box, 120, 80, 12);
+  std::vector<glm::dvec3> corners;
+  for (int corner = 0; corner < 8; ++corner)
+    corners.emplace_back(corner & 1 ? box.max.x : box.min.x, corner & 2 ? box.max.y : box.min.y,
+                         corner & 4 ? box.max.z : box.min.z);
+  const std::vector<Camera> cameras = orbit_cameras(corners, 120, 80, 12);
   ASSERT_EQ(cameras.size(), 12u);
   const glm::dvec3 first = cameras[0].pose.position - box.center();
   // From the south-west, then to the south-east.
@@ -33,9 +39,7 @@ TEST(OrbitTest, cameras_stand_on_a_circle_and_see_the_box) {
     const glm::dvec3 from = camera.pose.position - box.center();
     EXPECT_NEAR(std::hypot(from.x, from.y), std::hypot(first.x, first.y), 1e-9);
     EXPECT_NEAR(from.z, first.z, 1e-9);
-    for (int corner = 0; corner < 8; ++corner) {
-      const glm::dvec3 position(corner & 1 ? box.max.x : box.min.x, corner & 2 ? box.max.y : box.min.y,
-                                corner & 4 ? box.max.z : box.min.z);
+    for (const glm::dvec3& position : corners) {
       const auto pixel = project_to_film(camera, position);
       ASSERT_TRUE(pixel);
       EXPECT_GE(pixel->x, 0.0);

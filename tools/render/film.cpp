@@ -98,9 +98,15 @@ std::vector<View> views_of_cloud(const CameraRequest& camera, const FilmRequest&
   if (!request.orbits) return {view_of_cloud(camera, scene, cloud, scene_file)};
   const ImageSize size = request.file.empty() ? camera.size.value_or(ImageSize{1200, 800})
                                               : camera.size.value_or(ImageSize{1280, 720});
+  const Bounds seen = seen_bounds(scene, cloud, scene_file);
+  std::vector<glm::dvec3> positions;
+  if (cloud != nullptr) positions = renderer::visible_positions(*cloud);
+  for (int corner = 0; corner < 8 && positions.empty(); ++corner) {
+    positions.emplace_back((corner & 1) ? seen.max.x : seen.min.x, (corner & 2) ? seen.max.y : seen.min.y,
+                           (corner & 4) ? seen.max.z : seen.min.z);
+  }
   std::vector<View> views;
-  for (camera::Camera& each :
-       camera::orbit_cameras(seen_bounds(scene, cloud, scene_file), size.width, size.height, request.frames))
+  for (camera::Camera& each : camera::orbit_cameras(positions, size.width, size.height, request.frames))
     views.push_back({fmt::format("{:05}", views.size()), std::move(each)});
   return views;
 }

@@ -4,6 +4,8 @@
 #include <filesystem>
 #include <optional>
 #include <span>
+#include <system_error>
+#include <utility>
 #include <vector>
 
 #include "tools/render/views.h"
@@ -23,6 +25,20 @@ struct FilmRequest {
 
 /// Declares --orbit, --keyframes, --frames and --frame-rate.
 void add_film_options(const Options& render, FilmRequest& request);
+
+/// Removes a folder at its end if nothing is in it: that of a film's pictures, if nothing came of it.
+struct EmptyFolder {
+  std::filesystem::path folder;  ///< empty: none
+
+  EmptyFolder() = default;
+  explicit EmptyFolder(std::filesystem::path path) : folder(std::move(path)) {}
+  ~EmptyFolder() {
+    std::error_code error;
+    if (!folder.empty()) std::filesystem::remove(folder, error);
+  }
+  EmptyFolder(const EmptyFolder&) = delete;
+  EmptyFolder& operator=(const EmptyFolder&) = delete;
+};
 
 /// Checks what was asked for. If the output is a film (.mp4, .mkv, .mov, .webm): takes it over, and names its pictures instead:
 /// "yard_frames/%05d.png" for yard.mp4. The folder is made. Errors: a flight beside other cameras; a film without

@@ -295,6 +295,7 @@ ExitCode run(const RenderCommand& given) {
   RenderCommand command = given;
   const Verbosity verbosity = command.verbosity;
   take_film(command.film, command.camera, command.output, command.overwrite);
+  const EmptyFolder frames(command.film.file.empty() ? "" : command.output.parent_path());
   renderer::Scene scene = requested_scene(command);
   const bool has_picture = !scene.output.file.empty();
   if (has_picture) image::check_image_name(scene.output.file);
