@@ -248,7 +248,8 @@ TEST_F(VisibilityPointsTest, strange_observers_are_warned_of) {
   EXPECT_EQ(result.exit_code, 0) << result.err;
   EXPECT_TRUE(contains(result.err, "alidade: warning: far is 90000 outside the cloud")) << result.err;
   EXPECT_TRUE(contains(result.err, "alidade: warning: low is below all points near it")) << result.err;
-  const ProgramResult quiet = run(with(k_points, {"--observers", "o.csv", "--anywhere", "-o", "quiet.las", "-q"}));
+  const ProgramResult quiet =
+      run(with(k_points, {"--observers", "o.csv", "--anywhere", "-o", "quiet.las", "-q"}));
   EXPECT_EQ(quiet.err, "");
 }
 

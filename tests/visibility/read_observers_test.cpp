@@ -102,7 +102,8 @@ TEST_F(ReadObserversTest, wrong_csv_names_line_and_column) {
   expect_problem("a.csv", "x,y\n1,2\n\n3,\n", ":line 4: ", "invalid y; expected a number, found nothing");
   expect_problem("a.csv", "x,y,height\n1,2,3m\n", ":line 2: ", "invalid height");
   expect_problem("a.csv", "x,y,z\n1,2,nan\n", ":line 2: ", "invalid z");
-  expect_problem("a.csv", "x,y\n1,2,3\n", ":line 2: ", "too many columns; expected 2, separated by commas as in the header, found 3");
+  expect_problem("a.csv", "x,y\n1,2,3\n",
+                 ":line 2: ", "too many columns; expected 2, separated by commas as in the header, found 3");
   expect_problem("a.csv", "x,y\n1\n", ":line 2: ", "too few columns");
 }
 
