@@ -94,7 +94,8 @@ std::vector<Sample> samples() {
     "sky": { "type": "gradient", "horizon": [0.1, 0.2, 0.3], "zenith": [0.1, 0.2, 0.3] },
     "sun": { "azimuth": 1, "elevation": 2, "irradiance": [1, 2, 3], "angular_diameter": 1 },
     "render": { "samples": 3, "max_bounces": 4, "seed": 5 },
-    "output": { "file": "a.exr", "layers": ["depth", "id"], "exposure": 1, "precision": "float" } })");
+    "output": { "file": "a.exr", "layers": ["depth", "id"], "exposure": 1, "precision": "float",
+                "transparent": true } })");
   scene["camera"] = cameras()[8];  // a pinhole
   scene["camera"].erase("version");
   all.push_back({"scene.schema.json", scene});
