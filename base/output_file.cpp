@@ -12,7 +12,10 @@
 #include <cerrno>
 #include <cstdio>
 #include <cstring>
+#include <map>
+#include <mutex>
 #include <system_error>
+#include <vector>
 
 #include "base/error.h"
 
@@ -54,12 +57,27 @@ struct TemporaryName {
   }
 };
 
-/// Removes temporary files of this output that nobody writes any more: their process has ended, and nobody holds
-/// their lock, as another machine may on a shared file system.
-void remove_stale(const std::filesystem::path& folder, const TemporaryName& like) {
+/// Temporary files that other processes had in a folder when this process first wrote there. A folder is listed
+/// only once, so that writing thousands of frames to it takes no time that grows with their square.
+const std::vector<std::filesystem::path>& temporaries_in(const std::filesystem::path& folder) {
+  static std::mutex mutex;
+  static std::map<std::filesystem::path, std::vector<std::filesystem::path>> known;
   std::error_code error;
-  for (const auto& entry : std::filesystem::directory_iterator(folder.empty() ? "." : folder, error)) {
-    const std::string name = entry.path().filename().string();
+  const std::lock_guard lock(mutex);
+  const auto [found, is_new] = known.try_emplace(std::filesystem::absolute(folder, error));
+  if (is_new) {
+    for (const auto& entry : std::filesystem::directory_iterator(found->first, error))
+      if (entry.path().filename().string().find(".part-") != std::string::npos)
+        found->second.push_back(entry.path());
+  }
+  return found->second;
+}
+
+/// Removes the temporary files of this output whose process has ended. A locked file stays: on a shared file
+/// system a process of another machine may still write it.
+void remove_stale(const std::filesystem::path& folder, const TemporaryName& like) {
+  for (const std::filesystem::path& path : temporaries_in(folder)) {
+    const std::string name = path.filename().string();
     if (name.size() <= like.begin.size() + like.end.size() || !name.starts_with(like.begin) ||
         !name.ends_with(like.end))
       continue;
@@ -69,9 +87,9 @@ void remove_stale(const std::filesystem::path& folder, const TemporaryName& like
     const bool is_ours = std::sscanf(numbers.c_str(), "%d-%d%n", &process, &attempt, &read) == 2 &&
                          static_cast<std::size_t>(read) == numbers.size() && process > 0;
     if (!is_ours || ::kill(process, 0) == 0 || errno != ESRCH) continue;
-    const int descriptor = ::open(entry.path().c_str(), O_RDONLY | O_CLOEXEC | O_NOFOLLOW);
+    const int descriptor = ::open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NOFOLLOW);
     if (descriptor < 0) continue;
-    if (::flock(descriptor, LOCK_EX | LOCK_NB) == 0) ::unlink(entry.path().c_str());
+    if (::flock(descriptor, LOCK_EX | LOCK_NB) == 0) ::unlink(path.c_str());
     ::close(descriptor);
   }
 }
