@@ -2,6 +2,8 @@
 #pragma once
 
 #include <algorithm>
+#include <array>
+#include <cstddef>
 #include <glm/vec3.hpp>
 #include <limits>
 
@@ -36,6 +38,15 @@ struct Bounds {
   glm::dvec3 size() const { return empty() ? glm::dvec3(0) : max - min; }
   glm::dvec3 center() const { return 0.5 * (min + max); }
 };
+
+/// The eight corners of a box that is not empty: bits 0 to 2 of the index choose the maximum of x, y and z.
+inline std::array<glm::dvec3, 8> corners(const Bounds& bounds) {
+  std::array<glm::dvec3, 8> all;
+  for (std::size_t i = 0; i < all.size(); ++i)
+    all[i] = {(i & 1 ? bounds.max : bounds.min).x, (i & 2 ? bounds.max : bounds.min).y,
+              (i & 4 ? bounds.max : bounds.min).z};
+  return all;
+}
 
 /// Whether two boxes have a position in common, faces included. False if one is empty or a face is not a
 /// number.

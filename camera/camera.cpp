@@ -107,13 +107,8 @@ Camera resized(const Camera& camera, int width, int height) {
 }
 
 Camera overview_camera(const Bounds& bounds, int width, int height) {
-  std::vector<glm::dvec3> corners;
-  for (int corner = 0; corner < 8 && !bounds.empty(); ++corner) {
-    corners.emplace_back((corner & 1) ? bounds.max.x : bounds.min.x,
-                         (corner & 2) ? bounds.max.y : bounds.min.y,
-                         (corner & 4) ? bounds.max.z : bounds.min.z);
-  }
-  return overview_camera(corners, 0.0, width, height);
+  if (bounds.empty()) return overview_camera(std::span<const glm::dvec3>(), 0.0, width, height);
+  return overview_camera(corners(bounds), 0.0, width, height);
 }
 
 Camera overview_camera(std::span<const glm::dvec3> positions, double radius, int width, int height) {

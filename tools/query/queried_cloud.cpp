@@ -61,12 +61,8 @@ Bounds target_bounds(const Cone& cone, double, const Bounds& within) {
   // widest.
   Ray axis = cone.axis;
   double farthest = -std::numeric_limits<double>::infinity();
-  for (int corner = 0; corner < 8; ++corner) {
-    const glm::dvec3 position{(corner & 1) ? within.max.x : within.min.x,
-                              (corner & 2) ? within.max.y : within.min.y,
-                              (corner & 4) ? within.max.z : within.min.z};
-    farthest = std::max(farthest, glm::dot(position - axis.origin, axis.direction));
-  }
+  for (const glm::dvec3& corner : corners(within))
+    farthest = std::max(farthest, glm::dot(corner - axis.origin, axis.direction));
   axis.t_max = std::min(axis.t_max, farthest + margin_of({axis.origin, within.min, within.max}, 0.0));
   const double widest = cone.limit(axis.t_max);
   if (!(widest >= 0.0)) return {};

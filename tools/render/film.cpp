@@ -5,7 +5,9 @@
 #include <fmt/ranges.h>
 #include <spawn.h>
 #include <sys/wait.h>
+#include <algorithm>
 #include <cerrno>
+#include <iterator>
 #include <string>
 
 #include "base/error.h"
@@ -101,10 +103,7 @@ std::vector<View> views_of_cloud(const CameraRequest& camera, const FilmRequest&
   const Bounds seen = seen_bounds(scene, cloud, scene_file);
   std::vector<glm::dvec3> positions;
   if (cloud != nullptr) positions = renderer::visible_positions(*cloud);
-  for (int corner = 0; corner < 8 && positions.empty(); ++corner) {
-    positions.emplace_back((corner & 1) ? seen.max.x : seen.min.x, (corner & 2) ? seen.max.y : seen.min.y,
-                           (corner & 4) ? seen.max.z : seen.min.z);
-  }
+  if (positions.empty()) std::ranges::copy(corners(seen), std::back_inserter(positions));
   std::vector<View> views;
   for (camera::Camera& each : camera::orbit_cameras(positions, size.width, size.height, request.frames))
     views.push_back({fmt::format("{:05}", views.size()), std::move(each)});
