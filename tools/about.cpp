@@ -1,6 +1,4 @@
 // SPDX-License-Identifier: MIT
-#include "tools/about.h"
-
 #include <fmt/format.h>
 #include <hwy/highway.h>
 #include <sqlite3.h>

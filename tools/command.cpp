@@ -5,7 +5,6 @@
 
 #include "base/words.h"
 #include "database/server/server_name.h"
-#include "tools/about.h"
 #include "tools/command.h"
 
 namespace alidade::tools {

@@ -48,6 +48,10 @@ Command add_sql(const Options& program);
 Command add_formats(const Options& program);
 Command add_manual(const Options& program);
 
+/// What 'alidade --version' prints: the version in its first line, then the instruction set that queries use on
+/// this machine, the compiler, and the libraries that are linked, those of the module for images and maps last.
+std::string version_text();
+
 /// Runs what the command line requests, whose first word is the program's name. Errors: those of the commands.
 ExitCode run_program(const CommandLine& command_line);
 

@@ -389,14 +389,4 @@ void say_how_to_resume(Verbosity verbosity, const std::string& checkpoint) {
   say_note(verbosity, "saved to " + checkpoint + "; the same command with --resume continues");
 }
 
-Moment parse_moment(std::string text) {
-  constexpr std::size_t k_date_length = 10;
-  if (text.size() > k_date_length && text[k_date_length] == ' ') text[k_date_length] = 'T';
-  try {
-    return parse_date_time(text);
-  } catch (const Error& error) {
-    throw UsageError(error.what());
-  }
-}
-
 }  // namespace alidade::tools

@@ -99,4 +99,14 @@ std::size_t parse_size(const std::string& text) {
   return static_cast<std::size_t>(std::max(number * factor, 1.0));
 }
 
+Moment parse_moment(std::string text) {
+  constexpr std::size_t k_date_length = 10;
+  if (text.size() > k_date_length && text[k_date_length] == ' ') text[k_date_length] = 'T';
+  try {
+    return parse_date_time(text);
+  } catch (const Error& error) {
+    throw UsageError(error.what());
+  }
+}
+
 }  // namespace alidade::tools
