@@ -2,7 +2,6 @@
 #include "tools/render/ground_layers.h"
 
 #include <fmt/format.h>
-#include <atomic>
 #include <cmath>
 #include <limits>
 
@@ -95,6 +94,7 @@ void write_ground_layers(const GroundLayers& wanted, const renderer::Scene& scen
     columns = read_cloud(clouds, {.attributes = attributes, .progress = line.callback()});
     line.finish();
   }
+  std::vector<std::uint32_t> counts;
   const float nothing = std::numeric_limits<float>::quiet_NaN();
   for (std::size_t i = 0; i < files.size(); ++i) {
     const GroundLayer layer = wanted.layers[i];
@@ -121,7 +121,7 @@ void write_ground_layers(const GroundLayers& wanted, const renderer::Scene& scen
       write(attribute_of(film, std::span<const std::uint8_t>(columns.classifications), std::uint8_t{255}),
             255.0);
     } else {
-      const std::vector<std::uint32_t> counts = counts_of(cloud.octree, grid);
+      if (counts.empty()) counts = counts_of(cloud.octree, grid);
       if (layer == GroundLayer::count) {
         write(counts, 0.0);
       } else {
