@@ -37,8 +37,8 @@ Knot knot_of(const Camera& camera) {
           {camera.cx, camera.cy}};
 }
 
-/// How far apart two keyframes are: where they stand, and a little for how they look, so that a camera that only
-/// turns takes its time.
+/// The distance of two keyframes: that of their positions, and a little of their directions, so that a camera
+/// that only turns takes some time.
 double step_between(const Knot& a, const Knot& b, double turning_length) {
   const double turn = glm::length(a.forward - b.forward) + glm::length(a.down - b.down);
   return glm::length(a.position - b.position) + turning_length * turn;

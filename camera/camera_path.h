@@ -17,7 +17,7 @@ std::vector<Camera> orbit_cameras(std::span<const glm::dvec3> positions, int wid
 /// Cameras on a smooth way through keyframes, whose first and last they are: positions by centripetal
 /// Catmull-Rom splines (Yuksel, Schaefer and Keyser, Computer-Aided Design 43, 2011), directions by the
 /// same weights, made orthogonal again; focal lengths and principal points in between linearly. The way is
-/// covered at constant speed; standing keyframes only turn. Size and lens are those of the first keyframe.
+/// covered at constant speed; keyframes at one position only turn. Size and lens are those of the first keyframe.
 /// Requires: two keyframes, count >= 2. Errors: keyframes of other sizes or lenses than the first.
 std::vector<Camera> cameras_between(std::span<const Camera> keyframes, int count);
 

@@ -71,7 +71,7 @@ std::string with_heights_of(const GdalReference& plane, const GdalReference& oth
                                                                                                : wkt;
 }
 
-/// Moves positions by a transformation, of which each thread uses a copy.
+/// Moves positions by a transformation. Each thread uses its own copy of it.
 class Mover {
  public:
   explicit Mover(GdalTransformation transformation)

@@ -54,7 +54,7 @@ std::string called(const OptionEntry& option) {
   return fmt::format("{}{}{}", fmt::join(option.names, ","), option.kind.empty() ? "" : " ", option.kind);
 }
 
-/// Whether an option is one of the operands, or stands under the heading.
+/// Whether a table lists an option: that of the operands, or that of the heading.
 bool is_listed(const OptionEntry& option, bool operands, const std::string& heading) {
   return option.is_operand == operands && (operands || option.heading == heading);
 }

@@ -12,7 +12,7 @@ namespace alidade::database {
 namespace {
 
 struct Table {
-  sqlite3_vtab base{};  // SQLite's part, which must stand first
+  sqlite3_vtab base{};  // SQLite's part, which must be first
   sqlite3* database = nullptr;
   std::string schema, name;
   CloudSchema cloud;
@@ -29,7 +29,7 @@ struct Table {
 };
 
 struct Cursor {
-  sqlite3_vtab_cursor base{};  // SQLite's part, which must stand first
+  sqlite3_vtab_cursor base{};  // SQLite's part, which must be first
   ChunkStore store;
   Arguments arguments;
   std::optional<PointCursor> points;

@@ -30,12 +30,12 @@ struct Rows {
 };
 
 struct Table {
-  sqlite3_vtab base{};  // SQLite's part, which must stand first
+  sqlite3_vtab base{};  // SQLite's part, which must be first
   const Rows* rows;
 };
 
 struct Cursor {
-  sqlite3_vtab_cursor base{};  // SQLite's part, which must stand first
+  sqlite3_vtab_cursor base{};  // SQLite's part, which must be first
   std::size_t row = 0;
 };
 

@@ -9,11 +9,11 @@
 
 namespace alidade::database {
 
-/// A condition on the attributes of points, in the words of SQL as SQLite reads them: what may stand behind
-/// WHERE, such as "classification = 2 AND intensity > 100", "z BETWEEN 3 AND 5" or "return_number IN (1, 2)".
+/// A condition on the attributes of points, in the SQL of SQLite: what may follow WHERE, such as
+/// "classification = 2 AND intensity > 100", "z BETWEEN 3 AND 5" or "return_number IN (1, 2)".
 /// Columns are those of a cloud's table: x, y, z, and stored_columns() but for the number of the point
-/// (database/stored_column.h). dist_ray() and dist_plane() are there
-/// (database/sqlite/functions.h). A condition that is NULL does not hold.
+/// (database/stored_column.h). Functions include dist_ray() and dist_plane() (database/sqlite/functions.h).
+/// A condition that is NULL does not hold.
 class WhereClause {
  public:
   /// Errors: no condition by SQLite's grammar; more than one statement. Columns are not looked up: they are

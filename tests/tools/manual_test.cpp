@@ -27,7 +27,7 @@ class ManualTest : public ProgramTest {
 
   bool is_installed(const std::string& program) { return !said_by("command -v " + program, folder).empty(); }
 
-  /// The words that bash offers behind those of a command line, the last of which is being typed.
+  /// The completions that bash offers for the last word of a command line.
   std::string completed(const std::string& words) {
     return said_by("bash -c 'source share/bash-completion/completions/alidade; COMP_WORDS=(alidade " + words +
                        "); COMP_CWORD=$((${#COMP_WORDS[@]} - 1)); _alidade; echo \"${COMPREPLY[@]}\"'",

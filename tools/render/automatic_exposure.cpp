@@ -32,7 +32,7 @@ double automatic_exposure(const renderer::Scene& scene, const renderer::LoadedCl
   const auto middle = luminances.begin() + static_cast<std::ptrdiff_t>(luminances.size() / 2);
   std::nth_element(luminances.begin(), middle, luminances.end());
   if (!(*middle > 0.0f)) return 0.0;
-  // To a hundredth of a stop, which nobody sees.
+  // Rounded to a hundredth of a stop: the difference is invisible, and the number short.
   const double stops = std::round(100.0 * std::log2(k_medium / *middle)) / 100.0;
   return std::clamp(stops, -k_most_stops, k_most_stops);
 }
