@@ -81,7 +81,7 @@ class VisibilityMapsTest : public ProgramTest {
   }
 };
 
-const Words k_cells = {"--resolution", "0.5", "--area", "690000,5325000,690260,5325260"};
+const Words k_cells = {"--resolution", "0.5", "--extent", "690000,5325000,690260,5325260"};
 const Words k_eye = {"--observer", "690110,5325100,602"};
 const Words k_day = {"--from", "2026-06-21", "--step", "240"};
 
@@ -281,15 +281,15 @@ TEST_F(VisibilityMapsTest, mistakes_of_users_are_errors_before_surfaces_are_meas
   expect_rejected_early("raster", {"-o", "seen.tif", "--observer", "690900,5325100"},
                         "no ground below the observer");
   expect_rejected_early("raster", with(raster, {"--resolution", "0.0001"}), "cells");
-  expect_rejected_early("raster", with(raster, {"--area", "0,0,1,1"}), "--area");
+  expect_rejected_early("raster", with(raster, {"--extent", "0,0,1,1"}), "--extent");
   expect_rejected_early("raster", with(raster, {"--ground", "class", "--preview", "seen.jpg"}), ".png");
   write("there.tif", "mine");
   expect_rejected_early("raster", with({"-o", "there.tif"}, k_eye), "there.tif");
   expect_rejected_early("sky", {"-o", "there.tif"}, "there.tif");
-  expect_rejected_early("sky", {"-o", "sky.tif", "--area", "0,0,1,1"}, "--area");
+  expect_rejected_early("sky", {"-o", "sky.tif", "--extent", "0,0,1,1"}, "--extent");
   expect_rejected_early("sky", {"-o", "sky.tif", "--resolution", "0.001"}, "cells");
   expect_rejected_early("sky", {"-o", "sky.las", "--ground", "lowest"}, "--ground");
-  expect_rejected_early("sun", with({"-o", "sun.las", "--area", "0,0,1,1"}, k_day), "--area");
+  expect_rejected_early("sun", with({"-o", "sun.las", "--extent", "0,0,1,1"}, k_day), "--extent");
 }
 
 TEST_F(VisibilityMapsTest, the_command_in_a_map_does_not_contain_where_it_was_written) {

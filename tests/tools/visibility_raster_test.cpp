@@ -142,7 +142,7 @@ TEST_F(VisibilityRasterTest, what_was_used_is_printed_and_stored) {
 }
 
 TEST_F(VisibilityRasterTest, each_tool_has_its_own_defaults_and_options_override_them) {
-  ASSERT_EQ(raster({"--observer", "690005,5325010", "--md", "6", "--area", "690000,5325000,690020,5325020",
+  ASSERT_EQ(raster({"--observer", "690005,5325010", "--md", "6", "--extent", "690000,5325000,690020,5325020",
                     "--like", "grass", "--resolution", "1", "-o", "grass.tif"})
                 .exit_code,
             0);
@@ -189,7 +189,7 @@ TEST_F(VisibilityRasterTest, modes_have_their_own_values) {
 TEST_F(VisibilityRasterTest, heights_count_from_that_of_the_target) {
   // From below the horizontal nothing is seen at the eye's own height: the ground is, up to the wall.
   const ProgramResult result =
-      raster(with(k_eye, {"--mode", "height", "--tz", "0.4", "--area", "690000,5325000,690009,5325020"}));
+      raster(with(k_eye, {"--mode", "height", "--tz", "0.4", "--extent", "690000,5325000,690009,5325020"}));
   ASSERT_EQ(result.exit_code, 0) << result.err;
   EXPECT_TRUE(contains(result.err, "visible at 0.4 above the ground 100.0 % of the cells")) << result.err;
   const ReadMap map = read_map("seen.tif");
@@ -217,9 +217,9 @@ TEST_F(VisibilityRasterTest, bad_wishes_are_errors_and_leave_no_map) {
   expect_rejected({"--observer", "690005,5325010", "-o", "seen.png"}, "unknown output format");
   expect_rejected({"--observer", "690005,5325010", "-o", "seen.tif", "--preview", "seen.jpg"},
                   "unknown output format");
-  expect_rejected({"--observer", "690005,5325010", "-o", "seen.tif", "--area", "0,0,1,1"},
-                  "--area contains no points of the cloud");
-  expect_rejected({"--observer", "690005,5325010", "-o", "seen.tif", "--area", "0,0,1"},
+  expect_rejected({"--observer", "690005,5325010", "-o", "seen.tif", "--extent", "0,0,1,1"},
+                  "--extent contains no points of the cloud");
+  expect_rejected({"--observer", "690005,5325010", "-o", "seen.tif", "--extent", "0,0,1"},
                   "XMIN,YMIN,XMAX,YMAX");
   expect_rejected({"--observer", "691005,5325010,610", "--md", "50", "-o", "seen.tif"},
                   "no observer reaches the map");

@@ -106,7 +106,7 @@ TEST_F(VisibilityTerrainTest, a_raster_alone_is_seen_on_its_own_cells) {
   EXPECT_EQ(values[2 * 40 + 18], 255.0);
   EXPECT_EQ(values[20 * 40 + 16], 255.0) << "the ridge itself";
   // A part of it keeps the cells, and a resolution makes others.
-  visibility("raster", {"ridge.tif", "--observer", "-5.2,0", "--area", "-6.1,-1,3,2.2", "-o", "part.tif"});
+  visibility("raster", {"ridge.tif", "--observer", "-5.2,0", "--extent", "-6.1,-1,3,2.2", "-o", "part.tif"});
   const std::vector<double> part = read_map("part.tif", transform, columns);
   EXPECT_EQ(transform, (std::array<double, 6>{-6.5, 0.5, 0, 2.5, 0, -0.5}));
   EXPECT_EQ(columns, 19);
@@ -172,7 +172,7 @@ TEST_F(VisibilityTerrainTest, beside_points_it_blocks_and_goes_on_as_the_ground)
   const Words far = {"site.csv", "--observer", "-9.5,9", "--ground-reach", "0", "-o", "far.tif"};
   expect_error("raster", far, "no ground below the observer");
   const ProgramResult result = visibility(
-      "raster", with(far, {"--terrain", "ridge.tif", "--area", "-10,-10,10,10", "--resolution", "0.5"}));
+      "raster", with(far, {"--terrain", "ridge.tif", "--extent", "-10,-10,10,10", "--resolution", "0.5"}));
   EXPECT_TRUE(contains(result.err, "map: 40 x 40 cells")) << result.err;
   EXPECT_TRUE(contains(result.err, ", 0 cells without a value")) << result.err;
   EXPECT_TRUE(contains(result.err, "; the terrain where it is higher")) << result.err;
@@ -292,7 +292,8 @@ TEST_F(VisibilityTerrainTest, results_of_points_and_other_options_of_points_need
   const Words map = {"ridge.tif", "--observer", "0,0", "-o", "out.tif"};
   expect_error("raster", with(map, {"--terrain", "ridge.tif"}), "a second raster beside ridge.tif");
   expect_error("raster", with(map, {"--ground", "lowest"}), "do not apply to a raster");
-  expect_error("raster", with(map, {"--area", "100,100,110,110"}), "--area contains no cells of the raster");
+  expect_error("raster", with(map, {"--extent", "100,100,110,110"}),
+               "--extent contains no cells of the raster");
 }
 
 TEST_F(ResumeTest, a_run_is_resumed_with_the_same_terrain_only) {

@@ -97,7 +97,7 @@ void add_map_options(const Options& command, MapOptions& map) {
                "cell size (default: 1, 2 or 5 times a power of ten, for at most 1000 cells along a side, "
                "none smaller than those of the ground; of a raster its own cells)",
                map.resolution, 1e-6, 1e9);
-  group.value("--area", "XMIN,YMIN,XMAX,YMAX", "only this part of the cloud (default: all of it)", map.area,
+  group.value("--extent", "XMIN,YMIN,XMAX,YMAX", "only this part of the cloud (default: all of it)", map.area,
               parse_area);
   add_ground(command, map);
 }
@@ -105,7 +105,7 @@ void add_map_options(const Options& command, MapOptions& map) {
 std::string given_map_option(const MapOptions& map) {
   if (!map.preview.empty()) return "--preview";
   if (map.resolution) return "--resolution";
-  if (map.area) return "--area";
+  if (map.area) return "--extent";
   if (map.target_height) return "--target-height";
   if (map.ground_source) return "--ground";
   if (map.ground_cell) return "--ground-cell";
@@ -145,8 +145,8 @@ Bounds map_area(const MapOptions& map, const VisibilityCloud& cloud) {
   if (cloud.terrain.surface != nullptr) all.grow(geo::area_of(cloud.terrain.surface->heights().grid));
   const Bounds area = geo::cropped(all, *map.area);
   if (area.empty()) {
-    throw Error({.problem = cloud.has_points() ? "--area contains no points of the cloud"
-                                               : "--area contains no cells of the raster"});
+    throw Error({.problem = cloud.has_points() ? "--extent contains no points of the cloud"
+                                               : "--extent contains no cells of the raster"});
   }
   return area;
 }

@@ -42,7 +42,7 @@ constexpr const char* k_map_group = "Map";
 /// Declares the options in groups of their own; they fill `map`. The target height is add_target_height()'s.
 void add_map_options(const Options& command, MapOptions& map);
 
-/// Name of the first of these options that was given, as "--area"; empty: none.
+/// Name of the first of these options that was given, as "--extent"; empty: none.
 std::string given_map_option(const MapOptions& map);
 
 /// Lets a map fail before the work. Errors: a preview that is not a PNG, exists and may not be replaced, or is
@@ -53,8 +53,8 @@ void check_map_writing(const MapOptions& map, bool overwrite,
 /// The ground below the cloud, with progress; it is said how it was found.
 visibility::Ground find_map_ground(const MapOptions& map, const VisibilityCloud& cloud, Verbosity verbosity);
 
-/// The part of the cloud, or of the terrain, that is requested; without --area that of points if there are any.
-/// Errors: --area holds nothing of it.
+/// The part of the cloud, or of the terrain, that is requested; without --extent that of points if there are any.
+/// Errors: --extent holds nothing of it.
 Bounds map_area(const MapOptions& map, const VisibilityCloud& cloud);
 
 /// The cells over an area, by default usual_resolution(), not finer than the ground, and of a raster its own
