@@ -119,7 +119,8 @@ Camera overview_camera(std::span<const glm::dvec3> positions, double radius, int
   const glm::dvec3 half = bounds.empty() ? glm::dvec3(0.0) : 0.5 * bounds.size();
   // A lone point needs room around it: a little, but more than rounding at its coordinates.
   const double magnitude = std::max({std::fabs(center.x), std::fabs(center.y), std::fabs(center.z)});
-  const double room = glm::length(half) > 0.0 ? 1e-3 * glm::length(half) : std::max(0.02, 1e-9 * magnitude);
+  const double least = glm::length(half) > 0.0 ? 1e-3 * glm::length(half) : std::max(0.02, 1e-9 * magnitude);
+  const double room = std::max(radius, least);
 
   const SineCosine azimuth = sine_cosine_of_degrees(k_azimuth), descent = sine_cosine_of_degrees(k_descent);
   const glm::dvec3 forward(azimuth.sine * descent.cosine, azimuth.cosine * descent.cosine, -descent.sine);

@@ -39,6 +39,7 @@ struct Camera {
   double cx = 0.0, cy = 0.0;  ///< where the axis meets the film, pixels
   CameraPose pose;
   Lens lens = PinholeLens{};
+  double near = 0.0;  ///< points at a smaller distance along a ray are not seen
 };
 
 // Largest values that scene files and command lines may ask for, inclusive.
@@ -47,7 +48,7 @@ inline constexpr int k_max_image_side = 1 << 16;         ///< pixels
 inline constexpr std::uint64_t k_max_pixels = 1u << 28;  ///< width times height
 
 /// Ray through a position on the film, in pixels ((0.5, 0.5) = centre of the top left pixel). Starts at the
-/// camera, t_min = 0. Unit direction. For many rays of one camera make a Projection
+/// camera, t_min = near. Unit direction. For many rays of one camera make a Projection
 /// (camera/projection.h). Errors: the lens has no view through this position.
 Ray camera_ray(const Camera& camera, const glm::dvec2& film_position);
 

@@ -87,9 +87,10 @@ std::string camera_json(const Camera& camera) {
   return fmt::format(
       R"({{"version": 1, "model": "{}", "width": {}, "height": {}, )"
       R"("intrinsics": {{"fx": {:.17g}, "fy": {:.17g}, "cx": {:.17g}, "cy": {:.17g}}}, {})"
-      R"("pose": {{"matrix": [{}[0, 0, 0, 1]], "convention": "opencv", "direction": "camera_to_world"}}}})",
+      R"("pose": {{"matrix": [{}[0, 0, 0, 1]], "convention": "opencv", "direction": "camera_to_world"}}{}}})",
       k_lens_names[camera.lens.index()], camera.width, camera.height, camera.fx, camera.fy, camera.cx,
-      camera.cy, distortion.empty() ? "" : "\"distortion\": " + distortion + ", ", rows);
+      camera.cy, distortion.empty() ? "" : "\"distortion\": " + distortion + ", ", rows,
+      camera.near > 0.0 ? fmt::format(", \"near\": {:.17g}", camera.near) : "");
 }
 
 }  // namespace alidade::camera

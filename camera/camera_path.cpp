@@ -122,8 +122,8 @@ std::vector<Camera> orbit_cameras(std::span<const glm::dvec3> positions, int wid
   std::vector<glm::dvec3> swept;
   for (int i = 0; i < k_sides; ++i) {
     const SineCosine side = sine_cosine_of_degrees(360.0 * i / k_sides);
-    for (const double height : {-half.z, half.z})
-      swept.push_back(center + glm::dvec3(radius * side.cosine, radius * side.sine, height));
+    for (const double above : {-half.z, half.z})
+      swept.push_back(center + glm::dvec3(radius * side.cosine, radius * side.sine, above));
   }
   const Camera first = overview_camera(swept, 0.0, width, height);
   std::vector<Camera> cameras;

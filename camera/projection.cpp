@@ -104,7 +104,7 @@ std::optional<Ray> Projection::ray(const glm::dvec2& film_position) const {
   const glm::dvec3 direction = towards.x * pose.right + towards.y * pose.down + towards.z * pose.forward;
   glm::dvec3 origin = pose.position;
   if (seen->origin != glm::dvec3(0.0)) origin += seen->origin.x * pose.right + seen->origin.y * pose.down;
-  return make_ray(origin, direction, 0.0);
+  return make_ray(origin, direction, camera_.near);
 }
 
 std::optional<glm::dvec2> Projection::project(const glm::dvec3& world) const {
@@ -126,6 +126,8 @@ void check_camera_numbers(const Camera& camera) {
   require(camera.fy > 0.0 && std::isfinite(camera.fy), "focal length out of range", "a positive number",
           camera.fy);
   require_finite({camera.cx, camera.cy}, "the principal point is not finite");
+  require(camera.near >= 0.0 && std::isfinite(camera.near), "near distance out of range", "0 or more",
+          camera.near);
   for (const glm::dvec3& axis :
        {camera.pose.position, camera.pose.right, camera.pose.down, camera.pose.forward})
     require_finite({axis.x, axis.y, axis.z}, "the camera pose is not finite");

@@ -280,11 +280,10 @@ Camera read_camera_node(const JsonNode& node) {
   const std::size_t model = model_of(node);
   const bool distorts = !is_model<PinholeLens>(model) && !is_model<OrthographicLens>(model) &&
                         !is_model<EquirectangularLens>(model);
-  const JsonFields fields =
-      distorts
-          ? JsonFields(node, {"version", "description", "model", "width", "height", "intrinsics",
-                              "distortion", "pose"})
-          : JsonFields(node, {"version", "description", "model", "width", "height", "intrinsics", "pose"});
+  const JsonFields fields = distorts ? JsonFields(node, {"version", "description", "model", "width", "height",
+                                                         "intrinsics", "distortion", "pose", "near"})
+                                     : JsonFields(node, {"version", "description", "model", "width", "height",
+                                                         "intrinsics", "pose", "near"});
   if (const auto version = fields.find("version")) read_version(*version);
   if (const auto description = fields.find("description")) description->text();
   const std::uint64_t width = fields.require("width").whole_number(1, k_max_image_side);
@@ -295,6 +294,7 @@ Camera read_camera_node(const JsonNode& node) {
                 .height = static_cast<int>(height),
                 .pose = read_pose(fields.require("pose"))};
   read_intrinsics(fields.require("intrinsics"), model, camera);
+  if (const auto near = fields.find("near")) camera.near = near->number({0.0, 1e9});
   if (distorts) camera.lens = read_distortion(fields.require("distortion"), model);
   try {
     check_camera(camera);

@@ -150,10 +150,12 @@ void check_camera_position(const camera::Camera& camera, const Scene& scene, con
   const bool all_levels = !scene.cloud || scene.cloud->max_level >= k_max_level;
   const int max_level = all_levels ? k_all_levels : scene.cloud->max_level;
   const std::optional<SphereAround> sphere = sphere_around(cloud, camera.pose.position, max_level);
-  if (!sphere) return;
-  throw Error({.problem = fmt::format("the camera is inside the sphere of point {}", sphere->point_id),
-               .expected = fmt::format("a distance above {:.6g}", sphere->radius),
-               .found = fmt::format("{:.6g}", sphere->distance)});
+  if (!sphere || sphere->distance < camera.near) return;
+  throw Error(
+      {.problem = fmt::format("the camera is inside the sphere of point {}", sphere->point_id),
+       .expected = fmt::format("a distance above {:.6g}, or --near {:.3g} to look past it", sphere->radius,
+                               std::max(1.01 * sphere->distance, 0.01 * sphere->radius)),
+       .found = fmt::format("{:.6g}", sphere->distance)});
 }
 
 bool keeps_noise(const RenderOptions& options) {

@@ -232,9 +232,9 @@ void World::nearest(std::span<const Ray> rays, std::span<const RayOrigin> ray_or
 }
 
 Ray World::interval(const Ray& ray, double t) const {
-  if (discs_) return {ray.origin, ray.direction, cloud_->query.entry_min, t};
+  if (discs_) return {ray.origin, ray.direction, std::max(cloud_->query.entry_min, ray.t_min), t};
   // The interval of spheres limits projections, which lie up to a radius behind the position of entry.
-  return {ray.origin, ray.direction, 0.0, t + cloud_->query.radius};
+  return {ray.origin, ray.direction, std::max(0.0, ray.t_min), t + cloud_->query.radius};
 }
 
 void World::meet_spheres(std::span<const Ray> rays, std::span<const std::size_t> numbers,

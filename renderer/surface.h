@@ -104,7 +104,7 @@ class World {
   /// The nearest surface in front of the ray's origin. Between a sphere of the cloud and an object the
   /// smaller t wins. A ray that leaves a surface never meets that surface from the side it left to: the
   /// ray_origin says which; inside glass the far wall of the same sphere counts, and inside a glass point no
-  /// other point is seen. Ray: t_min and t_max are ignored.
+  /// other point is seen. Ray: points before t_min are not met; t_max is ignored.
   std::optional<Intersection> nearest(const Ray& ray, const RayOrigin& ray_origin) const;
 
   /// Whether anything stands between the ray's origin and infinity.

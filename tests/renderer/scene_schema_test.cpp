@@ -77,7 +77,11 @@ std::vector<Json> cameras() {
 
 std::vector<Sample> samples() {
   std::vector<Sample> all;
-  for (const Json& each : cameras()) all.push_back({"camera.schema.json", each});
+  for (const Json& each : cameras()) {
+    all.push_back({"camera.schema.json", each});
+    all.push_back(all.back());
+    all.back().document["near"] = 0.5;
+  }
   Json scene = Json::parse(R"({
     "version": 1, "description": "a scene",
     "cloud": { "files": ["a.las", "b.las"], "partial": true, "radius": 0.5, "hits": "t", "color": "height", "color_depth": 16, "normals": "smooth", "surface": "blend", "max_level": 3,

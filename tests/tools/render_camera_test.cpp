@@ -149,12 +149,20 @@ TEST_F(RenderCameraTest, a_trajectory_takes_its_lens_from_a_camera_file) {
 TEST_F(RenderCameraTest, a_camera_inside_a_point_is_an_error) {
   const ProgramResult result = render({"--panorama", "100.1,200.1,5.01", "--radius", "0.1", "-o", "out.png"});
   EXPECT_EQ(result.exit_code, 2);
-  EXPECT_TRUE(contains(
-      result.err, "the camera is inside the sphere of point 21; expected a distance above 0.1, found 0.01"))
+  EXPECT_TRUE(
+      contains(result.err,
+               "the camera is inside the sphere of point 21; expected a distance above 0.1, or --near "
+               "0.0101 to look past it, found 0.01"))
       << result.err;
-  EXPECT_EQ(render({"--panorama", "100.1,200.1,5.2", "--radius", "0.1", "--size", "16x8", "-o", "out.png"})
-                .exit_code,
-            0);
+  const auto seen = [&](const std::string& from, const std::string& near) {
+    const ProgramResult made = render({"--panorama", from, "--near", near, "--radius", "0.1", "--size",
+                                       "16x8", "--overwrite", "-o", "out.png"});
+    EXPECT_EQ(made.exit_code, 0) << made.err;
+    return read("out.png");
+  };
+  seen("100.1,200.1,5.2", "0");
+  // Past the point, other points are seen; beyond all of them, the sky.
+  EXPECT_NE(seen("100.1,200.1,5.01", "0.0101"), seen("100.1,200.1,5.01", "1000"));
 }
 
 TEST_F(RenderCameraTest, gdalinfo_prints_the_corners_of_an_orthophoto) {

@@ -120,6 +120,10 @@ void add_camera_options(const Options& render, CameraRequest& request) {
                             request.name);
   add_camera_reading(render.needs(camera), " (default: the scene's camera)", request.lens_file,
                      request.original_world);
+  render.number("--near", "METRES",
+                "do not show points nearer to the camera, such as the camera positions that some "
+                "photogrammetry writes into its clouds (default: the camera's, else 0)",
+                request.near, 0.0, 1e9);
   const Option panorama = render.excludes(camera).value(
       "--panorama", "X,Y,Z", "panorama around a position, north in the centre (default size 2048x1024)",
       [&request](const std::string& text) {
@@ -155,9 +159,9 @@ std::vector<View> requested_views(const CameraRequest& request, const renderer::
   } else if (scene.camera && !request.from_above) {
     views.push_back({"", *scene.camera});
   }
-  if (request.size) {
-    for (View& view : views)
-      view.camera = camera::resized(view.camera, request.size->width, request.size->height);
+  for (View& view : views) {
+    if (request.size) view.camera = camera::resized(view.camera, request.size->width, request.size->height);
+    if (request.near) view.camera.near = *request.near;
   }
   return views;
 }

@@ -24,6 +24,7 @@ struct CameraRequest {
   std::optional<double> resolution;
   std::optional<std::array<double, 4>> extent;  ///< least x and y, largest x and y
   std::optional<ImageSize> size;
+  std::optional<double> near;
 };
 
 /// Declares the options; they fill `request`.
