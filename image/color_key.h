@@ -37,7 +37,7 @@ struct ColorKey {
   std::string title{};       ///< for people: "Height"
   std::string unit{};        ///< "m", "ft", "s", "degrees", or empty
   std::optional<ColorScale> scale{};
-  std::vector<Swatch> swatches{};  ///< classes, numbers of returns, directions of normals
+  std::vector<Swatch> swatches{};  ///< classes, numbers of returns, few whole numbers, directions of normals
   std::uint64_t point_count = 0;
   std::uint64_t missing_count = 0;  ///< points without a value, shown in k_no_value_color
 };

@@ -10,6 +10,7 @@
 #include "base/words.h"
 #include "cloud/cloud_reader.h"
 #include "geo/map_unit.h"
+#include "image/value_categories.h"
 
 namespace alidade::image {
 namespace {
@@ -232,6 +233,32 @@ ColoredPoints by_returns(const PointColoring& coloring, const PointValues& value
   return points;
 }
 
+/// Whether an extra dimension says that its bits mean something each, as VisibleBy of 'visibility points' does.
+bool has_masks(const AttributeColumns& columns, const std::string& name) {
+  const ExtraColumn* const column = find_numbers(columns, name);
+  return column != nullptr && column->description.description.starts_with("bit ");
+}
+
+/// Few whole numbers that are no measurements are shown one by one, unless a map or a range is wanted.
+ColoredPoints by_attribute(const PointColoring& coloring, const AttributeColumns& columns,
+                           const PointValues& values) {
+  const bool is_measure = coloring.attribute == "near_infrared" || coloring.attribute == "scan_angle";
+  if (is_measure || coloring.map || coloring.range) return by_scale(coloring, values);
+  const bool are_masks = has_masks(columns, coloring.attribute);
+  const std::vector<ValueCategory> categories = categories_of(values, usual_map(coloring.by), are_masks);
+  if (categories.empty()) return by_scale(coloring, are_masks ? bit_counts(values) : values);
+  ColoredPoints points;
+  points.colors = colors_by(values, [&](double value) {
+    return std::ranges::lower_bound(categories, value, {}, &ValueCategory::value)->swatch.color;
+  });
+  points.key.missing_count = values.count;
+  for (const ValueCategory& category : categories) {
+    points.key.missing_count -= *category.swatch.count;
+    points.key.swatches.push_back(category.swatch);
+  }
+  return points;
+}
+
 /// The six directions of the world's axes.
 ColoredPoints by_normal() {
   ColoredPoints points;
@@ -259,6 +286,8 @@ ColoredPoints colored(const PointColoring& coloring, const AttributeColumns& col
     case PointColor::return_number:
     case PointColor::number_of_returns:
       return by_returns(coloring, values);
+    case PointColor::attribute:
+      return by_attribute(coloring, columns, values);
     default:
       return by_scale(coloring, values);
   }

@@ -54,14 +54,6 @@ glm::dvec3 from_hue(double hue, double saturation, double value) {
   return value * glm::mix(glm::dvec3(1.0), pure, saturation);
 }
 
-/// Neighbouring numbers lie far apart in hue (steps of the golden section) and differ in brightness.
-Color16 further_color(std::size_t number) {
-  constexpr double k_golden_section = 0.6180339887498949;
-  constexpr std::array<double, 3> k_saturations = {0.75, 0.55, 0.40}, k_values = {0.85, 0.62, 0.95};
-  const double turns = k_golden_section * static_cast<double>(number);
-  return to_color16(from_hue(turns - std::floor(turns), k_saturations[number % 3], k_values[number % 3]));
-}
-
 }  // namespace
 
 PointColoring coloring_by(std::string_view word) {
@@ -89,6 +81,13 @@ std::optional<Color16> parse_hex_color(std::string_view text) {
   return color;
 }
 
+Color16 distinct_color(std::uint64_t number) {
+  constexpr double k_golden_section = 0.6180339887498949;
+  constexpr std::array<double, 3> k_saturations = {0.75, 0.55, 0.40}, k_values = {0.85, 0.62, 0.95};
+  const double turns = k_golden_section * static_cast<double>(number);
+  return to_color16(from_hue(turns - std::floor(turns), k_saturations[number % 3], k_values[number % 3]));
+}
+
 std::array<ClassStyle, 256> class_styles(std::span<const ClassColor> changed) {
   std::array<ClassStyle, 256> styles;
   for (std::size_t number = 0; number < styles.size(); ++number) {
@@ -97,7 +96,7 @@ std::array<ClassStyle, 256> class_styles(std::span<const ClassColor> changed) {
       style = {std::string(k_standard_classes[number].name), from_hex(k_standard_classes[number].color)};
     } else {
       const char* const kind = number < k_first_user_class ? "Reserved " : "User class ";
-      style = {kind + std::to_string(number), further_color(number)};
+      style = {kind + std::to_string(number), distinct_color(number)};
     }
   }
   for (const ClassColor& change : changed) {

@@ -157,7 +157,9 @@ TEST(ColorPoints, any_numeric_attribute_can_be_named) {
   cloud.user_data = {7, 8, 9};
   cloud.point_source_ids = {100, 200, 300};
   for (const std::string name : {"near_infrared", "flags", "scan_angle", "user_data", "point_source_id"}) {
-    const ColoredPoints points = colored(cloud, coloring_by(name));
+    PointColoring coloring = coloring_by(name);
+    coloring.map = ColorMap::viridis;
+    const ColoredPoints points = colored(cloud, coloring);
     EXPECT_EQ(points.colors[0], shade(ColorMap::viridis, 0.0)) << name;
     EXPECT_EQ(points.colors[1], shade(ColorMap::viridis, 0.5)) << name;
     EXPECT_EQ(points.colors[2], shade(ColorMap::viridis, 1.0)) << name;
@@ -180,7 +182,9 @@ TEST(ColorPoints, extra_dimensions_count_with_scale_offset_and_no_data_in_every_
                             test::extra<float>("i", ScalarType::float32, {0.5f, 1.0f, 1.5f}),
                             test::extra<double>("j", ScalarType::float64, {-1e200, 0.0, 1e200})};
   for (const ExtraDimension& dimension : cloud.extra_dimensions) {
-    const ColoredPoints points = colored(cloud, coloring_by(dimension.name));
+    PointColoring along_map = coloring_by(dimension.name);
+    along_map.map = ColorMap::viridis;
+    const ColoredPoints points = colored(cloud, along_map);
     EXPECT_EQ(points.colors[0], shade(ColorMap::viridis, 0.0)) << dimension.name;
     EXPECT_EQ(points.colors[1], shade(ColorMap::viridis, 0.5)) << dimension.name;
     EXPECT_EQ(points.colors[2], shade(ColorMap::viridis, 1.0)) << dimension.name;
@@ -193,7 +197,9 @@ TEST(ColorPoints, extra_dimensions_count_with_scale_offset_and_no_data_in_every_
   std::memcpy(scaled.no_data.emplace().data(), &none, sizeof none);
   const ColoredPoints points = colored(cloud, coloring_by("d"));
   EXPECT_EQ(points.key.missing_count, 1u);
-  EXPECT_EQ(points.key.scale->extent, (ValueRange{10.0, 135.0}));
+  ASSERT_EQ(points.key.swatches.size(), 2u);
+  EXPECT_EQ(points.key.swatches[0].number, "10");
+  EXPECT_EQ(points.key.swatches[1].number, "135");
 }
 
 TEST(ColorPoints, values_beyond_1e300_are_nodata) {
@@ -297,6 +303,53 @@ TEST(ColorKeyTest, a_note_counts_times_from_the_moment_it_names_and_metadata_fro
   EXPECT_EQ(scale_text(key),
             "-0.25 to 2567.5 s (all -26 to 2574 s); 0 s = 2024-06-09 20:27:06 GPS time, colour map viridis");
   EXPECT_EQ(color_metadata(key).back().second, "402000025.75 402002593.5");
+}
+
+/// A cloud whose points have these values of an extra dimension of 16 bits.
+PointCloud with_values(const std::vector<std::uint16_t>& values, const std::string& description) {
+  PointCloud cloud = test::column(values.size());
+  ExtraDimension column = test::extra<std::uint16_t>("Value", ScalarType::uint16, values);
+  column.description = description;
+  cloud.extra_dimensions.push_back(column);
+  return cloud;
+}
+
+TEST(ColorPoints, few_whole_numbers_have_a_colour_each) {
+  PointColoring coloring{.by = PointColor::attribute, .attribute = "Value"};
+  const ColoredPoints lines = colored(with_values({108, 103, 103, 211}, "flight line"), coloring);
+  ASSERT_EQ(lines.key.swatches.size(), 3u);
+  EXPECT_FALSE(lines.key.scale);
+  EXPECT_EQ(lines.key.swatches[0].number, "103");
+  EXPECT_EQ(lines.key.swatches[0].count, 2u);
+  EXPECT_EQ(lines.colors[0], distinct_color(108));
+  EXPECT_EQ(lines.colors[1], distinct_color(103));
+  // Numbers that count up are more or less of something.
+  const ColoredPoints counts = colored(with_values({0, 2, 1, 2}, "observers"), coloring);
+  ASSERT_EQ(counts.key.swatches.size(), 3u);
+  EXPECT_EQ(counts.colors[1], shade(ColorMap::viridis, 1.0));
+  EXPECT_EQ(counts.colors[2], shade(ColorMap::viridis, 0.5));
+  coloring.range = ValueRange{0.0, 4.0};
+  EXPECT_EQ(colored(with_values({0, 2, 1, 2}, "observers"), coloring).colors[1],
+            shade(ColorMap::viridis, 0.5));
+  coloring.range.reset();
+  std::vector<std::uint16_t> many(25);
+  for (std::size_t i = 0; i < many.size(); ++i) many[i] = static_cast<std::uint16_t>(10 * i);
+  EXPECT_TRUE(colored(with_values(many, "height"), coloring).key.scale);
+}
+
+TEST(ColorPoints, masks_name_their_bits_and_many_are_counted) {
+  const PointColoring coloring{.by = PointColor::attribute, .attribute = "Value"};
+  const ColoredPoints masks =
+      colored(with_values({0, 5, 5, 0x8000}, "bit i-1: observer i sees it"), coloring);
+  ASSERT_EQ(masks.key.swatches.size(), 3u);
+  EXPECT_EQ(masks.key.swatches[0].label, "none");
+  EXPECT_EQ(masks.key.swatches[1].label, "1, 3");
+  EXPECT_EQ(masks.key.swatches[2].label, "16");
+  EXPECT_EQ(masks.key.swatches[1].count, 2u);
+  std::vector<std::uint16_t> many(32);
+  for (std::size_t i = 0; i < many.size(); ++i) many[i] = static_cast<std::uint16_t>(i);
+  const ColoredPoints counted = colored(with_values(many, "bit i-1: observer i sees it"), coloring);
+  EXPECT_EQ(counted.key.scale->extent, (ValueRange{0.0, 5.0}));
 }
 
 TEST(ColorPoints, a_normal_is_a_colour_of_the_surface_towards_the_viewer) {
