@@ -34,7 +34,7 @@ std::filesystem::path module_file() {
 }  // namespace
 
 const ImageModule& image_module() {
-  static const ImageModule& module = [] -> const ImageModule& {
+  static const ImageModule& module = []() -> const ImageModule& {
     const std::filesystem::path file = module_file();
     void* const library = ::dlopen(file.c_str(), RTLD_NOW | RTLD_LOCAL);
     if (library == nullptr) fail(file);

@@ -12,22 +12,22 @@ namespace alidade::tools {
 
 /// An option or operand of a command, as its manual lists it.
 struct OptionEntry {
-  std::string heading;             ///< of its group; empty: the first one
-  std::vector<std::string> names;  ///< "-o", "--output"; of an operand its one name, without hyphens
-  std::string kind;                ///< what is behind the name: "FILE", "8|16"; empty for flags
+  std::string heading{};             ///< of its group; empty: the first one
+  std::vector<std::string> names{};  ///< "-o", "--output"; of an operand its one name, without hyphens
+  std::string kind;                  ///< what is behind the name: "FILE", "8|16"; empty for flags
   std::string help;
   bool is_operand = false;
 };
 
 /// What is known of a command: the source of its help text, its manual page, and what shells complete.
 struct CommandEntry {
-  std::string name;                ///< "alidade visibility raster"
+  std::string name{};              ///< "alidade visibility raster"
   std::vector<std::string> words;  ///< all names of it below its group: "raster", "viewshed"
-  std::string description;
-  std::string usage;
-  std::string text;  ///< behind the options: forms, examples
-  std::vector<OptionEntry> options;
-  std::vector<CommandEntry> parts;  ///< commands of a group
+  std::string description{};
+  std::string usage{};
+  std::string text{};  ///< behind the options: forms, examples
+  std::vector<OptionEntry> options{};
+  std::vector<CommandEntry> parts{};  ///< commands of a group
 };
 
 /// A row of a manual: text in a second column, below a long first one on lines of its own. Ends with a line end.

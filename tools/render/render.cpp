@@ -376,15 +376,16 @@ ExitCode run(const RenderCommand& given) {
   const std::string first = written_file(command.long_render, pictures.front().file).string(),
                     last = written_file(command.long_render, pictures.back().file).string(),
                     written = pictures.size() == 1 ? first : fmt::format("{} to {}", first, last);
-  say_note(verbosity,
-           fmt::format("{} rays in {:.1f} s ({} rays/s); wrote {}",
-                       short_count(static_cast<double>(statistics.ray_count)), statistics.seconds,
-                       short_count(static_cast<double>(statistics.ray_count) / statistics.seconds), written));
+  const std::string hint = fmt::format(" with {} samples per pixel (--samples)", scene.render.samples);
+  say_note(verbosity, fmt::format("{} rays in {:.1f} s ({} rays/s); wrote {}{}",
+                                  short_count(static_cast<double>(statistics.ray_count)), statistics.seconds,
+                                  short_count(static_cast<double>(statistics.ray_count) / statistics.seconds),
+                                  written, command.is_overview() && is_lit ? hint : ""));
 
   if (!command.film.file.empty()) {
-    std::vector<std::filesystem::path> frames = list.finished;
-    for (const Picture& picture : pictures) frames.push_back(picture.file);
-    write_film(command.film, frames, command.output, command.overwrite, verbosity);
+    std::vector<std::filesystem::path> all = list.finished;
+    for (const Picture& picture : pictures) all.push_back(picture.file);
+    write_film(command.film, all, command.output, command.overwrite, verbosity);
   }
   return ExitCode::done;
 }

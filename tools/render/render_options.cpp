@@ -74,8 +74,11 @@ void add_adapted_radius_option(const Options& render, RadiusRequest& request, co
 }
 
 void add_picture_options(const Options& render, RenderCommand& command) {
-  render.count("--samples", "N", "paths per pixel; noise halves with four times as many (default 50)",
-               command.samples, 1, renderer::k_max_samples);
+  render.count(
+      "--samples", "N",
+      "paths per pixel; noise halves with four times as many (default: the scene's, else 50; 16 for an "
+      "overview)",
+      command.samples, 1, renderer::k_max_samples);
   render.count(
       "--max-bounces", "N",
       "scattering events after the first surface (default 8; 0: direct light of sun, sky and lamps only)",
@@ -349,7 +352,11 @@ renderer::Scene requested_scene(const RenderCommand& command) {
       !scene.render.ao_distance)
     throw input_error("a picture without a cloud requires a distance for ambient occlusion",
                       "--ao-distance METRES");
-  scene.render.samples = command.samples.value_or(scene.render.samples);
+  // Enough to look at, and few seconds of work; limits by noise or time have their own end.
+  constexpr int k_overview_samples = 16;
+  const bool is_quick =
+      command.is_overview() && !command.long_render.target_noise && !command.long_render.time_limit;
+  scene.render.samples = command.samples.value_or(is_quick ? k_overview_samples : scene.render.samples);
   scene.render.max_bounces = command.max_bounces.value_or(scene.render.max_bounces);
   scene.render.seed = command.seed.value_or(scene.render.seed);
   if (!command.output.empty() || !command.depth.file.empty()) scene.output.file = command.output;

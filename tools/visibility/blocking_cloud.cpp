@@ -184,10 +184,10 @@ void add_occluder_options(const Options& command, OccluderRequest& request) {
 
 std::vector<std::filesystem::path> VisibilityRequest::inputs(
     std::initializer_list<std::filesystem::path> more) const {
-  std::vector<std::filesystem::path> files = CloudRequest::inputs(more);
-  files.insert(files.end(), occluders.meshes.begin(), occluders.meshes.end());
-  if (!occluders.terrain.empty()) files.push_back(occluders.terrain);
-  return files;
+  std::vector<std::filesystem::path> all = CloudRequest::inputs(more);
+  all.insert(all.end(), occluders.meshes.begin(), occluders.meshes.end());
+  if (!occluders.terrain.empty()) all.push_back(occluders.terrain);
+  return all;
 }
 
 std::unique_ptr<VisibilityCloud> load_cloud_alone(const VisibilityRequest& request, AttributeSet attributes,
