@@ -82,7 +82,7 @@ std::string color_word(const PointColoring& coloring);
 /// "#rrggbb", hexadecimal, display-referred; empty for anything else.
 std::optional<Color16> parse_hex_color(std::string_view text);
 
-/// A colour for a number that means nothing by its size: neighbouring numbers lie far apart in hue (steps of the
+/// A colour for a number whose size has no meaning: neighbouring numbers lie far apart in hue (steps of the
 /// golden section) and differ in brightness.
 Color16 distinct_color(std::uint64_t number);
 
