@@ -6,10 +6,10 @@
 #include "image/color_points.h"
 #include "image/image_file.h"
 #include "renderer/cloud_in_view.h"
+#include "renderer/overview.h"
 #include "tools/cloud/load_cloud.h"
 #include "tools/command.h"
 #include "tools/image_module.h"
-#include "tools/render/automatic_exposure.h"
 #include "tools/render/first_looks.h"
 #include "tools/render/image_metadata.h"
 #include "tools/render/load_meshes.h"
@@ -358,7 +358,7 @@ ExitCode run(const RenderCommand& given) {
       command.exposure ? !command.exposure->has_value() : command.is_overview() && is_lit;
   if (is_automatic && image::image_format(pictures.front().file) != image::ImageFormat::exr) {
     // Of all pictures of a set the first, whether or not it is there already.
-    scene.output.exposure = automatic_exposure(scene, cloud, all_views.front().camera);
+    scene.output.exposure = renderer::automatic_exposure(scene, cloud, all_views.front().camera);
     say_note(verbosity, fmt::format("exposure {:+.2f} stops (--exposure)", scene.output.exposure));
   }
   if (wants_legend)

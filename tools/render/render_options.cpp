@@ -8,6 +8,7 @@
 #include "base/words.h"
 #include "octree/point_surface.h"
 #include "octree/spacing.h"
+#include "renderer/overview.h"
 #include "renderer/read_scene.h"
 #include "simulation/courtyard.h"
 #include "tools/cloud/load_cloud.h"
@@ -184,18 +185,6 @@ void take_scene_or_cloud(const std::vector<std::string>& words, RenderCommand& c
 
 /// Clouds, meshes or the site without a scene: a sun in the south-east, and a sky dim enough for white walls to keep
 /// their shading.
-renderer::Scene daylight_scene(const CloudInputs& clouds) {
-  renderer::Scene scene;
-  scene.sky = renderer::GradientSky{.horizon = {0.72f, 0.80f, 0.88f}, .zenith = {0.30f, 0.48f, 0.80f}};
-  scene.sun = geo::Sun{.irradiance = {2.2f, 2.1f, 1.95f}};
-  if (clouds.empty()) return scene;
-  renderer::CloudSettings& cloud = scene.cloud.emplace();
-  cloud.files = clouds.names();
-  cloud.normals = renderer::NormalMode::smooth;
-  cloud.shape = renderer::PointShape::blend;
-  return scene;
-}
-
 void apply(const RadiusRequest& request, renderer::CloudSettings& cloud) {
   if (!request.kind) return;
   cloud.radius.reset();
@@ -337,8 +326,8 @@ renderer::Scene requested_scene(const RenderCommand& command) {
     throw input_error("nothing to render", "SCENE.json, CLOUD..., --mesh FILE or --site courtyard");
   if (command.exact_site && !command.files.empty())
     throw input_error("--site does not apply to a cloud", "the site alone, or a scene file");
-  renderer::Scene scene =
-      command.scene_file.empty() ? daylight_scene(command.files) : renderer::read_scene(command.scene_file);
+  renderer::Scene scene = command.scene_file.empty() ? renderer::daylight_scene(command.files.names())
+                                                     : renderer::read_scene(command.scene_file);
   if (command.exact_site) put_exact_site(scene, command.scene_file);
   for (const std::filesystem::path& file : command.meshes)
     scene.objects.emplace_back(renderer::Model{.surfaces = {}, .mesh = renderer::MeshFile{file, {}}});
@@ -353,10 +342,10 @@ renderer::Scene requested_scene(const RenderCommand& command) {
     throw input_error("a picture without a cloud requires a distance for ambient occlusion",
                       "--ao-distance METRES");
   // Enough to look at, and few seconds of work; limits by noise or time have their own end.
-  constexpr int k_overview_samples = 16;
   const bool is_quick =
       command.is_overview() && !command.long_render.target_noise && !command.long_render.time_limit;
-  scene.render.samples = command.samples.value_or(is_quick ? k_overview_samples : scene.render.samples);
+  scene.render.samples =
+      command.samples.value_or(is_quick ? renderer::k_overview_samples : scene.render.samples);
   scene.render.max_bounces = command.max_bounces.value_or(scene.render.max_bounces);
   scene.render.seed = command.seed.value_or(scene.render.seed);
   if (!command.output.empty() || !command.depth.file.empty()) scene.output.file = command.output;
@@ -364,7 +353,7 @@ renderer::Scene requested_scene(const RenderCommand& command) {
   if (command.transparent) scene.output.transparent = true;
   // In an overview no brightness of the sky is meant, and it must not change with the exposure.
   const bool is_shaded = scene.render.mode != renderer::RenderMode::flat;
-  if (command.is_overview() && is_shaded) scene.output.background = Rgb(0.87f, 0.91f, 0.95f);
+  if (command.is_overview() && is_shaded) scene.output.background = renderer::k_overview_background;
   if (scene.output.transparent && image::image_format(scene.output.file) == image::ImageFormat::jpeg)
     throw file_error(scene.output.file, "JPEG has no alpha",
                      "the extension .png, .exr or .tif, or no --transparent");

@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 #include <map>
 
+#include "renderer/overview.h"
 #include "renderer/read_scene.h"
 #include "tools/camera_file.h"
 
@@ -187,17 +188,9 @@ View view_of_cloud(const CameraRequest& request, const renderer::Scene& scene,
   const Bounds seen = seen_bounds(scene, cloud, scene_file);
   if (!request.from_above) {
     const ImageSize size = request.size.value_or(ImageSize{1200, 800});
-    // By the points and not their box, whose corners are often empty.
-    std::vector<glm::dvec3> positions;
-    if (cloud != nullptr) positions = renderer::visible_positions(*cloud);
-    const Bounds models = model_bounds(scene);
-    if (positions.empty() || meet(seen, models))
+    if (cloud == nullptr || meet(seen, model_bounds(scene)))
       return {"", camera::overview_camera(seen, size.width, size.height)};
-    // Most are smaller than the largest that radii by the density allow, unless there are few.
-    constexpr std::size_t k_few = 2000;
-    const bool is_dense = cloud->lone_radius > 0.0 && cloud->octree.size() > k_few;
-    const double radius = is_dense ? 2.0 * cloud->lone_radius : cloud->radius;
-    return {"", camera::overview_camera(positions, radius, size.width, size.height)};
+    return {"", renderer::overview_camera(*cloud, size.width, size.height)};
   }
   Bounds bounds = model_bounds(scene);
   if (cloud != nullptr) {

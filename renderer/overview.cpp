@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "tools/render/automatic_exposure.h"
+#include "renderer/overview.h"
 
 #include <algorithm>
 #include <cmath>
@@ -7,23 +7,43 @@
 #include <vector>
 
 #include "base/color.h"
+#include "renderer/render.h"
 
-namespace alidade::tools {
+namespace alidade::renderer {
 
-double automatic_exposure(const renderer::Scene& scene, const renderer::LoadedCloud* cloud,
-                          const camera::Camera& view) {
+Scene daylight_scene(std::vector<std::filesystem::path> files) {
+  Scene scene;
+  scene.sky = GradientSky{.horizon = {0.72f, 0.80f, 0.88f}, .zenith = {0.30f, 0.48f, 0.80f}};
+  scene.sun = geo::Sun{.irradiance = {2.2f, 2.1f, 1.95f}};
+  if (files.empty()) return scene;
+  CloudSettings& cloud = scene.cloud.emplace();
+  cloud.files = std::move(files);
+  cloud.normals = NormalMode::smooth;
+  cloud.shape = PointShape::blend;
+  return scene;
+}
+
+camera::Camera overview_camera(const LoadedCloud& cloud, int width, int height) {
+  // Most radii are smaller than the largest that the density allows, unless there are few points.
+  constexpr std::size_t k_few = 2000;
+  const bool is_dense = cloud.lone_radius > 0.0 && cloud.octree.size() > k_few;
+  const double radius = is_dense ? 2.0 * cloud.lone_radius : cloud.radius;
+  return camera::overview_camera(visible_positions(cloud), radius, width, height);
+}
+
+double automatic_exposure(const Scene& scene, const LoadedCloud* cloud, const camera::Camera& view) {
   constexpr int k_longest_side = 96, k_samples = 4;
   // Source: sRGB (IEC 61966-2-1): weights of the primaries.
   constexpr Rgb k_weights(0.2126f, 0.7152f, 0.0722f);
   // 0.47 of white as displayed, linear.
   constexpr double k_medium = 0.187, k_most_stops = 4.0;
-  renderer::Scene small = scene;
+  Scene small = scene;
   const double share = std::min(1.0, static_cast<double>(k_longest_side) / std::max(view.width, view.height));
   small.camera = camera::resized(view, std::max(1, static_cast<int>(view.width * share)),
                                  std::max(1, static_cast<int>(view.height * share)));
   small.render.samples = k_samples;
   small.output.transparent = true;
-  const image::Film film = renderer::render(small, cloud, {.layers = std::vector{image::Layer::color}});
+  const image::Film film = render(small, cloud, {.layers = std::vector{image::Layer::color}});
   std::vector<float> luminances;
   for (std::size_t pixel = 0; pixel < film.count(); ++pixel)
     if (film.alpha[pixel] >= 0.5f)
@@ -37,4 +57,4 @@ double automatic_exposure(const renderer::Scene& scene, const renderer::LoadedCl
   return std::clamp(stops, -k_most_stops, k_most_stops);
 }
 
-}  // namespace alidade::tools
+}  // namespace alidade::renderer

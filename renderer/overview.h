@@ -1,0 +1,33 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <filesystem>
+#include <vector>
+
+#include "camera/camera.h"
+#include "renderer/load_cloud.h"
+#include "renderer/scene.h"
+
+// Pictures of a cloud for which nobody chose light, camera or brightness.
+
+namespace alidade::renderer {
+
+/// The background of such pictures, which no light comes from: a light blue.
+inline constexpr Rgb k_overview_background{0.87f, 0.91f, 0.95f};
+/// Enough samples to look at.
+inline constexpr int k_overview_samples = 16;
+
+/// Sun and sky of a clear day, and the clouds of these files as surfaces; no cloud without files.
+Scene daylight_scene(std::vector<std::filesystem::path> files);
+
+/// The view of the whole cloud, by its points and not their box, whose corners are often empty: camera::overview_camera()
+/// of visible_positions(). Requires points.
+camera::Camera overview_camera(const LoadedCloud& cloud, int width, int height);
+
+/// The exposure, in stops, that gives the surfaces in a view a medium brightness: half of their pixels are darker
+/// than 0.47 of white as displayed, half brighter. It is that of a picture of 96 pixels, so that it is the same for
+/// every part and size of a picture; within 4 stops of 0. 0 where the view has no surfaces. The scene's light is
+/// prepared. Cost: that of the small picture.
+double automatic_exposure(const Scene& scene, const LoadedCloud* cloud, const camera::Camera& view);
+
+}  // namespace alidade::renderer
