@@ -8,13 +8,14 @@ build_packages=(
   libfreetype-dev fonts-dejavu-core                # legends
   nlohmann-json3-dev libcli11-dev libedit2         # the program
   libsqlite3-dev libpq-dev                         # databases
+  pybind11-dev python3-dev python3-numpy           # the module for Python
   libgtest-dev                                     # tests
 )
-# libembree-dev: the test that compares hits with Embree's spheres. python3-numpy: the one that compares answers with a
-# script of ten lines. gdal-bin: gdalinfo, which is asked where orthophotos lie. clang: libFuzzer. chromium: opens reports. doxygen: the API pages.
+# libembree-dev: the test that compares hits with Embree's spheres. gdal-bin: gdalinfo, which is asked where orthophotos lie. clang: libFuzzer. chromium: opens reports. doxygen: the API pages.
 # ccache: several builds compile the same. postgresql: the extension alidade_pg, left out of a build without them.
-test_packages=(ccache libembree-dev clang libclang-rt-14-dev clang-format python3-numpy gdal-bin chromium doxygen
-               postgresql-15 postgresql-server-dev-15)
+# pytest, hypothesis, scipy and matplotlib: the module for Python.
+test_packages=(ccache libembree-dev clang libclang-rt-14-dev clang-format gdal-bin chromium doxygen
+               postgresql-15 postgresql-server-dev-15 python3-pytest python3-hypothesis python3-scipy python3-matplotlib)
 # Beside libbenchmark-dev: what the benchmarks compare with, and their plots.
 bench_packages=(libbenchmark-dev libembree-dev libnanoflann-dev libboost-dev libpcl-dev python3-matplotlib)
 lint_packages=(libembree-dev clang-tidy)

@@ -1,0 +1,2 @@
+# SPDX-License-Identifier: MIT
+from ._alidade import (Cloud, Error, Index, __version__, compare, open, render, viewshed, visible)

@@ -1,0 +1,120 @@
+// SPDX-License-Identifier: MIT
+#include "python/python_arrays.h"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+#include <atomic>
+#include <chrono>
+#include <future>
+
+namespace alidade::python {
+namespace {
+
+std::string type_text(const py::array& array) {
+  return py::str(array.dtype()).cast<std::string>();
+}
+
+/// Anything as an array, of whatever type. Errors: NumPy makes none of it.
+py::array array_of(const py::handle& given, const char* name) {
+  py::array array = py::array::ensure(given);
+  if (!array) {
+    PyErr_Clear();
+    throw input_error(fmt::format("{} is no array", name), "an array of numbers",
+                      py::str(py::type::handle_of(given).attr("__name__")).cast<std::string>());
+  }
+  return array;
+}
+
+/// Real numbers: signed, unsigned, floating point.
+Doubles real_numbers(const py::array& array, const char* name) {
+  const char kind = array.dtype().kind();
+  const bool is_real = kind == 'f' || kind == 'i' || kind == 'u';
+  Doubles numbers = is_real ? Doubles::ensure(array) : Doubles();
+  if (!is_real || !numbers)
+    throw input_error(fmt::format("{} has no real numbers", name),
+                      "an array of floating-point or whole numbers",
+                      fmt::format("dtype {} of shape {}", type_text(array), shape_text(array)));
+  return numbers;
+}
+
+}  // namespace
+
+std::string shape_text(const py::array& array) {
+  const Shape shape(array.shape(), array.shape() + array.ndim());
+  return fmt::format("({}{})", fmt::join(shape, ", "), shape.size() == 1 ? "," : "");
+}
+
+Doubles numbers_of(const py::handle& given, const char* name, std::initializer_list<py::ssize_t> widths) {
+  const py::array array = array_of(given, name);
+  const bool fits =
+      array.ndim() > 0 && std::ranges::find(widths, array.shape(array.ndim() - 1)) != widths.end();
+  if (!fits)
+    throw input_error(fmt::format("{} has the wrong shape", name),
+                      fmt::format("(..., {})", fmt::join(widths, " or ")),
+                      fmt::format("shape {}, dtype {}", shape_text(array), type_text(array)));
+  return real_numbers(array, name);
+}
+
+Shape leading_shape(const py::array& array) {
+  return {array.shape(), array.shape() + array.ndim() - 1};
+}
+
+PerTarget::PerTarget(const py::handle& given, const char* name, std::size_t count)
+    : array_(real_numbers(array_of(given, name), name)) {
+  const auto size = static_cast<std::size_t>(array_.size());
+  if (size != 1 && size != count)
+    throw input_error(fmt::format("{} has the wrong shape", name), fmt::format("one number, or {}", count),
+                      "shape " + shape_text(array_));
+  values_ = array_.data();
+  stride_ = size == 1 ? 0 : 1;
+}
+
+void run_watched(int workers, const py::object& watch, const std::function<void(const Progress&)>& work) {
+  constexpr std::chrono::milliseconds k_between_looks(50);
+  std::atomic<bool> ends = false;
+  std::exception_ptr raised;
+  const auto keep_raised = [&] {
+    if (!raised) raised = std::current_exception();
+    ends = true;
+  };
+  const Progress progress = [&](std::uint64_t done, std::uint64_t total) {
+    if (!ends && !watch.is_none()) {
+      const py::gil_scoped_acquire acquire;
+      try {
+        watch(done, total);
+      } catch (...) {
+        keep_raised();
+      }
+    }
+    return !ends;
+  };
+  // Only the thread that called notices signals.
+  std::future<void> result = std::async(std::launch::async, [&] {
+    if (workers < 1) {
+      work(progress);
+    } else {
+      tbb::task_arena(workers).execute([&] { work(progress); });
+    }
+  });
+  for (bool is_done = false; !is_done;) {
+    {
+      const py::gil_scoped_release release;
+      is_done = result.wait_for(k_between_looks) == std::future_status::ready;
+    }
+    if (ends || PyErr_CheckSignals() == 0) continue;
+    try {
+      throw py::error_already_set();
+    } catch (...) {
+      keep_raised();
+    }
+  }
+  try {
+    result.get();
+  } catch (const Cancelled&) {
+    if (raised) std::rethrow_exception(raised);
+    throw;
+  }
+  if (raised) std::rethrow_exception(raised);
+}
+
+}  // namespace alidade::python

@@ -1,0 +1,107 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <pybind11/numpy.h>
+#include <pybind11/pybind11.h>
+#include <tbb/blocked_range.h>
+#include <tbb/parallel_for.h>
+#include <tbb/task_arena.h>
+#include <algorithm>
+#include <functional>
+#include <glm/vec3.hpp>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "base/error.h"
+#include "base/progress.h"
+
+// NumPy arrays in and out.
+
+namespace alidade::python {
+
+namespace py = pybind11;
+
+using Shape = std::vector<py::ssize_t>;
+
+/// Numbers of any kind as doubles, one after the other; copied only if they are not.
+using Doubles = py::array_t<double, py::array::c_style | py::array::forcecast>;
+
+/// "(100, 3)".
+std::string shape_text(const py::array& array);
+
+/// An array of numbers whose last side is one of `widths`, such as (..., 3). Errors: Error with shape and type of what
+/// was found, for everything that NumPy does not take for real numbers, too.
+Doubles numbers_of(const py::handle& given, const char* name, std::initializer_list<py::ssize_t> widths);
+
+/// The shape without its last side.
+Shape leading_shape(const py::array& array);
+
+/// A number for each of `count` targets, or the same for all.
+class PerTarget {
+ public:
+  /// Errors: neither one number nor `count`.
+  PerTarget(const py::handle& given, const char* name, std::size_t count);
+
+  double operator[](std::size_t i) const { return values_[stride_ * i]; }
+
+ private:
+  Doubles array_;
+  const double* values_;
+  std::size_t stride_;
+};
+
+/// Rows of three doubles as positions, without copying. Requires: the last side is 3.
+inline std::span<const glm::dvec3> as_positions(const Doubles& array) {
+  static_assert(sizeof(glm::dvec3) == 3 * sizeof(double));
+  return {reinterpret_cast<const glm::dvec3*>(array.data()), static_cast<std::size_t>(array.size() / 3)};
+}
+
+/// The values that `owner` keeps alive, without copying; nobody can write to them.
+template <class T>
+py::array view_of(const T* values, Shape shape, Shape strides, const py::handle& owner) {
+  py::array array(py::dtype::of<T>(), std::move(shape), std::move(strides), values, owner);
+  py::detail::array_proxy(array.ptr())->flags &= ~py::detail::npy_api::NPY_ARRAY_WRITEABLE_;
+  return array;
+}
+
+template <class T>
+py::array view_of(std::span<const T> values, const py::handle& owner) {
+  return view_of(values.data(), {static_cast<py::ssize_t>(values.size())}, {sizeof(T)}, owner);
+}
+
+/// Runs without the GIL on so many threads; all of the machine's where `workers` is below 1.
+template <class Work>
+void run_free(int workers, const Work& work) {
+  const py::gil_scoped_release release;
+  if (workers < 1) {
+    work();
+  } else {
+    tbb::task_arena(workers).execute(work);
+  }
+}
+
+/// Calls work(progress) in a thread of its own without the GIL, and waits for it. `progress` is a Progress that calls
+/// watch(done, total) unless that is None. What `watch` raises, and Ctrl-C, end the work and are raised here.
+void run_watched(int workers, const py::object& watch, const std::function<void(const Progress&)>& work);
+
+/// Calls work(begin, end) for pieces of `count` items without the GIL; Ctrl-C is noticed between them.
+template <class Work>
+void in_pieces(int workers, std::size_t count, const Work& work) {
+  constexpr std::size_t k_piece = std::size_t{1} << 18;
+  for (std::size_t begin = 0; begin < count; begin += k_piece) {
+    run_free(workers, [&] { work(begin, std::min(count, begin + k_piece)); });
+    if (PyErr_CheckSignals() != 0) throw py::error_already_set();
+  }
+}
+
+/// visit(i) for begin <= i < end, in parallel.
+template <class Visit>
+void for_each_index(std::size_t begin, std::size_t end, const Visit& visit) {
+  constexpr std::size_t k_grain = 4096;
+  tbb::parallel_for(tbb::blocked_range<std::size_t>(begin, end, k_grain), [&](const auto& range) {
+    for (std::size_t i = range.begin(); i < range.end(); ++i) visit(i);
+  });
+}
+
+}  // namespace alidade::python

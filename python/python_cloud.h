@@ -1,0 +1,59 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <memory>
+#include <optional>
+
+#include "octree/index_file/index_file.h"
+#include "python/python_arrays.h"
+
+// The classes Cloud and Index of the module.
+
+namespace alidade::python {
+
+/// A cloud in memory or in a mapped index file. Immutable.
+struct CloudData {
+  IndexedCloud points;  ///< the octree only of an index file, whose points it has
+  std::string name;     ///< for messages
+
+  std::size_t size() const { return points.index ? points.octree.size() : points.cloud.size(); }
+  const Lattice& lattice() const { return points.index ? points.octree.lattice() : points.cloud.lattice; }
+  /// Coordinate reference system and the rest of what the files said.
+  const PointCloud& description() const { return points.index ? points.index->description() : points.cloud; }
+};
+
+/// Points and their attributes as arrays.
+class Cloud {
+ public:
+  explicit Cloud(std::shared_ptr<const CloudData> data) : data_(std::move(data)) {}
+  virtual ~Cloud() = default;
+
+  const std::shared_ptr<const CloudData>& data() const { return data_; }
+  /// (n, 3), world coordinates; made once, when first asked for.
+  py::array xyz();
+
+ private:
+  std::shared_ptr<const CloudData> data_;
+  py::object xyz_ = py::none();
+};
+
+/// A cloud with its octree.
+class Index : public Cloud {
+ public:
+  Index(std::shared_ptr<const CloudData> data, Octree octree)
+      : Cloud(std::move(data)), octree_(std::move(octree)) {}
+
+  const Octree& octree() const { return octree_; }
+
+ private:
+  Octree octree_;
+};
+
+/// Declares both classes and open().
+void add_cloud(py::module_& module);
+/// Declares the queries of Index.
+void add_queries(py::class_<Index, Cloud>& index);
+/// Declares render(), visible(), viewshed() and compare().
+void add_pictures(py::module_& module);
+
+}  // namespace alidade::python

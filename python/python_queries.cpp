@@ -1,0 +1,463 @@
+// SPDX-License-Identifier: MIT
+#include <fmt/format.h>
+#include <pybind11/stl.h>
+#include <cmath>
+#include <limits>
+#include <numbers>
+
+#include "octree/query.h"
+#include "python/docstrings.h"
+#include "python/python_cloud.h"
+
+namespace alidade::python {
+namespace {
+
+constexpr double k_infinity = std::numeric_limits<double>::infinity();
+constexpr double k_nan = std::numeric_limits<double>::quiet_NaN();
+
+/// A type of collections.namedtuple, which the module keeps.
+py::object& tuple_type(const char* name, const char* fields) {
+  static std::map<std::string, py::object*> types;
+  py::object*& type = types[name];
+  // Never freed: modules of Python are not unloaded, and at exit there is no interpreter to free it with.
+  if (type == nullptr) {
+    type = new py::object(py::module_::import("collections").attr("namedtuple")(name, fields));
+    type->attr("__module__") = "alidade";
+  }
+  return *type;
+}
+
+/// What every query of this module may be asked beside its target.
+struct Conditions {
+  py::object where = py::none();
+  std::optional<std::vector<int>> classes;
+  std::optional<int> max_level;
+  int workers = -1;
+};
+
+/// A filter of a mask or of classes; empty: all points. What it reads is kept alive by `kept`.
+CandidateFilter filter_of(const Index& index, const Conditions& conditions, py::object& kept) {
+  const std::size_t count = index.data()->size();
+  const std::uint8_t* mask = nullptr;
+  if (!conditions.where.is_none()) {
+    const py::array array = py::array::ensure(conditions.where);
+    if (!array || array.ndim() != 1 || static_cast<std::size_t>(array.shape(0)) != count ||
+        array.dtype().kind() != 'b') {
+      PyErr_Clear();
+      throw input_error(
+          "where is no mask of the points", fmt::format("bool of shape ({},)", count),
+          array ? fmt::format("{} of shape {}", py::str(array.dtype()).cast<std::string>(), shape_text(array))
+                : "no array");
+    }
+    auto packed = py::array_t<bool, py::array::c_style | py::array::forcecast>(array);
+    mask = reinterpret_cast<const std::uint8_t*>(packed.data());
+    kept = std::move(packed);
+  }
+  std::array<bool, 256> wanted{};
+  if (conditions.classes) {
+    for (const int number : *conditions.classes) {
+      if (number < 0 || number > 255)
+        throw input_error("class out of range", "0 to 255", std::to_string(number));
+      wanted[static_cast<std::size_t>(number)] = true;
+    }
+  }
+  const std::span<const std::uint8_t> classes = index.data()->points.columns().classifications;
+  if (conditions.classes && classes.empty() && count > 0)
+    throw input_error("classes were given, but the cloud has none",
+                      "a cloud with the attribute classification");
+  if (mask == nullptr && !conditions.classes) return {};
+  return [=, has_classes = conditions.classes.has_value()](const Candidate& point) {
+    return (mask == nullptr || mask[point.point_id] != 0) &&
+           (!has_classes || wanted[classes[point.point_id]]);
+  };
+}
+
+template <class Query>
+void apply(const Index& index, const Conditions& conditions, Query& query, py::object& kept) {
+  query.filter = filter_of(index, conditions, kept);
+  if (conditions.max_level) query.max_level = *conditions.max_level;
+}
+
+Measure measure_of(const std::string& word) {
+  if (word == "entry") return Measure::entry;
+  if (word == "distance") return Measure::distance;
+  if (word == "t") return Measure::t;
+  throw input_error("unknown measure", "entry, distance or t", word);
+}
+
+/// Rays as arrays: (..., 6), or origins and directions, one of which may be a single one for all.
+class RayArrays {
+ public:
+  RayArrays(const py::object& rays, const py::object& origins, const py::object& directions,
+            const py::object& t_min, const py::object& t_max) {
+    if (rays.is_none() == (origins.is_none() || directions.is_none()))
+      throw input_error("rays are missing, or given twice", "either rays, or origins and directions");
+    if (!rays.is_none()) {
+      first_ = numbers_of(rays, "rays", {6});
+      shape_ = leading_shape(first_);
+      count_ = static_cast<std::size_t>(first_.size() / 6);
+      origin_ = first_.data();
+      direction_ = origin_ + 3;
+      origin_stride_ = direction_stride_ = 6;
+    } else {
+      first_ = numbers_of(origins, "origins", {3});
+      second_ = numbers_of(directions, "directions", {3});
+      const bool is_one_origin = first_.ndim() == 1, is_one_direction = second_.ndim() == 1;
+      shape_ = leading_shape(is_one_origin ? second_ : first_);
+      if (!is_one_origin && !is_one_direction && leading_shape(second_) != shape_)
+        throw input_error("origins and directions have different shapes", "equal shapes, or one of them (3,)",
+                          shape_text(first_) + " and " + shape_text(second_));
+      count_ = static_cast<std::size_t>((is_one_origin ? second_ : first_).size() / 3);
+      origin_ = first_.data();
+      direction_ = second_.data();
+      origin_stride_ = is_one_origin ? 0 : 3;
+      direction_stride_ = is_one_direction ? 0 : 3;
+    }
+    t_min_.emplace(t_min, "t_min", count_);
+    t_max_.emplace(t_max.is_none() ? py::object(py::float_(k_infinity)) : t_max, "t_max", count_);
+  }
+
+  std::size_t size() const { return count_; }
+  const Shape& shape() const { return shape_; }
+
+  Ray operator[](std::size_t i) const {
+    const double* const o = origin_ + origin_stride_ * i;
+    const double* const d = direction_ + direction_stride_ * i;
+    try {
+      return make_ray({o[0], o[1], o[2]}, {d[0], d[1], d[2]}, (*t_min_)[i], (*t_max_)[i]);
+    } catch (const Error& error) {
+      Error::Parts parts = error.parts();
+      parts.problem = fmt::format("ray {}: {}", i, parts.problem);
+      throw Error(parts);
+    }
+  }
+
+  /// Those from begin to end - 1, in parallel.
+  void copy(std::size_t begin, std::size_t end, std::vector<Ray>& rays) const {
+    rays.resize(end - begin);
+    for_each_index(begin, end, [&](std::size_t i) { rays[i - begin] = (*this)[i]; });
+  }
+
+ private:
+  Doubles first_, second_;
+  Shape shape_;
+  std::size_t count_ = 0;
+  const double *origin_ = nullptr, *direction_ = nullptr;
+  std::size_t origin_stride_ = 0, direction_stride_ = 0;
+  std::optional<PerTarget> t_min_, t_max_;
+};
+
+/// Columns of answers of one shape, with what is there where nothing answers.
+struct HitColumns {
+  explicit HitColumns(const Shape& shape) : index(shape), t(shape), distance(shape), entry(shape) {
+    indices = index.mutable_data();
+    ts = t.mutable_data();
+    distances = distance.mutable_data();
+    entries = entry.mutable_data();
+  }
+
+  void set(std::size_t i, const Hit& hit) {
+    indices[i] = static_cast<std::int64_t>(hit.point_id);
+    ts[i] = hit.t;
+    distances[i] = hit.distance;
+    entries[i] = hit.entry;
+  }
+  void set_none(std::size_t i) {
+    indices[i] = -1;
+    ts[i] = distances[i] = entries[i] = k_nan;
+  }
+  py::object tuple() const { return tuple_type("Hits", "index t distance entry")(index, t, distance, entry); }
+  py::object tuple(const py::array& offsets) const {
+    return tuple_type("HitLists", "index offsets t distance entry")(index, offsets, t, distance, entry);
+  }
+
+  py::array_t<std::int64_t> index;
+  py::array_t<double> t, distance, entry;
+  std::int64_t* indices;
+  double *ts, *distances, *entries;
+};
+
+struct NeighbourColumns {
+  explicit NeighbourColumns(const Shape& shape) : index(shape), distance(shape) {
+    indices = index.mutable_data();
+    distances = distance.mutable_data();
+  }
+  void set(std::size_t i, const PointHit& hit) {
+    indices[i] = static_cast<std::int64_t>(hit.point_id);
+    distances[i] = hit.distance;
+  }
+  void set_none(std::size_t i) {
+    indices[i] = -1;
+    distances[i] = k_infinity;
+  }
+  py::object tuple() const { return tuple_type("Neighbours", "index distance")(index, distance); }
+  py::object tuple(const py::array& offsets) const {
+    return tuple_type("NeighbourLists", "index offsets distance")(index, offsets, distance);
+  }
+
+  py::array_t<std::int64_t> index;
+  py::array_t<double> distance;
+  std::int64_t* indices;
+  double* distances;
+};
+
+/// The k first answers of every target: columns of shape (..., k). targets(begin, end) gives a range of targets.
+template <class Columns, class Query, class Targets>
+py::object first_answers(const Index& index, const Query& query, int workers, Shape shape, std::size_t count,
+                         const Targets& targets) {
+  const std::size_t k = query.k;
+  shape.push_back(static_cast<py::ssize_t>(k));
+  Columns columns(shape);
+  in_pieces(workers, count, [&](std::size_t begin, std::size_t end) {
+    const auto answers = find(index.octree(), targets(begin, end), query);
+    for_each_index(begin, end, [&](std::size_t i) {
+      const auto of_target = answers[i - begin];
+      for (std::size_t j = 0; j < k; ++j) {
+        j < of_target.size() ? columns.set(k * i + j, of_target[j]) : columns.set_none(k * i + j);
+      }
+    });
+  });
+  return columns.tuple();
+}
+
+/// All answers, one target after the other: those of target i are offsets[i] to offsets[i + 1] - 1.
+template <class Columns, class Query, class Targets>
+py::object all_answers(const Index& index, const Query& query, int workers, std::size_t count,
+                       const Targets& targets) {
+  using Answer = std::remove_cvref_t<decltype(find(index.octree(), targets(0, 0), query).all[0])>;
+  std::vector<Answer> all;
+  py::array_t<std::int64_t> offsets({static_cast<py::ssize_t>(count) + 1});
+  std::int64_t* const begins = offsets.mutable_data();
+  begins[0] = 0;
+  in_pieces(workers, count, [&](std::size_t begin, std::size_t end) {
+    auto answers = find(index.octree(), targets(begin, end), query);
+    for (std::size_t i = begin; i < end; ++i)
+      begins[i + 1] = static_cast<std::int64_t>(all.size() + answers.begin[i - begin + 1]);
+    if (all.empty()) {
+      all = std::move(answers.all);
+    } else {
+      all.insert(all.end(), answers.all.begin(), answers.all.end());
+    }
+  });
+  Columns columns({static_cast<py::ssize_t>(all.size())});
+  run_free(workers, [&] { for_each_index(0, all.size(), [&](std::size_t i) { columns.set(i, all[i]); }); });
+  return columns.tuple(offsets);
+}
+
+std::size_t require_k(std::int64_t k) {
+  if (k < 1) throw input_error("k is out of range", "1 or more", std::to_string(k));
+  return static_cast<std::size_t>(k);
+}
+
+struct RayCall {
+  const Index& index;
+  RayArrays rays;
+  RayQuery query;
+  py::object kept;
+  int workers;
+
+  /// For find(): a range of rays.
+  auto targets() const {
+    return [this](std::size_t begin, std::size_t end) {
+      std::vector<Ray> some;
+      rays.copy(begin, end, some);
+      return some;
+    };
+  }
+};
+
+/// Declares a query of rays: run(RayCall).
+template <class Run>
+auto ray_query(const Run& run) {
+  return [run](const Index& index, const py::object& rays, const py::object& origins,
+               const py::object& directions, std::optional<double> radius, const std::string& measure,
+               const py::object& t_min, const py::object& t_max, const py::object& where,
+               const std::optional<std::vector<int>>& classes, std::optional<int> max_level, int workers,
+               std::int64_t k) {
+    RayCall call{index, RayArrays(rays, origins, directions, t_min, t_max), {}, py::none(), workers};
+    call.query.radius = radius.value_or(k_unlimited_radius);
+    call.query.measure = measure_of(measure);
+    call.query.k = k == 0 ? k_all : require_k(k);
+    apply(index, {where, classes, max_level, workers}, call.query, call.kept);
+    return run(call);
+  };
+}
+
+/// The same for queries without k.
+template <class Run>
+auto plain_ray_query(const Run& run) {
+  return [query = ray_query(run)](
+             const Index& index, const py::object& rays, const py::object& origins,
+             const py::object& directions, std::optional<double> radius, const std::string& measure,
+             const py::object& t_min, const py::object& t_max, const py::object& where,
+             const std::optional<std::vector<int>>& classes, std::optional<int> max_level, int workers) {
+    return query(index, rays, origins, directions, radius, measure, t_min, t_max, where, classes, max_level,
+                 workers, 0);
+  };
+}
+
+py::object closest_hits(RayCall& call) {
+  HitColumns columns(call.rays.shape());
+  std::vector<Ray> rays;
+  std::vector<std::optional<Hit>> hits;
+  in_pieces(call.workers, call.rays.size(), [&](std::size_t begin, std::size_t end) {
+    call.rays.copy(begin, end, rays);
+    hits.resize(rays.size());
+    closest(call.index.octree(), rays, call.query, hits);
+    for_each_index(begin, end, [&](std::size_t i) {
+      const std::optional<Hit>& hit = hits[i - begin];
+      hit ? columns.set(i, *hit) : columns.set_none(i);
+    });
+  });
+  return columns.tuple();
+}
+
+py::object occlusions(RayCall& call) {
+  py::array_t<bool> answers(call.rays.shape());
+  auto* const bytes = reinterpret_cast<std::uint8_t*>(answers.mutable_data());
+  std::vector<Ray> rays;
+  in_pieces(call.workers, call.rays.size(), [&](std::size_t begin, std::size_t end) {
+    call.rays.copy(begin, end, rays);
+    occluded(call.index.octree(), rays, call.query, {bytes + begin, end - begin});
+  });
+  return answers;
+}
+
+py::object counts(RayCall& call) {
+  py::array_t<std::int64_t> answers(call.rays.shape());
+  std::vector<Ray> rays;
+  std::vector<std::size_t> some;
+  in_pieces(call.workers, call.rays.size(), [&](std::size_t begin, std::size_t end) {
+    call.rays.copy(begin, end, rays);
+    some.resize(rays.size());
+    count(call.index.octree(), rays, call.query, some);
+    std::ranges::copy(some, answers.mutable_data() + begin);
+  });
+  return answers;
+}
+
+py::object first_hits(RayCall& call) {
+  return first_answers<HitColumns>(call.index, call.query, call.workers, call.rays.shape(), call.rays.size(),
+                                   call.targets());
+}
+
+py::object all_hits(RayCall& call) {
+  return all_answers<HitColumns>(call.index, call.query, call.workers, call.rays.size(), call.targets());
+}
+
+py::object nearest_points(const Index& index, const py::handle& xyz, std::int64_t k,
+                          std::optional<double> radius, const py::object& where,
+                          const std::optional<std::vector<int>>& classes, std::optional<int> max_level,
+                          int workers) {
+  const Doubles array = numbers_of(xyz, "xyz", {3});
+  const std::span<const glm::dvec3> positions = as_positions(array);
+  PointQuery query{.radius = radius.value_or(k_unlimited_radius), .k = require_k(k)};
+  py::object kept;
+  apply(index, {where, classes, max_level, workers}, query, kept);
+  return first_answers<NeighbourColumns>(
+      index, query, workers, leading_shape(array), positions.size(),
+      [&](std::size_t begin, std::size_t end) { return positions.subspan(begin, end - begin); });
+}
+
+py::object points_within(const Index& index, const py::handle& xyz, double radius, const py::object& where,
+                         const std::optional<std::vector<int>>& classes, std::optional<int> max_level,
+                         int workers) {
+  const Doubles array = numbers_of(xyz, "xyz", {3});
+  const std::span<const glm::dvec3> positions = as_positions(array);
+  PointQuery query{.radius = radius};
+  py::object kept;
+  apply(index, {where, classes, max_level, workers}, query, kept);
+  return all_answers<NeighbourColumns>(
+      index, query, workers, positions.size(),
+      [&](std::size_t begin, std::size_t end) { return positions.subspan(begin, end - begin); });
+}
+
+py::object in_box(const Index& index, const py::handle& boxes, const py::object& where,
+                  const std::optional<std::vector<int>>& classes, std::optional<int> max_level, int workers) {
+  static_assert(sizeof(Bounds) == 6 * sizeof(double));
+  const Doubles array = numbers_of(boxes, "boxes", {6});
+  const std::span<const Bounds> bounds(reinterpret_cast<const Bounds*>(array.data()),
+                                       static_cast<std::size_t>(array.size() / 6));
+  PointQuery query;
+  py::object kept;
+  apply(index, {where, classes, max_level, workers}, query, kept);
+  const py::object lists = all_answers<NeighbourColumns>(
+      index, query, workers, bounds.size(),
+      [&](std::size_t begin, std::size_t end) { return bounds.subspan(begin, end - begin); });
+  return tuple_type("PointLists", "index offsets")(lists.attr("index"), lists.attr("offsets"));
+}
+
+py::object in_cone(const Index& index, const py::handle& rays, double angle, double radius,
+                   const py::object& t_max, const py::object& where,
+                   const std::optional<std::vector<int>>& classes, std::optional<int> max_level,
+                   int workers) {
+  const RayArrays axes(rays.cast<py::object>(), py::none(), py::none(), py::float_(0.0), t_max);
+  ConeQuery query{.measure = Measure::t};
+  py::object kept;
+  apply(index, {where, classes, max_level, workers}, query, kept);
+  return all_answers<HitColumns>(index, query, workers, axes.size(), [&](std::size_t begin, std::size_t end) {
+    std::vector<Cone> cones;
+    for (std::size_t i = begin; i < end; ++i) {
+      const Ray axis = axes[i];
+      cones.push_back(
+          make_cone(axis.origin, axis.direction, angle * std::numbers::pi / 180.0, radius, 0.0, axis.t_max));
+    }
+    return cones;
+  });
+}
+
+py::object along(const Index& index, const py::handle& path, double radius, const py::object& where,
+                 const std::optional<std::vector<int>>& classes, std::optional<int> max_level, int workers) {
+  const Doubles array = numbers_of(path, "path", {3});
+  const std::span<const glm::dvec3> vertices = as_positions(array);
+  PathQuery query{.radius = radius};
+  py::object kept;
+  apply(index, {where, classes, max_level, workers}, query, kept);
+  std::vector<PathHit> hits;
+  run_free(workers, [&] {
+    hits = find(index.octree(), make_path({vertices.begin(), vertices.end()}), query);
+  });
+  const Shape shape{static_cast<py::ssize_t>(hits.size())};
+  py::array_t<std::int64_t> indices(shape), segments(shape);
+  py::array_t<double> t(shape), distances(shape);
+  for (std::size_t i = 0; i < hits.size(); ++i) {
+    indices.mutable_data()[i] = static_cast<std::int64_t>(hits[i].point_id);
+    segments.mutable_data()[i] = static_cast<std::int64_t>(hits[i].segment);
+    t.mutable_data()[i] = hits[i].t;
+    distances.mutable_data()[i] = hits[i].distance;
+  }
+  return tuple_type("PathHits", "index segment t distance")(indices, segments, t, distances);
+}
+
+}  // namespace
+
+void add_queries(py::class_<Index, Cloud>& index) {
+  const auto add_ray_query = [&](const char* name, const char* manual, const auto& query, const char* measure,
+                                 const auto&... more) {
+    index.def(name, query, manual, py::arg("rays") = py::none(), py::kw_only(),
+              py::arg("origins") = py::none(), py::arg("directions") = py::none(),
+              py::arg("radius") = py::none(), py::arg("measure") = measure, py::arg("t_min") = 0.0,
+              py::arg("t_max") = py::none(), py::arg("where") = py::none(), py::arg("classes") = py::none(),
+              py::arg("max_level") = py::none(), py::arg("workers") = -1, more...);
+  };
+  add_ray_query("closest", k_closest_doc, plain_ray_query(closest_hits), "entry");
+  add_ray_query("occluded", k_occluded_doc, plain_ray_query(occlusions), "distance");
+  add_ray_query("count", k_count_doc, ray_query(counts), "distance", py::arg("k") = 0);
+  add_ray_query("nearest", k_nearest_doc, ray_query(first_hits), "distance", py::arg("k") = 1);
+  add_ray_query("within", k_within_doc, ray_query(all_hits), "t", py::arg("k") = 0);
+  const py::arg_v where = py::arg("where") = py::none(), classes = py::arg("classes") = py::none(),
+                  max_level = py::arg("max_level") = py::none(), workers = py::arg("workers") = -1;
+  index
+      .def("nearest_points", &nearest_points, k_nearest_points_doc, py::arg("xyz"), py::arg("k") = 1,
+           py::kw_only(), py::arg("radius") = py::none(), where, classes, max_level, workers)
+      .def("points_within", &points_within, k_points_within_doc, py::arg("xyz"), py::arg("radius"),
+           py::kw_only(), where, classes, max_level, workers)
+      .def("in_box", &in_box, k_in_box_doc, py::arg("boxes"), py::kw_only(), where, classes, max_level,
+           workers)
+      .def("in_cone", &in_cone, k_in_cone_doc, py::arg("rays"), py::arg("angle"), py::kw_only(),
+           py::arg("radius") = 0.0, py::arg("t_max") = py::none(), where, classes, max_level, workers)
+      .def("along", &along, k_along_doc, py::arg("path"), py::arg("radius"), py::kw_only(), where, classes,
+           max_level, workers);
+}
+
+}  // namespace alidade::python
