@@ -42,7 +42,7 @@ class ReadersFolder {
     fs::create_directories(path_ / "output");
     const fs::path build = ALIDADE_BUILD_FOLDER;
     for (const char* const made :
-         {"alidade", "alidade_images.so", "libalidade_sqlite.so", "examples", "postgres"})
+         {"alidade", "alidade_images.so", "libalidade_sqlite.so", "examples", "postgres", "python"})
       if (fs::exists(build / made)) fs::create_symlink(build / made, path_ / "build" / "release" / made);
     for (const char* const part : {"scenes", "docs", "dev", "tests/support"}) {
       fs::create_directories((path_ / part).parent_path());
@@ -55,7 +55,8 @@ class ReadersFolder {
 
   int run(const std::string& commands) const {
     const fs::path script = path_ / "commands.sh";
-    std::ofstream(script) << "cd '" << path_.string() << "'\n" << commands;
+    // Debian's Python comes first: the module is for it.
+    std::ofstream(script) << "export PATH=/usr/bin:$PATH\ncd '" << path_.string() << "'\n" << commands;
     return run_shell(fmt::format("'{}'", script.string()));
   }
 
