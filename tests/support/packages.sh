@@ -18,7 +18,7 @@ test_packages=(ccache libembree-dev clang libclang-rt-14-dev clang-format gdal-b
                postgresql-15 postgresql-server-dev-15 python3-pytest python3-hypothesis python3-scipy python3-matplotlib)
 # Beside libbenchmark-dev: what the benchmarks compare with, and their plots.
 bench_packages=(libbenchmark-dev libembree-dev libnanoflann-dev libboost-dev libpcl-dev python3-matplotlib)
-package_packages=(debhelper dh-python dpkg-dev fakeroot lintian debootstrap postgresql-server-dev-15)
+package_packages=(debhelper dh-python dpkg-dev fakeroot lintian debootstrap postgresql-server-dev-15 patchelf python3-venv)
 lint_packages=(libembree-dev clang-tidy)
 
 # need PACKAGE...: installs those that are missing, or explains why it cannot.
