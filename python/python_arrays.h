@@ -27,6 +27,11 @@ using Shape = std::vector<py::ssize_t>;
 /// Numbers of any kind as doubles, one after the other; copied only if they are not.
 using Doubles = py::array_t<double, py::array::c_style | py::array::forcecast>;
 
+/// One of the named tuples of alidade/_answers.py.
+inline py::object answer_type(const char* name) {
+  return py::module_::import("alidade._answers").attr(name);
+}
+
 /// "(100, 3)".
 std::string shape_text(const py::array& array);
 

@@ -24,12 +24,6 @@
 namespace alidade::python {
 namespace {
 
-py::object named_tuple(const char* name, const std::vector<std::string>& fields, const py::tuple& values) {
-  py::object type = py::module_::import("collections").attr("namedtuple")(name, fields);
-  type.attr("__module__") = "alidade";
-  return type(*values);
-}
-
 /// A dictionary as JSON; a text as it is.
 std::string json_of(const py::object& given) {
   if (py::isinstance<py::str>(given)) return given.cast<std::string>();
@@ -271,8 +265,7 @@ py::object viewshed(const Index& index, const py::handle& observers, double reso
   // As affine.Affine takes it, and with it rasterio.
   const py::tuple transform =
       py::make_tuple(grid.cell_size, 0.0, grid.north_west.x, 0.0, -grid.cell_size, grid.north_west.y);
-  return named_tuple("Raster", {"values", "transform", "crs"},
-                     py::make_tuple(values, transform, py::cast(&index).attr("crs")));
+  return answer_type("Raster")(values, transform, py::cast(&index).attr("crs"));
 }
 
 compare::ComparedImage compared(const py::handle& given, const char* name) {
@@ -319,8 +312,7 @@ py::object compare_pictures(const py::handle& reference_array, const py::handle&
   });
   py::array_t<float> map({py::ssize_t{reference.height}, py::ssize_t{reference.width}});
   std::ranges::copy(flip.map, map.mutable_data());
-  return named_tuple("Comparison", {"flip", "ssim", "ms_ssim", "psnr", "rmse", "flip_map"},
-                     py::make_tuple(flip.mean, ssim, ms_ssim, errors.psnr, errors.rmse, map));
+  return answer_type("Comparison")(flip.mean, ssim, ms_ssim, errors.psnr, errors.rmse, map);
 }
 
 }  // namespace

@@ -15,18 +15,6 @@ namespace {
 constexpr double k_infinity = std::numeric_limits<double>::infinity();
 constexpr double k_nan = std::numeric_limits<double>::quiet_NaN();
 
-/// A type of collections.namedtuple, which the module keeps.
-py::object& tuple_type(const char* name, const char* fields) {
-  static std::map<std::string, py::object*> types;
-  py::object*& type = types[name];
-  // Never freed: modules of Python are not unloaded, and at exit there is no interpreter to free it with.
-  if (type == nullptr) {
-    type = new py::object(py::module_::import("collections").attr("namedtuple")(name, fields));
-    type->attr("__module__") = "alidade";
-  }
-  return *type;
-}
-
 /// What every query of this module may be asked beside its target.
 struct Conditions {
   py::object where = py::none();
@@ -166,9 +154,9 @@ struct HitColumns {
     indices[i] = -1;
     ts[i] = distances[i] = entries[i] = k_nan;
   }
-  py::object tuple() const { return tuple_type("Hits", "index t distance entry")(index, t, distance, entry); }
+  py::object tuple() const { return answer_type("Hits")(index, t, distance, entry); }
   py::object tuple(const py::array& offsets) const {
-    return tuple_type("HitLists", "index offsets t distance entry")(index, offsets, t, distance, entry);
+    return answer_type("HitLists")(index, offsets, t, distance, entry);
   }
 
   py::array_t<std::int64_t> index;
@@ -190,9 +178,9 @@ struct NeighbourColumns {
     indices[i] = -1;
     distances[i] = k_infinity;
   }
-  py::object tuple() const { return tuple_type("Neighbours", "index distance")(index, distance); }
+  py::object tuple() const { return answer_type("Neighbours")(index, distance); }
   py::object tuple(const py::array& offsets) const {
-    return tuple_type("NeighbourLists", "index offsets distance")(index, offsets, distance);
+    return answer_type("NeighbourLists")(index, offsets, distance);
   }
 
   py::array_t<std::int64_t> index;
@@ -384,7 +372,7 @@ py::object in_box(const Index& index, const py::handle& boxes, const py::object&
   const py::object lists = all_answers<NeighbourColumns>(
       index, query, workers, bounds.size(),
       [&](std::size_t begin, std::size_t end) { return bounds.subspan(begin, end - begin); });
-  return tuple_type("PointLists", "index offsets")(lists.attr("index"), lists.attr("offsets"));
+  return answer_type("PointLists")(lists.attr("index"), lists.attr("offsets"));
 }
 
 py::object in_cone(const Index& index, const py::handle& rays, double angle, double radius,
@@ -426,7 +414,7 @@ py::object along(const Index& index, const py::handle& path, double radius, cons
     t.mutable_data()[i] = hits[i].t;
     distances.mutable_data()[i] = hits[i].distance;
   }
-  return tuple_type("PathHits", "index segment t distance")(indices, segments, t, distances);
+  return answer_type("PathHits")(indices, segments, t, distances);
 }
 
 }  // namespace

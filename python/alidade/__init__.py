@@ -1,2 +1,3 @@
 # SPDX-License-Identifier: MIT
-from ._alidade import (Cloud, Error, Index, __version__, compare, open, render, viewshed, visible)
+from ._answers import Comparison, HitLists, Hits, NeighbourLists, Neighbours, PathHits, PointLists, Raster
+from ._alidade import Cloud, Error, Index, __doc__, __version__, compare, open, render, viewshed, visible
