@@ -295,9 +295,8 @@ void check_writable(const std::filesystem::path& output, bool overwrite,
     if (std::filesystem::equivalent(output, input == "-" ? "/dev/stdin" : input, error))
       throw file_error(output, "the output is also an input", "another output name");
   }
-  if (has_extension(output.stem(), {".copc"}) && has_extension(output, {".laz", ".las"}))
-    throw file_error(output, "COPC is not written",
-                     "another name, such as " + output.stem().stem().string() + ".laz");
+  if (has_extension(output.stem(), {".copc"}) && has_extension(output, {".las"}))
+    throw file_error(output, "COPC is compressed", "the extension .copc.laz");
   if (!overwrite && std::filesystem::is_regular_file(output, error))
     throw file_error(output, "the file exists", "another name, or --overwrite");
   // Opened and given up at once: this finds a missing or read-only folder as the later writing would.

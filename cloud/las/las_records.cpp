@@ -30,7 +30,7 @@ struct RecordLocation {
 
 /// Reads the header of the record at `offset`; its data must end at `end` or before.
 RecordLocation read_record_header(InputFile& file, std::uint64_t offset, std::uint64_t end, bool extended) {
-  const std::size_t header_size = extended ? 60 : k_las_record_head;
+  const std::size_t header_size = extended ? k_las_extended_record_head : k_las_record_head;
   const auto fail = [&](std::uint64_t wanted) {
     fail_at_byte(file.name(), offset, "a variable length record exceeds its section",
                  fmt::format("at most {} bytes up to byte {}", end - std::min(offset, end), end),
@@ -332,7 +332,7 @@ VariableLengthRecord las_extra_bytes_record(std::span<const ExtraDimension> dime
 
 std::vector<std::byte> las_record_head(const VariableLengthRecord& record, bool extended) {
   assert(extended || record.data.size() <= k_longest_las_record);
-  std::vector<std::byte> head(extended ? 60 : 54);
+  std::vector<std::byte> head(extended ? k_las_extended_record_head : k_las_record_head);
   std::byte* const at = head.data();
   store_las_text(at + 2, 16, record.user_id);
   store(at + 18, record.record_id);

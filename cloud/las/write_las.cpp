@@ -13,6 +13,7 @@
 #include "base/error.h"
 #include "base/output_file.h"
 #include "base/words.h"
+#include "cloud/copc/plan_copc.h"
 #include "cloud/las/las_records.h"
 #include "cloud/laz/laz_layout.h"
 #include "cloud/laz/record_writer.h"
@@ -46,6 +47,7 @@ constexpr auto k_as_it_is = [](const auto& value) { return value; };
 }  // namespace
 
 struct LasWriter::State {
+  std::string name;
   OutputFile file;
   LasWriteOptions options;
   LasHeader header;
@@ -54,10 +56,51 @@ struct LasWriter::State {
   std::vector<ExtraDimension> extra_dimensions;  ///< as described in the file; the normals stand last
   LatticeExtent extent;
   std::vector<std::byte> block;
-  std::optional<RecordWriter> points;  ///< once the head is written
+  std::vector<VariableLengthRecord> records;  ///< of the head, until it is written
+  std::optional<LazLayout> packing;
+  std::optional<RecordWriter> points;     ///< once the head is written
+  std::optional<PointCloud> collected{};  ///< of COPC, whose points are sorted before they are written
 
   State(const std::filesystem::path& path, const LasWriteOptions& write_options)
-      : file(path, write_options.overwrite), options(write_options) {}
+      : name(path.string()), file(path, write_options.overwrite), options(write_options) {}
+
+  /// Writes header and records, so that points can follow: `first` before all others, in chunks of `counts` points.
+  void begin(const VariableLengthRecord* first = nullptr, std::vector<std::uint32_t> counts = {}) {
+    if (packing) {
+      if (first != nullptr) packing->chunk_size = 0;
+      records.push_back(laszip_record(*packing));
+    }
+    if (first != nullptr) records.insert(records.begin(), *first);
+    file.write(encode_las_header(header));
+    for (VariableLengthRecord& record : records) {
+      if (record.extended || record.data.size() > k_longest_las_record) {
+        extended_records.push_back(std::move(record));
+      } else {
+        write_las_record(file, record, false);
+        ++header.record_count;
+      }
+    }
+    if (file.size() > std::numeric_limits<std::uint32_t>::max()) {
+      throw Error({.file = name,
+                   .problem = "the variable length records exceed the limit of LAS",
+                   .expected = "less than 4 GiB",
+                   .found = fmt::format("{} bytes", file.size())});
+    }
+    header.points_offset = static_cast<std::uint32_t>(file.size());
+    points.emplace(file, packing, std::move(counts));
+  }
+
+  void write(const PointCloud& batch) {
+    const std::size_t step = std::max<std::size_t>(k_written_block_bytes / header.point_size, 1);
+    const std::uint64_t total = header.point_count + batch.size();
+    for (std::size_t first = 0; first < batch.size(); first += step) {
+      const std::size_t count = std::min(step, batch.size() - first);
+      encode(batch, first, count);
+      count_points(batch, first, count);
+      points->write(block);
+      report(options.progress, header.point_count, total);
+    }
+  }
 
   void encode(const PointCloud& batch, std::size_t first, std::size_t count) {
     const std::size_t size = header.point_size;
@@ -155,31 +198,20 @@ LasWriter::LasWriter(const std::filesystem::path& path, const PointCloud& like, 
     records.push_back(las_extra_bytes_record(state_->extra_dimensions, path.string()));
   }
   records.insert(records.end(), like.records.begin(), like.records.end());
-  std::optional<LazLayout> packing;
   header.compressed = is_laz_name(path);
   if (header.compressed) {
-    packing = standard_laz_layout(header.point_format, header.point_size);
-    check_laz_extra_bytes(*packing, path.string());
-    records.push_back(laszip_record(*packing));
+    state_->packing = standard_laz_layout(header.point_format, header.point_size);
+    check_laz_extra_bytes(*state_->packing, path.string());
   }
-  OutputFile& file = state_->file;
-  file.write(encode_las_header(header));
-  for (VariableLengthRecord& record : records) {
-    if (record.extended || record.data.size() > k_longest_las_record) {
-      state_->extended_records.push_back(std::move(record));
-    } else {
-      write_las_record(file, record, false);
-      ++header.record_count;
-    }
+  state_->records = std::move(records);
+  if (!is_copc_name(path)) {
+    state_->begin();
+  } else {
+    // Other files' octrees are of other points.
+    std::erase_if(state_->records,
+                  [](const VariableLengthRecord& record) { return record.user_id == "copc"; });
+    state_->collected.emplace().lattice = like.lattice;
   }
-  if (file.size() > std::numeric_limits<std::uint32_t>::max()) {
-    throw Error({.file = path.string(),
-                 .problem = "the variable length records exceed the limit of LAS",
-                 .expected = "less than 4 GiB",
-                 .found = fmt::format("{} bytes", file.size())});
-  }
-  header.points_offset = static_cast<std::uint32_t>(file.size());
-  state_->points.emplace(file, packing);
 }
 
 LasWriter::~LasWriter() = default;
@@ -187,31 +219,46 @@ LasWriter::~LasWriter() = default;
 void LasWriter::write(const PointCloud& batch) {
   State& state = *state_;
   assert(batch.lattice == state.header.lattice);
-  const std::size_t step = std::max<std::size_t>(k_written_block_bytes / state.header.point_size, 1);
-  const std::uint64_t total = state.header.point_count + batch.size();
-  for (std::size_t first = 0; first < batch.size(); first += step) {
-    const std::size_t count = std::min(step, batch.size() - first);
-    state.encode(batch, first, count);
-    state.count_points(batch, first, count);
-    state.points->write(state.block);
-    report(state.options.progress, state.header.point_count, total);
-  }
+  if (!state.collected) return state.write(batch);
+  PointCloud piece = batch;
+  piece.records.clear();
+  append_cloud(*state.collected, std::move(piece));
 }
 
 void LasWriter::finish() {
   State& state = *state_;
   LasHeader& header = state.header;
+  std::optional<CopcPlan> copc;
+  if (state.collected) {
+    copc = plan_copc(*state.collected);
+    const VariableLengthRecord info = copc_info_record(copc->info, *state.collected);
+    state.begin(&info, copc->counts());
+    state.write(*state.collected);
+  }
   state.points->finish();
   if (header.point_count > 0) {
     header.bounds.grow(to_world(header.lattice, state.extent.low));
     header.bounds.grow(to_world(header.lattice, state.extent.high));
+  }
+  if (copc) {
+    copc->info.root_page = state.file.size() + k_las_extended_record_head;
+    state.extended_records.insert(state.extended_records.begin(),
+                                  copc_hierarchy_record(*copc, state.points->chunks()));
   }
   if (!state.extended_records.empty()) header.extended_records_offset = state.file.size();
   header.extended_record_count = static_cast<std::uint32_t>(state.extended_records.size());
   for (const VariableLengthRecord& record : state.extended_records)
     write_las_record(state.file, record, true);
   state.file.write_at(0, encode_las_header(header));
+  if (copc) {
+    const VariableLengthRecord info = copc_info_record(copc->info, *state.collected);
+    state.file.write_at(k_las_header_size + k_las_record_head, std::as_bytes(std::span(info.data)));
+  }
   state.file.commit();
+}
+
+bool is_copc_name(const std::filesystem::path& path) {
+  return is_laz_name(path) && file_extension(path.stem()) == ".copc";
 }
 
 bool is_laz_name(const std::filesystem::path& path) {

@@ -24,6 +24,9 @@ struct LasWriteOptions {
 /// packed in chunks of 50000 points, in parallel; its bytes do not depend on the number of threads. The file
 /// appears under its name only in finish(): until then it is written beside it and removed again if the
 /// writer is destroyed first.
+///
+/// COPC 1.0 where the name says so: is_copc_name(). Its points have an order of their own (cloud/copc/plan_copc.h),
+/// so all of them are kept in memory and written in finish(): the cloud, and 20 B per point beside it.
 class LasWriter {
  public:
   /// `like` gives everything but the points: lattice, CRS, records, encoding, and through attributes() and
@@ -53,6 +56,9 @@ class LasWriter {
 
 /// Whether a file of this name is written as LAZ: it ends in .laz, in characters of any case.
 bool is_laz_name(const std::filesystem::path& path);
+
+/// Whether it is written as COPC: it ends in .copc.laz.
+bool is_copc_name(const std::filesystem::path& path);
 
 /// Writes a whole cloud: all its attributes, scale, offset, CRS, records, extra dimensions. Point order is
 /// kept.

@@ -18,45 +18,57 @@ namespace alidade {
 struct RecordWriter::State {
   OutputFile& file;
   LazLayout layout;
+  std::vector<std::uint32_t> counts;  ///< of points of the chunks, if layout.chunk_size is 0
   std::size_t record_size = layout.record_size();
-  std::size_t chunk_bytes = record_size * layout.chunk_size;  ///< of records, not packed
   std::uint64_t first_offset = file.size();
-  std::size_t batch_bytes;       ///< of a whole number of chunks
+  std::size_t batch_bytes;       ///< enough records to pack chunks at once
   std::vector<std::byte> batch;  ///< records that wait to be packed
   std::vector<LazChunk> chunks;
   tbb::enumerable_thread_specific<ChunkEncoder> encoders{[this] { return ChunkEncoder(layout); }};
 
-  State(OutputFile& output, const LazLayout& laz) : file(output), layout(laz) {
+  State(OutputFile& output, const LazLayout& laz, std::vector<std::uint32_t> of_chunks)
+      : file(output), layout(laz), counts(std::move(of_chunks)) {
     constexpr std::size_t k_most_bytes = 64 << 20;
+    const std::size_t usual = record_size * (layout.chunk_size > 0 ? layout.chunk_size : k_laz_chunk_size);
     const auto threads = static_cast<std::size_t>(tbb::this_task_arena::max_concurrency());
-    batch_bytes = chunk_bytes * std::max<std::size_t>(std::min(2 * threads, k_most_bytes / chunk_bytes), 1);
+    batch_bytes = usual * std::max<std::size_t>(std::min(2 * threads, k_most_bytes / usual), 1);
     // At once, or growing would take up to three times as much; pages that no record reaches are not touched.
     batch.reserve(std::min(batch_bytes, k_most_bytes));
   }
 
-  void write_batch() {
-    const std::size_t count = (batch.size() + chunk_bytes - 1) / chunk_bytes;
-    std::vector<std::vector<std::byte>> packed(count);
-    const std::span<const std::byte> records(batch);
-    at_once(std::size_t{0}, count, [&](std::size_t i) {
-      const std::size_t begin = i * chunk_bytes;
-      packed[i] =
-          encoders.local().encode(records.subspan(begin, std::min(chunk_bytes, records.size() - begin)));
-    });
-    for (std::size_t i = 0; i < count; ++i) {
-      const std::size_t bytes = std::min(chunk_bytes, batch.size() - i * chunk_bytes);
-      chunks.push_back(
-          {.offset = file.size(), .byte_count = packed[i].size(), .point_count = bytes / record_size});
+  /// Bytes of the records of a chunk.
+  std::size_t chunk_bytes(std::size_t number) const {
+    return record_size * (layout.chunk_size > 0 ? layout.chunk_size : counts.at(number));
+  }
+
+  /// Packs the whole chunks of the batch, at the end also the last one of fixed size, which may be shorter.
+  void write_batch(bool is_last) {
+    std::vector<std::span<const std::byte>> records;
+    std::size_t begin = 0;
+    while (begin < batch.size()) {
+      const std::size_t wanted = chunk_bytes(chunks.size() + records.size());
+      if (batch.size() - begin < wanted && !is_last) break;
+      records.push_back(std::span(batch).subspan(begin, std::min(wanted, batch.size() - begin)));
+      begin += records.back().size();
+    }
+    std::vector<std::vector<std::byte>> packed(records.size());
+    at_once(std::size_t{0}, records.size(),
+            [&](std::size_t i) { packed[i] = encoders.local().encode(records[i]); });
+    for (std::size_t i = 0; i < records.size(); ++i) {
+      chunks.push_back({.offset = file.size(),
+                        .byte_count = packed[i].size(),
+                        .point_count = records[i].size() / record_size});
       file.write(packed[i]);
     }
-    batch.clear();
+    batch.erase(batch.begin(), batch.begin() + static_cast<std::ptrdiff_t>(begin));
   }
 };
 
-RecordWriter::RecordWriter(OutputFile& file, const std::optional<LazLayout>& packing) : file_(file) {
+RecordWriter::RecordWriter(OutputFile& file, const std::optional<LazLayout>& packing,
+                           std::vector<std::uint32_t> counts)
+    : file_(file) {
   if (!packing) return;
-  assert(packing->chunk_size > 0);
-  state_ = std::make_unique<State>(file, *packing);
+  state_ = std::make_unique<State>(file, *packing, std::move(counts));
   // The offset of the table, which is known at the end.
   file.write(std::array<std::byte, 8>{});
 }
@@ -68,22 +80,29 @@ void RecordWriter::write(std::span<const std::byte> records) {
   State& state = *state_;
   assert(records.size() % state.record_size == 0);
   while (!records.empty()) {
-    const std::size_t count = std::min(records.size(), state.batch_bytes - state.batch.size());
+    // A chunk that is larger than a batch needs room for all of it.
+    const std::size_t room = std::max(state.batch_bytes, state.chunk_bytes(state.chunks.size()));
+    const std::size_t count = std::min(records.size(), room - state.batch.size());
     state.batch.insert(state.batch.end(), records.begin(),
                        records.begin() + static_cast<std::ptrdiff_t>(count));
     records = records.subspan(count);
-    if (state.batch.size() == state.batch_bytes) state.write_batch();
+    if (state.batch.size() == room) state.write_batch(false);
   }
 }
 
 void RecordWriter::finish() {
   if (!state_) return;
   State& state = *state_;
-  state.write_batch();
+  state.write_batch(true);
   std::array<std::byte, 8> table_offset;
   store(table_offset.data(), state.file.size());
   state.file.write(encode_chunk_table(state.chunks, state.layout));
   state.file.write_at(state.first_offset, table_offset);
+}
+
+std::span<const LazChunk> RecordWriter::chunks() const {
+  if (!state_) return {};
+  return state_->chunks;
 }
 
 }  // namespace alidade

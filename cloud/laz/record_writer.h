@@ -5,8 +5,10 @@
 #include <memory>
 #include <optional>
 #include <span>
+#include <vector>
 
 #include "base/output_file.h"
+#include "cloud/laz/chunk_table.h"
 #include "cloud/laz/laz_layout.h"
 
 namespace alidade {
@@ -20,9 +22,10 @@ namespace alidade {
 class RecordWriter {
  public:
   /// Points begin at the end of what is written to `file` so far. `packing` is the layout of the file's laszip
-  /// record, as standard_laz_layout() makes it: chunks of one size. Without one, nothing is packed. `file` must
-  /// outlive this object.
-  RecordWriter(OutputFile& file, const std::optional<LazLayout>& packing);
+  /// record, as standard_laz_layout() makes it: chunks of one size, or of `counts` points one after the other where
+  /// its chunk_size is 0. Without one, nothing is packed. `file` must outlive this object.
+  RecordWriter(OutputFile& file, const std::optional<LazLayout>& packing,
+               std::vector<std::uint32_t> counts = {});
   ~RecordWriter();
   RecordWriter(const RecordWriter&) = delete;
   RecordWriter& operator=(const RecordWriter&) = delete;
@@ -32,6 +35,9 @@ class RecordWriter {
 
   /// Packs what is left, and writes the table and its offset. Call once, last.
   void finish();
+
+  /// Where the chunks are, once all are written.
+  std::span<const LazChunk> chunks() const;
 
  private:
   struct State;

@@ -52,14 +52,16 @@ TEST_F(ConsoleTest, bytes_of_a_file_that_is_read_twice_are_counted_once) {
       << result.err;
 }
 
-TEST_F(ConsoleTest, copc_is_not_written_under_its_name) {
+TEST_F(ConsoleTest, copc_is_written_under_its_name) {
   write_square("square.xyz");
   for (const char* const name : {"square.copc.laz", "SQUARE.COPC.LAZ"}) {
     const ProgramResult result = run({"convert", "square.xyz", "-o", name});
-    EXPECT_EQ(result.exit_code, 2);
-    EXPECT_TRUE(contains(result.err, ": COPC is not written; expected another name, such as ")) << result.err;
-    EXPECT_FALSE(std::filesystem::exists(folder / name));
+    EXPECT_EQ(result.exit_code, 0) << result.err;
+    EXPECT_TRUE(contains(run({"info", name}).out, "COPC 1.4, point format 6, 400 points"));
   }
+  const ProgramResult result = run({"convert", "square.xyz", "-o", "square.copc.las"});
+  EXPECT_EQ(result.exit_code, 2);
+  EXPECT_TRUE(contains(result.err, ": COPC is compressed; expected the extension .copc.laz")) << result.err;
 }
 
 }  // namespace

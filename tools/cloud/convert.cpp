@@ -86,9 +86,9 @@ void write(const ConvertCommand& command, PointCloud& cloud) {
 bool only_packing_changes(const ConvertCommand& command) {
   const bool chooses = command.files.inputs.front().is_changed() || command.every > 1 ||
                        command.spacing.has_value() || command.normals;
-  return has_extension(command.output, {".las", ".laz"}) && command.files.size() == 1 && !chooses &&
-         command.color_depth == ColorDepth::automatic && !command.partial &&
-         can_repack(command.files.first_name());
+  return has_extension(command.output, {".las", ".laz"}) && !is_copc_name(command.output) &&
+         command.files.size() == 1 && !chooses && command.color_depth == ColorDepth::automatic &&
+         !command.partial && can_repack(command.files.first_name());
 }
 
 ExitCode repack(const ConvertCommand& command) {
@@ -106,7 +106,7 @@ ExitCode repack(const ConvertCommand& command) {
 ExitCode run(const ConvertCommand& command) {
   if (!has_extension(command.output, {".las", ".laz", ".ply", ".csv", ".xyz", ".alidade"}))
     throw file_error(command.output, "unknown output format",
-                     "the extension .las, .laz, .ply, .csv, .xyz or .alidade");
+                     "the extension .las, .laz, .copc.laz, .ply, .csv, .xyz or .alidade");
   check_writable(command.output, command.overwrite, command.files.names());
   if (only_packing_changes(command)) return repack(command);
   PointCloud cloud = read_shown(command, {.color_depth = command.color_depth});
@@ -128,7 +128,7 @@ Command add_convert(const Options& program) {
   const Options convert = program.command("convert", "Convert, join, crop and thin clouds");
   add_cloud_files(convert.required(), "files", "FILE...", k_files_help + ", or index files" + k_database_help,
                   command->files, add_view_options(convert));
-  convert.required().file("-o,--output", "FILE.las|.laz|.ply|.csv|.xyz|.alidade",
+  convert.required().file("-o,--output", "FILE.las|.laz|.copc.laz|.ply|.csv|.xyz|.alidade",
                           "output file; the extension selects the format", command->output);
   convert.count("--every", "N", "keep the first point and every N-th after it", command->every, 1,
                 UINT64_MAX);
