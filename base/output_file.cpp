@@ -64,7 +64,8 @@ const std::vector<std::filesystem::path>& temporaries_in(const std::filesystem::
   static std::map<std::filesystem::path, std::vector<std::filesystem::path>> known;
   std::error_code error;
   const std::lock_guard lock(mutex);
-  const auto [found, is_new] = known.try_emplace(std::filesystem::absolute(folder, error));
+  const auto [found, is_new] =
+      known.try_emplace(std::filesystem::absolute(folder.empty() ? "." : folder, error));
   if (is_new) {
     for (const auto& entry : std::filesystem::directory_iterator(found->first, error))
       if (entry.path().filename().string().find(".part-") != std::string::npos)

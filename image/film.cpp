@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <limits>
 
+#include "image/srgb.h"
+
 namespace alidade::image {
 
 std::vector<Layer> all_layers() {
@@ -64,6 +66,20 @@ bool Film::holds(Layer layer) const {
 
 bool Film::holds_any() const {
   return std::ranges::any_of(k_layers, [this](const NamedLayer& known) { return holds(known.layer); });
+}
+
+std::array<std::uint8_t, 3> displayed(const Film& film, std::size_t pixel, const OutputSettings& output) {
+  const double scale = exposure_scale(output.exposure);
+  const float alpha = output.transparent ? film.alpha[pixel] : 1.0f;
+  std::array<std::uint8_t, 3> codes{};
+  for (int channel = 0; channel < 3 && alpha > 0.0f; ++channel) {
+    double light = film.color[pixel][channel] / alpha * scale;
+    if (output.background && !output.transparent)
+      light =
+          std::min(light, 1.0) + (1.0 - film.alpha[pixel]) * linear_from_srgb((*output.background)[channel]);
+    codes[static_cast<std::size_t>(channel)] = srgb_code(light);
+  }
+  return codes;
 }
 
 }  // namespace alidade::image

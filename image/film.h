@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <glm/vec3.hpp>
 #include <span>
@@ -56,5 +57,9 @@ struct Film {
 
 /// Every layer there is.
 std::vector<Layer> all_layers();
+
+/// The sRGB codes of a pixel as PNG and JPEG have them: with exposure, and with the background, or without what is
+/// behind the surfaces if the output is transparent.
+std::array<std::uint8_t, 3> displayed(const Film& film, std::size_t pixel, const OutputSettings& output);
 
 }  // namespace alidade::image

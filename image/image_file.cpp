@@ -189,21 +189,6 @@ void write_exr(const Film& film, const OutputSettings& output, const ImageFacts&
   });
 }
 
-/// A colour as it is displayed, where the film's are premultiplied without them.
-std::array<std::uint8_t, 3> displayed(const Film& film, std::size_t pixel, const OutputSettings& output,
-                                      double scale) {
-  const float alpha = output.transparent ? film.alpha[pixel] : 1.0f;
-  std::array<std::uint8_t, 3> codes{};
-  for (int channel = 0; channel < 3 && alpha > 0.0f; ++channel) {
-    double light = film.color[pixel][channel] / alpha * scale;
-    if (output.background && !output.transparent)
-      light =
-          std::min(light, 1.0) + (1.0 - film.alpha[pixel]) * linear_from_srgb((*output.background)[channel]);
-    codes[static_cast<std::size_t>(channel)] = srgb_code(light);
-  }
-  return codes;
-}
-
 std::uint8_t alpha_code(const Film& film, std::size_t pixel) {
   return static_cast<std::uint8_t>(std::lround(255.0f * std::clamp(film.alpha[pixel], 0.0f, 1.0f)));
 }
@@ -222,14 +207,12 @@ void write_display(const Film& film, const OutputSettings& output, const ImageFa
     spec.attribute("jpeg:subsampling", "4:4:4");
   }
   for (const auto& [key, text] : facts.texts) spec.attribute(key, text);
-  const double scale = exposure_scale(output.exposure);
   write_rows(format == ImageFormat::png ? "png" : "jpeg", output.file, file, spec,
              [&](int y, std::span<std::byte> bytes) {
                auto byte = bytes.begin();
                for (int x = 0; x < film.width; ++x) {
                  const std::size_t pixel = film.index(x, y);
-                 for (const std::uint8_t code : displayed(film, pixel, output, scale))
-                   *byte++ = std::byte{code};
+                 for (const std::uint8_t code : displayed(film, pixel, output)) *byte++ = std::byte{code};
                  if (has_alpha) *byte++ = std::byte{alpha_code(film, pixel)};
                }
              });
@@ -239,13 +222,12 @@ void write_display(const Film& film, const OutputSettings& output, const ImageFa
 void write_on_ground(const Film& film, const OutputSettings& output, const ImageFacts& facts,
                      OutputFile& file) {
   assert(facts.ground);
-  const double scale = exposure_scale(output.exposure);
   const auto fill = [&](int first_row, int rows, std::span<std::uint8_t> rgba) {
     auto value = rgba.begin();
     for (int y = first_row; y < first_row + rows; ++y) {
       for (int x = 0; x < film.width; ++x) {
         const std::size_t pixel = film.index(x, y);
-        value = std::ranges::copy(displayed(film, pixel, output, scale), value).out;
+        value = std::ranges::copy(displayed(film, pixel, output), value).out;
         *value++ = alpha_code(film, pixel);
       }
     }

@@ -10,7 +10,7 @@ if ((EUID != 0)); then
 fi
 mirror=$(apt-cache policy | sed -n 's/^ *[0-9]* \(https\?:[^ ]*\) bookworm\/main .*/\1/p' | head -n 1)
 root=$folder/root
-trap 'rm -rf -- "$root"' EXIT
+trap 'rm -rf --one-file-system -- "$root"' EXIT
 rm -rf -- "$root"
 debootstrap --variant=minbase bookworm "$root" "$mirror" >"$folder/debootstrap.log"
 cp /etc/apt/apt.conf.d/*proxy* "$root/etc/apt/apt.conf.d/" 2>/dev/null || true
@@ -51,12 +51,14 @@ database.enable_load_extension(True)
 database.load_extension("/usr/lib/'"$(dpkg-architecture -qDEB_HOST_MULTIARCH)"'/alidade/libalidade_sqlite")
 assert database.execute("SELECT count(*) FROM points").fetchone() == (20000,)'
 
-within apt-get -qq -y install "/root/$(cd "$folder" && echo alidade_*.deb)" >>"$folder/apt.log"
-within apt-get -qq -y --no-install-recommends install libopenimageio2.4 libgdal32 libnova-0.16-0 libopenexr-3-1-30 libfreetype6 fonts-dejavu-core >>"$folder/apt.log"
+# What the package recommends, as apt would install by itself.
+mapfile -t recommended < <(dpkg-deb --field "$folder"/alidade_*.deb Recommends | sed 's/([^)]*)//g; s/|[^,]*//g' | tr ',' '\n' | sed 's/ //g; /^$/d')
+within apt-get -qq -y --no-install-recommends install "${recommended[@]}" >>"$folder/apt.log"
 within sh -euc 'cd /root && alidade render yard.las -o yard.png --size 60x40 --samples 1 -q && test -s yard.png
   alidade visibility viewshed yard.alidade --observer 690000,5325000 --resolution 1 -o seen.tif -q && test -s seen.tif'
 within apt-get clean
 echo "with what pictures and maps need $(($(megabytes) - bare)) MB"
 
 install "$(cd "$folder" && echo libalidade-dev_*.deb)" "$(cd "$folder" && echo postgresql-15-alidade_*.deb)"
-echo "all packages were installed and tried"
+within sh -euc 'test -s /usr/share/postgresql/15/extension/alidade_pg.control && test -s /usr/lib/postgresql/15/lib/alidade_pg.so'
+echo "alidade, python3-alidade and alidade-sqlite were tried; libalidade-dev and postgresql-15-alidade were installed"

@@ -13,7 +13,7 @@ inline constexpr const char* k_module_doc = R"(Ray queries and pictures of raw p
 
 Positions and lengths are in the unit of the cloud's coordinate reference system, mostly metres.
 Every function takes whole arrays, releases the GIL and uses all cores; `workers` limits the
-threads. Ctrl-C ends long work. `progress`, a function of the work done and all work, is called
+threads. Ctrl-C ends long work, mostly within a fraction of a second. `progress`, a function of the work done and all work, is called
 a few times per second; what it raises ends the work. Clouds and indexes never change, so
 threads can share them. Invalid input raises alidade.Error, a ValueError.)";
 
@@ -242,13 +242,14 @@ Parameters
 camera : dict, JSON or path, optional
     A camera as in docs/cameras.md. Default: an overview of `size`, of medium brightness.
 scene : dict or JSON, optional
-    Light, colours and radii as in docs/scene_format.md; its "cloud" needs no file.
+    Light, colours and radii as in docs/scene_format.md. Its "cloud" needs no file; "surface" is blend unless
+    it chooses a radius, a material or max_level.
 samples : int, optional
     Paths per pixel. Default: 16 for overviews, else the scene's.
 layers : list of str
     color, depth, distance, normal, position, albedo, id, variance, depth.sigma, coverage, support.
 exposure : float, optional
-    Stops, of 'image'.
+    Brightness of 'image' in stops. Default: automatic for overviews, else the scene's.
 
 Returns
 -------
@@ -260,16 +261,16 @@ inline constexpr const char* k_visible_doc =
     R"(visible(index, observers, *, height=None, max_distance=None, transparency=1, workers=-1, progress=None)
 --
 
-Which points each observer sees: an array of bool of shape (..., n).
+Which points each observer sees: an array of bool of shape (m, n), or (n,) for one observer.
 
 Parameters
 ----------
-observers : (..., 3) or (..., 2) array
+observers : (m, 3) or (m, 2) array, or one of them
     Feet with z (height 0 by default) or on the ground (height 2 by default).
 height : float, optional
     Of the eye above the foot.
 transparency : int
-    So many separate surfaces block the view: 1 for solid things, more to see through foliage.)";
+    Number of separate surfaces that block the view: 1 for solid things, more to see through foliage.)";
 
 inline constexpr const char* k_viewshed_doc =
     R"(viewshed(index, observers, resolution, *, mode='visible', extent=None, height=None, target_height=0.0, max_distance=None, transparency=1, workers=-1, progress=None)

@@ -59,14 +59,15 @@ Shape leading_shape(const py::array& array) {
   return {array.shape(), array.shape() + array.ndim() - 1};
 }
 
-PerTarget::PerTarget(const py::handle& given, const char* name, std::size_t count)
+PerTarget::PerTarget(const py::handle& given, const char* name, const Shape& shape)
     : array_(real_numbers(array_of(given, name), name)) {
-  const auto size = static_cast<std::size_t>(array_.size());
-  if (size != 1 && size != count)
-    throw input_error(fmt::format("{} has the wrong shape", name), fmt::format("one number, or {}", count),
+  const bool is_one = array_.size() == 1 && array_.ndim() <= 1;
+  if (!is_one && Shape(array_.shape(), array_.shape() + array_.ndim()) != shape)
+    throw input_error(fmt::format("{} has the wrong shape", name),
+                      fmt::format("one number, or shape ({})", fmt::join(shape, ", ")),
                       "shape " + shape_text(array_));
   values_ = array_.data();
-  stride_ = size == 1 ? 0 : 1;
+  stride_ = is_one ? 0 : 1;
 }
 
 void run_watched(int workers, const py::object& watch, const std::function<void(const Progress&)>& work) {
@@ -89,13 +90,8 @@ void run_watched(int workers, const py::object& watch, const std::function<void(
     return !ends;
   };
   // Only the thread that called notices signals.
-  std::future<void> result = std::async(std::launch::async, [&] {
-    if (workers < 1) {
-      work(progress);
-    } else {
-      tbb::task_arena(workers).execute([&] { work(progress); });
-    }
-  });
+  std::future<void> result =
+      std::async(std::launch::async, [&] { on_threads(workers, [&] { work(progress); }); });
   for (bool is_done = false; !is_done;) {
     {
       const py::gil_scoped_release release;

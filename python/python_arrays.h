@@ -4,9 +4,11 @@
 #include <pybind11/numpy.h>
 #include <pybind11/pybind11.h>
 #include <tbb/blocked_range.h>
+#include <tbb/info.h>
 #include <tbb/parallel_for.h>
 #include <tbb/task_arena.h>
 #include <algorithm>
+#include <chrono>
 #include <functional>
 #include <glm/vec3.hpp>
 #include <span>
@@ -32,6 +34,12 @@ inline py::object answer_type(const char* name) {
   return py::module_::import("alidade._answers").attr(name);
 }
 
+/// A text of a file, whatever its characters are: bytes that are not UTF-8 become surrogates, as in names of files.
+inline py::str text_of(const std::string& text) {
+  return py::reinterpret_steal<py::str>(
+      PyUnicode_DecodeUTF8(text.data(), static_cast<Py_ssize_t>(text.size()), "surrogateescape"));
+}
+
 /// "(100, 3)".
 std::string shape_text(const py::array& array);
 
@@ -45,8 +53,8 @@ Shape leading_shape(const py::array& array);
 /// A number for each of `count` targets, or the same for all.
 class PerTarget {
  public:
-  /// Errors: neither one number nor `count`.
-  PerTarget(const py::handle& given, const char* name, std::size_t count);
+  /// Errors: neither one number nor one for each target, in their shape.
+  PerTarget(const py::handle& given, const char* name, const Shape& shape);
 
   double operator[](std::size_t i) const { return values_[stride_ * i]; }
 
@@ -75,28 +83,38 @@ py::array view_of(std::span<const T> values, const py::handle& owner) {
   return view_of(values.data(), {static_cast<py::ssize_t>(values.size())}, {sizeof(T)}, owner);
 }
 
-/// Runs without the GIL on so many threads; all of the machine's where `workers` is below 1.
+/// Calls work() on so many threads, no more than the machine has; on all of them where `workers` is below 1.
+template <class Work>
+void on_threads(int workers, const Work& work) {
+  if (workers < 1) return work();
+  tbb::task_arena(std::min(workers, tbb::info::default_concurrency())).execute(work);
+}
+
+/// The same without the GIL.
 template <class Work>
 void run_free(int workers, const Work& work) {
   const py::gil_scoped_release release;
-  if (workers < 1) {
-    work();
-  } else {
-    tbb::task_arena(workers).execute(work);
-  }
+  on_threads(workers, work);
 }
 
 /// Calls work(progress) in a thread of its own without the GIL, and waits for it. `progress` is a Progress that calls
 /// watch(done, total) unless that is None. What `watch` raises, and Ctrl-C, end the work and are raised here.
 void run_watched(int workers, const py::object& watch, const std::function<void(const Progress&)>& work);
 
-/// Calls work(begin, end) for pieces of `count` items without the GIL; Ctrl-C is noticed between them.
+/// Calls work(begin, end) for pieces of `count` items without the GIL. Ctrl-C is noticed between pieces, which take a
+/// tenth of a second each.
 template <class Work>
 void in_pieces(int workers, std::size_t count, const Work& work) {
-  constexpr std::size_t k_piece = std::size_t{1} << 18;
-  for (std::size_t begin = 0; begin < count; begin += k_piece) {
-    run_free(workers, [&] { work(begin, std::min(count, begin + k_piece)); });
+  using Clock = std::chrono::steady_clock;
+  constexpr std::chrono::milliseconds k_short(100);
+  std::size_t piece = 8192;
+  for (std::size_t begin = 0; begin < count;) {
+    const std::size_t end = std::min(count, begin + piece);
+    const Clock::time_point start = Clock::now();
+    run_free(workers, [&] { work(begin, end); });
     if (PyErr_CheckSignals() != 0) throw py::error_already_set();
+    piece = Clock::now() - start < k_short ? 2 * piece : std::max<std::size_t>(piece / 2, 64);
+    begin = end;
   }
 }
 

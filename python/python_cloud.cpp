@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "python/python_cloud.h"
 
+#include <dlfcn.h>
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 #include <pybind11/stl.h>
@@ -79,34 +80,37 @@ py::array array_of(const ExtraColumn& column, const py::handle& owner) {
                   {static_cast<py::ssize_t>(stride)}, column.values.data(), owner);
   py::detail::array_proxy(array.ptr())->flags &= ~py::detail::npy_api::NPY_ARRAY_WRITEABLE_;
   if (facts.type == ScalarType::bytes || (!facts.has_scale && !facts.has_offset)) return array;
-  return array * py::float_(facts.scale) + py::float_(facts.offset);
+  py::array scaled = array.attr("astype")("f8") * py::float_(facts.scale) + py::float_(facts.offset);
+  scaled.attr("flags").attr("writeable") = false;
+  return scaled;
 }
 
-std::vector<std::string> names_of(const AttributeColumns& columns) {
-  std::vector<std::string> names;
-  for_each_array(columns, py::none(), [&](const char* name, const auto&) { names.emplace_back(name); });
-  for (const ExtraColumn& column : columns.extra_dimensions) names.push_back(column.description.name);
+py::list names_of(const AttributeColumns& columns) {
+  py::list names;
+  for_each_array(columns, py::none(), [&](const char* name, const auto&) { names.append(name); });
+  for (const ExtraColumn& column : columns.extra_dimensions) names.append(text_of(column.description.name));
   return names;
 }
 
-py::array column_of(const Cloud& cloud, const std::string& wanted) {
+py::array column_of(const Cloud& cloud, const py::str& wanted) {
   const AttributeColumns columns = cloud.data()->points.columns();
   const py::capsule owner = owner_of(cloud.data());
   py::object found = py::none();
   for_each_array(columns, owner, [&](const char* name, const auto& make) {
-    if (wanted == name) found = make();
+    if (wanted.equal(py::str(name))) found = make();
   });
   for (const ExtraColumn& column : columns.extra_dimensions)
-    if (found.is_none() && wanted == column.description.name) found = array_of(column, owner);
-  if (found.is_none())
-    throw py::key_error(fmt::format("the cloud has no attribute '{}'; it has {}", wanted,
-                                    fmt::join(names_of(columns), ", ")));
-  return found;
+    if (found.is_none() && wanted.equal(text_of(column.description.name))) found = array_of(column, owner);
+  if (!found.is_none()) return found;
+  const py::str text = py::str("the cloud has no attribute {!r}; it has {}")
+                           .format(wanted, py::str(", ").attr("join")(names_of(columns)));
+  PyErr_SetObject(PyExc_KeyError, text.ptr());
+  throw py::error_already_set();
 }
 
 py::object crs_of(const Cloud& cloud) {
   const Crs& crs = cloud.data()->description().crs;
-  if (!crs.wkt.empty()) return py::str(crs.wkt);
+  if (!crs.wkt.empty()) return text_of(crs.wkt);
   const std::vector<std::string> codes = epsg_codes(crs);
   if (codes.empty()) return py::none();
   // "EPSG:25832+7837", as PROJ writes compound systems.
@@ -116,22 +120,39 @@ py::object crs_of(const Cloud& cloud) {
   return py::str(text);
 }
 
-/// WKT, or the code of a horizontal system.
+/// The WKT of a code of EPSG, by GDAL if it is installed: the module itself works without it.
+std::string wkt_of(int code) {
+  using Handle = void*;
+  Handle const library = ::dlopen("libgdal.so.32", RTLD_NOW | RTLD_LOCAL);
+  if (library == nullptr)
+    throw input_error("codes of EPSG need GDAL", "the Debian package libgdal32, or the system as WKT",
+                      fmt::format("EPSG:{}", code));
+  const auto create = reinterpret_cast<Handle (*)(const char*)>(::dlsym(library, "OSRNewSpatialReference"));
+  const auto import = reinterpret_cast<int (*)(Handle, int)>(::dlsym(library, "OSRImportFromEPSG"));
+  const auto write = reinterpret_cast<int (*)(Handle, char**)>(::dlsym(library, "OSRExportToWkt"));
+  const auto destroy = reinterpret_cast<void (*)(Handle)>(::dlsym(library, "OSRDestroySpatialReference"));
+  const auto free_text = reinterpret_cast<void (*)(void*)>(::dlsym(library, "VSIFree"));
+  Handle const system = create(nullptr);
+  char* text = nullptr;
+  const bool is_known = import(system, code) == 0 && write(system, &text) == 0;
+  const std::string wkt = is_known ? text : "";
+  free_text(text);
+  destroy(system);
+  if (!is_known)
+    throw input_error("unknown coordinate reference system", "a code of EPSG", fmt::format("EPSG:{}", code));
+  return wkt;
+}
+
+/// WKT, or the code of a system.
 Crs read_crs(const std::string& text) {
-  if (!text.starts_with("EPSG:"))
-    return {.wkt = text, .geotiff_keys = {}, .geotiff_doubles = {}, .geotiff_ascii = {}};
+  Crs crs;
+  crs.wkt = text;
+  if (!text.starts_with("EPSG:")) return crs;
   const int code = std::atoi(text.c_str() + 5);
-  if (code < 1024 || code > 32766 || text != fmt::format("EPSG:{}", code))
-    throw input_error("unknown coordinate reference system", "WKT, or EPSG:n with n from 1024 to 32766",
-                      text);
-  // GeoTIFF's keys for the kind of system and its code; EPSG keeps 4000 to 4999 for longitude and latitude.
-  const bool is_geographic = code >= 4000 && code < 5000;
-  const auto kind = static_cast<std::uint16_t>(is_geographic ? 2 : 1),
-             key = static_cast<std::uint16_t>(is_geographic ? 2048 : 3072);
-  return {.wkt = {},
-          .geotiff_keys = {1, 1, 0, 2, 1024, 0, 1, kind, key, 0, 1, static_cast<std::uint16_t>(code)},
-          .geotiff_doubles = {},
-          .geotiff_ascii = {}};
+  if (code < 1 || text != fmt::format("EPSG:{}", code))
+    throw input_error("unknown coordinate reference system", "WKT, or EPSG:n", text);
+  crs.wkt = wkt_of(code);
+  return crs;
 }
 
 py::array require_rows(const py::handle& given, const std::string& name, std::size_t rows,
@@ -194,7 +215,8 @@ void add_extra(PointCloud& cloud, const py::array& given, const std::string& nam
                       "whole numbers of 8 to 64 bits, or floating-point numbers of 32 or 64",
                       "dtype " + py::str(array.dtype()).cast<std::string>());
   ExtraDimension column = plain_dimension(name, static_cast<ScalarType>(known - std::begin(k_types)));
-  const py::array packed = py::module_::import("numpy").attr("ascontiguousarray")(array);
+  const py::object native = array.attr("astype")(array.dtype().attr("newbyteorder")("="));
+  const py::array packed = py::module_::import("numpy").attr("ascontiguousarray")(native);
   const auto* const bytes = static_cast<const std::uint8_t*>(packed.data());
   column.values.assign(bytes, bytes + packed.nbytes());
   cloud.extra_dimensions.push_back(std::move(column));
@@ -222,7 +244,7 @@ void set_attribute(PointCloud& cloud, const std::string& name, const py::handle&
 }
 
 /// A lattice of this scale, or the finest power of ten that 32 bits hold.
-Lattice lattice_for(std::span<const glm::dvec3> positions, const py::object& scale) {
+Lattice lattice_for(std::span<const glm::dvec3> positions, std::optional<double> scale) {
   CoordinateSurvey survey;
   for (std::size_t i = 0; i < positions.size(); ++i) {
     const glm::dvec3& position = positions[i];
@@ -232,16 +254,16 @@ Lattice lattice_for(std::span<const glm::dvec3> positions, const py::object& sca
     survey.bounds.grow(position);
   }
   survey.finite_count = positions.size();
-  if (scale.is_none()) return fit_lattice(std::array{survey});
-  const double step = scale.cast<double>();
+  if (!scale) return fit_lattice(std::array{survey});
+  const double step = *scale;
   if (!(step > 0.0) || !std::isfinite(step))
     throw input_error("the scale is out of range", "a number above 0");
   const glm::dvec3 low = survey.bounds.empty() ? glm::dvec3(0.0) : survey.bounds.min;
   return {glm::dvec3(step), {std::floor(low.x), std::floor(low.y), std::floor(low.z)}};
 }
 
-Cloud cloud_of_arrays(const py::handle& xyz, const std::optional<std::string>& crs, const py::object& scale,
-                      const py::kwargs& attributes) {
+Cloud cloud_of_arrays(const py::handle& xyz, const std::optional<std::string>& crs,
+                      std::optional<double> scale, const py::kwargs& attributes) {
   const Doubles coordinates = numbers_of(xyz, "xyz", {3});
   if (coordinates.ndim() != 2)
     throw input_error("xyz has the wrong shape", "(n, 3)", "shape " + shape_text(coordinates));
@@ -283,8 +305,7 @@ py::object open_clouds(const FileNames& files, bool partial, int workers, const 
     }
   });
   for (const std::string& warning : data->points.cloud.warnings)
-    PyErr_WarnEx(PyExc_UserWarning, warning.c_str(), 1);
-  if (PyErr_Occurred() != nullptr) throw py::error_already_set();
+    if (PyErr_WarnEx(PyExc_UserWarning, warning.c_str(), 1) != 0) throw py::error_already_set();
   if (data->points.index) return py::cast(Index(data, data->points.octree));
   return py::cast(Cloud(std::move(data)));
 }
@@ -299,19 +320,33 @@ Index index_of(const Cloud& cloud, const std::string& organisation, bool surface
                const py::object& progress) {
   const std::shared_ptr<const CloudData> data = cloud.data();
   Octree octree = data->points.octree;
+  const Organisation wanted = organisation_of(organisation);
+  if (data->points.index && wanted != octree.view().organisation)
+    throw input_error("the index file has another organisation", "that of the file, or a cloud to index",
+                      organisation);
   run_watched(workers, progress, [&](const Progress& watch) {
-    if (!data->points.index)
-      octree = build(data->points.cloud, {.organisation = organisation_of(organisation), .progress = watch});
+    if (!data->points.index) octree = build(data->points.cloud, {.organisation = wanted, .progress = watch});
     if (surfaces) octree = with_surfaces(with_spacings(octree, k_surface_neighbours, watch), watch);
   });
   return {data, std::move(octree)};
 }
 
-/// The cloud with positions.
-PointCloud whole(const CloudData& data) {
-  return data.points.index ? read_cloud(resolve_clouds(std::array{std::filesystem::path(data.name)},
-                                                       index_and_file_formats()))
-                           : data.points.cloud;
+/// A copy of a cloud that is mapped, with positions.
+PointCloud copy_of(const IndexedCloud& mapped) {
+  PointCloud cloud = mapped.index->description();
+  cloud.lattice = mapped.octree.lattice();
+  cloud.records = mapped.index->records();
+  cloud.positions = positions_in_order(mapped.octree.view());
+  const AttributeColumns& columns = mapped.index->columns();
+  for_each_column(cloud, columns, [](Attribute, auto& column, const auto& values) {
+    column.assign(values.begin(), values.end());
+  });
+  cloud.extra_dimensions.clear();
+  for (const ExtraColumn& column : columns.extra_dimensions) {
+    cloud.extra_dimensions.push_back(column.description);
+    cloud.extra_dimensions.back().values.assign(column.values.begin(), column.values.end());
+  }
+  return cloud;
 }
 
 void write(const Cloud& cloud, const std::filesystem::path& file, bool overwrite,
@@ -320,8 +355,9 @@ void write(const Cloud& cloud, const std::filesystem::path& file, bool overwrite
   if (extension != ".las" && extension != ".laz" && extension != ".ply")
     throw file_error(file.string(), "unknown output format", ".las, .laz or .ply");
   run_watched(0, progress, [&](const Progress& watch) {
-    const PointCloud copy = cloud.data()->points.index ? whole(*cloud.data()) : PointCloud();
-    const PointCloud& points = cloud.data()->points.index ? copy : cloud.data()->points.cloud;
+    const IndexedCloud& stored = cloud.data()->points;
+    const PointCloud copy = stored.index ? copy_of(stored) : PointCloud();
+    const PointCloud& points = stored.index ? copy : stored.cloud;
     if (extension == ".ply") {
       write_ply(file, points, {.overwrite = overwrite, .progress = watch});
     } else {
@@ -332,8 +368,9 @@ void write(const Cloud& cloud, const std::filesystem::path& file, bool overwrite
 
 void save(const Index& index, const std::filesystem::path& file, bool overwrite, const py::object& progress) {
   run_watched(0, progress, [&](const Progress& watch) {
-    const PointCloud copy = index.data()->points.index ? whole(*index.data()) : PointCloud();
-    save_index(file, index.octree(), index.data()->points.index ? copy : index.data()->points.cloud,
+    const IndexedCloud& stored = index.data()->points;
+    const PointCloud copy = stored.index ? copy_of(stored) : PointCloud();
+    save_index(file, index.octree(), stored.index ? copy : stored.cloud,
                {.overwrite = overwrite, .progress = watch});
   });
 }
@@ -378,8 +415,8 @@ void add_cloud(py::module_& module) {
       .def("__len__", [](const Cloud& self) { return self.data()->size(); })
       .def("__getitem__", &column_of)
       .def("__contains__",
-           [](const Cloud& self, const std::string& name) {
-             return std::ranges::count(names_of(self.data()->points.columns()), name) > 0;
+           [](const Cloud& self, const py::object& name) {
+             return names_of(self.data()->points.columns()).contains(name);
            })
       .def("__repr__",
            [](const Cloud& self) {

@@ -10,7 +10,7 @@
 #include "compare/metrics/ssim.h"
 #include "geo/raster.h"
 #include "image/color_points.h"
-#include "image/srgb.h"
+#include "image/film.h"
 #include "python/docstrings.h"
 #include "python/python_cloud.h"
 #include "renderer/overview.h"
@@ -37,12 +37,16 @@ camera::Camera camera_of(const py::object& given) {
   return camera::read_camera_node(JsonNode(document));
 }
 
+/// The scene, and what of it was chosen by the caller.
 renderer::Scene scene_of(const py::object& given, const CloudData& data) {
   if (given.is_none()) return renderer::daylight_scene({data.name});
   py::dict parts = py::module_::import("json").attr("loads")(json_of(given));
   const py::dict cloud = parts.contains("cloud") ? py::dict(parts["cloud"]) : py::dict();
   cloud["file"] = data.name;
-  if (!cloud.contains("surface")) cloud["surface"] = "blend";
+  if (cloud.contains("files")) cloud.attr("pop")("files");
+  const bool wants_spheres =
+      cloud.contains("radius") || cloud.contains("material") || cloud.contains("max_level");
+  if (!cloud.contains("surface") && !wants_spheres) cloud["surface"] = "blend";
   parts["cloud"] = cloud;
   if (!parts.contains("version")) parts["version"] = 1;
   renderer::Scene scene = renderer::parse_scene(json_of(parts), "scene");
@@ -101,15 +105,8 @@ py::array picture_of(const image::Film& film, const std::vector<Pixel>& pixels) 
 /// The picture as PNG shows it: (height, width, 3) of 8 bits.
 py::array image_of(const image::Film& film, const image::OutputSettings& output) {
   py::array_t<std::uint8_t> codes({py::ssize_t{film.height}, py::ssize_t{film.width}, py::ssize_t{3}});
-  const double scale = image::exposure_scale(output.exposure);
-  for (std::size_t pixel = 0; pixel < film.count(); ++pixel) {
-    const double alpha = film.alpha[pixel];
-    for (int channel = 0; channel < 3; ++channel) {
-      double linear = scale * film.color[pixel][channel];
-      if (output.background) linear += (1.0 - alpha) * linear_from_srgb((*output.background)[channel]);
-      codes.mutable_data()[3 * pixel + static_cast<std::size_t>(channel)] = image::srgb_code(linear);
-    }
-  }
+  for (std::size_t pixel = 0; pixel < film.count(); ++pixel)
+    std::ranges::copy(image::displayed(film, pixel, output), codes.mutable_data() + 3 * pixel);
   return codes;
 }
 
@@ -121,12 +118,14 @@ py::dict render(const Index& index, const py::object& camera, const py::object& 
   renderer::Scene scene = scene_of(scene_parts, *index.data());
   if (!camera.is_none()) scene.camera = camera_of(camera);
   const bool is_overview = !scene.camera;
-  scene.render.samples = samples.value_or(is_overview ? renderer::k_overview_samples : scene.render.samples);
+  // What a scene says counts, as in the program.
+  const bool is_plain = is_overview && scene_parts.is_none();
+  scene.render.samples = samples.value_or(is_plain ? renderer::k_overview_samples : scene.render.samples);
   check_that(scene.render.samples >= 1 && scene.render.samples <= renderer::k_max_samples,
              "samples out of range", fmt::format("1 to {}", renderer::k_max_samples),
              std::to_string(scene.render.samples));
   scene.render.seed = seed.value_or(scene.render.seed);
-  if (is_overview && scene.render.mode != renderer::RenderMode::flat)
+  if (is_plain && scene.render.mode != renderer::RenderMode::flat)
     scene.output.background = renderer::k_overview_background;
   renderer::check_shape(*scene.cloud);
   const std::vector<image::Layer> layers = layers_of(layer_words);
@@ -143,8 +142,8 @@ py::dict render(const Index& index, const py::object& camera, const py::object& 
     const bool is_lit = scene.render.mode == renderer::RenderMode::path;
     if (is_seen)
       scene.output.exposure =
-          exposure.value_or(is_overview && is_lit ? renderer::automatic_exposure(scene, &cloud, *scene.camera)
-                                                  : scene.output.exposure);
+          exposure.value_or(is_plain && is_lit ? renderer::automatic_exposure(scene, &cloud, *scene.camera)
+                                               : scene.output.exposure);
     film = renderer::render(scene, &cloud, {.progress = watch, .layers = layers});
   });
 

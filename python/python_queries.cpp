@@ -101,8 +101,8 @@ class RayArrays {
       origin_stride_ = is_one_origin ? 0 : 3;
       direction_stride_ = is_one_direction ? 0 : 3;
     }
-    t_min_.emplace(t_min, "t_min", count_);
-    t_max_.emplace(t_max.is_none() ? py::object(py::float_(k_infinity)) : t_max, "t_max", count_);
+    t_min_.emplace(t_min, "t_min", shape_);
+    t_max_.emplace(t_max.is_none() ? py::object(py::float_(k_infinity)) : t_max, "t_max", shape_);
   }
 
   std::size_t size() const { return count_; }
@@ -325,6 +325,7 @@ py::object counts(RayCall& call) {
 }
 
 py::object first_hits(RayCall& call) {
+  if (call.query.k == k_all) require_k(0);
   return first_answers<HitColumns>(call.index, call.query, call.workers, call.rays.shape(), call.rays.size(),
                                    call.targets());
 }
@@ -397,6 +398,8 @@ py::object in_cone(const Index& index, const py::handle& rays, double angle, dou
 py::object along(const Index& index, const py::handle& path, double radius, const py::object& where,
                  const std::optional<std::vector<int>>& classes, std::optional<int> max_level, int workers) {
   const Doubles array = numbers_of(path, "path", {3});
+  if (array.ndim() != 2)
+    throw input_error("path has the wrong shape", "(m, 3)", "shape " + shape_text(array));
   const std::span<const glm::dvec3> vertices = as_positions(array);
   PathQuery query{.radius = radius};
   py::object kept;

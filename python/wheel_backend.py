@@ -17,20 +17,22 @@ import zipfile
 from pathlib import Path
 
 ROOT = Path(__file__).resolve().parents[1]
-BUILD = ROOT / "build" / "wheel"
+BUILD = ROOT / "build" / f"wheel-{sys.version_info.major}.{sys.version_info.minor}"
 # Of every Linux with the C++ library of GCC 12 or later.
 EVERYWHERE = re.compile(r"(ld-linux|linux-vdso|libc\.|libm\.|libdl\.|librt\.|libpthread\.|libgcc_s\.|libstdc\+\+\.)")
 
 
 def project():
     text = (ROOT / "pyproject.toml").read_text()
-    return {key: re.search(rf'^{key} = "(.*)"', text, re.M)[1] for key in ("name", "version", "description", "requires-python")}
+    facts = {key: re.search(rf'^{key} = "(.*)"', text, re.M)[1] for key in ("name", "version", "description", "requires-python")}
+    return facts | {"dependencies": re.findall(r'"([^"]+)"', re.search(r"^dependencies = \[(.*)\]", text, re.M)[1])}
 
 
 def metadata():
     facts = project()
     return (f"Metadata-Version: 2.1\nName: {facts['name']}\nVersion: {facts['version']}\nSummary: {facts['description']}\n"
-            f"Requires-Python: {facts['requires-python']}\nRequires-Dist: numpy\nLicense: MIT\n")
+            f"Requires-Python: {facts['requires-python']}\nLicense: MIT\n"
+            + "".join(f"Requires-Dist: {name}\n" for name in facts["dependencies"]))
 
 
 def libraries_of(file):
@@ -45,7 +47,8 @@ def libraries_of(file):
 
 def package(folder):
     """The folder alidade/ of the wheel."""
-    tools = {"g++": "g++", "cmake": "cmake", "ninja": "ninja-build", "patchelf": "patchelf", "ldd": "libc-bin"}
+    tools = {"g++": "g++", "cmake": "cmake", "ninja": "ninja-build", "patchelf": "patchelf", "strip": "binutils",
+             "ldd": "libc-bin"}
     for tool, name in tools.items():
         if not shutil.which(tool):
             sys.exit(f"wheel_backend: error: {tool} is missing; expected the Debian package {name}")
@@ -54,13 +57,26 @@ def package(folder):
                     f"-DALIDADE_PYTHON={sys.executable}", *launcher], check=True)
     subprocess.run(["cmake", "--build", BUILD, "--parallel", str(os.cpu_count()), "--target", "alidade_python"], check=True)
     shutil.copytree(BUILD / "python" / "alidade", folder, ignore=shutil.ignore_patterns("__pycache__"))
-    module = next(folder.glob("_alidade*.so"))
+    (module,) = folder.glob("_alidade*.so")
+    subprocess.run(["strip", "--strip-unneeded", module], check=True)
     libraries = libraries_of(module)
     for library in libraries:
         shutil.copy(library, folder / library.name)
-        subprocess.run(["patchelf", "--set-rpath", "$ORIGIN", folder / library.name], check=True)
-    subprocess.run(["patchelf", "--set-rpath", "$ORIGIN", module], check=True)
-    subprocess.run(["strip", "--strip-unneeded", module], check=True)
+    for file in [module, *(folder / library.name for library in libraries)]:
+        subprocess.run(["patchelf", "--set-rpath", "$ORIGIN", file], check=True)
+    return libraries
+
+
+def licences(libraries):
+    """Of the libraries in the wheel, as Debian keeps them."""
+    texts = {}
+    for library in libraries:
+        found = subprocess.run(["dpkg-query", "--search", library.resolve()], capture_output=True, text=True).stdout
+        name = found.split(":")[0]
+        copyright = Path("/usr/share/doc") / name / "copyright"
+        if name and copyright.is_file():
+            texts[f"LICENSE.{name}"] = copyright.read_bytes()
+    return texts
 
 
 def digest(data):
@@ -75,16 +91,21 @@ def build_wheel(wheel_directory, config_settings=None, metadata_directory=None):
     name = f"{facts['name']}-{facts['version']}-{tag}.whl"
     with tempfile.TemporaryDirectory() as scratch:
         folder = Path(scratch) / facts["name"]
-        package(folder)
+        libraries = package(folder)
         files = {f"{facts['name']}/{path.name}": path.read_bytes() for path in sorted(folder.iterdir())}
     files[f"{info}/METADATA"] = metadata().encode()
     files[f"{info}/WHEEL"] = f"Wheel-Version: 1.0\nGenerator: alidade\nRoot-Is-Purelib: false\nTag: {tag}\n".encode()
     files[f"{info}/LICENSE"] = (ROOT / "LICENSE").read_bytes()
+    files |= {f"{info}/{name}": text for name, text in licences(libraries).items()}
     record = "".join(f"{path},{digest(data)},{len(data)}\n" for path, data in files.items())
     files[f"{info}/RECORD"] = (record + f"{info}/RECORD,,\n").encode()
-    unfinished = Path(wheel_directory) / (name + ".part")
+    unfinished = Path(wheel_directory) / f".{name}.part"
     with zipfile.ZipFile(unfinished, "w", zipfile.ZIP_DEFLATED) as wheel:
         for path, data in files.items():
             wheel.writestr(path, data)
     unfinished.rename(Path(wheel_directory) / name)
     return name
+
+
+def build_sdist(sdist_directory, config_settings=None):
+    sys.exit("wheel_backend: error: source distributions are not made; expected 'python3 -m build --wheel', or a clone")

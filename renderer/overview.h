@@ -25,8 +25,8 @@ Scene daylight_scene(std::vector<std::filesystem::path> files);
 camera::Camera overview_camera(const LoadedCloud& cloud, int width, int height);
 
 /// The exposure, in stops, that gives the surfaces in a view a medium brightness: half of their pixels are darker
-/// than 0.47 of white as displayed, half brighter. It is that of a picture of 96 pixels, so that it is the same for
-/// every part and size of a picture; within 4 stops of 0. 0 where the view has no surfaces. The scene's light is
+/// than 0.47 of white as displayed, half brighter. It is that of a picture whose longer side has at most 96 pixels, so that it is the same
+/// for every part and size of a picture; within 4 stops of 0. 0 where the view has no surfaces. The scene's light is
 /// prepared. Cost: that of the small picture.
 double automatic_exposure(const Scene& scene, const LoadedCloud* cloud, const camera::Camera& view);
 

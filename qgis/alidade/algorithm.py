@@ -2,17 +2,18 @@
 import json
 import os
 import re
+import shlex
 import signal
 import subprocess
 import tempfile
 import threading
 
 from qgis.core import (QgsCoordinateReferenceSystem, QgsCoordinateTransform, QgsProcessing, QgsProcessingAlgorithm,
-                       QgsProcessingException, QgsProcessingParameterBoolean, QgsProcessingParameterDefinition,
-                       QgsProcessingParameterEnum, QgsProcessingParameterExtent, QgsProcessingParameterFile,
+                       QgsProcessingException, QgsProcessingParameterDefinition,
+                       QgsProcessingParameterEnum, QgsProcessingParameterExtent, QgsProcessingParameterFeatureSource,
+                       QgsProcessingParameterFile,
                        QgsProcessingParameterFileDestination, QgsProcessingParameterNumber,
-                       QgsProcessingParameterRasterDestination, QgsProcessingParameterString,
-                       QgsProcessingParameterVectorLayer)
+                       QgsProcessingParameterRasterDestination, QgsProcessingParameterString)
 
 FILTERS = {"cloud": "LAZ (*.laz);;LAS (*.las);;PLY (*.ply)", "picture": "PNG (*.png);;JPEG (*.jpg);;EXR (*.exr)",
            "table": "CSV (*.csv)"}
@@ -21,6 +22,23 @@ FILTERS = {"cloud": "LAZ (*.laz);;LAS (*.las);;PLY (*.ply)", "picture": "PNG (*.
 def program():
     """The program: of the variable ALIDADE_PROGRAM, else on the PATH."""
     return os.environ.get("ALIDADE_PROGRAM", "alidade")
+
+
+def start(words, **pipes):
+    """The program at work; what it writes to stderr, and stdout unless that goes elsewhere, is text."""
+    try:
+        return subprocess.Popen(words, stderr=subprocess.PIPE, text=True, errors="replace", **pipes)
+    except FileNotFoundError:
+        raise QgsProcessingException(
+            f"the program {words[0]} was not found; expected it on the PATH, or its file in the variable "
+            "ALIDADE_PROGRAM") from None
+
+
+def run(words):
+    """The finished program."""
+    process = start(words, stdout=subprocess.PIPE)
+    out, errors = process.communicate()
+    return subprocess.CompletedProcess(words, process.returncode, out, errors)
 
 
 class CommandAlgorithm(QgsProcessingAlgorithm):
@@ -65,13 +83,11 @@ class CommandAlgorithm(QgsProcessingAlgorithm):
             return QgsProcessingParameterNumber(name, label, QgsProcessingParameterNumber.Double, default, default is None)
         if parameter.kind == "choice":
             return QgsProcessingParameterEnum(name, label, list(parameter.choices), defaultValue=default)
-        if parameter.kind == "flag":
-            return QgsProcessingParameterBoolean(name, label, bool(default))
         if parameter.kind == "text":
             return QgsProcessingParameterString(name, label, default, optional=default is None)
         if parameter.kind in ("points", "line"):
             kind = QgsProcessing.TypeVectorPoint if parameter.kind == "points" else QgsProcessing.TypeVectorLine
-            return QgsProcessingParameterVectorLayer(name, label, [kind])
+            return QgsProcessingParameterFeatureSource(name, label, [kind])
         if parameter.kind == "extent":
             return QgsProcessingParameterExtent(name, label, optional=True)
         if parameter.kind == "raster":
@@ -80,20 +96,33 @@ class CommandAlgorithm(QgsProcessingAlgorithm):
 
     @staticmethod
     def cloud_system(cloud):
-        """The reference system of the cloud, by 'alidade info'; not valid if it states none."""
-        described = subprocess.run([program(), "info", cloud, "--json"], capture_output=True, text=True)
-        text = (json.loads(described.stdout).get("crs") or "") if described.returncode == 0 else ""
-        system = QgsCoordinateReferenceSystem.fromWkt(text)
-        return system if system.isValid() else QgsCoordinateReferenceSystem(text)
+        """The reference system of the cloud, by 'alidade info'."""
+        described = run([program(), "info", cloud, "--json"])
+        if described.returncode != 0:
+            raise QgsProcessingException(described.stderr.strip())
+        facts = json.loads(described.stdout)
+        codes = [code for code in facts.get("epsg") or [] if not code.startswith("vertical")]
+        system = QgsCoordinateReferenceSystem.fromWkt(facts.get("crs") or "")
+        return system if system.isValid() or not codes else QgsCoordinateReferenceSystem(codes[0])
 
-    def corridor(self, layer, width, cloud, context, folder):
+    def to_cloud(self, system, cloud, context):
+        """Brings coordinates of a layer's system to those of the cloud; None if the layer states none."""
+        if not system.isValid():
+            return None
+        of_cloud = self.cloud_system(cloud)
+        if not of_cloud.isValid():
+            raise QgsProcessingException(f"the reference system of {cloud} is unknown; expected one that the file states, or "
+                                         "a layer without a system")
+        return QgsCoordinateTransform(system, of_cloud, context.transformContext())
+
+    def corridor(self, source, width, cloud, context, folder):
         """What lies within `width` of the lines of a layer, as a file of polygons in the system of the cloud."""
-        system = self.cloud_system(cloud)
+        transform = self.to_cloud(source.sourceCrs(), cloud, context)
         areas = []
-        for feature in layer.getFeatures():
+        for feature in source.getFeatures():
             geometry = feature.geometry()
-            if system.isValid() and layer.crs().isValid():
-                geometry.transform(QgsCoordinateTransform(layer.crs(), system, context.transformContext()))
+            if transform:
+                geometry.transform(transform)
             area = json.loads(geometry.buffer(width, 16).asJson(17))
             areas.append({"type": "Feature", "properties": {}, "geometry": area})
         if not areas:
@@ -121,11 +150,13 @@ class CommandAlgorithm(QgsProcessingAlgorithm):
                                                              feedback)
         if parameter.kind == "line":
             width = self.parameterAsDouble(parameters, "WIDTH", context)
-            return self.corridor(self.parameterAsVectorLayer(parameters, name, context), width, cloud, context, folder)
+            return self.corridor(self.parameterAsSource(parameters, name, context), width, cloud, context, folder)
         if parameter.kind == "extent":
             if not parameters.get(name):
                 return None
-            box = self.parameterAsExtent(parameters, name, context, self.cloud_system(cloud))
+            system = self.parameterAsExtentCrs(parameters, name, context)
+            transform = self.to_cloud(system, cloud, context)
+            box = self.parameterAsExtent(parameters, name, context, transform.destinationCrs() if transform else system)
             return f"{box.xMinimum()!r},{box.yMinimum()!r},{box.xMaximum()!r},{box.yMaximum()!r}"
         return self.parameterAsOutputLayer(parameters, name, context) if parameter.kind == "raster" else \
             self.parameterAsFileOutput(parameters, name, context)
@@ -142,32 +173,29 @@ class CommandAlgorithm(QgsProcessingAlgorithm):
                 words += [parameter.option, value]
                 if parameter.kind in ("raster", "cloud", "picture", "table"):
                     results[parameter.name] = value
-            words += self.parameterAsString(parameters, "EXTRA", context).split()
+            words += shlex.split(self.parameterAsString(parameters, "EXTRA", context))
             self.run_program(words, feedback)
         return results
 
     @staticmethod
     def run_program(words, feedback):
-        feedback.pushCommandInfo(" ".join(words))
-        try:
-            process = subprocess.Popen(words, stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True)
-        except FileNotFoundError:
-            raise QgsProcessingException(
-                f"the program {words[0]} was not found; expected it on the PATH, or its file in the variable "
-                "ALIDADE_PROGRAM") from None
+        feedback.pushCommandInfo(shlex.join(words))
+        process = start(words, stdout=subprocess.DEVNULL)
         finished = threading.Event()
 
         def watch():
             while not finished.wait(0.2):
                 if feedback.isCanceled():
+                    # Once: the program then cleans up; a second time would end it at once.
                     process.send_signal(signal.SIGINT)
+                    return
 
         watcher = threading.Thread(target=watch)
         watcher.start()
         last = ""
         try:
             for line in process.stderr:
-                share = re.search(r"(\d+) %", line)
+                share = re.match(r"[^:]+:\s+(\d+) %", line)
                 if share:
                     feedback.setProgress(int(share[1]))
                 elif line.strip():

@@ -7,8 +7,9 @@ from dataclasses import dataclass, field
 class Parameter:
     """A parameter of an algorithm and the option that it becomes.
 
-    kind: number, choice, flag, text, points (a layer of points), line (a layer of one line), extent,
-    raster, cloud, picture, table (outputs). `option` empty: only for the layer beside it. `default` None: optional, the program decides.
+    kind: number, choice, text, points (a layer of points), line (a layer of one line), extent,
+    raster, cloud, picture, table (outputs). `option` empty: not passed to the
+    program, used with another parameter. `default` None: optional, the program decides.
     """
     name: str
     label: str
@@ -33,7 +34,8 @@ class Command:
 OBSERVERS = Parameter("OBSERVERS", "Observers", "points", "--observers",
                       help="Layer of points in any reference system. Fields name, height, azimuth_min, azimuth_max, "
                            "elevation_min, elevation_max and max_distance count for each observer.")
-HEIGHT = Parameter("OBSERVER_HEIGHT", "Height of the eye above the ground", "number", "--observer-height", 2.0)
+HEIGHT = Parameter("OBSERVER_HEIGHT", "Height of the eye above the ground", "number", "--observer-height",
+                   help="Empty: 2 above the ground, or the z of the points.")
 RESOLUTION = Parameter("RESOLUTION", "Cell size", "number", "--resolution",
                        help="In the unit of the cloud. Empty: at most 1000 cells along a side.")
 EXTENT = Parameter("EXTENT", "Extent", "extent", "--extent", help="Empty: the whole cloud.")

@@ -159,5 +159,14 @@ TEST(OutputFileTest, what_a_dead_process_left_of_the_same_output_is_removed) {
   EXPECT_EQ(files_in(folder), 5u);
 }
 
+TEST(OutputFileTest, so_it_is_beside_an_output_without_a_folder) {
+  const std::filesystem::path folder = test::test_folder(), before = std::filesystem::current_path();
+  test::write_text(folder / ".out.part-99999999-0.txt", "unfinished");
+  std::filesystem::current_path(folder);
+  { const OutputFile file("out.txt", false); }
+  std::filesystem::current_path(before);
+  EXPECT_EQ(files_in(folder), 0u);
+}
+
 }  // namespace
 }  // namespace alidade

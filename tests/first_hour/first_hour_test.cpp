@@ -80,7 +80,7 @@ TEST_F(FirstHourTest, any_cloud_is_described_drawn_converted_and_asked) {
     const double luminance = median_luminance(folder / "overview.png");
     poorly_lit += luminance < 0.35 || luminance > 0.65;
 
-    // The same points in every format that keeps them.
+    // As many points in every format.
     for (const char* const copy : {"copy.laz", "copy.ply", "copy.csv", "copy.alidade"}) {
       expect_success({"convert", cloud.string(), "-o", copy, "--overwrite"});
       EXPECT_EQ(info(folder / copy).at("points"), facts.at("points")) << copy;
@@ -91,7 +91,7 @@ TEST_F(FirstHourTest, any_cloud_is_described_drawn_converted_and_asked) {
     const Json& high = facts.at("bounds").at("max");
     const std::string middle = Json((low[0].get<double>() + high[0].get<double>()) / 2.0).dump();
     std::uint64_t sum = 0;
-    for (const std::string condition : {"x < " + middle, "x >= " + middle}) {
+    for (const std::string& condition : {"x < " + middle, "x >= " + middle}) {
       const ProgramResult half = run({"info", cloud.string(), "--json", "--where", condition});
       if (half.exit_code == 0) sum += Json::parse(half.out).at("points").get<std::uint64_t>();
     }

@@ -24,6 +24,9 @@ def test_cameras_and_scenes_are_those_of_the_program(index):
     flat = alidade.render(index, camera=camera, scene={"render": {"mode": "flat", "samples": 2},
                                                        "cloud": {"color": "classification"}})
     lit = alidade.render(index, camera=camera, samples=2)
+    spheres = alidade.render(index, scene={"cloud": {"files": ["elsewhere.las"], "radius": 0.2}, "render": {"samples": 1}},
+                             size=(30, 20))
+    assert spheres["image"].shape == (20, 30, 3)
     assert flat["image"].shape == (40, 60, 3) and (flat["image"] != lit["image"]).any()
     for arguments, words in (
             (dict(camera={"model": "pinhole"}), "width"), (dict(camera="missing.json"), "missing.json"),

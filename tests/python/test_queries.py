@@ -117,7 +117,8 @@ def test_shapes_of_rays_are_those_of_answers(scattered, rays):
     (dict(rays=[0, 0, 0, 0, 0, 1], radius=np.nan), ["radius"]),
     (dict(rays=[0, 0, 0, 0, 0, 1]), ["radius"]),
     (dict(rays=[0, 0, 0, 0, 0, 1], radius=1, measure="first"), ["entry, distance or t", "first"]),
-    (dict(rays=[[0, 0, 0, 0, 0, 1]] * 2, radius=1, t_min=[1, 2, 3]), ["t_min", "2", "(3,)"]),
+    (dict(rays=[[0, 0, 0, 0, 0, 1]] * 2, radius=1, t_min=[1, 2, 3]), ["t_min", "(2)", "(3,)"]),
+    (dict(rays=np.ones((2, 3, 6)), radius=1, t_max=np.ones((3, 2))), ["t_max", "(2, 3)", "(3, 2)"]),
     (dict(rays=[0, 0, 0, 0, 0, 1], radius=1, max_level=1), ["layered"]),
 ])
 def test_wrong_rays_are_errors_that_say_what_is_expected(scattered, arguments, words):
@@ -125,6 +126,15 @@ def test_wrong_rays_are_errors_that_say_what_is_expected(scattered, arguments, w
         scattered.closest(**arguments)
     for word in words:
         assert word in str(error.value)
+
+
+def test_other_requests_out_of_range_are_errors(scattered, rays):
+    with pytest.raises(alidade.Error, match="k is out of range"):
+        scattered.nearest(rays, k=0)
+    with pytest.raises(alidade.Error, match="(m, 3)"):
+        scattered.along(np.zeros((2, 2, 3)), 1)
+    few = scattered.closest(rays, radius=0.3, workers=1).index
+    assert (scattered.closest(rays, radius=0.3, workers=2**31 - 1).index == few).all()
 
 
 def test_levels_of_a_layered_index_thin_the_cloud(yard):
