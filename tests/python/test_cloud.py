@@ -102,7 +102,7 @@ def test_files_are_written_and_opened(tmp_path, monkeypatch):
         cloud.write(tmp_path / name, overwrite=True)
     assert alidade.open(str(tmp_path / "site.laz")).crs == cloud.crs
     assert len(alidade.open([tmp_path / "site.las", tmp_path / "site.laz"])) == 6
-    assert len(alidade.open(tmp_path / "*.la?")) == 6
+    assert len(alidade.open(tmp_path / "site.la?")) == 6
     cloud.index().save(tmp_path / "site.alidade")
     mapped = alidade.open("site.alidade")
     assert isinstance(mapped, alidade.Index) and mapped.xyz.tolist() == cloud.xyz.tolist()
