@@ -214,7 +214,7 @@ py::object all_answers(const Index& index, const Query& query, int workers, std:
                        const Targets& targets) {
   using Answer = std::remove_cvref_t<decltype(find(index.octree(), targets(0, 0), query).all[0])>;
   std::vector<Answer> all;
-  py::array_t<std::int64_t> offsets({static_cast<py::ssize_t>(count) + 1});
+  py::array_t<std::int64_t> offsets(static_cast<py::ssize_t>(count) + 1);
   std::int64_t* const begins = offsets.mutable_data();
   begins[0] = 0;
   in_pieces(workers, count, [&](std::size_t begin, std::size_t end) {
