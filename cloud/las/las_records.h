@@ -63,8 +63,8 @@ void write_las_record(OutputFile& file, const VariableLengthRecord& record, bool
 
 inline constexpr std::size_t k_las_record_head = 54;           ///< bytes before the data, if not extended
 inline constexpr std::size_t k_las_extended_record_head = 60;  ///< if extended
-inline constexpr std::size_t k_longest_las_record = 65535;  ///< data of a record that is not extended
-inline constexpr std::size_t k_extra_bytes_entry = 192;     ///< bytes that describe one extra dimension
+inline constexpr std::size_t k_longest_las_record = 65535;     ///< data of a record that is not extended
+inline constexpr std::size_t k_extra_bytes_entry = 192;        ///< bytes that describe one extra dimension
 /// Most extra dimensions that a record can describe.
 inline constexpr std::size_t k_most_extra_dimensions = k_longest_las_record / k_extra_bytes_entry;
 
