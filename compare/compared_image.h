@@ -39,6 +39,9 @@ struct ComparedImage {
   std::size_t pixels() const { return static_cast<std::size_t>(width) * static_cast<std::size_t>(height); }
 };
 
+/// An image without pixels that is otherwise like `image`, in another size.
+ComparedImage in_size(const ComparedImage& image, int width, int height);
+
 /// Number of a pixel, row by row, in a picture with rows of `width`.
 inline std::size_t pixel_index(int x, int y, int width) {
   return static_cast<std::size_t>(y) * static_cast<std::size_t>(width) + static_cast<std::size_t>(x);

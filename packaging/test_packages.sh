@@ -17,7 +17,7 @@ cp /etc/apt/apt.conf.d/*proxy* "$root/etc/apt/apt.conf.d/" 2>/dev/null || true
 cp "$folder"/*.deb "$root/root/"
 
 within() { chroot "$root" /usr/bin/env -i PATH=/usr/sbin:/usr/bin:/sbin:/bin HOME=/root LC_ALL=C.UTF-8 DEBIAN_FRONTEND=noninteractive "$@"; }
-megabytes() { du -sm --exclude=root --exclude=proc "$root" | cut -f 1; }
+megabytes() { du -sm --exclude="$root/root" --exclude="$root/proc" "$root" | cut -f 1; }
 # install NAME...: these packages with what they depend on, nothing that they only recommend
 install() { within apt-get -qq -y --no-install-recommends install "${@/#//root/}" >>"$folder/apt.log"; within apt-get clean; }
 
