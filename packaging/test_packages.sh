@@ -21,6 +21,7 @@ megabytes() { du -sm --exclude="$root/root" --exclude="$root/proc" "$root" | cut
 # install NAME...: these packages with what they depend on, nothing that they only recommend
 install() { within apt-get -qq -y --no-install-recommends install "${@/#//root/}" >>"$folder/apt.log"; within apt-get clean; }
 
+within apt-get clean
 bare=$(megabytes)
 install "$(cd "$folder" && echo alidade_*.deb)"
 echo "alidade takes $(($(megabytes) - bare)) MB beyond a minimal Debian"
