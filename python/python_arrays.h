@@ -102,18 +102,20 @@ void run_free(int workers, const Work& work) {
 void run_watched(int workers, const py::object& watch, const std::function<void(const Progress&)>& work);
 
 /// Calls work(begin, end) for pieces of `count` items without the GIL. Ctrl-C is noticed between pieces, which take a
-/// tenth of a second each.
+/// tenth of a second at most, as far as the pieces before tell.
 template <class Work>
 void in_pieces(int workers, std::size_t count, const Work& work) {
   using Clock = std::chrono::steady_clock;
   constexpr std::chrono::milliseconds k_short(100);
-  std::size_t piece = 8192;
+  constexpr std::size_t k_largest = std::size_t{1} << 17;  // whose rays and hits stay in the caches
+  std::size_t piece = k_largest / 16;
   for (std::size_t begin = 0; begin < count;) {
     const std::size_t end = std::min(count, begin + piece);
     const Clock::time_point start = Clock::now();
     run_free(workers, [&] { work(begin, end); });
     if (PyErr_CheckSignals() != 0) throw py::error_already_set();
-    piece = Clock::now() - start < k_short ? 2 * piece : std::max<std::size_t>(piece / 2, 64);
+    const bool is_short = Clock::now() - start < k_short;
+    piece = is_short ? std::min(2 * piece, k_largest) : std::max<std::size_t>(piece / 2, 64);
     begin = end;
   }
 }
