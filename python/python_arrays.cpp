@@ -26,7 +26,7 @@ py::array array_of(const py::handle& given, const char* name) {
 }
 
 /// Real numbers: signed, unsigned, floating point.
-Doubles real_numbers(const py::array& array, const char* name) {
+Doubles doubles_of(const py::array& array, const char* name) {
   const char kind = array.dtype().kind();
   const bool is_real = kind == 'f' || kind == 'i' || kind == 'u';
   Doubles numbers = is_real ? Doubles::ensure(array) : Doubles();
@@ -44,6 +44,10 @@ std::string shape_text(const py::array& array) {
   return fmt::format("({}{})", fmt::join(shape, ", "), shape.size() == 1 ? "," : "");
 }
 
+Doubles real_numbers(const py::handle& given, const char* name) {
+  return doubles_of(array_of(given, name), name);
+}
+
 Doubles numbers_of(const py::handle& given, const char* name, std::initializer_list<py::ssize_t> widths) {
   const py::array array = array_of(given, name);
   const bool fits =
@@ -52,22 +56,11 @@ Doubles numbers_of(const py::handle& given, const char* name, std::initializer_l
     throw input_error(fmt::format("{} has the wrong shape", name),
                       fmt::format("(..., {})", fmt::join(widths, " or ")),
                       fmt::format("shape {}, dtype {}", shape_text(array), type_text(array)));
-  return real_numbers(array, name);
+  return doubles_of(array, name);
 }
 
 Shape leading_shape(const py::array& array) {
   return {array.shape(), array.shape() + array.ndim() - 1};
-}
-
-PerTarget::PerTarget(const py::handle& given, const char* name, const Shape& shape)
-    : array_(real_numbers(array_of(given, name), name)) {
-  const bool is_one = array_.size() == 1 && array_.ndim() <= 1;
-  if (!is_one && Shape(array_.shape(), array_.shape() + array_.ndim()) != shape)
-    throw input_error(fmt::format("{} has the wrong shape", name),
-                      fmt::format("one number, or shape ({})", fmt::join(shape, ", ")),
-                      "shape " + shape_text(array_));
-  values_ = array_.data();
-  stride_ = is_one ? 0 : 1;
 }
 
 void run_watched(int workers, const py::object& watch, const std::function<void(const Progress&)>& work) {

@@ -43,6 +43,9 @@ inline py::str text_of(const std::string& text) {
 /// "(100, 3)".
 std::string shape_text(const py::array& array);
 
+/// An array of real numbers as doubles. Errors: Error with shape and type of what was found.
+Doubles real_numbers(const py::handle& given, const char* name);
+
 /// An array of numbers whose last side is one of `widths`, such as (..., 3). Errors: Error with shape and type of what
 /// was found, for everything that NumPy does not take for real numbers, too.
 Doubles numbers_of(const py::handle& given, const char* name, std::initializer_list<py::ssize_t> widths);
@@ -50,27 +53,13 @@ Doubles numbers_of(const py::handle& given, const char* name, std::initializer_l
 /// The shape without its last side.
 Shape leading_shape(const py::array& array);
 
-/// A number for each of `count` targets, or the same for all.
-class PerTarget {
- public:
-  /// Errors: neither one number nor one for each target, in their shape.
-  PerTarget(const py::handle& given, const char* name, const Shape& shape);
-
-  double operator[](std::size_t i) const { return values_[stride_ * i]; }
-
- private:
-  Doubles array_;
-  const double* values_;
-  std::size_t stride_;
-};
-
 /// Rows of three doubles as positions, without copying. Requires: the last side is 3.
 inline std::span<const glm::dvec3> as_positions(const Doubles& array) {
   static_assert(sizeof(glm::dvec3) == 3 * sizeof(double));
   return {reinterpret_cast<const glm::dvec3*>(array.data()), static_cast<std::size_t>(array.size() / 3)};
 }
 
-/// The values that `owner` keeps alive, without copying; nobody can write to them.
+/// The values that `owner` keeps alive, without copying and read-only.
 template <class T>
 py::array view_of(const T* values, Shape shape, Shape strides, const py::handle& owner) {
   py::array array(py::dtype::of<T>(), std::move(shape), std::move(strides), values, owner);

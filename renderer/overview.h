@@ -8,7 +8,7 @@
 #include "renderer/load_cloud.h"
 #include "renderer/scene.h"
 
-// Pictures of a cloud for which nobody chose light, camera or brightness.
+// The default light, camera and brightness of pictures.
 
 namespace alidade::renderer {
 

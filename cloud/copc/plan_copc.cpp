@@ -16,7 +16,7 @@
 namespace alidade {
 namespace {
 
-constexpr int k_key_bits = 21;  ///< cells along an axis are told apart by so many bits
+constexpr int k_key_bits = 21;  ///< of a cell's number along an axis
 constexpr int k_grid_bits = 7;  ///< cells of a node's grid along a side
 constexpr int k_deepest = k_key_bits - k_grid_bits;
 constexpr int k_page_levels = 4;
@@ -118,7 +118,7 @@ void put_node(std::vector<std::uint8_t>& page, const CopcKey& key, std::uint64_t
   store(at + 28, count);
 }
 
-/// The node at whose page's beginning a node's entry stands.
+/// The node whose page has the entry of a node.
 CopcKey page_of(CopcKey key) {
   while (key.level % k_page_levels != 0) key = key.parent();
   return key;
@@ -133,8 +133,9 @@ std::vector<std::uint32_t> CopcPlan::counts() const {
 }
 
 CopcPlan plan_copc(PointCloud& cloud, std::size_t most_points) {
-  if (cloud.size() > std::numeric_limits<std::uint32_t>::max())
-    throw input_error("too many points for COPC", "at most 4294967295", std::to_string(cloud.size()));
+  // A node's count has 31 bits, and one node may have to take all.
+  if (cloud.size() > std::numeric_limits<std::int32_t>::max())
+    throw input_error("too many points for COPC", "at most 2147483647", std::to_string(cloud.size()));
   CopcPlan plan;
   plan.info = root_of(cloud);
   std::vector<SortedPoint> points = sorted_points(cloud, plan.info);

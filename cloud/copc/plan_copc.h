@@ -33,7 +33,7 @@ struct CopcPlan {
 /// spacing of about side / (128 * 2^L). The same result on any number of threads.
 ///
 /// Memory: 20 B per point and one attribute column at a time. Cost: about 0.3 s per million points of one thread.
-/// Errors: more than 2^32 - 1 points.
+/// Errors: more than 2^31 - 1 points.
 CopcPlan plan_copc(PointCloud& cloud, std::size_t most_points = 50000);
 
 /// The first record of the file: 160 bytes of data.

@@ -1,10 +1,21 @@
 # SPDX-License-Identifier: MIT
 from collections.abc import Callable, Sequence
 from os import PathLike
-from typing import Any, Literal, NamedTuple
+from typing import Any, Literal
 
-from numpy import bool_, float32, float64, int64
+from numpy import bool_, float64, int64
 from numpy.typing import ArrayLike, NDArray
+
+from ._answers import (
+    Comparison as Comparison,
+    HitLists as HitLists,
+    Hits as Hits,
+    NeighbourLists as NeighbourLists,
+    Neighbours as Neighbours,
+    PathHits as PathHits,
+    PointLists as PointLists,
+    Raster as Raster,
+)
 
 __version__: str
 Progress = Callable[[int, int], Any]
@@ -12,51 +23,6 @@ File = str | PathLike[str]
 Measure = Literal["entry", "t", "distance"]
 
 class Error(ValueError): ...
-
-class Hits(NamedTuple):
-    index: NDArray[int64]
-    t: NDArray[float64]
-    distance: NDArray[float64]
-    entry: NDArray[float64]
-
-class HitLists(NamedTuple):
-    index: NDArray[int64]
-    offsets: NDArray[int64]
-    t: NDArray[float64]
-    distance: NDArray[float64]
-    entry: NDArray[float64]
-
-class Neighbours(NamedTuple):
-    index: NDArray[int64]
-    distance: NDArray[float64]
-
-class NeighbourLists(NamedTuple):
-    index: NDArray[int64]
-    offsets: NDArray[int64]
-    distance: NDArray[float64]
-
-class PointLists(NamedTuple):
-    index: NDArray[int64]
-    offsets: NDArray[int64]
-
-class PathHits(NamedTuple):
-    index: NDArray[int64]
-    segment: NDArray[int64]
-    t: NDArray[float64]
-    distance: NDArray[float64]
-
-class Raster(NamedTuple):
-    values: NDArray[float32]
-    transform: tuple[float, float, float, float, float, float]
-    crs: str | None
-
-class Comparison(NamedTuple):
-    flip: float
-    ssim: float
-    ms_ssim: float
-    psnr: float
-    rmse: float
-    flip_map: NDArray[float32]
 
 class Cloud:
     def __init__(self, xyz: ArrayLike, *, crs: str | None = None, scale: float | None = None,

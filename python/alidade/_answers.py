@@ -1,55 +1,58 @@
 # SPDX-License-Identifier: MIT
 """What queries return: named tuples of arrays."""
-from typing import Any, NamedTuple, Optional, Tuple
+from typing import NamedTuple, Optional, Tuple
+
+from numpy import float32, float64, int64
+from numpy.typing import NDArray
 
 
 class Hits(NamedTuple):
     """Points of rays, in the shape of the rays; index -1 and nan where no point answers."""
-    index: Any
-    t: Any
-    distance: Any
-    entry: Any
+    index: NDArray[int64]
+    t: NDArray[float64]
+    distance: NDArray[float64]
+    entry: NDArray[float64]
 
 
 class HitLists(NamedTuple):
     """All points of rays, one ray after the other: those of ray i are offsets[i] to offsets[i + 1] - 1."""
-    index: Any
-    offsets: Any
-    t: Any
-    distance: Any
-    entry: Any
+    index: NDArray[int64]
+    offsets: NDArray[int64]
+    t: NDArray[float64]
+    distance: NDArray[float64]
+    entry: NDArray[float64]
 
 
 class Neighbours(NamedTuple):
     """Points near positions, nearest first; index -1 and distance inf where fewer answer."""
-    index: Any
-    distance: Any
+    index: NDArray[int64]
+    distance: NDArray[float64]
 
 
 class NeighbourLists(NamedTuple):
     """All points near positions: those of position i are offsets[i] to offsets[i + 1] - 1."""
-    index: Any
-    offsets: Any
-    distance: Any
+    index: NDArray[int64]
+    offsets: NDArray[int64]
+    distance: NDArray[float64]
 
 
 class PointLists(NamedTuple):
     """All points in boxes: those of box i are offsets[i] to offsets[i + 1] - 1."""
-    index: Any
-    offsets: Any
+    index: NDArray[int64]
+    offsets: NDArray[int64]
 
 
 class PathHits(NamedTuple):
     """Points along a path: number of the segment's first vertex, way from the first vertex, distance."""
-    index: Any
-    segment: Any
-    t: Any
-    distance: Any
+    index: NDArray[int64]
+    segment: NDArray[int64]
+    t: NDArray[float64]
+    distance: NDArray[float64]
 
 
 class Raster(NamedTuple):
     """A map: values (rows, columns), transform as affine.Affine takes it, coordinate reference system."""
-    values: Any
+    values: NDArray[float32]
     transform: Tuple[float, ...]
     crs: Optional[str]
 
@@ -61,4 +64,4 @@ class Comparison(NamedTuple):
     ms_ssim: float
     psnr: float
     rmse: float
-    flip_map: Any
+    flip_map: NDArray[float32]

@@ -78,7 +78,7 @@ def test_everything_public_has_a_manual_and_a_stub():
             if name.startswith("_") or inspect.ismodule(member):
                 continue
             assert member.__doc__, name
-            assert re.search(rf"\b(def|class) {name}\b", stub), name
+            assert re.search(rf"\b(def|class|as) {name}\b", stub), name
             if callable(member) and not inspect.isclass(member):
                 names = list(inspect.signature(member).parameters)
                 text = re.search(rf"def {name}\((.*?)\) ->", stub, re.S).group(1)
