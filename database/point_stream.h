@@ -13,10 +13,10 @@
 #include <vector>
 
 #include "base/bounds.h"
+#include "base/morton.h"
 #include "cloud/point_cloud.h"
 #include "cloud/read_in_pieces.h"
 #include "database/stored_column.h"
-#include "octree/morton.h"
 
 namespace alidade::database {
 

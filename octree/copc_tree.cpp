@@ -7,10 +7,10 @@
 
 #include "base/bytes.h"
 #include "base/error.h"
+#include "base/morton.h"
 #include "cloud/laz/laz_layout.h"
 #include "octree/check_query.h"
 #include "octree/copc_tree.h"
-#include "octree/morton.h"
 
 namespace alidade {
 namespace {

@@ -11,9 +11,9 @@
 #include <numeric>
 
 #include "base/huge_memory.h"
+#include "base/morton.h"
 #include "octree/answer_target.h"
 #include "octree/check_query.h"
-#include "octree/morton.h"
 #include "octree/octree.h"
 #include "octree/simd/ray_state.h"
 #include "octree/simd/sort_keys.h"

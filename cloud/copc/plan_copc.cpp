@@ -11,14 +11,14 @@
 
 #include "base/bytes.h"
 #include "base/error.h"
+#include "base/morton.h"
 #include "cloud/rows.h"
 
 namespace alidade {
 namespace {
 
-constexpr int k_key_bits = 21;  ///< of a cell's number along an axis
 constexpr int k_grid_bits = 7;  ///< cells of a node's grid along a side
-constexpr int k_deepest = k_key_bits - k_grid_bits;
+constexpr int k_deepest = k_morton_bits - k_grid_bits;
 constexpr int k_page_levels = 4;
 constexpr std::size_t k_most_page_nodes = 1024;
 
@@ -31,22 +31,6 @@ struct SortedPoint {
     return code != other.code ? code < other.code : row < other.row;
   }
 };
-
-/// Bits of a 21-bit number, two zeros between each two. Source: Morton, A computer oriented geodetic data base, 1966.
-std::uint64_t spread(std::uint64_t number) {
-  number = (number | number << 32) & 0x001f00000000ffffull;
-  number = (number | number << 16) & 0x001f0000ff0000ffull;
-  number = (number | number << 8) & 0x100f00f00f00f00full;
-  number = (number | number << 4) & 0x10c30c30c30c30c3ull;
-  return (number | number << 2) & 0x1249249249249249ull;
-}
-
-/// The inverse.
-std::uint32_t gather(std::uint64_t code) {
-  std::uint32_t number = 0;
-  for (int bit = 0; bit < k_key_bits; ++bit) number |= static_cast<std::uint32_t>(code >> 3 * bit & 1) << bit;
-  return number;
-}
 
 CopcInfo root_of(const PointCloud& cloud) {
   CopcInfo info;
@@ -63,15 +47,14 @@ CopcInfo root_of(const PointCloud& cloud) {
 std::vector<SortedPoint> sorted_points(const PointCloud& cloud, const CopcInfo& info) {
   std::vector<SortedPoint> points(cloud.size());
   const glm::dvec3 low = info.centre - info.half_size;
-  const double cells = std::ldexp(1.0, k_key_bits) / (2.0 * info.half_size);
+  const double cells = std::ldexp(1.0, k_morton_bits) / (2.0 * info.half_size);
   tbb::parallel_for(std::size_t{0}, points.size(), [&](std::size_t row) {
     const glm::dvec3 position = cells * (cloud.world(row) - low);
-    std::uint64_t code = 0;
-    for (int axis = 0; axis < 3; ++axis) {
-      const double cell = std::clamp(std::floor(position[axis]), 0.0, std::ldexp(1.0, k_key_bits) - 1.0);
-      code |= spread(static_cast<std::uint64_t>(cell)) << axis;
-    }
-    points[row] = {code, static_cast<std::uint32_t>(row)};
+    glm::uvec3 cell;
+    for (int axis = 0; axis < 3; ++axis)
+      cell[axis] = static_cast<std::uint32_t>(
+          std::clamp(std::floor(position[axis]), 0.0, std::ldexp(1.0, k_morton_bits) - 1.0));
+    points[row] = {morton_key(cell.x, cell.y, cell.z), static_cast<std::uint32_t>(row)};
   });
   tbb::parallel_sort(points.begin(), points.end());
   return points;
@@ -79,7 +62,7 @@ std::vector<SortedPoint> sorted_points(const PointCloud& cloud, const CopcInfo& 
 
 /// The number of a point's cube on a level.
 std::uint64_t cube_of(std::uint64_t code, int level) {
-  return code >> 3 * (k_key_bits - level);
+  return code >> 3 * (k_morton_bits - level);
 }
 
 /// Points of a cube that no node above it takes.
@@ -157,10 +140,9 @@ CopcPlan plan_copc(PointCloud& cloud, std::size_t most_points) {
     });
     std::vector<Rest> next;
     for (std::size_t i = 0; i < level_rests.size(); ++i) {
-      // A code's lowest bit of three is that of x.
-      plan.nodes.push_back({{level, static_cast<std::int32_t>(gather(cubes[i])),
-                             static_cast<std::int32_t>(gather(cubes[i] >> 1)),
-                             static_cast<std::int32_t>(gather(cubes[i] >> 2))},
+      plan.nodes.push_back({{level, static_cast<std::int32_t>(morton_coordinate(cubes[i], 0)),
+                             static_cast<std::int32_t>(morton_coordinate(cubes[i], 1)),
+                             static_cast<std::int32_t>(morton_coordinate(cubes[i], 2))},
                             static_cast<std::uint32_t>(taken[i].size())});
       order.insert(order.end(), taken[i].begin(), taken[i].end());
       for (std::size_t first = level_rests[i].begin; first < level_rests[i].end;) {

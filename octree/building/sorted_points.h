@@ -7,8 +7,8 @@
 #include <vector>
 
 #include "base/huge_memory.h"
+#include "base/morton.h"
 #include "cloud/lattice.h"
-#include "octree/morton.h"
 
 namespace alidade {
 

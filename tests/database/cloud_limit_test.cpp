@@ -8,7 +8,7 @@
 #include <limits>
 #include <vector>
 
-#include "octree/morton.h"
+#include "base/morton.h"
 #include "tests/support/random.h"
 
 namespace alidade {

@@ -6,8 +6,8 @@
 #include <limits>
 #include <optional>
 
+#include "base/morton.h"
 #include "octree/build.h"
-#include "octree/morton.h"
 #include "tests/octree/tree_check.h"
 #include "tests/support/point_families.h"
 
