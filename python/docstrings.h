@@ -55,8 +55,8 @@ max_level : int, optional
 workers : int
     Threads; all cores if below 1.
 
-Rays are `rays` of shape (..., 6), origin and direction, or `origins` and `directions` of shape
-(..., 3), one of which may be (3,). Directions need not have length 1; positions `t` along a ray
+Pass rays as `rays` of shape (..., 6), origin and direction, or as `origins` and `directions` of
+shape (..., 3), of which one can have shape (3,). Directions need not have length 1; positions `t` along a ray
 are lengths. Answers have the leading shape of the rays.)";
 
 inline constexpr const char* k_keys_doc =

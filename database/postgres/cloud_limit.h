@@ -79,7 +79,7 @@ inline int compare_numbers(double a, double b) {
   return a < b ? -1 : a > b ? 1 : 0;
 }
 
-/// Order along the z-order curve of cells (octree/morton.h, without making keys, which would have 192 bits),
+/// Order along the z-order curve of cells (base/morton.h, without making keys, which would have 192 bits),
 /// within a cell by x, y and z. Zero only for equal coordinates.
 inline int compare_morton(const glm::dvec3& a, const glm::dvec3& b) {
   // The axis with the highest bit in which the cells differ decides; of several the last, as in the key.
