@@ -12,6 +12,7 @@
 #include <string>
 
 #include "base/error.h"
+#include "base/scratch_file.h"
 
 namespace alidade {
 namespace {
@@ -62,6 +63,11 @@ void* take_pages(std::size_t byte_count) {
   return pages;
 }
 
+void* take_pages(std::size_t byte_count, const std::filesystem::path& folder) {
+  return byte_count < k_huge_page ? take_pages(byte_count)
+                                  : map_scratch_pages(whole_pages(byte_count), folder);
+}
+
 void give_back_pages(void* pages, std::size_t byte_count) noexcept {
   if (byte_count < k_huge_page) return ::operator delete(pages, k_small_alignment);
   munmap(pages, whole_pages(byte_count));
@@ -73,8 +79,8 @@ void request_huge_pages(void* memory, std::size_t byte_count) noexcept {
   if (first < end) madvise(reinterpret_cast<void*>(first), end - first, MADV_HUGEPAGE);
 }
 
-PageRelease::PageRelease(void* memory, std::size_t byte_count, std::size_t block_size)
-    : begin_(reinterpret_cast<std::uintptr_t>(memory)), block_size_(block_size) {
+PageRelease::PageRelease(void* memory, std::size_t byte_count, std::size_t block_size, bool is_scratch)
+    : begin_(reinterpret_cast<std::uintptr_t>(memory)), block_size_(block_size), is_scratch_(is_scratch) {
   first_block_ = (begin_ + block_size - 1) / block_size * block_size;
   const std::uintptr_t end = (begin_ + byte_count) / block_size * block_size;
   if (end <= first_block_) return;
@@ -93,7 +99,7 @@ void PageRelease::use_up(std::size_t first_byte, std::size_t byte_count) {
     const std::size_t bytes = std::min(end, block_begin + block_size_) - here;
     // The thread that uses the last byte must see the others' reads done before it lets the block go.
     if (used_[block].fetch_add(bytes, std::memory_order_acq_rel) + bytes == block_size_)
-      madvise(reinterpret_cast<void*>(block_begin), block_size_, MADV_DONTNEED);
+      madvise(reinterpret_cast<void*>(block_begin), block_size_, is_scratch_ ? MADV_REMOVE : MADV_DONTNEED);
     here += bytes;
   }
 }

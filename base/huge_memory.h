@@ -4,7 +4,9 @@
 #include <atomic>
 #include <cstddef>
 #include <cstdint>
+#include <filesystem>
 #include <memory>
+#include <optional>
 #include <type_traits>
 #include <utility>
 
@@ -18,11 +20,17 @@ void check_memory(std::uint64_t bytes, const char* what);
 /// and requests huge pages from the system: an index jumps through all of its memory, and with
 /// pages of 4 KiB most of these jumps would miss the table of page addresses as well. Errors: std::bad_alloc.
 void* take_pages(std::size_t byte_count);
+/// The same in a scratch file in `folder` (base/scratch_file.h), which the system keeps in memory as far as there is
+/// room. Less than 2 MiB lie in memory. Errors: those of map_scratch_pages().
+void* take_pages(std::size_t byte_count, const std::filesystem::path& folder);
 /// `byte_count` as it was taken.
 void give_back_pages(void* pages, std::size_t byte_count) noexcept;
 
 /// Requests huge pages for memory of another origin, before it is first used.
 void request_huge_pages(void* memory, std::size_t byte_count) noexcept;
+
+/// Where large arrays lie: in memory, or in scratch files in a folder.
+using ScratchFolder = std::optional<std::filesystem::path>;
 
 /// A large array of plain values in such memory; values are not set. Fixed size, movable.
 template <class Value>
@@ -31,8 +39,11 @@ class HugeArray {
 
  public:
   HugeArray() = default;
-  explicit HugeArray(std::size_t size)
-      : values_(size == 0 ? nullptr : static_cast<Value*>(take_pages(size * sizeof(Value)))), size_(size) {}
+  explicit HugeArray(std::size_t size, const ScratchFolder& scratch = {}) : size_(size) {
+    if (size == 0) return;
+    const std::size_t bytes = size * sizeof(Value);
+    values_ = static_cast<Value*>(scratch ? take_pages(bytes, *scratch) : take_pages(bytes));
+  }
   HugeArray(HugeArray&& other) noexcept
       : values_(std::exchange(other.values_, nullptr)), size_(std::exchange(other.size_, 0)) {}
   HugeArray& operator=(HugeArray&& other) noexcept {
@@ -63,7 +74,8 @@ class PageRelease {
   PageRelease() = default;
   /// The memory must stay allocated while bytes are used up; its contents are lost bit by bit. `block_size`:
   /// a power of two, at least a page; larger blocks are cheaper and are kept longer.
-  PageRelease(void* memory, std::size_t byte_count, std::size_t block_size);
+  /// `is_scratch`: memory of a scratch file, whose space on the disk goes as well.
+  PageRelease(void* memory, std::size_t byte_count, std::size_t block_size, bool is_scratch = false);
 
   /// These bytes were used; each byte at most once.
   void use_up(std::size_t first_byte, std::size_t byte_count);
@@ -73,6 +85,7 @@ class PageRelease {
   std::uintptr_t first_block_ = 0;  ///< of the blocks that lie inside the memory as a whole
   std::size_t block_size_ = 1;
   std::size_t block_count_ = 0;
+  bool is_scratch_ = false;
   std::unique_ptr<std::atomic<std::size_t>[]> used_;  ///< bytes, by block
 };
 

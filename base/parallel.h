@@ -4,6 +4,7 @@
 #include <tbb/blocked_range.h>
 #include <tbb/parallel_for.h>
 #include <tbb/partitioner.h>
+#include <tbb/task_arena.h>
 #include <atomic>
 #include <cstddef>
 #include <cstdint>
@@ -21,6 +22,16 @@ template <class Index, class Work>
 void in_parallel(Index count, std::type_identity_t<Index> grain, const Work& work) {
   tbb::parallel_for(tbb::blocked_range<Index>(0, count, grain), [&](const auto& range) {
     for (Index i = range.begin(); i != range.end(); ++i) work(i);
+  });
+}
+
+/// body(0) .. body(count - 1) in parallel, begun in this order: whoever is free takes the next. For work that
+/// uses up memory along the way, of which only a few positions at a time should be in use.
+template <class Body>
+void for_each_in_order(std::size_t count, const Body& body) {
+  std::atomic<std::size_t> next = 0;
+  tbb::parallel_for(0, tbb::this_task_arena::max_concurrency(), [&](int) {
+    for (std::size_t i = next++; i < count; i = next++) body(i);
   });
 }
 

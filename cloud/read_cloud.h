@@ -60,8 +60,19 @@ PointCloud read_cloud(const CloudInputs& inputs, const ReadOptions& options = {}
 PointCloud read_cloud(std::span<const std::filesystem::path> files, const ReadOptions& options = {});
 PointCloud read_cloud(const std::filesystem::path& file, const ReadOptions& options = {});
 
-/// Box of all points of the files, world coordinates, as far as LAS and index files state it
-/// (FileFacts::box); empty if none does. Errors: those of opening files.
-Bounds stated_box(const CloudInputs& inputs);
+/// What files state of their points, before any is selected.
+struct StatedSize {
+  Bounds box;                         ///< world coordinates (FileFacts::box); empty if no file states one
+  std::uint64_t point_count = 0;      ///< of LAS and index files
+  AttributeSet attributes{};          ///< of any file
+  std::uint64_t uncounted_bytes = 0;  ///< of the files that do not state how many points they have
+
+  /// About the memory that positions and attributes take: extra dimensions are left out, and files that state no number
+  /// of points count as large as they are.
+  std::uint64_t bytes() const;
+};
+
+/// Errors: those of opening files.
+StatedSize stated_size(const CloudInputs& inputs);
 
 }  // namespace alidade

@@ -196,7 +196,7 @@ std::vector<std::optional<PointCloud>> read_pieces(std::vector<CloudSource>& sou
   return pieces;
 }
 
-std::uint64_t bytes_per_point(PointCloud& cloud, AttributeSet attributes) {
+std::uint64_t bytes_per_point(const PointCloud& cloud, AttributeSet attributes) {
   std::uint64_t bytes = sizeof(LatticePosition);
   for_each_column(cloud, [&](Attribute attribute, const auto& column) {
     if (attributes.contains(attribute)) bytes += sizeof column[0];
@@ -297,15 +297,15 @@ ColorSpread choose_spread(std::vector<ColoredRows> files, ColorDepth depth,
   return {.colors = true, .near_infrared = !is_near_infrared_deep, .files = std::move(files)};
 }
 
-void apply(const ColorSpread& spread, PointCloud& cloud) {
+void apply(const ColorSpread& spread, std::span<Color16> colors, std::span<std::uint16_t> near_infrared) {
   if (!spread.colors) return;
-  const auto spread_rows = [](auto& column, const ColoredRows& file) {
+  const auto spread_rows = [](auto column, const ColoredRows& file) {
     for (auto row = static_cast<std::size_t>(file.first); row < file.end && row < column.size(); ++row)
       column[row] = ColorSpread::spread(column[row]);
   };
   for (const ColoredRows& file : spread.files) {
-    spread_rows(cloud.colors, file);
-    if (spread.near_infrared) spread_rows(cloud.near_infrared, file);
+    spread_rows(colors, file);
+    if (spread.near_infrared) spread_rows(near_infrared, file);
   }
 }
 
@@ -387,13 +387,28 @@ PointCloud read_cloud(const std::filesystem::path& file, const ReadOptions& opti
   return read_cloud(std::span(&file, 1), options);
 }
 
-Bounds stated_box(const CloudInputs& inputs) {
-  std::vector<Bounds> boxes(inputs.size());
+std::uint64_t StatedSize::bytes() const {
+  return point_count * bytes_per_point(PointCloud(), attributes) + uncounted_bytes;
+}
+
+StatedSize stated_size(const CloudInputs& inputs) {
+  std::vector<StatedSize> sizes(inputs.size());
   in_turns(inputs.size(), k_most_files_at_once, [&](std::size_t i) {
-    boxes[i] = open_cloud(inputs.inputs[i], Damage::read_over)->facts().box.value_or(Bounds());
+    InputFile file = inputs.inputs[i].file();
+    const std::uint64_t bytes = file.size();
+    const auto reader = open_cloud(inputs.inputs[i], std::move(file), Damage::read_over);
+    const std::optional<std::uint64_t> points = reader->point_count();
+    // Packed points rarely take less than a byte each.
+    sizes[i] = {reader->facts().box.value_or(Bounds()), std::min(points.value_or(0), bytes),
+                reader->attributes(), points ? 0 : bytes};
   });
-  Bounds all;
-  for (const Bounds& box : boxes) all.grow(box);
+  StatedSize all;
+  for (const StatedSize& size : sizes) {
+    all.box.grow(size.box);
+    all.point_count += size.point_count;
+    all.attributes = all.attributes | size.attributes;
+    all.uncounted_bytes += size.uncounted_bytes;
+  }
   return all;
 }
 

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -44,8 +45,11 @@ struct ColorSpread {
 ColorSpread choose_spread(std::vector<ColoredRows> files, ColorDepth depth,
                           std::vector<std::string>& warnings);
 
-/// Does it with a whole cloud. Cost: a pass over the rows concerned.
-void apply(const ColorSpread& spread, PointCloud& cloud);
+/// Does it with a whole cloud, or its columns. Cost: a pass over the rows concerned.
+void apply(const ColorSpread& spread, std::span<Color16> colors, std::span<std::uint16_t> near_infrared);
+inline void apply(const ColorSpread& spread, PointCloud& cloud) {
+  apply(spread, cloud.colors, cloud.near_infrared);
+}
 
 /// What is known of a cloud once it has been read piece by piece.
 struct PiecewiseCloud {

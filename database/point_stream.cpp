@@ -2,17 +2,14 @@
 #include "database/point_stream.h"
 
 #include <tbb/parallel_for.h>
-#include <unistd.h>
 #include <algorithm>
-#include <cerrno>
-#include <cstdlib>
 #include <cstring>
 #include <functional>
 
 #include "base/bytes.h"
 #include "cloud/lattice.h"
 #include "cloud/rows.h"
-#include "octree/building/sorted_points.h"
+#include "cloud/sorted_points.h"
 
 namespace alidade::database {
 namespace {
@@ -111,42 +108,6 @@ std::vector<ValueBlob> value_blobs(const AttributeColumns& columns) {
                      static_cast<std::size_t>(column.description.byte_count), number++});
   }
   return blobs;
-}
-
-ScratchFile::~ScratchFile() {
-  if (descriptor_ >= 0) ::close(descriptor_);
-}
-
-void ScratchFile::fail(const char* problem) const {
-  throw system_error((folder_.empty() ? std::filesystem::path(".") : folder_).string(), problem);
-}
-
-void ScratchFile::open() {
-  std::string name = (folder_ / ".alidade-XXXXXX").string();
-  descriptor_ = ::mkstemp(name.data());
-  if (descriptor_ < 0) fail("cannot create a temporary file in this folder");
-  ::unlink(name.c_str());
-}
-
-void ScratchFile::append(std::span<const std::byte> bytes) {
-  if (descriptor_ < 0) open();
-  while (!bytes.empty()) {
-    const ::ssize_t count = ::pwrite(descriptor_, bytes.data(), bytes.size(), static_cast<::off_t>(size_));
-    if (count < 0 && errno == EINTR) continue;
-    if (count < 0) fail("cannot write a temporary file in this folder");
-    bytes = bytes.subspan(static_cast<std::size_t>(count));
-    size_ += static_cast<std::uint64_t>(count);
-  }
-}
-
-void ScratchFile::read(std::uint64_t offset, std::span<std::byte> into) const {
-  while (!into.empty()) {
-    const ::ssize_t count = ::pread(descriptor_, into.data(), into.size(), static_cast<::off_t>(offset));
-    if (count < 0 && errno == EINTR) continue;
-    if (count <= 0) fail("cannot read a temporary file in this folder");
-    into = into.subspan(static_cast<std::size_t>(count));
-    offset += static_cast<std::uint64_t>(count);
-  }
 }
 
 void PointStream::write_run(const PointCloud& piece) {

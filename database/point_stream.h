@@ -14,6 +14,7 @@
 
 #include "base/bounds.h"
 #include "base/morton.h"
+#include "base/scratch_file.h"
 #include "cloud/point_cloud.h"
 #include "cloud/read_in_pieces.h"
 #include "database/stored_column.h"
@@ -56,31 +57,6 @@ struct PickedPoints {
   };
   std::vector<Pick> picks;
   std::vector<std::shared_ptr<const PointBlock>> blocks;  ///< that the picks point to
-};
-
-/// A file without a name for what memory does not hold: gone with the object, also if the program is killed.
-class ScratchFile {
- public:
-  /// Made when the first bytes come, in this folder.
-  explicit ScratchFile(std::filesystem::path folder) : folder_(std::move(folder)) {}
-  ~ScratchFile();
-  ScratchFile(const ScratchFile&) = delete;
-  ScratchFile& operator=(const ScratchFile&) = delete;
-
-  /// Adds bytes at the end. Errors: the folder cannot be written to; no space left.
-  void append(std::span<const std::byte> bytes);
-  /// Bytes written so far.
-  std::uint64_t size() const { return size_; }
-  /// Copies bytes that were written. Errors: reading failed.
-  void read(std::uint64_t offset, std::span<std::byte> into) const;
-
- private:
-  void open();
-  [[noreturn]] void fail(const char* problem) const;
-
-  std::filesystem::path folder_;
-  int descriptor_ = -1;
-  std::uint64_t size_ = 0;
 };
 
 /// Brings points along a Morton curve that come in pieces, of which memory holds one: pieces are sorted, put

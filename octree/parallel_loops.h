@@ -2,9 +2,7 @@
 #pragma once
 
 #include <tbb/parallel_for.h>
-#include <tbb/task_arena.h>
 #include <algorithm>
-#include <atomic>
 #include <chrono>
 #include <cstddef>
 #include <vector>
@@ -13,16 +11,6 @@
 #include "octree/tree_walk.h"
 
 namespace alidade {
-
-/// body(0) .. body(count - 1) in parallel, begun in this order: whoever is free takes the next. For work that
-/// uses up memory along the way, of which only a few positions at a time should be in use.
-template <class Body>
-void for_each_in_order(std::size_t count, const Body& body) {
-  std::atomic<std::size_t> next = 0;
-  tbb::parallel_for(0, tbb::this_task_arena::max_concurrency(), [&](int) {
-    for (std::size_t i = next++; i < count; i = next++) body(i);
-  });
-}
 
 /// Visits every leaf once, in parallel, some hundred in a row by one `worker = make_worker()`, which is
 /// called with one leaf after another in the order of the tree. `progress` is in points, and is called several

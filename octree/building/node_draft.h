@@ -8,7 +8,7 @@
 #include <utility>
 
 #include "base/huge_memory.h"
-#include "octree/building/sorted_points.h"
+#include "cloud/sorted_points.h"
 #include "octree/octree.h"
 
 namespace alidade {

@@ -8,8 +8,8 @@
 #include <utility>
 #include <vector>
 
+#include "base/parallel.h"
 #include "octree/building/collapsed_tree.h"
-#include "octree/parallel_loops.h"
 
 namespace alidade {
 
@@ -28,12 +28,14 @@ struct TreeSummary {
 template <class Entry>
 class TreeBuilder {
  public:
-  /// Uses up the sorted points; there must be some. The arrays but for the nodes must have room for them.
+  /// Uses up the sorted points; there must be some. The arrays but for the nodes must have room for them; those
+  /// lie in `scratch`.
   TreeBuilder(SortedPoints<Entry>& sorted, const SplitRules& rules, const LatticePosition& base,
-              OctreeArrays& arrays)
+              OctreeArrays& arrays, const ScratchFolder& scratch = {})
       : sorted_(sorted),
         rules_(rules),
         arrays_(arrays),
+        scratch_(scratch),
         writer_(arrays, base),
         subtree_size_(std::max<std::size_t>(std::size_t{1} << 15, sorted.size() / 256)),
         widening_(usual_width()),
@@ -261,7 +263,7 @@ class TreeBuilder {
     std::vector<std::size_t> begin{top_.size()};
     for (const Batch& batch : batches_)
       begin.push_back(begin.back() + batch.nodes.size() - (batch.end - batch.first));
-    arrays_.nodes = HugeArray<Node>(begin.back());
+    arrays_.nodes = HugeArray<Node>(begin.back(), scratch_);
     std::ranges::copy(top_, arrays_.nodes.data());
     for_each_in_order(batches_.size(), [&](std::size_t b) {
       Batch& batch = batches_[b];
@@ -278,6 +280,7 @@ class TreeBuilder {
   SortedPoints<Entry>& sorted_;
   const SplitRules rules_;
   OctreeArrays& arrays_;
+  const ScratchFolder scratch_;
   const LeafWriter writer_;
   const std::size_t subtree_size_;
   const float widening_;

@@ -67,7 +67,7 @@ TEST_F(ReadCloudTableTest, rows_and_attributes_come_back) {
   EXPECT_EQ(back.crs.wkt, cloud.crs.wkt);
   expect_same_columns(back, cloud);
   EXPECT_EQ(back.files.front().format, "SQLite");
-  const Bounds box = stated_box(clouds_of({file_}));
+  const Bounds box = stated_size(clouds_of({file_})).box;
   EXPECT_EQ(box.min, cloud.bounds().min);
   EXPECT_EQ(box.max, cloud.bounds().max);
 

@@ -159,7 +159,7 @@ std::optional<Bounds> query_region(const QueryCommand& command, AnswerForm form)
   if (command.files.size() < 2 || std::is_same_v<Target, HalfSpaces> || command.partial ||
       command.max_level || form == AnswerForm::las || !can_be_looked_through<Target>(command))
     return std::nullopt;
-  const Bounds within = stated_box(command.files);
+  const Bounds within = stated_size(command.files).box;
   TargetReader<Target> reader(open_targets(command), {command.t_min, command.t_max});
   TargetBatch<Target> batch;
   Bounds region;
@@ -184,7 +184,7 @@ QueryPart read_query_part(const QueryCommand& command, AttributeSet attributes, 
   if (command.files.size() != 1 || command.partial || command.max_level ||
       !has_parts(command.files.inputs.front()) || !can_be_looked_through<Target>(command))
     return std::nullopt;
-  const Bounds within = stated_box(command.files);
+  const Bounds within = stated_size(command.files).box;
   TargetReader<Target> reader(open_targets(command), {command.t_min, command.t_max});
   TargetBatch<Target> batch;
   std::vector<database::PointFilter> filters;

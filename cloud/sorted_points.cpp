@@ -1,19 +1,21 @@
 // SPDX-License-Identifier: MIT
-#include "octree/building/sorted_points.h"
+#include "cloud/sorted_points.h"
 
 #include <tbb/enumerable_thread_specific.h>
 #include <tbb/parallel_reduce.h>
+#include <tbb/task_arena.h>
 #include <algorithm>
 #include <array>
 #include <bit>
 #include <cstddef>
 #include <cstdint>
 #include <cstring>
+#include <span>
 #include <utility>
 #include <vector>
 
+#include "base/parallel.h"
 #include "cloud/lattice.h"
-#include "octree/parallel_loops.h"
 
 namespace alidade {
 
@@ -123,6 +125,7 @@ constexpr std::size_t k_min_chunk_size = std::size_t{1} << 12;
 constexpr std::size_t k_bucket_size = std::size_t{1} << 15;
 // Buckets are collected from all chunks at once, so each chunk has a block or two that are used up in part.
 constexpr std::size_t k_release_block = std::size_t{1} << 16;
+constexpr std::size_t k_scratch_release_block = std::size_t{1} << 21;  ///< a hole in a file costs more
 
 std::uint32_t steps_from(std::int32_t base, std::int32_t value) {
   return static_cast<std::uint32_t>(value) - static_cast<std::uint32_t>(base);
@@ -133,20 +136,24 @@ class Sorter {
   using Key = typename Entry::Key;
 
  public:
-  /// `given` is the vector behind `positions` if it is to be used up, otherwise null.
-  Sorter(const KeySpace& space, const std::vector<LatticePosition>& positions,
-         std::vector<LatticePosition>* given)
+  /// `given` is the vector behind `positions` if it is to be used up, otherwise null; `scratch` if they lie in a
+  /// scratch file that is to be used up, otherwise null.
+  Sorter(const KeySpace& space, std::span<const LatticePosition> positions,
+         std::vector<LatticePosition>* given, const ScratchSpace* scratch = nullptr)
       : space_(space),
         positions_(positions),
         given_(given),
-        chunk_size_(std::clamp(std::bit_ceil(positions.size() / 64 + 1), k_min_chunk_size, k_max_chunk_size)),
+        chunk_size_(chunk_size(positions.size(), scratch)),
         chunk_count_((positions.size() + chunk_size_ - 1) / chunk_size_),
         buckets_(sample_keys()) {
-    if (!in_place()) chunks_ = HugeArray<Entry>(positions.size());
-    chunk_release_ = PageRelease(chunk_bytes(0), positions.size() * sizeof(Entry), k_release_block);
-    if (given && !in_place())
-      position_release_ =
-          PageRelease(given->data(), given->size() * sizeof(LatticePosition), k_release_block);
+    if (scratch) scratch_folder_ = scratch->folder;
+    if (!in_place()) chunks_ = HugeArray<Entry>(positions.size(), scratch_folder_);
+    const std::size_t block = scratch ? k_scratch_release_block : k_release_block;
+    chunk_release_ = PageRelease(chunk_bytes(0), positions.size() * sizeof(Entry), block, scratch != nullptr);
+    if (uses_up_positions()) {
+      position_release_ = PageRelease(const_cast<LatticePosition*>(positions.data()), positions.size_bytes(),
+                                      block, scratch != nullptr);
+    }
     run_begin_.resize(chunk_count_ * (buckets_.count() + 1));
   }
 
@@ -159,7 +166,7 @@ class Sorter {
     }
     for (std::size_t bucket = 0; bucket < buckets_.count(); ++bucket)
       bucket_begin[bucket + 1] += bucket_begin[bucket];
-    SortedPoints<Entry> sorted(positions_.size());
+    SortedPoints<Entry> sorted(positions_.size(), scratch_folder_);
     for_each_in_order(buckets_.count(), [&](std::size_t bucket) {
       sort_bucket(bucket, sorted.data() + bucket_begin[bucket],
                   bucket_begin[bucket + 1] - bucket_begin[bucket]);
@@ -179,8 +186,20 @@ class Sorter {
     }
   };
 
+  static std::size_t chunk_size(std::size_t count, const ScratchSpace* scratch) {
+    const std::size_t usual = std::clamp(std::bit_ceil(count / 64 + 1), k_min_chunk_size, k_max_chunk_size);
+    if (!scratch) return usual;
+    // Fewer chunks have longer runs for each bucket, which the disk gives faster. A thread has the entries of a chunk
+    // in its scratch memory and in the file, and the positions.
+    const std::size_t threads = static_cast<std::size_t>(tbb::this_task_arena::max_concurrency());
+    const std::size_t bytes_of_point = 2 * sizeof(Entry) + sizeof(std::uint16_t) + sizeof(LatticePosition);
+    return std::clamp(std::bit_floor(scratch->memory / threads / bytes_of_point), usual,
+                      std::max(usual, std::bit_ceil(count / threads + 1)));
+  }
+
   /// Narrow entries replace the positions they are made of.
   bool in_place() const { return given_ && sizeof(Entry) == sizeof(LatticePosition); }
+  bool uses_up_positions() const { return (given_ && !in_place()) || scratch_folder_; }
 
   /// Memory of the partitioned chunks; only bytes are copied in and out, as it may be that of the positions.
   std::byte* chunk_bytes(std::size_t first_entry) {
@@ -229,7 +248,7 @@ class Sorter {
       buckets_.find(keys, scratch.buckets.data() + i);
       for (std::size_t k = 0; k < width; ++k) ++begins[scratch.buckets[i + k] + 1];
     }
-    if (given_ && !in_place())
+    if (uses_up_positions())
       position_release_.use_up(first_row * sizeof(LatticePosition), count * sizeof(LatticePosition));
 
     for (std::size_t bucket = 0; bucket < buckets_.count(); ++bucket) begins[bucket + 1] += begins[bucket];
@@ -265,8 +284,9 @@ class Sorter {
   }
 
   const KeySpace space_;
-  const std::vector<LatticePosition>& positions_;
+  const std::span<const LatticePosition> positions_;
   std::vector<LatticePosition>* const given_;
+  ScratchFolder scratch_folder_;
   PageRelease position_release_;  ///< where the chunks do not lie in their memory
   PageRelease chunk_release_;
   const std::size_t chunk_size_;
@@ -278,7 +298,7 @@ class Sorter {
   tbb::enumerable_thread_specific<Scratch> scratch_;
 };
 
-LatticeExtent extent_of(const std::vector<LatticePosition>& positions) {
+LatticeExtent extent_of(std::span<const LatticePosition> positions) {
   return tbb::parallel_reduce(
       tbb::blocked_range<std::size_t>(0, positions.size(), k_points_per_task), LatticeExtent{},
       [&](const tbb::blocked_range<std::size_t>& range, LatticeExtent part) {
@@ -294,7 +314,7 @@ LatticeExtent extent_of(const std::vector<LatticePosition>& positions) {
 
 }  // namespace
 
-KeySpace key_space(const std::vector<LatticePosition>& positions) {
+KeySpace key_space(std::span<const LatticePosition> positions) {
   if (positions.empty()) return {};
   const LatticeExtent extent = extent_of(positions);
   std::uint32_t largest = 0;
@@ -330,9 +350,19 @@ SortedPoints<Entry> sort_points(const KeySpace& space, std::vector<LatticePositi
   return Sorter<Entry>(space, positions, &positions).run();
 }
 
+template <class Entry>
+SortedPoints<Entry> sort_points(const KeySpace& space, std::span<LatticePosition> positions,
+                                const ScratchSpace& scratch) {
+  return Sorter<Entry>(space, positions, nullptr, &scratch).run();
+}
+
 template SortedPoints<NarrowEntry> sort_points(const KeySpace&, const std::vector<LatticePosition>&);
 template SortedPoints<WideEntry> sort_points(const KeySpace&, const std::vector<LatticePosition>&);
 template SortedPoints<NarrowEntry> sort_points(const KeySpace&, std::vector<LatticePosition>&&);
 template SortedPoints<WideEntry> sort_points(const KeySpace&, std::vector<LatticePosition>&&);
+template SortedPoints<NarrowEntry> sort_points(const KeySpace&, std::span<LatticePosition>,
+                                               const ScratchSpace&);
+template SortedPoints<WideEntry> sort_points(const KeySpace&, std::span<LatticePosition>,
+                                             const ScratchSpace&);
 
 }  // namespace alidade

@@ -4,10 +4,12 @@
 #include <cstddef>
 #include <cstdint>
 #include <glm/vec3.hpp>
+#include <span>
 #include <vector>
 
 #include "base/huge_memory.h"
 #include "base/morton.h"
+#include "base/scratch_file.h"
 #include "cloud/lattice.h"
 
 namespace alidade {
@@ -64,7 +66,7 @@ struct KeySpace {
 };
 
 /// Cost: one pass, in parallel.
-KeySpace key_space(const std::vector<LatticePosition>& positions);
+KeySpace key_space(std::span<const LatticePosition> positions);
 
 /// One in which positions have the order that they have in the space of all positions, and so in any that
 /// this function gives: pieces of a cloud that were sorted apart can be merged. Cost: one pass, in parallel.
@@ -74,8 +76,9 @@ KeySpace aligned_key_space(const std::vector<LatticePosition>& positions);
 template <class Entry>
 class SortedPoints {
  public:
-  explicit SortedPoints(std::size_t size)
-      : entries_(size), release_(entries_.data(), size * sizeof(Entry), k_release_block) {}
+  explicit SortedPoints(std::size_t size, const ScratchFolder& scratch = {})
+      : entries_(size, scratch),
+        release_(entries_.data(), size * sizeof(Entry), k_release_block, scratch.has_value()) {}
 
   std::size_t size() const { return entries_.size(); }
   Entry* data() { return entries_.data(); }
@@ -103,5 +106,11 @@ SortedPoints<Entry> sort_points(const KeySpace& space, const std::vector<Lattice
 /// included: one narrow or two wide entries per point.
 template <class Entry>
 SortedPoints<Entry> sort_points(const KeySpace& space, std::vector<LatticePosition>&& positions);
+
+/// The same with positions of a scratch file that is mapped into memory, which are used up; all that is large lies in
+/// scratch files. Memory at the peak: that of `scratch`, or 12 MB per thread if that is more, and 1/8 B per point.
+template <class Entry>
+SortedPoints<Entry> sort_points(const KeySpace& space, std::span<LatticePosition> positions,
+                                const ScratchSpace& scratch);
 
 }  // namespace alidade

@@ -3,7 +3,7 @@
 
 #include <algorithm>
 
-#include "octree/building/sorted_points.h"
+#include "cloud/sorted_points.h"
 #include "tests/support/point_families.h"
 
 namespace alidade {
@@ -35,6 +35,16 @@ void expect_order(const SortedPoints<Entry>& sorted,
   }
 }
 
+/// The positions from a scratch file, in chunks of a few thousand.
+template <class Entry>
+SortedPoints<Entry> sorted_in_scratch(const KeySpace& space, const std::vector<LatticePosition>& positions) {
+  ScratchFile file(testing::TempDir());
+  file.append(std::as_bytes(std::span(positions)));
+  const std::span<std::byte> bytes = file.map();
+  return sort_points<Entry>(space, {reinterpret_cast<LatticePosition*>(bytes.data()), positions.size()},
+                            {testing::TempDir(), 1 << 18});
+}
+
 void check(const std::vector<LatticePosition>& positions) {
   const KeySpace space = key_space(positions);
   const auto order = expected_order(space, positions);
@@ -42,7 +52,9 @@ void check(const std::vector<LatticePosition>& positions) {
   std::vector<LatticePosition> given = positions;
   expect_order(sort_points<WideEntry>(space, std::move(given)), order);
   EXPECT_TRUE(given.empty());  // NOLINT(bugprone-use-after-move): that is the contract
+  expect_order(sorted_in_scratch<WideEntry>(space, positions), order);
   if (!space.is_narrow()) return;
+  expect_order(sorted_in_scratch<NarrowEntry>(space, positions), order);
   expect_order(sort_points<NarrowEntry>(space, positions), order);
   given = positions;
   expect_order(sort_points<NarrowEntry>(space, std::move(given)), order);

@@ -1,0 +1,118 @@
+// SPDX-License-Identifier: MIT
+#include "base/scratch_file.h"
+
+#include <fcntl.h>
+#include <sys/mman.h>
+#include <unistd.h>
+#include <cerrno>
+#include <cstdlib>
+#include <string>
+#include <utility>
+
+#include "base/error.h"
+
+namespace alidade {
+namespace {
+
+[[noreturn]] void fail_in(const std::filesystem::path& folder, const char* problem, int number = errno) {
+  throw system_error((folder.empty() ? std::filesystem::path(".") : folder).string(), problem, number);
+}
+
+constexpr const char* k_no_write = "cannot write a temporary file in this folder";
+
+int open_scratch(const std::filesystem::path& folder) {
+  std::string name = (folder / ".alidade-XXXXXX").string();
+  const int descriptor = ::mkostemp(name.data(), O_CLOEXEC);
+  if (descriptor < 0) fail_in(folder, "cannot create a temporary file in this folder");
+  ::unlink(name.c_str());
+  return descriptor;
+}
+
+/// Without this, pages for which the disk has no room would end the program when they are written.
+int reserve(int descriptor, std::uint64_t offset, std::uint64_t count) {
+  int number = 0;
+  do {
+    number = ::posix_fallocate(descriptor, static_cast<::off_t>(offset), static_cast<::off_t>(count));
+  } while (number == EINTR);
+  return number;
+}
+
+}  // namespace
+
+ScratchFile::~ScratchFile() {
+  if (mapped_) ::munmap(mapped_, size_);
+  if (descriptor_ >= 0) ::close(descriptor_);
+}
+
+ScratchFile::ScratchFile(ScratchFile&& other) noexcept
+    : folder_(std::move(other.folder_)),
+      descriptor_(std::exchange(other.descriptor_, -1)),
+      size_(std::exchange(other.size_, 0)),
+      mapped_(std::exchange(other.mapped_, nullptr)) {}
+
+void ScratchFile::fail(const char* problem) const {
+  fail_in(folder_, problem);
+}
+
+void ScratchFile::open() {
+  if (descriptor_ < 0) descriptor_ = open_scratch(folder_);
+}
+
+void ScratchFile::append(std::span<const std::byte> bytes) {
+  open();
+  while (!bytes.empty()) {
+    const ::ssize_t count = ::pwrite(descriptor_, bytes.data(), bytes.size(), static_cast<::off_t>(size_));
+    if (count < 0 && errno == EINTR) continue;
+    if (count < 0) fail(k_no_write);
+    bytes = bytes.subspan(static_cast<std::size_t>(count));
+    size_ += static_cast<std::uint64_t>(count);
+  }
+}
+
+void ScratchFile::append_zeros(std::uint64_t count) {
+  if (count == 0) return;
+  open();
+  if (const int number = reserve(descriptor_, size_, count)) fail_in(folder_, k_no_write, number);
+  size_ += count;
+}
+
+void ScratchFile::read(std::uint64_t offset, std::span<std::byte> into) const {
+  while (!into.empty()) {
+    const ::ssize_t count = ::pread(descriptor_, into.data(), into.size(), static_cast<::off_t>(offset));
+    if (count < 0 && errno == EINTR) continue;
+    if (count <= 0) fail("cannot read a temporary file in this folder");
+    into = into.subspan(static_cast<std::size_t>(count));
+    offset += static_cast<std::uint64_t>(count);
+  }
+}
+
+std::span<std::byte> ScratchFile::map() {
+  if (size_ == 0) return {};
+  if (!mapped_) {
+    void* const mapped = ::mmap(nullptr, size_, PROT_READ | PROT_WRITE, MAP_SHARED, descriptor_, 0);
+    if (mapped == MAP_FAILED) fail("cannot map a temporary file in this folder");
+    mapped_ = static_cast<std::byte*>(mapped);
+  }
+  return {mapped_, static_cast<std::size_t>(size_)};
+}
+
+void* map_scratch_pages(std::size_t byte_count, const std::filesystem::path& folder) {
+  const int descriptor = open_scratch(folder);
+  const int number = reserve(descriptor, 0, byte_count);
+  void* const mapped = number != 0
+                           ? MAP_FAILED
+                           : ::mmap(nullptr, byte_count, PROT_READ | PROT_WRITE, MAP_SHARED, descriptor, 0);
+  const int problem = number != 0 ? number : errno;
+  ::close(descriptor);
+  if (mapped == MAP_FAILED) fail_in(folder, k_no_write, problem);
+  return mapped;
+}
+
+void discard_scratch_pages(std::span<const std::byte> bytes) noexcept {
+  const auto page = static_cast<std::uintptr_t>(::sysconf(_SC_PAGESIZE));
+  const auto begin = (reinterpret_cast<std::uintptr_t>(bytes.data()) + page - 1) / page * page;
+  const auto end = (reinterpret_cast<std::uintptr_t>(bytes.data()) + bytes.size()) / page * page;
+  if (begin < end) ::madvise(reinterpret_cast<void*>(begin), end - begin, MADV_REMOVE);
+}
+
+}  // namespace alidade

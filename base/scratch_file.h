@@ -1,0 +1,59 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <filesystem>
+#include <span>
+#include <utility>
+
+namespace alidade {
+
+/// Where points lie that memory need not hold.
+struct ScratchSpace {
+  std::filesystem::path folder;  ///< of scratch files
+  std::uint64_t memory = 0;      ///< bytes to work in
+};
+
+/// A file without a name for what memory does not hold: gone with the object, also if the program is killed.
+class ScratchFile {
+ public:
+  /// Made when the first bytes come, in this folder.
+  explicit ScratchFile(std::filesystem::path folder) : folder_(std::move(folder)) {}
+  ~ScratchFile();
+  ScratchFile(ScratchFile&& other) noexcept;
+  ScratchFile& operator=(ScratchFile&&) = delete;
+
+  /// Adds bytes at the end. Errors: the folder cannot be written to; no space left.
+  void append(std::span<const std::byte> bytes);
+  /// Adds zeros at the end. Errors: as append().
+  void append_zeros(std::uint64_t count);
+  /// Bytes written so far.
+  std::uint64_t size() const { return size_; }
+  /// Copies bytes that were written. Errors: reading failed.
+  void read(std::uint64_t offset, std::span<std::byte> into) const;
+
+  /// All bytes written so far, mapped into memory; changes go to the file. The map stays until the object is gone;
+  /// nothing may be appended any more. On file systems that write changed pages to another place (Btrfs, ZFS), a full
+  /// disk then ends the program (SIGBUS). Errors: the system cannot map them.
+  std::span<std::byte> map();
+
+ private:
+  void open();
+  [[noreturn]] void fail(const char* problem) const;
+
+  std::filesystem::path folder_;
+  int descriptor_ = -1;
+  std::uint64_t size_ = 0;
+  std::byte* mapped_ = nullptr;
+};
+
+/// Memory of a scratch file of its own in this folder, for which disk space is reserved: zeros. `byte_count`: more
+/// than 0. munmap() gives it back, and its space on the disk. Errors: as ScratchFile::append().
+void* map_scratch_pages(std::size_t byte_count, const std::filesystem::path& folder);
+
+/// Takes bytes of a mapped scratch file out of memory and off the disk, as far as they fill whole pages and the file
+/// system can (ext4, XFS, Btrfs, tmpfs).
+void discard_scratch_pages(std::span<const std::byte> bytes) noexcept;
+
+}  // namespace alidade
