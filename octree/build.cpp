@@ -66,14 +66,14 @@ int level_of_filled_cells(const SortedPoints<Entry>& sorted, int leaf_size) {
 
 template <class Entry>
 void build_tree(const KeySpace& space, SortedPoints<Entry> sorted, const BuildOptions& options,
-                Built& built) {
+                const ScratchFolder& scratch, Built& built) {
   const std::size_t count = sorted.size();
   TreeView& view = built.view;
   OctreeArrays& arrays = *built.arrays;
-  arrays.coordinates = HugeArray<std::uint16_t>(3 * count + k_coordinate_padding);
+  arrays.coordinates = HugeArray<std::uint16_t>(3 * count + k_coordinate_padding, scratch);
   std::fill_n(arrays.coordinates.data() + 3 * count, k_coordinate_padding, std::uint16_t{0});
-  arrays.ids = HugeArray<std::uint32_t>(count);
-  if (space.extent_bits > k_exact_frame_level) arrays.positions = HugeArray<LatticePosition>(count);
+  arrays.ids = HugeArray<std::uint32_t>(count, scratch);
+  if (space.extent_bits > k_exact_frame_level) arrays.positions = HugeArray<LatticePosition>(count, scratch);
 
   SplitRules rules{options.organisation, options.leaf_size, 0};
   if (options.organisation == Organisation::fixed) {
@@ -82,7 +82,8 @@ void build_tree(const KeySpace& space, SortedPoints<Entry> sorted, const BuildOp
   }
   const PointRange all = point_range(sorted, 0, static_cast<std::uint32_t>(count));
   view.root_level = std::max(rules.lowest_frame_level(all), space.extent_bits);
-  const TreeSummary summary = TreeBuilder<Entry>(sorted, rules, space.base, arrays).build(view.root_level);
+  const TreeSummary summary =
+      TreeBuilder<Entry>(sorted, rules, space.base, arrays, scratch).build(view.root_level);
 
   view.base = space.base;
   view.point_count = static_cast<std::uint32_t>(count);
@@ -101,9 +102,10 @@ void build_tree(const KeySpace& space, SortedPoints<Entry> sorted, const BuildOp
   }
 }
 
-/// `given` is the vector behind `positions` if it is to be used up, otherwise null.
-Built build_from(const Lattice& lattice, const std::vector<LatticePosition>& positions,
-                 std::vector<LatticePosition>* given, const BuildOptions& options) {
+/// sort(space, Entry()) gives the sorted points.
+template <class Sort>
+Built build_from(const Lattice& lattice, std::span<const LatticePosition> positions,
+                 const BuildOptions& options, const ScratchFolder& scratch, const Sort& sort) {
   const std::size_t count = positions.size();
   check(options, count);
   Built built{{}, std::make_shared<OctreeArrays>()};
@@ -111,42 +113,62 @@ Built build_from(const Lattice& lattice, const std::vector<LatticePosition>& pos
   built.view.organisation = options.organisation;
   if (count == 0) return built;
 
-  const auto sort_and_build = [&]<class Entry>(const KeySpace& space, const Entry&) {
-    SortedPoints<Entry> sorted =
-        given ? sort_points<Entry>(space, std::move(*given)) : sort_points<Entry>(space, positions);
-    report(options.progress, count / 2, count);
-    build_tree(space, std::move(sorted), options, built);
-  };
   report(options.progress, 0, count);
   const KeySpace space = key_space(positions);
+  const auto sort_and_build = [&]<class Entry>(const Entry& entry) {
+    SortedPoints<Entry> sorted = sort(space, entry);
+    report(options.progress, count / 2, count);
+    build_tree(space, std::move(sorted), options, scratch, built);
+  };
   if (space.is_narrow()) {
-    sort_and_build(space, NarrowEntry{});
+    sort_and_build(NarrowEntry{});
   } else {
-    sort_and_build(space, WideEntry{});
+    sort_and_build(WideEntry{});
   }
   report(options.progress, count, count);
   return built;
+}
+
+Built build_from(PointCloud&& cloud, const BuildOptions& options) {
+  return build_from(cloud.lattice, cloud.positions, options, {},
+                    [&]<class Entry>(const KeySpace& space, const Entry&) {
+                      return sort_points<Entry>(space, std::move(cloud.positions));
+                    });
 }
 
 }  // namespace
 
 Octree build(const PointCloud& cloud, const BuildOptions& options) {
   const InstructionSet instruction_set = usable(options.instruction_set);
-  return build_from(cloud.lattice, cloud.positions, nullptr, options).octree(instruction_set);
+  return build_from(cloud.lattice, cloud.positions, options, {},
+                    [&]<class Entry>(const KeySpace& space, const Entry&) {
+                      return sort_points<Entry>(space, cloud.positions);
+                    })
+      .octree(instruction_set);
 }
 
 Octree build(PointCloud&& cloud, const BuildOptions& options) {
   const InstructionSet instruction_set = usable(options.instruction_set);
-  return build_from(cloud.lattice, cloud.positions, &cloud.positions, options).octree(instruction_set);
+  return build_from(std::move(cloud), options).octree(instruction_set);
 }
 
 Octree build_in_stored_order(PointCloud& cloud, const BuildOptions& options) {
   const InstructionSet instruction_set = usable(options.instruction_set);
-  Built built = build_from(cloud.lattice, cloud.positions, &cloud.positions, options);
+  Built built = build_from(std::move(cloud), options);
   reorder_attributes(cloud, {built.view.ids, built.view.point_count});
   built.arrays->ids = {};
   built.view.ids = nullptr;
   return std::move(built).octree(instruction_set);
+}
+
+Octree build_in_scratch(const Lattice& lattice, std::span<LatticePosition> positions,
+                        const ScratchSpace& scratch, const BuildOptions& options) {
+  const InstructionSet instruction_set = usable(options.instruction_set);
+  return build_from(lattice, positions, options, scratch.folder,
+                    [&]<class Entry>(const KeySpace& space, const Entry&) {
+                      return sort_points<Entry>(space, positions, scratch);
+                    })
+      .octree(instruction_set);
 }
 
 std::size_t Octree::memory() const {

@@ -1,8 +1,11 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
+#include <span>
+
 #include "base/instruction_set.h"
 #include "base/progress.h"
+#include "base/scratch_file.h"
 #include "cloud/point_cloud.h"
 #include "octree/octree.h"
 
@@ -53,5 +56,13 @@ Octree build(PointCloud&& cloud, const BuildOptions& options = {});
 /// with a cloud that is given away, cloud.positions is empty afterwards; positions_in_order() gives them
 /// back. Memory: ids and one attribute column at a time beside what the octree takes.
 Octree build_in_stored_order(PointCloud& cloud, const BuildOptions& options = {});
+
+/// build() for a cloud larger than memory: the same octree. `positions` are those of a scratch file that is mapped
+/// into memory, in the order of their ids; their values are lost. The arrays of the octree lie in scratch files,
+/// too, and so does what the build needs beside. Space on the disk: 12 to 32 B per point beside the positions and the
+/// octree's 11 to 23 B. Memory: that of `scratch`, and 1 B per point for nodes; the system may keep more of the files
+/// in memory as long as nobody else needs it. Errors: as build(); those of scratch files.
+Octree build_in_scratch(const Lattice& lattice, std::span<LatticePosition> positions,
+                        const ScratchSpace& scratch, const BuildOptions& options = {});
 
 }  // namespace alidade

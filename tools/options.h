@@ -361,5 +361,7 @@ std::bitset<256> parse_classes(const std::string& text);
 
 /// "800000000", "512M", "2G": bytes. Errors: UsageError.
 std::size_t parse_size(const std::string& text);
+/// The same for memory to sort points in: at least 1M.
+std::size_t parse_memory(const std::string& text);
 
 }  // namespace alidade::tools

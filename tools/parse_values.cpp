@@ -99,6 +99,13 @@ std::size_t parse_size(const std::string& text) {
   return static_cast<std::size_t>(std::max(number * factor, 1.0));
 }
 
+std::size_t parse_memory(const std::string& text) {
+  constexpr std::size_t k_least = std::size_t{1} << 20;
+  const std::size_t memory = parse_size(text);
+  if (memory < k_least) throw UsageError("invalid value; expected at least 1M, found '" + text + "'");
+  return memory;
+}
+
 Moment parse_moment(std::string text) {
   constexpr std::size_t k_date_length = 10;
   if (text.size() > k_date_length && text[k_date_length] == ' ') text[k_date_length] = 'T';

@@ -16,9 +16,8 @@ namespace {
 /// Writes section after section, and in the end the page that states where they are.
 class IndexWriter {
  public:
-  IndexWriter(const std::filesystem::path& path, bool overwrite, const Progress& progress,
-              std::uint64_t total)
-      : file_(path, overwrite), progress_(progress), total_(total) {
+  IndexWriter(const std::filesystem::path& path, const SaveIndexOptions& options, std::uint64_t total)
+      : file_(path, options.overwrite), options_(options), total_(total) {
     file_.write(std::array<std::byte, k_index_page>{});
   }
 
@@ -33,6 +32,16 @@ class IndexWriter {
     entry_.bytes += bytes.size();
     blocks_.add(bytes);
   }
+  /// The same with bytes of octree or columns.
+  void add_array(std::span<const std::byte> bytes) {
+    constexpr std::size_t k_piece = std::size_t{1} << 26;
+    while (!bytes.empty()) {
+      const std::span<const std::byte> piece = bytes.first(std::min(bytes.size(), k_piece));
+      bytes = bytes.subspan(piece.size());
+      add(piece);
+      if (options_.written) options_.written(piece);
+    }
+  }
   void end() {
     blocks_.end();
     const auto run = std::span(blocks_.sums()).subspan(first_checksum_);
@@ -43,7 +52,7 @@ class IndexWriter {
   template <class T>
   void write(IndexSection kind, std::span<const T> values) {
     begin(kind);
-    add(std::as_bytes(values));
+    add_array(std::as_bytes(values));
     end();
   }
 
@@ -70,38 +79,36 @@ class IndexWriter {
   }
 
   OutputFile file_;
-  const Progress& progress_;
+  const SaveIndexOptions& options_;
   std::uint64_t total_;
   IndexHeader header_;
   SectionEntry entry_;
   ChecksumBlocks blocks_{[this](std::span<const std::byte> block) {
     file_.write(block);
-    report(progress_, std::min(file_.size(), total_), total_);
+    report(options_.progress, std::min(file_.size(), total_), total_);
   }};
   std::size_t first_checksum_ = 0;
 };
 
-void check_cloud(const Octree& octree, const PointCloud& cloud) {
+void check_cloud(const Octree& octree, const PointCloud& cloud, const AttributeColumns& columns) {
   if (octree.size() > 0 && cloud.lattice != octree.lattice())
     throw Error({.problem = "octree and cloud have different lattices"});
-  for_each_column(cloud, cloud, [&](Attribute attribute, const auto& column, const auto&) {
+  for_each_column(columns, [&](Attribute attribute, const auto& column) {
     if (column.empty() || column.size() == octree.size()) return;
     throw input_error("wrong column size: " + attribute_names(attribute).front(),
                       fmt::format("{} values", octree.size()), std::to_string(column.size()));
   });
-  for (const ExtraDimension& dimension : cloud.extra_dimensions) {
-    const auto bytes = static_cast<std::size_t>(dimension.byte_count);
-    check_that(dimension.values.size() == octree.size() * bytes, "wrong column size: " + dimension.name,
-               fmt::format("{} bytes", octree.size() * bytes), std::to_string(dimension.values.size()));
+  for (const ExtraColumn& column : columns.extra_dimensions) {
+    const std::size_t bytes = octree.size() * static_cast<std::size_t>(column.description.byte_count);
+    check_that(column.values.size() == bytes, "wrong column size: " + column.description.name,
+               fmt::format("{} bytes", bytes), std::to_string(column.values.size()));
   }
 }
 
-std::uint64_t bytes_to_write(const Octree& octree, const PointCloud& cloud) {
+std::uint64_t bytes_to_write(const Octree& octree, const PointCloud& cloud, const AttributeColumns& columns) {
   std::uint64_t bytes = octree.memory();
-  for_each_column(cloud, cloud, [&](Attribute, const auto& column, const auto&) {
-    bytes += column.size() * sizeof(column.front());
-  });
-  for (const ExtraDimension& dimension : cloud.extra_dimensions) bytes += dimension.values.size();
+  for_each_column(columns, [&](Attribute, const auto& column) { bytes += column.size_bytes(); });
+  for (const ExtraColumn& column : columns.extra_dimensions) bytes += column.values.size();
   for (const VariableLengthRecord& record : cloud.records) bytes += record.data.size();
   return bytes;
 }
@@ -110,7 +117,7 @@ void write_tree(IndexWriter& writer, const TreeView& tree) {
   const std::size_t points = tree.point_count;
   writer.write(IndexSection::nodes, std::span(tree.nodes, tree.node_count));
   writer.begin(IndexSection::coordinates);
-  writer.add(std::as_bytes(std::span(tree.coordinates, 3 * points)));
+  writer.add_array(std::as_bytes(std::span(tree.coordinates, 3 * points)));
   // Written as zeros, whatever is in memory there.
   constexpr std::array<std::uint16_t, k_coordinate_padding> k_padding{};
   writer.add(std::as_bytes(std::span(k_padding)));
@@ -128,17 +135,18 @@ void write_tree(IndexWriter& writer, const TreeView& tree) {
   }
 }
 
-void write_cloud(IndexWriter& writer, const PointCloud& cloud) {
-  for_each_column(cloud, cloud, [&](Attribute attribute, const auto& column, const auto&) {
-    if (!column.empty()) writer.write(column_section(attribute), std::span(column));
+void write_cloud(IndexWriter& writer, const PointCloud& cloud, const AttributeColumns& columns) {
+  for_each_column(columns, [&](Attribute attribute, const auto& column) {
+    if (!column.empty()) writer.write(column_section(attribute), column);
   });
-  if (!cloud.extra_dimensions.empty()) {
+  if (!columns.extra_dimensions.empty()) {
     writer.begin(IndexSection::extra_dimensions);
-    for (const ExtraDimension& dimension : cloud.extra_dimensions)
-      writer.add(std::as_bytes(std::span(dimension.values)));
+    for (const ExtraColumn& column : columns.extra_dimensions) writer.add_array(std::as_bytes(column.values));
     writer.end();
   }
-  writer.write(IndexSection::metadata, std::span<const std::byte>(encode_index_metadata(cloud)));
+  writer.begin(IndexSection::metadata);
+  writer.add(encode_index_metadata(cloud));
+  writer.end();
   writer.begin(IndexSection::record_data);
   for (const VariableLengthRecord& record : cloud.records) writer.add(std::as_bytes(std::span(record.data)));
   writer.end();
@@ -148,10 +156,15 @@ void write_cloud(IndexWriter& writer, const PointCloud& cloud) {
 
 void save_index(const std::filesystem::path& path, const Octree& octree, const PointCloud& cloud,
                 const SaveIndexOptions& options) {
-  check_cloud(octree, cloud);
-  IndexWriter writer(path, options.overwrite, options.progress, bytes_to_write(octree, cloud));
+  save_index(path, octree, cloud, columns_of(cloud), options);
+}
+
+void save_index(const std::filesystem::path& path, const Octree& octree, const PointCloud& cloud,
+                const AttributeColumns& columns, const SaveIndexOptions& options) {
+  check_cloud(octree, cloud, columns);
+  IndexWriter writer(path, options, bytes_to_write(octree, cloud, columns));
   write_tree(writer, octree.view());
-  write_cloud(writer, cloud);
+  write_cloud(writer, cloud, columns);
   IndexHeader header;
   header.tree = octree.view();
   header.gps_time_is_standard = cloud.gps_time_is_standard;

@@ -2,7 +2,10 @@
 #include "tools/cloud/index.h"
 
 #include <fmt/format.h>
+#include <algorithm>
 
+#include "base/scratch_file.h"
+#include "cloud/scratch_cloud.h"
 #include "octree/index_file/index_file.h"
 #include "octree/point_surface.h"
 #include "octree/spacing.h"
@@ -23,37 +26,19 @@ Octree measured(const Octree& octree, const IndexRequest& request, Verbosity ver
 struct IndexCommand : CloudRequest {
   std::filesystem::path output;
   IndexRequest index;
+  std::optional<std::size_t> memory;
   ColorDepth color_depth = ColorDepth::automatic;
 };
 
-ExitCode run(const IndexCommand& command) {
-  if (command.index.cell_size > 0.0 && command.index.organisation != Organisation::fixed)
-    throw Error({.problem = "--cell-size requires --organisation fixed"});
-  if (command.output.extension() != ".alidade")
-    throw file_error(command.output, "unknown output format", "the extension .alidade");
-  if (command.index.surfaces && command.index.spacing_neighbours &&
-      *command.index.spacing_neighbours != k_surface_neighbours) {
-    throw input_error("--surfaces requires the 8th neighbour", "--spacings 8, or none",
-                      std::to_string(*command.index.spacing_neighbours));
-  }
-  check_writable(command.output, command.index.overwrite, command.files.names());
-  PointCloud cloud = read_shown(command, {.color_depth = command.color_depth});
-  write_index(command.output, cloud, command.index, command.verbosity);
-  return ExitCode::done;
+BuildOptions build_options(const IndexRequest& request, const Progress& progress) {
+  return {.organisation = request.organisation, .cell_size = request.cell_size, .progress = progress};
 }
 
-}  // namespace
-
-void write_index(const std::filesystem::path& path, PointCloud& cloud, const IndexRequest& request,
-                 Verbosity verbosity) {
-  BuildOptions options{.organisation = request.organisation, .cell_size = request.cell_size};
-  Octree octree = with_progress("building", "points", verbosity, [&](const Progress& progress) {
-    options.progress = progress;
-    return request.stored_order ? build_in_stored_order(cloud, options) : build(std::move(cloud), options);
-  });
-  octree = measured(octree, request, verbosity);
+void save_shown(const std::filesystem::path& path, const Octree& octree, const PointCloud& facts,
+                const AttributeColumns& columns, SaveIndexOptions options, Verbosity verbosity) {
   with_progress("writing", "B", verbosity, [&](const Progress& progress) {
-    save_index(path, octree, cloud, {.overwrite = request.overwrite, .progress = progress});
+    options.progress = progress;
+    save_index(path, octree, facts, columns, options);
   });
   if (verbosity == Verbosity::quiet) return;
   const auto bytes = static_cast<double>(std::filesystem::file_size(path));
@@ -61,6 +46,78 @@ void write_index(const std::filesystem::path& path, PointCloud& cloud, const Ind
   say_note(fmt::format("{} points, {:.1f} bytes each, {:.1f} of them octree; wrote {}", octree.size(),
                        octree.size() ? bytes / points : 0.0,
                        octree.size() ? static_cast<double>(octree.memory()) / points : 0.0, path.string()));
+}
+
+/// States what the disk has to hold while an index is made. Errors: it is more than there is room for. Of a selection
+/// nothing is known beforehand.
+void check_room(const IndexCommand& command, const std::filesystem::path& folder) {
+  const bool selects = std::ranges::any_of(command.files.inputs, &CloudInput::is_changed);
+  const StatedSize size = stated_size(command.files);
+  if (selects || command.partial || size.uncounted_bytes > 0) return;
+  // Beside the attributes the points in Morton order, 16 bytes each, and the octree, at most 24.
+  constexpr std::uint64_t k_more = 16 + 24 - sizeof(LatticePosition);
+  const double needed = static_cast<double>(size.bytes() + k_more * size.point_count) / 1e9;
+  const double room = static_cast<double>(std::filesystem::space(folder).available) / 1e9;
+  if (needed > room)
+    throw file_error(folder, "not enough room for temporary files", fmt::format("{:.1f} GB", needed),
+                     fmt::format("{:.1f} GB free", room));
+  say_note(command.verbosity,
+           fmt::format("up to {:.1f} GB of temporary files in {}, where {:.0f} GB are free", needed,
+                       folder.string(), room));
+}
+
+/// For clouds larger than memory.
+void write_large_index(const IndexCommand& command) {
+  std::filesystem::path folder = command.output.parent_path();
+  if (folder.empty()) folder = ".";
+  const ScratchSpace scratch{folder, *command.memory};
+  check_room(command, folder);
+  ScratchCloud cloud = with_progress("reading", "B", command.verbosity, [&](const Progress& progress) {
+    return ScratchCloud(
+        command.files, {.color_depth = command.color_depth, .partial = command.partial, .progress = progress},
+        scratch);
+  });
+  say_warnings(command.verbosity, cloud.facts().warnings);
+  const Octree octree = with_progress("building", "points", command.verbosity, [&](const Progress& progress) {
+    return build_in_scratch(cloud.facts().lattice, cloud.positions(), scratch,
+                            build_options(command.index, progress));
+  });
+  save_shown(command.output, octree, cloud.facts(), cloud.columns(),
+             {.overwrite = command.index.overwrite, .written = discard_scratch_pages}, command.verbosity);
+}
+
+ExitCode run(const IndexCommand& command) {
+  const IndexRequest& index = command.index;
+  if (index.cell_size > 0.0 && index.organisation != Organisation::fixed)
+    throw Error({.problem = "--cell-size requires --organisation fixed"});
+  if (command.output.extension() != ".alidade")
+    throw file_error(command.output, "unknown output format", "the extension .alidade");
+  if (index.surfaces && index.spacing_neighbours && *index.spacing_neighbours != k_surface_neighbours) {
+    throw input_error("--surfaces requires the 8th neighbour", "--spacings 8, or none",
+                      std::to_string(*index.spacing_neighbours));
+  }
+  if (command.memory && (index.surfaces || index.spacing_neighbours || index.stored_order))
+    throw Error({.problem = "--memory excludes --spacings, --surfaces and --stored-order"});
+  check_writable(command.output, index.overwrite, command.files.names());
+  if (command.memory) {
+    write_large_index(command);
+  } else {
+    PointCloud cloud = read_shown(command, {.color_depth = command.color_depth});
+    write_index(command.output, cloud, index, command.verbosity);
+  }
+  return ExitCode::done;
+}
+
+}  // namespace
+
+void write_index(const std::filesystem::path& path, PointCloud& cloud, const IndexRequest& request,
+                 Verbosity verbosity) {
+  Octree octree = with_progress("building", "points", verbosity, [&](const Progress& progress) {
+    const BuildOptions options = build_options(request, progress);
+    return request.stored_order ? build_in_stored_order(cloud, options) : build(std::move(cloud), options);
+  });
+  octree = measured(octree, request, verbosity);
+  save_shown(path, octree, cloud, columns_of(cloud), {.overwrite = request.overwrite}, verbosity);
 }
 
 Command add_index(const Options& program) {
@@ -96,6 +153,11 @@ Command add_index(const Options& program) {
              "store the surface around each point for 'alidade visibility', which then measures nothing; "
              "implies --spacings 8; 4 bytes per point",
              command->index.surfaces);
+  index.value(
+      "--memory", "SIZE",
+      "for clouds larger than memory: sort in so much memory, bytes or a number with k, M, G or T, at "
+      "least 1M, and in temporary files next to the output; the index is the same",
+      command->memory, parse_memory);
   index.flag("--overwrite", "replace an existing output", command->index.overwrite);
   add_run_options(index, *command);
   return command_of(index, command, run);

@@ -25,12 +25,7 @@ void add_load_options(const Options& command, LoadOptions& options) {
   command.value("--memory", "SIZE",
                 "memory for sorting points: bytes, or a number with k, M, G or T (default: 1G); points of a "
                 "larger cloud use a temporary file next to the output",
-                [&options](const std::string& text) {
-                  constexpr std::size_t k_least = std::size_t{1} << 20;
-                  options.memory = parse_size(text);
-                  if (options.memory < k_least)
-                    throw UsageError("invalid value; expected at least 1M, found '" + text + "'");
-                });
+                options.memory, parse_memory);
   command.choice("--color-depth",
                  "bits in use of LAS colours (default: 8 if none exceeds 255); the database stores 16",
                  options.color_depth, {{"8", ColorDepth::bits_8}, {"16", ColorDepth::bits_16}});

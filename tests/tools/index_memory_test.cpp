@@ -1,0 +1,95 @@
+// SPDX-License-Identifier: MIT
+// Index files of clouds that memory need not hold.
+#include <fmt/format.h>
+
+#include <random>
+
+#include "tests/tools/run_program.h"
+
+namespace alidade::test {
+namespace {
+
+using Words = std::vector<std::string>;
+
+class IndexMemoryTest : public ProgramTest {
+ protected:
+  void make_site() {
+    ASSERT_EQ(run({"generate", "courtyard", "--points", "200000", "-o", "site.las", "-q"}).exit_code, 0);
+  }
+
+  std::string index(const std::string& name, Words words) {
+    words.insert(words.begin(), "index");
+    words.insert(words.end(), {"-q", "-o", name});
+    const ProgramResult result = run(words);
+    EXPECT_EQ(result.exit_code, 0) << result.err;
+    return read(name);
+  }
+
+  void expect_same_bytes(const Words& words) {
+    const std::string whole = index("whole.alidade", words);
+    Words small = words;
+    small.insert(small.end(), {"--memory", "1M"});
+    EXPECT_TRUE(whole == index("pieces.alidade", small));
+    std::filesystem::remove(folder / "whole.alidade");
+    std::filesystem::remove(folder / "pieces.alidade");
+  }
+};
+
+TEST_F(IndexMemoryTest, has_the_bytes_of_the_index_made_in_memory) {
+  make_site();
+  write_square("square.xyz");
+  write("colored.csv",
+        "x,y,z,red,green,blue,height\n690000,5325000,600,1,2,3,0.5\n690001,5325000,600,7,8,9,1.5\n");
+  expect_same_bytes({"site.las"});
+  // Columns that come late and others that end early; 8-bit colours that turn out to be so at the end.
+  expect_same_bytes({"colored.csv", "site.las", "square.xyz"});
+  expect_same_bytes({"square.xyz", "colored.csv"});
+  expect_same_bytes({"site.las", "--crop", "690000,5325000,690010,5325010"});
+  for (const char* const organisation : {"fixed", "layered"})
+    expect_same_bytes({"site.las", "--organisation", organisation});
+}
+
+TEST_F(IndexMemoryTest, holds_clouds_that_are_sparse_for_their_lattice) {
+  std::mt19937_64 random(7);
+  std::uniform_real_distribution<double> position(0.0, 1e6);
+  std::string text;
+  for (int i = 0; i < 150'000; ++i)
+    text += fmt::format("{:.3f} {:.3f} {:.3f}\n", position(random), position(random), position(random));
+  write("sparse.xyz", text);
+  expect_same_bytes({"sparse.xyz"});
+}
+
+TEST_F(IndexMemoryTest, states_what_the_disk_has_to_hold) {
+  make_site();
+  const ProgramResult result = run({"index", "site.las", "-o", "site.alidade", "--memory", "1M"});
+  EXPECT_EQ(result.exit_code, 0);
+  EXPECT_NE(result.err.find("0.0 GB of temporary files in ., where"), std::string::npos) << result.err;
+  EXPECT_EQ(names(), (Words{"site.alidade", "site.las"}));
+}
+
+TEST_F(IndexMemoryTest, leaves_nothing_on_a_full_disk) {
+  make_site();
+  // The first cannot hold the points in Morton order, the second the index.
+  for (const std::uint64_t size : {std::uint64_t{1} << 20, std::uint64_t{5} << 20}) {
+    const ProgramResult result =
+        run_on_full_disk({"index", "site.las", "-o", "site.alidade", "--memory", "1M", "-q"}, size);
+    EXPECT_EQ(result.exit_code, 2);
+    EXPECT_EQ(result.err.find("alidade: error: "), 0u) << result.err;
+    EXPECT_EQ(names(), (Words{"site.las"}));
+  }
+}
+
+TEST_F(IndexMemoryTest, rejects_what_needs_memory) {
+  make_site();
+  for (const Words& words : {Words{"--surfaces"}, Words{"--spacings", "8"}, Words{"--stored-order"}}) {
+    Words all = {"index", "site.las", "-o", "site.alidade", "--memory", "1M"};
+    all.insert(all.end(), words.begin(), words.end());
+    const ProgramResult result = run(all);
+    EXPECT_EQ(result.exit_code, 2);
+    EXPECT_NE(result.err.find("--memory excludes"), std::string::npos) << result.err;
+  }
+  EXPECT_EQ(run({"index", "site.las", "-o", "site.alidade", "--memory", "1k"}).exit_code, 2);
+}
+
+}  // namespace
+}  // namespace alidade::test
