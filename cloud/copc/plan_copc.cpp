@@ -2,7 +2,6 @@
 #include "cloud/copc/plan_copc.h"
 
 #include <tbb/parallel_for.h>
-#include <tbb/parallel_sort.h>
 #include <algorithm>
 #include <cassert>
 #include <cmath>
@@ -12,7 +11,8 @@
 #include "base/bytes.h"
 #include "base/error.h"
 #include "base/morton.h"
-#include "cloud/rows.h"
+#include "base/parallel.h"
+#include "cloud/sorted_points.h"
 
 namespace alidade {
 namespace {
@@ -22,42 +22,37 @@ constexpr int k_deepest = k_morton_bits - k_grid_bits;
 constexpr int k_page_levels = 4;
 constexpr std::size_t k_most_page_nodes = 1024;
 
-/// A point by its position along Morton's curve.
-struct SortedPoint {
-  std::uint64_t code = 0;
-  std::uint32_t row = 0;
+using Points = SortedPoints<NarrowEntry>;
 
-  bool operator<(const SortedPoint& other) const {
-    return code != other.code ? code < other.code : row < other.row;
-  }
-};
-
-CopcInfo root_of(const PointCloud& cloud) {
+CopcInfo root_of(const Lattice& lattice, const LatticeExtent& extent, bool is_empty) {
   CopcInfo info;
-  const Bounds bounds = cloud.bounds();
+  Bounds bounds;
+  if (!is_empty) {
+    bounds.grow(to_world(lattice, extent.low));
+    bounds.grow(to_world(lattice, extent.high));
+  }
   const glm::dvec3 size = bounds.size();
-  const double step = std::max({cloud.lattice.scale.x, cloud.lattice.scale.y, cloud.lattice.scale.z});
-  info.centre = bounds.empty() ? cloud.lattice.offset : bounds.center();
+  const double step = std::max({lattice.scale.x, lattice.scale.y, lattice.scale.z});
+  info.centre = is_empty ? lattice.offset : bounds.center();
   // A step more than half, so that no point lies on the border.
   info.half_size = 0.5 * std::max({size.x, size.y, size.z}) + step;
   info.spacing = 2.0 * info.half_size / (1 << k_grid_bits);
   return info;
 }
 
-std::vector<SortedPoint> sorted_points(const PointCloud& cloud, const CopcInfo& info) {
-  std::vector<SortedPoint> points(cloud.size());
+/// The points by their cells of the deepest grid, which take the place of the positions.
+Points sorted_points(const Lattice& lattice, std::span<LatticePosition> positions, const CopcInfo& info,
+                     const ScratchSpace& scratch) {
+  constexpr std::size_t k_at_once = std::size_t{1} << 14;
   const glm::dvec3 low = info.centre - info.half_size;
   const double cells = std::ldexp(1.0, k_morton_bits) / (2.0 * info.half_size);
-  tbb::parallel_for(std::size_t{0}, points.size(), [&](std::size_t row) {
-    const glm::dvec3 position = cells * (cloud.world(row) - low);
-    glm::uvec3 cell;
+  in_parallel(positions.size(), k_at_once, [&](std::size_t row) {
+    const glm::dvec3 position = cells * (to_world(lattice, positions[row]) - low);
     for (int axis = 0; axis < 3; ++axis)
-      cell[axis] = static_cast<std::uint32_t>(
+      positions[row][axis] = static_cast<std::int32_t>(
           std::clamp(std::floor(position[axis]), 0.0, std::ldexp(1.0, k_morton_bits) - 1.0));
-    points[row] = {morton_key(cell.x, cell.y, cell.z), static_cast<std::uint32_t>(row)};
   });
-  tbb::parallel_sort(points.begin(), points.end());
-  return points;
+  return sort_points<NarrowEntry>({LatticePosition(0), k_morton_bits}, positions, scratch);
 }
 
 /// The number of a point's cube on a level.
@@ -72,17 +67,18 @@ struct Rest {
 
 /// Takes one point of every cell of a cube's grid, in the order of the curve; the others close up at the beginning of
 /// the range, whose end is moved.
-std::vector<std::uint32_t> take_grid(std::vector<SortedPoint>& points, Rest& rest, int level) {
+std::vector<std::uint32_t> take_grid(Points& points, Rest& rest, int level) {
+  NarrowEntry* const all = points.data();
   std::vector<std::uint32_t> taken;
   std::size_t kept = rest.begin;
   for (std::size_t first = rest.begin; first < rest.end;) {
-    const std::uint64_t cell = cube_of(points[first].code, level + k_grid_bits);
+    const std::uint64_t cell = cube_of(all[first].key(), level + k_grid_bits);
     std::size_t last = first + 1;
-    while (last < rest.end && cube_of(points[last].code, level + k_grid_bits) == cell) ++last;
+    while (last < rest.end && cube_of(all[last].key(), level + k_grid_bits) == cell) ++last;
     const std::size_t middle = (first + last) / 2;
-    taken.push_back(points[middle].row);
+    taken.push_back(all[middle].id);
     for (std::size_t i = first; i < last; ++i)
-      if (i != middle) points[kept++] = points[i];
+      if (i != middle) all[kept++] = all[i];
     first = last;
   }
   rest.end = kept;
@@ -115,60 +111,55 @@ std::vector<std::uint32_t> CopcPlan::counts() const {
   return all;
 }
 
-CopcPlan plan_copc(PointCloud& cloud, std::size_t most_points) {
+CopcPlan plan_copc(const Lattice& lattice, const LatticeExtent& extent, std::span<LatticePosition> positions,
+                   const ScratchSpace& scratch, std::size_t most_points) {
+  const std::size_t count = positions.size();
   // A node's count has 31 bits, and one node may have to take all.
-  if (cloud.size() > std::numeric_limits<std::int32_t>::max())
-    throw input_error("too many points for COPC", "at most 2147483647", std::to_string(cloud.size()));
+  if (count > std::numeric_limits<std::int32_t>::max())
+    throw input_error("too many points for COPC", "at most 2147483647", std::to_string(count));
   CopcPlan plan;
-  plan.info = root_of(cloud);
-  std::vector<SortedPoint> points = sorted_points(cloud, plan.info);
-  std::vector<std::uint32_t> order;
-  order.reserve(points.size());
-  std::vector<Rest> level_rests{{0, points.size()}};
-  for (int level = 0; !level_rests.empty() && !points.empty(); ++level) {
+  plan.info = root_of(lattice, extent, count == 0);
+  if (count == 0) return plan;
+  Points points = sorted_points(lattice, positions, plan.info, scratch);
+  plan.order = HugeArray<std::uint32_t>(count, scratch.folder);
+  std::uint32_t* next_row = plan.order.data();
+  std::vector<Rest> level_rests{{0, count}};
+  for (int level = 0; !level_rests.empty(); ++level) {
     std::vector<std::vector<std::uint32_t>> taken(level_rests.size());
     std::vector<std::uint64_t> cubes(level_rests.size());
     tbb::parallel_for(std::size_t{0}, level_rests.size(), [&](std::size_t i) {
       Rest& rest = level_rests[i];
-      cubes[i] = cube_of(points[rest.begin].code, level);
-      if (rest.end - rest.begin > most_points && level < k_deepest) {
-        taken[i] = take_grid(points, rest, level);
-        return;
-      }
-      for (std::size_t point = rest.begin; point < rest.end; ++point) taken[i].push_back(points[point].row);
-      rest.end = rest.begin;
+      cubes[i] = cube_of(points[rest.begin].key(), level);
+      if (rest.end - rest.begin > most_points && level < k_deepest) taken[i] = take_grid(points, rest, level);
     });
     std::vector<Rest> next;
     for (std::size_t i = 0; i < level_rests.size(); ++i) {
+      const Rest& rest = level_rests[i];
+      const std::size_t node_points = taken[i].empty() ? rest.end - rest.begin : taken[i].size();
       plan.nodes.push_back({{level, static_cast<std::int32_t>(morton_coordinate(cubes[i], 0)),
                              static_cast<std::int32_t>(morton_coordinate(cubes[i], 1)),
                              static_cast<std::int32_t>(morton_coordinate(cubes[i], 2))},
-                            static_cast<std::uint32_t>(taken[i].size())});
-      order.insert(order.end(), taken[i].begin(), taken[i].end());
-      for (std::size_t first = level_rests[i].begin; first < level_rests[i].end;) {
-        const auto in_other_cube = [&,
-                                    cube = cube_of(points[first].code, level + 1)](const SortedPoint& point) {
-          return cube_of(point.code, level + 1) != cube;
-        };
-        const auto end = points.begin() + static_cast<std::ptrdiff_t>(level_rests[i].end);
-        const auto last =
-            std::find_if(points.begin() + static_cast<std::ptrdiff_t>(first), end, in_other_cube);
-        next.push_back({first, static_cast<std::size_t>(last - points.begin())});
-        first = next.back().end;
+                            static_cast<std::uint32_t>(node_points)});
+      next_row = std::ranges::copy(taken[i], next_row).out;
+      if (taken[i].empty()) {
+        for (std::size_t point = rest.begin; point < rest.end; ++point) *next_row++ = points[point].id;
+        continue;
+      }
+      for (std::size_t first = rest.begin; first < rest.end;) {
+        const std::uint64_t cube = cube_of(points[first].key(), level + 1);
+        std::size_t last = first + 1;
+        while (last < rest.end && cube_of(points[last].key(), level + 1) == cube) ++last;
+        next.push_back({first, last});
+        first = last;
       }
     }
     level_rests = std::move(next);
   }
-  assert(order.size() == cloud.size());
-  points = {};
-  reorder_attributes(cloud, order);
-  std::vector<LatticePosition> positions(order.size());
-  for (std::size_t i = 0; i < order.size(); ++i) positions[i] = cloud.positions[order[i]];
-  cloud.positions = std::move(positions);
+  assert(next_row == plan.order.data() + count);
   return plan;
 }
 
-VariableLengthRecord copc_info_record(const CopcInfo& info, const PointCloud& cloud) {
+VariableLengthRecord copc_info_record(const CopcInfo& info, const Interval& times) {
   VariableLengthRecord record{
       .user_id = "copc", .record_id = 1, .description = "COPC info", .data = std::vector<std::uint8_t>(160)};
   std::byte* const at = std::as_writable_bytes(std::span(record.data)).data();
@@ -177,15 +168,9 @@ VariableLengthRecord copc_info_record(const CopcInfo& info, const PointCloud& cl
   store(at + 32, info.spacing);
   store(at + 40, info.root_page);
   store(at + 48, info.root_page_size);
-  double low = std::numeric_limits<double>::infinity(), high = -low;
-  for (const double time : cloud.gps_times) {
-    if (!std::isfinite(time)) continue;
-    low = std::min(low, time);
-    high = std::max(high, time);
-  }
-  if (low <= high) {
-    store(at + 56, low);
-    store(at + 64, high);
+  if (times.low <= times.high) {
+    store(at + 56, times.low);
+    store(at + 64, times.high);
   }
   return record;
 }

@@ -5,6 +5,9 @@
 #include <span>
 #include <vector>
 
+#include "base/huge_memory.h"
+#include "base/interval.h"
+#include "base/scratch_file.h"
 #include "cloud/copc/copc_file.h"
 #include "cloud/point_cloud.h"
 
@@ -21,23 +24,25 @@ struct CopcPlan {
 
   CopcInfo info;  ///< root_page is still unknown
   std::vector<Node> nodes;
+  HugeArray<std::uint32_t> order;  ///< the rows of the points in the order of the chunks
 
   /// Points of the chunks.
   std::vector<std::uint32_t> counts() const;
 };
 
-/// Plans the octree of a cloud and brings its points into the order of the chunks. The root is the cube around all
-/// points; a node of level L has a grid of 128 cells along each side of its cube. Of more than `most_points` a node
+/// Plans the octree of points on a lattice with their order. The root is the cube around all
+/// points, whose extent is given; a node of level L has a grid of 128 cells along each side of its cube. Of more than `most_points` a node
 /// takes one in each cell of the grid that holds points, the middle one along Morton's curve, and its children take
 /// the others; a node of fewer takes all, and so does a node of level 14. So the levels 0 to L are a cloud with a
 /// spacing of about side / (128 * 2^L). The same result on any number of threads.
 ///
-/// Memory: 20 B per point and one attribute column at a time. Cost: about 0.3 s per million points of one thread.
-/// Errors: more than 2^31 - 1 points.
-CopcPlan plan_copc(PointCloud& cloud, std::size_t most_points = 50000);
+/// `positions` are those of a scratch file that is mapped into memory; their values are lost. Memory: that of
+/// `scratch`, and 4 B for each point that a grid takes; beside the positions 12 to 28 B per point of disk. Cost: about 0.2 s per million points of one thread. Errors: more than 2^31 - 1 points; those of scratch files.
+CopcPlan plan_copc(const Lattice& lattice, const LatticeExtent& extent, std::span<LatticePosition> positions,
+                   const ScratchSpace& scratch, std::size_t most_points = 50000);
 
-/// The first record of the file: 160 bytes of data.
-VariableLengthRecord copc_info_record(const CopcInfo& info, const PointCloud& cloud);
+/// The first record of the file: 160 bytes of data. `times`: GPS times of the points; empty if low > high.
+VariableLengthRecord copc_info_record(const CopcInfo& info, const Interval& times);
 
 /// The extended record with the hierarchy, whose first page begins at info.root_page of the plan; sets
 /// info.root_page_size. Trees of more than 1024 nodes have a page for each four levels. `chunks`: where those of the

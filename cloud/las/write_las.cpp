@@ -8,10 +8,15 @@
 #include <cmath>
 #include <limits>
 #include <optional>
+#include <span>
+#include <utility>
 
 #include "base/bytes.h"
 #include "base/error.h"
+#include "base/interval.h"
 #include "base/output_file.h"
+#include "base/reorder_records.h"
+#include "base/scratch_file.h"
 #include "base/words.h"
 #include "cloud/copc/plan_copc.h"
 #include "cloud/las/las_records.h"
@@ -47,6 +52,25 @@ constexpr auto k_as_it_is = [](const auto& value) { return value; };
 }  // namespace
 
 struct LasWriter::State {
+  /// Points of COPC, which are sorted before they are written.
+  struct Collected {
+    ScratchSpace scratch;
+    ScratchFile positions, records;
+    Interval times{std::numeric_limits<double>::infinity(), -std::numeric_limits<double>::infinity()};
+
+    explicit Collected(const ScratchSpace& space)
+        : scratch(space), positions(scratch.folder), records(scratch.folder) {}
+
+    void add(const PointCloud& batch) {
+      positions.append(std::as_bytes(std::span(batch.positions)));
+      for (const double time : batch.gps_times) {
+        if (!std::isfinite(time)) continue;
+        times.low = std::min(times.low, time);
+        times.high = std::max(times.high, time);
+      }
+    }
+  };
+
   std::string name;
   OutputFile file;
   LasWriteOptions options;
@@ -58,8 +82,8 @@ struct LasWriter::State {
   std::vector<std::byte> block;
   std::vector<VariableLengthRecord> records;  ///< of the head, until it is written
   std::optional<LazLayout> packing;
-  std::optional<RecordWriter> points;     ///< once the head is written
-  std::optional<PointCloud> collected{};  ///< of COPC, whose points are sorted before they are written
+  std::optional<RecordWriter> points;    ///< once the head is written
+  std::optional<Collected> collected{};  ///< of COPC
 
   State(const std::filesystem::path& path, const LasWriteOptions& write_options)
       : name(path.string()), file(path, write_options.overwrite), options(write_options) {}
@@ -92,14 +116,33 @@ struct LasWriter::State {
 
   void write(const PointCloud& batch) {
     const std::size_t step = std::max<std::size_t>(k_written_block_bytes / header.point_size, 1);
-    const std::uint64_t total = header.point_count + batch.size();
+    const std::uint64_t total = std::max(options.expected_points, header.point_count + batch.size());
     for (std::size_t first = 0; first < batch.size(); first += step) {
       const std::size_t count = std::min(step, batch.size() - first);
       encode(batch, first, count);
       count_points(batch, first, count);
-      points->write(block);
-      report(options.progress, header.point_count, total);
+      collected ? collected->records.append(block) : points->write(block);
+      report(options.progress, header.point_count, collected ? 2 * total : total);
     }
+  }
+
+  /// Writes the points that were collected, in the order of the plan.
+  CopcPlan write_collected() {
+    const std::span<std::byte> bytes = collected->positions.map();
+    CopcPlan plan =
+        plan_copc(header.lattice, extent,
+                  {reinterpret_cast<LatticePosition*>(bytes.data()), bytes.size() / sizeof(LatticePosition)},
+                  collected->scratch);
+    const VariableLengthRecord info = copc_info_record(plan.info, collected->times);
+    begin(&info, plan.counts());
+    std::uint64_t written = 0;
+    reorder_records(collected->records, header.point_size, {plan.order.data(), plan.order.size()},
+                    collected->scratch, [&](std::span<const std::byte> some) {
+                      points->write(some);
+                      written += some.size() / header.point_size;
+                      report(options.progress, header.point_count + written, 2 * header.point_count);
+                    });
+    return plan;
   }
 
   void encode(const PointCloud& batch, std::size_t first, std::size_t count) {
@@ -210,7 +253,7 @@ LasWriter::LasWriter(const std::filesystem::path& path, const PointCloud& like, 
     // Other files' octrees are of other points.
     std::erase_if(state_->records,
                   [](const VariableLengthRecord& record) { return record.user_id == "copc"; });
-    state_->collected.emplace().lattice = like.lattice;
+    state_->collected.emplace(ScratchSpace{path.parent_path(), options.memory});
   }
 }
 
@@ -219,22 +262,15 @@ LasWriter::~LasWriter() = default;
 void LasWriter::write(const PointCloud& batch) {
   State& state = *state_;
   assert(batch.lattice == state.header.lattice);
-  if (!state.collected) return state.write(batch);
-  PointCloud piece = batch;
-  piece.records.clear();
-  append_cloud(*state.collected, std::move(piece));
+  if (state.collected) state.collected->add(batch);
+  state.write(batch);
 }
 
 void LasWriter::finish() {
   State& state = *state_;
   LasHeader& header = state.header;
   std::optional<CopcPlan> copc;
-  if (state.collected) {
-    copc = plan_copc(*state.collected);
-    const VariableLengthRecord info = copc_info_record(copc->info, *state.collected);
-    state.begin(&info, copc->counts());
-    state.write(*state.collected);
-  }
+  if (state.collected) copc = state.write_collected();
   state.points->finish();
   if (header.point_count > 0) {
     header.bounds.grow(to_world(header.lattice, state.extent.low));
@@ -251,7 +287,7 @@ void LasWriter::finish() {
     write_las_record(state.file, record, true);
   state.file.write_at(0, encode_las_header(header));
   if (copc) {
-    const VariableLengthRecord info = copc_info_record(copc->info, *state.collected);
+    const VariableLengthRecord info = copc_info_record(copc->info, state.collected->times);
     state.file.write_at(k_las_header_size + k_las_record_head, std::as_bytes(std::span(info.data)));
   }
   state.file.commit();

@@ -18,6 +18,8 @@ struct LasWriteOptions {
   /// Creation date for the header, given by the caller so that equal input makes equal files: day of the year
   /// (1 = 1 January) and year; 0 = unknown.
   std::uint16_t creation_day = 0, creation_year = 0;
+  std::uint64_t expected_points = 0;  ///< of all pieces, for `progress`; 0: those of the piece are the last
+  std::uint64_t memory = std::uint64_t{1} << 30;  ///< bytes to sort in, for COPC
 };
 
 /// Writes LAS 1.4 piece by piece in bounded memory, or LAZ where the name says so: is_laz_name(). LAZ is
@@ -26,7 +28,8 @@ struct LasWriteOptions {
 /// writer is destroyed first.
 ///
 /// COPC 1.0 where the name says so: is_copc_name(). Its points have an order of their own (cloud/copc/plan_copc.h),
-/// so all of them are kept in memory and written in finish(): the cloud, and 20 B per point beside it.
+/// so all of them lie in scratch files beside the output until finish(): their records, which are written twice where
+/// LasWriteOptions::memory does not hold them, and 12 to 40 B per point.
 class LasWriter {
  public:
   /// `like` gives everything but the points: lattice, CRS, records, encoding, and through attributes() and

@@ -9,6 +9,7 @@
 #include "cloud/copc/copc_file.h"
 #include "cloud/copc/plan_copc.h"
 #include "cloud/las/write_las.h"
+#include "cloud/rows.h"
 #include "tests/cloud/chosen_points.h"
 #include "tests/cloud/cloud_test_support.h"
 
@@ -58,6 +59,17 @@ void expect_points_in_cubes(const std::filesystem::path& path) {
   EXPECT_EQ(sum, file.header().point_count);
 }
 
+/// The plan of a cloud.
+CopcPlan planned(const PointCloud& cloud, std::size_t most_points = 50000) {
+  LatticeExtent extent;
+  for (const LatticePosition& position : cloud.positions) extent.grow(position);
+  ScratchFile file(test::test_folder());
+  file.append(std::as_bytes(std::span(cloud.positions)));
+  const std::span<std::byte> bytes = file.map();
+  return plan_copc(cloud.lattice, extent, {reinterpret_cast<LatticePosition*>(bytes.data()), cloud.size()},
+                   {test::test_folder(), 1 << 20}, most_points);
+}
+
 TEST(WriteCopc, all_points_and_attributes_come_back_from_a_tree_of_their_own) {
   const std::filesystem::path folder = test::test_folder();
   PointCloud cloud = test::full_cloud(150'000, 1 << 14, 3);
@@ -79,9 +91,25 @@ TEST(WriteCopc, all_points_and_attributes_come_back_from_a_tree_of_their_own) {
             file.hierarchy().nodes.size());
 }
 
+TEST(WriteCopc, bytes_depend_neither_on_memory_nor_on_pieces) {
+  const std::filesystem::path folder = test::test_folder();
+  PointCloud cloud = test::full_cloud(100'000, 1 << 14, 4);
+  write_las(folder / "whole.copc.laz", cloud);
+  LasWriter writer(folder / "pieces.copc.laz", cloud, cloud.attributes(), {.memory = 1 << 18});
+  PointCloud rest = cloud;
+  rest.resize(60'000);
+  writer.write(rest);
+  std::vector<std::uint8_t> marks(cloud.size());
+  std::fill(marks.begin() + 60'000, marks.end(), std::uint8_t{1});
+  keep_rows(cloud, marks);
+  writer.write(cloud);
+  writer.finish();
+  EXPECT_TRUE(test::read_bytes(folder / "whole.copc.laz") == test::read_bytes(folder / "pieces.copc.laz"));
+}
+
 TEST(WriteCopc, upper_levels_are_a_thinned_cloud) {
   PointCloud cloud = test::full_cloud(200'000, 1 << 12, 5);
-  const CopcPlan plan = plan_copc(cloud);
+  const CopcPlan plan = planned(cloud);
   std::size_t row = 0;
   for (const CopcPlan::Node& node : plan.nodes) {
     const Bounds cube = copc_cube(plan.info, node.key);
@@ -91,7 +119,7 @@ TEST(WriteCopc, upper_levels_are_a_thinned_cloud) {
     });
     std::map<std::array<int, 3>, int> cells;
     for (std::size_t end = row + node.point_count; row < end; ++row) {
-      const glm::dvec3 at = (cloud.world(row) - cube.min) / cell;
+      const glm::dvec3 at = (cloud.world(plan.order[row]) - cube.min) / cell;
       ++cells[{static_cast<int>(at.x), static_cast<int>(at.y), static_cast<int>(at.z)}];
     }
     if (has_children) {
@@ -120,7 +148,7 @@ TEST(WriteCopc, large_trees_have_pages_that_lead_to_every_node_once) {
   // Along a line a node has 128 points.
   PointCloud cloud;
   for (int i = 0; i < 300'000; ++i) cloud.positions.emplace_back(i, 0, 0);
-  CopcPlan plan = plan_copc(cloud, 20);
+  CopcPlan plan = planned(cloud, 20);
   ASSERT_GT(plan.nodes.size(), 2000u);
   std::vector<LazChunk> chunks;
   for (const CopcPlan::Node& node : plan.nodes)
