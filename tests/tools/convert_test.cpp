@@ -305,6 +305,27 @@ TEST_F(ConvertTest, on_a_full_disk_nothing_is_left) {
   }
 }
 
+TEST_F(ConvertTest, the_bytes_do_not_depend_on_memory) {
+  ASSERT_EQ(run({"generate", "courtyard", "--points", "60000", "-o", "survey.las", "-q"}).exit_code, 0);
+  write_square("square.xyz");
+  for (const char* const format : {"las", "laz", "copc.laz", "ply"}) {
+    for (const Words& inputs : {Words{"survey.las", "square.xyz"},
+                                Words{"survey.las", "--crop", "690000,5325000,690010,5325010"}}) {
+      const Words words = with(with({"convert"}, inputs), {"--overwrite", "-o"});
+      const ProgramResult whole = run(with(words, {std::string("whole.") + format}));
+      const ProgramResult parts = run(with(words, {std::string("parts.") + format, "--memory", "1M"}));
+      EXPECT_EQ(whole.exit_code, 0) << whole.err;
+      EXPECT_EQ(parts.exit_code, 0) << parts.err;
+      EXPECT_TRUE(read(std::string("whole.") + format) == read(std::string("parts.") + format)) << format;
+      const auto points = [](const ProgramResult& result) {
+        return result.err.substr(result.err.rfind("wrote "),
+                                 result.err.rfind(" to ") - result.err.rfind("wrote "));
+      };
+      EXPECT_EQ(points(whole), points(parts));
+    }
+  }
+}
+
 TEST_F(ConvertTest, the_bytes_do_not_depend_on_the_number_of_threads) {
   ASSERT_EQ(run({"generate", "courtyard", "--points", "50000", "-o", "survey.las", "-q"}).exit_code, 0);
   for (const char* const threads : {"1", "4"}) {

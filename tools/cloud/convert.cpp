@@ -13,6 +13,7 @@
 #include "cloud/point_cloud.h"
 #include "cloud/read_cloud.h"
 #include "cloud/rows.h"
+#include "cloud/scratch_cloud.h"
 #include "cloud/select_points.h"
 #include "cloud/text/write_text.h"
 #include "octree/build.h"
@@ -32,6 +33,7 @@ struct ConvertCommand : CloudRequest {
   ColorDepth color_depth = ColorDepth::automatic;
   bool normals = false;
   bool overwrite = false;
+  std::size_t memory = std::size_t{4} << 30;
 };
 
 /// Leaves the points that were asked for.
@@ -103,21 +105,68 @@ ExitCode repack(const ConvertCommand& command) {
   return ExitCode::done;
 }
 
+/// `before`: points of the files that were selected.
+void say_written(const ConvertCommand& command, std::uint64_t count, std::uint64_t before,
+                 const std::vector<CloudFile>& files) {
+  for (const CloudFile& file : files) before += file.left_out_count;
+  say_note(command.verbosity,
+           fmt::format("wrote {} of {} points to {}", count, before, command.output.string()));
+}
+
+/// Whether points need not be in memory at once, and are too many for it.
+bool is_large(const ConvertCommand& command) {
+  const bool chooses = command.every > 1 || command.spacing.has_value() || command.normals;
+  return !chooses && has_extension(command.output, {".las", ".laz", ".ply"}) &&
+         stated_size(command.files).bytes() > command.memory;
+}
+
+void write_in_pieces(const ConvertCommand& command, ScratchCloud& cloud) {
+  constexpr std::size_t k_rows_at_once = std::size_t{1} << 20;
+  PointCloud some;
+  const auto from = [&](std::size_t first) -> const PointCloud& {
+    return some = cloud.rows(first, std::min(k_rows_at_once, cloud.size() - first));
+  };
+  with_progress("writing", "points", command.verbosity, [&](const Progress& progress) {
+    if (has_extension(command.output, {".ply"})) {
+      write_ply(command.output, cloud.size(), from, {.overwrite = command.overwrite, .progress = progress});
+      return;
+    }
+    LasWriter writer(command.output, cloud.facts(), cloud.columns().attributes(),
+                     {.overwrite = command.overwrite,
+                      .progress = progress,
+                      .expected_points = cloud.size(),
+                      .memory = command.memory / 2});
+    for (std::size_t first = 0; first < cloud.size(); first += some.size()) writer.write(from(first));
+    writer.finish();
+  });
+}
+
+ExitCode convert_large(const ConvertCommand& command) {
+  ScratchCloud cloud = with_progress("reading", "B", command.verbosity, [&](const Progress& progress) {
+    return ScratchCloud(
+        command.files, {.color_depth = command.color_depth, .partial = command.partial, .progress = progress},
+        {command.output.parent_path(), command.memory / 2});
+  });
+  say_warnings(command.verbosity, cloud.facts().warnings);
+  write_in_pieces(command, cloud);
+  say_written(command, cloud.size(), cloud.size(), cloud.facts().files);
+  return ExitCode::done;
+}
+
 ExitCode run(const ConvertCommand& command) {
   if (!has_extension(command.output, {".las", ".laz", ".ply", ".csv", ".xyz", ".alidade"}))
     throw file_error(command.output, "unknown output format",
                      "the extension .las, .laz, .copc.laz, .ply, .csv, .xyz or .alidade");
   check_writable(command.output, command.overwrite, command.files.names());
   if (only_packing_changes(command)) return repack(command);
+  if (is_large(command)) return convert_large(command);
   PointCloud cloud = read_shown(command, {.color_depth = command.color_depth});
-  std::uint64_t all = cloud.size();
-  for (const CloudFile& file : cloud.files) all += file.left_out_count;
+  const std::size_t before = cloud.size();
   choose_points(cloud, command);
   const std::size_t count = cloud.size();
   if (command.normals && count > 0) add_normals(cloud, command.verbosity);
   write(command, cloud);
-  say_note(command.verbosity,
-           fmt::format("wrote {} of {} points to {}", count, all, command.output.string()));
+  say_written(command, count, before, cloud.files);
   return ExitCode::done;
 }
 
@@ -146,6 +195,11 @@ Command add_convert(const Options& program) {
                  "bits in use of LAS colours (default: 8 if none exceeds 255); the output has 16",
                  command->color_depth, {{"8", ColorDepth::bits_8}, {"16", ColorDepth::bits_16}});
   add_partial(convert, command->partial);
+  convert.value(
+      "--memory", "SIZE",
+      "memory for points: bytes, or a number with k, M, G or T (default: 4G); those of a larger cloud "
+      "use temporary files next to the output, except with --every, --spacing, --normals and as text",
+      command->memory, parse_memory);
   convert.flag("--overwrite", "replace an existing output", command->overwrite);
   add_threads(convert, command->threads);
   add_verbosity(convert, command->verbosity);
