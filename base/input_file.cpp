@@ -14,6 +14,7 @@
 #include <utility>
 
 #include "base/error.h"
+#include "base/huge_memory.h"
 
 namespace alidade {
 
@@ -21,7 +22,26 @@ namespace {
 
 constexpr int k_read_flags = O_RDONLY | O_CLOEXEC | O_NONBLOCK;
 
+OpenRemoteFile open_remote = nullptr;
+
+std::unique_ptr<RemoteFile> remote_file(const std::string& name) {
+  if (open_remote == nullptr)
+    throw Error({.file = name, .problem = "cannot open remote files", .expected = "a file on this machine"});
+  return open_remote(name);
+}
+
 }  // namespace
+
+bool is_remote_name(std::string_view name) {
+  constexpr const char* k_begins[] = {"https://",  "http://",  "s3://",     "gs://",   "az://",
+                                      "/vsicurl/", "/vsis3/",  "/vsigs/",   "/vsiaz/", "/vsioss/",
+                                      "/vsizip/",  "/vsitar/", "/vsigzip/", "/vsi7z/", "/vsiswift/"};
+  return std::ranges::any_of(k_begins, [&](const char* begin) { return name.starts_with(begin); });
+}
+
+void set_remote_files(OpenRemoteFile open) {
+  open_remote = open;
+}
 
 FileDescriptor::FileDescriptor(const std::string& path, int flags) : number_(::open(path.c_str(), flags)) {
   if (number_ < 0) throw system_error(path, "cannot open the file");
@@ -43,9 +63,14 @@ std::uint64_t FileDescriptor::size_of_regular(const std::string& path) const {
   return static_cast<std::uint64_t>(status.st_size);
 }
 
-InputFile::InputFile(const std::filesystem::path& path)
-    : name_(path.string()), descriptor_(name_, k_read_flags) {
-  size_ = descriptor_.size_of_regular(name_);
+InputFile::InputFile(const std::filesystem::path& path) : name_(path.string()) {
+  if (is_remote_name(name_)) {
+    remote_ = remote_file(name_);
+    size_ = remote_->size();
+  } else {
+    descriptor_ = FileDescriptor(name_, k_read_flags);
+    size_ = descriptor_.size_of_regular(name_);
+  }
 }
 
 InputFile::InputFile(std::span<const std::byte> bytes, std::string name)
@@ -53,6 +78,7 @@ InputFile::InputFile(std::span<const std::byte> bytes, std::string name)
 
 void InputFile::rest() {
   descriptor_.close();
+  remote_.reset();
   window_ = {};
   window_size_ = 0;
 }
@@ -64,6 +90,15 @@ void InputFile::check_range(std::uint64_t offset, std::uint64_t count) const {
 }
 
 void InputFile::fill(std::uint64_t offset, std::span<std::byte> into) {
+  if (is_remote()) {
+    if (!remote_) remote_ = remote_file(name_);
+    if (remote_->size() != size_)
+      throw Error({.file = name_,
+                   .problem = "the file changed while it was read",
+                   .expected = std::to_string(size_) + " bytes",
+                   .found = std::to_string(remote_->size())});
+    return remote_->read(offset, into);
+  }
   if (!descriptor_.is_open()) descriptor_ = FileDescriptor(name_, k_read_flags);
   while (!into.empty()) {
     const ::ssize_t count =
@@ -133,13 +168,16 @@ std::string read_text_file(const std::filesystem::path& file, std::uintmax_t lar
 }
 
 MappedFile::MappedFile(const InputFile& file) : name_(file.name()) {
-  if (const auto memory = file.memory()) {
+  if (file.memory() || file.is_remote()) {
     constexpr std::align_val_t k_page{4096};
-    void* const copy = ::operator new(memory->size(), k_page);
+    const auto size = static_cast<std::size_t>(file.size());
+    check_memory(size, "a remote index file");
+    void* const copy = ::operator new(size, k_page);
     storage_ = std::shared_ptr<const void>(
         copy, [](const void* at) { ::operator delete(const_cast<void*>(at), k_page); });
-    std::ranges::copy(*memory, static_cast<std::byte*>(copy));
-    bytes_ = {static_cast<const std::byte*>(copy), memory->size()};
+    const std::span<std::byte> bytes(static_cast<std::byte*>(copy), size);
+    file.memory() ? InputFile(*file.memory(), name_).read_at(0, bytes) : InputFile(name_).read_at(0, bytes);
+    bytes_ = bytes;
     return;
   }
   const FileDescriptor descriptor(name_, O_RDONLY | O_CLOEXEC);  // closed when the map is made

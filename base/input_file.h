@@ -9,6 +9,7 @@
 #include <optional>
 #include <span>
 #include <string>
+#include <string_view>
 #include <utility>
 #include <vector>
 
@@ -39,11 +40,29 @@ class FileDescriptor {
   int number_ = -1;
 };
 
+/// A file that the system itself does not reach.
+class RemoteFile {
+ public:
+  virtual ~RemoteFile() = default;
+  virtual std::uint64_t size() const = 0;
+  /// Copies bytes, all of them within the file. Errors: reading failed.
+  virtual void read(std::uint64_t offset, std::span<std::byte> into) = 0;
+};
+
+/// Whether a name is that of a remote file: it begins with "https://", "http://", "s3://", "gs://", "az://", or as the
+/// virtual files of GDAL do ("/vsizip/tiles.zip/a.laz").
+bool is_remote_name(std::string_view name);
+
+using OpenRemoteFile = std::unique_ptr<RemoteFile> (*)(const std::string& name);
+/// How InputFile opens files of such names; before, it rejects them. Not while others open files.
+void set_remote_files(OpenRemoteFile open);
+
 /// A file with checked random access: reading beyond its end throws an Error that names the byte. Works alike
 /// on bytes in memory, which is how fuzz tests feed the readers. Not thread safe.
 class InputFile {
  public:
-  /// Opens a file. Errors: it is missing, unreadable or not a regular file.
+  /// Opens a file, also a remote one. Errors: it is missing, unreadable or not a regular file; those of the function
+  /// given to set_remote_files().
   explicit InputFile(const std::filesystem::path& path);
   /// Takes bytes in memory for a file called `name`. The bytes must outlive the object.
   InputFile(std::span<const std::byte> bytes, std::string name);
@@ -52,6 +71,7 @@ class InputFile {
   const std::string& name() const { return name_; }
   /// Bytes in the file when it was opened.
   std::uint64_t size() const { return size_; }
+  bool is_remote() const { return is_remote_name(name_) && !memory_; }
   /// The bytes of a file in memory; empty for one on disk.
   const std::optional<std::span<const std::byte>>& memory() const { return memory_; }
 
@@ -77,7 +97,8 @@ class InputFile {
 
   std::string name_;
   std::uint64_t size_ = 0;
-  FileDescriptor descriptor_;  ///< closed while resting and for bytes in memory
+  FileDescriptor descriptor_;  ///< closed while resting, for bytes in memory and remote files
+  std::unique_ptr<RemoteFile> remote_;
   std::optional<std::span<const std::byte>> memory_;
   std::vector<std::byte> window_;  ///< the file from window_offset_ on; window_size_ bytes are valid
   std::uint64_t window_offset_ = 0;
@@ -143,7 +164,7 @@ class ByteCursor {
 /// maps as they were.
 class MappedFile {
  public:
-  /// Maps the file that `file` names; a file in memory is copied. Cost: constant for a file on disk. Errors:
+  /// Maps the file that `file` names; a file in memory is copied, and so is a remote one. Cost: constant for a file on disk. Errors:
   /// it is missing, unreadable or not a regular file.
   explicit MappedFile(const InputFile& file);
 

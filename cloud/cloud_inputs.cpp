@@ -217,6 +217,7 @@ std::vector<fs::path> files_of_pattern(const fs::path& pattern) {
 
 /// The files that a name expands to.
 std::vector<fs::path> files_of_name(const fs::path& name) {
+  if (is_remote_name(name.string())) return {name};
   std::error_code error;
   const fs::file_status status = fs::status(name, error);
   if (fs::is_directory(status)) return files_of_folder(name);

@@ -80,6 +80,7 @@ struct CloudInputs {
 
 /// The clouds that names of files, folders and patterns expand to, in the order of the names, each tested once:
 /// - a name of one of the formats (CloudFormat::is_named) is that cloud;
+/// - a remote name (is_remote_name()) is one file;
 /// - what is neither a folder nor a pattern is one file, whether it exists or not;
 /// - a folder is the cloud files in it, not those of folders inside it: what ends in las, laz, ply, pcd, e57,
 ///   pts, ptx, xyz, txt or csv, in capitals or not;

@@ -3,9 +3,11 @@
 #include <algorithm>
 #include <array>
 
+#include "base/input_file.h"
 #include "base/words.h"
 #include "database/server/server_name.h"
 #include "tools/command.h"
+#include "tools/image_module.h"
 
 namespace alidade::tools {
 namespace {
@@ -141,6 +143,7 @@ std::string picture_command(const CommandLine& words) {
 
 ExitCode run_program(const CommandLine& command_line) {
   check_server_names(command_line);
+  set_remote_files([](const std::string& name) { return image_module().open_remote_file(name); });
   Parser parser;
   const Options program = parser.program();
   const std::vector<Command> commands = {add_info(program),    add_generate(program), add_index(program),

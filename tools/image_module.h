@@ -7,6 +7,7 @@
 #include "compare/report/page.h"
 #include "geo/earth.h"
 #include "geo/raster_file.h"
+#include "geo/remote_file.h"
 #include "geo/reproject.h"
 #include "geo/sun.h"
 #include "geo/vector_file.h"
@@ -40,6 +41,7 @@ struct ImageModule {
   decltype(&image::read_photo) read_photo = &image::read_photo;
   decltype(&geo::place_sun) place_sun = &geo::place_sun;
   decltype(&geo::describe) describe_sun = &geo::describe;
+  decltype(&geo::open_remote_file) open_remote_file = &geo::open_remote_file;
   decltype(&geo::write_raster) write_raster = &geo::write_raster;
   decltype(&geo::is_raster) is_raster = &geo::is_raster;
   decltype(&geo::read_heights) read_heights = &geo::read_heights;

@@ -1,0 +1,87 @@
+// SPDX-License-Identifier: MIT
+#include "geo/remote_file.h"
+
+#include <cpl_conv.h>
+#include <cpl_vsi.h>
+#include <cpl_vsi_error.h>
+#include <array>
+#include <utility>
+
+#include "base/error.h"
+#include "geo/gdal_reference.h"
+
+namespace alidade::geo {
+namespace {
+
+/// The name of a virtual file of GDAL.
+std::string virtual_name(const std::string& name) {
+  constexpr std::array<std::pair<const char*, const char*>, 3> k_buckets = {
+      {{"s3://", "/vsis3/"}, {"gs://", "/vsigs/"}, {"az://", "/vsiaz/"}}};
+  for (const auto& [begin, folder] : k_buckets)
+    if (name.starts_with(begin)) return folder + name.substr(std::string(begin).size());
+  return name.starts_with("/vsi") ? name : "/vsicurl/" + name;
+}
+
+[[noreturn]] void fail(const std::string& name, const char* problem) {
+  std::string reason = VSIGetLastErrorMsg();
+  if (reason.empty()) reason = CPLGetLastErrorMsg();
+  throw Error({.file = name, .problem = problem + (reason.empty() ? "" : ": " + reason)});
+}
+
+/// What is not set in the environment.
+void set_defaults() {
+  constexpr std::array<std::pair<const char*, const char*>, 6> k_defaults = {{
+      {"GDAL_HTTP_MAX_RETRY", "3"},
+      {"GDAL_HTTP_RETRY_DELAY", "1"},
+      {"GDAL_HTTP_CONNECTTIMEOUT", "30"},
+      {"GDAL_HTTP_LOW_SPEED_TIME", "30"},
+      {"GDAL_HTTP_LOW_SPEED_LIMIT", "1"},
+      {"CPL_VSIL_CURL_CACHE_SIZE", "67108864"},
+  }};
+  for (const auto& [option, value] : k_defaults)
+    if (CPLGetConfigOption(option, nullptr) == nullptr) CPLSetConfigOption(option, value);
+}
+
+class VirtualFile final : public RemoteFile {
+ public:
+  explicit VirtualFile(const std::string& name) : name_(name) {
+    const QuietGdal quiet;
+    VSIErrorReset();
+    // The other files of its folder do not matter.
+    constexpr const char* k_list = "GDAL_DISABLE_READDIR_ON_OPEN";
+    CPLSetThreadLocalConfigOption(k_list, "EMPTY_DIR");
+    handle_.reset(VSIFOpenExL(virtual_name(name).c_str(), "rb", TRUE));
+    CPLSetThreadLocalConfigOption(k_list, nullptr);
+    if (!handle_) fail(name, "cannot open the file");
+    if (VSIFSeekL(handle_.get(), 0, SEEK_END) != 0) fail(name, "cannot measure the file");
+    size_ = VSIFTellL(handle_.get());
+  }
+
+  std::uint64_t size() const override { return size_; }
+
+  void read(std::uint64_t offset, std::span<std::byte> into) override {
+    const QuietGdal quiet;
+    VSIErrorReset();
+    if (VSIFSeekL(handle_.get(), offset, SEEK_SET) != 0 ||
+        VSIFReadL(into.data(), 1, into.size(), handle_.get()) != into.size())
+      fail(name_, "cannot read the file");
+  }
+
+ private:
+  struct Close {
+    void operator()(VSILFILE* file) const { VSIFCloseL(file); }
+  };
+
+  std::string name_;
+  std::unique_ptr<VSILFILE, Close> handle_;
+  std::uint64_t size_ = 0;
+};
+
+}  // namespace
+
+std::unique_ptr<RemoteFile> open_remote_file(const std::string& name) {
+  [[maybe_unused]] static const bool is_set = (set_defaults(), true);
+  return std::make_unique<VirtualFile>(name);
+}
+
+}  // namespace alidade::geo
