@@ -113,6 +113,20 @@ def instruction_sets_table(results, n=10**6):
     return table(["query", "rays", "asked", *order, "avx2 : avx512"], rows)
 
 
+def python_table(results, bar=5):
+    rows = []
+    for n in [10**6, 10**7]:
+        for rays in ["P", "S_shuffled"]:
+            for threads, suffix in [("1", ""), ("2", "_2_threads")]:
+                cpp, numpy = (results.rate(f"python/closest/{rays}/{mode}{suffix}/{n}") for mode in ["cpp", "numpy"])
+                if cpp is None or numpy is None:
+                    continue
+                more = 100 * (cpp / numpy - 1)
+                word = f"{more:.1f} ({bar})" if more <= bar else f"**{more:.1f}** ({bar})"
+                rows.append([points_word(n), SETS[rays], threads, mega(cpp), mega(numpy), word])
+    return table(["points", "rays", "threads", "C++", "NumPy", "more time from NumPy, %"], rows)
+
+
 def build_table(results):
     rows = []
     for n in SIZES:

@@ -51,6 +51,8 @@ def all_runs(full):
         yield f"uniform_{n}", "octree_bench", f"^uniform/.*/{n}/", 5, n * BYTES_PER_POINT_OF_UNIFORM
     for n in [10**5, 10**6, 10**7]:
         yield f"points_{n}", "point_bench", f"^points/.*/{n}/", 15 if n == 10**5 else 5, n * BYTES_PER_POINT_OF_POINTS
+    for n in [10**6, 10**7]:
+        yield f"python_{n}", "python_bench", f"^python/.*/{n}/", 9, 10**9 + n * BYTES_PER_POINT_OF_UNIFORM
     yield "laz", "laz_bench", ".", 5, 10**9
     yield "sql", "database_bench", ".", 5, 2 * 10**9
 
@@ -79,7 +81,7 @@ def arguments():
     parser.add_argument("results", type=Path, help="folder for the figures; those of an earlier run are removed")
     parser.add_argument("--full", action="store_true", help="also 50 and 100 million points")
     given = parser.parse_args()
-    for program in ("octree_bench", "point_bench", "laz_bench", "database_bench"):
+    for program in ("octree_bench", "point_bench", "python_bench", "laz_bench", "database_bench"):
         if not (given.build / "tests/bench" / program).is_file():
             parser.error(f"{given.build}: has no tests/bench/{program}")
     return given.build, given.results, given.full

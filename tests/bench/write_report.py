@@ -91,6 +91,7 @@ def main():
         "occluded": ray_tables.rays_table(results, "occluded"),
         "threads": ray_tables.threads_table(results),
         "instruction_sets": ray_tables.instruction_sets_table(results),
+        "python": ray_tables.python_table(results),
         "builds": ray_tables.build_table(results),
         "table_1": query_tables.table_1(results),
         "large_box": query_tables.mean_found(results, "box_count_large", 10**5),
