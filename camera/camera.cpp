@@ -17,6 +17,9 @@
 namespace alidade::camera {
 namespace {
 
+/// The share of an image that an overview leaves free on both sides together.
+constexpr double k_margin = 0.04;
+
 /// Length 1; scaled first so that neither tiny nor huge vectors lose themselves. Zero stays zero.
 glm::dvec3 unit(const glm::dvec3& v) {
   const double largest = std::max({std::fabs(v.x), std::fabs(v.y), std::fabs(v.z)});
@@ -106,13 +109,40 @@ Camera resized(const Camera& camera, int width, int height) {
   return result;
 }
 
+std::optional<Camera> filled_camera(const CameraPose& pose, std::span<const glm::dvec3> positions, int width,
+                                    int height) {
+  constexpr double k_steepest = 3.732;  // 75 degrees
+  Bounds film;                          // at distance 1 before the camera
+  for (const glm::dvec3& position : positions) {
+    const glm::dvec3 way = position - pose.position;
+    const double ahead = glm::dot(way, pose.forward);
+    const glm::dvec3 slopes(glm::dot(way, pose.right) / ahead, glm::dot(way, pose.down) / ahead, 0.0);
+    const bool is_seen =
+        ahead > 0.0 && std::fabs(slopes.x) <= k_steepest && std::fabs(slopes.y) <= k_steepest;
+    if (!is_seen) return std::nullopt;
+    film.grow(slopes);
+  }
+  if (film.empty() || film.min == film.max) return std::nullopt;
+  const glm::dvec3 size = film.size();
+  const double focal_length = (1.0 - k_margin) * std::min(width / size.x, height / size.y);
+  return Camera{.width = width,
+                .height = height,
+                .fx = focal_length,
+                .fy = focal_length,
+                .cx = 0.5 * width - focal_length * film.center().x,
+                .cy = 0.5 * height - focal_length * film.center().y,
+                .pose = pose,
+                .lens = PinholeLens{}};
+}
+
 Camera overview_camera(const Bounds& bounds, int width, int height) {
   if (bounds.empty()) return overview_camera(std::span<const glm::dvec3>(), 0.0, width, height);
   return overview_camera(corners(bounds), 0.0, width, height);
 }
 
-Camera overview_camera(std::span<const glm::dvec3> positions, double radius, int width, int height) {
-  constexpr double k_vertical_fov = 40.0, k_azimuth = 45.0, k_descent = 30.0, k_margin = 0.04;
+Camera overview_camera(std::span<const glm::dvec3> positions, double radius, int width, int height,
+                       double azimuth) {
+  constexpr double k_vertical_fov = 40.0, k_descent = 30.0;
   Bounds bounds;
   for (const glm::dvec3& position : positions) bounds.grow(position);
   const glm::dvec3 center = bounds.empty() ? glm::dvec3(0.0) : bounds.center();
@@ -122,8 +152,8 @@ Camera overview_camera(std::span<const glm::dvec3> positions, double radius, int
   const double least = glm::length(half) > 0.0 ? 1e-3 * glm::length(half) : std::max(0.02, 1e-9 * magnitude);
   const double room = std::max(radius, least);
 
-  const SineCosine azimuth = sine_cosine_of_degrees(k_azimuth), descent = sine_cosine_of_degrees(k_descent);
-  const glm::dvec3 forward(azimuth.sine * descent.cosine, azimuth.cosine * descent.cosine, -descent.sine);
+  const SineCosine turn = sine_cosine_of_degrees(azimuth), descent = sine_cosine_of_degrees(k_descent);
+  const glm::dvec3 forward(turn.sine * descent.cosine, turn.cosine * descent.cosine, -descent.sine);
   CameraPose pose = look_at(glm::dvec3(0.0), forward);
   Camera camera = pinhole_from_fov(width, height, k_vertical_fov, pose);
 

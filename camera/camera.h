@@ -67,13 +67,19 @@ Camera pinhole_from_fov(int width, int height, double vertical_fov, const Camera
 /// along; a panorama stays whole.
 Camera resized(const Camera& camera, int width, int height);
 
+/// A pinhole at this pose whose image some positions fill; its principal point is where that takes it. Empty if a
+/// position is not before the camera, or more than 75 degrees off its axis.
+std::optional<Camera> filled_camera(const CameraPose& pose, std::span<const glm::dvec3> positions, int width,
+                                    int height);
+
 /// A view of the whole box: three-quarter from above (from the south-west, 30 degrees down), filling the
 /// image.
 Camera overview_camera(const Bounds& bounds, int width, int height);
 
 /// The same of some positions instead of a box, and of what lies at most `radius` around them: no more fills the
-/// image.
-Camera overview_camera(std::span<const glm::dvec3> positions, double radius, int width, int height);
+/// image. It looks to this azimuth: degrees clockwise from north (+y).
+Camera overview_camera(std::span<const glm::dvec3> positions, double radius, int width, int height,
+                       double azimuth = 45.0);
 
 /// Everything around a position: the whole sphere, the middle of the image looks north (+y), east (+x) is to
 /// the right of it. Column x of the image looks to azimuth 360 (x / width - 1/2) degrees, clockwise from

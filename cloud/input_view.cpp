@@ -128,7 +128,9 @@ class ViewReader final : public CloudReader {
     piece.lattice = cloud.lattice;
     piece.extra_dimensions.clear();
     for (ScannerPosition& scanner : piece.scanner_positions) {
-      if (change_.move) change_.move(std::span(&scanner.position, 1));
+      if (!change_.move) break;
+      change_.move(std::span(&scanner.position, 1));
+      scanner.axes.reset();  // another system has another north
     }
     append_cloud(cloud, std::move(piece));
     take_over_file();

@@ -46,10 +46,20 @@ struct CloudFile {
   std::string created{};             ///< "2019-05-02", likewise
 };
 
+/// Which way a depth camera looked: unit vectors at right angles, world axes.
+struct DepthCameraAxes {
+  glm::dvec3 forward{0.0, 0.0, 1.0};
+  glm::dvec3 down{0.0, 1.0, 0.0};  ///< in its picture
+
+  bool operator==(const DepthCameraAxes&) const = default;
+};
+
 /// Where a scanner stood, by the pose of one of its scans.
 struct ScannerPosition {
   std::string scan;          ///< name of the scan as the file gives it, maybe empty
   glm::dvec3 position{0.0};  ///< world coordinates
+  std::optional<DepthCameraAxes>
+      axes{};  ///< of a depth camera; empty for scanners that scan around themselves
 
   bool operator==(const ScannerPosition&) const = default;
 };
@@ -79,7 +89,8 @@ struct PointCloud {
   bool gps_time_is_standard = false;          ///< LAS global encoding bit 0: adjusted standard GPS time
   std::array<std::uint8_t, 16> project_id{};  ///< LAS project GUID, first file's
   std::uint16_t file_source_id = 0;
-  std::vector<ScannerPosition> scanner_positions;  ///< of scans with a pose (E57), in the files' order
+  std::vector<ScannerPosition>
+      scanner_positions;  ///< of scans with a pose (E57, PTX, PCD), in the files' order
 
   std::vector<CloudFile> files;
   std::vector<std::string> warnings;  ///< oddities that were read over, one sentence each, naming the file

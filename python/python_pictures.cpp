@@ -66,6 +66,7 @@ renderer::LoadedCloud loaded(const Index& index, const renderer::CloudSettings& 
   renderer::LoadedCloud cloud;
   cloud.octree = index.octree();
   cloud.crs = data.description().crs;
+  cloud.scanner_positions = data.description().scanner_positions;
   std::vector<std::string> warnings;
   const image::PointColoring coloring =
       image::choose_color(settings.color, {columns, columns.attributes(), data.size(), data.name}, warnings);
@@ -137,6 +138,7 @@ py::dict render(const Index& index, const py::object& camera, const py::object& 
     if (is_overview) {
       check_that(size[0] >= 1 && size[1] >= 1, "size out of range", "a width and height of 1 or more");
       scene.camera = renderer::overview_camera(cloud, size[0], size[1]);
+      if (is_plain) renderer::light_from_scanners(scene, cloud, *scene.camera);
     }
     renderer::check_camera_position(*scene.camera, scene, cloud);
     const bool is_lit = scene.render.mode == renderer::RenderMode::path;

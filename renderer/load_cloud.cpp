@@ -45,6 +45,7 @@ void describe(LoadedCloud& loaded, const std::string& name, PointCloud&& cloud, 
   loaded.warnings = std::move(cloud.warnings);
   if (count == 0) loaded.warnings.push_back(name + " has no points");
   loaded.crs = std::move(cloud.crs);
+  loaded.scanner_positions = std::move(cloud.scanner_positions);
   loaded.files = std::move(cloud.files);
 }
 

@@ -27,6 +27,7 @@ struct LoadedCloud {
   double lone_radius = 0.0;     ///< of discs: spheres of points without a sheet are no wider, metres
   image::ColorKey color;        ///< what the colours show
   Crs crs;
+  std::vector<ScannerPosition> scanner_positions;
   std::vector<CloudFile> files;
   std::vector<std::string> warnings;
   /// Of all in the index file that octree and mapped colours lie in; empty for a cloud that was built.

@@ -23,7 +23,7 @@ constexpr FormatFacts k_formats[] = {
     {"LAZ", ".laz", "1.0 to 1.4", "read, write 1.4", "point by point and in layers; without wave packets"},
     {"COPC", ".copc.laz", "1.0", "read, write", "queried in place, without reading all of it"},
     {"PLY", ".ply", "1.0", "read, write", "ascii, binary of both byte orders; colours of 8 bits"},
-    {"PCD", ".pcd", "0.5 to 0.7", "read", "ascii, binary, compressed; organised clouds"},
+    {"PCD", ".pcd", "0.5 to 0.7", "read", "ascii, binary, compressed; organised clouds, viewpoints"},
     {"E57", ".e57", "1.0", "read", "poses, spherical coordinates, photographs (info --extract-images)"},
     {"PTX", ".ptx", "", "read", "poses of scans"},
     {"PTS", ".pts", "", "read", "intensities of -2048 to 2047"},

@@ -1,11 +1,15 @@
 // SPDX-License-Identifier: MIT
 #include "cloud/pcd/pcd_file.h"
 
+#include <array>
+#include <cmath>
 #include <cstring>
+#include <glm/gtc/quaternion.hpp>
 #include <limits>
 #include <optional>
 #include <string_view>
 
+#include "base/ray.h"
 #include "base/text_scanner.h"
 #include "cloud/table_reader.h"
 
@@ -92,6 +96,23 @@ PcdFormat require_pcd_format(const TextScanner& scanner, const Words& words) {
                words.size() > 1 ? quote(words[1]) : "nothing");
 }
 
+/// Seven numbers: the position, then the quaternion w, x, y, z. Words that are no numbers are an error.
+std::optional<PcdViewpoint> viewpoint_from(const TextScanner& scanner, const Words& words) {
+  std::array<double, 7> numbers{};
+  for (std::size_t i = 1; i < words.size(); ++i) {
+    const std::optional<double> number = parse_number(words[i]);
+    if (!number) scanner.fail("invalid viewpoint", "numbers", quote(words[i]));
+    if (i <= numbers.size()) numbers[i - 1] = *number;
+  }
+  const auto& [x, y, z, qw, qx, qy, qz] = numbers;
+  const double length = std::hypot(std::hypot(qw, qx), std::hypot(qy, qz));
+  if (words.size() != 1 + numbers.size() || !is_finite(glm::dvec3(x, y, z)) ||
+      !(length > 1e-100 && length < 1e100))
+    return std::nullopt;
+  const glm::dquat quaternion(qw / length, qx / length, qy / length, qz / length);
+  return PcdViewpoint{.position = {x, y, z}, .rotation = glm::mat3_cast(quaternion)};
+}
+
 void take_line(const TextScanner& scanner, const Words& words, Lines& lines, PcdHeader& header) {
   const std::string_view keyword = words[0];
   const auto single = [&] {
@@ -121,9 +142,8 @@ void take_line(const TextScanner& scanner, const Words& words, Lines& lines, Pcd
   } else if (keyword == "POINTS") {
     lines.points = single();
   } else if (keyword == "VIEWPOINT") {
-    for (std::size_t i = 1; i < words.size(); ++i) {
-      if (!parse_number(words[i])) scanner.fail("invalid viewpoint", "numbers", quote(words[i]));
-    }
+    header.viewpoint = viewpoint_from(scanner, words);
+    header.has_invalid_viewpoint = !header.viewpoint;
   } else {
     scanner.fail("unknown header line",
                  "VERSION, FIELDS, SIZE, TYPE, COUNT, WIDTH, HEIGHT, VIEWPOINT, POINTS or DATA",
@@ -157,6 +177,8 @@ void take_point_count(const TextScanner& scanner, const Lines& lines, PcdHeader&
   if (height != 0 && width > std::numeric_limits<std::uint64_t>::max() / height)
     scanner.fail("WIDTH times HEIGHT exceeds 64 bits");
   header.point_count = width * height;
+  header.width = width;
+  header.height = height;
   if (lines.points && *lines.points != header.point_count)
     scanner.fail("POINTS is not WIDTH times HEIGHT", std::to_string(header.point_count),
                  std::to_string(*lines.points));

@@ -3,6 +3,9 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <glm/mat3x3.hpp>
+#include <glm/vec3.hpp>
+#include <optional>
 #include <span>
 #include <string>
 #include <vector>
@@ -34,11 +37,20 @@ struct PcdField {
   std::uint64_t size() const { return count * static_cast<std::uint64_t>(scalar_size(type)); }
 };
 
+/// Where the sensor of a PCD file was.
+struct PcdViewpoint {
+  glm::dvec3 position{0.0};
+  glm::dmat3 rotation{1.0};  ///< from the sensor's axes to those of the file
+};
+
 /// The header of a PCD file, version 0.5 to 0.7.
 struct PcdHeader {
   std::string version;
   std::vector<PcdField> fields;
   std::uint64_t point_count = 0;
+  std::uint64_t width = 0, height = 1;    ///< of a grid in rows, if height is above 1
+  std::optional<PcdViewpoint> viewpoint;  ///< empty if there is none, or an invalid one
+  bool has_invalid_viewpoint = false;
   PcdFormat format = PcdFormat::ascii;
   std::uint64_t data_offset = 0;  ///< first byte after the header
   std::uint64_t line_count = 0;   ///< lines of the header
@@ -50,8 +62,8 @@ struct PcdHeader {
 };
 
 /// Reads and checks the header. Errors: anything that is not a PCD header, points without values; more points
-/// than the file has room for are damage. VIEWPOINT is checked and otherwise left alone: it says where the
-/// sensor stood; points stay in the file's frame.
+/// than the file has room for are damage. A VIEWPOINT that is not seven finite numbers, or whose quaternion has a
+/// length beyond 1e-100 to 1e100, is invalid; other quaternions are normalized.
 PcdHeader read_pcd_header(InputFile& input, Damage damage = Damage::reject);
 
 }  // namespace alidade

@@ -2,9 +2,11 @@
 #include <algorithm>
 #include <bit>
 #include <cmath>
+#include <glm/geometric.hpp>
 #include <utility>
 
 #include "base/input_file.h"
+#include "base/ray.h"
 #include "base/text_scanner.h"
 #include "cloud/cloud_reader.h"
 #include "cloud/pcd/pcd_file.h"
@@ -30,6 +32,74 @@ std::uint64_t packed_color_from(const Cell& cell, ScalarType type) {
          0xffffffff;
 }
 
+/// How well pairs of numbers lie on a line that rises.
+class Correlation {
+ public:
+  void add(double x, double y) {
+    ++count_;
+    x_ += x, y_ += y;
+    xx_ += x * x, yy_ += y * y, xy_ += x * y;
+  }
+
+  /// From -1 to 1; 0 for numbers that are all equal.
+  double value() const {
+    const double of_x = count_ * xx_ - x_ * x_, of_y = count_ * yy_ - y_ * y_;
+    return of_x > 0.0 && of_y > 0.0 ? (count_ * xy_ - x_ * y_) / std::sqrt(of_x * of_y) : 0.0;
+  }
+
+  double count() const { return count_; }
+
+ private:
+  double count_ = 0.0, x_ = 0.0, y_ = 0.0, xx_ = 0.0, yy_ = 0.0, xy_ = 0.0;
+};
+
+/// Whether the cells of a grid are the pixels of a camera at some viewpoint, with axes right, down, forward.
+class PixelGrid {
+ public:
+  explicit PixelGrid(const PcdViewpoint& viewpoint) : viewpoint_(viewpoint) {}
+
+  void add(std::uint64_t column, std::uint64_t row, const glm::dvec3& point) {
+    // Some programs write points that were not measured as the camera's own position.
+    if (point == viewpoint_.position) return;
+    const glm::dvec3 seen = (point - viewpoint_.position) * viewpoint_.rotation;
+    if (!(seen.z > 0.0)) {
+      is_behind_ = true;
+      return;
+    }
+    columns_.add(static_cast<double>(column), seen.x, seen.z);
+    rows_.add(static_cast<double>(row), seen.y, seen.z);
+  }
+
+  bool is_camera() const { return !is_behind_ && columns_.is_of_camera() && rows_.is_of_camera(); }
+
+  ScannerPosition sensor() const {
+    return {.scan = {},
+            .position = viewpoint_.position,
+            .axes = DepthCameraAxes{.forward = viewpoint_.rotation[2], .down = viewpoint_.rotation[1]}};
+  }
+
+ private:
+  /// One direction of the grid.
+  struct Cells {
+    Correlation of_slopes, of_offsets;
+
+    void add(double cell, double offset, double depth) {
+      of_slopes.add(cell, offset / depth);
+      of_offsets.add(cell, offset);
+    }
+    /// Cells of a height map are equal steps, those of a camera equal slopes.
+    bool is_of_camera() const {
+      constexpr double k_fewest_points = 16.0, k_least_correlation = 0.99;
+      return of_slopes.count() >= k_fewest_points && of_slopes.value() >= k_least_correlation &&
+             of_slopes.value() > of_offsets.value();
+    }
+  };
+
+  PcdViewpoint viewpoint_;
+  Cells columns_, rows_;
+  bool is_behind_ = false;
+};
+
 class PcdReader final : public TableReader {
  public:
   PcdReader(InputFile input, PcdHeader header, Damage damage)
@@ -53,11 +123,48 @@ class PcdReader final : public TableReader {
     assign_roles(columns, NameRules::point_format);
     set_columns(std::move(columns), "line " + std::to_string(header_.line_count));
     if (!skipped.empty()) warn("skipped fields with several values per point: " + skipped);
+    if (header_.has_invalid_viewpoint)
+      warn("the VIEWPOINT is not a position and a quaternion of seven finite numbers, and was ignored");
+  }
+
+  void read_in_pieces(PointCloud& cloud, AttributeSet wanted, const CloudPieces& pieces,
+                      const Progress& progress) override {
+    TableReader::read_in_pieces(cloud, wanted, pieces, progress);
+    if (const auto sensor = find_sensor()) cloud.scanner_positions.push_back(*sensor);
   }
 
  protected:
   std::optional<std::uint64_t> announced_rows() const override { return header_.point_count; }
   void visit_rows(const RowVisitor& visit, const Progress& progress) override {
+    grids_.clear();
+    const auto x = find_role(columns(), ColumnRole::x), y = find_role(columns(), ColumnRole::y),
+               z = find_role(columns(), ColumnRole::z);
+    if (header_.width < 2 || header_.height < 2 || !z) return visit_stored_rows(visit, progress);
+    // Frames are stored in the axes of their camera or in those of the world; what VIEWPOINT says differs, too.
+    grids_.emplace_back(PcdViewpoint());
+    if (header_.viewpoint) grids_.emplace_back(*header_.viewpoint);
+    std::uint64_t cell = 0;
+    visit_stored_rows(
+        [&](std::span<const Cell> row) {
+          const glm::dvec3 point(row[*x].number, row[*y].number, row[*z].number);
+          if (is_finite(point))
+            for (PixelGrid& grid : grids_) grid.add(cell % header_.width, cell / header_.width, point);
+          ++cell;
+          visit(row);
+        },
+        progress);
+  }
+
+ private:
+  /// The sensor as far as it is known: at the origin, VIEWPOINT is what programs write that know none.
+  std::optional<ScannerPosition> find_sensor() const {
+    for (const PixelGrid& grid : grids_)
+      if (grid.is_camera()) return grid.sensor();
+    if (!header_.viewpoint || header_.viewpoint->position == glm::dvec3(0.0)) return std::nullopt;
+    return ScannerPosition{.scan = {}, .position = header_.viewpoint->position};
+  }
+
+  void visit_stored_rows(const RowVisitor& visit, const Progress& progress) {
     switch (header_.format) {
       case PcdFormat::ascii:
         return visit_text(visit, progress);
@@ -68,7 +175,6 @@ class PcdReader final : public TableReader {
     }
   }
 
- private:
   Cell read_cell(const std::byte* offset, std::size_t column) const {
     const ScalarType type = columns()[column].type;
     if (columns()[column].role == ColumnRole::packed_color)
@@ -167,6 +273,7 @@ class PcdReader final : public TableReader {
   }
 
   PcdHeader header_;
+  std::vector<PixelGrid> grids_;  ///< of the last pass
 };
 
 }  // namespace

@@ -18,6 +18,8 @@ constexpr std::uint64_t k_most_points = std::uint64_t{1} << 62;
 
 /// Rows of the matrix that takes a point of the scan, as a row vector (x, y, z, 1), to the world.
 using Transform = std::array<std::array<double, 4>, 4>;
+constexpr Transform k_identity{
+    {{1.0, 0.0, 0.0, 0.0}, {0.0, 1.0, 0.0, 0.0}, {0.0, 0.0, 1.0, 0.0}, {0.0, 0.0, 0.0, 1.0}}};
 
 struct ScanHeader {
   std::uint64_t point_count = 0;  ///< columns times rows, without returns too
@@ -28,7 +30,7 @@ struct ScanHeader {
 /// PTX: for each scan ten lines of header (columns, rows, scanner position, its three axes, the 4 x 4
 /// transform, whose last row is the translation), then a line "x y z [intensity [red green blue]]" for each
 /// cell of the scan's grid, "0 0 0" where nothing came back. Position and axes repeat what the transform says
-/// and are only checked to be numbers.
+/// and are only checked to be numbers. An identity transform is what programs write that know no position.
 class PtxReader final : public TableReader {
  public:
   PtxReader(InputFile input, Damage damage) : TableReader(std::move(input), "PTX", damage) {
@@ -51,11 +53,18 @@ class PtxReader final : public TableReader {
     set_columns(std::move(columns), "line 1");
   }
 
+  void read_in_pieces(PointCloud& cloud, AttributeSet wanted, const CloudPieces& pieces,
+                      const Progress& progress) override {
+    TableReader::read_in_pieces(cloud, wanted, pieces, progress);
+    cloud.scanner_positions.insert(cloud.scanner_positions.end(), scanners_.begin(), scanners_.end());
+  }
+
  protected:
   void visit_rows(const RowVisitor& visit, const Progress& progress) override {
     TextScanner scanner(input_);
     written_.emplace(columns());
     scale_ = std::numeric_limits<double>::infinity();
+    scanners_.clear();
     while (scanner.next_words(words_)) {
       const ScanHeader header = read_scan_header(scanner);
       if (header.was_transposed && !warned_) {
@@ -63,6 +72,9 @@ class PtxReader final : public TableReader {
         warned_ = true;
       }
       const auto& axis = header.transform[0];
+      const auto& translation = header.transform[3];
+      if (header.point_count > 0 && header.transform != k_identity)
+        scanners_.push_back({.scan = {}, .position = {translation[0], translation[1], translation[2]}});
       scale_ = std::min(scale_, std::sqrt(axis[0] * axis[0] + axis[1] * axis[1] + axis[2] * axis[2]));
       visit_points(header.point_count, scanner, visit, progress, [&](std::vector<Cell>& row) {
         if (!scanner.next_words(words_)) fail_early(scanner);
@@ -166,7 +178,8 @@ class PtxReader final : public TableReader {
   }
 
   std::size_t value_count_ = 3;
-  double scale_ = 1.0;  ///< smallest length that a transform gives to a unit of its scan
+  double scale_ = 1.0;                     ///< smallest length that a transform gives to a unit of its scan
+  std::vector<ScannerPosition> scanners_;  ///< of the last pass
   bool warned_ = false;
 };
 

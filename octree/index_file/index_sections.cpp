@@ -3,6 +3,9 @@
 
 #include <fmt/format.h>
 #include <algorithm>
+#include <cmath>
+#include <glm/geometric.hpp>
+#include <type_traits>
 
 #include "base/bytes.h"
 #include "base/error.h"
@@ -244,11 +247,32 @@ void visit_file(Stream& stream, File& file) {
   }
 }
 
+/// The axes of a depth camera, and which of the scanners it is.
+struct DepthCamera {
+  std::uint64_t scanner = 0;
+  DepthCameraAxes axes;
+};
+
+std::vector<DepthCamera> depth_cameras_of(std::span<const ScannerPosition> scanners) {
+  std::vector<DepthCamera> cameras;
+  for (std::size_t i = 0; i < scanners.size(); ++i)
+    if (scanners[i].axes) cameras.push_back({i, *scanners[i].axes});
+  return cameras;
+}
+
+bool are_at_right_angles(const DepthCameraAxes& axes) {
+  constexpr double k_error = 1e-6;
+  return std::abs(glm::length(axes.forward) - 1.0) <= k_error &&
+         std::abs(glm::length(axes.down) - 1.0) <= k_error &&
+         std::abs(glm::dot(axes.forward, axes.down)) <= k_error;
+}
+
 /// visit_record_bytes(bytes): the size of a record's data.
 template <class Stream, class Cloud, class VisitRecordBytes>
 void visit_metadata(Stream& stream, Cloud& cloud, const VisitRecordBytes& visit_record_bytes) {
   // The fewest bytes that an entry of each list takes.
-  constexpr std::size_t k_file = 44, k_warning = 8, k_extra_dimension = 48, k_record = 27, k_scanner = 32;
+  constexpr std::size_t k_file = 44, k_warning = 8, k_extra_dimension = 48, k_record = 27, k_scanner = 32,
+                        k_depth_camera = 56;
   stream.all(cloud.crs.wkt);
   stream.all(cloud.crs.geotiff_keys);
   stream.all(cloud.crs.geotiff_doubles);
@@ -271,6 +295,18 @@ void visit_metadata(Stream& stream, Cloud& cloud, const VisitRecordBytes& visit_
   stream.list(cloud.scanner_positions, k_scanner, [&](auto& scanner) {
     stream.all(scanner.scan);
     for (int axis = 0; axis < 3; ++axis) stream.value(scanner.position[axis]);
+  });
+  std::vector<DepthCamera> cameras = depth_cameras_of(cloud.scanner_positions);
+  if (stream.at_end(cameras)) return;
+  stream.list(cameras, k_depth_camera, [&](auto& camera) {
+    stream.value(camera.scanner);
+    stream.require(camera.scanner < cloud.scanner_positions.size(), 8, "invalid scanner of a depth camera",
+                   fmt::format("less than {}", cloud.scanner_positions.size()), camera.scanner);
+    stream.value(camera.axes.forward);
+    stream.value(camera.axes.down);
+    stream.require(are_at_right_angles(camera.axes), 48, "invalid axes of a depth camera",
+                   "unit vectors at right angles", glm::dot(camera.axes.forward, camera.axes.down));
+    if constexpr (!std::is_const_v<Cloud>) cloud.scanner_positions[camera.scanner].axes = camera.axes;
   });
 }
 

@@ -3,9 +3,12 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <glm/geometric.hpp>
 #include <numbers>
+#include <optional>
+#include <vector>
 
 #include "tests/support/random.h"
 
@@ -136,6 +139,46 @@ TEST(Camera, overview_of_a_single_position_and_of_nothing_is_a_usable_camera) {
     EXPECT_NEAR(film->x, 300.0, 1.0);
     EXPECT_NEAR(film->y, 200.0, 40.0);
   }
+}
+
+TEST(Camera, overview_looks_to_an_azimuth) {
+  const std::vector<glm::dvec3> positions = {{0, 0, 0}, {10, 0, 0}, {10, 8, 0}, {0, 8, 3}};
+  const Camera to_south = overview_camera(positions, 0.1, 600, 400, 180.0);
+  EXPECT_NEAR(to_south.pose.forward.x, 0.0, 1e-12);
+  EXPECT_LT(to_south.pose.forward.y, -0.8);
+  EXPECT_GT(to_south.pose.position.y, 8.0);
+  EXPECT_EQ(overview_camera(positions, 0.1, 600, 400, 45.0).pose.position,
+            overview_camera(positions, 0.1, 600, 400).pose.position);
+}
+
+TEST(Camera, a_filled_camera_keeps_its_pose_and_shows_all_positions_up_to_the_margin) {
+  const CameraPose pose{.position = {1, 2, 3}, .right = {1, 0, 0}, .down = {0, 1, 0}, .forward = {0, 0, 1}};
+  const std::vector<glm::dvec3> positions = {{0, 2, 5}, {4, 2, 5}, {1, 1, 7}, {1, 2.5, 4}};
+  for (const auto& [width, height] : {std::pair(600, 400), std::pair(100, 400)}) {
+    const std::optional<Camera> camera = filled_camera(pose, positions, width, height);
+    ASSERT_TRUE(camera);
+    EXPECT_EQ(camera->pose.position, pose.position);
+    EXPECT_EQ(camera->fx, camera->fy);
+    Bounds film;
+    for (const glm::dvec3& position : positions)
+      film.grow(glm::dvec3(project_to_film(*camera, position).value(), 0.0));
+    EXPECT_NEAR(film.min.x + film.max.x, width, 1e-9);
+    EXPECT_NEAR(film.min.y + film.max.y, height, 1e-9);
+    EXPECT_NEAR(std::max(film.size().x / width, film.size().y / height), 0.96, 1e-9);
+  }
+}
+
+TEST(Camera, no_camera_is_filled_by_positions_beside_it_or_by_one_alone) {
+  const CameraPose pose{.right = {1, 0, 0}, .down = {0, 1, 0}, .forward = {0, 0, 1}};
+  const auto is_filled = [&](const std::vector<glm::dvec3>& positions) {
+    return filled_camera(pose, positions, 600, 400).has_value();
+  };
+  EXPECT_TRUE(is_filled({{0, 0, 1}, {3, 0, 1}}));
+  EXPECT_FALSE(is_filled({{0, 0, 1}, {4, 0, 1}})) << "76 degrees";
+  EXPECT_FALSE(is_filled({{0, 0, 1}, {1, 0, -1}}));
+  EXPECT_FALSE(is_filled({{0, 0, 1}, {0, 0, 0}}));
+  EXPECT_FALSE(is_filled({{0, 0, 1}, {0, 0, 2}}));
+  EXPECT_FALSE(is_filled({}));
 }
 
 }  // namespace

@@ -7,6 +7,7 @@
 
 #include "cloud/las/write_las.h"
 #include "octree/spacing.h"
+#include "renderer/overview.h"
 #include "tests/renderer/tracer_scenes.h"
 
 namespace alidade {
@@ -204,6 +205,46 @@ TEST_F(LoadCloud, strays_do_not_widen_what_is_shown) {
   const Bounds strays = visible_bounds(load_cloud(settings));
   EXPECT_EQ(strays.min, plain.min);
   for (int axis = 0; axis < 3; ++axis) EXPECT_LT(strays.max[axis], plain.max[axis] + 5.0) << axis;
+}
+
+TEST_F(LoadCloud, overviews_are_from_the_side_of_the_scanners_unless_they_are_amid_the_points) {
+  LoadedCloud cloud = load_cloud(settings_for(add_colors));
+  const CameraPose plain = overview_camera(cloud, 60, 40).pose;
+  cloud.scanner_positions = {{"", {4, 30, 2}, {}}, {"", {6, 40, 2}, {}}};
+  const CameraPose pose = overview_camera(cloud, 60, 40).pose;
+  EXPECT_NEAR(pose.forward.x, 0.0, 0.02);
+  EXPECT_LT(pose.forward.y, -0.8);
+  EXPECT_GT(pose.position.y, 10.0);
+  for (const std::vector<ScannerPosition>& scanners :
+       {std::vector<ScannerPosition>{{"", {4, 6, 2}, {}}},
+        std::vector<ScannerPosition>{{"", {-20, 5, 2}, {}}, {"", {30, 5, 2}, {}}},
+        std::vector<ScannerPosition>{{"", {NAN, 5, 2}, {}}},
+        std::vector<ScannerPosition>{{"", {1e308, 5, 2}, {}}}}) {
+    cloud.scanner_positions = scanners;
+    EXPECT_EQ(overview_camera(cloud, 60, 40).pose.position, plain.position);
+  }
+}
+
+TEST_F(LoadCloud, the_frame_of_a_depth_camera_is_seen_from_its_position_under_a_sun_behind_it) {
+  LoadedCloud cloud = load_cloud(settings_for(add_colors));
+  Scene scene = daylight_scene({});
+  const glm::dvec2 sun(scene.sun->azimuth, scene.sun->elevation);
+  light_from_scanners(scene, cloud, overview_camera(cloud, 60, 40));
+  EXPECT_EQ(glm::dvec2(scene.sun->azimuth, scene.sun->elevation), sun) << "nobody knows";
+
+  // From below, as frames stored in the axes of their camera lie.
+  cloud.scanner_positions = {{"", {5, 5, -20}, DepthCameraAxes{.forward = {0, 0, 1}, .down = {0, 1, 0}}}};
+  const Camera camera = overview_camera(cloud, 60, 40);
+  EXPECT_EQ(camera.pose.position, glm::dvec3(5, 5, -20));
+  EXPECT_EQ(camera.pose.right, glm::dvec3(1, 0, 0));
+  light_from_scanners(scene, cloud, camera);
+  EXPECT_LT(scene.sun->elevation, -30.0);
+  EXPECT_GE(scene.sun->elevation, -89.0);
+  EXPECT_EQ(scene.sun->azimuth, 140.0) << "to the right, and up in the picture, where south is";
+
+  // It cannot be where some points are beside it or behind it.
+  cloud.scanner_positions[0].position.z = 5.0;
+  EXPECT_NE(overview_camera(cloud, 60, 40).pose.position, glm::dvec3(5, 5, 5));
 }
 
 TEST_F(LoadCloud, can_be_stopped_after_reading_too_and_progress_never_goes_back) {

@@ -170,6 +170,17 @@ TEST_F(ChangeProgramTest, scanner_positions_come_from_files_and_from_poses) {
   EXPECT_GT(std::ranges::count(values<std::uint8_t>(output("e57.las"), "Change"), 2), 700);
 }
 
+TEST_F(ChangeProgramTest, a_depth_camera_is_no_scanner_that_has_seen_all_around) {
+  std::string frame = "FIELDS x y z\nSIZE 4 4 4\nTYPE F F F\nWIDTH 20\nHEIGHT 20\nDATA ascii\n";
+  for (int i = 0; i < 400; ++i) {
+    const double depth = 2.0 + 0.05 * (i % 20);
+    frame += fmt::format("{} {} {}\n", 0.05 * depth * (i % 20 - 9.5), 0.05 * depth * (i / 20 - 9.5), depth);
+  }
+  write("frame.pcd", frame);
+  EXPECT_TRUE(contains(error({"change", "frame.pcd", "frame.pcd", "-o", "change.las"}),
+                       "frame.pcd: unknown scanner positions"));
+}
+
 TEST_F(ChangeProgramTest, without_scanner_positions_it_says_what_to_do) {
   const std::string said = error(with(k_change, {"-o", "change.las"}));
   EXPECT_TRUE(contains(said, "before.las: unknown scanner positions: what is new cannot be distinguished"))

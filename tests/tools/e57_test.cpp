@@ -53,7 +53,7 @@ TEST_F(E57ProgramTest, info_prints_scans_images_scanners_and_reference_system) {
   ASSERT_EQ(table.exit_code, 0) << table.err;
   for (const char* const part :
        {"E57 1.0, 400 points", "scan 1 'gate': 400 records, at 100 200 5", "pinhole jpg 40x30, at 100 200 15",
-        "cylindrical jpg 40x30, no pose", "1 positions", "site"}) {
+        "cylindrical jpg 40x30, no pose", "scanner at 100 200 5", "site"}) {
     EXPECT_TRUE(contains(table.out, part)) << part << " in\n" << table.out;
   }
   const Json info = Json::parse(run({"info", "--json", "site.e57"}).out);

@@ -39,6 +39,19 @@ class RenderOverviewTest : public ProgramTest {
     write_las(folder / name, cloud);
   }
 
+  /// A frame of 60 x 40 pixels of a slanted wall before a depth camera, the upper half red and the lower half blue.
+  void write_frame(const std::string& name) {
+    std::string text =
+        "VERSION 0.7\nFIELDS x y z rgb\nSIZE 4 4 4 4\nTYPE F F F U\nWIDTH 60\nHEIGHT 40\n"
+        "VIEWPOINT 0 0 0 1 0 0 0\nDATA ascii\n";
+    for (int cell = 0; cell < 60 * 40; ++cell) {
+      const double depth = 2.0 + 0.01 * (cell % 60);
+      text += fmt::format("{} {} {} {}\n", depth * (cell % 60 - 29.5) / 50.0,
+                          depth * (cell / 60 - 19.5) / 50.0, depth, cell < 60 * 20 ? 0xff0000 : 0x0000ff);
+    }
+    write(name, text);
+  }
+
   Pixels pixels_of(const std::string& name) const {
     Pixels pixels;
     // Colours as they are in the file.
@@ -79,6 +92,43 @@ TEST_F(RenderOverviewTest, points_fill_the_picture_before_a_plain_background) {
       << left << ' ' << right << ' ' << top << ' ' << bottom;
   EXPECT_LE(std::abs(left - (95 - right)), 3);
   EXPECT_LE(std::abs(top - (63 - bottom)), 3);
+}
+
+TEST_F(RenderOverviewTest, a_frame_of_a_depth_camera_is_shown_as_the_camera_saw_it_from_index_files_too) {
+  write_frame("frame.pcd");
+  ASSERT_EQ(run({"index", "frame.pcd", "-o", "frame.alidade"}).exit_code, 0);
+  for (const char* const cloud : {"frame.pcd", "frame.alidade"}) {
+    const ProgramResult result = render(cloud, {"-o", "frame.png", "--overwrite"});
+    ASSERT_EQ(result.exit_code, 0) << result.err;
+    const Pixels pixels = pixels_of("frame.png");
+    for (int x = 4; x < 92; ++x) {
+      const unsigned char *const top = pixels.at(x, 8), *const bottom = pixels.at(x, 55);
+      EXPECT_GT(top[0], 2 * top[2]) << x;
+      EXPECT_GT(bottom[2], 2 * bottom[0]) << x;
+    }
+  }
+  EXPECT_TRUE(contains(run({"info", "frame.alidade"}).out, "depth camera at 0 0 0"));
+}
+
+TEST_F(RenderOverviewTest, scans_are_shown_from_the_side_where_their_scanner_stood) {
+  // A wall from west to east that slopes up to the north, with a scanner in the north; its south-west corner is red.
+  std::string text = "20\n20\n0 9 0\n1 0 0\n0 1 0\n0 0 1\n1 0 0 0\n0 1 0 0\n0 0 1 0\n0 9 0 1\n";
+  for (int cell = 0; cell < 400; ++cell) {
+    const double x = 0.1 * (cell % 20 - 9.5), y = 0.1 * (cell / 20 - 9.5);
+    text +=
+        fmt::format("{} {} 0 0.5 {} 0 {}\n", x, y - 9.0, x < 0 && y < 0 ? 255 : 0, x < 0 && y < 0 ? 0 : 255);
+  }
+  write("site.ptx", text);
+  ASSERT_EQ(render("site.ptx", {"-o", "site.png"}).exit_code, 0);
+  const Pixels pixels = pixels_of("site.png");
+  // From the north, west is to the right and south is at the top.
+  int red_right = 0, red_elsewhere = 0;
+  for (int i = 0; i < 96 * 64; ++i) {
+    const unsigned char* const pixel = pixels.at(i % 96, i / 96);
+    if (pixel[0] > 2 * pixel[2]) (i % 96 >= 47 && i / 96 <= 33 ? red_right : red_elsewhere) += 1;
+  }
+  EXPECT_GT(red_right, 100);
+  EXPECT_LT(red_elsewhere, red_right / 10);
 }
 
 TEST_F(RenderOverviewTest, dark_and_bright_clouds_get_the_same_brightness) {

@@ -189,7 +189,7 @@ Command add_convert(const Options& program) {
   convert.flag(
       "--normals",
       "give the points normals, of the planes through their neighbours: towards the nearest scanner where "
-      "the file knows scanners (E57, PTX), else upwards; zero for points without a surface",
+      "the file has scanner positions (E57, PTX, PCD), else upwards; zero for points without a surface",
       command->normals);
   convert.choice("--color-depth",
                  "bits in use of LAS colours (default: 8 if none exceeds 255); the output has 16",

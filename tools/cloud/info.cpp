@@ -235,7 +235,9 @@ Json to_json(const Description& description, bool verified) {
   Json e57 = Json::array(), scanners = Json::array();
   for (const E57File& file : description.e57_files) e57.push_back(e57_json(file));
   for (const ScannerPosition& scanner : cloud.scanner_positions)
-    scanners.push_back({{"scan", scanner.scan}, {"position", triple(scanner.position)}});
+    scanners.push_back({{"scan", scanner.scan},
+                        {"position", triple(scanner.position)},
+                        {"depth_camera", scanner.axes.has_value()}});
   const bool empty = description.bounds.empty();
   Json json = {{"points", description.point_count},
                {"files", files},
@@ -284,6 +286,20 @@ std::array<std::string, 3> on_lattice(const glm::dvec3& value, const Lattice& la
         decimals ? fmt::format("{:.{}f}", value[axis], *decimals) : fmt::format("{}", value[axis]);
   }
   return words;
+}
+
+/// The first positions, and how many there are.
+std::string scanner_rows(std::span<const ScannerPosition> scanners) {
+  constexpr std::size_t k_most = 4;
+  std::string text;
+  for (const ScannerPosition& scanner : scanners.first(std::min(k_most, scanners.size()))) {
+    const auto& [x, y, z] = plain(scanner.position);
+    text += row(text.empty() ? "scanners" : "",
+                fmt::format("{} at {} {} {}", scanner.axes ? "depth camera" : "scanner", x, y, z));
+  }
+  if (scanners.size() > k_most)
+    text += row("", fmt::format("and {} more (--json)", scanners.size() - k_most));
+  return text;
 }
 
 std::string crs_text(const Crs& crs, Verbosity verbosity) {
@@ -337,8 +353,7 @@ std::string to_table(const Description& description, bool verified, Verbosity ve
   std::vector<std::string> extra_dimensions;
   for (const ExtraDimension& dimension : cloud.extra_dimensions) extra_dimensions.push_back(dimension.name);
   if (!extra_dimensions.empty()) text += row("extra", joined(extra_dimensions, ""));
-  if (!cloud.scanner_positions.empty())
-    text += row("scanners", fmt::format("{} positions are known", cloud.scanner_positions.size()));
+  text += scanner_rows(cloud.scanner_positions);
   text += row("CRS", crs_text(cloud.crs, verbosity));
   if (description.statistics) text += statistics_text(*description.statistics, cloud);
   return text;

@@ -352,6 +352,8 @@ ExitCode run(const RenderCommand& given) {
     if (!command.ground.with_color) return ExitCode::done;
   }
   if (pictures.empty()) return ExitCode::done;
+  if (command.is_overview() && !command.light.sun && cloud != nullptr && all_views.size() == 1)
+    renderer::light_from_scanners(scene, *cloud, all_views.front().camera);
   prepare_light(scene, cloud, verbosity);
   const bool is_lit = scene.render.mode == renderer::RenderMode::path;
   const bool is_automatic =

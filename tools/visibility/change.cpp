@@ -76,7 +76,8 @@ std::vector<glm::dvec3> origins_of(const EpochRequest& request, const PointCloud
     }
   }
   if (origins.empty())
-    for (const ScannerPosition& scanner : cloud.scanner_positions) origins.push_back(scanner.position);
+    for (const ScannerPosition& scanner : cloud.scanner_positions)
+      if (!scanner.axes) origins.push_back(scanner.position);  // a depth camera has not seen all around it
   return origins;
 }
 
@@ -96,7 +97,7 @@ std::unique_ptr<EpochCloud> load_epoch(const ChangeCommand& command, const Epoch
         request.files.first_name(),
         fmt::format("unknown scanner positions: what is {} cannot be distinguished from what was never seen",
                     &request == &command.before ? "new" : "gone"),
-        fmt::format("{} X,Y,Z, {} FILE, an E57 file with poses, or --no-sight", request.option,
+        fmt::format("{} X,Y,Z, {} FILE, an E57, PTX or PCD file with poses, or --no-sight", request.option,
                     request.files_option));
   }
   if (!epoch->origins.empty())
@@ -255,7 +256,7 @@ void add_origins(const Options& change, EpochRequest& epoch) {
   const Options group = change.group("Scanner positions");
   group.values(epoch.option, "X,Y,Z",
                fmt::format("position of a scanner of {}, in the coordinates of the cloud. May be repeated "
-                           "(default: the poses of an E57 file)",
+                           "(default: the poses of an E57, PTX or PCD file)",
                            epoch.name),
                [&epoch](const std::string& text) { epoch.origins.push_back(parse_position(text)); });
   group.file(

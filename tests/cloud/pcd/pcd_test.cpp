@@ -234,6 +234,84 @@ TEST(Pcd, every_truncation_is_an_error_or_a_clean_read) {
   EXPECT_EQ(count_readable_prefixes(open_pcd, ascii), 1u);
 }
 
+std::string organised_header(int width, int height, const std::string& viewpoint) {
+  return "VERSION 0.7\nFIELDS x y z\nSIZE 8 8 8\nTYPE F F F\nWIDTH " + std::to_string(width) + "\nHEIGHT " +
+         std::to_string(height) + "\n" + (viewpoint.empty() ? "" : "VIEWPOINT " + viewpoint + "\n") +
+         "DATA ascii\n";
+}
+
+/// Points on the rays of the pixels of a camera of 8 x 6 pixels, with the first two unmeasured; `place(right, down,
+/// forward)` puts them into the axes of the file.
+template <class Place>
+std::string frame(const std::string& viewpoint, const Place& place) {
+  std::string text = organised_header(8, 6, viewpoint) + "nan nan nan\n";
+  for (int cell = 1; cell < 48; ++cell) {
+    const double depth = cell == 1 ? 0.0 : 2.0 + 0.3 * (cell % 5);
+    const glm::dvec3 point = place(depth * (cell % 8 - 3.1) / 7.0, depth * (cell / 8 - 2.4) / 7.0, depth);
+    text += std::to_string(point.x) + " " + std::to_string(point.y) + " " + std::to_string(point.z) + "\n";
+  }
+  return text;
+}
+
+glm::dvec3 as_seen(double right, double down, double forward) {
+  return {right, down, forward};
+}
+
+TEST(Pcd, a_grid_on_the_rays_of_pixels_is_the_frame_of_a_depth_camera_at_the_origin) {
+  for (const char* const viewpoint : {"", "0 0 0 1 0 0 0", "0 0 0 0 1 0 0", "5 6 7 0.5 0.5 0.5 0.5"}) {
+    const PointCloud cloud = read_pcd(frame(viewpoint, as_seen));
+    ASSERT_EQ(cloud.scanner_positions.size(), 1u) << viewpoint;
+    const ScannerPosition& camera = cloud.scanner_positions[0];
+    EXPECT_EQ(camera.position, glm::dvec3(0.0));
+    EXPECT_EQ(camera.axes, (DepthCameraAxes{.forward = {0, 0, 1}, .down = {0, 1, 0}}));
+  }
+}
+
+TEST(Pcd, or_at_the_viewpoint_whose_quaternion_may_have_any_length) {
+  // A third of a turn about (1, 1, 1): right is y, down is z, forward is x.
+  const auto placed = [](double right, double down, double forward) {
+    return glm::dvec3(5, 6, 7) + glm::dvec3(forward, right, down);
+  };
+  for (const char* const viewpoint :
+       {"5 6 7 0.5 0.5 0.5 0.5", "5 6 7 30 30 30 30", "5 6 7 -1e-9 -1e-9 -1e-9 -1e-9"}) {
+    const PointCloud cloud = read_pcd(frame(viewpoint, placed));
+    ASSERT_EQ(cloud.scanner_positions.size(), 1u) << viewpoint;
+    EXPECT_EQ(cloud.scanner_positions[0].position, glm::dvec3(5, 6, 7));
+    ASSERT_TRUE(cloud.scanner_positions[0].axes) << viewpoint;
+    expect_near(cloud.scanner_positions[0].axes->forward, {1, 0, 0}, 1e-14);
+    expect_near(cloud.scanner_positions[0].axes->down, {0, 0, 1}, 1e-14);
+  }
+}
+
+TEST(Pcd, other_grids_have_no_camera_and_the_position_of_their_viewpoint_unless_it_is_the_origin) {
+  // A scanner that turns about z, and a height map.
+  const auto ring = [](double right, double down, double depth) {
+    return glm::dvec3(depth * std::cos(8.0 * right), depth * std::sin(8.0 * right), -down);
+  };
+  const auto map = [](double right, double down, double depth) {
+    return glm::dvec3(10.0 * right / depth, 10.0 * down / depth, 5.0 + 0.1 * depth);
+  };
+  for (const std::string& file : {frame("5 6 7 1 0 0 0", ring), frame("5 6 7 1 0 0 0", map)}) {
+    const PointCloud cloud = read_pcd(file);
+    EXPECT_EQ(cloud.scanner_positions, (std::vector<ScannerPosition>{{"", {5, 6, 7}, {}}}));
+  }
+  EXPECT_TRUE(read_pcd(frame("0 0 0 0 1 0 0", ring)).scanner_positions.empty());
+  EXPECT_TRUE(read_pcd(frame("", ring)).scanner_positions.empty());
+  EXPECT_TRUE(read_pcd(xyz_header("1", "ascii") + "1 2 3\n").scanner_positions.empty());
+}
+
+TEST(Pcd, an_impossible_viewpoint_is_ignored_with_a_warning) {
+  for (const char* const viewpoint :
+       {"5 6 nan 1 0 0 0", "5 6 7 1 0 0", "5 6 7 1 0 0 0 0", "5 6 7 0 0 0 0", "5 6 7 nan 0 0 0",
+        "5 6 7 inf 0 0 0", "5 6 7 1e-200 0 0 0", "5 6 7 1e300 1e300 0 0", "1e999 6 7 1 0 0 0"}) {
+    const PointCloud cloud = read_pcd(organised_header(2, 1, viewpoint) + "1 2 3\n4 5 6\n");
+    EXPECT_EQ(cloud.size(), 2u);
+    EXPECT_TRUE(cloud.scanner_positions.empty()) << viewpoint;
+    EXPECT_TRUE(warns(cloud, "VIEWPOINT")) << viewpoint;
+  }
+  EXPECT_FALSE(warns(read_pcd(organised_header(1, 1, "5 6 7 1 0 0 0") + "1 2 3\n"), "VIEWPOINT"));
+}
+
 TEST(Pcd, reads_files_of_other_programs) {
   const std::filesystem::path organised_path = shared_data("pcd/region_growing_rgb_tutorial.pcd");
   if (organised_path.empty()) GTEST_SKIP() << k_no_shared_data;
@@ -247,6 +325,8 @@ TEST(Pcd, reads_files_of_other_programs) {
   EXPECT_EQ(color_sum, glm::u64vec3(41468041, 36508734, 34265005) * std::uint64_t{257});
   EXPECT_EQ(organised.colors.front(), Color16(147, 128, 96) * std::uint16_t{257});
   EXPECT_EQ(organised.colors.back(), Color16(179, 160, 149) * std::uint16_t{257});
+  ASSERT_EQ(organised.scanner_positions.size(), 1u);
+  EXPECT_TRUE(organised.scanner_positions[0].axes);
 
   const PointCloud binary = read_alone(open_pcd, InputFile(shared_data("pcd/Zaghetto.pcd")));
   ASSERT_EQ(binary.size(), 59750u);

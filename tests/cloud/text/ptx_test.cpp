@@ -29,6 +29,15 @@ TEST(Ptx, the_transform_takes_row_vectors_and_has_the_translation_in_its_last_ro
   EXPECT_EQ(cloud.files[0].format, "PTX");
 }
 
+TEST(Ptx, translations_are_scanner_positions_unless_the_transform_is_the_identity) {
+  const std::string moved = "0 1 0 0\n-1 0 0 0\n0 0 1 0\n690000.5 5325000.25 500 1\n";
+  const PointCloud cloud = read_ptx(scan("0\n5\n", moved, "") + scan("1\n1\n", moved, "1 2 3 0.5\n") +
+                                    scan("1\n1\n", k_identity, "1 2 3 0.5\n") +
+                                    scan("1\n1\n", "0 -1 0 7\n1 0 0 8\n0 0 1 9\n0 0 0 1\n", "1 2 3 0.5\n"));
+  EXPECT_EQ(cloud.scanner_positions,
+            (std::vector<ScannerPosition>{{"", {690000.5, 5325000.25, 500}, {}}, {"", {7, 8, 9}, {}}}));
+}
+
 TEST(Ptx, a_transform_written_by_columns_is_transposed_with_a_warning) {
   const PointCloud cloud =
       read_ptx(scan("1\n1\n", "0 -1 0 100\n1 0 0 200\n0 0 1 300\n0 0 0 1\n", "1 2 3 0.5\n"));

@@ -2,6 +2,8 @@
 // Metadata of an index file, as docs/index_file.md describes them, and the tables of that page.
 #include <algorithm>
 #include <array>
+#include <cmath>
+#include <cstring>
 #include <fstream>
 #include <sstream>
 
@@ -95,6 +97,12 @@ TEST(IndexMetadata, are_as_documented) {
       EXPECT_EQ(reader.text(), scanner.scan);
       for (int axis = 0; axis < 3; ++axis) EXPECT_EQ(reader.next<double>(), scanner.position[axis]);
     }
+    ASSERT_EQ(reader.next<std::uint64_t>(), 1u);
+    EXPECT_EQ(reader.next<std::uint64_t>(), 1u) << "the second is a depth camera";
+    for (int axis = 0; axis < 3; ++axis)
+      EXPECT_EQ(reader.next<double>(), cloud.scanner_positions[1].axes->forward[axis]);
+    for (int axis = 0; axis < 3; ++axis)
+      EXPECT_EQ(reader.next<double>(), cloud.scanner_positions[1].axes->down[axis]);
     EXPECT_EQ(reader.index(), sections.at(32).index + sections.at(32).bytes);
     EXPECT_EQ(data, sections.at(33).index + sections.at(33).bytes);
   });
@@ -148,9 +156,26 @@ TEST(IndexMetadata, values_that_cannot_be_are_errors) {
   expect(problem_of_metadata(cloud, other, 0), "invalid size of an extra dimension");
 }
 
+TEST(IndexMetadata, depth_cameras_that_cannot_be_are_errors) {
+  PointCloud cloud;
+  cloud.scanner_positions = {{"", {1, 2, 3}, DepthCameraAxes{}}, {"", {4, 5, 6}, {}}};
+  Bytes bytes = encode_index_metadata(cloud);
+  EXPECT_EQ(read_index_metadata(bytes, 0, "memory").cloud.scanner_positions, cloud.scanner_positions);
+  const std::size_t camera = bytes.size() - 56;
+  const auto problem = [&](std::size_t byte, auto value) {
+    Bytes changed = bytes;
+    std::memcpy(changed.data() + camera + byte, &value, sizeof value);
+    return test::error_of([&] { read_index_metadata(changed, 0, "memory"); });
+  };
+  EXPECT_NE(problem(0, std::uint64_t{2}).find("invalid scanner of a depth camera"), std::string::npos);
+  for (const double value : {0.5, static_cast<double>(NAN), static_cast<double>(INFINITY)})
+    for (std::size_t byte = 8; byte < 56; byte += 8)
+      EXPECT_NE(problem(byte, value).find("invalid axes of a depth camera"), std::string::npos) << byte;
+}
+
 TEST(IndexMetadata, bytes_behind_the_last_list_are_an_error) {
   PointCloud cloud;
-  cloud.scanner_positions.push_back({"scan", glm::dvec3(1.0)});
+  cloud.scanner_positions.push_back({"scan", glm::dvec3(1.0), DepthCameraAxes{}});
   Bytes bytes = encode_index_metadata(cloud);
   EXPECT_NO_THROW(read_index_metadata(bytes, 0, "memory"));
   bytes.push_back(std::byte{0});

@@ -62,7 +62,8 @@ inline void fill_everything(PointCloud& cloud, Random& random) {
   cloud.file_source_id = 513;
   cloud.files = {{"folder/a.las", "LAS", "1.4", 7, cloud.size(), 0, 0, std::nullopt, 0},
                  {"b.xyz", "XYZ", "", std::nullopt, 0, 3, 0, std::nullopt, 0}};
-  cloud.scanner_positions = {{"north side", {690000.25, 5325000.5, 601.75}}, {"", {-1.0, 0.0, 1e300}}};
+  cloud.scanner_positions = {{"north side", {690000.25, 5325000.5, 601.75}},
+                             {"", {-1.0, 0.0, 1e300}, DepthCameraAxes{}}};
   cloud.warnings = {"a.las: is odd", ""};
 }
 
