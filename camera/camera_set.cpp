@@ -75,6 +75,15 @@ CameraSet read_colmap_folder(const fs::path& folder) {
                    "cameras.bin and images.bin, or cameras.txt and images.txt (often in sparse/0)");
 }
 
+CameraSet read_e57_cameras(const fs::path& file) {
+  const E57File e57{InputFile(file)};
+  if (e57.document().images.empty()) throw file_error(file, "the E57 file has no photos");
+  CameraSet set;
+  for (E57Photo& photo : e57_photos(e57.document(), set.warnings))
+    set.cameras.push_back(std::move(photo.camera));
+  return set;
+}
+
 std::string without_folder(const std::string& name) {
   return name.substr(name.find_last_of('/') + 1);
 }
@@ -94,6 +103,7 @@ CameraSet parse_cameras(std::string text, const fs::path& name, const CameraFile
 CameraSet read_cameras(const fs::path& path, const CameraFileOptions& options) {
   std::error_code error;
   if (fs::is_directory(path, error)) return finished(read_colmap_folder(path), path.string(), true);
+  if (is_e57(path)) return finished(read_e57_cameras(path), path.string(), true);
   return parse_cameras(read_text_file(path, k_largest_camera_file), path, options);
 }
 

@@ -4,6 +4,7 @@
 
 #include "image/read_picture.h"
 
+#include <OpenImageIO/filesystem.h>
 #include <OpenImageIO/imageio.h>
 #include <algorithm>
 #include <cmath>
@@ -52,17 +53,31 @@ void check(const OIIO::ImageSpec& spec, std::uint64_t file_size, const PictureLi
   }
 }
 
+/// A picture that is being read. Its bytes in memory must outlive it.
+struct OpenPicture {
+  std::unique_ptr<OIIO::Filesystem::IOProxy> memory;  ///< what `input` reads from; null: the file
+  std::unique_ptr<OIIO::ImageInput> input;
+
+  const OIIO::ImageSpec& spec() const { return input->spec(); }
+};
+
 /// An open picture that was checked.
-std::unique_ptr<OIIO::ImageInput> open_picture(const std::filesystem::path& file,
-                                               const PictureLimits& limits) {
-  const std::uint64_t file_size = picture_file_size(file);
+OpenPicture open_picture(const std::filesystem::path& file, const PictureBytes& bytes,
+                         const PictureLimits& limits) {
+  const std::uint64_t byte_count = bytes ? bytes->size() : picture_file_size(file);
   // Alpha is not examined, so it must not be multiplied in either.
   OIIO::ImageSpec hints;
   hints.attribute("oiio:UnassociatedAlpha", 1);
-  auto input = OIIO::ImageInput::open(file.string(), &hints);
-  if (!input) throw file_error(file, "cannot read the image: " + image_trouble(OIIO::geterror()));
-  check(input->spec(), file_size, limits, file);
-  return input;
+  OpenPicture picture;
+  if (bytes) {
+    picture.memory = std::make_unique<OIIO::Filesystem::IOMemReader>(bytes->data(), bytes->size());
+    void* const proxy = picture.memory.get();
+    hints.attribute("oiio:ioproxy", OIIO::TypeDesc::PTR, &proxy);
+  }
+  picture.input = OIIO::ImageInput::open(file.string(), &hints);
+  if (!picture.input) throw file_error(file, "cannot read the image: " + image_trouble(OIIO::geterror()));
+  check(picture.spec(), byte_count, limits, file);
+  return picture;
 }
 
 /// Which channels to read.
@@ -98,15 +113,15 @@ std::vector<float> linear_values() {
   return values;
 }
 
-std::unique_ptr<OIIO::ImageInput> open_photo(const std::filesystem::path& file) {
+OpenPicture open_photo(const std::filesystem::path& file, const PictureBytes& bytes) {
   constexpr std::uint64_t k_most_pixels = 1u << 28;
-  auto input =
-      open_picture(file, {"photo", k_most_pixels, "at most " + std::to_string(k_most_pixels) + " pixels"});
-  if (input->spec().format.is_floating_point()) {
+  OpenPicture picture = open_picture(
+      file, bytes, {"photo", k_most_pixels, "at most " + std::to_string(k_most_pixels) + " pixels"});
+  if (picture.spec().format.is_floating_point()) {
     throw file_error(file, "a photo with floating-point values",
                      "a photo of 8 or 16 bits per channel, such as JPEG, PNG or TIFF");
   }
-  return input;
+  return picture;
 }
 
 /// Converts a value to light; counts invalid ones.
@@ -145,15 +160,16 @@ std::uint64_t picture_file_size(const std::filesystem::path& file) {
 }
 
 SkyPixels read_sky_image(const std::filesystem::path& file) {
-  const auto input =
-      open_picture(file, {"sky", k_most_sky_pixels,
-                          "at most " + std::to_string(k_most_sky_pixels) + " pixels, as in 16384 x 8192"});
-  const OIIO::ImageSpec spec = input->spec();
+  const OpenPicture picture =
+      open_picture(file, {},
+                   {"sky", k_most_sky_pixels,
+                    "at most " + std::to_string(k_most_sky_pixels) + " pixels, as in 16384 x 8192"});
+  const OIIO::ImageSpec spec = picture.spec();
 
   SkyPixels pixels{.width = spec.width, .height = spec.height};
   pixels.values.resize(static_cast<std::size_t>(spec.width) * static_cast<std::size_t>(spec.height));
   const Channels channels = color_channels(spec);
-  read_channels(*input, channels, OIIO::TypeFloat, pixels.values.data(), sizeof(Rgb), file);
+  read_channels(*picture.input, channels, OIIO::TypeFloat, pixels.values.data(), sizeof(Rgb), file);
   if (channels.count == 1)
     for (Rgb& value : pixels.values) value = Rgb(value.r);
 
@@ -176,18 +192,19 @@ SkyPixels read_sky_image(const std::filesystem::path& file) {
   return pixels;
 }
 
-PictureSize photo_size(const std::filesystem::path& file) {
-  const auto input = open_photo(file);
-  return {input->spec().width, input->spec().height};
+PictureSize photo_size(const std::filesystem::path& file, const PictureBytes& bytes) {
+  const OpenPicture picture = open_photo(file, bytes);
+  return {picture.spec().width, picture.spec().height};
 }
 
-PhotoPixels read_photo(const std::filesystem::path& file) {
-  const auto input = open_photo(file);
-  const OIIO::ImageSpec spec = input->spec();
+PhotoPixels read_photo(const std::filesystem::path& file, const PictureBytes& bytes) {
+  const OpenPicture picture = open_photo(file, bytes);
+  const OIIO::ImageSpec spec = picture.spec();
   PhotoPixels pixels{.size = {spec.width, spec.height}};
   pixels.values.resize(static_cast<std::size_t>(spec.width) * static_cast<std::size_t>(spec.height));
   const Channels channels = color_channels(spec);
-  read_channels(*input, channels, OIIO::TypeUInt8, pixels.values.data(), sizeof(pixels.values[0]), file);
+  read_channels(*picture.input, channels, OIIO::TypeUInt8, pixels.values.data(), sizeof(pixels.values[0]),
+                file);
   if (channels.count == 1)
     for (std::array<std::uint8_t, 3>& value : pixels.values) value[1] = value[2] = value[0];
   return pixels;

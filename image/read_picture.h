@@ -2,8 +2,11 @@
 #pragma once
 
 #include <array>
+#include <cstddef>
 #include <cstdint>
 #include <filesystem>
+#include <optional>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -49,14 +52,18 @@ struct PhotoPixels {
   std::vector<std::array<std::uint8_t, 3>> values{};  ///< red, green, blue
 };
 
+/// The bytes of a picture that is in memory; empty: it is a file.
+using PictureBytes = std::optional<std::span<const std::byte>>;
+
 /// Size of a photo as its pixels are stored: an orientation in its metadata does not count, as cameras of
 /// photogrammetry do not count it. Errors: no such file; not a picture; deep or 3D; floating-point values, which have
-/// no display; more than 2^28 pixels, or more than 4096 per byte of the file. Cost: that of reading the header.
-PictureSize photo_size(const std::filesystem::path& file);
+/// no display; more than 2^28 pixels, or more than 4096 per byte of the file. Cost: that of reading the header. Of a photo
+/// in memory `file` is what messages call it, with the extension of its format.
+PictureSize photo_size(const std::filesystem::path& file, const PictureBytes& bytes = {});
 
 /// Reads a photo in any format that OpenImageIO knows (JPEG, PNG, TIFF, ...): the channels R, G, B, else the first
 /// three, or one as grey; alpha is ignored; 16 bits become 8. Errors: those of photo_size(); pixels missing. Memory: 3
 /// bytes per pixel.
-PhotoPixels read_photo(const std::filesystem::path& file);
+PhotoPixels read_photo(const std::filesystem::path& file, const PictureBytes& bytes = {});
 
 }  // namespace alidade::image

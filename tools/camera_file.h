@@ -14,8 +14,8 @@ namespace alidade::tools {
 
 /// What the help of --camera says of the files.
 inline const std::string k_camera_files =
-    "Alidade's JSON, a COLMAP folder, transforms.json, reconstruction.json, sfm_data.json, or a trajectory "
-    "as CSV";
+    "Alidade's JSON, a COLMAP folder, transforms.json, reconstruction.json, sfm_data.json, an E57 file with "
+    "photos, or a trajectory as CSV";
 
 /// Declares --lens, whose help ends with `lens_default`, and --original-world.
 void add_camera_reading(const Options& command, const std::string& lens_default,

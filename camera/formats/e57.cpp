@@ -1,7 +1,16 @@
 // SPDX-License-Identifier: MIT
 #include "camera/camera_set.h"
 
+#include <fmt/format.h>
+
 #include <cmath>
+#include <cstring>
+#include <map>
+#include <numbers>
+#include <set>
+
+#include "base/error.h"
+#include "base/input_file.h"
 
 namespace alidade::camera {
 namespace {
@@ -19,6 +28,13 @@ bool is_possible(const E57Picture& picture, const Camera& camera) {
   return std::abs(camera.cx) <= k_farthest_middle && std::abs(camera.cy) <= k_farthest_middle;
 }
 
+/// Angles of pixels are often rounded in files: a picture whose side covers a circle, or its half, to half a pixel
+/// covers it without a gap at the seam.
+double pixels_per_radian(double pixel, std::uint64_t count, double whole) {
+  const double side = static_cast<double>(count);
+  return std::abs(pixel * side - whole) < 0.5 * pixel ? side / whole : 1.0 / pixel;
+}
+
 }  // namespace
 
 std::optional<Camera> camera_of(const E57Image& image, const E57Picture& picture) {
@@ -31,8 +47,8 @@ std::optional<Camera> camera_of(const E57Image& image, const E57Picture& picture
     camera.cy = picture.principal_y;
   } else if (picture.projection == E57Projection::spherical) {
     camera.lens = EquirectangularLens{};
-    camera.fx = 1.0 / picture.pixel_width;
-    camera.fy = 1.0 / picture.pixel_height;
+    camera.fx = pixels_per_radian(picture.pixel_width, picture.width, 2.0 * std::numbers::pi);
+    camera.fy = pixels_per_radian(picture.pixel_height, picture.height, std::numbers::pi);
     camera.cx = 0.5 * static_cast<double>(picture.width);
     camera.cy = 0.5 * static_cast<double>(picture.height);
     right = {0, -1, 0};
@@ -50,6 +66,52 @@ std::optional<Camera> camera_of(const E57Image& image, const E57Picture& picture
                  .down = pose.rotation * down,
                  .forward = pose.rotation * forward};
   return camera;
+}
+
+bool is_e57(const std::filesystem::path& file) {
+  constexpr std::string_view k_begin = "ASTM-E57";
+  try {
+    InputFile input(file);
+    const std::span<const std::byte> start = input.view_up_to(0, k_begin.size());
+    return start.size() == k_begin.size() && std::memcmp(start.data(), k_begin.data(), start.size()) == 0;
+  } catch (const Error&) {
+    return false;
+  }
+}
+
+std::vector<E57Photo> e57_photos(const E57Document& document, std::vector<std::string>& warnings) {
+  std::vector<E57Photo> photos;
+  std::set<std::string> names;
+  std::map<std::string, int> counts;  // thousands of images may have one name
+  std::size_t pictures = 0, without_pose = 0, masks = 0;
+  for (std::size_t i = 0; i < document.images.size(); ++i) {
+    const E57Image& image = document.images[i];
+    std::string name = image.name.empty() ? image.guid : image.name;
+    if (name.empty()) name = fmt::format("image {}", i + 1);
+    pictures += image.pictures.size();
+    for (const E57Picture& picture : image.pictures) {
+      const std::optional<Camera> camera = camera_of(image, picture);
+      if (!camera) continue;
+      without_pose += image.pose ? 0 : 1;
+      masks += picture.mask ? 1 : 0;
+      std::string unique = name;
+      for (int& count = counts[name]; !names.insert(unique).second;)
+        unique = fmt::format("{}_{}", name, ++count + 1);
+      photos.push_back({{unique, *camera}, picture});
+    }
+  }
+  if (photos.size() < pictures) {
+    warnings.push_back(fmt::format(
+        "skipped {} of {} pictures without a camera: visual references, cylindrical pictures, invalid sizes",
+        pictures - photos.size(), pictures));
+  }
+  if (without_pose > 0) {
+    warnings.push_back(
+        fmt::format("{} of {} photos have no pose: using the axes of the file", without_pose, photos.size()));
+  }
+  if (masks > 0)
+    warnings.push_back(fmt::format("ignored the masks of {} of {} photos", masks, photos.size()));
+  return photos;
 }
 
 }  // namespace alidade::camera

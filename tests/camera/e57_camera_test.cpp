@@ -2,11 +2,16 @@
 #include "camera/camera_set.h"
 
 #include <gtest/gtest.h>
+#include <unistd.h>
 
 #include <cmath>
+#include <filesystem>
+#include <fstream>
 #include <numbers>
 
+#include "base/error.h"
 #include "camera/projection.h"
+#include "tests/cloud/e57/e57_builder.h"
 
 namespace alidade {
 
@@ -99,6 +104,57 @@ TEST(E57Camera, without_a_pose_is_in_the_axes_of_the_file) {
   ASSERT_TRUE(camera);
   EXPECT_EQ(camera->pose.position, glm::dvec3(0));
   EXPECT_EQ(camera->pose.forward, glm::dvec3(0, 0, -1));
+}
+
+E57Image image_of(const std::string& name, const std::vector<E57Picture>& pictures) {
+  E57Image image = posed();
+  image.name = name;
+  image.pictures = pictures;
+  return image;
+}
+
+TEST(E57Camera, photos_have_the_names_of_their_images_made_unique) {
+  E57Document document;
+  document.images = {image_of("north", {pinhole(), E57Picture{}}), image_of("north_2", {pinhole()}),
+                     image_of("north", {pinhole()}), image_of("", {pinhole()}), image_of("", {pinhole()})};
+  document.images[3].guid = "{7}";
+  document.images[4].pose.reset();
+  std::vector<std::string> warnings;
+  const std::vector<E57Photo> photos = e57_photos(document, warnings);
+  std::vector<std::string> names;
+  for (const E57Photo& photo : photos) names.push_back(photo.camera.name);
+  EXPECT_EQ(names, (std::vector<std::string>{"north", "north_2", "north_3", "{7}", "image 5"}));
+  EXPECT_EQ(photos[0].camera.camera.pose.position, glm::dvec3(10, 20, 30));
+  EXPECT_EQ(warnings,
+            (std::vector<std::string>{"skipped 1 of 6 pictures without a camera: visual references, "
+                                      "cylindrical pictures, invalid sizes",
+                                      "1 of 5 photos have no pose: using the axes of the file"}));
+}
+
+TEST(E57Camera, an_e57_file_is_a_camera_file_if_it_has_photos) {
+  const std::filesystem::path file =
+      std::filesystem::temp_directory_path() / ("alidade_e57_cameras_" + std::to_string(::getpid()) + ".e57");
+  const auto read = [&](const test::E57Builder& builder) {
+    std::ofstream(file, std::ios::binary) << builder.file();
+    return read_cameras(file);
+  };
+  test::E57Builder builder;
+  EXPECT_THROW(read(builder), Error);
+  for (const char* const name : {"west", "east"}) {
+    builder.add_image(
+        "<name type=\"String\">" + std::string(name) + "</name>" + test::pose_element("1 0 0 0", "1 2 3") +
+        "<sphericalRepresentation type=\"Structure\"><jpegImage" + builder.add_blob("\xFF\xD8\xFF") +
+        "/><imageWidth type=\"Integer\">360</imageWidth><imageHeight "
+        "type=\"Integer\">180</imageHeight><pixelWidth type=\"Float\">0.0174532925</pixelWidth>"
+        "<pixelHeight type=\"Float\">0.0174532925</pixelHeight></sphericalRepresentation>");
+  }
+  const CameraSet set = read(builder);
+  std::filesystem::remove(file);
+  ASSERT_EQ(set.cameras.size(), 2u);
+  EXPECT_EQ(set.cameras[0].name, "east");
+  EXPECT_EQ(set.cameras[0].camera.width, 360);
+  EXPECT_EQ(set.cameras[0].camera.pose.position, glm::dvec3(1, 2, 3));
+  EXPECT_TRUE(set.warnings.empty());
 }
 
 }  // namespace

@@ -1,14 +1,17 @@
 // SPDX-License-Identifier: MIT
+#include <cpl_vsi.h>
 #include <gdal.h>
 #include <ogr_api.h>
 #include <ogrsf_frmts.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstring>
 
 #include "cloud/read_cloud.h"
 #include "geo/gdal_reference.h"
+#include "tests/cloud/e57/e57_builder.h"
 #include "tests/tools/program_words.h"
 #include "tests/tools/wall_site.h"
 
@@ -190,6 +193,134 @@ TEST_F(VisibilityPhotosTest, cameras_elsewhere_are_an_error_that_guesses_why) {
       {"-o", "seen.las"},
       "sparse: no point of the cloud is in the frame of any photo; expected cameras in the reference "
       "system of the cloud: theirs is another one, found cameras at x 690000 to 690008");
+}
+
+/// A file of GDAL's format "PNG" or "JPEG" in one colour.
+std::string encoded_photo(const char* format, int width, int height,
+                          const std::array<std::uint8_t, 3>& color) {
+  GDALAllRegister();
+  const geo::GdalDataset plain(
+      GDALCreate(GDALGetDriverByName("MEM"), "", width, height, 3, GDT_Byte, nullptr));
+  for (int band = 0; band < 3; ++band)
+    GDALFillRaster(GDALGetRasterBand(plain.get(), band + 1), color[static_cast<std::size_t>(band)], 0.0);
+  const char* const name = "/vsimem/photo";
+  GDALClose(GDALCreateCopy(GDALGetDriverByName(format), name, plain.get(), 0, nullptr, nullptr, nullptr));
+  vsi_l_offset size = 0;
+  const auto* bytes = reinterpret_cast<const char*>(VSIGetMemFileBuffer(name, &size, 0));
+  std::string photo(bytes, size);
+  VSIUnlink(name);
+  return photo;
+}
+
+/// A floor and the wall across it in one E57 file, with a red photo west of the wall and a green panorama east of it.
+class VisibilityE57PhotosTest : public ProgramTest {
+ protected:
+  void SetUp() override {
+    ProgramTest::SetUp();
+    write("site.e57", site(encoded_photo("PNG", 80, 60, {200, 0, 0})));
+  }
+  static std::string site(const std::string& west_photo) {
+    std::vector<double> x, y, z;
+    for (int i = 0; i < 51 * 51; ++i) {
+      x.push_back(0.2 * (i % 51) - 5.0);
+      y.push_back(0.2 * (i / 51) - 5.0);
+      z.push_back(0.0);
+    }
+    for (int i = 0; i < 61 * 20; ++i) {
+      x.push_back(0.0);
+      y.push_back(0.1 * (i % 61) - 3.0);
+      z.push_back(0.1 * (i / 61 + 1));
+    }
+    E57Builder builder;
+    builder.add_scan(
+        pose_element("1 0 0 0", "100 200 5"),
+        {float64_column("cartesianX", x), float64_column("cartesianY", y), float64_column("cartesianZ", z)});
+    const auto image = [&](const std::string& name, const std::string& pose, const std::string& projection,
+                           const std::string& photo, const std::string& facts) {
+      builder.add_image("<name type=\"String\">" + name + "</name>" + pose + "<" + projection +
+                        "Representation type=\"Structure\"><" + photo + "/>" + facts + "</" + projection +
+                        "Representation>");
+    };
+    const auto number = [](const std::string& name, double value) {
+      return fmt::format("<{0} type=\"Float\">{1}</{0}>", name, value);
+    };
+    // The camera's axes, right, up and backward, are -y, z and -x of the site.
+    image("west", pose_element("0.5 0.5 -0.5 -0.5", "96 200 6"), "pinhole",
+          "pngImage" + builder.add_blob(west_photo),
+          number("imageWidth", 80) + number("imageHeight", 60) + number("focalLength", 0.06) +
+              number("pixelWidth", 0.001) + number("pixelHeight", 0.001) + number("principalPointX", 40) +
+              number("principalPointY", 30));
+    const double pixel = 0.0490874;  // 2 pi / 128, rounded
+    image("around", pose_element("1 0 0 0", "104 200 6"), "spherical",
+          "jpegImage" + builder.add_blob(encoded_photo("JPEG", 128, 64, {0, 100, 0})),
+          number("imageWidth", 128) + number("imageHeight", 64) + number("pixelWidth", pixel) +
+              number("pixelHeight", pixel));
+    return builder.file();
+  }
+  ProgramResult photos(const Words& more) {
+    return run(with({"visibility", "photos", "site.e57", "--camera", "site.e57"}, more));
+  }
+};
+
+TEST_F(VisibilityE57PhotosTest, points_get_the_colours_of_the_photos_in_their_own_file) {
+  const ProgramResult result = photos({"--colorize", "-o", "seen.las"});
+  ASSERT_EQ(result.exit_code, 0) << result.err;
+  const PointCloud cloud = read_cloud(folder / "seen.las");
+  const auto counts = column<std::uint32_t>(cloud, "PhotoCount", ScalarType::uint32);
+  ASSERT_EQ(cloud.colors.size(), cloud.size());
+  std::size_t west = 0, east = 0;
+  for (std::size_t id = 0; id < cloud.size(); ++id) {
+    const glm::dvec3 at = cloud.world(id) - glm::dvec3(100, 200, 5);
+    if (std::fabs(at.x) < 0.5 || std::fabs(at.y) > 2.0) continue;
+    // The panorama sees all of its side, also below itself; at its edges discs of the wall may hide points.
+    if (at.x > 1.5) {
+      ASSERT_EQ(counts[id], 1u) << at.x << " " << at.y;
+    }
+    if (counts[id] != 1) continue;
+    const Color16 color = cloud.colors[id];
+    ASSERT_NEAR(color.r, at.x < 0 ? 200 * 257 : 0, 3 * 257) << at.x << " " << at.y;
+    ASSERT_NEAR(color.g, at.x < 0 ? 0 : 100 * 257, 3 * 257) << at.x << " " << at.y;
+    ++(at.x < 0 ? west : east);
+  }
+  EXPECT_GT(west, 50u);
+  EXPECT_GT(east, 300u);
+}
+
+TEST_F(VisibilityE57PhotosTest, cameras_are_chosen_by_name_and_rendered) {
+  const ProgramResult one = photos({"--camera-name", "west", "--colorize", "-o", "west.las"});
+  ASSERT_EQ(one.exit_code, 0) << one.err;
+  EXPECT_TRUE(contains(one.err, "1 photo;")) << one.err;
+  const ProgramResult rendered = run({"render", "--cloud", "site.e57", "--camera", "site.e57", "--mode",
+                                      "flat", "--samples", "1", "-o", "%s.png", "-q"});
+  EXPECT_EQ(rendered.exit_code, 0) << rendered.err;
+  EXPECT_EQ(names(), (Words{"around.png", "site.e57", "west.las", "west.png"}));
+}
+
+TEST_F(VisibilityE57PhotosTest, bad_photos_are_errors) {
+  const auto expect_problem = [&](const std::string& photo, const std::string& part) {
+    write("site.e57", site(photo));
+    const ProgramResult result = photos({"--colorize", "-o", "seen.las"});
+    EXPECT_EQ(result.exit_code, 2);
+    EXPECT_TRUE(contains(result.err, part)) << result.err;
+    EXPECT_FALSE(std::filesystem::exists(folder / "seen.las"));
+  };
+  expect_problem(
+      encoded_photo("PNG", 40, 30, {1, 2, 3}),
+      "site.e57/west.png: the size of the photo differs from that of camera 'west'; expected 80 x 60");
+  expect_problem("no picture", "site.e57/west.bin: cannot read the image");
+  const std::string photo = encoded_photo("PNG", 80, 60, {200, 0, 0});
+  expect_problem(photo.substr(0, photo.size() / 2), "site.e57/west.png: ");
+}
+
+TEST_F(VisibilityE57PhotosTest, files_without_photos_are_errors) {
+  E57Builder builder;
+  builder.add_scan("", {float64_column("cartesianX", {1}), float64_column("cartesianY", {1}),
+                        float64_column("cartesianZ", {1})});
+  write("bare.e57", builder.file());
+  const ProgramResult result =
+      run({"visibility", "photos", "site.e57", "--camera", "bare.e57", "--colorize", "-o", "seen.las"});
+  EXPECT_EQ(result.exit_code, 2);
+  EXPECT_TRUE(contains(result.err, "bare.e57: the E57 file has no photos")) << result.err;
 }
 
 }  // namespace

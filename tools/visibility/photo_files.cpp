@@ -3,6 +3,8 @@
 
 #include <fmt/format.h>
 #include <algorithm>
+#include <map>
+#include <memory>
 
 #include "base/error.h"
 #include "tools/image_module.h"
@@ -34,8 +36,7 @@ fs::path photo_of(const fs::path& folder, const std::string& name) {
   return {};
 }
 
-void check_size(const fs::path& file, const camera::NamedCamera& photo) {
-  const image::PictureSize found = image_module().photo_size(file);
+void check_size(const fs::path& file, const image::PictureSize& found, const camera::NamedCamera& photo) {
   const camera::Camera& camera = photo.camera;
   if (found == image::PictureSize{camera.width, camera.height}) return;
   const bool is_turned = found == image::PictureSize{camera.height, camera.width};
@@ -45,9 +46,49 @@ void check_size(const fs::path& file, const camera::NamedCamera& photo) {
                    fmt::format("{} x {}", found.width, found.height));
 }
 
+/// The photos of some cameras inside an E57 file.
+class E57Photos {
+ public:
+  E57Photos(const fs::path& file, std::span<const camera::NamedCamera> cameras) : file_(InputFile(file)) {
+    std::vector<std::string> ignored;  // which were printed with the cameras
+    std::map<std::string, E57Picture> pictures;
+    for (const camera::E57Photo& each : camera::e57_photos(file_.document(), ignored))
+      pictures.emplace(each.camera.name, each.picture);
+    for (const camera::NamedCamera& camera : cameras) {
+      const E57Picture& picture = pictures.at(camera.name);
+      photos_.push_back({file.string() + "/" + camera.name + "." + picture.extension, picture.blob});
+      check_size(photos_.back().name,
+                 image_module().photo_size(photos_.back().name, bytes_of(photos_.back())), camera);
+    }
+  }
+
+  image::PhotoPixels read(std::size_t photo) {
+    return image_module().read_photo(photos_[photo].name, bytes_of(photos_[photo]));
+  }
+
+ private:
+  struct Photo {
+    fs::path name;  ///< in messages, with the extension of its format
+    E57Blob blob;
+  };
+
+  /// Valid until the next call.
+  std::span<const std::byte> bytes_of(const Photo& photo) {
+    bytes_.clear();
+    file_.read_blob(photo.blob, [&](std::span<const std::byte> piece) {
+      bytes_.insert(bytes_.end(), piece.begin(), piece.end());
+    });
+    return bytes_;
+  }
+
+  E57File file_;
+  std::vector<Photo> photos_;
+  std::vector<std::byte> bytes_;
+};
+
 }  // namespace
 
-std::vector<fs::path> find_photos(const fs::path& folder, std::span<const camera::NamedCamera> cameras) {
+PhotoReader photos_in_folder(const fs::path& folder, std::span<const camera::NamedCamera> cameras) {
   std::error_code error;
   if (!fs::is_directory(folder, error)) throw file_error(folder, "not a folder", "the folder of the photos");
   std::vector<fs::path> files;
@@ -61,8 +102,14 @@ std::vector<fs::path> find_photos(const fs::path& folder, std::span<const camera
                      "a file of that name, or --camera-name to choose cameras",
                      fmt::format("{} of {} photos", cameras.size() - missing.size(), cameras.size()));
   }
-  for (std::size_t i = 0; i < files.size(); ++i) check_size(files[i], cameras[i]);
-  return files;
+  for (std::size_t i = 0; i < files.size(); ++i)
+    check_size(files[i], image_module().photo_size(files[i], {}), cameras[i]);
+  return [files](std::size_t photo) { return image_module().read_photo(files[photo], {}); };
+}
+
+PhotoReader photos_in_e57(const fs::path& file, std::span<const camera::NamedCamera> cameras) {
+  const auto photos = std::make_shared<E57Photos>(file, cameras);
+  return [photos](std::size_t photo) { return photos->read(photo); };
 }
 
 }  // namespace alidade::tools

@@ -37,8 +37,10 @@ void check_options(const PhotosCommand& command) {
     throw input_error("missing output", "-o FILE for points, --footprints FILE.gpkg, or both");
   if (!command.output.empty()) check_points_name(command.output);
   if (!command.footprints.empty()) geo::check_geopackage_name(command.footprints);
-  if (command.colorize && command.photos.empty())
-    throw input_error("--colorize requires the photos", "--photos FOLDER");
+  if (command.colorize && command.photos.empty() && !camera::is_e57(command.cameras)) {
+    throw input_error("--colorize requires the photos",
+                      "--photos FOLDER, or an E57 file with photos for --camera");
+  }
   const std::vector<std::filesystem::path> inputs = command.inputs({command.cameras, command.lens});
   const std::filesystem::path outputs[] = {command.output, command.footprints};
   check_outputs(outputs, command.overwrite, inputs);
@@ -51,6 +53,13 @@ camera::CameraSet read_photo_cameras(const PhotosCommand& command) {
   camera::CameraSet set = read_camera_file(command.cameras, command.names, options);
   say_warnings(command.verbosity, set.warnings);
   return set;
+}
+
+/// Empty without --colorize.
+PhotoReader find_photos(const PhotosCommand& command, std::span<const camera::NamedCamera> cameras) {
+  if (!command.colorize) return {};
+  return command.photos.empty() ? photos_in_e57(command.cameras, cameras)
+                                : photos_in_folder(command.photos, cameras);
 }
 
 /// check_photos(), with the file of the cameras in its errors.
@@ -132,17 +141,15 @@ ExitCode run(const PhotosCommand& command) {
   check_options(command);
   const Verbosity verbosity = command.verbosity;
   const camera::CameraSet set = read_photo_cameras(command);
-  std::vector<std::filesystem::path> files;
-  if (command.colorize) files = find_photos(command.photos, set.cameras);
+  const PhotoReader read_photo = find_photos(command, set.cameras);
   if (!command.footprints.empty()) image_module();
   const auto cloud = load_cloud_alone(
       command, command.output.empty() ? AttributeSet(Attribute::classification) : AttributeSet::all());
   check_cameras(command, cloud->octree(), set.cameras);
   visibility::PhotoVisibilityOptions options{.max_distance = command.max_distance,
+                                             .read_photo = read_photo,
                                              .footprint_cell = command.footprint_cell,
                                              .with_footprints = !command.footprints.empty()};
-  if (command.colorize)
-    options.read_photo = [&files](std::size_t photo) { return image_module().read_photo(files[photo]); };
   visibility::check_photo_memory(cloud->octree().size(), options);
   measure_occluders(*cloud, command.occluders, verbosity);
   const std::vector<visibility::Observer> observers =
@@ -170,7 +177,9 @@ void add_photos(const Options& command, PhotosCommand& photos) {
   group.text("--camera-name", "NAME", "only this camera, by the name of its photo; repeatable (default: all)",
              photos.names);
   add_camera_reading(group, "", photos.lens, photos.original_world);
-  group.file("--photos", "FOLDER", "folder of the photos, for --colorize", photos.photos);
+  group.file("--photos", "FOLDER",
+             "folder of the photos, for --colorize (default: those inside the E57 file of --camera)",
+             photos.photos);
   group.value("--max-distance,--md", "LENGTH", "no photo sees farther (default: inf)", photos.max_distance,
               parse_distance_limit);
 }
