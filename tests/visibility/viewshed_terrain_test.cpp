@@ -11,9 +11,9 @@
 #include <cstdio>
 #include <vector>
 
-#include "tests/support/random.h"
 #include "tests/visibility/ascii_grid.h"
 #include "tests/visibility/exact_terrain.h"
+#include "tests/visibility/known_terrains.h"
 #include "visibility/raster/viewshed.h"
 
 namespace alidade::test {
@@ -90,36 +90,6 @@ Agreement compare(const Raster<float>& map, const Raster<float>& heights, const 
   return agreement;
 }
 
-Raster<float> hills(int size) {
-  Raster<float> heights({{690000.0, 5325000.0}, 10.0, size, size}, 0.0f);
-  for (int row = 0; row < size; ++row) {
-    for (int column = 0; column < size; ++column) {
-      heights.at(column, row) =
-          static_cast<float>(600.0 + 40.0 * std::sin(0.11 * column) * std::cos(0.13 * row) +
-                             9.0 * std::sin(0.9 * column + 0.4 * row));
-    }
-  }
-  return heights;
-}
-
-/// Streets at one height between boxes of all heights, and some holes.
-Raster<float> town(int size, Random& random) {
-  Raster<float> heights({{690000.0, 5325000.0}, 1.0, size, size}, 20.0f);
-  for (int box = 0; box < size; ++box) {
-    const auto west = static_cast<int>(random.below(size)), north = static_cast<int>(random.below(size));
-    const auto width = static_cast<int>(2 + random.below(12)),
-               length = static_cast<int>(2 + random.below(12));
-    const auto roof = static_cast<float>(random.between(23, 40));
-    for (int row = north; row < std::min(north + length, size); ++row)
-      for (int column = west; column < std::min(west + width, size); ++column) heights.at(column, row) = roof;
-  }
-  for (int i = 0; i < size; ++i) {
-    heights.at(static_cast<int>(random.below(size)), static_cast<int>(random.below(size))) =
-        std::numeric_limits<float>::quiet_NaN();
-  }
-  return heights;
-}
-
 /// Our map of these heights agrees with the exact one; the agreement.
 Agreement expect_exact(const Raster<float>& heights, const glm::dvec2& cell, double eye_height,
                        double target_height) {
@@ -161,9 +131,7 @@ TEST(ViewshedTerrain, a_town_is_seen_as_by_exact_lines) {
   const Raster<float> heights = town(140, random);
   for (const glm::dvec2 cell : {glm::dvec2(70, 70), {20.4, 33.2}, {120.0, 100.6}})
     for (const double target : {0.0, 1.7}) expect_exact(heights, cell, 10.0, target);
-  Raster<float> whole = heights;
-  std::ranges::replace_if(
-      whole.values, [](float height) { return std::isnan(height); }, 20.0f);
+  const Raster<float> whole = whole_town(heights);
   for (const glm::ivec2 cell : {glm::ivec2(70, 70), {20, 33}})
     expect_better_than_gdal("town", whole, cell, 10.0);
 }
