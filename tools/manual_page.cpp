@@ -166,12 +166,14 @@ std::string help_text(const CommandEntry& command) {
 }
 
 std::string manual_page(const CommandEntry& command, const std::string& version) {
+  // That of the version, as in the changelog: builds of one source are the same bytes.
+  constexpr const char* k_date = "2026-11-27";
   std::string title = page_name(command);
   std::ranges::transform(title, title.begin(),
                          [](char c) { return c >= 'a' && c <= 'z' ? char(c - 32) : c; });
-  std::string text =
-      fmt::format(".TH {} 1 \"\" \"Alidade {}\" \"Alidade\"\n.SH NAME\n{} \\- {}\n.SH SYNOPSIS\n{}\n", title,
-                  version, roff(page_name(command)), roff(command.description), roff(command.usage));
+  std::string text = fmt::format(
+      ".TH {} 1 \"{}\" \"Alidade {}\" \"Alidade\"\n.SH NAME\n{} \\- {}\n.SH SYNOPSIS\n{}\n", title, k_date,
+      version, roff(page_name(command)), roff(command.description), roff(command.usage));
   for_each_table(command, [&](std::string heading, bool operands, const std::string& group) {
     std::ranges::transform(heading, heading.begin(),
                            [](char c) { return c >= 'a' && c <= 'z' ? char(c - 32) : c; });
