@@ -68,6 +68,22 @@ void complete(GdalDataset dataset, const GdalMemoryFile& memory, const std::file
   output.write(memory.bytes());
 }
 
+/// Writes a dataset to a cloud-optimised GeoTIFF. `resampling`: of its overviews.
+void encode(void* dataset, const char* resampling, const std::filesystem::path& file, OutputFile& output) {
+  GDALRegister_GTiff();
+  GDALRegister_COG();
+  const GDALDriverH driver = GDALGetDriverByName("COG");
+  if (driver == nullptr) fail_geotiff(file, "GDAL lacks the COG driver");
+  const std::string overviews = std::string("OVERVIEW_RESAMPLING=") + resampling;
+  const char* const options[] = {"COMPRESS=DEFLATE", "PREDICTOR=YES",   "BIGTIFF=IF_SAFER",
+                                 "NUM_THREADS=1",    overviews.c_str(), nullptr};
+  const GdalMemoryFile encoded;
+  CPLErrorReset();
+  GdalDataset copy(GDALCreateCopy(driver, encoded.name(), dataset, FALSE, options, nullptr, nullptr));
+  if (!copy) fail_geotiff(file, "cannot encode the file");
+  complete(std::move(copy), encoded, file, output);
+}
+
 }  // namespace
 
 void write_raster(const std::filesystem::path& file, const RasterContents& contents, bool overwrite) {
@@ -81,10 +97,8 @@ void write_raster(const std::filesystem::path& file, const RasterContents& conte
   const std::string wkt = wkt_of(contents.crs);
   const QuietGdal quiet;
   GDALRegister_MEM();
-  GDALRegister_GTiff();
-  GDALRegister_COG();
-  const GDALDriverH memory_driver = GDALGetDriverByName("MEM"), cog_driver = GDALGetDriverByName("COG");
-  if (memory_driver == nullptr || cog_driver == nullptr) fail_geotiff(file, "GDAL lacks the COG driver");
+  const GDALDriverH memory_driver = GDALGetDriverByName("MEM");
+  if (memory_driver == nullptr) fail_geotiff(file, "GDAL lacks the MEM driver");
 
   const RasterGrid& grid = contents.grid;
   const GdalDataset values(GDALCreate(memory_driver, "", grid.columns, grid.rows, 0, GDT_Byte, nullptr));
@@ -97,19 +111,7 @@ void write_raster(const std::filesystem::path& file, const RasterContents& conte
     GDALSetMetadataItem(values.get(), key.c_str(), text.c_str(), nullptr);
 
   const bool whole_numbers = type_of(contents.bands.front()) != GDT_Float32;
-  const char* const options[] = {
-      "COMPRESS=DEFLATE",
-      "PREDICTOR=YES",
-      "BIGTIFF=IF_SAFER",
-      "NUM_THREADS=1",
-      whole_numbers ? "OVERVIEW_RESAMPLING=NEAREST" : "OVERVIEW_RESAMPLING=AVERAGE",
-      nullptr};
-  const GdalMemoryFile encoded;
-  CPLErrorReset();
-  GdalDataset copy(
-      GDALCreateCopy(cog_driver, encoded.name(), values.get(), FALSE, options, nullptr, nullptr));
-  if (!copy) fail_geotiff(file, "cannot encode the file");
-  complete(std::move(copy), encoded, file, output);
+  encode(values.get(), whole_numbers ? "NEAREST" : "AVERAGE", file, output);
   output.commit();
 }
 
@@ -134,8 +136,8 @@ void write_geotiff(const std::filesystem::path& name, const GroundPicture& pictu
     GDALSetMetadataItem(dataset.get(), item.c_str(), text.c_str(), nullptr);
   }
   write_rows(dataset.get(), picture, fill, name);
-  CPLErrorReset();
-  complete(std::move(dataset), memory, name, file);
+  GDALFlushCache(dataset.get());
+  encode(dataset.get(), "AVERAGE", name, file);
 }
 
 }  // namespace alidade::geo

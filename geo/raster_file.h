@@ -78,8 +78,8 @@ struct GroundPicture {
 /// Fills rows of red, green, blue and alpha, from `first_row` on.
 using FillRows = std::function<void(int first_row, int rows, std::span<std::uint8_t> rgba)>;
 
-/// Red, green, blue and alpha with 8 bits, in tiles, compressed without loss. The same pixels give the same
-/// bytes. `name` is the file's in messages.
+/// Red, green, blue and alpha with 8 bits, as write_raster() writes rasters; the pixels of overviews are means. The same
+/// pixels give the same bytes. `name` is the file's in messages. Memory: the file, encoded twice.
 void write_geotiff(const std::filesystem::path& name, const GroundPicture& picture, const FillRows& fill,
                    OutputFile& file);
 
