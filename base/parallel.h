@@ -26,7 +26,7 @@ void in_parallel(Index count, std::type_identity_t<Index> grain, const Work& wor
 }
 
 /// body(0) .. body(count - 1) in parallel, begun in this order: whoever is free takes the next. For work that
-/// uses up memory along the way, of which only a few positions at a time should be in use.
+/// uses up memory along the way and should have only a few parts of it in use at a time.
 template <class Body>
 void for_each_in_order(std::size_t count, const Body& body) {
   std::atomic<std::size_t> next = 0;

@@ -56,7 +56,7 @@ workers : int
     Threads; all cores if below 1.
 
 Pass rays as `rays` of shape (..., 6), origin and direction, or as `origins` and `directions` of
-shape (..., 3), of which one can have shape (3,). Directions need not have length 1; positions `t` along a ray
+shape (..., 3), one of which may have shape (3,). Directions need not have length 1; positions `t` along a ray
 are lengths. Answers have the leading shape of the rays.)";
 
 inline constexpr const char* k_keys_doc =

@@ -34,7 +34,7 @@ class PerTarget {
   std::size_t stride_;
 };
 
-/// Rays as arrays: (..., 6), or origins and directions (..., 3), of which one can have shape (3,) for all rays.
+/// Rays as arrays: (..., 6), or origins and directions (..., 3), one of which may have shape (3,) and then applies to all rays.
 class RayArrays {
  public:
   RayArrays(const py::object& rays, const py::object& origins, const py::object& directions,

@@ -49,7 +49,7 @@ struct PcdHeader {
   std::vector<PcdField> fields;
   std::uint64_t point_count = 0;
   std::uint64_t width = 0, height = 1;    ///< of a grid in rows, if height is above 1
-  std::optional<PcdViewpoint> viewpoint;  ///< empty if there is none, or an invalid one
+  std::optional<PcdViewpoint> viewpoint;  ///< empty if it is missing or invalid
   bool has_invalid_viewpoint = false;
   PcdFormat format = PcdFormat::ascii;
   std::uint64_t data_offset = 0;  ///< first byte after the header

@@ -230,7 +230,7 @@ TEST_F(LoadCloud, the_frame_of_a_depth_camera_is_seen_from_its_position_under_a_
   Scene scene = daylight_scene({});
   const glm::dvec2 sun(scene.sun->azimuth, scene.sun->elevation);
   light_from_scanners(scene, cloud, overview_camera(cloud, 60, 40));
-  EXPECT_EQ(glm::dvec2(scene.sun->azimuth, scene.sun->elevation), sun) << "nobody knows";
+  EXPECT_EQ(glm::dvec2(scene.sun->azimuth, scene.sun->elevation), sun) << "no scanner position is known";
 
   // From below, as frames stored in the axes of their camera lie.
   cloud.scanner_positions = {{"", {5, 5, -20}, DepthCameraAxes{.forward = {0, 0, 1}, .down = {0, 1, 0}}}};

@@ -8,7 +8,7 @@
 #include "geo/raster.h"
 #include "tests/support/random.h"
 
-// Elevation rasters of which viewsheds are compared with exact ones.
+// Elevation rasters whose viewsheds are compared with exact ones.
 
 namespace alidade::test {
 
