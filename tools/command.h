@@ -55,8 +55,9 @@ std::string version_text();
 /// Runs what the command line requests, whose first word is the program's name. Errors: those of the commands.
 ExitCode run_program(const CommandLine& command_line);
 
-/// `alidade sql load` and `alidade sql shard-plan`.
+/// `alidade sql load`, `alidade sql rewrite` and `alidade sql shard-plan`.
 Command add_sql_load(const Options& sql);
+Command add_sql_rewrite(const Options& sql);
 Command add_sql_shard_plan(const Options& sql);
 
 // The commands of `alidade visibility`.

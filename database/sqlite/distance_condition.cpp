@@ -69,27 +69,6 @@ bool same_names(const TokenList& tokens, TokenRange a, TokenRange b) {
   return true;
 }
 
-/// Fills in the call there. The reason why it cannot be used; empty if it can.
-std::string read_call(const TokenList& tokens, std::size_t index, DistanceCondition& condition) {
-  condition.function = plain_name(tokens.text(index));
-  std::vector<TokenRange> arguments = tokens.arguments(index + 1);
-  if (arguments.size() != k_arguments) return condition.function + " does not have 9 arguments";
-  std::optional<TokenRange> table;
-  constexpr std::array<std::string_view, 3> k_names = {"x", "y", "z"};
-  for (std::size_t i = 0; i < k_names.size(); ++i) {
-    const std::optional<TokenRange> found = table_of(tokens, arguments[k_ray_arguments + i], k_names[i]);
-    if (!found || (table && !same_names(tokens, *table, *found)))
-      return "the last arguments of " + condition.function + " are not the columns x, y, z of one table";
-    table = found;
-  }
-  condition.table = *table;
-  arguments.resize(k_ray_arguments);
-  if (!std::ranges::all_of(arguments, [&](TokenRange range) { return is_steady(tokens, range); }))
-    return "a function among the arguments of " + condition.function + " may be volatile";
-  condition.ray = std::move(arguments);
-  return {};
-}
-
 void set_limit(DistanceCondition& condition, const std::string& sign, TokenRange limit) {
   if (sign != ">" && sign != ">=") condition.largest = limit;
   if (sign != "<" && sign != "<=") condition.least = limit;
@@ -111,11 +90,52 @@ bool is_distance(const TokenList& tokens, std::size_t index) {
   return name == "dist_ray" || name == "dist_plane";
 }
 
+std::string read_call(const TokenList& tokens, std::size_t index, DistanceCondition& condition) {
+  condition.function = plain_name(tokens.text(index));
+  std::vector<TokenRange> arguments = tokens.arguments(index + 1);
+  if (arguments.size() != k_arguments) return condition.function + " does not have 9 arguments";
+  std::optional<TokenRange> table;
+  constexpr std::array<std::string_view, 3> k_names = {"x", "y", "z"};
+  for (std::size_t i = 0; i < k_names.size(); ++i) {
+    const std::optional<TokenRange> found = table_of(tokens, arguments[k_ray_arguments + i], k_names[i]);
+    if (!found || (table && !same_names(tokens, *table, *found)))
+      return "the last arguments of " + condition.function + " are not the columns x, y, z of one table";
+    table = found;
+  }
+  condition.table = *table;
+  arguments.resize(k_ray_arguments);
+  if (!std::ranges::all_of(arguments, [&](TokenRange range) { return is_steady(tokens, range); }))
+    return "a function among the arguments of " + condition.function + " may be volatile";
+  condition.ray = std::move(arguments);
+  return {};
+}
+
 bool ends_condition(const TokenList& tokens, std::size_t index) {
   return index >= tokens.size() || tokens.is_sign(index, ")") || tokens.is_sign(index, ",") ||
          tokens.is_sign(index, ";") ||
          tokens.is_one_of(index, {"and", "or", "where", "group", "having", "window", "order", "limit", "join",
                                   "left", "inner", "cross"});
+}
+
+std::size_t end_of_condition(const TokenList& tokens, std::size_t begin) {
+  std::size_t i = begin;
+  int between = 0, cases = 0;
+  for (; i < tokens.size(); ++i) {
+    if (tokens.is_sign(i, "(")) {
+      i = tokens.closing(i);
+    } else if (tokens.is_word(i, "case")) {
+      ++cases;
+    } else if (tokens.is_word(i, "end") && cases > 0) {
+      --cases;
+    } else if (tokens.is_word(i, "between") && cases == 0) {
+      ++between;
+    } else if (tokens.is_word(i, "and") && cases == 0 && between > 0) {
+      --between;
+    } else if (ends_condition(tokens, i) && cases == 0) {
+      break;
+    }
+  }
+  return i;
 }
 
 ConditionAnswer read_condition(const TokenList& tokens, std::size_t begin) {

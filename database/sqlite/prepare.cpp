@@ -12,9 +12,6 @@
 namespace alidade::database {
 namespace {
 
-/// Deeper parentheses are not looked into.
-constexpr int k_deepest = 64;
-
 /// Why a statement is left alone, whatever its conditions are; empty if there is no such reason.
 std::string reason_to_leave(const TokenList& tokens) {
   if (!tokens.is_sound()) return "it cannot be parsed";
@@ -113,7 +110,7 @@ class Pruner {
     while (tokens_.is_word(i, "not")) ++i;
     if (tokens_.is_sign(i, "(") && ends_condition(tokens_, tokens_.closing(i) + 1)) {
       const std::size_t closing = tokens_.closing(i);
-      if (depth < k_deepest)
+      if (depth < k_deepest_parentheses)
         conditions(i + 1, join, depth + 1);
       else
         note("it has too many parentheses");
@@ -125,32 +122,11 @@ class Pruner {
       return answer.condition->tokens.end;
     }
     note(answer.reason);
-    const std::size_t end = skip_condition(i);
+    const std::size_t end = end_of_condition(tokens_, i);
     for (; i < end; ++i) {
       if (is_distance(tokens_, i)) note("a distance is part of a larger expression");
     }
     return end;
-  }
-
-  /// The end of a condition that is left as it is. An AND that belongs to BETWEEN does not end it.
-  std::size_t skip_condition(std::size_t i) const {
-    int between = 0, cases = 0;
-    for (; i < tokens_.size(); ++i) {
-      if (tokens_.is_sign(i, "(")) {
-        i = tokens_.closing(i);
-      } else if (tokens_.is_word(i, "case")) {
-        ++cases;
-      } else if (tokens_.is_word(i, "end") && cases > 0) {
-        --cases;
-      } else if (tokens_.is_word(i, "between") && cases == 0) {
-        ++between;
-      } else if (tokens_.is_word(i, "and") && cases == 0 && between > 0) {
-        --between;
-      } else if (ends_condition(tokens_, i) && cases == 0) {
-        break;
-      }
-    }
-    return i;
   }
 
   void add_limit(const DistanceCondition& condition, const Join& join) {

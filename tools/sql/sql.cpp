@@ -1,11 +1,8 @@
 // SPDX-License-Identifier: MIT
 #include <unistd.h>
-#include <fstream>
-#include <iterator>
 
 #include "base/error.h"
 #include "database/server/server_name.h"
-#include "database/sqlite/sql_tokens.h"
 #include "tools/command.h"
 #include "tools/sql/statements.h"
 
@@ -18,22 +15,6 @@ struct SqlCommand {
   bool csv = false, json = false, explain = false;
   std::vector<std::string> parameters;
 };
-
-/// All of a file; "-" is standard input.
-std::string read_text(const std::filesystem::path& file) {
-  if (file != "-" && std::filesystem::is_directory(file))
-    throw Error({.file = file.string(), .problem = "cannot read the file", .found = "a folder"});
-  std::ifstream stream(file == "-" ? "/dev/stdin" : file, std::ios::binary);
-  std::string text{std::istreambuf_iterator<char>(stream), std::istreambuf_iterator<char>()};
-  if (!stream) throw file_error(file, "cannot read the file");
-  if (const std::size_t nul = text.find('\0'); nul != std::string::npos) {
-    throw Error({.file = file.string(),
-                 .location = database::text_location(text, nul),
-                 .problem = "the file contains a NUL byte",
-                 .found = "0"});
-  }
-  return text;
-}
 
 std::unique_ptr<database::Connection> open_for_reading(const std::filesystem::path& database) {
   try {
@@ -71,7 +52,7 @@ ExitCode run(const SqlCommand& command, bool has_statement) {
     return ExitCode::done;
   }
   const std::filesystem::path file = command.file.empty() ? "-" : command.file;
-  run_statements(connection, read_text(file), file == "-" ? "standard input" : file.string(), std::move(run));
+  run_statements(connection, read_sql(file), file == "-" ? "standard input" : file.string(), std::move(run));
   return ExitCode::done;
 }
 
@@ -93,7 +74,7 @@ Command add_sql(const Options& program) {
            command->explain);
   return {sql,
           [command, statement](const CommandLine&) { return run(*command, statement.given()); },
-          {add_sql_load(sql), add_sql_shard_plan(sql)}};
+          {add_sql_load(sql), add_sql_rewrite(sql), add_sql_shard_plan(sql)}};
 }
 
 }  // namespace alidade::tools

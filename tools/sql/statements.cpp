@@ -4,6 +4,9 @@
 #include <charconv>
 #include <chrono>
 #include <cstdlib>
+#include <filesystem>
+#include <fstream>
+#include <iterator>
 #include <optional>
 #include <string_view>
 #include <utility>
@@ -200,6 +203,21 @@ SqlParameter parse_sql_parameter(const std::string& text) {
   }
   parameter.value = sql_value(value);
   return parameter;
+}
+
+std::string read_sql(const std::filesystem::path& file) {
+  if (file != "-" && std::filesystem::is_directory(file))
+    throw Error({.file = file.string(), .problem = "cannot read the file", .found = "a folder"});
+  std::ifstream stream(file == "-" ? "/dev/stdin" : file, std::ios::binary);
+  std::string text{std::istreambuf_iterator<char>(stream), std::istreambuf_iterator<char>()};
+  if (!stream) throw file_error(file, "cannot read the file");
+  if (const std::size_t nul = text.find('\0'); nul != std::string::npos) {
+    throw Error({.file = file.string(),
+                 .location = database::text_location(text, nul),
+                 .problem = "the file contains a NUL byte",
+                 .found = "0"});
+  }
+  return text;
 }
 
 void run_statements(const database::Connection& connection, const std::string& text, const std::string& file,

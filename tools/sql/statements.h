@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <filesystem>
 #include <memory>
 #include <string>
 #include <variant>
@@ -47,6 +48,9 @@ struct SqlParameter {
 /// matter), 'text' with quotes in it written twice, or else text as it stands. Errors: text without quotes
 /// that begins like a number, with a digit, dot or sign.
 SqlParameter parse_sql_parameter(const std::string& text);
+
+/// All of a file; "-" is standard input. Errors: it cannot be read; it has a NUL byte.
+std::string read_sql(const std::filesystem::path& file);
 
 struct SqlRun {
   RowForm form = RowForm::table;

@@ -1,0 +1,28 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <cstddef>
+#include <functional>
+#include <vector>
+
+#include "base/bounds.h"
+
+namespace alidade::database {
+
+/// Boxes side by side along an axis: they have no more than faces in common, and these are across it.
+struct BoxCover {
+  int axis = 0;  ///< 0 to 2: x, y or z
+  std::vector<Bounds> boxes{};
+};
+
+/// The part of the volume of `bounds` that a box in them has; where they have no thickness, of their area or length.
+double volume_share(const Bounds& box, const Bounds& bounds);
+
+/// At most `count` boxes that hold every point of `bounds` for which a condition holds: what an engine needs
+/// that prunes by the least and greatest coordinate and not by distances. `may_hold` is false only for a box
+/// without such a point (database/point_filter.h). A diagonal ray gets a staircase of boxes, an axis-parallel
+/// one a single box; the axis is the one across which they are smallest. Requires finite bounds and a count of at
+/// least 1. Cost: some 20,000 calls of `may_hold`.
+BoxCover cover(const std::function<bool(const Bounds&)>& may_hold, const Bounds& bounds, std::size_t count);
+
+}  // namespace alidade::database

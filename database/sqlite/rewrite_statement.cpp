@@ -1,0 +1,380 @@
+// SPDX-License-Identifier: MIT
+#include "database/sqlite/rewrite_statement.h"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+#include <algorithm>
+#include <array>
+#include <charconv>
+#include <cmath>
+#include <functional>
+#include <limits>
+#include <memory>
+#include <utility>
+#include <vector>
+
+#include "base/error.h"
+#include "database/box_cover.h"
+#include "database/point_filter.h"
+#include "database/sqlite/distance_condition.h"
+#include "database/sqlite/prepare.h"
+#include "database/sqlite/sql_tokens.h"
+#include "database/sqlite/sqlite_api.h"
+
+namespace alidade::database {
+namespace {
+
+using MayHold = std::function<bool(const Bounds&)>;
+
+/// The shortest digits that give the same number again, with an exponent: without one, several engines take a
+/// literal for a decimal number.
+std::string literal(double number) {
+  std::array<char, 32> text{};
+  const auto end =
+      std::to_chars(text.data(), text.data() + text.size(), number, std::chars_format::scientific).ptr;
+  return {text.data(), end};
+}
+
+/// Values of expressions without columns, as SQLite has them.
+class Constants {
+ public:
+  Constants() {
+    sqlite3* opened = nullptr;
+    const int result =
+        sqlite3_open_v2(":memory:", &opened, SQLITE_OPEN_READWRITE | SQLITE_OPEN_MEMORY, nullptr);
+    database_.reset(opened);
+    // Else a name between double quotes would be a text.
+    if (result != SQLITE_OK || sqlite3_db_config(opened, SQLITE_DBCONFIG_DQS_DML, 0, nullptr) != SQLITE_OK)
+      throw Error({.problem = sqlite3_errmsg(opened)});
+  }
+
+  /// Nothing if the text has columns or parameters, or its value is no number.
+  std::optional<double> value(const std::string& text) const {
+    sqlite3_stmt* made = nullptr;
+    sqlite3_prepare_v2(database_.get(), ("SELECT (" + text + "\n)").c_str(), -1, &made, nullptr);
+    const StatementHandle statement(made);
+    if (made == nullptr || sqlite3_step(made) != SQLITE_ROW) return std::nullopt;
+    const int type = sqlite3_column_type(made, 0);
+    if (type != SQLITE_INTEGER && type != SQLITE_FLOAT) return std::nullopt;
+    return sqlite3_column_double(made, 0);
+  }
+
+ private:
+  struct Close {
+    void operator()(sqlite3* database) const { sqlite3_close(database); }
+  };
+  std::unique_ptr<sqlite3, Close> database_;
+};
+
+/// "a * number", for a difference that is called `name` and begins at `origin`; empty if the number is 0.
+std::string product(const std::string& name, double origin, double factor) {
+  if (factor == 0.0) return {};
+  const std::string difference =
+      origin == 0.0 ? name
+                    : fmt::format("({} {} {})", name, origin < 0.0 ? '+' : '-', literal(std::fabs(origin)));
+  return fmt::format("{} * {}", difference, literal(factor));
+}
+
+/// octree/distance.h: project() and signed_distance(), in the same order of operations. Products with 0 are left
+/// out: they change no sum of finite numbers.
+std::string distance_expression(bool is_ray, const std::string& table, const glm::dvec3& origin,
+                                const glm::dvec3& direction) {
+  const auto term = [&](int axis, double factor) {
+    return product(table + "xyz"[axis], origin[axis], factor);
+  };
+  std::vector<std::string> terms;
+  for (int axis = 0; axis < 3; ++axis) {
+    const int next = (axis + 1) % 3, last = (axis + 2) % 3;
+    if (!is_ray) {
+      terms.push_back(term(axis, direction[axis]));
+      continue;
+    }
+    const std::string left = term(next, direction[last]), right = term(last, direction[next]);
+    const std::string cross =
+        left.empty() || right.empty() ? left + right : fmt::format("{} - {}", left, right);
+    terms.push_back(cross.empty() ? "" : fmt::format("({0}) * ({0})", cross));
+  }
+  std::erase(terms, "");
+  return fmt::format("{}({})", is_ray ? "sqrt" : "", fmt::join(terms, " + "));
+}
+
+class Rewriter {
+ public:
+  Rewriter(std::string_view sql, const RewriteOptions& options) : sql_(sql), tokens_(sql), options_(options) {
+    if (!tokens_.is_sound()) {
+      throw Error({.problem = "the statement cannot be parsed",
+                   .expected = "whole literals and a closing parenthesis for every opening one"});
+    }
+    for (std::size_t i = 0; i < tokens_.size(); ++i) texts_.emplace_back(tokens_.text(i));
+    behind_.resize(tokens_.size());
+    is_dropped_.resize(tokens_.size());
+  }
+
+  RewrittenStatement rewrite() {
+    replace_distances();
+    if (reason_ = reason_to_leave(); reason_.empty()) add_boxes();
+    return {.text = text(), .reason = reason_, .box_count = box_count_, .share = share_};
+  }
+
+ private:
+  std::string range_text(TokenRange range) const {
+    return std::string(
+        sql_.substr(tokens_[range.begin].begin, tokens_[range.end - 1].end - tokens_[range.begin].begin));
+  }
+
+  [[noreturn]] void reject(std::size_t token, std::string problem, std::string expected,
+                           std::string found = {}) const {
+    throw Error({.file = "statement",
+                 .location = text_location(sql_, tokens_[token].begin),
+                 .problem = std::move(problem),
+                 .expected = std::move(expected),
+                 .found = std::move(found)});
+  }
+
+  std::array<glm::dvec3, 2> ray_of(const DistanceCondition& call) const {
+    std::array<glm::dvec3, 2> ray{};
+    for (std::size_t i = 0; i < call.ray.size(); ++i) {
+      const std::string text = range_text(call.ray[i]);
+      const std::optional<double> value = constants_.value(text);
+      if (!value)
+        reject(call.ray[i].begin, fmt::format("argument {} of {} is not constant", i + 1, call.function),
+               "a number (other engines get the numbers of a ray, not its columns)", text);
+      ray[i / 3][static_cast<int>(i % 3)] = *value;
+    }
+    return ray;
+  }
+
+  void replace_distances() {
+    for (std::size_t i = 0; i < tokens_.size(); ++i) {
+      if (!is_distance(tokens_, i)) continue;
+      DistanceCondition call;
+      if (std::string reason = read_call(tokens_, i, call); !reason.empty())
+        reject(i, std::move(reason),
+               "dist_ray(ox,oy,oz, dx,dy,dz, x,y,z) or dist_plane(px,py,pz, nx,ny,nz, x,y,z)");
+      const auto [origin, direction] = ray_of(call);
+      const bool is_ray = call.function == "dist_ray";
+      const std::string table = call.table.begin == call.table.end ? std::string() : range_text(call.table);
+      const std::size_t end = tokens_.closing(i + 1);
+      texts_[i] = distance_expression(
+          is_ray, table, origin,
+          is_ray ? make_ray(origin, direction).direction : make_plane(origin, direction).normal);
+      drop(i + 1, end + 1);
+      i = end;
+    }
+  }
+
+  /// Also finds the table and the condition.
+  std::string reason_to_leave() {
+    if (!options_.bounds || options_.bounds->empty()) return "the bounds of the points are not given";
+    if (!tokens_.is_word(0, "select")) return "it is not a SELECT";
+    std::size_t from = tokens_.size();
+    for (std::size_t i = 1; i < tokens_.size(); ++i) {
+      if (tokens_.is_word(i, "select") || tokens_.is_word(i, "values")) return "it has more than one SELECT";
+    }
+    for (std::size_t i = 1; i < tokens_.size() && from == tokens_.size(); ++i) {
+      if (tokens_.is_sign(i, "(")) i = tokens_.closing(i);
+      if (tokens_.is_word(i, "from")) from = i;
+    }
+    const std::optional<std::size_t> end = read_table(from + 1);
+    if (!end || !tokens_.is_word(*end, "where")) return "it is not SELECT ... FROM one table WHERE ...";
+    condition_.begin = *end + 1;
+    condition_.end = condition_.begin;
+    while (condition_.end < tokens_.size() && !tokens_.is_sign(condition_.end, ";") &&
+           !tokens_.is_one_of(condition_.end, {"group", "having", "window", "order", "limit", "offset",
+                                               "fetch", "qualify"})) {
+      condition_.end =
+          tokens_.is_sign(condition_.end, "(") ? tokens_.closing(condition_.end) + 1 : condition_.end + 1;
+    }
+    return condition_.begin == condition_.end ? "its condition is empty" : "";
+  }
+
+  /// A table, a file's name or a function that reads one, with the name it is given; the token behind.
+  std::optional<std::size_t> read_table(std::size_t i) {
+    table_.begin = i;
+    if (tokens_.is_name(i)) {
+      while (tokens_.is_sign(i + 1, ".") && tokens_.is_name(i + 2)) i += 2;
+      table_name_ = tokens_.text(i);
+    } else if (!tokens_.is(i, SqlTokenKind::text)) {
+      return std::nullopt;
+    }
+    ++i;
+    if (tokens_.is_sign(i, "(")) {
+      i = tokens_.closing(i) + 1;
+      table_name_.clear();
+    }
+    table_.end = i;
+    if (tokens_.is_word(i, "as")) ++i;
+    if (tokens_.is_name(i) && !tokens_.is_word(i, "where")) table_name_ = tokens_.text(i++);
+    return i;
+  }
+
+  void note(std::string reason) {
+    if (reason_.empty()) reason_ = std::move(reason);
+  }
+
+  /// Conditions between OR; moves `i` behind them. Empty: no box can be left out.
+  MayHold any_of(std::size_t& i, int depth) {
+    std::vector<MayHold> parts{all_of(i, depth)};
+    while (tokens_.is_word(i, "or")) parts.push_back(all_of(++i, depth));
+    if (std::ranges::any_of(parts, [](const MayHold& part) { return !part; })) return {};
+    if (parts.size() == 1) return parts.front();
+    return [parts = std::move(parts)](const Bounds& box) {
+      return std::ranges::any_of(parts, [&](const MayHold& part) { return part(box); });
+    };
+  }
+
+  /// Conditions between AND.
+  MayHold all_of(std::size_t& i, int depth) {
+    std::vector<MayHold> parts;
+    const auto add = [&](MayHold part) {
+      if (part) parts.push_back(std::move(part));
+    };
+    add(condition(i, depth));
+    while (tokens_.is_word(i, "and")) add(condition(++i, depth));
+    if (parts.size() <= 1) return parts.empty() ? MayHold() : parts.front();
+    return [parts = std::move(parts)](const Bounds& box) {
+      return std::ranges::all_of(parts, [&](const MayHold& part) { return part(box); });
+    };
+  }
+
+  MayHold condition(std::size_t& i, int depth) {
+    if (tokens_.is_sign(i, "(") && ends_condition(tokens_, tokens_.closing(i) + 1) &&
+        depth < k_deepest_parentheses) {
+      std::size_t inner = i + 1;
+      i = tokens_.closing(i) + 1;
+      MayHold within = any_of(inner, depth + 1);
+      return inner + 1 == i ? within : MayHold();
+    }
+    ConditionAnswer answer = read_condition(tokens_, i);
+    if (answer.condition) {
+      i = answer.condition->tokens.end;
+      return limit_of(*answer.condition);
+    }
+    note(answer.reason);
+    const std::size_t begin = i;
+    i = end_of_condition(tokens_, i);
+    for (std::size_t k = begin; k < i; ++k) {
+      if (is_distance(tokens_, k)) note("a distance is part of a larger expression or below NOT");
+    }
+    return {};
+  }
+
+  std::optional<double> limit_value(const std::optional<TokenRange>& limit, double otherwise) {
+    if (!limit) return otherwise;
+    const std::optional<double> value = constants_.value(range_text(*limit));
+    if (value && std::isfinite(*value)) {
+      texts_[limit->begin] = literal(*value);
+      drop(limit->begin + 1, limit->end);
+    }
+    return value;
+  }
+
+  MayHold limit_of(const DistanceCondition& condition) {
+    constexpr double k_infinite = std::numeric_limits<double>::infinity();
+    const bool is_ray = condition.function == "dist_ray";
+    const std::optional<double> low = limit_value(condition.least, is_ray ? 0.0 : -k_infinite);
+    const std::optional<double> high = limit_value(condition.largest, k_infinite);
+    if (!low || !high) {
+      note("a limit on a distance is not constant");
+      return {};
+    }
+    const auto [origin, direction] = ray_of(condition);
+    PointFilter filter;
+    if (is_ray)
+      filter.lines.push_back({.ray = make_ray(origin, direction), .distance = {*low, *high}});
+    else
+      filter.planes.push_back({.plane = make_plane(origin, direction), .distance = {*low, *high}});
+    return [filter = std::move(filter)](const Bounds& box) { return may_hold(filter, box); };
+  }
+
+  /// x, y and z of a box; of faces that two boxes share, the latter has the points.
+  std::string box_condition(const BoxCover& cover, std::size_t number) const {
+    const Bounds& box = cover.boxes[number];
+    const Bounds& bounds = *options_.bounds;
+    std::vector<std::string> parts;
+    for (int axis = 0; axis < 3; ++axis) {
+      const char name = "xyz"[axis];
+      if (box.min[axis] > bounds.min[axis])
+        parts.push_back(fmt::format("{} >= {}", name, literal(box.min[axis])));
+      if (box.max[axis] >= bounds.max[axis]) continue;
+      const bool is_shared = axis == cover.axis && number + 1 < cover.boxes.size() &&
+                             cover.boxes[number + 1].min[axis] == box.max[axis];
+      parts.push_back(fmt::format("{} {} {}", name, is_shared ? "<" : "<=", literal(box.max[axis])));
+    }
+    return parts.empty() ? "1 = 1" : fmt::format("{}", fmt::join(parts, " AND "));
+  }
+
+  void add_boxes() {
+    std::size_t end = condition_.begin;
+    const MayHold may_hold = any_of(end, 0);
+    if (end != condition_.end) return note("its condition cannot be parsed");
+    if (!may_hold)
+      return note("its condition prunes nothing: dist_ray or dist_plane must be compared with a constant");
+    const BoxCover boxes = cover(may_hold, *options_.bounds, options_.box_count);
+    std::vector<std::string> conditions;
+    share_ = 0.0;
+    for (std::size_t i = 0; i < boxes.boxes.size(); ++i) {
+      conditions.push_back(box_condition(boxes, i));
+      share_ += volume_share(boxes.boxes[i], *options_.bounds);
+    }
+    box_count_ = conditions.size();
+    const bool is_union = options_.dialect == SqlDialect::duckdb || options_.dialect == SqlDialect::trino;
+    if (box_count_ > 1 && is_union) {
+      scan_each(conditions);
+      return;
+    }
+    std::string& first = texts_[condition_.begin];
+    const std::string sum = box_count_ == 0   ? "1 = 0"
+                            : box_count_ == 1 ? conditions.front()
+                                              : fmt::format("(({}))", fmt::join(conditions, ") OR ("));
+    first = fmt::format("{} AND ({}", sum, first);
+    behind_[condition_.end - 1] = ")";
+  }
+
+  /// The table becomes one scan per box.
+  void scan_each(const std::vector<std::string>& conditions) {
+    const std::string table = range_text(table_);
+    std::string scans;
+    for (const std::string& condition : conditions)
+      scans +=
+          fmt::format("{}SELECT * FROM {} WHERE {}", scans.empty() ? "" : " UNION ALL ", table, condition);
+    texts_[table_.begin] = fmt::format("({})", scans);
+    if (!table_name_.empty()) texts_[table_.begin] += " AS " + table_name_;
+    drop(table_.begin + 1, condition_.begin - 1);
+  }
+
+  void drop(std::size_t begin, std::size_t end) {
+    for (std::size_t i = begin; i < end; ++i) is_dropped_[i] = true;
+  }
+
+  std::string text() const {
+    std::string text;
+    std::size_t end = 0;
+    for (std::size_t i = 0; i < tokens_.size(); ++i) {
+      if (!is_dropped_[i]) text.append(sql_.substr(end, tokens_[i].begin - end)).append(texts_[i]);
+      text += behind_[i];
+      end = tokens_[i].end;
+    }
+    return text.append(sql_.substr(end));
+  }
+
+  std::string_view sql_;
+  TokenList tokens_;
+  const RewriteOptions& options_;
+  Constants constants_;
+  std::vector<std::string> texts_, behind_;  ///< what the tokens become, and what follows them
+  std::vector<bool> is_dropped_;             ///< tokens that are gone
+  TokenRange table_, condition_;
+  std::string table_name_;
+  std::string reason_;
+  std::size_t box_count_ = 0;
+  double share_ = 1.0;
+};
+
+}  // namespace
+
+RewrittenStatement rewrite_statement(std::string_view sql, const RewriteOptions& options) {
+  return Rewriter(sql, options).rewrite();
+}
+
+}  // namespace alidade::database

@@ -1,0 +1,50 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <cstddef>
+#include <optional>
+#include <string>
+#include <string_view>
+
+#include "base/bounds.h"
+
+// The paper's statement for engines that have never heard of dist_ray: the distance as an expression, and beside
+// it conditions on x, y and z that such an engine pushes down to the statistics of its files or pages.
+
+namespace alidade::database {
+
+/// Whose SQL a statement becomes, and how several boxes reach the engine's statistics.
+enum class SqlDialect {
+  datafusion,  ///< OR of boxes
+  duckdb,      ///< UNION ALL of one scan per box: its scans take conditions on single columns alone
+  postgres,    ///< OR of boxes
+  spark,       ///< OR of boxes
+  sqlite,      ///< OR of boxes
+  trino        ///< UNION ALL, as duckdb
+};
+
+struct RewriteOptions {
+  SqlDialect dialect = SqlDialect::duckdb;
+  /// Of all points of the table: rays have no end. Empty: no conditions on boxes are added.
+  std::optional<Bounds> bounds{};
+  std::size_t box_count = 16;  ///< at most, 1 or more
+};
+
+struct RewrittenStatement {
+  std::string text;
+  std::string reason{};       ///< why it, or part of it, has no conditions on boxes; empty if there is none
+  std::size_t box_count = 0;  ///< boxes whose conditions were added
+  double share = 1.0;         ///< of the bounds' volume that they cover; 1 without boxes
+};
+
+/// Rewrites one statement. Every dist_ray(A, x,y,z) and dist_plane(A, x,y,z) becomes an expression whose value
+/// is the same to the last bit in double precision; x, y, z are columns of that type. Conditions on them with
+/// constant limits, below AND, OR and parentheses in WHERE of one SELECT from one table, prune by boxes
+/// (box_cover.h); other parts of WHERE prune nothing and stay.
+///
+/// The rows are those of the statement if all points of the table are within options.bounds. Errors: A is not six
+/// constant numbers, such as columns of another table; A is no ray or plane; the last arguments are not
+/// the columns x, y, z of one table; what cannot be cut into tokens.
+RewrittenStatement rewrite_statement(std::string_view sql, const RewriteOptions& options);
+
+}  // namespace alidade::database
