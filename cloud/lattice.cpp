@@ -64,9 +64,9 @@ Lattice fit_lattice(std::span<const CoordinateSurvey> surveys) {
     }
     if (wanted[axis] == k_finest_exponent) wanted[axis] = k_default_exponent;
   }
+  // Steps of one length make cubes of the octree's nodes: boxes a million times longer than wide prune nothing.
   const int common = *std::min_element(wanted.begin(), wanted.end());
-  const bool shared = common >= *std::max_element(finest.begin(), finest.end());
-  for (int axis = 0; axis < 3; ++axis) lattice.scale[axis] = power_of_ten(shared ? common : wanted[axis]);
+  for (int axis = 0; axis < 3; ++axis) lattice.scale[axis] = power_of_ten(std::max(common, finest[axis]));
   return lattice;
 }
 

@@ -61,9 +61,11 @@ TEST(FitLatticeTest, every_extent_fits_into_32_bits) {
   }
 }
 
-TEST(FitLatticeTest, degrees_beside_metres_get_a_scale_per_axis) {
-  const Lattice lattice = fit(survey({8, 47, 0}, {9, 48, 4000}, {5e-10, 5e-10, 5e-3}));
-  EXPECT_EQ(lattice.scale, glm::dvec3(1e-9, 1e-9, 1e-2));
+TEST(FitLatticeTest, an_axis_that_cannot_have_the_common_scale_gets_the_nearest) {
+  // Degrees beside metres.
+  EXPECT_EQ(fit(survey({8, 47, 0}, {9, 48, 4000}, {5e-10, 5e-10, 5e-3})).scale, glm::dvec3(1e-9, 1e-9, 1e-6));
+  // Whole metres beside a z of many digits.
+  EXPECT_EQ(fit(survey({0, 0, 0}, {400, 400, 10}, {0.5, 0.5, 5e-9})).scale, glm::dvec3(1e-7, 1e-7, 1e-8));
 }
 
 TEST(FitLatticeTest, the_finest_file_decides_and_files_without_points_do_not) {
