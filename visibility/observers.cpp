@@ -214,18 +214,46 @@ bool is_below_all(const Octree& octree, const glm::dvec3& position) {
   return false;
 }
 
-/// Radius of a point's sphere; 0 if it has none.
-double sphere_radius_of(const Occluders& occluders, const PointHit& point) {
-  const OccluderOptions& options = occluders.options();
-  if (options.counts && !options.counts(point.point_id)) return 0.0;
-  if (occluders.has_surfaces()) {
-    if (occluders.surface(point.point_id).exists || options.shape == OccluderShape::disc) return 0.0;
-  }
-  if (options.radius) return *options.radius;
+/// As candidate_radius().
+double radius_of(const Occluders& occluders, const PointHit& point) {
+  if (occluders.options().radius) return *occluders.options().radius;
   // A point's spacing is the distance to its 8th neighbour.
   constexpr std::size_t k_with_neighbours = 9;
   const auto neighbours = find(occluders.octree(), point.position, {.k = k_with_neighbours});
-  return sphere_of(occluders, candidate_radius(occluders, neighbours.back().distance));
+  return candidate_radius(occluders, neighbours.back().distance);
+}
+
+/// The sphere or disc of a point that an observer is in, or so near that it hides nearly half of what is around; empty
+/// if it is neither.
+std::string remark_on(const Occluders& occluders, const Observer& observer, const PointHit& point) {
+  const OccluderOptions& options = occluders.options();
+  if (options.counts && !options.counts(point.point_id)) return "";
+  const PointSurface surface = occluders.has_surfaces() ? occluders.surface(point.point_id) : PointSurface();
+  if (!surface.exists) {
+    const bool is_sphere = !occluders.has_surfaces() || options.shape != OccluderShape::disc;
+    if (!is_sphere || point.distance > occluders.largest_radius()) return "";
+    const double radius = radius_of(occluders, point);
+    if (point.distance >= (options.radius ? radius : sphere_of(occluders, radius))) return "";
+    return fmt::format("{} is inside point {}, {:.3g} from its centre; that point does not block its view",
+                       observer.name, point.point_id, point.distance);
+  }
+  constexpr double k_near = 0.1;  // of the disc around the foot of the perpendicular: 45 % of all directions
+  // That ground hides what is below it is no surprise.
+  constexpr double k_steepest_ground = 0.7;
+  if (std::fabs(surface.normal.z) > k_steepest_ground && observer.position.z > point.position.z) return "";
+  const auto is_near = [&](double height, double along, double radius) {
+    return height <= k_near * (radius - along);
+  };
+  PointDisc disc = point_disc(point.position, surface, 0.0);
+  const double height = std::fabs(glm::dot(observer.position - disc.center, disc.normal));
+  const double along = std::sqrt(std::max(0.0, point.distance * point.distance - height * height));
+  if (!is_near(height, along, occluders.largest_radius())) return "";
+  disc.radius = disc_of(occluders, radius_of(occluders, point));
+  if (!is_near(height, along, disc.radius)) return "";
+  return fmt::format(
+      "{} is {:.3g} from the disc of point {}, whose radius is {:.3g}: it hides nearly half of the view; "
+      "move the observer, or set --radius-max",
+      observer.name, height, point.point_id, disc.radius);
 }
 
 /// Whether the surface of a terrain is above a position, by more than what an end of a line may lie in it.
@@ -252,10 +280,10 @@ std::string remark_on(const Occluders& occluders, const Observer& observer) {
   if (!has_points) return "";
   if (!observer.stands_on_ground && is_below_all(occluders.octree(), observer.position))
     return fmt::format("{} is below all points near it", observer.name);
-  const auto nearest = find(occluders.octree(), observer.position, {.k = 1});
-  if (!nearest.empty() && nearest[0].distance < sphere_radius_of(occluders, nearest[0])) {
-    return fmt::format("{} is inside point {}, {:.3g} from its centre; that point does not block its view",
-                       observer.name, nearest[0].point_id, nearest[0].distance);
+  constexpr std::size_t k_near_points = 16;
+  for (const PointHit& point : find(occluders.octree(), observer.position, {.k = k_near_points})) {
+    std::string remark = remark_on(occluders, observer, point);
+    if (!remark.empty()) return remark;
   }
   return "";
 }

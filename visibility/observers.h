@@ -105,8 +105,9 @@ std::vector<GivenObserver> observer_grid(const Bounds& extent, double width, con
 /// the terrain than these are long, and than 100 metres; one that cannot reach them within its max_distance;
 /// one below the terrain; one below all points near it (within a square of half side 1, or the first of 2, 4,
 /// 8 and 16 that holds points): in the ground, if it was not put on it; one inside the sphere of a point, which
-/// then does not block its view.
-/// Cost: some microseconds each.
+/// then does not block its view; one so near the disc of a point that this hides nearly half of the view, as in
+/// scans whose discs are metres wide. Of the points, the 16 nearest are looked at.
+/// Cost: some ten microseconds each.
 std::vector<std::string> observer_remarks(const Occluders& occluders, std::span<const Observer> observers);
 
 }  // namespace alidade::visibility

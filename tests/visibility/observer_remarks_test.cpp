@@ -72,6 +72,15 @@ TEST(ObserverRemarks, name_observers_inside_the_sphere_of_a_point) {
   EXPECT_EQ(remark_on(cloud.occluders({.shape = OccluderShape::sphere, .radius = 0.5}), {5, 5, 0.7}), "");
 }
 
+TEST(ObserverRemarks, name_observers_close_to_a_wide_disc) {
+  WallCloud cloud;
+  cloud.add({0, 0, 0}, {0, 20, 0}, {0, 0, 20}, 1.5);
+  const Occluders occluders = cloud.occluders();
+  const std::string remark = remark_on(occluders, {0.005, 10.2, 10.1});
+  EXPECT_NE(remark.find("mast is 0.005 from the disc of point "), std::string::npos) << remark;
+  EXPECT_EQ(remark_on(occluders, {0.4, 10.2, 10.1}), "");
+}
+
 TEST(ObserverRemarks, name_observers_below_a_terrain_and_far_outside_of_it) {
   OccluderOptions options;
   options.terrain =
