@@ -155,9 +155,11 @@ class Rewriter {
       const bool is_ray = call.function == "dist_ray";
       const std::string table = call.table.begin == call.table.end ? std::string() : range_text(call.table);
       const std::size_t end = tokens_.closing(i + 1);
-      texts_[i] = distance_expression(
+      std::string& text = texts_[i] = distance_expression(
           is_ray, table, origin,
           is_ray ? make_ray(origin, direction).direction : make_plane(origin, direction).normal);
+      // Arrow's comparisons put -0 before 0.
+      if (!is_ray && options_.dialect == SqlDialect::datafusion) text.insert(text.size() - 1, " + 0e+00");
       drop(i + 1, end + 1);
       i = end;
     }

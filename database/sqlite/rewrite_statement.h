@@ -27,7 +27,7 @@ struct RewriteOptions {
   SqlDialect dialect = SqlDialect::duckdb;
   /// Of all points of the table: rays have no end. Empty: no conditions on boxes are added.
   std::optional<Bounds> bounds{};
-  std::size_t box_count = 16;  ///< at most, 1 or more
+  std::size_t box_count = 8;  ///< at most, 1 or more
 };
 
 struct RewrittenStatement {

@@ -71,10 +71,11 @@ TEST(RewriteStatement, writes_expressions_and_one_box) {
   EXPECT_EQ(
       rewrite_statement("SELECT id, dist_plane(1,2,3, 0,0,2, a.x,a.y,a.z) AS h FROM p a ORDER BY h", {}).text,
       "SELECT id, ((a.z - 3e+00) * 1e+00) AS h FROM p a ORDER BY h");
-  EXPECT_EQ(rewritten("dist_plane(0,0,-16, 0,0,1, x,y,z) BETWEEN 16 AND 16.5 -- low\nLIMIT 3"),
-            "SELECT * FROM p WHERE z <= 5.0048828125e-01 AND (((z + 1.6e+01) * 1e+00) BETWEEN 1.6e+01 AND "
-            "1.65e+01) -- "
-            "low\nLIMIT 3");
+  EXPECT_EQ(
+      rewritten("dist_plane(0,0,-16, 0,0,1, x,y,z) BETWEEN 16 AND 16.5 -- low\nLIMIT 3"),
+      "SELECT * FROM p WHERE z <= 5.0048828125e-01 AND (((z + 1.6e+01) * 1e+00 + 0e+00) BETWEEN 1.6e+01 AND "
+      "1.65e+01) -- "
+      "low\nLIMIT 3");
   // It passes beside the bounds.
   EXPECT_EQ(rewritten("dist_ray(10,-20,0, 0,0,-1, x,y,z) <= 1"),
             "SELECT * FROM p WHERE 1 = 0 AND (sqrt(((y + 2e+01) * -1e+00) * ((y + 2e+01) * -1e+00) + ((x - "

@@ -107,7 +107,7 @@ Command add_sql_rewrite(const Options& sql) {
       "bounds of all points of the table, in the unit of the CRS, inclusive: a cloud that states them, or "
       "numbers; without them no conditions on boxes are added",
       command->bounds);
-  rewrite.count("--boxes", "N", "most boxes along a ray, 1 to 64 (default: 16)", command->options.box_count,
+  rewrite.count("--boxes", "N", "most boxes along a ray, 1 to 64 (default: 8)", command->options.box_count,
                 1, 64);
   add_verbosity(rewrite, command->verbosity);
   return {rewrite, [command, statement](const CommandLine&) { return run(*command, statement.given()); }};
