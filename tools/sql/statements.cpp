@@ -6,6 +6,7 @@
 #include <cstdlib>
 #include <filesystem>
 #include <fstream>
+#include <iostream>
 #include <iterator>
 #include <optional>
 #include <string_view>
@@ -208,7 +209,10 @@ SqlParameter parse_sql_parameter(const std::string& text) {
 std::string read_sql(const std::filesystem::path& file) {
   if (file != "-" && std::filesystem::is_directory(file))
     throw Error({.file = file.string(), .problem = "cannot read the file", .found = "a folder"});
-  std::ifstream stream(file == "-" ? "/dev/stdin" : file, std::ios::binary);
+  std::ifstream opened;
+  if (file != "-") opened.open(file, std::ios::binary);
+  // /dev/stdin cannot be opened where standard input is a socket, as Node makes it for its children.
+  std::istream& stream = file == "-" ? std::cin : opened;
   std::string text{std::istreambuf_iterator<char>(stream), std::istreambuf_iterator<char>()};
   if (!stream) throw file_error(file, "cannot read the file");
   if (const std::size_t nul = text.find('\0'); nul != std::string::npos) {
