@@ -62,12 +62,14 @@ def figure_5_table(results):
     rows = []
     for n in [10**6, 10**7, 10**8]:
         for question, parameters in [("nearest", ["1", "8", "64", "256"]), ("radius", ["0.001", "0.003", "0.01", "0.03"]),
+                                     ("interval", ["0.000001", "0.00001", "0.0001", "0.001"]),
                                      ("closest_1", ["0.001", "0.003", "0.01", "0.03"])]:
             names = [f"uniform/{question}/{parameter}/{n}" for parameter in parameters]
             times = [results.microseconds_per_query(name) for name in names]
             if None in times:
                 continue
-            word = {"nearest": "k nearest, k =", "radius": "all within r =", "closest_1": "closest within r ="}[question]
+            word = {"nearest": "k nearest, k =", "radius": "all within r =", "interval": "all in a time range of",
+                    "closest_1": "closest within r ="}[question]
             found = [number(results.median(name, "found")) for name in names]
             rows.append([points_word(n), f"{word} {', '.join(parameters)}", ", ".join(map(number, times)), ", ".join(found)])
     return table(["points", "question", "us per ray", "points found"], rows)

@@ -74,6 +74,14 @@ void ask_uniform(benchmark::State& state, std::int64_t points, const RayQuery& q
   find_each(state, uniform_octree(points), uniform_rays(k_uniform_rays), query);
 }
 
+/// All points between two planes across the ray.
+void ask_interval(benchmark::State& state, std::int64_t points, double width) {
+  constexpr double k_begin = 0.3;
+  std::vector<Ray> rays = uniform_rays(k_uniform_rays);
+  for (Ray& ray : rays) ray = make_ray(ray.origin, ray.direction, k_begin, k_begin + width);
+  find_each(state, uniform_octree(points), rays, {.measure = Measure::t});
+}
+
 void ask_site(benchmark::State& state, std::int64_t points, std::size_t k) {
   const BenchSite& site = bench_site(static_cast<std::size_t>(points));
   find_each(state, site.octree, site_rays(site), {.measure = Measure::distance, .k = k});
@@ -112,6 +120,8 @@ void register_ray_questions() {
       const RayQuery query{.measure = Measure::distance, .k = k};
       add_benchmark(1, {"uniform", "nearest", std::to_string(k), count}, ask_uniform, points, query);
     }
+    for (const char* width : {"0.000001", "0.00001", "0.0001", "0.001"})
+      add_benchmark(1, {"uniform", "interval", width, count}, ask_interval, points, std::stod(width));
     for (const char* radius : {"0.0003", "0.001", "0.003", "0.01", "0.03"}) {
       RayQuery query{.radius = std::stod(radius), .measure = Measure::t};
       add_benchmark(1, {"uniform", "radius", radius, count}, ask_uniform, points, query);
