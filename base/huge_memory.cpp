@@ -24,18 +24,56 @@ std::size_t whole_pages(std::size_t byte_count) {
   return (byte_count + k_huge_page - 1) / k_huge_page * k_huge_page;
 }
 
-/// Bytes that are available without swapping; empty where /proc does not report them.
-std::optional<std::uint64_t> available_memory() {
-  constexpr std::uint64_t k_kibibyte = 1024;
-  std::ifstream file("/proc/meminfo");
+constexpr std::uint64_t k_kibibyte = 1024;
+
+/// The number behind a key such as "MemAvailable:" of a file of the system.
+std::optional<std::uint64_t> number_in(const std::string& file, const std::string& wanted) {
+  std::ifstream stream(file);
   std::string key, unit;
-  for (std::uint64_t value = 0; file >> key >> value; std::getline(file, unit)) {
-    if (key == "MemAvailable:") return k_kibibyte * value;
+  for (std::uint64_t value = 0; stream >> key >> value; std::getline(stream, unit)) {
+    if (key == wanted) return value;
+  }
+  return std::nullopt;
+}
+
+/// What the control group of this process may still take, as containers and batch systems limit it; empty
+/// without a limit. Pages of files that nobody needed for a while count as free.
+std::optional<std::uint64_t> left_in_group(const std::string& folder, const char* limit_name,
+                                           const char* usage_name, const char* free_key) {
+  std::uint64_t limit = 0, usage = 0;
+  if (!(std::ifstream(folder + limit_name) >> limit) || !(std::ifstream(folder + usage_name) >> usage))
+    return std::nullopt;
+  usage -= std::min(usage, number_in(folder + "/memory.stat", free_key).value_or(0));
+  return limit - std::min(limit, usage);
+}
+
+std::optional<std::uint64_t> left_in_group() {
+  std::ifstream groups("/proc/self/cgroup");
+  for (std::string line; std::getline(groups, line);) {
+    // "4:memory:/path" of version 1, "0::/path" of version 2
+    const std::size_t first = line.find(':'), second = line.find(':', first + 1);
+    if (second == std::string::npos) continue;
+    const std::string controllers = line.substr(first + 1, second - first - 1),
+                      path = line.substr(second + 1);
+    const auto left =
+        controllers.empty()
+            ? left_in_group("/sys/fs/cgroup" + path, "/memory.max", "/memory.current", "inactive_file")
+        : controllers == "memory" ? left_in_group("/sys/fs/cgroup/memory" + path, "/memory.limit_in_bytes",
+                                                  "/memory.usage_in_bytes", "total_inactive_file")
+                                  : std::nullopt;
+    if (left) return left;
   }
   return std::nullopt;
 }
 
 }  // namespace
+
+std::optional<std::uint64_t> available_memory() {
+  const std::optional<std::uint64_t> of_machine = number_in("/proc/meminfo", "MemAvailable:");
+  const std::optional<std::uint64_t> of_group = left_in_group();
+  if (!of_machine) return of_group;
+  return std::min(*of_machine * k_kibibyte, of_group.value_or(std::numeric_limits<std::uint64_t>::max()));
+}
 
 void check_memory(std::uint64_t bytes, const char* what) {
   constexpr double k_gigabyte = 1e9;

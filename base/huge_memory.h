@@ -12,6 +12,10 @@
 
 namespace alidade {
 
+/// Bytes that are free without swapping, of the machine and of the control group that limits this process; empty where
+/// the system does not report them.
+std::optional<std::uint64_t> available_memory();
+
 /// Lets a large task fail before it starts. Errors: this many bytes are more than the machine can give at the
 /// moment; `what` they are for is named. Without an answer from the system, nothing is rejected.
 void check_memory(std::uint64_t bytes, const char* what);

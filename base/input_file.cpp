@@ -185,9 +185,17 @@ MappedFile::MappedFile(const InputFile& file) : name_(file.name()) {
   if (size == 0) return;
   void* const map = ::mmap(nullptr, size, PROT_READ, MAP_SHARED, descriptor.number(), 0);
   if (map == MAP_FAILED) throw system_error(name_, "cannot map the file into memory");
+  if (size > available_memory().value_or(size)) ::madvise(map, size, MADV_RANDOM);
   storage_ = std::shared_ptr<const void>(
       map, [size](const void* address) { ::munmap(const_cast<void*>(address), size); });
   bytes_ = {static_cast<const std::byte*>(map), size};
+}
+
+void MappedFile::fetch(std::span<const std::byte> bytes) noexcept {
+  constexpr std::uintptr_t k_page = 4096;
+  const auto begin = reinterpret_cast<std::uintptr_t>(bytes.data()) / k_page * k_page;
+  const auto end = reinterpret_cast<std::uintptr_t>(bytes.data()) + bytes.size();
+  ::madvise(reinterpret_cast<void*>(begin), end - begin, MADV_WILLNEED);
 }
 
 }  // namespace alidade

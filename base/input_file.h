@@ -162,6 +162,9 @@ class ByteCursor {
 /// Whoever makes a mapped file shorter, or pulls out its disk, ends the program that looks at the missing
 /// pages (SIGBUS): no check can rule that out. Replacing the file by renaming, as OutputFile does, leaves
 /// maps as they were.
+///
+/// Of a file larger than available_memory() the system reads single pages: jumps through it would else push out
+/// what is needed by what lies around it. fetch() is for passes.
 class MappedFile {
  public:
   /// Maps the file that `file` names; a file in memory is copied, and so is a remote one. Cost: constant for a file on disk. Errors:
@@ -174,6 +177,9 @@ class MappedFile {
   std::span<const std::byte> bytes() const { return bytes_; }
   /// What keeps the bytes alive.
   const std::shared_ptr<const void>& storage() const { return storage_; }
+
+  /// Asks the system to begin reading some bytes of a map at once.
+  static void fetch(std::span<const std::byte> bytes) noexcept;
 
  private:
   std::string name_;

@@ -60,6 +60,9 @@ void IndexSections::check(IndexSection kind, const Progress& progress, const Loo
   const std::span<const std::uint64_t> stored = stored_checksums(kind);
   for (std::uint64_t begin = 0; begin < stored.size(); begin += k_blocks_per_report) {
     const std::uint64_t end = std::min<std::uint64_t>(begin + k_blocks_per_report, stored.size());
+    MappedFile::fetch(
+        all.subspan(begin * k_checksum_block,
+                    std::min<std::uint64_t>(end * k_checksum_block, all.size()) - begin * k_checksum_block));
     const auto check_block = [&](std::uint64_t block) {
       const std::span<const std::byte> part = checksum_block(all, static_cast<std::size_t>(block));
       const std::uint64_t byte = block * k_checksum_block;
