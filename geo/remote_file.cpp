@@ -2,6 +2,7 @@
 #include "geo/remote_file.h"
 
 #include <cpl_conv.h>
+#include <cpl_json.h>
 #include <cpl_vsi.h>
 #include <cpl_vsi_error.h>
 #include <array>
@@ -30,13 +31,14 @@ std::string virtual_name(const std::string& name) {
 
 /// What is not set in the environment.
 void set_defaults() {
-  constexpr std::array<std::pair<const char*, const char*>, 6> k_defaults = {{
+  constexpr std::array<std::pair<const char*, const char*>, 7> k_defaults = {{
       {"GDAL_HTTP_MAX_RETRY", "3"},
       {"GDAL_HTTP_RETRY_DELAY", "1"},
       {"GDAL_HTTP_CONNECTTIMEOUT", "30"},
       {"GDAL_HTTP_LOW_SPEED_TIME", "30"},
       {"GDAL_HTTP_LOW_SPEED_LIMIT", "1"},
       {"CPL_VSIL_CURL_CACHE_SIZE", "67108864"},
+      {"CPL_VSIL_NETWORK_STATS_ENABLED", "YES"},
   }};
   for (const auto& [option, value] : k_defaults)
     if (CPLGetConfigOption(option, nullptr) == nullptr) CPLSetConfigOption(option, value);
@@ -82,6 +84,18 @@ class VirtualFile final : public RemoteFile {
 std::unique_ptr<RemoteFile> open_remote_file(const std::string& name) {
   [[maybe_unused]] static const bool is_set = (set_defaults(), true);
   return std::make_unique<VirtualFile>(name);
+}
+
+RemoteTraffic remote_traffic() {
+  const std::unique_ptr<char, decltype(&VSIFree)> text(VSINetworkStatsGetAsSerializedJSON(nullptr), &VSIFree);
+  CPLJSONDocument document;
+  RemoteTraffic traffic;
+  if (!text || !document.LoadMemory(text.get())) return traffic;
+  for (const CPLJSONObject& method : document.GetRoot().GetObj("methods").GetChildren()) {
+    traffic.requests += static_cast<std::uint64_t>(method.GetLong("count"));
+    traffic.bytes += static_cast<std::uint64_t>(method.GetLong("downloaded_bytes"));
+  }
+  return traffic;
 }
 
 }  // namespace alidade::geo

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
+#include <cstdint>
 #include <memory>
 #include <string>
 
@@ -14,5 +15,12 @@ namespace alidade::geo {
 /// (GDAL_HTTP_*, AWS_*, CPL_VSIL_CURL_*) are taken from the environment. Errors: the file is missing, the server does
 /// not answer, or sends no ranges.
 std::unique_ptr<RemoteFile> open_remote_file(const std::string& name);
+
+/// What this process has fetched from servers so far.
+struct RemoteTraffic {
+  std::uint64_t requests = 0;  ///< also those that were repeated
+  std::uint64_t bytes = 0;     ///< of their contents
+};
+RemoteTraffic remote_traffic();
 
 }  // namespace alidade::geo

@@ -42,6 +42,7 @@ struct ImageModule {
   decltype(&geo::place_sun) place_sun = &geo::place_sun;
   decltype(&geo::describe) describe_sun = &geo::describe;
   decltype(&geo::open_remote_file) open_remote_file = &geo::open_remote_file;
+  decltype(&geo::remote_traffic) remote_traffic = &geo::remote_traffic;
   decltype(&geo::write_raster) write_raster = &geo::write_raster;
   decltype(&geo::is_raster) is_raster = &geo::is_raster;
   decltype(&geo::read_heights) read_heights = &geo::read_heights;

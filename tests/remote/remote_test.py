@@ -58,6 +58,15 @@ class RemoteTest(unittest.TestCase):
         self.assertLess(self.server.sent, 0.7 * size)
         self.assertLess(self.server.requests, 40)
 
+    def test_explain_tells_what_was_fetched(self):
+        self.server.forget()
+        done = subprocess.run([PROGRAM, "query", self.server.address("good", "site.copc.laz"), "--ray",
+                               "690000,5325000,640,0,0,-1", "--radius", "0.5", "--k", "4", "--explain", "-q"],
+                              cwd=self.folder, capture_output=True, text=True, timeout=120, check=True)
+        told = dict(line.rsplit(None, 1) for line in done.stderr.splitlines() if line.startswith("remote "))
+        self.assertEqual(int(told["remote requests"]), self.server.requests)
+        self.assertEqual(int(told["remote bytes"]), self.server.sent)
+
     def test_archives_are_read_in_place(self):
         self.assertEqual(self.query("/vsizip/site.zip/tiles/site.las"), self.query("site.las"))
 

@@ -3,9 +3,11 @@
 
 #include <fmt/format.h>
 #include <unistd.h>
+#include <algorithm>
 
 #include "cloud/rows.h"
 #include "tools/cloud/load_cloud.h"
+#include "tools/image_module.h"
 #include "tools/query/queried_cloud.h"
 #include "tools/query/target_reader.h"
 
@@ -274,6 +276,15 @@ void check_first_targets(const QueryCommand& command) {
   reader.next(k_few, batch);
 }
 
+/// What was fetched from servers, as lines of a table; empty if all files are on this machine.
+std::string traffic_table(const CloudInputs& clouds) {
+  const std::vector<std::filesystem::path> names = clouds.names();
+  if (std::ranges::none_of(names, [](const auto& name) { return is_remote_name(name.string()); })) return "";
+  const geo::RemoteTraffic traffic = image_module().remote_traffic();
+  return fmt::format("{:<22}{:>16}\n{:<22}{:>16}\n", "remote requests", traffic.requests, "remote bytes",
+                     traffic.bytes);
+}
+
 template <class Target>
 ExitCode run_with(const QueryCommand& command) {
   const AnswerForm form = chosen_form(command);
@@ -305,7 +316,7 @@ ExitCode run_with(const QueryCommand& command) {
     table = run_targets(reader, asker, command, *output);
     if (queried.part) table += part_table(*queried.part);
   }
-  if (command.explain) write_to_stderr(table);
+  if (command.explain) write_to_stderr(table + traffic_table(command.files));
   return ExitCode::done;
 }
 
