@@ -1,9 +1,9 @@
 #!/usr/bin/python3
 # SPDX-License-Identifier: MIT
-"""run_benchmarks.py BUILD RESULTS [--full]: runs all benchmarks that fit this machine and keeps what they print.
+"""run_benchmarks.py BUILD RESULTS [--full|--paper]: runs all benchmarks that fit this machine and keeps what they print.
 
 Each size is a process of its own; its repetitions are interleaved. Beside Google Benchmark's JSON stands in runs.json
-how much other programs worked meanwhile. --full adds 50 and 100 million points."""
+how much other programs worked meanwhile. --full adds 50 and 100 million points; --paper is for what the paper measured alone."""
 
 import argparse
 import json
@@ -32,6 +32,13 @@ def busy_seconds():
     with open("/proc/stat") as lines:
         user, nice, system, _idle, _wait, irq, soft = map(int, lines.readline().split()[1:8])
     return (user + nice + system + irq + soft) / os.sysconf("SC_CLK_TCK")
+
+
+def paper_runs():
+    """As all_runs()."""
+    for n in [10**6, 10**7, 10**8]:
+        yield f"uniform_{n}", "octree_bench", f"^uniform/.*/{n}/", 3, n * BYTES_PER_POINT_OF_UNIFORM
+    yield "points_100000", "point_bench", "^points/.*/100000/", 15, 10**5 * BYTES_PER_POINT_OF_POINTS
 
 
 def all_runs(full):
@@ -80,20 +87,22 @@ def arguments():
     parser.add_argument("build", type=Path, help="build folder, configured with ALIDADE_BUILD_BENCHMARKS=ON")
     parser.add_argument("results", type=Path, help="folder for the figures; those of an earlier run are removed")
     parser.add_argument("--full", action="store_true", help="also 50 and 100 million points")
+    parser.add_argument("--paper", action="store_true", help="only what the paper measured: points, and random rays")
     given = parser.parse_args()
-    for program in ("octree_bench", "point_bench", "python_bench", "laz_bench", "database_bench"):
+    runs = list(paper_runs() if given.paper else all_runs(given.full))
+    for program in sorted({run[1] for run in runs}):
         if not (given.build / "tests/bench" / program).is_file():
             parser.error(f"{given.build}: has no tests/bench/{program}")
-    return given.build, given.results, given.full
+    return given.build, given.results, runs
 
 
 def main():
-    build, results, full = arguments()
+    build, results, wanted = arguments()
     results.mkdir(parents=True, exist_ok=True)
     for old in results.glob("*.json"):
         old.unlink()
     runs = {}
-    for name, program, pattern, repetitions, needed in all_runs(full):
+    for name, program, pattern, repetitions, needed in wanted:
         if needed > available_memory():
             print(f"bench: {name} is left out: it needs {needed / 1e9:.0f} GB of free memory", flush=True)
             continue

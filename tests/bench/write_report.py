@@ -114,4 +114,5 @@ def main():
     print(f"bench: wrote {document}")
 
 
-main()
+if __name__ == "__main__":
+    main()
