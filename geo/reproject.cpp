@@ -118,6 +118,20 @@ Crs crs_of_text(const std::string& text) {
   return crs;
 }
 
+std::string projjson_of(const Crs& crs) {
+  const QuietGdal quiet;
+  const std::string wkt = wkt_of(crs);
+  const GdalReference reference(OSRNewSpatialReference(nullptr));
+  char* text = const_cast<char*>(wkt.c_str());
+  if (wkt.empty() || OSRImportFromWkt(reference.get(), &text) != OGRERR_NONE) return "";
+  const char* const options[] = {"MULTILINE=NO", nullptr};
+  char* json = nullptr;
+  const bool is_exported = OSRExportToPROJJSON(reference.get(), &json, options) == OGRERR_NONE;
+  const std::string kept = is_exported && json != nullptr ? json : "";
+  CPLFree(json);
+  return kept;
+}
+
 ReferenceChange change_reference(const ReferenceRequest& request, const std::filesystem::path& file,
                                  const FileFacts& facts) {
   const QuietGdal quiet;

@@ -34,6 +34,10 @@ std::string metric_system(const Crs& crs, const glm::dvec3& position, const std:
 /// The system in which GDAL understands a text, as WKT. Errors: it does not.
 Crs crs_of_text(const std::string& text);
 
+/// A system as PROJJSON, in one line; empty if GDAL does not understand it. That is no error, since files may
+/// say anything.
+std::string projjson_of(const Crs& crs);
+
 /// "GDAL 3.6.2, PROJ 9.1.1": what reads and writes maps, and transforms between systems.
 std::string library_versions();
 
