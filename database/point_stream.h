@@ -145,6 +145,7 @@ EncodedChunks encode(const ChunkEncoding& encoding, const PickedPoints& points);
 struct StoredFiles {
   std::uint64_t point_count = 0;
   std::vector<std::string> warnings;  ///< PointCloud::warnings
+  std::vector<CloudFile> files;       ///< likewise
 };
 
 /// A cloud along the Morton curve, on its way into a database.
@@ -158,7 +159,9 @@ struct OrderedCloud {
   /// stored_columns() of those that some piece had.
   std::vector<StoredColumn> columns() const;
   ChunkEncoding encoding(std::uint32_t chunk_points) const;
-  StoredFiles stored() && { return {points.size(), std::move(whole.rest.warnings)}; }
+  StoredFiles stored() && {
+    return {points.size(), std::move(whole.rest.warnings), std::move(whole.rest.files)};
+  }
 
   PointStream points;
   PiecewiseCloud whole;

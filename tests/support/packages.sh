@@ -7,7 +7,7 @@ build_packages=(
   libopenimageio-dev openimageio-tools libopenexr-dev libgdal-dev libnova-dev  # pictures
   libfreetype-dev fonts-dejavu-core                # legends
   nlohmann-json3-dev libcli11-dev libedit2         # the program
-  libsqlite3-dev libpq-dev                         # databases
+  libsqlite3-dev libpq-dev libzstd-dev             # databases
   pybind11-dev python3-dev python3-numpy           # the module for Python
   libgtest-dev                                     # tests
 )
