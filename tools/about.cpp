@@ -32,6 +32,7 @@ constexpr FormatFacts k_formats[] = {
     {"Alidade index", ".alidade", "2", "read, write", "octree and attributes, mapped from disk"},
     {"SQLite", "site.db?table=NAME", "3", "read, write", "alidade sql load; chunks are read as needed"},
     {"PostgreSQL", "postgresql://...", "", "read, write", "alidade sql load; extension alidade_pg prunes"},
+    {"Parquet", ".parquet", "", "write", "for DuckDB, DataFusion, ...; --geometry adds GeoParquet 1.1"},
     {"Elevation raster", ".tif, ...", "", "read, write", "all that GDAL reads; GeoTIFF is written"},
     {"Images", ".png, .jpg, .exr, .tif", "", "read, write", "all that OpenImageIO reads"},
     {"Mesh", ".ply, .obj", "", "read", "triangles beside the cloud (--mesh)"},

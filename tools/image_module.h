@@ -50,6 +50,7 @@ struct ImageModule {
   decltype(&geo::read_polygons) read_polygons = &geo::read_polygons;
   decltype(&geo::lon_lat) lon_lat = &geo::lon_lat;
   decltype(&geo::change_reference) change_reference = &geo::change_reference;
+  decltype(&geo::projjson_of) projjson_of = &geo::projjson_of;
   decltype(&geo::metric_system) metric_system = &geo::metric_system;
   decltype(static_cast<std::optional<double> (*)(const Crs&)>(&geo::metres_per_unit)) metres_per_unit =
       &geo::metres_per_unit;

@@ -16,11 +16,13 @@
 #include "cloud/scratch_cloud.h"
 #include "cloud/select_points.h"
 #include "cloud/text/write_text.h"
+#include "database/parquet/write_parquet.h"
 #include "octree/build.h"
 #include "octree/point_surface.h"
 #include "tools/cloud/index.h"
 #include "tools/cloud/load_cloud.h"
 #include "tools/command.h"
+#include "tools/image_module.h"
 #include "tools/view_options.h"
 
 namespace alidade::tools {
@@ -32,9 +34,15 @@ struct ConvertCommand : CloudRequest {
   std::optional<double> spacing;
   ColorDepth color_depth = ColorDepth::automatic;
   bool normals = false;
+  bool geometry = false;
+  std::uint32_t group_points = 65536;
   bool overwrite = false;
   std::size_t memory = std::size_t{4} << 30;
 };
+
+bool is_parquet_name(const std::filesystem::path& name) {
+  return has_extension(name, {".parquet"});
+}
 
 /// Leaves the points that were asked for.
 void choose_points(PointCloud& cloud, const ConvertCommand& command) {
@@ -68,6 +76,15 @@ void add_normals(PointCloud& cloud, Verbosity verbosity) {
   });
 }
 
+database::ParquetOptions parquet_options(const ConvertCommand& command, const Progress& progress) {
+  return {.group_points = command.group_points,
+          .geometry = command.geometry,
+          .overwrite = command.overwrite,
+          .memory = command.memory,
+          .projjson = [](const Crs& crs) { return image_module().projjson_of(crs); },
+          .progress = progress};
+}
+
 void write(const ConvertCommand& command, PointCloud& cloud) {
   if (has_extension(command.output, {".alidade"}))
     return write_index(command.output, cloud, {.overwrite = command.overwrite}, command.verbosity);
@@ -79,15 +96,21 @@ void write(const ConvertCommand& command, PointCloud& cloud) {
                  {.coordinates_alone = has_extension(command.output, {".xyz"}),
                   .overwrite = command.overwrite,
                   .progress = progress});
+    else if (is_parquet_name(command.output))
+      database::write_parquet(command.output, cloud, parquet_options(command, progress));
     else
       write_las(command.output, cloud, {.overwrite = command.overwrite, .progress = progress});
   });
 }
 
+/// Whether the user wants other points than those that are selected while reading.
+bool chooses_points(const ConvertCommand& command) {
+  return command.every > 1 || command.spacing.has_value() || command.normals;
+}
+
 /// Whether nothing changes but how the points of one LAS file are packed.
 bool only_packing_changes(const ConvertCommand& command) {
-  const bool chooses = command.files.inputs.front().is_changed() || command.every > 1 ||
-                       command.spacing.has_value() || command.normals;
+  const bool chooses = command.files.inputs.front().is_changed() || chooses_points(command);
   return has_extension(command.output, {".las", ".laz"}) && !is_copc_name(command.output) &&
          command.files.size() == 1 && !chooses && command.color_depth == ColorDepth::automatic &&
          !command.partial && can_repack(command.files.first_name());
@@ -115,8 +138,7 @@ void say_written(const ConvertCommand& command, std::uint64_t count, std::uint64
 
 /// Whether points need not be in memory at once, and are too many for it.
 bool is_large(const ConvertCommand& command) {
-  const bool chooses = command.every > 1 || command.spacing.has_value() || command.normals;
-  return !chooses && has_extension(command.output, {".las", ".laz", ".ply"}) &&
+  return !chooses_points(command) && has_extension(command.output, {".las", ".laz", ".ply"}) &&
          stated_size(command.files).bytes() > command.memory;
 }
 
@@ -153,12 +175,26 @@ ExitCode convert_large(const ConvertCommand& command) {
   return ExitCode::done;
 }
 
+/// Points of a cloud that memory need not hold, since they are sorted in any case.
+ExitCode convert_to_parquet(const ConvertCommand& command) {
+  const database::StoredFiles stored = store_shown(
+      command, command.color_depth, "writing", [&](const ReadOptions& reading, const Progress& progress) {
+        return database::write_parquet(command.output, command.files, reading,
+                                       parquet_options(command, progress));
+      });
+  say_written(command, stored.point_count, stored.point_count, stored.files);
+  return ExitCode::done;
+}
+
 ExitCode run(const ConvertCommand& command) {
-  if (!has_extension(command.output, {".las", ".laz", ".ply", ".csv", ".xyz", ".alidade"}))
+  if (!has_extension(command.output, {".las", ".laz", ".ply", ".csv", ".xyz", ".alidade", ".parquet"}))
     throw file_error(command.output, "unknown output format",
-                     "the extension .las, .laz, .copc.laz, .ply, .csv, .xyz or .alidade");
+                     "the extension .las, .laz, .copc.laz, .ply, .csv, .xyz, .alidade or .parquet");
+  if (command.geometry && !is_parquet_name(command.output))
+    throw file_error(command.output, "--geometry does not apply to this format", "the extension .parquet");
   check_writable(command.output, command.overwrite, command.files.names());
   if (only_packing_changes(command)) return repack(command);
+  if (is_parquet_name(command.output) && !chooses_points(command)) return convert_to_parquet(command);
   if (is_large(command)) return convert_large(command);
   PointCloud cloud = read_shown(command, {.color_depth = command.color_depth});
   const std::size_t before = cloud.size();
@@ -177,7 +213,7 @@ Command add_convert(const Options& program) {
   const Options convert = program.command("convert", "Convert, join, crop and thin clouds");
   add_cloud_files(convert.required(), "files", "FILE...", k_files_help + ", or index files" + k_database_help,
                   command->files, add_view_options(convert));
-  convert.required().file("-o,--output", "FILE.las|.laz|.copc.laz|.ply|.csv|.xyz|.alidade",
+  convert.required().file("-o,--output", "FILE.las|.laz|.copc.laz|.ply|.csv|.xyz|.alidade|.parquet",
                           "output file; the extension selects the format", command->output);
   convert.count("--every", "N", "keep the first point and every N-th after it", command->every, 1,
                 UINT64_MAX);
@@ -191,6 +227,11 @@ Command add_convert(const Options& program) {
       "give the points normals, of the planes through their neighbours: towards the nearest scanner where "
       "the file has scanner positions (E57, PTX, PCD), else upwards; zero for points without a surface",
       command->normals);
+  convert.flag("--geometry",
+               "Parquet: also write a column of WKB points and the metadata of GeoParquet 1.1, for GIS",
+               command->geometry);
+  convert.count("--group-points", "N", "Parquet: points per row group, 1024 to 1048576 (default: 65536)",
+                command->group_points, 1024, 1048576);
   convert.choice("--color-depth",
                  "bits in use of LAS colours (default: 8 if none exceeds 255); the output has 16",
                  command->color_depth, {{"8", ColorDepth::bits_8}, {"16", ColorDepth::bits_16}});

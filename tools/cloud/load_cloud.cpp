@@ -38,6 +38,27 @@ IndexedCloud load_shown(const CloudRequest& request, IndexCloudOptions options) 
   return cloud;
 }
 
+database::StoredFiles store_shown(
+    const RunRequest& request, ColorDepth color_depth, const std::string& storing,
+    const std::function<database::StoredFiles(const ReadOptions& reading, const Progress& storing)>& work) {
+  ProgressLine read_line("reading", "B", request.verbosity);
+  std::optional<ProgressLine> store_line;
+  Progress store_progress;
+  const ReadOptions reading{
+      .color_depth = color_depth, .partial = request.partial, .progress = read_line.callback()};
+  database::StoredFiles stored = work(reading, [&](std::uint64_t done, std::uint64_t total) {
+    if (!store_line) {
+      read_line.finish();
+      store_line.emplace(storing, "points", request.verbosity);
+      store_progress = store_line->callback();
+    }
+    return store_progress(done, total);
+  });
+  if (store_line) store_line->finish();
+  say_warnings(request.verbosity, stored.warnings);
+  return stored;
+}
+
 Octree with_spacings_shown(const Octree& octree, int neighbours, Verbosity verbosity) {
   return with_progress("measuring spacings", "points", verbosity,
                        [&](const Progress& progress) { return with_spacings(octree, neighbours, progress); });

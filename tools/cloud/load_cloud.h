@@ -1,12 +1,15 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
+#include <functional>
 #include <span>
+#include <string>
 
 #include "base/progress.h"
 #include "cloud/cloud_inputs.h"
 #include "cloud/read_cloud.h"
 #include "database/point_filter.h"
+#include "database/point_stream.h"
 #include "octree/index_file/index_file.h"
 #include "tools/options.h"
 
@@ -19,6 +22,12 @@ CloudFormats cloud_formats();
 /// said. Of the options all but `partial` and `progress` count.
 PointCloud read_shown(const CloudRequest& request, ReadOptions options);
 IndexedCloud load_shown(const CloudRequest& request, IndexCloudOptions options);
+
+/// Does `work`, which reads files and then stores points, with a progress line for each; prints its warnings.
+/// `storing` is what the second line says.
+database::StoredFiles store_shown(
+    const RunRequest& request, ColorDepth color_depth, const std::string& storing,
+    const std::function<database::StoredFiles(const ReadOptions& reading, const Progress& storing)>& work);
 
 /// with_spacings() and with_surfaces(), with progress.
 Octree with_spacings_shown(const Octree& octree, int neighbours, Verbosity verbosity);

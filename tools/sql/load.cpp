@@ -32,29 +32,6 @@ void add_load_options(const Options& command, LoadOptions& options) {
   add_run_options(command, options);
 }
 
-/// Does `work`, which reads files and then stores points, with a progress line for each; prints its warnings.
-/// `storing` is what the second line says. Returns how many points there were.
-std::uint64_t load_with_progress(
-    const LoadOptions& options, const std::string& storing,
-    const std::function<database::StoredFiles(const ReadOptions& reading, const Progress& storing)>& work) {
-  ProgressLine read_line("reading", "B", options.verbosity);
-  std::optional<ProgressLine> store_line;
-  Progress store_progress;
-  const ReadOptions reading{
-      .color_depth = options.color_depth, .partial = options.partial, .progress = read_line.callback()};
-  const database::StoredFiles stored = work(reading, [&](std::uint64_t done, std::uint64_t total) {
-    if (!store_line) {
-      read_line.finish();
-      store_line.emplace(storing, "points", options.verbosity);
-      store_progress = store_line->callback();
-    }
-    return store_progress(done, total);
-  });
-  if (store_line) store_line->finish();
-  say_warnings(options.verbosity, stored.warnings);
-  return stored.point_count;
-}
-
 struct LoadCommand : LoadOptions {
   std::vector<std::filesystem::path> files;  ///< the last one is the database
   std::shared_ptr<ViewRequest> view;
@@ -63,8 +40,8 @@ struct LoadCommand : LoadOptions {
 
 /// Who forgot the database has named a cloud there.
 void check_name(const std::filesystem::path& database) {
-  constexpr const char* k_clouds[] = {".las", ".laz", ".ply", ".pcd", ".e57",
-                                      ".pts", ".ptx", ".xyz", ".csv", ".alidade"};
+  constexpr const char* k_clouds[] = {".las", ".laz", ".ply", ".pcd",     ".e57",    ".pts",
+                                      ".ptx", ".xyz", ".csv", ".alidade", ".parquet"};
   const std::string extension = file_extension(database);
   if (std::ranges::find(k_clouds, extension) == std::end(k_clouds)) return;
   throw file_error(database, "the database name is that of a cloud file",
@@ -97,16 +74,16 @@ ExitCode run(const LoadCommand& command) {
     // A database that is there stays: what may be replaced is a table in it.
     check_writable(database, true, files.names());
   }
-  const std::uint64_t count =
-      load_with_progress(command, "storing", [&](const ReadOptions& reading, const Progress& storing) {
-        if (server)
-          return database::store_on_server(*server, files, reading,
-                                           {command.store.replace, command.memory, storing});
-        database::StoreOptions options = command.store;
-        options.memory = command.memory;
-        options.progress = storing;
-        return database::store_files(database, files, reading, options);
-      });
+  const auto work = [&](const ReadOptions& reading, const Progress& storing) {
+    if (server)
+      return database::store_on_server(*server, files, reading,
+                                       {command.store.replace, command.memory, storing});
+    database::StoreOptions options = command.store;
+    options.memory = command.memory;
+    options.progress = storing;
+    return database::store_files(database, files, reading, options);
+  };
+  const std::uint64_t count = store_shown(command, command.color_depth, "storing", work).point_count;
   const std::string location =
       server ? server->shown() : fmt::format("table {} of {}", command.store.table, database.string());
   say_note(command.verbosity, fmt::format("stored {} points as {}", count, location));
@@ -121,12 +98,12 @@ struct ShardPlanCommand : LoadOptions {
 };
 
 ExitCode run(const ShardPlanCommand& command) {
-  const std::uint64_t count =
-      load_with_progress(command, "writing", [&](const ReadOptions& reading, const Progress& writing) {
-        return database::write_shard_plan(
-            command.output, command.files, reading, command.shards,
-            {.table = command.table, .memory = command.memory, .progress = writing});
-      });
+  const auto work = [&](const ReadOptions& reading, const Progress& writing) {
+    return database::write_shard_plan(
+        command.output, command.files, reading, command.shards,
+        {.table = command.table, .memory = command.memory, .progress = writing});
+  };
+  const std::uint64_t count = store_shown(command, command.color_depth, "writing", work).point_count;
   say_note(command.verbosity, fmt::format("planned {} points for {} shards in {}; {} lists the commands",
                                           count, command.shards.size(), command.output.string(),
                                           (command.output / "README.txt").string()));
