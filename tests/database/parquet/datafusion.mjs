@@ -21,10 +21,11 @@ const stream = (bytes) =>
     },
   });
 
-function answer(request, content) {
+function answer(request, content, reads) {
   const about = { 'last-modified': 'Mon, 01 Jan 2024 00:00:00 GMT', etag: '"a"' };
   const range = request.headers.get('range')?.match(/bytes=(\d+)-(\d+)/);
   const [begin, end] = range ? [Number(range[1]), Number(range[2]) + 1] : [0, content.length];
+  if (request.method !== 'HEAD') reads.push([begin, end]);
   const bytes = request.method === 'HEAD' ? [] : content.subarray(begin, end);
   const response = new Response(stream(bytes), {
     status: range ? 206 : 200,
@@ -33,14 +34,16 @@ function answer(request, content) {
   return Object.defineProperty(response, 'url', { value: request.url });
 }
 
-/// The table `p` of a file. `query(statement)`: its rows as texts.
+/// The table `p` of a file. `query(statement)`: its rows as texts. `reads`: ranges of bytes that were read, [first, end).
 export async function dataFusion(file) {
   const content = fs.readFileSync(file);
-  globalThis.fetch = async (request) => answer(request, content);
+  const reads = [];
+  globalThis.fetch = async (request) => answer(request, content, reads);
   const context = glue.DataFusionContext.new();
   context.set_s3_config('/', 'b', 'us-east-1', 'k', 's');
   await context.execute_sql(`create external table p stored as parquet location 's3://b/p.parquet'`);
   return {
+    reads,
     async query(statement) {
       const lines = (await context.execute_sql(statement)).split('\n').filter((line) => line.startsWith('|'));
       return lines.slice(1).map((line) => line.slice(1, -1).split('|').map((cell) => cell.trim()));

@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: MIT
 # parquet_test.sh PROGRAM FOLDER [DATA]: what `alidade convert` writes as Parquet, read by hyparquet, DuckDB and DataFusion, has
-# the values that `alidade sql` gives. FOLDER keeps these readers, which come from npm. DATA: a folder of real clouds. Left out
+# the values that `alidade sql` gives, and statements their answers. FOLDER keeps these readers, which come from npm. DATA: a folder of real clouds. Left out
 # (code 77) where Node or the readers cannot be had.
 set -euo pipefail
 program=$(readlink -f -- "$1")
@@ -67,4 +67,10 @@ else
   echo "left out: no folder of real clouds"
 fi
 node "$readers/compare.mjs" "${written[@]}"
+# The paper's statements, which `alidade sql rewrite` writes for other engines.
+"$program" generate courtyard --points 20000 --seed 3 -o site.las -q
+"$program" sql load site.las site.db -q
+"$program" convert site.las -o site.parquet --group-points 1024 -q
+for form in rows sums; do "$here/../random_statements.py" "$form" 200 >"$form.sql"; done
+node "$readers/statements.mjs" "$program" site.las site.db site.parquet rows.sql sums.sql
 echo "all files are read alike"

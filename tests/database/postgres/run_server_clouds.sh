@@ -3,6 +3,7 @@
 # Tables of a server of its own as clouds: run_server_clouds.sh EXTENSION_FOLDER PG_CONFIG PROGRAM
 set -euo pipefail
 extension=$(realpath -- "$1") program=$(realpath -- "$3")
+statements=$(realpath -- "$(dirname -- "$0")/../random_statements.py")
 cd -- "$(dirname -- "$0")"
 source private_cluster.sh
 source expect.sh
@@ -59,6 +60,12 @@ many=()
 for i in {1..70}; do many+=(--point "$((689960 + i)),5325000,600"); done
 expect 'more targets than conditions' "$("$program" query yard.las "${many[@]}" --radius 2 -q)" \
   "$("$program" query "$(table points)" "${many[@]}" --radius 2 -q)"
+# The paper's statements have the answers that SQLite gives.
+"$program" sql load yard.las yard.db -q
+"$statements" sums 200 >sums.sql
+rounded() { awk -F, '{ for (i = 1; i <= NF; ++i) printf "%s ", $i == "" ? "" : sprintf("%.12g", $i); print "" }'; }
+expect 'random statements' "$("$program" sql yard.db --csv -f sums.sql | grep -v '^n,' | rounded)" \
+  "$(psql -X -A -t -q -F, "$(cluster_of one)" -v ON_ERROR_STOP=1 -f sums.sql 2>&1 | rounded)"
 cat >camera.json <<'TEXT'
 {"version": 1, "model": "pinhole", "width": 60, "height": 40, "intrinsics": {"horizontal_fov": 40},
  "pose": {"look_at": {"eye": [689975, 5324975, 603], "target": [689985, 5324985, 601]}}}
