@@ -276,16 +276,15 @@ OrderedCloud::OrderedCloud(const std::filesystem::path& folder, const PointCloud
 }
 
 std::vector<StoredColumn> OrderedCloud::columns() const {
-  PointCloud cloud;
+  std::vector<ExtraDimension> dimensions;
   for (const ExtraDimension& dimension : whole.rest.extra_dimensions)
-    cloud.extra_dimensions.push_back(description_of(dimension));
+    dimensions.push_back(description_of(dimension));
   AttributeSet attributes;
   for (const ValueBlob& blob : points.blobs()) {
     if (blob.number < ValueBlob::number_of(Attribute::extra_dimensions))
       attributes.bits |= std::uint32_t{1} << blob.number;
   }
-  append_rows(cloud, attributes, 1);
-  return stored_columns(cloud);
+  return stored_columns(attributes, std::move(dimensions));
 }
 
 ChunkEncoding OrderedCloud::encoding(std::uint32_t chunk_points) const {

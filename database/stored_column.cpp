@@ -11,6 +11,7 @@
 
 #include "base/words.h"
 #include "cloud/point_table.h"
+#include "cloud/rows.h"
 
 namespace alidade::database {
 namespace {
@@ -140,6 +141,13 @@ std::vector<StoredColumn> stored_columns(const PointCloud& cloud) {
                        .no_data = dimension.no_data});
   }
   return columns;
+}
+
+std::vector<StoredColumn> stored_columns(AttributeSet attributes, std::vector<ExtraDimension> dimensions) {
+  PointCloud cloud;
+  cloud.extra_dimensions = std::move(dimensions);
+  append_rows(cloud, attributes, 1);
+  return stored_columns(cloud);
 }
 
 ColumnValue stored_value(const StoredColumn& column, const std::byte* at) {

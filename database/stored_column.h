@@ -41,6 +41,8 @@ AttributeParts attribute_parts(Attribute attribute);
 /// one or from one of PostgreSQL's own gets a number behind it; of long ones, 63 bytes are kept, as
 /// PostgreSQL does; control characters and what is no UTF-8 become '_'.
 std::vector<StoredColumn> stored_columns(const PointCloud& cloud);
+/// The same of a cloud with these attributes and extra dimensions.
+std::vector<StoredColumn> stored_columns(AttributeSet attributes, std::vector<ExtraDimension> dimensions);
 
 /// What SQL sees of a number in a blob: nothing (NULL) where it is the mark for no value; a whole number, the
 /// second kind for those beyond the first; a real number, as all of a column with scale or offset are; bytes.

@@ -11,6 +11,7 @@
 
 #include "base/bounds.h"
 #include "database/point_filter.h"
+#include "database/sqlite/chunk_source.h"
 #include "database/sqlite/cloud_schema.h"
 #include "database/sqlite/connection.h"
 
@@ -24,12 +25,6 @@ namespace alidade::database {
 
 /// Writes the pages for the boxes of all chunks, in the order of their ids, into a table (id, boxes).
 void write_box_tree(sqlite3* database, const std::string& table_name, std::vector<Bounds> boxes);
-
-/// A chunk of a cloud and the box around its points.
-struct ChunkLocation {
-  std::uint64_t id = 0;
-  Bounds box;
-};
 
 /// Asks such a table.
 class BoxTree {
@@ -55,30 +50,18 @@ class BoxTree {
   Statement page_;
 };
 
-/// Points of a chunk, as they are in the database.
-struct StoredChunk {
-  std::uint64_t id = 0;
-  std::vector<LatticePosition> positions;
-  std::vector<std::optional<std::vector<std::byte>>> blobs;  ///< those read so far
-};
-
 /// The chunks of one cloud. Errors: SQLite's, and chunks that are not there, too short or not in their box,
 /// with their number.
-class ChunkStore {
+class ChunkStore final : public ChunkSource {
  public:
   /// What it is given must outlive it.
   ChunkStore(sqlite3* database, const std::string& schema, const std::string& table,
              const CloudSchema& cloud);
 
-  /// Chunks that may have points for which the filter holds, by id; of all, or the only one to look at. Cost:
-  /// as BoxTree's.
-  std::vector<ChunkLocation> chunks(const PointFilter& filter,
-                                    std::optional<std::uint64_t> only = std::nullopt);
-
-  std::shared_ptr<StoredChunk> read(const ChunkLocation& offset);
-
-  /// The bytes of a point in the column's blob, which is read if it is not there yet.
-  const std::byte* bytes(StoredChunk& chunk, const StoredColumn& column, std::size_t row);
+  /// By id. Cost: as BoxTree's.
+  std::vector<ChunkLocation> chunks(const PointFilter& filter, std::optional<std::uint64_t> only) override;
+  std::shared_ptr<StoredChunk> read(const ChunkLocation& location) override;
+  const std::byte* bytes(StoredChunk& chunk, const StoredColumn& column, std::size_t row) override;
 
  private:
   [[noreturn]] void reject(std::uint64_t chunk, std::string problem, std::string expected,

@@ -1,10 +1,14 @@
 // SPDX-License-Identifier: MIT
 #include "database/sqlite/functions.h"
 
+#include <algorithm>
 #include <memory>
 #include <string>
+#include <string_view>
 #include <utility>
 
+#include "database/sqlite/chunk_store.h"
+#include "database/sqlite/file_cloud.h"
 #include "database/sqlite/scan.h"
 #include "database/stored_column.h"
 
@@ -15,28 +19,36 @@ struct Table {
   sqlite3_vtab base{};  // SQLite's part, which must be first
   sqlite3* database = nullptr;
   std::string schema, name;
+  std::unique_ptr<FileCloud> files;  ///< null: the cloud is in the database
   CloudSchema cloud;
   TableColumns columns;
   ScanReads* reads;  ///< those of the connection, or null
 
-  Table(sqlite3* connection, std::string schema_name, std::string table_name, ScanReads* all_reads)
+  Table(sqlite3* connection, std::string schema_name, std::string table_name,
+        std::unique_ptr<FileCloud> cloud_files, ScanReads* all_reads)
       : database(connection),
         schema(std::move(schema_name)),
         name(std::move(table_name)),
-        cloud(read_cloud_schema(database, schema, name)),
+        files(std::move(cloud_files)),
+        cloud(files ? files->schema() : read_cloud_schema(database, schema, name)),
         columns(cloud.columns),
         reads(all_reads) {}
 };
 
 struct Cursor {
-  sqlite3_vtab_cursor base{};  // SQLite's part, which must be first
-  ChunkStore store;
+  sqlite3_vtab_cursor base{};         // SQLite's part, which must be first
+  std::unique_ptr<ChunkStore> store;  ///< null: the source is that of all scans
+  ChunkSource& source;
   Arguments arguments;
   std::optional<PointCursor> points;
   ScanReads* all_reads;
 
   explicit Cursor(const Table& table)
-      : store(table.database, table.schema, table.name, table.cloud), all_reads(table.reads) {}
+      : store(table.files
+                  ? nullptr
+                  : std::make_unique<ChunkStore>(table.database, table.schema, table.name, table.cloud)),
+        source(table.files ? static_cast<ChunkSource&>(*table.files) : *store),
+        all_reads(table.reads) {}
   ~Cursor() { end_scan(); }
   Cursor(const Cursor&) = delete;
   Cursor& operator=(const Cursor&) = delete;
@@ -65,21 +77,36 @@ int table_guarded(sqlite3_vtab* base, const Work& work) {
   return guarded(work, [&](const char* message) { keep_message(&base->zErrMsg, message); });
 }
 
+/// Makes a table known to SQLite. `columns`: what messages call those who say which columns there are.
+void declare(std::unique_ptr<Table> table, const std::string& columns, sqlite3_vtab** made) {
+  sqlite3* const database = table->database;
+  const int count = table->columns.size(), most = sqlite3_limit(database, SQLITE_LIMIT_COLUMN, -1);
+  if (count > most) {
+    throw file_error(columns, "too many columns for a table of SQLite",
+                     fmt::format("at most {}, with x, y, z and {} hidden ones", most, TableColumns::k_hidden),
+                     std::to_string(count));
+  }
+  const int result = sqlite3_declare_vtab(database, table->columns.declaration().c_str());
+  if (result != SQLITE_OK) {
+    throw SqliteError(
+        result,
+        {.file = file_of(database, table->schema), .location = columns, .problem = sqlite3_errmsg(database)});
+  }
+  // Of a cloud in the database, tables are read and nothing else is done, whatever a file says. Other files are read
+  // only for the statement of a user, not for a view or trigger.
+  sqlite3_vtab_config(database, table->files ? SQLITE_VTAB_DIRECTONLY : SQLITE_VTAB_INNOCUOUS);
+  *made = &table.release()->base;
+}
+
 int connect(sqlite3* database, void* reads, int count, const char* const* words, sqlite3_vtab** made,
             char** message) {
   return guarded(
       [&] {
         check_that(count <= 3, "pointcloud takes no arguments", "USING pointcloud");
-        auto table = std::make_unique<Table>(database, words[1], words[2], static_cast<ScanReads*>(reads));
-        const int result = sqlite3_declare_vtab(database, table->columns.declaration().c_str());
-        if (result != SQLITE_OK) {
-          throw SqliteError(result, {.file = file_of(database, table->schema),
-                                     .location = "table " + table->name + "_column",
-                                     .problem = sqlite3_errmsg(database)});
-        }
-        // Its tables are read and nothing else is done, whatever a file says.
-        sqlite3_vtab_config(database, SQLITE_VTAB_INNOCUOUS);
-        *made = &table.release()->base;
+        auto table =
+            std::make_unique<Table>(database, words[1], words[2], nullptr, static_cast<ScanReads*>(reads));
+        const std::string columns = "table " + table->name + "_column";
+        declare(std::move(table), columns, made);
       },
       [&](const char* text) { keep_message(message, text); });
 }
@@ -88,6 +115,71 @@ int connect(sqlite3* database, void* reads, int count, const char* const* words,
 int create(sqlite3* database, void* reads, int count, const char* const* words, sqlite3_vtab** made,
            char** message) {
   return connect(database, reads, count, words, made, message);
+}
+
+/// The text of a literal of SQL. Errors: anything else.
+std::string literal_text(std::string_view literal) {
+  constexpr char k_mark = '\'';
+  std::string text;
+  bool is_literal = literal.size() > 2 && literal.front() == k_mark && literal.back() == k_mark;
+  for (std::size_t i = 1; is_literal && i + 1 < literal.size(); ++i) {
+    text += literal[i];
+    if (literal[i] == k_mark) is_literal = literal[++i] == k_mark && i + 1 < literal.size();
+  }
+  check_that(is_literal, "invalid argument of alidade", "a quoted file name: USING alidade('site.laz')",
+             std::string(literal));
+  return text;
+}
+
+/// Who opens a database must not thereby open files that its author chose: error unless a table over files is
+/// one of this connection alone.
+void check_owner(sqlite3* database, const std::string& schema, const std::string& table, bool is_new) {
+  if (schema == "temp") return;
+  // A database in memory may come from elsewhere, too (sqlite3_deserialize()).
+  int is_trusted = 0;
+  sqlite3_db_config(database, SQLITE_DBCONFIG_TRUSTED_SCHEMA, -1, &is_trusted);
+  const std::string file = file_of(database, schema);
+  if (file.empty() && (is_new || is_trusted != 0)) return;
+  throw SqliteError(SQLITE_AUTH, {.file = file,
+                                  .location = {},
+                                  .problem = "the table " + table + " over files is part of a database",
+                                  .expected = "CREATE VIRTUAL TABLE temp." + sql_name(table)});
+}
+
+int open_files(sqlite3* database, const void* context, std::span<const char* const> words, bool is_new,
+               sqlite3_vtab** made, char** message) {
+  return guarded(
+      [&] {
+        static const FileTables k_plain;
+        const FileTables& tables = context == nullptr ? k_plain : *static_cast<const FileTables*>(context);
+        const std::string schema = words[1], name = words[2];
+        check_owner(database, schema, name, is_new);
+        std::vector<std::filesystem::path> files;
+        for (const char* const word : words.subspan(3)) files.emplace_back(literal_text(word));
+        check_that(!files.empty(), "missing argument of alidade",
+                   "a quoted file name: USING alidade('site.laz')");
+        auto cloud = std::make_unique<FileCloud>(files, tables.reading);
+        if (tables.warn) tables.warn(cloud->warnings());
+        declare(std::make_unique<Table>(database, schema, name, std::move(cloud), tables.reads),
+                files.front().string(), made);
+      },
+      [&](const char* text) { keep_message(message, text); });
+}
+
+int create_files(sqlite3* database, void* context, int count, const char* const* words, sqlite3_vtab** made,
+                 char** message) {
+  return open_files(database, context, std::span(words, static_cast<std::size_t>(count)), true, made,
+                    message);
+}
+
+int connect_files(sqlite3* database, void* context, int count, const char* const* words, sqlite3_vtab** made,
+                  char** message) {
+  return open_files(database, context, std::span(words, static_cast<std::size_t>(count)), false, made,
+                    message);
+}
+
+int rename_files(sqlite3_vtab*, const char*) {
+  return SQLITE_OK;
 }
 
 int rename(sqlite3_vtab* base, const char* name) {
@@ -118,7 +210,11 @@ int best_index(sqlite3_vtab* base, sqlite3_index_info* info) {
 }
 
 int open(sqlite3_vtab* base, sqlite3_vtab_cursor** made) {
-  return table_guarded(base, [&] { *made = &std::make_unique<Cursor>(table_of(base)).release()->base; });
+  return table_guarded(base, [&] {
+    const Table& table = table_of(base);
+    if (table.files) table.files->check_unchanged();
+    *made = &std::make_unique<Cursor>(table).release()->base;
+  });
 }
 
 int close(sqlite3_vtab_cursor* base) {
@@ -134,7 +230,7 @@ int filter(sqlite3_vtab_cursor* base, int order, const char* plan, int count, sq
     if (table.reads != nullptr) *table.reads += {.scans = 1, .chunks = table.cloud.chunk_count};
     const std::optional<ScanFilter> wanted = plan_filter(
         plan == nullptr ? "" : plan, std::span(values, static_cast<std::size_t>(count)), cursor.arguments);
-    if (wanted) cursor.points.emplace(cursor.store, table.cloud, *wanted, static_cast<RowOrder>(order));
+    if (wanted) cursor.points.emplace(cursor.source, table.cloud, *wanted, static_cast<RowOrder>(order));
   });
 }
 
@@ -155,7 +251,7 @@ int column(sqlite3_vtab_cursor* base, sqlite3_context* context, int number) {
     const TableColumns::Kind kind = columns.kind(number);
     if (kind == TableColumns::Kind::stored) {
       const StoredColumn& stored = columns.stored(number);
-      answer(context, stored_value(stored, cursor.store.bytes(points.chunk(), stored, points.row())));
+      answer(context, stored_value(stored, cursor.source.bytes(points.chunk(), stored, points.row())));
     } else if (kind == TableColumns::Kind::axis) {
       sqlite3_result_double(context, points.position()[columns.axis(number)]);
     } else if (kind == TableColumns::Kind::chunk) {
@@ -215,10 +311,26 @@ const sqlite3_module k_module = [] {
   return module;
 }();
 
+/// Tables over files, which have nothing in the database.
+const sqlite3_module k_file_module = [] {
+  sqlite3_module module = k_module;
+  module.xCreate = create_files;
+  module.xConnect = connect_files;
+  module.xDestroy = disconnect;
+  module.xRename = rename_files;
+  module.xShadowName = nullptr;
+  return module;
+}();
+
 }  // namespace
 
 int add_cloud_table(sqlite3* database, ScanReads* reads) {
   return sqlite3_create_module_v2(database, "pointcloud", &k_module, reads, nullptr);
+}
+
+int add_file_tables(sqlite3* database, const FileTables* tables) {
+  return sqlite3_create_module_v2(database, "alidade", &k_file_module, const_cast<FileTables*>(tables),
+                                  nullptr);
 }
 
 }  // namespace alidade::database

@@ -17,27 +17,48 @@ int wait_for_others(void* is_given_up, int waits_before) {
 
 }  // namespace
 
+void Connection::set_up(const std::filesystem::path& file, int flags) {
+  // Names such as ":memory:" are those of files here.
+  const std::filesystem::path path = file.empty() ? ":memory:" : file.is_absolute() ? file : "." / file;
+  int result = sqlite3_open_v2(path.c_str(), &database_, flags | SQLITE_OPEN_NOMUTEX, nullptr);
+  if (result == SQLITE_OK) result = add_functions(database_);
+  if (result == SQLITE_OK) result = add_cloud_table(database_, &reads_);
+  if (result == SQLITE_OK) result = add_file_tables(database_, &files_);
+  if (result != SQLITE_OK)
+    throw file_error(file, database_ == nullptr ? sqlite3_errstr(result) : sqlite3_errmsg(database_));
+  // What others put into a file, such as views and triggers, may do nothing but ask.
+  sqlite3_db_config(database_, SQLITE_DBCONFIG_TRUSTED_SCHEMA, 0, nullptr);
+  // A misspelt "name" would else be text, which is above every number.
+  sqlite3_db_config(database_, SQLITE_DBCONFIG_DQS_DML, 0, nullptr);
+  sqlite3_busy_handler(database_, wait_for_others, &is_given_up_);
+}
+
 Connection::Connection(const std::filesystem::path& file, Mode mode, std::function<bool()> is_given_up)
     : is_given_up_(std::move(is_given_up)) {
   const int flags = mode == Mode::read    ? SQLITE_OPEN_READONLY
                     : mode == Mode::write ? SQLITE_OPEN_READWRITE
                                           : SQLITE_OPEN_READWRITE | SQLITE_OPEN_CREATE;
   try {
-    // Names such as ":memory:" are those of files here.
-    const std::filesystem::path path = file.is_absolute() ? file : "." / file;
-    int result = sqlite3_open_v2(path.c_str(), &database_, flags | SQLITE_OPEN_NOMUTEX, nullptr);
-    if (result == SQLITE_OK) result = add_functions(database_);
-    if (result == SQLITE_OK) result = add_cloud_table(database_, &reads_);
-    if (result != SQLITE_OK)
-      throw file_error(file, database_ == nullptr ? sqlite3_errstr(result) : sqlite3_errmsg(database_));
-    // What others put into a file, such as views and triggers, may do nothing but ask.
-    sqlite3_db_config(database_, SQLITE_DBCONFIG_TRUSTED_SCHEMA, 0, nullptr);
+    set_up(file, flags);
     if (mode == Mode::read) sqlite3_db_config(database_, SQLITE_DBCONFIG_DEFENSIVE, 1, nullptr);
-    // A misspelt "name" would else be text, which is above every number.
-    sqlite3_db_config(database_, SQLITE_DBCONFIG_DQS_DML, 0, nullptr);
-    sqlite3_busy_handler(database_, wait_for_others, &is_given_up_);
     // Opening reads nothing; a file that is not a database fails here.
     Statement(database_, "SELECT count(*) FROM sqlite_schema").step();
+  } catch (...) {
+    sqlite3_close(database_);
+    throw;
+  }
+}
+
+Connection::Connection(std::span<const std::filesystem::path> clouds, FileTables files)
+    : files_(std::move(files)) {
+  files_.reads = &reads_;
+  std::string names;
+  for (const std::filesystem::path& cloud : clouds)
+    names += (names.empty() ? "" : ", ") + sql_text(cloud.string());
+  try {
+    set_up({}, SQLITE_OPEN_READWRITE | SQLITE_OPEN_MEMORY);
+    run(database_, "CREATE VIRTUAL TABLE points USING alidade(" + names + ")");
+    files_ = {.reads = &reads_};
   } catch (...) {
     sqlite3_close(database_);
     throw;

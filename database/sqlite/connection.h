@@ -7,8 +7,10 @@
 #include <span>
 #include <string>
 #include <utility>
+#include <vector>
 
 #include "base/error.h"
+#include "cloud/read_cloud.h"
 #include "database/sql_name.h"
 #include "database/sqlite/sqlite_api.h"
 
@@ -30,6 +32,13 @@ struct ScanReads {
     rows_given += other.rows_given;
     return *this;
   }
+};
+
+/// How tables over files are made.
+struct FileTables {
+  ReadOptions reading{};
+  std::function<void(const std::vector<std::string>&)> warn{};  ///< gets PointCloud::warnings
+  ScanReads* reads = nullptr;                                   ///< to which scans add what they read
 };
 
 /// The file of one of a connection's databases, as messages name it.
@@ -153,8 +162,8 @@ inline void run(sqlite3* database, const std::string& sql) {
   Statement(database, sql).run();
 }
 
-/// A connection to an SQLite file with the functions and the table module of Alidade. For one thread at a
-/// time.
+/// A connection to an SQLite file, or to cloud files, with the functions and table modules of Alidade. For one
+/// thread at a time.
 class Connection {
  public:
   enum class Mode { read, write, create };
@@ -162,6 +171,9 @@ class Connection {
   /// While others write, each statement waits for them for up to 10 s, or until `is_given_up` says so.
   /// Errors: the file cannot be opened, or is no database.
   Connection(const std::filesystem::path& file, Mode mode, std::function<bool()> is_given_up = {});
+  /// A database in memory with the table `points` over cloud files. What `files` calls, it calls only
+  /// now; it needs no `reads`. Errors: those of FileCloud (database/sqlite/file_cloud.h).
+  Connection(std::span<const std::filesystem::path> clouds, FileTables files);
   ~Connection() { sqlite3_close(database_); }
   Connection(const Connection&) = delete;
   Connection& operator=(const Connection&) = delete;
@@ -171,7 +183,11 @@ class Connection {
   const ScanReads& reads() const { return reads_; }
 
  private:
+  /// No file: a database in memory.
+  void set_up(const std::filesystem::path& file, int flags);
+
   ScanReads reads_;
+  FileTables files_{.reads = &reads_};
   std::function<bool()> is_given_up_;
   sqlite3* database_ = nullptr;
 };

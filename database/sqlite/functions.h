@@ -112,4 +112,19 @@ void in_chunk(sqlite3_context* context, int count, sqlite3_value** values);
 /// it is given; it must outlive the connection. Answers SQLite's code.
 int add_cloud_table(sqlite3* database, ScanReads* reads = nullptr);
 
+/// Gives a connection the virtual table module alidade, for clouds where they lie:
+///   CREATE VIRTUAL TABLE temp.name USING alidade('site.laz')
+/// with one or more names of files, folders and patterns (FileCloud, database/sqlite/file_cloud.h) as SQL text, taken
+/// together as one cloud. Its columns, and which conditions leave chunks unread, are those of a pointcloud table into
+/// which the files are loaded, and so are its rows but for their order and rowid. Files are read when the table is
+/// made, and kept until it is dropped or the connection closed; a file that has changed since then is an error of the
+/// next statement.
+///
+/// Such tables are those of one connection: in `temp`, or in a database in memory. In a database file they cannot be
+/// made, and one that a file brings along is not opened; in a database in memory that is connected to again, only while
+/// its schema is trusted (SQLITE_DBCONFIG_TRUSTED_SCHEMA). Views and triggers cannot use them, but for temporary ones
+/// (SQLITE_VTAB_DIRECTONLY). So no file is read but those a user's own statement names. Null `tables`: as made by
+/// default; otherwise it must outlive the connection. Answers SQLite's code.
+int add_file_tables(sqlite3* database, const FileTables* tables = nullptr);
+
 }  // namespace alidade::database

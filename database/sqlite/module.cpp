@@ -14,6 +14,7 @@ extern "C" __attribute__((visibility("default"))) int sqlite3_alidadesqlite_init
     *message = sqlite3_mprintf("alidade requires SQLite 3.38 or later, not %s", sqlite3_libversion());
     return SQLITE_ERROR;
   }
-  const int result = alidade::database::add_functions(database);
-  return result == SQLITE_OK ? alidade::database::add_cloud_table(database) : result;
+  int result = alidade::database::add_functions(database);
+  if (result == SQLITE_OK) result = alidade::database::add_cloud_table(database);
+  return result == SQLITE_OK ? alidade::database::add_file_tables(database) : result;
 }

@@ -9,9 +9,9 @@
 
 namespace alidade::database {
 
-PointCursor::PointCursor(ChunkStore& store, const CloudSchema& cloud, ScanFilter filter, RowOrder order)
-    : store_(store), cloud_(cloud), filter_(std::move(filter.points)), order_(order) {
-  for (const ChunkLocation& offset : store_.chunks(filter_, filter.only_chunk)) {
+PointCursor::PointCursor(ChunkSource& source, const CloudSchema& cloud, ScanFilter filter, RowOrder order)
+    : source_(source), cloud_(cloud), filter_(std::move(filter.points)), order_(order) {
+  for (const ChunkLocation& offset : source_.chunks(filter_, filter.only_chunk)) {
     double least = 0.0;
     if (order_ != RowOrder::stored) {
       const RayReach reach = project(filter_.lines.front().ray, offset.box);
@@ -39,7 +39,7 @@ void PointCursor::next() {
 }
 
 std::shared_ptr<StoredChunk> PointCursor::read_next() {
-  std::shared_ptr<StoredChunk> chunk = store_.read(chunks_[next_chunk_++].offset);
+  std::shared_ptr<StoredChunk> chunk = source_.read(chunks_[next_chunk_++].offset);
   ++reads_.chunks_read;
   reads_.points_read += chunk->positions.size();
   return chunk;

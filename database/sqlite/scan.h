@@ -11,7 +11,8 @@
 #include <string>
 #include <vector>
 
-#include "database/sqlite/chunk_store.h"
+#include "database/sqlite/chunk_source.h"
+#include "database/sqlite/cloud_schema.h"
 #include "database/sqlite/connection.h"
 #include "database/sqlite/sqlite_api.h"
 #include "database/stored_column.h"
@@ -34,11 +35,11 @@ struct ScanFilter {
 
 /// One scan of a cloud: the points for which a filter holds. Chunks are read when their first point may come,
 /// so that the nearest few cost little. Memory: a chunk, or in another order than stored all chunks read so
-/// far. Errors: ChunkStore's.
+/// far. Errors: those of the source.
 class PointCursor {
  public:
   /// What it is given must outlive it. An order that is not `stored` needs a line in the filter.
-  PointCursor(ChunkStore& store, const CloudSchema& cloud, ScanFilter filter, RowOrder order);
+  PointCursor(ChunkSource& source, const CloudSchema& cloud, ScanFilter filter, RowOrder order);
 
   bool at_end() const { return chunk_ == nullptr; }
   void next();
@@ -72,7 +73,7 @@ class PointCursor {
   double measure(const RayProjection& at) const { return order_ == RowOrder::t ? at.t : at.distance; }
   std::shared_ptr<StoredChunk> read_next();
 
-  ChunkStore& store_;
+  ChunkSource& source_;
   const CloudSchema& cloud_;
   PointFilter filter_;  ///< of points
   RowOrder order_;
@@ -92,6 +93,8 @@ class TableColumns {
  public:
   enum class Kind { stored, axis, argument, chunk, distance, t };
 
+  static constexpr int k_hidden = 9;
+
   /// `stored` must outlive it. Requires at least one.
   explicit TableColumns(const std::vector<StoredColumn>& stored) : stored_(stored) {}
 
@@ -102,6 +105,8 @@ class TableColumns {
   int axis(int column) const { return column - 1; }
   std::size_t argument(int column) const { return static_cast<std::size_t>(column - first_hidden()); }
 
+  /// How many there are.
+  int size() const { return first_hidden() + k_hidden; }
   /// CREATE TABLE with all of them.
   std::string declaration() const;
 

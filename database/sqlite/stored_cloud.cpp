@@ -233,7 +233,7 @@ class StoredCloud {
 std::vector<ChunkLocation> wanted_chunks(ChunkStore& store, std::span<const PointFilter> any_of) {
   std::vector<ChunkLocation> chunks;
   for (const PointFilter& filter : any_of)
-    std::ranges::move(store.chunks(filter), std::back_inserter(chunks));
+    std::ranges::move(store.chunks(filter, std::nullopt), std::back_inserter(chunks));
   std::ranges::sort(chunks, {}, &ChunkLocation::id);
   // Not std::ranges::unique: clang 14 rejects the subranges of GCC's library.
   const auto have_equal_ids = [](const ChunkLocation& a, const ChunkLocation& b) { return a.id == b.id; };
@@ -322,7 +322,7 @@ class SqliteCloudReader final : public CloudReader {
     std::vector<bool> is_there(rows.count);
     std::uint64_t points = 0;
     std::size_t taken = 0;
-    for (const ChunkLocation& offset : store.chunks({})) {
+    for (const ChunkLocation& offset : store.chunks({}, std::nullopt)) {
       const std::uint64_t id = offset.id;
       const std::shared_ptr<StoredChunk> chunk = store.read(offset);
       for (std::size_t i = 0; i < chunk->positions.size(); ++i) {

@@ -2,6 +2,7 @@
 // SQL over a stored cloud: every form gives the points that loops over all of them give.
 #include <algorithm>
 
+#include "database/sqlite/chunk_store.h"
 #include "database/sqlite/scan.h"
 #include "octree/distance.h"
 #include "tests/database/sqlite_fixture.h"

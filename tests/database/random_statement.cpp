@@ -3,8 +3,11 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <initializer_list>
-#include <vector>
+#include <optional>
+
+#include "database/sqlite/connection.h"
 
 namespace alidade::test {
 namespace {
@@ -263,6 +266,40 @@ class Writer {
 
 RandomStatement random_statement(Random& random) {
   return Writer(random).write();
+}
+
+void add_statement_tables(sqlite3* database) {
+  for (const char* const sql :
+       {"CREATE TABLE rays(id INTEGER, ox REAL, oy REAL, oz REAL, dx, dy, dz, radius, note TEXT)",
+        "INSERT INTO rays VALUES(1, 690050, 5325050, 410, 0, 0, 1, 6, '1'), "
+        "(2, 690010, 5325020, 405, 1, 0.5, 0, 9.5, 'far'), (3, 690000, 5325000, 400, 1, 1, 1e-200, 3, NULL), "
+        "(4, 690080, 5325050, 400, NULL, 0, 1, 6, ''), (5, 690020, 5325080, 401, -1, 0, 0.1, '4', '1'), "
+        "(6, 690090, 5325010, 400, 0, -1, 0, -1, 'a'), (7, 690090, 5325010, 400, 0, -1, 0, NULL, 'a')",
+        "CREATE TABLE marks(id INTEGER, x, y, z)",
+        "INSERT INTO marks VALUES(1, 690050, 5325050, 401), (2, NULL, 1, 1), (3, 690010, 5325010, 400.5), "
+        "(590, 690060, 5325060, 402)",
+        "CREATE VIEW moved AS SELECT id, x, y + 5 AS y, z FROM points",
+        "CREATE VIEW showing AS SELECT id, x, y + 5 AS y, z, _chunk FROM points",
+        "CREATE VIEW plain_view AS SELECT * FROM points"})
+    database::run(database, sql);
+}
+
+StatementAnswer answer_of(sqlite3* database, sqlite3_stmt* statement, const RandomStatement& wanted) {
+  for (int i = 1; i <= sqlite3_bind_parameter_count(statement); ++i)
+    sqlite3_bind_double(statement, i, 410.0 - 50.0 * i);
+  StatementAnswer answer;
+  int result = SQLITE_ROW;
+  while ((result = sqlite3_step(statement)) == SQLITE_ROW) {
+    std::string row;
+    for (int i = 0; i < sqlite3_column_count(statement); ++i) {
+      const auto* const text = reinterpret_cast<const char*>(sqlite3_column_text(statement, i));
+      row += fmt::format("{}:{} ", sqlite3_column_type(statement, i), text == nullptr ? "" : text);
+    }
+    answer.rows.push_back(row);
+  }
+  if (result != SQLITE_DONE) answer = {.rows = {}, .error = sqlite3_errmsg(database)};
+  if (!wanted.is_ordered) std::ranges::sort(answer.rows);
+  return answer;
 }
 
 }  // namespace alidade::test

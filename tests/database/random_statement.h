@@ -2,12 +2,14 @@
 #pragma once
 
 #include <string>
+#include <vector>
 
+#include "database/sqlite/sqlite_api.h"
 #include "tests/support/random.h"
 
 namespace alidade::test {
 
-/// A SELECT over the tables of PrepareFuzzTest, with conditions on dist_ray and dist_plane in many positions
+/// A SELECT over clouds `points` and `odd "cloud` and add_statement_tables(), with conditions on dist_ray and dist_plane in many positions
 /// and spellings. Some may be pruned and some not.
 struct RandomStatement {
   std::string text;
@@ -16,5 +18,16 @@ struct RandomStatement {
 };
 
 RandomStatement random_statement(Random& random);
+
+/// Makes the tables and views that such statements have beside clouds.
+void add_statement_tables(sqlite3* database);
+
+struct StatementAnswer {
+  std::vector<std::string> rows;  ///< sorted, unless the statement says in which order they come
+  std::string error;              ///< then there are no rows
+};
+
+/// Binds numbers to the parameters of the statement and runs it.
+StatementAnswer answer_of(sqlite3* database, sqlite3_stmt* statement, const RandomStatement& wanted);
 
 }  // namespace alidade::test

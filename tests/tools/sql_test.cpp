@@ -6,6 +6,7 @@
 #include <fstream>
 #include <thread>
 
+#include "cloud/las/write_las.h"
 #include "database/sqlite/connection.h"
 #include "database/sqlite/store_cloud.h"
 #include "tests/tools/run_program.h"
@@ -190,6 +191,33 @@ TEST_F(SqlTest, names_of_tables_and_files_are_no_sql) {
   EXPECT_EQ(result.out, "n\n400\nm\n400\n");
 }
 
+TEST_F(SqlTest, cloud_files_are_the_table_points) {
+  const std::string evil = "a'b\"; DROP TABLE points; --.las";
+  write_las(folder / evil, sql_site());
+  std::filesystem::create_directory(folder / "tiles");
+  write_las(folder / "tiles" / "a.laz", sql_site());
+  ASSERT_EQ(run({"index", evil, "-o", "site.alidade", "-q"}).exit_code, 0);
+  const std::string statement =
+      "SELECT id, x, z FROM points WHERE dist_ray(100,200,5, 0,0,1, x,y,z) <= ? ORDER BY id";
+  const std::string expected = sql({statement, "--csv", "--param", "0.1"}).out;
+  EXPECT_TRUE(contains(expected, "20,100.0,5.0\n")) << expected;
+  for (const std::string& cloud :
+       {evil, std::string("tiles"), std::string("tiles/*.laz"), std::string("site.alidade")}) {
+    const ProgramResult result = run({"sql", cloud, statement, "--csv", "--param", "0.1", "--explain", "-q"});
+    EXPECT_EQ(result.exit_code, 0) << cloud << result.err;
+    EXPECT_EQ(result.out, expected) << cloud;
+    EXPECT_TRUE(contains(result.err, "chunks (")) << result.err;
+    EXPECT_TRUE(contains(result.err, "rewritten as: SELECT id, x, z FROM points WHERE (dist_ray("))
+        << result.err;
+    EXPECT_EQ(run({"sql", cloud, statement, "--csv", "--param", "0.1", "-q"}).err, "");
+  }
+  const ProgramResult writing = run({"sql", evil, "CREATE VIRTUAL TABLE p USING alidade('site.db')"});
+  EXPECT_TRUE(contains(writing.err, "the statement is not read-only")) << writing.err;
+  write("garbage.laz", std::string("\x7f\0\x01 garbage", 11));
+  EXPECT_TRUE(contains(run({"sql", "garbage.laz", "SELECT 1"}).err, "alidade: error: garbage.laz: "));
+  EXPECT_TRUE(contains(run({"sql", "none.laz", "SELECT 1"}).err, "none.laz: cannot open the file: "));
+}
+
 TEST_F(SqlTest, what_cannot_be_run_is_an_error_before_anything_is_printed) {
   write("broken.db", "not a database, but long enough that SQLite reads it when it opens such a file......");
   alidade::database::run(Connection(folder / "site.db", Connection::Mode::write).get(),
@@ -222,7 +250,8 @@ TEST_F(SqlTest, what_cannot_be_run_is_an_error_before_anything_is_printed) {
       {{"postgresql://me@host/base", "SELECT 1"}, "postgresql://host/base: not an SQLite file but a server"},
       {{"postgresql://me:secret@host/base", "SELECT 1"},
        "the server name contains a password, which other users can see in command lines"},
-      {{}, "missing database"}};
+      {{}, "missing cloud or database"},
+      {{"site.db", "SELECT 1", "--partial"}, "site.db: --partial does not apply to databases"}};
   for (const auto& [words, message] : cases) {
     std::vector<std::string> all = {"sql"};
     all.insert(all.end(), words.begin(), words.end());

@@ -1,24 +1,50 @@
 // SPDX-License-Identifier: MIT
 #include <unistd.h>
+#include <algorithm>
+#include <iterator>
 
 #include "base/error.h"
+#include "base/words.h"
 #include "database/server/server_name.h"
+#include "database/sqlite/stored_cloud.h"
+#include "tools/cloud/load_cloud.h"
 #include "tools/command.h"
 #include "tools/sql/statements.h"
 
 namespace alidade::tools {
 namespace {
 
-struct SqlCommand {
-  std::filesystem::path database, file;
+struct SqlCommand : RunRequest {
+  std::filesystem::path cloud, file;
   std::string statement;
-  bool csv = false, json = false, explain = false;
+  bool has_statement = false, csv = false, json = false, explain = false;
   std::vector<std::string> parameters;
 };
 
-std::unique_ptr<database::Connection> open_for_reading(const std::filesystem::path& database) {
+/// By extension, so that missing and damaged databases count too, and by content.
+bool is_database(const std::filesystem::path& name) {
+  constexpr const char* k_databases[] = {".db", ".db3", ".sqlite", ".sqlite3", ".gpkg"};
+  if (std::ranges::find(k_databases, file_extension(name)) != std::end(k_databases)) return true;
+  const CloudInputs inputs = resolve_clouds(std::span(&name, 1), cloud_formats());
+  return inputs.only(database::k_sqlite_format) != nullptr;
+}
+
+std::unique_ptr<database::Connection> open_for_reading(const SqlCommand& command) {
+  using database::Connection;
   try {
-    return std::make_unique<database::Connection>(database, database::Connection::Mode::read, interrupted);
+    if (is_database(command.cloud)) {
+      if (command.partial)
+        throw file_error(command.cloud, "--partial does not apply to databases", "no --partial");
+      return std::make_unique<Connection>(command.cloud, Connection::Mode::read, interrupted);
+    }
+    return with_progress("reading", "B", command.verbosity, [&](const Progress& progress) {
+      return std::make_unique<Connection>(
+          std::span(&command.cloud, 1),
+          database::FileTables{.reading = {.partial = command.partial, .progress = progress},
+                               .warn = [&](const std::vector<std::string>& warnings) {
+                                 say_warnings(command.verbosity, warnings);
+                               }});
+    });
   } catch (const Error&) {
     // Such as that the file is locked, once nobody waits any more.
     if (interrupted()) throw Cancelled();
@@ -26,29 +52,30 @@ std::unique_ptr<database::Connection> open_for_reading(const std::filesystem::pa
   }
 }
 
-ExitCode run(const SqlCommand& command, bool has_statement) {
-  if (command.database.empty())
-    throw input_error("missing database", "alidade sql DB \"SELECT ...\", or alidade sql load FILE... DB");
-  if (database::is_server_name(command.database.string())) {
-    throw file_error(database::ServerName(command.database.string()).shown(),
-                     "not an SQLite file but a server",
-                     "an SQLite file (for a server, use psql with the alidade_pg extension)");
+ExitCode run(const SqlCommand& command) {
+  if (command.cloud.empty()) {
+    throw input_error("missing cloud or database",
+                      "alidade sql CLOUD \"SELECT ...\", or alidade sql load FILE... DB");
+  }
+  if (database::is_server_name(command.cloud.string())) {
+    throw file_error(database::ServerName(command.cloud.string()).shown(), "not an SQLite file but a server",
+                     "an SQLite file or cloud files (for a server, use psql with the alidade_pg extension)");
   }
   SqlRun run{.form = command.csv    ? RowForm::csv
                      : command.json ? RowForm::json
                                     : RowForm::table,
              .explain = command.explain};
   for (const std::string& text : command.parameters) run.parameters.push_back(parse_sql_parameter(text));
-  const std::unique_ptr<database::Connection> opened = open_for_reading(command.database);
+  const std::unique_ptr<database::Connection> opened = open_for_reading(command);
   const database::Connection& connection = *opened;
   // An empty statement is one, too: what a script puts there may be empty, and nobody would type at a prompt.
-  if (has_statement && command.statement != "-") {
+  if (command.has_statement && command.statement != "-") {
     run_statements(connection, command.statement, "statement", std::move(run));
     return ExitCode::done;
   }
   const bool on_terminal = ::isatty(STDIN_FILENO) == 1 && ::isatty(STDOUT_FILENO) == 1;
-  if (command.file.empty() && !has_statement && on_terminal) {
-    run_prompt(connection, command.database.string(), std::move(run));
+  if (command.file.empty() && !command.has_statement && on_terminal) {
+    run_prompt(connection, command.cloud.string(), std::move(run));
     return ExitCode::done;
   }
   const std::filesystem::path file = command.file.empty() ? "-" : command.file;
@@ -59,9 +86,12 @@ ExitCode run(const SqlCommand& command, bool has_statement) {
 }  // namespace
 
 Command add_sql(const Options& program) {
-  const Options sql = program.command("sql", "Query clouds in a database with SQL, and load them");
+  const Options sql =
+      program.command("sql", "Query clouds in files or databases with SQL, and load databases");
   const auto command = std::make_shared<SqlCommand>();
-  sql.file("database", "DB", "SQLite file with clouds", command->database);
+  sql.file("cloud", "CLOUD",
+           "SQLite file with clouds; or a cloud file, folder or pattern: the table points, read where it is",
+           command->cloud);
   const Option statement = sql.text(
       "statement", "STATEMENT", "SQL to run; - reads standard input; without it a terminal opens a prompt",
       command->statement);
@@ -72,9 +102,14 @@ Command add_sql(const Options& program) {
   sql.excludes(csv).flag("--json", "rows as an array of objects", command->json);
   sql.flag("--explain", "print what was read, the time, and how the statement was rewritten, or why not",
            command->explain);
-  return {sql,
-          [command, statement](const CommandLine&) { return run(*command, statement.given()); },
-          {add_sql_load(sql), add_sql_rewrite(sql), add_sql_shard_plan(sql)}};
+  add_run_options(sql, *command);
+  Command added = command_of(sql, command, run);
+  added.run = [command, statement, with_words = added.run](const CommandLine& words) {
+    command->has_statement = statement.given();
+    return with_words(words);
+  };
+  added.parts = {add_sql_load(sql), add_sql_rewrite(sql), add_sql_shard_plan(sql)};
+  return added;
 }
 
 }  // namespace alidade::tools

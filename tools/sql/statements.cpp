@@ -185,7 +185,7 @@ void run_one(const database::Connection& connection, database::Prepared& prepare
   }
   if (result == SQLITE_INTERRUPT) throw Cancelled();
   if (result != SQLITE_DONE)
-    throw file_error(sqlite3_db_filename(connection.get(), "main"), sqlite3_errmsg(connection.get()));
+    throw file_error(database::file_of(connection.get()), sqlite3_errmsg(connection.get()));
   writer->end();
   prepared.statement.reset();
   const std::chrono::duration<double, std::milli> taken = std::chrono::steady_clock::now() - start;
