@@ -47,7 +47,7 @@ struct Cursor {
       : store(table.files
                   ? nullptr
                   : std::make_unique<ChunkStore>(table.database, table.schema, table.name, table.cloud)),
-        source(table.files ? static_cast<ChunkSource&>(*table.files) : *store),
+        source(table.files ? table.files->source() : *store),
         all_reads(table.reads) {}
   ~Cursor() { end_scan(); }
   Cursor(const Cursor&) = delete;
@@ -158,7 +158,7 @@ int open_files(sqlite3* database, const void* context, std::span<const char* con
         for (const char* const word : words.subspan(3)) files.emplace_back(literal_text(word));
         check_that(!files.empty(), "missing argument of alidade",
                    "a quoted file name: USING alidade('site.laz')");
-        auto cloud = std::make_unique<FileCloud>(files, tables.reading);
+        auto cloud = std::make_unique<FileCloud>(files, tables);
         if (tables.warn) tables.warn(cloud->warnings());
         declare(std::make_unique<Table>(database, schema, name, std::move(cloud), tables.reads),
                 files.front().string(), made);

@@ -58,7 +58,8 @@ Connection::Connection(std::span<const std::filesystem::path> clouds, FileTables
   try {
     set_up({}, SQLITE_OPEN_READWRITE | SQLITE_OPEN_MEMORY);
     run(database_, "CREATE VIRTUAL TABLE points USING alidade(" + names + ")");
-    files_ = {.reads = &reads_};
+    files_.reading = {};
+    files_.warn = {};
   } catch (...) {
     sqlite3_close(database_);
     throw;

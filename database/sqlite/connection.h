@@ -37,6 +37,7 @@ struct ScanReads {
 /// How tables over files are made.
 struct FileTables {
   ReadOptions reading{};
+  std::function<bool()> is_given_up{};                          ///< ends scans that read files, if true
   std::function<void(const std::vector<std::string>&)> warn{};  ///< gets PointCloud::warnings
   ScanReads* reads = nullptr;                                   ///< to which scans add what they read
 };
@@ -171,8 +172,8 @@ class Connection {
   /// While others write, each statement waits for them for up to 10 s, or until `is_given_up` says so.
   /// Errors: the file cannot be opened, or is no database.
   Connection(const std::filesystem::path& file, Mode mode, std::function<bool()> is_given_up = {});
-  /// A database in memory with the table `points` over cloud files. What `files` calls, it calls only
-  /// now; it needs no `reads`. Errors: those of FileCloud (database/sqlite/file_cloud.h).
+  /// A database in memory with the table `points` over cloud files. Of `files`, reading and warnings count
+  /// until it is made; `reads` does not count. Errors: those of FileCloud (database/sqlite/file_cloud.h).
   Connection(std::span<const std::filesystem::path> clouds, FileTables files);
   ~Connection() { sqlite3_close(database_); }
   Connection(const Connection&) = delete;

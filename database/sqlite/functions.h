@@ -116,8 +116,8 @@ int add_cloud_table(sqlite3* database, ScanReads* reads = nullptr);
 ///   CREATE VIRTUAL TABLE temp.name USING alidade('site.laz')
 /// with one or more names of files, folders and patterns (FileCloud, database/sqlite/file_cloud.h) as SQL text, taken
 /// together as one cloud. Its columns, and which conditions leave chunks unread, are those of a pointcloud table into
-/// which the files are loaded, and so are its rows but for their order and rowid. Files are read when the table is
-/// made, and kept until it is dropped or the connection closed; a file that has changed since then is an error of the
+/// which the files are loaded, and so are its rows but for their order and rowid. Files are opened when the table
+/// is made, and kept until it is dropped or the connection closed; a file that has changed since then is an error of the
 /// next statement.
 ///
 /// Such tables are those of one connection: in `temp`, or in a database in memory. In a database file they cannot be

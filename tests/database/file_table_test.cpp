@@ -7,6 +7,7 @@
 #include "database/sqlite/prepare.h"
 #include "database/sqlite/scan.h"
 #include "octree/build.h"
+#include "octree/distance.h"
 #include "octree/index_file/index_file.h"
 #include "tests/database/random_statement.h"
 #include "tests/database/sqlite_fixture.h"
@@ -68,14 +69,19 @@ std::vector<std::string> all_rows(const Connection& connection, const std::strin
 }
 
 TEST_F(FileTableTest, columns_and_rows_are_those_of_the_loaded_table) {
-  for (const char* const name : {"a.las", "a.laz", "a.copc.laz", "a.alidade"}) {
+  // 100 points have colours of 8 bits.
+  for (const auto& [name, count] : std::vector<std::pair<std::string, std::size_t>>{{"a.las", 1500},
+                                                                                    {"a.laz", 1500},
+                                                                                    {"a.copc.laz", 1500},
+                                                                                    {"b.copc.laz", 100},
+                                                                                    {"a.alidade", 1500}}) {
     SCOPED_TRACE(name);
-    const Paths file = {write_site(name, 1500)};
+    const Paths file = {write_site(name, count)};
     store_files(file_, resolve_clouds(file, index_and_file_formats()), {}, {.replace = true});
     const Connection loaded(file_, Connection::Mode::read);
     const Connection in_place = over(file);
     const std::vector<std::string> rows = all_rows(loaded, "points");
-    ASSERT_EQ(rows.size(), 1500u);
+    ASSERT_EQ(rows.size(), count);
     EXPECT_EQ(all_rows(in_place, "points"), rows);
     EXPECT_EQ(columns_of_table(in_place, "points"), columns_of_table(loaded, "points"));
     EXPECT_GT(columns_of_table(loaded, "points").size(), 20u);
@@ -156,8 +162,54 @@ TEST_F(FileTableTest, the_form_with_a_ray_and_rowids_work_and_leave_chunks_unrea
             (std::vector<double>{0}));
 }
 
+TEST_F(FileTableTest, of_a_copc_file_only_nodes_are_read_that_may_have_points) {
+  const std::filesystem::path file = write_site("a.copc.laz", 150'000);
+  PointCloud cloud = read_cloud(file);
+  const Connection in_place = over({file});
+  const std::string condition = "dist_ray(690050,5325050,500, 0,0,-1, x,y,z) <= 5";
+  const Prepared prepared =
+      prepare(in_place.get(), "SELECT id, red, \"Height\" FROM points WHERE " + condition + " ORDER BY id");
+  const Ray ray = make_ray({690050, 5325050, 500}, {0, 0, -1});
+  std::size_t found = 0;
+  for (std::size_t id = 0; id < cloud.size(); ++id) {
+    if (project(ray, cloud.world(id)).distance > 5) continue;
+    ASSERT_EQ(sqlite3_step(prepared.statement.get()), SQLITE_ROW);
+    EXPECT_EQ(sqlite3_column_int64(prepared.statement.get(), 0), static_cast<sqlite3_int64>(id));
+    EXPECT_EQ(sqlite3_column_int64(prepared.statement.get(), 1), cloud.colors[id].x);
+    ++found;
+  }
+  EXPECT_EQ(sqlite3_step(prepared.statement.get()), SQLITE_DONE);
+  sqlite3_reset(prepared.statement.get());
+  EXPECT_GT(found, 500u);
+  EXPECT_LT(in_place.reads().points_read, 15'000u);
+  EXPECT_GT(in_place.reads().chunks,
+            150'000u / 128);  // more than one node, each with a chunk that is not full
+}
+
+TEST_F(FileTableTest, damage_in_a_copc_file_is_an_error) {
+  const std::filesystem::path file = write_site("a.copc.laz", 5000);
+  std::string bytes;
+  {
+    std::ifstream stream(file, std::ios::binary);
+    bytes.assign(std::istreambuf_iterator<char>(stream), {});
+  }
+  int errors = 0;
+  for (std::size_t at = 1000; at < bytes.size(); at += bytes.size() / 40) {
+    std::string damaged = bytes;
+    damaged[at] ^= 0x5a;
+    overwrite(file, damaged);
+    try {
+      const Connection in_place = over({file});
+      errors += !error_of(in_place, "SELECT max(z), max(red), max(gps_time) FROM points").empty();
+    } catch (const Error&) {
+      ++errors;
+    }
+  }
+  EXPECT_GT(errors, 0);
+}
+
 TEST_F(FileTableTest, a_file_that_has_changed_or_gone_is_an_error) {
-  for (const char* const name : {"a.las", "a.alidade"}) {
+  for (const char* const name : {"a.las", "a.copc.laz", "a.alidade"}) {
     const std::filesystem::path file = write_site(name, 100);
     const Connection in_place = over({file});
     EXPECT_EQ(error_of(in_place, "SELECT count(*) FROM points"), "");

@@ -3,6 +3,7 @@
 #include <array>
 #include <cstdio>
 
+#include "cloud/las/write_las.h"
 #include "tests/database/sqlite_fixture.h"
 
 namespace alidade::test {
@@ -43,6 +44,16 @@ class SqliteModuleTest : public SqliteTest {
 TEST_F(SqliteModuleTest, works_in_the_stock_shell) {
   if (output_of("command -v sqlite3").empty()) GTEST_SKIP() << "no sqlite3 shell here";
   EXPECT_EQ(output_of(fmt::format("sqlite3 '{}' \".load {}\" \"{}\"", file_.string(), ALIDADE_SQLITE_FILE,
+                                  k_counts)),
+            expected());
+}
+
+TEST_F(SqliteModuleTest, makes_tables_over_files_in_the_stock_shell) {
+  if (output_of("command -v sqlite3").empty()) GTEST_SKIP() << "no sqlite3 shell here";
+  write_las(folder_ / "site.copc.laz", site(3000));
+  const std::string table = fmt::format("CREATE VIRTUAL TABLE temp.points USING alidade('{}')",
+                                        (folder_ / "site.copc.laz").string());
+  EXPECT_EQ(output_of(fmt::format("sqlite3 :memory: \".load {}\" \"{}\" \"{}\"", ALIDADE_SQLITE_FILE, table,
                                   k_counts)),
             expected());
 }

@@ -41,6 +41,7 @@ std::unique_ptr<database::Connection> open_for_reading(const SqlCommand& command
       return std::make_unique<Connection>(
           std::span(&command.cloud, 1),
           database::FileTables{.reading = {.partial = command.partial, .progress = progress},
+                               .is_given_up = interrupted,
                                .warn = [&](const std::vector<std::string>& warnings) {
                                  say_warnings(command.verbosity, warnings);
                                }});
