@@ -37,15 +37,21 @@ std::unique_ptr<database::Connection> open_for_reading(const SqlCommand& command
         throw file_error(command.cloud, "--partial does not apply to databases", "no --partial");
       return std::make_unique<Connection>(command.cloud, Connection::Mode::read, interrupted);
     }
-    return with_progress("reading", "B", command.verbosity, [&](const Progress& progress) {
-      return std::make_unique<Connection>(
-          std::span(&command.cloud, 1),
-          database::FileTables{.reading = {.partial = command.partial, .progress = progress},
-                               .is_given_up = interrupted,
-                               .warn = [&](const std::vector<std::string>& warnings) {
-                                 say_warnings(command.verbosity, warnings);
-                               }});
-    });
+    ProgressLine line("reading", "B", command.verbosity);
+    bool has_begun = false;  // a file that is read in place has nothing to show
+    const Progress progress = [&, show = line.callback()](std::uint64_t done, std::uint64_t total) {
+      has_begun = true;
+      return show(done, total);
+    };
+    auto connection = std::make_unique<Connection>(
+        std::span(&command.cloud, 1),
+        database::FileTables{.reading = {.partial = command.partial, .progress = progress},
+                             .is_given_up = interrupted,
+                             .warn = [&](const std::vector<std::string>& warnings) {
+                               say_warnings(command.verbosity, warnings);
+                             }});
+    if (has_begun) line.finish();
+    return connection;
   } catch (const Error&) {
     // Such as that the file is locked, once nobody waits any more.
     if (interrupted()) throw Cancelled();
@@ -91,7 +97,7 @@ Command add_sql(const Options& program) {
       program.command("sql", "Query clouds in files or databases with SQL, and load databases");
   const auto command = std::make_shared<SqlCommand>();
   sql.file("cloud", "CLOUD",
-           "SQLite file with clouds; or a cloud file, folder or pattern: the table points, read where it is",
+           "SQLite file with clouds; or a cloud: a file, folder or pattern, as the table points",
            command->cloud);
   const Option statement = sql.text(
       "statement", "STATEMENT", "SQL to run; - reads standard input; without it a terminal opens a prompt",
