@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: MIT
+#include <algorithm>
 #include <bit>
 #include <cstring>
+#include <limits>
 #include <utility>
 
 #include "database/point_stream.h"
@@ -11,13 +13,31 @@
 namespace alidade::database {
 namespace {
 
-/// Box of the points in the leaves of a node, or around it; empty if it has none.
+/// child_bounds() of all leaves of a node together, at the cost of one; empty if it has none.
 Bounds leaf_bounds(const TreeView& tree, const Frame& frame) {
-  Bounds box;
+  SlotBox all;
+  all.low.fill(std::numeric_limits<std::int64_t>::max());
+  all.high.fill(std::numeric_limits<std::int64_t>::min());
+  bool has_leaves = false;
   for (int slot = 0; slot < k_node_width; ++slot) {
-    if (is_leaf(tree.nodes[frame.node].kind[slot])) box.grow(child_bounds(tree, frame, slot));
+    if (!is_leaf(tree.nodes[frame.node].kind[slot])) continue;
+    const SlotBox box = slot_box(tree, frame, slot);
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+      all.low[axis] = std::min(all.low[axis], box.low[axis]);
+      all.high[axis] = std::max(all.high[axis], box.high[axis]);
+    }
+    has_leaves = true;
   }
-  return box;
+  Bounds bounds;
+  const auto world = [&](int axis, std::int64_t steps) {
+    return tree.lattice.offset[axis] +
+           tree.lattice.scale[axis] * static_cast<double>(tree.base[axis] + steps);
+  };
+  for (int axis = 0; has_leaves && axis < 3; ++axis) {
+    bounds.min[axis] = world(axis, all.low[static_cast<std::size_t>(axis)]);
+    bounds.max[axis] = world(axis, all.high[static_cast<std::size_t>(axis)]);
+  }
+  return bounds;
 }
 
 class OctreeChunks final : public ChunkSource {
