@@ -142,7 +142,7 @@ void check_owner(sqlite3* database, const std::string& schema, const std::string
   if (file.empty() && (is_new || is_trusted != 0)) return;
   throw SqliteError(SQLITE_AUTH, {.file = file,
                                   .location = {},
-                                  .problem = "the table " + table + " over files is part of a database",
+                                  .problem = "the table " + table + " would let a database open files",
                                   .expected = "CREATE VIRTUAL TABLE temp." + sql_name(table)});
 }
 

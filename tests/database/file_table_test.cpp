@@ -288,9 +288,12 @@ TEST_F(FileTableTest, a_database_file_cannot_open_files) {
   store_cloud(file_, site(10));
   {
     const Connection writing(file_, Connection::Mode::write);
-    const std::string refused = error_of(writing, "CREATE VIRTUAL TABLE p USING alidade(" + las + ")");
-    EXPECT_NE(refused.find("part of a database; expected CREATE VIRTUAL TABLE temp.\"p\""), std::string::npos)
-        << refused;
+    const std::string message = error_of(writing, "CREATE VIRTUAL TABLE p USING alidade(" + las + ")");
+    EXPECT_NE(
+        message.find(
+            "site.db: the table p would let a database open files; expected CREATE VIRTUAL TABLE temp.\"p\""),
+        std::string::npos)
+        << message;
     make(writing, "temp.p", las);
     EXPECT_EQ(numbers(writing, "SELECT count(*) FROM p"), (std::vector<double>{10}));
     run(writing.get(), "CREATE TEMP VIEW v AS SELECT * FROM p");
@@ -304,9 +307,31 @@ TEST_F(FileTableTest, a_database_file_cannot_open_files) {
   for (const int trusted : {0, 1}) {
     const Connection reading(file_, Connection::Mode::read);
     sqlite3_db_config(reading.get(), SQLITE_DBCONFIG_TRUSTED_SCHEMA, trusted, nullptr);
-    EXPECT_NE(error_of(reading, "SELECT * FROM p").find("the table p over files is part of a database"),
+    EXPECT_NE(error_of(reading, "SELECT * FROM p").find("the table p would let a database open files"),
               std::string::npos);
     EXPECT_EQ(numbers(reading, "SELECT count(*) FROM points"), (std::vector<double>{10}));
+  }
+}
+
+TEST_F(FileTableTest, a_database_in_memory_that_came_from_elsewhere_cannot_open_files) {
+  const Connection source = over({write_site("a.las", 10)}), target = over({write_site("b.las", 10)});
+  sqlite3_int64 size = 0;
+  unsigned char* const bytes = sqlite3_serialize(source.get(), "main", &size, 0);
+  ASSERT_EQ(sqlite3_deserialize(target.get(), "main", bytes, size, size, SQLITE_DESERIALIZE_FREEONCLOSE),
+            SQLITE_OK);
+  EXPECT_NE(error_of(target, "SELECT * FROM points").find("the table points would let a database open files"),
+            std::string::npos);
+}
+
+TEST_F(FileTableTest, a_table_in_memory_survives_a_rollback_if_the_schema_is_trusted_or_temporary) {
+  const std::string las = sql_text(write_site("a.las", 10).string());
+  const Connection connection = over({folder_ / "a.las"});
+  make(connection, "temp.t", las);
+  for (const int trusted : {1, 0}) {
+    sqlite3_db_config(connection.get(), SQLITE_DBCONFIG_TRUSTED_SCHEMA, trusted, nullptr);
+    for (const char* const sql : {"BEGIN", "CREATE TABLE a(b)", "ROLLBACK"}) run(connection.get(), sql);
+    EXPECT_EQ(error_of(connection, "SELECT * FROM points").empty(), trusted == 1);
+    EXPECT_EQ(numbers(connection, "SELECT count(*) FROM t"), (std::vector<double>{10}));
   }
 }
 
