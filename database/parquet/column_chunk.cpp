@@ -6,7 +6,9 @@
 #include <bit>
 #include <cmath>
 #include <concepts>
+#include <memory>
 #include <numeric>
+#include <string>
 #include <type_traits>
 #include <utility>
 #include <vector>
@@ -19,8 +21,12 @@ namespace {
 
 Bytes compressed(const Bytes& bytes) {
   constexpr int k_level = 3;
+  // Made once per thread: there are several calls per column and row group.
+  thread_local const std::unique_ptr<ZSTD_CCtx, decltype(&ZSTD_freeCCtx)> context(ZSTD_createCCtx(),
+                                                                                  &ZSTD_freeCCtx);
   Bytes smaller(ZSTD_compressBound(bytes.size()));
-  const std::size_t size = ZSTD_compress(smaller.data(), smaller.size(), bytes.data(), bytes.size(), k_level);
+  const std::size_t size =
+      ZSTD_compressCCtx(context.get(), smaller.data(), smaller.size(), bytes.data(), bytes.size(), k_level);
   check_that(ZSTD_isError(size) == 0, std::string("cannot compress a page: ") + ZSTD_getErrorName(size));
   smaller.resize(size);
   return smaller;

@@ -25,7 +25,7 @@ using Kind = ThriftWriter::Kind;
 
 /// At the beginning and the end of a file.
 constexpr std::string_view k_magic = "PAR1";
-constexpr std::size_t k_most_group_bytes = std::size_t{64} << 20;
+constexpr std::size_t k_most_group_bytes = std::size_t{32} << 20;
 
 /// Some rows, and what becomes of them.
 struct RowGroup {

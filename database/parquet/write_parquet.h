@@ -26,7 +26,7 @@ struct ParquetOptions {
 /// Writes a cloud as an Apache Parquet file for engines such as DuckDB and DataFusion. Columns have the names
 /// and values of the tables that store_cloud() makes, `id` being the row in the cloud's files; numbers keep
 /// their types. Points lie along a Morton curve in row groups, which have fewer points than wanted where these
-/// take more than 64 MiB. Each group states least and greatest value of its columns, so that engines skip those
+/// take more than 32 MiB. Each group states least and greatest value of its columns, so that engines skip those
 /// that a condition excludes. The key `crs` of the metadata has the reference system as PROJJSON, or else as WKT. The
 /// file appears completely or not at all. Its bytes depend neither on memory nor on the number of threads.
 ///

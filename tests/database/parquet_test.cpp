@@ -215,6 +215,21 @@ TEST_F(WriteParquetTest, a_file_appears_completely_or_not_at_all) {
   }
 }
 
+TEST_F(WriteParquetTest, thousands_of_columns_are_written_in_smaller_groups) {
+  PointCloud cloud;
+  cloud.positions.resize(2000);
+  for (int i = 0; i < 10'000; ++i) {
+    cloud.extra_dimensions.push_back(plain_dimension(fmt::format("dimension_{}", i), ScalarType::uint16));
+    cloud.extra_dimensions.back().values.assign(2 * cloud.size(), static_cast<std::uint8_t>(i));
+  }
+  write_parquet(parquet_, cloud);
+  const std::string content = bytes(parquet_);
+  // Once in the schema, once in each of two groups.
+  std::size_t count = 0;
+  for (std::size_t at = 0; (at = content.find("dimension_9999", at)) != content.npos; ++at) ++count;
+  EXPECT_EQ(count, 3u);
+}
+
 TEST_F(WriteParquetTest, metadata_is_text_whatever_a_cloud_says) {
   PointCloud cloud = site(10);
   cloud.crs.wkt = "LOCAL_CS[\"caf\xe9\"]";

@@ -44,12 +44,12 @@ write() {
   fi
   written+=("$name.parquet")
 }
-"$program" generate courtyard --points 100000 -o yard.las -q
+"$program" generate courtyard --points 70000 -o yard.las -q
+"$program" generate courtyard --points 2000 -o few.las -q
 write yard.las
-write yard.las --geometry
+write few.las --geometry
 node "$readers/odd_cloud.mjs" odd.las
 write odd.las
-write odd.las --geometry
 # The bytes depend neither on memory nor on the number of threads.
 "$program" convert yard.las -o whole.parquet -q
 "$program" convert yard.las -o pieces.parquet --memory 2M --threads 3 -q
@@ -58,11 +58,11 @@ cmp whole.parquet pieces.parquet
 "$program" convert yard.las -o yard.csv -q
 node "$readers/compare_text.mjs" whole.parquet yard.csv
 if [[ -d $data ]]; then
-  for cloud in lidar/extrabytes.las lidar/epsg_4326.las malformed/gps-time-nan.las malformed/no-points.las \
-    laz_vectors/microz.laz lidar_rgb/autzen_trim.laz text/ripple.pts pcd/lamppost.pcd e57/bunnyDouble.e57 \
-    ply/small_gicp_source.ply; do
+  for cloud in lidar/extrabytes.las lidar/1_4_w_evlr.las malformed/gps-time-nan.las malformed/no-points.las \
+    laz_vectors/microz.laz lidar_rgb/warsaw_small.las text/ripple.pts pcd/lamppost.pcd e57/ColouredCubeFloat.e57; do
     write "$data/$cloud"
   done
+  write "$data/lidar/epsg_4326.las" --geometry
 else
   echo "left out: no folder of real clouds"
 fi
