@@ -1,7 +1,8 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: MIT
 # parquet_test.sh PROGRAM FOLDER [DATA]: what `alidade convert` writes as Parquet, read by hyparquet, DuckDB and DataFusion, has
-# the values that `alidade sql` gives, and statements their answers. FOLDER keeps these readers, which come from npm. DATA: a folder of real clouds. Left out
+# the values that `alidade sql` gives, and statements their answers, also from the extension
+# beside PROGRAM. FOLDER keeps these readers, which come from npm. DATA: a folder of real clouds. Left out
 # (code 77) where Node or the readers cannot be had.
 set -euo pipefail
 program=$(readlink -f -- "$1")
@@ -73,4 +74,7 @@ node "$readers/compare.mjs" "${written[@]}"
 "$program" convert site.las -o site.parquet --group-points 1024 -q
 for form in rows sums; do "$here/../random_statements.py" "$form" 200 >"$form.sql"; done
 node "$readers/statements.mjs" "$program" site.las site.db site.parquet rows.sql sums.sql
+# DuckDB's extension.
+extension=$(dirname -- "$program")/alidade.duckdb_extension
+node "$readers/extension.mjs" "$program" "$extension" site.las site.db
 echo "all files are read alike"

@@ -1,0 +1,267 @@
+// SPDX-License-Identifier: MIT
+// DuckDB's extension: cloud files as table functions, pruned as `alidade sql` prunes them.
+//   alidade_points(file)
+//   alidade_ray(file, ox,oy,oz, dx,dy,dz, radius)                   dist_ray <= radius; columns dist and t beside the cloud's
+//   alidade_plane(file, px,py,pz, nx,ny,nz, least, largest)         dist_plane in the interval; column dist
+// DuckDB hands no conditions to table functions of this interface (1.5), so what prunes are their arguments.
+#include <array>
+#include <cmath>
+#include <cstring>
+#include <filesystem>
+#include <memory>
+#include <mutex>
+#include <optional>
+#include <string>
+#include <type_traits>
+#include <utility>
+#include <variant>
+#include <vector>
+
+#include "base/error.h"
+#include "database/duckdb/duckdb_api.h"
+#include "database/sqlite/file_cloud.h"
+#include "database/sqlite/scan.h"
+#include "octree/distance.h"
+
+namespace alidade::duckdb {
+namespace {
+
+using namespace database;
+
+enum class Kind { points, ray, plane };
+
+struct TableFunction {
+  const char* name;
+  Kind kind;
+  Index numbers;  ///< behind the file's name
+};
+constexpr std::array<TableFunction, 3> k_functions = {
+    {{"alidade_points", Kind::points, 0}, {"alidade_ray", Kind::ray, 7}, {"alidade_plane", Kind::plane, 8}}};
+
+/// A cloud that several scans read.
+struct SharedCloud {
+  explicit SharedCloud(const std::filesystem::path& file) : files(std::span(&file, 1), FileTables{}) {}
+
+  FileCloud files;
+  std::mutex mutex;  ///< of its source
+};
+
+/// The cloud of a file. That of the last statement stays open, so that the next one need not read it again.
+std::shared_ptr<SharedCloud> cloud_of(const std::string& name) {
+  static std::mutex mutex;
+  static std::string last_name;
+  static std::shared_ptr<SharedCloud> last;
+  const std::scoped_lock lock(mutex);
+  if (last && last_name == name) {
+    try {
+      last->files.check_unchanged();
+      return last;
+    } catch (const Error&) {
+      last.reset();
+    }
+  }
+  last = std::make_shared<SharedCloud>(name);
+  last_name = name;
+  return last;
+}
+
+/// A call of a table function.
+struct Call {
+  const TableFunction* function;
+  std::shared_ptr<SharedCloud> cloud;
+  ScanFilter filter;
+
+  const CloudSchema& schema() const { return cloud->files.schema(); }
+};
+
+/// One scan.
+struct Scan {
+  std::optional<PointCursor> cursor;
+  std::vector<Index> columns;  ///< those that are wanted
+};
+
+template <class T>
+void destroy(void* object) {
+  delete static_cast<T*>(object);
+}
+
+/// DuckDB's callbacks let no exception pass.
+template <class Work, class Fail>
+void guarded(Handle info, const Fail& fail, const Work& work) {
+  try {
+    work();
+  } catch (const std::exception& error) {
+    fail(info, error.what());
+  }
+}
+
+std::string text_argument(Handle info, Index number) {
+  Handle value = bind_parameter(info, number);
+  char* const text = is_null_value(value) ? nullptr : get_varchar(value);
+  const std::string kept = text == nullptr ? "" : text;
+  free(text);
+  destroy_value(&value);
+  check_that(!kept.empty(), "missing file name", "the name of a cloud file, folder or pattern");
+  return kept;
+}
+
+double number_argument(Handle info, Index number) {
+  Handle value = bind_parameter(info, number);
+  const double kept = is_null_value(value) ? std::nan("") : get_double(value);
+  destroy_value(&value);
+  check_that(!std::isnan(kept), "argument " + std::to_string(number + 1) + " is NULL or not a number",
+             "a number");
+  return kept;
+}
+
+PointFilter filter_of(const TableFunction& function, Handle info) {
+  std::array<double, 8> n{};
+  for (Index i = 0; i < function.numbers; ++i) n[i] = number_argument(info, i + 1);
+  const glm::dvec3 origin(n[0], n[1], n[2]), direction(n[3], n[4], n[5]);
+  PointFilter filter;
+  if (function.kind == Kind::ray)
+    filter.lines.push_back({.ray = make_ray(origin, direction), .distance = {0.0, n[6]}});
+  if (function.kind == Kind::plane)
+    filter.planes.push_back({.plane = make_plane(origin, direction), .distance = {n[6], n[7]}});
+  return filter;
+}
+
+Type type_of(const StoredColumn& column) {
+  if (column.type == ScalarType::bytes) return Type::blob;
+  const bool is_real = column.type == ScalarType::float32 || column.type == ScalarType::float64;
+  if (is_real || column.scale != 1.0 || column.offset != 0.0) return Type::float64;
+  return column.type == ScalarType::uint64 ? Type::ubigint : Type::bigint;
+}
+
+void add_column(Handle info, const std::string& name, Type type) {
+  Handle logical = create_logical_type(type);
+  add_result_column(info, name.c_str(), logical);
+  destroy_logical_type(&logical);
+}
+
+void bind(Handle info) {
+  guarded(info, set_bind_error, [&] {
+    auto call = std::make_unique<Call>();
+    call->function = static_cast<const TableFunction*>(bind_extra_info(info));
+    call->filter.points = filter_of(*call->function, info);
+    call->cloud = cloud_of(text_argument(info, 0));
+    const std::vector<StoredColumn>& stored = call->schema().columns;
+    add_column(info, stored.front().name, Type::bigint);
+    for (const char* const axis : {"x", "y", "z"}) add_column(info, axis, Type::float64);
+    for (std::size_t i = 1; i < stored.size(); ++i) add_column(info, stored[i].name, type_of(stored[i]));
+    if (call->function->kind != Kind::points) add_column(info, "dist", Type::float64);
+    if (call->function->kind == Kind::ray) add_column(info, "t", Type::float64);
+    set_bind_data(info, call.release(), destroy<Call>);
+  });
+}
+
+void begin(Handle info) {
+  guarded(info, set_init_error, [&] {
+    const Call& call = *static_cast<const Call*>(init_bind_data(info));
+    auto scan = std::make_unique<Scan>();
+    for (Index i = 0; i < init_column_count(info); ++i) scan->columns.push_back(init_column_index(info, i));
+    set_max_threads(info, 1);
+    const std::scoped_lock lock(call.cloud->mutex);
+    call.cloud->files.check_unchanged();
+    scan->cursor.emplace(call.cloud->files.source(), call.schema(), call.filter, RowOrder::stored);
+    set_init_data(info, scan.release(), destroy<Scan>);
+  });
+}
+
+/// Writes a value into a row of a vector of the column's type.
+struct PutValue {
+  Handle vector;
+  Index row;
+  Type type;
+
+  void operator()(std::monostate) const {
+    make_validity_writable(vector);
+    set_row_invalid(vector_validity(vector), row);
+  }
+  template <class Number>
+  void operator()(Number number) const {
+    void* const data = vector_data(vector);
+    if (type == Type::float64)
+      static_cast<double*>(data)[row] = static_cast<double>(number);
+    else
+      static_cast<std::uint64_t*>(data)[row] = static_cast<std::uint64_t>(number);
+  }
+  void operator()(std::span<const std::byte> bytes) const {
+    assign_string(vector, row, reinterpret_cast<const char*>(bytes.data()), bytes.size());
+  }
+};
+
+void put(const Call& call, const PointCursor& cursor, Index column, Handle vector, Index row) {
+  constexpr Index k_axes = 3;
+  const std::vector<StoredColumn>& stored = call.schema().columns;
+  const PutValue number{vector, row, Type::float64};
+  if (column >= 1 && column <= k_axes) {
+    number(cursor.position()[static_cast<int>(column) - 1]);
+  } else if (column >= stored.size() + k_axes) {
+    if (call.function->kind == Kind::plane) {
+      number(signed_distance(call.filter.points.planes.front().plane, cursor.position()));
+    } else {
+      const RayProjection at = *cursor.projection();
+      number(column == stored.size() + k_axes ? at.distance : at.t);
+    }
+  } else {
+    const StoredColumn& from = stored[column == 0 ? 0 : column - k_axes];
+    const Type type = column == 0 ? Type::bigint : type_of(from);
+    std::visit(PutValue{vector, row, type},
+               stored_value(from, call.cloud->files.source().bytes(cursor.chunk(), from, cursor.row())));
+  }
+}
+
+void fill(Handle info, Handle chunk) {
+  guarded(info, set_fill_error, [&] {
+    const Call& call = *static_cast<const Call*>(fill_bind_data(info));
+    Scan& scan = *static_cast<Scan*>(fill_init_data(info));
+    const std::scoped_lock lock(call.cloud->mutex);
+    Index row = 0;
+    for (const Index most = vector_size(); row < most && !scan.cursor->at_end(); ++row, scan.cursor->next()) {
+      for (Index i = 0; i < scan.columns.size(); ++i)
+        put(call, *scan.cursor, scan.columns[i], chunk_vector(chunk, i), row);
+    }
+    set_chunk_size(chunk, row);
+  });
+}
+
+bool register_function(Handle connection, const TableFunction& described) {
+  Handle function = create_table_function();
+  set_name(function, described.name);
+  for (Index i = 0; i <= described.numbers; ++i) {
+    Handle type = create_logical_type(i == 0 ? Type::varchar : Type::float64);
+    add_parameter(function, type);
+    destroy_logical_type(&type);
+  }
+  set_extra_info(function, &described, nullptr);
+  set_bind(function, bind);
+  set_init(function, begin);
+  set_fill(function, fill);
+  supports_projection(function, true);
+  const bool is_registered = register_table_function(connection, function) == State::success;
+  destroy_table_function(&function);
+  return is_registered;
+}
+
+bool load(Handle info, const ExtensionAccess& access) {
+  const void* const table = access.functions(info, "v1.2.0");
+  if (table == nullptr) return false;  // DuckDB has said why
+  std::memcpy(functions.data(), table, sizeof functions);
+  Handle connection = nullptr;
+  bool is_loaded = connect(*access.database(info), &connection) == State::success;
+  for (const TableFunction& function : k_functions)
+    is_loaded = is_loaded && register_function(connection, function);
+  if (connection != nullptr) disconnect(&connection);
+  if (!is_loaded) access.set_error(info, "alidade: cannot register its table functions");
+  return is_loaded;
+}
+
+}  // namespace
+}  // namespace alidade::duckdb
+
+/// What DuckDB calls.
+extern "C" __attribute__((visibility("default"))) bool alidade_init_c_api(
+    void* info, const alidade::duckdb::ExtensionAccess* access) {
+  return alidade::duckdb::load(info, *access);
+}
