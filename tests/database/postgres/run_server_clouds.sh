@@ -66,6 +66,10 @@ expect 'more targets than conditions' "$("$program" query yard.las "${many[@]}" 
 rounded() { awk -F, '{ for (i = 1; i <= NF; ++i) printf "%s ", $i == "" ? "" : sprintf("%.12g", $i); print "" }'; }
 expect 'random statements' "$("$program" sql yard.db --csv -f sums.sql | grep -v '^n,' | rounded)" \
   "$(psql -X -A -t -q -F, "$(cluster_of one)" -v ON_ERROR_STOP=1 -f sums.sql 2>&1 | rounded)"
+"$program" sql rewrite --dialect postgres --bounds yard.las -f sums.sql -q >plain.sql
+expect 'no function of ours is left' 0 "$(grep -c dist_ plain.sql)"
+expect 'rewritten statements' "$(psql -X -A -t -q -F, "$(cluster_of one)" -f sums.sql)" \
+  "$(psql -X -A -t -q -F, "$(cluster_of one)" -v ON_ERROR_STOP=1 -f plain.sql 2>&1)"
 cat >camera.json <<'TEXT'
 {"version": 1, "model": "pinhole", "width": 60, "height": 40, "intrinsics": {"horizontal_fov": 40},
  "pose": {"look_at": {"eye": [689975, 5324975, 603], "target": [689985, 5324985, 601]}}}
