@@ -243,6 +243,10 @@ TEST_F(WriteParquetTest, metadata_is_text_whatever_a_cloud_says) {
   EXPECT_NE(bytes(parquet_).find("LOCAL_CS[\"yard\"]"), std::string::npos);
   write_parquet(parquet_, cloud, {.geometry = true, .overwrite = true, .projjson = projjson});
   EXPECT_NE(bytes(parquet_).find(R"("crs":{"name":"yard"},"bbox":[)"), std::string::npos);
+  cloud.extra_dimensions.front().name = "Geometry";
+  write_parquet(parquet_, cloud, {.geometry = true, .overwrite = true});
+  EXPECT_NE(bytes(parquet_).find(R"("primary_column":"geometry_","columns":{"geometry_":{)"),
+            std::string::npos);
   write_parquet(parquet_, PointCloud(), {.geometry = true, .overwrite = true, .projjson = projjson});
   EXPECT_NE(bytes(parquet_).find(R"("crs":null}}})"), std::string::npos);
 }

@@ -282,6 +282,9 @@ TEST_F(ConvertTest, wrong_options_are_errors_before_anything_is_read) {
   expect_error(with(words, {"--every", "0"}), "--every");
   expect_error(with(words, {"--spacing", "0"}), "expected a positive length, found '0'");
   expect_error(with(words, {"--spacing", "-1"}), "--spacing");
+  expect_error(with(words, {"--geometry"}),
+               "out.las: --geometry requires Parquet; expected the extension .parquet");
+  expect_error(with(words, {"--group-points", "2048"}), "out.las: --group-points requires Parquet");
   write("out.las", "precious");
   expect_error(words, "out.las: the file exists");
   EXPECT_EQ(read("out.las"), "precious");
@@ -297,7 +300,7 @@ TEST_F(ConvertTest, overwrite_replaces_and_a_failed_run_does_not) {
 
 TEST_F(ConvertTest, on_a_full_disk_nothing_is_left) {
   ASSERT_EQ(run({"generate", "courtyard", "--points", "20000", "-o", "survey.las", "-q"}).exit_code, 0);
-  for (const char* const output : {"out.las", "out.laz", "out.ply", "out.alidade"}) {
+  for (const char* const output : {"out.las", "out.laz", "out.ply", "out.alidade", "out.parquet"}) {
     const ProgramResult result = run_on_full_disk({"convert", "survey.las", "-o", output, "-q"}, 100000);
     EXPECT_EQ(result.exit_code, 2);
     EXPECT_TRUE(contains(result.err, output)) << result.err;
@@ -308,7 +311,7 @@ TEST_F(ConvertTest, on_a_full_disk_nothing_is_left) {
 TEST_F(ConvertTest, the_bytes_do_not_depend_on_memory) {
   ASSERT_EQ(run({"generate", "courtyard", "--points", "60000", "-o", "survey.las", "-q"}).exit_code, 0);
   write("plain.xyz", "690002 5325000.25 601\n690003 5325000.5 602\n");
-  for (const char* const format : {"las", "laz", "copc.laz", "ply"}) {
+  for (const char* const format : {"las", "laz", "copc.laz", "ply", "parquet"}) {
     for (const Words& inputs :
          {Words{"survey.las", "plain.xyz"}, Words{"survey.las", "--crop", "690000,5325000,690010,5325010"}}) {
       const Words words = with(with({"convert"}, inputs), {"--overwrite", "-o"});

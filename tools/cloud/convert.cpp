@@ -35,7 +35,7 @@ struct ConvertCommand : CloudRequest {
   ColorDepth color_depth = ColorDepth::automatic;
   bool normals = false;
   bool geometry = false;
-  std::uint32_t group_points = 65536;
+  std::optional<std::uint32_t> group_points;
   bool overwrite = false;
   std::size_t memory = std::size_t{4} << 30;
 };
@@ -77,12 +77,13 @@ void add_normals(PointCloud& cloud, Verbosity verbosity) {
 }
 
 database::ParquetOptions parquet_options(const ConvertCommand& command, const Progress& progress) {
-  return {.group_points = command.group_points,
-          .geometry = command.geometry,
-          .overwrite = command.overwrite,
-          .memory = command.memory,
-          .projjson = [](const Crs& crs) { return image_module().projjson_of(crs); },
-          .progress = progress};
+  database::ParquetOptions options{.geometry = command.geometry,
+                                   .overwrite = command.overwrite,
+                                   .memory = command.memory,
+                                   .projjson = [](const Crs& crs) { return image_module().projjson_of(crs); },
+                                   .progress = progress};
+  options.group_points = command.group_points.value_or(options.group_points);
+  return options;
 }
 
 void write(const ConvertCommand& command, PointCloud& cloud) {
@@ -190,8 +191,10 @@ ExitCode run(const ConvertCommand& command) {
   if (!has_extension(command.output, {".las", ".laz", ".ply", ".csv", ".xyz", ".alidade", ".parquet"}))
     throw file_error(command.output, "unknown output format",
                      "the extension .las, .laz, .copc.laz, .ply, .csv, .xyz, .alidade or .parquet");
-  if (command.geometry && !is_parquet_name(command.output))
-    throw file_error(command.output, "--geometry does not apply to this format", "the extension .parquet");
+  if ((command.geometry || command.group_points) && !is_parquet_name(command.output)) {
+    const std::string option = command.geometry ? "--geometry" : "--group-points";
+    throw file_error(command.output, option + " requires Parquet", "the extension .parquet");
+  }
   check_writable(command.output, command.overwrite, command.files.names());
   if (only_packing_changes(command)) return repack(command);
   if (is_parquet_name(command.output) && !chooses_points(command)) return convert_to_parquet(command);
