@@ -35,7 +35,7 @@ struct ColumnChunk {
 };
 
 /// Encodes numbers in whichever way takes the fewest bytes. `levels`: of every row 1, or 0 where it has no
-/// value; empty if all rows have one. Cost: a few passes, each compressed: some 20 ns per value.
+/// value; empty if all rows have one. Cost: a few passes, each compressed: some 40 ns per value.
 template <class Value>
 ColumnChunk number_chunk(std::span<const Value> values, std::span<const std::uint32_t> levels);
 extern template ColumnChunk number_chunk(std::span<const std::int32_t>, std::span<const std::uint32_t>);

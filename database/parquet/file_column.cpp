@@ -31,6 +31,14 @@ constexpr PhysicalType physical_type() {
   return is_wide ? PhysicalType::int64 : PhysicalType::int32;
 }
 
+/// The number as the file has it. All zeros are written without a sign: DataFusion takes zeros of different signs
+/// for different numbers, unlike SQLite, PostgreSQL and DuckDB.
+template <class Number, class Given>
+Number written(Given number) {
+  if constexpr (std::floating_point<Number>) return static_cast<Number>(number) + Number{0};
+  return static_cast<Number>(number);
+}
+
 bool is_scaled(const StoredColumn& column) {
   return column.scale != 1.0 || column.offset != 0.0;
 }
@@ -76,7 +84,8 @@ ColumnChunk encode_ids(const EncodedChunks& rows) {
 ColumnChunk encode_coordinates(const EncodedChunks& rows, const Lattice& lattice, int axis) {
   std::vector<double> values;
   values.reserve(rows.positions.size());
-  for (const LatticePosition& position : rows.positions) values.push_back(to_world(lattice, position)[axis]);
+  for (const LatticePosition& position : rows.positions)
+    values.push_back(written<double>(to_world(lattice, position)[axis]));
   return chunk_of_all(values);
 }
 
@@ -109,7 +118,7 @@ ColumnChunk encode_meant(const StoredColumn& column, const std::byte* at, std::s
     std::visit(
         [&](const auto& number) {
           if constexpr (std::is_arithmetic_v<std::remove_cvref_t<decltype(number)>>)
-            values.push_back(static_cast<Number>(number));
+            values.push_back(written<Number>(number));
         },
         value);
   }
@@ -128,7 +137,8 @@ ColumnChunk encode_attribute(const FileColumn& column, const EncodedChunks& rows
     if (column.may_be_null) return encode_meant<FileNumber<Number>>(stored, at, count, true);
     std::vector<FileNumber<Number>> values;
     values.reserve(count);
-    for (std::size_t row = 0; row < count; ++row, at += stored.size) values.push_back(load<Number>(at));
+    for (std::size_t row = 0; row < count; ++row, at += stored.size)
+      values.push_back(written<FileNumber<Number>>(load<Number>(at)));
     return chunk_of_all(values);
   });
 }

@@ -56,8 +56,8 @@ class ParquetFile {
   void write() {
     write_groups();
     write_footer();
-    file_.commit();
     report(options_.progress, row_count_, cloud_.points.size());
+    file_.commit();
   }
 
  private:

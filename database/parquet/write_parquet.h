@@ -25,19 +25,20 @@ struct ParquetOptions {
 
 /// Writes a cloud as an Apache Parquet file for engines such as DuckDB and DataFusion. Columns have the names
 /// and values of the tables that store_cloud() makes, `id` being the row in the cloud's files; numbers keep
-/// their types. Points lie along a Morton curve in row groups, which have fewer points than wanted where these
-/// take more than 32 MiB. Each group states least and greatest value of its columns, so that engines skip those
-/// that a condition excludes. The key `crs` of the metadata has the reference system as PROJJSON, or else as WKT. The
-/// file appears completely or not at all. Its bytes depend neither on memory nor on the number of threads.
+/// their types, and zeros lose their signs. Points lie along a Morton curve in row groups, which have fewer
+/// points than wanted where these take more than 32 MiB. Each group states least and greatest value of its
+/// columns, so that engines skip those that a condition excludes. The key `crs` of the metadata has the
+/// reference system as PROJJSON, or else as WKT. The file appears completely or not at all. Its bytes depend
+/// neither on memory nor on the number of threads.
 ///
-/// Errors: options out of range; the file exists; it cannot be written; no space left; more than 2^32 - 1 points
-/// in memory; more metadata than the format holds (2^31 - 1 bytes). Cancelled. Memory: 36 bytes per point beside the
-/// cloud.
+/// Errors: options out of range; the file exists; it cannot be written; no space left; more than 2^32 - 1
+/// points in memory; more metadata than the format holds (2^31 - 1 bytes). Cancelled. Memory: 36 bytes per
+/// point beside the cloud.
 void write_parquet(const std::filesystem::path& file, const PointCloud& cloud,
                    const ParquetOptions& options = {});
 
-/// The same for cloud files, whose points memory need not hold. Memory: ParquetOptions::memory, two blocks of 1024
-/// points for each time that memory was full, at most some 300 MB for what is under way, and what
+/// The same for cloud files, whose points memory need not hold. Memory: ParquetOptions::memory, two blocks of
+/// 1024 points for each time that memory was full, at most some 300 MB for what is under way, and what
 /// CloudReader::read_in_pieces() says.
 StoredFiles write_parquet(const std::filesystem::path& file, const CloudInputs& inputs,
                           const ReadOptions& reading, const ParquetOptions& options = {});

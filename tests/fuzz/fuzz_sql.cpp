@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-// Any text as a statement: with limits beside its conditions it has the rows that it has without.
+// Any text as a statement: with limits beside its conditions it has the rows that it has without, and it is written as plain
+// SQL or is an error.
 #include <algorithm>
 #include <cstddef>
 #include <cstdint>
@@ -8,8 +9,10 @@
 #include <string>
 #include <vector>
 
+#include "base/error.h"
 #include "database/sqlite/functions.h"
 #include "database/sqlite/prepare.h"
+#include "database/sqlite/rewrite_statement.h"
 #include "database/sqlite/sql_tokens.h"
 
 namespace {
@@ -73,6 +76,12 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   for (const SqlToken& token : sql_tokens(whole)) {
     if (token.begin < end || token.end <= token.begin || token.end > whole.size()) std::abort();
     end = token.end;
+  }
+  for (const SqlDialect dialect : {SqlDialect::duckdb, SqlDialect::datafusion}) {
+    try {
+      rewrite_statement(whole, {.dialect = dialect, .bounds = Bounds{glm::dvec3(-10.0), glm::dvec3(10.0)}});
+    } catch (const Error&) {
+    }
   }
   const std::string pruned = prune_statement(whole).text;
   // Which rows LIMIT leaves, and what depends on their order or on the time, is open.

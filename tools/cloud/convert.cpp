@@ -233,8 +233,11 @@ Command add_convert(const Options& program) {
   convert.flag("--geometry",
                "Parquet: also write a column of WKB points and the metadata of GeoParquet 1.1, for GIS",
                command->geometry);
-  convert.count("--group-points", "N", "Parquet: points per row group, 1024 to 1048576 (default: 65536)",
-                command->group_points, 1024, 1048576);
+  convert.count(
+      "--group-points", "N",
+      "Parquet: points per row group, 1024 to 1048576 (default: 65536); fewer where these take more "
+      "than 32 MiB",
+      command->group_points, 1024, 1048576);
   convert.choice("--color-depth",
                  "bits in use of LAS colours (default: 8 if none exceeds 255); the output has 16",
                  command->color_depth, {{"8", ColorDepth::bits_8}, {"16", ColorDepth::bits_16}});
