@@ -53,7 +53,7 @@ std::optional<Dictionary<Value>> find_dictionary(std::span<const Value> values) 
   const std::size_t most = values.size() / 2;
   if (most == 0) return {};
   // Open addressing; a slot holds the number of a value plus 1.
-  const int slot_bits = std::bit_width(2 * values.size());
+  const int slot_bits = static_cast<int>(std::bit_width(2 * values.size()));
   std::vector<std::uint32_t> slots(std::size_t{1} << slot_bits);
   std::vector<Bits> found;
   Dictionary<Value> dictionary;

@@ -178,10 +178,10 @@ class ParquetFile {
     if (options_.geometry) entries.emplace_back("geo", geo_metadata(projjson));
     if (entries.empty()) return;
     footer.list(5, Kind::structure, entries.size());
-    for (const auto& [key, value] : entries) {
+    for (const auto& entry : entries) {
       footer.structure([&] {
-        footer.text(1, key);
-        footer.text(2, value);
+        footer.text(1, entry.first);
+        footer.text(2, entry.second);
       });
     }
   }
