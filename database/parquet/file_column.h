@@ -32,7 +32,7 @@ struct FileColumn {
 /// no value, there is none. `geometry`: then a column of WKB points, named so unless another one is.
 std::vector<FileColumn> file_columns(const std::vector<StoredColumn>& stored, bool geometry);
 
-/// Writes the column's place in the schema.
+/// Writes the column's element of the schema.
 void write_schema_element(const FileColumn& column, ThriftWriter& writer);
 
 /// The values of some rows, encoded.

@@ -52,7 +52,7 @@ class ThriftWriter {
     structure(fill);
   }
 
-  /// One that is no field: the outermost one, or an element of a list.
+  /// One that is not a field: the outermost one, or an element of a list.
   template <class Fill>
   void structure(const Fill& fill) {
     const int outer = std::exchange(last_id_, 0);

@@ -68,7 +68,7 @@ class ParquetFile {
     const std::size_t at_once = std::clamp<std::size_t>(2 * k_most_group_bytes / (rows * row_size), 1,
                                                         std::min<std::size_t>(threads + 1, 16));
     // Owned here, since the pipeline forgets what it holds when it is cancelled. They end in their order, so
-    // the one whose place is taken has been written.
+    // the one whose slot is reused has been written.
     std::vector<RowGroup> groups(at_once);
     std::size_t begun = 0;
     tbb::parallel_pipeline(
