@@ -36,8 +36,8 @@ std::optional<std::uint64_t> number_in(const std::string& file, const std::strin
   return std::nullopt;
 }
 
-/// What the control group of this process may still take, as containers and batch systems limit it; empty
-/// without a limit. Pages of files that nobody needed for a while count as free.
+/// What a control group may still take; empty without a limit. Pages of files that were not used for a while count as
+/// free.
 std::optional<std::uint64_t> left_in_group(const std::string& folder, const char* limit_name,
                                            const char* usage_name, const char* free_key) {
   std::uint64_t limit = 0, usage = 0;
@@ -47,30 +47,35 @@ std::optional<std::uint64_t> left_in_group(const std::string& folder, const char
   return limit - std::min(limit, usage);
 }
 
-std::optional<std::uint64_t> left_in_group() {
+/// The least that the control groups around this process may still take: containers and batch systems set their limits
+/// on any of them.
+std::optional<std::uint64_t> left_in_groups() {
+  std::optional<std::uint64_t> least;
   std::ifstream groups("/proc/self/cgroup");
   for (std::string line; std::getline(groups, line);) {
     // "4:memory:/path" of version 1, "0::/path" of version 2
     const std::size_t first = line.find(':'), second = line.find(':', first + 1);
     if (second == std::string::npos) continue;
-    const std::string controllers = line.substr(first + 1, second - first - 1),
-                      path = line.substr(second + 1);
-    const auto left =
-        controllers.empty()
-            ? left_in_group("/sys/fs/cgroup" + path, "/memory.max", "/memory.current", "inactive_file")
-        : controllers == "memory" ? left_in_group("/sys/fs/cgroup/memory" + path, "/memory.limit_in_bytes",
-                                                  "/memory.usage_in_bytes", "total_inactive_file")
-                                  : std::nullopt;
-    if (left) return left;
+    const std::string controllers = line.substr(first + 1, second - first - 1);
+    if (!controllers.empty() && controllers != "memory") continue;
+    for (std::string path = line.substr(second + 1); !path.empty(); path.resize(path.rfind('/'))) {
+      const auto left =
+          controllers.empty()
+              ? left_in_group("/sys/fs/cgroup" + path, "/memory.max", "/memory.current", "inactive_file")
+              : left_in_group("/sys/fs/cgroup/memory" + path, "/memory.limit_in_bytes",
+                              "/memory.usage_in_bytes", "total_inactive_file");
+      if (left) least = std::min(*left, least.value_or(*left));
+      if (path.rfind('/') == std::string::npos) break;
+    }
   }
-  return std::nullopt;
+  return least;
 }
 
 }  // namespace
 
 std::optional<std::uint64_t> available_memory() {
   const std::optional<std::uint64_t> of_machine = number_in("/proc/meminfo", "MemAvailable:");
-  const std::optional<std::uint64_t> of_group = left_in_group();
+  const std::optional<std::uint64_t> of_group = left_in_groups();
   if (!of_machine) return of_group;
   return std::min(*of_machine * k_kibibyte, of_group.value_or(std::numeric_limits<std::uint64_t>::max()));
 }
