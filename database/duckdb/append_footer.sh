@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: MIT
-# append_footer.sh LIBRARY OUTPUT VERSION: the library with what DuckDB wants at the end of an extension: eight fields of 32 bytes,
+# append_footer.sh LIBRARY OUTPUT VERSION: the library with the footer of an extension of DuckDB: eight fields of 32 bytes,
 # last one first, and room for a signature, in a custom section as WebAssembly has it.
 set -euo pipefail
 field() {

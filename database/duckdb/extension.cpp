@@ -22,6 +22,7 @@
 #include "database/sqlite/file_cloud.h"
 #include "database/sqlite/scan.h"
 #include "octree/distance.h"
+#include "octree/index_file/index_file.h"
 
 namespace alidade::duckdb {
 namespace {
@@ -46,13 +47,17 @@ struct SharedCloud {
   std::mutex mutex;  ///< of its source
 };
 
-/// The cloud of a file. That of the last statement stays open, so that the next one need not read it again.
+/// The cloud of a name. That of the last statement stays open, so that the next one need not read it again, while the
+/// name means the same files.
 std::shared_ptr<SharedCloud> cloud_of(const std::string& name) {
   static std::mutex mutex;
-  static std::string last_name;
+  static std::vector<std::filesystem::path> last_names;
   static std::shared_ptr<SharedCloud> last;
+  const std::filesystem::path file = name;
+  std::vector<std::filesystem::path> names =
+      resolve_clouds(std::span(&file, 1), index_and_file_formats()).names();
   const std::scoped_lock lock(mutex);
-  if (last && last_name == name) {
+  if (last && last_names == names) {
     try {
       last->files.check_unchanged();
       return last;
@@ -61,7 +66,7 @@ std::shared_ptr<SharedCloud> cloud_of(const std::string& name) {
     }
   }
   last = std::make_shared<SharedCloud>(name);
-  last_name = name;
+  last_names = std::move(names);
   return last;
 }
 
@@ -77,7 +82,7 @@ struct Call {
 /// One scan.
 struct Scan {
   std::optional<PointCursor> cursor;
-  std::vector<Index> columns;  ///< those that are wanted
+  std::vector<Index> columns;  ///< those that are wanted; DuckDB has numbers beyond the last for none
 };
 
 template <class T>
@@ -197,12 +202,12 @@ void put(const Call& call, const PointCursor& cursor, Index column, Handle vecto
   const PutValue number{vector, row, Type::float64};
   if (column >= 1 && column <= k_axes) {
     number(cursor.position()[static_cast<int>(column) - 1]);
-  } else if (column >= stored.size() + k_axes) {
-    if (call.function->kind == Kind::plane) {
+  } else if (const Index more = column - stored.size() - k_axes; column >= stored.size() + k_axes) {
+    if (call.function->kind == Kind::plane && more == 0) {
       number(signed_distance(call.filter.points.planes.front().plane, cursor.position()));
-    } else {
+    } else if (call.function->kind == Kind::ray && more < 2) {
       const RayProjection at = *cursor.projection();
-      number(column == stored.size() + k_axes ? at.distance : at.t);
+      number(more == 0 ? at.distance : at.t);
     }
   } else {
     const StoredColumn& from = stored[column == 0 ? 0 : column - k_axes];
@@ -247,7 +252,8 @@ bool register_function(Handle connection, const TableFunction& described) {
 bool load(Handle info, const ExtensionAccess& access) {
   const void* const table = access.functions(info, "v1.2.0");
   if (table == nullptr) return false;  // DuckDB has said why
-  std::memcpy(functions.data(), table, sizeof functions);
+  static std::once_flag is_copied;
+  std::call_once(is_copied, [&] { std::memcpy(functions.data(), table, sizeof functions); });
   Handle connection = nullptr;
   bool is_loaded = connect(*access.database(info), &connection) == State::success;
   for (const TableFunction& function : k_functions)

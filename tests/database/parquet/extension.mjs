@@ -46,6 +46,6 @@ fs.copyFileSync(cloud, copy);
 assert.deepEqual(await ask(`SELECT count(*) FROM alidade_points('${copy}')`), [[20000]]);
 const prepared = await connection.prepare(`SELECT count(*) FROM alidade_points('${copy}')`);
 fs.writeFileSync(copy, 'no cloud');
-await assert.rejects(prepared.runAndReadAll(), /has changed since it was opened|rebind|unknown/i);
+await assert.rejects(prepared.runAndReadAll(), /has changed since it was opened/);
 await rejected(`alidade_points('${copy}')`, /copy\.las/);
 console.log(`the extension has ${found} rows that SQLite has`);
