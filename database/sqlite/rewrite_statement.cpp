@@ -9,7 +9,6 @@
 #include <cmath>
 #include <functional>
 #include <limits>
-#include <memory>
 #include <utility>
 #include <vector>
 
@@ -17,9 +16,7 @@
 #include "database/box_cover.h"
 #include "database/point_filter.h"
 #include "database/sqlite/distance_condition.h"
-#include "database/sqlite/prepare.h"
 #include "database/sqlite/sql_tokens.h"
-#include "database/sqlite/sqlite_api.h"
 
 namespace alidade::database {
 namespace {
@@ -35,38 +32,52 @@ std::string literal(double number) {
   return {text.data(), end};
 }
 
-/// Values of expressions without columns, as SQLite has them.
-class Constants {
- public:
-  Constants() {
-    sqlite3* opened = nullptr;
-    const int result =
-        sqlite3_open_v2(":memory:", &opened, SQLITE_OPEN_READWRITE | SQLITE_OPEN_MEMORY, nullptr);
-    database_.reset(opened);
-    // Else a name between double quotes would be a text.
-    if (result != SQLITE_OK || sqlite3_db_config(opened, SQLITE_DBCONFIG_DQS_DML, 0, nullptr) != SQLITE_OK)
-      throw Error({.problem = sqlite3_errmsg(opened)});
+/// Signs of other dialects that SQLite has not: casts, structs, powers.
+constexpr std::string_view k_foreign_signs = ":{}^#!@";
+
+/// Why engines may cut a statement into other tokens than SQLite does, so that a condition may be part of a text or
+/// comment; empty if they cannot.
+std::string foreign_tokens(std::string_view sql, const TokenList& tokens) {
+  if (std::ranges::count(sql, '$') > 1) return "text between dollar signs";
+  std::size_t end = 0;
+  for (std::size_t i = 0; i <= tokens.size(); ++i) {
+    const std::string_view between =
+        sql.substr(end, (i < tokens.size() ? tokens[i].begin : sql.size()) - end);
+    const std::size_t comment = between.find("/*");
+    if (comment != std::string_view::npos && between.find("/*", comment + 2) != std::string_view::npos)
+      return "a comment within or behind a comment";
+    if (i == tokens.size()) break;
+    const std::string_view text = tokens.text(i);
+    if (tokens.is(i, SqlTokenKind::text) && text.find('\\') != std::string_view::npos)
+      return "a backslash in a text";
+    if (text.front() == '[' && std::ranges::count(text, '\'') % 2 != 0)
+      return "a bracket in a text of a list";
+    end = tokens[i].end;
   }
+  return {};
+}
 
-  /// Nothing if the text has columns or parameters, or its value is no number.
-  std::optional<double> value(const std::string& text) const {
-    sqlite3_stmt* made = nullptr;
-    sqlite3_prepare_v2(database_.get(), ("SELECT (" + text + "\n)").c_str(), -1, &made, nullptr);
-    const StatementHandle statement(made);
-    if (made == nullptr || sqlite3_step(made) != SQLITE_ROW) return std::nullopt;
-    const int type = sqlite3_column_type(made, 0);
-    if (type != SQLITE_INTEGER && type != SQLITE_FLOAT) return std::nullopt;
-    return sqlite3_column_double(made, 0);
+/// A number with signs and parentheses around it; nothing for other expressions, which engines calculate differently.
+std::optional<double> constant(const TokenList& tokens, TokenRange range) {
+  double sign = 1.0;
+  while (range.begin + 1 < range.end) {
+    if (tokens.is_sign(range.begin, "(") && tokens.closing(range.begin) == range.end - 1)
+      --range.end;
+    else if (tokens.is_sign(range.begin, "-"))
+      sign = -sign;
+    else if (!tokens.is_sign(range.begin, "+"))
+      return std::nullopt;
+    ++range.begin;
   }
+  if (range.begin + 1 != range.end || !tokens.is(range.begin, SqlTokenKind::number)) return std::nullopt;
+  const std::string_view text = tokens.text(range.begin);
+  double number = 0.0;
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), number);
+  if (error != std::errc() || end != text.data() + text.size()) return std::nullopt;
+  return sign * number;
+}
 
- private:
-  struct Close {
-    void operator()(sqlite3* database) const { sqlite3_close(database); }
-  };
-  std::unique_ptr<sqlite3, Close> database_;
-};
-
-/// "a * number", for a difference that is called `name` and begins at `origin`; empty if the number is 0.
+/// "(name - origin) * factor"; empty if the factor is 0.
 std::string product(const std::string& name, double origin, double factor) {
   if (factor == 0.0) return {};
   const std::string difference =
@@ -77,10 +88,10 @@ std::string product(const std::string& name, double origin, double factor) {
 
 /// octree/distance.h: project() and signed_distance(), in the same order of operations. Products with 0 are left
 /// out: they change no sum of finite numbers.
-std::string distance_expression(bool is_ray, const std::string& table, const glm::dvec3& origin,
-                                const glm::dvec3& direction) {
+std::string distance_expression(bool is_ray, const std::array<std::string, 3>& coordinates,
+                                const glm::dvec3& origin, const glm::dvec3& direction) {
   const auto term = [&](int axis, double factor) {
-    return product(table + "xyz"[axis], origin[axis], factor);
+    return product(coordinates[static_cast<std::size_t>(axis)], origin[axis], factor);
   };
   std::vector<std::string> terms;
   for (int axis = 0; axis < 3; ++axis) {
@@ -100,10 +111,18 @@ std::string distance_expression(bool is_ray, const std::string& table, const glm
 
 class Rewriter {
  public:
-  Rewriter(std::string_view sql, const RewriteOptions& options) : sql_(sql), tokens_(sql), options_(options) {
+  Rewriter(std::string_view sql, const RewriteOptions& options)
+      : sql_(sql), tokens_(sql, k_foreign_signs), options_(options) {
     if (!tokens_.is_sound()) {
-      throw Error({.problem = "the statement cannot be parsed",
+      throw Error({.file = "statement",
+                   .problem = "it cannot be parsed",
                    .expected = "whole literals and a closing parenthesis for every opening one"});
+    }
+    if (std::string foreign = foreign_tokens(sql, tokens_); !foreign.empty()) {
+      throw Error({.file = "statement",
+                   .problem = "engines may read it differently",
+                   .expected = "a statement without backslashes in texts, dollar quotes and nested comments",
+                   .found = std::move(foreign)});
     }
     for (std::size_t i = 0; i < tokens_.size(); ++i) texts_.emplace_back(tokens_.text(i));
     behind_.resize(tokens_.size());
@@ -134,14 +153,26 @@ class Rewriter {
   std::array<glm::dvec3, 2> ray_of(const DistanceCondition& call) const {
     std::array<glm::dvec3, 2> ray{};
     for (std::size_t i = 0; i < call.ray.size(); ++i) {
-      const std::string text = range_text(call.ray[i]);
-      const std::optional<double> value = constants_.value(text);
+      const std::optional<double> value = constant(tokens_, call.ray[i]);
       if (!value)
         reject(call.ray[i].begin, fmt::format("argument {} of {} is not constant", i + 1, call.function),
-               "a number (other engines get the numbers of a ray, not its columns)", text);
+               "a number (other engines get the numbers of a ray, not its columns)", range_text(call.ray[i]));
       ray[i / 3][static_cast<int>(i % 3)] = *value;
     }
     return ray;
+  }
+
+  /// The columns x, y, z as they are written. Other engines distinguish the capitals of quoted names.
+  std::array<std::string, 3> coordinates_of(const std::vector<TokenRange>& arguments) const {
+    std::array<std::string, 3> names;
+    for (std::size_t axis = 0; axis < names.size(); ++axis) {
+      const TokenRange column = arguments[arguments.size() - names.size() + axis];
+      const std::size_t last = column.end - 1;
+      if (tokens_.is(last, SqlTokenKind::quoted_name) && tokens_.text(last)[1] != "xyz"[axis])
+        reject(last, "a quoted coordinate has capitals", "x, y, z", std::string(tokens_.text(last)));
+      names[axis] = range_text(column);
+    }
+    return names;
   }
 
   void replace_distances() {
@@ -153,10 +184,10 @@ class Rewriter {
                "dist_ray(ox,oy,oz, dx,dy,dz, x,y,z) or dist_plane(px,py,pz, nx,ny,nz, x,y,z)");
       const auto [origin, direction] = ray_of(call);
       const bool is_ray = call.function == "dist_ray";
-      const std::string table = call.table.begin == call.table.end ? std::string() : range_text(call.table);
+      const std::array<std::string, 3> coordinates = coordinates_of(tokens_.arguments(i + 1));
       const std::size_t end = tokens_.closing(i + 1);
       std::string& text = texts_[i] = distance_expression(
-          is_ray, table, origin,
+          is_ray, coordinates, origin,
           is_ray ? make_ray(origin, direction).direction : make_plane(origin, direction).normal);
       // Arrow's comparisons put -0 before 0.
       if (!is_ray && options_.dialect == SqlDialect::datafusion) text.insert(text.size() - 1, " + 0e+00");
@@ -168,12 +199,14 @@ class Rewriter {
   /// Also finds the table and the condition.
   std::string reason_to_leave() {
     if (!options_.bounds || options_.bounds->empty()) return "the bounds of the points are not given";
-    if (!tokens_.is_word(0, "select")) return "it is not a SELECT";
+    std::size_t first = tokens_.is_word(0, "explain") ? 1 : 0;
+    if (first == 1 && tokens_.is_word(1, "analyze")) first = 2;
+    if (!tokens_.is_word(first, "select")) return "it is not a SELECT";
     std::size_t from = tokens_.size();
-    for (std::size_t i = 1; i < tokens_.size(); ++i) {
+    for (std::size_t i = first + 1; i < tokens_.size(); ++i) {
       if (tokens_.is_word(i, "select") || tokens_.is_word(i, "values")) return "it has more than one SELECT";
     }
-    for (std::size_t i = 1; i < tokens_.size() && from == tokens_.size(); ++i) {
+    for (std::size_t i = first + 1; i < tokens_.size() && from == tokens_.size(); ++i) {
       if (tokens_.is_sign(i, "(")) i = tokens_.closing(i);
       if (tokens_.is_word(i, "from")) from = i;
     }
@@ -182,8 +215,10 @@ class Rewriter {
     condition_.begin = *end + 1;
     condition_.end = condition_.begin;
     while (condition_.end < tokens_.size() && !tokens_.is_sign(condition_.end, ";") &&
-           !tokens_.is_one_of(condition_.end, {"group", "having", "window", "order", "limit", "offset",
-                                               "fetch", "qualify"})) {
+           !tokens_.is_one_of(
+               condition_.end,
+               {"group", "having", "window", "order", "limit", "offset", "fetch", "qualify", "for", "union",
+                "intersect", "except", "minus", "using", "sort", "cluster", "distribute", "lateral"})) {
       condition_.end =
           tokens_.is_sign(condition_.end, "(") ? tokens_.closing(condition_.end) + 1 : condition_.end + 1;
     }
@@ -263,8 +298,8 @@ class Rewriter {
 
   std::optional<double> limit_value(const std::optional<TokenRange>& limit, double otherwise) {
     if (!limit) return otherwise;
-    const std::optional<double> value = constants_.value(range_text(*limit));
-    if (value && std::isfinite(*value)) {
+    const std::optional<double> value = constant(tokens_, *limit);
+    if (value) {
       texts_[limit->begin] = literal(*value);
       drop(limit->begin + 1, limit->end);
     }
@@ -319,6 +354,9 @@ class Rewriter {
       conditions.push_back(box_condition(boxes, i));
       share_ += volume_share(boxes.boxes[i], *options_.bounds);
     }
+    // Conditions on the whole of the bounds are of no use.
+    constexpr double k_nearly_all = 0.999;
+    if (share_ > k_nearly_all) return note("its condition may hold anywhere within the bounds");
     box_count_ = conditions.size();
     const bool is_union = options_.dialect == SqlDialect::duckdb || options_.dialect == SqlDialect::trino;
     if (box_count_ > 1 && is_union) {
@@ -363,7 +401,6 @@ class Rewriter {
   std::string_view sql_;
   TokenList tokens_;
   const RewriteOptions& options_;
-  Constants constants_;
   std::vector<std::string> texts_, behind_;  ///< what the tokens become, and what follows them
   std::vector<bool> is_dropped_;             ///< tokens that are gone
   TokenRange table_, condition_;

@@ -8,7 +8,7 @@
 
 #include "base/bounds.h"
 
-// The paper's statement for engines that have never heard of dist_ray: the distance as an expression, and beside
+// The paper's statement for engines without dist_ray: the distance as an expression, and beside
 // it conditions on x, y and z that such an engine pushes down to the statistics of its files or pages.
 
 namespace alidade::database {
@@ -38,13 +38,15 @@ struct RewrittenStatement {
 };
 
 /// Rewrites one statement. Every dist_ray(A, x,y,z) and dist_plane(A, x,y,z) becomes an expression whose value
-/// is the same to the last bit in double precision; x, y, z are columns of that type. Conditions on them with
+/// is the same to the last bit in double precision, except for the sign of zero; x, y, z are columns of that type. Conditions on them with
 /// constant limits, below AND, OR and parentheses in WHERE of one SELECT from one table, prune by boxes
 /// (box_cover.h); other parts of WHERE prune nothing and stay.
 ///
-/// The rows are those of the statement if all points of the table are within options.bounds. Errors: A is not six
-/// constant numbers, such as columns of another table; A is no ray or plane; the last arguments are not
-/// the columns x, y, z of one table; what cannot be cut into tokens.
+/// The rows are those of the statement if all points of the table are within options.bounds. Constants are numbers with
+/// signs and parentheses: what is calculated differs between engines. Errors: A is not six constants, such as columns of
+/// another table; A is no ray or plane; the last arguments are not the columns x, y, z of one table; a quoted column "X";
+/// what cannot be cut into tokens, or what engines cut differently (backslashes in texts, dollar quotes, nested
+/// comments).
 RewrittenStatement rewrite_statement(std::string_view sql, const RewriteOptions& options);
 
 }  // namespace alidade::database

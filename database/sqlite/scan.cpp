@@ -11,15 +11,15 @@ namespace alidade::database {
 
 PointCursor::PointCursor(ChunkSource& source, const CloudSchema& cloud, ScanFilter filter, RowOrder order)
     : source_(source), cloud_(cloud), filter_(std::move(filter.points)), order_(order) {
-  for (const ChunkLocation& offset : source_.chunks(filter_, filter.only_chunk)) {
+  for (const ChunkLocation& location : source_.chunks(filter_, filter.only_chunk)) {
     double least = 0.0;
     if (order_ != RowOrder::stored) {
-      const RayReach reach = project(filter_.lines.front().ray, offset.box);
+      const RayReach reach = project(filter_.lines.front().ray, location.box);
       least = order_ == RowOrder::t ? reach.t.low : reach.distance.low;
       // Where numbers overflow nothing is known.
       if (!(least >= -std::numeric_limits<double>::max())) least = -std::numeric_limits<double>::infinity();
     }
-    chunks_.push_back({least, offset});
+    chunks_.push_back({least, location});
   }
   std::ranges::stable_sort(chunks_, {}, &Next::least);
   next();
@@ -39,7 +39,7 @@ void PointCursor::next() {
 }
 
 std::shared_ptr<StoredChunk> PointCursor::read_next() {
-  std::shared_ptr<StoredChunk> chunk = source_.read(chunks_[next_chunk_++].offset);
+  std::shared_ptr<StoredChunk> chunk = source_.read(chunks_[next_chunk_++].location);
   ++reads_.chunks_read;
   reads_.points_read += chunk->positions.size();
   return chunk;
@@ -63,9 +63,9 @@ void PointCursor::next_in_order() {
          (found_.empty() || chunks_[next_chunk_].least <= found_.top().measure)) {
     const std::shared_ptr<StoredChunk> chunk = read_next();
     for (std::size_t row = 0; row < chunk->positions.size(); ++row) {
-      const glm::dvec3 offset = to_world(cloud_.lattice, chunk->positions[row]);
-      if (holds(filter_, offset))
-        found_.push({measure(project(filter_.lines.front().ray, offset)), chunk, row});
+      const glm::dvec3 position = to_world(cloud_.lattice, chunk->positions[row]);
+      if (holds(filter_, position))
+        found_.push({measure(project(filter_.lines.front().ray, position)), chunk, row});
     }
   }
   chunk_.reset();

@@ -65,7 +65,7 @@ class PointCursor {
   };
   struct Next {
     double least;  ///< of the measure of its points
-    ChunkLocation offset;
+    ChunkLocation location;
   };
 
   void next_stored();

@@ -202,7 +202,13 @@ std::string plain_name(std::string_view text) {
   return lower_case(name);
 }
 
-TokenList::TokenList(std::string_view sql) : sql_(sql), tokens_(sql_tokens(sql)), closing_(tokens_.size()) {
+TokenList::TokenList(std::string_view sql, std::string_view foreign_signs)
+    : sql_(sql), tokens_(sql_tokens(sql)), closing_(tokens_.size()) {
+  for (std::size_t i = 0; i < size(); ++i) {
+    if (is(i, SqlTokenKind::wrong) && text(i).size() == 1 &&
+        foreign_signs.find(text(i).front()) != std::string_view::npos)
+      tokens_[i].kind = SqlTokenKind::sign;
+  }
   std::vector<std::size_t> open;
   for (std::size_t i = 0; i < size() && is_sound_; ++i) {
     if (is_sign(i, "(")) open.push_back(i);
@@ -223,7 +229,7 @@ std::string_view TokenList::text(std::size_t index) const {
 
 bool TokenList::is_word(std::size_t index, std::string_view word) const {
   return is(index, SqlTokenKind::word) && text(index).size() == word.size() &&
-         lower_case(text(index)) == word;
+         lower_case(text(index)) == word && (index == 0 || !is_sign(index - 1, "."));
 }
 
 bool TokenList::is_one_of(std::size_t index, std::initializer_list<std::string_view> words) const {

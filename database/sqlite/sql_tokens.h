@@ -46,8 +46,8 @@ struct TokenRange {
 /// A statement's tokens, asked by index. Behind the last one nothing is a word or sign.
 class TokenList {
  public:
-  /// The text must outlive it.
-  explicit TokenList(std::string_view sql);
+  /// The text must outlive it. `foreign_signs`: characters that are no tokens of SQLite but signs here.
+  explicit TokenList(std::string_view sql, std::string_view foreign_signs = {});
 
   std::size_t size() const { return tokens_.size(); }
   const SqlToken& operator[](std::size_t index) const { return tokens_[index]; }
@@ -60,7 +60,7 @@ class TokenList {
     return is(index, SqlTokenKind::sign) && text(index) == sign;
   }
 
-  /// `word` in small characters.
+  /// `word` in small characters. Behind a dot is a name, whatever it is.
   bool is_word(std::size_t index, std::string_view word) const;
   bool is_one_of(std::size_t index, std::initializer_list<std::string_view> words) const;
   /// A name, quoted or not; keywords are names here too.

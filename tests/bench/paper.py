@@ -37,8 +37,11 @@ class Run:
         path = self.results / name
         if not path.exists():
             print(f"paper: making {name}", flush=True)
-            output = [path] if words[0] == "sql" else ["-o", path]
+            part = self.results / f"part_{name}"
+            part.unlink(missing_ok=True)
+            output = [part] if words[0] == "sql" else ["-o", part]
             subprocess.run([self.program, *words, *output, "-q"], check=True)
+            part.rename(path)
         return path
 
     def milliseconds_in_sql(self, database, statement):
@@ -114,6 +117,15 @@ def picture(run):
     return number(statistics.median(times))
 
 
+def draw_figure_5(results, path):
+    try:
+        import plots
+    except ImportError:
+        print("paper: matplotlib is not installed: the plot is left as it is", file=sys.stderr)
+        return
+    plots.figure_5(results, path)
+
+
 def arguments():
     title, _, more = __doc__.partition("\n")
     parser = argparse.ArgumentParser(description=title.partition(": ")[2], epilog=more)
@@ -145,6 +157,7 @@ def main():
     template = (run.repository / "tests/bench/paper.md").read_text()
     page = re.sub(r"\{(\w+)\}", lambda match: parts[match.group(1)], template)
     (run.repository / "docs/paper.md").write_text(page)
+    draw_figure_5(results, run.repository / "docs/images/bench_figure_5.svg")
     print("paper: wrote docs/paper.md")
 
 

@@ -116,12 +116,39 @@ TEST(RewriteStatement, tells_what_prunes_nothing) {
   EXPECT_EQ(reason("SELECT 1 FROM p WHERE id < 3 AND (" + near + " OR " + near + ")"), "");
 }
 
+TEST(RewriteStatement, reads_other_dialects_or_leaves_them) {
+  const std::string near = "dist_ray(1,2,3, 0,0,1, x,y,z) <= 1";
+  // A name behind a dot is no keyword, so the OR counts.
+  for (const std::string name : {"limit", "group", "case", "end"})
+    EXPECT_NE(reason("SELECT 1 FROM p WHERE " + near + " AND p." + name + " = 3 OR id = 2"), "") << name;
+  EXPECT_EQ(reason("EXPLAIN ANALYZE SELECT x::int FROM p WHERE " + near), "");
+  EXPECT_EQ(reason("SELECT {'a': 1}, [x, y] FROM p WHERE " + near), "");
+  for (const std::string clause : {"FOR UPDATE", "SORT BY id", "USING SAMPLE 3", "UNION ALL FROM q"}) {
+    const std::string text = rewritten("id > 3 AND " + near + " " + clause);
+    EXPECT_EQ(text.find(clause + ")"), std::string::npos) << text;
+  }
+  // What is calculated differs, and parameters are unknown.
+  for (const std::string limit :
+       {"(5/2)", "(? IS NULL)", "?", "(SELECT 4)", "abs(4)", "NULL", "'4'", "1e999"})
+    EXPECT_NE(reason("SELECT 1 FROM p WHERE dist_ray(1,2,3, 0,0,1, x,y,z) <= " + limit), "") << limit;
+  EXPECT_NE(rewritten("dist_plane(0,0,0, 0,0,1, x,y,z) <= -(-(+4.5))").find("<= 4.5e+00"), std::string::npos);
+  EXPECT_EQ(reason("SELECT 1 FROM p WHERE dist_ray(1,2,3, 0,0,1, x,y,z) >= 1"),
+            "its condition may hold anywhere within the bounds");
+}
+
 TEST(RewriteStatement, rejects_what_it_cannot_write) {
+  const std::string near = "dist_ray(1,2,3, 0,0,1, x,y,z) <= 1";
+  for (const std::string& foreign :
+       {"id = 3 /* a /* b */ AND " + near + " -- */",
+        near + " AND n <> $a$ ' $a$ OR id = 3 AND n <> $a$ ' $a$", near + " AND n = E'it\\'' OR id = 3 -- '",
+        near + " AND tags <> ['a]', 'b'] OR id = 3 --'"})
+    EXPECT_THROW(rewritten(foreign), Error) << foreign;
   for (const std::string wrong :
        {"dist_ray(r.ox,2,3, 0,0,1, x,y,z) <= 1", "dist_ray(1,2,3, 0,0,0, x,y,z) <= 1",
         "dist_ray(1,2,3,x,y,z) <= 1", "dist_ray(1,2,3, 0,0,1, x,z,y) <= 1",
         "dist_ray(?,2,3, 0,0,1, x,y,z) <= 1", "dist_ray(1,2,3, 0,0,1, x,y,z <= 1",
-        "dist_ray(1,2,NULL, 0,0,1, x,y,z) <= 1"})
+        "dist_ray(1,2,NULL, 0,0,1, x,y,z) <= 1", "dist_ray(1,2,3, 0,0,1, \"X\",y,z) <= 1",
+        "dist_plane(0,0,1/2, 0,0,1, x,y,z) <= 1"})
     EXPECT_THROW(rewritten(wrong), Error) << wrong;
 }
 

@@ -39,11 +39,15 @@ Bounds bounds_of(const std::string& text) {
   std::error_code error;
   if (text.find(',') != std::string::npos && !std::filesystem::exists(text, error)) return parse_bounds(text);
   const std::array<std::filesystem::path, 1> names = {text};
-  const Bounds box = stated_size(resolve_clouds(names, cloud_formats())).box;
-  if (box.empty())
-    throw file_error(text, "the file does not state its bounds",
-                     "--bounds x0,y0,z0,x1,y1,z1, which 'alidade info' prints");
-  return box;
+  Bounds bounds;
+  for (const CloudInput& input : resolve_clouds(names, cloud_formats()).inputs) {
+    const Bounds box = stated_size({{input}}).box;
+    if (box.empty())
+      throw file_error(input.name, "the file does not state its bounds",
+                       "--bounds x0,y0,z0,x1,y1,z1, which 'alidade info' prints");
+    bounds.grow(box);
+  }
+  return bounds;
 }
 
 /// The statements of a text, without what separates them.
@@ -73,7 +77,7 @@ ExitCode run(const RewriteCommand& command, bool has_statement) {
     output += rewritten.text + ";\n";
     if (rewritten.box_count > 0)
       say_note(command.verbosity,
-               fmt::format("conditions on {} {}, {:.2g} % of the bounds", rewritten.box_count,
+               fmt::format("conditions on {} {}, {:.3g} % of the bounds", rewritten.box_count,
                            rewritten.box_count == 1 ? "box" : "boxes", 100.0 * rewritten.share));
     if (!rewritten.reason.empty())
       say_note(command.verbosity,
@@ -107,8 +111,8 @@ Command add_sql_rewrite(const Options& sql) {
       "bounds of all points of the table, in the unit of the CRS, inclusive: a cloud that states them, or "
       "numbers; without them no conditions on boxes are added",
       command->bounds);
-  rewrite.count("--boxes", "N", "most boxes along a ray, 1 to 64 (default: 8)", command->options.box_count,
-                1, 64);
+  rewrite.count("--boxes", "N", "most boxes along a ray, 1 to 64 (default: 8)", command->options.box_count, 1,
+                64);
   add_verbosity(rewrite, command->verbosity);
   return {rewrite, [command, statement](const CommandLine&) { return run(*command, statement.given()); }};
 }
