@@ -37,7 +37,7 @@ void FileCloud::check_unchanged() const {
     throw file_error(file.name.string(),
                      now.number == 0 ? "the file was removed since it was opened"
                                      : "the file has changed since it was opened",
-                     "the file as it was when it was opened; make the table or statement anew");
+                     "the file as it was when it was opened; make the table or statement again");
   }
 }
 

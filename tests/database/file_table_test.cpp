@@ -217,7 +217,7 @@ TEST_F(FileTableTest, a_file_that_has_changed_or_gone_is_an_error) {
     EXPECT_EQ(error_of(in_place, "SELECT count(*) FROM points"),
               file.string() +
                   ": the file has changed since it was opened; expected the file as it was when it "
-                  "was opened; make the table or statement anew");
+                  "was opened; make the table or statement again");
     std::filesystem::remove(file);
     EXPECT_TRUE(error_of(in_place, "SELECT 1 FROM points")
                     .starts_with(file.string() + ": the file was removed since it was opened"));
