@@ -9,6 +9,7 @@
 #include "base/error.h"
 #include "base/parallel.h"
 #include "base/words.h"
+#include "cloud/catalog.h"
 #include "cloud/cloud_reader.h"
 #include "cloud/copc/copc_file.h"
 #include "cloud/input_view.h"
@@ -287,6 +288,8 @@ CloudInputs resolve_clouds(std::span<const fs::path> names, CloudFormats formats
     };
     if (const CloudFormat* const format = first_format(formats, is_named)) {
       clouds.inputs.push_back({name, format});
+    } else if (is_catalog_name(name.string())) {
+      std::ranges::move(read_catalog(name), std::back_inserter(clouds.inputs));
     } else {
       for (fs::path& file : files_of_name(name)) clouds.inputs.push_back({std::move(file)});
     }
@@ -306,6 +309,11 @@ CloudInput cloud_in_memory(std::span<const std::byte> bytes, std::string name, C
 std::unique_ptr<CloudReader> open_cloud(const CloudInput& input, InputFile file, Damage damage) {
   if (input.format != nullptr) {
     std::unique_ptr<CloudReader> reader = input.format->open(std::move(file), damage);
+    if (damage == Damage::reject) {
+      // Of an impossible box in the header nothing is known.
+      const bool has_box = reader->facts().box.has_value();
+      check_stated(input, reader->point_count(), has_box ? reader->file().stated_bounds : std::nullopt);
+    }
     return input.is_changed() ? open_view(std::move(reader), input.view, damage) : std::move(reader);
   }
   if (file.size() == 0) throw Error({.file = file.name(), .problem = "empty file", .expected = k_supported});

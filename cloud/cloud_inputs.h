@@ -17,6 +17,7 @@ namespace alidade {
 
 class CloudReader;
 struct InputView;
+struct StatedFile;
 
 /// One way a cloud can be stored.
 struct CloudFormat {
@@ -50,6 +51,8 @@ struct CloudInput {
   std::optional<std::span<const std::byte>> memory{};  ///< the bytes of a file that is in memory
   /// What of it is wanted, and in which reference system (cloud/input_view.h); null: all as it is.
   std::shared_ptr<const InputView> view{};
+  /// What a catalog says of it (cloud/catalog.h); null: nothing.
+  std::shared_ptr<const StatedFile> stated{};
 
   /// Opens it. Errors: InputFile's.
   InputFile file() const;
@@ -80,7 +83,8 @@ struct CloudInputs {
 
 /// The clouds that names of files, folders and patterns expand to, in the order of the names, each tested once:
 /// - a name of one of the formats (CloudFormat::is_named) is that cloud;
-/// - a remote name (is_remote_name()) is one file;
+/// - a catalog (is_catalog_name()) is the files that it lists;
+/// - another remote name (is_remote_name()) is one file;
 /// - what is neither a folder nor a pattern is one file, whether it exists or not;
 /// - a folder is the cloud files in it, not those of folders inside it: what ends in las, laz, ply, pcd, e57,
 ///   pts, ptx, xyz, txt or csv, in capitals or not;
@@ -94,9 +98,10 @@ struct CloudInputs {
 /// be opened, so that its points are not missed silently. The files of one name are sorted by the bytes of
 /// their paths; a file of two names is in the list twice.
 ///
-/// Errors: a folder without cloud files or that cannot be read; a pattern that matches no file. Messages name
+/// Errors: a folder without cloud files or that cannot be read; a pattern that matches no file; those of
+/// read_catalog(). Messages name
 /// what was expected. A missing or damaged file is not an error here. Cost: reads each folder concerned once,
-/// and the first bytes of each file, in parallel (oneTBB). `formats` must outlive the result.
+/// and the first bytes of each file whose format no catalog states, in parallel (oneTBB). `formats` must outlive the result.
 CloudInputs resolve_clouds(std::span<const std::filesystem::path> names,
                            CloudFormats formats = file_formats());
 

@@ -189,7 +189,8 @@ void warn_of_missing_crs(std::span<const CloudSource> sources, PointCloud& cloud
   if (cloud.crs.empty()) return;
   SomeFiles files;
   for (const CloudSource& source : sources) {
-    if (source.facts.crs.empty() && source.point_count() > 0) files.add(source.path().string());
+    if (source.is_open && source.facts.crs.empty() && source.point_count() > 0)
+      files.add(source.path().string());
   }
   if (files.count == 0) return;
   cloud.warnings.push_back(

@@ -24,6 +24,7 @@ struct CloudSource {
   FileFacts facts{};
   CoordinateSurvey survey{};  ///< of files without a lattice
   bool is_skipped = false;    ///< lies outside ReadOptions::region
+  bool is_open = true;        ///< false: what is known is what a catalog states
 
   const std::filesystem::path& path() const { return reader->file().path; }
   std::uint64_t point_count() const {

@@ -29,7 +29,8 @@ struct ReadOptions {
   /// Where points are needed, world coordinates, faces included; sides may be infinite. LAS and index files
   /// whose own word for where their points are (FileFacts::box) does not meet it are left unread: the cloud
   /// then holds at least all points within, provided that such headers are right, in rows that RowIds
-  /// (cloud/rows.h) numbers as if all had been read. Points of files that are read are not cut off.
+  /// (cloud/rows.h) numbers as if all had been read. Points of files that are read are not cut off. LAS files of
+  /// which a catalog states their box are not even opened, but for the first one and the first with points.
   /// Skipped files affect neither ColorDepth::automatic nor the attributes. Ignored with `partial`.
   std::optional<Bounds> region{};
   Progress progress{};  ///< in bytes of input
@@ -74,5 +75,8 @@ struct StatedSize {
 
 /// Errors: those of opening files.
 StatedSize stated_size(const CloudInputs& inputs);
+
+/// The same box; files of which a catalog states theirs are not opened.
+Bounds stated_box(const CloudInputs& inputs);
 
 }  // namespace alidade

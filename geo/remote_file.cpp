@@ -23,6 +23,13 @@ std::string virtual_name(const std::string& name) {
   return name.starts_with("/vsi") ? name : "/vsicurl/" + name;
 }
 
+/// The same; catalogs that are compressed are read as if they were not.
+std::string readable_name(const std::string& name) {
+  const bool is_packed =
+      name.substr(0, name.find('?')).ends_with(".json.gz") && !name.starts_with("/vsigzip/");
+  return (is_packed ? "/vsigzip/" : "") + virtual_name(name);
+}
+
 [[noreturn]] void fail(const std::string& name, const char* problem) {
   std::string reason = VSIGetLastErrorMsg();
   if (reason.empty()) reason = CPLGetLastErrorMsg();
@@ -31,7 +38,7 @@ std::string virtual_name(const std::string& name) {
 
 /// What is not set in the environment.
 void set_defaults() {
-  constexpr std::array<std::pair<const char*, const char*>, 7> k_defaults = {{
+  constexpr std::array<std::pair<const char*, const char*>, 8> k_defaults = {{
       {"GDAL_HTTP_MAX_RETRY", "3"},
       {"GDAL_HTTP_RETRY_DELAY", "1"},
       {"GDAL_HTTP_CONNECTTIMEOUT", "30"},
@@ -39,6 +46,7 @@ void set_defaults() {
       {"GDAL_HTTP_LOW_SPEED_LIMIT", "1"},
       {"CPL_VSIL_CURL_CACHE_SIZE", "67108864"},
       {"CPL_VSIL_NETWORK_STATS_ENABLED", "YES"},
+      {"CPL_VSIL_GZIP_WRITE_PROPERTIES", "NO"},
   }};
   for (const auto& [option, value] : k_defaults)
     if (CPLGetConfigOption(option, nullptr) == nullptr) CPLSetConfigOption(option, value);
@@ -52,7 +60,7 @@ class VirtualFile final : public RemoteFile {
     // The other files of its folder do not matter.
     constexpr const char* k_list = "GDAL_DISABLE_READDIR_ON_OPEN";
     CPLSetThreadLocalConfigOption(k_list, "EMPTY_DIR");
-    handle_.reset(VSIFOpenExL(virtual_name(name).c_str(), "rb", TRUE));
+    handle_.reset(VSIFOpenExL(readable_name(name).c_str(), "rb", TRUE));
     CPLSetThreadLocalConfigOption(k_list, nullptr);
     if (!handle_) fail(name, "cannot open the file");
     if (VSIFSeekL(handle_.get(), 0, SEEK_END) != 0) fail(name, "cannot measure the file");

@@ -94,7 +94,14 @@ CopcCache::CopcCache(const CopcFile& file, const Options& options)
         return Workshop{ChunkDecoder(file_.layout(), wanted), {}};
       }) {}
 
-CopcCache::~CopcCache() = default;
+CopcCache::~CopcCache() {
+  count_kept(0, kept_bytes_);
+}
+
+void CopcCache::count_kept(std::size_t more, std::size_t less) const {
+  kept_bytes_ += more - less;
+  if (options_.kept_in_all != nullptr) *options_.kept_in_all += more - less;
+}
 
 std::shared_ptr<const BoxedPoints> CopcCache::points(std::uint32_t node) const {
   if (auto points = find(node)) return points;
@@ -128,13 +135,13 @@ void CopcCache::keep(std::uint32_t node, std::shared_ptr<const BoxedPoints> poin
     slot.was_met = true;
     report(options_.progress, reads_.points_decoded, file_.header().point_count);
   }
-  kept_bytes_ += points->byte_count();
+  count_kept(points->byte_count(), 0);
   kept_.push_front(node);
   slot.index_in_kept = kept_.begin();
   slot.points = std::move(points);
   while (kept_bytes_ > options_.byte_count && kept_.size() > 1) {
     Slot& oldest = slots_[kept_.back()];
-    kept_bytes_ -= oldest.points->byte_count();
+    count_kept(0, oldest.points->byte_count());
     oldest.points.reset();
     kept_.pop_back();
   }
@@ -170,6 +177,12 @@ std::shared_ptr<const BoxedPoints> CopcCache::decode(std::uint32_t number) const
             if (!bounds.contains(world)) {
               fail(first + i, "the point is outside the cube of its node",
                    "a position from " + text_of(bounds.min) + " to " + text_of(bounds.max), text_of(world));
+            }
+            if (options_.stated_box && !options_.stated_box->contains(world)) {
+              fail(first + i, "the point is outside the box that a catalog states; make the catalog anew",
+                   "a position from " + text_of(options_.stated_box->min) + " to " +
+                       text_of(options_.stated_box->max),
+                   text_of(world));
             }
             const auto point_class = load<std::uint8_t>(records + k_classification_index);
             if (options_.classes && !options_.classes->test(point_class)) continue;

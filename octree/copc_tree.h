@@ -3,6 +3,7 @@
 
 #include <tbb/enumerable_thread_specific.h>
 #include <algorithm>
+#include <atomic>
 #include <bitset>
 #include <cstddef>
 #include <cstdint>
@@ -53,6 +54,13 @@ struct CopcReads {
   std::uint64_t chunks_decoded = 0;  ///< again counts again
   std::uint64_t points_decoded = 0;
   std::uint64_t chunks_met = 0;  ///< decoded at least once
+
+  CopcReads& operator+=(const CopcReads& more) {
+    chunks_decoded += more.chunks_decoded;
+    points_decoded += more.points_decoded;
+    chunks_met += more.chunks_met;
+    return *this;
+  }
 };
 
 /// Points of a COPC file, node by node, decoded when they are requested and kept while there is room. Thread
@@ -62,6 +70,10 @@ class CopcCache {
   struct Options {
     std::size_t byte_count = std::size_t{512} << 20;  ///< most to keep; what is in use may be more
     std::optional<std::bitset<256>> classes{};        ///< only points of these
+    /// What somebody else states that all points lie in; empty: nothing.
+    std::optional<Bounds> stated_box{};
+    /// Also counts what is kept; several caches may share it, which it must outlive.
+    std::atomic<std::size_t>* kept_in_all = nullptr;
     /// Asked whenever a node was decoded, by one thread at a time, in points decoded so far and points of the
     /// file; points that are decoded again count again.
     Progress progress{};
@@ -75,7 +87,7 @@ class CopcCache {
 
   /// The points of a node of the file's hierarchy; none if it has no chunk. Rows count within the node. Those
   /// asked for least recently give way to new ones. Errors: the chunk is damaged, or a point lies outside
-  /// CopcFile::bounds() of its node. Cancelled, if the progress function says so. Cost: about 0.2
+  /// CopcFile::bounds() of its node or of Options::stated_box. Cancelled, if the progress function says so. Cost: about 0.2
   /// microseconds per point if they are not there.
   std::shared_ptr<const BoxedPoints> points(std::uint32_t node) const;
 
@@ -91,6 +103,7 @@ class CopcCache {
   std::shared_ptr<const BoxedPoints> decode(std::uint32_t node) const;
   std::shared_ptr<const BoxedPoints> find(std::uint32_t node) const;
   void keep(std::uint32_t node, std::shared_ptr<const BoxedPoints> points) const;
+  void count_kept(std::size_t more, std::size_t less) const;
 
   const CopcFile& file_;
   Options options_;
@@ -130,7 +143,15 @@ class CopcTree {
   };
 
   /// The cache must outlive the tree.
-  explicit CopcTree(const CopcCache& cache) : cache_(cache), hierarchy_(cache.file().hierarchy()) {}
+  explicit CopcTree(const CopcCache& cache) : CopcTree(cache, cache.file().header().lattice, 0) {}
+
+  /// As a part of a cloud of this lattice, in which the file's first point is row `first_row`. Errors: LatticeShift's.
+  CopcTree(const CopcCache& cache, const Lattice& lattice, std::uint64_t first_row)
+      : cache_(cache),
+        hierarchy_(cache.file().hierarchy()),
+        lattice_(lattice),
+        shift_(cache.file().header().lattice, lattice, cache.file().name()),
+        first_row_(first_row) {}
 
   bool empty() const { return hierarchy_.nodes.empty(); }
   Node root() const { return cube(0); }
@@ -139,12 +160,11 @@ class CopcTree {
   template <class Visit>
   void for_each_point(const Node& node, const Visit& visit) const {
     if (node.kind != Kind::box || node.level > 0) return;
-    const std::uint64_t first_row = hierarchy_.nodes[node.number].first_row;
+    const std::uint64_t first_row = first_row_ + hierarchy_.nodes[node.number].first_row;
     const std::size_t first = node.box * BoxedPoints::k_block_points;
     const std::size_t last = std::min(first + BoxedPoints::k_block_points, node.points->size());
     for (std::size_t i = first; i < last; ++i) {
-      if (!visit(first_row + node.points->rows()[i], to_world(lattice(), node.points->positions()[i])))
-        return;
+      if (!visit(first_row + node.points->rows()[i], world(node.points->positions()[i]))) return;
     }
   }
 
@@ -169,7 +189,7 @@ class CopcTree {
   }
 
  private:
-  const Lattice& lattice() const { return cache_.file().header().lattice; }
+  glm::dvec3 world(const LatticePosition& position) const { return to_world(lattice_, shift_(position)); }
 
   Node cube(std::uint32_t number) const {
     return {.bounds = cache_.file().bounds(hierarchy_.nodes[number]), .kind = Kind::cube, .number = number};
@@ -180,7 +200,7 @@ class CopcTree {
                    std::size_t first, std::size_t last, const Visit& visit) const {
     for (std::size_t i = first; i < last; ++i) {
       const BoxedPoints::Box& box = points->boxes(level)[i];
-      visit(Node{.bounds = {to_world(lattice(), box.low), to_world(lattice(), box.high)},
+      visit(Node{.bounds = {world(box.low), world(box.high)},
                  .kind = Kind::box,
                  .level = static_cast<std::int8_t>(level),
                  .number = number,
@@ -191,6 +211,9 @@ class CopcTree {
 
   const CopcCache& cache_;
   const CopcHierarchy& hierarchy_;
+  Lattice lattice_;
+  LatticeShift shift_;
+  std::uint64_t first_row_;
 };
 
 }  // namespace alidade

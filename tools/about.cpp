@@ -30,6 +30,7 @@ constexpr FormatFacts k_formats[] = {
     {"CSV", ".csv, .txt", "", "read, write", "columns by their names"},
     {"XYZ", ".xyz, .txt", "", "read, write", "columns by their order; coordinates alone are written"},
     {"Alidade index", ".alidade", "2", "read, write", "octree and attributes, mapped from disk"},
+    {"Catalog", ".catalog.json", "STAC 1.0", "read, write", "alidade catalog: many files and their bounds"},
     {"SQLite", "site.db?table=NAME", "3", "read, write", "alidade sql load; chunks are read as needed"},
     {"PostgreSQL", "postgresql://...", "", "read, write", "alidade sql load; extension alidade_pg prunes"},
     {"Parquet", ".parquet", "", "write", "for DuckDB, DataFusion, ...; --geometry adds GeoParquet 1.1"},

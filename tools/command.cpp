@@ -146,11 +146,11 @@ ExitCode run_program(const CommandLine& command_line) {
   set_remote_files([](const std::string& name) { return image_module().open_remote_file(name); });
   Parser parser;
   const Options program = parser.program();
-  const std::vector<Command> commands = {add_info(program),    add_generate(program), add_index(program),
-                                         add_convert(program), add_query(program),    add_render(program),
-                                         add_merge(program),   add_compare(program),  add_visibility(program),
-                                         add_change(program),  add_sql(program),      add_formats(program),
-                                         add_manual(program)};
+  const std::vector<Command> commands = {add_info(program),       add_generate(program), add_index(program),
+                                         add_catalog(program),    add_convert(program),  add_query(program),
+                                         add_render(program),     add_merge(program),    add_compare(program),
+                                         add_visibility(program), add_change(program),   add_sql(program),
+                                         add_formats(program),    add_manual(program)};
   // Behind the program's name.
   CommandLine words(command_line.begin() + std::min<std::ptrdiff_t>(std::ssize(command_line), 1),
                     command_line.end());

@@ -38,6 +38,7 @@ Command command_of(const Options& options, const std::shared_ptr<Request>& reque
 Command add_info(const Options& program);
 Command add_generate(const Options& program);
 Command add_index(const Options& program);
+Command add_catalog(const Options& program);
 Command add_convert(const Options& program);
 Command add_query(const Options& program);
 Command add_render(const Options& program);

@@ -6,6 +6,7 @@
 #include "compare/difference_map.h"
 #include "compare/report/page.h"
 #include "geo/earth.h"
+#include "geo/geopackage.h"
 #include "geo/raster_file.h"
 #include "geo/remote_file.h"
 #include "geo/reproject.h"
@@ -43,6 +44,7 @@ struct ImageModule {
   decltype(&geo::describe) describe_sun = &geo::describe;
   decltype(&geo::open_remote_file) open_remote_file = &geo::open_remote_file;
   decltype(&geo::remote_traffic) remote_traffic = &geo::remote_traffic;
+  decltype(&geo::write_geopackage) write_geopackage = &geo::write_geopackage;
   decltype(&geo::write_raster) write_raster = &geo::write_raster;
   decltype(&geo::is_raster) is_raster = &geo::is_raster;
   decltype(&geo::read_heights) read_heights = &geo::read_heights;

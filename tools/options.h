@@ -276,8 +276,9 @@ bool same_file(const std::filesystem::path& a, const std::filesystem::path& b);
 
 /// What the help text says about the files of a cloud, where there is nothing else to say.
 inline constexpr const char* k_cloud_help =
-    "cloud files, folders or patterns such as 'tiles/*.las', joined into one cloud, an index file "
-    "(.alidade), or a table of a database: site.db?table=NAME or postgresql://HOST/DATABASE?table=NAME";
+    "cloud files, folders or patterns such as 'tiles/*.las', joined into one cloud, a catalog of files "
+    "(.catalog.json), an index file (.alidade), or a table of a database: site.db?table=NAME or "
+    "postgresql://HOST/DATABASE?table=NAME";
 
 /// What other help texts about them begin and end with.
 inline const std::string k_files_help =

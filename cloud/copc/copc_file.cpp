@@ -311,18 +311,22 @@ bool is_copc(std::span<const std::byte> start) {
          load<std::uint16_t>(start.data() + k_las_header_size + 18) == 1;
 }
 
-CopcFile::CopcFile(InputFile file)
+CopcFile::CopcFile(InputFile file, bool rests)
     : file_(std::move(file)),
+      rests_(rests),
       header_(read_las_header(file_, warnings_)),
       records_(read_las_records(file_, header_, warnings_)),
       layout_(read_layout(file_.name(), header_, records_)),
       info_(parse_copc_info(records_.copc_info->data, file_.name(), records_.copc_info->offset)),
-      hierarchy_(read_copc_hierarchy(file_, info_, find_chunks(file_, header_, layout_, warnings_))) {}
+      hierarchy_(read_copc_hierarchy(file_, info_, find_chunks(file_, header_, layout_, warnings_))) {
+  if (rests_) file_.rest();
+}
 
 void CopcFile::read_chunk(const CopcNode& node, std::vector<std::byte>& bytes) const {
   bytes.resize(static_cast<std::size_t>(node.chunk.byte_count));
   const std::lock_guard lock(mutex_);
   file_.read_at(node.chunk.offset, bytes);
+  if (rests_) file_.rest();
 }
 
 Bounds CopcFile::bounds(const CopcNode& node) const {

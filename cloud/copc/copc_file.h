@@ -86,8 +86,9 @@ class CopcFile {
  public:
   /// Errors: the file is no COPC 1.0 (LAS 1.4 with points of format 6 to 8, compressed in chunks of different
   /// sizes, behind a record of COPC); what read_las_header(), parse_laszip_record(), read_chunk_table(),
-  /// parse_copc_info() and read_copc_hierarchy() reject.
-  explicit CopcFile(InputFile file);
+  /// parse_copc_info() and read_copc_hierarchy() reject. `rests`: whether the file is closed between reads, so that
+  /// thousands can be in use.
+  explicit CopcFile(InputFile file, bool rests = false);
 
   const std::string& name() const { return file_.name(); }
   const LasHeader& header() const { return header_; }
@@ -109,6 +110,7 @@ class CopcFile {
  private:
   mutable InputFile file_;
   mutable std::mutex mutex_;  ///< of file_
+  bool rests_;
   std::vector<std::string> warnings_;
   LasHeader header_;
   LasRecords records_;

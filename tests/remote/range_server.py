@@ -36,13 +36,11 @@ class Handler(http.server.BaseHTTPRequestHandler):
         with server.lock:
             server.requests += 1
             number = server.requests
-        path = os.path.join(server.folder, name)
-        if not os.path.isfile(path):
+        content = server.content(name)
+        if content is None:
             return self.send_error(404)
         if manner == "busy" and number % 2 == 1:
             return self.send_error(503)
-        with open(path, "rb") as file:
-            content = file.read()
         if manner == "changing" and number >= 4:
             content = content[: len(content) // 2]
         if manner == "slow":
@@ -90,6 +88,14 @@ class RangeServer(http.server.ThreadingHTTPServer):
         self.lock = threading.Lock()
         self.requests = self.sent = 0
         threading.Thread(target=self.serve_forever, daemon=True).start()
+
+    def content(self, name):
+        """The bytes of a file; None if there is no such file."""
+        path = os.path.join(self.folder, name)
+        if not os.path.isfile(path):
+            return None
+        with open(path, "rb") as file:
+            return file.read()
 
     def address(self, manner, name):
         return f"http://127.0.0.1:{self.server_port}/{manner}/{name}"

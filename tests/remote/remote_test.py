@@ -1,6 +1,8 @@
 # SPDX-License-Identifier: MIT
 """remote_test.py PROGRAM: clouds on HTTP servers and in archives answer as those on the disk."""
 
+import gzip
+import json
 import os
 import subprocess
 import sys
@@ -8,6 +10,7 @@ import tempfile
 import unittest
 import zipfile
 
+import country
 import range_server
 
 PROGRAM = ""
@@ -66,6 +69,47 @@ class RemoteTest(unittest.TestCase):
         told = dict(line.rsplit(None, 1) for line in done.stderr.splitlines() if line.startswith("remote "))
         self.assertEqual(int(told["remote requests"]), self.server.requests)
         self.assertEqual(int(told["remote bytes"]), self.server.sent)
+
+    def test_a_ray_through_many_tiles_fetches_little_of_few(self):
+        side = 14
+        self.run_program("generate", "courtyard", "--points", "20000", "-o", "tile.las", "--overwrite")
+        self.run_program("convert", "tile.las", "-o", "tile.copc.laz", "--overwrite")
+        server = country.Country(self.folder, os.path.join(self.folder, "tile.copc.laz"))
+        self.addCleanup(server.shutdown)
+        tiles = os.path.join(self.folder, "country")
+        os.mkdir(tiles)
+        for name in country.tile_names(side):
+            with open(os.path.join(tiles, name), "wb") as file:
+                file.write(server.content(name))
+        self.run_program("catalog", "country", "-o", "country/site.catalog.json")
+        catalog = os.path.join(self.folder, "site.catalog.json")
+        os.rename(os.path.join(tiles, "site.catalog.json"), catalog)
+        with open(catalog, "rb") as file, gzip.open(catalog + ".gz", "wb") as packed:
+            packed.write(file.read())
+        catalog_size = os.path.getsize(catalog)
+        for name, ray in country.rays(side).items():
+            for limit in ((), ("--k", "1"), ("--count",)):
+                with self.subTest(name, limit=limit):
+                    words = ("--ray", ray, "--radius", "0.5", *limit, "--format", "csv")
+                    expected = self.run_program("query", "country", "--load", *words)
+                    self.assertGreater(expected.count("\n"), 1)
+                    server.forget()
+                    address = server.address("good", "site.catalog.json")
+                    self.assertEqual(self.run_program("query", address, *words), expected)
+                    self.assertLess(server.sent, catalog_size + 20 * len(server.tile))
+                    self.assertLess(server.requests, 200)
+                    server.forget()
+                    self.assertEqual(self.run_program("query", address + ".gz", *words), expected)
+                    self.assertLess(server.sent, catalog_size / 5 + 20 * len(server.tile))
+
+    def test_a_remote_catalog_leads_nowhere_else(self):
+        for href in ("../site.las", "/etc/passwd", "http://127.0.0.1:9/site.las", "file:///etc/passwd", "https:x.las"):
+            with self.subTest(href):
+                with open(os.path.join(self.folder, "bad.catalog.json"), "w", encoding="utf-8") as file:
+                    json.dump({"type": "FeatureCollection", "features": [{"assets": {"data": {"href": href}}}]}, file)
+                message = self.query(self.server.address("good", "bad.catalog.json"), succeeds=False)
+                self.assertIn("bad.catalog.json:item 1: the href le", message)
+                os.remove(os.path.join(self.folder, "bad.catalog.json"))
 
     def test_archives_are_read_in_place(self):
         self.assertEqual(self.query("/vsizip/site.zip/tiles/site.las"), self.query("site.las"))

@@ -3,16 +3,18 @@
 
 #include <tbb/enumerable_thread_specific.h>
 #include <algorithm>
+#include <atomic>
 #include <cstddef>
 #include <cstdint>
 #include <optional>
 #include <span>
+#include <thread>
 #include <type_traits>
 #include <utility>
 #include <vector>
 
 #include "octree/check_query.h"
-#include "octree/copc_tree.h"
+#include "octree/copc_tiles.h"
 #include "octree/octree.h"
 #include "octree/query.h"
 #include "octree/query_targets.h"
@@ -99,6 +101,77 @@ class TreeAsker {
   Tree tree_;
   Query query_;
   tbb::enumerable_thread_specific<QueryStatistics> statistics_;
+};
+
+/// TreeAsker over COPC files. Of targets that need all they meet in several remote files it reads these ahead, many at
+/// once: one request after another would mostly wait for servers.
+template <class Target>
+class TilesAsker {
+ public:
+  using Query = typename QueryFamily<Target>::Query;
+
+  TilesAsker(const CopcTiles& tiles, bool reads_ahead, const Query& query)
+      : tiles_(tiles), query_(query), asker_(CopcTilesTree(tiles), query), reads_ahead_(reads_ahead) {}
+
+  std::size_t k() const { return asker_.k(); }
+  auto find(std::span<const Target> targets, std::size_t most) {
+    read_ahead(targets, most);
+    return asker_.find(targets, most);
+  }
+  std::vector<std::size_t> count(std::span<const Target> targets, bool any_is_enough) {
+    read_ahead(targets, any_is_enough ? 1 : k_all);
+    return asker_.count(targets, any_is_enough);
+  }
+  QueryStatistics statistics() const { return asker_.statistics(); }
+
+ private:
+  static constexpr std::size_t k_most_at_once = 16;
+  static constexpr std::size_t k_most_ahead = 1024;
+
+  /// A file that a target meets.
+  struct Meeting {
+    std::size_t target;
+    std::uint32_t file;
+  };
+
+  void read_ahead(std::span<const Target> targets, std::size_t most) {
+    // Where the first few answers are wanted, asking finds out which files they are in.
+    if (!reads_ahead_ || query_.k != k_all || most == 1) return;
+    std::vector<Meeting> meetings;
+    for (std::size_t i = 0; i < targets.size() && meetings.size() < k_most_ahead; ++i) {
+      const auto asked = make_target(targets[i], query_, i);
+      tiles_.for_each_met(
+          [&](const Bounds& box) {
+            const Reach reach = asked.reach(box, DistanceBound::box);
+            return !asked.too_far(reach) && !asked.outside_interval(reach);
+          },
+          [&](std::uint32_t file) {
+            meetings.push_back({i, file});
+          });
+    }
+    meetings.resize(std::min(meetings.size(), k_most_ahead));
+    if (meetings.size() < 2) return;
+    std::atomic<std::size_t> next = 0;
+    std::vector<std::jthread> readers;
+    for (std::size_t i = 0; i < std::min(k_most_at_once, meetings.size()); ++i) {
+      readers.emplace_back([&] {
+        for (std::size_t at = next++; at < meetings.size(); at = next++) {
+          try {
+            const auto tile = tiles_.tile(meetings[at].file);
+            Counter all(k_all);
+            tree_query(*tile->tree, make_target(targets[meetings[at].target], query_, 0), all);
+          } catch (...) {  // whoever asks in earnest meets it again, in the order of the targets
+            return;
+          }
+        }
+      });
+    }
+  }
+
+  const CopcTiles& tiles_;
+  Query query_;
+  TreeAsker<Target, CopcTilesTree> asker_;
+  bool reads_ahead_;
 };
 
 /// Asks one octree: by the functions of octree/query.h, or, if work is to be explained, as TreeAsker. Has the

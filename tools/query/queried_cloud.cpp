@@ -123,35 +123,34 @@ bool can_be_looked_through(const QueryCommand& command) {
 }  // namespace
 
 bool asks_in_place(const QueryCommand& command, AnswerForm form) {
-  return command.files.only(k_copc_format) != nullptr && !command.is_loaded && !command.partial &&
-         !command.max_level && form != AnswerForm::las;
+  if (command.is_loaded || command.partial || command.max_level || form == AnswerForm::las) return false;
+  if (command.files.only(k_copc_format) != nullptr) return true;
+  return std::ranges::all_of(command.files.inputs, [](const CloudInput& input) {
+    return input.is(k_copc_format) && input.stated && !input.is_changed();
+  });
 }
 
-CopcSource open_copc(const QueryCommand& command) {
-  CopcSource source;
-  source.file = std::make_unique<CopcFile>(command.files.inputs.front().file());
+std::unique_ptr<CopcTiles> open_copc(const QueryCommand& command) {
   CopcCache::Options options;
   options.classes = command.classes;
   if (command.memory) options.byte_count = *command.memory;
   options.progress = [](std::uint64_t, std::uint64_t) { return !interrupted(); };
-  source.cache = std::make_unique<CopcCache>(*source.file, options);
-  return source;
+  return std::make_unique<CopcTiles>(command.files, options);
 }
 
-std::string copc_table(const CopcCache& cache) {
-  const auto& nodes = cache.file().hierarchy().nodes;
-  const auto chunks = static_cast<std::uint64_t>(
-      std::ranges::count_if(nodes, [](const CopcNode& node) { return node.chunk.point_count > 0; }));
-  const std::uint64_t points = cache.file().header().point_count;
-  const CopcReads reads = cache.reads();
-  const auto share = [](std::uint64_t part, std::uint64_t all) {
-    return all > 0 ? 100.0 * static_cast<double>(part) / static_cast<double>(all) : 0.0;
+std::string copc_table(const CopcTiles& tiles) {
+  const CopcTiles::Work work = tiles.work();
+  const auto row = [](const char* name, std::uint64_t part, std::uint64_t all) {
+    const double share = all > 0 ? 100.0 * static_cast<double>(part) / static_cast<double>(all) : 0.0;
+    return fmt::format("{:<22}{:>16}{:>15.2f}%\n", name, part, share);
   };
-  return fmt::format("{:<22}{:>16}{:>15.2f}%\n", "chunks read", reads.chunks_met,
-                     share(reads.chunks_met, chunks)) +
-         fmt::format("{:<22}{:>16}\n", "chunks decoded", reads.chunks_decoded) +
-         fmt::format("{:<22}{:>16}{:>15.2f}%\n", "points decoded", reads.points_decoded,
-                     share(reads.points_decoded, points));
+  std::string text;
+  if (tiles.size() > 1) text += row("files opened", work.files_opened, tiles.size());
+  return text +
+         row(tiles.size() > 1 ? "their chunks read" : "chunks read", work.reads.chunks_met,
+             work.chunk_count) +
+         fmt::format("{:<22}{:>16}\n", "chunks decoded", work.reads.chunks_decoded) +
+         row("points decoded", work.reads.points_decoded, tiles.point_count());
 }
 
 template <class Target>
@@ -159,7 +158,7 @@ std::optional<Bounds> query_region(const QueryCommand& command, AnswerForm form)
   if (command.files.size() < 2 || std::is_same_v<Target, HalfSpaces> || command.partial ||
       command.max_level || form == AnswerForm::las || !can_be_looked_through<Target>(command))
     return std::nullopt;
-  const Bounds within = stated_size(command.files).box;
+  const Bounds within = stated_box(command.files);
   TargetReader<Target> reader(open_targets(command), {command.t_min, command.t_max});
   TargetBatch<Target> batch;
   Bounds region;

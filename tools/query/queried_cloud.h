@@ -8,28 +8,23 @@
 #include "base/bounds.h"
 #include "base/progress.h"
 #include "database/point_filter.h"
-#include "octree/copc_tree.h"
+#include "octree/copc_tiles.h"
 #include "tools/query/answers.h"
 #include "tools/query/query.h"
 
 namespace alidade::tools {
 
-/// A COPC file that a run asks where it lies.
-struct CopcSource {
-  std::unique_ptr<CopcFile> file;
-  std::unique_ptr<CopcCache> cache;
-};
-
-/// Whether the run reads a COPC file in place: it is the only cloud, nothing but positions and classes is
-/// needed of it, and nobody asked for it to be loaded. Errors: the file cannot be opened.
+/// Whether the run reads COPC in place: it is a single file, or files of a catalog that states their boxes,
+/// nothing but positions and classes is needed of it, and nobody asked for it to be loaded. Errors: the file cannot be
+/// opened.
 bool asks_in_place(const QueryCommand& command, AnswerForm form);
 
-/// Opens it; only points of the command's classes are there. Reading it ends when the program is interrupted.
-/// Errors: CopcFile's.
-CopcSource open_copc(const QueryCommand& command);
+/// Only points of the command's classes are there. Reading them ends when the program is interrupted.
+/// Errors: CopcTiles'.
+std::unique_ptr<CopcTiles> open_copc(const QueryCommand& command);
 
-/// What --explain adds for a COPC file: chunks and points decoded, and how much of the file that is.
-std::string copc_table(const CopcCache& cache);
+/// What --explain adds for COPC: files opened, chunks and points decoded, and what share of all that is.
+std::string copc_table(const CopcTiles& tiles);
 
 /// A box outside which no point answers, from a first look through the targets and at the headers of the
 /// files; empty if there is none to be had: of one file, of half-spaces, without a radius, for targets that

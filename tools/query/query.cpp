@@ -57,7 +57,7 @@ void add_copc(const Options& query, QueryCommand& command) {
              "place; faster from some thousands of targets on, more for larger files",
              command.is_loaded);
   group.value("--memory", "SIZE",
-              "memory for points of a COPC file: bytes, or a number with k, M, G or T (default: 512M)",
+              "memory for points of COPC files: bytes, or a number with k, M, G or T (default: 512M)",
               command.memory, parse_size);
 }
 

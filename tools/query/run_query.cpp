@@ -276,10 +276,15 @@ void check_first_targets(const QueryCommand& command) {
   reader.next(k_few, batch);
 }
 
+bool is_any_remote(const CloudInputs& clouds) {
+  return std::ranges::any_of(clouds.inputs, [](const CloudInput& input) {
+    return !input.memory && is_remote_name(input.name.string());
+  });
+}
+
 /// What was fetched from servers, as lines of a table; empty if all files are on this machine.
 std::string traffic_table(const CloudInputs& clouds) {
-  const std::vector<std::filesystem::path> names = clouds.names();
-  if (std::ranges::none_of(names, [](const auto& name) { return is_remote_name(name.string()); })) return "";
+  if (!is_any_remote(clouds)) return "";
   const geo::RemoteTraffic traffic = image_module().remote_traffic();
   return fmt::format("{:<22}{:>16}\n{:<22}{:>16}\n", "remote requests", traffic.requests, "remote bytes",
                      traffic.bytes);
@@ -295,16 +300,16 @@ ExitCode run_with(const QueryCommand& command) {
   TargetReader<Target> reader(open_targets(command), {command.t_min, command.t_max});
   std::string table;
   if (asks_in_place(command, form)) {
-    const CopcSource source = open_copc(command);
-    say_warnings(command.verbosity, source.file->warnings());
-    const std::unique_ptr<AnswerOutput> output =
-        open_text<Target>(command, form, source.file->header().lattice);
-    TreeAsker<Target, CopcTree> asker(CopcTree(*source.cache), query);
+    const std::unique_ptr<CopcTiles> tiles = open_copc(command);
+    say_warnings(command.verbosity, tiles->warnings());
+    const std::unique_ptr<AnswerOutput> output = open_text<Target>(command, form, tiles->lattice());
+    TilesAsker<Target> asker(*tiles, is_any_remote(command.files), query);
     table = run_targets(reader, asker, command, *output);
-    table += copc_table(*source.cache);
+    table += copc_table(*tiles);
   } else {
     if (command.memory)
-      throw input_error("--memory requires a COPC query without --load", "a single COPC file");
+      throw input_error("--memory requires a COPC query without --load",
+                        "a single COPC file, or a catalog of such");
     const QueriedCloud queried = load_needed<Target>(command, form);
     const IndexedCloud& cloud = queried.indexed;
     query.filter = class_filter(command, cloud);

@@ -1,0 +1,268 @@
+// SPDX-License-Identifier: MIT
+#include "cloud/catalog.h"
+
+#include <fmt/format.h>
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstdio>
+#include <nlohmann/json.hpp>
+
+#include "base/error.h"
+#include "base/input_file.h"
+#include "base/words.h"
+
+namespace alidade {
+namespace {
+
+namespace fs = std::filesystem;
+using Json = nlohmann::json;
+
+constexpr std::uint64_t k_largest_catalog = std::uint64_t{2} << 30;
+constexpr int k_deepest = 64;
+constexpr double k_largest_coordinate = 1e12;
+constexpr std::uint64_t k_most_points = std::uint64_t{1} << 62;  // of all items
+constexpr const char* k_remedy = "make the catalog anew with 'alidade catalog'";
+
+std::string_view without_query(std::string_view name) {
+  return name.substr(0, name.find('?'));
+}
+
+bool is_web_url(std::string_view name) {
+  return name.starts_with("https://") || name.starts_with("http://");
+}
+
+/// "https://host:port" of a URL, in small characters.
+std::string server_of(std::string_view url) {
+  return lower_case(url.substr(0, url.find_first_of("/?#", url.find("://") + 3)));
+}
+
+/// Text with its %XX replaced; empty if one is no such, or stands for a control character.
+std::optional<std::string> decoded(std::string_view text) {
+  std::string plain;
+  for (std::size_t i = 0; i < text.size(); ++i) {
+    unsigned character = static_cast<unsigned char>(text[i]);
+    if (text[i] == '%') {
+      const std::string_view digits = text.substr(i + 1, 2);
+      const auto [end, error] = std::from_chars(digits.data(), digits.data() + digits.size(), character, 16);
+      if (digits.size() != 2 || error != std::errc() || end != digits.data() + 2) return std::nullopt;
+      i += 2;
+    }
+    if (character < 0x20 || character == 0x7f) return std::nullopt;
+    plain.push_back(static_cast<char>(character));
+  }
+  return plain;
+}
+
+/// Whether a path from a folder never leaves it, and names something in it.
+bool stays_inside(std::string_view path) {
+  int depth = 0;
+  for (std::size_t begin = 0; begin <= path.size();) {
+    const std::size_t end = std::min(path.find('/', begin), path.size());
+    const std::string_view part = path.substr(begin, end - begin);
+    depth += part == ".." ? -1 : part.empty() || part == "." ? 0 : 1;
+    if (depth < 0) return false;
+    begin = end + 1;
+  }
+  return depth > 0;
+}
+
+/// Reads the items of one catalog.
+class CatalogReader {
+ public:
+  explicit CatalogReader(const fs::path& catalog) : name_(catalog.string()) {}
+
+  std::vector<CloudInput> read() {
+    const std::string text = read_text();
+    // Items are taken one by one: as a whole they would need ten times the memory of their text.
+    bool is_feature = false;
+    const auto take = [&](int depth, Json::parse_event_t event, Json& value) {
+      if (depth > k_deepest) fail("nested too deep", fmt::format("at most {} levels", k_deepest));
+      if (event == Json::parse_event_t::key && depth == 1) is_feature = value == "features";
+      if (event == Json::parse_event_t::key && depth > 1)
+        return !is_unread(value.get_ref<const std::string&>());
+      if (event != Json::parse_event_t::object_end || depth != 2 || !is_feature) return true;
+      add(value);
+      return false;
+    };
+    Json root;
+    try {
+      root = Json::parse(text, take);
+    } catch (const Json::exception& error) {
+      fail(fmt::format("invalid JSON: {}", error.what()));
+    }
+    const auto features = root.is_object() ? root.find("features") : root.end();
+    if (features == root.end() || !features->is_array() || root.value("type", Json()) != "FeatureCollection")
+      fail("not a catalog", "a GeoJSON FeatureCollection of STAC items (alidade catalog)");
+    if (!features->empty()) fail("an item is no object", "STAC items");
+    if (inputs_.empty()) fail("the catalog lists no files", "one item at least");
+    return std::move(inputs_);
+  }
+
+ private:
+  static bool is_unread(const std::string& key) {
+    static constexpr std::array<std::string_view, 5> k_large = {"geometry", "links", "pc:schemas",
+                                                                "proj:wkt2", "proj:projjson"};
+    return std::ranges::find(k_large, key) != k_large.end();
+  }
+
+  [[noreturn]] void fail(std::string problem, std::string expected = {}, std::string found = {}) const {
+    throw Error(name_, {}, std::move(problem), std::move(expected), std::move(found));
+  }
+
+  [[noreturn]] void fail_item(std::string problem, std::string expected, std::string found = {}) const {
+    throw Error(name_, fmt::format("item {}", inputs_.size() + 1), std::move(problem), std::move(expected),
+                std::move(found));
+  }
+
+  std::string read_text() const {
+    const bool is_packed = without_query(name_).ends_with(".gz");
+    std::error_code error;
+    InputFile file(is_packed && !is_remote_name(name_) ? "/vsigzip/" + fs::absolute(name_, error).string()
+                                                       : name_);
+    if (file.size() > k_largest_catalog)
+      fail("the catalog is too large", fmt::format("at most {} bytes", k_largest_catalog),
+           std::to_string(file.size()));
+    std::string text(static_cast<std::size_t>(file.size()), '\0');
+    file.read_at(0, std::as_writable_bytes(std::span(text)));
+    return text;
+  }
+
+  void add(const Json& item) {
+    static const Json k_nothing;
+    const auto member = [](const Json& object, const char* key) -> const Json& {
+      const auto found = object.is_object() ? object.find(key) : object.end();
+      return found == object.end() ? k_nothing : *found;
+    };
+    const Json& asset = data_asset(member(item, "assets"));
+    const Json& href = member(asset, "href");
+    if (!href.is_string()) fail_item("the item has no file", "an asset 'data' with an href");
+    const Json& properties = member(item, "properties");
+    CloudInput input{.name = file_of(href.get_ref<const std::string&>())};
+    input.format = format_of(member(properties, "pc:encoding"), member(asset, "type"), input.name.string());
+    input.stated = stated(member(properties, "proj:bbox"), member(properties, "pc:count"));
+    inputs_.push_back(std::move(input));
+  }
+
+  static const Json& data_asset(const Json& assets) {
+    static const Json k_nothing;
+    if (!assets.is_object()) return k_nothing;
+    if (const auto data = assets.find("data"); data != assets.end()) return *data;
+    for (const Json& asset : assets) {
+      const auto roles = asset.is_object() ? asset.find("roles") : asset.end();
+      if (roles != asset.end() && roles->is_array() &&
+          std::ranges::find(*roles, Json("data")) != roles->end())
+        return asset;
+    }
+    return k_nothing;
+  }
+
+  fs::path file_of(const std::string& href) const {
+    constexpr std::size_t k_longest = 4096;
+    if (href.size() > k_longest) fail_item("the href is too long", "at most 4096 bytes");
+    const bool is_remote = is_remote_name(name_);
+    std::string file;
+    if (is_web_url(href)) {
+      if (is_remote && server_of(href) != server_of(name_))
+        fail_item("the href leads to another server", server_of(name_), quote(href));
+      if (!decoded(href)) fail_item("invalid href", "a URL", quote(href));
+      file = href;
+    } else {
+      const auto plain = decoded(without_query(href));
+      const bool has_scheme = href.find(':') < href.find('/');
+      if (!plain || has_scheme || plain->starts_with('/') || !stays_inside(*plain))
+        fail_item("the href leaves the catalog's folder", "a relative path without '..', or an http(s) URL",
+                  quote(href));
+      const std::string_view folder = without_query(name_);
+      const std::string base(folder.substr(0, folder.rfind('/') + 1));
+      file = base + (is_web_url(name_) ? href : *plain);
+    }
+    if (is_catalog_name(file)) fail_item("the catalog lists a catalog", "files of points", quote(href));
+    return file;
+  }
+
+  static const CloudFormat* format_of(const Json& encoding, const Json& type, const std::string& file) {
+    const std::string name = encoding.is_string() ? lower_case(encoding.get_ref<const std::string&>()) : "";
+    if (type == "application/vnd.laszip+copc" || lower_case(without_query(file)).ends_with(".copc.laz"))
+      return &k_copc_format;
+    if (name == "laz" || name == "laszip") return &k_las_format;
+    for (const CloudFormat* const format : file_formats())
+      if (lower_case(format->name) == name) return format;
+    return nullptr;
+  }
+
+  std::shared_ptr<const StatedFile> stated(const Json& box, const Json& count) {
+    if (box.is_null() || count.is_null()) return nullptr;
+    if (!count.is_number_unsigned())
+      fail_item("invalid pc:count", "a number of points", count.dump().substr(0, 40));
+    StatedFile stated{.catalog = name_, .box = {}, .point_count = count.get<std::uint64_t>()};
+    if (stated.point_count > k_most_points - points_)
+      fail_item("pc:count is too large", fmt::format("at most {} points in all", k_most_points),
+                std::to_string(stated.point_count));
+    points_ += stated.point_count;
+    if (!box.is_array() || (box.size() != 6 && box.size() != 4))
+      fail_item("invalid proj:bbox", "6 numbers", box.dump().substr(0, 40));
+    for (const Json& number : box) {
+      if (!number.is_number() || !(std::fabs(number.get<double>()) <= k_largest_coordinate))
+        fail_item("invalid proj:bbox", "numbers up to 1e12", number.dump().substr(0, 40));
+    }
+    if (box.size() == 4) return nullptr;
+    for (int axis = 0; axis < 3; ++axis) {
+      stated.box.min[axis] = box[static_cast<std::size_t>(axis)].get<double>();
+      stated.box.max[axis] = box[static_cast<std::size_t>(axis) + 3].get<double>();
+    }
+    if (stated.box.empty())
+      fail_item("invalid proj:bbox", "the lower limits first", box.dump().substr(0, 80));
+    return std::make_shared<const StatedFile>(std::move(stated));
+  }
+
+  std::string name_;
+  std::vector<CloudInput> inputs_;
+  std::uint64_t points_ = 0;  ///< of all items so far
+};
+
+std::string text_of(const Bounds& box) {
+  return fmt::format("{}, {}, {} to {}, {}, {}", box.min.x, box.min.y, box.min.z, box.max.x, box.max.y,
+                     box.max.z);
+}
+
+}  // namespace
+
+bool is_catalog_name(std::string_view name) {
+  const std::string small = lower_case(without_query(name));
+  return small.ends_with(".catalog.json") || small.ends_with(".catalog.json.gz");
+}
+
+std::vector<CloudInput> read_catalog(const fs::path& catalog) {
+  return CatalogReader(catalog).read();
+}
+
+std::string href_of(std::string_view name) {
+  // Source: RFC 3986, unreserved characters.
+  constexpr std::string_view k_plain = "-._~/";
+  std::string href;
+  for (const char character : name) {
+    const auto byte = static_cast<unsigned char>(character);
+    const bool is_plain = byte < 0x80 && (std::isalnum(byte) != 0 || k_plain.find(character) != k_plain.npos);
+    href += is_plain ? std::string(1, character) : fmt::format("%{:02X}", byte);
+  }
+  return href;
+}
+
+void check_stated(const CloudInput& input, std::optional<std::uint64_t> point_count,
+                  const std::optional<Bounds>& box) {
+  if (!input.stated) return;
+  const StatedFile& stated = *input.stated;
+  const auto fail = [&](const char* what, std::string expected, std::string found) {
+    throw Error({.file = input.name.string(),
+                 .problem = fmt::format("{} states another {}: {}", stated.catalog, what, k_remedy),
+                 .expected = std::move(expected),
+                 .found = std::move(found)});
+  };
+  if (point_count && *point_count != stated.point_count)
+    fail("number of points", std::to_string(stated.point_count), std::to_string(*point_count));
+  if (box && !(stated.box.contains(box->min) && stated.box.contains(box->max)))
+    fail("box", text_of(stated.box), text_of(*box));
+}
+
+}  // namespace alidade
