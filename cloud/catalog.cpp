@@ -4,6 +4,8 @@
 #include <fmt/format.h>
 #include <algorithm>
 #include <array>
+#include <cctype>
+#include <charconv>
 #include <cmath>
 #include <cstdio>
 #include <nlohmann/json.hpp>
@@ -22,7 +24,7 @@ constexpr std::uint64_t k_largest_catalog = std::uint64_t{2} << 30;
 constexpr int k_deepest = 64;
 constexpr double k_largest_coordinate = 1e12;
 constexpr std::uint64_t k_most_points = std::uint64_t{1} << 62;  // of all items
-constexpr const char* k_remedy = "make the catalog anew with 'alidade catalog'";
+constexpr const char* k_remedy = "make the catalog again with 'alidade catalog'";
 
 std::string_view without_query(std::string_view name) {
   return name.substr(0, name.find('?'));
@@ -37,7 +39,7 @@ std::string server_of(std::string_view url) {
   return lower_case(url.substr(0, url.find_first_of("/?#", url.find("://") + 3)));
 }
 
-/// Text with its %XX replaced; empty if one is no such, or stands for a control character.
+/// Text with its %XX replaced; empty if one is invalid or means a control character.
 std::optional<std::string> decoded(std::string_view text) {
   std::string plain;
   for (std::size_t i = 0; i < text.size(); ++i) {
@@ -70,10 +72,9 @@ bool stays_inside(std::string_view path) {
 /// Reads the items of one catalog.
 class CatalogReader {
  public:
-  explicit CatalogReader(const fs::path& catalog) : name_(catalog.string()) {}
+  explicit CatalogReader(std::string name) : name_(std::move(name)) {}
 
-  std::vector<CloudInput> read() {
-    const std::string text = read_text();
+  std::vector<CloudInput> read(std::string_view text) {
     // Items are taken one by one: as a whole they would need ten times the memory of their text.
     bool is_feature = false;
     const auto take = [&](int depth, Json::parse_event_t event, Json& value) {
@@ -113,19 +114,6 @@ class CatalogReader {
   [[noreturn]] void fail_item(std::string problem, std::string expected, std::string found = {}) const {
     throw Error(name_, fmt::format("item {}", inputs_.size() + 1), std::move(problem), std::move(expected),
                 std::move(found));
-  }
-
-  std::string read_text() const {
-    const bool is_packed = without_query(name_).ends_with(".gz");
-    std::error_code error;
-    InputFile file(is_packed && !is_remote_name(name_) ? "/vsigzip/" + fs::absolute(name_, error).string()
-                                                       : name_);
-    if (file.size() > k_largest_catalog)
-      fail("the catalog is too large", fmt::format("at most {} bytes", k_largest_catalog),
-           std::to_string(file.size()));
-    std::string text(static_cast<std::size_t>(file.size()), '\0');
-    file.read_at(0, std::as_writable_bytes(std::span(text)));
-    return text;
   }
 
   void add(const Json& item) {
@@ -234,7 +222,21 @@ bool is_catalog_name(std::string_view name) {
 }
 
 std::vector<CloudInput> read_catalog(const fs::path& catalog) {
-  return CatalogReader(catalog).read();
+  const std::string name = catalog.string();
+  const bool is_packed = without_query(name).ends_with(".gz");
+  std::error_code error;
+  InputFile file(is_packed && !is_remote_name(name) ? "/vsigzip/" + fs::absolute(name, error).string()
+                                                    : name);
+  if (file.size() > k_largest_catalog)
+    throw file_error(name, "the catalog is too large", fmt::format("at most {} bytes", k_largest_catalog),
+                     std::to_string(file.size()));
+  std::string text(static_cast<std::size_t>(file.size()), '\0');
+  file.read_at(0, std::as_writable_bytes(std::span(text)));
+  return parse_catalog(text, name);
+}
+
+std::vector<CloudInput> parse_catalog(std::string_view text, const std::string& name) {
+  return CatalogReader(name).read(text);
 }
 
 std::string href_of(std::string_view name) {

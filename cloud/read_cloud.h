@@ -73,10 +73,10 @@ struct StatedSize {
   std::uint64_t bytes() const;
 };
 
-/// Errors: those of opening files.
+/// Without files that a catalog states to lie outside of the box of a selection. Errors: those of opening files.
 StatedSize stated_size(const CloudInputs& inputs);
 
-/// The same box; files of which a catalog states theirs are not opened.
+/// That box alone; files whose box a catalog states are not opened.
 Bounds stated_box(const CloudInputs& inputs);
 
 }  // namespace alidade

@@ -13,51 +13,15 @@
 #include "base/parallel.h"
 #include "cloud/catalog.h"
 #include "cloud/crs.h"
-#include "cloud/input_view.h"
 #include "cloud/joined_files.h"
 #include "cloud/rows.h"
+#include "cloud/unwanted_file.h"
 
 namespace alidade {
 namespace {
 
 /// Points of such pieces at once, if that is more than an eighth of all.
 constexpr std::uint64_t k_few_points = 1 << 22;
-
-/// A file that is not opened: it gives no points, and a catalog states what else it has.
-class StatedReader final : public CloudReader {
- public:
-  StatedReader(const CloudInput& input, bool is_left_out) : box_(input.stated->box) {
-    file_.path = input.name;
-    file_.format = input.format->name;
-    (is_left_out ? file_.left_out_count : count_) = input.stated->point_count;
-  }
-
-  const CloudFile& file() const override { return file_; }
-  AttributeSet attributes() const override { return {}; }
-  CoordinateSurvey survey(const Progress&) override { return {.bounds = box_, .finite_count = count_}; }
-  void read_in_pieces(PointCloud&, AttributeSet, const CloudPieces&, const Progress&) override {}
-
- private:
-  CloudFile file_;
-  Bounds box_;
-  std::uint64_t count_ = 0;
-};
-
-/// Where nothing of a file is wanted that a catalog states: outside of the region, or of the selection. Empty
-/// if all of it might be.
-enum class Unwanted { no, skipped, left_out };
-
-Unwanted what_is_unwanted(const CloudInput& input, const ReadOptions& options) {
-  // Of other formats the lattice is that of all their points.
-  const bool has_lattice = input.is(k_copc_format) || input.is(k_las_format);
-  if (!input.stated || !has_lattice || options.partial) return Unwanted::no;
-  if (input.is_changed()) {
-    const auto& box = input.view->selection.box;
-    const bool is_outside = box && !input.view->change_reference && !meet(input.stated->box, *box);
-    return is_outside ? Unwanted::left_out : Unwanted::no;
-  }
-  return options.region && !meet(input.stated->box, *options.region) ? Unwanted::skipped : Unwanted::no;
-}
 
 /// Opens the files and marks those outside of the region as skipped.
 std::vector<CloudSource> open_sources(const CloudInputs& inputs, const ReadOptions& options) {
@@ -72,7 +36,7 @@ std::vector<CloudSource> open_sources(const CloudInputs& inputs, const ReadOptio
     CloudSource& source = sources[i];
     const Unwanted unwanted = what_is_unwanted(inputs.inputs[i], options);
     if (unwanted != Unwanted::no && i != 0 && i != first_with_points) {
-      source.reader = std::make_unique<StatedReader>(inputs.inputs[i], unwanted == Unwanted::left_out);
+      source.reader = open_unwanted(inputs.inputs[i], unwanted);
       source.is_skipped = unwanted == Unwanted::skipped;
       source.is_open = false;
       return;
@@ -388,6 +352,7 @@ Bounds stated_box(const CloudInputs& inputs) {
 StatedSize stated_size(const CloudInputs& inputs) {
   std::vector<StatedSize> sizes(inputs.size());
   in_turns(inputs.size(), k_most_files_at_once, [&](std::size_t i) {
+    if (what_is_unwanted(inputs.inputs[i], {}) != Unwanted::no) return;
     InputFile file = inputs.inputs[i].file();
     const std::uint64_t bytes = file.size();
     const auto reader = open_cloud(inputs.inputs[i], std::move(file), Damage::read_over);

@@ -78,9 +78,9 @@ void CopcTiles::build_boxes(const std::vector<Bounds>& boxes) {
   const double longest = std::max({all.size().x, all.size().y, all.size().z, 1e-300});
   std::vector<std::uint64_t> keys(size());
   for (const std::uint32_t i : order_) {
-    const glm::dvec3 place = (boxes[i].center() - all.min) * (((1 << k_morton_bits) - 1) / longest);
-    keys[i] = morton_key(static_cast<std::uint32_t>(place.x), static_cast<std::uint32_t>(place.y),
-                         static_cast<std::uint32_t>(place.z));
+    const glm::dvec3 cell = (boxes[i].center() - all.min) * (((1 << k_morton_bits) - 1) / longest);
+    keys[i] = morton_key(static_cast<std::uint32_t>(cell.x), static_cast<std::uint32_t>(cell.y),
+                         static_cast<std::uint32_t>(cell.z));
   }
   std::ranges::stable_sort(order_, {}, [&](std::uint32_t i) { return keys[i]; });
   std::vector<Bounds>& lowest = boxes_.emplace_back();

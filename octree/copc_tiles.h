@@ -24,7 +24,7 @@ namespace alidade {
 
 /// COPC files that are one cloud, each opened when somebody enters its box. Thread safe.
 ///
-/// A box is what a catalog states (CloudInput::stated); files of which none is stated are opened at once. What is open,
+/// A box is what a catalog states (CloudInput::stated); files without a stated box are opened at once. What is open,
 /// points and all, is given up again when it exceeds CopcCache::Options::byte_count, the least recently entered first.
 class CopcTiles {
  public:
@@ -57,7 +57,7 @@ class CopcTiles {
   /// lattice or its reference system is not that of the first.
   std::shared_ptr<const Tile> tile(std::uint32_t number) const;
 
-  /// Boxes around the files that have points: those of level 0 are files, which file_of() tells, and those of each
+  /// Boxes around the files that have points: those of level 0 are files, by file_of(), and those of each
   /// level above are around 8 of the level below. The highest has one box; no levels without points.
   const std::vector<std::vector<Bounds>>& boxes() const { return boxes_; }
   std::uint32_t file_of(std::size_t box) const { return order_[box]; }
@@ -121,12 +121,9 @@ class CopcTiles {
 /// that are read are held to it, a box that is pruned is believed.
 class CopcTilesTree {
  public:
-  struct Node {
-    Bounds bounds;
-    int level = 0;           ///< of the box; meaningless in a file
-    std::size_t number = 0;  ///< of the box
-    std::shared_ptr<const CopcTiles::Tile> tile{};
-    CopcTree::Node node{};  ///< in the tile
+  /// A node of a file's tree, whose `points` also keep the file open; or a box, of this level and number.
+  struct Node : CopcTree::Node {
+    const CopcTiles::Tile* tile = nullptr;  ///< null: a box
   };
 
   /// The tiles must outlive the tree.
@@ -138,16 +135,19 @@ class CopcTilesTree {
 
   template <class Visit>
   void for_each_point(const Node& node, const Visit& visit) const {
-    if (node.tile) node.tile->tree->for_each_point(node.node, visit);
+    if (node.tile) node.tile->tree->for_each_point(node, visit);
   }
 
   template <class Visit>
   void for_each_child(const Node& node, const Visit& visit) const {
     if (node.tile) {
-      visit_in(node.tile, node.node, visit);
+      visit_in(node, visit);
     } else if (node.level == 0) {
-      const auto tile = tiles_->tile(tiles_->file_of(node.number));
-      if (!tile->tree->empty()) visit(inside(tile, tile->tree->root()));
+      const std::shared_ptr<const CopcTiles::Tile> tile = tiles_->tile(tiles_->file_of(node.number));
+      if (tile->tree->empty()) return;
+      Node root{tile->tree->root(), tile.get()};
+      root.points = Points(tile, nullptr);
+      visit(root);
     } else {
       const std::size_t first = node.number * CopcTiles::k_fan_out;
       const std::size_t size = tiles_->boxes()[static_cast<std::size_t>(node.level) - 1].size();
@@ -157,17 +157,33 @@ class CopcTilesTree {
   }
 
  private:
+  using Points = std::shared_ptr<const BoxedPoints>;
+
   Node box(int level, std::size_t number) const {
-    return {
-        .bounds = tiles_->boxes()[static_cast<std::size_t>(level)][number], .level = level, .number = number};
+    Node box;
+    box.bounds = tiles_->boxes()[static_cast<std::size_t>(level)][number];
+    box.level = static_cast<std::int8_t>(level);
+    box.number = static_cast<std::uint32_t>(number);
+    return box;
   }
-  static Node inside(const std::shared_ptr<const CopcTiles::Tile>& tile, const CopcTree::Node& node) {
-    return {.bounds = node.bounds, .tile = tile, .node = node};
-  }
+
   template <class Visit>
-  void visit_in(const std::shared_ptr<const CopcTiles::Tile>& tile, const CopcTree::Node& node,
-                const Visit& visit) const {
-    tile->tree->for_each_child(node, [&](const CopcTree::Node& child) { visit(inside(tile, child)); });
+  static void visit_in(const Node& node, const Visit& visit) {
+    Points held;  // the points below node.kind own_points, and the file
+    node.tile->tree->for_each_child(node, [&](CopcTree::Node&& own) {
+      Node child{std::move(own), node.tile};
+      if (child.kind != CopcTree::Kind::box) {
+        child.points = node.points;
+      } else if (node.kind != CopcTree::Kind::box) {
+        if (!held) {
+          const BoxedPoints* const points = child.points.get();
+          held = Points(std::make_shared<std::pair<Points, Points>>(node.points, std::move(child.points)),
+                        points);
+        }
+        child.points = held;
+      }
+      visit(child);
+    });
   }
 
   const CopcTiles* tiles_;

@@ -179,10 +179,12 @@ std::shared_ptr<const BoxedPoints> CopcCache::decode(std::uint32_t number) const
                    "a position from " + text_of(bounds.min) + " to " + text_of(bounds.max), text_of(world));
             }
             if (options_.stated_box && !options_.stated_box->contains(world)) {
-              fail(first + i, "the point is outside the box that a catalog states; make the catalog anew",
-                   "a position from " + text_of(options_.stated_box->min) + " to " +
-                       text_of(options_.stated_box->max),
-                   text_of(world));
+              fail(
+                  first + i,
+                  "the point is outside the box that a catalog states; make the catalog again with --measure",
+                  "a position from " + text_of(options_.stated_box->min) + " to " +
+                      text_of(options_.stated_box->max),
+                  text_of(world));
             }
             const auto point_class = load<std::uint8_t>(records + k_classification_index);
             if (options_.classes && !options_.classes->test(point_class)) continue;

@@ -20,8 +20,25 @@ TILE_SIDE = 120.0  # metres; the courtyard is a little smaller
 EAST, NORTH = 690000.0, 5325000.0  # of the courtyard's middle
 
 
-def moved_tile(tile, east, north):
-    """The bytes of a COPC file whose points lie elsewhere: its offset, bounds and centre of the octree are."""
+HEADER_SIZE = 589  # of LAS, and the record of COPC
+
+
+class MovedTile:
+    """The bytes of a COPC file whose points lie elsewhere: only its beginning is another one."""
+
+    def __init__(self, tile, east, north):
+        self.header, self.tile = moved_header(tile[:HEADER_SIZE], east, north), tile
+
+    def __len__(self):
+        return len(self.tile)
+
+    def __getitem__(self, part):
+        first, end, _ = part.indices(len(self.tile))
+        return self.header[first:end] + self.tile[max(first, HEADER_SIZE):end]
+
+
+def moved_header(tile, east, north):
+    """With another offset and other bounds, and another centre of the octree."""
     moved = bytearray(tile)
     for byte, by in ((155, east), (163, north), (179, east), (187, east), (195, north), (203, north), (429, east), (437, north)):
         struct.pack_into("<d", moved, byte, struct.unpack_from("<d", tile, byte)[0] + by)
@@ -44,7 +61,7 @@ class Country(range_server.RangeServer):
         found = re.fullmatch(r"tile_(\d+)_(\d+)\.copc\.laz", name)
         if not found:
             return super().content(name)
-        return moved_tile(self.tile, TILE_SIDE * int(found[1]), TILE_SIDE * int(found[2]))
+        return MovedTile(self.tile, TILE_SIDE * int(found[1]), TILE_SIDE * int(found[2]))
 
 
 def rays(side):

@@ -20,6 +20,7 @@ import urllib.parse
 
 class Handler(http.server.BaseHTTPRequestHandler):
     protocol_version = "HTTP/1.1"
+    disable_nagle_algorithm = True  # the system would hold back what follows the header by 40 ms
 
     def log_message(self, *_):
         pass

@@ -30,12 +30,12 @@ using Json = nlohmann::ordered_json;
 struct CatalogCommand : RunRequest {
   CloudInputs files;
   fs::path output;
-  bool overwrite = false;
+  bool overwrite = false, measure = false;
 };
 
-/// What a catalog tells of a file.
+/// What a catalog states of a file.
 struct FileRow {
-  std::string name;  ///< as it stands in the catalog: relative, or a URL
+  std::string name;  ///< in the catalog: relative, or a URL
   bool is_url = false;
   std::string format;
   std::uint64_t point_count = 0, byte_count = 0;
@@ -110,11 +110,11 @@ std::pair<Bounds, std::uint64_t> measured(CloudReader& reader) {
   return all;
 }
 
-FileRow row_of(const CloudInput& input, const fs::path& catalog, Systems& systems) {
+FileRow row_of(const CloudInput& input, const CatalogCommand& command, Systems& systems) {
   InputFile file = input.file();
   if (input.format != nullptr && input.format->is_named != nullptr)
     throw file_error(input.name, "a catalog cannot list the table of a database", "files");
-  FileRow row{.name = name_in_catalog(input.name, catalog), .byte_count = file.size()};
+  FileRow row{.name = name_in_catalog(input.name, command.output), .byte_count = file.size()};
   row.is_url = is_remote_name(row.name);
   struct stat status {};
   if (!row.is_url && ::stat(input.name.c_str(), &status) == 0) row.modified = time_text(status.st_mtime);
@@ -125,11 +125,9 @@ FileRow row_of(const CloudInput& input, const fs::path& catalog, Systems& system
   row.attributes = reader->attributes();
   row.system = systems.number_of(facts.crs);
   row.point_count = reader->point_count().value_or(0);
-  if (facts.box && reader->point_count()) {
-    if (row.point_count > 0) row.box = *facts.box;
-  } else {
+  if (command.measure || !facts.box || !reader->point_count())
     std::tie(row.box, row.point_count) = measured(*reader);
-  }
+  if (facts.box && row.point_count > 0) row.box.grow(*facts.box);
   return row;
 }
 
@@ -140,7 +138,7 @@ std::vector<FileRow> read_rows(const CatalogCommand& command, Systems& systems) 
     in_turns(rows.size(), k_most_files_at_once, [&](std::size_t i) {
       CloudInput input = command.files.inputs[i];
       input.stated = nullptr;  // of an earlier catalog
-      rows[i] = row_of(input, command.output, systems);
+      rows[i] = row_of(input, command, systems);
       joined.add(1);
     });
   });
@@ -365,6 +363,8 @@ Command add_catalog(const Options& program) {
                           "output file: .catalog.json, which is a cloud for all other commands, or .gpkg, a "
                           "map of the footprints",
                           command->output);
+  catalog.flag("--measure", "read the points of all files; otherwise plausible boxes in headers are believed",
+               command->measure);
   catalog.flag("--overwrite", "replace an existing file", command->overwrite);
   add_threads(catalog, command->threads);
   add_verbosity(catalog, command->verbosity);

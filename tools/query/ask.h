@@ -4,8 +4,10 @@
 #include <tbb/enumerable_thread_specific.h>
 #include <algorithm>
 #include <atomic>
+#include <cmath>
 #include <cstddef>
 #include <cstdint>
+#include <limits>
 #include <optional>
 #include <span>
 #include <thread>
@@ -103,8 +105,8 @@ class TreeAsker {
   tbb::enumerable_thread_specific<QueryStatistics> statistics_;
 };
 
-/// TreeAsker over COPC files. Of targets that need all they meet in several remote files it reads these ahead, many at
-/// once: one request after another would mostly wait for servers.
+/// TreeAsker over COPC files. Where targets meet several remote files it opens these ahead, many at once, and reads what
+/// they need if that is all that they meet: one request after another would mostly wait for servers.
 template <class Target>
 class TilesAsker {
  public:
@@ -126,7 +128,9 @@ class TilesAsker {
 
  private:
   static constexpr std::size_t k_most_at_once = 16;
-  static constexpr std::size_t k_most_ahead = 1024;
+  static constexpr std::size_t k_most_ahead = 1024;     // of a batch
+  static constexpr std::size_t k_most_met = 64;         // of a target, if only some of them may matter
+  static constexpr std::size_t k_likely_to_matter = 8;  // of these
 
   /// A file that a target meets.
   struct Meeting {
@@ -134,22 +138,36 @@ class TilesAsker {
     std::uint32_t file;
   };
 
+  /// The files that a target meets, at most `most`; those first in which the first answers can be.
+  template <class Asked>
+  std::vector<std::uint32_t> files_met(const Asked& asked, std::size_t most) const {
+    std::vector<std::pair<double, std::uint32_t>> met;
+    Reach reach;
+    const auto is_met = [&](const Bounds& box) {
+      if (met.size() == most) return false;
+      reach = asked.reach(box, DistanceBound::box);
+      return !asked.too_far(reach) && !asked.outside_interval(reach);
+    };
+    tiles_.for_each_met(is_met, [&](std::uint32_t file) {
+      const double least = asked.least_measure(reach);
+      met.emplace_back(std::isnan(least) ? -std::numeric_limits<double>::infinity() : least, file);
+    });
+    std::sort(met.begin(), met.end());
+    std::vector<std::uint32_t> files;
+    for (const auto& [measure, file] : met) files.push_back(file);
+    return files;
+  }
+
   void read_ahead(std::span<const Target> targets, std::size_t most) {
-    // Where the first few answers are wanted, asking finds out which files they are in.
-    if (!reads_ahead_ || query_.k != k_all || most == 1) return;
+    if (!reads_ahead_) return;
+    const bool needs_all = query_.k == k_all && most > 1;
     std::vector<Meeting> meetings;
     for (std::size_t i = 0; i < targets.size() && meetings.size() < k_most_ahead; ++i) {
-      const auto asked = make_target(targets[i], query_, i);
-      tiles_.for_each_met(
-          [&](const Bounds& box) {
-            const Reach reach = asked.reach(box, DistanceBound::box);
-            return !asked.too_far(reach) && !asked.outside_interval(reach);
-          },
-          [&](std::uint32_t file) {
-            meetings.push_back({i, file});
-          });
+      auto files = files_met(make_target(targets[i], query_, i), needs_all ? k_most_ahead : k_most_met);
+      if (!needs_all)
+        files.resize(files.size() < k_most_met ? std::min(files.size(), k_likely_to_matter) : 0);
+      for (const std::uint32_t file : files) meetings.push_back({i, file});
     }
-    meetings.resize(std::min(meetings.size(), k_most_ahead));
     if (meetings.size() < 2) return;
     std::atomic<std::size_t> next = 0;
     std::vector<std::jthread> readers;
@@ -159,7 +177,7 @@ class TilesAsker {
           try {
             const auto tile = tiles_.tile(meetings[at].file);
             Counter all(k_all);
-            tree_query(*tile->tree, make_target(targets[meetings[at].target], query_, 0), all);
+            if (needs_all) tree_query(*tile->tree, make_target(targets[meetings[at].target], query_, 0), all);
           } catch (...) {  // whoever asks in earnest meets it again, in the order of the targets
             return;
           }

@@ -41,7 +41,7 @@ Bounds bounds_of(const std::string& text) {
   const std::array<std::filesystem::path, 1> names = {text};
   Bounds bounds;
   for (const CloudInput& input : resolve_clouds(names, cloud_formats()).inputs) {
-    const Bounds box = stated_size({{input}}).box;
+    const Bounds box = stated_box({{input}});
     if (box.empty())
       throw file_error(input.name, "the file does not state its bounds",
                        "--bounds x0,y0,z0,x1,y1,z1, which 'alidade info' prints");
