@@ -163,14 +163,18 @@ TEST_F(CopcTilesTest, files_that_do_not_belong_together_are_errors_when_they_are
   EXPECT_NE(error(inputs()).find("the lattice differs"), std::string::npos);
 }
 
-TEST_F(CopcTilesTest, files_without_points_are_never_entered) {
-  add(0, 1);
-  add(200, 2);
-  add(0, 3);
-  const PointCloud cloud = read_cloud(inputs(false));
-  const CopcTiles tiles(inputs(false), {});
+TEST_F(CopcTilesTest, files_without_points_are_never_opened) {
+  add(200, 1);
+  const PointCloud cloud = read_cloud(inputs());
+  CloudInputs clouds = inputs();
+  const StatedFile none{"a catalog", Bounds{glm::dvec3(-1e9), glm::dvec3(1e9)}, 0};
+  const CloudInput empty{.name = "/nowhere/tile.copc.laz",
+                         .stated = std::make_shared<const StatedFile>(none)};
+  clouds.inputs.insert(clouds.inputs.begin(), empty);
+  clouds.inputs.push_back(empty);
+  const CopcTiles tiles(clouds, {});
   EXPECT_EQ(tiles.lattice(), cloud.lattice);
-  EXPECT_TRUE(as_brute_force(tiles, cloud, down(1), RayQuery{.radius = 20.0}));
+  EXPECT_TRUE(as_brute_force(tiles, cloud, down(0), RayQuery{.radius = 20.0}));
 }
 
 }  // namespace

@@ -114,7 +114,9 @@ FileRow row_of(const CloudInput& input, const CatalogCommand& command, Systems& 
   InputFile file = input.file();
   if (input.format != nullptr && input.format->is_named != nullptr)
     throw file_error(input.name, "a catalog cannot list the table of a database", "files");
-  FileRow row{.name = name_in_catalog(input.name, command.output), .byte_count = file.size()};
+  FileRow row;
+  row.name = name_in_catalog(input.name, command.output);
+  row.byte_count = file.size();
   row.is_url = is_remote_name(row.name);
   struct stat status {};
   if (!row.is_url && ::stat(input.name.c_str(), &status) == 0) row.modified = time_text(status.st_mtime);
