@@ -37,7 +37,7 @@ bool is_catalog_name(std::string_view name);
 /// "/etc/a.laz", "file:" and "s3:" is an Error, so that a catalog from elsewhere reads nothing but what it lies beside.
 ///
 /// Errors: the file is missing; no JSON; no collection of items; more than 2 GiB; an item without file, or whose file is
-/// a catalog; an invalid box, a count that is no number. They name the item. Memory: the text, and about 300 B per
+/// a catalog; an invalid box or count. They name the item. Memory: the text, and about 300 B per
 /// item. Cost: some 10 microseconds per item.
 std::vector<CloudInput> read_catalog(const std::filesystem::path& catalog);
 

@@ -6,7 +6,10 @@
 #include <cpl_vsi.h>
 #include <cpl_vsi_error.h>
 #include <array>
+#include <atomic>
+#include <optional>
 #include <utility>
+#include <vector>
 
 #include "base/error.h"
 #include "geo/gdal_reference.h"
@@ -23,11 +26,9 @@ std::string virtual_name(const std::string& name) {
   return name.starts_with("/vsi") ? name : "/vsicurl/" + name;
 }
 
-/// The same; catalogs that are compressed are read as if they were not.
-std::string readable_name(const std::string& name) {
-  const bool is_packed =
-      name.substr(0, name.find('?')).ends_with(".json.gz") && !name.starts_with("/vsigzip/");
-  return (is_packed ? "/vsigzip/" : "") + virtual_name(name);
+/// Whether it is a catalog that is compressed, to be read as if it were not.
+bool is_packed(const std::string& name) {
+  return name.substr(0, name.find('?')).ends_with(".json.gz") && !name.starts_with("/vsigzip/");
 }
 
 [[noreturn]] void fail(const std::string& name, const char* problem) {
@@ -60,11 +61,11 @@ class VirtualFile final : public RemoteFile {
     // The other files of its folder do not matter.
     constexpr const char* k_list = "GDAL_DISABLE_READDIR_ON_OPEN";
     CPLSetThreadLocalConfigOption(k_list, "EMPTY_DIR");
-    handle_.reset(VSIFOpenExL(readable_name(name).c_str(), "rb", TRUE));
+    handle_.reset(VSIFOpenExL(virtual_name(name).c_str(), "rb", TRUE));
     CPLSetThreadLocalConfigOption(k_list, nullptr);
     if (!handle_) fail(name, "cannot open the file");
-    if (VSIFSeekL(handle_.get(), 0, SEEK_END) != 0) fail(name, "cannot measure the file");
-    size_ = VSIFTellL(handle_.get());
+    measure();
+    if (is_packed(name)) unpack();
   }
 
   std::uint64_t size() const override { return size_; }
@@ -82,7 +83,34 @@ class VirtualFile final : public RemoteFile {
     void operator()(VSILFILE* file) const { VSIFCloseL(file); }
   };
 
+  void measure() {
+    if (VSIFSeekL(handle_.get(), 0, SEEK_END) != 0) fail(name_, "cannot measure the file");
+    size_ = VSIFTellL(handle_.get());
+  }
+
+  /// Goes on with what is packed in the file, which is fetched at once: unpacking as it comes would take more requests.
+  void unpack() {
+    constexpr std::uint64_t k_largest = std::uint64_t{256} << 20;
+    if (size_ > k_largest)
+      throw Error({.file = name_,
+                   .problem = "the compressed catalog is too large",
+                   .expected = std::to_string(k_largest) + " bytes",
+                   .found = std::to_string(size_)});
+    static std::atomic<int> count = 0;
+    // A number: GDAL remembers what files of a name had in them.
+    packed_.emplace(("_" + std::to_string(count++) + ".gz").c_str());
+    std::vector<std::byte> bytes(static_cast<std::size_t>(size_));
+    read(0, bytes);
+    handle_.reset(VSIFOpenL(packed_->name(), "wb"));
+    if (!handle_ || VSIFWriteL(bytes.data(), 1, bytes.size(), handle_.get()) != bytes.size())
+      fail(name_, "cannot keep the file in memory");
+    handle_.reset(VSIFOpenL((std::string("/vsigzip/") + packed_->name()).c_str(), "rb"));
+    if (!handle_) fail(name_, "cannot decompress the file");
+    measure();
+  }
+
   std::string name_;
+  std::optional<GdalMemoryFile> packed_{};
   std::unique_ptr<VSILFILE, Close> handle_;
   std::uint64_t size_ = 0;
 };

@@ -75,6 +75,7 @@ class RemoteTest(unittest.TestCase):
         self.run_program("generate", "courtyard", "--points", "5000", "-o", "tile.las", "--overwrite")
         self.run_program("convert", "tile.las", "-o", "tile.copc.laz", "--overwrite")
         server = country.Country(self.folder, os.path.join(self.folder, "tile.copc.laz"))
+        self.addCleanup(server.server_close)
         self.addCleanup(server.shutdown)
         tiles = os.path.join(self.folder, "country")
         os.mkdir(tiles)
