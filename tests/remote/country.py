@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: MIT
 """country.py PROGRAM [SIDE [POINTS]]: measures rays through a simulated country of SIDE * SIDE COPC tiles on a server.
 
-All tiles have the same points, of a scanned courtyard; the server moves them when they are asked for. By default there are
-10,000 tiles of 2 million points. Prints requests, bytes and seconds, with 20 ms of delay for each request.
+All tiles have the same points, of a scanned courtyard; the server moves them when they are requested. By default there
+are 10,000 tiles of 2 million points. Prints requests, bytes and seconds, with 20 ms of delay for each request.
 """
 
 import gzip
@@ -40,7 +40,8 @@ class MovedTile:
 def moved_header(tile, east, north):
     """With another offset and other bounds, and another centre of the octree."""
     moved = bytearray(tile)
-    for byte, by in ((155, east), (163, north), (179, east), (187, east), (195, north), (203, north), (429, east), (437, north)):
+    for byte, by in ((155, east), (163, north), (179, east), (187, east), (195, north), (203, north), (429, east),
+                     (437, north)):
         struct.pack_into("<d", moved, byte, struct.unpack_from("<d", tile, byte)[0] + by)
     return bytes(moved)
 
@@ -98,10 +99,11 @@ def main(program, side=100, points=2_000_000):
             for name, ray in rays(side).items():
                 for limit in (["--k", "1"], []):
                     server.forget()
-                    done, seconds = run("query", server.address("slow", catalog), "--ray", ray, "--radius", "0.25", *limit,
-                                        "--explain", "-q")
+                    done, seconds = run("query", server.address("slow", catalog), "--ray", ray, "--radius", "0.25",
+                                        *limit, "--explain", "-q")
                     told = re.search(r"files opened +(\d+)", done.stderr)[1]
-                    print(f"  {name:9} {' '.join(limit) or 'all':6} {done.stdout.count(chr(10)) - 1:6} points, {told:>3} files, "
+                    print(f"  {name:9} {' '.join(limit) or 'all':6} {done.stdout.count(chr(10)) - 1:6} points, "
+                          f"{told:>3} files, "
                           f"{server.requests:4} requests, {server.sent:9} bytes, {seconds:.2f} s")
         server.shutdown()
 
