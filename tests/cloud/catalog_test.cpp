@@ -206,7 +206,8 @@ TEST_F(CatalogedTilesTest, files_outside_of_the_box_of_a_selection_are_not_opene
 TEST_F(CatalogedTilesTest, a_file_that_is_not_what_the_catalog_states_is_an_error_when_it_is_opened) {
   const std::string count = error_of([&] { read_cloud(resolve(71)); });
   EXPECT_NE(count.find(name_of(2)), std::string::npos) << count;
-  EXPECT_NE(count.find("states another number of points: make the catalog again"), std::string::npos) << count;
+  EXPECT_NE(count.find("states another number of points: make the catalog again"), std::string::npos)
+      << count;
   EXPECT_NE(count.find("expected 71, found 70"), std::string::npos) << count;
   const std::string box = error_of([&] { read_cloud(resolve(70, 22.0)); });
   EXPECT_NE(box.find("states another box"), std::string::npos) << box;
