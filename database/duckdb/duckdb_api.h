@@ -5,8 +5,8 @@
 #include <cstddef>
 #include <cstdint>
 
-// What this extension needs of DuckDB's C interface for extensions, version 1.2.0, which later versions keep: a
-// table of functions, of which each has its place. Handles are pointers that DuckDB gives and takes.
+// The part of DuckDB's C interface for extensions, version 1.2.0, that the extension uses. Later versions keep it: a
+// table in which every function has a fixed index. Handles are opaque pointers.
 
 namespace alidade::duckdb {
 
