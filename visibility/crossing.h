@@ -22,10 +22,14 @@ constexpr double k_sphere_share = 0.5, k_lone_share = 0.28;
 // is no larger for having its neighbours far away.
 constexpr double k_widest_disc = 16.0, k_widest_lone = 0.35;
 
+/// How far from a disc's plane its sheet still lies, in thicknesses of the sheet, which are standard deviations.
+constexpr double k_sheet_reach = 1.5;
+
 /// Whether a disc is part of the surface that an end lies on. A disc is no better known than its sheet is thick.
 inline bool is_own(const SightEnd& end, const PointDisc& disc, const PointSurface& surface) {
-  return end.own_reach > 0.0 && is_part_of_surface(disc, end.position, end.own_reach,
-                                                   std::max(end.own_thickness, surface.thickness));
+  return end.own_reach > 0.0 &&
+         is_part_of_surface(disc, end.position, end.own_reach,
+                            std::max(end.own_thickness, k_sheet_reach * surface.thickness));
 }
 
 /// Whether what a line meets this far from an end, of a point with this radius, is of the same thing as the end.

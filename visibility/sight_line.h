@@ -29,7 +29,7 @@ inline double golden_turns(int i) {
 }
 
 /// Raised by whoever changes the answers of sight lines; checkpoints are checked against it.
-constexpr int k_answers_version = 7;
+constexpr int k_answers_version = 8;
 
 // What blocks sight. A point of a surface is a disc: it blocks a line that crosses the plane of its sheet
 // (octree/point_surface.h) within a radius of the point. So a surface is as thick as it is, and lines that
@@ -113,14 +113,14 @@ class Occluders {
 /// rounded to millimetres.
 constexpr double k_mesh_contact = 0.001;
 
-/// How near to a lone end nothing blocks, in radii of the disc or of what would be one: some 1.4 spacings.
-constexpr double k_lone_radii = 1.5;
+/// How near to a lone end nothing blocks, in radii of the disc or of what would be one: some 1.8 spacings.
+constexpr double k_lone_radii = 2.0;
 
 /// One end of a sight line.
 struct SightEnd {
   glm::dvec3 position{0.0};
   /// Discs with their point within own_reach (metres), or 3 of their radii if these are more, whose plane
-  /// passes within own_thickness (metres), or the thickness of their own sheet, of the position are the surface that
+  /// passes within own_thickness (metres), or k_sheet_reach of their own sheet, of the position are the surface that
   /// the end lies on. 0: a position in the air.
   double own_reach = 0.0, own_thickness = 0.0;
   /// Whether it is a point without a surface among discs, as in foliage or at an edge: what a line meets within

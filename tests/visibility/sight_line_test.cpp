@@ -246,8 +246,8 @@ TEST(SightLine, to_a_surface_is_not_blocked_by_discs_of_a_sheet_that_is_thicker)
   };
   EXPECT_TRUE(own(0.0009, 0.0));
   EXPECT_FALSE(own(0.0011, 0.0));
-  EXPECT_TRUE(own(0.0095, 0.01));
-  EXPECT_FALSE(own(0.0105, 0.01));
+  EXPECT_TRUE(own(0.99 * k_sheet_reach * 0.01, 0.01));
+  EXPECT_FALSE(own(1.01 * k_sheet_reach * 0.01, 0.01));
 }
 
 TEST(SightLine, is_blocked_only_by_points_that_count) {
