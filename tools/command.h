@@ -1,10 +1,13 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
+#include <cstdint>
 #include <functional>
+#include <memory>
 #include <string>
 #include <vector>
 
+#include "base/huge_memory.h"
 #include "tools/console.h"
 #include "tools/options.h"
 
@@ -25,13 +28,16 @@ struct Command {
   std::vector<Command> parts{};
 };
 
-/// A command that is `run(*request)`, on as many threads as the request wants.
+/// A command that is `run(*request)`, on as many threads as the request wants, otherwise on enough_threads().
 template <class Request>
 Command command_of(const Options& options, const std::shared_ptr<Request>& request,
                    ExitCode (*run)(const Request&)) {
   return {options, [request, run](const CommandLine& words) {
             request->words = words;
-            return with_threads(request->threads, [&] { return run(*request); });
+            const auto threads = request->threads
+                                     ? request->threads
+                                     : enough_threads(words, available_memory().value_or(UINT64_MAX));
+            return with_threads(threads, [&] { return run(*request); });
           }};
 }
 

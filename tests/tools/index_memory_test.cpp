@@ -5,6 +5,7 @@
 #include <random>
 
 #include "tests/tools/run_program.h"
+#include "tools/options.h"
 
 namespace alidade::test {
 namespace {
@@ -47,6 +48,16 @@ TEST_F(IndexMemoryTest, has_the_bytes_of_the_index_made_in_memory) {
   expect_same_bytes({"site.las", "--crop", "690000,5325000,690010,5325010"});
   for (const char* const organisation : {"fixed", "layered"})
     expect_same_bytes({"site.las", "--organisation", organisation});
+}
+
+TEST_F(IndexMemoryTest, is_asked_by_more_threads_than_cores_if_memory_does_not_hold_it) {
+  write("big.alidade", std::string(1000, ' '));
+  const std::string file = (folder / "big.alidade").string();
+  const Words render = {"alidade", "render", file, "-o", "picture.png"};
+  EXPECT_GE(tools::enough_threads(render, 999), 8);
+  EXPECT_FALSE(tools::enough_threads(render, 1000));
+  EXPECT_FALSE(tools::enough_threads(Words{"alidade", "convert", file}, 999));
+  EXPECT_FALSE(tools::enough_threads(Words{"alidade", "render", file + ".las"}, 999));
 }
 
 TEST_F(IndexMemoryTest, holds_clouds_that_are_sparse_for_their_lattice) {
