@@ -67,6 +67,16 @@ rays="(SELECT 689950 + 10 * i AS ox, 5324980 + 7 * i AS oy, 601 + i AS oz, sin(i
 same 'join with rays' "$rows" "AS p JOIN $rays"
 expect 'join has rows' t "$(ask "SELECT count(*) > 100 FROM points AS p JOIN $rays")"
 
+# Each shard adds up its own points where a statement names it, and sends one row.
+by_shard=''
+for i in 1 2 3; do
+  by_shard+="${by_shard:+ UNION ALL }SELECT count(*) AS points, sum(intensity) AS sum FROM points_shard_$i WHERE $near"
+done
+plan=$(ask "EXPLAIN (VERBOSE, COSTS OFF) SELECT sum(points) FROM ($by_shard) AS shards")
+expect_part 'shards add up' 'Remote SQL: SELECT count\(\*\).*<@' 3 "$plan"
+expect 'sums of shards' "$(ask "SELECT count(*), sum(intensity) FROM whole WHERE $near")" \
+  "$(ask "SELECT sum(points), sum(sum) FROM ($by_shard) AS shards")"
+
 # The table over all shards is a cloud of the program, as the file is.
 cloud="postgresql://postgres@/postgres?host=$cluster_folder/coordinator&table=points"
 "$program" convert "$cloud" -o ../again.las -q
