@@ -4,6 +4,7 @@
 #include <fcntl.h>
 #include <fmt/format.h>
 #include <sys/file.h>
+#include <unistd.h>
 
 #include <algorithm>
 #include <cerrno>
@@ -116,6 +117,7 @@ bool ScratchCheckpoint::is_due() const {
 void ScratchCheckpoint::keep(std::uint64_t rows, std::span<const Kept> files) {
   try {
     for (const Kept& kept : files) kept.file->sync();
+    if (::fsync(lock_.number()) != 0) throw system_error(folder().string(), "cannot write the folder");
     write(rows, files);
     rows_ = rows;
   } catch (const Error& error) {

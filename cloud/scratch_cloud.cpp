@@ -38,7 +38,9 @@ ScratchCloud::ScratchCloud(const CloudInputs& inputs, const ReadOptions& options
     : folder_(scratch.folder),
       checkpoint_(checkpoint),
       recalled_(checkpoint ? checkpoint->rows() : 0),
-      positions_(file(k_positions)) {
+      positions_(file(k_positions, sizeof(LatticePosition))) {
+  if (positions_.size() / sizeof(LatticePosition) != recalled_)
+    fail_as_corrupt(k_positions, positions_.size());
   const CloudPieces pieces{.most_bytes = scratch.memory,
                            .take = [this](PointCloud& piece) { take(piece); },
                            .recall = [this](PointCloud& piece, std::size_t first,
@@ -68,14 +70,25 @@ ScratchCloud::ScratchCloud(const CloudInputs& inputs, const ReadOptions& options
         [&](std::span<std::uint16_t> values, std::uint64_t row) { apply(whole.spread, {}, values, row); });
 }
 
-ScratchFile ScratchCloud::file(const std::string& name) const {
-  return checkpoint_ ? checkpoint_->file(name) : ScratchFile(folder_);
+void ScratchCloud::fail_as_corrupt(const std::string& name, std::uint64_t bytes) const {
+  throw file_error(
+      checkpoint_->folder(),
+      fmt::format("corrupt checkpoint: wrong number of bytes of {} for {} points", name, recalled_), {},
+      std::to_string(bytes));
+}
+
+ScratchFile ScratchCloud::file(const std::string& name, std::size_t value_bytes) const {
+  if (!checkpoint_) return ScratchFile(folder_);
+  ScratchFile file = checkpoint_->file(name);
+  // Fewer are zeros behind.
+  if (file.size() / value_bytes > recalled_) fail_as_corrupt(name, file.size());
+  return file;
 }
 
 ScratchCloud::Column& ScratchCloud::column(std::size_t number, std::size_t value_bytes) {
   while (columns_.size() <= number) columns_.push_back({0, ScratchFile(folder_)});
   Column& column = columns_[number];
-  if (column.value_bytes == 0) column = {value_bytes, file(column_name(number))};
+  if (column.value_bytes == 0) column = {value_bytes, file(column_name(number), value_bytes)};
   return column;
 }
 

@@ -51,7 +51,8 @@ class ScratchCloud {
     std::size_t value_bytes = 0;  ///< per point; 0: the cloud does not have it
     ScratchFile file;
   };
-  ScratchFile file(const std::string& name) const;
+  [[noreturn]] void fail_as_corrupt(const std::string& name, std::uint64_t bytes) const;
+  ScratchFile file(const std::string& name, std::size_t value_bytes) const;
   Column& column(std::size_t number, std::size_t value_bytes);
 
   std::filesystem::path folder_;

@@ -92,6 +92,24 @@ TEST_F(ScratchCloudTest, goes_on_behind_the_rows_of_a_run_that_was_stopped) {
   expect_equal(resumed, whole);
 }
 
+TEST_F(ScratchCloudTest, bytes_that_do_not_fit_the_number_of_rows_are_an_error) {
+  const std::filesystem::path file = folder_ / "a.las";
+  write_las(file, colored_cloud());
+  for (const std::uint64_t bytes : {11, 24}) {
+    {
+      ScratchCheckpoint state = checkpoint();
+      ScratchFile positions = state.file("positions");
+      positions.append_zeros(bytes);
+      state.keep(1, std::vector<ScratchCheckpoint::Kept>{{"positions", &positions, bytes}});
+    }
+    ScratchCheckpoint state = checkpoint();
+    EXPECT_NE(
+        test::error_of([&] { read(file, &state); }).find("wrong number of bytes of positions for 1 points"),
+        std::string::npos);
+    state.remove();
+  }
+}
+
 TEST_F(ScratchCloudTest, more_kept_rows_than_the_input_has_are_an_error) {
   PointCloud cloud = colored_cloud();
   write_las(folder_ / "a.las", cloud);
