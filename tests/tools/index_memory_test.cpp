@@ -63,7 +63,7 @@ TEST_F(IndexMemoryTest, states_what_the_disk_has_to_hold) {
   make_site();
   const ProgramResult result = run({"index", "site.las", "-o", "site.alidade", "--memory", "1M"});
   EXPECT_EQ(result.exit_code, 0);
-  EXPECT_NE(result.err.find("up to 12.4 MB of temporary files in ., where"), std::string::npos) << result.err;
+  EXPECT_NE(result.err.find("up to 13.4 MB of temporary files in ., where"), std::string::npos) << result.err;
   EXPECT_EQ(names(), (Words{"site.alidade", "site.las"}));
 }
 

@@ -121,7 +121,7 @@ TEST_F(IndexResumeTest, killed_runs_end_with_the_same_bytes) {
 
 /// On the list of slow tests.
 TEST_F(IndexResumeTest, many_killed_runs_of_a_large_file_end_with_the_same_bytes) {
-  make_tiles(2, 3'000'000);
+  make_tiles(2, 1'500'000);
   kill_and_resume(10);
 }
 
@@ -133,14 +133,13 @@ TEST_F(IndexResumeTest, resumes_behind_every_tile) {
   make_whole();
   // The disk holds one column of doubles more each time.
   int resumed = 0;
-  for (const std::uint64_t size :
-       {200'000u, 400'000u, 700'000u, 1'000'000u, 1'300'000u, 1'700'000u, 2'500'000u}) {
+  for (const std::uint64_t size : {200'000u, 700'000u, 1'300'000u, 2'500'000u}) {
     const ProgramResult result = run_on_full_disk(with(index_, with(k_keep, {"-o", "out.alidade"})), size);
     ASSERT_EQ(result.exit_code, 2) << result.err;
     resumed += contains(result.err, "alidade: resuming from state: ") ? 1 : 0;
     EXPECT_FALSE(std::filesystem::exists(folder / "out.alidade"));
   }
-  EXPECT_GT(resumed, 2);
+  EXPECT_GT(resumed, 1);
   const ProgramResult last = run(with(index_, with(k_keep, {"-o", "out.alidade"})));
   ASSERT_EQ(last.exit_code, 0) << last.err;
   EXPECT_TRUE(contains(last.err, "120002 points are read")) << last.err;
@@ -217,7 +216,7 @@ TEST_F(IndexResumeTest, full_disk_leaves_nothing_or_what_can_be_resumed) {
   make_tiles(1, 60'000);
   ASSERT_NO_FATAL_FAILURE(make_whole());
   // Sizes at which positions, doubles, sorted points, and the index come to their end.
-  for (const std::uint64_t size : {100'000u, 460'000u, 500'000u, 900'000u, 1'100'000u, 2'000'000u}) {
+  for (const std::uint64_t size : {100'000u, 500'000u, 1'100'000u, 2'000'000u}) {
     const ProgramResult result = run_on_full_disk(with(index_, {"-o", "out.alidade"}), size);
     EXPECT_EQ(result.exit_code, 2) << size;
     EXPECT_TRUE(contains(result.err, "File too large")) << result.err;
