@@ -141,8 +141,14 @@ void PageRelease::use_up(std::size_t first_byte, std::size_t byte_count) {
     const std::uintptr_t block_begin = first_block_ + block * block_size_;
     const std::size_t bytes = std::min(end, block_begin + block_size_) - here;
     // The thread that uses the last byte must see the others' reads done before it lets the block go.
-    if (used_[block].fetch_add(bytes, std::memory_order_acq_rel) + bytes == block_size_)
-      madvise(reinterpret_cast<void*>(block_begin), block_size_, is_scratch_ ? MADV_REMOVE : MADV_DONTNEED);
+    if (used_[block].fetch_add(bytes, std::memory_order_acq_rel) + bytes == block_size_) {
+      auto* const memory = reinterpret_cast<std::byte*>(block_begin);
+      if (is_scratch_) {
+        discard_scratch_pages({memory, block_size_});
+      } else {
+        madvise(memory, block_size_, MADV_DONTNEED);
+      }
+    }
     here += bytes;
   }
 }

@@ -2,7 +2,9 @@
 #include "base/scratch_file.h"
 
 #include <fcntl.h>
+#include <fmt/format.h>
 #include <sys/mman.h>
+#include <sys/stat.h>
 #include <unistd.h>
 #include <cerrno>
 #include <cstdlib>
@@ -15,12 +17,20 @@ namespace alidade {
 namespace {
 
 [[noreturn]] void fail_in(const std::filesystem::path& folder, const char* problem, int number = errno) {
-  throw system_error((folder.empty() ? std::filesystem::path(".") : folder).string(), problem, number);
+  Error::Parts parts =
+      system_error((folder.empty() ? std::filesystem::path(".") : folder).string(), problem, number).parts();
+  if (number == ENOSPC || number == EDQUOT) parts.expected = "more free space there, or another folder";
+  throw Error(std::move(parts));
 }
 
 constexpr const char* k_no_write = "cannot write a temporary file in this folder";
 
 int open_scratch(const std::filesystem::path& folder) {
+  // A program that is killed between making and removing a name would leave it.
+  const int nameless =
+      ::open(folder.empty() ? "." : folder.c_str(), O_TMPFILE | O_RDWR | O_CLOEXEC, S_IRUSR | S_IWUSR);
+  if (nameless >= 0) return nameless;
+  // Some file systems cannot do that.
   std::string name = (folder / ".alidade-XXXXXX").string();
   const int descriptor = ::mkostemp(name.data(), O_CLOEXEC);
   if (descriptor < 0) fail_in(folder, "cannot create a temporary file in this folder");
@@ -39,29 +49,51 @@ int reserve(int descriptor, std::uint64_t offset, std::uint64_t count) {
 
 }  // namespace
 
+ScratchFile::ScratchFile(const std::filesystem::path& path, std::uint64_t kept)
+    : folder_(path.parent_path()), is_named_(true), size_(kept) {
+  descriptor_ = FileDescriptor(::open(path.c_str(), O_RDWR | O_CREAT | O_CLOEXEC, S_IRUSR | S_IWUSR));
+  if (!descriptor_.is_open()) throw system_error(path.string(), "cannot write the file");
+  const std::uint64_t size = descriptor_.size_of_regular(path.string());
+  if (size < kept)
+    throw file_error(path, "corrupt checkpoint: truncated file", fmt::format("at least {} bytes", kept),
+                     std::to_string(size));
+  if (::ftruncate(descriptor_.number(), static_cast<::off_t>(kept)) != 0)
+    throw system_error(path.string(), "cannot write the file");
+}
+
 ScratchFile::~ScratchFile() {
   if (mapped_) ::munmap(mapped_, size_);
-  if (descriptor_ >= 0) ::close(descriptor_);
 }
 
 ScratchFile::ScratchFile(ScratchFile&& other) noexcept
     : folder_(std::move(other.folder_)),
-      descriptor_(std::exchange(other.descriptor_, -1)),
+      is_named_(other.is_named_),
+      descriptor_(std::move(other.descriptor_)),
       size_(std::exchange(other.size_, 0)),
       mapped_(std::exchange(other.mapped_, nullptr)) {}
+
+ScratchFile& ScratchFile::operator=(ScratchFile&& other) noexcept {
+  std::swap(folder_, other.folder_);
+  std::swap(is_named_, other.is_named_);
+  std::swap(descriptor_, other.descriptor_);
+  std::swap(size_, other.size_);
+  std::swap(mapped_, other.mapped_);
+  return *this;
+}
 
 void ScratchFile::fail(const char* problem) const {
   fail_in(folder_, problem);
 }
 
 void ScratchFile::open() {
-  if (descriptor_ < 0) descriptor_ = open_scratch(folder_);
+  if (!descriptor_.is_open()) descriptor_ = FileDescriptor(open_scratch(folder_));
 }
 
 void ScratchFile::append(std::span<const std::byte> bytes) {
   open();
   while (!bytes.empty()) {
-    const ::ssize_t count = ::pwrite(descriptor_, bytes.data(), bytes.size(), static_cast<::off_t>(size_));
+    const ::ssize_t count =
+        ::pwrite(descriptor_.number(), bytes.data(), bytes.size(), static_cast<::off_t>(size_));
     if (count < 0 && errno == EINTR) continue;
     if (count < 0) fail(k_no_write);
     bytes = bytes.subspan(static_cast<std::size_t>(count));
@@ -72,13 +104,14 @@ void ScratchFile::append(std::span<const std::byte> bytes) {
 void ScratchFile::append_zeros(std::uint64_t count) {
   if (count == 0) return;
   open();
-  if (const int number = reserve(descriptor_, size_, count)) fail_in(folder_, k_no_write, number);
+  if (const int number = reserve(descriptor_.number(), size_, count)) fail_in(folder_, k_no_write, number);
   size_ += count;
 }
 
 void ScratchFile::read(std::uint64_t offset, std::span<std::byte> into) const {
   while (!into.empty()) {
-    const ::ssize_t count = ::pread(descriptor_, into.data(), into.size(), static_cast<::off_t>(offset));
+    const ::ssize_t count =
+        ::pread(descriptor_.number(), into.data(), into.size(), static_cast<::off_t>(offset));
     if (count < 0 && errno == EINTR) continue;
     if (count <= 0) fail("cannot read a temporary file in this folder");
     into = into.subspan(static_cast<std::size_t>(count));
@@ -86,10 +119,15 @@ void ScratchFile::read(std::uint64_t offset, std::span<std::byte> into) const {
   }
 }
 
+void ScratchFile::sync() const {
+  if (descriptor_.is_open() && ::fdatasync(descriptor_.number()) != 0) fail(k_no_write);
+}
+
 std::span<std::byte> ScratchFile::map() {
   if (size_ == 0) return {};
   if (!mapped_) {
-    void* const mapped = ::mmap(nullptr, size_, PROT_READ | PROT_WRITE, MAP_SHARED, descriptor_, 0);
+    void* const mapped = ::mmap(nullptr, size_, PROT_READ | PROT_WRITE, is_named_ ? MAP_PRIVATE : MAP_SHARED,
+                                descriptor_.number(), 0);
     if (mapped == MAP_FAILED) fail("cannot map a temporary file in this folder");
     mapped_ = static_cast<std::byte*>(mapped);
   }
@@ -112,7 +150,9 @@ void discard_scratch_pages(std::span<const std::byte> bytes) noexcept {
   const auto page = static_cast<std::uintptr_t>(::sysconf(_SC_PAGESIZE));
   const auto begin = (reinterpret_cast<std::uintptr_t>(bytes.data()) + page - 1) / page * page;
   const auto end = (reinterpret_cast<std::uintptr_t>(bytes.data()) + bytes.size()) / page * page;
-  if (begin < end) ::madvise(reinterpret_cast<void*>(begin), end - begin, MADV_REMOVE);
+  if (begin >= end) return;
+  void* const pages = reinterpret_cast<void*>(begin);
+  if (::madvise(pages, end - begin, MADV_REMOVE) != 0) ::madvise(pages, end - begin, MADV_DONTNEED);
 }
 
 }  // namespace alidade

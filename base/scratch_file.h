@@ -7,6 +7,8 @@
 #include <span>
 #include <utility>
 
+#include "base/input_file.h"
+
 namespace alidade {
 
 /// Where points lie that memory need not hold.
@@ -15,14 +17,17 @@ struct ScratchSpace {
   std::uint64_t memory = 0;      ///< bytes to work in
 };
 
-/// A file without a name for what memory does not hold: gone with the object, also if the program is killed.
+/// A file for what memory does not hold, as a rule without a name: gone with the object, also if the program is killed.
 class ScratchFile {
  public:
   /// Made when the first bytes come, in this folder.
   explicit ScratchFile(std::filesystem::path folder) : folder_(std::move(folder)) {}
+  /// One with a name, which stays; it is made if it is missing, and cut to its first `kept` bytes. Errors: it has
+  /// fewer; it cannot be written.
+  ScratchFile(const std::filesystem::path& path, std::uint64_t kept);
   ~ScratchFile();
   ScratchFile(ScratchFile&& other) noexcept;
-  ScratchFile& operator=(ScratchFile&&) = delete;
+  ScratchFile& operator=(ScratchFile&& other) noexcept;
 
   /// Adds bytes at the end. Errors: the folder cannot be written to; no space left.
   void append(std::span<const std::byte> bytes);
@@ -33,9 +38,13 @@ class ScratchFile {
   /// Copies bytes that were written. Errors: reading failed.
   void read(std::uint64_t offset, std::span<std::byte> into) const;
 
-  /// All bytes written so far, mapped into memory; changes go to the file. The map stays until the object is gone;
-  /// nothing may be appended any more. On file systems that write changed pages to another place (Btrfs, ZFS), a full
-  /// disk then ends the program (SIGBUS). Errors: the system cannot map them.
+  /// Waits until the bytes are on the disk. Errors: they cannot be written.
+  void sync() const;
+
+  /// All bytes written so far, mapped into memory. Changes go to the file, but for one with a name: that keeps its
+  /// bytes, also those that are discarded. The map stays until the object is gone; nothing may be appended any more. On
+  /// file systems that write changed pages elsewhere (Btrfs, ZFS), a full disk then ends the program (SIGBUS). Errors:
+  /// the system cannot map them.
   std::span<std::byte> map();
 
  private:
@@ -43,7 +52,8 @@ class ScratchFile {
   [[noreturn]] void fail(const char* problem) const;
 
   std::filesystem::path folder_;
-  int descriptor_ = -1;
+  bool is_named_ = false;
+  FileDescriptor descriptor_;
   std::uint64_t size_ = 0;
   std::byte* mapped_ = nullptr;
 };
@@ -52,8 +62,8 @@ class ScratchFile {
 /// than 0. munmap() gives it back, and its space on the disk. Errors: as ScratchFile::append().
 void* map_scratch_pages(std::size_t byte_count, const std::filesystem::path& folder);
 
-/// Takes bytes of a mapped scratch file out of memory and off the disk, as far as they fill whole pages and the file
-/// system can (ext4, XFS, Btrfs, tmpfs).
+/// Takes bytes of a mapped scratch file out of memory, and off the disk if it has no name, as far as they fill whole
+/// pages and the file system can (ext4, XFS, Btrfs, tmpfs).
 void discard_scratch_pages(std::span<const std::byte> bytes) noexcept;
 
 }  // namespace alidade

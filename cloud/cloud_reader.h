@@ -26,7 +26,16 @@ struct CloudPieces {
   /// Takes the points of a cloud, all or some of a file's or of several; it must leave none, and the extra
   /// dimensions without values. Nothing else of the cloud may change.
   std::function<void(PointCloud&)> take{};
+  /// Fills `count` rows of the cloud from `first` on, if they were handed over in an earlier run: positions and colours,
+  /// as `take` needs no more of them. Returns whether it did: then a reader need not unpack them. Where it is empty, or
+  /// a reader does not call it, all rows are read.
+  std::function<bool(PointCloud&, std::size_t first, std::size_t count)> recall{};
 };
+
+/// Whether the last rows of a cloud, which have just been made, were recalled.
+inline bool recalls(const CloudPieces& pieces, PointCloud& cloud, std::size_t count) {
+  return pieces.recall && pieces.recall(cloud, cloud.size() - count, count);
+}
 
 /// For how many of `wanted` further points, with these attributes beside those of the cloud, a piece has
 /// room, which is handed over first if it has none; 1 or more, unless `wanted` is 0.

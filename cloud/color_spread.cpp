@@ -68,10 +68,12 @@ ColorSpread choose_spread(std::vector<ColoredRows> files, ColorDepth depth,
   return {.colors = true, .near_infrared = !is_near_infrared_deep, .files = std::move(files)};
 }
 
-void apply(const ColorSpread& spread, std::span<Color16> colors, std::span<std::uint16_t> near_infrared) {
+void apply(const ColorSpread& spread, std::span<Color16> colors, std::span<std::uint16_t> near_infrared,
+           std::uint64_t first_row) {
   if (!spread.colors) return;
-  const auto spread_rows = [](auto column, const ColoredRows& file) {
-    for (auto row = static_cast<std::size_t>(file.first); row < file.end && row < column.size(); ++row)
+  const auto spread_rows = [&](auto column, const ColoredRows& file) {
+    const std::uint64_t first = std::max(file.first, first_row), end = std::max(file.end, first);
+    for (std::uint64_t row = first - first_row; row < end - first_row && row < column.size(); ++row)
       column[row] = ColorSpread::spread(column[row]);
   };
   for (const ColoredRows& file : spread.files) {

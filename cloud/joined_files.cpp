@@ -4,6 +4,10 @@
 #include <fmt/format.h>
 #include <sys/stat.h>
 #include <algorithm>
+#include <array>
+#include <map>
+#include <set>
+#include <string>
 #include <tuple>
 #include <utility>
 
@@ -238,6 +242,34 @@ void warn_of_losses(const CloudReader& reader, std::vector<CloudFile>& files, Po
   if (!files.empty()) files.front().lost_count = count;
 }
 
+namespace {
+
+/// Copies under other names, and tiles that are there as LAS and as LAZ.
+void warn_of_copies(PointCloud& cloud) {
+  // That a few points agree in number and bounds means nothing.
+  constexpr std::uint64_t k_few = 1000;
+  std::map<std::array<double, 7>, std::string> known;
+  SomeFiles copies;
+  std::string original;
+  for (const CloudFile& file : cloud.files) {
+    if (!file.stated_bounds || file.point_count < k_few) continue;
+    const auto& [low, high] = *file.stated_bounds;
+    if (low == high) continue;  // nobody filled them in
+    const auto [same, is_new] = known.try_emplace(
+        {low.x, low.y, low.z, high.x, high.y, high.z, static_cast<double>(file.point_count)},
+        file.path.string());
+    if (is_new || same->second == file.path.string()) continue;
+    if (copies.count == 0) original = same->second;
+    copies.add(file.path.string());
+  }
+  if (copies.count == 0) return;
+  cloud.warnings.push_back(
+      fmt::format("{}: as many points within the same bounds as {}; the points may be repeated",
+                  copies.text(), copies.count == 1 ? original : "other files"));
+}
+
+}  // namespace
+
 void warn_of_twins(const CloudInputs& inputs, PointCloud& cloud) {
   std::set<std::pair<dev_t, ino_t>> known;
   SomeFiles twins;
@@ -246,7 +278,7 @@ void warn_of_twins(const CloudInputs& inputs, PointCloud& cloud) {
     if (input.memory || ::stat(input.name.c_str(), &status) != 0) continue;
     if (!known.emplace(status.st_dev, status.st_ino).second) twins.add(input.name.string());
   }
-  if (twins.count == 0) return;
+  if (twins.count == 0) return warn_of_copies(cloud);
   cloud.warnings.push_back(twins.text() + ": given more than once; its points are repeated");
 }
 

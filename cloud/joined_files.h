@@ -86,7 +86,7 @@ void warn_of_other_crs(std::span<const CloudSource> sources, PointCloud& cloud);
 /// What a damaged file does not give any more, which is also counted in the first of `files`, its own.
 void warn_of_losses(const CloudReader& reader, std::vector<CloudFile>& files, PointCloud& cloud);
 
-/// Files that are given more than once, under whatever names.
+/// Files that are given more than once, under whatever names, and LAS files that look like copies of others.
 void warn_of_twins(const CloudInputs& inputs, PointCloud& cloud);
 
 }  // namespace alidade

@@ -60,7 +60,7 @@ class Joining {
   Joining(PointCloud& cloud, const ReadOptions& options, const CloudPieces& pieces)
       : cloud_(cloud), options_(options), given_pieces_(pieces) {
     if (!pieces.take) return;
-    pieces_ = {pieces.most_bytes, pieces.bytes_beside, [this](PointCloud&) { hand_over(); }};
+    pieces_ = {pieces.most_bytes, pieces.bytes_beside, [this](PointCloud&) { hand_over(); }, pieces.recall};
   }
 
   /// Takes the next file: its points from `piece` if they have been read into one, else from the file.

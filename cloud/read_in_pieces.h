@@ -45,8 +45,9 @@ struct ColorSpread {
 ColorSpread choose_spread(std::vector<ColoredRows> files, ColorDepth depth,
                           std::vector<std::string>& warnings);
 
-/// Does it with a whole cloud, or its columns. Cost: a pass over the rows concerned.
-void apply(const ColorSpread& spread, std::span<Color16> colors, std::span<std::uint16_t> near_infrared);
+/// Does it with a whole cloud, or with its columns from the row `first_row` on. Cost: a pass over the rows concerned.
+void apply(const ColorSpread& spread, std::span<Color16> colors, std::span<std::uint16_t> near_infrared,
+           std::uint64_t first_row = 0);
 inline void apply(const ColorSpread& spread, PointCloud& cloud) {
   apply(spread, cloud.colors, cloud.near_infrared);
 }

@@ -1,10 +1,13 @@
 // SPDX-License-Identifier: MIT
 #include "cloud/scratch_cloud.h"
 
+#include <fmt/format.h>
+#include <algorithm>
 #include <bit>
 #include <type_traits>
 #include <utility>
 
+#include "base/error.h"
 #include "cloud/read_in_pieces.h"
 #include "cloud/rows.h"
 
@@ -22,38 +25,146 @@ void give_back_room(PointCloud& cloud) {
   for (ExtraDimension& dimension : cloud.extra_dimensions) std::vector<std::uint8_t>().swap(dimension.values);
 }
 
+constexpr const char* k_positions = "positions";
+
+std::string column_name(std::size_t number) {
+  return fmt::format("attribute-{}", number);
+}
+
 }  // namespace
 
-ScratchCloud::ScratchCloud(const CloudInputs& inputs, const ReadOptions& options, const ScratchSpace& scratch)
-    : folder_(scratch.folder), positions_(folder_) {
-  PiecewiseCloud whole = read_in_pieces(
-      inputs, options, {.most_bytes = scratch.memory, .take = [this](PointCloud& piece) { take(piece); }});
-  take(whole.rest);
+ScratchCloud::ScratchCloud(const CloudInputs& inputs, const ReadOptions& options, const ScratchSpace& scratch,
+                           ScratchCheckpoint* checkpoint)
+    : folder_(scratch.folder),
+      checkpoint_(checkpoint),
+      recalled_(checkpoint ? checkpoint->rows() : 0),
+      positions_(file(k_positions, sizeof(LatticePosition))) {
+  if (positions_.size() / sizeof(LatticePosition) != recalled_)
+    fail_as_corrupt(k_positions, positions_.size());
+  const CloudPieces pieces{.most_bytes = scratch.memory,
+                           .take = [this](PointCloud& piece) { take(piece); },
+                           .recall = [this](PointCloud& piece, std::size_t first,
+                                            std::size_t count) { return recall(piece, first, count); }};
+  PiecewiseCloud whole;
+  try {
+    whole = read_in_pieces(inputs, options, pieces);
+    take(whole.rest);
+    if (size_ < recalled_)
+      throw file_error(checkpoint_->folder(), "corrupt checkpoint: more points than the input has",
+                       fmt::format("at most {}", size_), std::to_string(recalled_));
+  } catch (...) {
+    keep();
+    throw;
+  }
+  keep();
   for (Column& column : columns_) column.file.append_zeros(size_ * column.value_bytes - column.file.size());
   facts_ = std::move(whole.rest);
   give_back_room(facts_);
-  apply(whole.spread, values<Color16>(number_of(Attribute::color)),
-        values<std::uint16_t>(number_of(Attribute::near_infrared)));
+  if (whole.spread.colors)
+    spread_values<Color16>(Attribute::color, [&](std::span<Color16> colors, std::uint64_t row) {
+      apply(whole.spread, colors, {}, row);
+    });
+  if (whole.spread.near_infrared)
+    spread_values<std::uint16_t>(
+        Attribute::near_infrared,
+        [&](std::span<std::uint16_t> values, std::uint64_t row) { apply(whole.spread, {}, values, row); });
+}
+
+void ScratchCloud::fail_as_corrupt(const std::string& name, std::uint64_t bytes) const {
+  throw file_error(
+      checkpoint_->folder(),
+      fmt::format("corrupt checkpoint: wrong number of bytes of {} for {} points", name, recalled_), {},
+      std::to_string(bytes));
+}
+
+ScratchFile ScratchCloud::file(const std::string& name, std::size_t value_bytes) const {
+  if (!checkpoint_) return ScratchFile(folder_);
+  ScratchFile file = checkpoint_->file(name);
+  // Fewer are zeros behind.
+  if (file.size() / value_bytes > recalled_) fail_as_corrupt(name, file.size());
+  return file;
+}
+
+ScratchCloud::Column& ScratchCloud::column(std::size_t number, std::size_t value_bytes) {
+  while (columns_.size() <= number) columns_.push_back({0, ScratchFile(folder_)});
+  Column& column = columns_[number];
+  if (column.value_bytes == 0) column = {value_bytes, file(column_name(number), value_bytes)};
+  return column;
 }
 
 void ScratchCloud::take(PointCloud& piece) {
-  positions_.append(std::as_bytes(std::span(piece.positions)));
+  // Of a piece that was kept in part, the rest is new.
+  const std::size_t known = size_ < recalled_ ? std::min<std::size_t>(piece.size(), recalled_ - size_) : 0;
+  if (known < piece.size()) positions_.append(std::as_bytes(std::span(piece.positions).subspan(known)));
   for_each_column(piece, [&](Attribute attribute, const auto& column) {
-    if (!column.empty()) add(number_of(attribute), sizeof column[0], std::as_bytes(std::span(column)));
+    if (!column.empty()) add(number_of(attribute), sizeof column[0], std::as_bytes(std::span(column)), known);
   });
   std::size_t number = number_of(Attribute::extra_dimensions);
   for (const ExtraDimension& dimension : piece.extra_dimensions)
-    add(number++, static_cast<std::size_t>(dimension.byte_count), std::as_bytes(std::span(dimension.values)));
+    add(number++, static_cast<std::size_t>(dimension.byte_count), std::as_bytes(std::span(dimension.values)),
+        known);
   size_ += piece.size();
   piece.resize(0);
+  if (checkpoint_ && checkpoint_->is_due()) keep();
 }
 
-void ScratchCloud::add(std::size_t number, std::size_t value_bytes, std::span<const std::byte> values) {
-  while (columns_.size() <= number) columns_.push_back({0, ScratchFile(folder_)});
-  Column& column = columns_[number];
-  column.value_bytes = value_bytes;
-  column.file.append_zeros(size_ * value_bytes - column.file.size());
-  column.file.append(values);
+void ScratchCloud::add(std::size_t number, std::size_t value_bytes, std::span<const std::byte> values,
+                       std::size_t known) {
+  ScratchFile& file = column(number, value_bytes).file;
+  const std::span<const std::byte> added = values.subspan(known * value_bytes);
+  if (added.empty()) return;
+  file.append_zeros((size_ + known) * value_bytes - file.size());
+  file.append(added);
+}
+
+bool ScratchCloud::recall(PointCloud& piece, std::size_t first, std::size_t count) {
+  const std::uint64_t row = size_ + first;
+  if (row + count > recalled_) return false;
+  const auto fill = [&](const ScratchFile& file, auto& values) {
+    const std::span<std::byte> bytes = std::as_writable_bytes(std::span(values).subspan(first, count));
+    const std::uint64_t begin = row * sizeof values[0];
+    // A column that ends early is zeros behind.
+    const std::uint64_t there = file.size() - std::min(begin, file.size());
+    file.read(begin, bytes.first(std::min<std::size_t>(bytes.size(), there)));
+  };
+  fill(positions_, piece.positions);
+  if (!piece.colors.empty()) fill(column(number_of(Attribute::color), sizeof(Color16)).file, piece.colors);
+  if (!piece.near_infrared.empty())
+    fill(column(number_of(Attribute::near_infrared), sizeof(std::uint16_t)).file, piece.near_infrared);
+  return true;
+}
+
+/// Into a new file: a checkpoint keeps what was read.
+template <class Value>
+void ScratchCloud::spread_values(Attribute attribute,
+                                 const std::function<void(std::span<Value>, std::uint64_t)>& spread) {
+  constexpr std::uint64_t k_block = 1 << 17;
+  if (number_of(attribute) >= columns_.size()) return;
+  ScratchFile& file = columns_[number_of(attribute)].file;
+  if (file.size() == 0) return;
+  ScratchFile changed(folder_);
+  std::vector<Value> values;
+  for (std::uint64_t row = 0; row < size_; row += k_block) {
+    values.resize(static_cast<std::size_t>(std::min(k_block, size_ - row)));
+    file.read(row * sizeof(Value), std::as_writable_bytes(std::span(values)));
+    spread(values, row);
+    changed.append(std::as_bytes(std::span(values)));
+  }
+  file = std::move(changed);
+}
+
+void ScratchCloud::keep() {
+  if (!checkpoint_ || size_ <= checkpoint_->rows()) return;
+  std::vector<ScratchCheckpoint::Kept> files;
+  const auto add = [&](const std::string& name, const ScratchFile& file, std::size_t value_bytes) {
+    files.push_back({name, &file, std::min(file.size(), size_ * value_bytes)});
+  };
+  add(k_positions, positions_, sizeof(LatticePosition));
+  for (std::size_t number = 0; number < columns_.size(); ++number) {
+    const Column& column = columns_[number];
+    if (column.value_bytes > 0) add(column_name(number), column.file, column.value_bytes);
+  }
+  checkpoint_->keep(size_, files);
 }
 
 template <class Value>

@@ -376,14 +376,14 @@ void add_run_options(const Options& command, RunRequest& request) {
 }
 
 void add_checkpoint_options(const Options& command, CheckpointRequest& request, const std::string& when,
-                            const std::string& output) {
+                            const std::string& output, const std::string& kind) {
   constexpr double k_most_seconds = 1e9;
   request.command = command;
-  const Option checkpoint = command.value(
-      "--checkpoint", "FILE",
-      fmt::format("save finished work to FILE, {} and on Ctrl-C; deleted once the {} is written", when,
-                  output),
-      request.file, std::identity());
+  const Option checkpoint =
+      command.value("--checkpoint", kind,
+                    fmt::format("save finished work to {}, {} and on Ctrl-C; deleted once the {} is written",
+                                kind, when, output),
+                    request.file, std::identity());
   command.needs(checkpoint)
       .number("--checkpoint-interval", "S", "seconds between checkpoints, above 0 (default 60)",
               request.interval, 1e-3, k_most_seconds);

@@ -336,10 +336,11 @@ struct CheckpointRequest {
   bool resume = false;               ///< --resume
 };
 
-/// Declares these options. `when` a checkpoint is written, and what the command writes, are for the manual.
+/// Declares these options. `when` a checkpoint is written, what the command writes, and whether a checkpoint is a FILE
+/// or a FOLDER are for the manual.
 void add_checkpoint_options(const Options& command, CheckpointRequest& request,
                             const std::string& when = "every --checkpoint-interval seconds",
-                            const std::string& output = "output");
+                            const std::string& output = "output", const std::string& kind = "FILE");
 
 /// Warns of the first checkpoint that cannot be written: the next ones will probably fail like it.
 std::function<void(const Error&)> checkpoint_warning();

@@ -95,6 +95,9 @@ class CloudRows final : public LazSink {
     count_ += count;
     append_rows(cloud_, choice_.kept, static_cast<std::size_t>(count));
   }
+  bool has_values(std::uint64_t count) override {
+    return recalls(pieces_, cloud_, static_cast<std::size_t>(count));
+  }
   void take(const std::byte* records, std::size_t count, std::uint64_t first_row) override {
     const std::int64_t row = static_cast<std::int64_t>(first_row) + shift_;
     columns_.take({records, point_size_, count, static_cast<std::size_t>(row)}, choice_, cloud_);
@@ -189,9 +192,11 @@ class LasReader final : public CloudReader {
       const std::uint64_t left = (header_.points_end() - offset) / point_size;
       const std::size_t count =
           room_in_piece(cloud, choice.kept, std::min<std::uint64_t>(step, left), pieces);
-      const RecordBlock block{file_.view(offset, count * point_size).data(), point_size, count, cloud.size()};
+      const std::size_t first = cloud.size();
       append_rows(cloud, choice.kept, count);
-      columns_.take(block, choice, cloud);
+      if (!recalls(pieces, cloud, count))
+        columns_.take({file_.view(offset, count * point_size).data(), point_size, count, first}, choice,
+                      cloud);
       offset += count * point_size;
       report(progress, offset, file_.size());
     }

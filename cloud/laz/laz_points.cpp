@@ -59,14 +59,25 @@ class LazPoints::Unpacker {
         point_count += chunks[end].point_count;
       }
       const std::span<const LazChunk> batch = chunks.subspan(begin, end - begin);
-      bytes_.resize(static_cast<std::size_t>(byte_count));
-      of_.file_.read_at(batch[0].offset, bytes_);
+      const auto fetch = [&] {
+        bytes_.resize(static_cast<std::size_t>(byte_count));
+        of_.file_.read_at(batch[0].offset, bytes_);
+      };
       if (point_count > most_points) {
+        fetch();
         std::size_t used = 0;
         read_large(bytes_, point_count, true, used);
       } else if (of_.damage_ == Damage::reject) {
-        read_batch(batch, point_count);
+        sink_.make_room(point_count);
+        if (sink_.has_values(point_count)) {
+          rows_ += point_count;
+          progress_.add(byte_count);
+        } else {
+          fetch();
+          read_batch(batch, point_count);
+        }
       } else {
+        fetch();
         read_batch_and_sort_out(batch);
       }
       chunks_done_ += batch.size();
@@ -128,12 +139,11 @@ class LazPoints::Unpacker {
     return problems;
   }
 
-  /// Unpacks straight into the rows: all rows are needed.
+  /// Unpacks straight into the rows, which there is room for: all rows are needed.
   void read_batch(std::span<const LazChunk> chunks, std::uint64_t point_count) {
     std::vector<std::uint64_t> first_rows(chunks.size(), rows_);
     for (std::size_t i = 1; i < chunks.size(); ++i)
       first_rows[i] = first_rows[i - 1] + chunks[i - 1].point_count;
-    sink_.make_room(point_count);
     const std::vector<Problem> problems = decode_at_once(
         chunks, [&](std::size_t i, const std::byte* records, std::size_t count, std::uint64_t first) {
           sink_.take(records, count, first_rows[i] + first);

@@ -22,6 +22,8 @@ class LazSink {
   /// Makes room for so many rows behind the existing ones, once all of these have been taken. Never more than
   /// 64 MB of records, unless a layered chunk has more.
   virtual void make_room(std::uint64_t count) = 0;
+  /// Whether the last rows that there is room for have their values: then none are taken into them.
+  virtual bool has_values(std::uint64_t /*count*/) { return false; }
   /// Puts records into rows that there is room for. Called by several threads at once, for different rows.
   virtual void take(const std::byte* records, std::size_t count, std::uint64_t first_row) = 0;
 };

@@ -60,8 +60,10 @@ class IndexReader final : public CloudReader {
       const std::size_t count = room_in_piece(cloud, kept, about_.point_count - row, pieces);
       const Rows rows{static_cast<std::size_t>(row), count, cloud.size()};
       append_rows(cloud, kept, count);
-      take_positions(cloud, rows);
-      take_columns(cloud, kept, rows);
+      if (!recalls(pieces, cloud, count)) {
+        take_positions(cloud, rows);
+        take_columns(cloud, kept, rows);
+      }
       row += count;
       report(progress, bytes / 4 + bytes / 4 * 3 / std::max<std::uint64_t>(1, about_.point_count) * row,
              bytes);

@@ -71,6 +71,34 @@ TEST_F(ScratchFileTest, names_the_folder_that_it_cannot_write_to) {
   EXPECT_THROW(map_scratch_pages(1 << 22, folder_ / "missing"), Error);
 }
 
+TEST_F(ScratchFileTest, with_a_name_stays_and_loses_nothing_to_its_map) {
+  const std::filesystem::path path = folder_ / "rows";
+  const std::vector<std::byte> sevens(10'000, std::byte{7});
+  {
+    ScratchFile file(path, 0);
+    file.append(sevens);
+    file.sync();
+  }
+  {
+    ScratchFile file(path, 9'000);
+    const std::span<std::byte> map = file.map();
+    ASSERT_EQ(map.size(), 9'000u);
+    discard_scratch_pages(map);
+    EXPECT_EQ(map[5'000], std::byte{7});
+    map[0] = std::byte{8};
+  }
+  EXPECT_EQ(std::filesystem::file_size(path), 9'000u);
+  ScratchFile file(path, 8'000), other(folder_);
+  file.append_zeros(1);
+  other = std::move(file);
+  std::array<std::byte, 2> found{};
+  other.read(7'999, found);
+  EXPECT_EQ(found, (std::array<std::byte, 2>{std::byte{7}, std::byte{0}}));
+  other.read(0, found);
+  EXPECT_EQ(found[0], std::byte{7});
+  EXPECT_THROW(ScratchFile(path, 8'002), Error);
+}
+
 TEST_F(ScratchFileTest, holds_large_arrays) {
   constexpr std::size_t k_size = std::size_t{1} << 20;
   HugeArray<std::uint64_t> array(k_size, folder_);

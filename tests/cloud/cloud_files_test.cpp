@@ -118,6 +118,21 @@ TEST_F(CloudFilesTest, a_file_that_is_given_twice_is_warned_of) {
   EXPECT_EQ(warnings({folder_}), (Names{link.string() + given}));
 }
 
+TEST_F(CloudFilesTest, copies_under_other_names_are_warned_of) {
+  test::LasFile tile;
+  for (int i = 0; i < 1000; ++i) tile.points.push_back({.x = i, .y = 2 * i});
+  const auto write = [&](const char* name) { test::write_bytes(folder_ / name, test::build_las(tile)); };
+  write("a.las");
+  write("b.las");
+  tile.points.pop_back();
+  write("c.las");
+  const std::string copy = (folder_ / "b.las").string() + ": as many points within the same bounds as " +
+                           (folder_ / "a.las").string() + "; the points may be repeated";
+  EXPECT_EQ(read_cloud(folder_).warnings, Names{copy});
+  fs::remove(folder_ / "b.las");
+  EXPECT_EQ(read_cloud(folder_).warnings, Names{});
+}
+
 TEST_F(CloudFilesTest, nothing_found_is_an_error_that_names_what_was_expected) {
   make({"tiles/readme.md"});
   fs::create_directories(folder_ / "empty");

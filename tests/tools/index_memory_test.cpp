@@ -70,11 +70,24 @@ TEST_F(IndexMemoryTest, holds_clouds_that_are_sparse_for_their_lattice) {
   expect_same_bytes({"sparse.xyz"});
 }
 
+TEST_F(IndexMemoryTest, keeps_all_points_of_repeated_tiles_and_warns) {
+  ASSERT_EQ(run({"generate", "courtyard", "--points", "2000", "-o", "a.las", "-q"}).exit_code, 0);
+  ASSERT_EQ(run({"convert", "a.las", "-o", "a.laz", "-q"}).exit_code, 0);
+  expect_same_bytes({"a.las", "a.laz", "a.las"});
+  const ProgramResult same = run({"index", "a.las", "a.las", "-o", "b.alidade", "--memory", "1M"});
+  EXPECT_NE(same.err.find("a.las: given more than once; its points are repeated"), std::string::npos)
+      << same.err;
+  EXPECT_NE(same.err.find("4000 points"), std::string::npos) << same.err;
+  const ProgramResult copy = run({"index", "a.las", "a.laz", "-o", "c.alidade", "--memory", "1M"});
+  EXPECT_NE(copy.err.find("a.laz: as many points within the same bounds as a.las"), std::string::npos)
+      << copy.err;
+}
+
 TEST_F(IndexMemoryTest, states_what_the_disk_has_to_hold) {
   make_site();
   const ProgramResult result = run({"index", "site.las", "-o", "site.alidade", "--memory", "1M"});
   EXPECT_EQ(result.exit_code, 0);
-  EXPECT_NE(result.err.find("0.0 GB of temporary files in ., where"), std::string::npos) << result.err;
+  EXPECT_NE(result.err.find("up to 13.4 MB of temporary files in ., where"), std::string::npos) << result.err;
   EXPECT_EQ(names(), (Words{"site.alidade", "site.las"}));
 }
 

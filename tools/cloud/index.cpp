@@ -9,6 +9,7 @@
 #include "octree/index_file/index_file.h"
 #include "octree/point_surface.h"
 #include "octree/spacing.h"
+#include "tools/cloud/kept_reading.h"
 #include "tools/cloud/load_cloud.h"
 #include "tools/command.h"
 #include "tools/view_options.h"
@@ -27,6 +28,7 @@ struct IndexCommand : CloudRequest {
   std::filesystem::path output;
   IndexRequest index;
   std::optional<std::size_t> memory;
+  CheckpointRequest checkpoint;
   ColorDepth color_depth = ColorDepth::automatic;
 };
 
@@ -50,32 +52,41 @@ void save_shown(const std::filesystem::path& path, const Octree& octree, const P
 
 /// States what the disk has to hold while an index is made. Errors: it is more than there is room for. Of a selection
 /// nothing is known beforehand.
-void check_room(const IndexCommand& command, const std::filesystem::path& folder) {
+void check_room(const IndexCommand& command, const std::filesystem::path& folder, std::uint64_t rows_there) {
   const bool selects = std::ranges::any_of(command.files.inputs, &CloudInput::is_changed);
   const StatedSize size = stated_size(command.files);
   if (selects || command.partial || size.uncounted_bytes > 0) return;
-  // Beside the attributes the points in Morton order, 16 bytes each, and the octree, at most 24.
-  constexpr std::uint64_t k_more = 16 + 24 - sizeof(LatticePosition);
-  const double needed = static_cast<double>(size.bytes() + k_more * size.point_count) / 1e9;
-  const double room = static_cast<double>(std::filesystem::space(folder).available) / 1e9;
-  if (needed > room)
-    throw file_error(folder, "not enough room for temporary files", fmt::format("{:.1f} GB", needed),
-                     fmt::format("{:.1f} GB free", room));
-  say_note(command.verbosity,
-           fmt::format("up to {:.1f} GB of temporary files in {}, where {:.0f} GB are free", needed,
-                       folder.string(), room));
+  // The points in Morton order take 16 bytes each, the octree at most 24. Columns give their room to those of the index,
+  // and positions to the points in order; a checkpoint keeps both.
+  constexpr std::uint64_t k_sorted = 16, k_octree = 24;
+  const std::uint64_t columns = size.bytes() - size.point_count * sizeof(LatticePosition);
+  std::uint64_t bytes = columns + size.point_count * (k_sorted + k_octree);
+  if (!command.checkpoint.file.empty()) {
+    bytes = size.bytes() +
+            std::max(size.point_count * (k_sorted + k_octree), columns + size.point_count * k_octree);
+    bytes -=
+        size.bytes() / std::max<std::uint64_t>(size.point_count, 1) * std::min(rows_there, size.point_count);
+  }
+  const std::uintmax_t room = std::filesystem::space(folder).available;
+  if (bytes > room)
+    throw file_error(folder, "not enough room for temporary files", quantity(static_cast<double>(bytes), "B"),
+                     quantity(static_cast<double>(room), "B") + " free");
+  say_note(command.verbosity, fmt::format("up to {} of temporary files in {}, where {} are free",
+                                          quantity(static_cast<double>(bytes), "B"), folder.string(),
+                                          quantity(static_cast<double>(room), "B")));
 }
 
 /// For clouds larger than memory.
 void write_large_index(const IndexCommand& command) {
-  std::filesystem::path folder = command.output.parent_path();
+  KeptReading kept(command.checkpoint, command.files, command.verbosity);
+  std::filesystem::path folder = kept.checkpoint() ? command.checkpoint.file : command.output.parent_path();
   if (folder.empty()) folder = ".";
   const ScratchSpace scratch{folder, *command.memory};
-  check_room(command, folder);
+  check_room(command, folder, kept.checkpoint() ? kept.checkpoint()->rows() : 0);
   ScratchCloud cloud = with_progress("reading", "B", command.verbosity, [&](const Progress& progress) {
     return ScratchCloud(
         command.files, {.color_depth = command.color_depth, .partial = command.partial, .progress = progress},
-        scratch);
+        scratch, kept.checkpoint());
   });
   say_warnings(command.verbosity, cloud.facts().warnings);
   const Octree octree = with_progress("building", "points", command.verbosity, [&](const Progress& progress) {
@@ -84,6 +95,7 @@ void write_large_index(const IndexCommand& command) {
   });
   save_shown(command.output, octree, cloud.facts(), cloud.columns(),
              {.overwrite = command.index.overwrite, .written = discard_scratch_pages}, command.verbosity);
+  kept.finish();
 }
 
 ExitCode run(const IndexCommand& command) {
@@ -99,6 +111,7 @@ ExitCode run(const IndexCommand& command) {
   if (command.memory && (index.surfaces || index.spacing_neighbours || index.stored_order))
     throw Error({.problem = "--memory excludes --spacings, --surfaces and --stored-order"});
   check_writable(command.output, index.overwrite, command.files.names());
+  check_kept_reading(command.checkpoint, index.overwrite, command.output, command.files);
   if (command.memory) {
     write_large_index(command);
   } else {
@@ -153,11 +166,13 @@ Command add_index(const Options& program) {
              "store the surface around each point for 'alidade visibility', which then measures nothing; "
              "implies --spacings 8; 4 bytes per point",
              command->index.surfaces);
-  index.value(
+  const Option memory = index.value(
       "--memory", "SIZE",
       "for clouds larger than memory: sort in so much memory, bytes or a number with k, M, G or T, at "
       "least 1M, and in temporary files next to the output; the index is the same",
       command->memory, parse_memory);
+  add_checkpoint_options(index.needs(memory), command->checkpoint, "every --checkpoint-interval seconds",
+                         "index", "FOLDER");
   index.flag("--overwrite", "replace an existing output", command->index.overwrite);
   add_run_options(index, *command);
   return command_of(index, command, run);

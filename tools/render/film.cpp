@@ -25,7 +25,7 @@ bool is_film(const std::filesystem::path& file) {
 }
 
 /// Runs a program and waits for it. Answers its exit code; empty if there is no such program.
-std::optional<int> run_program(const std::vector<std::string>& words) {
+std::optional<int> run_encoder(const std::vector<std::string>& words) {
   std::vector<char*> arguments;
   for (const std::string& word : words) arguments.push_back(const_cast<char*>(word.c_str()));
   arguments.push_back(nullptr);
@@ -122,7 +122,7 @@ void write_film(const FilmRequest& request, std::span<const std::filesystem::pat
   if (!has_extension(request.file, {".webm"}))
     words.insert(words.end(), {"-c:v", "libx264", "-crf", "18", "-preset", "slow"});
   words.insert(words.end(), {"-pix_fmt", "yuv420p", unfinished.string()});
-  const std::optional<int> code = run_program(words);
+  const std::optional<int> code = run_encoder(words);
   if (!code) {
     words.back() = request.file.string();
     for (std::string& word : words) word = shell_word(word);
