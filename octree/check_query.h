@@ -108,22 +108,18 @@ void check_numbered(std::span<const Target> targets, std::size_t i) {
   }
 }
 
-/// Calls work(first, last) for ranges of at most `grain` targets, in parallel, after checking these. Errors:
-/// in the first range that has any, the first target that is not good, or else what `work` throws, whatever
-/// the threads did before; answers are then incomplete.
-template <class Target, class Work>
-void for_each_range(std::span<const Target> targets, std::size_t grain, const Work& work) {
-  const std::size_t range_count = (targets.size() + grain - 1) / grain;
+/// Calls work(first, last) for ranges of at most `grain` of so many targets, in parallel. Errors: what `work` throws for
+/// the first range for which it does, whatever the threads did before; answers are then incomplete.
+template <class Work>
+void for_each_range(std::size_t count, std::size_t grain, const Work& work) {
+  const std::size_t range_count = (count + grain - 1) / grain;
   std::atomic<std::size_t> first_bad{range_count};
   std::mutex mutex;  // of the problem, and of whoever lowers first_bad
   std::exception_ptr problem;
   tbb::parallel_for(std::size_t{0}, range_count, [&](std::size_t r) {
     if (r > first_bad) return;
-    const std::size_t first = r * grain, last = std::min(first + grain, targets.size());
     try {
-      for (std::size_t i = first; i < last; ++i)
-        if (!is_certainly_valid(targets[i])) check_numbered(targets, i);
-      work(first, last);
+      work(r * grain, std::min((r + 1) * grain, count));
     } catch (...) {
       const std::lock_guard lock(mutex);
       if (r > first_bad) return;
@@ -132,6 +128,23 @@ void for_each_range(std::span<const Target> targets, std::size_t grain, const Wo
     }
   });
   if (problem) std::rethrow_exception(problem);
+}
+
+/// Checks those from `first` to last - 1; the Error names the first that is not good.
+template <class Target>
+void check_range(std::span<const Target> targets, std::size_t first, std::size_t last) {
+  for (std::size_t i = first; i < last; ++i)
+    if (!is_certainly_valid(targets[i])) check_numbered(targets, i);
+}
+
+/// The same after checking each range. Errors: in the first range that has any, the first target that is not good, or else
+/// what `work` throws.
+template <class Target, class Work>
+void for_each_range(std::span<const Target> targets, std::size_t grain, const Work& work) {
+  for_each_range(targets.size(), grain, [&](std::size_t first, std::size_t last) {
+    check_range(targets, first, last);
+    work(first, last);
+  });
 }
 
 /// Answers of all targets. ask(i, answers) appends those of target i.

@@ -6,6 +6,7 @@
 #include <atomic>
 #include <chrono>
 #include <future>
+#include <thread>
 
 namespace alidade::python {
 namespace {
@@ -61,6 +62,28 @@ Doubles numbers_of(const py::handle& given, const char* name, std::initializer_l
 
 Shape leading_shape(const py::array& array) {
   return {array.shape(), array.shape() + array.ndim() - 1};
+}
+
+void run_interruptible(int workers, const std::function<void(const Progress&)>& work) {
+  using Clock = std::chrono::steady_clock;
+  constexpr std::chrono::milliseconds k_between_looks(50);
+  const std::thread::id caller = std::this_thread::get_id();
+  Clock::time_point last_look = Clock::now();
+  bool ends = false;
+  const Progress progress = [&](std::uint64_t, std::uint64_t) {
+    if (!ends && std::this_thread::get_id() == caller && Clock::now() - last_look >= k_between_looks) {
+      const py::gil_scoped_acquire acquire;
+      ends = PyErr_CheckSignals() != 0;
+      last_look = Clock::now();
+    }
+    return !ends;
+  };
+  try {
+    run_free(workers, [&] { work(progress); });
+  } catch (const Cancelled&) {
+    throw py::error_already_set();
+  }
+  if (PyErr_CheckSignals() != 0) throw py::error_already_set();
 }
 
 void run_watched(int workers, const py::object& watch, const std::function<void(const Progress&)>& work) {

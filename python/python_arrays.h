@@ -90,6 +90,10 @@ void run_free(int workers, const Work& work) {
 /// watch(done, total) unless that is None. What `watch` raises, and Ctrl-C, end the work and are raised here.
 void run_watched(int workers, const py::object& watch, const std::function<void(const Progress&)>& work);
 
+/// Calls work(progress) without the GIL, on this thread and others. Ctrl-C ends it when it reports its progress from this
+/// thread.
+void run_interruptible(int workers, const std::function<void(const Progress&)>& work);
+
 /// Calls work(begin, end) for pieces of `count` items without the GIL. Ctrl-C is noticed between pieces, which take a
 /// tenth of a second at most, as far as the pieces before tell.
 template <class Work>

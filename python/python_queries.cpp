@@ -13,8 +13,6 @@
 namespace alidade::python {
 namespace {
 
-constexpr double k_nan = std::numeric_limits<double>::quiet_NaN();
-
 /// What every query of this module may be asked beside its target.
 struct Conditions {
   py::object where = py::none();
@@ -74,24 +72,13 @@ Measure measure_of(const std::string& word) {
 }
 
 /// Columns of answers of one shape, with what is there where nothing answers.
-struct HitColumns {
-  explicit HitColumns(const Shape& shape) : index(shape), t(shape), distance(shape), entry(shape) {
-    indices = index.mutable_data();
-    ts = t.mutable_data();
-    distances = distance.mutable_data();
-    entries = entry.mutable_data();
+struct HitArrays {
+  explicit HitArrays(const Shape& shape) : index(shape), t(shape), distance(shape), entry(shape) {
+    columns = {index.mutable_data(), t.mutable_data(), distance.mutable_data(), entry.mutable_data()};
   }
 
-  void set(std::size_t i, const Hit& hit) {
-    indices[i] = static_cast<std::int64_t>(hit.point_id);
-    ts[i] = hit.t;
-    distances[i] = hit.distance;
-    entries[i] = hit.entry;
-  }
-  void set_none(std::size_t i) {
-    indices[i] = -1;
-    ts[i] = distances[i] = entries[i] = k_nan;
-  }
+  void set(std::size_t i, const Hit& hit) { columns.set(i, hit); }
+  void set_none(std::size_t i) { columns.set_none(i); }
   py::object tuple() const { return answer_type("Hits")(index, t, distance, entry); }
   py::object tuple(const py::array& offsets) const {
     return answer_type("HitLists")(index, offsets, t, distance, entry);
@@ -99,12 +86,11 @@ struct HitColumns {
 
   py::array_t<std::int64_t> index;
   py::array_t<double> t, distance, entry;
-  std::int64_t* indices;
-  double *ts, *distances, *entries;
+  HitColumns columns;
 };
 
-struct NeighbourColumns {
-  explicit NeighbourColumns(const Shape& shape) : index(shape), distance(shape) {
+struct NeighbourArrays {
+  explicit NeighbourArrays(const Shape& shape) : index(shape), distance(shape) {
     indices = index.mutable_data();
     distances = distance.mutable_data();
   }
@@ -127,27 +113,27 @@ struct NeighbourColumns {
   double* distances;
 };
 
-/// The k first answers of every target: columns of shape (..., k). targets(begin, end) gives a range of targets.
-template <class Columns, class Query, class Targets>
+/// The k first answers of every target: arrays of shape (..., k). targets(begin, end) gives a range of targets.
+template <class Arrays, class Query, class Targets>
 py::object first_answers(const Index& index, const Query& query, int workers, Shape shape, std::size_t count,
                          const Targets& targets) {
   const std::size_t k = query.k;
   shape.push_back(static_cast<py::ssize_t>(k));
-  Columns columns(shape);
+  Arrays arrays(shape);
   in_pieces(workers, count, [&](std::size_t begin, std::size_t end) {
     const auto answers = find(index.octree(), targets(begin, end), query);
     for_each_index(begin, end, [&](std::size_t i) {
       const auto of_target = answers[i - begin];
       for (std::size_t j = 0; j < k; ++j) {
-        j < of_target.size() ? columns.set(k * i + j, of_target[j]) : columns.set_none(k * i + j);
+        j < of_target.size() ? arrays.set(k * i + j, of_target[j]) : arrays.set_none(k * i + j);
       }
     });
   });
-  return columns.tuple();
+  return arrays.tuple();
 }
 
 /// All answers, one target after the other: those of target i are offsets[i] to offsets[i + 1] - 1.
-template <class Columns, class Query, class Targets>
+template <class Arrays, class Query, class Targets>
 py::object all_answers(const Index& index, const Query& query, int workers, std::size_t count,
                        const Targets& targets) {
   using Answer = std::remove_cvref_t<decltype(find(index.octree(), targets(0, 0), query).all[0])>;
@@ -165,9 +151,9 @@ py::object all_answers(const Index& index, const Query& query, int workers, std:
       all.insert(all.end(), answers.all.begin(), answers.all.end());
     }
   });
-  Columns columns({static_cast<py::ssize_t>(all.size())});
-  run_free(workers, [&] { for_each_index(0, all.size(), [&](std::size_t i) { columns.set(i, all[i]); }); });
-  return columns.tuple(offsets);
+  Arrays arrays({static_cast<py::ssize_t>(all.size())});
+  run_free(workers, [&] { for_each_index(0, all.size(), [&](std::size_t i) { arrays.set(i, all[i]); }); });
+  return arrays.tuple(offsets);
 }
 
 std::size_t require_k(std::int64_t k) {
@@ -223,28 +209,18 @@ auto plain_ray_query(const Run& run) {
 }
 
 py::object closest_hits(RayCall& call) {
-  HitColumns columns(call.rays.shape());
-  std::vector<Ray> rays;
-  std::vector<std::optional<Hit>> hits;
-  in_pieces(call.workers, call.rays.size(), [&](std::size_t begin, std::size_t end) {
-    call.rays.copy(begin, end, rays);
-    hits.resize(rays.size());
-    closest(call.index.octree(), rays, call.query, hits);
-    for_each_index(begin, end, [&](std::size_t i) {
-      const std::optional<Hit>& hit = hits[i - begin];
-      hit ? columns.set(i, *hit) : columns.set_none(i);
-    });
+  const HitArrays hits(call.rays.shape());
+  run_interruptible(call.workers, [&](const Progress& progress) {
+    closest(call.index.octree(), call.rays.columns(), call.query, hits.columns, progress);
   });
-  return columns.tuple();
+  return hits.tuple();
 }
 
 py::object occlusions(RayCall& call) {
   py::array_t<bool> answers(call.rays.shape());
   auto* const bytes = reinterpret_cast<std::uint8_t*>(answers.mutable_data());
-  std::vector<Ray> rays;
-  in_pieces(call.workers, call.rays.size(), [&](std::size_t begin, std::size_t end) {
-    call.rays.copy(begin, end, rays);
-    occluded(call.index.octree(), rays, call.query, {bytes + begin, end - begin});
+  run_interruptible(call.workers, [&](const Progress& progress) {
+    occluded(call.index.octree(), call.rays.columns(), call.query, {bytes, call.rays.size()}, progress);
   });
   return answers;
 }
@@ -264,12 +240,12 @@ py::object counts(RayCall& call) {
 
 py::object first_hits(RayCall& call) {
   if (call.query.k == k_all) require_k(0);
-  return first_answers<HitColumns>(call.index, call.query, call.workers, call.rays.shape(), call.rays.size(),
-                                   call.targets());
+  return first_answers<HitArrays>(call.index, call.query, call.workers, call.rays.shape(), call.rays.size(),
+                                  call.targets());
 }
 
 py::object all_hits(RayCall& call) {
-  return all_answers<HitColumns>(call.index, call.query, call.workers, call.rays.size(), call.targets());
+  return all_answers<HitArrays>(call.index, call.query, call.workers, call.rays.size(), call.targets());
 }
 
 py::object nearest_points(const Index& index, const py::handle& xyz, std::int64_t k,
@@ -281,7 +257,7 @@ py::object nearest_points(const Index& index, const py::handle& xyz, std::int64_
   PointQuery query{.radius = radius.value_or(k_unlimited_radius), .k = require_k(k)};
   py::object kept;
   apply(index, {where, classes, max_level, workers}, query, kept);
-  return first_answers<NeighbourColumns>(
+  return first_answers<NeighbourArrays>(
       index, query, workers, leading_shape(array), positions.size(),
       [&](std::size_t begin, std::size_t end) { return positions.subspan(begin, end - begin); });
 }
@@ -294,7 +270,7 @@ py::object points_within(const Index& index, const py::handle& xyz, double radiu
   PointQuery query{.radius = radius};
   py::object kept;
   apply(index, {where, classes, max_level, workers}, query, kept);
-  return all_answers<NeighbourColumns>(
+  return all_answers<NeighbourArrays>(
       index, query, workers, positions.size(),
       [&](std::size_t begin, std::size_t end) { return positions.subspan(begin, end - begin); });
 }
@@ -308,7 +284,7 @@ py::object in_box(const Index& index, const py::handle& boxes, const py::object&
   PointQuery query;
   py::object kept;
   apply(index, {where, classes, max_level, workers}, query, kept);
-  const py::object lists = all_answers<NeighbourColumns>(
+  const py::object lists = all_answers<NeighbourArrays>(
       index, query, workers, bounds.size(),
       [&](std::size_t begin, std::size_t end) { return bounds.subspan(begin, end - begin); });
   return answer_type("PointLists")(lists.attr("index"), lists.attr("offsets"));
@@ -322,7 +298,7 @@ py::object in_cone(const Index& index, const py::handle& rays, double angle, dou
   ConeQuery query{.measure = Measure::t};
   py::object kept;
   apply(index, {where, classes, max_level, workers}, query, kept);
-  return all_answers<HitColumns>(index, query, workers, axes.size(), [&](std::size_t begin, std::size_t end) {
+  return all_answers<HitArrays>(index, query, workers, axes.size(), [&](std::size_t begin, std::size_t end) {
     std::vector<Cone> cones;
     for (std::size_t i = begin; i < end; ++i) {
       const Ray axis = axes[i];

@@ -55,24 +55,25 @@ inline unsigned octant_of(const Ray& ray) {
          (ray.direction.z < 0.0 ? 4u : 0u);
 }
 
-/// Whether a condition holds for most of 64 pairs of rays that follow one another, spread over a batch.
+/// Whether condition(i, i + 1) holds for most of 64 pairs of rays that follow one another, spread over a batch of so many.
 template <class Condition>
-bool holds_for_most_pairs(std::span<const Ray> rays, const Condition& condition) {
+bool holds_for_most_pairs(std::size_t rays, const Condition& condition) {
   constexpr std::size_t k_samples = 64;
-  if (rays.size() < 2) return false;
+  if (rays < 2) return false;
   std::size_t count = 0;
   for (std::size_t s = 0; s < k_samples; ++s) {
-    const std::size_t i = s * (rays.size() - 1) / k_samples;
-    count += condition(rays[i], rays[i + 1]);
+    const std::size_t i = s * (rays - 1) / k_samples;
+    count += condition(i, i + 1);
   }
   return 2 * count > k_samples;
 }
 
-/// Whether most rays start near the one before, measured by the size of the tree.
-inline bool start_side_by_side(const TreeExtent& extent, std::span<const Ray> rays) {
+/// Whether most rays start near the one before, measured by the size of the tree. origin(i): of so many rays.
+template <class Origin>
+bool start_side_by_side(const TreeExtent& extent, std::size_t rays, const Origin& origin) {
   const double near = extent.size / 64.0;
-  return holds_for_most_pairs(rays, [&](const Ray& a, const Ray& b) {
-    const glm::dvec3 apart = b.origin - a.origin;
+  return holds_for_most_pairs(rays, [&](std::size_t a, std::size_t b) {
+    const glm::dvec3 apart = origin(b) - origin(a);
     return std::fabs(apart.x) + std::fabs(apart.y) + std::fabs(apart.z) <= near;
   });
 }

@@ -197,8 +197,8 @@ class Tracer {
   /// to the sun), and up to twice its time for others.
   bool go_alike() const {
     constexpr double k_near = 0.05;
-    return holds_for_most_pairs(rays_, [&](const Ray& a, const Ray& b) {
-      const glm::dvec3 turn = b.direction - a.direction;
+    return holds_for_most_pairs(rays_.size(), [&](std::size_t a, std::size_t b) {
+      const glm::dvec3 turn = rays_[b].direction - rays_[a].direction;
       return std::fabs(turn.x) + std::fabs(turn.y) + std::fabs(turn.z) <= k_near;
     });
   }
@@ -311,7 +311,8 @@ class Tracer {
   bool share_nodes() const {
     constexpr std::size_t k_many_rays = 2048;
     if (rays_.size() >= k_many_rays && 128 * rays_.size() >= setup_.tree.node_count) return true;
-    return start_side_by_side(setup_.tree.extent, rays_);
+    return start_side_by_side(setup_.tree.extent, rays_.size(),
+                              [&](std::size_t i) { return rays_[i].origin; });
   }
 
   /// The rays that are to go through the tree; the states of the others hold the answer.

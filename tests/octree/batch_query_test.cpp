@@ -2,9 +2,12 @@
 #include <tbb/global_control.h>
 
 #include <atomic>
+#include <cmath>
 #include <limits>
+#include <tuple>
 
 #include "octree/check_query.h"
+#include "octree/ray_columns.h"
 #include "tests/octree/as_brute_force.h"
 
 namespace alidade {
@@ -115,6 +118,112 @@ TEST_F(Batch, of_many_rays_that_start_here_and_there_answers_in_their_order) {
     FAIL() << "a ray without an interval was accepted";
   } catch (const Error& error) {
     EXPECT_NE(std::string(error.what()).find("ray 41000"), std::string::npos) << error.what();
+  }
+}
+
+/// Rows of origin, direction, t_min and t_max.
+RayColumns columns_of(const std::vector<Ray>& rows) {
+  const auto column = [&](const double& first) {
+    return RayColumns::Column{&first, sizeof(Ray) / sizeof(double)};
+  };
+  return {rows.size(), column(rows[0].origin.x), column(rows[0].direction.x), column(rows[0].t_min),
+          column(rows[0].t_max)};
+}
+
+void expect_same_from_columns(const Octree& octree, const std::vector<Ray>& rows, const RayQuery& query) {
+  std::vector<Ray> rays;
+  for (const Ray& row : rows) rays.push_back(make_ray(row.origin, row.direction, row.t_min, row.t_max));
+  std::vector<std::optional<Hit>> expected(rows.size());
+  closest(octree, rays, query, expected);
+  std::vector<std::int64_t> ids(rows.size());
+  std::vector<double> t(rows.size()), distance(rows.size()), entry(rows.size());
+  closest(octree, columns_of(rows), query, {ids.data(), t.data(), distance.data(), entry.data()});
+  std::vector<std::uint8_t> blocked(rows.size());
+  occluded(octree, columns_of(rows), query, blocked);
+  for (std::size_t i = 0; i < rows.size(); ++i) {
+    const std::optional<Hit>& hit = expected[i];
+    ASSERT_EQ(blocked[i] != 0, hit.has_value()) << "ray " << i;
+    ASSERT_EQ(ids[i], hit ? static_cast<std::int64_t>(hit->point_id) : -1) << "ray " << i;
+    if (hit) {
+      ASSERT_EQ(std::tie(t[i], distance[i], entry[i]), std::tie(hit->t, hit->distance, hit->entry))
+          << "ray " << i;
+    } else {
+      ASSERT_TRUE(std::isnan(t[i]) && std::isnan(distance[i]) && std::isnan(entry[i])) << "ray " << i;
+    }
+  }
+}
+
+/// Scattered, so that many are sorted; with directions of any length.
+std::vector<Ray> rows_of_any_length(const PointCloud& cloud, std::size_t count, Random& random) {
+  std::vector<Ray> rows;
+  for (const FindRayCase& c : find_ray_cases(cloud, count, random)) {
+    rows.push_back(c.target);
+    const int exponent = static_cast<int>(rows.size() * 7 % 600) - 300;
+    rows.back().direction *= 1.7 * std::pow(10.0, exponent);
+  }
+  return rows;
+}
+
+TEST_F(Batch, of_rays_in_columns_has_the_answers_of_the_rays_that_make_ray_makes) {
+  const CandidateFilter odd = [](const Candidate& point) { return point.query_index % 2 == 1; };
+  for (const InstructionSet instruction_set : available_instruction_sets()) {
+    const Octree octree = octree_.with_instruction_set(instruction_set);
+    for (const std::size_t count : {1, 63, 4000}) {
+      const std::vector<Ray> rows = rows_of_any_length(family_.cloud, count, random_);
+      expect_same_from_columns(octree, rows, {.radius = 0.2});
+      expect_same_from_columns(octree, rows, {.radius = 0.2, .measure = Measure::t, .filter = odd});
+      expect_same_from_columns(octree, rows, {.measure = Measure::distance});
+    }
+  }
+  expect_same_from_columns(octree_, rows_of_any_length(family_.cloud, 55000, random_), {.radius = 0.2});
+  expect_same_from_columns(Octree(), rows_of_any_length(family_.cloud, 10, random_), {.radius = 0.2});
+}
+
+TEST_F(Batch, of_rays_in_columns_names_the_first_row_that_is_no_ray) {
+  constexpr double k_nan = std::numeric_limits<double>::quiet_NaN();
+  constexpr double k_infinite = std::numeric_limits<double>::infinity();
+  const std::vector<Ray> good = rows_of_any_length(family_.cloud, 55000, random_);
+  const std::vector<std::pair<Ray, std::string>> bad{
+      {{{0, k_nan, 0}, {0, 0, 1}}, "origin is not finite"},
+      {{{0, 0, -k_infinite}, {0, 0, 1}}, "origin is not finite"},
+      {{{0, 0, 0}, {0, 0, 0}}, "direction is zero"},
+      {{{0, 0, 0}, {0, 1, k_nan}}, "direction is not finite"},
+      {{{0, 0, 0}, {k_infinite, 1, 0}}, "direction is not finite"},
+      {{{0, 0, 0}, {0, 0, 1}, k_nan}, "NaN"},
+      {{{0, 0, 0}, {0, 0, 1}, 0, k_nan}, "NaN"}};
+  for (const std::size_t count : {3000, 55000}) {
+    for (const auto& [ray, problem] : bad) {
+      std::vector<Ray> rows(good.begin(), good.begin() + static_cast<std::ptrdiff_t>(count));
+      rows[count - 7] = rows[count - 300] = ray;
+      std::vector<std::uint8_t> blocked(count);
+      try {
+        occluded(octree_, columns_of(rows), {.radius = 0.2}, blocked);
+        FAIL() << problem << " was accepted";
+      } catch (const Error& error) {
+        const std::string text = error.what();
+        EXPECT_NE(text.find("ray " + std::to_string(count - 300) + ": "), std::string::npos) << text;
+        EXPECT_NE(text.find(problem), std::string::npos) << text;
+      }
+    }
+  }
+}
+
+TEST_F(Batch, of_rays_in_columns_reports_its_progress_and_ends_when_it_is_told_to) {
+  for (const std::size_t count : {3000, 55000}) {
+    const std::vector<Ray> rows = rows_of_any_length(family_.cloud, count, random_);
+    std::vector<std::uint8_t> blocked(count);
+    std::uint64_t last = 0;
+    occluded(octree_, columns_of(rows), {.radius = 0.2}, blocked,
+             [&](std::uint64_t done, std::uint64_t total) {
+               EXPECT_GT(done, last);
+               EXPECT_EQ(total, count);
+               last = done;
+               return true;
+             });
+    EXPECT_EQ(last, count);
+    EXPECT_THROW(occluded(octree_, columns_of(rows), {.radius = 0.2}, blocked,
+                          [](std::uint64_t, std::uint64_t) { return false; }),
+                 Cancelled);
   }
 }
 

@@ -48,7 +48,9 @@ def test_a_forked_process_reads_the_cloud():
 
 @pytest.mark.parametrize("work", [lambda index: alidade.render(index, samples=100_000),
                                   lambda index: index.count(np.tile([689950, 5325000, 600, 1, 0, 0.0], (10**6, 1)),
-                                                            radius=50)])
+                                                            radius=50),
+                                  lambda index: index.closest(np.tile([689950, 5325000, 600, 1, 0, 0.0], (10**6, 1)),
+                                                              radius=50, where=np.zeros(len(index.xyz), bool))])
 def test_control_c_ends_work_of_hours(index, work):
     timer = threading.Timer(0.3, os.kill, (os.getpid(), signal.SIGINT))
     timer.start()

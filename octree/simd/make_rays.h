@@ -1,0 +1,19 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <cstddef>
+#include <span>
+
+#include "base/instruction_set.h"
+#include "octree/ray_columns.h"
+#include "octree/simd/sort_keys.h"
+
+namespace alidade::simd {
+
+/// Makes the rays of the rows that follow first_row, or with `order`, whose length is that of `rays`, of rows first_row +
+/// number_of(order[i]): those that make_ray makes, bit for bit. Returns whether make_ray accepts all of them; if not,
+/// `rays` holds nothing of use.
+bool make_rays(InstructionSet instruction_set, const RayColumns& columns, std::size_t first_row,
+               std::span<const SortKey> order, std::span<Ray> rays);
+
+}  // namespace alidade::simd
