@@ -54,7 +54,8 @@ void check_room(const IndexCommand& command, const std::filesystem::path& folder
   const bool selects = std::ranges::any_of(command.files.inputs, &CloudInput::is_changed);
   const StatedSize size = stated_size(command.files);
   if (selects || command.partial || size.uncounted_bytes > 0) return;
-  // Beside the attributes the points in Morton order, 16 bytes each, and the octree, at most 24.
+  // Beside the attributes the points in Morton order, 16 bytes each, and the octree, at most 24. What is measured later
+  // takes less than the points in Morton order, which are gone by then.
   constexpr std::uint64_t k_more = 16 + 24 - sizeof(LatticePosition);
   const double needed = static_cast<double>(size.bytes() + k_more * size.point_count) / 1e9;
   const double room = static_cast<double>(std::filesystem::space(folder).available) / 1e9;
@@ -68,22 +69,15 @@ void check_room(const IndexCommand& command, const std::filesystem::path& folder
 
 /// For clouds larger than memory.
 void write_large_index(const IndexCommand& command) {
-  std::filesystem::path folder = command.output.parent_path();
-  if (folder.empty()) folder = ".";
-  const ScratchSpace scratch{folder, *command.memory};
-  check_room(command, folder);
+  const ScratchSpace scratch = *scratch_beside(command.output, command.memory);
+  check_room(command, scratch.folder);
   ScratchCloud cloud = with_progress("reading", "B", command.verbosity, [&](const Progress& progress) {
     return ScratchCloud(
         command.files, {.color_depth = command.color_depth, .partial = command.partial, .progress = progress},
         scratch);
   });
   say_warnings(command.verbosity, cloud.facts().warnings);
-  const Octree octree = with_progress("building", "points", command.verbosity, [&](const Progress& progress) {
-    return build_in_scratch(cloud.facts().lattice, cloud.positions(), scratch,
-                            build_options(command.index, progress));
-  });
-  save_shown(command.output, octree, cloud.facts(), cloud.columns(),
-             {.overwrite = command.index.overwrite, .written = discard_scratch_pages}, command.verbosity);
+  write_index(command.output, cloud, command.index, scratch, command.verbosity);
 }
 
 ExitCode run(const IndexCommand& command) {
@@ -96,8 +90,7 @@ ExitCode run(const IndexCommand& command) {
     throw input_error("--surfaces requires the 8th neighbour", "--spacings 8, or none",
                       std::to_string(*index.spacing_neighbours));
   }
-  if (command.memory && (index.surfaces || index.spacing_neighbours || index.stored_order))
-    throw Error({.problem = "--memory excludes --spacings, --surfaces and --stored-order"});
+  if (command.memory && index.stored_order) throw Error({.problem = "--memory excludes --stored-order"});
   check_writable(command.output, index.overwrite, command.files.names());
   if (command.memory) {
     write_large_index(command);
@@ -118,6 +111,17 @@ void write_index(const std::filesystem::path& path, PointCloud& cloud, const Ind
   });
   octree = measured(octree, request, verbosity);
   save_shown(path, octree, cloud, columns_of(cloud), {.overwrite = request.overwrite}, verbosity);
+}
+
+void write_index(const std::filesystem::path& path, ScratchCloud& cloud, const IndexRequest& request,
+                 const ScratchSpace& scratch, Verbosity verbosity) {
+  Octree octree = with_progress("building", "points", verbosity, [&](const Progress& progress) {
+    return build_in_scratch(cloud.facts().lattice, cloud.positions(), scratch,
+                            build_options(request, progress));
+  });
+  octree = measured(octree, request, verbosity);
+  save_shown(path, octree, cloud.facts(), cloud.columns(),
+             {.overwrite = request.overwrite, .written = discard_scratch_pages}, verbosity);
 }
 
 Command add_index(const Options& program) {
@@ -153,11 +157,7 @@ Command add_index(const Options& program) {
              "store the surface around each point for 'alidade visibility', which then measures nothing; "
              "implies --spacings 8; 4 bytes per point",
              command->index.surfaces);
-  index.value(
-      "--memory", "SIZE",
-      "for clouds larger than memory: sort in so much memory, bytes or a number with k, M, G or T, at "
-      "least 1M, and in temporary files next to the output; the index is the same",
-      command->memory, parse_memory);
+  add_scratch_memory(index, command->memory);
   index.flag("--overwrite", "replace an existing output", command->index.overwrite);
   add_run_options(index, *command);
   return command_of(index, command, run);

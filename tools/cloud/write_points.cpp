@@ -215,7 +215,7 @@ void write_points(const std::filesystem::path& file, std::span<const CloudResult
   if (file_extension(file) != ".ply") {
     write_las_rows(file, rows, overwrite, line.callback());
   } else {
-    const PlyPieces pieces = [&rows](std::size_t first) -> const PointCloud& { return rows.from(first); };
+    const PointPieces pieces = [&rows](std::size_t first) -> const PointCloud& { return rows.from(first); };
     write_ply(file, rows.size(), pieces, {.overwrite = overwrite, .progress = line.callback()});
   }
   line.finish();
