@@ -47,6 +47,14 @@ int reserve(int descriptor, std::uint64_t offset, std::uint64_t count) {
   return number;
 }
 
+/// For the pages that lie in these bytes as a whole; returns what madvise() does.
+int advise(std::span<const std::byte> bytes, int advice) noexcept {
+  const auto page = static_cast<std::uintptr_t>(::sysconf(_SC_PAGESIZE));
+  const auto begin = (reinterpret_cast<std::uintptr_t>(bytes.data()) + page - 1) / page * page;
+  const auto end = (reinterpret_cast<std::uintptr_t>(bytes.data()) + bytes.size()) / page * page;
+  return begin < end ? ::madvise(reinterpret_cast<void*>(begin), end - begin, advice) : 0;
+}
+
 }  // namespace
 
 ScratchFile::ScratchFile(const std::filesystem::path& path, std::uint64_t kept)
@@ -146,13 +154,12 @@ void* map_scratch_pages(std::size_t byte_count, const std::filesystem::path& fol
   return mapped;
 }
 
+void expect_random_reads(std::span<const std::byte> bytes) noexcept {
+  advise(bytes, MADV_RANDOM);
+}
+
 void discard_scratch_pages(std::span<const std::byte> bytes) noexcept {
-  const auto page = static_cast<std::uintptr_t>(::sysconf(_SC_PAGESIZE));
-  const auto begin = (reinterpret_cast<std::uintptr_t>(bytes.data()) + page - 1) / page * page;
-  const auto end = (reinterpret_cast<std::uintptr_t>(bytes.data()) + bytes.size()) / page * page;
-  if (begin >= end) return;
-  void* const pages = reinterpret_cast<void*>(begin);
-  if (::madvise(pages, end - begin, MADV_REMOVE) != 0) ::madvise(pages, end - begin, MADV_DONTNEED);
+  if (advise(bytes, MADV_REMOVE) != 0) advise(bytes, MADV_DONTNEED);
 }
 
 }  // namespace alidade

@@ -62,6 +62,10 @@ class ScratchFile {
 /// than 0. munmap() gives it back, and its space on the disk. Errors: as ScratchFile::append().
 void* map_scratch_pages(std::size_t byte_count, const std::filesystem::path& folder);
 
+/// States that bytes of a mapped scratch file will be read in no order: the system then reads single pages, and nothing
+/// ahead that would push out what is needed next. For what is larger than memory.
+void expect_random_reads(std::span<const std::byte> bytes) noexcept;
+
 /// Takes bytes of a mapped scratch file out of memory, and off the disk if it has no name, as far as they fill whole
 /// pages and the file system can (ext4, XFS, Btrfs, tmpfs).
 void discard_scratch_pages(std::span<const std::byte> bytes) noexcept;

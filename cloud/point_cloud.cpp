@@ -22,15 +22,7 @@ AttributeSet PointCloud::attributes() const {
 }
 
 Bounds PointCloud::bounds() const {
-  if (positions.empty()) return {};
-  // World coordinates grow with the steps (the scale is positive and rounding keeps order), so the box of the
-  // steps is the box of the points.
-  LatticeExtent extent;
-  for (const LatticePosition& position : positions) extent.grow(position);
-  Bounds bounds;
-  bounds.grow(to_world(lattice, extent.low));
-  bounds.grow(to_world(lattice, extent.high));
-  return bounds;
+  return bounds_of(lattice, positions);
 }
 
 void PointCloud::resize(std::size_t count) {
@@ -64,6 +56,22 @@ AttributeColumns columns_of(const PointCloud& cloud) {
   for (const ExtraDimension& dimension : cloud.extra_dimensions)
     columns.extra_dimensions.push_back({description_of(dimension), dimension.values});
   return columns;
+}
+
+PointColumns points_of(const PointCloud& cloud) {
+  return {cloud.lattice, cloud.positions, columns_of(cloud)};
+}
+
+Bounds bounds_of(const Lattice& lattice, std::span<const LatticePosition> positions) {
+  if (positions.empty()) return {};
+  // World coordinates grow with the steps (the scale is positive and rounding keeps order), so the box of the
+  // steps is the box of the points.
+  LatticeExtent extent;
+  for (const LatticePosition& position : positions) extent.grow(position);
+  Bounds bounds;
+  bounds.grow(to_world(lattice, extent.low));
+  bounds.grow(to_world(lattice, extent.high));
+  return bounds;
 }
 
 }  // namespace alidade

@@ -103,7 +103,7 @@ struct PointCloud {
   /// The attributes that are present.
   AttributeSet attributes() const;
 
-  /// Smallest box around all points, from the points themselves. Cost: one pass.
+  /// Smallest box around all points, from the points themselves: bounds_of().
   Bounds bounds() const;
 
   /// Takes rows out of the attribute and position columns: `resize(n)` on every column that is present.
@@ -140,6 +140,20 @@ struct AttributeColumns {
   AttributeSet attributes() const;
 };
 
+/// Points of a cloud, wherever they lie.
+struct PointColumns {
+  Lattice lattice;
+  std::span<const LatticePosition> positions;
+  AttributeColumns attributes;
+
+  std::size_t size() const { return positions.size(); }
+  /// World position of the point with this id.
+  glm::dvec3 world(std::size_t id) const { return to_world(lattice, positions[id]); }
+};
+
+/// Smallest box around some points. Cost: one pass.
+Bounds bounds_of(const Lattice& lattice, std::span<const LatticePosition> positions);
+
 /// Calls visit(attribute, column of a, column of b) for every column but the extra dimensions; a and b are
 /// each a PointCloud or AttributeColumns.
 template <class CloudA, class CloudB, class Visit>
@@ -165,6 +179,8 @@ void for_each_column(Cloud& cloud, const Visit& visit) {
 
 /// The columns of a cloud, which must outlive them and keep its size.
 AttributeColumns columns_of(const PointCloud& cloud);
+/// The same with the positions.
+PointColumns points_of(const PointCloud& cloud);
 
 /// Whether the fields of a file's points are those of LAS, however they are packed.
 inline bool is_las(const CloudFile& file) {

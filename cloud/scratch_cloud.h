@@ -34,6 +34,8 @@ class ScratchCloud {
   std::span<LatticePosition> positions();
   /// By row; valid as long as the object.
   AttributeColumns columns();
+  /// The same with the positions.
+  PointColumns points() { return {facts_.lattice, positions(), columns()}; }
   /// Some rows in memory, with the columns that the cloud has.
   PointCloud rows(std::size_t first, std::size_t count);
 

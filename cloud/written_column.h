@@ -10,6 +10,9 @@
 
 namespace alidade {
 
+/// Gives the points from `first` on, at least one, as many as it likes; all pieces have the same attributes.
+using PointPieces = std::function<const PointCloud&(std::size_t first)>;
+
 /// A column that a format of named columns gets, and where its values come from.
 struct WrittenColumn {
   std::string name;

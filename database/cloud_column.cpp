@@ -7,7 +7,7 @@
 
 namespace alidade::database {
 
-std::vector<CloudColumn> cloud_columns(const PointCloud& cloud) {
+std::vector<CloudColumn> cloud_columns(const PointColumns& cloud) {
   std::vector<CloudColumn> columns;
   for (int axis = 0; axis < 3; ++axis) {
     CloudColumn& column = columns.emplace_back();
@@ -16,12 +16,15 @@ std::vector<CloudColumn> cloud_columns(const PointCloud& cloud) {
   }
   // By the number that stored_columns() gives a blob.
   std::vector<std::span<const std::byte>> blobs(1);
-  for_each_column(cloud, [&](Attribute, const auto& column) {
-    if (!column.empty()) blobs.push_back(std::as_bytes(std::span(column)));
+  for_each_column(cloud.attributes, [&](Attribute, const auto& column) {
+    if (!column.empty()) blobs.push_back(std::as_bytes(column));
   });
-  for (const ExtraDimension& dimension : cloud.extra_dimensions)
-    blobs.push_back(std::as_bytes(std::span(dimension.values)));
-  for (StoredColumn& stored : stored_columns(cloud)) {
+  std::vector<ExtraDimension> dimensions;
+  for (const ExtraColumn& column : cloud.attributes.extra_dimensions) {
+    blobs.push_back(std::as_bytes(column.values));
+    dimensions.push_back(column.description);
+  }
+  for (StoredColumn& stored : stored_columns(cloud.attributes.attributes(), std::move(dimensions))) {
     if (stored.blob == 0) continue;
     CloudColumn& column = columns.emplace_back();
     column.values = blobs[static_cast<std::size_t>(stored.blob)].data() + stored.byte;

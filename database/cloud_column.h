@@ -9,7 +9,7 @@
 
 namespace alidade::database {
 
-/// A column of a cloud in memory, with the name and the values that SQL sees.
+/// A column of a cloud, with the name and the values that SQL sees.
 struct CloudColumn {
   StoredColumn like{};                ///< of a coordinate only the name
   const std::byte* values = nullptr;  ///< of the first row; null: a coordinate
@@ -18,10 +18,10 @@ struct CloudColumn {
 
 /// x, y and z, then stored_columns() but for the number of the point. The cloud must outlive them and keep its
 /// rows.
-std::vector<CloudColumn> cloud_columns(const PointCloud& cloud);
+std::vector<CloudColumn> cloud_columns(const PointColumns& cloud);
 
 /// The value of a row: a real number for coordinates, else as stored_value().
-inline ColumnValue value_of(const PointCloud& cloud, const CloudColumn& column, std::size_t row) {
+inline ColumnValue value_of(const PointColumns& cloud, const CloudColumn& column, std::size_t row) {
   if (column.values == nullptr) return cloud.world(row)[column.axis];
   return stored_value(column.like, column.values + row * static_cast<std::size_t>(column.like.size));
 }

@@ -168,7 +168,8 @@ Octree build_in_scratch(const Lattice& lattice, std::span<LatticePosition> posit
                     [&]<class Entry>(const KeySpace& space, const Entry&) {
                       return sort_points<Entry>(space, positions, scratch);
                     })
-      .octree(instruction_set);
+      .octree(instruction_set)
+      .with_scratch(scratch.folder);
 }
 
 std::size_t Octree::memory() const {

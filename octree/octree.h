@@ -12,6 +12,7 @@
 
 #include "base/bounds.h"
 #include "base/fingerprint.h"
+#include "base/huge_memory.h"
 #include "base/instruction_set.h"
 #include "cloud/lattice.h"
 
@@ -285,13 +286,30 @@ class Octree {
   /// The same index (shared arrays), traversed with another instruction set. Errors: not available on this
   /// machine.
   Octree with_instruction_set(InstructionSet instruction_set) const {
-    return Octree(view_, storage_, usable(instruction_set));
+    Octree octree = *this;
+    octree.instruction_set_ = usable(instruction_set);
+    return octree;
+  }
+  /// The same index with a view of more arrays, which `storage` keeps alive beside those it has.
+  Octree with_view(const TreeView& view, std::shared_ptr<const void> storage) const {
+    Octree octree(view, std::move(storage), instruction_set_);
+    octree.scratch_ = scratch_;
+    return octree;
+  }
+
+  /// Where with_spacings() and with_surfaces() put what they measure: in memory, or in scratch files.
+  const ScratchFolder& scratch() const { return scratch_; }
+  Octree with_scratch(ScratchFolder scratch) const {
+    Octree octree = *this;
+    octree.scratch_ = std::move(scratch);
+    return octree;
   }
 
  private:
   TreeView view_;
   std::shared_ptr<const void> storage_;
   InstructionSet instruction_set_ = InstructionSet::scalar;
+  ScratchFolder scratch_;
 };
 
 }  // namespace alidade

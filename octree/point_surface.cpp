@@ -352,13 +352,13 @@ Octree with_surfaces(const Octree& octree, const Progress& progress) {
   const auto made = std::make_shared<Surfaces>();
   made->octree = octree.storage();
   TreeView tree = octree.view();
-  made->points = HugeArray<std::uint32_t>(tree.point_count);
-  made->edges = HugeArray<std::uint8_t>(tree.point_count);
+  made->points = HugeArray<std::uint32_t>(tree.point_count, octree.scratch());
+  made->edges = HugeArray<std::uint8_t>(tree.point_count, octree.scratch());
   tree.surface_unit = automatic_radius(octree);
   for_each_leaf_in_parallel(tree, progress, [&] { return SurfaceFitter(octree, *made, tree.surface_unit); });
   tree.surfaces = made->points.data();
   tree.sheet_edges = made->edges.data();
-  return Octree(tree, made, octree.instruction_set());
+  return octree.with_view(tree, made);
 }
 
 PointSurface surface_of(const TreeView& tree, std::uint64_t point_id) {
@@ -375,8 +375,9 @@ Octree with_discs(const Octree& octree) {
   const auto made = std::make_shared<Stored>();
   TreeView tree = octree.view();
   made->octree = octree.storage();
-  made->surfaces = HugeArray<std::uint32_t>(std::size_t{tree.point_count} + k_coordinate_padding);
-  made->edges = HugeArray<std::uint8_t>(tree.point_count);
+  made->surfaces =
+      HugeArray<std::uint32_t>(std::size_t{tree.point_count} + k_coordinate_padding, octree.scratch());
+  made->edges = HugeArray<std::uint8_t>(tree.point_count, octree.scratch());
   constexpr std::uint32_t k_grain = 1 << 16;
   in_parallel(tree.point_count, k_grain, [&](std::uint32_t index) {
     const std::uint64_t id = point_id(tree, index);
@@ -386,7 +387,7 @@ Octree with_discs(const Octree& octree) {
   std::fill_n(made->surfaces.data() + tree.point_count, k_coordinate_padding, 0u);
   tree.stored_surfaces = made->surfaces.data();
   tree.stored_edges = made->edges.data();
-  return Octree(tree, made, octree.instruction_set());
+  return octree.with_view(tree, made);
 }
 
 PointSurface surface_at(const TreeView& tree, std::uint32_t index) {

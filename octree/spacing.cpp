@@ -197,7 +197,8 @@ Octree with_spacings(const Octree& octree, int neighbours, const Progress& progr
   const auto made = std::make_shared<Spacings>();
   made->octree = octree.storage();
   TreeView tree = octree.view();
-  made->points = HugeArray<std::uint16_t>(std::size_t{tree.point_count} + k_coordinate_padding);
+  made->points =
+      HugeArray<std::uint16_t>(std::size_t{tree.point_count} + k_coordinate_padding, octree.scratch());
   for_each_leaf_in_parallel(tree, progress, [&] {
     return [&, meter = SpacingMeter(octree, neighbours)](const Leaf& leaf) mutable {
       meter.measure(leaf, made->points.data());
@@ -206,7 +207,7 @@ Octree with_spacings(const Octree& octree, int neighbours, const Progress& progr
   std::fill_n(made->points.data() + tree.point_count, k_coordinate_padding, std::uint16_t{0});
   tree.spacings = made->points.data();
 
-  made->slots = HugeArray<std::uint16_t>(std::size_t{k_node_width} * tree.node_count);
+  made->slots = HugeArray<std::uint16_t>(std::size_t{k_node_width} * tree.node_count, octree.scratch());
   // Children are behind their parents.
   for (std::uint32_t index = tree.node_count; index-- > 0;) {
     std::ranges::copy(greatest_spacings(tree, made->slots.data(), index),
@@ -214,7 +215,7 @@ Octree with_spacings(const Octree& octree, int neighbours, const Progress& progr
   }
   tree.slot_spacings = made->slots.data();
   tree.spacing_neighbours = neighbours;
-  return Octree(tree, made, octree.instruction_set());
+  return octree.with_view(tree, made);
 }
 
 double sphere_radius(const RayQuery& query, const Hit& hit) {

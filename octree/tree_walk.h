@@ -115,14 +115,19 @@ void for_each_leaf(const TreeView& tree, const Visit& visit) {
   }
 }
 
-/// The positions of all points by point id: the cloud's positions, for whoever gave them away. Cost: linear,
-/// 12 B per point.
-inline std::vector<LatticePosition> positions_in_order(const TreeView& tree) {
-  std::vector<LatticePosition> positions(tree.point_count);
+/// Writes the positions of all points by point id. Cost: linear.
+inline void put_positions(const TreeView& tree, LatticePosition* positions) {
   for_each_leaf(tree, [&](const Leaf& leaf) {
     for (std::uint32_t i = 0; i < leaf.count; ++i)
       positions[point_id(tree, leaf.first + i)] = position_of(tree, leaf, i);
   });
+}
+
+/// The positions of all points by point id: the cloud's positions, for whoever gave them away. Cost: linear,
+/// 12 B per point.
+inline std::vector<LatticePosition> positions_in_order(const TreeView& tree) {
+  std::vector<LatticePosition> positions(tree.point_count);
+  put_positions(tree, positions.data());
   return positions;
 }
 

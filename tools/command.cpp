@@ -14,11 +14,11 @@ namespace {
 
 constexpr std::array<std::string_view, 5> k_flags = {"--overwrite", "--skip-existing", "--quiet", "--verbose",
                                                      "--resume"};
-constexpr std::array<std::string_view, 15> k_options = {
+constexpr std::array<std::string_view, 16> k_options = {
     "--output",     "--threads",          "--legend",      "--legend-size",
     "--preview",    "--preview-interval", "--checkpoint",  "--checkpoint-interval",
     "--depth",      "--depth-format",     "--depth-scale", "--depth-along",
-    "--depth-mask", "--transforms-out",   "--part"};
+    "--depth-mask", "--transforms-out",   "--part",        "--memory"};
 
 /// Flags that cannot change the picture: those of the list, and -q and -v alone or together.
 bool is_silent_flag(std::string_view word) {

@@ -57,7 +57,7 @@ void append_point(std::string& text, const std::vector<WrittenColumn>& propertie
 
 }  // namespace
 
-void write_ply(const std::filesystem::path& path, std::size_t point_count, const PlyPieces& pieces,
+void write_ply(const std::filesystem::path& path, std::size_t point_count, const PointPieces& pieces,
                const PlyWriteOptions& options) {
   OutputFile output(path, options.overwrite);
   std::size_t done = 0;

@@ -3,10 +3,10 @@
 
 #include <cstddef>
 #include <filesystem>
-#include <functional>
 
 #include "base/progress.h"
 #include "cloud/point_cloud.h"
+#include "cloud/written_column.h"
 
 namespace alidade {
 
@@ -30,11 +30,8 @@ struct PlyWriteOptions {
 void write_ply(const std::filesystem::path& path, const PointCloud& cloud,
                const PlyWriteOptions& options = {});
 
-/// Gives the points from `first` on, at least one, as many as it likes; all pieces have the same attributes.
-using PlyPieces = std::function<const PointCloud&(std::size_t first)>;
-
 /// The same for a cloud of so many points that comes in pieces, with memory for one of them.
-void write_ply(const std::filesystem::path& path, std::size_t point_count, const PlyPieces& pieces,
+void write_ply(const std::filesystem::path& path, std::size_t point_count, const PointPieces& pieces,
                const PlyWriteOptions& options = {});
 
 }  // namespace alidade

@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 #include <algorithm>
 #include <array>
+#include <cassert>
 #include <iterator>
 #include <optional>
 #include <span>
@@ -17,50 +18,75 @@ namespace alidade {
 namespace {
 
 /// 8 if all colours are those of 8 bits, else 16.
-int color_bits(const PointCloud& cloud) {
+int color_bits(std::size_t point_count, const PointPieces& pieces) {
   const auto is_of_8 = [](const Color16& color) {
     return color.x % 257 == 0 && color.y % 257 == 0 && color.z % 257 == 0;
   };
-  return std::ranges::all_of(cloud.colors, is_of_8) ? 8 : 16;
+  for (std::size_t done = 0; done < point_count;) {
+    const PointCloud& piece = pieces(done);
+    if (piece.colors.empty()) break;
+    if (!std::ranges::all_of(piece.colors, is_of_8)) return 16;
+    done += piece.size();
+  }
+  return 8;
+}
+
+std::string header(const std::vector<WrittenColumn>& columns) {
+  std::string text;
+  for (const WrittenColumn& column : columns) text += (text.empty() ? "" : ",") + column.name;
+  return text + '\n';
+}
+
+/// A line with the decimals of the coordinates, which come first.
+void append_row(std::string& text, const std::vector<WrittenColumn>& columns,
+                const std::array<std::optional<int>, 3>& decimals, char separator, std::size_t row) {
+  for (std::size_t i = 0; i < columns.size(); ++i) {
+    if (i > 0) text += separator;
+    const double number = columns[i].value(row);
+    if (i < decimals.size() && decimals[i])
+      fmt::format_to(std::back_inserter(text), "{:.{}f}", number, *decimals[i]);
+    else
+      append_number(text, columns[i].type, number);
+  }
+  text += '\n';
 }
 
 }  // namespace
 
-void write_text(const std::filesystem::path& path, const PointCloud& cloud, const TextWriteOptions& options) {
+void write_text(const std::filesystem::path& path, std::size_t point_count, const PointPieces& pieces,
+                const TextWriteOptions& options) {
   constexpr std::size_t k_points_per_write = 4096;
   OutputFile output(path, options.overwrite);
-  std::vector<WrittenColumn> columns = written_columns(cloud, color_bits(cloud));
-  if (options.coordinates_alone) columns.resize(3);
-  std::array<std::optional<int>, 3> decimals;
-  for (int axis = 0; axis < 3; ++axis)
-    decimals[static_cast<std::size_t>(axis)] = decimals_of(cloud.lattice, axis);
+  const int bits = color_bits(point_count, pieces);
   const char separator = options.coordinates_alone ? ' ' : ',';
-  std::string text;
-  for (const WrittenColumn& column : columns) {
-    if (options.coordinates_alone) break;
-    if (!text.empty()) text += separator;
-    text += column.name;
-  }
-  if (!text.empty()) text += '\n';
-  for (std::size_t row = 0; row < cloud.size(); ++row) {
-    if (row % k_points_per_write == 0) {
-      output.write(std::as_bytes(std::span(text)));
-      text.clear();
-      report(options.progress, row, cloud.size());
+  std::size_t done = 0;
+  do {
+    const PointCloud& piece = pieces(done);
+    std::vector<WrittenColumn> columns = written_columns(piece, bits);
+    if (options.coordinates_alone) columns.resize(3);
+    std::array<std::optional<int>, 3> decimals;
+    for (int axis = 0; axis < 3; ++axis)
+      decimals[static_cast<std::size_t>(axis)] = decimals_of(piece.lattice, axis);
+    std::string text = done == 0 && !options.coordinates_alone ? header(columns) : "";
+    for (std::size_t row = 0; row < piece.size(); ++row) {
+      if (row % k_points_per_write == 0) {
+        output.write(std::as_bytes(std::span(text)));
+        text.clear();
+        report(options.progress, done + row, point_count);
+      }
+      append_row(text, columns, decimals, separator, row);
     }
-    for (std::size_t i = 0; i < columns.size(); ++i) {
-      if (i > 0) text += separator;
-      const double number = columns[i].value(row);
-      if (i < decimals.size() && decimals[i])
-        fmt::format_to(std::back_inserter(text), "{:.{}f}", number, *decimals[i]);
-      else
-        append_number(text, columns[i].type, number);
-    }
-    text += '\n';
-  }
-  output.write(std::as_bytes(std::span(text)));
-  report(options.progress, cloud.size(), cloud.size());
+    output.write(std::as_bytes(std::span(text)));
+    assert(piece.size() > 0 || point_count == 0);
+    done += piece.size();
+  } while (done < point_count);
+  report(options.progress, point_count, point_count);
   output.commit();
+}
+
+void write_text(const std::filesystem::path& path, const PointCloud& cloud, const TextWriteOptions& options) {
+  write_text(
+      path, cloud.size(), [&cloud](std::size_t) -> const PointCloud& { return cloud; }, options);
 }
 
 }  // namespace alidade

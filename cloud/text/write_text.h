@@ -1,10 +1,12 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
+#include <cstddef>
 #include <filesystem>
 
 #include "base/progress.h"
 #include "cloud/point_cloud.h"
+#include "cloud/written_column.h"
 
 namespace alidade {
 
@@ -21,6 +23,10 @@ struct TextWriteOptions {
 /// other numbers as many digits as give the same value again. Reference system and records are left out.
 /// Errors: as OutputFile.
 void write_text(const std::filesystem::path& path, const PointCloud& cloud,
+                const TextWriteOptions& options = {});
+
+/// The same for a cloud of so many points that comes in pieces, twice if they have colours, with memory for one of them.
+void write_text(const std::filesystem::path& path, std::size_t point_count, const PointPieces& pieces,
                 const TextWriteOptions& options = {});
 
 }  // namespace alidade

@@ -24,7 +24,7 @@ constexpr const char* k_example = R"(a condition such as "classification = 2 AND
 
 /// The rows [first, end) of a cloud as a table that SQLite reads.
 struct Rows {
-  const PointCloud& cloud;
+  const PointColumns& cloud;
   const std::vector<CloudColumn>& columns;
   std::size_t first, end;
 };
@@ -171,11 +171,12 @@ WhereClause::WhereClause(std::string text) : text_(std::move(text)) {
 }
 
 void WhereClause::mark(const PointCloud& cloud, std::span<std::uint8_t> marks) const {
-  const std::vector<CloudColumn> columns = cloud_columns(cloud);
+  const PointColumns points = points_of(cloud);
+  const std::vector<CloudColumn> columns = cloud_columns(points);
   tbb::parallel_for(
       std::size_t{0}, (cloud.size() + k_rows_at_once - 1) / k_rows_at_once, [&](std::size_t block) {
         const std::size_t first = block * k_rows_at_once;
-        const Rows rows{cloud, columns, first, std::min(first + k_rows_at_once, cloud.size())};
+        const Rows rows{points, columns, first, std::min(first + k_rows_at_once, cloud.size())};
         std::fill(marks.begin() + static_cast<std::ptrdiff_t>(rows.first),
                   marks.begin() + static_cast<std::ptrdiff_t>(rows.end), std::uint8_t{0});
         const Evaluation evaluation(&rows);

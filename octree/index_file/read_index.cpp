@@ -1,7 +1,10 @@
 // SPDX-License-Identifier: MIT
 #include <algorithm>
+#include <span>
 #include <utility>
 
+#include "base/huge_memory.h"
+#include "base/scratch_file.h"
 #include "cloud/cloud_reader.h"
 #include "cloud/lattice.h"
 #include "cloud/rows.h"
@@ -112,6 +115,17 @@ class IndexReader final : public CloudReader {
   CloudFile about_;
 };
 
+/// Queries jump through an octree.
+void prepare_for_queries(const Octree& octree) {
+  if (octree.memory() <= available_memory().value_or(octree.memory())) return;
+  const TreeView& tree = octree.view();
+  const std::size_t count = tree.point_count;
+  expect_random_reads(std::as_bytes(std::span(tree.nodes, tree.node_count)));
+  expect_random_reads(std::as_bytes(std::span(tree.coordinates, 3 * count)));
+  expect_random_reads(std::as_bytes(std::span(tree.ids, count)));
+  expect_random_reads(std::as_bytes(std::span(tree.positions, tree.exact_count())));
+}
+
 }  // namespace
 
 const CloudFormat k_index_format{
@@ -128,9 +142,10 @@ CloudFormats index_and_file_formats() {
 
 IndexedCloud load_indexed_cloud(const CloudInputs& inputs, const IndexCloudOptions& options) {
   IndexedCloud loaded;
+  const ScratchFolder folder = options.scratch ? ScratchFolder(options.scratch->folder) : std::nullopt;
   if (const CloudInput* const index = inputs.only(k_index_format)) {
     loaded.index = IndexFile(index->file());
-    loaded.octree = loaded.index->octree(options.read.progress);
+    loaded.octree = loaded.index->octree(options.read.progress).with_scratch(folder);
     loaded.cloud = loaded.index->description();
     return loaded;
   }
@@ -142,12 +157,20 @@ IndexedCloud load_indexed_cloud(const CloudInputs& inputs, const IndexCloudOptio
     total = all_bytes;
     return !options.read.progress || options.read.progress(bytes, all_bytes);
   };
-  loaded.cloud = read_cloud(inputs, read);
+  if (options.scratch) {
+    loaded.scratch = std::make_shared<ScratchCloud>(inputs, read, *options.scratch);
+    loaded.cloud = loaded.scratch->facts();
+  } else {
+    loaded.cloud = read_cloud(inputs, read);
+  }
   BuildOptions build_options = options.build;
   if (!build_options.progress) {
     build_options.progress = [&](std::uint64_t, std::uint64_t) { return read.progress(done, total); };
   }
-  loaded.octree = build(std::move(loaded.cloud), build_options);
+  loaded.octree = options.scratch ? build_in_scratch(loaded.cloud.lattice, loaded.scratch->positions(),
+                                                     *options.scratch, build_options)
+                                  : build(std::move(loaded.cloud), build_options);
+  if (options.scratch) prepare_for_queries(loaded.octree);
   return loaded;
 }
 

@@ -129,6 +129,19 @@ TEST_F(ChangeProgramTest, threads_index_files_and_laz_do_not_change_the_answer) 
   EXPECT_EQ(output("e.ply").intensities.back(), 77);
 }
 
+TEST_F(ChangeProgramTest, memory_does_not_change_the_answer) {
+  for (const char* const name : {"a.las", "b.las", "c.las"}) {
+    Words words = with(with(k_change, k_origins), {"-o", name, "-q"});
+    if (name[0] != 'a') words.insert(words.end(), {"--memory", "1M"});
+    if (name[0] == 'c') {
+      ASSERT_EQ(run({"index", "before.las", "-o", "before.alidade", "-q"}).exit_code, 0);
+      words[1] = "before.alidade";
+    }
+    ASSERT_EQ(run(words).exit_code, 0);
+    EXPECT_TRUE(read(name) == read("a.las")) << name;
+  }
+}
+
 TEST_F(ChangeProgramTest, json_has_the_same_counts_as_the_output) {
   const ProgramResult result = run(with(with(k_change, k_origins), {"-o", "change.las", "--json", "-q"}));
   ASSERT_EQ(result.exit_code, 0) << result.err;

@@ -2,6 +2,7 @@
 #include <fmt/format.h>
 
 #include <cmath>
+#include <utility>
 
 #include "cloud/las/write_las.h"
 #include "cloud/read_cloud.h"
@@ -311,21 +312,26 @@ TEST_F(ConvertTest, on_a_full_disk_nothing_is_left) {
 TEST_F(ConvertTest, the_bytes_do_not_depend_on_memory) {
   ASSERT_EQ(run({"generate", "courtyard", "--points", "60000", "-o", "survey.las", "-q"}).exit_code, 0);
   write("plain.xyz", "690002 5325000.25 601\n690003 5325000.5 602\n");
-  for (const char* const format : {"las", "laz", "copc.laz", "ply", "parquet"}) {
-    for (const Words& inputs :
-         {Words{"survey.las", "plain.xyz"}, Words{"survey.las", "--crop", "690000,5325000,690010,5325010"}}) {
-      const Words words = with(with({"convert"}, inputs), {"--overwrite", "-o"});
-      const ProgramResult whole = run(with(words, {std::string("whole.") + format}));
-      const ProgramResult parts = run(with(words, {std::string("parts.") + format, "--memory", "1M"}));
-      EXPECT_EQ(whole.exit_code, 0) << whole.err;
-      EXPECT_EQ(parts.exit_code, 0) << parts.err;
-      EXPECT_TRUE(read(std::string("whole.") + format) == read(std::string("parts.") + format)) << format;
-      const auto points = [](const ProgramResult& result) {
-        return result.err.substr(result.err.rfind("wrote "),
-                                 result.err.rfind(" to ") - result.err.rfind("wrote "));
-      };
-      EXPECT_EQ(points(whole), points(parts));
-    }
+  const Words joined = {"survey.las", "plain.xyz"}, every = {"survey.las", "--every", "7"},
+              cropped = {"survey.las", "--crop", "690000,5325000,690010,5325010"};
+  const std::pair<const char*, Words> cases[] = {
+      {"las", joined},    {"las", cropped},     {"las", every},      {"laz", joined},
+      {"laz", cropped},   {"copc.laz", joined}, {"copc.laz", every}, {"ply", joined},
+      {"ply", cropped},   {"csv", joined},      {"csv", every},      {"xyz", cropped},
+      {"parquet", every}, {"parquet", joined},  {"alidade", joined}, {"alidade", cropped},
+  };
+  for (const auto& [format, inputs] : cases) {
+    const Words words = with(with({"convert"}, inputs), {"--overwrite", "-o"});
+    const ProgramResult whole = run(with(words, {std::string("whole.") + format}));
+    const ProgramResult parts = run(with(words, {std::string("parts.") + format, "--memory", "1M"}));
+    EXPECT_EQ(whole.exit_code, 0) << whole.err;
+    EXPECT_EQ(parts.exit_code, 0) << parts.err;
+    EXPECT_TRUE(read(std::string("whole.") + format) == read(std::string("parts.") + format)) << format;
+    const auto points = [](const ProgramResult& result) {
+      return result.err.substr(result.err.rfind("wrote "),
+                               result.err.rfind(" to ") - result.err.rfind("wrote "));
+    };
+    EXPECT_EQ(points(whole), points(parts));
   }
 }
 

@@ -3,6 +3,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
+#include <iterator>
+#include <limits>
 #include <nlohmann/json.hpp>
 
 #include "cloud/las/write_las.h"
@@ -34,7 +37,7 @@ PointCloud scattered(std::size_t count) {
 
 TEST(StatisticsTest, columns_are_what_sorting_them_says) {
   const PointCloud cloud = scattered(1000);
-  const CloudStatistics statistics = statistics_of(cloud);
+  const CloudStatistics statistics = statistics_of(points_of(cloud));
   const auto column = std::ranges::find(statistics.columns, "intensity", &ColumnStatistics::name);
   ASSERT_NE(column, statistics.columns.end());
   std::vector<std::uint16_t> sorted = cloud.intensities;
@@ -50,28 +53,64 @@ TEST(StatisticsTest, columns_are_what_sorting_them_says) {
   EXPECT_NEAR(column->deviation, std::sqrt(squares / 1000 - sum / 1000 * sum / 1000), 1e-6);
 }
 
+TEST(StatisticsTest, quantiles_are_exact_for_any_numbers) {
+  constexpr double k_most = std::numeric_limits<double>::max(),
+                   k_least = std::numeric_limits<double>::denorm_min();
+  Random random("quantiles");
+  const std::function<double()> families[] = {
+      [&] { return random.between(-1.0, 1.0); },
+      [&] { return 3.1e8 + 1e-7 * random.between(0.0, 1.0); },
+      [&] { return std::ldexp(random.between(-1.0, 1.0), static_cast<int>(random.below(2000)) - 1000); },
+      [&] { return static_cast<double>(random.below(5)) - 2.0; },
+      [&] { return random.below(2) == 0 ? -k_most : k_least; },
+      [] { return -7.25; },
+      [&] { return random.below(2) == 0 ? -0.0 : 0.0; },
+  };
+  for (const auto& family : families) {
+    for (const std::size_t count : {1, 2, 99, 100, 2000}) {
+      PointCloud cloud;
+      cloud.positions.resize(count);
+      std::ranges::generate_n(std::back_inserter(cloud.gps_times), static_cast<std::ptrdiff_t>(count),
+                              family);
+      const CloudStatistics statistics = statistics_of(points_of(cloud));
+      const auto column = std::ranges::find(statistics.columns, "gps_time", &ColumnStatistics::name);
+      ASSERT_NE(column, statistics.columns.end());
+      std::ranges::sort(cloud.gps_times);
+      EXPECT_EQ(column->least, cloud.gps_times.front());
+      EXPECT_EQ(column->most, cloud.gps_times.back());
+      for (std::size_t i = 0; i < k_quantiles.size(); ++i) {
+        const double rank = std::ceil(k_quantiles[i] * static_cast<double>(count));
+        EXPECT_EQ(column->quantiles[i], cloud.gps_times[static_cast<std::size_t>(rank) - 1]) << count;
+      }
+    }
+  }
+}
+
 TEST(StatisticsTest, counts_are_those_of_the_rows) {
   const PointCloud cloud = scattered(500);
-  const CloudStatistics statistics = statistics_of(cloud);
+  const CloudStatistics statistics = statistics_of(points_of(cloud));
   for (int kind = 0; kind < 3; ++kind)
     EXPECT_EQ(statistics.classes.at(kind), std::ranges::count(cloud.classifications, kind));
   EXPECT_EQ(statistics.returns.at({1, 2}) + statistics.returns.at({2, 2}), 500u);
-  EXPECT_EQ(statistics.flags[2], std::ranges::count(cloud.flags, 0b100));
-  EXPECT_EQ(statistics.flags[2] + statistics.flags[3], 500u);
-  EXPECT_EQ(statistics.flags[3], statistics.flags[4]);
+  ASSERT_TRUE(statistics.flags);
+  const auto& flags = *statistics.flags;
+  EXPECT_EQ(flags[2], std::ranges::count(cloud.flags, 0b100));
+  EXPECT_EQ(flags[2] + flags[3], 500u);
+  EXPECT_EQ(flags[3], flags[4]);
 }
 
 TEST(StatisticsTest, density_is_that_of_the_cells_with_points) {
-  const CloudStatistics full = statistics_of(scattered(40'000));
+  const PointCloud one = scattered(40'000);
+  const CloudStatistics full = statistics_of(points_of(one));
   ASSERT_TRUE(full.coverage);
   EXPECT_NEAR(full.coverage->density, 200.0, 6.0);
   // The same points twice, the second time a hundred metres away: the gap between them does not count.
   PointCloud two = scattered(40'000);
   for (std::size_t row = 0; row < two.size(); row += 2) two.positions[row].x += 100'000;
-  EXPECT_NEAR(statistics_of(two).coverage->density, 100.0, 8.0);
+  EXPECT_NEAR(statistics_of(points_of(two)).coverage->density, 100.0, 8.0);
   PointCloud line;
   line.positions = {{0, 0, 0}, {5, 0, 0}};
-  EXPECT_FALSE(statistics_of(line).coverage);
+  EXPECT_FALSE(statistics_of(points_of(line)).coverage);
 }
 
 TEST(StatisticsTest, values_that_mean_none_do_not_count) {
@@ -82,7 +121,7 @@ TEST(StatisticsTest, values_that_mean_none_do_not_count) {
   height.no_data->fill(0);
   height.values = {0, 0, 100, 0, 200, 0, 44, 1};
   cloud.extra_dimensions = {height};
-  const CloudStatistics statistics = statistics_of(cloud);
+  const CloudStatistics statistics = statistics_of(points_of(cloud));
   const auto column = std::ranges::find(statistics.columns, "Height", &ColumnStatistics::name);
   ASSERT_NE(column, statistics.columns.end());
   EXPECT_EQ(column->count, 3u);
@@ -119,6 +158,24 @@ TEST_F(InfoStatisticsTest, info_prints_them_as_text_and_as_json) {
                 json.at("classes").at("2").get<int>(),
             2000);
   EXPECT_EQ(run({"info", "site.las"}).out.find("density"), std::string::npos);
+}
+
+TEST_F(InfoStatisticsTest, does_not_depend_on_memory) {
+  ASSERT_EQ(run({"generate", "courtyard", "--points", "60000", "-o", "site.laz", "-q"}).exit_code, 0);
+  write("colored.csv",
+        "x,y,z,red,green,blue,height\n690000,5325000,600,1,2,3,0.5\n690001,5325000,600,7,8,9,1.5\n");
+  ASSERT_EQ(run({"index", "site.laz", "-o", "site.alidade", "-q"}).exit_code, 0);
+  for (std::vector<std::string> words :
+       {std::vector<std::string>{"site.laz"},
+        {"site.laz", "--stats"},
+        {"site.laz", "colored.csv", "--stats", "--json"},
+        {"site.alidade", "--stats", "--json", "--crop", "690000,5325000,690010,5325010"}}) {
+    words.insert(words.begin(), {"info", "-q"});
+    const ProgramResult whole = run(words);
+    words.insert(words.end(), {"--memory", "1M"});
+    EXPECT_EQ(whole.exit_code, 0) << whole.err;
+    EXPECT_EQ(whole.out, run(words).out);
+  }
 }
 
 TEST_F(InfoStatisticsTest, formats_and_libraries_are_listed) {

@@ -209,6 +209,14 @@ TEST_F(VisibilityRasterTest, bytes_do_not_depend_on_the_number_of_threads) {
   EXPECT_TRUE(one == read("seen.tif"));
 }
 
+TEST_F(VisibilityRasterTest, bytes_do_not_depend_on_memory) {
+  ASSERT_EQ(raster(k_eye).exit_code, 0);
+  const std::string whole = read("seen.tif");
+  ASSERT_EQ(raster(with(k_eye, {"--memory", "1M", "--overwrite"})).exit_code, 0);
+  EXPECT_TRUE(whole == read("seen.tif"));
+  EXPECT_EQ(names(), (Words{"garden.las", "seen.tif"}));
+}
+
 TEST_F(VisibilityRasterTest, bad_wishes_are_errors_and_leave_no_map) {
   expect_rejected({"-o", "seen.tif"}, "missing observers");
   expect_rejected({"--observer", "690005,5325010", "--resolution", "0", "-o", "seen.tif"}, "--resolution");

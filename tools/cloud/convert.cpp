@@ -139,40 +139,59 @@ void say_written(const ConvertCommand& command, std::uint64_t count, std::uint64
 
 /// Whether points need not be in memory at once, and are too many for it.
 bool is_large(const ConvertCommand& command) {
-  return !chooses_points(command) && has_extension(command.output, {".las", ".laz", ".ply"}) &&
+  const bool is_streamed = has_extension(command.output, {".las", ".laz", ".ply", ".csv", ".xyz"}) ||
+                           (has_extension(command.output, {".alidade"}) && command.every == 1);
+  return is_streamed && !command.spacing && !command.normals &&
          stated_size(command.files).bytes() > command.memory;
 }
 
-void write_in_pieces(const ConvertCommand& command, ScratchCloud& cloud) {
+/// Writes `count` points of a cloud, every N-th.
+void write_in_pieces(const ConvertCommand& command, ScratchCloud& cloud, std::size_t count) {
   constexpr std::size_t k_rows_at_once = std::size_t{1} << 20;
+  const auto every = static_cast<std::size_t>(command.every);
   PointCloud some;
-  const auto from = [&](std::size_t first) -> const PointCloud& {
-    return some = cloud.rows(first, std::min(k_rows_at_once, cloud.size() - first));
+  const PointPieces from = [&](std::size_t first) -> const PointCloud& {
+    const std::size_t kept = std::min(std::max<std::size_t>(k_rows_at_once / every, 1), count - first);
+    some = cloud.rows(first * every, kept > 0 ? (kept - 1) * every + 1 : 0);
+    if (every > 1) keep_every(some, every);
+    return some;
   };
   with_progress("writing", "points", command.verbosity, [&](const Progress& progress) {
     if (has_extension(command.output, {".ply"})) {
-      write_ply(command.output, cloud.size(), from, {.overwrite = command.overwrite, .progress = progress});
+      write_ply(command.output, count, from, {.overwrite = command.overwrite, .progress = progress});
+      return;
+    }
+    if (has_extension(command.output, {".csv", ".xyz"})) {
+      write_text(command.output, count, from,
+                 {.coordinates_alone = has_extension(command.output, {".xyz"}),
+                  .overwrite = command.overwrite,
+                  .progress = progress});
       return;
     }
     LasWriter writer(command.output, cloud.facts(), cloud.columns().attributes(),
                      {.overwrite = command.overwrite,
                       .progress = progress,
-                      .expected_points = cloud.size(),
+                      .expected_points = count,
                       .memory = command.memory / 2});
-    for (std::size_t first = 0; first < cloud.size(); first += some.size()) writer.write(from(first));
+    for (std::size_t first = 0; first < count; first += some.size()) writer.write(from(first));
     writer.finish();
   });
 }
 
 ExitCode convert_large(const ConvertCommand& command) {
+  const ScratchSpace scratch = *scratch_beside(command.output, command.memory / 2);
   ScratchCloud cloud = with_progress("reading", "B", command.verbosity, [&](const Progress& progress) {
     return ScratchCloud(
         command.files, {.color_depth = command.color_depth, .partial = command.partial, .progress = progress},
-        {command.output.parent_path(), command.memory / 2});
+        scratch);
   });
   say_warnings(command.verbosity, cloud.facts().warnings);
-  write_in_pieces(command, cloud);
-  say_written(command, cloud.size(), cloud.size(), cloud.facts().files);
+  const std::size_t size = cloud.size(), count = size / command.every + (size % command.every > 0 ? 1 : 0);
+  if (has_extension(command.output, {".alidade"}))
+    write_index(command.output, cloud, {.overwrite = command.overwrite}, scratch, command.verbosity);
+  else
+    write_in_pieces(command, cloud, count);
+  say_written(command, count, size, cloud.facts().files);
   return ExitCode::done;
 }
 
@@ -245,7 +264,7 @@ Command add_convert(const Options& program) {
   convert.value(
       "--memory", "SIZE",
       "memory for points: bytes, or a number with k, M, G or T (default: 4G); those of a larger cloud "
-      "use temporary files next to the output, except with --every, --spacing, --normals and as text",
+      "use temporary files next to the output, except with --spacing and --normals",
       command->memory, parse_memory);
   convert.flag("--overwrite", "replace an existing output", command->overwrite);
   add_threads(convert, command->threads);

@@ -57,7 +57,8 @@ void check_room(const IndexCommand& command, const std::filesystem::path& folder
   const StatedSize size = stated_size(command.files);
   if (selects || command.partial || size.uncounted_bytes > 0) return;
   // The points in Morton order take 16 bytes each, the octree at most 24. Columns give their room to those of the index,
-  // and positions to the points in order; a checkpoint keeps both.
+  // and positions to the points in order; a checkpoint keeps both. What is measured later takes less than the points in
+  // order, which are gone by then.
   constexpr std::uint64_t k_sorted = 16, k_octree = 24;
   const std::uint64_t columns = size.bytes() - size.point_count * sizeof(LatticePosition);
   std::uint64_t bytes = columns + size.point_count * (k_sorted + k_octree);
@@ -79,22 +80,16 @@ void check_room(const IndexCommand& command, const std::filesystem::path& folder
 /// For clouds larger than memory.
 void write_large_index(const IndexCommand& command) {
   KeptReading kept(command.checkpoint, command.files, command.verbosity);
-  std::filesystem::path folder = kept.checkpoint() ? command.checkpoint.file : command.output.parent_path();
-  if (folder.empty()) folder = ".";
-  const ScratchSpace scratch{folder, *command.memory};
-  check_room(command, folder, kept.checkpoint() ? kept.checkpoint()->rows() : 0);
+  ScratchSpace scratch = *scratch_beside(command.output, command.memory);
+  if (kept.checkpoint()) scratch.folder = command.checkpoint.file;
+  check_room(command, scratch.folder, kept.checkpoint() ? kept.checkpoint()->rows() : 0);
   ScratchCloud cloud = with_progress("reading", "B", command.verbosity, [&](const Progress& progress) {
     return ScratchCloud(
         command.files, {.color_depth = command.color_depth, .partial = command.partial, .progress = progress},
         scratch, kept.checkpoint());
   });
   say_warnings(command.verbosity, cloud.facts().warnings);
-  const Octree octree = with_progress("building", "points", command.verbosity, [&](const Progress& progress) {
-    return build_in_scratch(cloud.facts().lattice, cloud.positions(), scratch,
-                            build_options(command.index, progress));
-  });
-  save_shown(command.output, octree, cloud.facts(), cloud.columns(),
-             {.overwrite = command.index.overwrite, .written = discard_scratch_pages}, command.verbosity);
+  write_index(command.output, cloud, command.index, scratch, command.verbosity);
   kept.finish();
 }
 
@@ -108,8 +103,7 @@ ExitCode run(const IndexCommand& command) {
     throw input_error("--surfaces requires the 8th neighbour", "--spacings 8, or none",
                       std::to_string(*index.spacing_neighbours));
   }
-  if (command.memory && (index.surfaces || index.spacing_neighbours || index.stored_order))
-    throw Error({.problem = "--memory excludes --spacings, --surfaces and --stored-order"});
+  if (command.memory && index.stored_order) throw Error({.problem = "--memory excludes --stored-order"});
   check_writable(command.output, index.overwrite, command.files.names());
   check_kept_reading(command.checkpoint, index.overwrite, command.output, command.files);
   if (command.memory) {
@@ -131,6 +125,17 @@ void write_index(const std::filesystem::path& path, PointCloud& cloud, const Ind
   });
   octree = measured(octree, request, verbosity);
   save_shown(path, octree, cloud, columns_of(cloud), {.overwrite = request.overwrite}, verbosity);
+}
+
+void write_index(const std::filesystem::path& path, ScratchCloud& cloud, const IndexRequest& request,
+                 const ScratchSpace& scratch, Verbosity verbosity) {
+  Octree octree = with_progress("building", "points", verbosity, [&](const Progress& progress) {
+    return build_in_scratch(cloud.facts().lattice, cloud.positions(), scratch,
+                            build_options(request, progress));
+  });
+  octree = measured(octree, request, verbosity);
+  save_shown(path, octree, cloud.facts(), cloud.columns(),
+             {.overwrite = request.overwrite, .written = discard_scratch_pages}, verbosity);
 }
 
 Command add_index(const Options& program) {
@@ -166,13 +171,8 @@ Command add_index(const Options& program) {
              "store the surface around each point for 'alidade visibility', which then measures nothing; "
              "implies --spacings 8; 4 bytes per point",
              command->index.surfaces);
-  const Option memory = index.value(
-      "--memory", "SIZE",
-      "for clouds larger than memory: sort in so much memory, bytes or a number with k, M, G or T, at "
-      "least 1M, and in temporary files next to the output; the index is the same",
-      command->memory, parse_memory);
-  add_checkpoint_options(index.needs(memory), command->checkpoint, "every --checkpoint-interval seconds",
-                         "index", "FOLDER");
+  add_checkpoint_options(index.needs(add_scratch_memory(index, command->memory)), command->checkpoint,
+                         "every --checkpoint-interval seconds", "index", "FOLDER");
   index.flag("--overwrite", "replace an existing output", command->index.overwrite);
   add_run_options(index, *command);
   return command_of(index, command, run);

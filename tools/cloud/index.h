@@ -4,7 +4,9 @@
 #include <filesystem>
 #include <optional>
 
+#include "base/scratch_file.h"
 #include "cloud/point_cloud.h"
+#include "cloud/scratch_cloud.h"
 #include "octree/build.h"
 #include "tools/console.h"
 
@@ -24,5 +26,8 @@ struct IndexRequest {
 /// cloud's positions are given away. Errors: as build() and save_index().
 void write_index(const std::filesystem::path& path, PointCloud& cloud, const IndexRequest& request,
                  Verbosity verbosity);
+/// The same for a cloud larger than memory. Requires a request without stored order.
+void write_index(const std::filesystem::path& path, ScratchCloud& cloud, const IndexRequest& request,
+                 const ScratchSpace& scratch, Verbosity verbosity);
 
 }  // namespace alidade::tools

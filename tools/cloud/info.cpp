@@ -10,6 +10,7 @@
 #include "cloud/crs.h"
 #include "cloud/point_cloud.h"
 #include "cloud/read_cloud.h"
+#include "cloud/scratch_cloud.h"
 #include "octree/index_file/index_file.h"
 #include "tools/cloud/e57_images.h"
 #include "tools/cloud/statistics.h"
@@ -23,12 +24,15 @@ using Json = nlohmann::ordered_json;
 
 struct InfoOptions : CloudRequest {
   bool json = false, verify = false, stats = false, overwrite = false;
+  std::size_t memory = std::size_t{4} << 30;
   std::filesystem::path image_folder;  ///< empty: no images are extracted
 };
 
 /// What `alidade info` prints about its files, taken together as one cloud.
 struct Description {
-  PointCloud cloud;
+  PointCloud cloud;                       ///< without points if memory does not hold them
+  std::optional<ScratchCloud> scratch{};  ///< which then does
+  PointColumns points{};                  ///< of either
   std::uint64_t point_count = 0;
   AttributeSet attributes;
   Bounds bounds;
@@ -45,6 +49,24 @@ Description describe(const IndexFile& index) {
           .bounds = index.header().tree.bounds,
           .indexes = {index},
           .e57_files = {}};
+}
+
+/// Reads the points into memory, or into temporary files if they are too many.
+void read_points(const InfoOptions& options, Description& description) {
+  // Colours are read to learn their depth, extra dimensions for their names; the rest comes from the headers.
+  const AttributeSet wanted =
+      options.stats ? AttributeSet::all() : Attribute::color | Attribute::extra_dimensions;
+  ProgressLine line("reading", "B", options.verbosity);
+  const ReadOptions reading{.attributes = wanted, .partial = options.partial, .progress = line.callback()};
+  if (stated_size(options.files).bytes() > options.memory) {
+    const ScratchSpace space{std::filesystem::temp_directory_path(), options.memory};
+    description.cloud = description.scratch.emplace(options.files, reading, space).facts();
+    description.points = description.scratch->points();
+  } else {
+    description.cloud = read_cloud(options.files, reading);
+    description.points = points_of(description.cloud);
+  }
+  if (options.verbosity == Verbosity::verbose) line.finish();
 }
 
 CloudInputs e57_files(CloudInputs clouds) {
@@ -66,18 +88,12 @@ Description describe(const InfoOptions& options) {
     description.e57_files.emplace_back(input.file());
     description.e57_files.back().pages().rest();
   }
-  // Colours are read to learn their depth, extra dimensions for their names; the rest comes from the headers.
-  ProgressLine line("reading", "B", options.verbosity);
-  const AttributeSet wanted =
-      options.stats ? AttributeSet::all() : Attribute::color | Attribute::extra_dimensions;
-  description.cloud = read_cloud(
-      options.files, {.attributes = wanted, .partial = options.partial, .progress = line.callback()});
-  description.point_count = description.cloud.size();
-  description.bounds = description.cloud.bounds();
-  if (options.verbosity == Verbosity::verbose) line.finish();
+  read_points(options, description);
+  description.point_count = description.points.size();
+  description.bounds = bounds_of(description.points.lattice, description.points.positions);
   if (options.stats) {
     ProgressLine counting("counting", "columns", options.verbosity);
-    description.statistics = statistics_of(description.cloud, counting.callback());
+    description.statistics = statistics_of(description.points, counting.callback());
     if (options.verbosity == Verbosity::verbose) counting.finish();
   }
   return description;
@@ -121,10 +137,9 @@ std::optional<std::string> header_box_text(const Bounds& stated, const Bounds& p
 }
 
 /// Box of the rows [begin, end) of a cloud, of those of them that it has. Cost: linear.
-Bounds bounds_of_rows(const PointCloud& cloud, std::size_t begin, std::size_t end) {
-  Bounds bounds;
-  for (std::size_t row = begin; row < std::min(end, cloud.size()); ++row) bounds.grow(cloud.world(row));
-  return bounds;
+Bounds bounds_of_rows(const PointColumns& cloud, std::size_t begin, std::size_t end) {
+  begin = std::min(begin, cloud.size()), end = std::min(end, cloud.size());
+  return bounds_of(cloud.lattice, cloud.positions.subspan(begin, end - begin));
 }
 
 /// What `alidade info` prints about the octree of a COPC file: levels, nodes and spacing, or what is wrong
@@ -256,7 +271,7 @@ Json to_json(const Description& description, bool verified) {
                {"indexes", indexes},
                {"e57", e57},
                {"warnings", cloud.warnings}};
-  if (description.statistics) json["statistics"] = statistics_json(*description.statistics, cloud);
+  if (description.statistics) json["statistics"] = statistics_json(*description.statistics);
   return json;
 }
 
@@ -331,7 +346,7 @@ std::string to_table(const Description& description, bool verified, Verbosity ve
     if (file.lost_count > 0) text += row("", fmt::format("{} points lost", file.lost_count));
     if (file.stated_bounds) {
       // Only files that state a box hold their points in a row of rows here; index files state none.
-      const Bounds points = bounds_of_rows(cloud, first_row, first_row + file.point_count);
+      const Bounds points = bounds_of_rows(description.points, first_row, first_row + file.point_count);
       if (const auto box = header_box_text(*file.stated_bounds, points, cloud.lattice))
         text += row("", "header box " + *box);
     }
@@ -388,6 +403,11 @@ Command add_info(const Options& program) {
       "also read all attributes: density, dates, histograms of classes, returns and flags, and the range, "
       "quantiles and mean of every column",
       options->stats);
+  command.value(
+      "--memory", "SIZE",
+      "memory for points: bytes, or a number with k, M, G or T (default: 4G); those of a larger cloud "
+      "use temporary files in TMPDIR",
+      options->memory, parse_memory);
   command.flag("--verify",
                "read each index file completely, compare it with its checksums, and check that its octree "
                "contains every point once; errors name section and byte",

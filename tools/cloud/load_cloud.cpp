@@ -38,6 +38,21 @@ IndexedCloud load_shown(const CloudRequest& request, IndexCloudOptions options) 
   return cloud;
 }
 
+Option add_scratch_memory(const Options& command, std::optional<std::size_t>& memory) {
+  return command.value(
+      "--memory", "SIZE",
+      "for clouds larger than memory: hold the points in temporary files next to the output and sort them "
+      "in so much memory, bytes or a number with k, M, G or T, at least 1M; the output is the same",
+      memory, parse_memory);
+}
+
+std::optional<ScratchSpace> scratch_beside(const std::filesystem::path& output,
+                                           std::optional<std::size_t> memory) {
+  if (!memory) return std::nullopt;
+  const std::filesystem::path folder = output.parent_path();
+  return ScratchSpace{folder.empty() ? "." : folder, *memory};
+}
+
 database::StoredFiles store_shown(
     const RunRequest& request, ColorDepth color_depth, const std::string& storing,
     const std::function<database::StoredFiles(const ReadOptions& reading, const Progress& storing)>& work) {

@@ -1,11 +1,15 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
+#include <cstddef>
+#include <filesystem>
 #include <functional>
+#include <optional>
 #include <span>
 #include <string>
 
 #include "base/progress.h"
+#include "base/scratch_file.h"
 #include "cloud/cloud_inputs.h"
 #include "cloud/read_cloud.h"
 #include "database/point_filter.h"
@@ -22,6 +26,12 @@ CloudFormats cloud_formats();
 /// said. Of the options all but `partial` and `progress` count.
 PointCloud read_shown(const CloudRequest& request, ReadOptions options);
 IndexedCloud load_shown(const CloudRequest& request, IndexCloudOptions options);
+
+/// Declares --memory of commands that can hold clouds in scratch files.
+Option add_scratch_memory(const Options& command, std::optional<std::size_t>& memory);
+/// Scratch files next to an output; none without --memory.
+std::optional<ScratchSpace> scratch_beside(const std::filesystem::path& output,
+                                           std::optional<std::size_t> memory);
 
 /// Does `work`, which reads files and then stores points, with a progress line for each; prints its warnings.
 /// `storing` is what the second line says.

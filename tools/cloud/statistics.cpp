@@ -4,14 +4,15 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 #include <tbb/parallel_for.h>
-#include <tbb/parallel_sort.h>
+#include <tbb/parallel_invoke.h>
 #include <algorithm>
-#include <atomic>
+#include <bit>
 #include <cmath>
+#include <limits>
 #include <mutex>
 #include <nlohmann/json.hpp>
 #include <set>
-#include <string_view>
+#include <unordered_map>
 #include <variant>
 
 #include "database/cloud_column.h"
@@ -37,53 +38,147 @@ std::optional<double> number_of(const database::ColumnValue& value) {
       value);
 }
 
-ColumnStatistics column_statistics(const PointCloud& cloud, const database::CloudColumn& column) {
+/// Finds the values of k_quantiles among many that nobody keeps: each pass over all of them learns 16 more of their bits.
+class QuantileSearch {
+ public:
+  /// Takes a value; each pass takes the same ones.
+  void add(double value) {
+    const std::uint64_t key = key_of(value + 0.0);  // -0 is 0
+    all_bits_ &= key;
+    any_bits_ |= key;
+    for (Bin& bin : bins_) {
+      if ((key & known_) == bin.prefix) ++bin.counts[key >> shift_ & 0xffff];
+    }
+  }
+
+  /// Ends a pass over `count` values, one at least. Returns whether the quantiles are known.
+  bool end_pass(std::uint64_t count) {
+    if (known_ == 0) {
+      for (std::size_t i = 0; i < sought_.size(); ++i) {
+        const double rank = std::ceil(k_quantiles[i] * static_cast<double>(count));
+        sought_[i].rank = static_cast<std::uint64_t>(std::max(rank, 1.0)) - 1;
+      }
+    }
+    for (Sought& one : sought_) narrow(one);
+    known_ |= std::uint64_t{0xffff} << shift_;
+    shift_ -= k_digit_bits;
+    if (((all_bits_ ^ any_bits_) & ~known_) == 0) return true;
+    bins_.clear();
+    for (const Sought& one : sought_) {
+      if (bins_.empty() || bins_.back().prefix != one.prefix) bins_.push_back({one.prefix});
+    }
+    return false;
+  }
+
+  std::array<double, k_quantiles.size()> values() const {
+    std::array<double, k_quantiles.size()> values{};
+    std::ranges::transform(sought_, values.begin(), [this](const Sought& one) {
+      // The bits that are still unknown are those of all values.
+      return value_of_key(one.prefix | (all_bits_ & ~known_));
+    });
+    return values;
+  }
+
+ private:
+  static constexpr int k_digit_bits = 16;
+  static constexpr std::uint64_t k_sign = std::uint64_t{1} << 63;
+
+  /// A whole number for each value, in the order of the values.
+  static std::uint64_t key_of(double value) {
+    const auto bits = std::bit_cast<std::uint64_t>(value);
+    return bits & k_sign ? ~bits : bits | k_sign;
+  }
+  static double value_of_key(std::uint64_t key) {
+    return std::bit_cast<double>(key & k_sign ? key & ~k_sign : ~key);
+  }
+
+  /// How many keys begin with `prefix`, by their next 16 bits.
+  struct Bin {
+    std::uint64_t prefix = 0;
+    std::vector<std::uint64_t> counts = std::vector<std::uint64_t>(1 << k_digit_bits);
+  };
+  /// The key of this rank among those that begin with `prefix`.
+  struct Sought {
+    std::uint64_t prefix = 0, rank = 0;
+  };
+
+  void narrow(Sought& one) const {
+    const auto bin = std::ranges::find(bins_, one.prefix, &Bin::prefix);
+    std::uint64_t digit = 0;
+    for (; one.rank >= bin->counts[digit]; ++digit) one.rank -= bin->counts[digit];
+    one.prefix |= digit << shift_;
+  }
+
+  std::uint64_t all_bits_ = ~std::uint64_t{0}, any_bits_ = 0;  ///< AND and OR of all keys
+  std::uint64_t known_ = 0;                                    ///< bits that the passes before have learnt
+  int shift_ = 64 - k_digit_bits;                              ///< of the bits that this one learns
+  std::vector<Bin> bins_ = std::vector<Bin>(1);
+  std::array<Sought, k_quantiles.size()> sought_{};
+};
+
+/// Calls visit(number) for all that a column has, in the order of the rows.
+template <class Visit>
+void for_each_number(const PointColumns& cloud, const database::CloudColumn& column, const Visit& visit) {
+  for (std::size_t row = 0; row < cloud.size(); ++row) {
+    const std::optional<double> number = number_of(value_of(cloud, column, row));
+    if (number && std::isfinite(*number)) visit(*number);
+  }
+}
+
+ColumnStatistics column_statistics(const PointColumns& cloud, const database::CloudColumn& column) {
   ColumnStatistics statistics{.name = column.like.name};
   const database::StoredColumn& like = column.like;
   const bool is_float = like.type == ScalarType::float32 || like.type == ScalarType::float64;
   statistics.is_whole = column.values != nullptr && !is_float && like.scale == 1.0 && like.offset == 0.0;
-  std::vector<double> values;
-  values.reserve(cloud.size());
-  for (std::size_t row = 0; row < cloud.size(); ++row) {
-    const std::optional<double> number = number_of(value_of(cloud, column, row));
-    if (number && std::isfinite(*number)) values.push_back(*number);
-  }
-  statistics.count = values.size();
-  statistics.missing = cloud.size() - values.size();
-  if (values.empty()) return statistics;
+  statistics.least = std::numeric_limits<double>::infinity();
+  statistics.most = -statistics.least;
+  QuantileSearch search;
   // Differences from one of the values, so that large times and coordinates lose nothing.
-  const double base = values.front(), count = static_cast<double>(values.size());
-  double sum = 0.0, squares = 0.0;
-  for (const double value : values) sum += value - base;
-  const double mean = sum / count;
-  for (const double value : values) squares += (value - base - mean) * (value - base - mean);
+  double base = 0.0, sum = 0.0, squares = 0.0;
+  for_each_number(cloud, column, [&](double value) {
+    if (statistics.count++ == 0) base = value;
+    sum += value - base;
+    statistics.least = std::min(statistics.least, value);
+    statistics.most = std::max(statistics.most, value);
+    search.add(value);
+  });
+  statistics.missing = cloud.size() - statistics.count;
+  if (statistics.count == 0) return statistics;
+  const double count = static_cast<double>(statistics.count), mean = sum / count;
+  bool is_known = search.end_pass(statistics.count);
+  for_each_number(cloud, column, [&](double value) {
+    squares += (value - base - mean) * (value - base - mean);
+    if (!is_known) search.add(value);
+  });
+  while (!is_known && !search.end_pass(statistics.count))
+    for_each_number(cloud, column, [&](double value) { search.add(value); });
   statistics.mean = base + mean;
   statistics.deviation = std::sqrt(squares / count);
-  std::ranges::sort(values);
-  statistics.least = values.front();
-  statistics.most = values.back();
-  for (std::size_t i = 0; i < k_quantiles.size(); ++i) {
-    const double rank = std::ceil(k_quantiles[i] * count);
-    statistics.quantiles[i] = values[static_cast<std::size_t>(std::max(rank, 1.0)) - 1];
-  }
+  statistics.quantiles = search.values();
   return statistics;
 }
 
 /// Cells of a grid with this edge that hold points.
-std::size_t occupied_cells(const PointCloud& cloud, const glm::dvec3& corner, double edge) {
-  std::vector<std::uint64_t> cells(cloud.size());
-  tbb::parallel_for(std::size_t{0}, cells.size(), [&](std::size_t row) {
+std::size_t occupied_cells(const PointColumns& cloud, const glm::dvec3& corner, double edge) {
+  // A bit for each cell of blocks of 8 x 8.
+  std::unordered_map<std::uint64_t, std::uint64_t> blocks;
+  std::uint64_t last_key = 0, *last = &blocks[0];
+  for (std::size_t row = 0; row < cloud.size(); ++row) {
     const glm::dvec3 position = cloud.world(row) - corner;
-    cells[row] =
-        static_cast<std::uint64_t>(position.x / edge) << 32 | static_cast<std::uint64_t>(position.y / edge);
-  });
-  tbb::parallel_sort(cells.begin(), cells.end());
-  return static_cast<std::size_t>(std::unique(cells.begin(), cells.end()) - cells.begin());
+    const auto x = static_cast<std::uint64_t>(position.x / edge),
+               y = static_cast<std::uint64_t>(position.y / edge);
+    const std::uint64_t key = x >> 3 << 32 | y >> 3;
+    if (key != last_key) last = &blocks[last_key = key];
+    *last |= std::uint64_t{1} << ((x & 7) << 3 | (y & 7));
+  }
+  std::size_t count = 0;
+  for (const auto& [key, cells] : blocks) count += static_cast<std::size_t>(std::popcount(cells));
+  return count;
 }
 
-std::optional<CoverageStatistics> coverage_of(const PointCloud& cloud) {
+std::optional<CoverageStatistics> coverage_of(const PointColumns& cloud) {
   constexpr double k_spacings = 4.0, k_most_cells = 4e9;
-  const Bounds box = cloud.bounds();
+  const Bounds box = bounds_of(cloud.lattice, cloud.positions);
   if (box.empty()) return std::nullopt;
   const glm::dvec3 size = box.size();
   const double count = static_cast<double>(cloud.size());
@@ -99,9 +194,9 @@ std::optional<CoverageStatistics> coverage_of(const PointCloud& cloud) {
   coverage.density = count / coverage.area;
   coverage.spacing = 1.0 / std::sqrt(coverage.density);
   const auto last = std::ranges::count_if(
-      cloud.returns, [](const ReturnNumbers& numbers) { return numbers.number == numbers.count; });
+      cloud.attributes.returns, [](const ReturnNumbers& numbers) { return numbers.number == numbers.count; });
   coverage.last_return_density =
-      cloud.returns.empty() ? coverage.density : static_cast<double>(last) / coverage.area;
+      cloud.attributes.returns.empty() ? coverage.density : static_cast<double>(last) / coverage.area;
   return coverage;
 }
 
@@ -198,29 +293,33 @@ std::optional<Moment> moment_of_gps_time(double seconds) {
                        : Moment{k_first_day + days(static_cast<int>(day)), rest};
 }
 
-CloudStatistics statistics_of(const PointCloud& cloud, const Progress& progress) {
-  CloudStatistics statistics;
+CloudStatistics statistics_of(const PointColumns& cloud, const Progress& progress) {
+  CloudStatistics statistics{.point_count = cloud.size()};
   const std::vector<database::CloudColumn> columns = database::cloud_columns(cloud);
   statistics.columns.resize(columns.size());
   std::mutex mutex;
   std::uint64_t done = 0;
-  tbb::parallel_for(std::size_t{0}, columns.size(), [&](std::size_t i) {
-    statistics.columns[i] = column_statistics(cloud, columns[i]);
-    const std::scoped_lock lock(mutex);
-    report(progress, ++done, columns.size());
-  });
+  const auto measure_columns = [&] {
+    tbb::parallel_for(std::size_t{0}, columns.size(), [&](std::size_t i) {
+      statistics.columns[i] = column_statistics(cloud, columns[i]);
+      const std::scoped_lock lock(mutex);
+      report(progress, ++done, columns.size());
+    });
+  };
+  tbb::parallel_invoke(measure_columns, [&] { statistics.coverage = coverage_of(cloud); });
   std::erase_if(statistics.columns, [](const ColumnStatistics& column) { return column.count == 0; });
-  for (const std::uint8_t kind : cloud.classifications) ++statistics.classes[kind];
-  for (const ReturnNumbers& numbers : cloud.returns) ++statistics.returns[{numbers.number, numbers.count}];
-  for (const PointFlags flags : cloud.flags) {
+  for (const std::uint8_t kind : cloud.attributes.classifications) ++statistics.classes[kind];
+  for (const ReturnNumbers& numbers : cloud.attributes.returns)
+    ++statistics.returns[{numbers.number, numbers.count}];
+  if (!cloud.attributes.flags.empty()) statistics.flags.emplace();
+  for (const PointFlags flags : cloud.attributes.flags) {
     for (std::size_t i = 0; i < k_flag_bits.size(); ++i)
-      statistics.flags[i] += static_cast<std::uint64_t>(flags >> k_flag_bits[i] & 1);
+      (*statistics.flags)[i] += static_cast<std::uint64_t>(flags >> k_flag_bits[i] & 1);
   }
-  statistics.coverage = coverage_of(cloud);
   return statistics;
 }
 
-nlohmann::ordered_json statistics_json(const CloudStatistics& statistics, const PointCloud& cloud) {
+nlohmann::ordered_json statistics_json(const CloudStatistics& statistics) {
   using Json = nlohmann::ordered_json;
   Json columns = Json::object(), classes = Json::object(), returns = Json::array();
   for (const ColumnStatistics& column : statistics.columns) {
@@ -233,9 +332,9 @@ nlohmann::ordered_json statistics_json(const CloudStatistics& statistics, const 
   for (const auto& [numbers, count] : statistics.returns)
     returns.push_back({{"number", numbers.first}, {"of", numbers.second}, {"points", count}});
   Json json{{"columns", columns}, {"quantiles", k_quantiles}, {"classes", classes}, {"returns", returns}};
-  if (!cloud.flags.empty()) {
+  if (statistics.flags) {
     for (std::size_t i = 0; i < k_flag_names.size(); ++i)
-      json["flags"][k_flag_names[i]] = statistics.flags[i];
+      json["flags"][k_flag_names[i]] = (*statistics.flags)[i];
   }
   if (statistics.coverage) {
     const CoverageStatistics& coverage = *statistics.coverage;
@@ -248,11 +347,11 @@ nlohmann::ordered_json statistics_json(const CloudStatistics& statistics, const 
   return json;
 }
 
-std::string statistics_text(const CloudStatistics& statistics, const PointCloud& cloud) {
-  std::string text = header_text(cloud);
-  if (statistics.coverage) text += coverage_text(*statistics.coverage, cloud.crs);
-  text += time_text(statistics, cloud);
-  const std::uint64_t all = cloud.size();
+std::string statistics_text(const CloudStatistics& statistics, const PointCloud& facts) {
+  std::string text = header_text(facts);
+  if (statistics.coverage) text += coverage_text(*statistics.coverage, facts.crs);
+  text += time_text(statistics, facts);
+  const std::uint64_t all = statistics.point_count;
   if (!statistics.classes.empty()) text += "classes\n";
   const auto styles = image::class_styles();
   for (const auto& [number, count] : statistics.classes)
@@ -261,9 +360,9 @@ std::string statistics_text(const CloudStatistics& statistics, const PointCloud&
   if (!statistics.returns.empty()) text += "returns\n";
   for (const auto& [numbers, count] : statistics.returns)
     text += share_row(fmt::format("{:>3} of {}", numbers.first, numbers.second), count, all);
-  if (!cloud.flags.empty()) text += "flags\n";
-  for (std::size_t i = 0; i < statistics.flags.size() && !cloud.flags.empty(); ++i)
-    text += share_row(std::string("    ") + k_flag_names[i], statistics.flags[i], all);
+  if (statistics.flags) text += "flags\n";
+  for (std::size_t i = 0; statistics.flags && i < k_flag_names.size(); ++i)
+    text += share_row(std::string("    ") + k_flag_names[i], (*statistics.flags)[i], all);
   text += fmt::format("{:<18}{:>14}{:>14}{:>14}{:>14}{:>14}{:>14}{:>14}{:>14}\n", "column", "least", "1 %",
                       "25 %", "median", "75 %", "99 %", "most", "mean");
   for (const ColumnStatistics& column : statistics.columns) {

@@ -6,6 +6,7 @@
 #include <glm/common.hpp>
 
 #include "base/error.h"
+#include "base/huge_memory.h"
 #include "base/words.h"
 #include "cloud/las/write_las.h"
 #include "cloud/ply/write_ply.h"
@@ -80,7 +81,9 @@ class Rows {
 
  private:
   void start() {
-    positions_ = positions_in_order(cloud_.cloud.octree.view());
+    const Octree& octree = cloud_.cloud.octree;
+    positions_ = HugeArray<LatticePosition>(octree.size(), octree.scratch());
+    put_positions(octree.view(), positions_.data());
     batch_.lattice = layout_.like.lattice;
     batch_.extra_dimensions = layout_.like.extra_dimensions;
   }
@@ -91,8 +94,7 @@ class Rows {
 
   void take_positions(std::size_t first, std::size_t count) {
     const Lattice& own = cloud_.cloud.octree.lattice();
-    batch_.positions.assign(positions_.begin() + static_cast<std::ptrdiff_t>(first),
-                            positions_.begin() + static_cast<std::ptrdiff_t>(first + count));
+    batch_.positions.assign(positions_.data() + first, positions_.data() + first + count);
     for (ExtraDimension& dimension : batch_.extra_dimensions)
       dimension.values.assign(count * static_cast<std::size_t>(dimension.byte_count), 0);
     if (own == batch_.lattice) return;
@@ -108,7 +110,7 @@ class Rows {
   AttributeColumns columns_;  ///< without those that are left out
   const RowLayout& layout_;
   std::vector<std::size_t> dimensions_;  ///< where its own and its results are among those of the layout
-  std::vector<LatticePosition> positions_;
+  HugeArray<LatticePosition> positions_;
   PointCloud batch_;
 };
 
@@ -213,7 +215,7 @@ void write_points(const std::filesystem::path& file, std::span<const CloudResult
   if (file_extension(file) != ".ply") {
     write_las_rows(file, rows, overwrite, line.callback());
   } else {
-    const PlyPieces pieces = [&rows](std::size_t first) -> const PointCloud& { return rows.from(first); };
+    const PointPieces pieces = [&rows](std::size_t first) -> const PointCloud& { return rows.from(first); };
     write_ply(file, rows.size(), pieces, {.overwrite = overwrite, .progress = line.callback()});
   }
   line.finish();

@@ -206,7 +206,8 @@ std::unique_ptr<VisibilityCloud> load_cloud_alone(const VisibilityRequest& reque
     terrain_crs = raster.crs;
     loaded->terrain = terrain_of(std::move(raster), terrain, request.verbosity);
   }
-  loaded->cloud = load_shown(request, {.read = {.attributes = attributes | Attribute::classification}});
+  loaded->cloud = load_shown(request, {.read = {.attributes = attributes | Attribute::classification},
+                                       .scratch = scratch_beside(request.output, request.memory)});
   if (loaded->cloud.octree.size() == 0)
     throw file_error(request.files.first_name(), "the cloud has no points");
   check_map_unit(loaded->cloud.cloud.crs, request.files);

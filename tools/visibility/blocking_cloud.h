@@ -2,6 +2,7 @@
 #pragma once
 
 #include <bitset>
+#include <cstddef>
 #include <filesystem>
 #include <memory>
 #include <optional>
@@ -32,6 +33,7 @@ void add_occluder_options(const Options& command, OccluderRequest& request);
 struct VisibilityRequest : CloudRequest {
   OccluderRequest occluders;
   std::filesystem::path output;
+  std::optional<std::size_t> memory;  ///< of scratch_beside() the output
   bool overwrite = false;
 
   /// The files of cloud, meshes and terrain, and what else is read.

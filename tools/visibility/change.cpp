@@ -37,6 +37,7 @@ struct ChangeCommand : RunRequest {
   visibility::ChangeOptions options;
   std::bitset<256> ignored_classes = std::bitset<256>{}.set(7).set(18);
   std::filesystem::path output;
+  std::optional<std::size_t> memory;  ///< of scratch_beside() the output
   bool no_sight = false, overwrite = false, json = false;
 };
 
@@ -86,7 +87,7 @@ std::unique_ptr<EpochCloud> load_epoch(const ChangeCommand& command, const Epoch
   static_cast<RunRequest&>(one) = command;
   one.files = request.files;
   auto epoch = std::make_unique<EpochCloud>();
-  epoch->cloud = load_shown(one, {});
+  epoch->cloud = load_shown(one, {.scratch = scratch_beside(command.output, command.memory)});
   if (epoch->cloud.octree.size() == 0)
     throw file_error(request.files.first_name(), "the cloud has no points");
   check_map_unit(epoch->cloud.cloud.crs, request.files);
@@ -320,6 +321,7 @@ Command add_change(const Options& program) {
       [](const std::string& text) { return text == "none" ? std::bitset<256>() : parse_classes(text); });
   change.flag("--json", "print JSON instead of a table; the keys are below", command->json);
   change.flag("--overwrite", "replace an existing output", command->overwrite);
+  add_scratch_memory(change, command->memory);
   add_run_options(change, *command);
   return command_of(change, command, run);
 }

@@ -7,6 +7,7 @@
 #include "base/output_file.h"
 #include "camera/camera.h"
 #include "geo/map_unit.h"
+#include "tools/cloud/load_cloud.h"
 #include "tools/command.h"
 #include "tools/image_module.h"
 #include "tools/visibility/blocking_cloud.h"
@@ -225,6 +226,7 @@ Command add_visibility_horizon(const Options& visibility) {
   add_observer_options(horizon, command->observers);
   add_occluder_options(horizon, command->occluders);
   add_answers(horizon, *command);
+  add_scratch_memory(horizon, command->memory);
   add_run_options(horizon, *command);
   return command_of(horizon, command, run);
 }

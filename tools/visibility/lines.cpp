@@ -5,6 +5,7 @@
 #include "base/error.h"
 #include "base/huge_memory.h"
 #include "octree/distance.h"
+#include "tools/cloud/load_cloud.h"
 #include "tools/command.h"
 #include "tools/image_module.h"
 #include "tools/visibility/blocking_cloud.h"
@@ -343,6 +344,7 @@ Command add_visibility_lines(const Options& visibility) {
   lines.required().file("-o,--output", "FILE", "output file: .csv, .json or .geojson", command->output);
   lines.flag("--overwrite", "replace an existing file", command->overwrite);
   add_checkpoint_options(lines.group("Long runs"), command->checkpoint);
+  add_scratch_memory(lines, command->memory);
   add_run_options(lines, *command);
   return command_of(lines, command, run_lines);
 }

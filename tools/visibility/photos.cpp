@@ -10,6 +10,7 @@
 #include "camera/camera_json.h"
 #include "geo/geopackage.h"
 #include "tools/camera_file.h"
+#include "tools/cloud/load_cloud.h"
 #include "tools/cloud/write_points.h"
 #include "tools/command.h"
 #include "tools/image_module.h"
@@ -211,6 +212,7 @@ Command add_visibility_photos(const Options& visibility) {
   add_occluder_options(photos, command->occluders);
   add_answers(photos, *command);
   add_checkpoint_options(photos.group("Long runs"), command->checkpoint);
+  add_scratch_memory(photos, command->memory);
   add_run_options(photos, *command);
   return command_of(photos, command, run);
 }

@@ -2,6 +2,7 @@
 #include <fmt/format.h>
 #include <map>
 
+#include "tools/cloud/load_cloud.h"
 #include "tools/command.h"
 #include "tools/image_module.h"
 #include "tools/visibility/blocking_cloud.h"
@@ -161,6 +162,7 @@ Command add_visibility_place(const Options& visibility) {
   add_occluder_options(position, command->occluders);
   add_answers(position, *command);
   add_checkpoint_options(position.group("Long runs"), command->checkpoint);
+  add_scratch_memory(position, command->memory);
   add_run_options(position, *command);
   return command_of(position, command, run_position);
 }

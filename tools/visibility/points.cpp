@@ -9,6 +9,7 @@
 #include "base/error.h"
 #include "base/output_file.h"
 #include "base/words.h"
+#include "tools/cloud/load_cloud.h"
 #include "tools/cloud/write_points.h"
 #include "tools/command.h"
 #include "tools/visibility/blocking_cloud.h"
@@ -242,6 +243,7 @@ Command add_visibility_points(const Options& visibility) {
   add_occluder_options(points, command->occluders);
   add_answers(points, *command);
   add_checkpoint_options(points.group("Long runs"), command->checkpoint);
+  add_scratch_memory(points, command->memory);
   add_run_options(points, *command);
   return command_of(points, command, run);
 }

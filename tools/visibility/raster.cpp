@@ -3,6 +3,7 @@
 #include <chrono>
 
 #include "base/error.h"
+#include "tools/cloud/load_cloud.h"
 #include "tools/command.h"
 #include "tools/image_module.h"
 #include "tools/visibility/blocking_cloud.h"
@@ -349,6 +350,7 @@ Command add_visibility_raster(const Options& visibility) {
   add_sight(raster, *command);
   add_occluder_options(raster, command->occluders);
   add_checkpoint_options(raster.group("Long runs"), command->checkpoint);
+  add_scratch_memory(raster, command->memory);
   add_run_options(raster, *command);
   return command_of(raster, command, run);
 }

@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "base/words.h"
+#include "tools/cloud/load_cloud.h"
 #include "tools/image_module.h"
 #include "tools/visibility/observer_options.h"
 #include "visibility/sky/sky_of_cloud.h"
@@ -115,6 +116,7 @@ void add_sky_request(const Options& command, SkyRequest& request) {
   add_target_height(command.group(k_map_group), request.map.target_height);
   add_occluder_options(command, request.occluders);
   add_checkpoint_options(command.group("Long runs"), request.checkpoint);
+  add_scratch_memory(command, request.memory);
   add_run_options(command, request);
 }
 

@@ -3,6 +3,7 @@
 
 #include <fmt/format.h>
 
+#include "tools/cloud/load_cloud.h"
 #include "tools/command.h"
 #include "tools/visibility/blocking_cloud.h"
 #include "tools/visibility/long_run.h"
@@ -96,6 +97,7 @@ Command add_visibility_summary(const Options& visibility) {
   add_occluder_options(summary, command->occluders);
   add_answers(summary, *command);
   add_checkpoint_options(summary.group("Long runs"), command->checkpoint);
+  add_scratch_memory(summary, command->memory);
   add_run_options(summary, *command);
   return command_of(summary, command, run);
 }
