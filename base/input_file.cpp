@@ -2,6 +2,7 @@
 #include "base/input_file.h"
 
 #include <fcntl.h>
+#include <fmt/format.h>
 #include <sys/mman.h>
 #include <sys/stat.h>
 #include <unistd.h>
@@ -24,12 +25,6 @@ constexpr int k_read_flags = O_RDONLY | O_CLOEXEC | O_NONBLOCK;
 
 OpenRemoteFile open_remote = nullptr;
 
-std::unique_ptr<RemoteFile> remote_file(const std::string& name) {
-  if (open_remote == nullptr)
-    throw Error({.file = name, .problem = "cannot open remote files", .expected = "a file on this machine"});
-  return open_remote(name);
-}
-
 }  // namespace
 
 bool is_remote_name(std::string_view name) {
@@ -41,6 +36,12 @@ bool is_remote_name(std::string_view name) {
 
 void set_remote_files(OpenRemoteFile open) {
   open_remote = open;
+}
+
+std::unique_ptr<RemoteFile> open_remote_file(const std::string& name) {
+  if (open_remote == nullptr)
+    throw Error({.file = name, .problem = "cannot open remote files", .expected = "a file on this machine"});
+  return open_remote(name);
 }
 
 FileDescriptor::FileDescriptor(const std::string& path, int flags) : number_(::open(path.c_str(), flags)) {
@@ -65,8 +66,9 @@ std::uint64_t FileDescriptor::size_of_regular(const std::string& path) const {
 
 InputFile::InputFile(const std::filesystem::path& path) : name_(path.string()) {
   if (is_remote_name(name_)) {
-    remote_ = remote_file(name_);
+    remote_ = open_remote_file(name_);
     size_ = remote_->size();
+    version_ = remote_->version();
   } else {
     descriptor_ = FileDescriptor(name_, k_read_flags);
     size_ = descriptor_.size_of_regular(name_);
@@ -91,12 +93,12 @@ void InputFile::check_range(std::uint64_t offset, std::uint64_t count) const {
 
 void InputFile::fill(std::uint64_t offset, std::span<std::byte> into) {
   if (is_remote()) {
-    if (!remote_) remote_ = remote_file(name_);
-    if (remote_->size() != size_)
+    if (!remote_) remote_ = open_remote_file(name_);
+    if (remote_->size() != size_ || remote_->version() != version_)
       throw Error({.file = name_,
-                   .problem = "the file changed while it was read",
-                   .expected = std::to_string(size_) + " bytes",
-                   .found = std::to_string(remote_->size())});
+                   .problem = "the file changed while it was read; read it again",
+                   .expected = fmt::format("{} bytes, version {}", size_, version_),
+                   .found = fmt::format("{} bytes, version {}", remote_->size(), remote_->version())});
     return remote_->read(offset, into);
   }
   if (!descriptor_.is_open()) descriptor_ = FileDescriptor(name_, k_read_flags);

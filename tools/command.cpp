@@ -143,7 +143,9 @@ std::string picture_command(const CommandLine& words) {
 
 ExitCode run_program(const CommandLine& command_line) {
   check_server_names(command_line);
-  set_remote_files([](const std::string& name) { return image_module().open_remote_file(name); });
+  set_remote_files([](const std::string& name) {
+    return image_module().open_remote_file(name, {.is_interrupted = &interrupted});
+  });
   Parser parser;
   const Options program = parser.program();
   const std::vector<Command> commands = {add_info(program),       add_generate(program), add_index(program),

@@ -4,9 +4,12 @@
 import gzip
 import json
 import os
+import signal
+import struct
 import subprocess
 import sys
 import tempfile
+import time
 import unittest
 import zipfile
 
@@ -31,12 +34,13 @@ class RemoteTest(unittest.TestCase):
 
     @classmethod
     def tearDownClass(cls):
+        cls.server.stop.set()
         cls.server.shutdown()
         cls.folder_object.cleanup()
 
     @classmethod
-    def run_program(cls, *words, succeeds=True):
-        environment = dict(os.environ, GDAL_HTTP_RETRY_DELAY="0.05")
+    def run_program(cls, *words, succeeds=True, settings=None):
+        environment = dict(os.environ, GDAL_HTTP_RETRY_DELAY="0.02", **(settings or {}))
         done = subprocess.run([PROGRAM, *words, "-q"], cwd=cls.folder, capture_output=True, text=True, timeout=120,
                               check=False, env=environment)
         if succeeds:
@@ -104,7 +108,8 @@ class RemoteTest(unittest.TestCase):
                     self.assertLess(server.sent, catalog_size / 5 + 20 * len(server.tile))
 
     def test_a_remote_catalog_leads_nowhere_else(self):
-        for href in ("../site.las", "/etc/passwd", "http://127.0.0.1:9/site.las", "file:///etc/passwd", "https:x.las"):
+        for href in ("../site.las", "/etc/passwd", "http://127.0.0.1:9/site.las", "file:///etc/passwd", "https:x.las",
+                     "%2e%2e/site.las", "a/%2E%2E/../../site.las"):
             with self.subTest(href):
                 with open(os.path.join(self.folder, "bad.catalog.json"), "w", encoding="utf-8") as file:
                     json.dump({"type": "FeatureCollection", "features": [{"assets": {"data": {"href": href}}}]}, file)
@@ -116,23 +121,96 @@ class RemoteTest(unittest.TestCase):
         self.assertEqual(self.query("/vsizip/site.zip/tiles/site.las"), self.query("site.las"))
 
     def test_a_server_that_is_busy_is_asked_again(self):
-        self.assertEqual(self.query(self.server.address("busy", "site.laz")), self.query("site.laz"))
+        for status in (429, 500, 502, 503, 504):
+            with self.subTest(status):
+                self.server.forget()
+                self.assertEqual(self.query(self.server.address(f"busy-{status}", "site.laz")), self.query("site.laz"))
+                self.assertGreater(self.server.requests, 3)
+
+    def test_a_connection_that_breaks_once_is_made_again(self):
+        for name in ("site.laz", "site.copc.laz"):
+            with self.subTest(name):
+                self.server.forget()
+                self.assertEqual(self.query(self.server.address("broken-once", name)), self.query(name))
+                self.assertFalse(self.server.is_first("broken"))
 
     def test_bad_servers_are_errors_that_name_the_file(self):
-        for manner, name in (("good", "missing.laz"), ("short", "site.laz"), ("broken", "site.laz")):
-            with self.subTest(manner):
-                address = self.server.address(manner, name)
+        for manner, expected in {
+                "good": "missing.laz: cannot read from the server: HTTP status 404",
+                "status-403": ": cannot read from the server: HTTP status 403",
+                "broken": ": cannot read from the server (4 attempts): ",
+                "long": ": cannot read from the server (4 attempts): ",
+                "cut": ": the server sent another number of bytes than it stated; expected ",
+                "shifted": ": the server sent other bytes than requested; expected bytes ",
+                "hidden": ": the server does not state which bytes it sent; expected the header Content-Range",
+                "empty-range": ": invalid Content-Range from the server; expected bytes FIRST-LAST/SIZE, found lines 1-2",
+                "tag": ": the file changed on the server while it was read; read it again; expected ",
+                "time": ": the file changed on the server while it was read; read it again; expected ",
+                "size": ": the file changed on the server while it was read; read it again; expected ",
+        }.items():
+            for name in ("missing.laz",) if manner == "good" else ("site.laz", "site.copc.laz"):
+                with self.subTest(manner, name=name):
+                    self.server.forget()
+                    address = self.server.address(manner, name)
+                    message = self.run_program("convert", address, "-o", "bad.las", succeeds=False)
+                    self.assertRegex(message, "^alidade: error: " + address.replace(name, ""))
+                    self.assertIn(expected, message)
+                    self.assertLess(self.server.requests, 40)
+                    self.assertEqual([left for left in os.listdir(self.folder) if "bad" in left], [])
+
+    def test_servers_that_state_a_wrong_size_are_errors(self):
+        for name in ("site.las", "site.laz", "site.copc.laz"):
+            with self.subTest(name):
+                address = self.server.address("short", name)
                 self.assertIn(address, self.query(address, succeeds=False))
 
-    def test_a_server_without_ranges_gives_the_same_or_an_error(self):
-        address = self.server.address("plain", "site.laz")
-        done = subprocess.run([PROGRAM, "query", address, "--ray", "690000,5325000,640,0,0,-1", "--radius", "0.5",
-                               "--k", "4", "--format", "csv", "-q"], cwd=self.folder, capture_output=True, text=True,
-                              timeout=120, check=False)
-        if done.returncode == 0:
-            self.assertEqual(done.stdout, self.query("site.laz"))
-        else:
-            self.assertIn(address, done.stderr)
+    def test_a_server_that_stalls_is_an_error(self):
+        address = self.server.address("stalled", "site.laz")
+        limits = {"GDAL_HTTP_LOW_SPEED_TIME": "1", "GDAL_HTTP_MAX_RETRY": "1"}
+        self.assertIn(address + ": cannot read from the server (2 attempts): ",
+                      self.run_program("convert", address, "-o", "bad.las", succeeds=False, settings=limits))
+        self.assertFalse(os.path.exists(os.path.join(self.folder, "bad.las")))
+
+    def test_waiting_for_a_server_can_be_interrupted(self):
+        for manner, settings in (("stalled", {}), ("status-503", {"GDAL_HTTP_RETRY_DELAY": "1000"})):
+            with self.subTest(manner):
+                self.server.forget()
+                address = self.server.address(manner, "site.laz")
+                with subprocess.Popen([PROGRAM, "convert", address, "-o", "bad.las", "-q"], cwd=self.folder,
+                                      stderr=subprocess.PIPE, env=dict(os.environ, **settings)) as program:
+                    while self.server.requests < (2 if manner == "stalled" else 1):
+                        time.sleep(0.01)
+                    time.sleep(0.1)
+                    program.send_signal(signal.SIGINT)
+                    _, message = program.communicate(timeout=20)
+                self.assertEqual((program.returncode, message), (130, b"alidade: error: interrupted\n"))
+                self.assertEqual([left for left in os.listdir(self.folder) if "bad" in left], [])
+
+    def test_a_server_without_ranges_gives_the_same(self):
+        for name in ("site.las", "site.laz", "site.copc.laz"):
+            self.server.forget()
+            self.assertEqual(self.query(self.server.address("plain", name)), self.query(name))
+            self.assertEqual(self.server.requests, 1)
+
+    def test_a_hierarchy_that_loops_is_an_error(self):
+        with open(os.path.join(self.folder, "site.copc.laz"), "rb") as file:
+            content = bytearray(file.read())
+        page, size = struct.unpack_from("<QQ", content, 469)
+        struct.pack_into("<Qii", content, page + size - 16, page, size, -1)
+        with open(os.path.join(self.folder, "loop.copc.laz"), "wb") as file:
+            file.write(content)
+        address = self.server.address("good", "loop.copc.laz")
+        self.assertIn(f"{address}:byte {page}: page of the COPC hierarchy referenced more than once",
+                      self.query(address, succeeds=False))
+
+    def test_a_missing_tile_of_a_catalog_is_an_error(self):
+        os.mkdir(os.path.join(self.folder, "tiles"))
+        for name in ("a", "b"):
+            self.run_program("convert", "site.las", "-o", f"tiles/{name}.copc.laz")
+        self.run_program("catalog", "tiles", "-o", "tiles/site.catalog.json")
+        os.remove(os.path.join(self.folder, "tiles/b.copc.laz"))
+        self.assertIn("tiles/b.copc.laz: cannot read from the server: HTTP status 404",
+                      self.query(self.server.address("good", "tiles/site.catalog.json"), succeeds=False))
 
     def test_a_server_that_is_not_there_is_an_error(self):
         self.assertIn("http://127.0.0.1:9/site.laz", self.query("http://127.0.0.1:9/site.laz", succeeds=False))
