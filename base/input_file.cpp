@@ -16,6 +16,7 @@
 
 #include "base/error.h"
 #include "base/huge_memory.h"
+#include "base/remote_map.h"
 
 namespace alidade {
 
@@ -170,6 +171,13 @@ std::string read_text_file(const std::filesystem::path& file, std::uintmax_t lar
 }
 
 MappedFile::MappedFile(const InputFile& file) : name_(file.name()) {
+  if (file.is_remote()) {
+    if (const std::shared_ptr<RemoteMap> map = RemoteMap::open(name_)) {
+      storage_ = map;
+      bytes_ = map->bytes();
+      return;
+    }
+  }
   if (file.memory() || file.is_remote()) {
     constexpr std::align_val_t k_page{4096};
     const auto size = static_cast<std::size_t>(file.size());
@@ -194,6 +202,7 @@ MappedFile::MappedFile(const InputFile& file) : name_(file.name()) {
 }
 
 void MappedFile::fetch(std::span<const std::byte> bytes) noexcept {
+  if (const std::shared_ptr<RemoteMap> map = RemoteMap::find(bytes.data())) return map->fetch(bytes);
   constexpr std::uintptr_t k_page = 4096;
   const auto begin = reinterpret_cast<std::uintptr_t>(bytes.data()) / k_page * k_page;
   const auto end = reinterpret_cast<std::uintptr_t>(bytes.data()) + bytes.size();

@@ -172,8 +172,9 @@ class ByteCursor {
 /// what is needed by what lies around it. fetch() is for passes.
 class MappedFile {
  public:
-  /// Maps the file that `file` names; a file in memory is copied, and so is a remote one. Cost: constant for a file on disk. Errors:
-  /// it is missing, unreadable or not a regular file.
+  /// Maps the file that `file` names; a file in memory is copied. A remote one arrives as it is touched
+  /// (base/remote_map.h), or is copied where the system does not permit that. Cost: constant for a file on disk. Errors: it is
+  /// missing, unreadable or not a regular file.
   explicit MappedFile(const InputFile& file);
 
   /// Path as the caller gave it; what error messages call the file.
@@ -183,7 +184,7 @@ class MappedFile {
   /// What keeps the bytes alive.
   const std::shared_ptr<const void>& storage() const { return storage_; }
 
-  /// Asks the system to begin reading some bytes of a map at once.
+  /// Asks the system to begin reading some bytes of a map at once; those of a remote file are there afterwards.
   static void fetch(std::span<const std::byte> bytes) noexcept;
 
  private:

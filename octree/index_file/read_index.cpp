@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <utility>
 
+#include "base/remote_map.h"
 #include "cloud/cloud_reader.h"
 #include "cloud/lattice.h"
 #include "cloud/rows.h"
@@ -63,6 +64,7 @@ class IndexReader final : public CloudReader {
       take_positions(cloud, rows);
       take_columns(cloud, kept, rows);
       row += count;
+      RemoteMap::check(index_.tree().coordinates);
       report(progress, bytes / 4 + bytes / 4 * 3 / std::max<std::uint64_t>(1, about_.point_count) * row,
              bytes);
     } while (row < about_.point_count);
