@@ -18,6 +18,7 @@
 #include <vector>
 
 #include "base/error.h"
+#include "geo/block_folder.h"
 #include "geo/gdal_reference.h"
 #include "geo/http_source.h"
 
@@ -172,27 +173,32 @@ class BlockMemory {
 
 /// What the process knows of web servers. It outlives all that is static elsewhere.
 struct Web {
+  explicit Web(const RemoteOptions& chosen) : options(chosen) {
+    if (!options.cache.empty()) folder.emplace(options.cache, options.cache_bytes);
+  }
+
+  const RemoteOptions options;
   std::mutex mutex;
   /// By URL. Sources are never given up: their addresses name blocks.
   std::map<std::string, std::shared_ptr<HttpSource>> sources;
   std::vector<std::shared_ptr<HttpSource>> replaced;
   BlockMemory memory;
+  std::optional<BlockFolder> folder;
 };
 
-Web& web() {
-  static Web& web = *new Web;
+Web& web(const RemoteOptions& options = {}) {
+  static Web& web = *new Web(options);
   return web;
 }
 
 /// The source of a URL, opened once in a process and again when it turns out that the file changed.
-std::shared_ptr<HttpSource> http_source(const std::string& name, const std::string& url,
-                                        const RemoteOptions& options) {
+std::shared_ptr<HttpSource> http_source(const std::string& name, const std::string& url) {
   {
     const std::scoped_lock lock(web().mutex);
     const auto known = web().sources.find(url);
     if (known != web().sources.end() && !known->second->has_changed()) return known->second;
   }
-  auto source = std::make_shared<HttpSource>(name, url, k_block, options.is_interrupted);
+  auto source = std::make_shared<HttpSource>(name, url, k_block, web().options.is_interrupted);
   const std::span<const std::byte> start = source->start();
   web().memory.keep({source.get(), 0},
                     std::make_shared<const std::vector<std::byte>>(start.begin(), start.end()));
@@ -207,7 +213,10 @@ std::shared_ptr<HttpSource> http_source(const std::string& name, const std::stri
 /// A file on a web server, read in whole blocks, which are kept.
 class HttpFile final : public RemoteFile {
  public:
-  explicit HttpFile(std::shared_ptr<HttpSource> source) : source_(std::move(source)) {}
+  HttpFile(std::shared_ptr<HttpSource> source, const std::string& url)
+      : source_(std::move(source)), key_(url + "\n" + source_->version() + "\n") {
+    if (!source_->version().empty() && web().folder) folder_ = &*web().folder;
+  }
 
   std::uint64_t size() const override { return source_->size(); }
   std::string version() const override { return source_->version(); }
@@ -219,7 +228,7 @@ class HttpFile final : public RemoteFile {
     const std::uint64_t end = offset + into.size();
     for (std::uint64_t at = offset; at < end;) {
       const std::uint64_t block = at / k_block;
-      const BlockMemory::Block kept = web().memory.find({source_.get(), block});
+      const BlockMemory::Block kept = find(block);
       const std::uint64_t from = block * k_block;
       std::vector<std::byte> fetched;
       if (!kept) fetched = fetch(block, std::min(end, from + k_most));
@@ -232,6 +241,7 @@ class HttpFile final : public RemoteFile {
 
  private:
   std::uint64_t block_count() const { return (size() + k_block - 1) / k_block; }
+  std::string key_of(std::uint64_t block) const { return key_ + std::to_string(block); }
 
   /// Readers that go through a file get ever more of it at once.
   void look_ahead(std::uint64_t offset, std::uint64_t count) {
@@ -240,12 +250,28 @@ class HttpFile final : public RemoteFile {
     next_ = offset + count;
   }
 
+  BlockMemory::Block find(std::uint64_t block) const {
+    if (auto kept = web().memory.find({source_.get(), block})) return kept;
+    if (folder_ == nullptr) return nullptr;
+    const std::uint64_t count = std::min<std::uint64_t>(k_block, size() - block * k_block);
+    auto stored = folder_->find(key_of(block), static_cast<std::size_t>(count));
+    if (!stored) return nullptr;
+    auto kept = std::make_shared<const std::vector<std::byte>>(std::move(*stored));
+    web().memory.keep({source_.get(), block}, kept);
+    return kept;
+  }
+
+  bool is_kept(std::uint64_t block) const {
+    return web().memory.find({source_.get(), block}) ||
+           (folder_ != nullptr && folder_->contains(key_of(block)));
+  }
+
   /// The blocks from `first` on that are not kept, until those that hold all before `end`.
   std::vector<std::byte> fetch(std::uint64_t first, std::uint64_t end) {
     const std::uint64_t needed = (end + k_block - 1) / k_block;
     const std::uint64_t limit = std::min(block_count(), needed + (end == next_ ? ahead_ / k_block : 0));
     std::uint64_t last = first + 1;
-    while (last < limit && !web().memory.find({source_.get(), last})) ++last;
+    while (last < limit && !is_kept(last)) ++last;
     std::vector<std::byte> bytes(
         static_cast<std::size_t>(std::min(size(), last * k_block) - first * k_block));
     source_->read(first * k_block, bytes);
@@ -254,18 +280,22 @@ class HttpFile final : public RemoteFile {
       const auto part = rest.first(std::min(rest.size(), k_block));
       web().memory.keep({source_.get(), block},
                         std::make_shared<const std::vector<std::byte>>(part.begin(), part.end()));
+      if (folder_ != nullptr) folder_->keep(key_of(block), part);
     }
     return bytes;
   }
 
   std::shared_ptr<HttpSource> source_;
+  std::string key_;
+  BlockFolder* folder_ = nullptr;
   std::uint64_t next_ = 0;   ///< where the last read ended
   std::uint64_t ahead_ = 0;  ///< bytes to fetch more than requested
 };
 
 std::unique_ptr<RemoteFile> open_file(const std::string& name, const RemoteOptions& options) {
   const std::string url = web_url(name);
-  if (!url.empty()) return std::make_unique<HttpFile>(http_source(name, url, options));
+  web(options);
+  if (!url.empty()) return std::make_unique<HttpFile>(http_source(name, url), url);
   return std::make_unique<VirtualFile>(name, virtual_name(name));
 }
 

@@ -20,6 +20,7 @@ Everywhere:
 /short/FILE      states a length that is ten times too long
 /busy-503/FILE   answers 503 (or 429, 500 ...) to two of three requests
 /status-403/FILE  always answers 403
+/gone-3/FILE     closes the connection from the fourth request on
 """
 
 import email.utils
@@ -60,6 +61,9 @@ class Handler(http.server.BaseHTTPRequestHandler):
             return self.send_error(int(manner[5:]))
         if manner.startswith("status-"):
             return self.send_error(int(manner[7:]))
+        if manner.startswith("gone-") and number > int(manner[5:]):
+            self.close_connection = True
+            return None
         if manner == "slow":
             time.sleep(0.02)
         asked = re.fullmatch(r"bytes=(\d+)-(\d*)", self.headers.get("Range", ""))
