@@ -8,6 +8,8 @@
 #include <mutex>
 #include <variant>
 
+#include "base/input_file.h"
+#include "base/remote_map.h"
 #include "base/words.h"
 #include "cloud/las/write_las.h"
 #include "cloud/ply/write_ply.h"
@@ -88,6 +90,18 @@ py::list names_of(const AttributeColumns& columns) {
   return names;
 }
 
+/// Errors: the column lies on a server and cannot be read.
+void fetch(const py::array& column) {
+  const auto bytes = static_cast<std::size_t>(column.ndim() == 0 ? 0 : column.shape(0) * column.strides(0));
+  const std::span<const std::byte> part(static_cast<const std::byte*>(column.data()), bytes);
+  if (!RemoteMap::find(column.data())) return;
+  run_free(0, [&] {
+    MappedFile::fetch(part);
+    RemoteMap::touch(part);
+  });
+  RemoteMap::check(column.data());
+}
+
 py::array column_of(const Cloud& cloud, const py::str& wanted) {
   const AttributeColumns columns = cloud.data()->points.columns();
   const py::capsule owner = owner_of(cloud.data());
@@ -97,7 +111,10 @@ py::array column_of(const Cloud& cloud, const py::str& wanted) {
   });
   for (const ExtraColumn& column : columns.extra_dimensions)
     if (found.is_none() && wanted.equal(text_of(column.description.name))) found = array_of(column, owner);
-  if (!found.is_none()) return found;
+  if (!found.is_none()) {
+    fetch(found);
+    return found;
+  }
   const py::str text = py::str("the cloud has no attribute {!r}; it has {}")
                            .format(wanted, py::str(", ").attr("join")(names_of(columns)));
   PyErr_SetObject(PyExc_KeyError, text.ptr());
@@ -230,6 +247,7 @@ py::array Cloud::xyz() {
     const std::vector<LatticePosition>& positions = data_->points.index ? stored : cloud.positions;
     for_each_index(0, count, [&](std::size_t i) { rows[i] = to_world(data_->lattice(), positions[i]); });
   });
+  if (data_->points.index) RemoteMap::check(data_->points.octree.view().coordinates);
   array.attr("flags").attr("writeable") = false;
   xyz_ = array;
   return array;
