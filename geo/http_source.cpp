@@ -251,9 +251,16 @@ HttpSource::Answer HttpSource::request_once(std::uint64_t first, std::uint64_t l
          .problem = "the server sends no ranges, and the file is too large to fetch whole; download it",
          .expected = fmt::format("at most {} bytes", k_largest_whole)});
 
+  // The last of a name: those of redirections come before.
   const auto header = [&](const char* key) {
-    const char* const value = CSLFetchNameValue(result->papszHeaders, key);
-    return std::string(value != nullptr ? value : "");
+    std::string value;
+    for (char** line = result->papszHeaders; line != nullptr && *line != nullptr; ++line) {
+      char* name = nullptr;
+      const char* const text = CPLParseNameValue(*line, &name);
+      if (text != nullptr && name != nullptr && EQUAL(name, key)) value = text;
+      CPLFree(name);
+    }
+    return value;
   };
   Answer answer;
   answer.curl_code = result->nStatus;

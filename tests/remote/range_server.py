@@ -20,6 +20,8 @@ Everywhere:
 /short/FILE      states a length that is ten times too long
 /busy-503/FILE   answers 503 (or 429, 500 ...) to two of three requests
 /status-403/FILE  always answers 403
+/moved/FILE      redirects to /good/FILE
+/keyed/FILE      answers 403 to requests without the header X-Key: 17
 /gone-3/FILE     closes the connection from the fourth request on
 """
 
@@ -64,6 +66,14 @@ class Handler(http.server.BaseHTTPRequestHandler):
         if manner.startswith("gone-") and number > int(manner[5:]):
             self.close_connection = True
             return None
+        if manner == "keyed" and self.headers.get("X-Key") != "17":
+            return self.send_error(403)
+        if manner == "moved":
+            self.send_response(302)
+            self.send_header("Location", server.address("good", name))
+            self.send_header("ETag", f'"{number}"')
+            self.send_header("Content-Length", "0")
+            return self.end_headers()
         if manner == "slow":
             time.sleep(0.02)
         asked = re.fullmatch(r"bytes=(\d+)-(\d*)", self.headers.get("Range", ""))

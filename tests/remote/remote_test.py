@@ -252,6 +252,13 @@ class RemoteTest(unittest.TestCase):
                 self.assertEqual(self.query(self.server.address(f"busy-{status}", "site.laz")), self.query("site.laz"))
                 self.assertGreater(self.server.requests, 3)
 
+    def test_servers_that_redirect_or_ask_for_a_key_are_read(self):
+        self.assertEqual(self.query(self.server.address("moved", "site.laz")), self.query("site.laz"))
+        address = self.server.address("keyed", "site.laz")
+        self.assertIn("HTTP status 403", self.query(address, succeeds=False))
+        self.assertEqual(self.query(address, settings={"GDAL_HTTP_HEADERS": "X-Other: 1,X-Key: 17"}),
+                         self.query("site.laz"))
+
     def test_a_connection_that_breaks_once_is_made_again(self):
         for name in ("site.laz", "site.copc.laz"):
             with self.subTest(name):
