@@ -2,6 +2,7 @@
 #include "base/input_file.h"
 
 #include <fcntl.h>
+#include <fmt/format.h>
 #include <sys/mman.h>
 #include <sys/stat.h>
 #include <unistd.h>
@@ -15,6 +16,7 @@
 
 #include "base/error.h"
 #include "base/huge_memory.h"
+#include "base/remote_map.h"
 
 namespace alidade {
 
@@ -23,12 +25,6 @@ namespace {
 constexpr int k_read_flags = O_RDONLY | O_CLOEXEC | O_NONBLOCK;
 
 OpenRemoteFile open_remote = nullptr;
-
-std::unique_ptr<RemoteFile> remote_file(const std::string& name) {
-  if (open_remote == nullptr)
-    throw Error({.file = name, .problem = "cannot open remote files", .expected = "a file on this machine"});
-  return open_remote(name);
-}
 
 }  // namespace
 
@@ -41,6 +37,12 @@ bool is_remote_name(std::string_view name) {
 
 void set_remote_files(OpenRemoteFile open) {
   open_remote = open;
+}
+
+std::unique_ptr<RemoteFile> open_remote_file(const std::string& name) {
+  if (open_remote == nullptr)
+    throw Error({.file = name, .problem = "cannot open remote files", .expected = "a file on this machine"});
+  return open_remote(name);
 }
 
 FileDescriptor::FileDescriptor(const std::string& path, int flags) : number_(::open(path.c_str(), flags)) {
@@ -65,8 +67,9 @@ std::uint64_t FileDescriptor::size_of_regular(const std::string& path) const {
 
 InputFile::InputFile(const std::filesystem::path& path) : name_(path.string()) {
   if (is_remote_name(name_)) {
-    remote_ = remote_file(name_);
+    remote_ = open_remote_file(name_);
     size_ = remote_->size();
+    version_ = remote_->version();
   } else {
     descriptor_ = FileDescriptor(name_, k_read_flags);
     size_ = descriptor_.size_of_regular(name_);
@@ -91,12 +94,12 @@ void InputFile::check_range(std::uint64_t offset, std::uint64_t count) const {
 
 void InputFile::fill(std::uint64_t offset, std::span<std::byte> into) {
   if (is_remote()) {
-    if (!remote_) remote_ = remote_file(name_);
-    if (remote_->size() != size_)
+    if (!remote_) remote_ = open_remote_file(name_);
+    if (remote_->size() != size_ || remote_->version() != version_)
       throw Error({.file = name_,
-                   .problem = "the file changed while it was read",
-                   .expected = std::to_string(size_) + " bytes",
-                   .found = std::to_string(remote_->size())});
+                   .problem = "the file changed while it was read; read it again",
+                   .expected = fmt::format("{} bytes, version {}", size_, version_),
+                   .found = fmt::format("{} bytes, version {}", remote_->size(), remote_->version())});
     return remote_->read(offset, into);
   }
   if (!descriptor_.is_open()) descriptor_ = FileDescriptor(name_, k_read_flags);
@@ -168,6 +171,13 @@ std::string read_text_file(const std::filesystem::path& file, std::uintmax_t lar
 }
 
 MappedFile::MappedFile(const InputFile& file) : name_(file.name()) {
+  if (file.is_remote()) {
+    if (const std::shared_ptr<RemoteMap> map = RemoteMap::open(name_)) {
+      storage_ = map;
+      bytes_ = map->bytes();
+      return;
+    }
+  }
   if (file.memory() || file.is_remote()) {
     constexpr std::align_val_t k_page{4096};
     const auto size = static_cast<std::size_t>(file.size());
@@ -192,6 +202,7 @@ MappedFile::MappedFile(const InputFile& file) : name_(file.name()) {
 }
 
 void MappedFile::fetch(std::span<const std::byte> bytes) noexcept {
+  if (const std::shared_ptr<RemoteMap> map = RemoteMap::find(bytes.data())) return map->fetch(bytes);
   constexpr std::uintptr_t k_page = 4096;
   const auto begin = reinterpret_cast<std::uintptr_t>(bytes.data()) / k_page * k_page;
   const auto end = reinterpret_cast<std::uintptr_t>(bytes.data()) + bytes.size();

@@ -45,6 +45,8 @@ class RemoteFile {
  public:
   virtual ~RemoteFile() = default;
   virtual std::uint64_t size() const = 0;
+  /// Differs between different contents under one name, as far as the server tells.
+  virtual std::string version() const = 0;
   /// Copies bytes, all of them within the file. Errors: reading failed.
   virtual void read(std::uint64_t offset, std::span<std::byte> into) = 0;
 };
@@ -56,6 +58,8 @@ bool is_remote_name(std::string_view name);
 using OpenRemoteFile = std::unique_ptr<RemoteFile> (*)(const std::string& name);
 /// How InputFile opens files of such names; before, it rejects them. Not while others open files.
 void set_remote_files(OpenRemoteFile open);
+/// Opens a file of such a name. Errors: those of the function given; there is none.
+std::unique_ptr<RemoteFile> open_remote_file(const std::string& name);
 
 /// A file with checked random access: reading beyond its end throws an Error that names the byte. Works alike
 /// on bytes in memory, which is how fuzz tests feed the readers. Not thread safe.
@@ -99,6 +103,7 @@ class InputFile {
   std::uint64_t size_ = 0;
   FileDescriptor descriptor_;  ///< closed while resting, for bytes in memory and remote files
   std::unique_ptr<RemoteFile> remote_;
+  std::string version_;  ///< of the remote file
   std::optional<std::span<const std::byte>> memory_;
   std::vector<std::byte> window_;  ///< the file from window_offset_ on; window_size_ bytes are valid
   std::uint64_t window_offset_ = 0;
@@ -167,8 +172,9 @@ class ByteCursor {
 /// what is needed by what lies around it. fetch() is for passes.
 class MappedFile {
  public:
-  /// Maps the file that `file` names; a file in memory is copied, and so is a remote one. Cost: constant for a file on disk. Errors:
-  /// it is missing, unreadable or not a regular file.
+  /// Maps the file that `file` names; a file in memory is copied. A remote one arrives as it is touched
+  /// (base/remote_map.h), or is copied where the system does not permit that. Cost: constant for a file on disk. Errors: it is
+  /// missing, unreadable or not a regular file.
   explicit MappedFile(const InputFile& file);
 
   /// Path as the caller gave it; what error messages call the file.
@@ -178,7 +184,7 @@ class MappedFile {
   /// What keeps the bytes alive.
   const std::shared_ptr<const void>& storage() const { return storage_; }
 
-  /// Asks the system to begin reading some bytes of a map at once.
+  /// Asks the system to begin reading some bytes of a map at once; those of a remote file are there afterwards.
   static void fetch(std::span<const std::byte> bytes) noexcept;
 
  private:

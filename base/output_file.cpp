@@ -18,6 +18,7 @@
 #include <vector>
 
 #include "base/error.h"
+#include "base/remote_map.h"
 
 namespace alidade {
 namespace {
@@ -106,6 +107,10 @@ void write_fully(const std::string& name, int descriptor, std::uint64_t offset,
   while (!bytes.empty()) {
     const ::ssize_t count = ::pwrite(descriptor, bytes.data(), bytes.size(), static_cast<::off_t>(offset));
     if (count < 0 && errno == EINTR) continue;
+    if (count < 0 && errno == EFAULT) {
+      RemoteMap::touch(bytes);  // for which the system does not wait
+      continue;
+    }
     if (count < 0) fail(name);
     bytes = bytes.subspan(static_cast<std::size_t>(count));
     offset += static_cast<std::uint64_t>(count);
@@ -177,6 +182,7 @@ void OutputFile::write_at(std::uint64_t offset, std::span<const std::byte> bytes
 void OutputFile::commit() {
   assert(!committed_);
   flush();
+  RemoteMap::check_all();
   // Some file systems report a full disk only here.
   if (::fsync(descriptor_) != 0) fail(name_);
   const int closed = ::close(descriptor_);

@@ -5,14 +5,22 @@
 #include <cpl_json.h>
 #include <cpl_vsi.h>
 #include <cpl_vsi_error.h>
+#include <algorithm>
 #include <array>
 #include <atomic>
+#include <cstring>
+#include <list>
+#include <map>
+#include <mutex>
 #include <optional>
+#include <string_view>
 #include <utility>
 #include <vector>
 
 #include "base/error.h"
+#include "geo/block_folder.h"
 #include "geo/gdal_reference.h"
+#include "geo/http_source.h"
 
 namespace alidade::geo {
 namespace {
@@ -23,7 +31,14 @@ std::string virtual_name(const std::string& name) {
       {{"s3://", "/vsis3/"}, {"gs://", "/vsigs/"}, {"az://", "/vsiaz/"}}};
   for (const auto& [begin, folder] : k_buckets)
     if (name.starts_with(begin)) return folder + name.substr(std::string(begin).size());
-  return name.starts_with("/vsi") ? name : "/vsicurl/" + name;
+  return name;
+}
+
+/// The URL of a file that HttpSource reads; empty for others.
+std::string web_url(std::string_view name) {
+  constexpr std::string_view k_virtual = "/vsicurl/";
+  if (name.starts_with(k_virtual)) name.remove_prefix(k_virtual.size());
+  return name.starts_with("http://") || name.starts_with("https://") ? std::string(name) : "";
 }
 
 /// Whether it is a catalog that is compressed, to be read as if it were not.
@@ -55,20 +70,22 @@ void set_defaults() {
 
 class VirtualFile final : public RemoteFile {
  public:
-  explicit VirtualFile(const std::string& name) : name_(name) {
+  /// `name` is what messages call the file.
+  VirtualFile(const std::string& name, const std::string& path) : name_(name) {
     const QuietGdal quiet;
     VSIErrorReset();
     // The other files of its folder do not matter.
     constexpr const char* k_list = "GDAL_DISABLE_READDIR_ON_OPEN";
     CPLSetThreadLocalConfigOption(k_list, "EMPTY_DIR");
-    handle_.reset(VSIFOpenExL(virtual_name(name).c_str(), "rb", TRUE));
+    handle_.reset(VSIFOpenExL(path.c_str(), "rb", TRUE));
     CPLSetThreadLocalConfigOption(k_list, nullptr);
     if (!handle_) fail(name, "cannot open the file");
-    measure();
-    if (is_packed(name)) unpack();
+    if (VSIFSeekL(handle_.get(), 0, SEEK_END) != 0) fail(name_, "cannot measure the file");
+    size_ = VSIFTellL(handle_.get());
   }
 
   std::uint64_t size() const override { return size_; }
+  std::string version() const override { return std::to_string(size_); }
 
   void read(std::uint64_t offset, std::span<std::byte> into) override {
     const QuietGdal quiet;
@@ -83,49 +100,219 @@ class VirtualFile final : public RemoteFile {
     void operator()(VSILFILE* file) const { VSIFCloseL(file); }
   };
 
-  void measure() {
-    if (VSIFSeekL(handle_.get(), 0, SEEK_END) != 0) fail(name_, "cannot measure the file");
-    size_ = VSIFTellL(handle_.get());
-  }
-
-  /// Goes on with what is packed in the file, which is fetched at once: unpacking as it comes would take more requests.
-  void unpack() {
-    constexpr std::uint64_t k_largest = std::uint64_t{256} << 20;
-    if (size_ > k_largest)
-      throw Error({.file = name_,
-                   .problem = "the compressed catalog is too large",
-                   .expected = std::to_string(k_largest) + " bytes",
-                   .found = std::to_string(size_)});
-    static std::atomic<int> count = 0;
-    // A number: GDAL remembers what files of a name had in them.
-    packed_.emplace(("_" + std::to_string(count++) + ".gz").c_str());
-    std::vector<std::byte> bytes(static_cast<std::size_t>(size_));
-    read(0, bytes);
-    handle_.reset(VSIFOpenL(packed_->name(), "wb"));
-    if (!handle_ || VSIFWriteL(bytes.data(), 1, bytes.size(), handle_.get()) != bytes.size())
-      fail(name_, "cannot keep the file in memory");
-    handle_.reset(VSIFOpenL((std::string("/vsigzip/") + packed_->name()).c_str(), "rb"));
-    if (!handle_) fail(name_, "cannot decompress the file");
-    measure();
-  }
-
   std::string name_;
-  std::optional<GdalMemoryFile> packed_{};
   std::unique_ptr<VSILFILE, Close> handle_;
   std::uint64_t size_ = 0;
 };
 
+/// A compressed file, fetched at once: unpacking as it comes would take more requests.
+class UnpackedFile final : public RemoteFile {
+ public:
+  UnpackedFile(const std::string& name, RemoteFile& packed)
+      // A number: GDAL remembers what files of a name had in them.
+      : packed_(("_" + std::to_string(count_++) + ".gz").c_str()) {
+    constexpr std::uint64_t k_largest = std::uint64_t{256} << 20;
+    if (packed.size() > k_largest)
+      throw Error({.file = name,
+                   .problem = "the compressed catalog is too large",
+                   .expected = std::to_string(k_largest) + " bytes",
+                   .found = std::to_string(packed.size())});
+    std::vector<std::byte> bytes(static_cast<std::size_t>(packed.size()));
+    if (!bytes.empty()) packed.read(0, bytes);
+    VSILFILE* const file = VSIFOpenL(packed_.name(), "wb");
+    const bool is_kept = file != nullptr && VSIFWriteL(bytes.data(), 1, bytes.size(), file) == bytes.size();
+    if (file != nullptr) VSIFCloseL(file);
+    if (!is_kept) fail(name, "cannot keep the file in memory");
+    version_ = packed.version();
+    content_.emplace(name, std::string("/vsigzip/") + packed_.name());
+  }
+
+  std::uint64_t size() const override { return content_->size(); }
+  std::string version() const override { return version_; }
+  void read(std::uint64_t offset, std::span<std::byte> into) override { content_->read(offset, into); }
+
+ private:
+  static inline std::atomic<int> count_ = 0;
+  GdalMemoryFile packed_;
+  std::string version_;
+  std::optional<VirtualFile> content_{};
+};
+
+constexpr std::size_t k_block = 16 << 10;
+
+/// Blocks of files on web servers, the latest 64 MiB of all. Thread safe.
+class BlockMemory {
+ public:
+  using Block = std::shared_ptr<const std::vector<std::byte>>;
+  using Key = std::pair<const HttpSource*, std::uint64_t>;
+
+  Block find(const Key& key) {
+    const std::scoped_lock lock(mutex_);
+    const auto found = blocks_.find(key);
+    if (found == blocks_.end()) return nullptr;
+    latest_.splice(latest_.begin(), latest_, found->second);
+    return found->second->second;
+  }
+
+  void keep(const Key& key, Block block) {
+    constexpr std::size_t k_most_blocks = (std::size_t{64} << 20) / k_block;
+    const std::scoped_lock lock(mutex_);
+    if (blocks_.contains(key)) return;
+    latest_.emplace_front(key, std::move(block));
+    blocks_[key] = latest_.begin();
+    if (latest_.size() <= k_most_blocks) return;
+    blocks_.erase(latest_.back().first);
+    latest_.pop_back();
+  }
+
+ private:
+  std::mutex mutex_;
+  std::list<std::pair<Key, Block>> latest_;  ///< used last first
+  std::map<Key, std::list<std::pair<Key, Block>>::iterator> blocks_;
+};
+
+/// What the process knows of web servers. It outlives all that is static elsewhere.
+struct Web {
+  explicit Web(const RemoteOptions& chosen) : options(chosen) {
+    if (!options.cache.empty()) folder.emplace(options.cache, options.cache_bytes);
+  }
+
+  const RemoteOptions options;
+  std::mutex mutex;
+  /// By URL. Sources are never given up: their addresses name blocks.
+  std::map<std::string, std::shared_ptr<HttpSource>> sources;
+  std::vector<std::shared_ptr<HttpSource>> replaced;
+  BlockMemory memory;
+  std::optional<BlockFolder> folder;
+};
+
+Web& web(const RemoteOptions& options = {}) {
+  static Web& web = *new Web(options);
+  return web;
+}
+
+/// The source of a URL, opened once in a process and again when it turns out that the file changed.
+std::shared_ptr<HttpSource> http_source(const std::string& name, const std::string& url) {
+  {
+    const std::scoped_lock lock(web().mutex);
+    const auto known = web().sources.find(url);
+    if (known != web().sources.end() && !known->second->has_changed()) return known->second;
+  }
+  auto source = std::make_shared<HttpSource>(name, url, k_block, web().options.is_interrupted);
+  const std::span<const std::byte> start = source->start();
+  web().memory.keep({source.get(), 0},
+                    std::make_shared<const std::vector<std::byte>>(start.begin(), start.end()));
+  const std::scoped_lock lock(web().mutex);
+  std::shared_ptr<HttpSource>& known = web().sources[url];
+  if (known && !known->has_changed()) return known;  // another thread was faster
+  if (known) web().replaced.push_back(std::move(known));
+  known = source;
+  return source;
+}
+
+/// A file on a web server, read in whole blocks, which are kept.
+class HttpFile final : public RemoteFile {
+ public:
+  HttpFile(std::shared_ptr<HttpSource> source, const std::string& url)
+      : source_(std::move(source)), key_(url + "\n" + source_->version() + "\n") {
+    if (!source_->version().empty() && web().folder) folder_ = &*web().folder;
+  }
+
+  std::uint64_t size() const override { return source_->size(); }
+  std::string version() const override { return source_->version(); }
+
+  void read(std::uint64_t offset, std::span<std::byte> into) override {
+    look_ahead(offset, into.size());
+    // So much for each request, so that little is lost when one fails.
+    constexpr std::uint64_t k_most = std::uint64_t{16} << 20;
+    const std::uint64_t end = offset + into.size();
+    for (std::uint64_t at = offset; at < end;) {
+      const std::uint64_t block = at / k_block;
+      const BlockMemory::Block kept = find(block);
+      const std::uint64_t from = block * k_block;
+      std::vector<std::byte> fetched;
+      if (!kept) fetched = fetch(block, std::min(end, from + k_most));
+      const std::vector<std::byte>& bytes = kept ? *kept : fetched;
+      const std::uint64_t count = std::min(end, from + bytes.size()) - at;
+      std::memcpy(into.data() + (at - offset), bytes.data() + (at - from), count);
+      at += count;
+    }
+  }
+
+ private:
+  std::uint64_t block_count() const { return (size() + k_block - 1) / k_block; }
+  std::string key_of(std::uint64_t block) const { return key_ + std::to_string(block); }
+
+  /// Readers that go through a file get ever more of it at once.
+  void look_ahead(std::uint64_t offset, std::uint64_t count) {
+    constexpr std::uint64_t k_least = 64 << 10, k_most = 4 << 20;
+    ahead_ = offset != 0 && offset == next_ ? std::clamp(2 * ahead_, k_least, k_most) : 0;
+    next_ = offset + count;
+  }
+
+  BlockMemory::Block find(std::uint64_t block) const {
+    if (auto kept = web().memory.find({source_.get(), block})) return kept;
+    if (folder_ == nullptr) return nullptr;
+    const std::uint64_t count = std::min<std::uint64_t>(k_block, size() - block * k_block);
+    auto stored = folder_->find(key_of(block), static_cast<std::size_t>(count));
+    if (!stored) return nullptr;
+    auto kept = std::make_shared<const std::vector<std::byte>>(std::move(*stored));
+    web().memory.keep({source_.get(), block}, kept);
+    return kept;
+  }
+
+  bool is_kept(std::uint64_t block) const {
+    return web().memory.find({source_.get(), block}) ||
+           (folder_ != nullptr && folder_->contains(key_of(block)));
+  }
+
+  /// The blocks from `first` on that are not kept, until those that hold all before `end`.
+  std::vector<std::byte> fetch(std::uint64_t first, std::uint64_t end) {
+    const std::uint64_t needed = (end + k_block - 1) / k_block;
+    const std::uint64_t limit = std::min(block_count(), needed + (end == next_ ? ahead_ / k_block : 0));
+    std::uint64_t last = first + 1;
+    while (last < limit && !is_kept(last)) ++last;
+    std::vector<std::byte> bytes(
+        static_cast<std::size_t>(std::min(size(), last * k_block) - first * k_block));
+    source_->read(first * k_block, bytes);
+    for (std::uint64_t block = first; block < last; ++block) {
+      const std::span<const std::byte> rest = std::span(bytes).subspan((block - first) * k_block);
+      const auto part = rest.first(std::min(rest.size(), k_block));
+      web().memory.keep({source_.get(), block},
+                        std::make_shared<const std::vector<std::byte>>(part.begin(), part.end()));
+      if (folder_ != nullptr) folder_->keep(key_of(block), part);
+    }
+    return bytes;
+  }
+
+  std::shared_ptr<HttpSource> source_;
+  std::string key_;
+  BlockFolder* folder_ = nullptr;
+  std::uint64_t next_ = 0;   ///< where the last read ended
+  std::uint64_t ahead_ = 0;  ///< bytes to fetch more than requested
+};
+
+std::unique_ptr<RemoteFile> open_file(const std::string& name, const RemoteOptions& options) {
+  const std::string url = web_url(name);
+  web(options);
+  if (!url.empty()) return std::make_unique<HttpFile>(http_source(name, url), url);
+  return std::make_unique<VirtualFile>(name, virtual_name(name));
+}
+
 }  // namespace
 
-std::unique_ptr<RemoteFile> open_remote_file(const std::string& name) {
+std::unique_ptr<RemoteFile> open_remote_file(const std::string& name, const RemoteOptions& options) {
   [[maybe_unused]] static const bool is_set = (set_defaults(), true);
-  return std::make_unique<VirtualFile>(name);
+  const QuietGdal quiet;
+  auto file = open_file(name, options);
+  return is_packed(name) ? std::make_unique<UnpackedFile>(name, *file) : std::move(file);
 }
 
 RemoteTraffic remote_traffic() {
+  const HttpSource::Traffic from_web = HttpSource::traffic();
+  RemoteTraffic traffic{from_web.requests, from_web.bytes};
   const std::unique_ptr<char, decltype(&VSIFree)> text(VSINetworkStatsGetAsSerializedJSON(nullptr), &VSIFree);
   CPLJSONDocument document;
-  RemoteTraffic traffic;
   if (!text || !document.LoadMemory(text.get())) return traffic;
   for (const CPLJSONObject& method : document.GetRoot().GetObj("methods").GetChildren()) {
     traffic.requests += static_cast<std::uint64_t>(method.GetLong("count"));

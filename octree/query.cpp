@@ -7,8 +7,10 @@
 #include <cmath>
 #include <limits>
 #include <numeric>
+#include <utility>
 
 #include "base/huge_memory.h"
+#include "base/remote_map.h"
 #include "octree/answer_target.h"
 #include "octree/check_query.h"
 #include "octree/curve_order.h"
@@ -20,6 +22,17 @@ namespace {
 
 // Enough work per task to hide the scheduler, few enough that the last tasks do not leave threads idle.
 constexpr std::size_t k_grain = 256;
+
+/// Errors: the index file lies on a server and could not be read: what was answered may be wrong.
+void check_arrival(const Octree& octree) {
+  RemoteMap::check(octree.view().coordinates);
+}
+
+template <class Answer>
+Answer arrived(const Octree& octree, Answer&& answer) {
+  check_arrival(octree);
+  return std::forward<Answer>(answer);
+}
 
 template <class Target, class Query>
 void check_many(const Octree& octree, std::span<const Target>, const Query& query) {
@@ -121,13 +134,13 @@ class CurveBatch {
 template <AskableAlong T>
 std::optional<Hit> closest(const Octree& octree, const T& target, const QueryOf<T>& query) {
   check_target(octree, target, query);
-  return first_hit(octree, target, query, 0);
+  return arrived(octree, first_hit(octree, target, query, 0));
 }
 
 template <AskableAlong T>
 bool occluded(const Octree& octree, const T& target, const QueryOf<T>& query) {
   check_target(octree, target, query);
-  return any_hit(octree, target, query, 0);
+  return arrived(octree, any_hit(octree, target, query, 0));
 }
 
 template <Askable T>
@@ -136,6 +149,7 @@ std::vector<AnswerOf<T>> FamilyAnswers<T>::find(const Octree& octree, const T& t
   check_target(octree, target, query);
   std::vector<AnswerOf<T>> answers;
   find_into(octree, target, query, query.k, 0, answers);
+  check_arrival(octree);
   return answers;
 }
 
@@ -145,17 +159,18 @@ Answers<AnswerOf<T>> FamilyAnswers<T>::find(const Octree& octree, std::span<cons
   check_many(octree, targets, query);
   if constexpr (std::same_as<T, glm::dvec3>) {
     if (suits_turns(octree, query) && targets.size() <= std::numeric_limits<std::uint32_t>::max())
-      return CurveBatch(octree, targets, query).find();
+      return arrived(octree, CurveBatch(octree, targets, query).find());
   }
-  return answer_all<AnswerOf<T>>(targets, k_grain, [&](std::size_t i, std::vector<AnswerOf<T>>& answers) {
+  const auto find_one = [&](std::size_t i, std::vector<AnswerOf<T>>& answers) {
     find_into(octree, targets[i], query, query.k, i, answers);
-  });
+  };
+  return arrived(octree, answer_all<AnswerOf<T>>(targets, k_grain, find_one));
 }
 
 template <Askable T>
 std::size_t FamilyAnswers<T>::count(const Octree& octree, const T& target, const QueryOf<T>& query) {
   check_target(octree, target, query);
-  return count_to(octree, target, query, query.k, 0);
+  return arrived(octree, count_to(octree, target, query, query.k, 0));
 }
 
 template <Askable T>
@@ -165,6 +180,7 @@ void FamilyAnswers<T>::count(const Octree& octree, std::span<const T> targets, c
            [](const Octree& tree, const T& target, const QueryOf<T>& asked, std::size_t i) {
              return count_to(tree, target, asked, asked.k, i);
            });
+  check_arrival(octree);
 }
 
 template std::optional<Hit> closest(const Octree&, const Ray&, const RayQuery&);

@@ -18,6 +18,7 @@
 #include <utility>
 #include <vector>
 
+#include "base/remote_map.h"
 #include "octree/answer_target.h"
 #include "octree/check_query.h"
 #include "octree/curve_order.h"
@@ -264,12 +265,14 @@ template <class Batch>
 void ask_closest(const Octree& octree, const Batch& batch, const RayQuery& query) {
   ask_rays(octree, batch, query, simd::traversal(octree.instruction_set()).closest_stream,
            first_hit<Ray, RayQuery>);
+  RemoteMap::check(octree.view().coordinates);
 }
 
 template <class Batch>
 void ask_occluded(const Octree& octree, const Batch& batch, const RayQuery& query) {
   ask_rays(octree, batch, query, simd::traversal(octree.instruction_set()).occluded_stream,
            any_hit<Ray, RayQuery>);
+  RemoteMap::check(octree.view().coordinates);
 }
 
 }  // namespace

@@ -105,8 +105,8 @@ Open LAS, LAZ, COPC, PLY, PCD, E57, PTX, PTS, CSV, XYZ, .alidade, SQLite and Pos
 Parameters
 ----------
 files : str, path, or a list of them
-    Files, folders, patterns such as 'tiles/*.laz', 'site.db?table=NAME', 'postgresql://...'.
-    Several are joined in their order.
+    Files, folders, patterns such as 'tiles/*.laz', 'https://...', 'site.db?table=NAME',
+    'postgresql://...'. Several are joined in their order.
 partial : bool
     Read what is whole of damaged files, with a warning; otherwise damage raises Error.
 

@@ -1,4 +1,11 @@
 // SPDX-License-Identifier: MIT
+#include <dlfcn.h>
+#include <filesystem>
+#include <memory>
+#include <string>
+
+#include "base/error.h"
+#include "base/input_file.h"
 #include "python/docstrings.h"
 #include "python/python_cloud.h"
 
@@ -22,6 +29,25 @@ void add_errors(py::module_& module) {
   });
 }
 
+/// GDAL, with the libraries it brings, is loaded when the first remote file is opened: from a module beside this one.
+std::unique_ptr<alidade::RemoteFile> open_remote(const std::string& name) {
+  static auto* const open = [] {
+    ::Dl_info info{};
+    ::dladdr(reinterpret_cast<const void*>(&open_remote), &info);
+    const std::filesystem::path file =
+        std::filesystem::path(info.dli_fname).parent_path() / "remote_files.so";
+    void* const library = ::dlopen(file.c_str(), RTLD_NOW | RTLD_LOCAL);
+    void* const found = library != nullptr ? ::dlsym(library, "alidade_open_remote_file") : nullptr;
+    if (found == nullptr) {
+      const char* const reason = ::dlerror();
+      throw alidade::file_error(file.string(), std::string("cannot load the module for remote files: ") +
+                                                   (reason != nullptr ? reason : "unknown reason"));
+    }
+    return reinterpret_cast<std::unique_ptr<alidade::RemoteFile> (*)(const std::string&)>(found);
+  }();
+  return open(name);
+}
+
 }  // namespace
 
 PYBIND11_MODULE(_alidade, module) {
@@ -31,6 +57,7 @@ PYBIND11_MODULE(_alidade, module) {
   module.doc() = alidade::python::k_module_doc;
   module.attr("__version__") = ALIDADE_VERSION;
   add_errors(module);
+  alidade::set_remote_files(&open_remote);
   alidade::python::add_cloud(module);
   alidade::python::add_pictures(module);
 }

@@ -127,6 +127,7 @@ void run_watched(int workers, const py::object& watch, const std::function<void(
     throw;
   }
   if (raised) std::rethrow_exception(raised);
+  RemoteMap::check_all();
 }
 
 }  // namespace alidade::python

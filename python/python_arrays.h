@@ -17,6 +17,7 @@
 
 #include "base/error.h"
 #include "base/progress.h"
+#include "base/remote_map.h"
 
 // NumPy arrays in and out.
 
@@ -79,11 +80,12 @@ void on_threads(int workers, const Work& work) {
   tbb::task_arena(std::min(workers, tbb::info::default_concurrency())).execute(work);
 }
 
-/// The same without the GIL.
+/// The same without the GIL. Errors: also that of a remote index file that could not be read (base/remote_map.h).
 template <class Work>
 void run_free(int workers, const Work& work) {
   const py::gil_scoped_release release;
   on_threads(workers, work);
+  RemoteMap::check_all();
 }
 
 /// Calls work(progress) in a thread of its own without the GIL, and waits for it. `progress` is a Progress that calls

@@ -8,6 +8,8 @@
 #include <mutex>
 #include <variant>
 
+#include "base/input_file.h"
+#include "base/remote_map.h"
 #include "base/words.h"
 #include "cloud/las/write_las.h"
 #include "cloud/ply/write_ply.h"
@@ -88,15 +90,32 @@ py::list names_of(const AttributeColumns& columns) {
   return names;
 }
 
+/// Lets the bytes of a column arrive. Errors: they lie on a server and cannot be read.
+void fetch(std::span<const std::byte> bytes) {
+  if (bytes.empty() || !RemoteMap::find(bytes.data())) return;
+  run_free(0, [&] {
+    MappedFile::fetch(bytes);
+    RemoteMap::touch(bytes);
+    RemoteMap::check(bytes.data());
+  });
+}
+
 py::array column_of(const Cloud& cloud, const py::str& wanted) {
   const AttributeColumns columns = cloud.data()->points.columns();
   const py::capsule owner = owner_of(cloud.data());
   py::object found = py::none();
   for_each_array(columns, owner, [&](const char* name, const auto& make) {
-    if (wanted.equal(py::str(name))) found = make();
+    if (!wanted.equal(py::str(name))) return;
+    const py::array array = make();
+    const auto bytes = array.shape(0) > 0 ? (array.shape(0) - 1) * array.strides(0) + array.itemsize() : 0;
+    fetch({static_cast<const std::byte*>(array.data()), static_cast<std::size_t>(bytes)});
+    found = array;
   });
-  for (const ExtraColumn& column : columns.extra_dimensions)
-    if (found.is_none() && wanted.equal(text_of(column.description.name))) found = array_of(column, owner);
+  for (const ExtraColumn& column : columns.extra_dimensions) {
+    if (!found.is_none() || !wanted.equal(text_of(column.description.name))) continue;
+    fetch(std::as_bytes(column.values));
+    found = array_of(column, owner);
+  }
   if (!found.is_none()) return found;
   const py::str text = py::str("the cloud has no attribute {!r}; it has {}")
                            .format(wanted, py::str(", ").attr("join")(names_of(columns)));
@@ -229,6 +248,7 @@ py::array Cloud::xyz() {
                                                     : std::vector<LatticePosition>();
     const std::vector<LatticePosition>& positions = data_->points.index ? stored : cloud.positions;
     for_each_index(0, count, [&](std::size_t i) { rows[i] = to_world(data_->lattice(), positions[i]); });
+    if (data_->points.index) RemoteMap::check(data_->points.octree.view().coordinates);
   });
   array.attr("flags").attr("writeable") = false;
   xyz_ = array;

@@ -8,6 +8,7 @@
 #include "database/server/server_name.h"
 #include "tools/command.h"
 #include "tools/image_module.h"
+#include "tools/view_options.h"
 
 namespace alidade::tools {
 namespace {
@@ -143,7 +144,8 @@ std::string picture_command(const CommandLine& words) {
 
 ExitCode run_program(const CommandLine& command_line) {
   check_server_names(command_line);
-  set_remote_files([](const std::string& name) { return image_module().open_remote_file(name); });
+  set_remote_files(
+      [](const std::string& name) { return loaded_image_module().open_remote_file(name, remote_options()); });
   Parser parser;
   const Options program = parser.program();
   const std::vector<Command> commands = {add_info(program),       add_generate(program), add_index(program),

@@ -10,6 +10,7 @@
 #include <cstdio>
 #include <cstdlib>
 
+#include "base/remote_map.h"
 #include "base/words.h"
 
 namespace alidade::tools {
@@ -108,6 +109,7 @@ void say_note(Verbosity verbosity, std::string_view text) {
 }
 
 void write_to_stdout(std::string_view text) {
+  RemoteMap::check_all();
   // Not by stdio, which goes on waiting for the reader whatever signal has come.
   while (!text.empty()) {
     if (interrupted()) throw Cancelled();

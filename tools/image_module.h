@@ -74,7 +74,11 @@ struct ImageModule {
 };
 
 /// Loads the module, which then stays. Errors: it is not where the program was built or installed, or it
-/// lacks a library.
+/// lacks a library; those of RemoteMap::check_all(), which the module cannot call for the program: what it writes might
+/// be wrong.
 const ImageModule& image_module();
+
+/// The same without the latter.
+const ImageModule& loaded_image_module();
 
 }  // namespace alidade::tools

@@ -5,6 +5,7 @@
 #include <string_view>
 
 #include "base/error.h"
+#include "base/remote_map.h"
 #include "tools/image_module.h"
 
 namespace alidade::tools {
@@ -33,7 +34,7 @@ std::filesystem::path module_file() {
 
 }  // namespace
 
-const ImageModule& image_module() {
+const ImageModule& loaded_image_module() {
   static const ImageModule& module = []() -> const ImageModule& {
     const std::filesystem::path file = module_file();
     void* const library = ::dlopen(file.c_str(), RTLD_NOW | RTLD_LOCAL);
@@ -43,6 +44,11 @@ const ImageModule& image_module() {
     return *reinterpret_cast<const ImageModule* (*)()>(function)();
   }();
   return module;
+}
+
+const ImageModule& image_module() {
+  RemoteMap::check_all();
+  return loaded_image_module();
 }
 
 }  // namespace alidade::tools

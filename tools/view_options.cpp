@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 #include <tbb/task_arena.h>
 #include <algorithm>
+#include <cstdlib>
 #include <functional>
 #include <limits>
 #include <utility>
@@ -117,7 +118,30 @@ void choose_zone(ViewRequest& request) {
   request.zone = image_module().metric_system(crs, box.center(), request.first->name);
 }
 
+void add_cache(const Options& command) {
+  const Options group = command.group("Remote files");
+  group.value("--cache", "FOLDER",
+              "keep what is fetched from web servers in this folder, for the next time (default: the "
+              "environment variable ALIDADE_CACHE; without it nothing is kept)",
+              [](const std::string& text) {
+                if (text.empty()) throw UsageError("missing value; expected a folder");
+                remote_options().cache = text;
+              });
+  group.value("--cache-size", "SIZE",
+              "largest size of that folder, such as 500M or 20G (default 1G); what was not used for longest "
+              "is removed",
+              [](const std::string& text) { remote_options().cache_bytes = parse_size(text); });
+}
+
 }  // namespace
+
+geo::RemoteOptions& remote_options() {
+  static geo::RemoteOptions options = [] {
+    const char* const folder = std::getenv("ALIDADE_CACHE");
+    return geo::RemoteOptions{.is_interrupted = &interrupted, .cache = folder != nullptr ? folder : ""};
+  }();
+  return options;
+}
 
 CloudInputs ViewRequest::apply(CloudInputs clouds) {
   if (!first && !clouds.empty()) first = clouds.inputs.front();
@@ -170,6 +194,7 @@ std::shared_ptr<ViewRequest> add_view_options(const Options& command,
                 target->wanted = text;
                 target->view->change_reference = change;
               });
+  add_cache(command);
   return request;
 }
 

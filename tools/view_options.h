@@ -10,6 +10,7 @@
 
 #include "cloud/cloud_inputs.h"
 #include "cloud/input_view.h"
+#include "geo/remote_file.h"
 #include "tools/options.h"
 
 namespace alidade::tools {
@@ -27,8 +28,11 @@ struct ViewRequest {
   CloudInputs apply(CloudInputs clouds);
 };
 
+/// How the program opens remote files, by ALIDADE_CACHE and the options below.
+geo::RemoteOptions& remote_options();
+
 /// Declares --classes, --ignore-classes, --where, --crop, --crop-crs, --crs and --reproject, without those in
-/// `own`, which the command has itself.
+/// `own`, which the command has itself, and --cache and --cache-size.
 std::shared_ptr<ViewRequest> add_view_options(const Options& command,
                                               std::initializer_list<std::string_view> own = {});
 

@@ -109,9 +109,11 @@ HugeArray<Node> check_tree(const IndexSections& sections, TreeView& tree, const 
     require_none(sections, find_bad_id(tree, static_cast<std::uint32_t>(begin / sizeof(std::uint32_t)),
                                        static_cast<std::uint32_t>(end / sizeof(std::uint32_t))));
   };
-  tbb::parallel_invoke(
-      [&] { require_none(sections, find_broken_link(tree)); },
-      [&] { sections.check(IndexSection::ids, part_of(progress, nodes, total), check_ids); });
+  tbb::parallel_invoke([&] { require_none(sections, find_broken_link(tree)); },
+                       [&] {
+                         if (!sections.are_checked_on_arrival())
+                           sections.check(IndexSection::ids, part_of(progress, nodes, total), check_ids);
+                       });
   return copy;
 }
 

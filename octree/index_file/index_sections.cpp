@@ -18,7 +18,84 @@ namespace {
 // So many blocks are summed between two reports: tens of milliseconds.
 constexpr std::uint64_t k_blocks_per_report = 256;
 
+[[noreturn]] void fail_in(const std::string& file, const SectionEntry& section, std::uint64_t byte,
+                          const std::string& problem) {
+  throw Error({.file = file,
+               .location = fmt::format("byte {}", section.index + byte),
+               .problem = fmt::format("corrupt section {}: {}", name(section.kind), problem)});
+}
+
+std::string wrong_sum(std::uint64_t bytes) {
+  return fmt::format("checksum mismatch in the next {} bytes", bytes);
+}
+
+/// A section of a remote file, with the checksums of its blocks.
+struct ArrivingSection {
+  SectionEntry entry;
+  std::vector<std::uint64_t> sums;
+
+  std::pair<std::uint64_t, std::uint64_t> block_of(std::uint64_t offset) const {
+    const std::uint64_t begin = entry.index + (offset - entry.index) / k_checksum_block * k_checksum_block;
+    return {begin, std::min(begin + k_checksum_block, entry.end())};
+  }
+
+  void check(std::uint64_t offset, std::span<const std::byte> bytes, const IndexHeader& header,
+             const std::string& file) const {
+    const std::uint64_t from = offset - entry.index;
+    const auto block =
+        bytes.first(static_cast<std::size_t>(std::min<std::uint64_t>(bytes.size(), entry.bytes - from)));
+    if (checksum(block) != sums[static_cast<std::size_t>(from / k_checksum_block)])
+      fail_in(file, entry, from, wrong_sum(block.size()));
+    if (entry.kind != IndexSection::ids) return;
+    for (std::size_t at = 0; at < block.size(); at += sizeof(std::uint32_t))
+      if (const auto id = load<std::uint32_t>(block.data() + at); id >= header.tree.point_count)
+        fail_in(file, entry, from + at,
+                fmt::format("id out of range; expected less than {}, found {}", header.tree.point_count, id));
+  }
+};
+
+/// The first page must be there before it is read: a map that failed is zero.
+IndexHeader arrived_header(const MappedFile& map) {
+  MappedFile::fetch(map.bytes().first(std::min(map.bytes().size(), k_index_page)));
+  RemoteMap::check(map.bytes().data());
+  return read_index_header(map.bytes(), map.name());
+}
+
 }  // namespace
+
+IndexSections::IndexSections(const InputFile& file) : map_(file), header_(arrived_header(map_)) {
+  if (const auto remote = RemoteMap::find(map_.bytes().data())) check_on_arrival(*remote);
+}
+
+void IndexSections::check_on_arrival(RemoteMap& map) {
+  check(IndexSection::checksums);
+  std::vector<ArrivingSection> sections;
+  // Not the checksums, which are there.
+  for (const SectionEntry& section : header_.sections) {
+    if (section.kind == IndexSection::checksums || section.bytes == 0) continue;
+    const auto sums = stored_checksums(section.kind);
+    sections.push_back({section, {sums.begin(), sums.end()}});
+  }
+  const auto all = std::make_shared<const std::vector<ArrivingSection>>(std::move(sections));
+  const auto section_of = [all](std::uint64_t offset) -> const ArrivingSection* {
+    for (const ArrivingSection& section : *all)
+      if (offset >= section.entry.index && offset < align_to_page(section.entry.end())) return &section;
+    return nullptr;
+  };
+  map.set_blocks(
+      [section_of](std::uint64_t offset) {
+        const ArrivingSection* const section = section_of(offset);
+        const std::uint64_t page = offset / k_index_page * k_index_page;
+        return section != nullptr ? section->block_of(std::min(offset, section->entry.end() - 1))
+                                  : std::pair(page, page + k_index_page);
+      },
+      [section_of, header = header_, name = map_.name()](std::uint64_t offset,
+                                                         std::span<const std::byte> bytes) {
+        if (const ArrivingSection* const section = section_of(offset))
+          section->check(offset, bytes, header, name);
+      });
+  are_checked_on_arrival_ = true;
+}
 
 std::span<const std::byte> IndexSections::bytes(IndexSection kind) const {
   const SectionEntry* const section = header_.find(kind);
@@ -28,9 +105,7 @@ std::span<const std::byte> IndexSections::bytes(IndexSection kind) const {
 }
 
 void IndexSections::fail(IndexSection kind, std::uint64_t byte, const std::string& problem) const {
-  throw Error({.file = map_.name(),
-               .location = fmt::format("byte {}", entry(kind).index + byte),
-               .problem = fmt::format("corrupt section {}: {}", alidade::name(kind), problem)});
+  fail_in(map_.name(), entry(kind), byte, problem);
 }
 
 std::span<const std::uint64_t> IndexSections::stored_checksums(IndexSection kind) const {
@@ -54,6 +129,8 @@ void IndexSections::check(IndexSection kind, const Progress& progress, const Loo
   if (section == nullptr) return;
   const std::span<const std::byte> all = bytes(kind);
   if (kind == IndexSection::checksums) {
+    MappedFile::fetch(all);
+    RemoteMap::check(all.data());
     if (checksum(all) != section->checksum) fail(kind, 0, "its checksum differs from the one in the header");
     return;
   }
@@ -63,11 +140,11 @@ void IndexSections::check(IndexSection kind, const Progress& progress, const Loo
     MappedFile::fetch(
         all.subspan(begin * k_checksum_block,
                     std::min<std::uint64_t>(end * k_checksum_block, all.size()) - begin * k_checksum_block));
+    RemoteMap::check(all.data());
     const auto check_block = [&](std::uint64_t block) {
       const std::span<const std::byte> part = checksum_block(all, static_cast<std::size_t>(block));
       const std::uint64_t byte = block * k_checksum_block;
-      if (checksum(part) != stored[static_cast<std::size_t>(block)])
-        fail(kind, byte, fmt::format("checksum mismatch in the next {} bytes", part.size()));
+      if (checksum(part) != stored[static_cast<std::size_t>(block)]) fail(kind, byte, wrong_sum(part.size()));
       if (look) look(byte, byte + part.size());
     };
     // Calling for threads takes longer than a single block.

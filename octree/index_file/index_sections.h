@@ -10,6 +10,7 @@
 
 #include "base/input_file.h"
 #include "base/progress.h"
+#include "base/remote_map.h"
 #include "cloud/point_cloud.h"
 #include "octree/index_file/index_header.h"
 
@@ -19,13 +20,15 @@ namespace alidade {
 /// checksum in the last section, and the header has one of each section's run of these.
 class IndexSections {
  public:
-  /// Errors: as read_index_header().
-  explicit IndexSections(const InputFile& file)
-      : map_(file), header_(read_index_header(map_.bytes(), map_.name())) {}
+  /// Of a remote file, blocks are checked when they arrive, and so are ids (find_bad_id()); what fails then, RemoteMap::check()
+  /// throws. Errors: as read_index_header().
+  explicit IndexSections(const InputFile& file);
 
   const std::string& name() const { return map_.name(); }
   const IndexHeader& header() const { return header_; }
   const std::shared_ptr<const void>& storage() const { return map_.storage(); }
+  /// Whether all that is read has been checked: the file is remote.
+  bool are_checked_on_arrival() const { return are_checked_on_arrival_; }
 
   /// Empty if there is no such section.
   std::span<const std::byte> bytes(IndexSection kind) const;
@@ -50,11 +53,13 @@ class IndexSections {
   [[noreturn]] void fail(IndexSection kind, std::uint64_t byte, const std::string& problem) const;
 
  private:
+  void check_on_arrival(RemoteMap& map);
   const SectionEntry& entry(IndexSection kind) const { return *header_.find(kind); }
   std::span<const std::uint64_t> stored_checksums(IndexSection kind) const;
 
   MappedFile map_;
   IndexHeader header_;
+  bool are_checked_on_arrival_ = false;
 };
 
 // The section of an index file with everything that has no fixed size: coordinate reference system, files,

@@ -4,6 +4,7 @@
 #include <utility>
 
 #include "base/huge_memory.h"
+#include "base/remote_map.h"
 #include "base/scratch_file.h"
 #include "cloud/cloud_reader.h"
 #include "cloud/lattice.h"
@@ -68,6 +69,7 @@ class IndexReader final : public CloudReader {
         take_columns(cloud, kept, rows);
       }
       row += count;
+      RemoteMap::check(index_.tree().coordinates);
       report(progress, bytes / 4 + bytes / 4 * 3 / std::max<std::uint64_t>(1, about_.point_count) * row,
              bytes);
     } while (row < about_.point_count);

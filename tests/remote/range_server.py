@@ -1,21 +1,40 @@
 # SPDX-License-Identifier: MIT
 """An HTTP server on the loopback interface for tests, as well and as badly behaved as the first folder of a path says.
 
-/good/FILE      sends the ranges that are asked for
-/slow/FILE      the same, 20 ms later
-/plain/FILE     knows no ranges: always sends the whole file
-/short/FILE     states a length that is ten times too long
-/broken/FILE    closes the connection in the middle of every answer behind the first 64 KiB
-/busy/FILE      answers 503 to every other request
-/changing/FILE  is another file, of other length, from the fourth request on
+/good/FILE       sends the ranges that are asked for
+/slow/FILE       the same, 20 ms later
+/plain/FILE      knows no ranges: always sends the whole file
+Behind the first 64 KiB:
+/broken/FILE     closes the connection in the middle of every answer
+/broken-once/FILE  the same, once
+/stalled/FILE    stops sending in the middle of every answer, but keeps the connection
+/long/FILE       states a Content-Length that is too long
+/cut/FILE        states a Content-Length that is too short
+/shifted/FILE    sends bytes 100 before, and says so
+/hidden/FILE     does not say which bytes it sends
+/empty-range/FILE  states a Content-Range that is none
+/tag/FILE        has another ETag from there on, and other bytes
+/time/FILE       has another Last-Modified, and other bytes
+/size/FILE       is only half as long from there on
+Everywhere:
+/short/FILE      states a length that is ten times too long
+/busy-503/FILE   answers 503 (or 429, 500 ...) to two of three requests
+/status-403/FILE  always answers 403
+/moved/FILE      redirects to /good/FILE
+/keyed/FILE      answers 403 to requests without the header X-Key: 17
+/gone-3/FILE     closes the connection from the fourth request on
 """
 
+import email.utils
 import http.server
 import os
 import re
 import threading
 import time
 import urllib.parse
+import zlib
+
+FAR = 65536
 
 
 class Handler(http.server.BaseHTTPRequestHandler):
@@ -40,42 +59,75 @@ class Handler(http.server.BaseHTTPRequestHandler):
         content = server.content(name)
         if content is None:
             return self.send_error(404)
-        if manner == "busy" and number % 2 == 1:
-            return self.send_error(503)
-        if manner == "changing" and number >= 4:
-            content = content[: len(content) // 2]
+        if manner.startswith("busy-") and number % 3 != 0:
+            return self.send_error(int(manner[5:]))
+        if manner.startswith("status-"):
+            return self.send_error(int(manner[7:]))
+        if manner.startswith("gone-") and number > int(manner[5:]):
+            self.close_connection = True
+            return None
+        if manner == "keyed" and self.headers.get("X-Key") != "17":
+            return self.send_error(403)
+        if manner == "moved":
+            self.send_response(302)
+            self.send_header("Location", server.address("good", name))
+            self.send_header("ETag", f'"{number}"')
+            self.send_header("Content-Length", "0")
+            return self.end_headers()
         if manner == "slow":
             time.sleep(0.02)
-        first, last, status = 0, len(content) - 1, 200
         asked = re.fullmatch(r"bytes=(\d+)-(\d*)", self.headers.get("Range", ""))
+        is_far = asked is not None and int(asked[1]) >= FAR
+        tag, modified = zlib.crc32(content[:4096]), 0
+        if is_far and manner in ("tag", "time"):
+            content = bytes(len(content))
+            tag, modified = tag + (manner == "tag"), int(manner == "time")
+        if is_far and manner == "size":
+            content = content[: len(content) // 2]
+        first, last, status = 0, len(content) - 1, 200
         if asked and manner != "plain":
             first = int(asked[1])
             last = min(int(asked[2] or last), last)
-            if first > last:
-                return self.send_error(416)
             status = 206
+        if is_far and manner == "shifted":
+            first, last = first - 100, last - 100
+        if first > last or first >= len(content):
+            self.send_response(416)
+            self.send_header("Content-Range", f"bytes */{len(content)}")
+            self.send_header("Content-Length", "0")
+            return self.end_headers()
         body = content[first : last + 1]
-        length = 10 * len(content) if manner == "short" else len(body)
         self.send_response(status)
         if manner != "plain":
             self.send_header("Accept-Ranges", "bytes")
-        if status == 206:
+        if manner != "time":
+            self.send_header("ETag", f'"{tag:x}"')
+        self.send_header("Last-Modified", email.utils.formatdate(modified, usegmt=True))
+        length = len(body)
+        if manner == "short" and status == 200:
+            length = 10 * len(content)
+        if is_far and manner in ("long", "cut"):
+            length = 2 * length if manner == "long" else length // 2
+        if status == 206 and not (is_far and manner == "hidden"):
             whole = 10 * len(content) if manner == "short" else len(content)
-            self.send_header("Content-Range", f"bytes {first}-{last}/{whole}")
-            length = len(body)
+            stated = f"bytes {first}-{last}/{whole}"
+            self.send_header("Content-Range", "lines 1-2" if is_far and manner == "empty-range" else stated)
         self.send_header("Content-Length", str(length))
         self.end_headers()
         if not with_body:
             return None
-        if manner == "broken" and first >= 65536:
+        if is_far and (manner in ("broken", "stalled") or manner == "broken-once" and server.is_first("broken")):
             body = body[: len(body) // 2]
         with server.lock:
             server.sent += len(body)
         try:
             self.wfile.write(body)
+            if is_far and manner == "stalled":
+                self.wfile.flush()
+                server.stop.wait(60)
         except OSError:
             pass
-        if len(body) < length:
+        if len(body) != length:
             self.close_connection = True
         return None
 
@@ -87,7 +139,9 @@ class RangeServer(http.server.ThreadingHTTPServer):
         super().__init__(("127.0.0.1", 0), Handler)
         self.folder = folder
         self.lock = threading.Lock()
+        self.stop = threading.Event()
         self.requests = self.sent = 0
+        self.seen = set()
         threading.Thread(target=self.serve_forever, daemon=True).start()
 
     def content(self, name):
@@ -101,5 +155,13 @@ class RangeServer(http.server.ThreadingHTTPServer):
     def address(self, manner, name):
         return f"http://127.0.0.1:{self.server_port}/{manner}/{name}"
 
+    def is_first(self, what):
+        """Whether something has not been asked since forget()."""
+        with self.lock:
+            is_new = what not in self.seen
+            self.seen.add(what)
+        return is_new
+
     def forget(self):
         self.requests = self.sent = 0
+        self.seen.clear()

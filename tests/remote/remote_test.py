@@ -4,9 +4,12 @@
 import gzip
 import json
 import os
+import signal
+import struct
 import subprocess
 import sys
 import tempfile
+import time
 import unittest
 import zipfile
 
@@ -31,12 +34,14 @@ class RemoteTest(unittest.TestCase):
 
     @classmethod
     def tearDownClass(cls):
+        cls.server.stop.set()
         cls.server.shutdown()
+        cls.server.server_close()
         cls.folder_object.cleanup()
 
     @classmethod
-    def run_program(cls, *words, succeeds=True):
-        environment = dict(os.environ, GDAL_HTTP_RETRY_DELAY="0.05")
+    def run_program(cls, *words, succeeds=True, settings=None):
+        environment = dict(os.environ, GDAL_HTTP_RETRY_DELAY="0.02", **(settings or {}))
         done = subprocess.run([PROGRAM, *words, "-q"], cwd=cls.folder, capture_output=True, text=True, timeout=120,
                               check=False, env=environment)
         if succeeds:
@@ -45,9 +50,12 @@ class RemoteTest(unittest.TestCase):
         assert done.returncode == 2, (done.returncode, done.stderr)
         return done.stderr
 
-    def query(self, cloud, succeeds=True):
-        return self.run_program("query", cloud, "--ray", "690000,5325000,640,0,0,-1", "--radius", "0.5", "--k", "4",
-                                "--format", "csv", succeeds=succeeds)
+    @staticmethod
+    def words(cloud):
+        return ("query", cloud, "--ray", "690000,5325000,640,0,0,-1", "--radius", "0.5", "--k", "4", "--format", "csv")
+
+    def query(self, cloud, *words, cache=None, **how):
+        return self.run_program(*self.words(cloud), *words, *(("--cache", cache) if cache else ()), **how)
 
     def test_answers_are_those_of_the_file(self):
         for name in ("site.las", "site.laz", "site.copc.laz", "site.alidade"):
@@ -60,6 +68,127 @@ class RemoteTest(unittest.TestCase):
         size = os.path.getsize(os.path.join(self.folder, "site.copc.laz"))
         self.assertLess(self.server.sent, 0.7 * size)
         self.assertLess(self.server.requests, 40)
+
+    def test_index_files_answer_as_on_the_disk(self):
+        rays = os.path.join(self.folder, "rays.csv")
+        with open(rays, "w", encoding="utf-8") as file:
+            file.write("ox,oy,oz,dx,dy,dz\n")
+            for i in range(100):
+                file.write(f"{690000 + i % 10},{5325000 + i // 10},640,{0.1 * (i % 7)},0.1,-1\n")
+        remote = self.server.address("good", "site.alidade")
+        for words in (("query", "@", "--rays", "rays.csv", "--radius", "0.2"),
+                      ("query", "@", "--rays", "rays.csv", "--radius", "0.2", "--k", "2", "--classes", "2"),
+                      ("query", "@", "--point", "690000,5325000,601", "--k", "50"),
+                      ("query", "@", "--box", "689990,5324990,600,690010,5325010,620", "--count"),
+                      ("info", "@", "--json")):
+            with self.subTest(words):
+                local, far = (self.run_program(*(word.replace("@", name) for word in words))
+                              for name in ("site.alidade", remote))
+                self.assertGreater(len(local), 20)
+                self.assertEqual(far.replace(remote, "site.alidade"), local)
+        for name, output in (("site.alidade", "near"), (remote, "far")):
+            self.run_program("render", "--cloud", name, "-o", output + ".png", "--size", "60x40", "--samples", "1")
+            self.run_program("convert", name, "-o", output + ".las")
+            self.run_program("index", name, "-o", output + ".alidade")
+        self.run_program("compare", "near.png", "far.png", "--fail-above", "rmse>0")
+        for extension in (".las", ".alidade"):
+            with open(os.path.join(self.folder, "near" + extension), "rb") as near, \
+                    open(os.path.join(self.folder, "far" + extension), "rb") as far:
+                self.assertEqual(near.read().replace(b"site.alidade", b""),
+                                 far.read().replace(remote.encode(), b""))
+
+    def test_of_an_index_file_queries_fetch_what_they_need(self):
+        self.run_program("generate", "courtyard", "--points", "1000000", "-o", "large.las")
+        self.run_program("index", "large.las", "-o", "large.alidade")
+        size = os.path.getsize(os.path.join(self.folder, "large.alidade"))
+        self.server.forget()
+        self.query(self.server.address("good", "large.alidade"))
+        self.assertLess(self.server.sent, 0.12 * size)
+        self.assertLess(self.server.requests, 10)
+        self.server.forget()
+        self.run_program("info", self.server.address("good", "large.alidade"))
+        self.assertLess(self.server.sent, 0.01 * size)
+
+    def test_an_index_file_whose_server_goes_away_is_an_error(self):
+        self.server.forget()
+        self.query(self.server.address("good", "site.alidade"))
+        for answered in range(1, self.server.requests):
+            address = self.server.address(f"gone-{answered}", "site.alidade")
+            for words in (("--format", "csv"), ("-o", "bad.csv")):
+                with self.subTest(answered, words=words):
+                    self.server.forget()
+                    message = self.run_program("query", address, "--ray", "690000,5325000,640,0,0,-1", "--radius",
+                                               "0.5", "--k", "4", *words, succeeds=False)
+                    self.assertIn(f"alidade: error: {address}: cannot read from the server (4 attempts): ", message)
+                    self.assertEqual([left for left in os.listdir(self.folder) if "bad" in left], [])
+
+    def test_a_cache_saves_all_requests_but_one_of_each_file(self):
+        os.mkdir(os.path.join(self.folder, "two"))
+        for name in ("a", "b"):
+            self.run_program("convert", "site.las", "-o", f"two/{name}.copc.laz")
+        self.run_program("catalog", "two", "-o", "two/site.catalog.json")
+        for name, files in (("site.las", 1), ("site.copc.laz", 1), ("site.alidade", 1), ("two/site.catalog.json", 3)):
+            with self.subTest(name):
+                address, expected = self.server.address("good", name), self.query(name)
+                for run in range(2):
+                    self.server.forget()
+                    self.assertEqual(self.query(address, cache="kept/folder"), expected)
+                    self.assertEqual(self.server.requests <= files, run == 1)
+        self.server.forget()
+        self.query(self.server.address("good", "site.las"), settings={"ALIDADE_CACHE": "kept/folder"})
+        self.assertEqual(self.server.requests, 1)
+
+    def blocks(self, cache):
+        return [os.path.join(folder, file) for folder, _, files in os.walk(os.path.join(self.folder, cache))
+                for file in files]
+
+    def test_damaged_blocks_of_a_cache_are_fetched_again(self):
+        address, expected = self.server.address("good", "site.laz"), self.query("site.laz")
+        self.query(address, cache="damaged")
+        blocks = self.blocks("damaged")
+        self.assertGreater(len(blocks), 100)
+        with open(blocks[0], "rb") as file:
+            sound = file.read()
+        for number, path in enumerate(blocks):
+            with open(path, "rb") as file:
+                content = bytearray(file.read())
+            if number % 3 == 0:
+                content = content[: number % 50]
+            elif number % 3 == 1:
+                content[100 + number] ^= 1
+            else:
+                content = sound  # that of another block
+            with open(path, "wb") as file:
+                file.write(content)
+        self.assertEqual(self.query(address, cache="damaged"), expected)
+        self.server.forget()
+        self.assertEqual(self.query(address, cache="damaged"), expected)
+        self.assertEqual(self.server.requests, 1)
+
+    def test_a_cache_forgets_what_changed_on_the_server(self):
+        for number in range(2):
+            self.run_program("generate", "courtyard", "--points", "20000", "--seed", str(number), "-o", "new.las",
+                             "--overwrite")
+            self.assertEqual(self.query(self.server.address("good", "new.las"), cache="changed"),
+                             self.query("new.las"))
+
+    def test_a_cache_stays_within_its_size(self):
+        for name in ("site.laz", "site.copc.laz", "site.alidade"):
+            self.assertEqual(self.query(self.server.address("good", name), "--cache-size", "1M", cache="small"),
+                             self.query(name))
+            self.assertLessEqual(sum(os.path.getsize(path) for path in self.blocks("small")), 1 << 20)
+
+    def test_programs_share_a_cache(self):
+        address, expected = self.server.address("slow", "site.laz"), self.query("site.laz")
+        programs = [subprocess.Popen([PROGRAM, *self.words(address), "--cache", "shared", "-q"], cwd=self.folder,
+                                     stdout=subprocess.PIPE, text=True) for _ in range(3)]
+        for program in programs:
+            self.assertEqual((program.communicate(timeout=120)[0], program.returncode), (expected, 0))
+        self.assertEqual([path for path in self.blocks("shared") if not path.endswith(".block")], [])
+
+    def test_a_cache_that_cannot_be_written_is_an_error(self):
+        self.assertIn("site.las/cache: cannot make the folder of the cache: ",
+                      self.query(self.server.address("good", "site.las"), cache="site.las/cache", succeeds=False))
 
     def test_explain_tells_what_was_fetched(self):
         self.server.forget()
@@ -104,7 +233,8 @@ class RemoteTest(unittest.TestCase):
                     self.assertLess(server.sent, catalog_size / 5 + 20 * len(server.tile))
 
     def test_a_remote_catalog_leads_nowhere_else(self):
-        for href in ("../site.las", "/etc/passwd", "http://127.0.0.1:9/site.las", "file:///etc/passwd", "https:x.las"):
+        for href in ("../site.las", "/etc/passwd", "http://127.0.0.1:9/site.las", "file:///etc/passwd", "https:x.las",
+                     "%2e%2e/site.las", "a/%2E%2E/../../site.las"):
             with self.subTest(href):
                 with open(os.path.join(self.folder, "bad.catalog.json"), "w", encoding="utf-8") as file:
                     json.dump({"type": "FeatureCollection", "features": [{"assets": {"data": {"href": href}}}]}, file)
@@ -116,23 +246,104 @@ class RemoteTest(unittest.TestCase):
         self.assertEqual(self.query("/vsizip/site.zip/tiles/site.las"), self.query("site.las"))
 
     def test_a_server_that_is_busy_is_asked_again(self):
-        self.assertEqual(self.query(self.server.address("busy", "site.laz")), self.query("site.laz"))
+        for status in (429, 500, 503):
+            with self.subTest(status):
+                self.server.forget()
+                self.assertEqual(self.query(self.server.address(f"busy-{status}", "site.laz")), self.query("site.laz"))
+                self.assertGreater(self.server.requests, 3)
+
+    def test_servers_that_redirect_or_ask_for_a_key_are_read(self):
+        self.assertEqual(self.query(self.server.address("moved", "site.laz")), self.query("site.laz"))
+        address = self.server.address("keyed", "site.laz")
+        self.assertIn("HTTP status 403", self.query(address, succeeds=False))
+        self.assertEqual(self.query(address, settings={"GDAL_HTTP_HEADERS": "X-Other: 1,X-Key: 17"}),
+                         self.query("site.laz"))
+
+    def test_a_connection_that_breaks_once_is_made_again(self):
+        for name in ("site.laz", "site.copc.laz"):
+            with self.subTest(name):
+                self.server.forget()
+                self.assertEqual(self.query(self.server.address("broken-once", name)), self.query(name))
+                self.assertFalse(self.server.is_first("broken"))
 
     def test_bad_servers_are_errors_that_name_the_file(self):
-        for manner, name in (("good", "missing.laz"), ("short", "site.laz"), ("broken", "site.laz")):
-            with self.subTest(manner):
-                address = self.server.address(manner, name)
+        for manner, expected in {
+                "good": "missing.laz: cannot read from the server: HTTP status 404",
+                "status-403": ": cannot read from the server: HTTP status 403",
+                "broken": ": cannot read from the server (4 attempts): ",
+                "long": ": cannot read from the server (4 attempts): ",
+                "cut": ": the server sent another number of bytes than it stated; expected ",
+                "shifted": ": the server sent other bytes than requested; expected bytes ",
+                "hidden": ": the server does not state which bytes it sent; expected the header Content-Range",
+                "empty-range": ": invalid Content-Range from the server; expected bytes FIRST-LAST/SIZE, found lines 1-2",
+                "tag": ": the file changed on the server while it was read; read it again; expected ",
+                "time": ": the file changed on the server while it was read; read it again; expected ",
+                "size": ": the file changed on the server while it was read; read it again; expected ",
+        }.items():
+            names = ("site.laz", "site.copc.laz", "site.alidade") if manner in ("broken", "tag") else ("site.laz",)
+            for name in ("missing.laz",) if manner == "good" else names:
+                with self.subTest(manner, name=name):
+                    self.server.forget()
+                    address = self.server.address(manner, name)
+                    message = self.run_program("convert", address, "-o", "bad.las", succeeds=False)
+                    self.assertRegex(message, "^alidade: error: " + address.replace(name, ""))
+                    self.assertIn(expected, message)
+                    self.assertLess(self.server.requests, 40)
+                    self.assertEqual([left for left in os.listdir(self.folder) if "bad" in left], [])
+
+    def test_servers_that_state_a_wrong_size_are_errors(self):
+        for name in ("site.las", "site.laz", "site.copc.laz"):
+            with self.subTest(name):
+                address = self.server.address("short", name)
                 self.assertIn(address, self.query(address, succeeds=False))
 
-    def test_a_server_without_ranges_gives_the_same_or_an_error(self):
-        address = self.server.address("plain", "site.laz")
-        done = subprocess.run([PROGRAM, "query", address, "--ray", "690000,5325000,640,0,0,-1", "--radius", "0.5",
-                               "--k", "4", "--format", "csv", "-q"], cwd=self.folder, capture_output=True, text=True,
-                              timeout=120, check=False)
-        if done.returncode == 0:
-            self.assertEqual(done.stdout, self.query("site.laz"))
-        else:
-            self.assertIn(address, done.stderr)
+    def test_a_server_that_stalls_is_an_error(self):
+        address = self.server.address("stalled", "site.laz")
+        limits = {"GDAL_HTTP_LOW_SPEED_TIME": "1", "GDAL_HTTP_MAX_RETRY": "1"}
+        self.assertIn(address + ": cannot read from the server (2 attempts): ",
+                      self.run_program("convert", address, "-o", "bad.las", succeeds=False, settings=limits))
+        self.assertFalse(os.path.exists(os.path.join(self.folder, "bad.las")))
+
+    def test_waiting_for_a_server_can_be_interrupted(self):
+        for manner, settings in (("stalled", {}), ("status-503", {"GDAL_HTTP_RETRY_DELAY": "1000"})):
+            with self.subTest(manner):
+                self.server.forget()
+                address = self.server.address(manner, "site.laz")
+                with subprocess.Popen([PROGRAM, "convert", address, "-o", "bad.las", "-q"], cwd=self.folder,
+                                      stderr=subprocess.PIPE, env=dict(os.environ, **settings)) as program:
+                    while self.server.requests < (2 if manner == "stalled" else 1):
+                        time.sleep(0.01)
+                    time.sleep(0.1)
+                    program.send_signal(signal.SIGINT)
+                    _, message = program.communicate(timeout=20)
+                self.assertEqual((program.returncode, message), (130, b"alidade: error: interrupted\n"))
+                self.assertEqual([left for left in os.listdir(self.folder) if "bad" in left], [])
+
+    def test_a_server_without_ranges_gives_the_same(self):
+        for name in ("site.las", "site.laz", "site.copc.laz"):
+            self.server.forget()
+            self.assertEqual(self.query(self.server.address("plain", name)), self.query(name))
+            self.assertEqual(self.server.requests, 1)
+
+    def test_a_hierarchy_that_loops_is_an_error(self):
+        with open(os.path.join(self.folder, "site.copc.laz"), "rb") as file:
+            content = bytearray(file.read())
+        page, size = struct.unpack_from("<QQ", content, 469)
+        struct.pack_into("<Qii", content, page + size - 16, page, size, -1)
+        with open(os.path.join(self.folder, "loop.copc.laz"), "wb") as file:
+            file.write(content)
+        address = self.server.address("good", "loop.copc.laz")
+        self.assertIn(f"{address}:byte {page}: page of the COPC hierarchy referenced more than once",
+                      self.query(address, succeeds=False))
+
+    def test_a_missing_tile_of_a_catalog_is_an_error(self):
+        os.mkdir(os.path.join(self.folder, "tiles"))
+        for name in ("a", "b"):
+            self.run_program("convert", "site.las", "-o", f"tiles/{name}.copc.laz")
+        self.run_program("catalog", "tiles", "-o", "tiles/site.catalog.json")
+        os.remove(os.path.join(self.folder, "tiles/b.copc.laz"))
+        self.assertIn("tiles/b.copc.laz: cannot read from the server: HTTP status 404",
+                      self.query(self.server.address("good", "tiles/site.catalog.json"), succeeds=False))
 
     def test_a_server_that_is_not_there_is_an_error(self):
         self.assertIn("http://127.0.0.1:9/site.laz", self.query("http://127.0.0.1:9/site.laz", succeeds=False))

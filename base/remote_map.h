@@ -1,0 +1,64 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <atomic>
+#include <cstddef>
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <span>
+#include <string>
+#include <utility>
+
+namespace alidade {
+
+/// The bytes of a remote file in memory, each page fetched when a thread first touches it (userfaultfd(2)), which waits
+/// meanwhile. Copies share the map. Read only; safe to use from many threads. What has arrived stays until the map is destroyed.
+///
+/// Touching memory cannot fail. If the network does, or what arrives is damaged, the pages are filled with zeros instead, as
+/// all that arrive later, and the map has failed: its Error is kept for check(). So whoever reads the bytes calls check()
+/// before the result counts; answers of queries, finished output files and standard output are guarded so.
+///
+/// The system itself does not wait for pages: system calls on them fail until they were touched.
+class RemoteMap {
+ public:
+  /// The part of the file that arrives together with the byte at an offset: begins at a multiple of 4096, and ends at one or at
+  /// the file's end.
+  using BlockOf = std::function<std::pair<std::uint64_t, std::uint64_t>(std::uint64_t offset)>;
+  /// Errors: the bytes, a block that begins at `offset`, are damaged.
+  using CheckBlock = std::function<void(std::uint64_t offset, std::span<const std::byte> bytes)>;
+
+  /// Opens the file. Null if the system does not permit it: Linux before 5.11, and some containers. Errors: those of
+  /// open_remote_file().
+  static std::shared_ptr<RemoteMap> open(const std::string& name);
+  /// The map that an address lies in; null if there is none.
+  static std::shared_ptr<RemoteMap> find(const void* address);
+
+  virtual ~RemoteMap() = default;
+  virtual std::span<const std::byte> bytes() const = 0;
+  /// From now on blocks arrive so, and are checked; before, single pages arrive. What has arrived stays unchecked.
+  virtual void set_blocks(BlockOf block_of, CheckBlock check) = 0;
+  /// Fetches what has not arrived of some bytes, in large requests.
+  virtual void fetch(std::span<const std::byte> bytes) noexcept = 0;
+
+  /// Reads a byte of each page, so that all have arrived. Costs as much for any memory.
+  static void touch(std::span<const std::byte> bytes);
+
+  /// Errors: that of the map an address lies in, if it has failed. Cancelled. Cost: nothing while no map has.
+  static void check(const void* address) {
+    if (failures_ > 0) check_map(address);
+  }
+  /// Errors: that of the last map that failed, unless it was thrown before.
+  static void check_all() {
+    if (failures_ > 0) check_new_failures();
+  }
+
+ protected:
+  static inline std::atomic<int> failures_ = 0;
+
+ private:
+  static void check_map(const void* address);
+  static void check_new_failures();
+};
+
+}  // namespace alidade

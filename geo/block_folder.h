@@ -1,0 +1,45 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <atomic>
+#include <cstddef>
+#include <cstdint>
+#include <filesystem>
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+namespace alidade::geo {
+
+/// Blocks of remote files in a folder, which several programs may use at once. Thread safe.
+///
+/// A key names a block of one version of a file. Each block is a file of its own with a checksum, written under another name
+/// and renamed: one that is damaged counts as missing. The names of remote files, which may hold passwords, are not
+/// stored. Whatever fails while a block is kept only means that it is not kept.
+class BlockFolder {
+ public:
+  /// Makes the folder unless it is there, for this user only. It takes at most `most_bytes`, or somewhat more while several
+  /// programs write; the blocks that nobody used for longest give way. Errors: the folder cannot be made, or not be
+  /// written to.
+  BlockFolder(std::filesystem::path folder, std::uint64_t most_bytes);
+
+  /// Whether there is a block, which may still be damaged.
+  bool contains(const std::string& key) const;
+  /// The block, of so many bytes; empty if it is missing or damaged.
+  std::optional<std::vector<std::byte>> find(const std::string& key, std::size_t count);
+  void keep(const std::string& key, std::span<const std::byte> block);
+
+ private:
+  std::filesystem::path path_of(const std::string& key) const;
+  /// Sums up the folder, and removes what has not been used for longest if it is too much.
+  void make_room();
+
+  std::filesystem::path folder_;
+  std::uint64_t most_bytes_;
+  std::atomic<std::uint64_t> bytes_ =
+      0;  ///< that the folder takes, without what others wrote since make_room()
+  std::atomic<int> temporaries_ = 0;
+};
+
+}  // namespace alidade::geo

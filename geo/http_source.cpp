@@ -1,0 +1,283 @@
+// SPDX-License-Identifier: MIT
+#include "geo/http_source.h"
+
+#include <cpl_conv.h>
+#include <cpl_http.h>
+#include <cpl_string.h>
+#include <fmt/format.h>
+#include <algorithm>
+#include <array>
+#include <charconv>
+#include <chrono>
+#include <cstring>
+#include <optional>
+#include <string_view>
+#include <thread>
+#include <utility>
+
+#include "base/error.h"
+#include "geo/gdal_reference.h"
+
+namespace alidade::geo {
+namespace {
+
+std::atomic<std::uint64_t> requests_in_all = 0, bytes_in_all = 0;
+
+/// What Content-Range states: the first and the last byte, if there are any, and the file's size.
+struct ContentRange {
+  std::optional<std::pair<std::uint64_t, std::uint64_t>> bytes{};
+  std::uint64_t size = 0;
+};
+
+std::optional<std::uint64_t> take_number(std::string_view& text) {
+  std::uint64_t number = 0;
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), number);
+  if (error != std::errc()) return std::nullopt;
+  text.remove_prefix(static_cast<std::size_t>(end - text.data()));
+  return number;
+}
+
+bool take(std::string_view& text, std::string_view begin) {
+  if (!text.starts_with(begin)) return false;
+  text.remove_prefix(begin.size());
+  return true;
+}
+
+/// "bytes 0-99/1000" or "bytes */1000".
+std::optional<ContentRange> parse_content_range(std::string_view text) {
+  ContentRange range;
+  if (!take(text, "bytes ")) return std::nullopt;
+  if (!take(text, "*")) {
+    const auto first = take_number(text);
+    if (!first || !take(text, "-")) return std::nullopt;
+    const auto last = take_number(text);
+    if (!last || *last < *first) return std::nullopt;
+    range.bytes = {*first, *last};
+  }
+  if (!take(text, "/")) return std::nullopt;
+  const auto size = take_number(text);
+  if (!size || !text.empty() || (range.bytes && range.bytes->second >= *size)) return std::nullopt;
+  range.size = *size;
+  return range;
+}
+
+/// The headers of a request: the range, what keeps the bytes as they are, and those of the user.
+std::string headers_of(std::uint64_t first, std::uint64_t last) {
+  std::string headers = fmt::format("Range: bytes={}-{}\r\nAccept-Encoding: identity", first, last);
+  // GDAL takes them from its configuration only if a request has none.
+  const char* const own = CPLGetConfigOption("GDAL_HTTP_HEADERS", nullptr);
+  if (own == nullptr) return headers;
+  const bool has_lines = std::strstr(own, "\r\n") != nullptr;
+  const CPLStringList list(has_lines ? CSLTokenizeString2(own, "\r\n", 0)
+                                     : CSLTokenizeString2(own, ",", CSLT_HONOURSTRINGS));
+  for (int i = 0; i < list.size(); ++i) headers += std::string("\r\n") + list[i];
+  return headers;
+}
+
+/// Each thread keeps its connections to servers.
+std::string session_of_thread() {
+  static std::atomic<int> count = 0;
+  thread_local const int number = count++;
+  return fmt::format("alidade_{}", number);
+}
+
+struct Receiver {
+  std::vector<std::byte> body;
+  bool (*is_interrupted)();
+  bool is_too_long = false;
+
+  static std::size_t write(void* bytes, std::size_t size, std::size_t count, void* receiver) {
+    auto& self = *static_cast<Receiver*>(receiver);
+    const auto* const begin = static_cast<const std::byte*>(bytes);
+    bytes_in_all += size * count;
+    self.is_too_long = self.body.size() + size * count > HttpSource::k_largest_whole;
+    if (self.is_too_long) return 0;
+    self.body.insert(self.body.end(), begin, begin + size * count);
+    return size * count;
+  }
+  static int go_on(double, const char*, void* receiver) {
+    const auto& self = *static_cast<Receiver*>(receiver);
+    return self.is_interrupted == nullptr || !self.is_interrupted() ? TRUE : FALSE;
+  }
+};
+
+}  // namespace
+
+struct HttpSource::Answer {
+  int curl_code = 0;  ///< of libcurl; 0: the answer is complete
+  int status = 0;     ///< from 400 on, otherwise 0
+  std::string problem;
+  std::string stated_range, etag, last_modified;
+  std::optional<ContentRange> range;  ///< without one it is the whole file
+  std::vector<std::byte> body;
+
+  bool is_good() const { return curl_code == 0 && status == 0; }
+  bool is_worth_repeating(bool is_open) const {
+    // Of libcurl: no such host, no connection.
+    if (curl_code != 0) return is_open || (curl_code != 6 && curl_code != 7);
+    constexpr std::array k_busy = {429, 500, 502, 503, 504};
+    return std::ranges::find(k_busy, status) != k_busy.end();
+  }
+};
+
+void HttpSource::check_range(const Answer& answer, std::uint64_t first, std::uint64_t last) const {
+  const auto fail = [&](const char* problem, std::string expected, std::string found) {
+    throw Error({.file = name_,
+                 .location = fmt::format("byte {}", first),
+                 .problem = problem,
+                 .expected = std::move(expected),
+                 .found = std::move(found)});
+  };
+  if (answer.stated_range.empty()) {
+    if (answer.body.size() == last - first + 1)
+      fail("the server does not state which bytes it sent", "the header Content-Range", "none");
+    return;
+  }
+  if (!answer.range || !answer.range->bytes)
+    fail("invalid Content-Range from the server", "bytes FIRST-LAST/SIZE", answer.stated_range);
+  const std::uint64_t last_there = std::min(last, answer.range->size - 1);
+  if (*answer.range->bytes != std::pair(first, last_there))
+    fail("the server sent other bytes than requested", fmt::format("bytes {}-{}", first, last_there),
+         answer.stated_range);
+  if (answer.body.size() != last_there - first + 1)
+    fail("the server sent another number of bytes than it stated", fmt::format("{}", last_there - first + 1),
+         fmt::format("{}", answer.body.size()));
+}
+
+HttpSource::HttpSource(std::string name, std::string url, std::size_t count, bool (*is_interrupted)())
+    : name_(std::move(name)), url_(std::move(url)), is_interrupted_(is_interrupted) {
+  Answer answer = request(0, count - 1);
+  size_ = answer.range ? answer.range->size : answer.body.size();
+  etag_ = answer.etag;
+  last_modified_ = answer.last_modified;
+  const std::string& validator = etag_.empty() ? last_modified_ : etag_;
+  if (!validator.empty()) version_ = fmt::format("{} {}", size_, validator);
+  start_.assign(answer.body.begin(),
+                answer.body.begin() + static_cast<std::ptrdiff_t>(std::min(count, answer.body.size())));
+  if (!answer.range) whole_ = std::make_shared<const std::vector<std::byte>>(std::move(answer.body));
+  is_open_ = true;
+}
+
+HttpSource::Traffic HttpSource::traffic() {
+  return {requests_in_all, bytes_in_all};
+}
+
+void HttpSource::read(std::uint64_t offset, std::span<std::byte> into) {
+  std::shared_ptr<const std::vector<std::byte>> whole;
+  {
+    const std::scoped_lock lock(mutex_);
+    whole = whole_;
+  }
+  if (!whole) {
+    Answer answer = request(offset, offset + into.size() - 1);
+    check_version(answer);
+    if (answer.range) {
+      std::ranges::copy(answer.body, into.begin());
+      return;
+    }
+    whole = std::make_shared<const std::vector<std::byte>>(std::move(answer.body));
+    const std::scoped_lock lock(mutex_);
+    whole_ = whole;
+  }
+  std::memcpy(into.data(), whole->data() + offset, into.size());
+}
+
+void HttpSource::check_version(const Answer& answer) {
+  const std::uint64_t size = answer.range ? answer.range->size : answer.body.size();
+  const auto differs = [](const std::string& before, const std::string& now) {
+    return !before.empty() && !now.empty() && before != now;
+  };
+  const bool has_other_tag = differs(etag_, answer.etag);
+  const bool has_other_time = differs(last_modified_, answer.last_modified);
+  if (size == size_ && !has_other_tag && !has_other_time) return;
+  has_changed_ = true;
+  const auto describe = [&](std::uint64_t bytes, const std::string& etag, const std::string& time) {
+    return fmt::format("{} bytes", bytes) + (has_other_tag    ? ", ETag " + etag
+                                             : has_other_time ? ", modified " + time
+                                                              : "");
+  };
+  throw Error({.file = name_,
+               .problem = "the file changed on the server while it was read; read it again",
+               .expected = describe(size_, etag_, last_modified_),
+               .found = describe(size, answer.etag, answer.last_modified)});
+}
+
+HttpSource::Answer HttpSource::request(std::uint64_t first, std::uint64_t last) {
+  const int retries = std::atoi(CPLGetConfigOption("GDAL_HTTP_MAX_RETRY", "3"));
+  double pause = CPLAtof(CPLGetConfigOption("GDAL_HTTP_RETRY_DELAY", "1"));
+  for (int attempt = 0;; ++attempt, pause *= 2.0) {
+    Answer answer = request_once(first, last);
+    if (answer.is_good()) return answer;
+    // Nothing at or behind `first`: an empty file, or one that has become shorter.
+    constexpr int k_no_such_range = 416;
+    if (answer.status == k_no_such_range && answer.range) {
+      if (is_open_) check_version(answer);
+      answer.body.clear();
+      if (answer.range->size == 0 && first == 0) return answer;
+    }
+    if (attempt >= retries || !answer.is_worth_repeating(is_open_)) {
+      const std::string tries = attempt > 0 ? fmt::format(" ({} attempts)", attempt + 1) : "";
+      throw Error({.file = name_,
+                   .problem = fmt::format("cannot read from the server{}: {}", tries, answer.problem)});
+    }
+    wait(pause);
+  }
+}
+
+void HttpSource::wait(double seconds) const {
+  const auto end = std::chrono::steady_clock::now() + std::chrono::duration<double>(seconds);
+  while (std::chrono::steady_clock::now() < end) {
+    if (is_stopped()) throw Cancelled();
+    std::this_thread::sleep_for(std::chrono::milliseconds(20));
+  }
+}
+
+HttpSource::Answer HttpSource::request_once(std::uint64_t first, std::uint64_t last) const {
+  const QuietGdal quiet;
+  CPLStringList options;
+  options.SetNameValue("HEADERS", headers_of(first, last).c_str());
+  options.SetNameValue("PERSISTENT", session_of_thread().c_str());
+  options.SetNameValue("MAX_RETRY", "0");
+  Receiver receiver{.body = {}, .is_interrupted = is_interrupted_};
+  ++requests_in_all;
+  const std::unique_ptr<CPLHTTPResult, decltype(&CPLHTTPDestroyResult)> result(
+      CPLHTTPFetchEx(url_.c_str(), options.List(), &Receiver::go_on, &receiver, &Receiver::write, &receiver),
+      &CPLHTTPDestroyResult);
+  if (is_stopped()) throw Cancelled();
+  if (!result) throw Error({.file = name_, .problem = "this GDAL reads no files from web servers"});
+  if (receiver.is_too_long)
+    throw Error(
+        {.file = name_,
+         .problem = "the server sends no ranges, and the file is too large to fetch whole; download it",
+         .expected = fmt::format("at most {} bytes", k_largest_whole)});
+
+  // The last of a name: those of redirections come before.
+  const auto header = [&](const char* key) {
+    std::string value;
+    for (char** line = result->papszHeaders; line != nullptr && *line != nullptr; ++line) {
+      char* name = nullptr;
+      const char* const text = CPLParseNameValue(*line, &name);
+      if (text != nullptr && name != nullptr && EQUAL(name, key)) value = text;
+      CPLFree(name);
+    }
+    return value;
+  };
+  Answer answer;
+  answer.curl_code = result->nStatus;
+  answer.stated_range = header("Content-Range");
+  answer.etag = header("ETag");
+  answer.last_modified = header("Last-Modified");
+  answer.problem = result->pszErrBuf != nullptr ? result->pszErrBuf : "unknown reason";
+  if (answer.etag.starts_with("W/")) answer.etag.erase(0, 2);
+  constexpr std::string_view k_status = "HTTP error code : ";
+  if (answer.curl_code == 0 && answer.problem.starts_with(k_status)) {
+    answer.status = std::atoi(answer.problem.c_str() + k_status.size());
+    answer.problem = fmt::format("HTTP status {}", answer.status);
+  }
+  answer.range = parse_content_range(answer.stated_range);
+  answer.body = std::move(receiver.body);
+  if (answer.is_good()) check_range(answer, first, last);
+  return answer;
+}
+
+}  // namespace alidade::geo

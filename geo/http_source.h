@@ -1,0 +1,73 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <atomic>
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+#include <mutex>
+#include <span>
+#include <string>
+#include <vector>
+
+namespace alidade::geo {
+
+/// A file on a web server, read by ranges through GDAL's HTTP client. Thread safe.
+///
+/// The first answer fixes which file it is: its size, and its entity tag or else its time of modification. Every later
+/// answer must agree, and must hold exactly the bytes that were requested; otherwise it is an Error, so that no reader gets bytes
+/// of two versions. A server that knows no ranges sends the whole file, which then stays in memory.
+///
+/// Requests that fail in the network, and those answered with 429, 500, 502, 503 or 504, are repeated
+/// GDAL_HTTP_MAX_RETRY times, with pauses that begin at GDAL_HTTP_RETRY_DELAY seconds and double.
+class HttpSource {
+ public:
+  /// What a server sends without ranges may have so many bytes.
+  static constexpr std::uint64_t k_largest_whole = std::uint64_t{1} << 30;
+
+  /// Requests the first `count` bytes. `name` is what messages call the file; `is_interrupted`, if given, is asked about once
+  /// per second whether to stop. Errors: those of read(); the server cannot be reached, or has no such file.
+  HttpSource(std::string name, std::string url, std::size_t count, bool (*is_interrupted)());
+
+  std::uint64_t size() const { return size_; }
+  /// Differs between different contents of the URL. Empty if the server does not tell them apart.
+  const std::string& version() const { return version_; }
+  /// The bytes that the constructor fetched: at most `count` at the beginning of the file.
+  std::span<const std::byte> start() const { return start_; }
+  /// Whether an answer was of another version: the URL has to be opened again.
+  bool has_changed() const { return has_changed_; }
+
+  /// Fetches bytes, all of them within the file. Errors: the network fails; the server sends something else
+  /// or another version. Cancelled.
+  void read(std::uint64_t offset, std::span<std::byte> into);
+
+  struct Traffic {
+    std::uint64_t requests = 0;  ///< also those that were repeated
+    std::uint64_t bytes = 0;     ///< of the bodies
+  };
+  /// Of all sources of the process.
+  static Traffic traffic();
+
+ private:
+  struct Answer;
+  Answer request(std::uint64_t first, std::uint64_t last);
+  Answer request_once(std::uint64_t first, std::uint64_t last) const;
+  /// Errors: the answer does not hold just these bytes.
+  void check_range(const Answer& answer, std::uint64_t first, std::uint64_t last) const;
+  /// Errors: the answer is not of this version of the file.
+  void check_version(const Answer& answer);
+  void wait(double seconds) const;
+  bool is_stopped() const { return is_interrupted_ != nullptr && is_interrupted_(); }
+
+  std::string name_, url_;
+  bool (*is_interrupted_)();
+  std::uint64_t size_ = 0;
+  std::string etag_, last_modified_, version_;
+  std::vector<std::byte> start_;
+  bool is_open_ = false;
+  std::atomic<bool> has_changed_ = false;
+  std::mutex mutex_;
+  std::shared_ptr<const std::vector<std::byte>> whole_;  ///< from a server without ranges
+};
+
+}  // namespace alidade::geo
