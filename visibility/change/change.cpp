@@ -299,7 +299,8 @@ void check_options(const ChangeOptions& options) {
              "invalid registration error", "at least 0", fmt::format("{}", options.registration_error));
 }
 
-std::optional<double> median(std::vector<double> values) {
+/// Reorders the values.
+std::optional<double> median(std::vector<float>& values) {
   if (values.empty()) return std::nullopt;
   const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
   std::ranges::nth_element(values, middle);
@@ -355,7 +356,7 @@ Changes find_changes(const Epoch& before, const Epoch& after, const ChangeOption
 std::vector<ChangeSummary> summaries_of(const PointChanges& changes, const Occluders& occluders) {
   const std::vector<double> spacings = spacings_in_order(occluders.octree().view());
   std::vector<ChangeSummary> summaries(k_change_classes);
-  std::vector<std::vector<double>> distances(k_change_classes), levels(k_change_classes);
+  std::vector<std::vector<float>> distances(k_change_classes), levels(k_change_classes);
   for (std::size_t id = 0; id < changes.classes.size(); ++id) {
     const auto kind = static_cast<std::size_t>(changes.classes[id]);
     ++summaries[kind].count;
@@ -366,9 +367,9 @@ std::vector<ChangeSummary> summaries_of(const PointChanges& changes, const Occlu
   }
   for (std::size_t kind = 0; kind < summaries.size(); ++kind) {
     summaries[kind].median_distance = median(distances[kind]);
-    for (double& distance : distances[kind]) distance = std::fabs(distance);
-    summaries[kind].median_absolute_distance = median(std::move(distances[kind]));
-    summaries[kind].median_detection_level = median(std::move(levels[kind]));
+    for (float& distance : distances[kind]) distance = std::fabs(distance);
+    summaries[kind].median_absolute_distance = median(distances[kind]);
+    summaries[kind].median_detection_level = median(levels[kind]);
   }
   return summaries;
 }
