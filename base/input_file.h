@@ -173,8 +173,8 @@ class ByteCursor {
 class MappedFile {
  public:
   /// Maps the file that `file` names; a file in memory is copied. A remote one arrives as it is touched
-  /// (base/remote_map.h), or is copied where the system does not permit that. Cost: constant for a file on disk. Errors: it is
-  /// missing, unreadable or not a regular file.
+  /// (base/remote_map.h), or is copied where the system does not permit that. Cost: constant for a file on disk.
+  /// Errors: it is missing, unreadable or not a regular file.
   explicit MappedFile(const InputFile& file);
 
   /// Path as the caller gave it; what error messages call the file.

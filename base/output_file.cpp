@@ -108,7 +108,8 @@ void write_fully(const std::string& name, int descriptor, std::uint64_t offset,
     const ::ssize_t count = ::pwrite(descriptor, bytes.data(), bytes.size(), static_cast<::off_t>(offset));
     if (count < 0 && errno == EINTR) continue;
     if (count < 0 && errno == EFAULT) {
-      RemoteMap::touch(bytes);  // for which the system does not wait
+      // The system does not wait for pages of a remote map. Not all at once: what came first might give way.
+      RemoteMap::touch(bytes.first(std::min(bytes.size(), std::size_t{1} << 20)));
       continue;
     }
     if (count < 0) fail(name);

@@ -13,6 +13,7 @@
 #include <algorithm>
 #include <array>
 #include <cerrno>
+#include <deque>
 #include <exception>
 #include <map>
 #include <mutex>
@@ -21,6 +22,7 @@
 #include <vector>
 
 #include "base/error.h"
+#include "base/huge_memory.h"
 #include "base/input_file.h"
 
 namespace alidade {
@@ -65,7 +67,8 @@ FileDescriptor open_faults(void* begin, std::uint64_t bytes) {
 
 class FaultingMap final : public RemoteMap {
  public:
-  explicit FaultingMap(std::string name) : name_(std::move(name)), file_(open_remote_file(name_)) {
+  FaultingMap(std::string name, std::uint64_t most_bytes)
+      : name_(std::move(name)), file_(open_remote_file(name_)), most_bytes_(most_bytes) {
     size_ = file_->size();
     mapped_ = std::max(page_end(size_), k_page);
     void* const map = ::mmap(nullptr, mapped_, PROT_READ, MAP_PRIVATE | MAP_ANONYMOUS | MAP_NORESERVE, -1, 0);
@@ -143,8 +146,8 @@ class FaultingMap final : public RemoteMap {
     const std::scoped_lock lock(mutex_);
     while (offset < end && (claimed.empty() || claimed.back().second - claimed.front().first < k_most)) {
       const Block block = block_at(offset);
+      if (pages_[static_cast<std::size_t>(offset / k_page)] != Page::missing) break;
       const auto begin = pages_.begin() + static_cast<std::ptrdiff_t>(block.first / k_page);
-      if (*begin != Page::missing) break;
       std::fill(begin, begin + static_cast<std::ptrdiff_t>((block.second - block.first) / k_page),
                 Page::coming);
       claimed.push_back(block);
@@ -214,6 +217,19 @@ class FaultingMap final : public RemoteMap {
     const std::scoped_lock lock(mutex_);
     std::fill(pages_.begin() + static_cast<std::ptrdiff_t>(begin / k_page),
               pages_.begin() + static_cast<std::ptrdiff_t>(end / k_page), Page::there);
+    arrived_.emplace_back(begin, end);
+    arrived_bytes_ += end - begin;
+    while (arrived_bytes_ > most_bytes_ && arrived_.size() > 1) drop_oldest();
+  }
+
+  /// Requires mutex_: pages that are there cannot be on their way meanwhile, and whose fault comes now will wait.
+  void drop_oldest() {
+    const auto [begin, end] = arrived_.front();
+    arrived_.pop_front();
+    arrived_bytes_ -= end - begin;
+    ::madvise(begin_ + begin, end - begin, MADV_DONTNEED);
+    std::fill(pages_.begin() + static_cast<std::ptrdiff_t>(begin / k_page),
+              pages_.begin() + static_cast<std::ptrdiff_t>(end / k_page), Page::missing);
   }
 
   void fail(std::exception_ptr failure) {
@@ -277,6 +293,7 @@ class FaultingMap final : public RemoteMap {
 
   const std::string name_;
   std::unique_ptr<RemoteFile> file_;
+  const std::uint64_t most_bytes_;
   std::uint64_t size_ = 0, mapped_ = 0;
   std::byte* begin_ = nullptr;
   FileDescriptor faults_, stop_;
@@ -287,14 +304,18 @@ class FaultingMap final : public RemoteMap {
   CheckBlock check_;
   std::mutex mutex_;  ///< of all that follows
   std::vector<Page> pages_;
+  std::deque<Block> arrived_;  ///< in their order
+  std::uint64_t arrived_bytes_ = 0;
   std::exception_ptr failure_;
   std::uint64_t next_ = 0, ahead_ = 0;
 };
 
 }  // namespace
 
-std::shared_ptr<RemoteMap> RemoteMap::open(const std::string& name) {
-  auto map = std::make_shared<FaultingMap>(name);
+std::shared_ptr<RemoteMap> RemoteMap::open(const std::string& name, std::optional<std::uint64_t> most_bytes) {
+  constexpr std::uint64_t k_unlimited = ~std::uint64_t{0};
+  const std::uint64_t room = available_memory() ? *available_memory() / 2 : k_unlimited;
+  auto map = std::make_shared<FaultingMap>(name, most_bytes.value_or(room));
   if (!map->is_permitted()) return nullptr;
   const std::scoped_lock lock(registry().mutex);
   registry().maps[map->bytes().data()] = map;

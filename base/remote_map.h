@@ -6,31 +6,35 @@
 #include <cstdint>
 #include <functional>
 #include <memory>
+#include <optional>
 #include <span>
 #include <string>
 #include <utility>
 
 namespace alidade {
 
-/// The bytes of a remote file in memory, each page fetched when a thread first touches it (userfaultfd(2)), which waits
-/// meanwhile. Copies share the map. Read only; safe to use from many threads. What has arrived stays until the map is destroyed.
+/// The bytes of a remote file in memory, each page fetched when a thread first touches it (userfaultfd(2)), which
+/// waits meanwhile. Read only; safe to use from many threads. What arrived first gives way when there is much, and
+/// arrives again.
 ///
-/// Touching memory cannot fail. If the network does, or what arrives is damaged, the pages are filled with zeros instead, as
-/// all that arrive later, and the map has failed: its Error is kept for check(). So whoever reads the bytes calls check()
-/// before the result counts; answers of queries, finished output files and standard output are guarded so.
+/// Touching memory cannot fail. If the network does, or what arrives is damaged, the pages are filled with zeros
+/// instead, as all that arrive later, and the map has failed: its Error is kept for check(). So whoever reads the
+/// bytes calls check() before the result counts; answers of queries, finished output files and standard output are
+/// guarded so.
 ///
 /// The system itself does not wait for pages: system calls on them fail until they were touched.
 class RemoteMap {
  public:
-  /// The part of the file that arrives together with the byte at an offset: begins at a multiple of 4096, and ends at one or at
-  /// the file's end.
+  /// The part of the file that arrives together with the byte at an offset: begins at a multiple of 4096, and ends at
+  /// one or at the file's end.
   using BlockOf = std::function<std::pair<std::uint64_t, std::uint64_t>(std::uint64_t offset)>;
   /// Errors: the bytes, a block that begins at `offset`, are damaged.
   using CheckBlock = std::function<void(std::uint64_t offset, std::span<const std::byte> bytes)>;
 
-  /// Opens the file. Null if the system does not permit it: Linux before 5.11, and some containers. Errors: those of
-  /// open_remote_file().
-  static std::shared_ptr<RemoteMap> open(const std::string& name);
+  /// Opens the file. At most `most_bytes` of it stay in memory, by default half of available_memory(). Null if the
+  /// system does not permit it: Linux before 5.11, and some containers. Errors: those of open_remote_file().
+  static std::shared_ptr<RemoteMap> open(const std::string& name,
+                                         std::optional<std::uint64_t> most_bytes = {});
   /// The map that an address lies in; null if there is none.
   static std::shared_ptr<RemoteMap> find(const void* address);
 

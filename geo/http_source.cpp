@@ -10,6 +10,8 @@
 #include <charconv>
 #include <chrono>
 #include <cstring>
+#include <future>
+#include <new>
 #include <optional>
 #include <string_view>
 #include <thread>
@@ -74,31 +76,89 @@ std::string headers_of(std::uint64_t first, std::uint64_t last) {
   return headers;
 }
 
-/// Each thread keeps its connections to servers.
-std::string session_of_thread() {
-  static std::atomic<int> count = 0;
-  thread_local const int number = count++;
-  return fmt::format("alidade_{}", number);
-}
+/// A session of GDAL, which keeps connections to servers, for one request at a time: as many as there are requests at
+/// once.
+class Session {
+ public:
+  Session() {
+    const std::scoped_lock lock(mutex_);
+    if (free_.empty()) free_.push_back(count_++);
+    number_ = free_.back();
+    free_.pop_back();
+  }
+  ~Session() {
+    const std::scoped_lock lock(mutex_);
+    free_.push_back(number_);
+  }
+  Session(const Session&) = delete;
+  Session& operator=(const Session&) = delete;
 
-struct Receiver {
-  std::vector<std::byte> body;
-  bool (*is_interrupted)();
-  bool is_too_long = false;
+  std::string name() const { return fmt::format("alidade_{}", number_); }
 
-  static std::size_t write(void* bytes, std::size_t size, std::size_t count, void* receiver) {
-    auto& self = *static_cast<Receiver*>(receiver);
+ private:
+  static inline std::mutex mutex_;
+  static inline std::vector<int> free_;
+  static inline int count_ = 0;
+  int number_;
+};
+
+/// A request and what comes of it, in a thread of its own: GDAL asks whether to go on only when the answer has begun.
+class Transfer {
+ public:
+  static std::shared_ptr<Transfer> start(const std::string& url, std::string headers) {
+    auto transfer = std::make_shared<Transfer>();
+    ++requests_in_all;
+    std::thread([transfer, url, headers = std::move(headers)] { transfer->run(url, headers); }).detach();
+    return transfer;
+  }
+
+  bool is_done_within(std::chrono::milliseconds time) const {
+    return done_future_.wait_for(time) == std::future_status::ready;
+  }
+  /// The rest ends as soon as data come.
+  void give_up() { is_given_up_ = true; }
+
+  // When it is done.
+  std::vector<std::byte> body{};
+  bool is_too_long = false, is_memory_short = false;
+  std::unique_ptr<CPLHTTPResult, decltype(&CPLHTTPDestroyResult)> result{nullptr, &CPLHTTPDestroyResult};
+
+ private:
+  void run(const std::string& url, const std::string& headers) {
+    {
+      const QuietGdal quiet;
+      const Session session;
+      CPLStringList options;
+      options.SetNameValue("HEADERS", headers.c_str());
+      options.SetNameValue("PERSISTENT", session.name().c_str());
+      options.SetNameValue("MAX_RETRY", "0");
+      result.reset(
+          CPLHTTPFetchEx(url.c_str(), options.List(), &Transfer::go_on, this, &Transfer::write, this));
+    }
+    done_.set_value();
+  }
+
+  static std::size_t write(void* bytes, std::size_t size, std::size_t count, void* transfer) {
+    auto& self = *static_cast<Transfer*>(transfer);
     const auto* const begin = static_cast<const std::byte*>(bytes);
     bytes_in_all += size * count;
     self.is_too_long = self.body.size() + size * count > HttpSource::k_largest_whole;
     if (self.is_too_long) return 0;
-    self.body.insert(self.body.end(), begin, begin + size * count);
+    try {
+      self.body.insert(self.body.end(), begin, begin + size * count);
+    } catch (const std::bad_alloc&) {
+      self.is_memory_short = true;
+      return 0;
+    }
     return size * count;
   }
-  static int go_on(double, const char*, void* receiver) {
-    const auto& self = *static_cast<Receiver*>(receiver);
-    return self.is_interrupted == nullptr || !self.is_interrupted() ? TRUE : FALSE;
+  static int go_on(double, const char*, void* transfer) {
+    return static_cast<Transfer*>(transfer)->is_given_up_ ? FALSE : TRUE;
   }
+
+  std::atomic<bool> is_given_up_ = false;
+  std::promise<void> done_;
+  std::future<void> done_future_ = done_.get_future();
 };
 
 }  // namespace
@@ -233,19 +293,17 @@ void HttpSource::wait(double seconds) const {
 }
 
 HttpSource::Answer HttpSource::request_once(std::uint64_t first, std::uint64_t last) const {
-  const QuietGdal quiet;
-  CPLStringList options;
-  options.SetNameValue("HEADERS", headers_of(first, last).c_str());
-  options.SetNameValue("PERSISTENT", session_of_thread().c_str());
-  options.SetNameValue("MAX_RETRY", "0");
-  Receiver receiver{.body = {}, .is_interrupted = is_interrupted_};
-  ++requests_in_all;
-  const std::unique_ptr<CPLHTTPResult, decltype(&CPLHTTPDestroyResult)> result(
-      CPLHTTPFetchEx(url_.c_str(), options.List(), &Receiver::go_on, &receiver, &Receiver::write, &receiver),
-      &CPLHTTPDestroyResult);
+  const std::shared_ptr<Transfer> transfer = Transfer::start(url_, headers_of(first, last));
+  while (!transfer->is_done_within(std::chrono::milliseconds(50))) {
+    if (!is_stopped()) continue;
+    transfer->give_up();
+    throw Cancelled();
+  }
   if (is_stopped()) throw Cancelled();
+  if (transfer->is_memory_short) throw std::bad_alloc();
+  const auto& result = transfer->result;
   if (!result) throw Error({.file = name_, .problem = "this GDAL reads no files from web servers"});
-  if (receiver.is_too_long)
+  if (transfer->is_too_long)
     throw Error(
         {.file = name_,
          .problem = "the server sends no ranges, and the file is too large to fetch whole; download it",
@@ -275,7 +333,7 @@ HttpSource::Answer HttpSource::request_once(std::uint64_t first, std::uint64_t l
     answer.problem = fmt::format("HTTP status {}", answer.status);
   }
   answer.range = parse_content_range(answer.stated_range);
-  answer.body = std::move(receiver.body);
+  answer.body = std::move(transfer->body);
   if (answer.is_good()) check_range(answer, first, last);
   return answer;
 }

@@ -8,6 +8,7 @@
 #include <mutex>
 #include <span>
 #include <string>
+#include <utility>
 #include <vector>
 
 namespace alidade::geo {
@@ -15,8 +16,8 @@ namespace alidade::geo {
 /// A file on a web server, read by ranges through GDAL's HTTP client. Thread safe.
 ///
 /// The first answer fixes which file it is: its size, and its entity tag or else its time of modification. Every later
-/// answer must agree, and must hold exactly the bytes that were requested; otherwise it is an Error, so that no reader gets bytes
-/// of two versions. A server that knows no ranges sends the whole file, which then stays in memory.
+/// answer must agree, and must hold exactly the bytes that were requested; otherwise it is an Error, so that no reader
+/// gets bytes of two versions. A server that does not support ranges sends the whole file, which then stays in memory.
 ///
 /// Requests that fail in the network, and those answered with 429, 500, 502, 503 or 504, are repeated
 /// GDAL_HTTP_MAX_RETRY times, with pauses that begin at GDAL_HTTP_RETRY_DELAY seconds and double.
@@ -25,15 +26,16 @@ class HttpSource {
   /// What a server sends without ranges may have so many bytes.
   static constexpr std::uint64_t k_largest_whole = std::uint64_t{1} << 30;
 
-  /// Requests the first `count` bytes. `name` is what messages call the file; `is_interrupted`, if given, is asked about once
-  /// per second whether to stop. Errors: those of read(); the server cannot be reached, or has no such file.
+  /// Requests the first `count` bytes. `name` is what messages call the file; `is_interrupted`, if given, is called
+  /// while waiting and returns whether to stop. Errors: those of read(); the server cannot be reached, or has no such
+  /// file.
   HttpSource(std::string name, std::string url, std::size_t count, bool (*is_interrupted)());
 
   std::uint64_t size() const { return size_; }
   /// Differs between different contents of the URL. Empty if the server does not tell them apart.
   const std::string& version() const { return version_; }
-  /// The bytes that the constructor fetched: at most `count` at the beginning of the file.
-  std::span<const std::byte> start() const { return start_; }
+  /// Hands out the bytes that the constructor fetched: at most `count` at the beginning of the file.
+  std::vector<std::byte> take_start() { return std::exchange(start_, {}); }
   /// Whether an answer was of another version: the URL has to be opened again.
   bool has_changed() const { return has_changed_; }
 

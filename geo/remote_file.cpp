@@ -199,9 +199,7 @@ std::shared_ptr<HttpSource> http_source(const std::string& name, const std::stri
     if (known != web().sources.end() && !known->second->has_changed()) return known->second;
   }
   auto source = std::make_shared<HttpSource>(name, url, k_block, web().options.is_interrupted);
-  const std::span<const std::byte> start = source->start();
-  web().memory.keep({source.get(), 0},
-                    std::make_shared<const std::vector<std::byte>>(start.begin(), start.end()));
+  web().memory.keep({source.get(), 0}, std::make_shared<const std::vector<std::byte>>(source->take_start()));
   const std::scoped_lock lock(web().mutex);
   std::shared_ptr<HttpSource>& known = web().sources[url];
   if (known && !known->has_changed()) return known;  // another thread was faster

@@ -20,8 +20,8 @@ namespace alidade {
 /// checksum in the last section, and the header has one of each section's run of these.
 class IndexSections {
  public:
-  /// Of a remote file, blocks are checked when they arrive, and so are ids (find_bad_id()); what fails then, RemoteMap::check()
-  /// throws. Errors: as read_index_header().
+  /// Of a remote file, blocks are checked when they arrive, and so are ids (find_bad_id()); what fails then,
+  /// RemoteMap::check() throws. Errors: as read_index_header().
   explicit IndexSections(const InputFile& file);
 
   const std::string& name() const { return map_.name(); }

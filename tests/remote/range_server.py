@@ -22,6 +22,7 @@ Everywhere:
 /status-403/FILE  always answers 403
 /moved/FILE      redirects to /good/FILE
 /keyed/FILE      answers 403 to requests without the header X-Key: 17
+/silent-3/FILE   does not answer from the fourth request on
 /gone-3/FILE     closes the connection from the fourth request on
 """
 
@@ -64,6 +65,10 @@ class Handler(http.server.BaseHTTPRequestHandler):
         if manner.startswith("status-"):
             return self.send_error(int(manner[7:]))
         if manner.startswith("gone-") and number > int(manner[5:]):
+            self.close_connection = True
+            return None
+        if manner.startswith("silent-") and number > int(manner[7:]):
+            server.stop.wait(60)
             self.close_connection = True
             return None
         if manner == "keyed" and self.headers.get("X-Key") != "17":

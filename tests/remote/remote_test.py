@@ -305,13 +305,14 @@ class RemoteTest(unittest.TestCase):
         self.assertFalse(os.path.exists(os.path.join(self.folder, "bad.las")))
 
     def test_waiting_for_a_server_can_be_interrupted(self):
-        for manner, settings in (("stalled", {}), ("status-503", {"GDAL_HTTP_RETRY_DELAY": "1000"})):
+        for manner, name, requests, settings in (("stalled", "site.laz", 2, {}), ("silent-4", "site.alidade", 5, {}),
+                                                 ("status-503", "site.laz", 1, {"GDAL_HTTP_RETRY_DELAY": "1000"})):
             with self.subTest(manner):
                 self.server.forget()
-                address = self.server.address(manner, "site.laz")
-                with subprocess.Popen([PROGRAM, "convert", address, "-o", "bad.las", "-q"], cwd=self.folder,
-                                      stderr=subprocess.PIPE, env=dict(os.environ, **settings)) as program:
-                    while self.server.requests < (2 if manner == "stalled" else 1):
+                words = (*self.words(self.server.address(manner, name)), "-o", "bad.csv", "-q")
+                with subprocess.Popen([PROGRAM, *words], cwd=self.folder, stderr=subprocess.PIPE,
+                                      env=dict(os.environ, **settings)) as program:
+                    while self.server.requests < requests:
                         time.sleep(0.01)
                     time.sleep(0.1)
                     program.send_signal(signal.SIGINT)

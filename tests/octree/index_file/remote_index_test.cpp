@@ -127,6 +127,22 @@ TEST_F(RemoteIndex, nothing_is_written_of_a_map_that_failed) {
   EXPECT_FALSE(std::filesystem::exists(path));
 }
 
+TEST_F(RemoteIndex, what_does_not_fit_in_memory_arrives_again) {
+  Bytes bytes(64 * 4096 + 100);
+  for (std::size_t i = 0; i < bytes.size(); ++i) bytes[i] = static_cast<std::byte>(i / 4096 + 1);
+  serve(bytes);
+  const auto map = RemoteMap::open(k_name, 8 * 4096);
+  for (int pass = 0; pass < 2; ++pass) {
+    const int before = reads;
+    for (std::size_t i = 0; i < bytes.size(); i += 50) ASSERT_EQ(map->bytes()[i], bytes[i]) << i;
+    EXPECT_GT(reads, before);
+  }
+  map->fetch(map->bytes());
+  RemoteMap::touch(map->bytes());
+  EXPECT_EQ(map->bytes().back(), bytes.back());
+  RemoteMap::check_all();
+}
+
 // The pages of a map that failed are zero.
 TEST_F(RemoteIndex, zeros_for_all_but_the_nodes_do_no_harm) {
   Bytes bytes = sound_file();
