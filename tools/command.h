@@ -10,6 +10,7 @@
 #include "base/huge_memory.h"
 #include "tools/console.h"
 #include "tools/options.h"
+#include "tools/threads.h"
 
 // A sub-command is one function: it declares its options on the program and returns what to do when it is
 // chosen. Work is done by the libraries; a command only reads options, calls, and prints. Bad input is thrown

@@ -255,17 +255,6 @@ class Parser {
 /// -q and -v.
 void add_verbosity(const Options& command, Verbosity& verbosity);
 
-/// --threads N; empty = as many as the machine has, or enough_threads().
-void add_threads(const Options& command, std::optional<int>& threads);
-
-/// How many threads serve a command of these words best, the program's name included, if not as many as the machine
-/// has: 8 a core where rays ask an index file among the words that is larger than `memory`, in bytes. Then most threads
-/// wait for the disk, which answers many as fast as one.
-std::optional<int> enough_threads(std::span<const std::string> words, std::uint64_t memory);
-
-/// What `work` answers, run on exactly this many threads.
-ExitCode with_threads(std::optional<int> threads, const std::function<ExitCode()>& work);
-
 /// Lets a long task fail before it starts: Error if the file is one of `inputs` by whatever name ("-" is
 /// standard input; empty ones are skipped), exists and may not be replaced, is no regular file, or if its
 /// folder cannot be written to.

@@ -5,7 +5,7 @@
 #include <random>
 
 #include "tests/tools/run_program.h"
-#include "tools/options.h"
+#include "tools/threads.h"
 
 namespace alidade::test {
 namespace {

@@ -3,6 +3,8 @@
 
 #include <array>
 
+#include "tools/threads.h"
+
 namespace alidade::tools {
 namespace {
 
