@@ -6,12 +6,16 @@
 #include <sys/mman.h>
 #include <sys/stat.h>
 #include <unistd.h>
+#include <algorithm>
+#include <cassert>
 #include <cerrno>
 #include <cstdlib>
 #include <string>
+#include <system_error>
 #include <utility>
 
 #include "base/error.h"
+#include "base/fingerprint.h"
 
 namespace alidade {
 namespace {
@@ -57,9 +61,19 @@ int advise(std::span<const std::byte> bytes, int advice) noexcept {
 
 }  // namespace
 
+std::filesystem::path temporary_folder() {
+  std::error_code error;
+  std::filesystem::path folder = std::filesystem::temp_directory_path(error);
+  if (!error) return folder;
+  const char* const given = std::getenv("TMPDIR");
+  throw file_error(given ? given : "/tmp", "no folder for temporary files",
+                   "the environment variable TMPDIR to name a folder", error.message());
+}
+
 ScratchFile::ScratchFile(const std::filesystem::path& path, std::uint64_t kept)
     : folder_(path.parent_path()), is_named_(true), size_(kept) {
-  descriptor_ = FileDescriptor(::open(path.c_str(), O_RDWR | O_CREAT | O_CLOEXEC, S_IRUSR | S_IWUSR));
+  descriptor_ =
+      FileDescriptor(::open(path.c_str(), O_RDWR | O_CREAT | O_NOFOLLOW | O_CLOEXEC, S_IRUSR | S_IWUSR));
   if (!descriptor_.is_open()) throw system_error(path.string(), "cannot write the file");
   const std::uint64_t size = descriptor_.size_of_regular(path.string());
   if (size < kept)
@@ -78,6 +92,7 @@ ScratchFile::ScratchFile(ScratchFile&& other) noexcept
       is_named_(other.is_named_),
       descriptor_(std::move(other.descriptor_)),
       size_(std::exchange(other.size_, 0)),
+      sums_(std::move(other.sums_)),
       mapped_(std::exchange(other.mapped_, nullptr)) {}
 
 ScratchFile& ScratchFile::operator=(ScratchFile&& other) noexcept {
@@ -85,6 +100,7 @@ ScratchFile& ScratchFile::operator=(ScratchFile&& other) noexcept {
   std::swap(is_named_, other.is_named_);
   std::swap(descriptor_, other.descriptor_);
   std::swap(size_, other.size_);
+  std::swap(sums_, other.sums_);
   std::swap(mapped_, other.mapped_);
   return *this;
 }
@@ -107,6 +123,7 @@ void ScratchFile::append(std::span<const std::byte> bytes) {
     bytes = bytes.subspan(static_cast<std::size_t>(count));
     size_ += static_cast<std::uint64_t>(count);
   }
+  sum_blocks();
 }
 
 void ScratchFile::append_zeros(std::uint64_t count) {
@@ -127,6 +144,36 @@ void ScratchFile::read(std::uint64_t offset, std::span<std::byte> into) const {
   }
 }
 
+void ScratchFile::cut(std::uint64_t kept) {
+  assert(kept <= size_ && !mapped_);
+  if (kept == size_) return;
+  if (::ftruncate(descriptor_.number(), static_cast<::off_t>(kept)) != 0) fail(k_no_write);
+  size_ = kept;
+  sums_.resize(std::min<std::size_t>(sums_.size(), size_ / k_checksum_block));
+}
+
+std::uint64_t ScratchFile::sum_of(std::uint64_t offset, std::uint64_t count) const {
+  std::vector<std::byte> bytes(count);
+  read(offset, bytes);
+  return alidade::checksum(bytes);
+}
+
+/// Soon after they were written, as long as the system has them in memory.
+void ScratchFile::sum_blocks() {
+  if (!is_named_) return;
+  while (sums_.size() < size_ / k_checksum_block)
+    sums_.push_back(sum_of(sums_.size() * k_checksum_block, k_checksum_block));
+}
+
+std::uint64_t ScratchFile::checksum() {
+  assert(is_named_);
+  sum_blocks();
+  std::vector<std::uint64_t> sums = sums_;
+  const std::uint64_t rest = sums.size() * k_checksum_block;
+  sums.push_back(sum_of(rest, size_ - rest));
+  return alidade::checksum(std::as_bytes(std::span(sums)));
+}
+
 void ScratchFile::sync() const {
   if (descriptor_.is_open() && ::fdatasync(descriptor_.number()) != 0) fail(k_no_write);
 }
@@ -134,8 +181,11 @@ void ScratchFile::sync() const {
 std::span<std::byte> ScratchFile::map() {
   if (size_ == 0) return {};
   if (!mapped_) {
-    void* const mapped = ::mmap(nullptr, size_, PROT_READ | PROT_WRITE, is_named_ ? MAP_PRIVATE : MAP_SHARED,
-                                descriptor_.number(), 0);
+    // The system might have to hold every page of a private map that can be written: it does not map one larger than
+    // memory. Of a shared one, discard_scratch_pages() would remove the bytes.
+    void* const mapped =
+        is_named_ ? ::mmap(nullptr, size_, PROT_READ, MAP_PRIVATE, descriptor_.number(), 0)
+                  : ::mmap(nullptr, size_, PROT_READ | PROT_WRITE, MAP_SHARED, descriptor_.number(), 0);
     if (mapped == MAP_FAILED) fail("cannot map a temporary file in this folder");
     mapped_ = static_cast<std::byte*>(mapped);
   }

@@ -6,6 +6,7 @@
 #include <filesystem>
 #include <span>
 #include <utility>
+#include <vector>
 
 #include "base/input_file.h"
 
@@ -17,13 +18,17 @@ struct ScratchSpace {
   std::uint64_t memory = 0;      ///< bytes to work in
 };
 
-/// A file for what memory does not hold, as a rule without a name: gone with the object, also if the program is killed.
+/// The folder for temporary files of commands without an output: TMPDIR, or /tmp. Errors: it is no folder.
+std::filesystem::path temporary_folder();
+
+/// A file for what memory does not hold, as a rule without a name: removed with the object, also if the program is
+/// killed.
 class ScratchFile {
  public:
   /// Made when the first bytes come, in this folder.
   explicit ScratchFile(std::filesystem::path folder) : folder_(std::move(folder)) {}
-  /// One with a name, which stays; it is made if it is missing, and cut to its first `kept` bytes. Errors: it has
-  /// fewer; it cannot be written.
+  /// One with a name, which stays; it is made if it is missing, and cut to its first `kept` bytes. Links are not
+  /// followed. Errors: it has fewer; it cannot be written.
   ScratchFile(const std::filesystem::path& path, std::uint64_t kept);
   ~ScratchFile();
   ScratchFile(ScratchFile&& other) noexcept;
@@ -38,23 +43,31 @@ class ScratchFile {
   /// Copies bytes that were written. Errors: reading failed.
   void read(std::uint64_t offset, std::span<std::byte> into) const;
 
+  /// Cuts the file to its first `kept` bytes, which it must have. Errors: the system cannot.
+  void cut(std::uint64_t kept);
   /// Waits until the bytes are on the disk. Errors: they cannot be written.
   void sync() const;
+  /// Checksum of all bytes of a file with a name, the same however they were appended. Cost: for bytes that this object
+  /// has appended, 1 MiB is read at most; others are read. Errors: as read().
+  std::uint64_t checksum();
 
-  /// All bytes written so far, mapped into memory. Changes go to the file, but for one with a name: that keeps its
-  /// bytes, also those that are discarded. The map stays until the object is gone; nothing may be appended any more. On
+  /// All bytes written so far, mapped into memory. Changes go to the file; the map of one with a name is read-only, and
+  /// keeps the bytes that are discarded. The map stays until the object is gone; nothing may be appended any more. On
   /// file systems that write changed pages elsewhere (Btrfs, ZFS), a full disk then ends the program (SIGBUS). Errors:
   /// the system cannot map them.
   std::span<std::byte> map();
 
  private:
   void open();
+  void sum_blocks();
+  std::uint64_t sum_of(std::uint64_t offset, std::uint64_t count) const;
   [[noreturn]] void fail(const char* problem) const;
 
   std::filesystem::path folder_;
   bool is_named_ = false;
   FileDescriptor descriptor_;
   std::uint64_t size_ = 0;
+  std::vector<std::uint64_t> sums_;  ///< of the whole blocks of one with a name
   std::byte* mapped_ = nullptr;
 };
 

@@ -5,9 +5,11 @@
 #include <sys/stat.h>
 #include <algorithm>
 #include <array>
+#include <filesystem>
 #include <map>
 #include <set>
 #include <string>
+#include <system_error>
 #include <tuple>
 #include <utility>
 
@@ -254,11 +256,14 @@ void warn_of_copies(PointCloud& cloud) {
   for (const CloudFile& file : cloud.files) {
     if (!file.stated_bounds || file.point_count < k_few) continue;
     const auto& [low, high] = *file.stated_bounds;
-    if (low == high) continue;  // nobody filled them in
+    if (low == high) continue;  // the writer left them empty
     const auto [same, is_new] = known.try_emplace(
         {low.x, low.y, low.z, high.x, high.y, high.z, static_cast<double>(file.point_count)},
         file.path.string());
-    if (is_new || same->second == file.path.string()) continue;
+    std::error_code error;
+    if (is_new || same->second == file.path.string() ||
+        std::filesystem::equivalent(same->second, file.path, error))
+      continue;  // the latter are twins
     if (copies.count == 0) original = same->second;
     copies.add(file.path.string());
   }
@@ -278,8 +283,9 @@ void warn_of_twins(const CloudInputs& inputs, PointCloud& cloud) {
     if (input.memory || ::stat(input.name.c_str(), &status) != 0) continue;
     if (!known.emplace(status.st_dev, status.st_ino).second) twins.add(input.name.string());
   }
-  if (twins.count == 0) return warn_of_copies(cloud);
-  cloud.warnings.push_back(twins.text() + ": given more than once; its points are repeated");
+  if (twins.count > 0)
+    cloud.warnings.push_back(twins.text() + ": given more than once; its points are repeated");
+  warn_of_copies(cloud);
 }
 
 }  // namespace alidade

@@ -50,8 +50,8 @@ ScratchCloud::ScratchCloud(const CloudInputs& inputs, const ReadOptions& options
     whole = read_in_pieces(inputs, options, pieces);
     take(whole.rest);
     if (size_ < recalled_)
-      throw file_error(checkpoint_->folder(), "corrupt checkpoint: more points than the input has",
-                       fmt::format("at most {}", size_), std::to_string(recalled_));
+      checkpoint_->fail_as_corrupt("more points than the input has", fmt::format("at most {}", size_),
+                                   std::to_string(recalled_));
   } catch (...) {
     keep();
     throw;
@@ -71,10 +71,8 @@ ScratchCloud::ScratchCloud(const CloudInputs& inputs, const ReadOptions& options
 }
 
 void ScratchCloud::fail_as_corrupt(const std::string& name, std::uint64_t bytes) const {
-  throw file_error(
-      checkpoint_->folder(),
-      fmt::format("corrupt checkpoint: wrong number of bytes of {} for {} points", name, recalled_), {},
-      std::to_string(bytes));
+  checkpoint_->fail_as_corrupt(fmt::format("wrong number of bytes of {}", name),
+                               fmt::format("those of {} points", recalled_), std::to_string(bytes));
 }
 
 ScratchFile ScratchCloud::file(const std::string& name, std::size_t value_bytes) const {
@@ -156,12 +154,12 @@ void ScratchCloud::spread_values(Attribute attribute,
 void ScratchCloud::keep() {
   if (!checkpoint_ || size_ <= checkpoint_->rows()) return;
   std::vector<ScratchCheckpoint::Kept> files;
-  const auto add = [&](const std::string& name, const ScratchFile& file, std::size_t value_bytes) {
+  const auto add = [&](const std::string& name, ScratchFile& file, std::size_t value_bytes) {
     files.push_back({name, &file, std::min(file.size(), size_ * value_bytes)});
   };
   add(k_positions, positions_, sizeof(LatticePosition));
   for (std::size_t number = 0; number < columns_.size(); ++number) {
-    const Column& column = columns_[number];
+    Column& column = columns_[number];
     if (column.value_bytes > 0) add(column_name(number), column.file, column.value_bytes);
   }
   checkpoint_->keep(size_, files);

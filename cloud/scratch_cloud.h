@@ -30,7 +30,7 @@ class ScratchCloud {
   std::size_t size() const { return static_cast<std::size_t>(size_); }
   /// Lattice, reference system, records, files, warnings, and extra dimensions without their values; no points.
   const PointCloud& facts() const { return facts_; }
-  /// By row. They may be changed; a checkpoint keeps them as they are.
+  /// By row. They may be changed, but with a checkpoint they are read-only memory.
   std::span<LatticePosition> positions();
   /// By row; valid as long as the object.
   AttributeColumns columns();

@@ -8,28 +8,31 @@
 #include "database/server/server_name.h"
 #include "tools/command.h"
 #include "tools/image_module.h"
+#include "tools/silent_options.h"
 #include "tools/view_options.h"
 
 namespace alidade::tools {
 namespace {
 
-constexpr std::array<std::string_view, 5> k_flags = {"--overwrite", "--skip-existing", "--quiet", "--verbose",
-                                                     "--resume"};
-constexpr std::array<std::string_view, 16> k_options = {
-    "--output",     "--threads",          "--legend",      "--legend-size",
-    "--preview",    "--preview-interval", "--checkpoint",  "--checkpoint-interval",
-    "--depth",      "--depth-format",     "--depth-scale", "--depth-along",
-    "--depth-mask", "--transforms-out",   "--part",        "--memory"};
+/// Those of pictures, beside k_silent_options.
+constexpr std::array<std::string_view, 11> k_picture_options = {
+    "legend",      "legend-size", "preview",    "preview-interval", "depth", "depth-format",
+    "depth-scale", "depth-along", "depth-mask", "transforms-out",   "part"};
+
+template <class Names>
+bool names_one_of(std::string_view word, const Names& names) {
+  return word.starts_with("--") && std::ranges::find(names, word.substr(2)) != names.end();
+}
 
 /// Flags that cannot change the picture: those of the list, and -q and -v alone or together.
 bool is_silent_flag(std::string_view word) {
-  if (std::ranges::find(k_flags, word) != k_flags.end()) return true;
+  if (names_one_of(word, k_silent_flags)) return true;
   return word.size() > 1 && word[0] == '-' && word.find_first_not_of("qv", 1) == std::string_view::npos;
 }
 
 /// Options that cannot, whose value is the next word.
 bool is_silent_option(std::string_view word) {
-  return word == "-o" || std::ranges::find(k_options, word) != k_options.end();
+  return word == "-o" || names_one_of(word, k_silent_options) || names_one_of(word, k_picture_options);
 }
 
 /// The same with the value in the word.

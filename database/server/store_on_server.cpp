@@ -5,6 +5,7 @@
 
 #include <array>
 
+#include "base/scratch_file.h"
 #include "database/point_stream.h"
 #include "database/server/copy_format.h"
 #include "database/server/server_connection.h"
@@ -86,7 +87,7 @@ StoredFiles store_on_server(const ServerName& name, const CloudInputs& inputs, c
   ServerConnection connection(name);
   check_tables(connection, name, options.replace);
 
-  OrderedCloud cloud(std::filesystem::temp_directory_path(), inputs, reading, options.memory);
+  OrderedCloud cloud(temporary_folder(), inputs, reading, options.memory);
   connection.run("BEGIN");
   store(connection, name, cloud, options);
   return std::move(cloud).stored();

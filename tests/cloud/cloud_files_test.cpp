@@ -129,6 +129,10 @@ TEST_F(CloudFilesTest, copies_under_other_names_are_warned_of) {
   const std::string copy = (folder_ / "b.las").string() + ": as many points within the same bounds as " +
                            (folder_ / "a.las").string() + "; the points may be repeated";
   EXPECT_EQ(read_cloud(folder_).warnings, Names{copy});
+  const fs::path c = folder_ / "c.las";
+  const std::vector<fs::path> twice = {folder_, c};
+  EXPECT_EQ(read_cloud(twice).warnings,
+            (Names{c.string() + ": given more than once; its points are repeated", copy}));
   fs::remove(folder_ / "b.las");
   EXPECT_EQ(read_cloud(folder_).warnings, Names{});
 }

@@ -103,9 +103,10 @@ TEST_F(ScratchCloudTest, bytes_that_do_not_fit_the_number_of_rows_are_an_error) 
       state.keep(1, std::vector<ScratchCheckpoint::Kept>{{"positions", &positions, bytes}});
     }
     ScratchCheckpoint state = checkpoint();
-    EXPECT_NE(
-        test::error_of([&] { read(file, &state); }).find("wrong number of bytes of positions for 1 points"),
-        std::string::npos);
+    EXPECT_NE(test::error_of([&] {
+                read(file, &state);
+              }).find("wrong number of bytes of positions; expected those of 1 points"),
+              std::string::npos);
     state.remove();
   }
 }
@@ -122,6 +123,7 @@ TEST_F(ScratchCloudTest, more_kept_rows_than_the_input_has_are_an_error) {
   ScratchCheckpoint state = checkpoint();
   EXPECT_NE(test::error_of([&] { read(folder_ / "b.las", &state); }).find("more points than the input has"),
             std::string::npos);
+  EXPECT_TRUE(state.is_corrupt());
 }
 
 }  // namespace

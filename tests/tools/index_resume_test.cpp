@@ -63,14 +63,16 @@ class IndexResumeTest : public ProgramTest {
   }
 
   /// Kills a run at some moment of a phase; whether it came in time.
-  bool killed(const Words& words, Phase phase, Random& random) const {
+  bool killed(const Words& words, Phase phase, Random& random) {
     Program program(words, folder);
     wait_for(phase, program);
     const auto most = std::chrono::duration_cast<std::chrono::microseconds>(duration_).count();
     const auto share = static_cast<std::uint64_t>(phase == Phase::anywhere ? most : most / 20);
     std::this_thread::sleep_for(std::chrono::microseconds(random.below(share)));
     program.send(SIGKILL);
-    return program.wait().signal == SIGKILL;
+    const ProgramResult result = program.wait();
+    resumed_ += contains(result.err, "alidade: resuming from state: ") ? 1 : 0;
+    return result.signal == SIGKILL;
   }
 
   void kill_and_resume(int kills) {
@@ -86,6 +88,7 @@ class IndexResumeTest : public ProgramTest {
     const ProgramResult last = run(keep);
     ASSERT_EQ(last.exit_code, 0) << last.err;
     EXPECT_EQ(contains(last.err, "alidade: resuming from state: "), resumes) << last.err;
+    EXPECT_GT(resumed_ + (resumes ? 1 : 0), 0);
     expect_whole_and_nothing_else();
   }
 
@@ -112,6 +115,7 @@ class IndexResumeTest : public ProgramTest {
   Words index_ = {"index", "--memory", "1M"};
   const Words k_keep = {"--checkpoint", "state", "--checkpoint-interval", "0.001", "--resume", "--overwrite"};
   Clock::duration duration_{};
+  int resumed_ = 0;  ///< killed runs that had points of those before
 };
 
 TEST_F(IndexResumeTest, killed_runs_end_with_the_same_bytes) {
@@ -165,18 +169,84 @@ TEST_F(IndexResumeTest, rejects_other_inputs_options_and_folders) {
   const auto changed = std::filesystem::last_write_time(tile);
   std::filesystem::last_write_time(tile, changed + std::chrono::seconds(1));
   expect_error(with(words, {"--resume"}), "tile0.laz ");
+  expect_error(with(words, {"--resume"}), " bytes, changed 20");
   std::filesystem::last_write_time(tile, changed);
   std::filesystem::resize_file(folder / "state" / "rows-positions", 1000);
-  expect_error(with(words, {"--resume"}), "rows-positions: corrupt checkpoint: truncated file");
+  expect_error(with(words, {"--resume"}),
+               "state: corrupt checkpoint: truncated file rows-positions; expected at least");
   std::string manifest = read("state/manifest");
   manifest.back() = static_cast<char>(manifest.back() ^ 1);
   write("state/manifest", manifest);
   expect_error(with(words, {"--resume"}), "manifest:byte 24: corrupt checkpoint: wrong header checksum");
+  expect_error(with(words, {"--resume"}), "or --overwrite without --resume to start again");
   write("state/letter", "dear");
   expect_error(with(words, {"--overwrite"}), "state: not an index checkpoint");
   std::filesystem::remove(folder / "state" / "letter");
   EXPECT_EQ(run(with(words, {"--overwrite"})).exit_code, 0);
   EXPECT_EQ(names(), (Words{"out.alidade", "tile0.laz"}));
+}
+
+TEST_F(IndexResumeTest, changed_rows_are_an_error) {
+  make_tiles(1, 60'000);
+  ASSERT_NO_FATAL_FAILURE(leave_checkpoint());
+  std::string rows = read("state/rows-positions");
+  rows[rows.size() / 2] = static_cast<char>(rows[rows.size() / 2] ^ 1);
+  write("state/rows-positions", rows);
+  const Words words = with(index_, {"-o", "out.alidade", "--checkpoint", "state"});
+  const ProgramResult result = run(with(words, {"--resume"}));
+  EXPECT_EQ(result.exit_code, 2);
+  EXPECT_TRUE(contains(result.err, "state: corrupt checkpoint: wrong checksum of rows-positions"))
+      << result.err;
+  EXPECT_FALSE(contains(result.err, "saved to state")) << result.err;
+  EXPECT_FALSE(std::filesystem::exists(folder / "out.alidade"));
+  EXPECT_EQ(run(with(words, {"--overwrite"})).exit_code, 0);
+}
+
+TEST_F(IndexResumeTest, files_of_the_user_stay) {
+  make_tiles(1, 2'000);
+  const auto expect_rejected = [&](const std::string& kept, const Words& words, const std::string& part) {
+    const std::string before = read(kept);
+    for (const Words& more : {Words{}, Words{"--resume"}, Words{"--overwrite"}}) {
+      const ProgramResult result = run(with(words, more));
+      EXPECT_EQ(result.exit_code, 2);
+      EXPECT_TRUE(contains(result.err, part)) << result.err;
+      EXPECT_EQ(read(kept), before);
+    }
+    EXPECT_FALSE(std::filesystem::exists(folder / "out.alidade"));
+  };
+  std::filesystem::create_directory(folder / "survey");
+  std::filesystem::copy_file(folder / "tile0.laz", folder / "survey" / "rows-1.laz");
+  const auto index = [](const std::string& input, const std::string& checkpoint) {
+    return Words{"index", input, "--memory", "1M", "-o", "out.alidade", "--checkpoint", checkpoint};
+  };
+  expect_rejected("survey/rows-1.laz", index("survey/rows-1.laz", "survey"),
+                  "survey: the checkpoint holds the input survey/rows-1.laz; expected another folder");
+  std::filesystem::create_symlink("survey/rows-1.laz", folder / "link.laz");
+  expect_rejected("survey/rows-1.laz", index("link.laz", "survey"), "survey: the checkpoint holds the input");
+  expect_rejected("survey/rows-1.laz", index("tile0.laz", "survey"), "survey: not an index checkpoint");
+  for (const std::string name : {"rows-2024.csv", "manifest"}) {
+    std::filesystem::create_directory(folder / "notes");
+    write("notes/" + name, "precious");
+    expect_rejected("notes/" + name, index("tile0.laz", "notes"), "notes: not an index checkpoint");
+    std::filesystem::remove_all(folder / "notes");
+  }
+  ASSERT_EQ(run({"sql", "load", "tile0.laz", "site.db"}).exit_code, 0);
+  expect_rejected("site.db", index("site.db", "state"),
+                  "site.db: --checkpoint does not find changes of tables");
+}
+
+TEST_F(IndexResumeTest, folder_or_link_of_the_user_stays) {
+  make_tiles(1, 2'000);
+  std::filesystem::create_directory(folder / "disk");
+  std::filesystem::create_directory_symlink("disk", folder / "link");
+  for (const char* const name : {"disk", "link"}) {
+    const ProgramResult result =
+        run(with(index_, {"-o", "out.alidade", "--checkpoint", name, "--overwrite"}));
+    EXPECT_EQ(result.exit_code, 0) << result.err;
+    EXPECT_EQ(names(), (Words{"disk", "link", "out.alidade", "tile0.laz"}));
+    EXPECT_TRUE(std::filesystem::is_symlink(folder / "link"));
+    EXPECT_TRUE(std::filesystem::is_empty(folder / "disk"));
+  }
 }
 
 TEST_F(IndexResumeTest, organisation_memory_and_output_belong_to_the_run_or_not) {
@@ -203,10 +273,8 @@ TEST_F(IndexResumeTest, interrupted_run_says_how_to_resume) {
     program.send(SIGINT);
     const ProgramResult result = program.wait();
     ASSERT_EQ(result.exit_code, 130) << result.err;
-    // Nothing is kept of an interruption within the first piece.
-    EXPECT_EQ(contains(result.err, "saved to state; the same command with --resume"),
-              std::filesystem::exists(folder / "state"))
-        << result.err;
+    EXPECT_TRUE(contains(result.err, "saved to state; the same command with --resume")) << result.err;
+    EXPECT_TRUE(has_points());
   }
   ASSERT_EQ(run(keep).exit_code, 0);
   expect_whole_and_nothing_else();

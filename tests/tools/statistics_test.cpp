@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdlib>
 #include <functional>
 #include <iterator>
 #include <limits>
@@ -140,6 +141,21 @@ TEST(GpsTimeTest, moments_count_leap_seconds) {
   EXPECT_FALSE(moment_of_gps_time(-1.1e9));
 }
 
+TEST(StatisticsTest, can_be_stopped_within_a_column) {
+  PointCloud cloud;
+  cloud.positions.resize(600'000);
+  std::uint64_t calls = 0;
+  const CloudStatistics statistics =
+      statistics_of(points_of(cloud), [&](std::uint64_t done, std::uint64_t total) {
+        EXPECT_LE(done, total);
+        ++calls;
+        return true;
+      });
+  EXPECT_GE(calls, 4 * statistics.columns.size());
+  const auto stop = [](std::uint64_t done, std::uint64_t) { return done > 0; };
+  EXPECT_THROW(statistics_of(points_of(cloud), stop), Cancelled);
+}
+
 class InfoStatisticsTest : public ProgramTest {};
 
 TEST_F(InfoStatisticsTest, info_prints_them_as_text_and_as_json) {
@@ -175,6 +191,17 @@ TEST_F(InfoStatisticsTest, does_not_depend_on_memory) {
     words.insert(words.end(), {"--memory", "1M"});
     EXPECT_EQ(whole.exit_code, 0) << whole.err;
     EXPECT_EQ(whole.out, run(words).out);
+    // The points are in temporary files indeed.
+    const char* const given = std::getenv("TMPDIR");
+    const std::string before = given ? given : "";
+    ::setenv("TMPDIR", "/nonexistent", 1);
+    const ProgramResult nowhere = run(words);
+    given ? ::setenv("TMPDIR", before.c_str(), 1) : ::unsetenv("TMPDIR");
+    EXPECT_EQ(nowhere.exit_code, 2);
+    EXPECT_TRUE(contains(nowhere.err,
+                         "/nonexistent: no folder for temporary files; expected the environment "
+                         "variable TMPDIR to name a folder"))
+        << nowhere.err;
   }
 }
 

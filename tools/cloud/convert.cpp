@@ -147,11 +147,13 @@ bool is_large(const ConvertCommand& command) {
 
 /// Writes `count` points of a cloud, every N-th.
 void write_in_pieces(const ConvertCommand& command, ScratchCloud& cloud, std::size_t count) {
-  constexpr std::size_t k_rows_at_once = std::size_t{1} << 20;
+  // A row takes up to 64 bytes, and the formats copy it.
+  const std::size_t rows_at_once =
+      std::clamp<std::size_t>(command.memory / 256, std::size_t{1} << 14, std::size_t{1} << 20);
   const auto every = static_cast<std::size_t>(command.every);
   PointCloud some;
   const PointPieces from = [&](std::size_t first) -> const PointCloud& {
-    const std::size_t kept = std::min(std::max<std::size_t>(k_rows_at_once / every, 1), count - first);
+    const std::size_t kept = std::min(std::max<std::size_t>(rows_at_once / every, 1), count - first);
     some = cloud.rows(first * every, kept > 0 ? (kept - 1) * every + 1 : 0);
     if (every > 1) keep_every(some, every);
     return some;
@@ -180,6 +182,8 @@ void write_in_pieces(const ConvertCommand& command, ScratchCloud& cloud, std::si
 
 ExitCode convert_large(const ConvertCommand& command) {
   const ScratchSpace scratch = *scratch_beside(command.output, command.memory / 2);
+  say_note(command.verbosity, fmt::format("the points exceed --memory and lie in temporary files in {}",
+                                          scratch.folder.string()));
   ScratchCloud cloud = with_progress("reading", "B", command.verbosity, [&](const Progress& progress) {
     return ScratchCloud(
         command.files, {.color_depth = command.color_depth, .partial = command.partial, .progress = progress},

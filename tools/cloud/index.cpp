@@ -50,9 +50,9 @@ void save_shown(const std::filesystem::path& path, const Octree& octree, const P
                        octree.size() ? static_cast<double>(octree.memory()) / points : 0.0, path.string()));
 }
 
-/// States what the disk has to hold while an index is made. Errors: it is more than there is room for. Of a selection
-/// nothing is known beforehand.
-void check_room(const IndexCommand& command, const std::filesystem::path& folder, std::uint64_t rows_there) {
+/// check_room() for what the disk has to hold while an index is made. Of a selection nothing is known beforehand.
+void check_room_for(const IndexCommand& command, const std::filesystem::path& folder,
+                    std::uint64_t rows_there) {
   const bool selects = std::ranges::any_of(command.files.inputs, &CloudInput::is_changed);
   const StatedSize size = stated_size(command.files);
   if (selects || command.partial || size.uncounted_bytes > 0) return;
@@ -68,13 +68,7 @@ void check_room(const IndexCommand& command, const std::filesystem::path& folder
     bytes -=
         size.bytes() / std::max<std::uint64_t>(size.point_count, 1) * std::min(rows_there, size.point_count);
   }
-  const std::uintmax_t room = std::filesystem::space(folder).available;
-  if (bytes > room)
-    throw file_error(folder, "not enough room for temporary files", quantity(static_cast<double>(bytes), "B"),
-                     quantity(static_cast<double>(room), "B") + " free");
-  say_note(command.verbosity, fmt::format("up to {} of temporary files in {}, where {} are free",
-                                          quantity(static_cast<double>(bytes), "B"), folder.string(),
-                                          quantity(static_cast<double>(room), "B")));
+  check_room(folder, bytes, command.verbosity);
 }
 
 /// For clouds larger than memory.
@@ -82,14 +76,18 @@ void write_large_index(const IndexCommand& command) {
   KeptReading kept(command.checkpoint, command.files, command.verbosity);
   ScratchSpace scratch = *scratch_beside(command.output, command.memory);
   if (kept.checkpoint()) scratch.folder = command.checkpoint.file;
-  check_room(command, scratch.folder, kept.checkpoint() ? kept.checkpoint()->rows() : 0);
-  ScratchCloud cloud = with_progress("reading", "B", command.verbosity, [&](const Progress& progress) {
-    return ScratchCloud(
-        command.files, {.color_depth = command.color_depth, .partial = command.partial, .progress = progress},
-        scratch, kept.checkpoint());
-  });
-  say_warnings(command.verbosity, cloud.facts().warnings);
-  write_index(command.output, cloud, command.index, scratch, command.verbosity);
+  check_room_for(command, scratch.folder, kept.checkpoint() ? kept.checkpoint()->rows() : 0);
+  {
+    ScratchCloud cloud = with_progress("reading", "B", command.verbosity, [&](const Progress& progress) {
+      return ScratchCloud(
+          command.files,
+          {.color_depth = command.color_depth, .partial = command.partial, .progress = progress}, scratch,
+          kept.checkpoint());
+    });
+    say_warnings(command.verbosity, cloud.facts().warnings);
+    write_index(command.output, cloud, command.index, scratch, command.verbosity);
+  }
+  // Some file systems remove files only when nobody holds them.
   kept.finish();
 }
 

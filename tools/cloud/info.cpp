@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
 #include <fmt/format.h>
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <nlohmann/json.hpp>
@@ -13,6 +14,8 @@
 #include "cloud/scratch_cloud.h"
 #include "octree/index_file/index_file.h"
 #include "tools/cloud/e57_images.h"
+#include "tools/cloud/index_facts.h"
+#include "tools/cloud/load_cloud.h"
 #include "tools/cloud/statistics.h"
 #include "tools/command.h"
 #include "tools/view_options.h"
@@ -58,8 +61,15 @@ void read_points(const InfoOptions& options, Description& description) {
       options.stats ? AttributeSet::all() : Attribute::color | Attribute::extra_dimensions;
   ProgressLine line("reading", "B", options.verbosity);
   const ReadOptions reading{.attributes = wanted, .partial = options.partial, .progress = line.callback()};
-  if (stated_size(options.files).bytes() > options.memory) {
-    const ScratchSpace space{std::filesystem::temp_directory_path(), options.memory};
+  StatedSize size = stated_size(options.files);
+  if (size.bytes() > options.memory) {
+    const ScratchSpace space{temporary_folder(), options.memory};
+    size.attributes.bits &= wanted.bits;
+    const bool selects = std::ranges::any_of(options.files.inputs, &CloudInput::is_changed);
+    // Of others it is not known beforehand how many points there are.
+    if (!selects && !options.partial && size.uncounted_bytes == 0)
+      check_room(space.folder, size.bytes(),
+                 options.verbosity == Verbosity::verbose ? Verbosity::verbose : Verbosity::quiet);
     description.cloud = description.scratch.emplace(options.files, reading, space).facts();
     description.points = description.scratch->points();
   } else {
@@ -155,65 +165,6 @@ std::string copc_text(const std::filesystem::path& file) {
   } catch (const Error& error) {
     return fmt::format("unusable octree: {}", error.parts().problem);
   }
-}
-
-const char* organisation_name(Organisation organisation) {
-  constexpr const char* k_names[] = {"adaptive", "fixed", "layered"};
-  static_assert(std::size(k_names) == std::size_t(Organisation::layered) + 1);
-  return k_names[static_cast<std::size_t>(organisation)];
-}
-
-/// Bytes of a file, or of its octree alone, for each of its points.
-double bytes_per_point(const IndexFile& index, std::uint64_t bytes) {
-  const std::uint32_t points = index.header().tree.point_count;
-  return points > 0 ? static_cast<double>(bytes) / points : 0.0;
-}
-
-std::uint64_t octree_bytes(const IndexFile& index) {
-  std::uint64_t bytes = 0;
-  for (const SectionEntry& section : index.header().sections) {
-    if (section.kind <= IndexSection::sheet_edges) bytes += section.bytes;
-  }
-  return bytes;
-}
-
-bool is_in_stored_order(const IndexHeader& header) {
-  return header.tree.point_count > 0 && header.find(IndexSection::ids) == nullptr;
-}
-
-std::string spacing_text(const IndexHeader& header) {
-  const int neighbours = header.tree.spacing_neighbours;
-  return (neighbours > 0 ? fmt::format(", spacings to neighbour {}", neighbours) : "") +
-         (header.tree.surface_unit > 0.0 ? ", surfaces" : "");
-}
-
-/// What `alidade info --json` prints about an index file beside the facts of its points.
-Json index_json(const IndexFile& index, bool verified) {
-  const IndexHeader& header = index.header();
-  return {{"file", index.name()},
-          {"version", k_index_version},
-          {"bytes", header.file_bytes},
-          {"bytes_per_point", bytes_per_point(index, header.file_bytes)},
-          {"octree_bytes_per_point", bytes_per_point(index, octree_bytes(index))},
-          {"organisation", organisation_name(header.tree.organisation)},
-          {"levels", header.tree.level_count},
-          {"nodes", header.tree.node_count},
-          {"stored_order", is_in_stored_order(header)},
-          {"spacing_neighbours", header.tree.spacing_neighbours},
-          {"surfaces", header.tree.surface_unit > 0.0},
-          {"verified", verified}};
-}
-
-/// The same as lines for people.
-std::vector<std::string> index_lines(const IndexFile& index, bool verified) {
-  const IndexHeader& header = index.header();
-  return {fmt::format("version {}, {} octree of {} nodes on {} levels{}", k_index_version,
-                      organisation_name(header.tree.organisation), header.tree.node_count,
-                      header.tree.level_count,
-                      (is_in_stored_order(header) ? ", points in its order" : "") + spacing_text(header)),
-          fmt::format("{} bytes, {:.2f} per point, {:.2f} of them octree{}", header.file_bytes,
-                      bytes_per_point(index, header.file_bytes), bytes_per_point(index, octree_bytes(index)),
-                      verified ? "; verified: intact" : "")};
 }
 
 /// Largest difference between a coordinate in the files and the one in the cloud, per axis.

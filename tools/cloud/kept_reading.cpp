@@ -2,8 +2,9 @@
 #include "tools/cloud/kept_reading.h"
 
 #include <fmt/format.h>
-#include <algorithm>
 #include <array>
+#include <chrono>
+#include <memory>
 #include <string>
 #include <string_view>
 #include <system_error>
@@ -11,6 +12,9 @@
 #include "base/error.h"
 #include "base/fingerprint.h"
 #include "base/input_file.h"
+#include "database/server/server_clouds.h"
+#include "database/sqlite/stored_cloud.h"
+#include "tools/silent_options.h"
 
 namespace alidade::tools {
 namespace {
@@ -19,32 +23,41 @@ namespace {
 constexpr const char* k_rows_version = "1";
 
 /// The files are in the fingerprint one by one.
-constexpr std::array<std::string_view, 11> k_silent_options = {
-    "files",   "help",   "output",     "overwrite",           "threads", "quiet",
-    "verbose", "memory", "checkpoint", "checkpoint-interval", "resume"};
+constexpr std::array<std::string_view, 1> k_own_silent_options = {"files"};
 
-/// Size and time of the last change of a file on a disk. Remote ones have neither before they are opened.
+/// "2026-01-31T12:00:00.123456789Z".
+std::string time_text(std::filesystem::file_time_type time) {
+  const auto moment = std::chrono::file_clock::to_sys(time);
+  const auto day = std::chrono::floor<std::chrono::days>(moment);
+  const std::chrono::year_month_day date(day);
+  const std::chrono::hh_mm_ss clock(std::chrono::duration_cast<std::chrono::nanoseconds>(moment - day));
+  return fmt::format("{:04}-{:02}-{:02}T{:02}:{:02}:{:02}.{:09}Z", int(date.year()), unsigned(date.month()),
+                     unsigned(date.day()), clock.hours().count(), clock.minutes().count(),
+                     clock.seconds().count(), clock.subseconds().count());
+}
+
+/// Size and time of the last change of a file on a disk; of a remote one what the server says of its content.
 std::string stamp(const std::filesystem::path& file) {
-  if (is_remote_name(file.string())) return fmt::format("{} bytes", InputFile(file).size());
+  if (is_remote_name(file.string())) {
+    const std::unique_ptr<RemoteFile> remote = open_remote_file(file.string());
+    return fmt::format("{} bytes, version {}", remote->size(), remote->version());
+  }
   std::error_code error;
   const std::uintmax_t size = std::filesystem::file_size(file, error);
   if (error) return "missing";
-  const auto changed = std::filesystem::last_write_time(file, error).time_since_epoch();
-  return fmt::format("{} bytes of {}.{:09} s", size, changed.count() / 1'000'000'000,
-                     changed.count() % 1'000'000'000);
+  return fmt::format("{} bytes, changed {}", size, time_text(std::filesystem::last_write_time(file, error)));
 }
 
 Fingerprint reading_fingerprint(const Options& command, const CloudInputs& inputs) {
-  Fingerprint fingerprint{{"version of rows", k_rows_version}};
+  Fingerprint fingerprint{{"program version", ALIDADE_VERSION}, {"version of rows", k_rows_version}};
   for (const auto& [name, words] : command.given()) {
-    if (std::ranges::find(k_silent_options, name) != k_silent_options.end()) continue;
+    if (is_silent(name, k_own_silent_options)) continue;
     fingerprint.push_back({"--" + name, words.empty() ? "none" : fmt::format("{}", fmt::join(words, " "))});
     std::error_code error;
     for (const std::string& word : words) {
       if (std::filesystem::is_regular_file(word, error)) fingerprint.push_back({word, stamp(word)});
     }
   }
-  fingerprint.push_back({"number of files", std::to_string(inputs.size())});
   for (const CloudInput& input : inputs.inputs) {
     const std::filesystem::path& file = input.name;
     const bool is_remote = is_remote_name(file.string());
@@ -52,7 +65,16 @@ Fingerprint reading_fingerprint(const Options& command, const CloudInputs& input
         {is_remote ? file.string() : std::filesystem::absolute(file).lexically_normal().string(),
          stamp(file)});
   }
+  fingerprint.push_back({"number of files", std::to_string(inputs.size())});
   return fingerprint;
+}
+
+/// Whether a file lies in a folder, or what it is a link to.
+bool holds(const std::filesystem::path& folder, const std::filesystem::path& file) {
+  std::error_code error;
+  const std::filesystem::path parent = file.parent_path(),
+                              target = std::filesystem::canonical(file, error).parent_path();
+  return same_file(folder, parent.empty() ? "." : parent) || (!target.empty() && same_file(folder, target));
 }
 
 }  // namespace
@@ -61,12 +83,13 @@ void check_kept_reading(const CheckpointRequest& request, bool overwrite, const 
                         const CloudInputs& inputs) {
   if (request.file.empty()) return;
   const std::filesystem::path& folder = request.file;
-  const std::filesystem::path parent = output.parent_path();
-  if (same_file(folder, output) || same_file(folder, parent.empty() ? "." : parent))
+  if (same_file(folder, output) || holds(folder, output))
     throw file_error(folder, "the checkpoint is or holds the output", "another folder");
   for (const CloudInput& input : inputs.inputs) {
-    if (input.format && input.format->is_named && input.format->is_named(input.name.string()))
+    if (input.is(database::k_sqlite_format) || input.is(database::k_server_format))
       throw file_error(input.name, "--checkpoint does not find changes of tables", "cloud files");
+    if (!is_remote_name(input.name.string()) && holds(folder, input.name))
+      throw file_error(folder, "the checkpoint holds the input " + input.name.string(), "another folder");
   }
   std::error_code error;
   if (!std::filesystem::exists(folder, error)) return;
@@ -87,16 +110,19 @@ KeptReading::KeptReading(const CheckpointRequest& request, const CloudInputs& in
                       reading_fingerprint(*request.command, inputs));
   if (!request.resume) return;
   const std::string name = request.file.string();
-  say_note(verbosity, checkpoint_->rows() > 0
-                          ? fmt::format("resuming from {}: {} points are read", name, checkpoint_->rows())
-                          : fmt::format("no checkpoint {}: starting from the beginning", name));
+  if (checkpoint_->rows() > 0) {
+    say_note(verbosity, fmt::format("resuming from {}: {} points are read", name, checkpoint_->rows()));
+  } else {
+    say_note(verbosity, (checkpoint_->resumes() ? name + " has no points yet" : "no checkpoint " + name) +
+                            ": starting from the beginning");
+  }
 }
 
 KeptReading::~KeptReading() {
   if (!checkpoint_) return;
   if (checkpoint_->rows() == 0) {
     checkpoint_->remove();
-  } else {
+  } else if (!checkpoint_->is_corrupt()) {
     say_how_to_resume(verbosity_, checkpoint_->folder().string());
   }
 }

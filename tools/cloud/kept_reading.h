@@ -13,13 +13,14 @@
 
 namespace alidade::tools {
 
-/// Lets a run fail before it starts. Errors: the checkpoint is or holds the output, exists and may neither be resumed
-/// from nor replaced, or has other files; an input is a table of a database, whose changes would not be found.
+/// Lets a run fail before it starts. Errors: the checkpoint is or holds the output, holds an input, exists and may
+/// neither be resumed from nor replaced, or is another folder; an input is a table of a database, whose changes would
+/// not be found.
 void check_kept_reading(const CheckpointRequest& request, bool overwrite, const std::filesystem::path& output,
                         const CloudInputs& inputs);
 
 /// The checkpoint of a reading, if one is wanted. Points are kept for the same files, by name, size and time of the
-/// last change, and the same options but for threads, memory, and names of outputs.
+/// last change (remote ones: what the server says of their content), the same version of the program, and the same options but for threads, memory, and names of outputs.
 class KeptReading {
  public:
   /// Says what it resumes from. Errors: those of ScratchCheckpoint.

@@ -41,7 +41,8 @@ IndexedCloud load_shown(const CloudRequest& request, IndexCloudOptions options) 
 Option add_scratch_memory(const Options& command, std::optional<std::size_t>& memory) {
   return command.value(
       "--memory", "SIZE",
-      "for clouds larger than memory: hold the points in temporary files next to the output and sort them "
+      "for clouds larger than memory: hold the points in temporary files next to the output, or in the "
+      "current folder if there is none, and sort them "
       "in so much memory, bytes or a number with k, M, G or T, at least 1M; the output is the same",
       memory, parse_memory);
 }
@@ -51,6 +52,19 @@ std::optional<ScratchSpace> scratch_beside(const std::filesystem::path& output,
   if (!memory) return std::nullopt;
   const std::filesystem::path folder = output.parent_path();
   return ScratchSpace{folder.empty() ? "." : folder, *memory};
+}
+
+void check_room(const std::filesystem::path& folder, std::uint64_t bytes, Verbosity verbosity) {
+  std::error_code error;
+  const std::uintmax_t room = std::filesystem::space(folder, error).available;
+  if (error) throw system_error(folder.string(), "cannot use this folder for temporary files", error.value());
+  const std::string needed = quantity(static_cast<double>(bytes), "B"),
+                    there = quantity(static_cast<double>(room), "B");
+  if (bytes > room)
+    throw file_error(folder, "not enough room for temporary files", needed + ", or another folder",
+                     there + " free");
+  say_note(verbosity, fmt::format("up to {} of temporary files in {}, where {} are free", needed,
+                                  folder.string(), there));
 }
 
 database::StoredFiles store_shown(

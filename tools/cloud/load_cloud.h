@@ -29,9 +29,12 @@ IndexedCloud load_shown(const CloudRequest& request, IndexCloudOptions options);
 
 /// Declares --memory of commands that can hold clouds in scratch files.
 Option add_scratch_memory(const Options& command, std::optional<std::size_t>& memory);
-/// Scratch files next to an output; none without --memory.
+/// Scratch files next to an output, or in the current folder if there is none; none without --memory.
 std::optional<ScratchSpace> scratch_beside(const std::filesystem::path& output,
                                            std::optional<std::size_t> memory);
+
+/// States that temporary files take up to so many bytes of a folder. Errors: there is no room for them.
+void check_room(const std::filesystem::path& folder, std::uint64_t bytes, Verbosity verbosity);
 
 /// Does `work`, which reads files and then stores points, with a progress line for each; prints its warnings.
 /// `storing` is what the second line says.

@@ -8,6 +8,7 @@
 #include <algorithm>
 #include <bit>
 #include <cmath>
+#include <functional>
 #include <limits>
 #include <mutex>
 #include <nlohmann/json.hpp>
@@ -38,7 +39,7 @@ std::optional<double> number_of(const database::ColumnValue& value) {
       value);
 }
 
-/// Finds the values of k_quantiles among many that nobody keeps: each pass over all of them learns 16 more of their bits.
+/// Finds the values of k_quantiles among many that are not stored: each pass over all of them learns 16 more of their bits.
 class QuantileSearch {
  public:
   /// Takes a value; each pass takes the same ones.
@@ -116,16 +117,23 @@ class QuantileSearch {
   std::array<Sought, k_quantiles.size()> sought_{};
 };
 
+/// Rows between two looks at whether the user wants to stop.
+constexpr std::size_t k_rows_at_once = std::size_t{1} << 18;
+using Pause = std::function<void()>;
+
 /// Calls visit(number) for all that a column has, in the order of the rows.
 template <class Visit>
-void for_each_number(const PointColumns& cloud, const database::CloudColumn& column, const Visit& visit) {
+void for_each_number(const PointColumns& cloud, const database::CloudColumn& column, const Pause& pause,
+                     const Visit& visit) {
   for (std::size_t row = 0; row < cloud.size(); ++row) {
+    if (row % k_rows_at_once == 0) pause();
     const std::optional<double> number = number_of(value_of(cloud, column, row));
     if (number && std::isfinite(*number)) visit(*number);
   }
 }
 
-ColumnStatistics column_statistics(const PointColumns& cloud, const database::CloudColumn& column) {
+ColumnStatistics column_statistics(const PointColumns& cloud, const database::CloudColumn& column,
+                                   const Pause& pause) {
   ColumnStatistics statistics{.name = column.like.name};
   const database::StoredColumn& like = column.like;
   const bool is_float = like.type == ScalarType::float32 || like.type == ScalarType::float64;
@@ -135,7 +143,7 @@ ColumnStatistics column_statistics(const PointColumns& cloud, const database::Cl
   QuantileSearch search;
   // Differences from one of the values, so that large times and coordinates lose nothing.
   double base = 0.0, sum = 0.0, squares = 0.0;
-  for_each_number(cloud, column, [&](double value) {
+  for_each_number(cloud, column, pause, [&](double value) {
     if (statistics.count++ == 0) base = value;
     sum += value - base;
     statistics.least = std::min(statistics.least, value);
@@ -146,12 +154,12 @@ ColumnStatistics column_statistics(const PointColumns& cloud, const database::Cl
   if (statistics.count == 0) return statistics;
   const double count = static_cast<double>(statistics.count), mean = sum / count;
   bool is_known = search.end_pass(statistics.count);
-  for_each_number(cloud, column, [&](double value) {
+  for_each_number(cloud, column, pause, [&](double value) {
     squares += (value - base - mean) * (value - base - mean);
     if (!is_known) search.add(value);
   });
   while (!is_known && !search.end_pass(statistics.count))
-    for_each_number(cloud, column, [&](double value) { search.add(value); });
+    for_each_number(cloud, column, pause, [&](double value) { search.add(value); });
   statistics.mean = base + mean;
   statistics.deviation = std::sqrt(squares / count);
   statistics.quantiles = search.values();
@@ -159,11 +167,13 @@ ColumnStatistics column_statistics(const PointColumns& cloud, const database::Cl
 }
 
 /// Cells of a grid with this edge that hold points.
-std::size_t occupied_cells(const PointColumns& cloud, const glm::dvec3& corner, double edge) {
+std::size_t occupied_cells(const PointColumns& cloud, const glm::dvec3& corner, double edge,
+                           const Pause& pause) {
   // A bit for each cell of blocks of 8 x 8.
   std::unordered_map<std::uint64_t, std::uint64_t> blocks;
   std::uint64_t last_key = 0, *last = &blocks[0];
   for (std::size_t row = 0; row < cloud.size(); ++row) {
+    if (row % k_rows_at_once == 0) pause();
     const glm::dvec3 position = cloud.world(row) - corner;
     const auto x = static_cast<std::uint64_t>(position.x / edge),
                y = static_cast<std::uint64_t>(position.y / edge);
@@ -176,7 +186,7 @@ std::size_t occupied_cells(const PointColumns& cloud, const glm::dvec3& corner, 
   return count;
 }
 
-std::optional<CoverageStatistics> coverage_of(const PointColumns& cloud) {
+std::optional<CoverageStatistics> coverage_of(const PointColumns& cloud, const Pause& pause) {
   constexpr double k_spacings = 4.0, k_most_cells = 4e9;
   const Bounds box = bounds_of(cloud.lattice, cloud.positions);
   if (box.empty()) return std::nullopt;
@@ -188,8 +198,8 @@ std::optional<CoverageStatistics> coverage_of(const PointColumns& cloud) {
     coverage.cell = k_spacings * std::sqrt(coverage.area / count);
     if (!(coverage.area > 0.0) || std::max(size.x, size.y) / coverage.cell > k_most_cells)
       return std::nullopt;
-    coverage.area =
-        static_cast<double>(occupied_cells(cloud, box.min, coverage.cell)) * coverage.cell * coverage.cell;
+    coverage.area = static_cast<double>(occupied_cells(cloud, box.min, coverage.cell, pause)) *
+                    coverage.cell * coverage.cell;
   }
   coverage.density = count / coverage.area;
   coverage.spacing = 1.0 / std::sqrt(coverage.density);
@@ -299,14 +309,18 @@ CloudStatistics statistics_of(const PointColumns& cloud, const Progress& progres
   statistics.columns.resize(columns.size());
   std::mutex mutex;
   std::uint64_t done = 0;
+  const auto report_columns = [&](std::uint64_t more) {
+    const std::scoped_lock lock(mutex);
+    report(progress, done += more, columns.size());
+  };
+  const Pause pause = [&] { report_columns(0); };
   const auto measure_columns = [&] {
     tbb::parallel_for(std::size_t{0}, columns.size(), [&](std::size_t i) {
-      statistics.columns[i] = column_statistics(cloud, columns[i]);
-      const std::scoped_lock lock(mutex);
-      report(progress, ++done, columns.size());
+      statistics.columns[i] = column_statistics(cloud, columns[i], pause);
+      report_columns(1);
     });
   };
-  tbb::parallel_invoke(measure_columns, [&] { statistics.coverage = coverage_of(cloud); });
+  tbb::parallel_invoke(measure_columns, [&] { statistics.coverage = coverage_of(cloud, pause); });
   std::erase_if(statistics.columns, [](const ColumnStatistics& column) { return column.count == 0; });
   for (const std::uint8_t kind : cloud.attributes.classifications) ++statistics.classes[kind];
   for (const ReturnNumbers& numbers : cloud.attributes.returns)

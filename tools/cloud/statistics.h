@@ -52,7 +52,7 @@ struct CloudStatistics {
   std::optional<CoverageStatistics> coverage{};  ///< empty for points on a line or in one position
 };
 
-/// Requires the attributes to have been read. `progress` is in columns.
+/// Requires the attributes to have been read. `progress` is in columns, and also called within them.
 CloudStatistics statistics_of(const PointColumns& cloud, const Progress& progress = {});
 
 /// The moment of an adjusted standard GPS time (LAS 1.4: GPS seconds minus 10^9). Source of leap seconds:

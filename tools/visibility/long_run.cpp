@@ -4,15 +4,16 @@
 #include <fmt/format.h>
 #include <array>
 
+#include "tools/silent_options.h"
+
 namespace alidade::tools {
 namespace {
 
 /// The cloud is given by its points, meshes by their triangles; lists, curve, preview and footprints are outputs, and
 /// colours of photos are taken from what is seen.
-constexpr std::array<std::string_view, 19> k_silent_options = {
-    "cloud",  "help",     "output",    "lists",   "curve", "preview", "footprints", "footprint-cell",
-    "photos", "colorize", "overwrite", "threads", "quiet", "verbose", "checkpoint", "checkpoint-interval",
-    "resume", "mesh",     "terrain"};
+constexpr std::array<std::string_view, 10> k_own_silent_options = {
+    "cloud",          "lists",  "curve",    "preview", "footprints",
+    "footprint-cell", "photos", "colorize", "mesh",    "terrain"};
 
 std::string joined(const std::vector<std::string>& words) {
   std::string text;
@@ -81,7 +82,7 @@ Fingerprint run_fingerprint(const CheckpointRequest& request, const VisibilityCl
   Fingerprint fingerprint{{"command", request.command->name()},
                           {"version of answers", std::to_string(visibility::k_answers_version)}};
   for (const auto& [name, words] : request.command->given()) {
-    if (std::ranges::find(k_silent_options, name) != k_silent_options.end()) continue;
+    if (is_silent(name, k_own_silent_options)) continue;
     fingerprint.push_back({"--" + name, joined(words)});
   }
   const Bounds& box = cloud.cloud.octree.bounds();
