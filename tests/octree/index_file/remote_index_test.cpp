@@ -3,6 +3,8 @@
 #include <gtest/gtest.h>
 
 #include <sys/resource.h>
+#include <sys/wait.h>
+#include <unistd.h>
 #include <algorithm>
 #include <atomic>
 #include <cstring>
@@ -210,6 +212,29 @@ TEST_F(RemoteIndex, where_userfaultfd_is_not_permitted_the_file_is_copied) {
   test::expect_same_columns(index.columns(), test::index_in_memory(sound_file()).columns());
   served[section(served, IndexSection::nodes).offset + 9] ^= std::byte{1};
   EXPECT_NE(error_of([] { test::use(open()); }).find("corrupt section nodes"), std::string::npos);
+}
+
+TEST_F(RemoteIndex, in_a_process_that_forked_has_failed) {
+  serve(numbered_pages(64));
+  auto map = RemoteMap::open(k_name);
+  RemoteMap::touch(map->bytes().first(4096));
+  const ::pid_t child = ::fork();
+  if (child == 0) {
+    ::alarm(20);
+    const bool is_known =
+        error_of([&] { RemoteMap::check(map->bytes().data()); }).find("forked") != std::string::npos;
+    map->fetch(map->bytes());
+    RemoteMap::touch(map->bytes());
+    map.reset();
+    RemoteMap::check_all();  // what it throws ends the process
+    ::_exit(is_known ? 0 : 1);
+  }
+  int status = -1;
+  ASSERT_EQ(::waitpid(child, &status, 0), child);
+  EXPECT_EQ(status, 0);
+  RemoteMap::touch(map->bytes());
+  EXPECT_TRUE(std::ranges::equal(map->bytes(), served));
+  RemoteMap::check_all();
 }
 
 // The pages of a map that failed are zero.
