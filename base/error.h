@@ -8,6 +8,8 @@
 #include <system_error>
 #include <utility>
 
+#include "base/public_name.h"
+
 namespace alidade {
 
 /// The one exception of all libraries for invalid input: files, scenes and requests. Mistakes that a calling
@@ -17,7 +19,8 @@ namespace alidade {
 class Error : public std::runtime_error {
  public:
   struct Parts {
-    std::string file{};      ///< path as given by the caller; empty if the error concerns no file
+    /// Path as given by the caller; empty if the error concerns no file. Of a URL, public_name() is kept.
+    std::string file{};
     std::string location{};  ///< "byte 227", "line 3", "12:5" (line:column), or empty
     std::string problem{};   ///< one clause in lower case, without full stop
     std::string expected{};  ///< the valid input
@@ -34,7 +37,8 @@ class Error : public std::runtime_error {
   const Parts& parts() const { return parts_; }
 
  private:
-  static std::string compose(const Parts& parts) {
+  static std::string compose(Parts& parts) {
+    parts.file = public_name(std::move(parts.file));
     std::string text;
     if (!parts.file.empty()) {
       text += parts.file;

@@ -16,6 +16,7 @@
 
 #include "base/error.h"
 #include "base/huge_memory.h"
+#include "base/public_name.h"
 #include "base/remote_map.h"
 
 namespace alidade {
@@ -65,19 +66,20 @@ std::uint64_t FileDescriptor::size_of_regular(const std::string& path) const {
   return static_cast<std::uint64_t>(status.st_size);
 }
 
-InputFile::InputFile(const std::filesystem::path& path) : name_(path.string()) {
+InputFile::InputFile(const std::filesystem::path& path)
+    : address_(path.string()), name_(public_name(address_)) {
   if (is_remote_name(name_)) {
-    remote_ = open_remote_file(name_);
+    remote_ = open_remote_file(address_);
     size_ = remote_->size();
     version_ = remote_->version();
   } else {
-    descriptor_ = FileDescriptor(name_, k_read_flags);
+    descriptor_ = FileDescriptor(address_, k_read_flags);
     size_ = descriptor_.size_of_regular(name_);
   }
 }
 
 InputFile::InputFile(std::span<const std::byte> bytes, std::string name)
-    : name_(std::move(name)), size_(bytes.size()), memory_(bytes) {}
+    : address_(std::move(name)), name_(public_name(address_)), size_(bytes.size()), memory_(bytes) {}
 
 void InputFile::rest() {
   descriptor_.close();
@@ -94,7 +96,7 @@ void InputFile::check_range(std::uint64_t offset, std::uint64_t count) const {
 
 void InputFile::fill(std::uint64_t offset, std::span<std::byte> into) {
   if (is_remote()) {
-    if (!remote_) remote_ = open_remote_file(name_);
+    if (!remote_) remote_ = open_remote_file(address_);
     if (remote_->size() != size_ || remote_->version() != version_)
       throw Error({.file = name_,
                    .problem = "the file changed while it was read; read it again",
@@ -102,7 +104,7 @@ void InputFile::fill(std::uint64_t offset, std::span<std::byte> into) {
                    .found = fmt::format("{} bytes, version {}", remote_->size(), remote_->version())});
     return remote_->read(offset, into);
   }
-  if (!descriptor_.is_open()) descriptor_ = FileDescriptor(name_, k_read_flags);
+  if (!descriptor_.is_open()) descriptor_ = FileDescriptor(address_, k_read_flags);
   while (!into.empty()) {
     const ::ssize_t count =
         ::pread(descriptor_.number(), into.data(), into.size(), static_cast<::off_t>(offset));
@@ -172,7 +174,7 @@ std::string read_text_file(const std::filesystem::path& file, std::uintmax_t lar
 
 MappedFile::MappedFile(const InputFile& file) : name_(file.name()) {
   if (file.is_remote()) {
-    if (const std::shared_ptr<RemoteMap> map = RemoteMap::open(name_)) {
+    if (const std::shared_ptr<RemoteMap> map = RemoteMap::open(file.address())) {
       storage_ = map;
       bytes_ = map->bytes();
       return;
@@ -186,11 +188,12 @@ MappedFile::MappedFile(const InputFile& file) : name_(file.name()) {
     storage_ = std::shared_ptr<const void>(
         copy, [](const void* at) { ::operator delete(const_cast<void*>(at), k_page); });
     const std::span<std::byte> bytes(static_cast<std::byte*>(copy), size);
-    file.memory() ? InputFile(*file.memory(), name_).read_at(0, bytes) : InputFile(name_).read_at(0, bytes);
+    file.memory() ? InputFile(*file.memory(), name_).read_at(0, bytes)
+                  : InputFile(file.address()).read_at(0, bytes);
     bytes_ = bytes;
     return;
   }
-  const FileDescriptor descriptor(name_, O_RDONLY | O_CLOEXEC);  // closed when the map is made
+  const FileDescriptor descriptor(file.address(), O_RDONLY | O_CLOEXEC);  // closed when the map is made
   const auto size = static_cast<std::size_t>(descriptor.size_of_regular(name_));
   if (size == 0) return;
   void* const map = ::mmap(nullptr, size, PROT_READ, MAP_SHARED, descriptor.number(), 0);

@@ -71,8 +71,10 @@ class InputFile {
   /// Takes bytes in memory for a file called `name`. The bytes must outlive the object.
   InputFile(std::span<const std::byte> bytes, std::string name);
 
-  /// Path as the caller gave it; what error messages call the file.
+  /// What messages and stored metadata call the file: public_name() of its path.
   const std::string& name() const { return name_; }
+  /// Path as the caller gave it, which opens the file again. It may hold a password.
+  const std::string& address() const { return address_; }
   /// Bytes in the file when it was opened.
   std::uint64_t size() const { return size_; }
   bool is_remote() const { return is_remote_name(name_) && !memory_; }
@@ -99,7 +101,7 @@ class InputFile {
   void fill(std::uint64_t offset, std::span<std::byte> into);
   void check_range(std::uint64_t offset, std::uint64_t count) const;
 
-  std::string name_;
+  std::string address_, name_;
   std::uint64_t size_ = 0;
   FileDescriptor descriptor_;  ///< closed while resting, for bytes in memory and remote files
   std::unique_ptr<RemoteFile> remote_;
@@ -172,19 +174,21 @@ class ByteCursor {
 /// what is needed by what lies around it. fetch() is for passes.
 class MappedFile {
  public:
-  /// Maps the file that `file` names; a file in memory is copied. A remote one arrives as it is touched
-  /// (base/remote_map.h), or is copied where the system does not permit that. Cost: constant for a file on disk.
-  /// Errors: it is missing, unreadable or not a regular file.
+  /// Maps the file that `file` names. A file in memory is copied. The pages of a remote one arrive when they
+  /// are touched (base/remote_map.h); where the system does not permit that, it is copied whole. Cost:
+  /// constant for a file on disk. Errors: it is missing, unreadable or not a regular file; those of
+  /// RemoteMap::open().
   explicit MappedFile(const InputFile& file);
 
-  /// Path as the caller gave it; what error messages call the file.
+  /// InputFile::name().
   const std::string& name() const { return name_; }
   /// All bytes; they begin at a multiple of 4096.
   std::span<const std::byte> bytes() const { return bytes_; }
   /// What keeps the bytes alive.
   const std::shared_ptr<const void>& storage() const { return storage_; }
 
-  /// Asks the system to begin reading some bytes of a map at once; those of a remote file are there afterwards.
+  /// Asks the system to begin reading some bytes of a map at once; those of a remote file are there
+  /// afterwards.
   static void fetch(std::span<const std::byte> bytes) noexcept;
 
  private:

@@ -5,6 +5,7 @@
 #include <fmt/format.h>
 #include <linux/userfaultfd.h>
 #include <poll.h>
+#include <pthread.h>
 #include <sys/eventfd.h>
 #include <sys/ioctl.h>
 #include <sys/mman.h>
@@ -13,12 +14,13 @@
 #include <algorithm>
 #include <array>
 #include <cerrno>
-#include <deque>
 #include <exception>
 #include <map>
 #include <mutex>
 #include <shared_mutex>
+#include <system_error>
 #include <thread>
+#include <unordered_map>
 #include <vector>
 
 #include "base/error.h"
@@ -35,17 +37,22 @@ std::uint64_t page_end(std::uint64_t offset) {
   return (offset + k_page - 1) / k_page * k_page;
 }
 
-/// All maps, and the last failure that nobody has heard of.
+class FaultingMap;
+
+/// All maps, and the failures of those that have failed.
 struct Registry {
   std::mutex mutex;
-  std::map<const std::byte*, std::weak_ptr<RemoteMap>> maps;  ///< by their first byte
-  std::exception_ptr new_failure;
+  std::map<const std::byte*, std::weak_ptr<FaultingMap>> maps;  ///< by their first byte
+  std::map<const FaultingMap*, std::exception_ptr> failures;
 };
 
 Registry& registry() {
   static Registry& registry = *new Registry;
   return registry;
 }
+
+/// What all maps hold in memory.
+std::atomic<std::uint64_t> arrived_in_all = 0;
 
 /// What serves the faults of an address range; not open if the system does not permit it.
 FileDescriptor open_faults(void* begin, std::uint64_t bytes) {
@@ -67,35 +74,59 @@ FileDescriptor open_faults(void* begin, std::uint64_t bytes) {
 
 class FaultingMap final : public RemoteMap {
  public:
+  /// Errors: those of open_remote_file(); the server states a size that no file has.
   FaultingMap(std::string name, std::uint64_t most_bytes)
-      : name_(std::move(name)), file_(open_remote_file(name_)), most_bytes_(most_bytes) {
-    size_ = file_->size();
-    mapped_ = std::max(page_end(size_), k_page);
+      : name_(std::move(name)),
+        file_(open_remote_file(name_)),
+        size_(file_->size()),
+        mapped_(std::max(page_end(size_), k_page)),
+        most_in_all_(most_bytes > ~std::uint64_t{0} - arrived_in_all ? ~std::uint64_t{0}
+                                                                     : arrived_in_all + most_bytes) {
+    constexpr std::uint64_t k_largest = std::uint64_t{1} << 46;  // half of the addresses of a program
+    if (size_ >= k_largest)
+      throw file_error(name_, "the server states a size that no index file has",
+                       fmt::format("less than {} bytes", k_largest), fmt::format("{}", size_));
+  }
+
+  ~FaultingMap() override {
+    const bool is_forked = ::getpid() != process_;
+    if (is_forked) {
+      // Threads and locks stayed behind in the other process, and the event is shared with it.
+      new std::vector<std::thread>(std::move(threads_));
+      (void)file_.release();
+    } else if (!threads_.empty()) {
+      is_stopping_ = true;
+      constexpr std::uint64_t k_one = 1;
+      [[maybe_unused]] const ::ssize_t written = ::write(stop_.number(), &k_one, sizeof(k_one));
+      for (std::thread& thread : threads_) thread.join();
+    }
+    {
+      const std::scoped_lock lock(registry().mutex);
+      registry().maps.erase(begin_);
+      if (registry().failures.erase(this) > 0) --failures_;
+    }
+    if (begin_ != nullptr) ::munmap(begin_, mapped_);
+    arrived_in_all -= arrived_;
+  }
+
+  /// Maps the file and serves it. False if the system does not permit that.
+  bool start() {
     void* const map = ::mmap(nullptr, mapped_, PROT_READ, MAP_PRIVATE | MAP_ANONYMOUS | MAP_NORESERVE, -1, 0);
-    if (map == MAP_FAILED) return;
+    if (map == MAP_FAILED) return false;
     begin_ = static_cast<std::byte*>(map);
     ::madvise(map, mapped_, MADV_NOHUGEPAGE);
     faults_ = open_faults(map, mapped_);
     stop_ = FileDescriptor(::eventfd(0, EFD_CLOEXEC));
-    pages_.resize(mapped_ / k_page, Page::missing);
-    if (is_permitted())
-      for (std::thread& thread : threads_) thread = std::thread([this] { serve(); });
-  }
-
-  ~FaultingMap() override {
-    is_stopping_ = true;
-    constexpr std::uint64_t k_one = 1;
-    [[maybe_unused]] const ::ssize_t written = ::write(stop_.number(), &k_one, sizeof(k_one));
-    for (std::thread& thread : threads_)
-      if (thread.joinable()) thread.join();
-    {
-      const std::scoped_lock lock(registry().mutex);
-      registry().maps.erase(begin_);
+    if (!faults_.is_open() || !stop_.is_open()) return false;
+    threads_.reserve(k_fetching_threads);
+    try {
+      for (int i = 0; i < k_fetching_threads; ++i) threads_.emplace_back([this] { serve(); });
+    } catch (const std::system_error&) {
+      return false;  // no more threads
     }
-    if (begin_ != nullptr) ::munmap(begin_, mapped_);
+    return true;
   }
 
-  bool is_permitted() const { return begin_ != nullptr && faults_.is_open() && stop_.is_open(); }
   std::span<const std::byte> bytes() const override { return {begin_, static_cast<std::size_t>(size_)}; }
 
   void set_blocks(BlockOf block_of, CheckBlock check) override {
@@ -106,6 +137,7 @@ class FaultingMap final : public RemoteMap {
 
   void fetch(std::span<const std::byte> wanted) noexcept override {
     const auto first = static_cast<std::uint64_t>(wanted.data() - begin_);
+    if (has_failed_) return;
     try {
       bring(*open_again(), first, std::min(first + wanted.size(), size_));
     } catch (...) {
@@ -113,10 +145,14 @@ class FaultingMap final : public RemoteMap {
     }
   }
 
-  std::exception_ptr failure() {
-    const std::scoped_lock lock(mutex_);
-    return failure_;
+  /// The first failure counts. Requires the registry's mutex. In this order: who sees
+  /// has_failed_ stores zeros, and check() must throw by then.
+  void fail_locked(const std::exception_ptr& failure) {
+    if (!registry().failures.emplace(this, failure).second) return;
+    ++failures_;
+    has_failed_ = true;
   }
+  const std::string& name() const { return name_; }
 
  private:
   enum class Page : std::uint8_t { missing, coming, there };
@@ -139,17 +175,25 @@ class FaultingMap final : public RemoteMap {
     return {begin, page_end(end)};
   }
 
-  /// Marks the missing blocks from the one of `offset` on as coming, up to `end` or the first that is not missing.
+  /// Requires mutex_. Missing until set.
+  Page& state(std::uint64_t offset) {
+    const std::uint64_t page = offset / k_page;
+    return states_[page / k_pages_of_chunk][static_cast<std::size_t>(page % k_pages_of_chunk)];
+  }
+  void set_states(std::uint64_t begin, std::uint64_t end, Page to) {
+    for (std::uint64_t at = begin; at < end; at += k_page) state(at) = to;
+  }
+
+  /// Marks the missing blocks from the one of `offset` on as coming, up to `end` or the first that is not
+  /// missing.
   std::vector<Block> claim(std::uint64_t offset, std::uint64_t end) {
     constexpr std::uint64_t k_most = std::uint64_t{8} << 20;  // fetched by one request
     std::vector<Block> claimed;
     const std::scoped_lock lock(mutex_);
     while (offset < end && (claimed.empty() || claimed.back().second - claimed.front().first < k_most)) {
       const Block block = block_at(offset);
-      if (pages_[static_cast<std::size_t>(offset / k_page)] != Page::missing) break;
-      const auto begin = pages_.begin() + static_cast<std::ptrdiff_t>(block.first / k_page);
-      std::fill(begin, begin + static_cast<std::ptrdiff_t>((block.second - block.first) / k_page),
-                Page::coming);
+      if (state(offset) != Page::missing) break;
+      set_states(block.first, block.second, Page::coming);
       claimed.push_back(block);
       offset = block.second;
     }
@@ -172,19 +216,33 @@ class FaultingMap final : public RemoteMap {
   void receive(RemoteFile& file, const std::vector<Block>& blocks) {
     const std::uint64_t begin = blocks.front().first, end = blocks.back().second;
     std::vector<std::byte> bytes;
-    try {
-      bytes.resize(static_cast<std::size_t>(end - begin));
-      if (!has_failed_)
+    if (!has_failed_) {
+      try {
+        take_room(end - begin);
+        bytes.resize(static_cast<std::size_t>(end - begin));
         file.read(begin, std::span(bytes).first(static_cast<std::size_t>(std::min(end, size_) - begin)));
-      check_blocks(blocks, bytes);
-    } catch (...) {
-      fail(std::current_exception());
+        check_blocks(blocks, bytes);
+      } catch (...) {
+        bytes.clear();
+        fail(std::current_exception());
+      }
     }
-    store(begin, end, has_failed_ ? nullptr : bytes.data());
+    store(begin, end, bytes.empty() ? nullptr : bytes.data());
+  }
+
+  /// Errors: all maps together would hold too much.
+  void take_room(std::uint64_t bytes) {
+    if ((arrived_in_all += bytes) <= most_in_all_) {
+      arrived_ += bytes;
+      return;
+    }
+    arrived_in_all -= bytes;
+    throw file_error(name_,
+                     "too much of the remote file is needed to keep it in memory; copy it to this machine",
+                     fmt::format("at most {} bytes of remote index files in memory", most_in_all_));
   }
 
   void check_blocks(const std::vector<Block>& blocks, std::span<const std::byte> bytes) {
-    if (has_failed_) return;
     const std::shared_lock lock(blocks_mutex_);
     if (!check_) return;
     const std::uint64_t begin = blocks.front().first;
@@ -215,33 +273,12 @@ class FaultingMap final : public RemoteMap {
       }
     }
     const std::scoped_lock lock(mutex_);
-    std::fill(pages_.begin() + static_cast<std::ptrdiff_t>(begin / k_page),
-              pages_.begin() + static_cast<std::ptrdiff_t>(end / k_page), Page::there);
-    arrived_.emplace_back(begin, end);
-    arrived_bytes_ += end - begin;
-    while (arrived_bytes_ > most_bytes_ && arrived_.size() > 1) drop_oldest();
+    set_states(begin, end, Page::there);
   }
 
-  /// Requires mutex_: pages that are there cannot be on their way meanwhile, and whose fault comes now will wait.
-  void drop_oldest() {
-    const auto [begin, end] = arrived_.front();
-    arrived_.pop_front();
-    arrived_bytes_ -= end - begin;
-    ::madvise(begin_ + begin, end - begin, MADV_DONTNEED);
-    std::fill(pages_.begin() + static_cast<std::ptrdiff_t>(begin / k_page),
-              pages_.begin() + static_cast<std::ptrdiff_t>(end / k_page), Page::missing);
-  }
-
-  void fail(std::exception_ptr failure) {
-    {
-      const std::scoped_lock lock(mutex_);
-      if (failure_) return;
-      failure_ = failure;
-    }
+  void fail(const std::exception_ptr& failure) {
     const std::scoped_lock lock(registry().mutex);
-    registry().new_failure = failure;
-    has_failed_ = true;
-    ++failures_;
+    fail_locked(failure);
   }
 
   void wake(std::uint64_t offset) {
@@ -259,7 +296,8 @@ class FaultingMap final : public RemoteMap {
     return next_;
   }
 
-  void serve() {
+  /// Threads that wait for a page would wait for ever if this ended by an exception.
+  void serve() noexcept {
     std::unique_ptr<RemoteFile> file;
     while (!is_stopping_) {
       std::array<::pollfd, 2> waiting = {{{faults_.number(), POLLIN, 0}, {stop_.number(), POLLIN, 0}}};
@@ -269,12 +307,13 @@ class FaultingMap final : public RemoteMap {
       if (message.event != UFFD_EVENT_PAGEFAULT) continue;
       const auto offset = message.arg.pagefault.address - reinterpret_cast<std::uint64_t>(begin_);
       if (state_at(offset) != Page::missing) {
-        // If it is coming, it wakes the threads itself; if it came between the fault and this message, it has not.
+        // If it is coming, it wakes the threads itself; if it came between the fault and this message, it has
+        // not.
         if (state_at(offset) == Page::there) wake(offset);
         continue;
       }
       try {
-        if (!file) file = open_again();
+        if (!file && !has_failed_) file = open_again();
       } catch (...) {
         fail(std::current_exception());
       }
@@ -288,48 +327,72 @@ class FaultingMap final : public RemoteMap {
 
   Page state_at(std::uint64_t offset) {
     const std::scoped_lock lock(mutex_);
-    return pages_[static_cast<std::size_t>(offset / k_page)];
+    return state(offset);
   }
 
+  static constexpr std::size_t k_pages_of_chunk = 256;
+
   const std::string name_;
+  const ::pid_t process_ = ::getpid();
   std::unique_ptr<RemoteFile> file_;
-  const std::uint64_t most_bytes_;
-  std::uint64_t size_ = 0, mapped_ = 0;
+  const std::uint64_t size_, mapped_;
+  const std::uint64_t most_in_all_;  ///< what all maps may hold while this one grows
+  std::atomic<std::uint64_t> arrived_ = 0;
   std::byte* begin_ = nullptr;
   FileDescriptor faults_, stop_;
-  std::array<std::thread, k_fetching_threads> threads_;
+  std::vector<std::thread> threads_;
   std::atomic<bool> is_stopping_ = false, has_failed_ = false;
   mutable std::shared_mutex blocks_mutex_;
   BlockOf block_of_;
   CheckBlock check_;
   std::mutex mutex_;  ///< of all that follows
-  std::vector<Page> pages_;
-  std::deque<Block> arrived_;  ///< in their order
-  std::uint64_t arrived_bytes_ = 0;
-  std::exception_ptr failure_;
+  /// A chunk is made when a page of it is first read: servers may state any size.
+  std::unordered_map<std::uint64_t, std::array<Page, k_pages_of_chunk>> states_;
   std::uint64_t next_ = 0, ahead_ = 0;
 };
+
+// Userfaultfd does not follow a process that forks: the new one would read zeros.
+
+void lock_registry() {
+  registry().mutex.lock();
+}
+void unlock_registry() {
+  registry().mutex.unlock();
+}
+void fail_all_in_child() {
+  for (const auto& [begin, known] : registry().maps)
+    if (const auto map = known.lock())
+      map->fail_locked(std::make_exception_ptr(file_error(
+          map->name(), "the process was forked, and remote files do not follow; open the file again")));
+  registry().mutex.unlock();
+}
+
+std::shared_ptr<FaultingMap> find_map(const void* address) {
+  const auto* const byte = static_cast<const std::byte*>(address);
+  std::shared_ptr<FaultingMap> map;  // given back without the lock
+  const std::scoped_lock lock(registry().mutex);
+  const auto after = registry().maps.upper_bound(byte);
+  if (after == registry().maps.begin()) return nullptr;
+  map = std::prev(after)->second.lock();
+  return map && byte < map->bytes().data() + map->bytes().size() ? map : nullptr;
+}
 
 }  // namespace
 
 std::shared_ptr<RemoteMap> RemoteMap::open(const std::string& name, std::optional<std::uint64_t> most_bytes) {
+  [[maybe_unused]] static const int is_set =
+      ::pthread_atfork(&lock_registry, &unlock_registry, &fail_all_in_child);
   constexpr std::uint64_t k_unlimited = ~std::uint64_t{0};
   const std::uint64_t room = available_memory() ? *available_memory() / 2 : k_unlimited;
   auto map = std::make_shared<FaultingMap>(name, most_bytes.value_or(room));
-  if (!map->is_permitted()) return nullptr;
+  if (!map->start()) return nullptr;
   const std::scoped_lock lock(registry().mutex);
   registry().maps[map->bytes().data()] = map;
   return map;
 }
 
 std::shared_ptr<RemoteMap> RemoteMap::find(const void* address) {
-  const auto* const byte = static_cast<const std::byte*>(address);
-  std::shared_ptr<RemoteMap> map;  // given back without the lock
-  const std::scoped_lock lock(registry().mutex);
-  const auto after = registry().maps.upper_bound(byte);
-  if (after == registry().maps.begin()) return nullptr;
-  map = std::prev(after)->second.lock();
-  return map && byte < map->bytes().data() + map->bytes().size() ? map : nullptr;
+  return find_map(address);
 }
 
 void RemoteMap::touch(std::span<const std::byte> bytes) {
@@ -340,23 +403,25 @@ void RemoteMap::touch(std::span<const std::byte> bytes) {
 }
 
 void RemoteMap::check_map(const void* address) {
-  const std::shared_ptr<RemoteMap> map = find(address);
-  const std::exception_ptr failure = map ? static_cast<FaultingMap&>(*map).failure() : nullptr;
-  if (!failure) return;
+  const std::shared_ptr<FaultingMap> map = find_map(address);
+  std::exception_ptr failure;
   {
     const std::scoped_lock lock(registry().mutex);
-    if (registry().new_failure == failure) registry().new_failure = nullptr;
+    const auto found = registry().failures.find(map.get());
+    if (found == registry().failures.end()) return;
+    failure = found->second;
   }
   std::rethrow_exception(failure);
 }
 
-void RemoteMap::check_new_failures() {
+void RemoteMap::check_all_maps() {
   std::exception_ptr failure;
   {
     const std::scoped_lock lock(registry().mutex);
-    failure = std::exchange(registry().new_failure, nullptr);
+    if (registry().failures.empty()) return;
+    failure = registry().failures.begin()->second;
   }
-  if (failure) std::rethrow_exception(failure);
+  std::rethrow_exception(failure);
 }
 
 }  // namespace alidade

@@ -8,6 +8,7 @@
 
 #include "base/error.h"
 #include "base/parallel.h"
+#include "base/public_name.h"
 #include "base/words.h"
 #include "cloud/catalog.h"
 #include "cloud/cloud_reader.h"
@@ -265,7 +266,7 @@ std::vector<fs::path> CloudInputs::names() const {
 }
 
 std::string CloudInputs::title() const {
-  const std::string first = inputs.empty() ? "the cloud" : first_name().string();
+  const std::string first = inputs.empty() ? "the cloud" : public_name(first_name().string());
   return inputs.size() > 1 ? fmt::format("{} and {} more", first, inputs.size() - 1) : first;
 }
 

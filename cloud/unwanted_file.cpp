@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "cloud/unwanted_file.h"
 
+#include "base/public_name.h"
 #include "cloud/catalog.h"
 #include "cloud/input_view.h"
 
@@ -10,7 +11,7 @@ namespace {
 class UnwantedFile final : public CloudReader {
  public:
   UnwantedFile(const CloudInput& input, bool is_left_out) : box_(input.stated->box) {
-    file_.path = input.name;
+    file_.path = public_name(input.name.string());
     file_.format = input.format->name;
     (is_left_out ? file_.left_out_count : count_) = input.stated->point_count;
   }

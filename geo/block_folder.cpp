@@ -22,7 +22,8 @@ namespace alidade::geo {
 namespace fs = std::filesystem;
 namespace {
 
-/// What a block's file begins with. Both sums are over the key, too: no key is stored, and no block stands for another.
+/// What the file of a block begins with. Both sums are compared when it is read, so that no block is mistaken
+/// for another.
 struct BlockHeader {
   std::array<char, 8> magic = {'A', 'L', 'B', 'L', 'O', 'C', 'K', '1'};
   std::uint64_t sum_of_key = 0, sum_of_block = 0;
@@ -40,10 +41,64 @@ BlockHeader header_of(const std::string& key, std::span<const std::byte> block) 
   return header;
 }
 
-constexpr const char* k_extension = ".block";
+constexpr std::string_view k_extension = ".block";
+constexpr const char* k_mark = "alidade-cache";  // an empty file: the folder is ours
+constexpr std::size_t k_folder_digits = 2, k_file_digits = 14;
 
 bool read_fully(int descriptor, void* into, std::size_t count) {
   return ::read(descriptor, into, count) == static_cast<::ssize_t>(count);
+}
+
+bool are_hex_digits(std::string_view text, std::size_t count) {
+  return text.size() == count && text.find_first_not_of("0123456789abcdef") == std::string_view::npos;
+}
+
+bool is_block_name(std::string_view name) {
+  return name.ends_with(k_extension) &&
+         are_hex_digits(name.substr(0, name.size() - k_extension.size()), k_file_digits);
+}
+
+/// Of a file that is being written.
+bool is_temporary_name(std::string_view name) {
+  const std::size_t end = 1 + k_file_digits + k_extension.size();
+  return name.starts_with('.') && name.size() > end && is_block_name(name.substr(1, end - 1)) &&
+         name.substr(end).starts_with(".part-");
+}
+
+/// Never waits, as opening a named pipe would, and follows no links.
+FileDescriptor open_block(const fs::path& path) {
+  FileDescriptor file(::open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK | O_NOFOLLOW));
+  struct stat status {};
+  if (!file.is_open() || ::fstat(file.number(), &status) != 0 || !S_ISREG(status.st_mode)) return {};
+  return file;
+}
+
+bool is_block(const fs::path& path) {
+  const FileDescriptor file = open_block(path);
+  BlockHeader header;
+  return file.is_open() && read_fully(file.number(), &header, sizeof(header)) &&
+         header.magic == BlockHeader().magic;
+}
+
+/// Errors: the folder holds something else, or others may write to it: what they put there would be read as
+/// points.
+void check_folder(const fs::path& folder) {
+  struct stat status {};
+  if (::stat(folder.c_str(), &status) != 0 || ::access(folder.c_str(), R_OK | W_OK | X_OK) != 0)
+    throw system_error(folder.string(), "cannot write to the folder of the cache");
+  if (status.st_uid != ::geteuid() || (status.st_mode & (S_IWGRP | S_IWOTH)) != 0)
+    throw file_error(folder.string(), "other users may write to the folder of the cache",
+                     "a folder of yours that only you may write to (chmod go-w)",
+                     fmt::format("user {}, mode {:o}", status.st_uid, status.st_mode & 07777));
+  // In this order: another program may make the folder a cache meanwhile.
+  std::error_code error;
+  const fs::path mark = folder / k_mark;
+  if (!fs::is_empty(folder, error) && !error && !fs::exists(fs::symlink_status(mark, error)))
+    throw file_error(folder.string(), "the folder of the cache holds something else",
+                     "a new or an empty folder");
+  const FileDescriptor file(
+      ::open(mark.c_str(), O_WRONLY | O_CREAT | O_CLOEXEC | O_NONBLOCK | O_NOFOLLOW, 0600));
+  if (!file.is_open()) throw system_error(mark.string(), "cannot write to the folder of the cache");
 }
 
 }  // namespace
@@ -56,14 +111,13 @@ BlockFolder::BlockFolder(fs::path folder, std::uint64_t most_bytes)
     if (!error) fs::permissions(folder_, fs::perms::owner_all, error);
     if (error) throw system_error(folder_.string(), "cannot make the folder of the cache", error.value());
   }
-  if (::access(folder_.c_str(), W_OK | X_OK) != 0)
-    throw system_error(folder_.string(), "cannot write to the folder of the cache");
+  check_folder(folder_);
   make_room();
 }
 
 fs::path BlockFolder::path_of(const std::string& key) const {
   const std::string name = fmt::format("{:016x}", sum_of(key));
-  return folder_ / name.substr(0, 2) / (name.substr(2) + k_extension);
+  return folder_ / name.substr(0, k_folder_digits) / name.substr(k_folder_digits).append(k_extension);
 }
 
 bool BlockFolder::contains(const std::string& key) const {
@@ -72,15 +126,13 @@ bool BlockFolder::contains(const std::string& key) const {
 
 std::optional<std::vector<std::byte>> BlockFolder::find(const std::string& key, std::size_t count) {
   const fs::path path = path_of(key);
-  const FileDescriptor file(::open(path.c_str(), O_RDONLY | O_CLOEXEC));
+  const FileDescriptor file = open_block(path);
   if (!file.is_open()) return std::nullopt;
   BlockHeader header;
   std::vector<std::byte> block(count);
   if (!read_fully(file.number(), &header, sizeof(header)) ||
-      !read_fully(file.number(), block.data(), count) || header != header_of(key, block)) {
-    ::unlink(path.c_str());
-    return std::nullopt;
-  }
+      !read_fully(file.number(), block.data(), count) || header != header_of(key, block))
+    return std::nullopt;  // keep() replaces it
   // The time of its last use.
   ::futimens(file.number(), nullptr);
   return block;
@@ -123,28 +175,40 @@ void BlockFolder::make_room() {
   const std::scoped_lock lock(mutex);
   std::vector<Entry> entries;
   std::uint64_t bytes = 0;
-  std::error_code error;
   const auto now = fs::file_time_type::clock::now();
-  for (fs::recursive_directory_iterator file(folder_, error), end; !error && file != end;
-       file.increment(error)) {
-    std::error_code gone;  // by another program
-    const fs::path& path = file->path();
-    const bool is_temporary = path.filename().string().find(".block.part-") != std::string::npos;
-    if (!is_temporary && path.extension() != k_extension) continue;  // not ours
-    Entry entry{file->last_write_time(gone), file->file_size(gone), path};
-    if (gone) continue;
+  const auto note = [&](const fs::directory_entry& file) {
+    std::error_code error;  // another program may remove it
+    const std::string name = file.path().filename().string();
+    const bool is_temporary = is_temporary_name(name);
+    if (!is_temporary && !is_block_name(name)) return;
+    if (!fs::is_regular_file(file.symlink_status(error)) || error) return;
+    Entry entry{file.last_write_time(error), 0, file.path()};
+    if (error) return;
     // What a program that was killed has left.
-    if (is_temporary && now - entry.used > std::chrono::hours(1)) fs::remove(path, gone);
-    if (is_temporary) continue;
+    if (is_temporary && now - entry.used > std::chrono::hours(1)) fs::remove(file.path(), error);
+    entry.bytes = is_temporary ? 0 : file.file_size(error);
+    if (is_temporary || error) return;
     bytes += entry.bytes;
     entries.push_back(std::move(entry));
-  }
+  };
+  const auto for_each_entry = [](const fs::path& folder, const auto& visit) {
+    std::error_code error;  // what cannot be read is left alone
+    for (fs::directory_iterator entry(folder, error), end; !error && entry != end; entry.increment(error))
+      visit(*entry);
+  };
+  for_each_entry(folder_, [&](const fs::directory_entry& part) {
+    std::error_code error;
+    if (are_hex_digits(part.path().filename().string(), k_folder_digits) &&
+        fs::is_directory(part.symlink_status(error)))
+      for_each_entry(part.path(), note);
+  });
   // Some more than needed, so that this is rare.
   const std::uint64_t goal = bytes > most_bytes_ ? most_bytes_ / 5 * 4 : most_bytes_;
   std::ranges::sort(entries, {}, &Entry::used);
   for (const Entry& entry : entries) {
     if (bytes <= goal) break;
-    if (fs::remove(entry.path, error)) bytes -= entry.bytes;
+    std::error_code error;
+    if (is_block(entry.path) && fs::remove(entry.path, error)) bytes -= entry.bytes;
   }
   bytes_ = bytes;
 }

@@ -14,14 +14,15 @@ namespace alidade::geo {
 
 /// Blocks of remote files in a folder, which several programs may use at once. Thread safe.
 ///
-/// A key names a block of one version of a file. Each block is a file of its own with a checksum, written under
-/// another name and renamed: one that is damaged counts as missing. The names of remote files, which may hold
-/// passwords, are not stored. Whatever fails while a block is kept only means that it is not kept.
+/// A key names a block of one version of a file. Each block is a file of its own with a checksum, written
+/// under another name and renamed: one that is damaged counts as missing. The names of remote files, which
+/// may hold passwords, are not stored. Whatever fails while a block is kept only means that it is not kept.
 class BlockFolder {
  public:
-  /// Makes the folder unless it is there, for this user only. It takes at most `most_bytes`, or somewhat more while
-  /// several programs write; the blocks that nobody used for longest give way. Errors: the folder cannot be made, or
-  /// not be written to.
+  /// Makes the folder unless it is there, for this user only, and marks it. The blocks take at most
+  /// `most_bytes`, or somewhat more while several programs write; those that were not used for longest are
+  /// removed, and nothing else is. Errors: the folder cannot be made or written to; other users may write to
+  /// it; it holds something and is not marked.
   BlockFolder(std::filesystem::path folder, std::uint64_t most_bytes);
 
   /// Whether there is a block, which may still be damaged.
@@ -37,8 +38,8 @@ class BlockFolder {
 
   std::filesystem::path folder_;
   std::uint64_t most_bytes_;
-  std::atomic<std::uint64_t> bytes_ =
-      0;  ///< that the folder takes, without what others wrote since make_room()
+  /// That the blocks take, without what other programs wrote since make_room().
+  std::atomic<std::uint64_t> bytes_ = 0;
   std::atomic<int> temporaries_ = 0;
 };
 

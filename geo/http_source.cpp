@@ -25,6 +25,9 @@ namespace {
 
 std::atomic<std::uint64_t> requests_in_all = 0, bytes_in_all = 0;
 
+constexpr int k_no_such_range = 416;
+constexpr const char* k_unstated = "the server does not state which bytes it sent";
+
 /// What Content-Range states: the first and the last byte, if there are any, and the file's size.
 struct ContentRange {
   std::optional<std::pair<std::uint64_t, std::uint64_t>> bytes{};
@@ -76,8 +79,31 @@ std::string headers_of(std::uint64_t first, std::uint64_t last) {
   return headers;
 }
 
-/// A session of GDAL, which keeps connections to servers, for one request at a time: as many as there are requests at
-/// once.
+/// Where the headers certainly belong to the last answer. GDAL gives those of redirections and of the last
+/// answer in one list: where a name comes again, another answer has begun.
+int begin_of_last_answer(char** headers) {
+  constexpr std::array k_repeated = {"Set-Cookie", "Link", "Vary", "Via", "Warning", "WWW-Authenticate"};
+  int redirections = 0, answers = 0, begin = 0, count = 0;
+  std::vector<std::string> seen;
+  for (; headers != nullptr && headers[count] != nullptr; ++count) {
+    std::string name = headers[count];
+    name.resize(name.find_first_of(":=") == std::string::npos ? name.size() : name.find_first_of(":="));
+    const auto is_name = [&](const auto& other) { return EQUAL(name.c_str(), std::string(other).c_str()); };
+    if (is_name("Location")) ++redirections;
+    if (std::ranges::any_of(k_repeated, is_name)) continue;
+    if (std::ranges::any_of(seen, is_name)) {
+      ++answers;
+      begin = count;
+      seen.clear();
+    }
+    seen.push_back(std::move(name));
+  }
+  if (redirections == 0) return 0;
+  return answers >= redirections ? begin : count;
+}
+
+/// A session of GDAL, which keeps connections to servers, for one request at a time: as many as there are
+/// requests at once.
 class Session {
  public:
   Session() {
@@ -102,7 +128,8 @@ class Session {
   int number_;
 };
 
-/// A request and what comes of it, in a thread of its own: GDAL asks whether to go on only when the answer has begun.
+/// A request and what comes of it, in a thread of its own: GDAL asks whether to go on only when the answer
+/// has begun.
 class Transfer {
  public:
   static std::shared_ptr<Transfer> start(const std::string& url, std::string headers) {
@@ -189,9 +216,9 @@ void HttpSource::check_range(const Answer& answer, std::uint64_t first, std::uin
                  .found = std::move(found)});
   };
   if (answer.stated_range.empty()) {
-    if (answer.body.size() == last - first + 1)
-      fail("the server does not state which bytes it sent", "the header Content-Range", "none");
-    return;
+    if (is_open_ && answer.body.size() == last - first + 1 && answer.body.size() != size_)
+      fail(k_unstated, "the header Content-Range", "none");
+    return;  // the whole file, which check_whole() or check_version() makes sure of
   }
   if (!answer.range || !answer.range->bytes)
     fail("invalid Content-Range from the server", "bytes FIRST-LAST/SIZE", answer.stated_range);
@@ -204,9 +231,24 @@ void HttpSource::check_range(const Answer& answer, std::uint64_t first, std::uin
          fmt::format("{}", answer.body.size()));
 }
 
+void HttpSource::check_whole(const Answer& start) {
+  const std::uint64_t end = std::max<std::uint64_t>(start.body.size(), 1);
+  const Answer behind = request(end, end + start.body.size());
+  const bool ends_there =
+      behind.status == k_no_such_range && (!behind.range || behind.range->size == start.body.size());
+  const bool is_sent_again = behind.is_good() && !behind.range && behind.body == start.body;
+  if (!ends_there && !is_sent_again)
+    throw Error({.file = name_,
+                 .location = "byte 0",
+                 .problem = k_unstated,
+                 .expected = "the header Content-Range",
+                 .found = "none"});
+}
+
 HttpSource::HttpSource(std::string name, std::string url, std::size_t count, bool (*is_interrupted)())
     : name_(std::move(name)), url_(std::move(url)), is_interrupted_(is_interrupted) {
   Answer answer = request(0, count - 1);
+  if (!answer.range && answer.body.size() <= count) check_whole(answer);
   size_ = answer.range ? answer.range->size : answer.body.size();
   etag_ = answer.etag;
   last_modified_ = answer.last_modified;
@@ -269,7 +311,7 @@ HttpSource::Answer HttpSource::request(std::uint64_t first, std::uint64_t last) 
     Answer answer = request_once(first, last);
     if (answer.is_good()) return answer;
     // Nothing at or behind `first`: an empty file, or one that has become shorter.
-    constexpr int k_no_such_range = 416;
+    if (answer.status == k_no_such_range && !is_open_ && first > 0) return answer;
     if (answer.status == k_no_such_range && answer.range) {
       if (is_open_) check_version(answer);
       answer.body.clear();
@@ -310,9 +352,10 @@ HttpSource::Answer HttpSource::request_once(std::uint64_t first, std::uint64_t l
          .expected = fmt::format("at most {} bytes", k_largest_whole)});
 
   // The last of a name: those of redirections come before.
-  const auto header = [&](const char* key) {
+  const auto header = [&](const char* key, int begin) {
     std::string value;
-    for (char** line = result->papszHeaders; line != nullptr && *line != nullptr; ++line) {
+    for (char** line = result->papszHeaders == nullptr ? nullptr : result->papszHeaders + begin;
+         line != nullptr && *line != nullptr; ++line) {
       char* name = nullptr;
       const char* const text = CPLParseNameValue(*line, &name);
       if (text != nullptr && name != nullptr && EQUAL(name, key)) value = text;
@@ -320,11 +363,12 @@ HttpSource::Answer HttpSource::request_once(std::uint64_t first, std::uint64_t l
     }
     return value;
   };
+  const int begin = begin_of_last_answer(result->papszHeaders);
   Answer answer;
   answer.curl_code = result->nStatus;
-  answer.stated_range = header("Content-Range");
-  answer.etag = header("ETag");
-  answer.last_modified = header("Last-Modified");
+  answer.stated_range = header("Content-Range", 0);
+  answer.etag = header("ETag", begin);
+  answer.last_modified = header("Last-Modified", begin);
   answer.problem = result->pszErrBuf != nullptr ? result->pszErrBuf : "unknown reason";
   if (answer.etag.starts_with("W/")) answer.etag.erase(0, 2);
   constexpr std::string_view k_status = "HTTP error code : ";

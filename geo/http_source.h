@@ -15,9 +15,10 @@ namespace alidade::geo {
 
 /// A file on a web server, read by ranges through GDAL's HTTP client. Thread safe.
 ///
-/// The first answer fixes which file it is: its size, and its entity tag or else its time of modification. Every later
-/// answer must agree, and must hold exactly the bytes that were requested; otherwise it is an Error, so that no reader
-/// gets bytes of two versions. A server that does not support ranges sends the whole file, which then stays in memory.
+/// The first answer fixes which file it is: its size, and its entity tag or else its time of modification.
+/// Every later answer must agree, and must hold exactly the bytes that were requested; otherwise it is an
+/// Error, so that no reader gets bytes of two versions. A server that does not support ranges sends the whole
+/// file, which then stays in memory.
 ///
 /// Requests that fail in the network, and those answered with 429, 500, 502, 503 or 504, are repeated
 /// GDAL_HTTP_MAX_RETRY times, with pauses that begin at GDAL_HTTP_RETRY_DELAY seconds and double.
@@ -26,9 +27,9 @@ class HttpSource {
   /// What a server sends without ranges may have so many bytes.
   static constexpr std::uint64_t k_largest_whole = std::uint64_t{1} << 30;
 
-  /// Requests the first `count` bytes. `name` is what messages call the file; `is_interrupted`, if given, is called
-  /// while waiting and returns whether to stop. Errors: those of read(); the server cannot be reached, or has no such
-  /// file.
+  /// Requests the first `count` bytes. `name` is what messages call the file; `is_interrupted`, if given, is
+  /// called while waiting and returns whether to stop. Errors: those of read(); the server cannot be reached,
+  /// or has no such file.
   HttpSource(std::string name, std::string url, std::size_t count, bool (*is_interrupted)());
 
   std::uint64_t size() const { return size_; }
@@ -56,6 +57,9 @@ class HttpSource {
   Answer request_once(std::uint64_t first, std::uint64_t last) const;
   /// Errors: the answer does not hold just these bytes.
   void check_range(const Answer& answer, std::uint64_t first, std::uint64_t last) const;
+  /// Makes sure that an answer to the first request that states no range is the whole file, by a request for
+  /// what is behind it. Errors: it may be a part.
+  void check_whole(const Answer& start);
   /// Errors: the answer is not of this version of the file.
   void check_version(const Answer& answer);
   void wait(double seconds) const;

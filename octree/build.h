@@ -57,11 +57,12 @@ Octree build(PointCloud&& cloud, const BuildOptions& options = {});
 /// back. Memory: ids and one attribute column at a time beside what the octree takes.
 Octree build_in_stored_order(PointCloud& cloud, const BuildOptions& options = {});
 
-/// build() for a cloud larger than memory: the same octree. `positions` are those of a scratch file that is mapped
-/// into memory, in the order of their ids; their values are lost, but they are not written to. Scratch files also hold
-/// the arrays of the octree, what the build needs meanwhile, and what is measured later (Octree::scratch()). Space on
-/// the disk: 12 to 32 B per point beside the positions and the octree's 11 to 23 B. Memory: that of `scratch`, and 1 B per point for nodes; the system may keep more of the files
-/// in memory while no program needs that memory. Errors: as build(); those of scratch files.
+/// build() for a cloud larger than memory: the same octree. `positions` are those of a scratch file that is
+/// mapped into memory, in the order of their ids; their values are lost, but they are not written to. Scratch
+/// files also hold the arrays of the octree, what the build needs meanwhile, and what is measured later
+/// (Octree::scratch()). Space on the disk: 12 to 32 B per point beside the positions and the octree's 11 to
+/// 23 B. Memory: that of `scratch`, and 1 B per point for nodes; the system may keep more of the files in
+/// memory while no program needs that memory. Errors: as build(); those of scratch files.
 Octree build_in_scratch(const Lattice& lattice, std::span<LatticePosition> positions,
                         const ScratchSpace& scratch, const BuildOptions& options = {});
 

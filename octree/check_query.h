@@ -108,8 +108,9 @@ void check_numbered(std::span<const Target> targets, std::size_t i) {
   }
 }
 
-/// Calls work(first, last) for ranges of at most `grain` of so many targets, in parallel. Errors: what `work` throws for
-/// the first range for which it does, whatever the threads did before; answers are then incomplete.
+/// Calls work(first, last) for ranges of at most `grain` of so many targets, in parallel. Errors: what `work`
+/// throws for the first range for which it does, whatever the threads did before; answers are then
+/// incomplete.
 template <class Work>
 void for_each_range(std::size_t count, std::size_t grain, const Work& work) {
   const std::size_t range_count = (count + grain - 1) / grain;
@@ -137,8 +138,8 @@ void check_range(std::span<const Target> targets, std::size_t first, std::size_t
     if (!is_certainly_valid(targets[i])) check_numbered(targets, i);
 }
 
-/// The same after checking each range. Errors: in the first range that has any, the first target that is not good, or else
-/// what `work` throws.
+/// The same after checking each range. Errors: in the first range that has any, the first target that is not
+/// good, or else what `work` throws.
 template <class Target, class Work>
 void for_each_range(std::span<const Target> targets, std::size_t grain, const Work& work) {
   for_each_range(targets.size(), grain, [&](std::size_t first, std::size_t last) {

@@ -11,13 +11,13 @@
 #include <cmath>
 #include <glm/common.hpp>
 #include <memory>
-#include <mutex>
 #include <numeric>
 #include <optional>
 #include <span>
 #include <utility>
 #include <vector>
 
+#include "base/error.h"
 #include "base/remote_map.h"
 #include "octree/answer_target.h"
 #include "octree/check_query.h"
@@ -43,7 +43,8 @@ std::size_t stream_grain(std::size_t rays) {
                       : std::clamp(rays / (16 * threads), k_least_stream_rays, k_most_stream_rays);
 }
 
-/// Rays and answers of one task. Tasks hand their memory on, since new memory costs more than what is done with it.
+/// Rays and answers of one task. Tasks hand their memory on, since new memory costs more than what is done
+/// with it.
 template <class Answer>
 class RoomOfTasks {
  public:
@@ -69,7 +70,7 @@ class RoomOfTasks {
   tbb::concurrent_queue<std::unique_ptr<Room>> free_;
 };
 
-/// Rays that stand in memory, and memory for their answers.
+/// An array of rays, and one for their answers.
 template <class AnswerOfRay>
 class RaysInMemory {
  public:
@@ -101,7 +102,7 @@ class RaysInMemory {
   const std::span<Answer> answers_;
 };
 
-/// Rays that are made when they are asked for, and columns for their answers.
+/// Rays in columns, each made when it is traced, and columns for their answers.
 template <class AnswerOfRay, class AnswerColumns>
 class RaysInColumns {
  public:
@@ -132,7 +133,7 @@ class RaysInColumns {
       const Clock::duration time = Clock::now() - start;
       if (time < k_short) piece_ = std::min(4 * piece, k_most_stream_rays);
       if (time > k_long) piece_ = std::max<std::size_t>(piece / 4, 1);
-      tell(end - begin);
+      add_done(end - begin);
       begin = end;
     }
   }
@@ -146,7 +147,7 @@ class RaysInColumns {
       answers_.prefetch(row(std::min(i + k_ahead, answers.size() - 1)));
       answers_.put(row(i), answers[i]);
     }
-    tell(answers.size());
+    add_done(answers.size());
   }
 
  private:
@@ -154,13 +155,20 @@ class RaysInColumns {
   static constexpr std::chrono::milliseconds k_short{10}, k_long{100};
   static constexpr std::size_t k_few_rays = 64;  // a filter may make each take milliseconds
 
-  void name_bad(std::size_t first, std::size_t last) const {
+  /// Errors: always.
+  [[noreturn]] void name_bad(std::size_t first, std::size_t last) const {
     for (std::size_t row = first; row < last; ++row) (void)columns_.ray(row);
+    throw input_error("the rays changed during the query", "arrays that stay as they are");
   }
-  void tell(std::size_t rays) const {
-    const std::lock_guard lock(mutex_);
+  /// One thread reports at a time, and none waits for it: Python runs handlers of signals there, which may
+  /// call queries and with them tasks of this one.
+  void add_done(std::size_t rays) const {
     done_ += rays;
-    report(progress_, done_, size());
+    while (reported_ < done_ && !is_reporting_.exchange(true)) {
+      const std::shared_ptr<void> end(nullptr, [&](void*) { is_reporting_ = false; });
+      const std::uint64_t done = done_;
+      if (reported_ < done) report(progress_, reported_ = done, size());
+    }
   }
 
   const InstructionSet instruction_set_;
@@ -169,8 +177,8 @@ class RaysInColumns {
   const Progress& progress_;
   mutable std::atomic<std::size_t> piece_;  ///< rays between two reports of the progress
   mutable RoomOfTasks<Answer> rooms_;
-  mutable std::mutex mutex_;  ///< of the progress
-  mutable std::uint64_t done_ = 0;
+  mutable std::atomic<std::uint64_t> done_ = 0, reported_ = 0;
+  mutable std::atomic<bool> is_reporting_ = false;
 };
 
 /// The next store there does not wait for the memory.
@@ -197,9 +205,10 @@ struct BytesOfRows {
   void prefetch(std::size_t row) const { prefetch_to_store(answers + row); }
 };
 
-/// Calls trace(rays, first_index, answers) for parts of a batch of rays whose origins are scattered, in an order in which
-/// they start side by side: so they share their way through the tree. The order costs some 30 ns per ray, and rays that
-/// bounce off surfaces, shuffled, take 0.6 to 0.7 of the time. Indices are those of the parts.
+/// Calls trace(rays, first_index, answers) for parts of a batch of rays whose origins are scattered. Those of
+/// a part start side by side, so that they share their way through the tree. The order costs some 30 ns per
+/// ray, and rays that bounce off surfaces, shuffled, take 0.6 to 0.7 of the time. Indices are those of the
+/// parts.
 template <class Batch, class Trace>
 void trace_side_by_side(const Octree& octree, const Batch& batch, const Trace& trace) {
   using Answer = typename Batch::Answer;

@@ -11,13 +11,14 @@
 #include "base/ray.h"
 #include "octree/query.h"
 
-// Batches of rays as columns of numbers, such as arrays of Python, and their answers as columns. Rays are made and answers
-// are written where they are traced, so that neither exists in memory a second time.
+// Batches of rays as columns of numbers, such as arrays of Python, and their answers as columns. Each task
+// makes its rays and writes its answers itself, so that neither takes memory a second time.
 
 namespace alidade {
 
-/// A ray for each row. A column's row begins `stride` numbers behind the row before; with a stride of 0, all rows are the
-/// same. Directions may have any length.
+/// A ray for each row. Each row of a column begins `stride` numbers behind the row before; with a stride of
+/// 0, all rows are the same. Directions may have any length. The numbers must not change while a query runs:
+/// it may end with an Error, or answer for rays that never were.
 struct RayColumns {
   struct Column {
     const double* values = nullptr;
@@ -53,8 +54,8 @@ struct HitColumns {
   }
 };
 
-/// `closest` of the rays that make_ray makes of the rows, bit for bit. `progress` is in rays. Errors beside those of
-/// batches: those of make_ray, of the first row that has any.
+/// `closest` of the rays that make_ray makes of the rows, bit for bit. `progress` is in rays. Errors beside
+/// those of batches: those of make_ray, of the first row that has any.
 void closest(const Octree& octree, const RayColumns& rays, const RayQuery& query, const HitColumns& hits,
              const Progress& progress = {});
 void occluded(const Octree& octree, const RayColumns& rays, const RayQuery& query,

@@ -29,9 +29,11 @@ void add_errors(py::module_& module) {
   });
 }
 
-/// GDAL, with the libraries it brings, is loaded when the first remote file is opened: from a module beside this one.
+/// GDAL, with the libraries it brings, is loaded when the first remote file is opened: from a module beside
+/// this one.
 std::unique_ptr<alidade::RemoteFile> open_remote(const std::string& name) {
-  static auto* const open = [] {
+  using Open = std::unique_ptr<alidade::RemoteFile>(const std::string&, bool (*)());
+  static Open* const open = [&] {
     ::Dl_info info{};
     ::dladdr(reinterpret_cast<const void*>(&open_remote), &info);
     const std::filesystem::path file =
@@ -40,12 +42,14 @@ std::unique_ptr<alidade::RemoteFile> open_remote(const std::string& name) {
     void* const found = library != nullptr ? ::dlsym(library, "alidade_open_remote_file") : nullptr;
     if (found == nullptr) {
       const char* const reason = ::dlerror();
-      throw alidade::file_error(file.string(), std::string("cannot load the module for remote files: ") +
-                                                   (reason != nullptr ? reason : "unknown reason"));
+      throw alidade::file_error(
+          name, "this package of alidade opens no remote files (wheels do not)",
+          "a file on this machine, or the module alidade of the Debian package or of a build",
+          reason != nullptr ? reason : file.string());
     }
-    return reinterpret_cast<std::unique_ptr<alidade::RemoteFile> (*)(const std::string&)>(found);
+    return reinterpret_cast<Open*>(found);
   }();
-  return open(name);
+  return open(name, &alidade::python::is_interrupted);
 }
 
 }  // namespace

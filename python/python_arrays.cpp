@@ -5,6 +5,7 @@
 #include <fmt/ranges.h>
 #include <atomic>
 #include <chrono>
+#include <csignal>
 #include <future>
 #include <thread>
 
@@ -38,6 +39,14 @@ Doubles doubles_of(const py::array& array, const char* name) {
   return numbers;
 }
 
+std::atomic<bool> has_interruption = false;
+std::atomic<void (*)(int)> python_handler = nullptr;
+
+void note_interruption(int signal) {
+  has_interruption = true;
+  if (const auto next = python_handler.load()) next(signal);
+}
+
 }  // namespace
 
 std::string shape_text(const py::array& array) {
@@ -64,6 +73,27 @@ Shape leading_shape(const py::array& array) {
   return {array.shape(), array.shape() + array.ndim() - 1};
 }
 
+void watch_interruption() {
+  has_interruption = false;
+  struct sigaction now {};
+  if (::sigaction(SIGINT, nullptr, &now) != 0 || (now.sa_flags & SA_SIGINFO) != 0) return;
+  if (now.sa_handler == SIG_IGN || now.sa_handler == SIG_DFL || now.sa_handler == &note_interruption) return;
+  // Once more only where Python has put its own back: another handler may call this one.
+  void (*known)(int) = nullptr;
+  if (!python_handler.compare_exchange_strong(known, now.sa_handler) && known != now.sa_handler) return;
+  now.sa_handler = &note_interruption;
+  ::sigaction(SIGINT, &now, nullptr);
+}
+
+bool is_interrupted() {
+  return has_interruption;
+}
+
+void raise_interruption() {
+  if (PyErr_Occurred() != nullptr || PyErr_CheckSignals() != 0) throw py::error_already_set();
+  throw input_error("the wait for a server was interrupted", "the cloud, opened again");
+}
+
 void run_interruptible(int workers, const std::function<void(const Progress&)>& work) {
   using Clock = std::chrono::steady_clock;
   constexpr std::chrono::milliseconds k_between_looks(50);
@@ -78,11 +108,7 @@ void run_interruptible(int workers, const std::function<void(const Progress&)>& 
     }
     return !ends;
   };
-  try {
-    run_free(workers, [&] { work(progress); });
-  } catch (const Cancelled&) {
-    throw py::error_already_set();
-  }
+  run_free(workers, [&] { work(progress); });
   if (PyErr_CheckSignals() != 0) throw py::error_already_set();
 }
 
@@ -105,6 +131,7 @@ void run_watched(int workers, const py::object& watch, const std::function<void(
     }
     return !ends;
   };
+  watch_interruption();
   // Only the thread that called notices signals.
   std::future<void> result =
       std::async(std::launch::async, [&] { on_threads(workers, [&] { work(progress); }); });
@@ -124,10 +151,9 @@ void run_watched(int workers, const py::object& watch, const std::function<void(
     result.get();
   } catch (const Cancelled&) {
     if (raised) std::rethrow_exception(raised);
-    throw;
+    raise_interruption();
   }
   if (raised) std::rethrow_exception(raised);
-  RemoteMap::check_all();
 }
 
 }  // namespace alidade::python

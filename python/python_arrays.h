@@ -17,7 +17,6 @@
 
 #include "base/error.h"
 #include "base/progress.h"
-#include "base/remote_map.h"
 
 // NumPy arrays in and out.
 
@@ -80,20 +79,35 @@ void on_threads(int workers, const Work& work) {
   tbb::task_arena(std::min(workers, tbb::info::default_concurrency())).execute(work);
 }
 
-/// The same without the GIL. Errors: also that of a remote index file that could not be read (base/remote_map.h).
+/// Begins to watch for Ctrl-C, and forgets what came before.
+void watch_interruption();
+/// Whether Ctrl-C came since then. For threads that wait for servers: Python handles signals in its main
+/// thread only.
+bool is_interrupted();
+
+/// Raises what Ctrl-C raises in Python, after Cancelled was thrown. Errors: nothing is raised: Ctrl-C came
+/// before, or its handler ignored it.
+[[noreturn]] void raise_interruption();
+
+/// The same without the GIL. Ctrl-C that ends the wait for a server is raised.
 template <class Work>
 void run_free(int workers, const Work& work) {
-  const py::gil_scoped_release release;
-  on_threads(workers, work);
-  RemoteMap::check_all();
+  watch_interruption();
+  try {
+    const py::gil_scoped_release release;
+    on_threads(workers, work);
+    return;
+  } catch (const Cancelled&) {
+  }
+  raise_interruption();
 }
 
 /// Calls work(progress) in a thread of its own without the GIL, and waits for it. `progress` is a Progress that calls
 /// watch(done, total) unless that is None. What `watch` raises, and Ctrl-C, end the work and are raised here.
 void run_watched(int workers, const py::object& watch, const std::function<void(const Progress&)>& work);
 
-/// Calls work(progress) without the GIL, on this thread and others. Ctrl-C ends it when it reports its progress from this
-/// thread.
+/// Calls work(progress) without the GIL, on this thread and others. Ctrl-C ends it when it reports its
+/// progress from this thread.
 void run_interruptible(int workers, const std::function<void(const Progress&)>& work);
 
 /// Calls work(begin, end) for pieces of `count` items without the GIL. Ctrl-C is noticed between pieces, which take a

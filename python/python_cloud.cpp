@@ -175,12 +175,14 @@ Index index_of(const Cloud& cloud, const std::string& organisation, bool surface
   run_watched(workers, progress, [&](const Progress& watch) {
     if (!data->points.index) octree = build(data->points.cloud, {.organisation = wanted, .progress = watch});
     if (surfaces) octree = with_surfaces(with_spacings(octree, k_surface_neighbours, watch), watch);
+    data->check_arrived();
   });
   return {data, std::move(octree)};
 }
 
-/// A copy of a cloud that is mapped, with positions.
-PointCloud copy_of(const IndexedCloud& mapped) {
+/// A copy of a cloud that is mapped, with positions. Errors: those of check_arrived().
+PointCloud copy_of(const CloudData& data) {
+  const IndexedCloud& mapped = data.points;
   PointCloud cloud = mapped.index->description();
   cloud.lattice = mapped.octree.lattice();
   cloud.records = mapped.index->records();
@@ -194,6 +196,7 @@ PointCloud copy_of(const IndexedCloud& mapped) {
     cloud.extra_dimensions.push_back(column.description);
     cloud.extra_dimensions.back().values.assign(column.values.begin(), column.values.end());
   }
+  data.check_arrived();
   return cloud;
 }
 
@@ -204,7 +207,7 @@ void write(const Cloud& cloud, const std::filesystem::path& file, bool overwrite
     throw file_error(file.string(), "unknown output format", ".las, .laz or .ply");
   run_watched(0, progress, [&](const Progress& watch) {
     const IndexedCloud& stored = cloud.data()->points;
-    const PointCloud copy = stored.index ? copy_of(stored) : PointCloud();
+    const PointCloud copy = stored.index ? copy_of(*cloud.data()) : PointCloud();
     const PointCloud& points = stored.index ? copy : stored.cloud;
     if (extension == ".ply") {
       write_ply(file, points, {.overwrite = overwrite, .progress = watch});
@@ -217,7 +220,7 @@ void write(const Cloud& cloud, const std::filesystem::path& file, bool overwrite
 void save(const Index& index, const std::filesystem::path& file, bool overwrite, const py::object& progress) {
   run_watched(0, progress, [&](const Progress& watch) {
     const IndexedCloud& stored = index.data()->points;
-    const PointCloud copy = stored.index ? copy_of(stored) : PointCloud();
+    const PointCloud copy = stored.index ? copy_of(*index.data()) : PointCloud();
     save_index(file, index.octree(), stored.index ? copy : stored.cloud,
                {.overwrite = overwrite, .progress = watch});
   });
@@ -248,7 +251,7 @@ py::array Cloud::xyz() {
                                                     : std::vector<LatticePosition>();
     const std::vector<LatticePosition>& positions = data_->points.index ? stored : cloud.positions;
     for_each_index(0, count, [&](std::size_t i) { rows[i] = to_world(data_->lattice(), positions[i]); });
-    if (data_->points.index) RemoteMap::check(data_->points.octree.view().coordinates);
+    data_->check_arrived();
   });
   array.attr("flags").attr("writeable") = false;
   xyz_ = array;

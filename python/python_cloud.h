@@ -4,6 +4,7 @@
 #include <memory>
 #include <optional>
 
+#include "base/remote_map.h"
 #include "octree/index_file/index_file.h"
 #include "python/python_arrays.h"
 
@@ -20,6 +21,10 @@ struct CloudData {
   const Lattice& lattice() const { return points.index ? points.octree.lattice() : points.cloud.lattice; }
   /// Coordinate reference system and the rest of what the files said.
   const PointCloud& description() const { return points.index ? points.index->description() : points.cloud; }
+  /// Errors: the index file is remote, and a part of it that was read could not be fetched (base/remote_map.h).
+  void check_arrived() const {
+    if (points.index) RemoteMap::check(points.octree.view().coordinates);
+  }
 };
 
 /// Points and their attributes as arrays.

@@ -10,7 +10,8 @@
 
 namespace alidade::python {
 
-/// Rays as arrays: (..., 6), or origins and directions (..., 3), one of which may have shape (3,) and then applies to all rays.
+/// Rays as arrays: (..., 6), or origins and directions (..., 3). One of these may have shape (3,) and then
+/// applies to all rays.
 class RayArrays {
  public:
   RayArrays(const py::object& rays, const py::object& origins, const py::object& directions,

@@ -3,9 +3,11 @@
 
 #include "geo/remote_file.h"
 
-/// What the module alidade opens remote files with (python/module.cpp). The cache is as for the program.
+/// What the module alidade opens remote files with (python/module.cpp). The cache is as for the program; the first
+/// `is_interrupted` is that of the process.
 extern "C" [[gnu::visibility("default")]] std::unique_ptr<alidade::RemoteFile> alidade_open_remote_file(
-    const std::string& name) {
+    const std::string& name, bool (*is_interrupted)()) {
   static const char* const cache = std::getenv("ALIDADE_CACHE");
-  return alidade::geo::open_remote_file(name, {.cache = cache != nullptr ? cache : ""});
+  return alidade::geo::open_remote_file(
+      name, {.is_interrupted = is_interrupted, .cache = cache != nullptr ? cache : ""});
 }

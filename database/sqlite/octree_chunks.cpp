@@ -5,6 +5,7 @@
 #include <limits>
 #include <utility>
 
+#include "base/remote_map.h"
 #include "database/point_stream.h"
 #include "database/sqlite/file_chunks.h"
 #include "octree/index_file/index_file.h"
@@ -75,6 +76,7 @@ class OctreeChunks final : public ChunkSource {
         if (may_hold(filter, child_bounds(tree_, frames_[number], slot))) stack.push_back(child);
       }
     }
+    check_arrived();
     return found;
   }
 
@@ -91,6 +93,7 @@ class OctreeChunks final : public ChunkSource {
       for (std::uint32_t i = 0; i < leaf.count; ++i) chunk->positions.push_back(position_of(tree_, leaf, i));
       leaf.first += leaf.count;
     }
+    check_arrived();
     return chunk;
   }
 
@@ -99,7 +102,10 @@ class OctreeChunks final : public ChunkSource {
     if (column.blob > 0) {
       const std::uint64_t id = point_id(tree_, first + static_cast<std::uint32_t>(row));
       const ValueBlob& blob = blobs_[static_cast<std::size_t>(column.blob - 1)];
-      return blob.values + static_cast<std::size_t>(id) * blob.size + static_cast<std::size_t>(column.byte);
+      const std::byte* const value = blob.values + static_cast<std::size_t>(id) * blob.size;
+      RemoteMap::touch({value, blob.size});
+      check_arrived();
+      return value + static_cast<std::size_t>(column.byte);
     }
     if (chunk.blobs.empty()) {
       std::vector<std::byte>& ids = chunk.blobs.emplace_back().emplace();
@@ -109,10 +115,14 @@ class OctreeChunks final : public ChunkSource {
         std::memcpy(ids.data() + i * sizeof id, &id, sizeof id);
       }
     }
+    check_arrived();
     return chunk.blobs.front()->data() + row * sizeof(std::uint64_t);
   }
 
  private:
+  /// Errors: the index file is remote, and a part of it that was read could not be fetched.
+  void check_arrived() const { RemoteMap::check(tree_.coordinates); }
+
   /// Children come after their parents.
   void note_frames() {
     if (tree_.node_count == 0) return;

@@ -314,15 +314,13 @@ std::optional<TreeFault> find_broken_link(const TreeView& tree) {
   return find_scattered_points(tree, ranks);
 }
 
-std::optional<TreeFault> find_bad_id(const TreeView& tree, std::uint32_t begin, std::uint32_t end) {
-  if (tree.ids == nullptr) return std::nullopt;
+std::optional<TreeFault> find_bad_id(std::span<const std::uint32_t> ids, std::uint64_t point_count) {
   std::uint32_t highest = 0;
-  for (std::uint32_t index = begin; index < end; ++index) highest = std::max(highest, tree.ids[index]);
-  if (begin == end || highest < tree.point_count) return std::nullopt;
-  const auto bad = std::find_if(tree.ids + begin, tree.ids + end,
-                                [&](std::uint32_t id) { return id >= tree.point_count; });
-  return TreeFault{Array::ids, static_cast<std::uint64_t>(bad - tree.ids),
-                   fmt::format("id out of range; expected less than {}, found {}", tree.point_count, *bad)};
+  for (const std::uint32_t id : ids) highest = std::max(highest, id);
+  if (ids.empty() || highest < point_count) return std::nullopt;
+  const auto bad = std::ranges::find_if(ids, [&](std::uint32_t id) { return id >= point_count; });
+  return TreeFault{Array::ids, static_cast<std::uint64_t>(bad - ids.begin()),
+                   fmt::format("id out of range; expected less than {}, found {}", point_count, *bad)};
 }
 
 std::optional<TreeFault> find_misplaced_point(const TreeView& tree) {

@@ -26,9 +26,9 @@ struct TreeFault {
 /// levels. Cost: two passes over the nodes, on one thread; 6 B per node.
 std::optional<TreeFault> find_broken_link(const TreeView& tree);
 
-/// Whether every id is a row: below the point count. Cost: one pass over the ids from storage index `begin`
-/// up to `end`.
-std::optional<TreeFault> find_bad_id(const TreeView& tree, std::uint32_t begin, std::uint32_t end);
+/// Whether every one of some ids is a row: below the point count. The fault's index is that among them. Cost:
+/// linear.
+std::optional<TreeFault> find_bad_id(std::span<const std::uint32_t> ids, std::uint64_t point_count);
 
 /// Whether the answers are those of the points: every storage index is in one leaf, every id occurs once,
 /// every box holds the points below it, coordinates agree with exact positions, the bounds are those of the

@@ -106,8 +106,12 @@ HugeArray<Node> check_tree(const IndexSections& sections, TreeView& tree, const 
         std::memcpy(reinterpret_cast<std::byte*>(copy.data()) + begin, stored.data() + begin, end - begin);
       });
   const auto check_ids = [&](std::uint64_t begin, std::uint64_t end) {
-    require_none(sections, find_bad_id(tree, static_cast<std::uint32_t>(begin / sizeof(std::uint32_t)),
-                                       static_cast<std::uint32_t>(end / sizeof(std::uint32_t))));
+    const std::size_t first = begin / sizeof(std::uint32_t);
+    auto bad = find_bad_id(
+        sections.values<std::uint32_t>(IndexSection::ids).subspan(first, end / sizeof(std::uint32_t) - first),
+        tree.point_count);
+    if (bad) bad->index += first;
+    require_none(sections, bad);
   };
   tbb::parallel_invoke([&] { require_none(sections, find_broken_link(tree)); },
                        [&] {

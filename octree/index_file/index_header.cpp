@@ -81,7 +81,8 @@ std::uint64_t page_checksum(std::span<const std::byte> page) {
 }
 
 /// What comes before all other fields may be trusted.
-void check_identity(std::span<const std::byte> file, const HeaderFields& page, const std::string& file_name) {
+void check_identity(std::span<const std::byte> file, std::uint64_t file_bytes, const HeaderFields& page,
+                    const std::string& file_name) {
   if (!is_index_file(file))
     throw Error({.file = file_name, .location = "byte 0", .problem = "not an Alidade index file"});
   if (file.size() < k_index_page) {
@@ -104,9 +105,9 @@ void check_identity(std::span<const std::byte> file, const HeaderFields& page, c
                fmt::format("{:016x}", sum));
   page.require(page.get<std::uint32_t>(16) == k_index_page, 16, "wrong header size",
                std::to_string(k_index_page), page.get<std::uint32_t>(16));
-  page.require(page.get<std::uint64_t>(24) == file.size(), 24,
-               page.get<std::uint64_t>(24) > file.size() ? "truncated file" : "the file is too long",
-               fmt::format("{} bytes", page.get<std::uint64_t>(24)), file.size());
+  page.require(page.get<std::uint64_t>(24) == file_bytes, 24,
+               page.get<std::uint64_t>(24) > file_bytes ? "truncated file" : "the file is too long",
+               fmt::format("{} bytes", page.get<std::uint64_t>(24)), file_bytes);
 }
 
 void read_lattice(const HeaderFields& page, TreeView& tree) {
@@ -263,11 +264,12 @@ bool is_index_file(std::span<const std::byte> start) {
   return start.size() >= k_magic.size() && std::memcmp(start.data(), k_magic.data(), k_magic.size()) == 0;
 }
 
-IndexHeader read_index_header(std::span<const std::byte> file, const std::string& file_name) {
-  const HeaderFields page(file, file_name);
-  check_identity(file, page, file_name);
+IndexHeader read_index_header(std::span<const std::byte> first_page, std::uint64_t file_bytes,
+                              const std::string& file_name) {
+  const HeaderFields page(first_page, file_name);
+  check_identity(first_page, file_bytes, page, file_name);
   IndexHeader header;
-  header.file_bytes = file.size();
+  header.file_bytes = file_bytes;
   header.tree = read_tree(page);
   const auto flags = page.get<std::uint32_t>(68);
   page.require(flags <= k_flag_standard_gps_time, 68, "unknown flags", "0 or 1", flags);

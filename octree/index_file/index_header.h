@@ -72,11 +72,12 @@ struct IndexHeader {
   const SectionEntry* find(IndexSection kind) const;
 };
 
-/// Reads the header of a file from all of its bytes. Every count, size and storage index is checked against the
+/// Reads the header of a file from its first page, or from the whole of a shorter file. Every count, size and storage index is checked against the
 /// file's size, the section table for order, gaps and overlaps, and the page against its own checksum. Cost:
 /// constant; nothing behind the first page is read. Errors: name the byte; a file of another byte order
 /// or version is distinguished from a damaged one.
-IndexHeader read_index_header(std::span<const std::byte> file, const std::string& file_name);
+IndexHeader read_index_header(std::span<const std::byte> page, std::uint64_t file_bytes,
+                              const std::string& file_name);
 
 /// The page, checksum included.
 std::array<std::byte, k_index_page> encode_index_header(const IndexHeader& header);

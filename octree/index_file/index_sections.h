@@ -20,8 +20,8 @@ namespace alidade {
 /// checksum in the last section, and the header has one of each section's run of these.
 class IndexSections {
  public:
-  /// Of a remote file, blocks are checked when they arrive, and so are ids (find_bad_id()); what fails then,
-  /// RemoteMap::check() throws. Errors: as read_index_header().
+  /// The blocks of a remote file are checked when they arrive, and so are ids (find_bad_id()).
+  /// RemoteMap::check() throws what fails then. Errors: as read_index_header(); those of MappedFile.
   explicit IndexSections(const InputFile& file);
 
   const std::string& name() const { return map_.name(); }
@@ -55,10 +55,11 @@ class IndexSections {
  private:
   void check_on_arrival(RemoteMap& map);
   const SectionEntry& entry(IndexSection kind) const { return *header_.find(kind); }
-  std::span<const std::uint64_t> stored_checksums(IndexSection kind) const;
+  /// Errors: they differ from their sum in the header.
+  std::vector<std::uint64_t> stored_checksums(IndexSection kind) const;
 
-  MappedFile map_;
   IndexHeader header_;
+  MappedFile map_;
   bool are_checked_on_arrival_ = false;
 };
 

@@ -24,8 +24,8 @@ constexpr std::size_t k_block = 64;
 struct Directions {
   alignas(64) double axis[3][k_block];
 
-  /// unit_direction() of so many: its operations in its order. Returns whether all were finite and not zero; the rest of
-  /// the last vector is read.
+  /// unit_direction() of so many: its operations in its order. Returns whether all were finite and not zero;
+  /// the rest of the last vector is read.
   bool normalize(std::size_t count) {
     const hn::CappedTag<double, 8> d;
     const auto zero = hn::Zero(d);

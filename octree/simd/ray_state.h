@@ -55,7 +55,8 @@ inline unsigned octant_of(const Ray& ray) {
          (ray.direction.z < 0.0 ? 4u : 0u);
 }
 
-/// Whether condition(i, i + 1) holds for most of 64 pairs of rays that follow one another, spread over a batch of so many.
+/// Whether condition(i, i + 1) holds for most of 64 pairs of rays that follow one another, spread over a
+/// batch of so many.
 template <class Condition>
 bool holds_for_most_pairs(std::size_t rays, const Condition& condition) {
   constexpr std::size_t k_samples = 64;

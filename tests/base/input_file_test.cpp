@@ -2,10 +2,13 @@
 #include "base/input_file.h"
 
 #include <gtest/gtest.h>
-#include <filesystem>
-
 #include <array>
+#include <filesystem>
+#include <initializer_list>
+#include <utility>
 
+#include "base/error.h"
+#include "base/public_name.h"
 #include "tests/cloud/cloud_test_support.h"
 
 namespace alidade {
@@ -86,6 +89,25 @@ TEST(InputFileErrorTest, a_file_that_became_shorter_is_an_error) {
   test::write_text(path, "012");
   EXPECT_NE(error_of([&] { file.view(0, 10); }).find("the file was truncated while it was read"),
             std::string::npos);
+}
+
+TEST(PublicName, of_a_url_has_neither_user_nor_parameters) {
+  for (const auto& [name, expected] : std::initializer_list<std::pair<const char*, const char*>>{
+           {"https://host/a.laz", "https://host/a.laz"},
+           {"https://paul:word@host:8080/a@b.laz?sig=x&y=/z@", "https://host:8080/a@b.laz"},
+           {"/vsizip//vsicurl/http://paul@host/a.zip?sig=x", "/vsizip//vsicurl/http://host/a.zip"},
+           {"http://paul:w@rd@host", "http://host"},
+           {"https://host?sig=x#y", "https://host"},
+           {"s3://bucket/a?b.laz", "s3://bucket/a?b.laz"},
+           {"folder@home/a?.laz", "folder@home/a?.laz"}}) {
+    EXPECT_EQ(public_name(name), expected);
+    const Error error(file_error(name, "bad"));
+    EXPECT_EQ(error.what(), std::string(expected) + ": bad");
+    EXPECT_EQ(error.parts().file, expected);
+    const InputFile file(std::span<const std::byte>(), name);
+    EXPECT_EQ(file.name(), expected);
+    EXPECT_EQ(file.address(), name);
+  }
 }
 
 }  // namespace

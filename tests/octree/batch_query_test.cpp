@@ -1,13 +1,16 @@
 // SPDX-License-Identifier: MIT
 #include <tbb/global_control.h>
 
+#include <array>
 #include <atomic>
+#include <bit>
 #include <cmath>
 #include <limits>
 #include <tuple>
 
 #include "octree/check_query.h"
 #include "octree/ray_columns.h"
+#include "octree/simd/make_rays.h"
 #include "tests/octree/as_brute_force.h"
 
 namespace alidade {
@@ -179,6 +182,52 @@ TEST_F(Batch, of_rays_in_columns_has_the_answers_of_the_rays_that_make_ray_makes
   expect_same_from_columns(Octree(), rows_of_any_length(family_.cloud, 10, random_), {.radius = 0.2});
 }
 
+/// All directions of these numbers, whose quotients round, underflow or are subnormal.
+std::vector<Ray> rows_at_the_limits() {
+  constexpr double k_numbers[] = {0.0,    -0.0,  1.0,     -0.3,   5e-324, -2e-310, 1e-300,
+                                  -1e300, 1e308, 1.7e308, 1e-155, 1e155,  -7.0};
+  std::vector<Ray> rows;
+  for (const double x : k_numbers)
+    for (const double y : k_numbers)
+      for (const double z : k_numbers) {
+        if (x == 0.0 && y == 0.0 && z == 0.0) continue;
+        rows.push_back({{-0.0, y, z}, {x, y, z}, -0.0, x});
+      }
+  return rows;
+}
+
+bool have_same_bits(const Ray& a, const Ray& b) {
+  static_assert(sizeof(Ray) == 8 * sizeof(double));
+  using Bits = std::array<std::uint64_t, 8>;
+  return std::bit_cast<Bits>(a) == std::bit_cast<Bits>(b);
+}
+
+TEST(MakeRays, makes_what_make_ray_makes_bit_for_bit_with_every_instruction_set) {
+  const std::vector<Ray> rows = rows_at_the_limits();
+  const RayColumns columns = columns_of(rows);
+  std::vector<simd::SortKey> order(rows.size());
+  for (std::size_t i = 0; i < order.size(); ++i) order[i] = i * 1001 % rows.size();
+  for (const InstructionSet instruction_set : available_instruction_sets()) {
+    std::vector<Ray> rays(rows.size());
+    ASSERT_TRUE(simd::make_rays(instruction_set, columns, 0, {}, rays));
+    for (std::size_t i = 0; i < rows.size(); ++i)
+      ASSERT_TRUE(
+          have_same_bits(rays[i], make_ray(rows[i].origin, rows[i].direction, rows[i].t_min, rows[i].t_max)))
+          << "row " << i;
+    for (const std::size_t count : {std::size_t{1}, std::size_t{13}, std::size_t{67}, rows.size()}) {
+      std::vector<Ray> some(count);
+      const std::span<const simd::SortKey> numbers = std::span(order).first(count);
+      ASSERT_TRUE(simd::make_rays(instruction_set, columns, 0, numbers, some));
+      for (std::size_t i = 0; i < count; ++i)
+        ASSERT_TRUE(have_same_bits(some[i], rays[simd::number_of(numbers[i])]))
+            << "row " << i << " of " << count;
+      ASSERT_TRUE(simd::make_rays(instruction_set, columns, rows.size() - count, {}, some));
+      for (std::size_t i = 0; i < count; ++i)
+        ASSERT_TRUE(have_same_bits(some[i], rays[rows.size() - count + i])) << "row " << i << " of " << count;
+    }
+  }
+}
+
 TEST_F(Batch, of_rays_in_columns_names_the_first_row_that_is_no_ray) {
   constexpr double k_nan = std::numeric_limits<double>::quiet_NaN();
   constexpr double k_infinite = std::numeric_limits<double>::infinity();
@@ -208,7 +257,7 @@ TEST_F(Batch, of_rays_in_columns_names_the_first_row_that_is_no_ray) {
   }
 }
 
-TEST_F(Batch, of_rays_in_columns_reports_its_progress_and_ends_when_it_is_told_to) {
+TEST_F(Batch, of_rays_in_columns_reports_its_progress_and_can_be_stopped) {
   for (const std::size_t count : {3000, 55000}) {
     const std::vector<Ray> rows = rows_of_any_length(family_.cloud, count, random_);
     std::vector<std::uint8_t> blocked(count);
@@ -225,6 +274,22 @@ TEST_F(Batch, of_rays_in_columns_reports_its_progress_and_ends_when_it_is_told_t
                           [](std::uint64_t, std::uint64_t) { return false; }),
                  Cancelled);
   }
+}
+
+TEST_F(Batch, of_rays_in_columns_can_be_asked_for_while_it_reports_its_progress) {
+  const std::vector<Ray> rows = rows_of_any_length(family_.cloud, 55000, random_);
+  std::vector<std::uint8_t> blocked(rows.size()), others(rows.size());
+  std::atomic<int> calls = 0, depth = 0, most = 0;
+  const Progress nested = [&](std::uint64_t, std::uint64_t) {
+    most = std::max<int>(most, ++depth);
+    if (calls++ < 3) occluded(octree_, columns_of(rows), {.radius = 0.2}, others);
+    --depth;
+    return true;
+  };
+  const tbb::global_control limit(tbb::global_control::max_allowed_parallelism, 5);
+  occluded(octree_, columns_of(rows), {.radius = 0.2}, blocked, nested);
+  EXPECT_EQ(blocked, others);
+  EXPECT_EQ(most, 1);
 }
 
 TEST_F(Batch, of_cones_paths_regions_boxes_and_points_answers_in_their_order) {

@@ -1,6 +1,10 @@
 # SPDX-License-Identifier: MIT
 """Clouds on a web server, in this process."""
+import os
+import signal
+import subprocess
 import sys
+import time
 from pathlib import Path
 
 import alidade
@@ -54,3 +58,92 @@ def test_a_network_that_fails_is_an_error(server, index_file):
         far.closest([[690000, 5325000, 640, 0, 0, -1]], radius=0.3)
     with pytest.raises(alidade.Error, match="HTTP status 404"):
         alidade.open(server.address("good", "missing.laz"))
+
+
+def test_a_cloud_that_failed_stays_failed_and_others_do_not(server, yard, index_file, tmp_path):
+    server.forget()
+    far = alidade.open(server.address("gone-3", index_file.name))
+    for _ in range(2):
+        with pytest.raises(alidade.Error, match="cannot read from the server"):
+            far["classification"]
+    for name in ("far.alidade", "far.las"):
+        save = far.save if name.endswith("alidade") else far.write
+        with pytest.raises(alidade.Error, match="cannot read from the server"):
+            save(tmp_path / name)
+    assert list(tmp_path.iterdir()) == []
+    near = alidade.open(index_file)
+    again = alidade.open(server.address("good", index_file.name))
+    for cloud in (near, again):
+        assert len(cloud["classification"]) == len(cloud.xyz)
+        cloud.closest([[690000, 5325000, 640, 0, 0, -1]], radius=0.3)
+    del far, save
+    again.save(tmp_path / "again.alidade")
+
+
+def test_columns_stay_what_they_were(server, index_file):
+    far, near = alidade.open(server.address("good", index_file.name)), alidade.open(index_file)
+    columns = {name: far[name] for name in far.keys()}
+    server.forget()
+    for name, values in columns.items():
+        np.testing.assert_array_equal(values, near[name])
+    assert server.requests == 0
+
+
+def test_a_process_that_forks_has_to_open_again(server, index_file):
+    far = alidade.open(server.address("good", index_file.name))
+    expected = alidade.open(index_file)["gps_time"]
+    child = os.fork()
+    if child == 0:
+        signal.alarm(20)
+        problems = []
+        for read in (lambda: far["gps_time"], lambda: far.closest([[690000, 5325000, 640, 0, 0, -1]], radius=0.3)):
+            try:
+                read()
+            except alidade.Error as error:
+                problems.append("forked" in str(error))
+        del far, read
+        os._exit(0 if problems == [True, True] else 1)
+    assert os.waitpid(child, 0)[1] == 0
+    before = time.process_time()
+    time.sleep(0.3)
+    assert time.process_time() - before < 0.2  # threads that spin take all of it
+    np.testing.assert_array_equal(far["gps_time"], expected)
+
+
+@pytest.mark.parametrize("script", ["alidade.open(ADDRESS)", "alidade.open(ADDRESS).xyz",
+                                    "alidade.open(ADDRESS).closest([[690000, 5325000, 640, 0, 0, -1]], radius=0.3)"])
+@pytest.mark.parametrize("answered", [0, 3])
+def test_ctrl_c_ends_the_wait_for_a_server(server, index_file, script, answered):
+    server.forget()
+    address = server.address(f"silent-{answered}", index_file.name)
+    with subprocess.Popen([sys.executable, "-c", f"import alidade; ADDRESS = {address!r}\n{script}"],
+                          stderr=subprocess.PIPE) as program:
+        while server.requests <= answered and program.poll() is None:
+            time.sleep(0.01)
+        time.sleep(0.2)
+        program.send_signal(signal.SIGINT)
+        message = program.communicate(timeout=20)[1]
+    assert b"KeyboardInterrupt" in message, message
+
+
+def test_an_interruption_is_no_error_without_one(server, index_file):
+    server.forget()
+    address = server.address("silent-3", index_file.name)
+    script = f"""
+import alidade, signal
+far = alidade.open({address!r})
+for _ in range(2):
+    try:
+        far.xyz
+    except KeyboardInterrupt:
+        print("interrupted", flush=True)
+    except alidade.Error as error:
+        print(error, flush=True)
+"""
+    with subprocess.Popen([sys.executable, "-c", script], stdout=subprocess.PIPE, text=True) as program:
+        while server.requests <= 3 and program.poll() is None:
+            time.sleep(0.01)
+        time.sleep(0.2)
+        program.send_signal(signal.SIGINT)
+        said = program.communicate(timeout=20)[0]
+    assert said == ("interrupted\nthe wait for a server was interrupted; expected the cloud, opened again\n")

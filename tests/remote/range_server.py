@@ -1,9 +1,11 @@
 # SPDX-License-Identifier: MIT
 """An HTTP server on the loopback interface for tests, as well and as badly behaved as the first folder of a path says.
 
-/good/FILE       sends the ranges that are asked for
+/good/FILE       sends the ranges that are requested
 /slow/FILE       the same, 20 ms later
-/plain/FILE      knows no ranges: always sends the whole file
+/plain/FILE      does not support ranges: always sends the whole file
+/whole/FILE      sends ranges, but the whole file without one when the range holds all of it
+/capped/FILE     sends at most 10000 bytes of a range, and does not say which
 Behind the first 64 KiB:
 /broken/FILE     closes the connection in the middle of every answer
 /broken-once/FILE  the same, once
@@ -20,7 +22,9 @@ Everywhere:
 /short/FILE      states a length that is ten times too long
 /busy-503/FILE   answers 503 (or 429, 500 ...) to two of three requests
 /status-403/FILE  always answers 403
-/moved/FILE      redirects to /good/FILE
+/moved/FILE      redirects to /good/FILE, each time with another ETag
+/moved-bare/FILE  the same, to /bare/FILE
+/bare/FILE       sends neither ETag nor Last-Modified
 /keyed/FILE      answers 403 to requests without the header X-Key: 17
 /silent-3/FILE   does not answer from the fourth request on
 /gone-3/FILE     closes the connection from the fourth request on
@@ -53,7 +57,7 @@ class Handler(http.server.BaseHTTPRequestHandler):
 
     def answer(self, with_body):
         server = self.server
-        _, manner, name = urllib.parse.unquote(self.path).split("/", 2)
+        _, manner, name = urllib.parse.unquote(urllib.parse.urlsplit(self.path).path).split("/", 2)
         with server.lock:
             server.requests += 1
             number = server.requests
@@ -73,9 +77,9 @@ class Handler(http.server.BaseHTTPRequestHandler):
             return None
         if manner == "keyed" and self.headers.get("X-Key") != "17":
             return self.send_error(403)
-        if manner == "moved":
+        if manner in ("moved", "moved-bare"):
             self.send_response(302)
-            self.send_header("Location", server.address("good", name))
+            self.send_header("Location", server.address("good" if manner == "moved" else "bare", name))
             self.send_header("ETag", f'"{number}"')
             self.send_header("Content-Length", "0")
             return self.end_headers()
@@ -94,6 +98,10 @@ class Handler(http.server.BaseHTTPRequestHandler):
             first = int(asked[1])
             last = min(int(asked[2] or last), last)
             status = 206
+        if status == 206 and manner == "whole" and (first, last) == (0, len(content) - 1):
+            status = 200
+        if manner == "capped":
+            last = min(last, first + 9999)
         if is_far and manner == "shifted":
             first, last = first - 100, last - 100
         if first > last or first >= len(content):
@@ -105,15 +113,16 @@ class Handler(http.server.BaseHTTPRequestHandler):
         self.send_response(status)
         if manner != "plain":
             self.send_header("Accept-Ranges", "bytes")
-        if manner != "time":
+        if manner not in ("time", "bare"):
             self.send_header("ETag", f'"{tag:x}"')
-        self.send_header("Last-Modified", email.utils.formatdate(modified, usegmt=True))
+        if manner != "bare":
+            self.send_header("Last-Modified", email.utils.formatdate(modified, usegmt=True))
         length = len(body)
         if manner == "short" and status == 200:
             length = 10 * len(content)
         if is_far and manner in ("long", "cut"):
             length = 2 * length if manner == "long" else length // 2
-        if status == 206 and not (is_far and manner == "hidden"):
+        if status == 206 and manner != "capped" and not (is_far and manner == "hidden"):
             whole = 10 * len(content) if manner == "short" else len(content)
             stated = f"bytes {first}-{last}/{whole}"
             self.send_header("Content-Range", "lines 1-2" if is_far and manner == "empty-range" else stated)

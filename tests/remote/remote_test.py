@@ -4,6 +4,8 @@
 import gzip
 import json
 import os
+import pty
+import select
 import signal
 import struct
 import subprocess
@@ -140,7 +142,7 @@ class RemoteTest(unittest.TestCase):
 
     def blocks(self, cache):
         return [os.path.join(folder, file) for folder, _, files in os.walk(os.path.join(self.folder, cache))
-                for file in files]
+                for file in files if file != "alidade-cache"]
 
     def test_damaged_blocks_of_a_cache_are_fetched_again(self):
         address, expected = self.server.address("good", "site.laz"), self.query("site.laz")
@@ -189,6 +191,58 @@ class RemoteTest(unittest.TestCase):
     def test_a_cache_that_cannot_be_written_is_an_error(self):
         self.assertIn("site.las/cache: cannot make the folder of the cache: ",
                       self.query(self.server.address("good", "site.las"), cache="site.las/cache", succeeds=False))
+
+    def test_a_cache_removes_nothing_but_its_blocks(self):
+        precious = os.path.join(self.folder, "precious")
+        os.makedirs(precious)
+        names = ("precious.block", "ab/precious.block", "zz/0123456789abcd.block", "ab/0123456789abcd.block",
+                 "ab/0123456789ABCD.block", "abc/0123456789abcd.block")
+
+        def write_all(content):
+            for name in names:
+                os.makedirs(os.path.dirname(os.path.join(precious, name)), exist_ok=True)
+                with open(os.path.join(precious, name), "wb") as file:
+                    file.write(content)
+                os.utime(os.path.join(precious, name), (0, 0))
+
+        write_all(bytes(1 << 19))
+        address = self.server.address("good", "site.laz")
+        self.assertIn("precious: the folder of the cache holds something else; expected a new or an empty folder",
+                      self.query(address, cache="precious", succeeds=False))
+        self.query(address, cache="elsewhere")
+        with open(self.blocks("elsewhere")[0], "rb") as file:
+            block = file.read()
+        open(os.path.join(precious, "alidade-cache"), "wb").close()
+        # What lies where blocks lie is kept if it is none; elsewhere, even blocks are.
+        elsewhere = [name for name in names if name != "ab/0123456789abcd.block"]
+        for content in (bytes(1 << 19), block):
+            write_all(content)
+            os.makedirs(os.path.join(self.folder, "linked"), exist_ok=True)
+            with open(os.path.join(self.folder, "linked/0123456789abcd.block"), "wb") as file:
+                file.write(block)
+            os.utime(os.path.join(self.folder, "linked/0123456789abcd.block"), (0, 0))
+            if not os.path.islink(os.path.join(precious, "cd")):
+                os.symlink("../linked", os.path.join(precious, "cd"))
+            for name in ("site.laz", "site.copc.laz", "site.alidade"):
+                self.query(self.server.address("good", name), "--cache-size", "1M", cache="precious")
+            left = [name for name in names if os.path.exists(os.path.join(precious, name))]
+            self.assertEqual(left, elsewhere if content is block else list(names))
+            self.assertTrue(os.path.exists(os.path.join(self.folder, "linked/0123456789abcd.block")))
+
+    def test_a_cache_that_others_may_write_to_is_an_error(self):
+        for mode in (0o777, 0o770):
+            os.makedirs(os.path.join(self.folder, "open"), exist_ok=True)
+            os.chmod(os.path.join(self.folder, "open"), mode)
+            self.assertIn("open: other users may write to the folder of the cache",
+                          self.query(self.server.address("good", "site.las"), cache="open", succeeds=False))
+
+    def test_a_pipe_in_a_cache_is_no_block(self):
+        address, expected = self.server.address("good", "site.laz"), self.query("site.laz")
+        self.query(address, cache="pipes")
+        for block in self.blocks("pipes"):
+            os.remove(block)
+            os.mkfifo(block)
+        self.assertEqual(self.query(address, cache="pipes"), expected)
 
     def test_explain_tells_what_was_fetched(self):
         self.server.forget()
@@ -245,7 +299,7 @@ class RemoteTest(unittest.TestCase):
     def test_archives_are_read_in_place(self):
         self.assertEqual(self.query("/vsizip/site.zip/tiles/site.las"), self.query("site.las"))
 
-    def test_a_server_that_is_busy_is_asked_again(self):
+    def test_requests_to_a_busy_server_are_repeated(self):
         for status in (429, 500, 503):
             with self.subTest(status):
                 self.server.forget()
@@ -253,7 +307,8 @@ class RemoteTest(unittest.TestCase):
                 self.assertGreater(self.server.requests, 3)
 
     def test_servers_that_redirect_or_ask_for_a_key_are_read(self):
-        self.assertEqual(self.query(self.server.address("moved", "site.laz")), self.query("site.laz"))
+        for manner in ("moved", "moved-bare"):  # the ETags are those of redirections, and change
+            self.assertEqual(self.query(self.server.address(manner, "site.laz")), self.query("site.laz"))
         address = self.server.address("keyed", "site.laz")
         self.assertIn("HTTP status 403", self.query(address, succeeds=False))
         self.assertEqual(self.query(address, settings={"GDAL_HTTP_HEADERS": "X-Other: 1,X-Key: 17"}),
@@ -325,6 +380,60 @@ class RemoteTest(unittest.TestCase):
             self.server.forget()
             self.assertEqual(self.query(self.server.address("plain", name)), self.query(name))
             self.assertEqual(self.server.requests, 1)
+
+    def test_files_about_as_long_as_the_first_request_are_whole_or_an_error(self):
+        points = "".join(f"{690000 + i % 9}.{i % 7} {5325000 + i % 11}.5 {600 + i % 5}.25\n" for i in range(700))
+        for size in (9000, 16383, 16384, 16385):
+            name = f"of-{size}.xyz"
+            with open(os.path.join(self.folder, name), "w", encoding="ascii") as file:
+                file.write(points[: size - 1] + "\n")
+            expected = self.run_program("info", name, "--json")
+            for manner in ("good", "plain", "whole", *(("capped",) if size < 10000 else ())):
+                with self.subTest(size, manner=manner):
+                    address = self.server.address(manner, name)
+                    self.assertEqual(self.run_program("info", address, "--json").replace(address, name), expected)
+            if size > 10000:
+                self.assertIn("the server does not state which bytes it sent",
+                              self.run_program("info", self.server.address("capped", name), succeeds=False))
+
+    def test_what_is_secret_in_a_url_is_neither_said_nor_stored(self):
+        address = self.server.address("good", "site.laz").replace("://", "://paul:pass0word@") + "?sig=sig0nature"
+        public = self.server.address("good", "site.laz")
+        for extension in ("alidade", "las"):
+            self.run_program("index" if extension == "alidade" else "convert", address, "-o", "secret." + extension)
+            with open(os.path.join(self.folder, "secret." + extension), "rb") as file:
+                content = file.read()
+            self.assertNotIn(b"0word", content)
+            self.assertNotIn(b"sig0nature", content)
+        self.assertIn(public, self.run_program("info", "secret.alidade", "--json"))
+        message = self.query(address.replace("site.laz", "missing.laz"), succeeds=False)
+        self.assertIn("missing.laz: cannot read from the server: HTTP status 404", message)
+        self.assertNotIn("0word", message)
+        self.assertNotIn("sig0nature", message)
+
+    def test_a_prompt_gives_no_answer_of_a_cloud_that_failed(self):
+        self.server.forget()
+        self.run_program("sql", self.server.address("good", "site.alidade"), "SELECT count(*) FROM points")
+        address = self.server.address(f"gone-{self.server.requests}", "site.alidade")
+        self.server.forget()
+        terminal, inner = pty.openpty()
+        self.addCleanup(os.close, terminal)
+        with subprocess.Popen([PROGRAM, "sql", address, "-q"], cwd=self.folder, stdin=inner, stdout=inner, stderr=inner,
+                              env=dict(os.environ, GDAL_HTTP_RETRY_DELAY="0.02", TERM="xterm")) as program:
+            os.close(inner)
+            shown = b""
+
+            def wait_for(text, count):
+                nonlocal shown
+                while shown.count(text) < count and select.select([terminal], [], [], 60)[0]:
+                    shown += os.read(terminal, 65536)
+                self.assertEqual(shown.count(text), count, shown)
+
+            wait_for(b"alidade> ", 1)
+            for number in (1, 2):
+                os.write(terminal, b"SELECT sum(z), sum(intensity) FROM points;\n")
+                wait_for(b"cannot read from the server", number)
+            program.kill()
 
     def test_a_hierarchy_that_loops_is_an_error(self):
         with open(os.path.join(self.folder, "site.copc.laz"), "rb") as file:

@@ -3,6 +3,7 @@
 
 #include <fmt/format.h>
 
+#include "base/public_name.h"
 #include "image/color_points.h"
 #include "image/image_file.h"
 #include "renderer/cloud_in_view.h"
@@ -86,8 +87,8 @@ renderer::LoadedCloud load_in_view(const RenderCommand& command, const renderer:
                                                 image::attributes_for(settings.color), line.callback());
   line.finish();
   if (verbosity != Verbosity::quiet && part.chunk_count > 0)
-    say_note(
-        fmt::format("read {} of {} chunks of {}", part.chunks_read, part.chunk_count, input.name.string()));
+    say_note(fmt::format("read {} of {} chunks of {}", part.chunks_read, part.chunk_count,
+                         public_name(input.name.string())));
   renderer::LoadedCloud loaded =
       renderer::index_cloud(std::move(part.cloud), part.attributes, settings, input.name.string());
   renderer::choose_radius(settings, loaded, measuring);

@@ -2,8 +2,14 @@
 // Index files that arrive as they are touched: the same answers, and no answer that is wrong when the network fails.
 #include <gtest/gtest.h>
 
+#include <sys/resource.h>
+#include <sys/wait.h>
+#include <unistd.h>
+#include <algorithm>
 #include <atomic>
 #include <cstring>
+#include <fstream>
+#include <memory>
 
 #include "base/output_file.h"
 #include "base/remote_map.h"
@@ -25,10 +31,11 @@ constexpr const char* k_name = "http://test/site.alidade";
 /// What the server has, how often it was read, and how often it can be.
 Bytes served;
 std::atomic<int> reads = 0, most_reads = 0;
+std::uint64_t served_size = 0;
 
 class ServedFile final : public RemoteFile {
  public:
-  std::uint64_t size() const override { return served.size(); }
+  std::uint64_t size() const override { return served_size; }
   std::string version() const override { return "1"; }
   void read(std::uint64_t offset, std::span<std::byte> into) override {
     if (reads++ >= most_reads) throw Error({.file = k_name, .problem = "the network is gone"});
@@ -46,14 +53,11 @@ class RemoteIndex : public ::testing::Test {
   }
   void TearDown() override {
     set_remote_files(nullptr);
-    // Else the next file that a test writes would be rejected.
-    try {
-      RemoteMap::check_all();
-    } catch (const Error&) {
-    }
+    RemoteMap::check_all();  // no failure outlives its map
   }
   static void serve(const Bytes& bytes, int most = 1 << 20) {
     served = bytes;
+    served_size = bytes.size();
     reads = 0;
     most_reads = most;
   }
@@ -127,19 +131,109 @@ TEST_F(RemoteIndex, nothing_is_written_of_a_map_that_failed) {
   EXPECT_FALSE(std::filesystem::exists(path));
 }
 
-TEST_F(RemoteIndex, what_does_not_fit_in_memory_arrives_again) {
-  Bytes bytes(64 * 4096 + 100);
-  for (std::size_t i = 0; i < bytes.size(); ++i) bytes[i] = static_cast<std::byte>(i / 4096 + 1);
-  serve(bytes);
-  const auto map = RemoteMap::open(k_name, 8 * 4096);
-  for (int pass = 0; pass < 2; ++pass) {
-    const int before = reads;
-    for (std::size_t i = 0; i < bytes.size(); i += 50) ASSERT_EQ(map->bytes()[i], bytes[i]) << i;
-    EXPECT_GT(reads, before);
+TEST_F(RemoteIndex, a_failure_stays_for_as_long_as_its_map) {
+  const std::string gone = std::string(k_name) + ": the network is gone";
+  {
+    const IndexFile index = open();
+    const IndexFile sound = open();
+    sound.octree();
+    most_reads = 0;
+    RemoteMap::touch(std::as_bytes(index.columns().colors));
+    const auto* const failed = index.columns().colors.data();
+    for (int i = 0; i < 3; ++i) {
+      EXPECT_EQ(error_of([] { RemoteMap::check_all(); }), gone);
+      EXPECT_EQ(error_of([&] { RemoteMap::check(failed); }), gone);
+    }
+    RemoteMap::check(sound.columns().colors.data());
   }
+  RemoteMap::check_all();
+}
+
+Bytes numbered_pages(std::size_t pages) {
+  Bytes bytes(pages * 4096 + 100);
+  for (std::size_t i = 0; i < bytes.size(); ++i) bytes[i] = static_cast<std::byte>(i / 4096 + 1);
+  return bytes;
+}
+
+TEST_F(RemoteIndex, what_has_arrived_stays) {
+  serve(numbered_pages(64));
+  const auto map = RemoteMap::open(k_name, 65 * 4096);
   map->fetch(map->bytes());
+  most_reads = 0;
+  EXPECT_TRUE(std::ranges::equal(map->bytes(), served));
+  RemoteMap::check_all();
+}
+
+TEST_F(RemoteIndex, what_all_maps_hold_together_is_limited) {
+  serve(numbered_pages(64));
+  {
+    const auto first = RemoteMap::open(k_name, 70 * 4096), second = RemoteMap::open(k_name, 70 * 4096);
+    RemoteMap::touch(first->bytes());
+    RemoteMap::check_all();
+    RemoteMap::touch(second->bytes());
+    EXPECT_NE(error_of([&] { RemoteMap::check(second->bytes().data()); }).find("copy it to this machine"),
+              std::string::npos);
+    RemoteMap::check(first->bytes().data());
+  }
+  const auto map = RemoteMap::open(k_name, 70 * 4096);
   RemoteMap::touch(map->bytes());
-  EXPECT_EQ(map->bytes().back(), bytes.back());
+  RemoteMap::check_all();
+}
+
+TEST_F(RemoteIndex, a_size_that_the_server_makes_up_takes_no_memory) {
+  served_size = std::uint64_t{1} << 46;
+  EXPECT_NE(error_of([] { RemoteMap::open(k_name); }).find("a size that no index file has"),
+            std::string::npos);
+  EXPECT_NE(error_of([] { open(); }).find("the file is too long"), std::string::npos);
+  const auto resident = [] {
+    std::uint64_t all = 0, pages = 0;
+    std::ifstream("/proc/self/statm") >> all >> pages;
+    return pages * 4096;
+  };
+  const std::uint64_t before = resident();
+  served_size = std::uint64_t{1} << 43;
+  const auto map = RemoteMap::open(k_name);
+  ASSERT_TRUE(map);
+  EXPECT_EQ(map->bytes()[10], served[10]);
+  EXPECT_LT(resident() - std::min(before, resident()), std::uint64_t{64} << 20);
+}
+
+TEST_F(RemoteIndex, where_userfaultfd_is_not_permitted_the_file_is_copied) {
+  ::rlimit limit{};
+  ASSERT_EQ(::getrlimit(RLIMIT_NOFILE, &limit), 0);
+  const ::rlimit none{0, limit.rlim_max};  // no more files: userfaultfd(2) fails
+  ASSERT_EQ(::setrlimit(RLIMIT_NOFILE, &none), 0);
+  const auto restore = [&](int*) { ::setrlimit(RLIMIT_NOFILE, &limit); };
+  int guarded = 0;
+  const std::unique_ptr<int, decltype(restore)> guard(&guarded, restore);
+  EXPECT_FALSE(RemoteMap::open(k_name));
+  const IndexFile index = open();
+  EXPECT_FALSE(RemoteMap::find(index.columns().colors.data()));
+  test::expect_same_columns(index.columns(), test::index_in_memory(sound_file()).columns());
+  served[section(served, IndexSection::nodes).offset + 9] ^= std::byte{1};
+  EXPECT_NE(error_of([] { test::use(open()); }).find("corrupt section nodes"), std::string::npos);
+}
+
+TEST_F(RemoteIndex, in_a_process_that_forked_has_failed) {
+  serve(numbered_pages(64));
+  auto map = RemoteMap::open(k_name);
+  RemoteMap::touch(map->bytes().first(4096));
+  const ::pid_t child = ::fork();
+  if (child == 0) {
+    ::alarm(20);
+    const bool is_known =
+        error_of([&] { RemoteMap::check(map->bytes().data()); }).find("forked") != std::string::npos;
+    map->fetch(map->bytes());
+    RemoteMap::touch(map->bytes());
+    map.reset();
+    RemoteMap::check_all();  // what it throws ends the process
+    ::_exit(is_known ? 0 : 1);
+  }
+  int status = -1;
+  ASSERT_EQ(::waitpid(child, &status, 0), child);
+  EXPECT_EQ(status, 0);
+  RemoteMap::touch(map->bytes());
+  EXPECT_TRUE(std::ranges::equal(map->bytes(), served));
   RemoteMap::check_all();
 }
 
