@@ -179,6 +179,8 @@ TEST_F(IndexResumeTest, rejects_other_inputs_options_and_folders) {
   write("state/manifest", manifest);
   expect_error(with(words, {"--resume"}), "manifest:byte 24: corrupt checkpoint: wrong header checksum");
   expect_error(with(words, {"--resume"}), "or --overwrite without --resume to start again");
+  manifest.back() = static_cast<char>(manifest.back() ^ 1);
+  write("state/manifest", manifest);
   write("state/letter", "dear");
   expect_error(with(words, {"--overwrite"}), "state: not an index checkpoint");
   std::filesystem::remove(folder / "state" / "letter");
