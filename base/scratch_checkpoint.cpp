@@ -106,6 +106,14 @@ ScratchCheckpoint::ScratchCheckpoint(PartsOptions options, Fingerprint fingerpri
 
 void ScratchCheckpoint::begin() {
   try {
+    // Of one that is replaced; if it is damaged, the folder counts as the user's.
+    InputFile file(folder() / k_manifest);
+    made_folder_ |=
+        load<std::uint64_t>(read_checkpoint_head(file, k_form, [](const HeaderFields&) {}).data() +
+                            k_made_folder) != 0;
+  } catch (const Error&) {
+  }
+  try {
     if (!remove_rows()) write(0, {});
   } catch (const Error&) {
     remove();

@@ -101,6 +101,9 @@ TEST_F(ScratchCheckpointTest, removes_the_folder_only_if_it_made_it) {
   leave_rows(folder_ / "state");
   open(folder_ / "state").remove();
   EXPECT_FALSE(fs::exists(folder_ / "state"));
+  leave_rows(folder_ / "state");
+  open(folder_ / "state", false).remove();
+  EXPECT_FALSE(fs::exists(folder_ / "state"));
   fs::create_directory(folder_ / "own");
   fs::create_directory_symlink("own", folder_ / "link");
   leave_rows(folder_ / "link");
