@@ -386,7 +386,8 @@ class RemoteTest(unittest.TestCase):
         for size in (9000, 16383, 16384, 16385):
             name = f"of-{size}.xyz"
             with open(os.path.join(self.folder, name), "w", encoding="ascii") as file:
-                file.write(points[: size - 1] + "\n")
+                end = points.rindex("\n", 0, size - 1)
+                file.write(points[:end] + "0" * (size - 1 - end) + "\n")
             expected = self.run_program("info", name, "--json")
             for manner in ("good", "plain", "whole", *(("capped",) if size < 10000 else ())):
                 with self.subTest(size, manner=manner):
