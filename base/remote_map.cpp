@@ -1,19 +1,11 @@
 // SPDX-License-Identifier: MIT
 #include "base/remote_map.h"
 
-#include <fcntl.h>
 #include <fmt/format.h>
-#include <linux/userfaultfd.h>
-#include <poll.h>
 #include <pthread.h>
-#include <sys/eventfd.h>
-#include <sys/ioctl.h>
 #include <sys/mman.h>
-#include <sys/syscall.h>
 #include <unistd.h>
 #include <algorithm>
-#include <array>
-#include <cerrno>
 #include <exception>
 #include <map>
 #include <mutex>
@@ -26,6 +18,7 @@
 #include "base/error.h"
 #include "base/huge_memory.h"
 #include "base/input_file.h"
+#include "base/page_faults.h"
 
 namespace alidade {
 namespace {
@@ -54,24 +47,6 @@ Registry& registry() {
 /// What all maps hold in memory.
 std::atomic<std::uint64_t> arrived_in_all = 0;
 
-/// What serves the faults of an address range; not open if the system does not permit it.
-FileDescriptor open_faults(void* begin, std::uint64_t bytes) {
-#ifndef UFFD_USER_MODE_ONLY
-  constexpr int UFFD_USER_MODE_ONLY = 1;
-#endif
-  FileDescriptor faults(
-      static_cast<int>(::syscall(SYS_userfaultfd, O_CLOEXEC | O_NONBLOCK | UFFD_USER_MODE_ONLY)));
-  if (!faults.is_open()) return faults;
-  ::uffdio_api api{.api = UFFD_API, .features = 0, .ioctls = 0};
-  ::uffdio_register range{.range = {reinterpret_cast<std::uint64_t>(begin), bytes},
-                          .mode = UFFDIO_REGISTER_MODE_MISSING,
-                          .ioctls = 0};
-  if (::ioctl(faults.number(), UFFDIO_API, &api) != 0 ||
-      ::ioctl(faults.number(), UFFDIO_REGISTER, &range) != 0)
-    return {};
-  return faults;
-}
-
 class FaultingMap final : public RemoteMap {
  public:
   /// Errors: those of open_remote_file(); the server states a size that no file has.
@@ -95,9 +70,7 @@ class FaultingMap final : public RemoteMap {
       new std::vector<std::thread>(std::move(threads_));
       (void)file_.release();
     } else if (!threads_.empty()) {
-      is_stopping_ = true;
-      constexpr std::uint64_t k_one = 1;
-      [[maybe_unused]] const ::ssize_t written = ::write(stop_.number(), &k_one, sizeof(k_one));
+      faults_.stop();
       for (std::thread& thread : threads_) thread.join();
     }
     {
@@ -115,9 +88,7 @@ class FaultingMap final : public RemoteMap {
     if (map == MAP_FAILED) return false;
     begin_ = static_cast<std::byte*>(map);
     ::madvise(map, mapped_, MADV_NOHUGEPAGE);
-    faults_ = open_faults(map, mapped_);
-    stop_ = FileDescriptor(::eventfd(0, EFD_CLOEXEC));
-    if (!faults_.is_open() || !stop_.is_open()) return false;
+    if (!faults_.open({begin_, static_cast<std::size_t>(mapped_)})) return false;
     threads_.reserve(k_fetching_threads);
     try {
       for (int i = 0; i < k_fetching_threads; ++i) threads_.emplace_back([this] { serve(); });
@@ -253,25 +224,7 @@ class FaultingMap final : public RemoteMap {
 
   /// Puts whole pages into the map, of zeros if `from` is null, and wakes the threads that wait for them.
   void store(std::uint64_t begin, std::uint64_t end, const std::byte* from) {
-    for (std::uint64_t at = begin; at < end;) {
-      ::uffdio_copy copy{.dst = reinterpret_cast<std::uint64_t>(begin_ + at),
-                         .src = reinterpret_cast<std::uint64_t>(from + (at - begin)),
-                         .len = end - at,
-                         .mode = 0,
-                         .copy = 0};
-      ::uffdio_zeropage zeros{.range = {copy.dst, copy.len}, .mode = 0, .zeropage = 0};
-      const int result = from != nullptr ? ::ioctl(faults_.number(), UFFDIO_COPY, &copy)
-                                         : ::ioctl(faults_.number(), UFFDIO_ZEROPAGE, &zeros);
-      if (result == 0) break;
-      const std::int64_t placed = from != nullptr ? copy.copy : zeros.zeropage;
-      if (placed > 0) {
-        at += static_cast<std::uint64_t>(placed);
-      } else if (errno == EEXIST) {
-        at += k_page;  // it arrived alone, before there were blocks
-      } else if (errno != EAGAIN) {
-        std::terminate();  // threads would wait for ever
-      }
-    }
+    faults_.fill({begin_ + begin, static_cast<std::size_t>(end - begin)}, from);
     const std::scoped_lock lock(mutex_);
     set_states(begin, end, Page::there);
   }
@@ -279,11 +232,6 @@ class FaultingMap final : public RemoteMap {
   void fail(const std::exception_ptr& failure) {
     const std::scoped_lock lock(registry().mutex);
     fail_locked(failure);
-  }
-
-  void wake(std::uint64_t offset) {
-    ::uffdio_range range{reinterpret_cast<std::uint64_t>(begin_ + offset / k_page * k_page), k_page};
-    ::ioctl(faults_.number(), UFFDIO_WAKE, &range);
   }
 
   /// Whoever goes through the map gets ever more at once.
@@ -299,17 +247,12 @@ class FaultingMap final : public RemoteMap {
   /// Threads that wait for a page would wait for ever if this ended by an exception.
   void serve() noexcept {
     std::unique_ptr<RemoteFile> file;
-    while (!is_stopping_) {
-      std::array<::pollfd, 2> waiting = {{{faults_.number(), POLLIN, 0}, {stop_.number(), POLLIN, 0}}};
-      if (::poll(waiting.data(), waiting.size(), -1) <= 0) continue;
-      ::uffd_msg message;
-      if (::read(faults_.number(), &message, sizeof(message)) != sizeof(message)) continue;
-      if (message.event != UFFD_EVENT_PAGEFAULT) continue;
-      const auto offset = message.arg.pagefault.address - reinterpret_cast<std::uint64_t>(begin_);
+    while (const std::byte* const page = faults_.next()) {
+      const auto offset = static_cast<std::uint64_t>(page - begin_);
       if (state_at(offset) != Page::missing) {
         // If it is coming, it wakes the threads itself; if it came between the fault and this message, it has
         // not.
-        if (state_at(offset) == Page::there) wake(offset);
+        if (state_at(offset) == Page::there) faults_.wake(begin_ + offset);
         continue;
       }
       try {
@@ -321,7 +264,7 @@ class FaultingMap final : public RemoteMap {
       if (!blocks.empty())
         receive(*(file ? file : file_), blocks);
       else if (state_at(offset) == Page::there)
-        wake(offset);
+        faults_.wake(begin_ + offset);
     }
   }
 
@@ -339,9 +282,9 @@ class FaultingMap final : public RemoteMap {
   const std::uint64_t most_in_all_;  ///< what all maps may hold while this one grows
   std::atomic<std::uint64_t> arrived_ = 0;
   std::byte* begin_ = nullptr;
-  FileDescriptor faults_, stop_;
+  PageFaults faults_;
   std::vector<std::thread> threads_;
-  std::atomic<bool> is_stopping_ = false, has_failed_ = false;
+  std::atomic<bool> has_failed_ = false;
   mutable std::shared_mutex blocks_mutex_;
   BlockOf block_of_;
   CheckBlock check_;
