@@ -16,8 +16,6 @@
 namespace alidade {
 namespace {
 
-constexpr std::uint64_t k_page = 4096;
-
 std::uint64_t address_of(const std::byte* byte) {
   return reinterpret_cast<std::uint64_t>(byte);
 }
@@ -69,7 +67,7 @@ void PageFaults::fill(std::span<std::byte> pages, const std::byte* from) {
     if (placed <= 0) {
       if (errno == EAGAIN) continue;
       if (errno != EEXIST) std::terminate();  // threads would wait for ever
-      placed = k_page;                        // it was filled alone before
+      placed = k_fault_page;                  // it was filled alone before
     }
     pages = pages.subspan(static_cast<std::size_t>(placed));
     if (from != nullptr) from += placed;
@@ -77,7 +75,7 @@ void PageFaults::fill(std::span<std::byte> pages, const std::byte* from) {
 }
 
 void PageFaults::wake(const std::byte* page) {
-  ::uffdio_range range{address_of(page) / k_page * k_page, k_page};
+  ::uffdio_range range{address_of(page) / k_fault_page * k_fault_page, k_fault_page};
   ::ioctl(faults_.number(), UFFDIO_WAKE, &range);
 }
 

@@ -3,14 +3,17 @@
 
 #include <atomic>
 #include <cstddef>
+#include <cstdint>
 #include <span>
 
 #include "base/input_file.h"
 
 namespace alidade {
 
+constexpr std::uint64_t k_fault_page = 4096;  ///< bytes
+
 /// Memory whose pages come when a thread first touches them: the thread waits until somebody fills the page
-/// (userfaultfd(2)). Pages have 4096 bytes.
+/// (userfaultfd(2)).
 class PageFaults {
  public:
   /// From now on the missing pages of this anonymous map are to be filled. False if the system does not permit that:

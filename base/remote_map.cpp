@@ -23,11 +23,10 @@
 namespace alidade {
 namespace {
 
-constexpr std::uint64_t k_page = 4096;
 constexpr int k_fetching_threads = 4;
 
 std::uint64_t page_end(std::uint64_t offset) {
-  return (offset + k_page - 1) / k_page * k_page;
+  return (offset + k_fault_page - 1) / k_fault_page * k_fault_page;
 }
 
 class FaultingMap;
@@ -54,7 +53,7 @@ class FaultingMap final : public RemoteMap {
       : name_(std::move(name)),
         file_(open_remote_file(name_)),
         size_(file_->size()),
-        mapped_(std::max(page_end(size_), k_page)),
+        mapped_(std::max(page_end(size_), k_fault_page)),
         most_in_all_(most_bytes > ~std::uint64_t{0} - arrived_in_all ? ~std::uint64_t{0}
                                                                      : arrived_in_all + most_bytes) {
     constexpr std::uint64_t k_largest = std::uint64_t{1} << 46;  // half of the addresses of a program
@@ -141,18 +140,19 @@ class FaultingMap final : public RemoteMap {
 
   Block block_at(std::uint64_t offset) const {
     const std::shared_lock lock(blocks_mutex_);
-    if (!block_of_) return {offset / k_page * k_page, offset / k_page * k_page + k_page};
+    if (!block_of_)
+      return {offset / k_fault_page * k_fault_page, offset / k_fault_page * k_fault_page + k_fault_page};
     const auto [begin, end] = block_of_(offset);
     return {begin, page_end(end)};
   }
 
   /// Requires mutex_. Missing until set.
   Page& state(std::uint64_t offset) {
-    const std::uint64_t page = offset / k_page;
+    const std::uint64_t page = offset / k_fault_page;
     return states_[page / k_pages_of_chunk][static_cast<std::size_t>(page % k_pages_of_chunk)];
   }
   void set_states(std::uint64_t begin, std::uint64_t end, Page to) {
-    for (std::uint64_t at = begin; at < end; at += k_page) state(at) = to;
+    for (std::uint64_t at = begin; at < end; at += k_fault_page) state(at) = to;
   }
 
   /// Marks the missing blocks from the one of `offset` on as coming, up to `end` or the first that is not
@@ -341,7 +341,7 @@ std::shared_ptr<RemoteMap> RemoteMap::find(const void* address) {
 void RemoteMap::touch(std::span<const std::byte> bytes) {
   if (bytes.empty()) return;
   const auto read = [](const volatile std::byte& byte) { [[maybe_unused]] const std::byte copy = byte; };
-  for (std::size_t at = 0; at < bytes.size(); at += k_page) read(bytes[at]);
+  for (std::size_t at = 0; at < bytes.size(); at += k_fault_page) read(bytes[at]);
   read(bytes.back());
 }
 
