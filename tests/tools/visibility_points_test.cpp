@@ -47,7 +47,7 @@ TEST_F(VisibilityPointsTest, output_is_the_cloud_itself_with_extra_bytes) {
   }
   EXPECT_TRUE(contains(result.err, "points are visible (")) << result.err;
   EXPECT_TRUE(
-      contains(result.err, "points without a surface block 0.1 % of the lines that points block; point "))
+      contains(result.err, "points without a surface block 0.0 % of the lines that points block; point "))
       << result.err;
 }
 
