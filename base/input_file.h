@@ -58,7 +58,7 @@ bool is_remote_name(std::string_view name);
 using OpenRemoteFile = std::unique_ptr<RemoteFile> (*)(const std::string& name);
 /// How InputFile opens files of such names; before, it rejects them. Not while others open files.
 void set_remote_files(OpenRemoteFile open);
-/// Opens a file of such a name. Errors: those of the function given; there is none.
+/// Opens a file of such a name. Errors: those of the function given to set_remote_files(); none was given.
 std::unique_ptr<RemoteFile> open_remote_file(const std::string& name);
 
 /// A file with checked random access: reading beyond its end throws an Error that names the byte. Works alike

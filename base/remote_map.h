@@ -37,7 +37,7 @@ class RemoteMap {
   /// Errors: those of open_remote_file(); the file claims to have 64 TiB or more.
   static std::shared_ptr<RemoteMap> open(const std::string& name,
                                          std::optional<std::uint64_t> most_bytes = {});
-  /// The map that an address lies in; null if there is none.
+  /// The map that contains an address; null if no map does.
   static std::shared_ptr<RemoteMap> find(const void* address);
 
   virtual ~RemoteMap() = default;

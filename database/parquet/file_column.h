@@ -28,8 +28,9 @@ struct FileColumn {
 };
 
 /// The columns of the tables that `alidade sql load` makes, under their names: id, x, y, z, then the others
-/// of `stored`. A number with scale or offset becomes the value it means, as double; where it is the mark for
-/// no value, there is none. `geometry`: a last column of WKB points, called geometry, or geometry_ if an attribute has that name.
+/// of `stored`. A number with scale or offset becomes the value it means, as double; where it is the mark
+/// for no value, the row is null. `geometry`: adds a last column of WKB points, called geometry, or geometry_ if
+/// an attribute has that name.
 std::vector<FileColumn> file_columns(const std::vector<StoredColumn>& stored, bool geometry);
 
 /// Writes the column's element of the schema.

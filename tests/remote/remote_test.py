@@ -9,56 +9,14 @@ import select
 import signal
 import struct
 import subprocess
-import sys
-import tempfile
 import time
 import unittest
-import zipfile
 
 import country
-import range_server
-
-PROGRAM = ""
+from remote_case import PROGRAM, RemoteCase
 
 
-class RemoteTest(unittest.TestCase):
-    @classmethod
-    def setUpClass(cls):
-        cls.folder_object = tempfile.TemporaryDirectory()
-        cls.folder = cls.folder_object.name
-        cls.run_program("generate", "courtyard", "--points", "300000", "-o", "site.las")
-        for name in ("site.laz", "site.copc.laz"):
-            cls.run_program("convert", "site.las", "-o", name)
-        cls.run_program("index", "site.las", "-o", "site.alidade")
-        with zipfile.ZipFile(os.path.join(cls.folder, "site.zip"), "w") as archive:
-            archive.write(os.path.join(cls.folder, "site.las"), "tiles/site.las")
-        cls.server = range_server.RangeServer(cls.folder)
-
-    @classmethod
-    def tearDownClass(cls):
-        cls.server.stop.set()
-        cls.server.shutdown()
-        cls.server.server_close()
-        cls.folder_object.cleanup()
-
-    @classmethod
-    def run_program(cls, *words, succeeds=True, settings=None):
-        environment = dict(os.environ, GDAL_HTTP_RETRY_DELAY="0.02", **(settings or {}))
-        done = subprocess.run([PROGRAM, *words, "-q"], cwd=cls.folder, capture_output=True, text=True, timeout=120,
-                              check=False, env=environment)
-        if succeeds:
-            assert done.returncode == 0, done.stderr
-            return done.stdout
-        assert done.returncode == 2, (done.returncode, done.stderr)
-        return done.stderr
-
-    @staticmethod
-    def words(cloud):
-        return ("query", cloud, "--ray", "690000,5325000,640,0,0,-1", "--radius", "0.5", "--k", "4", "--format", "csv")
-
-    def query(self, cloud, *words, cache=None, **how):
-        return self.run_program(*self.words(cloud), *words, *(("--cache", cache) if cache else ()), **how)
-
+class RemoteTest(RemoteCase):
     def test_answers_are_those_of_the_file(self):
         for name in ("site.las", "site.laz", "site.copc.laz", "site.alidade"):
             with self.subTest(name):
@@ -123,126 +81,6 @@ class RemoteTest(unittest.TestCase):
                                                "0.5", "--k", "4", *words, succeeds=False)
                     self.assertIn(f"alidade: error: {address}: cannot read from the server (4 attempts): ", message)
                     self.assertEqual([left for left in os.listdir(self.folder) if "bad" in left], [])
-
-    def test_a_cache_saves_all_requests_but_one_of_each_file(self):
-        os.mkdir(os.path.join(self.folder, "two"))
-        for name in ("a", "b"):
-            self.run_program("convert", "site.las", "-o", f"two/{name}.copc.laz")
-        self.run_program("catalog", "two", "-o", "two/site.catalog.json")
-        for name, files in (("site.las", 1), ("site.copc.laz", 1), ("site.alidade", 1), ("two/site.catalog.json", 3)):
-            with self.subTest(name):
-                address, expected = self.server.address("good", name), self.query(name)
-                for run in range(2):
-                    self.server.forget()
-                    self.assertEqual(self.query(address, cache="kept/folder"), expected)
-                    self.assertEqual(self.server.requests <= files, run == 1)
-        self.server.forget()
-        self.query(self.server.address("good", "site.las"), settings={"ALIDADE_CACHE": "kept/folder"})
-        self.assertEqual(self.server.requests, 1)
-
-    def blocks(self, cache):
-        return [os.path.join(folder, file) for folder, _, files in os.walk(os.path.join(self.folder, cache))
-                for file in files if file != "alidade-cache"]
-
-    def test_damaged_blocks_of_a_cache_are_fetched_again(self):
-        address, expected = self.server.address("good", "site.laz"), self.query("site.laz")
-        self.query(address, cache="damaged")
-        blocks = self.blocks("damaged")
-        self.assertGreater(len(blocks), 100)
-        with open(blocks[0], "rb") as file:
-            sound = file.read()
-        for number, path in enumerate(blocks):
-            with open(path, "rb") as file:
-                content = bytearray(file.read())
-            if number % 3 == 0:
-                content = content[: number % 50]
-            elif number % 3 == 1:
-                content[100 + number] ^= 1
-            else:
-                content = sound  # that of another block
-            with open(path, "wb") as file:
-                file.write(content)
-        self.assertEqual(self.query(address, cache="damaged"), expected)
-        self.server.forget()
-        self.assertEqual(self.query(address, cache="damaged"), expected)
-        self.assertEqual(self.server.requests, 1)
-
-    def test_a_cache_forgets_what_changed_on_the_server(self):
-        for number in range(2):
-            self.run_program("generate", "courtyard", "--points", "20000", "--seed", str(number), "-o", "new.las",
-                             "--overwrite")
-            self.assertEqual(self.query(self.server.address("good", "new.las"), cache="changed"),
-                             self.query("new.las"))
-
-    def test_a_cache_stays_within_its_size(self):
-        for name in ("site.laz", "site.copc.laz", "site.alidade"):
-            self.assertEqual(self.query(self.server.address("good", name), "--cache-size", "1M", cache="small"),
-                             self.query(name))
-            self.assertLessEqual(sum(os.path.getsize(path) for path in self.blocks("small")), 1 << 20)
-
-    def test_programs_share_a_cache(self):
-        address, expected = self.server.address("slow", "site.laz"), self.query("site.laz")
-        programs = [subprocess.Popen([PROGRAM, *self.words(address), "--cache", "shared", "-q"], cwd=self.folder,
-                                     stdout=subprocess.PIPE, text=True) for _ in range(3)]
-        for program in programs:
-            self.assertEqual((program.communicate(timeout=120)[0], program.returncode), (expected, 0))
-        self.assertEqual([path for path in self.blocks("shared") if not path.endswith(".block")], [])
-
-    def test_a_cache_that_cannot_be_written_is_an_error(self):
-        self.assertIn("site.las/cache: cannot make the folder of the cache: ",
-                      self.query(self.server.address("good", "site.las"), cache="site.las/cache", succeeds=False))
-
-    def test_a_cache_removes_nothing_but_its_blocks(self):
-        precious = os.path.join(self.folder, "precious")
-        os.makedirs(precious)
-        names = ("precious.block", "ab/precious.block", "zz/0123456789abcd.block", "ab/0123456789abcd.block",
-                 "ab/0123456789ABCD.block", "abc/0123456789abcd.block")
-
-        def write_all(content):
-            for name in names:
-                os.makedirs(os.path.dirname(os.path.join(precious, name)), exist_ok=True)
-                with open(os.path.join(precious, name), "wb") as file:
-                    file.write(content)
-                os.utime(os.path.join(precious, name), (0, 0))
-
-        write_all(bytes(1 << 19))
-        address = self.server.address("good", "site.laz")
-        self.assertIn("precious: the folder of the cache holds something else; expected a new or an empty folder",
-                      self.query(address, cache="precious", succeeds=False))
-        self.query(address, cache="elsewhere")
-        with open(self.blocks("elsewhere")[0], "rb") as file:
-            block = file.read()
-        open(os.path.join(precious, "alidade-cache"), "wb").close()
-        # What lies where blocks lie is kept if it is none; elsewhere, even blocks are.
-        elsewhere = [name for name in names if name != "ab/0123456789abcd.block"]
-        for content in (bytes(1 << 19), block):
-            write_all(content)
-            os.makedirs(os.path.join(self.folder, "linked"), exist_ok=True)
-            with open(os.path.join(self.folder, "linked/0123456789abcd.block"), "wb") as file:
-                file.write(block)
-            os.utime(os.path.join(self.folder, "linked/0123456789abcd.block"), (0, 0))
-            if not os.path.islink(os.path.join(precious, "cd")):
-                os.symlink("../linked", os.path.join(precious, "cd"))
-            for name in ("site.laz", "site.copc.laz", "site.alidade"):
-                self.query(self.server.address("good", name), "--cache-size", "1M", cache="precious")
-            left = [name for name in names if os.path.exists(os.path.join(precious, name))]
-            self.assertEqual(left, elsewhere if content is block else list(names))
-            self.assertTrue(os.path.exists(os.path.join(self.folder, "linked/0123456789abcd.block")))
-
-    def test_a_cache_that_others_may_write_to_is_an_error(self):
-        for mode in (0o777, 0o770):
-            os.makedirs(os.path.join(self.folder, "open"), exist_ok=True)
-            os.chmod(os.path.join(self.folder, "open"), mode)
-            self.assertIn("open: other users may write to the folder of the cache",
-                          self.query(self.server.address("good", "site.las"), cache="open", succeeds=False))
-
-    def test_a_pipe_in_a_cache_is_no_block(self):
-        address, expected = self.server.address("good", "site.laz"), self.query("site.laz")
-        self.query(address, cache="pipes")
-        for block in self.blocks("pipes"):
-            os.remove(block)
-            os.mkfifo(block)
-        self.assertEqual(self.query(address, cache="pipes"), expected)
 
     def test_explain_tells_what_was_fetched(self):
         self.server.forget()
@@ -461,5 +299,4 @@ class RemoteTest(unittest.TestCase):
 
 
 if __name__ == "__main__":
-    PROGRAM = os.path.abspath(sys.argv.pop(1))
     unittest.main()

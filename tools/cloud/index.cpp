@@ -87,7 +87,7 @@ void write_large_index(const IndexCommand& command) {
     say_warnings(command.verbosity, cloud.facts().warnings);
     write_index(command.output, cloud, command.index, scratch, command.verbosity);
   }
-  // Some file systems remove files only when nobody holds them.
+  // NFS removes a file from its folder only when no program has it open.
   kept.finish();
 }
 

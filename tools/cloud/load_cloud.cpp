@@ -41,9 +41,9 @@ IndexedCloud load_shown(const CloudRequest& request, IndexCloudOptions options) 
 Option add_scratch_memory(const Options& command, std::optional<std::size_t>& memory) {
   return command.value(
       "--memory", "SIZE",
-      "for clouds larger than memory: hold the points in temporary files next to the output, or in the "
-      "current folder if there is none, and sort them "
-      "in so much memory, bytes or a number with k, M, G or T, at least 1M; the output is the same",
+      "for clouds larger than memory: hold the points in temporary files next to the output, without "
+      "an output in the current folder, and sort them in so much memory, bytes or a number with k, M, G "
+      "or T, at least 1M; the output is the same",
       memory, parse_memory);
 }
 

@@ -29,7 +29,7 @@ IndexedCloud load_shown(const CloudRequest& request, IndexCloudOptions options);
 
 /// Declares --memory of commands that can hold clouds in scratch files.
 Option add_scratch_memory(const Options& command, std::optional<std::size_t>& memory);
-/// Scratch files next to an output, or in the current folder if there is none; none without --memory.
+/// Scratch files next to an output, or in the current folder if `output` is empty. Empty without --memory.
 std::optional<ScratchSpace> scratch_beside(const std::filesystem::path& output,
                                            std::optional<std::size_t> memory);
 
