@@ -12,6 +12,7 @@
 
 #include "base/bounds.h"
 #include "cloud/attributes.h"
+#include "cloud/color_column.h"
 #include "cloud/crs.h"
 #include "cloud/lattice.h"
 
@@ -123,7 +124,7 @@ struct ExtraColumn {
 /// into memory. Row = point id. A column is empty if the cloud does not have it. Names and meaning are those
 /// of PointCloud.
 struct AttributeColumns {
-  std::span<const Color16> colors;
+  ColorColumn colors;
   std::span<const std::uint16_t> near_infrared;
   std::span<const std::uint16_t> intensities;
   std::span<const std::uint8_t> classifications;

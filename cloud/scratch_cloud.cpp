@@ -166,10 +166,10 @@ void ScratchCloud::keep() {
 }
 
 template <class Value>
-std::span<Value> ScratchCloud::values(std::size_t number) {
+std::span<const Value> ScratchCloud::values(std::size_t number) {
   if (number >= columns_.size()) return {};
   const std::span<std::byte> bytes = columns_[number].file.map();
-  return {reinterpret_cast<Value*>(bytes.data()), bytes.size() / sizeof(Value)};
+  return {reinterpret_cast<const Value*>(bytes.data()), bytes.size() / sizeof(Value)};
 }
 
 std::span<LatticePosition> ScratchCloud::positions() {
@@ -179,8 +179,8 @@ std::span<LatticePosition> ScratchCloud::positions() {
 
 AttributeColumns ScratchCloud::columns() {
   AttributeColumns columns;
-  for_each_column(columns, [&]<class Column>(Attribute attribute, Column& column) {
-    column = values<std::remove_const_t<typename Column::element_type>>(number_of(attribute));
+  for_each_column(columns, [&](Attribute attribute, auto& column) {
+    column = values<std::remove_cvref_t<decltype(column[0])>>(number_of(attribute));
   });
   std::size_t number = number_of(Attribute::extra_dimensions);
   for (const ExtraDimension& dimension : facts_.extra_dimensions)

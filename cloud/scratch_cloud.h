@@ -47,7 +47,7 @@ class ScratchCloud {
   void spread_values(Attribute attribute, const std::function<void(std::span<Value>, std::uint64_t)>& spread);
   void keep();
   template <class Value>
-  std::span<Value> values(std::size_t number);
+  std::span<const Value> values(std::size_t number);
 
   struct Column {
     std::size_t value_bytes = 0;  ///< per point; 0: the cloud does not have it

@@ -3,6 +3,7 @@
 
 #include <span>
 #include <string>
+#include <type_traits>
 #include <utility>
 
 namespace alidade::database {
@@ -17,7 +18,11 @@ std::vector<CloudColumn> cloud_columns(const PointColumns& cloud) {
   // By the number that stored_columns() gives a blob.
   std::vector<std::span<const std::byte>> blobs(1);
   for_each_column(cloud.attributes, [&](Attribute, const auto& column) {
-    if (!column.empty()) blobs.push_back(std::as_bytes(column));
+    if (column.empty()) return;
+    if constexpr (std::is_same_v<decltype(column), const ColorColumn&>)
+      blobs.push_back(std::as_bytes(column.deep()));
+    else
+      blobs.push_back(std::as_bytes(column));
   });
   std::vector<ExtraDimension> dimensions;
   for (const ExtraColumn& column : cloud.attributes.extra_dimensions) {

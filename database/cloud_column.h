@@ -17,7 +17,7 @@ struct CloudColumn {
 };
 
 /// x, y and z, then stored_columns() but for the number of the point. The cloud must outlive them and keep its
-/// rows.
+/// rows. Requires colours of 16 bits (ColorColumn::deep()), which all clouds with a span of positions have.
 std::vector<CloudColumn> cloud_columns(const PointColumns& cloud);
 
 /// The value of a row: a real number for coordinates, else as stored_value().

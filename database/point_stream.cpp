@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cstring>
 #include <functional>
+#include <type_traits>
 
 #include "base/bytes.h"
 #include "cloud/lattice.h"
@@ -97,10 +98,16 @@ void spread_values(const ColorSpread& spread, const PickedPoints& points, std::s
 
 std::vector<ValueBlob> value_blobs(const AttributeColumns& columns) {
   std::vector<ValueBlob> blobs;
-  for_each_column(columns, columns, [&](Attribute attribute, const auto& column, const auto&) {
-    if (!column.empty())
-      blobs.push_back({reinterpret_cast<const std::byte*>(column.data()), sizeof column.front(),
-                       ValueBlob::number_of(attribute)});
+  for_each_column(columns, [&](Attribute attribute, const auto& column) {
+    if (column.empty()) return;
+    const auto values = [&] {
+      if constexpr (std::is_same_v<decltype(column), const ColorColumn&>)
+        return column.deep().data();
+      else
+        return column.data();
+    }();
+    blobs.push_back(
+        {reinterpret_cast<const std::byte*>(values), sizeof column[0], ValueBlob::number_of(attribute)});
   });
   std::size_t number = ValueBlob::number_of(Attribute::extra_dimensions);
   for (const ExtraColumn& column : columns.extra_dimensions) {

@@ -33,7 +33,8 @@ struct ValueBlob {
   }
 };
 
-/// All blobs but the first, which holds ids; in the order of stored_columns(). The columns must outlive them.
+/// All blobs but the first, which holds ids; in the order of stored_columns(). The columns must outlive them. Colours of
+/// 8 bits have no values.
 std::vector<ValueBlob> value_blobs(const AttributeColumns& columns);
 
 /// Some points of a cloud, in columns.

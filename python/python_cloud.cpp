@@ -44,14 +44,34 @@ py::array every(std::span<const ReturnNumbers> returns, std::uint8_t ReturnNumbe
                  {sizeof(ReturnNumbers)}, owner);
 }
 
+/// Lets the bytes of a column arrive. Errors: they lie on a server and cannot be read.
+void fetch(std::span<const std::byte> bytes) {
+  if (bytes.empty() || !RemoteMap::find(bytes.data())) return;
+  run_free(0, [&] {
+    MappedFile::fetch(bytes);
+    RemoteMap::touch(bytes);
+    RemoteMap::check(bytes.data());
+  });
+}
+
+/// Colours of 8 bits are copied.
+py::array array_of(const ColorColumn& colors, const py::handle& owner) {
+  if (!colors.deep().empty()) return rows_of(colors.deep(), &colors.deep().data()->x, owner);
+  fetch(std::as_bytes(colors.shallow()));
+  py::array_t<std::uint16_t> array({static_cast<py::ssize_t>(colors.size()), py::ssize_t{3}});
+  std::uint16_t* to = array.mutable_data();
+  for (const Color16 color : colors) to = std::copy_n(&color.x, 3, to);
+  array.attr("flags").attr("writeable") = false;
+  return array;
+}
+
 /// Every standard column that is there: visit(name, array).
 template <class Visit>
 void for_each_array(const AttributeColumns& columns, const py::handle& owner, const Visit& visit) {
   const auto plain = [&](const char* name, const auto& values) {
     if (!values.empty()) visit(name, [&] { return view_of(values, owner); });
   };
-  if (!columns.colors.empty())
-    visit("color", [&] { return rows_of(columns.colors, &columns.colors.data()->x, owner); });
+  if (!columns.colors.empty()) visit("color", [&] { return array_of(columns.colors, owner); });
   plain("near_infrared", columns.near_infrared);
   plain("intensity", columns.intensities);
   plain("classification", columns.classifications);
@@ -88,16 +108,6 @@ py::list names_of(const AttributeColumns& columns) {
   for_each_array(columns, py::none(), [&](const char* name, const auto&) { names.append(name); });
   for (const ExtraColumn& column : columns.extra_dimensions) names.append(text_of(column.description.name));
   return names;
-}
-
-/// Lets the bytes of a column arrive. Errors: they lie on a server and cannot be read.
-void fetch(std::span<const std::byte> bytes) {
-  if (bytes.empty() || !RemoteMap::find(bytes.data())) return;
-  run_free(0, [&] {
-    MappedFile::fetch(bytes);
-    RemoteMap::touch(bytes);
-    RemoteMap::check(bytes.data());
-  });
 }
 
 py::array column_of(const Cloud& cloud, const py::str& wanted) {

@@ -82,7 +82,7 @@ class DiscCloud {
 
   const Octree octree_;
   const RayQuery query_;
-  const std::span<const Color16> colors_;
+  const ColorColumn colors_;
   const bool blends_;
 };
 

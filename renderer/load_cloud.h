@@ -20,8 +20,8 @@ namespace alidade::renderer {
 /// The cloud of a scene, ready to be traced.
 struct LoadedCloud {
   Octree octree;
-  std::vector<Color16> colors;               ///< display-referred, one per point id; none for normals
-  std::span<const Color16> mapped_colors{};  ///< the same instead, in an index file's map that octree keeps
+  std::vector<Color16> colors;  ///< display-referred, one per point id; none for normals
+  ColorColumn mapped_colors{};  ///< the same instead, in an index file's map that octree keeps
   double radius = 0.0;          ///< metres, the one used; the greatest one where each point has its own
   double spacing_factor = 0.0;  ///< above 0: each point has its own, see RayQuery::spacing_factor
   double lone_radius = 0.0;     ///< of discs: spheres of points without a sheet are no wider, metres
@@ -34,7 +34,7 @@ struct LoadedCloud {
   std::optional<std::uint64_t> index_checksum;
 
   /// The colours by point id, wherever they lie.
-  std::span<const Color16> point_colors() const { return colors.empty() ? mapped_colors : colors; }
+  ColorColumn point_colors() const { return colors.empty() ? mapped_colors : ColorColumn(colors); }
 };
 
 /// Reads the clouds, whatever files the settings name, keeps only what the picture needs, builds the octree,

@@ -46,7 +46,7 @@ using RayWatch = std::function<void(std::span<const Ray> rays, bool occlusion)>;
 /// The cloud as rays see it: a sphere around each point.
 struct CloudGeometry {
   const Octree* octree = nullptr;
-  std::span<const Color16> colors;
+  ColorColumn colors;
   bool shows_normals = false;  ///< the colour of a surface is the way it faces, not that of its point
   RayQuery query;  ///< radius or radii, measure, and an entry_min above the rounding of coordinates
   Material material;

@@ -5,6 +5,7 @@
 #include <limits>
 #include <utility>
 
+#include "base/bytes.h"
 #include "base/remote_map.h"
 #include "database/point_stream.h"
 #include "database/sqlite/file_chunks.h"
@@ -44,7 +45,10 @@ Bounds leaf_bounds(const TreeView& tree, const Frame& frame) {
 class OctreeChunks final : public ChunkSource {
  public:
   explicit OctreeChunks(IndexedCloud cloud)
-      : cloud_(std::move(cloud)), blobs_(value_blobs(cloud_.columns())), tree_(cloud_.octree.view()) {
+      : cloud_(std::move(cloud)),
+        blobs_(value_blobs(cloud_.columns())),
+        colors_(cloud_.columns().colors),
+        tree_(cloud_.octree.view()) {
     note_frames();
   }
 
@@ -85,6 +89,7 @@ class OctreeChunks final : public ChunkSource {
     const Node& node = tree_.nodes[frame.node];
     auto chunk = std::make_shared<StoredChunk>();
     chunk->id = location.id;
+    chunk->blobs.resize(k_made_blobs);
     chunk->positions.reserve(leaf_counts(node).sum());
     Leaf leaf{.first = node.first_point, .corner = frame.corner};
     for (const std::uint8_t kind : node.kind) {
@@ -102,14 +107,16 @@ class OctreeChunks final : public ChunkSource {
     if (column.blob > 0) {
       const std::uint64_t id = point_id(tree_, first + static_cast<std::uint32_t>(row));
       const ValueBlob& blob = blobs_[static_cast<std::size_t>(column.blob - 1)];
+      if (blob.is(Attribute::color) && !colors_.shallow().empty())
+        return color_bytes(chunk, id, row) + static_cast<std::size_t>(column.byte);
       const std::byte* const value = blob.values + static_cast<std::size_t>(id) * blob.size;
       RemoteMap::touch({value, blob.size});
       check_arrived();
       return value + static_cast<std::size_t>(column.byte);
     }
-    if (chunk.blobs.empty()) {
-      std::vector<std::byte>& ids = chunk.blobs.emplace_back().emplace();
-      ids.resize(chunk.positions.size() * sizeof(std::uint64_t));
+    if (!chunk.blobs.front()) {
+      std::vector<std::byte>& ids =
+          chunk.blobs.front().emplace(chunk.positions.size() * sizeof(std::uint64_t));
       for (std::size_t i = 0; i < chunk.positions.size(); ++i) {
         const std::uint64_t id = point_id(tree_, first + static_cast<std::uint32_t>(i));
         std::memcpy(ids.data() + i * sizeof id, &id, sizeof id);
@@ -120,6 +127,21 @@ class OctreeChunks final : public ChunkSource {
   }
 
  private:
+  /// The blobs that do not lie in the octree as SQL sees them: ids, and colours of 8 bits.
+  static constexpr std::size_t k_made_blobs = 2;
+
+  /// The colour of a point of the chunk as Color16.
+  const std::byte* color_bytes(StoredChunk& chunk, std::uint64_t id, std::size_t row) const {
+    std::optional<std::vector<std::byte>>& colors = chunk.blobs.back();
+    if (!colors) colors.emplace(chunk.positions.size() * sizeof(Color16));
+    const ColorColumn one = colors_.subspan(static_cast<std::size_t>(id), 1);
+    RemoteMap::touch(std::as_bytes(one.shallow()));
+    check_arrived();
+    std::byte* const made = colors->data() + row * sizeof(Color16);
+    store(made, one[0]);
+    return made;
+  }
+
   /// Errors: the index file is remote, and a part of it that was read could not be fetched.
   void check_arrived() const { RemoteMap::check(tree_.coordinates); }
 
@@ -140,6 +162,7 @@ class OctreeChunks final : public ChunkSource {
 
   IndexedCloud cloud_;
   std::vector<ValueBlob> blobs_;
+  ColorColumn colors_;
   const TreeView& tree_;
   std::vector<Frame> frames_;  ///< of the nodes, by their numbers
   std::uint64_t chunk_count_ = 0;

@@ -18,9 +18,13 @@ namespace {
 
 AttributeColumns columns_in(const IndexSections& sections, const PointCloud& description) {
   AttributeColumns columns;
-  for_each_column(columns, columns, [&](Attribute attribute, auto& column, auto&) {
-    using Value = std::remove_cvref_t<decltype(column.front())>;
-    column = sections.values<Value>(column_section(attribute));
+  for_each_column(columns, [&]<class Column>(Attribute attribute, Column& column) {
+    const IndexSection kind = column_section(attribute);
+    column = sections.values<std::remove_cvref_t<decltype(column[0])>>(kind);
+    if constexpr (std::is_same_v<Column, ColorColumn>) {
+      const std::uint16_t factor = sections.header().color_factor;
+      if (factor > 1) column = ColorColumn(sections.values<Color8>(kind), factor);
+    }
   });
   std::uint64_t bytes_per_point = 0;
   for (const ExtraDimension& dimension : description.extra_dimensions)

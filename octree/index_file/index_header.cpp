@@ -46,7 +46,8 @@ std::uint32_t column_number(IndexSection kind) {
 
 }  // namespace
 
-std::uint32_t element_bytes(IndexSection kind) {
+std::uint32_t element_bytes(IndexSection kind, bool colors_are_shallow) {
+  if (kind == column_section(Attribute::color) && colors_are_shallow) return 3;
   constexpr std::array<std::uint32_t, 12> k_columns = {6, 2, 2, 1, 2, 1, 4, 1, 2, 8, 12, 1};
   for (const auto& section : k_sections)
     if (section.kind == kind) return section.element_bytes;
@@ -178,9 +179,9 @@ TreeView read_tree(const HeaderFields& page) {
 }
 
 /// The one size that a section can have; empty where that is said elsewhere.
-std::optional<std::uint64_t> expected_bytes(const IndexHeader& header, IndexSection kind) {
+std::optional<std::uint64_t> expected_bytes(const IndexHeader& header, const SectionEntry& section) {
   const std::uint64_t points = header.tree.point_count;
-  switch (kind) {
+  switch (section.kind) {
     case IndexSection::nodes:
       return std::uint64_t{header.tree.node_count} * sizeof(Node);
     case IndexSection::coordinates:
@@ -201,7 +202,7 @@ std::optional<std::uint64_t> expected_bytes(const IndexHeader& header, IndexSect
     case IndexSection::record_data:
       return std::nullopt;
     default:
-      return points * element_bytes(kind);
+      return points * section.element_bytes;
   }
 }
 
@@ -211,7 +212,7 @@ SectionEntry read_section(const HeaderFields& page, std::size_t number, const In
   SectionEntry entry{static_cast<IndexSection>(kind), page.get<std::uint32_t>(at + 4),
                      page.get<std::uint64_t>(at + 8), page.get<std::uint64_t>(at + 16),
                      page.get<std::uint64_t>(at + 24)};
-  const std::uint32_t element = element_bytes(entry.kind);
+  const std::uint32_t element = element_bytes(entry.kind, header.color_factor > 1);
   page.require(element != 0, at, "unknown section", "a kind of version 2", kind);
   page.require(header.sections.empty() || header.sections.back().kind < entry.kind, at,
                "sections out of order", "ascending kinds", kind);
@@ -226,7 +227,7 @@ SectionEntry read_section(const HeaderFields& page, std::size_t number, const In
   const std::uint64_t room = header.file_bytes - std::min(begin, header.file_bytes);
   page.require(entry.bytes <= room, at + 16, fmt::format("{} exceed the file", name(entry.kind)),
                fmt::format("at most {} bytes", room), entry.bytes);
-  const auto expected = expected_bytes(header, entry.kind);
+  const auto expected = expected_bytes(header, entry);
   page.require(!expected || entry.bytes == *expected, at + 16,
                fmt::format("wrong size of {}", name(entry.kind)),
                fmt::format("{} bytes", expected.value_or(0)), entry.bytes);
@@ -276,6 +277,10 @@ IndexHeader read_index_header(std::span<const std::byte> first_page, std::uint64
   header.gps_time_is_standard = (flags & k_flag_standard_gps_time) != 0;
   header.project_id = page.get<std::array<std::uint8_t, 16>>(184);
   header.file_source_id = page.get<std::uint16_t>(200);
+  const auto factor = page.get<std::uint16_t>(216);
+  page.require(factor == 0 || std::ranges::find(k_color_factors, factor) != k_color_factors.end(), 216,
+               "invalid factor of colours", "0, 256 or 257", factor);
+  header.color_factor = std::max<std::uint16_t>(factor, 1);
   const auto section_count = page.get<std::uint32_t>(20);
   page.require(section_count <= k_most_index_sections, 20, "too many sections",
                fmt::format("at most {}", k_most_index_sections), section_count);
@@ -312,6 +317,7 @@ std::array<std::byte, k_index_page> encode_index_header(const IndexHeader& heade
   store(at + 200, header.file_source_id);
   store(at + 204, static_cast<std::uint32_t>(tree.spacing_neighbours));
   store(at + 208, tree.surface_unit);
+  store<std::uint16_t>(at + 216, header.color_factor > 1 ? header.color_factor : 0);
   for (std::size_t i = 0; i < header.sections.size(); ++i) {
     const SectionEntry& entry = header.sections[i];
     std::byte* const row = at + k_section_table + i * k_section_entry;

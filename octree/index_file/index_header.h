@@ -38,8 +38,11 @@ IndexSection column_section(Attribute attribute);
 /// "nodes", "column gps_time": what messages call a section.
 std::string name(IndexSection section);
 
-/// Bytes of one element of a section; 1 where elements have no fixed size.
-std::uint32_t element_bytes(IndexSection kind);
+/// Bytes of one element of a section; 1 where elements have no fixed size. Colours of 8 bits have 3.
+std::uint32_t element_bytes(IndexSection kind, bool colors_are_shallow = false);
+
+/// What can be the factor of colours of 8 bits: 65535 = 257 * 255; many LAS files have 256 times 8 bits.
+inline constexpr std::array<std::uint16_t, 2> k_color_factors = {257, 256};
 
 // The first page of an index file; docs/index_file.md has it byte by byte.
 
@@ -66,6 +69,7 @@ struct IndexHeader {
   bool gps_time_is_standard = false;
   std::array<std::uint8_t, 16> project_id{};
   std::uint16_t file_source_id = 0;
+  std::uint16_t color_factor = 1;  ///< of colours of 8 bits: 256 or 257 (ColorColumn); 1: they have 16 bits
   std::vector<SectionEntry>
       sections;  ///< in the order of their kinds, which is that of their storage indices
 

@@ -3,10 +3,13 @@
 
 #include <algorithm>
 #include <array>
+#include <atomic>
+#include <type_traits>
 
 #include "base/error.h"
 #include "base/fingerprint.h"
 #include "base/output_file.h"
+#include "base/parallel.h"
 #include "octree/index_file/index_file.h"
 #include "octree/index_file/index_sections.h"
 
@@ -21,9 +24,10 @@ class IndexWriter {
     file_.write(std::array<std::byte, k_index_page>{});
   }
 
-  void begin(IndexSection kind) {
+  void begin(IndexSection kind) { begin(kind, element_bytes(kind)); }
+  void begin(IndexSection kind, std::uint32_t value_bytes) {
     pad();
-    entry_ = {kind, element_bytes(kind), file_.size(), 0, 0};
+    entry_ = {kind, value_bytes, file_.size(), 0, 0};
     first_checksum_ = blocks_.sums().size();
   }
 
@@ -34,12 +38,24 @@ class IndexWriter {
   }
   /// The same with bytes of octree or columns.
   void add_array(std::span<const std::byte> bytes) {
-    constexpr std::size_t k_piece = std::size_t{1} << 26;
     while (!bytes.empty()) {
       const std::span<const std::byte> piece = bytes.first(std::min(bytes.size(), k_piece));
       bytes = bytes.subspan(piece.size());
       add(piece);
       if (options_.written) options_.written(piece);
+    }
+  }
+  /// The same as Color8. Requires multiples of a factor, 256 or 257.
+  void add_shallow(std::span<const Color16> colors) {
+    std::vector<Color8> shallow;
+    while (!colors.empty()) {
+      const auto piece = colors.first(std::min(colors.size(), k_piece / sizeof(Color16)));
+      colors = colors.subspan(piece.size());
+      shallow.resize(piece.size());
+      std::ranges::transform(piece, shallow.begin(),
+                             [](const Color16& color) { return Color8(color >> std::uint16_t{8}); });
+      add(std::as_bytes(std::span(shallow)));
+      if (options_.written) options_.written(std::as_bytes(piece));
     }
   }
   void end() {
@@ -65,6 +81,8 @@ class IndexWriter {
   }
 
  private:
+  static constexpr std::size_t k_piece = std::size_t{1} << 26;
+
   void pad() {
     static constexpr std::array<std::byte, k_index_page> k_zeros{};
     file_.write(
@@ -105,9 +123,33 @@ void check_cloud(const Octree& octree, const PointCloud& cloud, const AttributeC
   }
 }
 
+/// The factor with which Color8 represents them all; 1 if none does. Cost: one pass, in parallel, which ends where
+/// none does.
+std::uint16_t common_factor(std::span<const Color16> colors) {
+  constexpr std::size_t k_block = 1 << 20;
+  std::array<std::atomic<bool>, k_color_factors.size()> fails{};
+  at_once(0, (colors.size() + k_block - 1) / k_block, [&](std::size_t block) {
+    if (fails[0] && fails[1]) return;
+    // Multiples of 257 are those whose bytes are equal, and of 256 those whose lower byte is 0.
+    unsigned differences = 0, lower_bytes = 0;
+    for (const Color16& color :
+         colors.subspan(block * k_block, std::min(k_block, colors.size() - block * k_block))) {
+      for (int channel = 0; channel < 3; ++channel) {
+        differences |= (color[channel] >> 8) ^ (color[channel] & 255);
+        lower_bytes |= color[channel] & 255;
+      }
+    }
+    if (differences != 0) fails[0] = true;
+    if (lower_bytes != 0) fails[1] = true;
+  });
+  for (std::size_t i = 0; i < k_color_factors.size(); ++i)
+    if (!fails[i]) return k_color_factors[i];
+  return 1;
+}
+
 std::uint64_t bytes_to_write(const Octree& octree, const PointCloud& cloud, const AttributeColumns& columns) {
   std::uint64_t bytes = octree.memory();
-  for_each_column(columns, [&](Attribute, const auto& column) { bytes += column.size_bytes(); });
+  for_each_column(columns, [&](Attribute, const auto& column) { bytes += column.size() * sizeof column[0]; });
   for (const ExtraColumn& column : columns.extra_dimensions) bytes += column.values.size();
   for (const VariableLengthRecord& record : cloud.records) bytes += record.data.size();
   return bytes;
@@ -135,9 +177,26 @@ void write_tree(IndexWriter& writer, const TreeView& tree) {
   }
 }
 
-void write_cloud(IndexWriter& writer, const PointCloud& cloud, const AttributeColumns& columns) {
+void write_colors(IndexWriter& writer, const ColorColumn& colors, std::uint16_t factor) {
+  const IndexSection kind = column_section(Attribute::color);
+  writer.begin(kind, element_bytes(kind, factor > 1));
+  if (!colors.shallow().empty())
+    writer.add_array(std::as_bytes(colors.shallow()));
+  else if (factor > 1)
+    writer.add_shallow(colors.deep());
+  else
+    writer.add_array(std::as_bytes(colors.deep()));
+  writer.end();
+}
+
+void write_cloud(IndexWriter& writer, const PointCloud& cloud, const AttributeColumns& columns,
+                 std::uint16_t color_factor) {
   for_each_column(columns, [&](Attribute attribute, const auto& column) {
-    if (!column.empty()) writer.write(column_section(attribute), column);
+    if (column.empty()) return;
+    if constexpr (std::is_same_v<decltype(column), const ColorColumn&>)
+      write_colors(writer, column, color_factor);
+    else
+      writer.write(column_section(attribute), column);
   });
   if (!columns.extra_dimensions.empty()) {
     writer.begin(IndexSection::extra_dimensions);
@@ -164,8 +223,10 @@ void save_index(const std::filesystem::path& path, const Octree& octree, const P
   check_cloud(octree, cloud, columns);
   IndexWriter writer(path, options, bytes_to_write(octree, cloud, columns));
   write_tree(writer, octree.view());
-  write_cloud(writer, cloud, columns);
   IndexHeader header;
+  header.color_factor =
+      columns.colors.deep().empty() ? columns.colors.factor() : common_factor(columns.colors.deep());
+  write_cloud(writer, cloud, columns, header.color_factor);
   header.tree = octree.view();
   header.gps_time_is_standard = cloud.gps_time_is_standard;
   header.project_id = cloud.project_id;

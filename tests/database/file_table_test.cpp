@@ -74,7 +74,8 @@ TEST_F(FileTableTest, columns_and_rows_are_those_of_the_loaded_table) {
                                                                                     {"a.laz", 1500},
                                                                                     {"a.copc.laz", 1500},
                                                                                     {"b.copc.laz", 100},
-                                                                                    {"a.alidade", 1500}}) {
+                                                                                    {"a.alidade", 1500},
+                                                                                    {"b.alidade", 100}}) {
     SCOPED_TRACE(name);
     const Paths file = {write_site(name, count)};
     store_files(file_, resolve_clouds(file, index_and_file_formats()), {}, {.replace = true});

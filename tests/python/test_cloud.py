@@ -44,6 +44,14 @@ def test_what_numpy_converts_is_converted():
     assert alidade.Cloud(XYZ, a=np.array([1, -2, 3], ">i2"))["a"].tolist() == [1, -2, 3]
 
 
+def test_colours_of_8_bits_come_out_of_an_index_as_16(tmp_path):
+    cloud = alidade.Cloud(XYZ, color=np.array([[255, 0, 1], [2, 3, 4], [5, 6, 7]], np.uint8))
+    cloud.index().save(tmp_path / "site.alidade")
+    color = alidade.open(tmp_path / "site.alidade")["color"]
+    assert color.dtype == np.uint16 and not color.flags.writeable
+    assert color.tolist() == cloud["color"].tolist()
+
+
 def test_codes_of_epsg_say_what_they_are_themselves():
     """Geographic and projected systems alike, whatever their numbers."""
     for code, word in ((4326, "GEOGCS"), (4647, "PROJCS"), (7844, "GEOGCS"), (25832, "PROJCS")):

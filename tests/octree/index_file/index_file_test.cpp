@@ -120,6 +120,32 @@ TEST(IndexFile, gives_back_the_surfaces_of_every_family) {
   }
 }
 
+TEST(IndexFile, stores_colors_of_8_bits_in_3_bytes) {
+  const auto path = test::test_folder() / "shallow.alidade";
+  PointCloud cloud = test::make_cloud({{1, 2, 3}, {2, 3, 4}, {4, 4, 4}}, {glm::dvec3(1), glm::dvec3(0)});
+  cloud.colors = {{0, 257, 65535}, {514, 0, 0}, {257, 257, 65278}};
+  const auto saved_bytes = [&] {
+    save_index(path, build(cloud), cloud, {.overwrite = true});
+    const IndexFile index = open_index(path);
+    index.verify();
+    test::expect_same_columns(columns_of(cloud), index.columns());
+    EXPECT_EQ(read_cloud(test::clouds_of({path}), {}).colors, cloud.colors);
+    // Once more from the columns of the file.
+    const auto again = test::test_folder() / "again.alidade";
+    save_index(again, index.octree(), index.description(), index.columns(), {.overwrite = true});
+    test::expect_same_columns(columns_of(cloud), open_index(again).columns());
+    return index.header().find(column_section(Attribute::color))->bytes;
+  };
+  EXPECT_EQ(saved_bytes(), 9u);
+  // Many LAS files have 256 times the values of 8 bits.
+  cloud.colors = {{0, 256, 65280}, {512, 0, 0}, {256, 256, 65024}};
+  EXPECT_EQ(saved_bytes(), 9u);
+  for (const Color16 deep : {Color16(1, 0, 0), Color16(0, 257, 0), Color16(0, 0, 65535)}) {
+    cloud.colors[2] = deep;
+    EXPECT_EQ(saved_bytes(), 18u);
+  }
+}
+
 TEST(IndexFile, gives_back_octrees_in_stored_order_without_ids) {
   test::Random random;
   const auto path = test::test_folder() / "site.alidade";

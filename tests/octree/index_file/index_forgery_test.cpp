@@ -158,6 +158,7 @@ TEST(IndexForgery, a_number_just_outside_its_range_has_an_error_of_its_own) {
   expect(64, 3u, "unknown organisation");
   expect(68, 2u, "unknown flags");
   expect(132, points + 1, "invalid storage index of the first exact position");
+  expect(216, std::uint16_t{255}, "invalid factor of colours");
   expect(204, 65u, "invalid number of neighbours");
   expect(204, 0u, "invalid length unit of surfaces");
   for (const std::size_t axis : {0, 1, 2}) {

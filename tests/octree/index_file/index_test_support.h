@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cstring>
 #include <span>
 #include <string>
@@ -72,6 +73,10 @@ template <class ColumnA, class ColumnB>
 bool equal_bits(const ColumnA& a, const ColumnB& b) {
   return a.size() == b.size() &&
          (a.size() == 0 || std::memcmp(a.data(), b.data(), a.size() * sizeof a[0]) == 0);
+}
+
+inline bool equal_bits(const ColorColumn& a, const ColorColumn& b) {
+  return std::equal(a.begin(), a.end(), b.begin(), b.end());
 }
 
 inline void expect_same_dimension(const ExtraDimension& a, const ExtraDimension& b) {

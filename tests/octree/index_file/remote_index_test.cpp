@@ -125,7 +125,7 @@ TEST_F(RemoteIndex, nothing_is_written_of_a_map_that_failed) {
     const IndexFile index = open();
     most_reads = 0;
     OutputFile output(path, true);
-    output.write(std::as_bytes(index.columns().colors));
+    output.write(std::as_bytes(index.columns().normals));
     EXPECT_EQ(error_of([&] { output.commit(); }), std::string(k_name) + ": the network is gone");
   }
   EXPECT_FALSE(std::filesystem::exists(path));
@@ -138,13 +138,13 @@ TEST_F(RemoteIndex, a_failure_stays_for_as_long_as_its_map) {
     const IndexFile sound = open();
     sound.octree();
     most_reads = 0;
-    RemoteMap::touch(std::as_bytes(index.columns().colors));
-    const auto* const failed = index.columns().colors.data();
+    RemoteMap::touch(std::as_bytes(index.columns().normals));
+    const auto* const failed = index.columns().normals.data();
     for (int i = 0; i < 3; ++i) {
       EXPECT_EQ(error_of([] { RemoteMap::check_all(); }), gone);
       EXPECT_EQ(error_of([&] { RemoteMap::check(failed); }), gone);
     }
-    RemoteMap::check(sound.columns().colors.data());
+    RemoteMap::check(sound.columns().normals.data());
   }
   RemoteMap::check_all();
 }
@@ -208,7 +208,7 @@ TEST_F(RemoteIndex, where_userfaultfd_is_not_permitted_the_file_is_copied) {
   const std::unique_ptr<int, decltype(restore)> guard(&guarded, restore);
   EXPECT_FALSE(RemoteMap::open(k_name));
   const IndexFile index = open();
-  EXPECT_FALSE(RemoteMap::find(index.columns().colors.data()));
+  EXPECT_FALSE(RemoteMap::find(index.columns().normals.data()));
   test::expect_same_columns(index.columns(), test::index_in_memory(sound_file()).columns());
   served[section(served, IndexSection::nodes).offset + 9] ^= std::byte{1};
   EXPECT_NE(error_of([] { test::use(open()); }).find("corrupt section nodes"), std::string::npos);
