@@ -49,6 +49,7 @@ TEST_F(IndexMemoryTest, has_the_bytes_of_the_index_made_in_memory) {
   for (const char* const organisation : {"fixed", "layered"})
     expect_same_bytes({"site.las", "--organisation", organisation});
   expect_same_bytes({"site.las", "--spacings", "4"});
+  expect_same_bytes({"site.las", "--attributes", "gps_time,color"});
 }
 
 TEST_F(IndexMemoryTest, has_the_same_surfaces) {

@@ -216,6 +216,18 @@ TEST_F(IndexTest, bad_input_leaves_no_index) {
   EXPECT_EQ(names(), Words{"broken.las"});
 }
 
+TEST_F(IndexTest, keeps_the_attributes_that_are_wanted) {
+  index_scan({"--attributes", "classification,color"});
+  EXPECT_EQ(info({"site.alidade"}).at("attributes"), Json({"color", "classification"}));
+  const auto size = std::filesystem::file_size(folder / "site.alidade");
+  ASSERT_EQ(run({"index", "site.las", "-o", "site.alidade", "--attributes", "none", "--overwrite"}).exit_code,
+            0);
+  EXPECT_EQ(info({"site.alidade"}).at("attributes"), Json::array());
+  EXPECT_LT(std::filesystem::file_size(folder / "site.alidade"), size);
+  EXPECT_EQ(run({"query", "site.alidade", "--ray", "690000,5325000,700,0,0,-1", "--radius", "1"}).out,
+            run({"query", "site.las", "--ray", "690000,5325000,700,0,0,-1", "--radius", "1"}).out);
+}
+
 TEST_F(IndexTest, wrong_options_are_explained) {
   write_square("square.xyz");
   const auto error_of = [&](const Words& options) {
@@ -227,6 +239,8 @@ TEST_F(IndexTest, wrong_options_are_explained) {
   };
   EXPECT_TRUE(
       contains(error_of({"--organisation", "flat"}), "expected adaptive|fixed|layered, found 'flat'"));
+  EXPECT_TRUE(contains(error_of({"--attributes", "color,colour"}),
+                       "gps_time, normal, extra_dimensions; found 'colour'"));
   EXPECT_TRUE(contains(error_of({"--cell-size", "2"}), "--cell-size requires --organisation fixed"));
   EXPECT_TRUE(
       contains(error_of({"--organisation", "fixed", "--cell-size", "0"}), "expected a positive length"));

@@ -30,7 +30,23 @@ struct IndexCommand : CloudRequest {
   std::optional<std::size_t> memory;
   CheckpointRequest checkpoint;
   ColorDepth color_depth = ColorDepth::automatic;
+  AttributeSet attributes = AttributeSet::all();  ///< to keep
 };
+
+/// "color,intensity", or "none". Errors: an unknown name.
+AttributeSet parse_attributes(const std::string& text) {
+  const std::vector<std::string> known = attribute_names(AttributeSet::all());
+  AttributeSet attributes;
+  if (text == "none") return attributes;
+  for (const std::string& word : split_list(text)) {
+    const auto found = std::ranges::find(known, word);
+    if (found == known.end())
+      throw UsageError(fmt::format("unknown attribute; expected none or some of {}; found '{}'",
+                                   fmt::join(known, ", "), word));
+    attributes.bits |= 1u << (found - known.begin());
+  }
+  return attributes;
+}
 
 BuildOptions build_options(const IndexRequest& request, const Progress& progress) {
   return {.organisation = request.organisation, .cell_size = request.cell_size, .progress = progress};
@@ -54,8 +70,9 @@ void save_shown(const std::filesystem::path& path, const Octree& octree, const P
 void check_room_for(const IndexCommand& command, const std::filesystem::path& folder,
                     std::uint64_t rows_there) {
   const bool selects = std::ranges::any_of(command.files.inputs, &CloudInput::is_changed);
-  const StatedSize size = stated_size(command.files);
+  StatedSize size = stated_size(command.files);
   if (selects || command.partial || size.uncounted_bytes > 0) return;
+  size.attributes = size.attributes & command.attributes;
   // The points in Morton order take 16 bytes each, the octree at most 24. Columns give their room to those of the index,
   // and positions to the points in order; a checkpoint keeps both. What is measured later takes less than the points in
   // order, which are gone by then.
@@ -79,10 +96,12 @@ void write_large_index(const IndexCommand& command) {
   check_room_for(command, scratch.folder, kept.checkpoint() ? kept.checkpoint()->rows() : 0);
   {
     ScratchCloud cloud = with_progress("reading", "B", command.verbosity, [&](const Progress& progress) {
-      return ScratchCloud(
-          command.files,
-          {.color_depth = command.color_depth, .partial = command.partial, .progress = progress}, scratch,
-          kept.checkpoint());
+      return ScratchCloud(command.files,
+                          {.attributes = command.attributes,
+                           .color_depth = command.color_depth,
+                           .partial = command.partial,
+                           .progress = progress},
+                          scratch, kept.checkpoint());
     });
     say_warnings(command.verbosity, cloud.facts().warnings);
     write_index(command.output, cloud, command.index, scratch, command.verbosity);
@@ -107,7 +126,8 @@ ExitCode run(const IndexCommand& command) {
   if (command.memory) {
     write_large_index(command);
   } else {
-    PointCloud cloud = read_shown(command, {.color_depth = command.color_depth});
+    PointCloud cloud =
+        read_shown(command, {.attributes = command.attributes, .color_depth = command.color_depth});
     write_index(command.output, cloud, index, command.verbosity);
   }
   return ExitCode::done;
@@ -159,8 +179,14 @@ Command add_index(const Options& program) {
              "from those of the input",
              command->index.stored_order);
   index.choice("--color-depth",
-               "bits in use of LAS colours (default: 8 if none exceeds 255); the index keeps 16",
+               "bits in use of LAS colours (default: 8 if none exceeds 255); the index keeps them: colours "
+               "of 8 bits take "
+               "3 bytes per point, others 6",
                command->color_depth, {{"8", ColorDepth::bits_8}, {"16", ColorDepth::bits_16}});
+  index.value("--attributes", "LIST",
+              "attributes to keep, by the names that 'alidade info' prints, such as "
+              "color,intensity,classification, or none (default: all)",
+              command->attributes, parse_attributes);
   index.count("--spacings", "N",
               "store the distance of every point to its N-th nearest neighbour, 1 to 64 (usually 8): "
               "'alidade render --radius adapted' then measures nothing; 2 bytes per point and 16 per node",
