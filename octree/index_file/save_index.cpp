@@ -147,9 +147,12 @@ std::uint16_t common_factor(std::span<const Color16> colors) {
   return 1;
 }
 
-std::uint64_t bytes_to_write(const Octree& octree, const PointCloud& cloud, const AttributeColumns& columns) {
+std::uint64_t bytes_to_write(const Octree& octree, const PointCloud& cloud, const AttributeColumns& columns,
+                             bool colors_are_shallow) {
   std::uint64_t bytes = octree.memory();
-  for_each_column(columns, [&](Attribute, const auto& column) { bytes += column.size() * sizeof column[0]; });
+  for_each_column(columns, [&](Attribute attribute, const auto& column) {
+    bytes += column.size() * element_bytes(column_section(attribute), colors_are_shallow);
+  });
   for (const ExtraColumn& column : columns.extra_dimensions) bytes += column.values.size();
   for (const VariableLengthRecord& record : cloud.records) bytes += record.data.size();
   return bytes;
@@ -221,11 +224,11 @@ void save_index(const std::filesystem::path& path, const Octree& octree, const P
 void save_index(const std::filesystem::path& path, const Octree& octree, const PointCloud& cloud,
                 const AttributeColumns& columns, const SaveIndexOptions& options) {
   check_cloud(octree, cloud, columns);
-  IndexWriter writer(path, options, bytes_to_write(octree, cloud, columns));
-  write_tree(writer, octree.view());
   IndexHeader header;
   header.color_factor =
       columns.colors.deep().empty() ? columns.colors.factor() : common_factor(columns.colors.deep());
+  IndexWriter writer(path, options, bytes_to_write(octree, cloud, columns, header.color_factor > 1));
+  write_tree(writer, octree.view());
   write_cloud(writer, cloud, columns, header.color_factor);
   header.tree = octree.view();
   header.gps_time_is_standard = cloud.gps_time_is_standard;
