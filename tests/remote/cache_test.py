@@ -25,6 +25,17 @@ class CacheTest(RemoteCase):
         self.query(self.server.address("good", "site.las"), settings={"ALIDADE_CACHE": "kept/folder"})
         self.assertEqual(self.server.requests, 1)
 
+    def test_sql_uses_the_cache(self):
+        self.run_program("catalog", "site.copc.laz", "-o", "sql.catalog.json")
+        statement = "SELECT id, dist FROM points(690000,5325000,640, 0,0,-1) ORDER BY dist LIMIT 4"
+        expected = self.run_program("sql", "site.copc.laz", statement, "--csv")
+        self.assertEqual(expected.count("\n"), 5)
+        for run in range(2):
+            self.server.forget()
+            address = self.server.address("good", "sql.catalog.json")
+            self.assertEqual(self.run_program("sql", address, statement, "--csv", "--cache", "sql"), expected)
+            self.assertEqual(self.server.requests <= 2, run == 1)
+
     def blocks(self, cache):
         return [os.path.join(folder, file) for folder, _, files in os.walk(os.path.join(self.folder, cache))
                 for file in files if file != "alidade-cache"]
