@@ -10,14 +10,16 @@
 #include <charconv>
 #include <chrono>
 #include <cstring>
+#include <exception>
 #include <future>
-#include <new>
+#include <memory>
 #include <optional>
 #include <string_view>
 #include <thread>
 #include <utility>
 
 #include "base/error.h"
+#include "base/scratch_file.h"
 #include "geo/gdal_reference.h"
 
 namespace alidade::geo {
@@ -102,6 +104,42 @@ int begin_of_last_answer(char** headers) {
   return answers >= redirections ? begin : count;
 }
 
+/// What servers without ranges sent, in one temporary file of the process. Thread safe.
+class WholeFiles {
+ public:
+  /// Copies a file, so that none of thousands keeps a file handle; returns where. Errors: those of temporary_folder()
+  /// and ScratchFile::append().
+  std::uint64_t keep(const ScratchFile& whole) {
+    constexpr std::uint64_t k_part = 1 << 20;
+    const std::scoped_lock lock(mutex_);
+    if (!file_) file_.emplace(temporary_folder());
+    const std::uint64_t at = file_->size();
+    try {
+      std::vector<std::byte> part;
+      for (std::uint64_t begin = 0; begin < whole.size(); begin += part.size()) {
+        part.resize(static_cast<std::size_t>(std::min(k_part, whole.size() - begin)));
+        whole.read(begin, part);
+        file_->append(part);
+      }
+    } catch (const Error&) {
+      file_->cut(at);
+      throw;
+    }
+    return at;
+  }
+  /// Of what was kept.
+  void read(std::uint64_t at, std::span<std::byte> into) const { file_->read(at, into); }
+
+ private:
+  std::mutex mutex_;
+  std::optional<ScratchFile> file_{};
+};
+
+WholeFiles& whole_files() {
+  static WholeFiles& files = *new WholeFiles;  // outlives all that is static elsewhere
+  return files;
+}
+
 /// A session of GDAL, which keeps connections to servers, for one request at a time: as many as there are
 /// requests at once.
 class Session {
@@ -132,8 +170,11 @@ class Session {
 /// has begun.
 class Transfer {
  public:
-  static std::shared_ptr<Transfer> start(const std::string& url, std::string headers) {
+  /// An answer of more than so many bytes goes to a temporary file.
+  static std::shared_ptr<Transfer> start(const std::string& url, std::string headers,
+                                         std::uint64_t most_bytes) {
     auto transfer = std::make_shared<Transfer>();
+    transfer->most_bytes_ = most_bytes;
     ++requests_in_all;
     std::thread([transfer, url, headers = std::move(headers)] { transfer->run(url, headers); }).detach();
     return transfer;
@@ -147,7 +188,9 @@ class Transfer {
 
   // When it is done.
   std::vector<std::byte> body{};
-  bool is_too_long = false, is_memory_short = false;
+  std::shared_ptr<ScratchFile> whole{};  ///< has all of the body
+  bool is_too_long = false;
+  std::exception_ptr problem{};
   std::unique_ptr<CPLHTTPResult, decltype(&CPLHTTPDestroyResult)> result{nullptr, &CPLHTTPDestroyResult};
 
  private:
@@ -167,22 +210,33 @@ class Transfer {
 
   static std::size_t write(void* bytes, std::size_t size, std::size_t count, void* transfer) {
     auto& self = *static_cast<Transfer*>(transfer);
-    const auto* const begin = static_cast<const std::byte*>(bytes);
-    bytes_in_all += size * count;
-    self.is_too_long = self.body.size() + size * count > HttpSource::k_largest_whole;
-    if (self.is_too_long) return 0;
+    const std::span<const std::byte> part(static_cast<const std::byte*>(bytes), size * count);
+    bytes_in_all += part.size();
     try {
-      self.body.insert(self.body.end(), begin, begin + size * count);
-    } catch (const std::bad_alloc&) {
-      self.is_memory_short = true;
-      return 0;
+      self.add(part);
+    } catch (...) {
+      self.problem = std::current_exception();
     }
-    return size * count;
+    return self.is_too_long || self.problem ? 0 : part.size();
+  }
+  void add(std::span<const std::byte> part) {
+    const std::uint64_t bytes = (whole ? whole->size() : body.size()) + part.size();
+    is_too_long = bytes > HttpSource::k_largest_whole;
+    if (is_too_long) return;
+    if (!whole && bytes > most_bytes_) {
+      whole = std::make_shared<ScratchFile>(temporary_folder());
+      whole->append(std::exchange(body, {}));
+    }
+    if (whole)
+      whole->append(part);
+    else
+      body.insert(body.end(), part.begin(), part.end());
   }
   static int go_on(double, const char*, void* transfer) {
     return static_cast<Transfer*>(transfer)->is_given_up_ ? FALSE : TRUE;
   }
 
+  std::uint64_t most_bytes_ = 0;
   std::atomic<bool> is_given_up_ = false;
   std::promise<void> done_;
   std::future<void> done_future_ = done_.get_future();
@@ -197,7 +251,9 @@ struct HttpSource::Answer {
   std::string stated_range, etag, last_modified;
   std::optional<ContentRange> range;  ///< without one it is the whole file
   std::vector<std::byte> body;
+  std::shared_ptr<ScratchFile> whole;  ///< in place of the body, if it is longer than requested
 
+  std::uint64_t size() const { return whole ? whole->size() : body.size(); }
   bool is_good() const { return curl_code == 0 && status == 0; }
   bool is_worth_repeating(bool is_open) const {
     // Of libcurl: no such host, no connection.
@@ -216,7 +272,7 @@ void HttpSource::check_range(const Answer& answer, std::uint64_t first, std::uin
                  .found = std::move(found)});
   };
   if (answer.stated_range.empty()) {
-    if (is_open_ && answer.body.size() == last - first + 1 && answer.body.size() != size_)
+    if (is_open_ && answer.size() == last - first + 1 && answer.size() != size_)
       fail(k_unstated, "the header Content-Range", "none");
     return;  // the whole file, which check_whole() or check_version() makes sure of
   }
@@ -226,9 +282,9 @@ void HttpSource::check_range(const Answer& answer, std::uint64_t first, std::uin
   if (*answer.range->bytes != std::pair(first, last_there))
     fail("the server sent other bytes than requested", fmt::format("bytes {}-{}", first, last_there),
          answer.stated_range);
-  if (answer.body.size() != last_there - first + 1)
+  if (answer.size() != last_there - first + 1)
     fail("the server sent another number of bytes than it stated", fmt::format("{}", last_there - first + 1),
-         fmt::format("{}", answer.body.size()));
+         fmt::format("{}", answer.size()));
 }
 
 void HttpSource::check_whole(const Answer& start) {
@@ -236,7 +292,7 @@ void HttpSource::check_whole(const Answer& start) {
   const Answer behind = request(end, end + start.body.size());
   const bool ends_there =
       behind.status == k_no_such_range && (!behind.range || behind.range->size == start.body.size());
-  const bool is_sent_again = behind.is_good() && !behind.range && behind.body == start.body;
+  const bool is_sent_again = behind.is_good() && !behind.range && !behind.whole && behind.body == start.body;
   if (!ends_there && !is_sent_again)
     throw Error({.file = name_,
                  .location = "byte 0",
@@ -248,15 +304,18 @@ void HttpSource::check_whole(const Answer& start) {
 HttpSource::HttpSource(std::string name, std::string url, std::size_t count, bool (*is_interrupted)())
     : name_(std::move(name)), url_(std::move(url)), is_interrupted_(is_interrupted) {
   Answer answer = request(0, count - 1);
-  if (!answer.range && answer.body.size() <= count) check_whole(answer);
-  size_ = answer.range ? answer.range->size : answer.body.size();
+  if (!answer.range && !answer.whole) check_whole(answer);
+  size_ = answer.range ? answer.range->size : answer.size();
   etag_ = answer.etag;
   last_modified_ = answer.last_modified;
   const std::string& validator = etag_.empty() ? last_modified_ : etag_;
   if (!validator.empty()) version_ = fmt::format("{} {}", size_, validator);
-  start_.assign(answer.body.begin(),
-                answer.body.begin() + static_cast<std::ptrdiff_t>(std::min(count, answer.body.size())));
-  if (!answer.range) whole_ = std::make_shared<const std::vector<std::byte>>(std::move(answer.body));
+  start_ = std::move(answer.body);
+  if (answer.whole) {
+    start_.resize(count);
+    answer.whole->read(0, start_);
+    whole_at_ = whole_files().keep(*answer.whole);
+  }
   is_open_ = true;
 }
 
@@ -265,27 +324,26 @@ HttpSource::Traffic HttpSource::traffic() {
 }
 
 void HttpSource::read(std::uint64_t offset, std::span<std::byte> into) {
-  std::shared_ptr<const std::vector<std::byte>> whole;
   {
-    const std::scoped_lock lock(mutex_);
-    whole = whole_;
-  }
-  if (!whole) {
-    Answer answer = request(offset, offset + into.size() - 1);
-    check_version(answer);
-    if (answer.range) {
-      std::ranges::copy(answer.body, into.begin());
-      return;
+    std::unique_lock lock(mutex_);
+    if (whole_at_) {
+      lock.unlock();
+      return whole_files().read(*whole_at_ + offset, into);
     }
-    whole = std::make_shared<const std::vector<std::byte>>(std::move(answer.body));
-    const std::scoped_lock lock(mutex_);
-    whole_ = whole;
   }
-  std::memcpy(into.data(), whole->data() + offset, into.size());
+  const Answer answer = request(offset, offset + into.size() - 1);
+  check_version(answer);
+  if (!answer.whole) {
+    std::ranges::copy(answer.body, into.begin());
+    return;
+  }
+  answer.whole->read(offset, into);
+  const std::scoped_lock lock(mutex_);
+  if (!whole_at_) whole_at_ = whole_files().keep(*answer.whole);
 }
 
 void HttpSource::check_version(const Answer& answer) {
-  const std::uint64_t size = answer.range ? answer.range->size : answer.body.size();
+  const std::uint64_t size = answer.range ? answer.range->size : answer.size();
   const auto differs = [](const std::string& before, const std::string& now) {
     return !before.empty() && !now.empty() && before != now;
   };
@@ -315,6 +373,7 @@ HttpSource::Answer HttpSource::request(std::uint64_t first, std::uint64_t last) 
     if (answer.status == k_no_such_range && answer.range) {
       if (is_open_) check_version(answer);
       answer.body.clear();
+      answer.whole.reset();
       if (answer.range->size == 0 && first == 0) return answer;
     }
     if (attempt >= retries || !answer.is_worth_repeating(is_open_)) {
@@ -335,14 +394,14 @@ void HttpSource::wait(double seconds) const {
 }
 
 HttpSource::Answer HttpSource::request_once(std::uint64_t first, std::uint64_t last) const {
-  const std::shared_ptr<Transfer> transfer = Transfer::start(url_, headers_of(first, last));
+  const std::shared_ptr<Transfer> transfer = Transfer::start(url_, headers_of(first, last), last - first + 1);
   while (!transfer->is_done_within(std::chrono::milliseconds(50))) {
     if (!is_stopped()) continue;
     transfer->give_up();
     throw Cancelled();
   }
   if (is_stopped()) throw Cancelled();
-  if (transfer->is_memory_short) throw std::bad_alloc();
+  if (transfer->problem) std::rethrow_exception(transfer->problem);
   const auto& result = transfer->result;
   if (!result) throw Error({.file = name_, .problem = "this GDAL reads no files from web servers"});
   if (transfer->is_too_long)
@@ -378,6 +437,7 @@ HttpSource::Answer HttpSource::request_once(std::uint64_t first, std::uint64_t l
   }
   answer.range = parse_content_range(answer.stated_range);
   answer.body = std::move(transfer->body);
+  answer.whole = std::move(transfer->whole);
   if (answer.is_good()) check_range(answer, first, last);
   return answer;
 }

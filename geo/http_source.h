@@ -4,8 +4,8 @@
 #include <atomic>
 #include <cstddef>
 #include <cstdint>
-#include <memory>
 #include <mutex>
+#include <optional>
 #include <span>
 #include <string>
 #include <utility>
@@ -18,7 +18,7 @@ namespace alidade::geo {
 /// The first answer fixes which file it is: its size, and its entity tag or else its time of modification.
 /// Every later answer must agree, and must hold exactly the bytes that were requested; otherwise it is an
 /// Error, so that no reader gets bytes of two versions. A server that does not support ranges sends the whole
-/// file, which then stays in memory.
+/// file, which an unnamed file in temporary_folder() holds until the process ends.
 ///
 /// Requests that fail in the network, and those answered with 429, 500, 502, 503 or 504, are repeated
 /// GDAL_HTTP_MAX_RETRY times, with pauses that begin at GDAL_HTTP_RETRY_DELAY seconds and double.
@@ -73,7 +73,7 @@ class HttpSource {
   bool is_open_ = false;
   std::atomic<bool> has_changed_ = false;
   std::mutex mutex_;
-  std::shared_ptr<const std::vector<std::byte>> whole_;  ///< from a server without ranges
+  std::optional<std::uint64_t> whole_at_{};  ///< where a temporary file has what a server without ranges sent
 };
 
 }  // namespace alidade::geo
