@@ -5,6 +5,7 @@
 #include <cpl_json.h>
 #include <cpl_vsi.h>
 #include <cpl_vsi_error.h>
+#include <fmt/format.h>
 #include <algorithm>
 #include <array>
 #include <atomic>
@@ -78,14 +79,17 @@ class VirtualFile final : public RemoteFile {
     constexpr const char* k_list = "GDAL_DISABLE_READDIR_ON_OPEN";
     CPLSetThreadLocalConfigOption(k_list, "EMPTY_DIR");
     handle_.reset(VSIFOpenExL(path.c_str(), "rb", TRUE));
+    VSIStatBufL status{};
+    if (handle_) VSIStatExL(path.c_str(), &status, VSI_STAT_SIZE_FLAG);  // GDAL remembers it: no request
     CPLSetThreadLocalConfigOption(k_list, nullptr);
-    if (!handle_) fail(name, "cannot open the file");
+    if (!handle_) fail(name, "cannot open the file, which is missing or not yours to read");
     if (VSIFSeekL(handle_.get(), 0, SEEK_END) != 0) fail(name_, "cannot measure the file");
     size_ = VSIFTellL(handle_.get());
+    version_ = fmt::format("{} {}", size_, status.st_mtime);
   }
 
   std::uint64_t size() const override { return size_; }
-  std::string version() const override { return std::to_string(size_); }
+  std::string version() const override { return version_; }
 
   void read(std::uint64_t offset, std::span<std::byte> into) override {
     const QuietGdal quiet;
@@ -100,7 +104,7 @@ class VirtualFile final : public RemoteFile {
     void operator()(VSILFILE* file) const { VSIFCloseL(file); }
   };
 
-  std::string name_;
+  std::string name_, version_;
   std::unique_ptr<VSILFILE, Close> handle_;
   std::uint64_t size_ = 0;
 };
