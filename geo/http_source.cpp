@@ -69,8 +69,9 @@ std::optional<ContentRange> parse_content_range(std::string_view text) {
 }
 
 /// The headers of a request: the range, what keeps the bytes as they are, and those of the user.
-std::string headers_of(std::uint64_t first, std::uint64_t last) {
-  std::string headers = fmt::format("Range: bytes={}-{}\r\nAccept-Encoding: identity", first, last);
+std::string headers_of(std::uint64_t first, std::uint64_t last, HttpSource::First what) {
+  std::string headers = "Accept-Encoding: identity";
+  if (what == HttpSource::First::bytes) headers += fmt::format("\r\nRange: bytes={}-{}", first, last);
   // GDAL takes them from its configuration only if a request has none.
   const char* const own = CPLGetConfigOption("GDAL_HTTP_HEADERS", nullptr);
   if (own == nullptr) return headers;
@@ -172,8 +173,9 @@ class Transfer {
  public:
   /// An answer of more than so many bytes goes to a temporary file.
   static std::shared_ptr<Transfer> start(const std::string& url, std::string headers,
-                                         std::uint64_t most_bytes) {
+                                         std::uint64_t most_bytes, HttpSource::First what) {
     auto transfer = std::make_shared<Transfer>();
+    transfer->what_ = what;
     transfer->most_bytes_ = most_bytes;
     ++requests_in_all;
     std::thread([transfer, url, headers = std::move(headers)] { transfer->run(url, headers); }).detach();
@@ -200,7 +202,11 @@ class Transfer {
       const Session session;
       CPLStringList options;
       options.SetNameValue("HEADERS", headers.c_str());
-      options.SetNameValue("PERSISTENT", session.name().c_str());
+      // A session would send no bodies from then on.
+      if (what_ == HttpSource::First::headers)
+        options.SetNameValue("NO_BODY", "YES");
+      else
+        options.SetNameValue("PERSISTENT", session.name().c_str());
       options.SetNameValue("MAX_RETRY", "0");
       result.reset(
           CPLHTTPFetchEx(url.c_str(), options.List(), &Transfer::go_on, this, &Transfer::write, this));
@@ -237,6 +243,7 @@ class Transfer {
   }
 
   std::uint64_t most_bytes_ = 0;
+  HttpSource::First what_ = HttpSource::First::bytes;
   std::atomic<bool> is_given_up_ = false;
   std::promise<void> done_;
   std::future<void> done_future_ = done_.get_future();
@@ -248,7 +255,7 @@ struct HttpSource::Answer {
   int curl_code = 0;  ///< of libcurl; 0: the answer is complete
   int status = 0;     ///< from 400 on, otherwise 0
   std::string problem;
-  std::string stated_range, etag, last_modified;
+  std::string stated_range, stated_length, etag, last_modified;
   std::optional<ContentRange> range;  ///< without one it is the whole file
   std::vector<std::byte> body;
   std::shared_ptr<ScratchFile> whole;  ///< in place of the body, if it is longer than requested
@@ -301,15 +308,15 @@ void HttpSource::check_whole(const Answer& start) {
                  .found = "none"});
 }
 
-HttpSource::HttpSource(std::string name, std::string url, std::size_t count, bool (*is_interrupted)())
+HttpSource::HttpSource(std::string name, std::string url, std::size_t count, bool (*is_interrupted)(),
+                       First first)
     : name_(std::move(name)), url_(std::move(url)), is_interrupted_(is_interrupted) {
+  is_open_ = first == First::headers && open_by_headers();
+  if (is_open_) return;
   Answer answer = request(0, count - 1);
   if (!answer.range && !answer.whole) check_whole(answer);
   size_ = answer.range ? answer.range->size : answer.size();
-  etag_ = answer.etag;
-  last_modified_ = answer.last_modified;
-  const std::string& validator = etag_.empty() ? last_modified_ : etag_;
-  if (!validator.empty()) version_ = fmt::format("{} {}", size_, validator);
+  take_version(answer);
   start_ = std::move(answer.body);
   if (answer.whole) {
     start_.resize(count);
@@ -317,6 +324,23 @@ HttpSource::HttpSource(std::string name, std::string url, std::size_t count, boo
     whole_at_ = whole_files().keep(*answer.whole);
   }
   is_open_ = true;
+}
+
+bool HttpSource::open_by_headers() {
+  const Answer answer = request_once(0, 0, First::headers);
+  std::string_view length = answer.stated_length;
+  const std::optional<std::uint64_t> size = take_number(length);
+  if (!answer.is_good() || !size || !length.empty()) return false;
+  size_ = *size;
+  take_version(answer);
+  return !version_.empty();
+}
+
+void HttpSource::take_version(const Answer& answer) {
+  etag_ = answer.etag;
+  last_modified_ = answer.last_modified;
+  const std::string& validator = etag_.empty() ? last_modified_ : etag_;
+  if (!validator.empty()) version_ = fmt::format("{} {}", size_, validator);
 }
 
 HttpSource::Traffic HttpSource::traffic() {
@@ -393,8 +417,9 @@ void HttpSource::wait(double seconds) const {
   }
 }
 
-HttpSource::Answer HttpSource::request_once(std::uint64_t first, std::uint64_t last) const {
-  const std::shared_ptr<Transfer> transfer = Transfer::start(url_, headers_of(first, last), last - first + 1);
+HttpSource::Answer HttpSource::request_once(std::uint64_t first, std::uint64_t last, First what) const {
+  const std::shared_ptr<Transfer> transfer =
+      Transfer::start(url_, headers_of(first, last, what), last - first + 1, what);
   while (!transfer->is_done_within(std::chrono::milliseconds(50))) {
     if (!is_stopped()) continue;
     transfer->give_up();
@@ -426,6 +451,7 @@ HttpSource::Answer HttpSource::request_once(std::uint64_t first, std::uint64_t l
   Answer answer;
   answer.curl_code = result->nStatus;
   answer.stated_range = header("Content-Range", 0);
+  answer.stated_length = header("Content-Length", begin);
   answer.etag = header("ETag", begin);
   answer.last_modified = header("Last-Modified", begin);
   answer.problem = result->pszErrBuf != nullptr ? result->pszErrBuf : "unknown reason";

@@ -27,15 +27,21 @@ class HttpSource {
   /// What a server sends without ranges may have so many bytes.
   static constexpr std::uint64_t k_largest_whole = std::uint64_t{1} << 30;
 
-  /// Requests the first `count` bytes. `name` is what messages call the file; `is_interrupted`, if given, is
+  enum class First { bytes, headers };
+
+  /// Requests the first `count` bytes; or the headers alone, for a file without ranges that is kept elsewhere, unless
+  /// these do not state its size and version. `name` is what messages call the file; `is_interrupted`, if given, is
   /// called while waiting and returns whether to stop. Errors: those of read(); the server cannot be reached,
   /// or has no such file.
-  HttpSource(std::string name, std::string url, std::size_t count, bool (*is_interrupted)());
+  HttpSource(std::string name, std::string url, std::size_t count, bool (*is_interrupted)(),
+             First first = First::bytes);
 
   std::uint64_t size() const { return size_; }
   /// Differs between different contents of the URL. Empty if the server does not tell them apart.
   const std::string& version() const { return version_; }
-  /// Hands out the bytes that the constructor fetched: at most `count` at the beginning of the file.
+  /// Whether the constructor got all of the file, since the server sends no ranges.
+  bool has_whole() const { return whole_at_.has_value(); }
+  /// Hands out the bytes that the constructor fetched: at most `count` at the beginning of the file, or none.
   std::vector<std::byte> take_start() { return std::exchange(start_, {}); }
   /// Whether an answer was of another version: the URL has to be opened again.
   bool has_changed() const { return has_changed_; }
@@ -54,7 +60,10 @@ class HttpSource {
  private:
   struct Answer;
   Answer request(std::uint64_t first, std::uint64_t last);
-  Answer request_once(std::uint64_t first, std::uint64_t last) const;
+  Answer request_once(std::uint64_t first, std::uint64_t last, First what = First::bytes) const;
+  /// Whether the headers state what is needed.
+  bool open_by_headers();
+  void take_version(const Answer& answer);
   /// Errors: the answer does not hold just these bytes.
   void check_range(const Answer& answer, std::uint64_t first, std::uint64_t last) const;
   /// Makes sure that an answer to the first request that states no range is the whole file, by a request for

@@ -195,6 +195,23 @@ Web& web(const RemoteOptions& options = {}) {
   return web;
 }
 
+std::string block_key(const HttpSource& source, const std::string& url, std::uint64_t block) {
+  return url + "\n" + source.version() + "\n" + std::to_string(block);
+}
+
+/// Puts all blocks of a file into the folder; false if it has no version, or more bytes than the folder may take.
+bool keep_whole(HttpSource& source, const std::string& url) {
+  if (source.version().empty() || source.size() > web().options.cache_bytes) return false;
+  std::vector<std::byte> bytes;
+  for (std::uint64_t begin = 0; begin < source.size(); begin += bytes.size()) {
+    if (web().options.is_interrupted != nullptr && web().options.is_interrupted()) throw Cancelled();
+    bytes.resize(static_cast<std::size_t>(std::min<std::uint64_t>(k_block, source.size() - begin)));
+    source.read(begin, bytes);
+    web().folder->keep(block_key(source, url, begin / k_block), bytes);
+  }
+  return true;
+}
+
 /// The source of a URL, opened once in a process and again when it turns out that the file changed.
 std::shared_ptr<HttpSource> http_source(const std::string& name, const std::string& url) {
   {
@@ -202,8 +219,16 @@ std::shared_ptr<HttpSource> http_source(const std::string& name, const std::stri
     const auto known = web().sources.find(url);
     if (known != web().sources.end() && !known->second->has_changed()) return known->second;
   }
-  auto source = std::make_shared<HttpSource>(name, url, k_block, web().options.is_interrupted);
-  web().memory.keep({source.get(), 0}, std::make_shared<const std::vector<std::byte>>(source->take_start()));
+  // Of a server without ranges, the first bytes are the whole file, which the folder may hold already.
+  const std::string mark = url + "\nno ranges";
+  const bool is_whole_kept = web().folder && web().folder->find(mark, 1);
+  auto source =
+      std::make_shared<HttpSource>(name, url, k_block, web().options.is_interrupted,
+                                   is_whole_kept ? HttpSource::First::headers : HttpSource::First::bytes);
+  if (auto start = source->take_start(); !start.empty())
+    web().memory.keep({source.get(), 0}, std::make_shared<const std::vector<std::byte>>(std::move(start)));
+  if (web().folder && source->has_whole() && keep_whole(*source, url))
+    web().folder->keep(mark, std::array{std::byte{1}});
   const std::scoped_lock lock(web().mutex);
   std::shared_ptr<HttpSource>& known = web().sources[url];
   if (known && !known->has_changed()) return known;  // another thread was faster
@@ -216,7 +241,7 @@ std::shared_ptr<HttpSource> http_source(const std::string& name, const std::stri
 class HttpFile final : public RemoteFile {
  public:
   HttpFile(std::shared_ptr<HttpSource> source, const std::string& url)
-      : source_(std::move(source)), key_(url + "\n" + source_->version() + "\n") {
+      : source_(std::move(source)), url_(url) {
     if (!source_->version().empty() && web().folder) folder_ = &*web().folder;
   }
 
@@ -243,7 +268,7 @@ class HttpFile final : public RemoteFile {
 
  private:
   std::uint64_t block_count() const { return (size() + k_block - 1) / k_block; }
-  std::string key_of(std::uint64_t block) const { return key_ + std::to_string(block); }
+  std::string key_of(std::uint64_t block) const { return block_key(*source_, url_, block); }
 
   /// Readers that go through a file get ever more of it at once.
   void look_ahead(std::uint64_t offset, std::uint64_t count) {
@@ -288,7 +313,7 @@ class HttpFile final : public RemoteFile {
   }
 
   std::shared_ptr<HttpSource> source_;
-  std::string key_;
+  std::string url_;
   BlockFolder* folder_ = nullptr;
   std::uint64_t next_ = 0;   ///< where the last read ended
   std::uint64_t ahead_ = 0;  ///< bytes to fetch more than requested
