@@ -11,6 +11,8 @@
 #include <utility>
 #include <vector>
 
+#include "geo/http_request.h"
+
 namespace alidade::geo {
 
 /// A file on a web server, read by ranges through GDAL's HTTP client. Thread safe.
@@ -24,17 +26,12 @@ namespace alidade::geo {
 /// GDAL_HTTP_MAX_RETRY times, with pauses that begin at GDAL_HTTP_RETRY_DELAY seconds and double.
 class HttpSource {
  public:
-  /// What a server sends without ranges may have so many bytes.
-  static constexpr std::uint64_t k_largest_whole = std::uint64_t{1} << 30;
-
-  enum class First { bytes, headers };
-
   /// Requests the first `count` bytes; or the headers alone, for a file without ranges that is kept elsewhere, unless
   /// these do not state its size and version. `name` is what messages call the file; `is_interrupted`, if given, is
   /// called while waiting and returns whether to stop. Errors: those of read(); the server cannot be reached,
   /// or has no such file.
   HttpSource(std::string name, std::string url, std::size_t count, bool (*is_interrupted)(),
-             First first = First::bytes);
+             HttpPart first = HttpPart::bytes);
 
   std::uint64_t size() const { return size_; }
   /// Differs between different contents of the URL. Empty if the server does not tell them apart.
@@ -50,27 +47,19 @@ class HttpSource {
   /// or another version. Cancelled.
   void read(std::uint64_t offset, std::span<std::byte> into);
 
-  struct Traffic {
-    std::uint64_t requests = 0;  ///< also those that were repeated
-    std::uint64_t bytes = 0;     ///< of the bodies
-  };
-  /// Of all sources of the process.
-  static Traffic traffic();
-
  private:
-  struct Answer;
-  Answer request(std::uint64_t first, std::uint64_t last);
-  Answer request_once(std::uint64_t first, std::uint64_t last, First what = First::bytes) const;
+  HttpAnswer request(std::uint64_t first, std::uint64_t last);
+  HttpAnswer fetch(std::uint64_t first, std::uint64_t last, HttpPart part) const;
   /// Whether the headers state what is needed.
   bool open_by_headers();
-  void take_version(const Answer& answer);
+  void take_version(const HttpAnswer& answer);
   /// Errors: the answer does not hold just these bytes.
-  void check_range(const Answer& answer, std::uint64_t first, std::uint64_t last) const;
+  void check_range(const HttpAnswer& answer, std::uint64_t first, std::uint64_t last) const;
   /// Makes sure that an answer to the first request that states no range is the whole file, by a request for
   /// what is behind it. Errors: it may be a part.
-  void check_whole(const Answer& start);
+  void check_whole(const HttpAnswer& start);
   /// Errors: the answer is not of this version of the file.
-  void check_version(const Answer& answer);
+  void check_version(const HttpAnswer& answer);
   void wait(double seconds) const;
   bool is_stopped() const { return is_interrupted_ != nullptr && is_interrupted_(); }
 

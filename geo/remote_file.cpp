@@ -80,7 +80,8 @@ class VirtualFile final : public RemoteFile {
     CPLSetThreadLocalConfigOption(k_list, "EMPTY_DIR");
     handle_.reset(VSIFOpenExL(path.c_str(), "rb", TRUE));
     VSIStatBufL status{};
-    if (handle_) VSIStatExL(path.c_str(), &status, VSI_STAT_SIZE_FLAG);  // GDAL remembers it: no request
+    // GDAL remembers it: no request.
+    if (handle_ && VSIStatExL(path.c_str(), &status, VSI_STAT_SIZE_FLAG) != 0) status.st_mtime = 0;
     CPLSetThreadLocalConfigOption(k_list, nullptr);
     if (!handle_) fail(name, "cannot open the file, which is missing or not yours to read");
     if (VSIFSeekL(handle_.get(), 0, SEEK_END) != 0) fail(name_, "cannot measure the file");
@@ -222,9 +223,8 @@ std::shared_ptr<HttpSource> http_source(const std::string& name, const std::stri
   // Of a server without ranges, the first bytes are the whole file, which the folder may hold already.
   const std::string mark = url + "\nno ranges";
   const bool is_whole_kept = web().folder && web().folder->find(mark, 1);
-  auto source =
-      std::make_shared<HttpSource>(name, url, k_block, web().options.is_interrupted,
-                                   is_whole_kept ? HttpSource::First::headers : HttpSource::First::bytes);
+  auto source = std::make_shared<HttpSource>(name, url, k_block, web().options.is_interrupted,
+                                             is_whole_kept ? HttpPart::headers : HttpPart::bytes);
   if (auto start = source->take_start(); !start.empty())
     web().memory.keep({source.get(), 0}, std::make_shared<const std::vector<std::byte>>(std::move(start)));
   if (web().folder && source->has_whole() && keep_whole(*source, url))
@@ -336,7 +336,7 @@ std::unique_ptr<RemoteFile> open_remote_file(const std::string& name, const Remo
 }
 
 RemoteTraffic remote_traffic() {
-  const HttpSource::Traffic from_web = HttpSource::traffic();
+  const HttpTraffic from_web = http_traffic();
   RemoteTraffic traffic{from_web.requests, from_web.bytes};
   const std::unique_ptr<char, decltype(&VSIFree)> text(VSINetworkStatsGetAsSerializedJSON(nullptr), &VSIFree);
   CPLJSONDocument document;
