@@ -168,7 +168,7 @@ ScratchFile ScratchCheckpoint::file(const std::string& name) {
                     fmt::format("at least {} bytes", content.bytes),
                     error ? error.message() : std::to_string(size));
   ScratchFile file(path, content.bytes);
-  if (const std::uint64_t sum = file.checksum(); sum != content.checksum)
+  if (const std::uint64_t sum = file.checksum(options_.is_interrupted); sum != content.checksum)
     fail_as_corrupt(fmt::format("wrong checksum of {}", path.filename().string()),
                     fmt::format("{:016x}", content.checksum), fmt::format("{:016x}", sum));
   return file;

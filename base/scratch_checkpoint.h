@@ -32,7 +32,8 @@ class ScratchCheckpoint {
   /// Whether there was a checkpoint to resume from, maybe without rows.
   bool resumes() const { return resumes_; }
   /// A file, "positions" or "attribute-N", with the bytes that an earlier run kept of it. Errors: it has fewer; their
-  /// checksum is wrong; those of opening it. Cost: the bytes are read.
+  /// checksum is wrong; those of opening it. Cancelled, if `options.is_interrupted` returns true. Cost: the bytes are
+  /// read.
   ScratchFile file(const std::string& name);
   /// Throws the error of a checkpoint that no run can resume from.
   [[noreturn]] void fail_as_corrupt(const std::string& problem, const std::string& expected,

@@ -159,15 +159,17 @@ std::uint64_t ScratchFile::sum_of(std::uint64_t offset, std::uint64_t count) con
 }
 
 /// Soon after they were written, as long as the system has them in memory.
-void ScratchFile::sum_blocks() {
+void ScratchFile::sum_blocks(const std::function<bool()>& is_interrupted) {
   if (!is_named_) return;
-  while (sums_.size() < size_ / k_checksum_block)
+  while (sums_.size() < size_ / k_checksum_block) {
+    if (is_interrupted && is_interrupted()) throw Cancelled();
     sums_.push_back(sum_of(sums_.size() * k_checksum_block, k_checksum_block));
+  }
 }
 
-std::uint64_t ScratchFile::checksum() {
+std::uint64_t ScratchFile::checksum(const std::function<bool()>& is_interrupted) {
   assert(is_named_);
-  sum_blocks();
+  sum_blocks(is_interrupted);
   std::vector<std::uint64_t> sums = sums_;
   const std::uint64_t rest = sums.size() * k_checksum_block;
   sums.push_back(sum_of(rest, size_ - rest));

@@ -4,6 +4,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <filesystem>
+#include <functional>
 #include <span>
 #include <utility>
 #include <vector>
@@ -48,8 +49,9 @@ class ScratchFile {
   /// Waits until the bytes are on the disk. Errors: they cannot be written.
   void sync() const;
   /// Checksum of all bytes of a file with a name, the same however they were appended. Cost: for bytes that this object
-  /// has appended, 1 MiB is read at most; others are read. Errors: as read().
-  std::uint64_t checksum();
+  /// has appended, 1 MiB is read at most; others are read. `is_interrupted`, if given, is called for every MiB of these
+  /// and returns whether to stop. Errors: as read(). Cancelled.
+  std::uint64_t checksum(const std::function<bool()>& is_interrupted = {});
 
   /// All bytes written so far, mapped into memory. Changes go to the file; the map of one with a name is read-only, and
   /// keeps the bytes that are discarded. The map stays until the object is gone; nothing may be appended any more. On
@@ -59,7 +61,7 @@ class ScratchFile {
 
  private:
   void open();
-  void sum_blocks();
+  void sum_blocks(const std::function<bool()>& is_interrupted = {});
   std::uint64_t sum_of(std::uint64_t offset, std::uint64_t count) const;
   [[noreturn]] void fail(const char* problem) const;
 

@@ -2,212 +2,70 @@
 #include "geo/http_source.h"
 
 #include <cpl_conv.h>
-#include <cpl_http.h>
-#include <cpl_string.h>
 #include <fmt/format.h>
 #include <algorithm>
 #include <array>
-#include <charconv>
 #include <chrono>
-#include <cstring>
-#include <future>
-#include <new>
+#include <cstdlib>
 #include <optional>
-#include <string_view>
 #include <thread>
 #include <utility>
 
 #include "base/error.h"
-#include "geo/gdal_reference.h"
+#include "base/scratch_file.h"
 
 namespace alidade::geo {
 namespace {
 
-std::atomic<std::uint64_t> requests_in_all = 0, bytes_in_all = 0;
-
 constexpr int k_no_such_range = 416;
 constexpr const char* k_unstated = "the server does not state which bytes it sent";
 
-/// What Content-Range states: the first and the last byte, if there are any, and the file's size.
-struct ContentRange {
-  std::optional<std::pair<std::uint64_t, std::uint64_t>> bytes{};
-  std::uint64_t size = 0;
-};
-
-std::optional<std::uint64_t> take_number(std::string_view& text) {
-  std::uint64_t number = 0;
-  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), number);
-  if (error != std::errc()) return std::nullopt;
-  text.remove_prefix(static_cast<std::size_t>(end - text.data()));
-  return number;
-}
-
-bool take(std::string_view& text, std::string_view begin) {
-  if (!text.starts_with(begin)) return false;
-  text.remove_prefix(begin.size());
-  return true;
-}
-
-/// "bytes 0-99/1000" or "bytes */1000".
-std::optional<ContentRange> parse_content_range(std::string_view text) {
-  ContentRange range;
-  if (!take(text, "bytes ")) return std::nullopt;
-  if (!take(text, "*")) {
-    const auto first = take_number(text);
-    if (!first || !take(text, "-")) return std::nullopt;
-    const auto last = take_number(text);
-    if (!last || *last < *first) return std::nullopt;
-    range.bytes = {*first, *last};
-  }
-  if (!take(text, "/")) return std::nullopt;
-  const auto size = take_number(text);
-  if (!size || !text.empty() || (range.bytes && range.bytes->second >= *size)) return std::nullopt;
-  range.size = *size;
-  return range;
-}
-
-/// The headers of a request: the range, what keeps the bytes as they are, and those of the user.
-std::string headers_of(std::uint64_t first, std::uint64_t last) {
-  std::string headers = fmt::format("Range: bytes={}-{}\r\nAccept-Encoding: identity", first, last);
-  // GDAL takes them from its configuration only if a request has none.
-  const char* const own = CPLGetConfigOption("GDAL_HTTP_HEADERS", nullptr);
-  if (own == nullptr) return headers;
-  const bool has_lines = std::strstr(own, "\r\n") != nullptr;
-  const CPLStringList list(has_lines ? CSLTokenizeString2(own, "\r\n", 0)
-                                     : CSLTokenizeString2(own, ",", CSLT_HONOURSTRINGS));
-  for (int i = 0; i < list.size(); ++i) headers += std::string("\r\n") + list[i];
-  return headers;
-}
-
-/// Where the headers certainly belong to the last answer. GDAL gives those of redirections and of the last
-/// answer in one list: where a name comes again, another answer has begun.
-int begin_of_last_answer(char** headers) {
-  constexpr std::array k_repeated = {"Set-Cookie", "Link", "Vary", "Via", "Warning", "WWW-Authenticate"};
-  int redirections = 0, answers = 0, begin = 0, count = 0;
-  std::vector<std::string> seen;
-  for (; headers != nullptr && headers[count] != nullptr; ++count) {
-    std::string name = headers[count];
-    name.resize(name.find_first_of(":=") == std::string::npos ? name.size() : name.find_first_of(":="));
-    const auto is_name = [&](const auto& other) { return EQUAL(name.c_str(), std::string(other).c_str()); };
-    if (is_name("Location")) ++redirections;
-    if (std::ranges::any_of(k_repeated, is_name)) continue;
-    if (std::ranges::any_of(seen, is_name)) {
-      ++answers;
-      begin = count;
-      seen.clear();
-    }
-    seen.push_back(std::move(name));
-  }
-  if (redirections == 0) return 0;
-  return answers >= redirections ? begin : count;
-}
-
-/// A session of GDAL, which keeps connections to servers, for one request at a time: as many as there are
-/// requests at once.
-class Session {
+/// What servers without ranges sent, in one temporary file of the process. Thread safe.
+class WholeFiles {
  public:
-  Session() {
+  /// Copies a file, so that none of thousands keeps a file handle; returns where. Errors: those of temporary_folder()
+  /// and ScratchFile::append().
+  std::uint64_t keep(const ScratchFile& whole) {
+    constexpr std::uint64_t k_part = 1 << 20;
     const std::scoped_lock lock(mutex_);
-    if (free_.empty()) free_.push_back(count_++);
-    number_ = free_.back();
-    free_.pop_back();
-  }
-  ~Session() {
-    const std::scoped_lock lock(mutex_);
-    free_.push_back(number_);
-  }
-  Session(const Session&) = delete;
-  Session& operator=(const Session&) = delete;
-
-  std::string name() const { return fmt::format("alidade_{}", number_); }
-
- private:
-  static inline std::mutex mutex_;
-  static inline std::vector<int> free_;
-  static inline int count_ = 0;
-  int number_;
-};
-
-/// A request and what comes of it, in a thread of its own: GDAL asks whether to go on only when the answer
-/// has begun.
-class Transfer {
- public:
-  static std::shared_ptr<Transfer> start(const std::string& url, std::string headers) {
-    auto transfer = std::make_shared<Transfer>();
-    ++requests_in_all;
-    std::thread([transfer, url, headers = std::move(headers)] { transfer->run(url, headers); }).detach();
-    return transfer;
-  }
-
-  bool is_done_within(std::chrono::milliseconds time) const {
-    return done_future_.wait_for(time) == std::future_status::ready;
-  }
-  /// The rest ends as soon as data come.
-  void give_up() { is_given_up_ = true; }
-
-  // When it is done.
-  std::vector<std::byte> body{};
-  bool is_too_long = false, is_memory_short = false;
-  std::unique_ptr<CPLHTTPResult, decltype(&CPLHTTPDestroyResult)> result{nullptr, &CPLHTTPDestroyResult};
-
- private:
-  void run(const std::string& url, const std::string& headers) {
-    {
-      const QuietGdal quiet;
-      const Session session;
-      CPLStringList options;
-      options.SetNameValue("HEADERS", headers.c_str());
-      options.SetNameValue("PERSISTENT", session.name().c_str());
-      options.SetNameValue("MAX_RETRY", "0");
-      result.reset(
-          CPLHTTPFetchEx(url.c_str(), options.List(), &Transfer::go_on, this, &Transfer::write, this));
-    }
-    done_.set_value();
-  }
-
-  static std::size_t write(void* bytes, std::size_t size, std::size_t count, void* transfer) {
-    auto& self = *static_cast<Transfer*>(transfer);
-    const auto* const begin = static_cast<const std::byte*>(bytes);
-    bytes_in_all += size * count;
-    self.is_too_long = self.body.size() + size * count > HttpSource::k_largest_whole;
-    if (self.is_too_long) return 0;
+    if (!file_) file_.emplace(temporary_folder());
+    const std::uint64_t at = file_->size();
     try {
-      self.body.insert(self.body.end(), begin, begin + size * count);
-    } catch (const std::bad_alloc&) {
-      self.is_memory_short = true;
-      return 0;
+      std::vector<std::byte> part;
+      for (std::uint64_t begin = 0; begin < whole.size(); begin += part.size()) {
+        part.resize(static_cast<std::size_t>(std::min(k_part, whole.size() - begin)));
+        whole.read(begin, part);
+        file_->append(part);
+      }
+    } catch (const Error&) {
+      file_->cut(at);
+      throw;
     }
-    return size * count;
+    return at;
   }
-  static int go_on(double, const char*, void* transfer) {
-    return static_cast<Transfer*>(transfer)->is_given_up_ ? FALSE : TRUE;
-  }
+  /// Of what was kept.
+  void read(std::uint64_t at, std::span<std::byte> into) const { file_->read(at, into); }
 
-  std::atomic<bool> is_given_up_ = false;
-  std::promise<void> done_;
-  std::future<void> done_future_ = done_.get_future();
+ private:
+  std::mutex mutex_;
+  std::optional<ScratchFile> file_{};
 };
+
+WholeFiles& whole_files() {
+  static WholeFiles& files = *new WholeFiles;  // outlives all that is static elsewhere
+  return files;
+}
+
+bool is_worth_repeating(const HttpAnswer& answer, bool is_open) {
+  // Of libcurl: no such host, no connection.
+  if (answer.curl_code != 0) return is_open || (answer.curl_code != 6 && answer.curl_code != 7);
+  constexpr std::array k_busy = {429, 500, 502, 503, 504};
+  return std::ranges::find(k_busy, answer.status) != k_busy.end();
+}
 
 }  // namespace
 
-struct HttpSource::Answer {
-  int curl_code = 0;  ///< of libcurl; 0: the answer is complete
-  int status = 0;     ///< from 400 on, otherwise 0
-  std::string problem;
-  std::string stated_range, etag, last_modified;
-  std::optional<ContentRange> range;  ///< without one it is the whole file
-  std::vector<std::byte> body;
-
-  bool is_good() const { return curl_code == 0 && status == 0; }
-  bool is_worth_repeating(bool is_open) const {
-    // Of libcurl: no such host, no connection.
-    if (curl_code != 0) return is_open || (curl_code != 6 && curl_code != 7);
-    constexpr std::array k_busy = {429, 500, 502, 503, 504};
-    return std::ranges::find(k_busy, status) != k_busy.end();
-  }
-};
-
-void HttpSource::check_range(const Answer& answer, std::uint64_t first, std::uint64_t last) const {
+void HttpSource::check_range(const HttpAnswer& answer, std::uint64_t first, std::uint64_t last) const {
   const auto fail = [&](const char* problem, std::string expected, std::string found) {
     throw Error({.file = name_,
                  .location = fmt::format("byte {}", first),
@@ -216,7 +74,7 @@ void HttpSource::check_range(const Answer& answer, std::uint64_t first, std::uin
                  .found = std::move(found)});
   };
   if (answer.stated_range.empty()) {
-    if (is_open_ && answer.body.size() == last - first + 1 && answer.body.size() != size_)
+    if (is_open_ && answer.size() == last - first + 1 && answer.size() != size_)
       fail(k_unstated, "the header Content-Range", "none");
     return;  // the whole file, which check_whole() or check_version() makes sure of
   }
@@ -226,17 +84,17 @@ void HttpSource::check_range(const Answer& answer, std::uint64_t first, std::uin
   if (*answer.range->bytes != std::pair(first, last_there))
     fail("the server sent other bytes than requested", fmt::format("bytes {}-{}", first, last_there),
          answer.stated_range);
-  if (answer.body.size() != last_there - first + 1)
+  if (answer.size() != last_there - first + 1)
     fail("the server sent another number of bytes than it stated", fmt::format("{}", last_there - first + 1),
-         fmt::format("{}", answer.body.size()));
+         fmt::format("{}", answer.size()));
 }
 
-void HttpSource::check_whole(const Answer& start) {
+void HttpSource::check_whole(const HttpAnswer& start) {
   const std::uint64_t end = std::max<std::uint64_t>(start.body.size(), 1);
-  const Answer behind = request(end, end + start.body.size());
+  const HttpAnswer behind = request(end, end + start.body.size());
   const bool ends_there =
       behind.status == k_no_such_range && (!behind.range || behind.range->size == start.body.size());
-  const bool is_sent_again = behind.is_good() && !behind.range && behind.body == start.body;
+  const bool is_sent_again = behind.is_good() && !behind.range && !behind.whole && behind.body == start.body;
   if (!ends_there && !is_sent_again)
     throw Error({.file = name_,
                  .location = "byte 0",
@@ -245,47 +103,60 @@ void HttpSource::check_whole(const Answer& start) {
                  .found = "none"});
 }
 
-HttpSource::HttpSource(std::string name, std::string url, std::size_t count, bool (*is_interrupted)())
+HttpSource::HttpSource(std::string name, std::string url, std::size_t count, bool (*is_interrupted)(),
+                       HttpPart first)
     : name_(std::move(name)), url_(std::move(url)), is_interrupted_(is_interrupted) {
-  Answer answer = request(0, count - 1);
-  if (!answer.range && answer.body.size() <= count) check_whole(answer);
-  size_ = answer.range ? answer.range->size : answer.body.size();
+  is_open_ = first == HttpPart::headers && open_by_headers();
+  if (is_open_) return;
+  HttpAnswer answer = request(0, count - 1);
+  if (!answer.range && !answer.whole) check_whole(answer);
+  size_ = answer.range ? answer.range->size : answer.size();
+  take_version(answer);
+  start_ = std::move(answer.body);
+  if (answer.whole) {
+    start_.resize(count);
+    answer.whole->read(0, start_);
+    whole_at_ = whole_files().keep(*answer.whole);
+  }
+  is_open_ = true;
+}
+
+bool HttpSource::open_by_headers() {
+  const HttpAnswer answer = fetch(0, 0, HttpPart::headers);
+  if (!answer.is_good() || !answer.length) return false;
+  size_ = *answer.length;
+  take_version(answer);
+  return !version_.empty();
+}
+
+void HttpSource::take_version(const HttpAnswer& answer) {
   etag_ = answer.etag;
   last_modified_ = answer.last_modified;
   const std::string& validator = etag_.empty() ? last_modified_ : etag_;
   if (!validator.empty()) version_ = fmt::format("{} {}", size_, validator);
-  start_.assign(answer.body.begin(),
-                answer.body.begin() + static_cast<std::ptrdiff_t>(std::min(count, answer.body.size())));
-  if (!answer.range) whole_ = std::make_shared<const std::vector<std::byte>>(std::move(answer.body));
-  is_open_ = true;
-}
-
-HttpSource::Traffic HttpSource::traffic() {
-  return {requests_in_all, bytes_in_all};
 }
 
 void HttpSource::read(std::uint64_t offset, std::span<std::byte> into) {
-  std::shared_ptr<const std::vector<std::byte>> whole;
   {
-    const std::scoped_lock lock(mutex_);
-    whole = whole_;
-  }
-  if (!whole) {
-    Answer answer = request(offset, offset + into.size() - 1);
-    check_version(answer);
-    if (answer.range) {
-      std::ranges::copy(answer.body, into.begin());
-      return;
+    std::unique_lock lock(mutex_);
+    if (whole_at_) {
+      lock.unlock();
+      return whole_files().read(*whole_at_ + offset, into);
     }
-    whole = std::make_shared<const std::vector<std::byte>>(std::move(answer.body));
-    const std::scoped_lock lock(mutex_);
-    whole_ = whole;
   }
-  std::memcpy(into.data(), whole->data() + offset, into.size());
+  const HttpAnswer answer = request(offset, offset + into.size() - 1);
+  check_version(answer);
+  if (!answer.whole) {
+    std::ranges::copy(answer.body, into.begin());
+    return;
+  }
+  answer.whole->read(offset, into);
+  const std::scoped_lock lock(mutex_);
+  if (!whole_at_) whole_at_ = whole_files().keep(*answer.whole);
 }
 
-void HttpSource::check_version(const Answer& answer) {
-  const std::uint64_t size = answer.range ? answer.range->size : answer.body.size();
+void HttpSource::check_version(const HttpAnswer& answer) {
+  const std::uint64_t size = answer.range ? answer.range->size : answer.size();
   const auto differs = [](const std::string& before, const std::string& now) {
     return !before.empty() && !now.empty() && before != now;
   };
@@ -304,20 +175,21 @@ void HttpSource::check_version(const Answer& answer) {
                .found = describe(size, answer.etag, answer.last_modified)});
 }
 
-HttpSource::Answer HttpSource::request(std::uint64_t first, std::uint64_t last) {
+HttpAnswer HttpSource::request(std::uint64_t first, std::uint64_t last) {
   const int retries = std::atoi(CPLGetConfigOption("GDAL_HTTP_MAX_RETRY", "3"));
   double pause = CPLAtof(CPLGetConfigOption("GDAL_HTTP_RETRY_DELAY", "1"));
   for (int attempt = 0;; ++attempt, pause *= 2.0) {
-    Answer answer = request_once(first, last);
+    HttpAnswer answer = fetch(first, last, HttpPart::bytes);
     if (answer.is_good()) return answer;
     // Nothing at or behind `first`: an empty file, or one that has become shorter.
     if (answer.status == k_no_such_range && !is_open_ && first > 0) return answer;
     if (answer.status == k_no_such_range && answer.range) {
       if (is_open_) check_version(answer);
       answer.body.clear();
+      answer.whole.reset();
       if (answer.range->size == 0 && first == 0) return answer;
     }
-    if (attempt >= retries || !answer.is_worth_repeating(is_open_)) {
+    if (attempt >= retries || !is_worth_repeating(answer, is_open_)) {
       const std::string tries = attempt > 0 ? fmt::format(" ({} attempts)", attempt + 1) : "";
       throw Error({.file = name_,
                    .problem = fmt::format("cannot read from the server{}: {}", tries, answer.problem)});
@@ -334,50 +206,13 @@ void HttpSource::wait(double seconds) const {
   }
 }
 
-HttpSource::Answer HttpSource::request_once(std::uint64_t first, std::uint64_t last) const {
-  const std::shared_ptr<Transfer> transfer = Transfer::start(url_, headers_of(first, last));
-  while (!transfer->is_done_within(std::chrono::milliseconds(50))) {
-    if (!is_stopped()) continue;
-    transfer->give_up();
-    throw Cancelled();
-  }
-  if (is_stopped()) throw Cancelled();
-  if (transfer->is_memory_short) throw std::bad_alloc();
-  const auto& result = transfer->result;
-  if (!result) throw Error({.file = name_, .problem = "this GDAL reads no files from web servers"});
-  if (transfer->is_too_long)
-    throw Error(
-        {.file = name_,
-         .problem = "the server sends no ranges, and the file is too large to fetch whole; download it",
-         .expected = fmt::format("at most {} bytes", k_largest_whole)});
-
-  // The last of a name: those of redirections come before.
-  const auto header = [&](const char* key, int begin) {
-    std::string value;
-    for (char** line = result->papszHeaders == nullptr ? nullptr : result->papszHeaders + begin;
-         line != nullptr && *line != nullptr; ++line) {
-      char* name = nullptr;
-      const char* const text = CPLParseNameValue(*line, &name);
-      if (text != nullptr && name != nullptr && EQUAL(name, key)) value = text;
-      CPLFree(name);
-    }
-    return value;
-  };
-  const int begin = begin_of_last_answer(result->papszHeaders);
-  Answer answer;
-  answer.curl_code = result->nStatus;
-  answer.stated_range = header("Content-Range", 0);
-  answer.etag = header("ETag", begin);
-  answer.last_modified = header("Last-Modified", begin);
-  answer.problem = result->pszErrBuf != nullptr ? result->pszErrBuf : "unknown reason";
-  if (answer.etag.starts_with("W/")) answer.etag.erase(0, 2);
-  constexpr std::string_view k_status = "HTTP error code : ";
-  if (answer.curl_code == 0 && answer.problem.starts_with(k_status)) {
-    answer.status = std::atoi(answer.problem.c_str() + k_status.size());
-    answer.problem = fmt::format("HTTP status {}", answer.status);
-  }
-  answer.range = parse_content_range(answer.stated_range);
-  answer.body = std::move(transfer->body);
+HttpAnswer HttpSource::fetch(std::uint64_t first, std::uint64_t last, HttpPart part) const {
+  HttpAnswer answer = send({.name = name_,
+                            .url = url_,
+                            .first = first,
+                            .last = last,
+                            .part = part,
+                            .is_interrupted = is_interrupted_});
   if (answer.is_good()) check_range(answer, first, last);
   return answer;
 }

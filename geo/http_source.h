@@ -4,12 +4,14 @@
 #include <atomic>
 #include <cstddef>
 #include <cstdint>
-#include <memory>
 #include <mutex>
+#include <optional>
 #include <span>
 #include <string>
 #include <utility>
 #include <vector>
+
+#include "geo/http_request.h"
 
 namespace alidade::geo {
 
@@ -18,24 +20,25 @@ namespace alidade::geo {
 /// The first answer fixes which file it is: its size, and its entity tag or else its time of modification.
 /// Every later answer must agree, and must hold exactly the bytes that were requested; otherwise it is an
 /// Error, so that no reader gets bytes of two versions. A server that does not support ranges sends the whole
-/// file, which then stays in memory.
+/// file, which an unnamed file in temporary_folder() holds until the process ends.
 ///
 /// Requests that fail in the network, and those answered with 429, 500, 502, 503 or 504, are repeated
 /// GDAL_HTTP_MAX_RETRY times, with pauses that begin at GDAL_HTTP_RETRY_DELAY seconds and double.
 class HttpSource {
  public:
-  /// What a server sends without ranges may have so many bytes.
-  static constexpr std::uint64_t k_largest_whole = std::uint64_t{1} << 30;
-
-  /// Requests the first `count` bytes. `name` is what messages call the file; `is_interrupted`, if given, is
+  /// Requests the first `count` bytes; or the headers alone, for a file without ranges that is kept elsewhere, unless
+  /// these do not state its size and version. `name` is what messages call the file; `is_interrupted`, if given, is
   /// called while waiting and returns whether to stop. Errors: those of read(); the server cannot be reached,
   /// or has no such file.
-  HttpSource(std::string name, std::string url, std::size_t count, bool (*is_interrupted)());
+  HttpSource(std::string name, std::string url, std::size_t count, bool (*is_interrupted)(),
+             HttpPart first = HttpPart::bytes);
 
   std::uint64_t size() const { return size_; }
   /// Differs between different contents of the URL. Empty if the server does not tell them apart.
   const std::string& version() const { return version_; }
-  /// Hands out the bytes that the constructor fetched: at most `count` at the beginning of the file.
+  /// Whether the constructor got all of the file, since the server sends no ranges.
+  bool has_whole() const { return whole_at_.has_value(); }
+  /// Hands out the bytes that the constructor fetched: at most `count` at the beginning of the file, or none.
   std::vector<std::byte> take_start() { return std::exchange(start_, {}); }
   /// Whether an answer was of another version: the URL has to be opened again.
   bool has_changed() const { return has_changed_; }
@@ -44,24 +47,19 @@ class HttpSource {
   /// or another version. Cancelled.
   void read(std::uint64_t offset, std::span<std::byte> into);
 
-  struct Traffic {
-    std::uint64_t requests = 0;  ///< also those that were repeated
-    std::uint64_t bytes = 0;     ///< of the bodies
-  };
-  /// Of all sources of the process.
-  static Traffic traffic();
-
  private:
-  struct Answer;
-  Answer request(std::uint64_t first, std::uint64_t last);
-  Answer request_once(std::uint64_t first, std::uint64_t last) const;
+  HttpAnswer request(std::uint64_t first, std::uint64_t last);
+  HttpAnswer fetch(std::uint64_t first, std::uint64_t last, HttpPart part) const;
+  /// Whether the headers state what is needed.
+  bool open_by_headers();
+  void take_version(const HttpAnswer& answer);
   /// Errors: the answer does not hold just these bytes.
-  void check_range(const Answer& answer, std::uint64_t first, std::uint64_t last) const;
+  void check_range(const HttpAnswer& answer, std::uint64_t first, std::uint64_t last) const;
   /// Makes sure that an answer to the first request that states no range is the whole file, by a request for
   /// what is behind it. Errors: it may be a part.
-  void check_whole(const Answer& start);
+  void check_whole(const HttpAnswer& start);
   /// Errors: the answer is not of this version of the file.
-  void check_version(const Answer& answer);
+  void check_version(const HttpAnswer& answer);
   void wait(double seconds) const;
   bool is_stopped() const { return is_interrupted_ != nullptr && is_interrupted_(); }
 
@@ -73,7 +71,7 @@ class HttpSource {
   bool is_open_ = false;
   std::atomic<bool> has_changed_ = false;
   std::mutex mutex_;
-  std::shared_ptr<const std::vector<std::byte>> whole_;  ///< from a server without ranges
+  std::optional<std::uint64_t> whole_at_{};  ///< where a temporary file has what a server without ranges sent
 };
 
 }  // namespace alidade::geo

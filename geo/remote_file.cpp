@@ -5,6 +5,7 @@
 #include <cpl_json.h>
 #include <cpl_vsi.h>
 #include <cpl_vsi_error.h>
+#include <fmt/format.h>
 #include <algorithm>
 #include <array>
 #include <atomic>
@@ -78,14 +79,18 @@ class VirtualFile final : public RemoteFile {
     constexpr const char* k_list = "GDAL_DISABLE_READDIR_ON_OPEN";
     CPLSetThreadLocalConfigOption(k_list, "EMPTY_DIR");
     handle_.reset(VSIFOpenExL(path.c_str(), "rb", TRUE));
+    VSIStatBufL status{};
+    // GDAL remembers it: no request.
+    if (handle_ && VSIStatExL(path.c_str(), &status, VSI_STAT_SIZE_FLAG) != 0) status.st_mtime = 0;
     CPLSetThreadLocalConfigOption(k_list, nullptr);
-    if (!handle_) fail(name, "cannot open the file");
+    if (!handle_) fail(name, "cannot open the file, which is missing or not yours to read");
     if (VSIFSeekL(handle_.get(), 0, SEEK_END) != 0) fail(name_, "cannot measure the file");
     size_ = VSIFTellL(handle_.get());
+    version_ = fmt::format("{} {}", size_, status.st_mtime);
   }
 
   std::uint64_t size() const override { return size_; }
-  std::string version() const override { return std::to_string(size_); }
+  std::string version() const override { return version_; }
 
   void read(std::uint64_t offset, std::span<std::byte> into) override {
     const QuietGdal quiet;
@@ -100,7 +105,7 @@ class VirtualFile final : public RemoteFile {
     void operator()(VSILFILE* file) const { VSIFCloseL(file); }
   };
 
-  std::string name_;
+  std::string name_, version_;
   std::unique_ptr<VSILFILE, Close> handle_;
   std::uint64_t size_ = 0;
 };
@@ -191,6 +196,23 @@ Web& web(const RemoteOptions& options = {}) {
   return web;
 }
 
+std::string block_key(const HttpSource& source, const std::string& url, std::uint64_t block) {
+  return url + "\n" + source.version() + "\n" + std::to_string(block);
+}
+
+/// Puts all blocks of a file into the folder; false if it has no version, or more bytes than the folder may take.
+bool keep_whole(HttpSource& source, const std::string& url) {
+  if (source.version().empty() || source.size() > web().options.cache_bytes) return false;
+  std::vector<std::byte> bytes;
+  for (std::uint64_t begin = 0; begin < source.size(); begin += bytes.size()) {
+    if (web().options.is_interrupted != nullptr && web().options.is_interrupted()) throw Cancelled();
+    bytes.resize(static_cast<std::size_t>(std::min<std::uint64_t>(k_block, source.size() - begin)));
+    source.read(begin, bytes);
+    web().folder->keep(block_key(source, url, begin / k_block), bytes);
+  }
+  return true;
+}
+
 /// The source of a URL, opened once in a process and again when it turns out that the file changed.
 std::shared_ptr<HttpSource> http_source(const std::string& name, const std::string& url) {
   {
@@ -198,8 +220,15 @@ std::shared_ptr<HttpSource> http_source(const std::string& name, const std::stri
     const auto known = web().sources.find(url);
     if (known != web().sources.end() && !known->second->has_changed()) return known->second;
   }
-  auto source = std::make_shared<HttpSource>(name, url, k_block, web().options.is_interrupted);
-  web().memory.keep({source.get(), 0}, std::make_shared<const std::vector<std::byte>>(source->take_start()));
+  // Of a server without ranges, the first bytes are the whole file, which the folder may hold already.
+  const std::string mark = url + "\nno ranges";
+  const bool is_whole_kept = web().folder && web().folder->find(mark, 1);
+  auto source = std::make_shared<HttpSource>(name, url, k_block, web().options.is_interrupted,
+                                             is_whole_kept ? HttpPart::headers : HttpPart::bytes);
+  if (auto start = source->take_start(); !start.empty())
+    web().memory.keep({source.get(), 0}, std::make_shared<const std::vector<std::byte>>(std::move(start)));
+  if (web().folder && source->has_whole() && keep_whole(*source, url))
+    web().folder->keep(mark, std::array{std::byte{1}});
   const std::scoped_lock lock(web().mutex);
   std::shared_ptr<HttpSource>& known = web().sources[url];
   if (known && !known->has_changed()) return known;  // another thread was faster
@@ -212,7 +241,7 @@ std::shared_ptr<HttpSource> http_source(const std::string& name, const std::stri
 class HttpFile final : public RemoteFile {
  public:
   HttpFile(std::shared_ptr<HttpSource> source, const std::string& url)
-      : source_(std::move(source)), key_(url + "\n" + source_->version() + "\n") {
+      : source_(std::move(source)), url_(url) {
     if (!source_->version().empty() && web().folder) folder_ = &*web().folder;
   }
 
@@ -239,7 +268,7 @@ class HttpFile final : public RemoteFile {
 
  private:
   std::uint64_t block_count() const { return (size() + k_block - 1) / k_block; }
-  std::string key_of(std::uint64_t block) const { return key_ + std::to_string(block); }
+  std::string key_of(std::uint64_t block) const { return block_key(*source_, url_, block); }
 
   /// Readers that go through a file get ever more of it at once.
   void look_ahead(std::uint64_t offset, std::uint64_t count) {
@@ -284,7 +313,7 @@ class HttpFile final : public RemoteFile {
   }
 
   std::shared_ptr<HttpSource> source_;
-  std::string key_;
+  std::string url_;
   BlockFolder* folder_ = nullptr;
   std::uint64_t next_ = 0;   ///< where the last read ended
   std::uint64_t ahead_ = 0;  ///< bytes to fetch more than requested
@@ -307,7 +336,7 @@ std::unique_ptr<RemoteFile> open_remote_file(const std::string& name, const Remo
 }
 
 RemoteTraffic remote_traffic() {
-  const HttpSource::Traffic from_web = HttpSource::traffic();
+  const HttpTraffic from_web = http_traffic();
   RemoteTraffic traffic{from_web.requests, from_web.bytes};
   const std::unique_ptr<char, decltype(&VSIFree)> text(VSINetworkStatsGetAsSerializedJSON(nullptr), &VSIFree);
   CPLJSONDocument document;

@@ -20,7 +20,8 @@ struct RemoteOptions {
 
 /// Opens a file of a name for which is_remote_name() holds. Of a file on a web server (http, https) only the
 /// ranges that are read are fetched, and kept in memory (at most 64 MiB of all files); what may go wrong
-/// there is in geo/http_source.h. Buckets and archives are reached through GDAL's virtual files. A server
+/// there is in geo/http_source.h. Buckets and archives are reached through GDAL's virtual files, which read ranges,
+/// too: their version is the size and the time of modification as GDAL saw them first, and no cache keeps them. A server
 /// that sends nothing for 30 seconds has failed. GDAL's configuration options (GDAL_HTTP_*, AWS_*,
 /// CPL_VSIL_CURL_*) are taken from the environment. What ends in .json.gz is decompressed. Errors: the file
 /// is missing, the server does not answer, or its answers contradict each other. Cancelled, if is_interrupted

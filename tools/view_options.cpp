@@ -118,11 +118,13 @@ void choose_zone(ViewRequest& request) {
   request.zone = image_module().metric_system(crs, box.center(), request.first->name);
 }
 
-void add_cache(const Options& command) {
+}  // namespace
+
+void add_cache_options(const Options& command) {
   const Options group = command.group("Remote files");
   group.value("--cache", "FOLDER",
-              "keep what is fetched from web servers in this folder, for the next time (default: the "
-              "environment variable ALIDADE_CACHE; without it nothing is kept)",
+              "keep what is fetched from web servers (http, https; not buckets) in this folder, for the next "
+              "time (default: the environment variable ALIDADE_CACHE; without it nothing is kept)",
               [](const std::string& text) {
                 if (text.empty()) throw UsageError("missing value; expected a folder");
                 remote_options().cache = text;
@@ -132,8 +134,6 @@ void add_cache(const Options& command) {
               "is removed",
               [](const std::string& text) { remote_options().cache_bytes = parse_size(text); });
 }
-
-}  // namespace
 
 geo::RemoteOptions& remote_options() {
   static geo::RemoteOptions options = [] {
@@ -194,7 +194,7 @@ std::shared_ptr<ViewRequest> add_view_options(const Options& command,
                 target->wanted = text;
                 target->view->change_reference = change;
               });
-  add_cache(command);
+  add_cache_options(command);
   return request;
 }
 

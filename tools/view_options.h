@@ -30,9 +30,11 @@ struct ViewRequest {
 
 /// How the program opens remote files, by ALIDADE_CACHE and the options below.
 geo::RemoteOptions& remote_options();
+/// Declares --cache and --cache-size.
+void add_cache_options(const Options& command);
 
 /// Declares --classes, --ignore-classes, --where, --crop, --crop-crs, --crs and --reproject, without those in
-/// `own`, which the command has itself, and --cache and --cache-size.
+/// `own`, which the command has itself, and those of add_cache_options().
 std::shared_ptr<ViewRequest> add_view_options(const Options& command,
                                               std::initializer_list<std::string_view> own = {});
 

@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "base/error.h"
+#include "base/fingerprint.h"
 
 namespace alidade {
 namespace {
@@ -132,6 +133,28 @@ TEST_F(ScratchCheckpointTest, finds_changed_bytes) {
   EXPECT_TRUE(checkpoint.is_corrupt());
   checkpoint.keep(20, {});
   EXPECT_EQ(read(folder_ / "state" / "manifest"), manifest);
+}
+
+TEST_F(ScratchCheckpointTest, an_interrupted_comparison_ends_at_once_and_keeps_the_rows) {
+  constexpr std::uint64_t k_size = 5 * k_checksum_block + 100;
+  {
+    ScratchCheckpoint checkpoint = open(folder_ / "state");
+    ScratchFile rows = checkpoint.file("positions");
+    rows.append_zeros(k_size);
+    checkpoint.keep(7, std::vector<ScratchCheckpoint::Kept>{{"positions", &rows, k_size}});
+  }
+  int calls = 0;
+  {
+    ScratchCheckpoint checkpoint(
+        {.file = folder_ / "state", .resume = true, .is_interrupted = [&] { return ++calls == 2; }},
+        {{"test", "1"}});
+    EXPECT_THROW(checkpoint.file("positions"), Cancelled);
+    EXPECT_EQ(calls, 2);
+    EXPECT_FALSE(checkpoint.is_corrupt());
+  }
+  ScratchCheckpoint checkpoint = open(folder_ / "state");
+  EXPECT_EQ(checkpoint.rows(), 7u);
+  EXPECT_EQ(checkpoint.file("positions").size(), k_size);
 }
 
 TEST_F(ScratchCheckpointTest, gives_back_what_exceeds_the_rows) {

@@ -25,6 +25,42 @@ class CacheTest(RemoteCase):
         self.query(self.server.address("good", "site.las"), settings={"ALIDADE_CACHE": "kept/folder"})
         self.assertEqual(self.server.requests, 1)
 
+    def test_a_cache_keeps_files_of_servers_without_ranges(self):
+        address = self.server.address("plain", "site.copc.laz")
+        size = os.path.getsize(os.path.join(self.folder, "site.copc.laz"))
+        whole = ("query", address, "--box", "-1e9,-1e9,-1e9,1e9,1e9,1e9", "--count", "--cache", "whole")
+        self.assertEqual(self.query(address, cache="whole"), self.query("site.copc.laz"))
+        self.server.forget()
+        self.assertEqual(self.run_program(*whole).splitlines()[-1], "0,300000")
+        self.assertEqual((self.server.requests, self.server.sent), (1, 0))
+        # What is missing in the cache, and another version, are fetched as a whole.
+        for path in self.blocks("whole")[::3]:
+            os.remove(path)
+        self.assertEqual(self.run_program(*whole).splitlines()[-1], "0,300000")
+        self.assertLessEqual(self.server.sent, size)
+        for number in range(2):
+            self.run_program("generate", "courtyard", "--points", "20000", "--seed", str(number), "-o", "old.las",
+                             "--overwrite")
+            address = self.server.address("plain", "old.las")
+            self.assertEqual(self.query(address, cache="whole"), self.query("old.las"))
+        # One that the cache is too small for is fetched by each run.
+        address, size = self.server.address("plain", "site.las"), os.path.getsize(os.path.join(self.folder, "site.las"))
+        self.server.forget()
+        for _ in range(2):
+            self.assertEqual(self.query(address, "--cache-size", "1M", cache="small-whole"), self.query("site.las"))
+        self.assertEqual(self.server.sent, 2 * size)
+
+    def test_sql_uses_the_cache(self):
+        self.run_program("catalog", "site.copc.laz", "-o", "sql.catalog.json")
+        statement = "SELECT id, dist FROM points(690000,5325000,640, 0,0,-1) ORDER BY dist LIMIT 4"
+        expected = self.run_program("sql", "site.copc.laz", statement, "--csv")
+        self.assertEqual(expected.count("\n"), 5)
+        for run in range(2):
+            self.server.forget()
+            address = self.server.address("good", "sql.catalog.json")
+            self.assertEqual(self.run_program("sql", address, statement, "--csv", "--cache", "sql"), expected)
+            self.assertEqual(self.server.requests <= 2, run == 1)
+
     def blocks(self, cache):
         return [os.path.join(folder, file) for folder, _, files in os.walk(os.path.join(self.folder, cache))
                 for file in files if file != "alidade-cache"]

@@ -25,6 +25,7 @@ Everywhere:
 /moved/FILE      redirects to /good/FILE, each time with another ETag
 /moved-bare/FILE  the same, to /bare/FILE
 /bare/FILE       sends neither ETag nor Last-Modified
+/dated/FILE      sends the time of the file's last change as Last-Modified, and no ETag
 /keyed/FILE      answers 403 to requests without the header X-Key: 17
 /silent-3/FILE   does not answer from the fourth request on
 /gone-3/FILE     closes the connection from the fourth request on
@@ -113,7 +114,9 @@ class Handler(http.server.BaseHTTPRequestHandler):
         self.send_response(status)
         if manner != "plain":
             self.send_header("Accept-Ranges", "bytes")
-        if manner not in ("time", "bare"):
+        if manner == "dated":
+            modified = int(os.path.getmtime(os.path.join(server.folder, name)))
+        if manner not in ("time", "bare", "dated"):
             self.send_header("ETag", f'"{tag:x}"')
         if manner != "bare":
             self.send_header("Last-Modified", email.utils.formatdate(modified, usegmt=True))

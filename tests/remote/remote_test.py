@@ -5,7 +5,9 @@ import gzip
 import json
 import os
 import pty
+import re
 import select
+import shutil
 import signal
 import struct
 import subprocess
@@ -134,6 +136,55 @@ class RemoteTest(RemoteCase):
                 self.assertIn("bad.catalog.json:item 1: the href le", message)
                 os.remove(os.path.join(self.folder, "bad.catalog.json"))
 
+    def bucket_settings(self):
+        """Buckets are then the manners of the server."""
+        return {"AWS_S3_ENDPOINT": f"127.0.0.1:{self.server.server_port}", "AWS_HTTPS": "NO",
+                "AWS_VIRTUAL_HOSTING": "FALSE", "AWS_NO_SIGN_REQUEST": "YES"}
+
+    def test_a_checkpoint_continues_only_with_the_same_version(self):
+        def change_tag(path):
+            with open(path, "r+b") as file:
+                file.seek(26)  # the name of a system in the header
+                file.write(b"another")
+
+        def change_time(path):
+            os.utime(path, (1e9, 1e9))
+
+        self.run_program("generate", "courtyard", "--points", "60000", "-o", "sound.las")
+        for number, (address, change) in enumerate(((self.server.address("good", "kept.las"), change_tag),
+                                                    (self.server.address("dated", "kept.las"), change_time),
+                                                    ("s3://dated/kept.las", change_time))):
+            with self.subTest(address):
+                path, state = os.path.join(self.folder, "kept.las"), f"state-{number}"
+                shutil.copyfile(os.path.join(self.folder, "sound.las"), path)
+                words = ("index", address, "--memory", "1M", "-o", f"kept-{number}.alidade", "--checkpoint", state)
+                self.run_program(*words, settings=self.bucket_settings(), succeeds=False, largest_file=1500)
+                with open(os.path.join(self.folder, state, "manifest"), "rb") as manifest:
+                    self.assertIn(b"positions", manifest.read())
+                times = (os.stat(path).st_atime, os.stat(path).st_mtime)
+                change(path)
+                resumed = (*words, "--resume")
+                self.assertRegex(self.run_program(*resumed, settings=self.bucket_settings(), succeeds=False),
+                                 f"{state}: this checkpoint belongs to another run: it has {re.escape(address)} "
+                                 ".+, this run has .+; expected the same cloud and options, or no --resume")
+                if change is change_time:
+                    os.utime(path, times)
+                    self.run_program(*resumed, settings=self.bucket_settings())
+
+    def test_of_buckets_ranges_are_read_and_none_is_cached(self):
+        settings = self.bucket_settings()
+        for name, most in (("site.copc.laz", 0.7), ("site.alidade", 0.3)):
+            size = os.path.getsize(os.path.join(self.folder, name))
+            for address in (f"s3://good/{name}", f"/vsis3/good/{name}"):
+                with self.subTest(address):
+                    self.server.forget()
+                    self.assertEqual(self.query(address, cache="bucket", settings=settings), self.query(name))
+                    self.assertLess(self.server.sent, most * size)
+                    self.assertGreater(self.server.requests, 3)
+        self.assertEqual(os.listdir(os.path.join(self.folder, "bucket")), ["alidade-cache"])
+        self.assertIn("s3://good/none.laz: cannot open the file, which is missing or not yours to read",
+                      self.query("s3://good/none.laz", settings=settings, succeeds=False))
+
     def test_archives_are_read_in_place(self):
         self.assertEqual(self.query("/vsizip/site.zip/tiles/site.las"), self.query("site.las"))
 
@@ -218,6 +269,15 @@ class RemoteTest(RemoteCase):
             self.server.forget()
             self.assertEqual(self.query(self.server.address("plain", name)), self.query(name))
             self.assertEqual(self.server.requests, 1)
+
+    def test_what_a_server_without_ranges_sends_is_kept_in_an_unnamed_file(self):
+        address, scratch = self.server.address("plain", "site.laz"), os.path.join(self.folder, "scratch")
+        os.mkdir(scratch)
+        self.query(address, settings={"TMPDIR": scratch})
+        self.assertEqual(os.listdir(scratch), [])
+        os.rmdir(scratch)
+        self.assertIn("scratch: no folder for temporary files; expected the environment variable TMPDIR",
+                      self.query(address, settings={"TMPDIR": scratch}, succeeds=False))
 
     def test_files_about_as_long_as_the_first_request_are_whole_or_an_error(self):
         points = "".join(f"{690000 + i % 9}.{i % 7} {5325000 + i % 11}.5 {600 + i % 5}.25\n" for i in range(700))

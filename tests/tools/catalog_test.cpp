@@ -124,6 +124,38 @@ TEST_F(CatalogProgramTest, other_commands_take_catalogs_and_crops_open_few_files
   EXPECT_EQ(read("a.las"), read("b.las"));
 }
 
+TEST_F(CatalogProgramTest, sql_takes_catalogs_and_loads_their_points) {
+  make_tiles(4);
+  make_catalog();
+  const std::string statement =
+      "SELECT id, x, y, z, intensity, dist FROM points(690000,5325000,481, 1,0.01,0) WHERE dist <= 3 "
+      "ORDER BY id";
+  const auto answer = [&](const std::string& cloud) {
+    const ProgramResult result = run({"sql", cloud, statement, "--csv", "-q"});
+    EXPECT_EQ(result.exit_code, 0) << result.err;
+    return result.out;
+  };
+  const std::string expected = answer("tiles");
+  EXPECT_GT(std::ranges::count(expected, '\n'), 20);
+  EXPECT_EQ(answer("site.catalog.json"), expected);
+  ASSERT_EQ(run({"sql", "load", "site.catalog.json", "site.db", "-q"}).exit_code, 0);
+  EXPECT_EQ(answer("site.db"), expected);
+  // A catalog of one COPC file is that file, which is not read as a whole.
+  const std::string only = "tiles/tile_0.copc.laz";
+  ASSERT_EQ(run({"catalog", only, "-o", "only.catalog.json", "-q"}).exit_code, 0);
+  const Words nothing = {"sql", "only.catalog.json", "SELECT id FROM points WHERE x < 0", "--explain"};
+  EXPECT_TRUE(contains(run(nothing).err, "alidade: read 0 of ")) << run(nothing).err;
+  EXPECT_FALSE(contains(run(nothing).err, "reading: ")) << run(nothing).err;
+  EXPECT_EQ(answer("only.catalog.json"), answer(only));
+  // Tiles outside of a crop are not opened.
+  fs::remove(folder / "tiles/tile_3.copc.laz");
+  const ProgramResult cropped =
+      run({"sql", "load", "site.catalog.json", "part.db", "--crop", "690000,5324900,690100,5325100"});
+  EXPECT_EQ(cropped.exit_code, 0) << cropped.err;
+  const ProgramResult missing = run({"sql", "site.catalog.json", statement});
+  EXPECT_TRUE(contains(missing.err, "tile_3.copc.laz: cannot open the file")) << missing.err;
+}
+
 TEST_F(CatalogProgramTest, items_are_stac_with_footprints_on_the_globe) {
   fs::create_directories(folder / "tiles/a b");
   ASSERT_EQ(run({"generate", "courtyard", "--points", "2000", "-o", "tiles/a b/ä#1.las", "-q"}).exit_code, 0);

@@ -162,6 +162,7 @@ TEST_F(SqlLoadTest, usage_is_explained) {
     EXPECT_TRUE(contains(result.err, text)) << result.err;
   };
   says({"square.xyz", "square.las"}, {}, "square.las: the database name is that of a cloud file");
+  says({"square.xyz", "a.catalog.json"}, {}, "a.catalog.json: the database name is that of a cloud file");
   says({"square.xyz", "absent/site.db"}, {}, "absent/site.db: cannot write the file");
   says({"absent.las", "site.db"}, {}, "absent.las");
   says({"square.xyz", "square.db"}, {"--chunk-points=0"}, "--chunk-points");

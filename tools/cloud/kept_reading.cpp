@@ -106,7 +106,8 @@ KeptReading::KeptReading(const CheckpointRequest& request, const CloudInputs& in
   checkpoint_.emplace(PartsOptions{.file = request.file,
                                    .interval = request.interval,
                                    .resume = request.resume,
-                                   .failed = checkpoint_warning()},
+                                   .failed = checkpoint_warning(),
+                                   .is_interrupted = interrupted},
                       reading_fingerprint(*request.command, inputs));
   if (!request.resume) return;
   const std::string name = request.file.string();

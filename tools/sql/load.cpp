@@ -2,6 +2,7 @@
 #include <fmt/format.h>
 
 #include "base/words.h"
+#include "cloud/catalog.h"
 #include "cloud/read_cloud.h"
 #include "database/server/server_clouds.h"
 #include "database/server/server_name.h"
@@ -43,7 +44,8 @@ void check_name(const std::filesystem::path& database) {
   constexpr const char* k_clouds[] = {".las", ".laz", ".ply", ".pcd",     ".e57",    ".pts",
                                       ".ptx", ".xyz", ".csv", ".alidade", ".parquet"};
   const std::string extension = file_extension(database);
-  if (std::ranges::find(k_clouds, extension) == std::end(k_clouds)) return;
+  if (!is_catalog_name(database.string()) && std::ranges::find(k_clouds, extension) == std::end(k_clouds))
+    return;
   throw file_error(database, "the database name is that of a cloud file",
                    "the database as the last name, such as site.db");
 }
@@ -117,7 +119,7 @@ Command add_sql_load(const Options& sql) {
   const Options load = sql.command("load", "Store a cloud in a database");
   load.required().words(
       "files", "FILE... DB",
-      "cloud files, folders or patterns such as 'tiles/*.las', joined into one cloud; then the "
+      "cloud files, folders, catalogs or patterns such as 'tiles/*.las', joined into one cloud; then the "
       "database, an SQLite file, created if missing, or 'postgresql://HOST/DATABASE?table=NAME'",
       [command](const std::vector<std::string>& words) { command->files.assign(words.begin(), words.end()); },
       2);

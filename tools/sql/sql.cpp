@@ -10,6 +10,7 @@
 #include "tools/cloud/load_cloud.h"
 #include "tools/command.h"
 #include "tools/sql/statements.h"
+#include "tools/view_options.h"
 
 namespace alidade::tools {
 namespace {
@@ -97,7 +98,7 @@ Command add_sql(const Options& program) {
       program.command("sql", "Query clouds in files or databases with SQL, and load databases");
   const auto command = std::make_shared<SqlCommand>();
   sql.file("cloud", "CLOUD",
-           "SQLite file with clouds; or a cloud: a file, folder or pattern, as the table points",
+           "SQLite file with clouds; or a cloud: a file, folder, pattern or catalog, as the table points",
            command->cloud);
   const Option statement = sql.text(
       "statement", "STATEMENT", "SQL to run; - reads standard input; without it a terminal opens a prompt",
@@ -110,6 +111,7 @@ Command add_sql(const Options& program) {
   sql.flag("--explain", "print what was read, the time, and how the statement was rewritten, or why not",
            command->explain);
   add_run_options(sql, *command);
+  add_cache_options(sql);
   Command added = command_of(sql, command, run);
   added.run = [command, statement, with_words = added.run](const CommandLine& words) {
     command->has_statement = statement.given();

@@ -38,6 +38,12 @@ mkdir "$folder"
 cd "$folder"
 "$program" generate courtyard --points 20000 --seed 3 -o yard.las -q
 "$program" sql load yard.las "$(table points)" -q
+# A catalog is the files that it lists.
+"$program" query yard.las --box -1e9,-1e9,-1e9,690000,1e9,1e9 -o west.las -q
+"$program" catalog west.las yard.las -o both.catalog.json -q
+"$program" sql load both.catalog.json "$(table of_catalog)" -q
+expect 'rows of a catalog' "$("$program" sql both.catalog.json 'SELECT count(*), sum(id) FROM points' --csv -q | tail -1)" \
+  "$(sql 'SELECT count(*), sum(id) FROM of_catalog' | tr '|' ,)"
 
 # Of the same points: the file, and the table whether memory holds them or not.
 answers() { "$program" query "$1" --ray 690000,5325000,650,0.01,0,-1 --radius 3 --class 2 -q; }

@@ -10,6 +10,8 @@
 #include <cstring>
 #include <fstream>
 #include <memory>
+#include <thread>
+#include <vector>
 
 #include "base/output_file.h"
 #include "base/remote_map.h"
@@ -178,6 +180,36 @@ TEST_F(RemoteIndex, what_all_maps_hold_together_is_limited) {
   const auto map = RemoteMap::open(k_name, 70 * 4096);
   RemoteMap::touch(map->bytes());
   RemoteMap::check_all();
+}
+
+TEST_F(RemoteIndex, of_many_threads_each_gets_the_bytes_or_learns_that_the_network_failed) {
+  constexpr std::size_t k_pages = 1000, k_threads = 8, k_step = 37;
+  for (const int most : {1 << 20, 300}) {
+    serve(numbered_pages(k_pages), most);
+    std::atomic<int> with_wrong_bytes = 0, failed = 0;
+    {
+      const auto map = RemoteMap::open(k_name);
+      std::vector<std::jthread> threads;
+      for (std::size_t thread = 0; thread < k_threads; ++thread)
+        threads.emplace_back([&, thread] {
+          bool is_right = true;
+          for (std::size_t i = 0; i < k_pages; ++i) {
+            const std::size_t at = (i * k_step + thread * (k_pages / k_threads)) % k_pages * 4096;
+            is_right &= map->bytes()[at] == served[at];
+          }
+          bool has_failed = false;
+          try {
+            RemoteMap::check(map->bytes().data());
+          } catch (const Error&) {
+            has_failed = true;
+          }
+          failed += has_failed ? 1 : 0;
+          with_wrong_bytes += is_right || has_failed ? 0 : 1;
+        });
+    }
+    EXPECT_EQ(with_wrong_bytes, 0);
+    EXPECT_EQ(failed, most == 300 ? static_cast<int>(k_threads) : 0);
+  }
 }
 
 TEST_F(RemoteIndex, a_size_that_the_server_makes_up_takes_no_memory) {
