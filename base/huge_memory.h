@@ -9,6 +9,7 @@
 #include <optional>
 #include <type_traits>
 #include <utility>
+#include <vector>
 
 namespace alidade {
 
@@ -69,6 +70,38 @@ class HugeArray {
   Value* values_ = nullptr;
   std::size_t size_ = 0;
 };
+
+/// Allocates the values of containers in such memory.
+template <class Value>
+class PageAllocator {
+ public:
+  using value_type = Value;
+  using is_always_equal = std::true_type;  // give_back_pages() takes pages of any origin
+  using propagate_on_container_move_assignment = std::true_type;
+  using propagate_on_container_swap = std::true_type;
+
+  PageAllocator() = default;
+  PageAllocator(const ScratchFolder& scratch)
+      : scratch_(scratch ? std::make_shared<const std::filesystem::path>(*scratch) : nullptr) {}
+  template <class Other>
+  PageAllocator(const PageAllocator<Other>& other) : scratch_(other.scratch()) {}
+
+  Value* allocate(std::size_t count) {
+    const std::size_t bytes = count * sizeof(Value);
+    return static_cast<Value*>(scratch_ ? take_pages(bytes, *scratch_) : take_pages(bytes));
+  }
+  void deallocate(Value* values, std::size_t count) { give_back_pages(values, count * sizeof(Value)); }
+
+  const std::shared_ptr<const std::filesystem::path>& scratch() const { return scratch_; }
+  bool operator==(const PageAllocator&) const { return true; }
+
+ private:
+  std::shared_ptr<const std::filesystem::path> scratch_{};  ///< null: in memory
+};
+
+/// A vector in such memory: HugeVector<float> values(size, 0.0f, octree.scratch()).
+template <class Value>
+using HugeVector = std::vector<Value, PageAllocator<Value>>;
 
 /// Gives memory back to the system while its contents are used up, in any order and from many threads: a
 /// block goes as soon as its last byte was used. So an array can move into another one without both being

@@ -87,6 +87,12 @@ void move_behind(std::vector<Value>& values, std::vector<Value>& more) {
   std::ranges::move(more, std::back_inserter(values));
 }
 
+/// The first marked row that is not before this one.
+std::size_t marked_row(std::span<const std::uint8_t> marks, std::size_t row) {
+  while (row < marks.size() && marks[row] == 0) ++row;
+  return row;
+}
+
 /// Calls move(from, to) for every row that stays, in order; returns how many there are. `next(row)` is the
 /// first row behind `row` that stays.
 template <class Next, class Move>
@@ -98,13 +104,13 @@ std::size_t close_up(std::size_t first, std::size_t size, const Next& next, cons
 
 /// Counts the points of each file again, if the files account for all rows.
 template <class Next>
-void count_points(PointCloud& cloud, std::size_t first, const Next& next) {
+void count_points(std::vector<CloudFile>& files, std::size_t size, std::size_t first, const Next& next) {
   std::uint64_t end = 0;
-  for (const CloudFile& file : cloud.files) end += file.point_count;
-  if (end != cloud.size()) return;
+  for (const CloudFile& file : files) end += file.point_count;
+  if (end != size) return;
   end = 0;
   std::size_t row = first;
-  for (CloudFile& file : cloud.files) {
+  for (CloudFile& file : files) {
     end += file.point_count;
     file.point_count = 0;
     for (; row < end; row = next(row)) ++file.point_count;
@@ -114,7 +120,7 @@ void count_points(PointCloud& cloud, std::size_t first, const Next& next) {
 template <class Next>
 void keep(PointCloud& cloud, std::size_t first, const Next& next) {
   const std::size_t size = cloud.size();
-  count_points(cloud, first, next);
+  count_points(cloud.files, size, first, next);
   const auto close_column = [&](auto& column) {
     return close_up(first, size, next, [&](std::size_t from, std::size_t to) { column[to] = column[from]; });
   };
@@ -176,11 +182,12 @@ void append_cloud(PointCloud& cloud, PointCloud&& piece) {
 
 void keep_rows(PointCloud& cloud, std::span<const std::uint8_t> marks) {
   assert(marks.size() == cloud.size());
-  const auto at_or_behind = [&](std::size_t row) {
-    while (row < marks.size() && marks[row] == 0) ++row;
-    return row;
-  };
-  keep(cloud, at_or_behind(0), [&](std::size_t row) { return at_or_behind(row + 1); });
+  keep(cloud, marked_row(marks, 0), [&](std::size_t row) { return marked_row(marks, row + 1); });
+}
+
+void count_points(std::vector<CloudFile>& files, std::span<const std::uint8_t> marks) {
+  count_points(files, marks.size(), marked_row(marks, 0),
+               [&](std::size_t row) { return marked_row(marks, row + 1); });
 }
 
 void keep_every(PointCloud& cloud, std::uint64_t step) {

@@ -50,6 +50,9 @@ void append_cloud(PointCloud& cloud, PointCloud&& piece);
 /// column.
 void keep_rows(PointCloud& cloud, std::span<const std::uint8_t> marks);
 
+/// Counts the points of each file that keep_rows() leaves, if the files account for all rows.
+void count_points(std::vector<CloudFile>& files, std::span<const std::uint8_t> marks);
+
 /// Keeps the first point and every `step`-th from there on: rows 0, step, 2 * step ... As keep_rows(); `step`
 /// is at least 1.
 void keep_every(PointCloud& cloud, std::uint64_t step);

@@ -3,20 +3,17 @@
 
 #include <fmt/format.h>
 #include <algorithm>
-#include <bit>
+#include <cassert>
 #include <type_traits>
 #include <utility>
 
 #include "base/error.h"
+#include "base/huge_memory.h"
 #include "cloud/read_in_pieces.h"
 #include "cloud/rows.h"
 
 namespace alidade {
 namespace {
-
-std::size_t number_of(Attribute attribute) {
-  return static_cast<std::size_t>(std::countr_zero(static_cast<std::uint32_t>(attribute)));
-}
 
 /// Columns without rows keep the memory that these took.
 void give_back_room(PointCloud& cloud) {
@@ -165,11 +162,8 @@ void ScratchCloud::keep() {
   checkpoint_->keep(size_, files);
 }
 
-template <class Value>
-std::span<const Value> ScratchCloud::values(std::size_t number) {
-  if (number >= columns_.size()) return {};
-  const std::span<std::byte> bytes = columns_[number].file.map();
-  return {reinterpret_cast<const Value*>(bytes.data()), bytes.size() / sizeof(Value)};
+std::span<std::byte> ScratchCloud::bytes_of(std::size_t number) {
+  return number < columns_.size() ? columns_[number].file.map() : std::span<std::byte>();
 }
 
 std::span<LatticePosition> ScratchCloud::positions() {
@@ -180,11 +174,15 @@ std::span<LatticePosition> ScratchCloud::positions() {
 AttributeColumns ScratchCloud::columns() {
   AttributeColumns columns;
   for_each_column(columns, [&](Attribute attribute, auto& column) {
-    column = values<std::remove_cvref_t<decltype(column[0])>>(number_of(attribute));
+    using Value = std::remove_cvref_t<decltype(column[0])>;
+    column = std::span<const Value>(column_of<Value>(attribute));
   });
   std::size_t number = number_of(Attribute::extra_dimensions);
-  for (const ExtraDimension& dimension : facts_.extra_dimensions)
-    columns.extra_dimensions.push_back({description_of(dimension), values<std::uint8_t>(number++)});
+  for (const ExtraDimension& dimension : facts_.extra_dimensions) {
+    const std::span<std::byte> bytes = bytes_of(number++);
+    columns.extra_dimensions.push_back(
+        {description_of(dimension), {reinterpret_cast<const std::uint8_t*>(bytes.data()), bytes.size()}});
+  }
   return columns;
 }
 
@@ -206,6 +204,44 @@ PointCloud ScratchCloud::rows(std::size_t first, std::size_t count) {
     some.extra_dimensions[i].values.assign(part.begin(), part.end());
   }
   return some;
+}
+
+void ScratchCloud::keep_rows(std::span<const std::uint8_t> marks) {
+  assert(!checkpoint_ && marks.size() == size());
+  constexpr std::size_t k_block = std::size_t{1} << 20;
+  const auto close_up = [&](ScratchFile& file, std::size_t value_bytes) {
+    const std::span<const std::byte> all = file.map();
+    if (all.empty()) return;
+    ScratchFile kept(folder_);
+    std::vector<std::byte> block;
+    for (std::size_t row = 0; row < marks.size(); ++row) {
+      if (marks[row] == 0) continue;
+      const auto value = all.subspan(row * value_bytes, value_bytes);
+      block.insert(block.end(), value.begin(), value.end());
+      if (block.size() < k_block) continue;
+      kept.append(block);
+      block.clear();
+    }
+    kept.append(block);
+    file = std::move(kept);
+  };
+  close_up(positions_, sizeof(LatticePosition));
+  for (Column& column : columns_) close_up(column.file, column.value_bytes);
+  count_points(facts_.files, marks);
+  size_ = positions_.size() / sizeof(LatticePosition);
+}
+
+void ScratchCloud::add_normals() {
+  assert(!checkpoint_);
+  ScratchFile& file = column(number_of(Attribute::normal), sizeof(glm::vec3)).file;
+  file.append_zeros(size_ * sizeof(glm::vec3) - file.size());
+}
+
+void keep_every(ScratchCloud& cloud, std::uint64_t step) {
+  HugeVector<std::uint8_t> marks(cloud.size(), 0, ScratchFolder(cloud.folder()));
+  for (std::size_t row = 0; row < marks.size(); row += std::min<std::uint64_t>(step, marks.size() - row))
+    marks[row] = 1;
+  cloud.keep_rows(marks);
 }
 
 }  // namespace alidade

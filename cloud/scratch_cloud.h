@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
+#include <bit>
 #include <cstddef>
 #include <cstdint>
 #include <functional>
@@ -28,6 +29,8 @@ class ScratchCloud {
                ScratchCheckpoint* checkpoint = nullptr);
 
   std::size_t size() const { return static_cast<std::size_t>(size_); }
+  /// Of its scratch files.
+  const std::filesystem::path& folder() const { return folder_; }
   /// Lattice, reference system, records, files, warnings, and extra dimensions without their values; no points.
   const PointCloud& facts() const { return facts_; }
   /// By row. They may be changed, but with a checkpoint they are read-only memory.
@@ -36,8 +39,21 @@ class ScratchCloud {
   AttributeColumns columns();
   /// The same with the positions.
   PointColumns points() { return {facts_.lattice, positions(), columns()}; }
+  /// One column, by row, which may be changed as positions() may; empty if the cloud does not have it. Value: that of
+  /// the column in PointCloud.
+  template <class Value>
+  std::span<Value> column_of(Attribute attribute) {
+    const std::span<std::byte> bytes = bytes_of(number_of(attribute));
+    return {reinterpret_cast<Value*>(bytes.data()), bytes.size() / sizeof(Value)};
+  }
   /// Some rows in memory, with the columns that the cloud has.
   PointCloud rows(std::size_t first, std::size_t count);
+
+  /// keep_rows() of cloud/rows.h: the same rows stay. Spans of the cloud become invalid. Space on the disk: that of one
+  /// column of what stays. Requires: no checkpoint. Errors: those of scratch files.
+  void keep_rows(std::span<const std::uint8_t> marks);
+  /// Adds a column of normals, all zero, if the cloud does not have it. Requires and errors as above.
+  void add_normals();
 
  private:
   void take(PointCloud& piece);
@@ -46,8 +62,10 @@ class ScratchCloud {
   template <class Value>
   void spread_values(Attribute attribute, const std::function<void(std::span<Value>, std::uint64_t)>& spread);
   void keep();
-  template <class Value>
-  std::span<const Value> values(std::size_t number);
+  static std::size_t number_of(Attribute attribute) {
+    return static_cast<std::size_t>(std::countr_zero(static_cast<std::uint32_t>(attribute)));
+  }
+  std::span<std::byte> bytes_of(std::size_t number);
 
   struct Column {
     std::size_t value_bytes = 0;  ///< per point; 0: the cloud does not have it
@@ -66,5 +84,8 @@ class ScratchCloud {
       columns_;  ///< by number of the attribute's bit; extra dimensions from that of theirs on
   PointCloud facts_;
 };
+
+/// keep_every() of cloud/rows.h, as ScratchCloud::keep_rows().
+void keep_every(ScratchCloud& cloud, std::uint64_t step);
 
 }  // namespace alidade

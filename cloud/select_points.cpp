@@ -11,7 +11,9 @@
 #include <limits>
 
 #include "base/error.h"
+#include "base/huge_memory.h"
 #include "cloud/rows.h"
+#include "cloud/scratch_cloud.h"
 
 namespace alidade {
 
@@ -53,6 +55,14 @@ void keep_positions(PointCloud& cloud, const Stays& stays, const Progress& progr
 
 constexpr std::uint64_t k_most = std::numeric_limits<std::uint32_t>::max();
 
+/// What thinning reads and averages.
+struct ThinnedColumns {
+  Lattice lattice;
+  std::span<const LatticePosition> positions;
+  std::span<Color16> colors;
+  std::span<std::uint16_t> near_infrared, intensities;
+};
+
 /// A point and its cube, counted from the lowest one of the cloud.
 struct Entry {
   std::array<std::uint32_t, 3> cube;
@@ -65,7 +75,7 @@ struct Entry {
 /// The cubes of the grid.
 class Grid {
  public:
-  Grid(const PointCloud& cloud, double edge) : lattice_(cloud.lattice), edge_(edge) {
+  Grid(const ThinnedColumns& cloud, double edge) : lattice_(cloud.lattice), edge_(edge) {
     LatticeExtent extent;
     for (const LatticePosition& position : cloud.positions) extent.grow(position);
     // The number of a cube never falls when a coordinate grows, so the first and last are those of the box.
@@ -99,21 +109,23 @@ class Grid {
   glm::dvec3 first_{0.0};
 };
 
-std::vector<Entry> sorted_entries(const PointCloud& cloud, double edge, const Progress& progress) {
+HugeArray<Entry> sorted_entries(const ThinnedColumns& cloud, double edge, const ScratchFolder& scratch,
+                                const Progress& progress) {
   const Grid grid(cloud, edge);
-  std::vector<Entry> entries(cloud.size());
-  for_parts(cloud.size(), {}, [&](std::size_t begin, std::size_t end) {
+  const std::size_t size = cloud.positions.size();
+  HugeArray<Entry> entries(size, scratch);
+  for_parts(size, {}, [&](std::size_t begin, std::size_t end) {
     for (std::size_t row = begin; row < end; ++row)
       entries[row] = {grid(cloud.positions[row]), static_cast<std::uint32_t>(row)};
   });
-  report(progress, 0, cloud.size());
-  tbb::parallel_sort(entries.begin(), entries.end());
+  report(progress, 0, size);
+  tbb::parallel_sort(entries.data(), entries.data() + size);
   return entries;
 }
 
 /// The row nearest to the mean of the cube's points. Differences are taken times the number of points, in
 /// whole steps, so that equal distances are equal.
-std::uint32_t nearest_to_mean(const PointCloud& cloud, std::span<const Entry> cube) {
+std::uint32_t nearest_to_mean(const ThinnedColumns& cloud, std::span<const Entry> cube) {
   const glm::i64vec3 origin(cloud.positions[cube.front().row]);
   glm::i64vec3 sum(0);
   for (const Entry& entry : cube) sum += glm::i64vec3(cloud.positions[entry.row]) - origin;
@@ -142,7 +154,7 @@ std::uint16_t mean(std::span<const Entry> cube, const Value& value) {
 }
 
 /// Marks the point that stays for a cube, and gives it the means.
-void choose(PointCloud& cloud, std::span<const Entry> cube, std::vector<std::uint8_t>& marks) {
+void choose(const ThinnedColumns& cloud, std::span<const Entry> cube, HugeVector<std::uint8_t>& marks) {
   const std::uint32_t chosen = nearest_to_mean(cloud, cube);
   marks[chosen] = 1;
   if (!cloud.colors.empty()) {
@@ -151,7 +163,7 @@ void choose(PointCloud& cloud, std::span<const Entry> cube, std::vector<std::uin
       color[channel] = mean(cube, [&](std::uint32_t row) { return cloud.colors[row][channel]; });
     cloud.colors[chosen] = color;
   }
-  const auto average = [&](std::vector<std::uint16_t>& column) {
+  const auto average = [&](std::span<std::uint16_t> column) {
     if (!column.empty()) column[chosen] = mean(cube, [&](std::uint32_t row) { return column[row]; });
   };
   average(cloud.near_infrared);
@@ -159,8 +171,8 @@ void choose(PointCloud& cloud, std::span<const Entry> cube, std::vector<std::uin
 }
 
 /// Calls choose() for the cubes whose first entry lies in [begin, end).
-void choose_in(PointCloud& cloud, std::span<const Entry> entries, std::size_t begin, std::size_t end,
-               std::vector<std::uint8_t>& marks) {
+void choose_in(const ThinnedColumns& cloud, std::span<const Entry> entries, std::size_t begin,
+               std::size_t end, HugeVector<std::uint8_t>& marks) {
   std::size_t first = begin;
   while (first > 0 && first < end && entries[first].cube == entries[first - 1].cube) ++first;
   while (first < end) {
@@ -169,6 +181,28 @@ void choose_in(PointCloud& cloud, std::span<const Entry> entries, std::size_t be
     choose(cloud, entries.subspan(first, behind - first), marks);
     first = behind;
   }
+}
+
+/// Marks for the rows that stay, whose values become the means.
+HugeVector<std::uint8_t> thinned(const ThinnedColumns& cloud, double edge, const ScratchFolder& scratch,
+                                 const Progress& progress) {
+  if (!(edge > 0.0 && std::isfinite(edge))) {
+    throw Error(
+        {.problem = "invalid spacing", .expected = "a positive length", .found = fmt::format("{}", edge)});
+  }
+  const std::size_t size = cloud.positions.size();
+  if (size > k_most) {
+    throw Error({.problem = "too many points to thin",
+                 .expected = fmt::format("at most {}", k_most),
+                 .found = std::to_string(size)});
+  }
+  HugeVector<std::uint8_t> marks(size, 0, scratch);
+  if (size == 0) return marks;
+  const HugeArray<Entry> entries = sorted_entries(cloud, edge, scratch, progress);
+  for_parts(size, progress, [&](std::size_t begin, std::size_t end) {
+    choose_in(cloud, {entries.data(), size}, begin, end, marks);
+  });
+  return marks;
 }
 
 }  // namespace
@@ -303,24 +337,17 @@ void crop(PointCloud& cloud, std::span<const PlanePolygon> polygons, const Progr
 }
 
 void thin(PointCloud& cloud, double edge, const Progress& progress) {
-  if (!(edge > 0.0 && std::isfinite(edge))) {
-    throw Error(
-        {.problem = "invalid spacing", .expected = "a positive length", .found = fmt::format("{}", edge)});
-  }
-  const std::size_t size = cloud.size();
-  if (size == 0) return;
-  if (size > k_most) {
-    throw Error({.problem = "too many points to thin",
-                 .expected = fmt::format("at most {}", k_most),
-                 .found = std::to_string(size)});
-  }
-  std::vector<std::uint8_t> marks(size, 0);
-  {
-    const std::vector<Entry> entries = sorted_entries(cloud, edge, progress);
-    for_parts(size, progress,
-              [&](std::size_t begin, std::size_t end) { choose_in(cloud, entries, begin, end, marks); });
-  }
-  keep_rows(cloud, marks);
+  const ThinnedColumns columns{cloud.lattice, cloud.positions, cloud.colors, cloud.near_infrared,
+                               cloud.intensities};
+  keep_rows(cloud, thinned(columns, edge, {}, progress));
+}
+
+void thin(ScratchCloud& cloud, double edge, const Progress& progress) {
+  const ThinnedColumns columns{cloud.facts().lattice, cloud.positions(),
+                               cloud.column_of<Color16>(Attribute::color),
+                               cloud.column_of<std::uint16_t>(Attribute::near_infrared),
+                               cloud.column_of<std::uint16_t>(Attribute::intensity)};
+  cloud.keep_rows(thinned(columns, edge, cloud.folder(), progress));
 }
 
 }  // namespace alidade

@@ -11,6 +11,8 @@
 
 namespace alidade {
 
+class ScratchCloud;
+
 /// A polygon in the plane, in world units. The last corner of a ring is joined to its first. Inside is what
 /// lies inside an odd number of rings, so that rings inside others are holes whichever way they run.
 struct PlanePolygon {
@@ -39,8 +41,9 @@ void crop(PointCloud& cloud, std::span<const PlanePolygon> polygons, const Progr
 /// over the cube's points, rounded. Points that stay keep their order. The result does not depend on the
 /// number of threads; on the order of points only where several are equally near, and in that of the result.
 ///
-/// `progress` is in points. Memory: 17 B per point. Cost: that of sorting. Errors: an edge that is not a
+/// `progress` is in points. Memory: 17 B per point, of a ScratchCloud in scratch files. Cost: that of sorting. Errors: an edge that is not a
 /// positive number; more than 2^32 - 1 cubes along an axis; more than 2^32 - 1 points.
 void thin(PointCloud& cloud, double edge, const Progress& progress = {});
+void thin(ScratchCloud& cloud, double edge, const Progress& progress = {});
 
 }  // namespace alidade

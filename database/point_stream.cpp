@@ -275,6 +275,21 @@ OrderedCloud::OrderedCloud(const std::filesystem::path& folder, const CloudInput
 
 OrderedCloud::OrderedCloud(const std::filesystem::path& folder, const PointCloud& cloud) : points(folder) {
   points.finish(cloud);
+  describe(cloud);
+}
+
+OrderedCloud::OrderedCloud(const std::filesystem::path& folder, const PointCloud& facts,
+                           std::uint64_t point_count, const PointPieces& pieces)
+    : points(folder) {
+  while (points.size() < point_count) {
+    PointCloud piece = pieces(points.size());
+    points.add(piece);
+  }
+  points.finish(whole.rest);
+  describe(facts);
+}
+
+void OrderedCloud::describe(const PointCloud& cloud) {
   whole.rest.lattice = cloud.lattice;
   whole.rest.crs = cloud.crs;
   whole.rest.gps_time_is_standard = cloud.gps_time_is_standard;

@@ -17,6 +17,7 @@
 #include "base/scratch_file.h"
 #include "cloud/point_cloud.h"
 #include "cloud/read_in_pieces.h"
+#include "cloud/written_column.h"
 #include "database/stored_column.h"
 
 namespace alidade::database {
@@ -156,6 +157,9 @@ struct OrderedCloud {
                std::uint64_t memory);
   /// The cloud must outlive it.
   OrderedCloud(const std::filesystem::path& folder, const PointCloud& cloud);
+  /// A cloud of so many points that comes in pieces; `facts` has no points.
+  OrderedCloud(const std::filesystem::path& folder, const PointCloud& facts, std::uint64_t point_count,
+               const PointPieces& pieces);
 
   /// stored_columns() of those that some piece had.
   std::vector<StoredColumn> columns() const;
@@ -166,6 +170,9 @@ struct OrderedCloud {
 
   PointStream points;
   PiecewiseCloud whole;
+
+ private:
+  void describe(const PointCloud& cloud);
 };
 
 }  // namespace alidade::database

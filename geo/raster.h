@@ -6,9 +6,9 @@
 #include <filesystem>
 #include <glm/vec2.hpp>
 #include <optional>
-#include <vector>
 
 #include "base/bounds.h"
+#include "base/huge_memory.h"
 
 namespace alidade::geo {
 
@@ -41,10 +41,11 @@ struct RasterGrid {
 template <class Value>
 struct Raster {
   RasterGrid grid;
-  std::vector<Value> values;
+  HugeVector<Value> values;
 
   Raster() = default;
-  Raster(const RasterGrid& on, Value value) : grid(on), values(on.size(), value) {}
+  Raster(const RasterGrid& on, Value value, const PageAllocator<Value>& pages = {})
+      : grid(on), values(on.size(), value, pages) {}
 
   Value& at(int column, int row) { return values[grid.index(column, row)]; }
   const Value& at(int column, int row) const { return values[grid.index(column, row)]; }

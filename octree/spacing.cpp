@@ -236,4 +236,13 @@ std::vector<double> spacings_in_order(const TreeView& tree) {
   return spacings;
 }
 
+HugeVector<float> spacings_in_order(const Octree& octree) {
+  const TreeView& tree = octree.view();
+  HugeVector<float> spacings(tree.point_count, octree.scratch());
+  for (std::uint32_t position = 0; position < tree.point_count; ++position)
+    spacings[point_id(tree, position)] =
+        static_cast<float>(spacing_at(tree, position));  // 16 bits of a float
+  return spacings;
+}
+
 }  // namespace alidade

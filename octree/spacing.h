@@ -8,6 +8,7 @@
 #include <glm/vec3.hpp>
 #include <vector>
 
+#include "base/huge_memory.h"
 #include "base/progress.h"
 #include "octree/octree.h"
 #include "octree/query.h"
@@ -65,6 +66,8 @@ double sphere_radius(const RayQuery& query, const Hit& hit);
 
 /// The spacings by point id, metres. Requires spacings. Cost: linear.
 std::vector<double> spacings_in_order(const TreeView& tree);
+/// The same numbers where the octree's spacings lie: in memory, or in a scratch file. 4 B per point.
+HugeVector<float> spacings_in_order(const Octree& octree);
 
 /// The greatest spacings below the slots of a node, as TreeView::slot_spacings has them; 0 for empty slots.
 /// slot_spacings: those of all nodes behind this one are read, among which its children are. Requires

@@ -239,6 +239,13 @@ void write_parquet(const std::filesystem::path& file, const PointCloud& cloud,
   ParquetFile(file, ordered, options).write();
 }
 
+void write_parquet(const std::filesystem::path& file, const PointCloud& facts, std::uint64_t point_count,
+                   const PointPieces& pieces, const ParquetOptions& options) {
+  check(file, options);
+  OrderedCloud ordered(file.parent_path(), facts, point_count, pieces);
+  ParquetFile(file, ordered, options).write();
+}
+
 StoredFiles write_parquet(const std::filesystem::path& file, const CloudInputs& inputs,
                           const ReadOptions& reading, const ParquetOptions& options) {
   check(file, options);

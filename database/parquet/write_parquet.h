@@ -37,6 +37,11 @@ struct ParquetOptions {
 void write_parquet(const std::filesystem::path& file, const PointCloud& cloud,
                    const ParquetOptions& options = {});
 
+/// The same for a cloud of so many points that comes in pieces, with memory for one of them, 36 bytes per point of it,
+/// and two blocks of 1024 points for each piece. `facts`: its lattice, reference system and extra dimensions.
+void write_parquet(const std::filesystem::path& file, const PointCloud& facts, std::uint64_t point_count,
+                   const PointPieces& pieces, const ParquetOptions& options = {});
+
 /// The same for cloud files, whose points memory need not hold. Memory: ParquetOptions::memory, two blocks of
 /// 1024 points for each time that memory was full, at most some 300 MB for what is under way, and what
 /// CloudReader::read_in_pieces() says.

@@ -165,5 +165,30 @@ TEST_F(ScratchFileTest, holds_large_arrays) {
   small[99] = 1;
 }
 
+TEST_F(ScratchFileTest, holds_large_vectors_and_what_they_are_moved_and_copied_to) {
+  constexpr std::size_t k_size = std::size_t{1} << 20;
+  const auto lies_in_file = [](const HugeVector<float>& values) {
+    std::ifstream maps("/proc/self/maps");
+    for (std::string line; std::getline(maps, line);) {
+      std::uint64_t begin = 0, end = 0;
+      if (std::sscanf(line.c_str(), "%lx-%lx", &begin, &end) != 2) continue;
+      const auto address = reinterpret_cast<std::uint64_t>(values.data());
+      if (begin <= address && address < end) return line.find("(deleted)") != std::string::npos;
+    }
+    return false;
+  };
+  HugeVector<float> values(k_size, 7.0f, ScratchFolder(folder_));
+  EXPECT_TRUE(lies_in_file(values));
+  EXPECT_EQ(values.back(), 7.0f);
+  HugeVector<float> moved;
+  moved = std::move(values);
+  moved.push_back(8.0f);
+  EXPECT_TRUE(lies_in_file(moved));
+  EXPECT_TRUE(lies_in_file(HugeVector<float>(moved)));
+  EXPECT_EQ(moved[0], 7.0f);
+  EXPECT_FALSE(lies_in_file(HugeVector<float>(k_size, 7.0f)));
+  EXPECT_THROW(HugeVector<float>(k_size, 7.0f, ScratchFolder(folder_ / "missing")), Error);
+}
+
 }  // namespace
 }  // namespace alidade

@@ -2,6 +2,8 @@
 #include "cloud/scratch_cloud.h"
 
 #include "cloud/las/write_las.h"
+#include "cloud/rows.h"
+#include "cloud/select_points.h"
 #include "tests/cloud/cloud_test_support.h"
 #include "tests/support/random.h"
 
@@ -124,6 +126,37 @@ TEST_F(ScratchCloudTest, more_kept_rows_than_the_input_has_are_an_error) {
   EXPECT_NE(test::error_of([&] { read(folder_ / "b.las", &state); }).find("more points than the input has"),
             std::string::npos);
   EXPECT_TRUE(state.is_corrupt());
+}
+
+TEST_F(ScratchCloudTest, chosen_rows_are_those_of_a_cloud_in_memory) {
+  write_las(folder_ / "a.las", colored_cloud());
+  PointCloud whole = read_cloud(folder_ / "a.las");
+  ScratchCloud parts = read(folder_ / "a.las", nullptr);
+  const auto expect_same = [&] {
+    ASSERT_EQ(parts.size(), whole.size());
+    const PointCloud rows = parts.rows(0, parts.size());
+    EXPECT_TRUE(rows.positions == whole.positions);
+    EXPECT_TRUE(rows.intensities == whole.intensities);
+    EXPECT_TRUE(rows.colors == whole.colors);
+    EXPECT_EQ(rows.attributes().bits, whole.attributes().bits);
+    EXPECT_EQ(parts.facts().files.front().point_count, whole.files.front().point_count);
+  };
+  keep_every(whole, 3);
+  keep_every(parts, 3);
+  expect_same();
+  const double edge = 1.0;  // cubes with several points
+  thin(whole, edge);
+  thin(parts, edge);
+  EXPECT_LT(whole.size(), k_points / 6);
+  expect_same();
+  parts.add_normals();
+  whole.normals.resize(whole.size());
+  expect_same();
+  parts.column_of<glm::vec3>(Attribute::normal).back() = {0, 0, 1};
+  EXPECT_EQ(parts.rows(parts.size() - 1, 1).normals.front().z, 1.0f);
+  keep_every(parts, UINT64_MAX);
+  EXPECT_EQ(parts.size(), 1u);
+  EXPECT_EQ(parts.columns().normals.size(), 1u);
 }
 
 }  // namespace

@@ -266,7 +266,7 @@ TEST(FillGapsTest, values_stay_and_nothing_comes_from_nothing) {
   EXPECT_TRUE(std::isnan(raster.values[1]));
   raster.values[2] = 5.0;
   fill_gaps(raster);
-  EXPECT_EQ(raster.values, (std::vector<double>{5.0, 5.0, 5.0}));
+  EXPECT_EQ(raster.values, (HugeVector<double>{5.0, 5.0, 5.0}));
 }
 
 }  // namespace

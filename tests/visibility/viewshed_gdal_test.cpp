@@ -40,7 +40,7 @@ Raster<float> heights_seen(const json& source) {
   const int columns = source.at("cols"), rows = source.at("rows");
   const RasterGrid grid{{0.0, static_cast<double>(rows)}, 1.0, columns, rows};
   Raster<double> elevation(grid, 0.0);
-  elevation.values = source.at("dem").get<std::vector<double>>();
+  elevation.values = source.at("dem").get<HugeVector<double>>();
   const PointCloud cloud = cloud_on(elevation, k_spacing);
   const Octree octree = build(cloud);
   const Occluders occluders(octree, {});

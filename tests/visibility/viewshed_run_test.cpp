@@ -44,8 +44,8 @@ TEST(ViewshedRunTest, the_map_is_the_same_on_any_number_of_threads) {
 }
 
 /// A map that is stopped on one thread after half of the work, then resumed.
-std::vector<float> stopped_and_resumed(Position& position, std::span<const Observer> eyes,
-                                       ViewshedOptions options, const RasterGrid& grid) {
+HugeVector<float> stopped_and_resumed(Position& position, std::span<const Observer> eyes,
+                                      ViewshedOptions options, const RasterGrid& grid) {
   const std::filesystem::path file = std::filesystem::temp_directory_path() / "viewshed.state";
   std::filesystem::remove(file);
   const Fingerprint fingerprint{{"command", "raster"}};
@@ -82,9 +82,9 @@ TEST(ViewshedRunTest, a_map_that_was_stopped_between_is_that_of_an_uninterrupted
   const RasterGrid grid{.north_west = {-26, 2}, .cell_size = 0.1, .columns = 520, .rows = 40};
   for (const ViewshedMode mode : {ViewshedMode::visible, ViewshedMode::count, ViewshedMode::height}) {
     const ViewshedOptions options{.mode = mode, .highest = 5.0};
-    const std::vector<float> whole =
+    const HugeVector<float> whole =
         viewshed(position.occluders(), position.ground(), eyes, grid, options).values.values;
-    const std::vector<float> cut = stopped_and_resumed(position, eyes, options, grid);
+    const HugeVector<float> cut = stopped_and_resumed(position, eyes, options, grid);
     EXPECT_TRUE(std::ranges::equal(std::as_bytes(std::span(cut)), std::as_bytes(std::span(whole))))
         << static_cast<int>(mode);
   }

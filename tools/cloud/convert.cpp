@@ -3,9 +3,11 @@
 #include <tbb/parallel_for.h>
 #include <glm/geometric.hpp>
 #include <limits>
+#include <span>
 #include <utility>
 
 #include "base/error.h"
+#include "base/huge_memory.h"
 #include "base/progress.h"
 #include "base/words.h"
 #include "cloud/las/write_las.h"
@@ -45,7 +47,8 @@ bool is_parquet_name(const std::filesystem::path& name) {
 }
 
 /// Leaves the points that were asked for.
-void choose_points(PointCloud& cloud, const ConvertCommand& command) {
+template <class Cloud>
+void choose_points(Cloud& cloud, const ConvertCommand& command) {
   if (command.every > 1) keep_every(cloud, command.every);
   if (command.spacing) {
     with_progress("thinning", "points", command.verbosity,
@@ -55,25 +58,42 @@ void choose_points(PointCloud& cloud, const ConvertCommand& command) {
 
 /// Gives every point the normal of the surface around it, on the side of the nearest scanner, or upwards where no
 /// scanner is known; zero where there is no surface.
-void add_normals(PointCloud& cloud, Verbosity verbosity) {
-  const Octree octree = with_surfaces_shown(
-      with_spacings_shown(build(std::as_const(cloud)), k_surface_neighbours, verbosity), verbosity);
-  cloud.normals.assign(cloud.size(), glm::vec3(0.0f));
-  tbb::parallel_for(std::size_t{0}, cloud.size(), [&](std::size_t row) {
+void measure_normals(const Octree& built, const PointColumns& points,
+                     std::span<const ScannerPosition> scanners, std::span<glm::vec3> normals,
+                     Verbosity verbosity) {
+  const Octree octree =
+      with_surfaces_shown(with_spacings_shown(built, k_surface_neighbours, verbosity), verbosity);
+  tbb::parallel_for(std::size_t{0}, points.size(), [&](std::size_t row) {
     const PointSurface surface = surface_of(octree.view(), row);
+    normals[row] = glm::vec3(0.0f);
     if (!surface.exists) return;
-    const glm::dvec3 position = cloud.world(row);
+    const glm::dvec3 position = points.world(row);
     glm::dvec3 outwards(0.0, 0.0, 1.0);
     double nearest = std::numeric_limits<double>::infinity();
-    for (const ScannerPosition& scanner : cloud.scanner_positions) {
+    for (const ScannerPosition& scanner : scanners) {
       const glm::dvec3 towards = scanner.position - position;
       if (glm::dot(towards, towards) >= nearest) continue;
       nearest = glm::dot(towards, towards);
       outwards = towards;
     }
-    cloud.normals[row] =
-        glm::vec3(glm::dot(surface.normal, outwards) < 0.0 ? -surface.normal : surface.normal);
+    normals[row] = glm::vec3(glm::dot(surface.normal, outwards) < 0.0 ? -surface.normal : surface.normal);
   });
+}
+
+void add_normals(PointCloud& cloud, Verbosity verbosity) {
+  cloud.normals.resize(cloud.size());
+  measure_normals(build(std::as_const(cloud)), points_of(cloud), cloud.scanner_positions, cloud.normals,
+                  verbosity);
+}
+
+void add_normals(ScratchCloud& cloud, const ScratchSpace& scratch, Verbosity verbosity) {
+  HugeArray<LatticePosition> used_up(cloud.size(), scratch.folder);
+  std::ranges::copy(cloud.positions(), used_up.data());
+  const Octree octree = build_in_scratch(cloud.facts().lattice, {used_up.data(), used_up.size()}, scratch);
+  used_up = {};
+  cloud.add_normals();
+  measure_normals(octree, cloud.points(), cloud.facts().scanner_positions,
+                  cloud.column_of<glm::vec3>(Attribute::normal), verbosity);
 }
 
 database::ParquetOptions parquet_options(const ConvertCommand& command, const Progress& progress) {
@@ -137,27 +157,31 @@ void say_written(const ConvertCommand& command, std::uint64_t count, std::uint64
            fmt::format("wrote {} of {} points to {}", count, before, command.output.string()));
 }
 
-/// Whether points need not be in memory at once, and are too many for it.
+/// Whether the points, and what is measured of them, are too much for memory.
 bool is_large(const ConvertCommand& command) {
-  const bool is_streamed = has_extension(command.output, {".las", ".laz", ".ply", ".csv", ".xyz"}) ||
-                           (has_extension(command.output, {".alidade"}) && command.every == 1);
-  return is_streamed && !command.spacing && !command.normals &&
-         stated_size(command.files).bytes() > command.memory;
+  constexpr std::uint64_t k_octree = 52, k_thinning = 17;  // bytes per point
+  const StatedSize size = stated_size(command.files);
+  const std::uint64_t beside = command.normals ? k_octree : command.spacing ? k_thinning : 0;
+  return size.bytes() + beside * size.point_count > command.memory;
 }
 
-/// Writes `count` points of a cloud, every N-th.
-void write_in_pieces(const ConvertCommand& command, ScratchCloud& cloud, std::size_t count) {
+void write_in_pieces(const ConvertCommand& command, ScratchCloud& cloud) {
   // A row takes up to 64 bytes, and the formats copy it.
-  const std::size_t rows_at_once =
-      std::clamp<std::size_t>(command.memory / 256, std::size_t{1} << 14, std::size_t{1} << 20);
-  const auto every = static_cast<std::size_t>(command.every);
+  constexpr std::size_t k_row = 256, k_least_rows = std::size_t{1} << 14, k_most_rows = std::size_t{1} << 20;
+  const std::size_t count = cloud.size(), room = std::max(command.memory / k_row, k_least_rows);
+  std::size_t rows_at_once = std::min(room, k_most_rows);
   PointCloud some;
   const PointPieces from = [&](std::size_t first) -> const PointCloud& {
-    const std::size_t kept = std::min(std::max<std::size_t>(rows_at_once / every, 1), count - first);
-    some = cloud.rows(first * every, kept > 0 ? (kept - 1) * every + 1 : 0);
-    if (every > 1) keep_every(some, every);
-    return some;
+    return some = cloud.rows(first, std::min(rows_at_once, count - first));
   };
+  if (is_parquet_name(command.output)) {
+    // Merging takes memory for each piece.
+    rows_at_once = room;
+    with_progress("writing", "points", command.verbosity, [&](const Progress& progress) {
+      database::write_parquet(command.output, cloud.facts(), count, from, parquet_options(command, progress));
+    });
+    return;
+  }
   with_progress("writing", "points", command.verbosity, [&](const Progress& progress) {
     if (has_extension(command.output, {".ply"})) {
       write_ply(command.output, count, from, {.overwrite = command.overwrite, .progress = progress});
@@ -190,12 +214,15 @@ ExitCode convert_large(const ConvertCommand& command) {
         scratch);
   });
   say_warnings(command.verbosity, cloud.facts().warnings);
-  const std::size_t size = cloud.size(), count = size / command.every + (size % command.every > 0 ? 1 : 0);
+  const std::size_t before = cloud.size();
+  choose_points(cloud, command);
+  const std::size_t count = cloud.size();
+  if (command.normals && count > 0) add_normals(cloud, scratch, command.verbosity);
   if (has_extension(command.output, {".alidade"}))
     write_index(command.output, cloud, {.overwrite = command.overwrite}, scratch, command.verbosity);
   else
-    write_in_pieces(command, cloud, count);
-  say_written(command, count, size, cloud.facts().files);
+    write_in_pieces(command, cloud);
+  say_written(command, count, before, cloud.facts().files);
   return ExitCode::done;
 }
 
@@ -268,7 +295,7 @@ Command add_convert(const Options& program) {
   convert.value(
       "--memory", "SIZE",
       "memory for points: bytes, or a number with k, M, G or T (default: 4G); those of a larger cloud "
-      "use temporary files next to the output, except with --spacing and --normals",
+      "use temporary files next to the output; the output is the same",
       command->memory, parse_memory);
   convert.flag("--overwrite", "replace an existing output", command->overwrite);
   add_threads(convert, command->threads);

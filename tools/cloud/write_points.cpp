@@ -167,9 +167,9 @@ class AllRows {
   std::size_t size_ = 0;
 };
 
-void write_las_rows(const std::filesystem::path& file, AllRows& rows, bool overwrite,
+void write_las_rows(const std::filesystem::path& file, AllRows& rows, const LasWriteOptions& options,
                     const Progress& progress) {
-  LasWriter writer(file, rows.layout().like, rows.layout().attributes, {.overwrite = overwrite});
+  LasWriter writer(file, rows.layout().like, rows.layout().attributes, options);
   for (std::size_t first = 0; first < rows.size();) {
     const PointCloud& some = rows.from(first);
     writer.write(some);
@@ -197,13 +197,14 @@ void check_points_name(const std::filesystem::path& file) {
 }
 
 void write_points(const std::filesystem::path& file, const IndexedCloud& cloud,
-                  const std::vector<ResultColumn>& results, bool overwrite, Verbosity verbosity) {
+                  const std::vector<ResultColumn>& results, bool overwrite,
+                  std::optional<std::uint64_t> memory, Verbosity verbosity) {
   const CloudResults only{cloud, results};
-  write_points(file, {&only, 1}, overwrite, verbosity);
+  write_points(file, {&only, 1}, overwrite, memory, verbosity);
 }
 
 void write_points(const std::filesystem::path& file, std::span<const CloudResults> clouds, bool overwrite,
-                  Verbosity verbosity) {
+                  std::optional<std::uint64_t> memory, Verbosity verbosity) {
   check_points_name(file);
   AllRows rows(clouds);
   if (verbosity != Verbosity::quiet) {
@@ -213,7 +214,9 @@ void write_points(const std::filesystem::path& file, std::span<const CloudResult
   }
   ProgressLine line("writing", "points", verbosity);
   if (file_extension(file) != ".ply") {
-    write_las_rows(file, rows, overwrite, line.callback());
+    LasWriteOptions options{.overwrite = overwrite};
+    options.memory = memory.value_or(options.memory);
+    write_las_rows(file, rows, options, line.callback());
   } else {
     const PointPieces pieces = [&rows](std::size_t first) -> const PointCloud& { return rows.from(first); };
     write_ply(file, rows.size(), pieces, {.overwrite = overwrite, .progress = line.callback()});

@@ -5,6 +5,7 @@
 #include <cstring>
 #include <filesystem>
 #include <functional>
+#include <optional>
 #include <span>
 #include <string>
 #include <utility>
@@ -55,15 +56,17 @@ void check_points_name(const std::filesystem::path& file);
 
 /// The points of a cloud in their order, with all their attributes, scale, offset, reference system and LAS
 /// records, and with these columns: LAS 1.4 or PLY by the extension. Columns of the cloud's own that have one
-/// of their names are left out, which is said. Memory: 12 B per point. Errors: as LasWriter, write_ply().
+/// of their names are left out, which is said. Memory: 12 B per point, of an octree in scratch files on the disk, and
+/// for COPC `memory` (LasWriteOptions). Errors: as LasWriter, write_ply().
 void write_points(const std::filesystem::path& file, const IndexedCloud& cloud,
-                  const std::vector<ResultColumn>& results, bool overwrite, Verbosity verbosity);
+                  const std::vector<ResultColumn>& results, bool overwrite,
+                  std::optional<std::uint64_t> memory, Verbosity verbosity);
 
 /// The same for several clouds, at least one, in one file, each behind the one before. A column that only some have
 /// is 0 in the others. Positions are on one lattice: the first one's offset and the finest scales, or 10, 100, ... of
 /// them where 32 bits do not hold these, so that those on other lattices are rounded by half a step at most. Reference
 /// system: that of the first cloud that has one; records and encoding: of the first.
 void write_points(const std::filesystem::path& file, std::span<const CloudResults> clouds, bool overwrite,
-                  Verbosity verbosity);
+                  std::optional<std::uint64_t> memory, Verbosity verbosity);
 
 }  // namespace alidade::tools

@@ -230,7 +230,7 @@ ExitCode run(const ChangeCommand& command) {
       });
   const CloudResults results[] = {{before->cloud, columns_of(changes.before, 1)},
                                   {after->cloud, columns_of(changes.after, 2)}};
-  write_points(command.output, results, command.overwrite, command.verbosity);
+  write_points(command.output, results, command.overwrite, command.memory, command.verbosity);
   const Summaries old_classes = summaries_of(changes.before, *before->occluders);
   const Summaries new_classes = summaries_of(changes.after, *after->occluders);
   write_to_stdout(command.json

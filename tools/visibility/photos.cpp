@@ -135,7 +135,7 @@ void write(const PhotosCommand& command, const VisibilityCloud& cloud,
     image_module().write_photos(seen, cameras, cloud.cloud.cloud.crs, command.footprints, command.overwrite);
   if (command.output.empty()) return;
   const CloudResults results{cloud.cloud, columns_of(seen), seen.colors};
-  write_points(command.output, {&results, 1}, command.overwrite, command.verbosity);
+  write_points(command.output, {&results, 1}, command.overwrite, command.memory, command.verbosity);
 }
 
 ExitCode run(const PhotosCommand& command) {

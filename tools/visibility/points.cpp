@@ -200,7 +200,7 @@ ExitCode run(const PointsCommand& command) {
   std::optional<SeenList> list;
   if (!command.lists.empty()) list.emplace(command.lists, command.overwrite);
   const visibility::PointVisibility seen = look(*cloud, observers, options, long_run, list);
-  write_points(command.output, cloud->cloud, columns_of(seen), command.overwrite, verbosity);
+  write_points(command.output, cloud->cloud, columns_of(seen), command.overwrite, command.memory, verbosity);
   if (list) list->finish();
   long_run.finish();
   const auto count = static_cast<std::size_t>(

@@ -73,7 +73,7 @@ std::string point_sky(const SkyCommand& command, const VisibilityCloud& cloud, L
   const auto value = [&views](std::size_t id) { return views[id]; };
   write_points(command.output, cloud.cloud,
                {result_column<float>("SkyView", "sky-view factor, 0 to 1", ScalarType::float32, value)},
-               command.overwrite, command.verbosity);
+               command.overwrite, command.memory, command.verbosity);
   return range_and_mean(value, views.size());
 }
 

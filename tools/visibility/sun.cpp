@@ -34,7 +34,7 @@ std::string map_sun(const SunCommand& command, const SkySite& site, const SunSky
       bands.push_back({band, name_of(quantity, sun.periods[period]), quantity.unit});
     }
   }
-  const std::vector<float>& first = values.front().values;
+  const auto& first = values.front().values;
   const std::string found = range_and_mean([&](std::size_t i) { return first[i]; }, first.size());
   const visibility::SunSchedule& schedule = sun.schedule;
   write_sky_map(
@@ -69,7 +69,7 @@ std::string point_sun(const SunCommand& command, const VisibilityCloud& cloud, c
                                              }));
     }
   }
-  write_points(command.output, cloud.cloud, columns, command.overwrite, command.verbosity);
+  write_points(command.output, cloud.cloud, columns, command.overwrite, command.memory, command.verbosity);
   return range_and_mean([&](std::size_t id) { return answers[id * periods].hours; },
                         answers.size() / periods);
 }

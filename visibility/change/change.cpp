@@ -37,12 +37,10 @@ constexpr double k_least_parallel = 0.70710678118654752;
 /// One epoch with what is queried of it.
 class EpochCloud {
  public:
-  explicit EpochCloud(const Epoch& epoch) : epoch_(epoch), spacings_(epoch.occluders.octree().size()) {
+  explicit EpochCloud(const Epoch& epoch) : epoch_(epoch), spacings_(spacings_in_order(octree())) {
     // The spacing of a few points is infinite.
     const double most = epoch.occluders.largest_radius() / k_disc_spacings;
-    const std::vector<double> spacings = spacings_in_order(octree().view());
-    std::ranges::transform(spacings, spacings_.begin(),
-                           [most](double spacing) { return static_cast<float>(std::min(spacing, most)); });
+    for (float& spacing : spacings_) spacing = static_cast<float>(std::min<double>(spacing, most));
   }
 
   const Octree& octree() const { return epoch_.occluders.octree(); }
@@ -101,7 +99,7 @@ class EpochCloud {
 
  private:
   const Epoch& epoch_;
-  std::vector<float> spacings_;
+  HugeVector<float> spacings_;
 };
 
 /// A point of one epoch, and the lengths that it is compared by.
@@ -258,8 +256,10 @@ PointChanges compare_all(const EpochCloud& own, const EpochCloud& other, const C
                          int sign, const Progress& progress) {
   const Comparison comparison(own, other, options, sign);
   const TreeView& tree = own.octree().view();
-  PointChanges changes{std::vector<ChangeClass>(tree.point_count), std::vector<float>(tree.point_count),
-                       std::vector<float>(tree.point_count)};
+  const ScratchFolder& scratch = own.octree().scratch();
+  PointChanges changes{HugeVector<ChangeClass>(tree.point_count, scratch),
+                       HugeVector<float>(tree.point_count, scratch),
+                       HugeVector<float>(tree.point_count, scratch)};
   for_each_leaf_in_parallel(tree, progress, [&] {
     return [&](const Leaf& leaf) {
       for (std::uint32_t i = 0; i < leaf.count; ++i) {
@@ -300,7 +300,7 @@ void check_options(const ChangeOptions& options) {
 }
 
 /// Reorders the values.
-std::optional<double> median(std::vector<float>& values) {
+std::optional<double> median(HugeVector<float>& values) {
   if (values.empty()) return std::nullopt;
   const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
   std::ranges::nth_element(values, middle);
@@ -354,22 +354,28 @@ Changes find_changes(const Epoch& before, const Epoch& after, const ChangeOption
 }
 
 std::vector<ChangeSummary> summaries_of(const PointChanges& changes, const Occluders& occluders) {
-  const std::vector<double> spacings = spacings_in_order(occluders.octree().view());
+  const HugeVector<float> spacings = spacings_in_order(occluders.octree());
   std::vector<ChangeSummary> summaries(k_change_classes);
-  std::vector<std::vector<float>> distances(k_change_classes), levels(k_change_classes);
   for (std::size_t id = 0; id < changes.classes.size(); ++id) {
-    const auto kind = static_cast<std::size_t>(changes.classes[id]);
-    ++summaries[kind].count;
-    if (std::isfinite(spacings[id])) summaries[kind].area += area_of_point(spacings[id]);
-    if (std::isnan(changes.distances[id])) continue;
-    distances[kind].push_back(changes.distances[id]);
-    levels[kind].push_back(changes.detection_levels[id]);
+    ChangeSummary& summary = summaries[static_cast<std::size_t>(changes.classes[id])];
+    ++summary.count;
+    if (std::isfinite(spacings[id])) summary.area += area_of_point(spacings[id]);
   }
+  HugeVector<float> some(occluders.octree().scratch());
+  some.reserve(changes.classes.size());
   for (std::size_t kind = 0; kind < summaries.size(); ++kind) {
-    summaries[kind].median_distance = median(distances[kind]);
-    for (float& distance : distances[kind]) distance = std::fabs(distance);
-    summaries[kind].median_absolute_distance = median(distances[kind]);
-    summaries[kind].median_detection_level = median(levels[kind]);
+    const auto median_of = [&](const HugeVector<float>& values) {
+      some.clear();
+      for (std::size_t id = 0; id < values.size(); ++id)
+        if (static_cast<std::size_t>(changes.classes[id]) == kind && !std::isnan(changes.distances[id]))
+          some.push_back(values[id]);
+      return median(some);
+    };
+    ChangeSummary& summary = summaries[kind];
+    summary.median_distance = median_of(changes.distances);
+    for (float& distance : some) distance = std::fabs(distance);
+    summary.median_absolute_distance = median(some);
+    summary.median_detection_level = median_of(changes.detection_levels);
   }
   return summaries;
 }

@@ -7,6 +7,7 @@
 #include <optional>
 #include <vector>
 
+#include "base/huge_memory.h"
 #include "base/progress.h"
 #include "visibility/sight_line.h"
 
@@ -58,11 +59,11 @@ struct ChangeOptions {
 
 /// Of one epoch, by point id.
 struct PointChanges {
-  std::vector<ChangeClass> classes;
+  HugeVector<ChangeClass> classes;
   /// M3C2 distance from BEFORE to AFTER along the normal, metres. Normals point to the scanner, upwards if no
   /// origin is known: material that comes is positive. NaN for points without a surface or a counterpart.
-  std::vector<float> distances;
-  std::vector<float> detection_levels;  ///< LoD95, metres; NaN where the distance is
+  HugeVector<float> distances;
+  HugeVector<float> detection_levels;  ///< LoD95, metres; NaN where the distance is
 };
 
 struct Changes {
@@ -90,7 +91,8 @@ void check_overlap(const Octree& before, const Octree& after);
 /// must be those of scanners that scan all around.
 ///
 /// The same bits on any number of threads and any instruction set. Errors: an empty cloud, those of check_overlap(),
-/// options out of range, origins not finite, other occluders. Memory: 21 B per point. Cost: 10 to 40 microseconds of one
+/// options out of range, origins not finite, other occluders. Memory: 13 B per point, and 8 B in summaries_of(); of octrees
+/// in scratch files on the disk. Cost: 10 to 40 microseconds of one
 /// thread per point; for points without a counterpart a microsecond more per origin.
 Changes find_changes(const Epoch& before, const Epoch& after, const ChangeOptions& options = {});
 

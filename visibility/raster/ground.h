@@ -48,7 +48,7 @@ class Ground {
   /// `heights`: NaN where there is no ground. `reach`: so far beyond the grid the ground goes on as at its
   /// edge. `scanned`: 1 for cells that were; empty: those with a height.
   Ground(geo::Raster<double> heights, double reach, GroundSource source, std::uint64_t measured_cells,
-         std::vector<std::uint8_t> scanned = {})
+         HugeVector<std::uint8_t> scanned = {})
       : heights_(std::move(heights)),
         reach_(reach),
         source_(source),
@@ -84,7 +84,7 @@ class Ground {
   double reach_;
   GroundSource source_;
   std::uint64_t measured_cells_;
-  std::vector<std::uint8_t> scanned_{};  ///< by cell
+  HugeVector<std::uint8_t> scanned_{};  ///< by cell
   std::shared_ptr<const Ground> terrain_{};
 };
 
@@ -97,14 +97,14 @@ double unscanned_length(const Ground& ground, const glm::dvec2& from, const glm:
 /// the slope of its neighbours, so that planes are exact. A lowest or highest point that lies alone, farther below or
 /// above all others of its cell and of the cells around than 1 + the cell's side (a wrong echo, a bird), does not
 /// count. Gaps are filled by the membrane through what is around them (Laplace's equation). Cost: about 30 ns per point
-/// and cell. Memory: 50 B per cell, checked beforehand. Errors: an empty cloud; `classified` without points of class 2;
+/// and cell. Memory: 50 B per cell, checked beforehand; for an octree in scratch files on the disk. Errors: an empty cloud; `classified` without points of class 2;
 /// `terrain`; those of grid_over(); reach negative or not finite.
 Ground make_ground(const Octree& octree, std::span<const std::uint8_t> classifications,
                    const GroundOptions& options);
 
 /// Gives every NaN a value: the membrane through the values around it, flat towards the outer edge. Without
 /// any value all stay NaN. Values that are there stay as they are. The same bits on any number of threads.
-/// Cost: about 100 ns per cell. Memory: 14 B per cell.
+/// Cost: about 100 ns per cell. Memory: 14 B per cell, where those of the raster lie.
 /// How: cascadic multigrid: a pyramid of means, from its top down each level starts with the one above,
 /// smoothed by Gauss-Seidel sweeps in red and black. Source: Bornemann and Deuflhard, The cascadic multigrid
 /// method for elliptic problems, 1996.

@@ -33,12 +33,15 @@ struct GroundSample {
   bool exists() const { return height == height; }
 };
 
-struct GroundSamples {
-  geo::Raster<GroundSample> samples;
-  std::vector<std::uint8_t> covered;  ///< cells with points of any class
-};
-
 constexpr double k_nan = std::numeric_limits<double>::quiet_NaN();
+
+struct GroundSamples {
+  GroundSamples(const geo::RasterGrid& grid, const ScratchFolder& scratch)
+      : samples(grid, {.height = k_nan}, scratch), covered(grid.size(), 0, scratch) {}
+
+  geo::Raster<GroundSample> samples;
+  HugeVector<std::uint8_t> covered;  ///< cells with points of any class
+};
 
 /// Calls visit(cell, point id, world position) for every point.
 template <class Visit>
@@ -135,9 +138,8 @@ GroundSamples mean_of_class(const Octree& octree, std::span<const std::uint8_t> 
     double height = 0.0;
     std::uint64_t count = 0;
   };
-  geo::Raster<Sum> sums(grid, {});
-  GroundSamples result{geo::Raster<GroundSample>(grid, {.height = k_nan}),
-                       std::vector<std::uint8_t>(grid.size(), 0)};
+  geo::Raster<Sum> sums(grid, {}, octree.scratch());
+  GroundSamples result(grid, octree.scratch());
   // Sums of heights above the lowest point keep more digits.
   const double base = octree.bounds().min.z;
   for_each_point(octree, grid, progress, [&](const glm::ivec2& cell, std::uint64_t id, const glm::dvec3& p) {
@@ -161,9 +163,8 @@ GroundSamples mean_of_class(const Octree& octree, std::span<const std::uint8_t> 
 /// Of every cell the lowest point that is not an outlier; with a sign of -1 the highest.
 GroundSamples lowest_points(const Octree& octree, const geo::RasterGrid& grid, double sign,
                             const Progress& progress) {
-  geo::Raster<TwoLowest> lowest(grid, {});
-  GroundSamples result{geo::Raster<GroundSample>(grid, {.height = k_nan}),
-                       std::vector<std::uint8_t>(grid.size(), 0)};
+  geo::Raster<TwoLowest> lowest(grid, {}, octree.scratch());
+  GroundSamples result(grid, octree.scratch());
   for_each_point(octree, grid, progress, [&](const glm::ivec2& cell, std::uint64_t, const glm::dvec3& p) {
     result.covered[grid.index(cell.x, cell.y)] = 1;
     lowest.at(cell.x, cell.y).take(sample_at(grid, cell, {p.x, p.y, sign * p.z}));
@@ -181,8 +182,9 @@ GroundSamples lowest_points(const Octree& octree, const geo::RasterGrid& grid, d
 
 /// Heights in the middles of cells; NaN where nothing was measured. Steeper slopes than `steepest` are steps, such as
 /// the edge of a roof.
-geo::Raster<double> heights_in_middles(const geo::Raster<GroundSample>& samples, double steepest) {
-  geo::Raster<double> heights(samples.grid, k_nan);
+geo::Raster<double> heights_in_middles(const geo::Raster<GroundSample>& samples, double steepest,
+                                       const ScratchFolder& scratch) {
+  geo::Raster<double> heights(samples.grid, k_nan, scratch);
   tbb::parallel_for(0, samples.grid.rows, [&](int row) {
     for (int column = 0; column < samples.grid.columns; ++column) {
       const GroundSample& sample = samples.at(column, row);
@@ -199,7 +201,7 @@ geo::Raster<double> heights_in_middles(const geo::Raster<GroundSample>& samples,
 
 struct Level {
   geo::Raster<double> heights;
-  std::vector<std::uint8_t> known;
+  HugeVector<std::uint8_t> known;
 
   int columns() const { return heights.grid.columns; }
   int rows() const { return heights.grid.rows; }
@@ -214,7 +216,8 @@ Level coarser(const Level& fine) {
   grid.columns = (grid.columns + 1) / 2;
   grid.rows = (grid.rows + 1) / 2;
   grid.cell_size *= 2.0;
-  Level level{geo::Raster<double>(grid, 0.0), std::vector<std::uint8_t>(grid.size(), 0)};
+  Level level{{grid, 0.0, fine.heights.values.get_allocator()},
+              HugeVector<std::uint8_t>(grid.size(), 0, fine.known.get_allocator())};
   tbb::parallel_for(0, grid.rows, [&](int row) {
     for (int column = 0; column < grid.columns; ++column) {
       double sum = 0.0;
@@ -274,7 +277,7 @@ void sweep(Level& level, int color) {
 }
 
 /// Cells within so many cells of one that is set, along rows or columns.
-void widen(std::vector<std::uint8_t>& set, std::size_t count, std::size_t stride, std::size_t lines,
+void widen(HugeVector<std::uint8_t>& set, std::size_t count, std::size_t stride, std::size_t lines,
            std::size_t line_stride, int cells) {
   std::vector<std::uint8_t> line(count);
   for (std::size_t k = 0; k < lines; ++k) {
@@ -293,7 +296,7 @@ void widen(std::vector<std::uint8_t>& set, std::size_t count, std::size_t stride
   }
 }
 
-void widen(std::vector<std::uint8_t>& set, const geo::RasterGrid& grid, double reach) {
+void widen(HugeVector<std::uint8_t>& set, const geo::RasterGrid& grid, double reach) {
   const double most = static_cast<double>(std::max(grid.columns, grid.rows));
   const int cells = static_cast<int>(std::min(std::ceil(reach / grid.cell_size), most));
   const auto columns = static_cast<std::size_t>(grid.columns), rows = static_cast<std::size_t>(grid.rows);
@@ -325,7 +328,7 @@ double mean_distance(const Bounds& bounds, std::uint64_t count) {
 void fill_gaps(geo::Raster<double>& raster) {
   constexpr int k_sweeps = 24;
   std::vector<Level> levels(1);
-  levels[0].known.resize(raster.values.size());
+  levels[0].known = HugeVector<std::uint8_t>(raster.values.size(), 0, raster.values.get_allocator());
   for (std::size_t i = 0; i < raster.values.size(); ++i) levels[0].known[i] = !std::isnan(raster.values[i]);
   if (std::ranges::find(levels[0].known, 1) == levels[0].known.end()) return;
   levels[0].heights = std::move(raster);
@@ -359,18 +362,19 @@ Ground make_ground(const Octree& octree, std::span<const std::uint8_t> classific
   const double distances = by_class ? 1.0 : is_highest ? k_highest_distances : k_lowest_distances;
   const geo::RasterGrid grid =
       geo::grid_over(octree.bounds(), options.cell_size.value_or(distances * distance));
-  check_memory(k_bytes_per_cell * grid.size(), "the heights of the ground");
+  if (!octree.scratch()) check_memory(k_bytes_per_cell * grid.size(), "the heights of the ground");
 
   GroundSamples samples = by_class ? mean_of_class(octree, classifications, grid, options.progress)
                                    : lowest_points(octree, grid, is_highest ? -1.0 : 1.0, options.progress);
   geo::Raster<double> heights = heights_in_middles(
-      samples.samples, is_highest ? k_steepest_roof : std::numeric_limits<double>::infinity());
+      samples.samples, is_highest ? k_steepest_roof : std::numeric_limits<double>::infinity(),
+      octree.scratch());
   samples.samples = {};
   const auto measured = static_cast<std::uint64_t>(
       std::ranges::count_if(heights.values, [](double height) { return !std::isnan(height); }));
   fill_gaps(heights);
   constexpr double k_cells = 3.0, k_least = 1.0;
-  std::vector<std::uint8_t> scanned = samples.covered;
+  HugeVector<std::uint8_t> scanned = samples.covered;
   const double usual = std::min(std::max(k_cells * grid.cell_size, k_least), options.reach);
   widen(scanned, grid, options.scanned_reach.value_or(usual));
   widen(samples.covered, grid, options.reach);

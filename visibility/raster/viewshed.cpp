@@ -24,16 +24,17 @@ constexpr std::size_t k_chords_at_once = 1 << 16;
 /// Finds for positions on the ground the lowest height above them that is seen, as viewshed.h defines it.
 class LowestSeen {
  public:
-  /// The references must outlive this. Memory: 8 B per point, unless all have one radius. Errors: more than
-  /// there is.
+  /// The references must outlive this. Memory: 4 B per point, unless all have one radius; with an octree in scratch
+  /// files on the disk. Errors: more than there is.
   LowestSeen(const Occluders& occluders, const ViewshedOptions& options)
       : occluders_(occluders),
         options_(options),
         batch_(occluders, options.curve),
         is_terrain_alone_(occluders.octree().size() == 0 && occluders.options().mesh == nullptr) {
+    const Octree& octree = occluders.octree();
     if (occluders.options().radius) return;
-    check_memory(sizeof(double) * occluders.octree().size(), "the spacings of the points");
-    spacings_ = spacings_in_order(occluders.octree().view());
+    if (!octree.scratch()) check_memory(sizeof(float) * octree.size(), "the spacings of the points");
+    spacings_ = spacings_in_order(octree);
   }
 
   /// Lowers `heights`, one per target, where this observer sees something lower. Those it does not look at
@@ -145,7 +146,7 @@ class LowestSeen {
 
   const Occluders& occluders_;
   ViewshedOptions options_;
-  std::vector<double> spacings_;  ///< by point id; empty if all points have one radius
+  HugeVector<float> spacings_;  ///< by point id; empty if all points have one radius
   SightBatch batch_;
   bool is_terrain_alone_;  ///< then what is higher than what is seen is seen, too
   std::vector<Search> searches_, seen_;

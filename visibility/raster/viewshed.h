@@ -76,7 +76,7 @@ struct Viewshed {
 /// back to a cell or are out of reach do not count; where all do so, the cell is out of range.
 ///
 /// Cost: a sight line per pair, 0.5 to 2 microseconds of two cores; `height` takes several to some hundred
-/// where much is hidden. Memory: 4 B per cell and some 100 MB, of `height` 8 B per point as well;
+/// where much is hidden. Memory: 4 B per cell and some 100 MB, of `height` 4 B per point as well;
 /// check_map_memory() of one band. Errors: no observer; positions_across, target height or highest out of
 /// range; not as many pieces as observers, `height` of objects, `size` and `angle` of none, `angle` of lines; not
 /// enough memory; those of `parts`.
