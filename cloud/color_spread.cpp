@@ -4,13 +4,13 @@
 #include <iterator>
 #include <utility>
 
+#include "cloud/joined_files.h"
 #include "cloud/read_in_pieces.h"
 
 namespace alidade {
 namespace {
 
 constexpr int k_largest_8_bit = 255;
-constexpr std::size_t k_most_named = 2;  // files in a warning
 
 /// What to say of a file whose largest colour is not 0; null if nothing.
 const char* remark_on(bool is_deep, bool spreads, ColorDepth depth) {
@@ -62,18 +62,17 @@ ColorSpread choose_spread(std::vector<ColoredRows> files, ColorDepth depth,
   const bool spreads = depth == ColorDepth::bits_8 || largest <= k_largest_8_bit;
   // All files with a remark have the same.
   const char* remark = nullptr;
-  std::string names;
-  std::size_t count = 0;
+  SomeFiles remarkable;
   int largest_of_them = 0;
   for (const ColoredRows& file : files) {
     const char* const own = remark_on(file.largest_color > k_largest_8_bit, spreads, depth);
     if (own == nullptr || file.largest_color == 0) continue;
     remark = own;
     largest_of_them = std::max(largest_of_them, file.largest_color);
-    if (++count <= k_most_named) names += (count > 1 ? ", " : "") + file.file_name;
+    remarkable.add(file.file_name);
   }
-  if (count > k_most_named) names += fmt::format(" and {} other files", count - k_most_named);
-  if (remark != nullptr) warnings.push_back(fmt::format(fmt::runtime(remark), names, largest_of_them));
+  if (remark != nullptr)
+    warnings.push_back(fmt::format(fmt::runtime(remark), remarkable.text(), largest_of_them));
   if (!spreads || largest == 0) return {};
   return {.colors = true, .near_infrared = !is_near_infrared_deep, .files = std::move(files)};
 }

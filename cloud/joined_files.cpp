@@ -81,23 +81,16 @@ void check_agreement(const std::vector<CloudSource>& sources, const CloudSource&
                .found = crs_name(odd.facts.crs)});
 }
 
-/// The first of some files, and how many they are.
-struct SomeFiles {
-  std::string first;
-  std::size_t count = 0;
-
-  void add(const std::string& file) {
-    if (count++ == 0) first = file;
-  }
-
-  /// "a.las", "a.las and 1 more file", "a.las and 2 more files".
-  std::string text() const {
-    if (count < 2) return first;
-    return fmt::format("{} and {} more file{}", first, count - 1, count == 2 ? "" : "s");
-  }
-};
-
 }  // namespace
+
+void SomeFiles::add(const std::string& file) {
+  if (count_++ == 0) first_ = file;
+}
+
+std::string SomeFiles::text() const {
+  if (count_ < 2) return first_;
+  return fmt::format("{} and {} more file{}", first_, count_ - 1, count_ == 2 ? "" : "s");
+}
 
 Lattice common_lattice(const std::vector<CloudSource>& sources) {
   const CloudSource* const first = first_that_binds(sources, has_lattice);
@@ -198,7 +191,7 @@ void warn_of_missing_crs(std::span<const CloudSource> sources, PointCloud& cloud
     if (source.is_open && source.facts.crs.empty() && source.point_count() > 0)
       files.add(source.path().string());
   }
-  if (files.count == 0) return;
+  if (files.count() == 0) return;
   cloud.warnings.push_back(
       fmt::format("{}: no coordinate reference system; assuming that of the other files, {}", files.text(),
                   crs_name(cloud.crs)));
@@ -264,13 +257,13 @@ void warn_of_copies(PointCloud& cloud) {
     if (is_new || same->second == file.path.string() ||
         std::filesystem::equivalent(same->second, file.path, error))
       continue;  // the latter are twins
-    if (copies.count == 0) original = same->second;
+    if (copies.count() == 0) original = same->second;
     copies.add(file.path.string());
   }
-  if (copies.count == 0) return;
+  if (copies.count() == 0) return;
   cloud.warnings.push_back(
       fmt::format("{}: as many points within the same bounds as {}; the points may be repeated",
-                  copies.text(), copies.count == 1 ? original : "other files"));
+                  copies.text(), copies.count() == 1 ? original : "other files"));
 }
 
 }  // namespace
@@ -283,7 +276,7 @@ void warn_of_twins(const CloudInputs& inputs, PointCloud& cloud) {
     if (input.memory || ::stat(input.name.c_str(), &status) != 0) continue;
     if (!known.emplace(status.st_dev, status.st_ino).second) twins.add(input.name.string());
   }
-  if (twins.count > 0)
+  if (twins.count() > 0)
     cloud.warnings.push_back(twins.text() + ": given more than once; its points are repeated");
   warn_of_copies(cloud);
 }

@@ -15,6 +15,19 @@
 
 namespace alidade {
 
+/// The first of some files, and how many they are.
+class SomeFiles {
+ public:
+  void add(const std::string& file);
+  std::size_t count() const { return count_; }
+  /// "a.las", "a.las and 1 more file", "a.las and 2 more files".
+  std::string text() const;
+
+ private:
+  std::string first_;
+  std::size_t count_ = 0;
+};
+
 /// A file of a cloud that waits to be read.
 struct CloudSource {
   std::unique_ptr<CloudReader> reader;

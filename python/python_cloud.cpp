@@ -60,7 +60,9 @@ py::array array_of(const ColorColumn& colors, const py::handle& owner) {
   fetch(std::as_bytes(colors.shallow()));
   py::array_t<std::uint16_t> array({static_cast<py::ssize_t>(colors.size()), py::ssize_t{3}});
   std::uint16_t* to = array.mutable_data();
-  for (const Color16 color : colors) to = std::copy_n(&color.x, 3, to);
+  run_free(0, [&] {
+    for (const Color16 color : colors) to = std::copy_n(&color.x, 3, to);
+  });
   array.attr("flags").attr("writeable") = false;
   return array;
 }

@@ -51,7 +51,8 @@ struct SaveIndexOptions {
 
 /// Writes an index file; it is written completely or not at all. `cloud` is the one the octree was built
 /// over, with or without its positions: its attribute columns, coordinate reference system, records, files
-/// and warnings are stored too. Memory: next to nothing beside octree and cloud; arrays go out as they stand.
+/// and warnings are stored too. Memory: up to 32 MB beside octree and cloud. Colours are read twice, and
+/// stored in 8 bits if all are multiples of 257 or of 256.
 /// Errors: a column whose length is not that of the octree; a cloud on another lattice; those of OutputFile.
 void save_index(const std::filesystem::path& path, const Octree& octree, const PointCloud& cloud,
                 const SaveIndexOptions& options = {});

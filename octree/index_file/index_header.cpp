@@ -250,6 +250,8 @@ void check_sections(const HeaderFields& page, const IndexHeader& header) {
     agree(kind, header.tree.spacing_neighbours > 0, "the section");
   for (const IndexSection kind : {IndexSection::surfaces, IndexSection::sheet_edges})
     agree(kind, header.tree.surface_unit > 0.0, "the section, as 'alidade index --surfaces' writes it");
+  agree(column_section(Attribute::color),
+        header.color_factor > 1 || header.find(column_section(Attribute::color)) != nullptr, "the section");
   page.require(header.sections.back().end() == header.file_bytes, 24, "extra bytes after the last section",
                fmt::format("{} bytes", header.sections.back().end()), header.file_bytes);
 }

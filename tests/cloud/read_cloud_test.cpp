@@ -324,7 +324,7 @@ TEST(ColorDepthTest, files_of_8_bits_are_spread_together_and_rows_of_other_forma
       "property uchar red\nproperty uchar green\nproperty uchar blue\nend_header\n1 2 3 1 2 3\n";
   const PointCloud cloud = join({las_of_color(255, 3), text(ply), las_of_color(2, 1)}, {});
   EXPECT_EQ(cloud.colors, (std::vector<Color16>{{65535, 771, 0}, {257, 514, 771}, {514, 257, 0}}));
-  EXPECT_TRUE(warns(cloud, "first, third: assuming 8-bit colours (maximum 255)"));
+  EXPECT_TRUE(warns(cloud, "first and 1 more file: assuming 8-bit colours (maximum 255)"));
 }
 
 TEST(ColorDepthTest, near_infrared_is_spread_in_all_files_or_in_no_file) {

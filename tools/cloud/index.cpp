@@ -179,9 +179,8 @@ Command add_index(const Options& program) {
              "from those of the input",
              command->index.stored_order);
   index.choice("--color-depth",
-               "bits in use of LAS colours (default: 8 if none exceeds 255); the index keeps them: colours "
-               "of 8 bits take "
-               "3 bytes per point, others 6",
+               "bits in use of LAS colours (default: 8 if none exceeds 255); colours of 8 bits take "
+               "3 bytes per point in the index, others 6",
                command->color_depth, {{"8", ColorDepth::bits_8}, {"16", ColorDepth::bits_16}});
   index.value("--attributes", "LIST",
               "attributes to keep, by the names that 'alidade info' prints, such as "

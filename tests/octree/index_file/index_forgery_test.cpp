@@ -350,6 +350,19 @@ TEST(IndexForgery, spacings_whose_header_and_sections_disagree_are_errors) {
   EXPECT_TRUE(test::is_rejected_when_opened(file));
 }
 
+TEST(IndexForgery, colors_whose_header_and_section_disagree_are_errors) {
+  EXPECT_NE(problem_of_header(216, std::uint16_t{257}).find("wrong element size of column color"),
+            std::string::npos);
+  const auto path = test::test_folder() / "plain.alidade";
+  const PointCloud plain = test::make_cloud({{1, 2, 3}, {2, 3, 4}}, {glm::dvec3(1), glm::dvec3(0)});
+  save_index(path, build(plain), plain, {.overwrite = true});
+  Bytes file = test::read_bytes(path);
+  EXPECT_FALSE(test::is_rejected_when_opened(file));
+  put(file, 216, std::uint16_t{257});
+  seal_header(file);
+  EXPECT_TRUE(test::is_rejected_when_opened(file));
+}
+
 TEST(IndexForgery, no_surfaces_do_harm) {
   test::Random random;
   for (int i = 0; i < 50; ++i) {
