@@ -77,10 +77,14 @@ class PageAllocator {
  public:
   using value_type = Value;
   using is_always_equal = std::true_type;  // give_back_pages() takes pages of any origin
+  using propagate_on_container_copy_assignment = std::true_type;
   using propagate_on_container_move_assignment = std::true_type;
   using propagate_on_container_swap = std::true_type;
 
   PageAllocator() = default;
+  // No move: an allocator that was moved from must still equal its copy.
+  PageAllocator(const PageAllocator&) = default;
+  PageAllocator& operator=(const PageAllocator&) = default;
   PageAllocator(const ScratchFolder& scratch)
       : scratch_(scratch ? std::make_shared<const std::filesystem::path>(*scratch) : nullptr) {}
   template <class Other>

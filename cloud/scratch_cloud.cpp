@@ -206,10 +206,14 @@ PointCloud ScratchCloud::rows(std::size_t first, std::size_t count) {
   return some;
 }
 
-void ScratchCloud::keep_rows(std::span<const std::uint8_t> marks) {
+void ScratchCloud::keep_rows(std::span<const std::uint8_t> marks, const Progress& progress) {
   assert(!checkpoint_ && marks.size() == size());
   constexpr std::size_t k_block = std::size_t{1} << 20;
+  const std::uint64_t work = (1 + columns_.size()) * marks.size();
+  std::uint64_t done = 0;
   const auto close_up = [&](ScratchFile& file, std::size_t value_bytes) {
+    report(progress, done, work);
+    done += marks.size();
     const std::span<const std::byte> all = file.map();
     if (all.empty()) return;
     ScratchFile kept(folder_);
@@ -221,6 +225,7 @@ void ScratchCloud::keep_rows(std::span<const std::uint8_t> marks) {
       if (block.size() < k_block) continue;
       kept.append(block);
       block.clear();
+      report(progress, done - marks.size() + row, work);
     }
     kept.append(block);
     file = std::move(kept);
@@ -229,6 +234,7 @@ void ScratchCloud::keep_rows(std::span<const std::uint8_t> marks) {
   for (Column& column : columns_) close_up(column.file, column.value_bytes);
   count_points(facts_.files, marks);
   size_ = positions_.size() / sizeof(LatticePosition);
+  report(progress, work, work);
 }
 
 void ScratchCloud::add_normals() {
@@ -237,11 +243,11 @@ void ScratchCloud::add_normals() {
   file.append_zeros(size_ * sizeof(glm::vec3) - file.size());
 }
 
-void keep_every(ScratchCloud& cloud, std::uint64_t step) {
+void keep_every(ScratchCloud& cloud, std::uint64_t step, const Progress& progress) {
   HugeVector<std::uint8_t> marks(cloud.size(), 0, ScratchFolder(cloud.folder()));
   for (std::size_t row = 0; row < marks.size(); row += std::min<std::uint64_t>(step, marks.size() - row))
     marks[row] = 1;
-  cloud.keep_rows(marks);
+  cloud.keep_rows(marks, progress);
 }
 
 }  // namespace alidade

@@ -50,8 +50,9 @@ class ScratchCloud {
   PointCloud rows(std::size_t first, std::size_t count);
 
   /// keep_rows() of cloud/rows.h: the same rows stay. Spans of the cloud become invalid. Space on the disk: that of one
-  /// column of what stays. Requires: no checkpoint. Errors: those of scratch files.
-  void keep_rows(std::span<const std::uint8_t> marks);
+  /// column of what stays. Requires: no checkpoint. Errors: those of scratch files; when cancelled, the cloud is of no
+  /// use any more. `progress` is in values.
+  void keep_rows(std::span<const std::uint8_t> marks, const Progress& progress = {});
   /// Adds a column of normals, all zero, if the cloud does not have it. Requires and errors as above.
   void add_normals();
 
@@ -86,6 +87,6 @@ class ScratchCloud {
 };
 
 /// keep_every() of cloud/rows.h, as ScratchCloud::keep_rows().
-void keep_every(ScratchCloud& cloud, std::uint64_t step);
+void keep_every(ScratchCloud& cloud, std::uint64_t step, const Progress& progress = {});
 
 }  // namespace alidade

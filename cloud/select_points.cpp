@@ -347,7 +347,9 @@ void thin(ScratchCloud& cloud, double edge, const Progress& progress) {
                                cloud.column_of<Color16>(Attribute::color),
                                cloud.column_of<std::uint16_t>(Attribute::near_infrared),
                                cloud.column_of<std::uint16_t>(Attribute::intensity)};
-  cloud.keep_rows(thinned(columns, edge, cloud.folder(), progress));
+  const auto marks = thinned(columns, edge, cloud.folder(), progress);
+  const std::uint64_t count = marks.size();
+  cloud.keep_rows(marks, [&](std::uint64_t, std::uint64_t) { return !progress || progress(count, count); });
 }
 
 }  // namespace alidade

@@ -41,8 +41,8 @@ void crop(PointCloud& cloud, std::span<const PlanePolygon> polygons, const Progr
 /// over the cube's points, rounded. Points that stay keep their order. The result does not depend on the
 /// number of threads; on the order of points only where several are equally near, and in that of the result.
 ///
-/// `progress` is in points. Memory: 17 B per point, of a ScratchCloud in scratch files. Cost: that of sorting. Errors: an edge that is not a
-/// positive number; more than 2^32 - 1 cubes along an axis; more than 2^32 - 1 points.
+/// `progress` is in points. Memory: 17 B per point, of a ScratchCloud on the disk. Cost: that of
+/// sorting. Errors: an edge that is not a positive number; more than 2^32 - 1 cubes along an axis; more than 2^32 - 1 points.
 void thin(PointCloud& cloud, double edge, const Progress& progress = {});
 void thin(ScratchCloud& cloud, double edge, const Progress& progress = {});
 

@@ -240,8 +240,7 @@ HugeVector<float> spacings_in_order(const Octree& octree) {
   const TreeView& tree = octree.view();
   HugeVector<float> spacings(tree.point_count, octree.scratch());
   for (std::uint32_t position = 0; position < tree.point_count; ++position)
-    spacings[point_id(tree, position)] =
-        static_cast<float>(spacing_at(tree, position));  // 16 bits of a float
+    spacings[point_id(tree, position)] = spacing_of(tree.spacings[position]);
   return spacings;
 }
 

@@ -66,7 +66,7 @@ double sphere_radius(const RayQuery& query, const Hit& hit);
 
 /// The spacings by point id, metres. Requires spacings. Cost: linear.
 std::vector<double> spacings_in_order(const TreeView& tree);
-/// The same numbers where the octree's spacings lie: in memory, or in a scratch file. 4 B per point.
+/// The same numbers, 4 B per point, where Octree::scratch() states.
 HugeVector<float> spacings_in_order(const Octree& octree);
 
 /// The greatest spacings below the slots of a node, as TreeView::slot_spacings has them; 0 for empty slots.

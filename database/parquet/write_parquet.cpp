@@ -242,7 +242,10 @@ void write_parquet(const std::filesystem::path& file, const PointCloud& cloud,
 void write_parquet(const std::filesystem::path& file, const PointCloud& facts, std::uint64_t point_count,
                    const PointPieces& pieces, const ParquetOptions& options) {
   check(file, options);
-  OrderedCloud ordered(file.parent_path(), facts, point_count, pieces);
+  OrderedCloud ordered(file.parent_path(), facts, point_count, [&](std::size_t first) -> const PointCloud& {
+    report(options.progress, 0, point_count);
+    return pieces(first);
+  });
   ParquetFile(file, ordered, options).write();
 }
 

@@ -37,8 +37,8 @@ struct ParquetOptions {
 void write_parquet(const std::filesystem::path& file, const PointCloud& cloud,
                    const ParquetOptions& options = {});
 
-/// The same for a cloud of so many points that comes in pieces, with memory for one of them, 36 bytes per point of it,
-/// and two blocks of 1024 points for each piece. `facts`: its lattice, reference system and extra dimensions.
+/// The same for a cloud of so many points that comes in pieces, with memory for two of them, 36 bytes per point of
+/// one, and two blocks of 1024 points for each piece. `facts`: its lattice, reference system and extra dimensions.
 void write_parquet(const std::filesystem::path& file, const PointCloud& facts, std::uint64_t point_count,
                    const PointPieces& pieces, const ParquetOptions& options = {});
 

@@ -129,7 +129,15 @@ TEST_F(ScratchCloudTest, more_kept_rows_than_the_input_has_are_an_error) {
 }
 
 TEST_F(ScratchCloudTest, chosen_rows_are_those_of_a_cloud_in_memory) {
-  write_las(folder_ / "a.las", colored_cloud());
+  PointCloud cloud = colored_cloud();
+  cloud.extra_dimensions.push_back({.name = "three", .type = ScalarType::bytes, .byte_count = 3});
+  cloud.near_infrared.resize(cloud.size());
+  for (std::size_t i = 0; i < cloud.size(); ++i) {
+    cloud.near_infrared[i] = cloud.colors[i].x;
+    for (int byte = 0; byte < 3; ++byte)
+      cloud.extra_dimensions[0].values.push_back(static_cast<std::uint8_t>(cloud.colors[i][byte]));
+  }
+  write_las(folder_ / "a.las", cloud);
   PointCloud whole = read_cloud(folder_ / "a.las");
   ScratchCloud parts = read(folder_ / "a.las", nullptr);
   const auto expect_same = [&] {
@@ -138,6 +146,8 @@ TEST_F(ScratchCloudTest, chosen_rows_are_those_of_a_cloud_in_memory) {
     EXPECT_TRUE(rows.positions == whole.positions);
     EXPECT_TRUE(rows.intensities == whole.intensities);
     EXPECT_TRUE(rows.colors == whole.colors);
+    EXPECT_TRUE(rows.near_infrared == whole.near_infrared);
+    EXPECT_TRUE(rows.extra_dimensions.at(0).values == whole.extra_dimensions.at(0).values);
     EXPECT_EQ(rows.attributes().bits, whole.attributes().bits);
     EXPECT_EQ(parts.facts().files.front().point_count, whole.files.front().point_count);
   };
@@ -154,6 +164,9 @@ TEST_F(ScratchCloudTest, chosen_rows_are_those_of_a_cloud_in_memory) {
   expect_same();
   parts.column_of<glm::vec3>(Attribute::normal).back() = {0, 0, 1};
   EXPECT_EQ(parts.rows(parts.size() - 1, 1).normals.front().z, 1.0f);
+  EXPECT_THROW(keep_every(parts, 2, [](std::uint64_t, std::uint64_t) { return false; }), Cancelled);
+  parts = read(folder_ / "a.las", nullptr);
+  parts.add_normals();
   keep_every(parts, UINT64_MAX);
   EXPECT_EQ(parts.size(), 1u);
   EXPECT_EQ(parts.columns().normals.size(), 1u);

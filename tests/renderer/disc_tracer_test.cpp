@@ -25,7 +25,7 @@ struct Blended {
   double t;
   glm::dvec3 color;
 };
-std::optional<Blended> blended(const PlainPoints& points, std::span<const Color16> colors, const Ray& ray,
+std::optional<Blended> blended(const PlainPoints& points, const ColorColumn& colors, const Ray& ray,
                                const Hit& first) {
   const PointSurface own = surface_of(points.tree, first.point_id);
   if (!own.exists) return std::nullopt;

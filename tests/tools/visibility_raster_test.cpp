@@ -210,7 +210,7 @@ TEST_F(VisibilityRasterTest, bytes_do_not_depend_on_the_number_of_threads) {
 }
 
 TEST_F(VisibilityRasterTest, bytes_do_not_depend_on_memory) {
-  // A ground of 160,000 cells lies in files.
+  // Samples of a ground of 160,000 cells and their sums lie in files.
   for (const Words& more : {Words{}, Words{"--ground-cell", "0.05", "--mode", "height"}}) {
     const Words words = with(with(k_eye, more), {"--overwrite"});
     ASSERT_EQ(raster(words).exit_code, 0);

@@ -1,9 +1,12 @@
 // SPDX-License-Identifier: MIT
 #include <fmt/format.h>
 #include <tbb/parallel_for.h>
+#include <algorithm>
+#include <functional>
 #include <glm/geometric.hpp>
 #include <limits>
 #include <span>
+#include <type_traits>
 #include <utility>
 
 #include "base/error.h"
@@ -49,7 +52,14 @@ bool is_parquet_name(const std::filesystem::path& name) {
 /// Leaves the points that were asked for.
 template <class Cloud>
 void choose_points(Cloud& cloud, const ConvertCommand& command) {
-  if (command.every > 1) keep_every(cloud, command.every);
+  if (command.every > 1) {
+    with_progress("choosing", "points", command.verbosity, [&](const Progress& progress) {
+      if constexpr (std::is_same_v<Cloud, ScratchCloud>)
+        keep_every(cloud, command.every, progress);
+      else
+        keep_every(cloud, command.every);
+    });
+  }
   if (command.spacing) {
     with_progress("thinning", "points", command.verbosity,
                   [&](const Progress& progress) { thin(cloud, *command.spacing, progress); });
@@ -80,16 +90,24 @@ void measure_normals(const Octree& built, const PointColumns& points,
   });
 }
 
+Octree built_shown(Verbosity verbosity, const std::function<Octree(const BuildOptions&)>& build) {
+  return with_progress("building", "points", verbosity,
+                       [&](const Progress& progress) { return build({.progress = progress}); });
+}
+
 void add_normals(PointCloud& cloud, Verbosity verbosity) {
+  const Octree octree = built_shown(
+      verbosity, [&](const BuildOptions& options) { return build(std::as_const(cloud), options); });
   cloud.normals.resize(cloud.size());
-  measure_normals(build(std::as_const(cloud)), points_of(cloud), cloud.scanner_positions, cloud.normals,
-                  verbosity);
+  measure_normals(octree, points_of(cloud), cloud.scanner_positions, cloud.normals, verbosity);
 }
 
 void add_normals(ScratchCloud& cloud, const ScratchSpace& scratch, Verbosity verbosity) {
   HugeArray<LatticePosition> used_up(cloud.size(), scratch.folder);
   std::ranges::copy(cloud.positions(), used_up.data());
-  const Octree octree = build_in_scratch(cloud.facts().lattice, {used_up.data(), used_up.size()}, scratch);
+  const Octree octree = built_shown(verbosity, [&](const BuildOptions& options) {
+    return build_in_scratch(cloud.facts().lattice, {used_up.data(), used_up.size()}, scratch, options);
+  });
   used_up = {};
   cloud.add_normals();
   measure_normals(octree, cloud.points(), cloud.facts().scanner_positions,
@@ -161,14 +179,28 @@ void say_written(const ConvertCommand& command, std::uint64_t count, std::uint64
 bool is_large(const ConvertCommand& command) {
   constexpr std::uint64_t k_octree = 52, k_thinning = 17;  // bytes per point
   const StatedSize size = stated_size(command.files);
+  // Files that do not state how many points they have: coordinates rarely take less than those of a lattice.
+  const std::uint64_t points = size.point_count + size.uncounted_bytes / sizeof(LatticePosition);
   const std::uint64_t beside = command.normals ? k_octree : command.spacing ? k_thinning : 0;
-  return size.bytes() + beside * size.point_count > command.memory;
+  return size.bytes() + beside * points > command.memory;
+}
+
+std::size_t bytes_per_row(const AttributeColumns& columns) {
+  std::size_t bytes = sizeof(LatticePosition);
+  for_each_column(columns,
+                  [&](Attribute, const auto& column) { bytes += column.empty() ? 0 : sizeof column[0]; });
+  for (const ExtraColumn& column : columns.extra_dimensions)
+    bytes += static_cast<std::size_t>(column.description.byte_count);
+  return bytes;
 }
 
 void write_in_pieces(const ConvertCommand& command, ScratchCloud& cloud) {
-  // A row takes up to 64 bytes, and the formats copy it.
-  constexpr std::size_t k_row = 256, k_least_rows = std::size_t{1} << 14, k_most_rows = std::size_t{1} << 20;
-  const std::size_t count = cloud.size(), room = std::max(command.memory / k_row, k_least_rows);
+  // The formats copy rows, and Parquet sorts them.
+  constexpr std::size_t k_sorting = 36, k_least_rows = std::size_t{1} << 14,
+                        k_most_rows = std::size_t{1} << 20;
+  const std::size_t row = 2 * bytes_per_row(cloud.columns()) + k_sorting;
+  const std::size_t count = cloud.size();
+  const std::size_t room = std::clamp<std::size_t>(command.memory / row, k_least_rows, UINT32_MAX);
   std::size_t rows_at_once = std::min(room, k_most_rows);
   PointCloud some;
   const PointPieces from = [&](std::size_t first) -> const PointCloud& {

@@ -56,8 +56,8 @@ void check_points_name(const std::filesystem::path& file);
 
 /// The points of a cloud in their order, with all their attributes, scale, offset, reference system and LAS
 /// records, and with these columns: LAS 1.4 or PLY by the extension. Columns of the cloud's own that have one
-/// of their names are left out, which is said. Memory: 12 B per point, of an octree in scratch files on the disk, and
-/// for COPC `memory` (LasWriteOptions). Errors: as LasWriter, write_ply().
+/// of their names are left out, which is said. Memory: 12 B per point, on the disk if the octree has
+/// scratch files; for COPC also `memory` (LasWriteOptions). Errors: as LasWriter, write_ply().
 void write_points(const std::filesystem::path& file, const IndexedCloud& cloud,
                   const std::vector<ResultColumn>& results, bool overwrite,
                   std::optional<std::uint64_t> memory, Verbosity verbosity);

@@ -228,11 +228,11 @@ ExitCode run(const ChangeCommand& command) {
         return visibility::find_changes({*before->occluders, before->origins},
                                         {*after->occluders, after->origins}, options);
       });
+  const Summaries old_classes = summaries_of(changes.before, *before->occluders);
+  const Summaries new_classes = summaries_of(changes.after, *after->occluders);
   const CloudResults results[] = {{before->cloud, columns_of(changes.before, 1)},
                                   {after->cloud, columns_of(changes.after, 2)}};
   write_points(command.output, results, command.overwrite, command.memory, command.verbosity);
-  const Summaries old_classes = summaries_of(changes.before, *before->occluders);
-  const Summaries new_classes = summaries_of(changes.after, *after->occluders);
   write_to_stdout(command.json
                       ? json{{"before", json_of(old_classes)}, {"after", json_of(new_classes)}}.dump(2) + "\n"
                       : table_of("BEFORE", old_classes) + "\n" + table_of("AFTER", new_classes));
