@@ -5,6 +5,7 @@
 #include <cpl_http.h>
 #include <cpl_string.h>
 #include <fmt/format.h>
+#include <unistd.h>
 #include <algorithm>
 #include <array>
 #include <atomic>
@@ -103,7 +104,7 @@ int begin_of_last_answer(char** headers) {
 }
 
 /// A session of GDAL, which keeps connections to servers, for one request at a time: as many as there are
-/// requests at once.
+/// requests at once. A process that forked gets others: on a connection, its answers and its parent's would mix.
 class Session {
  public:
   Session() {
@@ -119,7 +120,7 @@ class Session {
   Session(const Session&) = delete;
   Session& operator=(const Session&) = delete;
 
-  std::string name() const { return fmt::format("alidade_{}", number_); }
+  std::string name() const { return fmt::format("alidade_{}_{}", ::getpid(), number_); }
 
  private:
   static inline std::mutex mutex_;

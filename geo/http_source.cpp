@@ -3,6 +3,7 @@
 
 #include <cpl_conv.h>
 #include <fmt/format.h>
+#include <unistd.h>
 #include <algorithm>
 #include <array>
 #include <chrono>
@@ -25,10 +26,14 @@ class WholeFiles {
  public:
   /// Copies a file, so that none of thousands keeps a file handle; returns where. Errors: those of temporary_folder()
   /// and ScratchFile::append().
-  std::uint64_t keep(const ScratchFile& whole) {
+  WholeFile keep(const ScratchFile& whole) {
     constexpr std::uint64_t k_part = 1 << 20;
     const std::scoped_lock lock(mutex_);
-    if (!file_) file_.emplace(temporary_folder());
+    // A process that forked shares the file with its parent: each would overwrite what the other appends.
+    if (!file_ || owner_ != ::getpid()) {
+      file_ = std::make_shared<ScratchFile>(temporary_folder());
+      owner_ = ::getpid();
+    }
     const std::uint64_t at = file_->size();
     try {
       std::vector<std::byte> part;
@@ -41,14 +46,13 @@ class WholeFiles {
       file_->cut(at);
       throw;
     }
-    return at;
+    return {file_, at};
   }
-  /// Of what was kept.
-  void read(std::uint64_t at, std::span<std::byte> into) const { file_->read(at, into); }
 
  private:
   std::mutex mutex_;
-  std::optional<ScratchFile> file_{};
+  std::shared_ptr<ScratchFile> file_{};
+  ::pid_t owner_ = 0;
 };
 
 WholeFiles& whole_files() {
@@ -116,7 +120,7 @@ HttpSource::HttpSource(std::string name, std::string url, std::size_t count, boo
   if (answer.whole) {
     start_.resize(count);
     answer.whole->read(0, start_);
-    whole_at_ = whole_files().keep(*answer.whole);
+    whole_ = whole_files().keep(*answer.whole);
   }
   is_open_ = true;
 }
@@ -139,9 +143,9 @@ void HttpSource::take_version(const HttpAnswer& answer) {
 void HttpSource::read(std::uint64_t offset, std::span<std::byte> into) {
   {
     std::unique_lock lock(mutex_);
-    if (whole_at_) {
+    if (whole_) {
       lock.unlock();
-      return whole_files().read(*whole_at_ + offset, into);
+      return whole_->file->read(whole_->at + offset, into);
     }
   }
   const HttpAnswer answer = request(offset, offset + into.size() - 1);
@@ -152,7 +156,7 @@ void HttpSource::read(std::uint64_t offset, std::span<std::byte> into) {
   }
   answer.whole->read(offset, into);
   const std::scoped_lock lock(mutex_);
-  if (!whole_at_) whole_at_ = whole_files().keep(*answer.whole);
+  if (!whole_) whole_ = whole_files().keep(*answer.whole);
 }
 
 void HttpSource::check_version(const HttpAnswer& answer) {

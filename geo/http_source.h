@@ -4,6 +4,7 @@
 #include <atomic>
 #include <cstddef>
 #include <cstdint>
+#include <memory>
 #include <mutex>
 #include <optional>
 #include <span>
@@ -11,9 +12,16 @@
 #include <utility>
 #include <vector>
 
+#include "base/scratch_file.h"
 #include "geo/http_request.h"
 
 namespace alidade::geo {
+
+/// Where a temporary file has what a server without ranges sent.
+struct WholeFile {
+  std::shared_ptr<const ScratchFile> file;
+  std::uint64_t at = 0;
+};
 
 /// A file on a web server, read by ranges through GDAL's HTTP client. Thread safe.
 ///
@@ -37,7 +45,7 @@ class HttpSource {
   /// Differs between different contents of the URL. Empty if the server does not tell them apart.
   const std::string& version() const { return version_; }
   /// Whether the constructor got all of the file, since the server sends no ranges.
-  bool has_whole() const { return whole_at_.has_value(); }
+  bool has_whole() const { return whole_.has_value(); }
   /// Hands out the bytes that the constructor fetched: at most `count` at the beginning of the file, or none.
   std::vector<std::byte> take_start() { return std::exchange(start_, {}); }
   /// Whether an answer was of another version: the URL has to be opened again.
@@ -71,7 +79,7 @@ class HttpSource {
   bool is_open_ = false;
   std::atomic<bool> has_changed_ = false;
   std::mutex mutex_;
-  std::optional<std::uint64_t> whole_at_{};  ///< where a temporary file has what a server without ranges sent
+  std::optional<WholeFile> whole_{};
 };
 
 }  // namespace alidade::geo
