@@ -41,6 +41,8 @@ class HttpSource {
   HttpSource(std::string name, std::string url, std::size_t count, bool (*is_interrupted)(),
              HttpPart first = HttpPart::bytes);
 
+  /// No other source of the process has or had it.
+  std::uint64_t number() const { return number_; }
   std::uint64_t size() const { return size_; }
   /// Differs between different contents of the URL. Empty if the server does not tell them apart.
   const std::string& version() const { return version_; }
@@ -71,6 +73,8 @@ class HttpSource {
   void wait(double seconds) const;
   bool is_stopped() const { return is_interrupted_ != nullptr && is_interrupted_(); }
 
+  static inline std::atomic<std::uint64_t> count_ = 0;
+  const std::uint64_t number_ = count_++;
   std::string name_, url_;
   bool (*is_interrupted_)();
   std::uint64_t size_ = 0;

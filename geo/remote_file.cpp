@@ -149,7 +149,7 @@ constexpr std::size_t k_block = 16 << 10;
 class BlockMemory {
  public:
   using Block = std::shared_ptr<const std::vector<std::byte>>;
-  using Key = std::pair<const HttpSource*, std::uint64_t>;
+  using Key = std::pair<std::uint64_t, std::uint64_t>;  ///< number of the source, block
 
   Block find(const Key& key) {
     const std::scoped_lock lock(mutex_);
@@ -184,9 +184,7 @@ struct Web {
 
   const RemoteOptions options;
   std::mutex mutex;
-  /// By URL. Sources are never given up: their addresses name blocks.
-  std::map<std::string, std::shared_ptr<HttpSource>> sources;
-  std::vector<std::shared_ptr<HttpSource>> replaced;
+  std::map<std::string, std::shared_ptr<HttpSource>> sources;  ///< by URL
   BlockMemory memory;
   std::optional<BlockFolder> folder;
 };
@@ -226,13 +224,13 @@ std::shared_ptr<HttpSource> http_source(const std::string& name, const std::stri
   auto source = std::make_shared<HttpSource>(name, url, k_block, web().options.is_interrupted,
                                              is_whole_kept ? HttpPart::headers : HttpPart::bytes);
   if (auto start = source->take_start(); !start.empty())
-    web().memory.keep({source.get(), 0}, std::make_shared<const std::vector<std::byte>>(std::move(start)));
+    web().memory.keep({source->number(), 0},
+                      std::make_shared<const std::vector<std::byte>>(std::move(start)));
   if (web().folder && source->has_whole() && keep_whole(*source, url))
     web().folder->keep(mark, std::array{std::byte{1}});
   const std::scoped_lock lock(web().mutex);
   std::shared_ptr<HttpSource>& known = web().sources[url];
   if (known && !known->has_changed()) return known;  // another thread was faster
-  if (known) web().replaced.push_back(std::move(known));
   known = source;
   return source;
 }
@@ -278,18 +276,19 @@ class HttpFile final : public RemoteFile {
   }
 
   BlockMemory::Block find(std::uint64_t block) const {
-    if (auto kept = web().memory.find({source_.get(), block})) return kept;
-    if (folder_ == nullptr) return nullptr;
     const std::uint64_t count = std::min<std::uint64_t>(k_block, size() - block * k_block);
+    auto known = web().memory.find({source_->number(), block});
+    if (known && known->size() == count) return known;
+    if (folder_ == nullptr) return nullptr;
     auto stored = folder_->find(key_of(block), static_cast<std::size_t>(count));
     if (!stored) return nullptr;
     auto kept = std::make_shared<const std::vector<std::byte>>(std::move(*stored));
-    web().memory.keep({source_.get(), block}, kept);
+    web().memory.keep({source_->number(), block}, kept);
     return kept;
   }
 
   bool is_kept(std::uint64_t block) const {
-    return web().memory.find({source_.get(), block}) ||
+    return web().memory.find({source_->number(), block}) ||
            (folder_ != nullptr && folder_->contains(key_of(block)));
   }
 
@@ -305,7 +304,7 @@ class HttpFile final : public RemoteFile {
     for (std::uint64_t block = first; block < last; ++block) {
       const std::span<const std::byte> rest = std::span(bytes).subspan((block - first) * k_block);
       const auto part = rest.first(std::min(rest.size(), k_block));
-      web().memory.keep({source_.get(), block},
+      web().memory.keep({source_->number(), block},
                         std::make_shared<const std::vector<std::byte>>(part.begin(), part.end()));
       if (folder_ != nullptr) folder_->keep(key_of(block), part);
     }
