@@ -47,6 +47,17 @@ bool is_packed(const std::string& name) {
   return name.substr(0, name.find('?')).ends_with(".json.gz") && !name.starts_with("/vsigzip/");
 }
 
+/// What a version states of the time: of a compressed file that of the packed one, since GDAL states 0 for all but the
+/// last that it opened. Empty if there is none.
+std::string time_of(std::string_view path) {
+  constexpr std::string_view k_packed = "/vsigzip/";
+  while (path.starts_with(k_packed)) path.remove_prefix(k_packed.size());
+  // Of files that were opened GDAL remembers it: no request.
+  VSIStatBufL status{};
+  const bool is_known = VSIStatExL(std::string(path).c_str(), &status, VSI_STAT_SIZE_FLAG) == 0;
+  return is_known ? fmt::format(" {}", status.st_mtime) : "";
+}
+
 [[noreturn]] void fail(const std::string& name, const char* problem) {
   std::string reason = VSIGetLastErrorMsg();
   if (reason.empty()) reason = CPLGetLastErrorMsg();
@@ -79,14 +90,12 @@ class VirtualFile final : public RemoteFile {
     constexpr const char* k_list = "GDAL_DISABLE_READDIR_ON_OPEN";
     CPLSetThreadLocalConfigOption(k_list, "EMPTY_DIR");
     handle_.reset(VSIFOpenExL(path.c_str(), "rb", TRUE));
-    VSIStatBufL status{};
-    // GDAL remembers it: no request.
-    if (handle_ && VSIStatExL(path.c_str(), &status, VSI_STAT_SIZE_FLAG) != 0) status.st_mtime = 0;
+    const std::string time = handle_ ? time_of(path) : "";
     CPLSetThreadLocalConfigOption(k_list, nullptr);
     if (!handle_) fail(name, "cannot open the file, which is missing or not yours to read");
     if (VSIFSeekL(handle_.get(), 0, SEEK_END) != 0) fail(name_, "cannot measure the file");
     size_ = VSIFTellL(handle_.get());
-    version_ = fmt::format("{} {}", size_, status.st_mtime);
+    version_ = std::to_string(size_) + time;
   }
 
   std::uint64_t size() const override { return size_; }

@@ -188,6 +188,23 @@ class RemoteTest(RemoteCase):
     def test_archives_are_read_in_place(self):
         self.assertEqual(self.query("/vsizip/site.zip/tiles/site.las"), self.query("site.las"))
 
+    def test_compressed_files_are_read_in_turn(self):
+        for number in range(2):
+            self.run_program("generate", "courtyard", "--points", "20000", "--seed", str(number), "-o", f"turn-{number}.las")
+            self.run_program("index", f"turn-{number}.las", "-o", f"turn-{number}.alidade")
+            for extension in ("las", "alidade"):
+                name = os.path.join(self.folder, f"turn-{number}.{extension}")
+                with open(name, "rb") as file, gzip.open(name + ".gz", "wb") as smaller:
+                    smaller.write(file.read())
+        query, change = self.words("")[2:], ("--no-sight", "--json", "-o", "turn.las", "--overwrite")
+        for command, extension, words in (("query", "las", query), ("change", "alidade", change)):
+            names = [f"turn-{number}.{extension}" for number in range(2)]
+            expected = self.run_program(command, *names, *words)
+            for folder in ("/vsigzip/", "/vsigzip//vsicurl/" + self.server.address("good", "")):
+                with self.subTest(command, folder=folder):
+                    packed = [folder + name + ".gz" for name in names]
+                    self.assertEqual(self.run_program(command, *packed, *words), expected)
+
     def test_requests_to_a_busy_server_are_repeated(self):
         for status in (429, 500, 503):
             with self.subTest(status):
