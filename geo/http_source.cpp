@@ -13,6 +13,7 @@
 #include <utility>
 
 #include "base/error.h"
+#include "base/fingerprint.h"
 #include "base/scratch_file.h"
 
 namespace alidade::geo {
@@ -108,9 +109,9 @@ void HttpSource::check_whole(const HttpAnswer& start) {
 }
 
 HttpSource::HttpSource(std::string name, std::string url, std::size_t count, bool (*is_interrupted)(),
-                       HttpPart first)
+                       std::optional<std::uint64_t> known)
     : name_(std::move(name)), url_(std::move(url)), is_interrupted_(is_interrupted) {
-  is_open_ = first == HttpPart::headers && open_by_headers();
+  is_open_ = known && open_by_headers(*known);
   if (is_open_) return;
   HttpAnswer answer = request(0, count - 1);
   if (!answer.range && !answer.whole) check_whole(answer);
@@ -125,19 +126,23 @@ HttpSource::HttpSource(std::string name, std::string url, std::size_t count, boo
   is_open_ = true;
 }
 
-bool HttpSource::open_by_headers() {
+bool HttpSource::open_by_headers(std::uint64_t known) {
   const HttpAnswer answer = fetch(0, 0, HttpPart::headers);
   if (!answer.is_good() || !answer.length) return false;
   size_ = *answer.length;
   take_version(answer);
-  return !version_.empty();
+  return sum_of_version() == known;
+}
+
+std::uint64_t HttpSource::sum_of_version() const {
+  return checksum(std::as_bytes(std::span(version_)));
 }
 
 void HttpSource::take_version(const HttpAnswer& answer) {
   etag_ = answer.etag;
   last_modified_ = answer.last_modified;
   const std::string& validator = etag_.empty() ? last_modified_ : etag_;
-  if (!validator.empty()) version_ = fmt::format("{} {}", size_, validator);
+  version_ = validator.empty() ? "" : fmt::format("{} {}", size_, validator);
 }
 
 void HttpSource::read(std::uint64_t offset, std::span<std::byte> into) {
@@ -217,7 +222,7 @@ HttpAnswer HttpSource::fetch(std::uint64_t first, std::uint64_t last, HttpPart p
                             .last = last,
                             .part = part,
                             .is_interrupted = is_interrupted_});
-  if (answer.is_good()) check_range(answer, first, last);
+  if (answer.is_good() && part == HttpPart::bytes) check_range(answer, first, last);
   return answer;
 }
 

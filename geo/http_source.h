@@ -34,18 +34,20 @@ struct WholeFile {
 /// GDAL_HTTP_MAX_RETRY times, with pauses that begin at GDAL_HTTP_RETRY_DELAY seconds and double.
 class HttpSource {
  public:
-  /// Requests the first `count` bytes; or the headers alone, for a file without ranges that is kept elsewhere, unless
-  /// these do not state its size and version. `name` is what messages call the file; `is_interrupted`, if given, is
+  /// Requests the first `count` bytes. With `known`, the sum_of_version() of a file without ranges that is kept
+  /// elsewhere, the headers come first, and no bytes if they state this version: some servers state a wrong length or
+  /// ETag there. `name` is what messages call the file; `is_interrupted`, if given, is
   /// called while waiting and returns whether to stop. Errors: those of read(); the server cannot be reached,
   /// or has no such file.
   HttpSource(std::string name, std::string url, std::size_t count, bool (*is_interrupted)(),
-             HttpPart first = HttpPart::bytes);
+             std::optional<std::uint64_t> known = {});
 
   /// No other source of the process has or had it.
   std::uint64_t number() const { return number_; }
   std::uint64_t size() const { return size_; }
   /// Differs between different contents of the URL. Empty if the server does not tell them apart.
   const std::string& version() const { return version_; }
+  std::uint64_t sum_of_version() const;
   /// Whether the constructor got all of the file, since the server sends no ranges.
   bool has_whole() const { return whole_.has_value(); }
   /// Hands out the bytes that the constructor fetched: at most `count` at the beginning of the file, or none.
@@ -60,8 +62,8 @@ class HttpSource {
  private:
   HttpAnswer request(std::uint64_t first, std::uint64_t last);
   HttpAnswer fetch(std::uint64_t first, std::uint64_t last, HttpPart part) const;
-  /// Whether the headers state what is needed.
-  bool open_by_headers();
+  /// Whether the headers state this version.
+  bool open_by_headers(std::uint64_t known);
   void take_version(const HttpAnswer& answer);
   /// Errors: the answer does not hold just these bytes.
   void check_range(const HttpAnswer& answer, std::uint64_t first, std::uint64_t last) const;

@@ -18,6 +18,7 @@
 #include <utility>
 #include <vector>
 
+#include "base/bytes.h"
 #include "base/error.h"
 #include "geo/block_folder.h"
 #include "geo/gdal_reference.h"
@@ -227,16 +228,20 @@ std::shared_ptr<HttpSource> http_source(const std::string& name, const std::stri
     const auto known = web().sources.find(url);
     if (known != web().sources.end() && !known->second->has_changed()) return known->second;
   }
-  // Of a server without ranges, the first bytes are the whole file, which the folder may hold already.
+  // Of a server without ranges, the first bytes are the whole file: of the version in the mark, the folder holds it.
   const std::string mark = url + "\nno ranges";
-  const bool is_whole_kept = web().folder && web().folder->find(mark, 1);
-  auto source = std::make_shared<HttpSource>(name, url, k_block, web().options.is_interrupted,
-                                             is_whole_kept ? HttpPart::headers : HttpPart::bytes);
+  std::optional<std::uint64_t> marked;
+  if (web().folder)
+    if (const auto kept = web().folder->find(mark, sizeof(*marked)))
+      marked = load<std::uint64_t>(kept->data());
+  auto source = std::make_shared<HttpSource>(name, url, k_block, web().options.is_interrupted, marked);
   if (auto start = source->take_start(); !start.empty())
     web().memory.keep({source->number(), 0},
                       std::make_shared<const std::vector<std::byte>>(std::move(start)));
-  if (web().folder && source->has_whole() && keep_whole(*source, url))
-    web().folder->keep(mark, std::array{std::byte{1}});
+  if (web().folder && source->has_whole() && keep_whole(*source, url)) {
+    const std::array sum = {source->sum_of_version()};
+    web().folder->keep(mark, std::as_bytes(std::span(sum)));
+  }
   const std::scoped_lock lock(web().mutex);
   std::shared_ptr<HttpSource>& known = web().sources[url];
   if (known && !known->has_changed()) return known;  // another thread was faster

@@ -50,6 +50,16 @@ class CacheTest(RemoteCase):
             self.assertEqual(self.query(address, "--cache-size", "1M", cache="small-whole"), self.query("site.las"))
         self.assertEqual(self.server.sent, 2 * size)
 
+    def test_headers_that_state_another_version_are_not_believed(self):
+        size = os.path.getsize(os.path.join(self.folder, "site.laz"))
+        for manner in ("plain-length", "plain-tag"):
+            with self.subTest(manner):
+                self.server.forget()
+                for run in range(2):
+                    self.assertEqual(self.query(self.server.address(manner, "site.laz"), cache=manner),
+                                     self.query("site.laz"))
+                self.assertEqual((self.server.requests, self.server.sent), (3, 2 * size))
+
     def test_sql_uses_the_cache(self):
         self.run_program("catalog", "site.copc.laz", "-o", "sql.catalog.json")
         statement = "SELECT id, dist FROM points(690000,5325000,640, 0,0,-1) ORDER BY dist LIMIT 4"
