@@ -23,7 +23,7 @@ Behind the first 64 KiB:
 Everywhere:
 /short/FILE      states a length that is ten times too long
 /busy-503/FILE   answers 503 (or 429, 500 ...) to two of three requests
-/status-403/FILE  always answers 403
+/status-403/FILE  always answers 403, with a page of 40 kB
 /moved/FILE      redirects to /good/FILE, each time with another ETag
 /moved-bare/FILE  the same, to /bare/FILE
 /bare/FILE       sends neither ETag nor Last-Modified
@@ -70,7 +70,7 @@ class Handler(http.server.BaseHTTPRequestHandler):
         if manner.startswith("busy-") and number % 3 != 0:
             return self.send_error(int(manner[5:]))
         if manner.startswith("status-"):
-            return self.send_error(int(manner[7:]))
+            return self.send_error(int(manner[7:]), explain="no " * 13000)
         if manner.startswith("gone-") and number > int(manner[5:]):
             self.close_connection = True
             return None

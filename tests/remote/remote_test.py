@@ -295,6 +295,9 @@ class RemoteTest(RemoteCase):
         os.rmdir(scratch)
         self.assertIn("scratch: no folder for temporary files; expected the environment variable TMPDIR",
                       self.query(address, settings={"TMPDIR": scratch}, succeeds=False))
+        self.assertIn("cannot read from the server: HTTP status 403",
+                      self.query(self.server.address("status-403", "site.laz"), settings={"TMPDIR": scratch},
+                                 succeeds=False))
 
     def test_files_about_as_long_as_the_first_request_are_whole_or_an_error(self):
         points = "".join(f"{690000 + i % 9}.{i % 7} {5325000 + i % 11}.5 {600 + i % 5}.25\n" for i in range(700))
