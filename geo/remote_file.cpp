@@ -59,10 +59,26 @@ std::string time_of(std::string_view path) {
   return is_known ? fmt::format(" {}", status.st_mtime) : "";
 }
 
-[[noreturn]] void fail(const std::string& name, const char* problem) {
-  std::string reason = VSIGetLastErrorMsg();
-  if (reason.empty()) reason = CPLGetLastErrorMsg();
-  throw Error({.file = name, .problem = problem + (reason.empty() ? "" : ": " + reason)});
+std::string gdal_reason() {
+  const std::string reason = VSIGetLastErrorMsg();
+  return reason.empty() ? CPLGetLastErrorMsg() : reason;
+}
+
+[[noreturn]] void fail(const std::string& name, const char* problem, std::string expected = "") {
+  std::string reason = gdal_reason();
+  reason.resize(std::min(reason.size(), reason.find('\n')));  // a page of a server
+  throw Error({.file = name,
+               .problem = problem + (reason.empty() ? "" : ": " + reason),
+               .expected = std::move(expected)});
+}
+
+[[noreturn]] void fail_to_open(const std::string& name) {
+  constexpr std::array k_refused = {VSIE_AWSAccessDenied, VSIE_AWSBucketNotFound, VSIE_AWSObjectNotFound};
+  const std::string reason = gdal_reason();
+  const bool is_refused = std::ranges::find(k_refused, VSIGetLastErrorNo()) != k_refused.end() ||
+                          reason.find("403") != std::string::npos || reason.find("404") != std::string::npos;
+  fail(name, "cannot open the file",
+       reason.empty() || is_refused ? "an existing file that you may read" : "");
 }
 
 /// What is not set in the environment.
@@ -93,7 +109,10 @@ class VirtualFile final : public RemoteFile {
     handle_.reset(VSIFOpenExL(path.c_str(), "rb", TRUE));
     const std::string time = handle_ ? time_of(path) : "";
     CPLSetThreadLocalConfigOption(k_list, nullptr);
-    if (!handle_) fail(name, "cannot open the file, which is missing or not yours to read");
+    if (!handle_) {
+      VSICurlPartialClearCache(path.c_str());  // where GDAL remembers failures, it does so without the reason
+      fail_to_open(name);
+    }
     if (VSIFSeekL(handle_.get(), 0, SEEK_END) != 0) fail(name_, "cannot measure the file");
     size_ = VSIFTellL(handle_.get());
     version_ = std::to_string(size_) + time;

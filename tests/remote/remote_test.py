@@ -182,8 +182,12 @@ class RemoteTest(RemoteCase):
                     self.assertLess(self.server.sent, most * size)
                     self.assertGreater(self.server.requests, 3)
         self.assertEqual(os.listdir(os.path.join(self.folder, "bucket")), ["alidade-cache"])
-        self.assertIn("s3://good/none.laz: cannot open the file, which is missing or not yours to read",
-                      self.query("s3://good/none.laz", settings=settings, succeeds=False))
+        for name in ("good/none.laz", "status-403/site.laz"):
+            self.assertRegex(self.query(f"s3://{name}", settings=settings, succeeds=False),
+                             f"s3://{name}: cannot open the file: .+; expected an existing file that you may read\n$")
+        message = self.query("s3://good/site.laz", settings=dict(settings, AWS_S3_ENDPOINT="127.0.0.1:9"), succeeds=False)
+        self.assertRegex(message, "s3://good/site.laz: cannot open the file: .*[Cc]onnect.*\n$")
+        self.assertNotIn("expected", message)
 
     def test_archives_are_read_in_place(self):
         self.assertEqual(self.query("/vsizip/site.zip/tiles/site.las"), self.query("site.las"))
