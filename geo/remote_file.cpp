@@ -227,9 +227,9 @@ std::string block_key(const HttpSource& source, const std::string& url, std::uin
   return url + "\n" + source.version() + "\n" + std::to_string(block);
 }
 
-/// Puts all blocks of a file into the folder; false if it has no version, or more bytes than the folder may take.
+/// Puts all blocks of a file into the folder; false if it has no version, or the folder no room for it.
 bool keep_whole(HttpSource& source, const std::string& url) {
-  if (source.version().empty() || source.size() > web().options.cache_bytes) return false;
+  if (source.version().empty() || !web().folder->has_room(source.size(), k_block)) return false;
   std::vector<std::byte> bytes;
   for (std::uint64_t begin = 0; begin < source.size(); begin += bytes.size()) {
     if (web().options.is_interrupted != nullptr && web().options.is_interrupted()) throw Cancelled();
