@@ -74,7 +74,8 @@ struct PartsOptions {
   bool resume = false;     ///< whether to go on from the file if it is there; else it is replaced
   /// Called when writing fails: the run goes on, and the parts concerned count as not finished.
   std::function<void(const Error&)> failed{};
-  std::function<bool()> is_interrupted{};  ///< whether to stop while a ScratchCheckpoint compares kept bytes
+  /// Whether to stop. Only a ScratchCheckpoint asks, while it compares kept bytes; a PartCheckpoint never does.
+  std::function<bool()> is_interrupted{};
 };
 
 /// The finished parts of a run. To be used by one thread at a time.

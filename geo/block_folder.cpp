@@ -120,6 +120,11 @@ fs::path BlockFolder::path_of(const std::string& key) const {
   return folder_ / name.substr(0, k_folder_digits) / name.substr(k_folder_digits).append(k_extension);
 }
 
+bool BlockFolder::has_room(std::uint64_t bytes, std::uint64_t block) const {
+  // make_room() removes at least a fifth of all, what is older first: none of these blocks.
+  return bytes + (bytes / block + 1) * sizeof(BlockHeader) <= cut_bytes();
+}
+
 bool BlockFolder::contains(const std::string& key) const {
   return ::access(path_of(key).c_str(), R_OK) == 0;
 }
@@ -202,8 +207,7 @@ void BlockFolder::make_room() {
         fs::is_directory(part.symlink_status(error)))
       for_each_entry(part.path(), note);
   });
-  // Some more than needed, so that this is rare.
-  const std::uint64_t goal = bytes > most_bytes_ ? most_bytes_ / 5 * 4 : most_bytes_;
+  const std::uint64_t goal = bytes > most_bytes_ ? cut_bytes() : most_bytes_;
   std::ranges::sort(entries, {}, &Entry::used);
   for (const Entry& entry : entries) {
     if (bytes <= goal) break;

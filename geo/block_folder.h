@@ -25,6 +25,9 @@ class BlockFolder {
   /// it; it holds something and is not marked.
   BlockFolder(std::filesystem::path folder, std::uint64_t most_bytes);
 
+  /// Whether so many bytes, in blocks of `block` bytes, would all stay when they are kept one after the other, whatever
+  /// else is there.
+  bool has_room(std::uint64_t bytes, std::uint64_t block) const;
   /// Whether there is a block, which may still be damaged.
   bool contains(const std::string& key) const;
   /// The block, of so many bytes; empty if it is missing or damaged.
@@ -37,6 +40,9 @@ class BlockFolder {
   void make_room();
 
   std::filesystem::path folder_;
+  /// To which make_room() cuts: some less than allowed, so that this is rare.
+  std::uint64_t cut_bytes() const { return most_bytes_ / 5 * 4; }
+
   std::uint64_t most_bytes_;
   /// That the blocks take, without what other programs wrote since make_room().
   std::atomic<std::uint64_t> bytes_ = 0;

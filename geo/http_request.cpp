@@ -5,6 +5,7 @@
 #include <cpl_http.h>
 #include <cpl_string.h>
 #include <fmt/format.h>
+#include <unistd.h>
 #include <algorithm>
 #include <array>
 #include <atomic>
@@ -26,6 +27,7 @@ namespace alidade::geo {
 namespace {
 
 std::atomic<std::uint64_t> requests_in_all = 0, bytes_in_all = 0;
+constexpr std::uint64_t k_largest_page = 64 << 10;  // of an error
 
 std::optional<std::uint64_t> take_number(std::string_view& text) {
   std::uint64_t number = 0;
@@ -103,7 +105,7 @@ int begin_of_last_answer(char** headers) {
 }
 
 /// A session of GDAL, which keeps connections to servers, for one request at a time: as many as there are
-/// requests at once.
+/// requests at once. A process that forked gets others: on a connection, its answers and its parent's would mix.
 class Session {
  public:
   Session() {
@@ -119,7 +121,7 @@ class Session {
   Session(const Session&) = delete;
   Session& operator=(const Session&) = delete;
 
-  std::string name() const { return fmt::format("alidade_{}", number_); }
+  std::string name() const { return fmt::format("alidade_{}_{}", ::getpid(), number_); }
 
  private:
   static inline std::mutex mutex_;
@@ -135,7 +137,7 @@ class Transfer {
   static std::shared_ptr<Transfer> start(const HttpRequest& request) {
     auto transfer = std::make_shared<Transfer>();
     transfer->part_ = request.part;
-    transfer->most_bytes_ = request.last - request.first + 1;
+    transfer->most_bytes_ = std::max(request.last - request.first + 1, k_largest_page);
     ++requests_in_all;
     std::thread([transfer, url = request.url, headers = headers_of(request)] {
       transfer->run(url, headers);
@@ -203,7 +205,9 @@ class Transfer {
     return static_cast<Transfer*>(transfer)->is_given_up_ ? FALSE : TRUE;
   }
 
-  std::uint64_t most_bytes_ = 0;  ///< of a body in memory; a longer one goes to a temporary file
+  /// Of a body in memory; a longer one goes to a temporary file. Whether it is the page of an error is not known while
+  /// it comes.
+  std::uint64_t most_bytes_ = 0;
   HttpPart part_ = HttpPart::bytes;
   std::atomic<bool> is_given_up_ = false;
   std::promise<void> done_;
@@ -263,6 +267,10 @@ HttpAnswer send(const HttpRequest& request) {
   answer.range = parse_content_range(answer.stated_range);
   answer.body = std::move(transfer->body);
   answer.whole = std::move(transfer->whole);
+  if (answer.is_good() && answer.body.size() > request.last - request.first + 1) {
+    answer.whole = std::make_shared<ScratchFile>(temporary_folder());
+    answer.whole->append(std::exchange(answer.body, {}));
+  }
   return answer;
 }
 

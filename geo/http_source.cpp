@@ -3,6 +3,7 @@
 
 #include <cpl_conv.h>
 #include <fmt/format.h>
+#include <unistd.h>
 #include <algorithm>
 #include <array>
 #include <chrono>
@@ -12,6 +13,7 @@
 #include <utility>
 
 #include "base/error.h"
+#include "base/fingerprint.h"
 #include "base/scratch_file.h"
 
 namespace alidade::geo {
@@ -25,10 +27,14 @@ class WholeFiles {
  public:
   /// Copies a file, so that none of thousands keeps a file handle; returns where. Errors: those of temporary_folder()
   /// and ScratchFile::append().
-  std::uint64_t keep(const ScratchFile& whole) {
+  WholeFile keep(const ScratchFile& whole) {
     constexpr std::uint64_t k_part = 1 << 20;
     const std::scoped_lock lock(mutex_);
-    if (!file_) file_.emplace(temporary_folder());
+    // A process that forked shares the file with its parent: each would overwrite what the other appends.
+    if (!file_ || owner_ != ::getpid()) {
+      file_ = std::make_shared<ScratchFile>(temporary_folder());
+      owner_ = ::getpid();
+    }
     const std::uint64_t at = file_->size();
     try {
       std::vector<std::byte> part;
@@ -41,14 +47,13 @@ class WholeFiles {
       file_->cut(at);
       throw;
     }
-    return at;
+    return {file_, at};
   }
-  /// Of what was kept.
-  void read(std::uint64_t at, std::span<std::byte> into) const { file_->read(at, into); }
 
  private:
   std::mutex mutex_;
-  std::optional<ScratchFile> file_{};
+  std::shared_ptr<ScratchFile> file_{};
+  ::pid_t owner_ = 0;
 };
 
 WholeFiles& whole_files() {
@@ -104,9 +109,9 @@ void HttpSource::check_whole(const HttpAnswer& start) {
 }
 
 HttpSource::HttpSource(std::string name, std::string url, std::size_t count, bool (*is_interrupted)(),
-                       HttpPart first)
+                       std::optional<std::uint64_t> known)
     : name_(std::move(name)), url_(std::move(url)), is_interrupted_(is_interrupted) {
-  is_open_ = first == HttpPart::headers && open_by_headers();
+  is_open_ = known && open_by_headers(*known);
   if (is_open_) return;
   HttpAnswer answer = request(0, count - 1);
   if (!answer.range && !answer.whole) check_whole(answer);
@@ -116,32 +121,36 @@ HttpSource::HttpSource(std::string name, std::string url, std::size_t count, boo
   if (answer.whole) {
     start_.resize(count);
     answer.whole->read(0, start_);
-    whole_at_ = whole_files().keep(*answer.whole);
+    whole_ = whole_files().keep(*answer.whole);
   }
   is_open_ = true;
 }
 
-bool HttpSource::open_by_headers() {
+bool HttpSource::open_by_headers(std::uint64_t known) {
   const HttpAnswer answer = fetch(0, 0, HttpPart::headers);
   if (!answer.is_good() || !answer.length) return false;
   size_ = *answer.length;
   take_version(answer);
-  return !version_.empty();
+  return sum_of_version() == known;
+}
+
+std::uint64_t HttpSource::sum_of_version() const {
+  return checksum(std::as_bytes(std::span(version_)));
 }
 
 void HttpSource::take_version(const HttpAnswer& answer) {
   etag_ = answer.etag;
   last_modified_ = answer.last_modified;
   const std::string& validator = etag_.empty() ? last_modified_ : etag_;
-  if (!validator.empty()) version_ = fmt::format("{} {}", size_, validator);
+  version_ = validator.empty() ? "" : fmt::format("{} {}", size_, validator);
 }
 
 void HttpSource::read(std::uint64_t offset, std::span<std::byte> into) {
   {
     std::unique_lock lock(mutex_);
-    if (whole_at_) {
+    if (whole_) {
       lock.unlock();
-      return whole_files().read(*whole_at_ + offset, into);
+      return whole_->file->read(whole_->at + offset, into);
     }
   }
   const HttpAnswer answer = request(offset, offset + into.size() - 1);
@@ -152,7 +161,7 @@ void HttpSource::read(std::uint64_t offset, std::span<std::byte> into) {
   }
   answer.whole->read(offset, into);
   const std::scoped_lock lock(mutex_);
-  if (!whole_at_) whole_at_ = whole_files().keep(*answer.whole);
+  if (!whole_) whole_ = whole_files().keep(*answer.whole);
 }
 
 void HttpSource::check_version(const HttpAnswer& answer) {
@@ -213,7 +222,7 @@ HttpAnswer HttpSource::fetch(std::uint64_t first, std::uint64_t last, HttpPart p
                             .last = last,
                             .part = part,
                             .is_interrupted = is_interrupted_});
-  if (answer.is_good()) check_range(answer, first, last);
+  if (answer.is_good() && part == HttpPart::bytes) check_range(answer, first, last);
   return answer;
 }
 

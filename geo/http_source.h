@@ -4,6 +4,7 @@
 #include <atomic>
 #include <cstddef>
 #include <cstdint>
+#include <memory>
 #include <mutex>
 #include <optional>
 #include <span>
@@ -11,9 +12,16 @@
 #include <utility>
 #include <vector>
 
+#include "base/scratch_file.h"
 #include "geo/http_request.h"
 
 namespace alidade::geo {
+
+/// Where a temporary file has what a server without ranges sent.
+struct WholeFile {
+  std::shared_ptr<const ScratchFile> file;
+  std::uint64_t at = 0;
+};
 
 /// A file on a web server, read by ranges through GDAL's HTTP client. Thread safe.
 ///
@@ -26,18 +34,22 @@ namespace alidade::geo {
 /// GDAL_HTTP_MAX_RETRY times, with pauses that begin at GDAL_HTTP_RETRY_DELAY seconds and double.
 class HttpSource {
  public:
-  /// Requests the first `count` bytes; or the headers alone, for a file without ranges that is kept elsewhere, unless
-  /// these do not state its size and version. `name` is what messages call the file; `is_interrupted`, if given, is
+  /// Requests the first `count` bytes. With `known`, the sum_of_version() of a file without ranges that is kept
+  /// elsewhere, the headers come first, and no bytes if they state this version: some servers state a wrong length or
+  /// ETag there. `name` is what messages call the file; `is_interrupted`, if given, is
   /// called while waiting and returns whether to stop. Errors: those of read(); the server cannot be reached,
   /// or has no such file.
   HttpSource(std::string name, std::string url, std::size_t count, bool (*is_interrupted)(),
-             HttpPart first = HttpPart::bytes);
+             std::optional<std::uint64_t> known = {});
 
+  /// No other source of the process has or had it.
+  std::uint64_t number() const { return number_; }
   std::uint64_t size() const { return size_; }
   /// Differs between different contents of the URL. Empty if the server does not tell them apart.
   const std::string& version() const { return version_; }
+  std::uint64_t sum_of_version() const;
   /// Whether the constructor got all of the file, since the server sends no ranges.
-  bool has_whole() const { return whole_at_.has_value(); }
+  bool has_whole() const { return whole_.has_value(); }
   /// Hands out the bytes that the constructor fetched: at most `count` at the beginning of the file, or none.
   std::vector<std::byte> take_start() { return std::exchange(start_, {}); }
   /// Whether an answer was of another version: the URL has to be opened again.
@@ -50,8 +62,8 @@ class HttpSource {
  private:
   HttpAnswer request(std::uint64_t first, std::uint64_t last);
   HttpAnswer fetch(std::uint64_t first, std::uint64_t last, HttpPart part) const;
-  /// Whether the headers state what is needed.
-  bool open_by_headers();
+  /// Whether the headers state this version.
+  bool open_by_headers(std::uint64_t known);
   void take_version(const HttpAnswer& answer);
   /// Errors: the answer does not hold just these bytes.
   void check_range(const HttpAnswer& answer, std::uint64_t first, std::uint64_t last) const;
@@ -63,6 +75,8 @@ class HttpSource {
   void wait(double seconds) const;
   bool is_stopped() const { return is_interrupted_ != nullptr && is_interrupted_(); }
 
+  static inline std::atomic<std::uint64_t> count_ = 0;
+  const std::uint64_t number_ = count_++;
   std::string name_, url_;
   bool (*is_interrupted_)();
   std::uint64_t size_ = 0;
@@ -71,7 +85,7 @@ class HttpSource {
   bool is_open_ = false;
   std::atomic<bool> has_changed_ = false;
   std::mutex mutex_;
-  std::optional<std::uint64_t> whole_at_{};  ///< where a temporary file has what a server without ranges sent
+  std::optional<WholeFile> whole_{};
 };
 
 }  // namespace alidade::geo

@@ -18,6 +18,7 @@
 #include <utility>
 #include <vector>
 
+#include "base/bytes.h"
 #include "base/error.h"
 #include "geo/block_folder.h"
 #include "geo/gdal_reference.h"
@@ -47,10 +48,37 @@ bool is_packed(const std::string& name) {
   return name.substr(0, name.find('?')).ends_with(".json.gz") && !name.starts_with("/vsigzip/");
 }
 
-[[noreturn]] void fail(const std::string& name, const char* problem) {
-  std::string reason = VSIGetLastErrorMsg();
-  if (reason.empty()) reason = CPLGetLastErrorMsg();
-  throw Error({.file = name, .problem = problem + (reason.empty() ? "" : ": " + reason)});
+/// What a version states of the time: of a compressed file that of the packed one, since GDAL states 0 for all but the
+/// last that it opened. Empty if there is none.
+std::string time_of(std::string_view path) {
+  constexpr std::string_view k_packed = "/vsigzip/";
+  while (path.starts_with(k_packed)) path.remove_prefix(k_packed.size());
+  // Of files that were opened GDAL remembers it: no request.
+  VSIStatBufL status{};
+  const bool is_known = VSIStatExL(std::string(path).c_str(), &status, VSI_STAT_SIZE_FLAG) == 0;
+  return is_known ? fmt::format(" {}", status.st_mtime) : "";
+}
+
+std::string gdal_reason() {
+  const std::string reason = VSIGetLastErrorMsg();
+  return reason.empty() ? CPLGetLastErrorMsg() : reason;
+}
+
+[[noreturn]] void fail(const std::string& name, const char* problem, std::string expected = "") {
+  std::string reason = gdal_reason();
+  reason.resize(std::min(reason.size(), reason.find('\n')));  // a page of a server
+  throw Error({.file = name,
+               .problem = problem + (reason.empty() ? "" : ": " + reason),
+               .expected = std::move(expected)});
+}
+
+[[noreturn]] void fail_to_open(const std::string& name) {
+  constexpr std::array k_refused = {VSIE_AWSAccessDenied, VSIE_AWSBucketNotFound, VSIE_AWSObjectNotFound};
+  const std::string reason = gdal_reason();
+  const bool is_refused = std::ranges::find(k_refused, VSIGetLastErrorNo()) != k_refused.end() ||
+                          reason.find("403") != std::string::npos || reason.find("404") != std::string::npos;
+  fail(name, "cannot open the file",
+       reason.empty() || is_refused ? "an existing file that you may read" : "");
 }
 
 /// What is not set in the environment.
@@ -79,14 +107,15 @@ class VirtualFile final : public RemoteFile {
     constexpr const char* k_list = "GDAL_DISABLE_READDIR_ON_OPEN";
     CPLSetThreadLocalConfigOption(k_list, "EMPTY_DIR");
     handle_.reset(VSIFOpenExL(path.c_str(), "rb", TRUE));
-    VSIStatBufL status{};
-    // GDAL remembers it: no request.
-    if (handle_ && VSIStatExL(path.c_str(), &status, VSI_STAT_SIZE_FLAG) != 0) status.st_mtime = 0;
+    const std::string time = handle_ ? time_of(path) : "";
     CPLSetThreadLocalConfigOption(k_list, nullptr);
-    if (!handle_) fail(name, "cannot open the file, which is missing or not yours to read");
+    if (!handle_) {
+      VSICurlPartialClearCache(path.c_str());  // where GDAL remembers failures, it does so without the reason
+      fail_to_open(name);
+    }
     if (VSIFSeekL(handle_.get(), 0, SEEK_END) != 0) fail(name_, "cannot measure the file");
     size_ = VSIFTellL(handle_.get());
-    version_ = fmt::format("{} {}", size_, status.st_mtime);
+    version_ = std::to_string(size_) + time;
   }
 
   std::uint64_t size() const override { return size_; }
@@ -149,7 +178,7 @@ constexpr std::size_t k_block = 16 << 10;
 class BlockMemory {
  public:
   using Block = std::shared_ptr<const std::vector<std::byte>>;
-  using Key = std::pair<const HttpSource*, std::uint64_t>;
+  using Key = std::pair<std::uint64_t, std::uint64_t>;  ///< number of the source, block
 
   Block find(const Key& key) {
     const std::scoped_lock lock(mutex_);
@@ -184,9 +213,7 @@ struct Web {
 
   const RemoteOptions options;
   std::mutex mutex;
-  /// By URL. Sources are never given up: their addresses name blocks.
-  std::map<std::string, std::shared_ptr<HttpSource>> sources;
-  std::vector<std::shared_ptr<HttpSource>> replaced;
+  std::map<std::string, std::shared_ptr<HttpSource>> sources;  ///< by URL
   BlockMemory memory;
   std::optional<BlockFolder> folder;
 };
@@ -200,9 +227,9 @@ std::string block_key(const HttpSource& source, const std::string& url, std::uin
   return url + "\n" + source.version() + "\n" + std::to_string(block);
 }
 
-/// Puts all blocks of a file into the folder; false if it has no version, or more bytes than the folder may take.
+/// Puts all blocks of a file into the folder; false if it has no version, or the folder no room for it.
 bool keep_whole(HttpSource& source, const std::string& url) {
-  if (source.version().empty() || source.size() > web().options.cache_bytes) return false;
+  if (source.version().empty() || !web().folder->has_room(source.size(), k_block)) return false;
   std::vector<std::byte> bytes;
   for (std::uint64_t begin = 0; begin < source.size(); begin += bytes.size()) {
     if (web().options.is_interrupted != nullptr && web().options.is_interrupted()) throw Cancelled();
@@ -220,19 +247,23 @@ std::shared_ptr<HttpSource> http_source(const std::string& name, const std::stri
     const auto known = web().sources.find(url);
     if (known != web().sources.end() && !known->second->has_changed()) return known->second;
   }
-  // Of a server without ranges, the first bytes are the whole file, which the folder may hold already.
+  // Of a server without ranges, the first bytes are the whole file: of the version in the mark, the folder holds it.
   const std::string mark = url + "\nno ranges";
-  const bool is_whole_kept = web().folder && web().folder->find(mark, 1);
-  auto source = std::make_shared<HttpSource>(name, url, k_block, web().options.is_interrupted,
-                                             is_whole_kept ? HttpPart::headers : HttpPart::bytes);
+  std::optional<std::uint64_t> marked;
+  if (web().folder)
+    if (const auto kept = web().folder->find(mark, sizeof(*marked)))
+      marked = load<std::uint64_t>(kept->data());
+  auto source = std::make_shared<HttpSource>(name, url, k_block, web().options.is_interrupted, marked);
   if (auto start = source->take_start(); !start.empty())
-    web().memory.keep({source.get(), 0}, std::make_shared<const std::vector<std::byte>>(std::move(start)));
-  if (web().folder && source->has_whole() && keep_whole(*source, url))
-    web().folder->keep(mark, std::array{std::byte{1}});
+    web().memory.keep({source->number(), 0},
+                      std::make_shared<const std::vector<std::byte>>(std::move(start)));
+  if (web().folder && source->has_whole() && keep_whole(*source, url)) {
+    const std::array sum = {source->sum_of_version()};
+    web().folder->keep(mark, std::as_bytes(std::span(sum)));
+  }
   const std::scoped_lock lock(web().mutex);
   std::shared_ptr<HttpSource>& known = web().sources[url];
   if (known && !known->has_changed()) return known;  // another thread was faster
-  if (known) web().replaced.push_back(std::move(known));
   known = source;
   return source;
 }
@@ -278,18 +309,19 @@ class HttpFile final : public RemoteFile {
   }
 
   BlockMemory::Block find(std::uint64_t block) const {
-    if (auto kept = web().memory.find({source_.get(), block})) return kept;
-    if (folder_ == nullptr) return nullptr;
     const std::uint64_t count = std::min<std::uint64_t>(k_block, size() - block * k_block);
+    auto known = web().memory.find({source_->number(), block});
+    if (known && known->size() == count) return known;
+    if (folder_ == nullptr) return nullptr;
     auto stored = folder_->find(key_of(block), static_cast<std::size_t>(count));
     if (!stored) return nullptr;
     auto kept = std::make_shared<const std::vector<std::byte>>(std::move(*stored));
-    web().memory.keep({source_.get(), block}, kept);
+    web().memory.keep({source_->number(), block}, kept);
     return kept;
   }
 
   bool is_kept(std::uint64_t block) const {
-    return web().memory.find({source_.get(), block}) ||
+    return web().memory.find({source_->number(), block}) ||
            (folder_ != nullptr && folder_->contains(key_of(block)));
   }
 
@@ -305,7 +337,7 @@ class HttpFile final : public RemoteFile {
     for (std::uint64_t block = first; block < last; ++block) {
       const std::span<const std::byte> rest = std::span(bytes).subspan((block - first) * k_block);
       const auto part = rest.first(std::min(rest.size(), k_block));
-      web().memory.keep({source_.get(), block},
+      web().memory.keep({source_->number(), block},
                         std::make_shared<const std::vector<std::byte>>(part.begin(), part.end()));
       if (folder_ != nullptr) folder_->keep(key_of(block), part);
     }

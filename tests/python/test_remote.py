@@ -111,6 +111,31 @@ def test_a_process_that_forks_has_to_open_again(server, index_file):
     np.testing.assert_array_equal(far["gps_time"], expected)
 
 
+def test_processes_that_fork_keep_apart_what_servers_without_ranges_send(server, yard, index_file):
+    # Each in a process of its own: what is read depends on what was opened before.
+    script = f"""
+import alidade, os
+alidade.open({server.address("plain", index_file.name)!r})  # begins the temporary file
+opened, go_on = os.pipe(), os.pipe()
+child = os.fork()
+if child == 0:
+    try:
+        far = alidade.open({server.address("plain", index_file.name + "?again")!r})
+        os.write(opened[1], b"x")
+        os.read(go_on[0], 1)
+        near = alidade.open({str(index_file)!r})
+        os._exit(0 if all((far[name] == near[name]).all() for name in near.keys()) else 1)
+    finally:
+        os._exit(1)
+os.close(opened[1])
+assert os.read(opened[0], 1) == b"x"
+alidade.open({server.address("plain", yard.name)!r})
+os.write(go_on[1], b"x")
+assert os.waitstatus_to_exitcode(os.waitpid(child, 0)[1]) == 0
+"""
+    subprocess.run([sys.executable, "-c", script], check=True, timeout=60)
+
+
 @pytest.mark.parametrize("answered, script", [
     (0, "alidade.open(ADDRESS)"), (3, "alidade.open(ADDRESS).xyz"),
     (3, "alidade.open(ADDRESS).closest([[690000, 5325000, 640, 0, 0, -1]], radius=0.3)")])

@@ -37,6 +37,7 @@ class CacheTest(RemoteCase):
         for path in self.blocks("whole")[::3]:
             os.remove(path)
         self.assertEqual(self.run_program(*whole).splitlines()[-1], "0,300000")
+        self.assertGreater(self.server.sent, 0)
         self.assertLessEqual(self.server.sent, size)
         for number in range(2):
             self.run_program("generate", "courtyard", "--points", "20000", "--seed", str(number), "-o", "old.las",
@@ -49,6 +50,24 @@ class CacheTest(RemoteCase):
         for _ in range(2):
             self.assertEqual(self.query(address, "--cache-size", "1M", cache="small-whole"), self.query("site.las"))
         self.assertEqual(self.server.sent, 2 * size)
+        # Or of which it would lose a part again; one that just fits stays, whatever else was there.
+        for share in (1.0, 1.24, 1.26):
+            cache = f"share-{share}"
+            self.query(self.server.address("good", "site.alidade"), cache=cache)
+            self.server.forget()
+            for _ in range(2):
+                self.query(address, "--cache-size", str(int(share * size)), cache=cache)
+            self.assertEqual((self.server.requests, self.server.sent), (2, (1 if share > 1.25 else 2) * size))
+
+    def test_headers_that_state_another_version_are_not_believed(self):
+        size = os.path.getsize(os.path.join(self.folder, "site.laz"))
+        for manner in ("plain-length", "plain-tag"):
+            with self.subTest(manner):
+                self.server.forget()
+                for run in range(2):
+                    self.assertEqual(self.query(self.server.address(manner, "site.laz"), cache=manner),
+                                     self.query("site.laz"))
+                self.assertEqual((self.server.requests, self.server.sent), (3, 2 * size))
 
     def test_sql_uses_the_cache(self):
         self.run_program("catalog", "site.copc.laz", "-o", "sql.catalog.json")

@@ -4,6 +4,8 @@
 /good/FILE       sends the ranges that are requested
 /slow/FILE       the same, 20 ms later
 /plain/FILE      does not support ranges: always sends the whole file
+/plain-length/FILE  the same, but states a length of 0 to HEAD
+/plain-tag/FILE  the same, but states another ETag to HEAD
 /whole/FILE      sends ranges, but the whole file without one when the range holds all of it
 /capped/FILE     sends at most 10000 bytes of a range, and does not say which
 Behind the first 64 KiB:
@@ -21,7 +23,7 @@ Behind the first 64 KiB:
 Everywhere:
 /short/FILE      states a length that is ten times too long
 /busy-503/FILE   answers 503 (or 429, 500 ...) to two of three requests
-/status-403/FILE  always answers 403
+/status-403/FILE  always answers 403, with a page of 40 kB
 /moved/FILE      redirects to /good/FILE, each time with another ETag
 /moved-bare/FILE  the same, to /bare/FILE
 /bare/FILE       sends neither ETag nor Last-Modified
@@ -68,7 +70,7 @@ class Handler(http.server.BaseHTTPRequestHandler):
         if manner.startswith("busy-") and number % 3 != 0:
             return self.send_error(int(manner[5:]))
         if manner.startswith("status-"):
-            return self.send_error(int(manner[7:]))
+            return self.send_error(int(manner[7:]), explain="no " * 13000)
         if manner.startswith("gone-") and number > int(manner[5:]):
             self.close_connection = True
             return None
@@ -94,8 +96,11 @@ class Handler(http.server.BaseHTTPRequestHandler):
             tag, modified = tag + (manner == "tag"), int(manner == "time")
         if is_far and manner == "size":
             content = content[: len(content) // 2]
+        if manner == "plain-tag" and not with_body:
+            tag += 1
         first, last, status = 0, len(content) - 1, 200
-        if asked and manner != "plain":
+        has_ranges = not manner.startswith("plain")
+        if asked and has_ranges:
             first = int(asked[1])
             last = min(int(asked[2] or last), last)
             status = 206
@@ -112,7 +117,7 @@ class Handler(http.server.BaseHTTPRequestHandler):
             return self.end_headers()
         body = content[first : last + 1]
         self.send_response(status)
-        if manner != "plain":
+        if has_ranges:
             self.send_header("Accept-Ranges", "bytes")
         if manner == "dated":
             modified = int(os.path.getmtime(os.path.join(server.folder, name)))
@@ -120,7 +125,7 @@ class Handler(http.server.BaseHTTPRequestHandler):
             self.send_header("ETag", f'"{tag:x}"')
         if manner != "bare":
             self.send_header("Last-Modified", email.utils.formatdate(modified, usegmt=True))
-        length = len(body)
+        length = 0 if manner == "plain-length" and not with_body else len(body)
         if manner == "short" and status == 200:
             length = 10 * len(content)
         if is_far and manner in ("long", "cut"):

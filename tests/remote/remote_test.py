@@ -182,11 +182,32 @@ class RemoteTest(RemoteCase):
                     self.assertLess(self.server.sent, most * size)
                     self.assertGreater(self.server.requests, 3)
         self.assertEqual(os.listdir(os.path.join(self.folder, "bucket")), ["alidade-cache"])
-        self.assertIn("s3://good/none.laz: cannot open the file, which is missing or not yours to read",
-                      self.query("s3://good/none.laz", settings=settings, succeeds=False))
+        for name in ("good/none.laz", "status-403/site.laz"):
+            self.assertRegex(self.query(f"s3://{name}", settings=settings, succeeds=False),
+                             f"s3://{name}: cannot open the file: .+; expected an existing file that you may read\n$")
+        message = self.query("s3://good/site.laz", settings=dict(settings, AWS_S3_ENDPOINT="127.0.0.1:9"), succeeds=False)
+        self.assertRegex(message, "s3://good/site.laz: cannot open the file: .*[Cc]onnect.*\n$")
+        self.assertNotIn("expected", message)
 
     def test_archives_are_read_in_place(self):
         self.assertEqual(self.query("/vsizip/site.zip/tiles/site.las"), self.query("site.las"))
+
+    def test_compressed_files_are_read_in_turn(self):
+        for number in range(2):
+            self.run_program("generate", "courtyard", "--points", "20000", "--seed", str(number), "-o", f"turn-{number}.las")
+            self.run_program("index", f"turn-{number}.las", "-o", f"turn-{number}.alidade")
+            for extension in ("las", "alidade"):
+                name = os.path.join(self.folder, f"turn-{number}.{extension}")
+                with open(name, "rb") as file, gzip.open(name + ".gz", "wb") as smaller:
+                    smaller.write(file.read())
+        query, change = self.words("")[2:], ("--no-sight", "--json", "-o", "turn.las", "--overwrite")
+        for command, extension, words in (("query", "las", query), ("change", "alidade", change)):
+            names = [f"turn-{number}.{extension}" for number in range(2)]
+            expected = self.run_program(command, *names, *words)
+            for folder in ("/vsigzip/", "/vsigzip//vsicurl/" + self.server.address("good", "")):
+                with self.subTest(command, folder=folder):
+                    packed = [folder + name + ".gz" for name in names]
+                    self.assertEqual(self.run_program(command, *packed, *words), expected)
 
     def test_requests_to_a_busy_server_are_repeated(self):
         for status in (429, 500, 503):
@@ -278,6 +299,9 @@ class RemoteTest(RemoteCase):
         os.rmdir(scratch)
         self.assertIn("scratch: no folder for temporary files; expected the environment variable TMPDIR",
                       self.query(address, settings={"TMPDIR": scratch}, succeeds=False))
+        self.assertIn("cannot read from the server: HTTP status 403",
+                      self.query(self.server.address("status-403", "site.laz"), settings={"TMPDIR": scratch},
+                                 succeeds=False))
 
     def test_files_about_as_long_as_the_first_request_are_whole_or_an_error(self):
         points = "".join(f"{690000 + i % 9}.{i % 7} {5325000 + i % 11}.5 {600 + i % 5}.25\n" for i in range(700))
