@@ -144,7 +144,7 @@ class UnpackedFile final : public RemoteFile {
  public:
   UnpackedFile(const std::string& name, RemoteFile& packed)
       // A number: GDAL remembers what files of a name had in them.
-      : packed_(("_" + std::to_string(count_++) + ".gz").c_str()) {
+      : packed_(fmt::format("_{}.gz", count_++).c_str()) {
     constexpr std::uint64_t k_largest = std::uint64_t{256} << 20;
     if (packed.size() > k_largest)
       throw Error({.file = name,
