@@ -94,9 +94,8 @@ TEST_P(WritePly, pieces_make_the_bytes_of_the_whole) {
   PointCloud piece = cloud;
   const AttributeColumns columns = columns_of(cloud);
   const auto half = [&](std::size_t first) -> const PointCloud& {
-    for_each_column(piece, columns, [&](Attribute, auto& column, const auto& all) {
-      column.assign(1, all[first]);
-    });
+    for_each_column(piece, columns,
+                    [&](Attribute, auto& column, const auto& all) { column.assign(1, all[first]); });
     piece.positions = {cloud.positions[first]};
     for (std::size_t i = 0; i < cloud.extra_dimensions.size(); ++i) {
       const ExtraDimension& all = cloud.extra_dimensions[i];
