@@ -209,32 +209,34 @@ PointCloud ScratchCloud::rows(std::size_t first, std::size_t count) {
 void ScratchCloud::keep_rows(std::span<const std::uint8_t> marks, const Progress& progress) {
   assert(!checkpoint_ && marks.size() == size());
   constexpr std::size_t k_block = std::size_t{1} << 20;
-  const std::uint64_t work = (1 + columns_.size()) * marks.size();
-  std::uint64_t done = 0;
+  const std::uint64_t column_count = 1 + columns_.size();
+  std::uint64_t columns_done = 0;
+  const auto report_row = [&](std::size_t row) {
+    report(progress, (columns_done * marks.size() + row) / column_count, marks.size());
+  };
   const auto close_up = [&](ScratchFile& file, std::size_t value_bytes) {
-    report(progress, done, work);
-    done += marks.size();
     const std::span<const std::byte> all = file.map();
     if (all.empty()) return;
     ScratchFile kept(folder_);
     std::vector<std::byte> block;
     for (std::size_t row = 0; row < marks.size(); ++row) {
+      if (row % k_block == 0) report_row(row);
       if (marks[row] == 0) continue;
       const auto value = all.subspan(row * value_bytes, value_bytes);
       block.insert(block.end(), value.begin(), value.end());
       if (block.size() < k_block) continue;
       kept.append(block);
       block.clear();
-      report(progress, done - marks.size() + row, work);
     }
     kept.append(block);
     file = std::move(kept);
+    ++columns_done;
   };
   close_up(positions_, sizeof(LatticePosition));
   for (Column& column : columns_) close_up(column.file, column.value_bytes);
   count_points(facts_.files, marks);
   size_ = positions_.size() / sizeof(LatticePosition);
-  report(progress, work, work);
+  report(progress, marks.size(), marks.size());
 }
 
 void ScratchCloud::add_normals() {

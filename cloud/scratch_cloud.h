@@ -51,7 +51,7 @@ class ScratchCloud {
 
   /// keep_rows() of cloud/rows.h: the same rows stay. Spans of the cloud become invalid. Space on the disk: that of one
   /// column of what stays. Requires: no checkpoint. Errors: those of scratch files; when cancelled, the cloud is of no
-  /// use any more. `progress` is in values.
+  /// use any more. `progress` is in points.
   void keep_rows(std::span<const std::uint8_t> marks, const Progress& progress = {});
   /// Adds a column of normals, all zero, if the cloud does not have it. Requires and errors as above.
   void add_normals();

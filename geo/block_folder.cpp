@@ -121,8 +121,8 @@ fs::path BlockFolder::path_of(const std::string& key) const {
 }
 
 bool BlockFolder::has_room(std::uint64_t bytes, std::uint64_t block) const {
-  // make_room() removes at least a fifth of all, what is older first: none of these blocks.
-  return bytes + (bytes / block + 1) * sizeof(BlockHeader) <= cut_bytes();
+  // make_room() removes at least a fifth of all, what is older first: none of these blocks, nor a mark beside them.
+  return bytes + (bytes / block + 3) * sizeof(BlockHeader) <= cut_bytes();
 }
 
 bool BlockFolder::contains(const std::string& key) const {

@@ -38,11 +38,10 @@ class BlockFolder {
   std::filesystem::path path_of(const std::string& key) const;
   /// Sums up the folder, and removes what has not been used for longest if it is too much.
   void make_room();
-
-  std::filesystem::path folder_;
   /// To which make_room() cuts: some less than allowed, so that this is rare.
   std::uint64_t cut_bytes() const { return most_bytes_ / 5 * 4; }
 
+  std::filesystem::path folder_;
   std::uint64_t most_bytes_;
   /// That the blocks take, without what other programs wrote since make_room().
   std::atomic<std::uint64_t> bytes_ = 0;

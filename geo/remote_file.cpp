@@ -14,6 +14,7 @@
 #include <map>
 #include <mutex>
 #include <optional>
+#include <regex>
 #include <string_view>
 #include <utility>
 #include <vector>
@@ -75,8 +76,9 @@ std::string gdal_reason() {
 [[noreturn]] void fail_to_open(const std::string& name) {
   constexpr std::array k_refused = {VSIE_AWSAccessDenied, VSIE_AWSBucketNotFound, VSIE_AWSObjectNotFound};
   const std::string reason = gdal_reason();
+  static const std::regex status("response code.*: 40[34]\\b");
   const bool is_refused = std::ranges::find(k_refused, VSIGetLastErrorNo()) != k_refused.end() ||
-                          reason.find("403") != std::string::npos || reason.find("404") != std::string::npos;
+                          std::regex_search(reason, status);
   fail(name, "cannot open the file",
        reason.empty() || is_refused ? "an existing file that you may read" : "");
 }

@@ -11,6 +11,7 @@ import argparse
 import pathlib
 import struct
 import subprocess
+import tempfile
 
 import numpy
 
@@ -69,6 +70,15 @@ def place(scan, tile, row, column):
     tile.write_bytes(content)
 
 
+def make_town(arguments, scratch):
+    for seed in range(1, min(arguments.scans, arguments.tiles) + 1):
+        scan = write_scan(arguments.alidade, scratch, seed, arguments.points)
+        for number in range(seed - 1, arguments.tiles, arguments.scans):
+            row, column = divmod(number, COLUMNS)
+            place(scan, arguments.folder / f"tile{row:02}{column}.laz", row, column)
+        scan.unlink()
+
+
 def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("alidade")
@@ -77,13 +87,11 @@ def main():
     parser.add_argument("--scans", type=int, default=8)
     parser.add_argument("--points", type=int, default=25_000_000, help="of each tile")
     arguments = parser.parse_args()
+    if arguments.folder.exists():
+        parser.error(f"{arguments.folder} exists; expected a new folder")
     arguments.folder.mkdir(parents=True)
-    for seed in range(1, min(arguments.scans, arguments.tiles) + 1):
-        scan = write_scan(arguments.alidade, arguments.folder, seed, arguments.points)
-        for number in range(seed - 1, arguments.tiles, arguments.scans):
-            row, column = divmod(number, COLUMNS)
-            place(scan, arguments.folder / f"tile{row:02}{column}.laz", row, column)
-        scan.unlink()
+    with tempfile.TemporaryDirectory(dir=arguments.folder.parent) as scratch:
+        make_town(arguments, pathlib.Path(scratch))
 
 
 if __name__ == "__main__":

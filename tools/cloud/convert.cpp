@@ -53,12 +53,11 @@ bool is_parquet_name(const std::filesystem::path& name) {
 template <class Cloud>
 void choose_points(Cloud& cloud, const ConvertCommand& command) {
   if (command.every > 1) {
-    with_progress("choosing", "points", command.verbosity, [&](const Progress& progress) {
-      if constexpr (std::is_same_v<Cloud, ScratchCloud>)
-        keep_every(cloud, command.every, progress);
-      else
-        keep_every(cloud, command.every);
-    });
+    if constexpr (std::is_same_v<Cloud, ScratchCloud>)
+      with_progress("choosing", "points", command.verbosity,
+                    [&](const Progress& progress) { keep_every(cloud, command.every, progress); });
+    else
+      keep_every(cloud, command.every);
   }
   if (command.spacing) {
     with_progress("thinning", "points", command.verbosity,
