@@ -47,6 +47,9 @@ FAR = 65536
 
 class Handler(http.server.BaseHTTPRequestHandler):
     protocol_version = "HTTP/1.1"
+    # As servers of buckets answer.
+    error_content_type = "application/xml"
+    error_message_format = "<?xml version='1.0'?>\n<Error><Code>%(message)s</Code><Message>%(explain)s</Message></Error>\n"
     disable_nagle_algorithm = True  # the system would hold back what follows the header by 40 ms
 
     def log_message(self, *_):
@@ -66,11 +69,12 @@ class Handler(http.server.BaseHTTPRequestHandler):
             number = server.requests
         content = server.content(name)
         if content is None:
-            return self.send_error(404)
+            return self.send_error(404, "NoSuchKey")
         if manner.startswith("busy-") and number % 3 != 0:
             return self.send_error(int(manner[5:]))
         if manner.startswith("status-"):
-            return self.send_error(int(manner[7:]), explain="no " * 13000)
+            status = int(manner[7:])
+            return self.send_error(status, "AccessDenied" if status == 403 else None, "no " * 13000)
         if manner.startswith("gone-") and number > int(manner[5:]):
             self.close_connection = True
             return None
