@@ -20,6 +20,7 @@ using Color8 = glm::u8vec3;
 class ColorColumn {
  public:
   ColorColumn() = default;
+  // Implicit, as the other columns take spans and vectors.
   ColorColumn(std::span<const Color16> colors)  // NOLINT(google-explicit-constructor)
       : deep_(colors.data()), size_(colors.size()) {}
   ColorColumn(const std::vector<Color16>& colors)  // NOLINT(google-explicit-constructor)

@@ -197,16 +197,6 @@ std::vector<std::optional<PointCloud>> read_pieces(std::vector<CloudSource>& sou
   return pieces;
 }
 
-std::uint64_t bytes_per_point(const PointCloud& cloud, AttributeSet attributes) {
-  std::uint64_t bytes = sizeof(LatticePosition);
-  for_each_column(cloud, [&](Attribute attribute, const auto& column) {
-    if (attributes.contains(attribute)) bytes += sizeof column[0];
-  });
-  for (const ExtraDimension& dimension : cloud.extra_dimensions)
-    bytes += static_cast<std::uint64_t>(dimension.byte_count);
-  return bytes;
-}
-
 /// Errors: there were points, and a selection leaves none of them.
 void check_selection(const CloudInputs& inputs, const PiecewiseCloud& whole) {
   if (whole.point_count > 0) return;

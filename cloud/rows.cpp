@@ -31,6 +31,16 @@ ExtraDimension description_of(const ExtraDimension& dimension) {
           .values = {}};
 }
 
+std::uint64_t bytes_per_point(const PointCloud& cloud, AttributeSet attributes) {
+  std::uint64_t bytes = sizeof(LatticePosition);
+  for_each_column(cloud, [&](Attribute attribute, const auto& column) {
+    if (attributes.contains(attribute)) bytes += sizeof column[0];
+  });
+  for (const ExtraDimension& dimension : cloud.extra_dimensions)
+    bytes += static_cast<std::uint64_t>(dimension.byte_count);
+  return bytes;
+}
+
 void append_rows(PointCloud& cloud, AttributeSet filled, std::size_t count) {
   // Touching the memory of so many rows takes as long as unpacking some of them.
   constexpr std::size_t k_rows_for_threads = 1 << 16;

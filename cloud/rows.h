@@ -11,6 +11,9 @@
 
 namespace alidade {
 
+/// Bytes that the position, these attributes and the cloud's extra dimensions take for a point.
+std::uint64_t bytes_per_point(const PointCloud& cloud, AttributeSet attributes);
+
 /// Appends `count` points of zeros to the positions and to every column that is present or in `filled`. A
 /// column of `filled` that is not there yet first gets zeros for the earlier points. Extra dimensions are
 /// made by find_extra_dimension(); those that exist grow here. Never takes more memory than the new size

@@ -49,8 +49,8 @@ bool is_packed(const std::string& name) {
   return name.substr(0, name.find('?')).ends_with(".json.gz") && !name.starts_with("/vsigzip/");
 }
 
-/// What a version states of the time: of a compressed file that of the packed one, since GDAL states 0 for all but the
-/// last that it opened. Empty if there is none.
+/// The time of modification, as a part of a version; empty if it is unknown. A compressed file has the time of the
+/// packed file: GDAL gives the time of a compressed file only for the one that it opened last, and 0 for others.
 std::string time_of(std::string_view path) {
   constexpr std::string_view k_packed = "/vsigzip/";
   while (path.starts_with(k_packed)) path.remove_prefix(k_packed.size());

@@ -184,20 +184,11 @@ bool is_large(const ConvertCommand& command) {
   return size.bytes() + beside * points > command.memory;
 }
 
-std::size_t bytes_per_row(const AttributeColumns& columns) {
-  std::size_t bytes = sizeof(LatticePosition);
-  for_each_column(columns,
-                  [&](Attribute, const auto& column) { bytes += column.empty() ? 0 : sizeof column[0]; });
-  for (const ExtraColumn& column : columns.extra_dimensions)
-    bytes += static_cast<std::size_t>(column.description.byte_count);
-  return bytes;
-}
-
 void write_in_pieces(const ConvertCommand& command, ScratchCloud& cloud) {
   // The formats copy rows, and Parquet sorts them.
   constexpr std::size_t k_sorting = 36, k_least_rows = std::size_t{1} << 14,
                         k_most_rows = std::size_t{1} << 20;
-  const std::size_t row = 2 * bytes_per_row(cloud.columns()) + k_sorting;
+  const std::size_t row = 2 * bytes_per_point(cloud.facts(), cloud.columns().attributes()) + k_sorting;
   const std::size_t count = cloud.size();
   const std::size_t room = std::clamp<std::size_t>(command.memory / row, k_least_rows, UINT32_MAX);
   std::size_t rows_at_once = std::min(room, k_most_rows);
