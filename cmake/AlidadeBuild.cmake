@@ -41,7 +41,7 @@ function(alidade_library name)
 endfunction()
 
 # alidade_compile_alone(FILES...), named from the root: left out of unity builds (ALIDADE_UNITY), in which several files of a
-# library are compiled in one go. The release build of ./dev test compiles every file alone, and so finds missing includes.
+# library are compiled in one go. The clang build of ./dev nightly compiles every file alone, and so finds missing includes.
 function(alidade_compile_alone)
   foreach(file IN LISTS ARGN)
     set_source_files_properties(${PROJECT_SOURCE_DIR}/${file} PROPERTIES SKIP_UNITY_BUILD_INCLUSION ON)
