@@ -193,15 +193,9 @@ MappedFile::MappedFile(const InputFile& file) : name_(file.name()) {
     bytes_ = bytes;
     return;
   }
-  const FileDescriptor descriptor(file.address(), O_RDONLY | O_CLOEXEC);  // closed when the map is made
-  const auto size = static_cast<std::size_t>(descriptor.size_of_regular(name_));
-  if (size == 0) return;
-  void* const map = ::mmap(nullptr, size, PROT_READ, MAP_SHARED, descriptor.number(), 0);
-  if (map == MAP_FAILED) throw system_error(name_, "cannot map the file into memory");
-  if (size > available_memory().value_or(size)) ::madvise(map, size, MADV_RANDOM);
-  storage_ = std::shared_ptr<const void>(
-      map, [size](const void* address) { ::munmap(const_cast<void*>(address), size); });
-  bytes_ = {static_cast<const std::byte*>(map), size};
+  const std::shared_ptr<const LocalMap> map = LocalMap::open(file.address(), name_);
+  storage_ = map;
+  bytes_ = map->bytes();
 }
 
 void MappedFile::fetch(std::span<const std::byte> bytes) noexcept {

@@ -166,9 +166,9 @@ class ByteCursor {
 /// A file's bytes in memory without reading them: the system fetches pages on first access, and programs that
 /// map one file share them. Copies share the map. Read only; safe to use from many threads.
 ///
-/// Whoever makes a mapped file shorter, or pulls out its disk, ends the program that looks at the missing
-/// pages (SIGBUS): no check can rule that out. Replacing the file by renaming, as OutputFile does, leaves
-/// maps as they were.
+/// Touching them cannot fail. If the file gets shorter or its disk fails meanwhile (base/local_map.h), or the
+/// network does (base/remote_map.h), missing bytes are zeros: whoever reads some calls RemoteMap::check() before
+/// the result counts. Replacing the file by renaming, as OutputFile does, leaves maps as they were.
 ///
 /// Of a file larger than available_memory() the system reads single pages: jumps through it would else push out
 /// what is needed by what lies around it. fetch() is for passes.

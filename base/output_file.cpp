@@ -3,8 +3,8 @@
 
 #include <fcntl.h>
 #include <fmt/format.h>
-#include <signal.h>
 #include <sys/file.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
 #include <algorithm>
@@ -15,10 +15,12 @@
 #include <map>
 #include <mutex>
 #include <system_error>
+#include <utility>
 #include <vector>
 
 #include "base/error.h"
 #include "base/remote_map.h"
+#include "base/temporary_file.h"
 
 namespace alidade {
 namespace {
@@ -75,8 +77,8 @@ const std::vector<std::filesystem::path>& temporaries_in(const std::filesystem::
   return found->second;
 }
 
-/// Removes the temporary files of this output whose process has ended. A locked file stays: on a shared file
-/// system a process of another machine may still write it.
+/// Removes the temporary files of this output that no process has locked: numbers of processes are used again, and on a
+/// shared file system a process of another machine may write the file.
 void remove_stale(const std::filesystem::path& folder, const TemporaryName& like) {
   for (const std::filesystem::path& path : temporaries_in(folder)) {
     const std::string name = path.filename().string();
@@ -88,10 +90,16 @@ void remove_stale(const std::filesystem::path& folder, const TemporaryName& like
         name.substr(like.begin.size(), name.size() - like.begin.size() - like.end.size());
     const bool is_ours = std::sscanf(numbers.c_str(), "%d-%d%n", &process, &attempt, &read) == 2 &&
                          static_cast<std::size_t>(read) == numbers.size() && process > 0;
-    if (!is_ours || ::kill(process, 0) == 0 || errno != ESRCH) continue;
-    const int descriptor = ::open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NOFOLLOW);
+    if (!is_ours) continue;
+    // NFS locks only what is open for writing.
+    const int descriptor = ::open(path.c_str(), O_RDWR | O_CLOEXEC | O_NOFOLLOW | O_NONBLOCK);
     if (descriptor < 0) continue;
-    if (::flock(descriptor, LOCK_EX | LOCK_NB) == 0) ::unlink(path.c_str());
+    // Its process has it locked until it has another name.
+    struct stat locked {
+    }, named{};
+    if (::flock(descriptor, LOCK_EX | LOCK_NB) == 0 && ::fstat(descriptor, &locked) == 0 &&
+        ::lstat(path.c_str(), &named) == 0 && locked.st_dev == named.st_dev && locked.st_ino == named.st_ino)
+      ::unlink(path.c_str());
     ::close(descriptor);
   }
 }
@@ -139,24 +147,38 @@ std::filesystem::path temporary_beside(const std::filesystem::path& path, int at
   return path.parent_path() / fmt::format("{}{}-{}{}", like.begin, ::getpid(), attempt, like.end);
 }
 
+int create_temporary(const std::filesystem::path& output, const std::string& name,
+                     std::filesystem::path& temporary) {
+  remove_stale(output.parent_path(), TemporaryName(output));
+  for (int attempt = 0;; ++attempt) {
+    temporary = temporary_beside(output, attempt);
+    const int descriptor = ::open(temporary.c_str(), O_RDWR | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
+    if (descriptor < 0 && errno != EEXIST) fail(name);
+    if (descriptor < 0) continue;
+    // Another process may have taken it for stale before it was locked. Where locks are not supported, none does.
+    struct stat status {};
+    const bool is_taken = ::flock(descriptor, LOCK_EX | LOCK_NB) != 0 && errno == EWOULDBLOCK;
+    if (!is_taken && ::fstat(descriptor, &status) == 0 && status.st_nlink > 0) return descriptor;
+    ::close(descriptor);
+  }
+}
+
+bool sync_temporary(int descriptor) {
+  // Some file systems report a full disk only when a file is closed. Closing a copy keeps the lock.
+  return ::fsync(descriptor) == 0 && ::close(::dup(descriptor)) == 0;
+}
+
 OutputFile::OutputFile(const std::filesystem::path& path, bool overwrite)
     : name_(path.string()), overwrite_(overwrite) {
   check_output(path, overwrite);
   path_ = resolve(path);
-  remove_stale(path_.parent_path(), TemporaryName(path_));
-  for (int attempt = 0; descriptor_ < 0; ++attempt) {
-    temporary_ = temporary_beside(path_, attempt);
-    descriptor_ = ::open(temporary_.c_str(), O_RDWR | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
-    if (descriptor_ < 0 && errno != EEXIST) fail(name_);
-  }
-  // Where locks are not supported, the number of the process alone protects the file.
-  ::flock(descriptor_, LOCK_EX | LOCK_NB);
+  descriptor_ = create_temporary(path_, name_, temporary_);
   buffer_.reserve(k_buffer_size);
 }
 
 OutputFile::~OutputFile() {
-  if (descriptor_ >= 0) ::close(descriptor_);
   if (!committed_) ::unlink(temporary_.c_str());
+  if (descriptor_ >= 0) ::close(descriptor_);
 }
 
 void OutputFile::flush() {
@@ -184,11 +206,7 @@ void OutputFile::commit() {
   assert(!committed_);
   flush();
   RemoteMap::check_all();
-  // Some file systems report a full disk only here.
-  if (::fsync(descriptor_) != 0) fail(name_);
-  const int closed = ::close(descriptor_);
-  descriptor_ = -1;
-  if (closed != 0) fail(name_);
+  if (!sync_temporary(descriptor_)) fail(name_);
   if (overwrite_) {
     if (::rename(temporary_.c_str(), path_.c_str()) != 0) fail(name_);
   } else if (::renameat2(AT_FDCWD, temporary_.c_str(), AT_FDCWD, path_.c_str(), RENAME_NOREPLACE) != 0) {
@@ -199,6 +217,7 @@ void OutputFile::commit() {
     if (::rename(temporary_.c_str(), path_.c_str()) != 0) fail(name_);
   }
   committed_ = true;
+  ::close(std::exchange(descriptor_, -1));
 }
 
 }  // namespace alidade

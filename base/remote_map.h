@@ -11,6 +11,8 @@
 #include <string>
 #include <utility>
 
+#include "base/local_map.h"
+
 namespace alidade {
 
 /// The bytes of a remote file in memory. Each page is fetched when a thread first touches it, and the thread
@@ -51,13 +53,16 @@ class RemoteMap {
   /// Reads a byte of each page, so that all have arrived. Costs as much for any memory.
   static void touch(std::span<const std::byte> bytes);
 
-  /// Errors: that of the map an address lies in, if it has failed. Cancelled. Cost: nothing while no map has.
+  /// Errors: that of the map an address lies in, if it has failed, also of a file on this machine. Cancelled. Cost:
+  /// nothing while no map has.
   static void check(const void* address) {
     if (failures_ > 0) check_map(address);
+    LocalMap::check(address);
   }
-  /// Errors: that of a map that has failed and still lives. Cancelled.
+  /// Errors: that of a map that has failed and still lives; those of LocalMap::check_all(). Cancelled.
   static void check_all() {
     if (failures_ > 0) check_all_maps();
+    LocalMap::check_all();
   }
 
  protected:

@@ -200,8 +200,11 @@ HttpAnswer HttpSource::request(std::uint64_t first, std::uint64_t last) {
     }
     if (attempt >= retries || !is_worth_repeating(answer, is_open_)) {
       const std::string tries = attempt > 0 ? fmt::format(" ({} attempts)", attempt + 1) : "";
-      throw Error({.file = name_,
-                   .problem = fmt::format("cannot read from the server{}: {}", tries, answer.problem)});
+      const bool is_slow = answer.problem.find("too slow") != std::string::npos;  // as libcurl puts it
+      throw Error(
+          {.file = name_,
+           .problem = fmt::format("cannot read from the server{}: {}", tries, answer.problem),
+           .expected = is_slow ? "a faster one, or a lower GDAL_HTTP_LOW_SPEED_LIMIT (bytes/s)" : ""});
     }
     wait(pause);
   }

@@ -90,7 +90,7 @@ void set_defaults() {
       {"GDAL_HTTP_RETRY_DELAY", "1"},
       {"GDAL_HTTP_CONNECTTIMEOUT", "30"},
       {"GDAL_HTTP_LOW_SPEED_TIME", "30"},
-      {"GDAL_HTTP_LOW_SPEED_LIMIT", "1"},
+      {"GDAL_HTTP_LOW_SPEED_LIMIT", "4000"},  // bytes a second
       {"CPL_VSIL_CURL_CACHE_SIZE", "67108864"},
       {"CPL_VSIL_NETWORK_STATS_ENABLED", "YES"},
       {"CPL_VSIL_GZIP_WRITE_PROPERTIES", "NO"},

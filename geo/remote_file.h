@@ -22,7 +22,7 @@ struct RemoteOptions {
 /// ranges that are read are fetched, and kept in memory (at most 64 MiB of all files); what may go wrong
 /// there is in geo/http_source.h. Buckets and archives are reached through GDAL's virtual files, which read ranges,
 /// too: their version is the size and the time of modification as GDAL saw them first, and no cache keeps them. A server
-/// that sends nothing for 30 seconds has failed. GDAL's configuration options (GDAL_HTTP_*, AWS_*,
+/// that sends less than 4 kB/s over 30 seconds has failed. GDAL's configuration options (GDAL_HTTP_*, AWS_*,
 /// CPL_VSIL_CURL_*) are taken from the environment. What ends in .json.gz is decompressed. Errors: the file
 /// is missing, the server does not answer, or its answers contradict each other. Cancelled, if is_interrupted
 /// says so. The options are those of the first call in a process.

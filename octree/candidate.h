@@ -15,11 +15,15 @@
 
 namespace alidade {
 
-/// The answer if the filter admits it. query_index: number of the target in a batch; radius, disc: of the point.
-template <class Answer>
-std::optional<Answer> admitted(const CandidateFilter& filter, const Answer& answer, std::size_t query_index,
-                               double radius = 0.0, const PointDisc* disc = nullptr) {
-  if (!filter) return answer;
+/// Which filters of a query are called.
+enum class Filters { all, of_position };
+
+/// The answer if the filters admit it. query_index: number of the target in a batch; radius, disc: of the point.
+template <class Query, class Answer>
+std::optional<Answer> admitted(const Query& query, const Answer& answer, std::size_t query_index,
+                               double radius = 0.0, const PointDisc* disc = nullptr,
+                               Filters filters = Filters::all) {
+  if (!has_filter(query)) return answer;
   Candidate candidate{.point_id = answer.point_id,
                       .position = answer.position,
                       .distance = answer.distance,
@@ -27,7 +31,10 @@ std::optional<Answer> admitted(const CandidateFilter& filter, const Answer& answ
                       .disc = disc,
                       .query_index = query_index};
   if constexpr (requires { answer.t; }) candidate.t = answer.t;
-  return filter(candidate) ? std::optional(answer) : std::nullopt;
+  if constexpr (requires { query.position_filter; })
+    if (query.position_filter && !query.position_filter(candidate)) return std::nullopt;
+  const bool is_admitted = filters == Filters::of_position || !query.filter || query.filter(candidate);
+  return is_admitted ? std::optional(answer) : std::nullopt;
 }
 
 /// Radius of a point with this spacing: see RayQuery::spacing_factor.
@@ -38,7 +45,7 @@ inline double own_radius(const RayQuery& query, double spacing) {
 /// radius: of this point.
 inline std::optional<Hit> evaluate(const Ray& ray, const RayQuery& query, double radius,
                                    const glm::dvec3& position, std::uint64_t point_id,
-                                   std::size_t query_index) {
+                                   std::size_t query_index, Filters filters = Filters::all) {
   const RayProjection projection = project(ray, position);
   if (!(projection.distance <= radius && projection.t >= ray.t_min && projection.t <= ray.t_max)) {
     return std::nullopt;
@@ -46,7 +53,7 @@ inline std::optional<Hit> evaluate(const Ray& ray, const RayQuery& query, double
   const double entry_position = entry(projection, radius);
   if (!(entry_position >= query.entry_min)) return std::nullopt;
   const Hit hit{point_id, position, projection.t, projection.distance, entry_position};
-  return admitted(query.filter, hit, query_index, radius);
+  return admitted(query, hit, query_index, radius, nullptr, filters);
 }
 
 /// Radius of the sphere of a point without a sheet, whose own radius is this: see RayQuery::lone_factor.
@@ -58,7 +65,7 @@ inline double lone_radius(const RayQuery& query, double radius) {
 inline std::optional<Hit> evaluate_crossing(const Ray& ray, const RayQuery& query, double radius,
                                             const PointSurface& surface, std::uint8_t packed_edge,
                                             const glm::dvec3& position, std::uint64_t point_id,
-                                            std::size_t query_index) {
+                                            std::size_t query_index, Filters filters = Filters::all) {
   const RayProjection projection = project(ray, position);
   const double sphere = surface.exists ? radius : lone_radius(query, radius);
   if (!(projection.distance <= sphere)) return std::nullopt;
@@ -81,20 +88,20 @@ inline std::optional<Hit> evaluate_crossing(const Ray& ray, const RayQuery& quer
       is_beyond_edge(disc, ray.origin + t * ray.direction, packed_edge, query.spacing_factor,
                      query.edge_shift))
     return std::nullopt;
-  return admitted(query.filter, Hit{point_id, position, t, projection.distance, entry_position}, query_index,
-                  radius, surface.exists ? &disc : nullptr);
+  return admitted(query, Hit{point_id, position, t, projection.distance, entry_position}, query_index, radius,
+                  surface.exists ? &disc : nullptr, filters);
 }
 
 /// The point at a storage index as an answer to a ray, if the points have radii of their own.
 inline std::optional<Hit> evaluate_own(const Ray& ray, const RayQuery& query, const TreeView& tree,
                                        std::uint32_t index, const glm::dvec3& position,
-                                       std::size_t query_index) {
+                                       std::size_t query_index, Filters filters = Filters::all) {
   const double radius = own_radius(query, spacing_at(tree, index));
   const std::uint64_t id = point_id(tree, index);
   if (query.measure == Measure::crossing)
     return evaluate_crossing(ray, query, radius, surface_at(tree, index), tree.stored_edges[index], position,
-                             id, query_index);
-  return evaluate(ray, query, radius, position, id, query_index);
+                             id, query_index, filters);
+  return evaluate(ray, query, radius, position, id, query_index, filters);
 }
 
 /// For points that share the query's radius.
@@ -113,7 +120,7 @@ inline std::optional<Hit> evaluate(const Cone& cone, const ConeQuery& query, con
   const double entry_position = entry(projection, limit);
   if (std::isnan(entry_position)) return std::nullopt;
   const Hit hit{point_id, position, projection.t, projection.distance, entry_position};
-  return admitted(query.filter, hit, query_index);
+  return admitted(query, hit, query_index);
 }
 
 /// t_min, t_max: the path's. projection: of the position on the path.
@@ -124,7 +131,7 @@ inline std::optional<PathHit> evaluate(const PathProjection& projection, double 
     return std::nullopt;
   }
   const PathHit hit{point_id, position, projection.segment, projection.t, projection.distance};
-  return admitted(query.filter, hit, query_index);
+  return admitted(query, hit, query_index);
 }
 
 inline std::optional<PointHit> evaluate(const HalfSpaces& region, const PointQuery& query,
@@ -136,21 +143,21 @@ inline std::optional<PointHit> evaluate(const HalfSpaces& region, const PointQue
     if (!(side >= 0.0)) return std::nullopt;
     if (i == 0) hit.distance = side;
   }
-  return admitted(query.filter, hit, query_index);
+  return admitted(query, hit, query_index);
 }
 
 inline std::optional<PointHit> evaluate(const Bounds& box, const PointQuery& query,
                                         const glm::dvec3& position, std::uint64_t point_id,
                                         std::size_t query_index = 0) {
   if (!box.contains(position)) return std::nullopt;
-  return admitted(query.filter, PointHit{point_id, position, 0.0}, query_index);
+  return admitted(query, PointHit{point_id, position, 0.0}, query_index);
 }
 
 inline std::optional<PointHit> evaluate(const glm::dvec3& point, const PointQuery& query,
                                         const glm::dvec3& position, std::uint64_t point_id,
                                         std::size_t query_index = 0) {
   const PointHit hit{point_id, position, distance(point, position)};
-  return hit.distance <= query.radius ? admitted(query.filter, hit, query_index) : std::nullopt;
+  return hit.distance <= query.radius ? admitted(query, hit, query_index) : std::nullopt;
 }
 
 /// The value a measure orders by.

@@ -114,7 +114,7 @@ class RaysInColumns {
         columns_(columns),
         answers_(answers),
         progress_(progress),
-        piece_(query.filter ? k_few_rays : k_most_stream_rays) {}
+        piece_(has_filter(query) ? k_few_rays : k_most_stream_rays) {}
 
   std::size_t size() const { return columns_.count; }
   glm::dvec3 origin(std::size_t number) const { return columns_.origin(number); }
@@ -263,7 +263,7 @@ void ask_rays(const Octree& octree, const Batch& batch, const RayQuery& query, c
   };
   // Filters receive the index of the ray, which sorting changes.
   const auto origin = [&](std::size_t number) { return batch.origin(number); };
-  if (batch.size() >= 4 * k_most_stream_rays && !query.filter &&
+  if (batch.size() >= 4 * k_most_stream_rays && !has_filter(query) &&
       !simd::start_side_by_side(octree.view().extent, batch.size(), origin))
     return trace_side_by_side(octree, batch, trace);
   for_each_range(batch.size(), stream_grain(batch.size()),

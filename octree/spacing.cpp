@@ -150,19 +150,12 @@ std::vector<glm::dvec3> sample_positions(const Octree& octree, std::size_t sampl
 
 Spacing measure_spacing(const Octree& octree, std::size_t sample_count, int max_level) {
   std::vector<glm::dvec3> samples = sample_positions(octree, sample_count, max_level);
-  // A search passes over all points at its own position; so each position is searched once, however many
-  // points it holds.
   std::ranges::sort(samples, before);
-  std::vector<std::size_t> firsts;
-  for (std::size_t i = 0; i < samples.size(); ++i) {
-    if (i == 0 || samples[i] != samples[i - 1]) firsts.push_back(i);
-  }
+  const auto twins = std::ranges::unique(samples);
+  samples.erase(twins.begin(), twins.end());
   std::vector<double> distances(samples.size());
-  tbb::parallel_for(std::size_t{0}, firsts.size(), [&](std::size_t f) {
-    const std::size_t begin = firsts[f], end = f + 1 < firsts.size() ? firsts[f + 1] : samples.size();
-    std::fill(distances.begin() + static_cast<std::ptrdiff_t>(begin),
-              distances.begin() + static_cast<std::ptrdiff_t>(end),
-              Neighbours(octree, 1, max_level).spacing(samples[begin]));
+  tbb::parallel_for(std::size_t{0}, samples.size(), [&](std::size_t i) {
+    distances[i] = Neighbours(octree, 1, max_level).spacing(samples[i]);
   });
   std::erase_if(distances, [](double d) { return std::isinf(d); });
   if (distances.empty()) return {};

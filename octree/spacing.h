@@ -21,7 +21,7 @@ namespace alidade {
 std::vector<glm::dvec3> sample_positions(const Octree& octree, std::size_t sample_count,
                                          int max_level = k_all_levels);
 
-/// Distances to the nearest other point, over a sample of points.
+/// Distances to the nearest other point, over a sample of positions.
 struct Spacing {
   double median = 0.0;         ///< metres
   double percentile_90 = 0.0;  ///< metres
@@ -29,10 +29,10 @@ struct Spacing {
   std::size_t sample_count = 0;
 };
 
-/// Measures nearest-neighbour spacing on up to `sample_count` points taken evenly in octree order (so every
-/// position counts by its number of points). Points at the same position are no neighbours of each other. A
-/// cloud of fewer than two distinct positions gives zeros. Deterministic. Cost: microseconds per sample.
-/// max_level: of the cloud that these levels of a layered octree make.
+/// Measures nearest-neighbour spacing at the positions of up to `sample_count` points taken evenly in octree order.
+/// Each position counts once, however many points it has: half of a scan may be invalid points at zero. Points at the
+/// same position are no neighbours of each other. A cloud of fewer than two distinct positions gives zeros.
+/// Deterministic. Cost: microseconds per position. max_level: of the cloud that these levels of a layered octree make.
 Spacing measure_spacing(const Octree& octree, std::size_t sample_count = 20000, int max_level = k_all_levels);
 
 /// Sphere radius that closes a scanned surface: the renderer's "radius": "auto". Always > 0: where no

@@ -30,7 +30,7 @@ RayQuery DiscCloud::query_of(std::span<const Ray> rays, std::span<const SheetOri
   RayQuery query = query_;
   if (std::ranges::all_of(origins, [](const SheetOrigin& origin) { return origin.reach == 0.0f; }))
     return query;
-  query.filter = [rays, origins](const Candidate& candidate) {
+  query.position_filter = [rays, origins](const Candidate& candidate) {
     const SheetOrigin& origin = origins[candidate.query_index];
     if (candidate.disc == nullptr || origin.reach == 0.0f) return true;
     return std::fabs(glm::dot(candidate.disc->normal, origin.normal)) < k_same_sheet_cosine ||

@@ -97,7 +97,7 @@ void take_condition(const std::string& text, PointSelection& selection) {
   try {
     const auto clause = std::make_shared<database::WhereClause>(text);
     selection.condition = [clause](const PointCloud& rows, std::span<std::uint8_t> marks) {
-      clause->mark(rows, marks);
+      clause->mark(rows, marks, interrupted);
     };
   } catch (const Error& error) {
     throw UsageError(error.what());

@@ -131,12 +131,11 @@ inline std::optional<double> disc_crossing(const SightLine& line, const PointDis
   return position;
 }
 
-/// Where a point blocks a line, metres from the line's start; empty if it does not. Requires a candidate of query_of()
-/// and ray_of().
-inline std::optional<double> crossing(const Occluders& occluders, const SightLine& line,
-                                      const Candidate& candidate) {
+/// Where a point blocks a line if it counts (OccluderOptions::counts), metres from the line's start; empty if it does
+/// not. The same for all points of one position. Requires a candidate of query_of() and ray_of().
+inline std::optional<double> position_crossing(const Occluders& occluders, const SightLine& line,
+                                               const Candidate& candidate) {
   const OccluderOptions& options = occluders.options();
-  if (options.counts && !options.counts(candidate.point_id)) return std::nullopt;
   if (has_own_discs(occluders) && candidate.disc == nullptr)
     return sphere_crossing(occluders, line, candidate);
   const PointSurface surface = occluders.surface(candidate.point_id);
@@ -155,6 +154,17 @@ inline std::optional<double> crossing(const Occluders& occluders, const SightLin
       (is_own(line.to, disc, surface) || is_beside(line.to, line.length - *position, candidate.radius)))
     return std::nullopt;
   return position;
+}
+
+inline bool is_counted(const Occluders& occluders, std::uint64_t point_id) {
+  return !occluders.options().counts || occluders.options().counts(point_id);
+}
+
+/// Where a point blocks a line, as position_crossing(); empty if it does not count.
+inline std::optional<double> crossing(const Occluders& occluders, const SightLine& line,
+                                      const Candidate& candidate) {
+  return is_counted(occluders, candidate.point_id) ? position_crossing(occluders, line, candidate)
+                                                   : std::nullopt;
 }
 
 }  // namespace alidade::visibility

@@ -59,7 +59,7 @@ class Crossings {
   std::vector<Crossing> found_;  ///< in their order
 };
 
-/// A line on its way through the points. Crossings are collected by the filter of a query for the closest point: it
+/// A line on its way through the points. Crossings are collected by a filter of a query for the closest point: it
 /// rejects them all until they suffice, and admits whatever comes after that, which ends the query.
 class LineUnderWay {
  public:
@@ -78,6 +78,11 @@ class LineUnderWay {
     Ray ray = ray_of(*occluders_, chord());
     ray.t_min = std::max(ray.t_min, known_);
     return ray;
+  }
+
+  /// Whether a candidate of that ray is one for collect(), if it counts.
+  bool concerns(const Candidate& candidate) const {
+    return candidate.t >= cut_ || position_crossing(*occluders_, chord(), candidate).has_value();
   }
 
   /// Whether the query may end at a candidate of that ray: it and what comes after it do not matter.
@@ -137,9 +142,18 @@ void find_blockers(const Occluders& occluders, const ChordLines& lines, std::siz
   under_way.reserve(to - from);
   for (std::size_t line = from; line < to; ++line) under_way.emplace_back(occluders, lines, line);
   RayQuery query = query_of(occluders);
-  query.filter = [&](const Candidate& candidate) {
+  const CandidateFilter collect = [&](const Candidate& candidate) {
     return under_way[candidate.query_index].collect(candidate);
   };
+  if (occluders.options().counts) {
+    query.filter = collect;
+    query.position_filter = [&](const Candidate& candidate) {
+      return under_way[candidate.query_index].concerns(candidate);
+    };
+  } else {
+    // Of points at one position the first in the order comes first, and the others are no crossings of their own.
+    query.position_filter = collect;
+  }
   std::vector<Ray> rays;
   std::vector<std::optional<Hit>> ends;
   const auto keep_going = [&] {
@@ -150,6 +164,7 @@ void find_blockers(const Occluders& occluders, const ChordLines& lines, std::siz
     return !under_way.empty();
   };
   while (keep_going()) {
+    occluders.check_given_up();
     rays.clear();
     for (const LineUnderWay& line : under_way) rays.push_back(line.ray());
     ends.resize(rays.size());

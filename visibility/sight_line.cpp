@@ -160,9 +160,11 @@ std::vector<Ray> rays_of(const Occluders& occluders, std::span<const SightLine> 
 
 RayQuery query_of(const Occluders& occluders, std::span<const SightLine> lines) {
   RayQuery query = query_of(occluders);
-  query.filter = [&occluders, lines](const Candidate& candidate) {
-    return crossing(occluders, lines[candidate.query_index], candidate).has_value();
+  query.position_filter = [&occluders, lines](const Candidate& candidate) {
+    return position_crossing(occluders, lines[candidate.query_index], candidate).has_value();
   };
+  if (occluders.options().counts)
+    query.filter = [&occluders](const Candidate& point) { return is_counted(occluders, point.point_id); };
   return query;
 }
 
@@ -177,14 +179,28 @@ Blocker blocker_of(const Occluders& occluders, const SightLine& line, const Hit&
   return {hit.point_id, hit.position, distance};
 }
 
+/// Calls work(some lines, their answers) for one part after another, until that is given up.
+template <class Answer, class Work>
+void in_parts(const Occluders& occluders, std::span<const SightLine> lines, std::span<Answer> answers,
+              const Work& work) {
+  constexpr std::size_t k_at_once = 1 << 14;
+  for (std::size_t first = 0; first < lines.size(); first += k_at_once) {
+    occluders.check_given_up();
+    const std::size_t count = std::min(k_at_once, lines.size() - first);
+    work(lines.subspan(first, count), answers.subspan(first, count));
+  }
+}
+
 /// The first points that block lines at their first crossing.
-void first_points(const Occluders& occluders, std::span<const SightLine> lines,
-                  std::span<std::optional<Blocker>> blockers) {
-  std::vector<std::optional<Hit>> hits(lines.size());
-  closest(occluders.octree(), rays_of(occluders, lines), query_of(occluders, lines), hits);
-  in_parallel(lines.size(), k_grain, [&](std::size_t i) {
-    blockers[i].reset();
-    if (hits[i]) blockers[i] = blocker_of(occluders, lines[i], *hits[i]);
+void first_points(const Occluders& occluders, std::span<const SightLine> all,
+                  std::span<std::optional<Blocker>> all_blockers) {
+  in_parts(occluders, all, all_blockers, [&](std::span<const SightLine> lines, auto blockers) {
+    std::vector<std::optional<Hit>> hits(lines.size());
+    closest(occluders.octree(), rays_of(occluders, lines), query_of(occluders, lines), hits);
+    in_parallel(lines.size(), k_grain, [&](std::size_t i) {
+      blockers[i].reset();
+      if (hits[i]) blockers[i] = blocker_of(occluders, lines[i], *hits[i]);
+    });
   });
 }
 
@@ -297,7 +313,9 @@ void blocked(const Occluders& occluders, std::span<const SightLine> lines, std::
                            [](const std::optional<Blocker>& blocker) { return blocker ? 1 : 0; });
     return;
   }
-  occluded(occluders.octree(), rays_of(occluders, lines), query_of(occluders, lines), answers);
+  in_parts(occluders, lines, answers, [&](std::span<const SightLine> some, auto some_answers) {
+    occluded(occluders.octree(), rays_of(occluders, some), query_of(occluders, some), some_answers);
+  });
   for_surfaces(options, [&](const auto& surface) {
     in_parallel(lines.size(), k_grain, [&](std::size_t i) {
       if (answers[i] != 0) return;

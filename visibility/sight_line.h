@@ -11,6 +11,7 @@
 #include <optional>
 #include <span>
 
+#include "base/error.h"
 #include "base/progress.h"
 #include "geo/terrain_surface.h"
 #include "mesh/triangle_tree.h"
@@ -65,6 +66,9 @@ struct OccluderOptions {
   std::shared_ptr<const TriangleTree> mesh{};
   /// A terrain that blocks in the same way; null: none.
   std::shared_ptr<const geo::TerrainSurface> terrain{};
+  /// Called, from many threads at once, every few milliseconds while lines are answered, which then ends with Cancelled
+  /// if it returns true; empty: never.
+  std::function<bool()> is_given_up{};
 };
 
 /// The cloud as what blocks sight. Safe to use from many threads.
@@ -79,6 +83,10 @@ class Occluders {
   /// With what was measured.
   const Octree& octree() const { return octree_; }
   const OccluderOptions& options() const { return options_; }
+  /// Errors: Cancelled, by OccluderOptions::is_given_up.
+  void check_given_up() const {
+    if (options_.is_given_up && options_.is_given_up()) throw Cancelled();
+  }
   /// That of all points, or the renderer's automatic one, metres.
   double typical_radius() const { return typical_radius_; }
   /// No disc or sphere is wider, metres; OccluderOptions::radius_max apart.

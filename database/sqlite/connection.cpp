@@ -17,10 +17,10 @@ int wait_for_others(void* is_given_up, int waits_before) {
 
 }  // namespace
 
-void Connection::set_up(const std::filesystem::path& file, int flags) {
+void Connection::set_up(const std::filesystem::path& file, int flags, const char* vfs) {
   // Names such as ":memory:" are those of files here.
   const std::filesystem::path path = file.empty() ? ":memory:" : file.is_absolute() ? file : "." / file;
-  int result = sqlite3_open_v2(path.c_str(), &database_, flags | SQLITE_OPEN_NOMUTEX, nullptr);
+  int result = sqlite3_open_v2(path.c_str(), &database_, flags | SQLITE_OPEN_NOMUTEX, vfs);
   if (result == SQLITE_OK) result = add_functions(database_);
   if (result == SQLITE_OK) result = add_cloud_table(database_, &reads_);
   if (result == SQLITE_OK) result = add_file_tables(database_, &files_);
@@ -39,7 +39,8 @@ Connection::Connection(const std::filesystem::path& file, Mode mode, std::functi
                     : mode == Mode::write ? SQLITE_OPEN_READWRITE
                                           : SQLITE_OPEN_READWRITE | SQLITE_OPEN_CREATE;
   try {
-    set_up(file, flags);
+    // On network file systems SQLite's locks would meet that of create_temporary().
+    set_up(file, flags, mode == Mode::create ? "unix-none" : nullptr);
     if (mode == Mode::read) sqlite3_db_config(database_, SQLITE_DBCONFIG_DEFENSIVE, 1, nullptr);
     // Opening reads nothing; a file that is not a database fails here.
     Statement(database_, "SELECT count(*) FROM sqlite_schema").step();

@@ -170,7 +170,8 @@ class Connection {
   enum class Mode { read, write, create };
 
   /// While others write, each statement waits for them for up to 10 s, or until `is_given_up` says so.
-  /// Errors: the file cannot be opened, or is no database.
+  /// A file that is created has no other readers, and nothing in it is locked. Errors: the file cannot be opened, or is
+  /// no database.
   Connection(const std::filesystem::path& file, Mode mode, std::function<bool()> is_given_up = {});
   /// A database in memory with the table `points` over cloud files. Of `files`, reading and warnings count
   /// until it is made; `reads` does not count. Errors: those of FileCloud (database/sqlite/file_cloud.h).
@@ -185,7 +186,7 @@ class Connection {
 
  private:
   /// No file: a database in memory.
-  void set_up(const std::filesystem::path& file, int flags);
+  void set_up(const std::filesystem::path& file, int flags, const char* vfs = nullptr);
 
   ScanReads reads_;
   FileTables files_{.reads = &reads_};

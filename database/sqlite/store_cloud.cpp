@@ -13,7 +13,8 @@
 #include <utility>
 #include <vector>
 
-#include "base/output_file.h"
+#include "base/input_file.h"
+#include "base/temporary_file.h"
 #include "base/words.h"
 #include "database/sqlite/chunk_store.h"
 #include "database/sqlite/cloud_schema.h"
@@ -209,7 +210,8 @@ void store_ordered(const std::filesystem::path& file, OrderedCloud& cloud, const
     store_in(file, Connection::Mode::write, cloud, options);
     return;
   }
-  const std::filesystem::path beside = temporary_beside(file, 0);
+  std::filesystem::path beside;
+  const FileDescriptor lock(create_temporary(file, file.string(), beside));
   try {
     store_in(beside, Connection::Mode::create, cloud, options);
     give_name(beside, file);

@@ -126,7 +126,7 @@ const sqlite3_module k_module = [] {
 /// A connection to a database in memory without tables, or with one of these rows.
 class Evaluation {
  public:
-  explicit Evaluation(const Rows* rows) {
+  explicit Evaluation(const Rows* rows, const std::function<bool()>* is_given_up = nullptr) {
     const int result =
         sqlite3_open_v2(":memory:", &database_, SQLITE_OPEN_READWRITE | SQLITE_OPEN_MEMORY, nullptr);
     // Else a name between double quotes that no column has would be a text.
@@ -138,6 +138,9 @@ class Evaluation {
       sqlite3_close(database_);
       throw Error({.problem = message});
     }
+    constexpr int k_steps = 1000;
+    if (is_given_up != nullptr && *is_given_up)
+      sqlite3_progress_handler(database_, k_steps, stops, const_cast<std::function<bool()>*>(is_given_up));
   }
   ~Evaluation() { sqlite3_close(database_); }
   Evaluation(const Evaluation&) = delete;
@@ -146,6 +149,10 @@ class Evaluation {
   sqlite3* get() const { return database_; }
 
  private:
+  static int stops(void* is_given_up) {
+    return (*static_cast<const std::function<bool()>*>(is_given_up))() ? 1 : 0;
+  }
+
   sqlite3* database_ = nullptr;
 };
 
@@ -170,7 +177,8 @@ WhereClause::WhereClause(std::string text) : text_(std::move(text)) {
     reject(text_, text_.find(';') == std::string::npos ? "it is empty" : "';' ends it", k_example);
 }
 
-void WhereClause::mark(const PointCloud& cloud, std::span<std::uint8_t> marks) const {
+void WhereClause::mark(const PointCloud& cloud, std::span<std::uint8_t> marks,
+                       const std::function<bool()>& is_given_up) const {
   const PointColumns points = points_of(cloud);
   const std::vector<CloudColumn> columns = cloud_columns(points);
   tbb::parallel_for(
@@ -179,11 +187,12 @@ void WhereClause::mark(const PointCloud& cloud, std::span<std::uint8_t> marks) c
         const Rows rows{points, columns, first, std::min(first + k_rows_at_once, cloud.size())};
         std::fill(marks.begin() + static_cast<std::ptrdiff_t>(rows.first),
                   marks.begin() + static_cast<std::ptrdiff_t>(rows.end), std::uint8_t{0});
-        const Evaluation evaluation(&rows);
+        const Evaluation evaluation(&rows, &is_given_up);
         try {
           Statement statement(evaluation.get(), "SELECT rowid FROM point WHERE (" + text_ + "\n)");
           while (statement.step()) marks[static_cast<std::size_t>(statement.whole(0))] = 1;
         } catch (const Error& error) {
+          if (is_given_up && is_given_up()) throw Cancelled();
           std::vector<std::string_view> names;
           for (const CloudColumn& column : columns) names.push_back(column.like.name);
           reject(text_, error.parts().problem, fmt::format("a condition on {}", fmt::join(names, ", ")));

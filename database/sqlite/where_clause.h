@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <span>
 #include <string>
 
@@ -23,9 +24,11 @@ class WhereClause {
   const std::string& text() const { return text_; }
 
   /// Sets the marks of rows for which it does not hold to 0: one mark per row. Errors: a column that the cloud
-  /// lacks, with those it has; those of SQLite when it evaluates. Cost: some 0.2 us per row, shared by the
+  /// lacks, with those it has; those of SQLite when it evaluates. Cancelled, if `is_given_up` returns true, which
+  /// several threads call, also while SQLite evaluates one row. Cost: some 0.2 us per row, shared by the
   /// threads of the task arena (oneTBB).
-  void mark(const PointCloud& cloud, std::span<std::uint8_t> marks) const;
+  void mark(const PointCloud& cloud, std::span<std::uint8_t> marks,
+            const std::function<bool()>& is_given_up = {}) const;
 
  private:
   std::string text_;

@@ -51,7 +51,7 @@ class LeafTest {
         radius_above_(float_above(setup.query.radius)),
         own_radii_(setup.query),
         disc_test_(setup),
-        all_in_double_(measure == Measure::crossing || setup.query.filter) {}
+        all_in_double_(measure == Measure::crossing || has_filter(setup.query)) {}
 
   /// Leaves below one frame.
   struct Index {
@@ -100,6 +100,11 @@ class LeafTest {
   std::optional<Hit> answer(const RayUnderWay& ray) const {
     if (!ray.state.found()) return std::nullopt;
     return in_double(ray, ray.state.best_position, ray.state.best_index);
+  }
+
+  /// Whether the query rejects a point whatever its id is.
+  bool rejects(const RayUnderWay& ray, const LatticePosition& position, std::uint32_t index) const {
+    return !in_double(ray, position, index, Filters::of_position);
   }
 
   /// Makes a point of a leaf the best: its measure lies in [low, high], local t.
@@ -316,12 +321,13 @@ class LeafTest {
     return in_double(ray, position_of(setup_.tree, leaf, index), leaf.first + index);
   }
 
-  std::optional<Hit> in_double(const RayUnderWay& ray, const LatticePosition& position,
-                               std::uint32_t index) const {
+  std::optional<Hit> in_double(const RayUnderWay& ray, const LatticePosition& position, std::uint32_t index,
+                               Filters filters = Filters::all) const {
     const glm::dvec3 world = to_world(setup_.tree.lattice, position);
     if constexpr (radii == Radii::own)
-      return evaluate_own(ray.asked, setup_.query, setup_.tree, index, world, ray.query_index);
-    return evaluate(ray.asked, setup_.query, world, point_id(setup_.tree, index), ray.query_index);
+      return evaluate_own(ray.asked, setup_.query, setup_.tree, index, world, ray.query_index, filters);
+    return evaluate(ray.asked, setup_.query, setup_.query.radius, world, point_id(setup_.tree, index),
+                    ray.query_index, filters);
   }
 
   void keep(const RayUnderWay& ray, const Leaf& leaf, std::uint32_t index) const {

@@ -233,7 +233,7 @@ template <Measure measure>
 void find_by(const TreeView& tree, const Ray& ray, const RayQuery& query, std::size_t k,
              std::size_t query_index, std::vector<Hit>& answers) {
   const LineFromRoot line(tree, ray);
-  const RayKernel<measure> kernel(tree, line, ray, query, static_cast<bool>(query.filter));
+  const RayKernel<measure> kernel(tree, line, ray, query, has_filter(query));
   constexpr bool is_index = measure != Measure::distance;
   find_first(tree, kernel, RayTarget(ray, query, query_index), query, k, is_index ? line.shift : 0.0,
              is_index ? line.error : 0.0, answers);
@@ -244,7 +244,7 @@ void find(const TreeView& tree, const Ray& ray, const RayQuery& query, std::size
   if (admits_none(query)) return;
   if (k >= tree.point_count) {
     const LineFromRoot line(tree, ray);
-    const RayKernel<Measure::t> kernel(tree, line, ray, query, static_cast<bool>(query.filter));
+    const RayKernel<Measure::t> kernel(tree, line, ray, query, has_filter(query));
     find_all(tree, kernel, RayTarget(ray, query, query_index), query, answers);
   } else if (query.measure == Measure::distance) {
     find_by<Measure::distance>(tree, ray, query, k, query_index, answers);

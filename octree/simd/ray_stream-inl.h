@@ -67,17 +67,21 @@ class RayStream {
 
   void visit_node(const Frame& frame, const RayList& list) {
     if (list.count < k_min_rays) {
-      for (std::uint32_t i = 0; i < list.count; ++i) trace(traversed_, batch_[list.rays[i]], frame);
-      ++answers_;
+      trace_each(frame, list);
       return;
     }
     const Node& node = setup_.tree.nodes[frame.node];
     const Slots slots(node);
     unsigned single = 0, wanted = slots.leaf | (frame.depth < traversed_.max_depth ? slots.inner : 0u);
-    if (frame.level == k_min_frame_level && traversed_.skips_twins) {
+    if (frame.level == k_min_frame_level && (traversed_.skips_twins || traversed_.rejects_twins)) {
       const SamePositions same(node);
-      wanted &= ~same.twins;
-      single = same.single;
+      if (traversed_.skips_twins) {
+        wanted &= ~same.twins;
+        single = same.single;
+      } else if (traversed_.has_twins(slots, same)) {
+        trace_each(frame, list);
+        return;
+      }
     }
     Lists& lists = lists_[frame.depth];
     lists.reserve(list.count);
@@ -122,6 +126,11 @@ class RayStream {
         visit_node(slots.child_in(node, frame, slot), rays);
       }
     }
+  }
+
+  void trace_each(const Frame& frame, const RayList& list) {
+    for (std::uint32_t i = 0; i < list.count; ++i) trace(traversed_, batch_[list.rays[i]], frame);
+    ++answers_;
   }
 
   void test_leaf(const Leaf& leaf, std::uint32_t count,

@@ -22,14 +22,30 @@ template <Measure measure, bool any, Radii radii>
 struct Traversed {
   const QuerySetup& setup;
   const LeafTest<measure, any, radii>& leaf_test;
-  int max_depth;     ///< nodes below are not visited
-  bool skips_twins;  ///< of points at one position only the first is examined
+  int max_depth;       ///< nodes below are not visited
+  bool skips_twins;    ///< of points at one position only the first is examined
+  bool rejects_twins;  ///< or none, if the query rejects the position
 
   Traversed(const QuerySetup& query_setup, const LeafTest<measure, any, radii>& test)
       : setup(query_setup),
         leaf_test(test),
         max_depth(setup.query.max_level),
-        skips_twins(!setup.query.filter && setup.query.max_level == k_all_levels) {}
+        skips_twins(!setup.query.filter && setup.query.max_level == k_all_levels),
+        rejects_twins(setup.query.filter && setup.query.position_filter) {}
+
+  /// Whether points of the node's first position are in more than one of its slots.
+  static bool has_twins(const Slots& slots, const SamePositions& same) {
+    return (slots.leaf & 1u | slots.inner & 1u) != 0 && (same.twins & (slots.leaf | slots.inner)) != 0;
+  }
+
+  /// Whether the query rejects that position. corner: of the node's frame, which has the lowest level.
+  bool rejects_first_position(const RayUnderWay& ray, const Node& node,
+                              const std::array<std::uint32_t, 3>& corner) const {
+    const Node* holder = &node;
+    while (is_inner(holder->kind[0])) holder = setup.tree.nodes + holder->first_child;
+    const Leaf leaf{holder->first_point, holder->kind[0], corner};
+    return leaf_test.rejects(ray, position_of(setup.tree, leaf, 0), leaf.first);
+  }
 };
 
 /// A single ray as it meets boxes. t of the face at grid step q of a frame is q * step * 2^(level - 8) +
@@ -131,10 +147,15 @@ class RayWalk {
     unsigned met = meet_boxes(on_grid_, ray_.boxes.t_cut, node, at_.corner, at_.level,
                               traversed.leaf_test.own_radii(), slot_spacings(tree, at_.node), t_near_);
     single_ = 0;
-    if (at_.level == k_min_frame_level && traversed.skips_twins) {
+    if (at_.level == k_min_frame_level && (traversed.skips_twins || traversed.rejects_twins)) {
       const SamePositions same(node);
-      met &= ~same.twins;
-      single_ = same.single;
+      if (traversed.skips_twins) {
+        met &= ~same.twins;
+        single_ = same.single;
+      } else if ((met & same.twins) != 0 && traversed.has_twins(slots, same) &&
+                 traversed.rejects_first_position(ray_, node, corner())) {
+        met &= ~(same.twins | 1u);
+      }
     }
     leaves_ = met & slots.leaf;
     inner_ = slots.inner;
@@ -164,8 +185,7 @@ class RayWalk {
     const Node& node = traversed.setup.tree.nodes[at_.node];
     const Slots slots(node);
     const float cut_before = ray_.boxes.t_cut;
-    const std::array<std::uint32_t, 3> corner = {lattice_steps(at_.corner[0]), lattice_steps(at_.corner[1]),
-                                                 lattice_steps(at_.corner[2])};
+    const std::array<std::uint32_t, 3> corner = this->corner();
     const auto index = traversed.leaf_test.index(corner, at_.level);
     do {
       const int slot = std::countr_zero(leaves_ | 1u << (k_node_width - 1));
@@ -216,6 +236,9 @@ class RayWalk {
   };
 
   static std::uint32_t lattice_steps(float corner) { return static_cast<std::uint32_t>(corner); }
+  std::array<std::uint32_t, 3> corner() const {
+    return {lattice_steps(at_.corner[0]), lattice_steps(at_.corner[1]), lattice_steps(at_.corner[2])};
+  }
 
   /// inner: of the parent's slots.
   HWY_INLINE static Index child(const Index& parent, const Node& node, int slot, unsigned inner) {

@@ -1,11 +1,15 @@
 // SPDX-License-Identifier: MIT
 #include "base/output_file.h"
 
+#include <fcntl.h>
 #include <gtest/gtest.h>
+#include <sys/file.h>
 #include <unistd.h>
 
 #include <algorithm>
 
+#include "base/input_file.h"
+#include "base/temporary_file.h"
 #include "tests/cloud/cloud_test_support.h"
 
 namespace alidade {
@@ -147,16 +151,41 @@ TEST(OutputFileTest, a_link_that_leads_nowhere_gets_its_target) {
 
 TEST(OutputFileTest, what_a_dead_process_left_of_the_same_output_is_removed) {
   const std::filesystem::path folder = test::test_folder(), path = folder / "out.txt";
-  // More than any process has, and a live one: this.
+  // More than any process has, and one that another process has by now: this.
   const std::string dead = ".out.part-99999999-0.txt",
-                    live = ".out.part-" + std::to_string(::getpid()) + "-7.txt";
+                    reused = ".out.part-" + std::to_string(::getpid()) + "-7.txt",
+                    live = ".out.part-" + std::to_string(::getppid()) + "-0.txt";
   for (const std::string& name :
-       {dead, live, std::string(".other.part-99999999-0.txt"), std::string(".out.part-99999999-0x.txt"),
-        std::string(".out.part-me-0.txt")})
+       {dead, reused, live, std::string(".other.part-99999999-0.txt"),
+        std::string(".out.part-99999999-0x.txt"), std::string(".out.part-me-0.txt")})
     test::write_text(folder / name, "unfinished");
+  const FileDescriptor writer((folder / live).string(), O_RDWR);
+  ASSERT_EQ(::flock(writer.number(), LOCK_EX), 0);
   OutputFile file(path, false);
   EXPECT_FALSE(std::filesystem::exists(folder / dead));
+  EXPECT_FALSE(std::filesystem::exists(folder / reused));
+  EXPECT_TRUE(std::filesystem::exists(folder / live));
   EXPECT_EQ(files_in(folder), 5u);
+}
+
+TEST(OutputFileTest, a_temporary_file_is_locked_until_it_has_its_name) {
+  const std::filesystem::path folder = test::test_folder(), output = folder / "out.txt";
+  const auto is_locked = [&](const std::filesystem::path& path) {
+    const FileDescriptor other(path.string(), O_RDWR);
+    return ::flock(other.number(), LOCK_EX | LOCK_NB) != 0;
+  };
+  std::filesystem::path temporary, next_temporary;
+  {
+    const FileDescriptor file(create_temporary(output, "out", temporary));
+    EXPECT_TRUE(is_locked(temporary));
+    EXPECT_TRUE(sync_temporary(file.number()));
+    EXPECT_TRUE(is_locked(temporary));
+    // Another one of this process leaves it alone.
+    const FileDescriptor next(create_temporary(output, "out", next_temporary));
+    EXPECT_NE(next_temporary, temporary);
+    EXPECT_EQ(files_in(folder), 2u);
+  }
+  EXPECT_FALSE(is_locked(temporary));
 }
 
 TEST(OutputFileTest, so_it_is_beside_an_output_without_a_folder) {

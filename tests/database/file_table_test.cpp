@@ -187,6 +187,25 @@ TEST_F(FileTableTest, of_a_copc_file_only_nodes_are_read_that_may_have_points) {
             150'000u / 128);  // more than one node, each with a chunk that is not full
 }
 
+TEST_F(FileTableTest, an_index_file_that_is_cut_below_a_statement_is_an_error) {
+  for (const char* const columns : {"x", "red", "gps_time"}) {
+    const std::filesystem::path file = write_site("a.alidade", 50'000);
+    const Connection in_place = over({file});
+    Statement statement(in_place.get(), std::string("SELECT ") + columns + " FROM points");
+    ASSERT_TRUE(statement.step());
+    std::filesystem::resize_file(file, 4096);
+    std::string problem;
+    try {
+      while (statement.step()) {
+      }
+    } catch (const Error& error) {
+      problem = error.what();
+    }
+    EXPECT_NE(problem.find("the file changed or its disk failed while it was read"), std::string::npos)
+        << columns << ": " << problem;
+  }
+}
+
 TEST_F(FileTableTest, damage_in_a_copc_file_is_an_error) {
   const std::filesystem::path file = write_site("a.copc.laz", 5000);
   std::string bytes;

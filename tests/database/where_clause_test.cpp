@@ -2,6 +2,7 @@
 #include "database/sqlite/where_clause.h"
 
 #include <algorithm>
+#include <atomic>
 #include <functional>
 #include <string>
 #include <vector>
@@ -81,6 +82,15 @@ TEST_F(WhereClauseTest, a_column_that_is_missing_is_an_error_that_lists_those_th
 
 TEST_F(WhereClauseTest, errors_of_an_evaluation_are_errors) {
   EXPECT_NE(problem("abs(-9223372036854775807 - 1) > 0").find("integer overflow"), std::string::npos);
+}
+
+TEST_F(WhereClauseTest, one_row_that_takes_for_ever_is_given_up) {
+  const PointCloud cloud = site(3);
+  std::vector<std::uint8_t> marks(cloud.size());
+  const WhereClause clause(
+      "(WITH RECURSIVE n(i) AS (SELECT 1 UNION ALL SELECT i + 1 FROM n) SELECT max(i) FROM n) > x");
+  std::atomic<int> calls = 0;
+  EXPECT_THROW(clause.mark(cloud, marks, [&] { return ++calls > 10; }), Cancelled);
 }
 
 TEST_F(WhereClauseTest, a_cloud_without_points_needs_no_columns) {

@@ -158,10 +158,12 @@ TEST_P(CrossingVsBruteForce, batches_are_the_same_bits_whatever_the_filter) {
       const double radius = 2.0 * automatic_radius(octree);
       RayQuery query = crossing_query({.radius = std::max(radius, 1e-3) * std::pow(8.0, turn % 3)}, random);
       if (turn % 2 == 1) {
-        query.filter = [](const Candidate& candidate) {
+        const auto leans_aside = [](const Candidate& candidate) {
           return candidate.disc == nullptr || candidate.disc->normal.x < 0.3;
         };
+        (turn == 5 ? query.filter : query.position_filter) = leans_aside;
       }
+      if (turn == 3) query.filter = [](const Candidate& candidate) { return candidate.point_id % 3 != 0; };
       std::vector<Ray> rays;
       for (int i = 0; i < 60; ++i) {
         const glm::dvec3 from = asked.cloud.world(random.below(asked.cloud.size()));

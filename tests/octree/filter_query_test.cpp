@@ -1,5 +1,9 @@
 // SPDX-License-Identifier: MIT
+#include <atomic>
+
 #include "octree/distance.h"
+#include "octree/point_surface.h"
+#include "octree/spacing.h"
 #include "tests/octree/as_brute_force.h"
 
 namespace alidade {
@@ -68,6 +72,96 @@ TEST_F(Filter, sees_equal_points_apart) {
   EXPECT_TRUE(occluded(octree, ray, query));
   EXPECT_EQ(count(octree, ray, {.radius = 0.5}), count_there);
   EXPECT_EQ(find(octree, ray, {.radius = 0.5, .k = 40}).back().point_id, 39u);
+}
+
+/// Clusters of equal points among others, in no order.
+PointCloud clusters(Random& random) {
+  std::vector<glm::dvec3> positions;
+  for (int i = 0; i < 12000; ++i)
+    positions.push_back(i % 2 == 0 ? 4.0 * random.in_cube()
+                                   : glm::dvec3(static_cast<double>(random.below(4)), 0.5, 0.25));
+  return make_cloud(positions, {glm::dvec3(0.001), glm::dvec3(0)});
+}
+
+/// Towards a cluster, from anywhere.
+std::vector<Ray> rays_to_clusters(std::size_t count, Random& random) {
+  std::vector<Ray> rays;
+  while (rays.size() < count) {
+    const glm::dvec3 from = 8.0 * random.direction(),
+                     to = glm::dvec3(static_cast<double>(random.below(4)), 0.5, 0.25) +
+                          0.02 * random.in_cube();
+    rays.push_back(make_ray(from, to - from, 0.0));
+  }
+  return rays;
+}
+
+TEST_F(Filter, of_position_gives_the_answers_of_brute_force) {
+  const PointCloud cloud = clusters(random_);
+  // A batch of so many goes through the tree together.
+  const std::vector<Ray> rays = rays_to_clusters(2500, random_);
+  std::vector<RayQuery> queries(3, {.radius = 0.05, .measure = Measure::t});
+  // The first cluster that a ray meets may count or not.
+  for (RayQuery& query : queries)
+    query.position_filter = [](const Candidate& point) {
+      return point.query_index % 2 == 0 || point.position.x < 1.5;
+    };
+  queries[1].filter = [](const Candidate& point) { return point.point_id % 500 == 1; };
+  queries[2].measure = Measure::entry;
+  queries[2].filter = [](const Candidate& point) { return point.query_index % 3 != 0; };
+  for (const NamedOctree& asked : octrees_of(cloud)) {
+    for (const RayQuery& query : queries) {
+      std::vector<std::optional<Hit>> hits(rays.size());
+      std::vector<std::uint8_t> blocked(rays.size());
+      closest(asked.octree, rays, query, hits);
+      occluded(asked.octree, rays, query, blocked);
+      for (std::size_t i = 0; i < rays.size(); i += 7) {
+        // Alone, its index is 0.
+        RayQuery alone = query;
+        const auto at = [i](const CandidateFilter& filter) -> CandidateFilter {
+          if (!filter) return {};
+          return [filter, i](Candidate point) {
+            point.query_index = i;
+            return filter(point);
+          };
+        };
+        alone.filter = at(query.filter);
+        alone.position_filter = at(query.position_filter);
+        const std::optional<Hit> expected = brute_force::closest(cloud, rays[i], alone);
+        ASSERT_TRUE(same_hits(hits[i], expected)) << asked.name << ", ray " << i;
+        ASSERT_EQ(blocked[i] != 0, expected.has_value()) << asked.name << ", ray " << i;
+      }
+    }
+  }
+}
+
+TEST_F(Filter, of_position_is_called_for_a_few_of_many_equal_points) {
+  constexpr std::size_t k_equal = 100'000, k_rays = 3000, k_few = 64;
+  std::vector<glm::dvec3> positions(k_equal, glm::dvec3(1, 0, 0));
+  for (int i = 0; i < 1000; ++i) positions.push_back(glm::dvec3(3, 0, 0) + random_.in_cube());
+  const PointCloud cloud = make_cloud(positions, {glm::dvec3(0.001), glm::dvec3(0)});
+  const Octree octree = with_discs(with_surfaces(with_spacings(build(cloud), 8)));
+  const std::vector<Ray> rays(k_rays, make_ray({0, 0, 0}, {1, 0, 0}, 0.0));
+  for (const Measure measure : {Measure::t, Measure::entry, Measure::crossing}) {
+    for (const bool has_ids : {false, true}) {
+      std::atomic<std::size_t> called = 0;
+      RayQuery query{.radius = 0.5, .measure = measure};
+      if (measure == Measure::crossing) query.spacing_factor = 1.0;
+      query.position_filter = [&](const Candidate& point) {
+        ++called;
+        return point.position.x > 1.5;
+      };
+      if (has_ids) query.filter = [](const Candidate& point) { return point.point_id >= k_equal; };
+      std::vector<std::optional<Hit>> hits(rays.size());
+      std::vector<std::uint8_t> blocked(rays.size());
+      closest(octree, rays, query, hits);
+      occluded(octree, rays, query, blocked);
+      EXPECT_LT(called, 2 * k_rays * k_few);
+      for (std::size_t i = 0; i < k_rays; ++i) ASSERT_EQ(blocked[i] != 0, hits[i].has_value());
+      called = 0;
+      EXPECT_TRUE(same_hits(closest(octree, rays[0], query), hits[0]));
+      EXPECT_LT(called, k_few);
+    }
+  }
 }
 
 TEST_F(Filter, sees_t_0_for_points_boxes_and_half_spaces_and_the_distance_answers_have) {

@@ -153,6 +153,8 @@ TEST_P(OwnRadiusVsBruteForce, filters_and_levels_hold_too) {
       query.filter = [&](const Candidate& point) {
         return point.point_id % 3 != 0 && levels[point.point_id] <= max_level;
       };
+      const double middle = family.cloud.size() > 0 ? octree.bounds().center().x : 0.0;
+      query.position_filter = [middle](const Candidate& point) { return point.position.x <= middle; };
       RayQuery of_levels = query;
       of_levels.filter = [](const Candidate& point) { return point.point_id % 3 != 0; };
       of_levels.max_level = max_level;

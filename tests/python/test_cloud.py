@@ -1,4 +1,6 @@
 # SPDX-License-Identifier: MIT
+import os
+
 import alidade
 import numpy as np
 import pytest
@@ -148,3 +150,17 @@ def test_empty_clouds_have_empty_answers():
     assert index.in_box([0, 0, 0, 1, 1, 1]).index.size == 0
     with pytest.raises(alidade.Error, match="no points"):
         alidade.render(index)
+
+
+def test_an_index_that_is_cut_below_python_is_an_error(scattered, rays, tmp_path):
+    scattered.save(tmp_path / "cut.alidade")
+    mapped = alidade.open(tmp_path / "cut.alidade")
+    assert (mapped.closest(rays, radius=0.05).index >= 0).any()
+    os.truncate(tmp_path / "cut.alidade", 4096)
+    for use in (lambda: mapped.closest(rays, radius=0.05), lambda: mapped.nearest(rays, k=3), lambda: mapped.xyz,
+                lambda: mapped.write(tmp_path / "again.las")):
+        with pytest.raises(alidade.Error, match="cut.alidade: the file changed or its disk failed while it was read"):
+            use()
+    assert not (tmp_path / "again.las").exists()
+    del mapped
+    scattered.save(tmp_path / "next.alidade")

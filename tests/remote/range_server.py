@@ -11,6 +11,7 @@
 Behind the first 64 KiB:
 /broken/FILE     closes the connection in the middle of every answer
 /broken-once/FILE  the same, once
+/drip/FILE       sends one answer slowly: 1000 bytes a second for 4 seconds, then the rest
 /stalled/FILE    stops sending in the middle of every answer, but keeps the connection
 /long/FILE       states a Content-Length that is too long
 /cut/FILE        states a Content-Length that is too short
@@ -147,13 +148,18 @@ class Handler(http.server.BaseHTTPRequestHandler):
         with server.lock:
             server.sent += len(body)
         try:
+            for _ in range(40 if is_far and manner == "drip" and server.is_first("drip") else 0):
+                self.wfile.write(body[:100])
+                self.wfile.flush()
+                body = body[100:]
+                server.stop.wait(0.1)
             self.wfile.write(body)
             if is_far and manner == "stalled":
                 self.wfile.flush()
                 server.stop.wait(60)
         except OSError:
             pass
-        if len(body) != length:
+        if len(body) != length and manner != "drip":
             self.close_connection = True
         return None
 

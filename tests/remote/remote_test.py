@@ -269,6 +269,18 @@ class RemoteTest(RemoteCase):
                       self.run_program("convert", address, "-o", "bad.las", succeeds=False, settings=limits))
         self.assertFalse(os.path.exists(os.path.join(self.folder, "bad.las")))
 
+    def test_a_server_that_drips_is_an_error_unless_the_limit_is_lower(self):
+        address = self.server.address("drip", "site.las")
+        limits = {"GDAL_HTTP_LOW_SPEED_TIME": "1", "GDAL_HTTP_MAX_RETRY": "0"}
+        self.server.forget()
+        message = self.run_program("convert", address, "-o", "bad.las", succeeds=False, settings=limits)
+        self.assertIn(address + ": cannot read from the server: ", message)
+        self.assertIn("; expected a faster one, or a lower GDAL_HTTP_LOW_SPEED_LIMIT (bytes/s)", message)
+        self.assertFalse(os.path.exists(os.path.join(self.folder, "bad.las")))
+        limits["GDAL_HTTP_LOW_SPEED_LIMIT"] = "10"
+        self.server.forget()
+        self.assertEqual(self.query(address, settings=limits), self.query("site.las"))
+
     def test_waiting_for_a_server_can_be_interrupted(self):
         for manner, name, requests, settings in (("stalled", "site.laz", 2, {}), ("silent-4", "site.alidade", 5, {}),
                                                  ("status-503", "site.laz", 1, {"GDAL_HTTP_RETRY_DELAY": "1000"})):

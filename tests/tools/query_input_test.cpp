@@ -106,6 +106,47 @@ TEST_F(QueryInputTest, interrupt_while_waiting_for_targets_ends_with_130) {
   EXPECT_EQ(names(), (Words{"pipe", "tiny.xyz"}));
 }
 
+TEST_F(QueryInputTest, an_index_that_is_cut_below_the_program_ends_it_with_a_message) {
+  ASSERT_EQ(run({"generate", "courtyard", "--points", "100000", "-o", "site.las", "-q"}).exit_code, 0);
+  ASSERT_EQ(run({"index", "site.las", "-o", "site.alidade", "-q"}).exit_code, 0);
+  for (const std::uintmax_t left : {std::uintmax_t{0}, std::uintmax_t{4096}, std::uintmax_t{300'001}}) {
+    std::filesystem::copy_file(folder / "site.alidade", folder / "cut.alidade",
+                               std::filesystem::copy_options::overwrite_existing);
+    const std::filesystem::path pipe = folder / "pipe";
+    ASSERT_EQ(::mkfifo(pipe.c_str(), 0600), 0);
+    Program program({"query", "cut.alidade", "-q", "--rays", "-", "--radius", "1", "-o", "out.csv"}, folder,
+                    {}, pipe);
+    {
+      std::ofstream writer(pipe);
+      writer << k_header;
+      const auto ask = [&] {
+        // More than the program reads at once, so that it answers.
+        for (int i = 0; i < 100000; ++i)
+          writer << 689980 + i % 40 << "," << 5324980 + i / 40 % 40 << ",700,0,0,-1\n";
+        writer.flush();
+      };
+      ask();
+      const auto limit = std::chrono::steady_clock::now() + std::chrono::seconds(60);
+      const auto has_begun = [&] {
+        return std::ranges::any_of(names(),
+                                   [](const std::string& name) { return name.starts_with(".out.part-"); });
+      };
+      while (!has_begun() && std::chrono::steady_clock::now() < limit)
+        std::this_thread::sleep_for(std::chrono::milliseconds(5));
+      std::filesystem::resize_file(folder / "cut.alidade", left);
+      ask();
+    }
+    const ProgramResult result = program.wait();
+    EXPECT_EQ(result.exit_code, 2) << result.signal << " " << result.err;
+    EXPECT_TRUE(contains(result.err,
+                         "cut.alidade: the file changed or its disk failed while it was read; read it "
+                         "again; expected "))
+        << result.err;
+    std::filesystem::remove(pipe);
+    EXPECT_EQ(names(), (Words{"cut.alidade", "site.alidade", "site.las", "tiny.xyz"}));
+  }
+}
+
 TEST_F(QueryInputTest, wrong_csv_is_rejected_with_line_and_column) {
   const std::string header = k_header;
   const std::pair<std::string, const char*> wrong[] = {

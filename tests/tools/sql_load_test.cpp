@@ -207,5 +207,22 @@ TEST_F(SqlLoadTest, interrupted_or_killed_it_leaves_no_half_table) {
   EXPECT_EQ(points("site.db"), 400);
 }
 
+TEST_F(SqlLoadTest, what_a_killed_run_left_of_a_new_file_is_removed_by_the_next) {
+  ASSERT_EQ(run({"generate", "courtyard", "--points=2e6", "-o", "site.las", "-q"}).exit_code, 0);
+  write_square("square.xyz");
+  const auto leavings = [&] {
+    return std::ranges::count_if(names(),
+                                 [](const std::string& name) { return name.starts_with(".new.part-"); });
+  };
+  Program killed({"sql", "load", "site.las", "new.db"}, folder);
+  wait_for(killed, ".new.part-");
+  killed.send(SIGKILL);
+  EXPECT_EQ(killed.wait().exit_code, -1);
+  EXPECT_EQ(leavings(), 1);
+  ASSERT_EQ(load({"square.xyz", "new.db"}).exit_code, 0);
+  EXPECT_EQ(leavings(), 0);
+  EXPECT_EQ(points("new.db"), 400);
+}
+
 }  // namespace
 }  // namespace alidade::test

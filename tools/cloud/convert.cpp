@@ -65,6 +65,16 @@ void choose_points(Cloud& cloud, const ConvertCommand& command) {
   }
 }
 
+/// Calls work(first, end) for pieces of so many rows, until the program is interrupted. Errors: Cancelled.
+template <class Work>
+void in_pieces(std::size_t rows, const Work& work) {
+  constexpr std::size_t k_piece = std::size_t{1} << 20;
+  for (std::size_t first = 0; first < rows; first += k_piece) {
+    if (interrupted()) throw Cancelled();
+    work(first, std::min(first + k_piece, rows));
+  }
+}
+
 /// Gives every point the normal of the surface around it, on the side of the nearest scanner, or upwards where no
 /// scanner is known; zero where there is no surface.
 void measure_normals(const Octree& built, const PointColumns& points,
@@ -72,7 +82,7 @@ void measure_normals(const Octree& built, const PointColumns& points,
                      Verbosity verbosity) {
   const Octree octree =
       with_surfaces_shown(with_spacings_shown(built, k_surface_neighbours, verbosity), verbosity);
-  tbb::parallel_for(std::size_t{0}, points.size(), [&](std::size_t row) {
+  const auto measure = [&](std::size_t row) {
     const PointSurface surface = surface_of(octree.view(), row);
     normals[row] = glm::vec3(0.0f);
     if (!surface.exists) return;
@@ -86,7 +96,9 @@ void measure_normals(const Octree& built, const PointColumns& points,
       outwards = towards;
     }
     normals[row] = glm::vec3(glm::dot(surface.normal, outwards) < 0.0 ? -surface.normal : surface.normal);
-  });
+  };
+  in_pieces(points.size(),
+            [&](std::size_t first, std::size_t end) { tbb::parallel_for(first, end, measure); });
 }
 
 Octree built_shown(Verbosity verbosity, const std::function<Octree(const BuildOptions&)>& build) {
@@ -103,7 +115,10 @@ void add_normals(PointCloud& cloud, Verbosity verbosity) {
 
 void add_normals(ScratchCloud& cloud, const ScratchSpace& scratch, Verbosity verbosity) {
   HugeArray<LatticePosition> used_up(cloud.size(), scratch.folder);
-  std::ranges::copy(cloud.positions(), used_up.data());
+  const std::span<const LatticePosition> positions = cloud.positions();
+  in_pieces(positions.size(), [&](std::size_t first, std::size_t end) {
+    std::ranges::copy(positions.subspan(first, end - first), used_up.data() + first);
+  });
   const Octree octree = built_shown(verbosity, [&](const BuildOptions& options) {
     return build_in_scratch(cloud.facts().lattice, {used_up.data(), used_up.size()}, scratch, options);
   });

@@ -220,6 +220,7 @@ void measure_occluders(VisibilityCloud& cloud, const OccluderRequest& request, V
   visibility::OccluderOptions options = request.options;
   options.mesh = cloud.mesh.tree;
   options.terrain = cloud.terrain.surface;
+  options.is_given_up = interrupted;
   const std::span<const std::uint8_t> classes = cloud.columns.classifications;
   // Asking for every point takes time, so it is left out where no point has such a class.
   const bool has_ignored =

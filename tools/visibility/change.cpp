@@ -133,7 +133,7 @@ void measure(const ChangeCommand& command, EpochCloud& epoch) {
   if (octree.view().spacing_neighbours != k_surface_neighbours)
     octree = with_spacings_shown(octree, k_surface_neighbours, command.verbosity);
   if (octree.view().surfaces == nullptr) octree = with_surfaces_shown(octree, command.verbosity);
-  visibility::OccluderOptions options;
+  visibility::OccluderOptions options{.is_given_up = interrupted};
   const std::span<const std::uint8_t> classes = epoch.columns.classifications;
   if (std::ranges::any_of(classes, [&](std::uint8_t kind) { return command.ignored_classes.test(kind); })) {
     options.counts = [classes, ignored = command.ignored_classes](std::uint64_t id) {

@@ -62,7 +62,9 @@ std::vector<visibility::PlacementTarget> targets_of(const PlaceCommand& command,
   std::function<bool(std::uint64_t)> counts;
   if (!classes.empty()) counts = [classes, wanted](std::uint64_t id) { return wanted.test(classes[id]); };
   std::vector<visibility::PlacementTarget> targets =
-      visibility::thin_points(cloud.octree(), command.target_spacing, counts);
+      with_progress("choosing targets", "points", command.verbosity, [&](const Progress& progress) {
+        return visibility::thin_points(cloud.octree(), command.target_spacing, counts, progress);
+      });
   if (targets.empty()) throw file_error(file, "the cloud has no points of the target classes");
   return targets;
 }

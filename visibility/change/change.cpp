@@ -130,8 +130,8 @@ class Comparison {
   Comparison(const EpochCloud& own, const EpochCloud& other, const ChangeOptions& options, int sign)
       : own_(own), other_(other), options_(options), sign_(sign) {}
 
+  /// Of a point that counts.
   Finding compare(std::uint64_t id, const glm::dvec3& position) const {
-    if (!own_.is_counted(id)) return {ChangeClass::ignored};
     const ComparedPoint point = measured(id, position);
     if (const std::optional<Finding> finding = by_distance(point)) return *finding;
     if (is_near(point)) return {ChangeClass::same};
@@ -261,10 +261,17 @@ PointChanges compare_all(const EpochCloud& own, const EpochCloud& other, const C
                        HugeVector<float>(tree.point_count, scratch),
                        HugeVector<float>(tree.point_count, scratch)};
   for_each_leaf_in_parallel(tree, progress, [&] {
-    return [&](const Leaf& leaf) {
+    return [&, last = std::optional<LatticePosition>(), of_last = Finding()](const Leaf& leaf) mutable {
       for (std::uint32_t i = 0; i < leaf.count; ++i) {
         const std::uint64_t id = point_id(tree, leaf.first + i);
-        const Finding finding = comparison.compare(id, to_world(tree.lattice, position_of(tree, leaf, i)));
+        const LatticePosition position = position_of(tree, leaf, i);
+        Finding finding{ChangeClass::ignored};
+        if (own.is_counted(id)) {
+          // Points of one position, of which a scan may have a million, have one finding and mostly follow each other.
+          if (last != position) of_last = comparison.compare(id, to_world(tree.lattice, position));
+          last = position;
+          finding = of_last;
+        }
         changes.classes[id] = finding.kind;
         changes.distances[id] = finding.distance;
         changes.detection_levels[id] = finding.detection_level;

@@ -65,7 +65,11 @@ NearLines::NearLines(const Occluders& occluders, const SightEnd& eye, const Azim
   for (const std::vector<Leaf>& leaves : leaf_blocks(tree, k_points_at_once)) {
     const std::vector<PlacedPoint> points = placed_points(tree, leaves);
     in_parallel(points.size(), k_grain, [&](std::size_t i) {
-      if (const auto reach = reaches.of(points[i])) mark_around(points[i].position - eye.position, *reach);
+      const std::optional<double> reach = reaches.of(points[i]);
+      // Points of one position mostly follow each other, and mark the same.
+      const bool is_marked =
+          i > 0 && points[i - 1].position == points[i].position && reaches.of(points[i - 1]).has_value();
+      if (reach && !is_marked) mark_around(points[i].position - eye.position, *reach);
     });
   }
 }

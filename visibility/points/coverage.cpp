@@ -6,6 +6,7 @@
 #include <limits>
 #include <string>
 #include <unordered_map>
+#include <utility>
 
 #include "base/error.h"
 #include "base/huge_memory.h"
@@ -149,13 +150,16 @@ Coverage see_targets(const Occluders& occluders, std::span<const Observer> candi
 }
 
 std::vector<PlacementTarget> thin_points(const Octree& octree, double spacing,
-                                         const std::function<bool(std::uint64_t point_id)>& counts) {
+                                         const std::function<bool(std::uint64_t point_id)>& counts,
+                                         const Progress& progress) {
   check_spacing(octree, spacing);
   const TreeView& tree = octree.view();
   const glm::dvec3 corner = octree.bounds().min;
   std::unordered_map<std::uint64_t, Best> cells;
   // There are as many again when it is looked next.
   std::size_t next_check = 1 << 20;
+  constexpr std::uint64_t k_points_per_report = 1 << 20;
+  std::uint64_t done = 0;
   for_each_leaf(tree, [&](const Leaf& leaf) {
     for (std::uint32_t i = 0; i < leaf.count; ++i) {
       const std::uint64_t id = point_id(tree, leaf.first + i);
@@ -175,10 +179,13 @@ std::vector<PlacementTarget> thin_points(const Octree& octree, double spacing,
           here.distance < best.distance || (here.distance == best.distance && id < best.target.point_id);
       if (!is_new && is_nearer) best = here;
     }
+    const std::uint64_t before = std::exchange(done, done + leaf.count);
+    if (before / k_points_per_report != done / k_points_per_report) report(progress, done, tree.point_count);
     if (cells.size() < next_check) return;
     check_memory(k_bytes_per_cell * cells.size(), "targets at this spacing");
     next_check *= 2;
   });
+  report(progress, done, tree.point_count);
   std::vector<Best> chosen;
   chosen.reserve(cells.size());
   for (const auto& [key, best] : cells) chosen.push_back(best);

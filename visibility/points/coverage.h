@@ -68,10 +68,11 @@ Coverage see_targets(const Occluders& occluders, std::span<const Observer> candi
 
 /// Some points that represent all: of every cubic cell of a grid that holds points that count, the one
 /// nearest to the cell's middle, of equally near ones the one with the lowest id. In the order of the octree,
-/// which has neighbours together. `counts`: empty for all. Cost: about 100 ns per point. Memory: 140 B per
+/// which has neighbours together. `counts`: empty for all. `progress` is in points. Cost: about 100 ns per point. Memory: 140 B per
 /// cell that holds points, of which 32 B stay. Errors: spacing not above 0 or not finite, or finer than 2^-21
 /// of the cloud's longest side; more memory than there is.
 std::vector<PlacementTarget> thin_points(const Octree& octree, double spacing,
-                                         const std::function<bool(std::uint64_t point_id)>& counts = {});
+                                         const std::function<bool(std::uint64_t point_id)>& counts = {},
+                                         const Progress& progress = {});
 
 }  // namespace alidade::visibility

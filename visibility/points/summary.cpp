@@ -134,6 +134,7 @@ class Summarizer {
     summary.bands.resize(options_.bands.size() + 1);
     if (!options_.classes.empty()) summary.class_areas.resize(k_classes);
     for (const std::vector<Leaf>& block : blocks_) {
+      occluders_.check_given_up();
       for (const PlacedPoint& point : placed_points(tree, block)) {
         const glm::dvec3 offset = point.position - observer.position;
         if (!field.reaches(offset) || (counts && !counts(point.point_id))) continue;
