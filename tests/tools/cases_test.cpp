@@ -160,6 +160,57 @@ std::vector<Case> camera_cases() {
   return cases;
 }
 
+std::vector<Case> answer_cases() {
+  // Points of the faces of a tilted cube that look at the eye, by their planes.
+  const std::string faces =
+      "WITH planes AS (SELECT visible, 0.7559716855415145*x - 0.3963489711079061*y + 0.52097437917927*z AS a,"
+      " 0.6283760266347787*x + 0.21635987791692637*y - 0.7472161483656925*z AS b,"
+      " 0.18344039852286906*x + 0.8922420615110539*y + 0.4126181332179616*z AS c FROM points)"
+      " SELECT count(*), sum(visible) >= 0.998 * count(*) AS enough FROM planes WHERE a > (SELECT max(a) "
+      "FROM planes) - 1e-6"
+      " OR b > (SELECT max(b) FROM planes) - 1e-6 OR c > (SELECT max(c) FROM planes) - 1e-6";
+  const Step change = {{"change", "@m3c2/C_before.csv", "@m3c2/C_after.csv", "--no-sight", "--normal-radius",
+                        "1.1", "--cylinder-radius", "2", "--max-distance", "2", "-o", "change.las"}};
+  return {
+      {"F_exact_plane_25.xyz",
+       {{{"visibility", "points", "@F_exact_plane_25.xyz", "--observer=-24.8328,2,17.4164", "-o",
+          "seen.las"}}},
+       {"25 of 25 points are visible"},
+       {}},
+      {"F_cube_double.ply",
+       {{{"visibility", "points", "@F_cube_double.ply", "--observer", "110,208,56", "-o", "seen.las"}},
+        sql("seen.las", faces)},
+       {"count(*),enough\n9962,1\n"},
+       {}},
+      {"vertical_feet_bmx-2010.las, sky",
+       {{{"visibility", "sky", "@vertical_feet_bmx-2010.las", "-o", "sky.tif"}}},
+       {"mean 0.99"},
+       {}},
+      {"vertical_feet_bmx-2010.las, viewshed",
+       {{{"visibility", "raster", "@vertical_feet_bmx-2010.las", "--observer", "194490,259240",
+          "--resolution", "1", "-o", "seen.tif"}}},
+       {"visible 86.9 %"},
+       {}},
+      {"m3c2", {change}, {"moved"}, {"same"}},
+      {"m3c2, distances",
+       {change, sql("change.las",
+                    "SELECT sum(change = 0) AS same, sum(change = 1 AND abs(m3c2distance - 0.5) > 0.1) AS "
+                    "wrong, sum(change = 1) > 1000 AS many FROM points")},
+       {"same,wrong,many\n0,0,1\n"},
+       {}},
+      {"L13_a.las and L13_b.las",
+       {{{"info", "@L13_a.las", "@L13_b.las"}}},
+       {"points      400\n", "scale                    0.001              0.001              0.001\n"},
+       {}},
+      {"Z1_scan2d_a.pcd and Z1_scan2d_b.pcd",
+       {{{"convert", "@Z1_scan2d_a.pcd", "-o", "a.las"}},
+        {{"convert", "@Z1_scan2d_b.pcd", "-o", "b.las"}},
+        {{"info", "a.las", "b.las"}}},
+       {"points      720\n"},
+       {"e-45"}},
+  };
+}
+
 class CasesTest : public ProgramTest {
  protected:
   void check(const Case& each, const std::filesystem::path& cases) {
@@ -185,7 +236,7 @@ class CasesTest : public ProgramTest {
 
 TEST_F(CasesTest, inputs_that_gave_wrong_answers_in_silence_give_the_right_ones) {
   std::vector<Case> all = text_cases();
-  for (std::vector<Case> more : {cloud_cases(), camera_cases()})
+  for (const std::vector<Case>& more : {cloud_cases(), camera_cases(), answer_cases()})
     all.insert(all.end(), more.begin(), more.end());
   const auto cases = shared_data("../cases");
   if (!cases)
