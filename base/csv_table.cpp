@@ -21,12 +21,12 @@ std::string hint_for(std::string_view name) {
   return "";
 }
 
-/// Whether a cell is a number with a decimal comma.
-bool has_decimal_comma(std::string_view cell) {
-  return std::ranges::count(cell, ',') == 1 && cell.find_first_not_of("+-0123456789,eE ") == cell.npos;
-}
-
 }  // namespace
+
+bool has_decimal_comma(std::string_view cell) {
+  return std::ranges::count(cell, ',') == 1 && cell.back() != ',' &&
+         cell.find_first_not_of("+-0123456789,eE ") == cell.npos;
+}
 
 CsvTable::CsvTable(InputFile& file, const ColumnOf& column_of, std::string form)
     : file_(file), scanner_(file), form_(std::move(form)) {

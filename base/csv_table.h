@@ -13,6 +13,9 @@
 
 namespace alidade {
 
+/// Whether a cell is a number with a decimal comma, which is unambiguous where no comma separates cells.
+bool has_decimal_comma(std::string_view cell);
+
 /// A table as CSV: a header with the names of columns in any order, then rows with a cell for each. Blank
 /// lines are skipped. Columns are separated by commas, or, where the header has none, by semicolons or tabs;
 /// numbers may then have decimal commas. Errors name file and line.

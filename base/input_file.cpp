@@ -18,6 +18,7 @@
 #include "base/huge_memory.h"
 #include "base/public_name.h"
 #include "base/remote_map.h"
+#include "base/text_scanner.h"
 
 namespace alidade {
 
@@ -169,6 +170,7 @@ std::string read_text_file(const std::filesystem::path& file, std::uintmax_t lar
   stream.read(text.data(), static_cast<std::streamsize>(size));
   if (!stream && !stream.eof()) throw Error({.file = file.string(), .problem = "cannot read the file"});
   text.resize(static_cast<std::size_t>(stream.gcount()));
+  reject_utf16(text, file.string());
   return text;
 }
 

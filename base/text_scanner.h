@@ -13,8 +13,8 @@
 namespace alidade {
 
 /// Walks through the lines of a text file, or of the text part of a mixed one, without copying them.
-/// Lines end with "\n" or "\r\n"; the last one may lack its end. A byte order mark at the start of the file
-/// is skipped. Memory: one window of a mebibyte; a longer line is an Error.
+/// Lines end with "\n", "\r\n" or "\r"; the last one may lack its end. A byte order mark at the start of the file
+/// is skipped. Memory: one window of a mebibyte. Errors: a longer line; UTF-16.
 class TextScanner {
  public:
   /// Starts at byte `offset`, which is the start of the line after number `line_number`.
@@ -36,12 +36,19 @@ class TextScanner {
   [[noreturn]] void fail(std::string problem, std::string expected = {}, std::string found = {}) const;
 
  private:
+  std::optional<std::size_t> find_end();
+  void refill();
+
   InputFile& file_;
   std::uint64_t window_offset_;
   std::string_view window_;
-  std::size_t used_ = 0;  ///< bytes of the window already given out
+  std::size_t used_ = 0;       ///< bytes of the window already given out
+  std::size_t line_feed_ = 0;  ///< offset of the first "\n" behind them, or the size of the window
   std::uint64_t line_number_;
 };
+
+/// Errors: a file that begins as text of UTF-16 does, with its byte order mark or with 0 in every second byte.
+void reject_utf16(std::string_view start, const std::string& file);
 
 /// Most columns of a point table: far beyond any real file, so that a header of nothing but columns is
 /// rejected before anything is done for each of them.

@@ -96,8 +96,14 @@ std::string without_extension(const std::string& name) {
 CameraSet parse_cameras(std::string text, const fs::path& name, const CameraFileOptions& options) {
   const std::size_t first = text.find_first_not_of(" \t\r\n\xEF\xBB\xBF");
   const bool json = first != std::string::npos && (text[first] == '{' || text[first] == '[');
-  if (json) return finished(parse_json_cameras(std::move(text), name, options), name.string(), true);
-  return finished(read_trajectory(text, name.string(), options.lens), name.string(), false);
+  const std::string start = text.substr(0, 4096);
+  try {
+    if (json) return finished(parse_json_cameras(std::move(text), name, options), name.string(), true);
+    return finished(read_trajectory(text, name.string(), options.lens), name.string(), false);
+  } catch (const Error&) {
+    reject_known_export(start, name);
+    throw;
+  }
 }
 
 CameraSet read_cameras(const fs::path& path, const CameraFileOptions& options) {

@@ -9,6 +9,7 @@
 #include "base/error.h"
 #include "base/parallel.h"
 #include "base/public_name.h"
+#include "base/text_scanner.h"
 #include "base/words.h"
 #include "cloud/catalog.h"
 #include "cloud/cloud_reader.h"
@@ -29,9 +30,11 @@ std::string_view text_of(std::span<const std::byte> bytes) {
 
 /// The next line without spaces at its ends; `text` keeps what follows.
 std::string_view next_line(std::string_view& text) {
-  const std::size_t end = std::min(text.find('\n'), text.size());
+  const std::size_t end = std::min(text.find_first_of("\r\n"), text.size());
   const std::string_view line = trim(text.substr(0, end));
-  text.remove_prefix(std::min(end + 1, text.size()));
+  text.remove_prefix(end);
+  for (const char character : {'\r', '\n'})
+    if (text.starts_with(character)) text.remove_prefix(1);
   return line;
 }
 
@@ -307,19 +310,28 @@ CloudInput cloud_in_memory(std::span<const std::byte> bytes, std::string name, C
   return {std::move(name), format_begun_by(bytes.first(looked_at), formats), bytes};
 }
 
-std::unique_ptr<CloudReader> open_cloud(const CloudInput& input, InputFile file, Damage damage) {
+std::unique_ptr<CloudReader> open_stored_cloud(const CloudInput& input, InputFile file, Damage damage) {
   if (input.format != nullptr) {
-    std::unique_ptr<CloudReader> reader = input.format->open(std::move(file), damage);
-    if (damage == Damage::reject) {
-      // Of an impossible box in the header nothing is known.
-      const bool has_box = reader->facts().box.has_value();
-      check_stated(input, reader->point_count(), has_box ? reader->file().stated_bounds : std::nullopt);
-    }
-    return input.is_changed() ? open_view(std::move(reader), input.view, damage) : std::move(reader);
+    const std::vector<std::string> columns = input.view ? input.view->columns : std::vector<std::string>();
+    if (columns.empty()) return input.format->open(std::move(file), damage);
+    if (input.is(k_text_format)) return open_text(std::move(file), damage, columns);
+    throw file_error(file.name(), "--columns requires a text file", "XYZ, CSV or PTS",
+                     std::string(input.format->name));
   }
   if (file.size() == 0) throw Error({.file = file.name(), .problem = "empty file", .expected = k_supported});
+  reject_utf16(text_of(file.view_up_to(0, k_looked_at)), file.name());
   throw Error(
       {.file = file.name(), .problem = "unknown format", .expected = k_supported, .found = "binary data"});
+}
+
+std::unique_ptr<CloudReader> open_cloud(const CloudInput& input, InputFile file, Damage damage) {
+  std::unique_ptr<CloudReader> reader = open_stored_cloud(input, std::move(file), damage);
+  if (damage == Damage::reject) {
+    // Of an impossible box in the header nothing is known.
+    const bool has_box = reader->facts().box.has_value();
+    check_stated(input, reader->point_count(), has_box ? reader->file().stated_bounds : std::nullopt);
+  }
+  return input.is_changed() ? open_view(std::move(reader), input.view, damage) : std::move(reader);
 }
 
 }  // namespace alidade

@@ -7,6 +7,8 @@
 #include <functional>
 #include <memory>
 #include <optional>
+#include <span>
+#include <string>
 #include <vector>
 
 #include "base/bounds.h"
@@ -119,6 +121,10 @@ class CloudReader {
   /// Known when the file is open, so that files can be compared before any is read.
   virtual FileFacts facts() const { return {}; }
 
+  /// How finely its own numbers are rounded for coordinates within these bounds (CoordinateSurvey::resolution); 0 where
+  /// that is not known, or nothing is lost.
+  virtual glm::dvec3 resolution(const Bounds&) const { return glm::dvec3(0.0); }
+
   /// Number of points the file will deliver if known without a pass (LAS), already checked against the file's
   /// size. With Damage::read_over the most it can be: points that turn out to be lost are fewer rows.
   virtual std::optional<std::uint64_t> point_count() const { return std::nullopt; }
@@ -158,11 +164,15 @@ class CloudReader {
   virtual void rest() {}
 };
 
-/// Opens a cloud by its format. Errors: it cannot be read; it is empty or of no known format.
+/// Opens a cloud by its format, as its view wants it. Errors: it cannot be read; it is empty or of no known format;
+/// columns are named of another format than text.
 std::unique_ptr<CloudReader> open_cloud(const CloudInput& input, InputFile file, Damage damage);
 inline std::unique_ptr<CloudReader> open_cloud(const CloudInput& input, Damage damage = Damage::reject) {
   return open_cloud(input, input.file(), damage);
 }
+
+/// The same without what the view selects and moves.
+std::unique_ptr<CloudReader> open_stored_cloud(const CloudInput& input, InputFile file, Damage damage);
 
 /// One function per format; each throws Error if the content is not of that format. Each lives in
 /// read_<format>.cpp.
@@ -171,6 +181,8 @@ std::unique_ptr<CloudReader> open_ply(InputFile file, Damage damage = Damage::re
 std::unique_ptr<CloudReader> open_pcd(InputFile file, Damage damage = Damage::reject);
 std::unique_ptr<CloudReader> open_text(InputFile file,
                                        Damage damage = Damage::reject);  ///< XYZ, CSV with header names, PTS
+/// The same with these names for the columns of a file without titles (cloud/text/text_layout.h).
+std::unique_ptr<CloudReader> open_text(InputFile file, Damage damage, std::span<const std::string> columns);
 std::unique_ptr<CloudReader> open_ptx(InputFile file, Damage damage = Damage::reject);
 std::unique_ptr<CloudReader> open_e57(InputFile file, Damage = Damage::reject);
 

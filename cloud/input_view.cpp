@@ -71,6 +71,9 @@ class ViewReader final : public CloudReader {
   AttributeSet attributes() const override { return inner_->attributes(); }
   std::optional<Lattice> lattice() const override { return change_.move ? std::nullopt : inner_->lattice(); }
   FileFacts facts() const override { return facts_; }
+  glm::dvec3 resolution(const Bounds& bounds) const override {
+    return change_.move ? glm::dvec3(0.0) : inner_->resolution(bounds);
+  }
   std::optional<std::uint64_t> point_count() const override {
     if (is_outside_) return 0;
     return change_.move ? std::nullopt : inner_->point_count();

@@ -52,7 +52,10 @@ struct InputView {
   /// Plans the change for a file by what it states. Many threads may call it.
   std::function<ReferenceChange(const std::filesystem::path& file, const FileFacts& facts)>
       change_reference{};
+  /// Names of the columns of text files without titles; empty: their own, or by content.
+  std::vector<std::string> columns{};
 
+  /// Whether points are as they are stored.
   bool empty() const { return selection.empty() && !change_reference; }
 };
 

@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: MIT
 #include "cloud/point_table.h"
 
+#include <fmt/format.h>
 #include <cmath>
+#include <functional>
 #include <iterator>
 
 namespace alidade {
@@ -23,9 +25,9 @@ constexpr RoleFacts k_role_facts[] = {
     {Attribute::normal, "nx normalx"},
     {Attribute::normal, "ny normaly"},
     {Attribute::normal, "nz normalz"},
-    {Attribute::color, "red r diffusered"},
-    {Attribute::color, "green g diffusegreen"},
-    {Attribute::color, "blue b diffuseblue"},
+    {Attribute::color, "red r diffusered rf"},
+    {Attribute::color, "green g diffusegreen gf"},
+    {Attribute::color, "blue b diffuseblue bf"},
     {Attribute::color, ""},  // packed_color: the format knows
     {Attribute::near_infrared, "nearinfrared infrared nir"},
     {Attribute::intensity, "intensity", "i"},
@@ -157,6 +159,42 @@ double type_resolution(ScalarType type, double largest) {
   const float next = std::nextafter(static_cast<float>(largest), std::numeric_limits<float>::infinity());
   const double half = 0.5 * (static_cast<double>(next) - largest);
   return std::isfinite(half) ? half : 0.0;
+}
+
+std::optional<std::string> coarse_floats(const CoordinateSurvey& survey) {
+  constexpr double k_share = 0.02;
+  if (survey.finite_count < 2) return std::nullopt;
+  const glm::dvec3 size = survey.bounds.size();
+  std::array<double, 3> sides = {size.x, size.y, size.z};
+  std::ranges::sort(sides, std::greater());
+  const auto count = static_cast<double>(survey.finite_count);
+  const double spacing =
+      sides[1] > 0.0 ? std::sqrt(sides[0]) * std::sqrt(sides[1] / count) : sides[0] / count;
+  std::string axes;
+  for (int axis = 0; axis < 3; ++axis) {
+    const double largest = std::max(std::abs(survey.bounds.min[axis]), std::abs(survey.bounds.max[axis]));
+    const double resolution = survey.resolution[axis];
+    if (!(2.0 * resolution > k_share * spacing) ||
+        resolution != type_resolution(ScalarType::float32, largest))
+      continue;
+    axes += fmt::format("{}{} in steps of {}", axes.empty() ? "" : ", ", "xyz"[axis], 2.0 * resolution);
+  }
+  if (axes.empty()) return std::nullopt;
+  return "the file stores coordinates as float32, which are rounded here: " + axes;
+}
+
+double meant_number(const ExtraDimension& dimension, const std::uint8_t* at) {
+  return with_type(dimension.type, [&](auto none) {
+    const auto stored = load<decltype(none)>(reinterpret_cast<const std::byte*>(at));
+    if (dimension.no_data && is_mark(*dimension.no_data, stored))
+      return std::numeric_limits<double>::quiet_NaN();
+    const auto number = static_cast<double>(stored);
+    // NaN is no factor and no summand.
+    const bool is_scaled = dimension.has_scale && std::isfinite(dimension.scale);
+    const bool is_moved = dimension.has_offset && std::isfinite(dimension.offset);
+    if (!is_scaled && !is_moved) return number;
+    return (is_moved ? dimension.offset : 0.0) + (is_scaled ? dimension.scale : 1.0) * number;
+  });
 }
 
 Cell require_cell(const TextScanner& scanner, std::string_view word, ScalarType type) {

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <array>
 #include <bit>
+#include <cmath>
 #include <cstddef>
 #include <cstdint>
 #include <limits>
@@ -17,6 +18,7 @@
 #include "base/bytes.h"
 #include "base/text_scanner.h"
 #include "cloud/attributes.h"
+#include "cloud/lattice.h"
 
 namespace alidade {
 
@@ -139,6 +141,23 @@ inline Cell cell_from(const std::byte* offset, ScalarType type, std::endian orde
   });
 }
 
+/// Whether a number is the mark for no value that was widened to 8 bytes (ExtraDimension::no_data): of whole numbers
+/// by their sign, of others to float64. A mark may have digits that the type lacks.
+template <class Number>
+bool is_mark(const std::array<std::uint8_t, 8>& mark, Number number) {
+  using Wide = std::conditional_t<std::is_floating_point_v<Number>, double,
+                                  std::conditional_t<std::is_signed_v<Number>, std::int64_t, std::uint64_t>>;
+  const Wide wide = load<Wide>(reinterpret_cast<const std::byte*>(mark.data()));
+  if constexpr (std::is_floating_point_v<Number>) {
+    return (std::isnan(wide) && std::isnan(number)) || static_cast<Number>(wide) == number;
+  } else {
+    return wide == static_cast<Wide>(number);
+  }
+}
+
+/// What the value of a point in an extra dimension means: NaN if it is marked as none. Requires a type of numbers.
+double meant_number(const ExtraDimension& dimension, const std::uint8_t* at);
+
 /// Smallest and largest of the values seen. NaN is ignored. Inverted without values.
 struct ColumnRange {
   double min = std::numeric_limits<double>::infinity();
@@ -187,5 +206,9 @@ ValueScaling intensity_scaling(ScalarType type, const ColumnRange& range, Intens
 
 /// How finely coordinates of a type are rounded whose largest one is `largest`: CoordinateSurvey::resolution.
 double type_resolution(ScalarType type, double largest);
+
+/// A clause about axes of float32 coordinates whose steps are more than a fiftieth of the mean spacing of the points in
+/// their box; empty if there are none. An axis has such coordinates if its resolution is that of the type.
+std::optional<std::string> coarse_floats(const CoordinateSurvey& survey);
 
 }  // namespace alidade

@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <cstdint>
 #include <limits>
+#include <optional>
+#include <string_view>
 #include <unordered_set>
 #include <utility>
 
@@ -194,6 +196,22 @@ void check_room(const InputFile& input, const AnnouncedRows& rows, Damage damage
                                                     : name + " without " + rows.value_name});
 }
 
+void reject_text_transfer(InputFile& input, std::uint64_t begin, std::optional<std::uint64_t> end) {
+  // Numbers may contain such pairs, but four of them and no other line feed are no accident.
+  constexpr std::size_t k_looked_at = 1 << 20, k_many = 4;
+  const std::uint64_t left_over = input.size() - std::min(end.value_or(begin), input.size());
+  if (left_over == 0) return;
+  const std::span<const std::byte> bytes = input.view_up_to(begin, k_looked_at);
+  const std::string_view text(reinterpret_cast<const char*>(bytes.data()), bytes.size());
+  std::uint64_t pairs = 0;
+  for (std::size_t at = text.find('\n'); at != text.npos; at = text.find('\n', at + 1), ++pairs)
+    if (at == 0 || text[at - 1] != '\r') return;
+  const bool explains = end && pairs > 0 && (pairs >= left_over || bytes.size() < input.size() - begin);
+  if (!explains && pairs < k_many) return;
+  fail_at_byte(input.name(), begin, "the binary data were changed by a transfer as text",
+               "a copy that was transferred in binary mode", "a carriage return before every line feed");
+}
+
 TableReader::TableReader(InputFile input, std::string format, Damage damage)
     : input_(std::move(input)), damage_(damage) {
   description_.path = input_.name();
@@ -272,7 +290,8 @@ void TableReader::read_in_pieces(PointCloud& cloud, AttributeSet wanted, const C
   };
   TableScalings scalings;
   if (const auto type = type_of(ColumnRole::red))
-    scalings.colors = assume(Attribute::color, color_scaling(*type, survey_->colors));
+    scalings.colors =
+        stated_colors() ? *stated_colors() : assume(Attribute::color, color_scaling(*type, survey_->colors));
   if (const auto type = type_of(ColumnRole::near_infrared))
     scalings.near_infrared = color_scaling(*type, survey_->near_infrared);
   if (const auto type = type_of(ColumnRole::intensity))
@@ -289,6 +308,7 @@ void TableReader::read_in_pieces(PointCloud& cloud, AttributeSet wanted, const C
 
   description_.point_count = survey_->finite_count;
   description_.dropped_count = survey_->dropped_count;
+  if (const auto steps = written_ ? std::nullopt : coarse_floats(*survey_)) warn(*steps);
   if (description_.dropped_count > 0)
     warn(std::to_string(description_.dropped_count) + " points " + reason_to_drop() + " were skipped");
   cloud.warnings.insert(cloud.warnings.end(), warnings_.begin(), warnings_.end());
@@ -309,6 +329,12 @@ glm::dvec3 TableReader::resolution(const Bounds& bounds) const {
 std::optional<ScalarType> TableReader::type_of(ColumnRole role) const {
   const auto column = find_role(columns_, role);
   return column ? std::optional(columns_[*column].type) : std::nullopt;
+}
+
+void TableReader::check_end(std::uint64_t begin, std::optional<std::uint64_t> end) {
+  reject_text_transfer(input_, begin, end);
+  if (end && *end < input_.size())
+    warn(std::to_string(input_.size() - *end) + " bytes behind the last point were not read");
 }
 
 void TableReader::warn(const std::string& clause) {

@@ -65,6 +65,10 @@ struct AnnouncedRows {
 /// Checks that the file has room for them. Errors: rows without values; more rows than that, which is damage.
 void check_room(const InputFile& input, const AnnouncedRows& rows, Damage damage);
 
+/// Errors: a binary file that was transferred as text, so that a carriage return was put before every line feed of
+/// its points: they begin at `begin`, and bytes are left over behind their `end`, as far as it is known.
+void reject_text_transfer(InputFile& input, std::uint64_t begin, std::optional<std::uint64_t> end);
+
 /// What PLY, PCD and the text formats share: a file is a table of points with free coordinates, its columns
 /// have names or an agreed order. A format sets its columns and visits the rows; survey and read are done
 /// here.
@@ -72,6 +76,8 @@ class TableReader : public CloudReader {
  public:
   const CloudFile& file() const override { return description_; }
   AttributeSet attributes() const override { return attributes_of(columns_); }
+  /// As the coordinates were written in the last pass, or from the types of the columns.
+  glm::dvec3 resolution(const Bounds& bounds) const override;
   CoordinateSurvey survey(const Progress& progress) override;
   void read_in_pieces(PointCloud& cloud, AttributeSet wanted, const CloudPieces& pieces,
                       const Progress& progress) override;
@@ -95,18 +101,19 @@ class TableReader : public CloudReader {
   /// How many rows the header says there are, if it does.
   virtual std::optional<std::uint64_t> announced_rows() const { return std::nullopt; }
 
-  /// The resolution of the coordinates after a pass; by default as they were written, or from the types of
-  /// the columns and the largest coordinates.
-  virtual glm::dvec3 resolution(const Bounds& bounds) const;
-
   /// Says why points were left out, as a clause.
   virtual std::string reason_to_drop() const { return "without finite coordinates"; }
+
+  /// How colours are stored, where the file says so.
+  virtual std::optional<ValueScaling> stated_colors() const { return std::nullopt; }
 
   /// What the format says about intensities.
   virtual IntensityScale intensity_scale() const { return IntensityScale::free; }
 
   /// Adds a sentence about this file, for the cloud's warnings.
   void warn(const std::string& clause);
+  /// Warns of bytes behind the last point of a binary file. Errors: as reject_text_transfer().
+  void check_end(std::uint64_t begin, std::optional<std::uint64_t> end);
   [[noreturn]] void fail(std::string location, std::string problem, std::string expected = {},
                          std::string found = {}) const;
 

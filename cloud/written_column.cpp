@@ -2,7 +2,6 @@
 #include "cloud/written_column.h"
 
 #include <array>
-#include <bit>
 #include <charconv>
 #include <cmath>
 #include <cstddef>
@@ -105,16 +104,13 @@ void add_extra(const PointCloud& cloud, std::vector<WrittenColumn>& columns) {
     if (dimension.type == ScalarType::bytes) continue;
     const bool is_wide = dimension.type == ScalarType::int64 || dimension.type == ScalarType::uint64;
     const bool is_scaled = dimension.has_scale || dimension.has_offset;
-    const double scale = dimension.has_scale ? dimension.scale : 1.0;
-    const double offset = dimension.has_offset ? dimension.offset : 0.0;
-    const auto value = [&dimension, is_scaled, scale, offset](std::size_t i) {
-      const auto* bytes = reinterpret_cast<const std::byte*>(
-          dimension.values.data() + i * static_cast<std::size_t>(dimension.byte_count));
-      const double stored = cell_from(bytes, dimension.type, std::endian::little).number;
-      return is_scaled ? offset + scale * stored : stored;
+    const bool needs_nan = dimension.no_data && dimension.type != ScalarType::float32;
+    const auto value = [&dimension](std::size_t i) {
+      return meant_number(dimension,
+                          dimension.values.data() + i * static_cast<std::size_t>(dimension.byte_count));
     };
-    columns.push_back(
-        {names.take(dimension.name), is_wide || is_scaled ? ScalarType::float64 : dimension.type, value});
+    columns.push_back({names.take(dimension.name),
+                       is_wide || is_scaled || needs_nan ? ScalarType::float64 : dimension.type, value});
   }
 }
 

@@ -2,11 +2,11 @@
 #include "database/stored_column.h"
 
 #include <fmt/format.h>
+#include <algorithm>
 #include <bit>
 #include <cmath>
 #include <set>
 #include <string_view>
-#include <type_traits>
 #include <utility>
 
 #include "base/words.h"
@@ -17,9 +17,8 @@ namespace alidade::database {
 namespace {
 
 /// Names of columns that every table has, in small characters; those of PostgreSQL last.
-const std::set<std::string> k_taken = {"id",   "x",    "y",    "z",    "ox",   "oy",      "oz",
-                                       "dx",   "dy",   "dz",   "dist", "t",    "_chunk",  "rowid",
-                                       "ctid", "cmin", "cmax", "xmin", "xmax", "tableoid"};
+const std::set<std::string> k_taken = {"id",   "x",    "y",    "z",    "_chunk", "rowid",
+                                       "ctid", "cmin", "cmax", "xmin", "xmax",   "tableoid"};
 
 /// PostgreSQL keeps so many bytes of a name.
 constexpr std::size_t k_most_bytes = 63;
@@ -63,21 +62,6 @@ std::string free_name(const std::string& wanted, std::set<std::string>& taken) {
 /// NaN means no factor and no summand.
 double finite_or(bool is_given, double number, double otherwise) {
   return is_given && std::isfinite(number) ? number : otherwise;
-}
-
-/// Whether a number is the mark that was widened to 8 bytes: of whole numbers by their sign, of others to
-/// float64.
-template <class Number>
-bool is_mark(const std::array<std::uint8_t, 8>& mark, Number number) {
-  using Wide = std::conditional_t<std::is_floating_point_v<Number>, double,
-                                  std::conditional_t<std::is_signed_v<Number>, std::int64_t, std::uint64_t>>;
-  const Wide wide = load<Wide>(reinterpret_cast<const std::byte*>(mark.data()));
-  if constexpr (std::is_floating_point_v<Number>) {
-    // The mark may have digits that the type has not.
-    return (std::isnan(wide) && std::isnan(number)) || static_cast<Number>(wide) == number;
-  } else {
-    return wide == static_cast<Wide>(number);
-  }
 }
 
 template <class Number>
@@ -148,6 +132,12 @@ std::vector<StoredColumn> stored_columns(AttributeSet attributes, std::vector<Ex
   cloud.extra_dimensions = std::move(dimensions);
   append_rows(cloud, attributes, 1);
   return stored_columns(cloud);
+}
+
+std::string line_column(const std::vector<StoredColumn>& columns, std::string name) {
+  const auto has_name = [&](const StoredColumn& column) { return lower_case(column.name) == name; };
+  while (std::ranges::any_of(columns, has_name)) name = "ray_" + name;
+  return name;
 }
 
 ColumnValue stored_value(const StoredColumn& column, const std::byte* at) {

@@ -44,6 +44,10 @@ std::vector<StoredColumn> stored_columns(const PointCloud& cloud);
 /// The same of a cloud with these attributes and extra dimensions.
 std::vector<StoredColumn> stored_columns(AttributeSet attributes, std::vector<ExtraDimension> dimensions);
 
+/// The name of a column that only queries along a line have, such as "dist", beside those of a cloud: an attribute of that
+/// name keeps it, and the column is "ray_dist".
+std::string line_column(const std::vector<StoredColumn>& columns, std::string name);
+
 /// What SQL sees of a number in a blob: nothing (NULL) where it is the mark for no value; a whole number, the
 /// second kind for those beyond the first; a real number, as all of a column with scale or offset are; bytes.
 using ColumnValue =

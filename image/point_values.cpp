@@ -48,33 +48,12 @@ double number_or_none(std::uint8_t number) {
   return number == 0 ? k_none : number;
 }
 
-/// The mark for "no value" as a number. LAS keeps it as the widest type of its kind.
-double no_data_value(const ExtraDimension& dimension) {
-  if (!dimension.no_data) return k_none;
-  const auto* const bytes = reinterpret_cast<const std::byte*>(dimension.no_data->data());
-  switch (dimension.type) {
-    case ScalarType::float32:
-    case ScalarType::float64:
-      return load<double>(bytes);
-    case ScalarType::int8:
-    case ScalarType::int16:
-    case ScalarType::int32:
-    case ScalarType::int64:
-      return static_cast<double>(load<std::int64_t>(bytes));
-    default:
-      return static_cast<double>(load<std::uint64_t>(bytes));
-  }
-}
-
 PointValues of_extra(const ExtraColumn& column) {
-  const ExtraDimension& dimension = column.description;
-  const auto width = static_cast<std::size_t>(dimension.byte_count);
-  return of_rows(column.values.size() / width, [=, none = no_data_value(dimension), type = dimension.type,
-                                                scale = dimension.scale, offset = dimension.offset,
-                                                bytes = std::as_bytes(column.values)](std::uint64_t row) {
-    const double stored = cell_from(bytes.data() + row * width, type, std::endian::little).number;
-    return stored == none ? k_none : offset + scale * stored;
-  });
+  const auto width = static_cast<std::size_t>(column.description.byte_count);
+  return of_rows(column.values.size() / width,
+                 [width, &dimension = column.description, values = column.values.data()](std::uint64_t row) {
+                   return meant_number(dimension, values + row * width);
+                 });
 }
 
 PointValues of_attribute(const std::string& name, const AttributeColumns& columns) {

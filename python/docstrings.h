@@ -38,7 +38,8 @@ scale : float, optional
 Notes
 -----
 cloud["intensity"] is a read-only array that shares the cloud's memory. color has 16 bits per
-channel. Extra dimensions with a scale are returned as scaled doubles.)";
+channel. Extra dimensions with a scale, or with a
+mark for no value, are returned as doubles that mean the values, NaN for none.)";
 
 inline constexpr const char* k_index_doc = R"(A cloud with an octree, which answers queries exactly.
 

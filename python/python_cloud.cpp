@@ -13,6 +13,7 @@
 #include "base/words.h"
 #include "cloud/las/write_las.h"
 #include "cloud/ply/write_ply.h"
+#include "cloud/point_table.h"
 #include "cloud/read_cloud.h"
 #include "database/server/server_clouds.h"
 #include "database/sqlite/stored_cloud.h"
@@ -90,19 +91,27 @@ void for_each_array(const AttributeColumns& columns, const py::handle& owner, co
     visit("normal", [&] { return rows_of(columns.normals, &columns.normals.data()->x, owner); });
 }
 
-/// Stored numbers as they are, scaled ones as doubles.
+/// Stored numbers as they are; of columns with a scale or with a mark for no value doubles, NaN for none.
 py::array array_of(const ExtraColumn& column, const py::handle& owner) {
   const ExtraDimension& facts = column.description;
   const std::size_t stride = static_cast<std::size_t>(facts.byte_count);
+  const std::size_t count = column.values.size() / stride;
+  if (facts.type != ScalarType::bytes && (facts.has_scale || facts.has_offset || facts.no_data)) {
+    py::array_t<double> meant(static_cast<py::ssize_t>(count));
+    double* const to = meant.mutable_data();
+    run_free(0, [&] {
+      for_each_index(0, count,
+                     [&](std::size_t i) { to[i] = meant_number(facts, column.values.data() + i * stride); });
+    });
+    meant.attr("flags").attr("writeable") = false;
+    return meant;
+  }
   const std::string type = facts.type == ScalarType::bytes ? fmt::format("V{}", stride)
                                                            : k_types[static_cast<std::size_t>(facts.type)];
-  py::array array(py::dtype(type), {static_cast<py::ssize_t>(column.values.size() / stride)},
-                  {static_cast<py::ssize_t>(stride)}, column.values.data(), owner);
+  py::array array(py::dtype(type), {static_cast<py::ssize_t>(count)}, {static_cast<py::ssize_t>(stride)},
+                  column.values.data(), owner);
   py::detail::array_proxy(array.ptr())->flags &= ~py::detail::npy_api::NPY_ARRAY_WRITEABLE_;
-  if (facts.type == ScalarType::bytes || (!facts.has_scale && !facts.has_offset)) return array;
-  py::array scaled = array.attr("astype")("f8") * py::float_(facts.scale) + py::float_(facts.offset);
-  scaled.attr("flags").attr("writeable") = false;
-  return scaled;
+  return array;
 }
 
 py::list names_of(const AttributeColumns& columns) {
@@ -147,6 +156,11 @@ py::object crs_of(const Cloud& cloud) {
   return py::str(text);
 }
 
+void warn(const std::vector<std::string>& warnings) {
+  for (const std::string& warning : warnings)
+    if (PyErr_WarnEx(PyExc_UserWarning, warning.c_str(), 1) != 0) throw py::error_already_set();
+}
+
 using FileNames = std::variant<std::filesystem::path, std::vector<std::filesystem::path>>;
 
 py::object open_clouds(const FileNames& files, bool partial, int workers, const py::object& progress) {
@@ -164,8 +178,7 @@ py::object open_clouds(const FileNames& files, bool partial, int workers, const 
       data->points.cloud = read_cloud(inputs, {.partial = partial, .region = {}, .progress = watch});
     }
   });
-  for (const std::string& warning : data->points.cloud.warnings)
-    if (PyErr_WarnEx(PyExc_UserWarning, warning.c_str(), 1) != 0) throw py::error_already_set();
+  warn(data->points.cloud.warnings);
   if (data->points.index) return py::cast(Index(data, data->points.octree));
   return py::cast(Cloud(std::move(data)));
 }
@@ -217,6 +230,7 @@ void write(const Cloud& cloud, const std::filesystem::path& file, bool overwrite
   const std::string extension = file_extension(file);
   if (extension != ".las" && extension != ".laz" && extension != ".ply")
     throw file_error(file.string(), "unknown output format", ".las, .laz or .ply");
+  std::vector<std::string> warnings;
   run_watched(0, progress, [&](const Progress& watch) {
     const IndexedCloud& stored = cloud.data()->points;
     const PointCloud copy = stored.index ? copy_of(*cloud.data()) : PointCloud();
@@ -224,9 +238,13 @@ void write(const Cloud& cloud, const std::filesystem::path& file, bool overwrite
     if (extension == ".ply") {
       write_ply(file, points, {.overwrite = overwrite, .progress = watch});
     } else {
-      write_las(file, points, {.overwrite = overwrite, .progress = watch});
+      write_las(file, points,
+                {.overwrite = overwrite, .progress = watch, .warn = [&](const std::string& text) {
+                   warnings.push_back(text);
+                 }});
     }
   });
+  warn(warnings);
 }
 
 void save(const Index& index, const std::filesystem::path& file, bool overwrite, const py::object& progress) {

@@ -107,7 +107,7 @@ void take_condition(const std::string& text, PointSelection& selection) {
 /// Errors: the cloud's place is unknown.
 void choose_zone(ViewRequest& request) {
   const std::unique_ptr<CloudReader> reader =
-      request.first->format->open(request.first->file(), Damage::read_over);
+      open_stored_cloud(*request.first, request.first->file(), Damage::read_over);
   const FileFacts facts = reader->facts();
   Bounds box = facts.box.value_or(Bounds());
   if (box.empty() && !reader->lattice()) box = reader->survey({}).bounds;
@@ -179,6 +179,10 @@ std::shared_ptr<ViewRequest> add_view_options(const Options& command,
     return image_module().change_reference({target->stated, is_automatic ? target->zone : target->wanted},
                                            file, facts);
   };
+  group.value("--columns", "NAMES",
+              "titles of the columns of text files that have none, such as x,y,z,intensity,gps_time or "
+              "\"x [ft],y [ft],z [ft]\"; other names are extra dimensions",
+              [target](const std::string& text) { target->view->columns = split_list(text); });
   group.value(
       "--crs", "SYSTEM",
       "reference system of clouds that state none or a wrong one, such as EPSG:25832 or the name of a "

@@ -33,7 +33,7 @@ geo::RemoteOptions& remote_options();
 /// Declares --cache and --cache-size.
 void add_cache_options(const Options& command);
 
-/// Declares --classes, --ignore-classes, --where, --crop, --crop-crs, --crs and --reproject, without those in
+/// Declares --classes, --ignore-classes, --where, --crop, --crop-crs, --columns, --crs and --reproject, without those in
 /// `own`, which the command has itself, and those of add_cache_options().
 std::shared_ptr<ViewRequest> add_view_options(const Options& command,
                                               std::initializer_list<std::string_view> own = {});

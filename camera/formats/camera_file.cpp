@@ -78,11 +78,13 @@ std::filesystem::path existing(const std::filesystem::path& file) {
 }  // namespace
 
 bool LineWalk::next(std::string_view& line) {
-  if (rest_.empty()) return false;
-  const std::size_t end = rest_.find('\n');
-  line = rest_.substr(0, end);
-  rest_ = end == std::string_view::npos ? std::string_view() : rest_.substr(end + 1);
-  if (line.ends_with('\r')) line.remove_suffix(1);
+  if (begin_ == text_.size()) return false;
+  if (line_feed_ < begin_) line_feed_ = std::min(text_.find('\n', begin_), text_.size());
+  const std::size_t end = std::min(text_.substr(0, line_feed_).find('\r', begin_), line_feed_);
+  line = text_.substr(begin_, end - begin_);
+  begin_ = end;
+  for (const char character : {'\r', '\n'})
+    if (begin_ < text_.size() && text_[begin_] == character) ++begin_;
   ++number_;
   return true;
 }

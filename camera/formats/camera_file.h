@@ -2,6 +2,7 @@
 #pragma once
 
 #include <fmt/format.h>
+#include <algorithm>
 #include <cstdint>
 #include <filesystem>
 #include <span>
@@ -31,6 +32,10 @@ CameraSet read_opensfm(const JsonNode& top);
 CameraSet read_openmvg(const JsonNode& top);
 CameraSet read_trajectory(std::string_view text, const std::string& name, const std::optional<Camera>& lens);
 
+/// Errors: the first bytes of a file are those of an export of another program that is known and not read; with what to
+/// save instead.
+void reject_known_export(std::string_view start, const std::filesystem::path& file);
+
 /// A COLMAP model: its two files, both binary or both text.
 CameraSet read_colmap_binary(InputFile cameras, InputFile images);
 CameraSet read_colmap_text(std::string_view cameras, const std::string& cameras_name, std::string_view images,
@@ -58,17 +63,20 @@ auto at_node(const JsonNode& node, const Work& work) {
   }
 }
 
-/// Walks through a text line by line; CR LF and LF end a line, the last one may lack its end.
+/// Walks through a text line by line; LF, CR LF and CR end a line, the last one may lack its end.
 class LineWalk {
  public:
-  explicit LineWalk(std::string_view text) : rest_(text) {}
+  explicit LineWalk(std::string_view text)
+      : text_(text), line_feed_(std::min(text.find('\n'), text.size())) {}
   /// The next line without its end; false at the end of the text.
   bool next(std::string_view& line);
   /// Number of the line given last, from 1.
   std::uint64_t number() const { return number_; }
 
  private:
-  std::string_view rest_;
+  std::string_view text_;
+  std::size_t begin_ = 0;  ///< of the next line
+  std::size_t line_feed_;  ///< offset of the first LF from there on, or the size of the text
   std::uint64_t number_ = 0;
 };
 

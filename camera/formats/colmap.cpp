@@ -7,10 +7,12 @@
 #include <numbers>
 #include <unordered_map>
 #include <unordered_set>
+#include <utility>
 #include <vector>
 
 #include "base/bytes.h"
 #include "base/input_file.h"
+#include "base/words.h"
 #include "camera/camera.h"
 #include "camera/camera_set.h"
 #include "camera/formats/camera_file.h"
@@ -269,15 +271,26 @@ void read_image(std::string_view line, ColmapImages& model) {
   model.add_image(image);
 }
 
-/// The second line of an image holds x, y and point id by turns; anything else is a line out of step.
-void check_observations(std::string_view line) {
+/// The second line of an image: x, y and point id by turns.
+bool is_observations(std::string_view line) {
+  // An image has nine numbers, of which the third is part of a quaternion, and a name.
+  constexpr std::size_t k_looked_at = 12;
   std::size_t count = 0;
-  for (FieldWalk fields(line); !fields.at_end(); ++count) fields.word("observation");
-  if (count % 3 != 0) {
-    throw input_error("invalid line of observations",
-                      "x, y and point id repeated, or an empty line, after every image",
-                      fmt::format("{} values", count));
+  for (FieldWalk fields(line); !fields.at_end(); ++count) {
+    const std::string_view word = fields.word("observation");
+    const bool is_id = parse_count<std::int64_t>(word) || parse_count(word);
+    if (count < k_looked_at && !(count % 3 == 2 ? is_id : parse_number(word).has_value())) return false;
   }
+  return count % 3 == 0;
+}
+
+/// Id, quaternion, translation, camera id and name.
+bool is_image(std::string_view line) {
+  constexpr std::size_t k_numbers = 9;
+  FieldWalk fields(line);
+  for (std::size_t i = 0; i < k_numbers; ++i)
+    if (fields.at_end() || !parse_number(fields.word("number"))) return false;
+  return !fields.at_end();
 }
 
 }  // namespace
@@ -339,11 +352,18 @@ CameraSet read_colmap_text(std::string_view cameras, const std::string& cameras_
   for (LineWalk lines(cameras); lines.next(line);) {
     if (!is_remark(line)) at_line(cameras_name, lines, [&] { read_camera(line, model); });
   }
+  bool is_second = false;
   for (LineWalk lines(images); lines.next(line);) {
-    if (is_remark(line)) continue;
-    at_line(images_name, lines, [&] { read_image(line, model); });
-    // The file may end without the last image's empty line.
-    if (lines.next(line)) at_line(images_name, lines, [&] { check_observations(line); });
+    const bool may_be_observations = std::exchange(is_second, false);
+    if (is_remark(line) || (may_be_observations && is_observations(line))) continue;
+    at_line(images_name, lines, [&] {
+      // Some programs leave out the lines of observations.
+      if (may_be_observations && !is_image(line))
+        throw input_error("invalid line of observations",
+                          "x, y and point id repeated, an empty line, or the next image, after every image");
+      read_image(line, model);
+      is_second = true;
+    });
   }
   return model.take();
 }

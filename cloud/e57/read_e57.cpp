@@ -128,6 +128,7 @@ class E57Reader final : public CloudReader {
     }
     if (!appender.complete()) file_.pages().fail({}, "the file changed while it was read");
     warn_of_gaps(kept);
+    if (const auto steps = coarse_floats(*survey_)) warn(*steps);
     about_.point_count = survey_->finite_count;
     about_.dropped_count = survey_->dropped_count;
     warn_of_invalid(appender.invalid());

@@ -77,6 +77,21 @@ void read_point_count(LasHeader& header, const InputFile& file, const HeaderFiel
   keep_points_inside(file, header, damage);
 }
 
+/// That the records behind the points begin there; that they do not is damage.
+void check_extended_offset(const InputFile& file, LasHeader& header, std::vector<std::string>& warnings,
+                           Damage damage) {
+  if (header.extended_record_count == 0 || header.extended_records_offset >= header.points_end()) return;
+  const Error::Parts parts{.file = file.name(),
+                           .location = "byte 235",
+                           .problem = "invalid offset of the extended records",
+                           .expected = fmt::format("an offset of at least {}", header.points_end()),
+                           .found = std::to_string(header.extended_records_offset)};
+  if (damage == Damage::reject) throw DamagedFile(parts);
+  warnings.push_back(fmt::format("{}; its {} extended records are skipped", Error(parts).what(),
+                                 header.extended_record_count));
+  header.extended_record_count = 0;
+}
+
 }  // namespace
 
 LasHeader read_las_header(InputFile& file, std::vector<std::string>& warnings, Damage damage) {
@@ -136,10 +151,7 @@ LasHeader read_las_header(InputFile& file, std::vector<std::string>& warnings, D
       warnings.push_back(fmt::format("{}: the extended records after the points are lost", file.name()));
       header.extended_record_count = 0;
     }
-    fields.require(header.extended_record_count == 0 || header.extended_records_offset >= header.points_end(),
-                   235, "invalid offset of the extended records",
-                   fmt::format("an offset of at least {}", header.points_end()),
-                   header.extended_records_offset);
+    check_extended_offset(file, header, warnings, damage);
   }
   return header;
 }
@@ -197,10 +209,15 @@ std::string las_text(const std::byte* field, std::size_t length) {
   return {text, std::find(text, text + length, '\0')};
 }
 
-void store_las_text(std::byte* field, std::size_t length, const std::string& text) {
+std::string cut_las_text(const std::string& text, std::size_t length) {
   std::size_t count = std::min(length, text.size());
   while (count > 0 && count < text.size() && is_continuation(text[count])) --count;
-  std::memcpy(field, text.data(), count);
+  return text.substr(0, count);
+}
+
+void store_las_text(std::byte* field, std::size_t length, const std::string& text) {
+  const std::string kept = cut_las_text(text, length);
+  std::memcpy(field, kept.data(), kept.size());
 }
 
 }  // namespace alidade

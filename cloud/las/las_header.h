@@ -102,7 +102,9 @@ std::array<std::byte, k_las_header_size> encode_las_header(const LasHeader& head
 
 /// Text of a field of fixed length, up to its first NUL.
 std::string las_text(const std::byte* field, std::size_t length);
-/// Fills a field of fixed length that was zero; longer text is cut between two UTF-8 characters.
+/// At most `length` bytes of a text, cut between two UTF-8 characters.
+std::string cut_las_text(const std::string& text, std::size_t length);
+/// Fills a field of fixed length that was zero with cut_las_text().
 void store_las_text(std::byte* field, std::size_t length, const std::string& text);
 
 }  // namespace alidade

@@ -5,6 +5,8 @@
 #include <algorithm>
 #include <array>
 #include <cassert>
+#include <map>
+#include <set>
 
 #include "base/bytes.h"
 #include "base/error.h"
@@ -14,6 +16,7 @@ namespace {
 
 constexpr const char* k_copc_user_id = "copc";
 constexpr std::uint16_t k_copc_info_id = 1;
+constexpr std::size_t k_las_name_bytes = 32;
 constexpr int k_longest_undocumented = 255;  ///< bytes that one entry of the extra-bytes record can describe
 
 /// A record's header and where its data stand.
@@ -183,7 +186,7 @@ std::array<std::byte, k_extra_bytes_entry> extra_bytes_entry(const ExtraDimensio
   }
   store(at + 2, static_cast<std::uint8_t>(dimension.type));
   store(at + 3, static_cast<std::uint8_t>(options));
-  store_las_text(at + 4, 32, dimension.name);
+  store_las_text(at + 4, k_las_name_bytes, dimension.name);
   store_las_text(at + 160, 32, dimension.description);
   return entry;
 }
@@ -304,6 +307,29 @@ std::vector<VariableLengthRecord> las_crs_records(const Crs& crs) {
     }
   }
   return records;
+}
+
+std::string shorten_names(std::vector<ExtraDimension>& dimensions) {
+  std::set<std::string> taken;
+  for (const ExtraDimension& dimension : dimensions) {
+    if (dimension.name.size() <= k_las_name_bytes) taken.insert(dimension.name);
+  }
+  std::map<std::string, std::string> shorter;
+  std::string changes;
+  for (ExtraDimension& dimension : dimensions) {
+    if (dimension.name.size() <= k_las_name_bytes) continue;
+    const auto [known, is_new] =
+        shorter.try_emplace(dimension.name, cut_las_text(dimension.name, k_las_name_bytes));
+    std::string& name = known->second;
+    for (int number = 2; is_new && !taken.insert(name).second; ++number) {
+      const std::string end = fmt::format("_{}", number);
+      name = cut_las_text(dimension.name, k_las_name_bytes - end.size()) + end;
+    }
+    if (is_new)
+      changes += fmt::format("{}'{}' becomes '{}'", changes.empty() ? "" : ", ", dimension.name, name);
+    dimension.name = name;
+  }
+  return changes;
 }
 
 VariableLengthRecord las_extra_bytes_record(std::span<const ExtraDimension> dimensions,

@@ -50,6 +50,10 @@ std::optional<LazLayout> read_packing(const InputFile& file, LasHeader& header, 
 /// CRS as LAS records: WKT, and the GeoTIFF keys if there are any.
 std::vector<VariableLengthRecord> las_crs_records(const Crs& crs);
 
+/// Gives dimensions the names that LAS keeps: 32 bytes, and a number at the end where names that differ would become
+/// equal. Returns a clause on those that changed, as "name" becomes "nam_2"; empty if none did.
+std::string shorten_names(std::vector<ExtraDimension>& dimensions);
+
 /// The record that describes extra bytes. Requires at least one dimension. Errors: more than 341, the most
 /// that fit.
 VariableLengthRecord las_extra_bytes_record(std::span<const ExtraDimension> dimensions,

@@ -14,6 +14,7 @@
 #include "cloud/laz/laz_layout.h"
 #include "cloud/laz/laz_points.h"
 #include "cloud/rows.h"
+#include "cloud/table_reader.h"
 
 namespace alidade {
 namespace {
@@ -125,6 +126,8 @@ class LasReader final : public CloudReader {
         records_(read_las_records(file_, header_, warnings_, damage)),
         laz_(read_packing(file_, header_, records_, damage)),
         columns_(file_.name(), header_, records_.extra_dimensions) {
+    if (!laz_ && header_.extended_record_count == 0)
+      reject_text_transfer(file_, header_.points_offset, header_.points_end());
     about_.path = file_.name();
     about_.format = !laz_ ? "LAS" : records_.copc_info ? "COPC" : "LAZ";
     about_.version = fmt::format("1.{}", header_.version_minor);

@@ -238,7 +238,11 @@ LasWriter::LasWriter(const std::filesystem::path& path, const PointCloud& like, 
 
   std::vector<VariableLengthRecord> records = las_crs_records(like.crs);
   if (!state_->extra_dimensions.empty()) {
-    records.push_back(las_extra_bytes_record(state_->extra_dimensions, path.string()));
+    std::vector<ExtraDimension> named = state_->extra_dimensions;
+    const std::string changes = shorten_names(named);
+    if (!changes.empty() && options.warn)
+      options.warn(path.string() + ": LAS keeps 32 bytes of the names of extra dimensions: " + changes);
+    records.push_back(las_extra_bytes_record(named, path.string()));
   }
   records.insert(records.end(), like.records.begin(), like.records.end());
   header.compressed = is_laz_name(path);

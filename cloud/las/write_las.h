@@ -3,6 +3,7 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <functional>
 #include <memory>
 #include <string>
 #include <vector>
@@ -20,6 +21,9 @@ struct LasWriteOptions {
   std::uint16_t creation_day = 0, creation_year = 0;
   std::uint64_t expected_points = 0;  ///< of all pieces, for `progress`; 0: those of the piece are the last
   std::uint64_t memory = std::uint64_t{1} << 30;  ///< bytes to sort in, for COPC
+  /// Gets a sentence, naming the file, if names of extra dimensions are longer than the 32 bytes that LAS keeps; those
+  /// that would become equal get a number.
+  std::function<void(const std::string& warning)> warn{};
 };
 
 /// Writes LAS 1.4 piece by piece in bounded memory, or LAZ where the name says so: is_laz_name(). LAZ is

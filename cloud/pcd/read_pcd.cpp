@@ -19,11 +19,9 @@ namespace {
 
 constexpr std::uint64_t k_rows_per_report = 1 << 16;
 
-/// A packed colour as text. Declared as float it is usually the float that has these bits, but some programs
-/// write the number that the bits are: no real colour is a float from 1 to 2^24.
-std::uint64_t packed_color_from(const Cell& cell, ScalarType type) {
-  constexpr double k_float_colors_end = 16777216.0;
-  if (type == ScalarType::float32 && !(cell.number >= 1.0 && cell.number < k_float_colors_end)) {
+/// A packed colour as text: a float with these bits, or the number that the bits are.
+std::uint64_t packed_color_from(const Cell& cell, bool is_float) {
+  if (is_float) {
     const bool fits = std::abs(cell.number) <= 3.4028234663852886e38;
     return fits ? std::bit_cast<std::uint32_t>(static_cast<float>(cell.number)) : 0;
   }
@@ -122,6 +120,10 @@ class PcdReader final : public TableReader {
     }
     assign_roles(columns, NameRules::point_format);
     set_columns(std::move(columns), "line " + std::to_string(header_.line_count));
+    // Of a damaged file there may be less than announced.
+    const std::uint64_t point_size = std::max<std::uint64_t>(header_.point_size(), 1);
+    if (header_.format == PcdFormat::binary && header_.point_count <= input_.size() / point_size)
+      check_end(header_.data_offset, header_.data_offset + header_.point_count * point_size);
     if (!skipped.empty()) warn("skipped fields with several values per point: " + skipped);
     if (header_.has_invalid_viewpoint)
       warn("the VIEWPOINT is not a position and a quaternion of seven finite numbers, and was ignored");
@@ -235,8 +237,10 @@ class PcdReader final : public TableReader {
       fail(location, "too few compressed bytes for the points",
            "at least " + std::to_string(unpacked / k_lzf_largest_ratio), std::to_string(packed));
     std::vector<std::byte> data(unpacked);
-    if (!decode_lzf({cursor.take(packed), packed}, data))
+    if (!decode_lzf({cursor.take(packed), packed}, data)) {
+      reject_text_transfer(input_, header_.data_offset, header_.data_offset + 8 + packed);
       fail("byte " + std::to_string(header_.data_offset + 8), "corrupt compressed points");
+    }
     input_.rest();  // gives back the compressed bytes
     return data;
   }
@@ -263,7 +267,12 @@ class PcdReader final : public TableReader {
       const TableColumn& column = columns()[i];
       if (column.role == ColumnRole::packed_color) {
         const Cell cell = require_cell(scanner, words_[word], ScalarType::float64);
-        row[i] = {0.0, packed_color_from(cell, column.type)};
+        // Most programs write the float, some the number of its bits even where the type is float; the first pass
+        // finds out.
+        has_float_colors_ =
+            has_float_colors_ || (column.type == ScalarType::float32 &&
+                                  words_[word].find_first_of(".eE") != std::string_view::npos);
+        row[i] = {0.0, packed_color_from(cell, has_float_colors_)};
       } else if (column.role != ColumnRole::ignored) {
         row[i] = require_cell(scanner, words_[word], column.type);
         written_->add(i, words_[word]);
@@ -273,7 +282,8 @@ class PcdReader final : public TableReader {
   }
 
   PcdHeader header_;
-  std::vector<PixelGrid> grids_;  ///< of the last pass
+  bool has_float_colors_ = false;  ///< whether a packed colour in text is written as a float
+  std::vector<PixelGrid> grids_;   ///< of the last pass
 };
 
 }  // namespace

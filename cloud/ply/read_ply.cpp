@@ -34,7 +34,14 @@ class PlyReader final : public TableReader {
           {property.name, property.type, property.is_list ? ColumnRole::ignored : ColumnRole::extra});
     }
     assign_roles(columns, NameRules::point_format);
+    take_splat_colors(columns);
     set_columns(std::move(columns), "line " + std::to_string(header_.line_count));
+    if (is_splat_)
+      warn(
+          "the points are Gaussian splats: their colours are those of f_dc; opacity, scales and rotations "
+          "are not "
+          "used, so that each of them is a point");
+    if (header_.format != PlyFormat::ascii) check_end(header_.data_offset, data_end());
   }
 
  protected:
@@ -43,8 +50,40 @@ class PlyReader final : public TableReader {
     return header_.format == PlyFormat::ascii ? visit_text(visit, progress) : visit_binary(visit, progress);
   }
 
+  std::optional<ValueScaling> stated_colors() const override {
+    if (!is_splat_) return std::nullopt;
+    // Source: Kerbl et al., 3D Gaussian Splatting, 2023: the constant of the spherical harmonics, and one half.
+    constexpr double k_constant = 0.28209479177387814;
+    return ValueScaling{.origin = -0.5 / k_constant, .factor = 65535.0 * k_constant, .assumption = {}};
+  }
+
  private:
+  /// Makes f_dc_0, f_dc_1 and f_dc_2 the colours of a file without others.
+  void take_splat_colors(std::vector<TableColumn>& columns) {
+    std::vector<TableColumn*> found;
+    for (const char* const name : {"f_dc_0", "f_dc_1", "f_dc_2"}) {
+      const auto column = std::ranges::find(columns, name, &TableColumn::name);
+      if (column == columns.end() || column->role != ColumnRole::extra || find_role(columns, ColumnRole::red))
+        return;
+      found.push_back(&*column);
+    }
+    is_splat_ = true;
+    constexpr ColumnRole k_roles[] = {ColumnRole::red, ColumnRole::green, ColumnRole::blue};
+    for (std::size_t i = 0; i < found.size(); ++i) found[i]->role = k_roles[i];
+  }
+
   const PlyElement& vertex() const { return header_.elements[header_.vertex]; }
+
+  /// Where the last element ends; empty if that depends on lists, or lies behind the end of the file.
+  std::optional<std::uint64_t> data_end() const {
+    std::uint64_t end = header_.data_offset;
+    for (const PlyElement& element : header_.elements) {
+      const std::uint64_t size = std::max<std::uint64_t>(element.smallest_size(), 1);
+      if (element.has_lists() || element.count > (input_.size() - end) / size) return std::nullopt;
+      end += element.count * element.smallest_size();
+    }
+    return end;
+  }
 
   void visit_binary(const RowVisitor& visit, const Progress& progress) {
     const std::endian order = byte_order(header_.format);
@@ -146,6 +185,7 @@ class PlyReader final : public TableReader {
   }
 
   PlyHeader header_;
+  bool is_splat_ = false;
 };
 
 }  // namespace

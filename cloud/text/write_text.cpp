@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <array>
 #include <cassert>
+#include <cmath>
 #include <iterator>
 #include <optional>
 #include <span>
@@ -37,12 +38,13 @@ std::string header(const std::vector<WrittenColumn>& columns) {
   return text + '\n';
 }
 
-/// A line with the decimals of the coordinates, which come first.
+/// A line with the decimals of the coordinates, which come first; NaN is an empty cell.
 void append_row(std::string& text, const std::vector<WrittenColumn>& columns,
                 const std::array<std::optional<int>, 3>& decimals, char separator, std::size_t row) {
   for (std::size_t i = 0; i < columns.size(); ++i) {
     if (i > 0) text += separator;
     const double number = columns[i].value(row);
+    if (std::isnan(number)) continue;
     if (i < decimals.size() && decimals[i])
       fmt::format_to(std::back_inserter(text), "{:.{}f}", number, *decimals[i]);
     else

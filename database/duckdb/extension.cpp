@@ -154,8 +154,8 @@ void bind(Handle info) {
     add_column(info, stored.front().name, Type::bigint);
     for (const char* const axis : {"x", "y", "z"}) add_column(info, axis, Type::float64);
     for (std::size_t i = 1; i < stored.size(); ++i) add_column(info, stored[i].name, type_of(stored[i]));
-    if (call->function->kind != Kind::points) add_column(info, "dist", Type::float64);
-    if (call->function->kind == Kind::ray) add_column(info, "t", Type::float64);
+    if (call->function->kind != Kind::points) add_column(info, line_column(stored, "dist"), Type::float64);
+    if (call->function->kind == Kind::ray) add_column(info, line_column(stored, "t"), Type::float64);
     set_bind_data(info, call.release(), destroy<Call>);
   });
 }

@@ -159,7 +159,17 @@ int open_files(sqlite3* database, const void* context, std::span<const char* con
         check_that(!files.empty(), "missing argument of alidade",
                    "a quoted file name: USING alidade('site.laz')");
         auto cloud = std::make_unique<FileCloud>(files, tables);
-        if (tables.warn) tables.warn(cloud->warnings());
+        if (tables.warn) {
+          std::vector<std::string> warnings = cloud->warnings();
+          for (const char* const column : {"dist", "t"}) {
+            const std::string moved = line_column(cloud->schema().columns, column);
+            if (moved != column)
+              warnings.push_back(
+                  fmt::format("{0}: {1} is an attribute of the cloud; the {1} of a line is {2}",
+                              files.front().string(), column, moved));
+          }
+          tables.warn(warnings);
+        }
         declare(std::make_unique<Table>(database, schema, name, std::move(cloud), tables.reads),
                 files.front().string(), made);
       },

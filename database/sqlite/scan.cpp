@@ -197,7 +197,7 @@ std::string TableColumns::declaration() const {
   std::string text = "CREATE TABLE cloud(" + stored_text(stored_.front()) + ", x REAL, y REAL, z REAL";
   for (std::size_t i = 1; i < stored_.size(); ++i) text += ", " + stored_text(stored_[i]);
   for (const char* const name : {"ox", "oy", "oz", "dx", "dy", "dz", "_chunk", "dist", "t"})
-    text += std::string(", ") + name + " HIDDEN";
+    text += ", " + line_column(stored_, name) + " HIDDEN";
   return text + ")";
 }
 

@@ -88,7 +88,7 @@ class PointCursor {
 // How a scan of a cloud's table is planned: which conditions SQLite hands over, and what filter they make.
 
 /// The columns of a cloud's table by their numbers: the first stored one (id), x, y, z, the other stored
-/// ones; hidden ox, oy, oz, dx, dy, dz, _chunk, dist, t.
+/// ones; hidden ox, oy, oz, dx, dy, dz, _chunk, dist, t, under the names of line_column().
 class TableColumns {
  public:
   enum class Kind { stored, axis, argument, chunk, distance, t };

@@ -30,6 +30,40 @@ TEST(CameraFiles, other_json_is_an_error) {
   expect_error("{\"frames\": 3}", "wrong type");
 }
 
+TEST(CameraFiles, exports_of_other_programs_are_errors_that_name_them_and_what_to_save_instead) {
+  const auto problem_of = [](const std::string& text) {
+    try {
+      parse(text);
+    } catch (const Error& error) {
+      return error.parts().problem + "; " + error.parts().expected;
+    }
+    return std::string("no error");
+  };
+  const auto expect = [&](const std::string& text, const std::string& program, const std::string& remedy) {
+    EXPECT_NE(problem_of(text).find(program), std::string::npos) << problem_of(text);
+    EXPECT_NE(problem_of(text).find(remedy), std::string::npos) << problem_of(text);
+  };
+  expect(
+      "<?xml version=\"1.0\"?>\n<document "
+      "version=\"2.0.0\">\n<chunk><sensors><sensor/></sensors></chunk></document>",
+      "Metashape", "COLMAP");
+  expect(R"([{"id": 0, "img_name": "a", "position": [1, 2, 3], "rotation": [[1]], "fx": 2}])",
+         "3D Gaussian Splatting", "sparse/0");
+  expect(R"({"cameras": [{"img_name": "a", "position": [1, 2, 3], "rotation": [[1]]}]})",
+         "3D Gaussian Splatting", "sparse/0");
+  expect(R"({"class_name": "PinholeCameraParameters", "extrinsic": []})", "Open3D", "transforms.json");
+  expect("# Bundle file v0.3\n1 0\n", "Bundler", "COLMAP");
+  expect("NVM_V3\n\n1\n", "VisualSFM", "COLMAP");
+  expect("imageName X Y Z Omega Phi Kappa\nIMG.jpg 1 2 3 0 90 0\n", "Pix4D", "COLMAP");
+  expect("#name,x,y,alt,heading,pitch,roll,f\nIMG.jpg,1,2,3,90,90,0,36\n", "RealityCapture",
+         "ns-process-data");
+  expect("#name,x,y,alt,yaw,pitch,roll\nIMG,1,2,3,90,0,0\n", "yaw, pitch and roll", "quaternions");
+  // What is wrong with formats that are read is said by their readers.
+  EXPECT_NE(problem_of("# opencv camera_to_world\ntime,x,y,z,qw,qx,qy,yaw,pitch,roll\n")
+                .find("missing column 'qz'"),
+            std::string::npos);
+}
+
 CameraFileOptions with_lens() {
   return {.lens = pinhole_from_fov(60, 40, 50.0, {}), .original_world = false};
 }

@@ -250,9 +250,27 @@ TEST(Colmap, damaged_texts_are_errors_with_their_line) {
   expect_error(images("3 1 0 0 0 0.5 1.5 2.5 1"), "image 3 has no name");
   expect_error(images("3 1 0 0 0 0.5 1.5"), "images.txt:line 1: invalid translation");
   expect_error(images("3 0 0 0 0 0.5 1.5 2.5 1 a"), "invalid rotation of image 3");
-  // Without the line of observations the next image would be taken for it.
-  expect_error(images("3 1 0 0 0 0 0 0 1 a\n4 1 0 0 0 0 0 0 1 b\n"),
-               "images.txt:line 2: invalid line of observations");
+  expect_error(images("3 1 0 0 0 0 0 0 1 a\n1 2 3 4\n"), "images.txt:line 2: invalid line of observations");
+  expect_error(images("3 1 0 0 0 0 0 0 1 a\n1 2 three\n"), "images.txt:line 2: invalid line of observations");
+}
+
+TEST(Colmap, lines_of_observations_may_be_missing) {
+  const auto names_of = [](const std::string& text) {
+    std::vector<std::string> names;
+    for (const NamedCamera& each : read_text(k_cameras_text, text).cameras) names.push_back(each.name);
+    return names;
+  };
+  const std::string a = "3 1 0 0 0 0 0 0 1 a", b = "4 0.5 0.5 -0.5 0.5 1 2 3 1 sub dir/photo 2.JPG",
+                    c = "5 1 0 0 0 0 0 0 1 c";
+  const std::vector<std::string> expected = {"a", "c", "sub dir/photo 2.JPG"};
+  for (const std::string end : {"\n", "\r\n", "\r"}) {
+    EXPECT_EQ(names_of(a + end + b + end + c + end), expected);
+    EXPECT_EQ(names_of(a + end + end + b + end + end + c), expected);
+    EXPECT_EQ(
+        names_of(a + end + "1.5 2.5 -1 3 4 18446744073709551615" + end + b + end + c + end + "1 2 3" + end),
+        expected);
+    EXPECT_EQ(names_of("# remark" + end + a + end + b + end + end + "# remark" + end + c), expected);
+  }
 }
 
 class ColmapFolderTest : public ::testing::Test {

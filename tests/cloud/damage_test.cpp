@@ -89,6 +89,37 @@ TEST(DamageTest, extended_records_behind_lost_points_are_lost_too) {
   EXPECT_TRUE(warns(two, "the extended records after the points are lost"));
 }
 
+TEST(DamageTest, extended_records_at_an_impossible_offset_are_left_out) {
+  LasFile file = test::sample_las(4, 6, 3);
+  file.extended_records = {{"u", 7, "", {1, 2, 3}}};
+  for (const std::uint64_t offset : {std::uint64_t{0}, std::uint64_t{380}, UINT64_MAX}) {
+    std::vector<std::byte> bytes = build_las(file);
+    std::memcpy(bytes.data() + 235, &offset, sizeof offset);
+    EXPECT_NE(error_of([&] { test::read_memory(bytes); }).find("--partial reads the intact part"),
+              std::string::npos);
+    const PointCloud cloud = test::read_memory(bytes, k_partial);
+    EXPECT_EQ(cloud.size(), 3u);
+    EXPECT_EQ(cloud.files.at(0).lost_count, 0u);
+    EXPECT_TRUE(warns(cloud, "skipped")) << offset;
+  }
+}
+
+TEST(DamageTest, a_las_file_that_was_transferred_as_text_is_an_error) {
+  LasFile file = test::sample_las(2, 1, 500);
+  for (test::LasPoint& point : file.points) point.intensity = 10;
+  std::string text;
+  for (const std::byte byte : build_las(file)) {
+    if (byte == std::byte{'\n'}) text += '\r';
+    text += static_cast<char>(byte);
+  }
+  for (const bool partial : {false, true}) {
+    const std::string message = error_of(
+        [&] { test::read_memory(std::as_bytes(std::span(text)), {.partial = partial, .region = {}}); });
+    EXPECT_NE(message.find("the binary data were changed by a transfer as text"), std::string::npos)
+        << message;
+  }
+}
+
 TEST(DamageTest, a_header_that_makes_no_sense_stays_an_error) {
   std::vector<std::byte> bytes = cut_las(2, 0);
   bytes.resize(100);

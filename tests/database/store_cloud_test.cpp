@@ -292,7 +292,7 @@ TEST_F(StoreCloudTest, names_that_sql_takes_for_equal_are_made_distinct) {
                                              "Red_2",
                                              "height_2",
                                              "unnamed",
-                                             "dist_2",
+                                             "dist",
                                              at_most,
                                              std::string(61, 'n') + "_2",
                                              "XMax_2",
@@ -301,7 +301,26 @@ TEST_F(StoreCloudTest, names_that_sql_takes_for_equal_are_made_distinct) {
                                              "h_he_"}));
   store_cloud(file_, cloud);
   const Connection database(file_, Connection::Mode::read);
-  EXPECT_EQ(numbers(database, "SELECT sum(X_2 + dist_2 + unnamed) FROM points"), std::vector<double>{30});
+  EXPECT_EQ(numbers(database, "SELECT sum(X_2 + dist + unnamed) FROM points"), std::vector<double>{30});
+}
+
+TEST_F(StoreCloudTest, attributes_keep_names_that_columns_of_lines_have) {
+  PointCloud cloud = site(10);
+  for (const char* const name : {"t", "Dist", "dx", "ox", "ray_t"}) {
+    ExtraDimension& dimension = cloud.extra_dimensions.emplace_back(plain_dimension(name, ScalarType::uint8));
+    dimension.values.assign(10, 3);
+  }
+  store_cloud(file_, cloud);
+  const Connection database(file_, Connection::Mode::read);
+  EXPECT_EQ(numbers(database, "SELECT sum(t + dist + dx + ox + ray_t) FROM points WHERE t > 2"),
+            std::vector<double>{150});
+  const std::string line = "FROM points(690050,5325050,600, 0,0,-1)";
+  EXPECT_EQ(numbers(database, "SELECT count(*) " + line + " WHERE ray_dist <= 50"),
+            numbers(database,
+                    "SELECT count(*) FROM points WHERE dist_ray(690050,5325050,600, 0,0,-1, x,y,z) <= 50"));
+  EXPECT_EQ(numbers(database, "SELECT sum(abs(ray_ray_t - (600 - z)) < 1e-6) " + line),
+            std::vector<double>{10});
+  EXPECT_EQ(numbers(database, "SELECT sum(t) " + line), std::vector<double>{30});
 }
 
 }  // namespace

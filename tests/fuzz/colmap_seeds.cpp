@@ -30,5 +30,7 @@ int main(int count, char** arguments) {
   }
   seeds.push_back(joined("# cameras\n1 OPENCV 64 48 50 51 32 24 0.1 0.01 0.001 -0.002\n",
                          "1 1 0 0 0 1 2 3 1 a.jpg\n1.5 2.5 -1\n2 1 0 0 0 1 2 3 1 b.jpg\n\n", true));
+  seeds.push_back(
+      joined("1 PINHOLE 64 48 50 51 32 24\n", "1 1 0 0 0 1 2 3 1 a.jpg\r2 1 0 0 0 1 2 3 1 b c.jpg\n", true));
   return alidade::test::write_seeds(arguments[1], seeds);
 }

@@ -46,6 +46,32 @@ def test_what_numpy_converts_is_converted():
     assert alidade.Cloud(XYZ, a=np.array([1, -2, 3], ">i2"))["a"].tolist() == [1, -2, 3]
 
 
+def test_values_that_are_marked_as_none_are_nan(tmp_path):
+    """A LAS file whose extra dimensions have marks: a scaled int16 and a plain uint8."""
+    cloud = alidade.Cloud(XYZ, a=np.array([-32768, 150, 2], np.int16), b=np.array([255, 0, 7], np.uint8))
+    cloud.write(tmp_path / "marked.las")
+    bytes_ = bytearray((tmp_path / "marked.las").read_bytes())
+    for name, scale, mark in ((b"a", 0.01, np.int64(-32768)), (b"b", None, np.uint64(255))):
+        entry = bytes_.index(name.ljust(32, b"\0")) - 4
+        bytes_[entry + 3] |= 1 | (8 if scale else 0)
+        bytes_[entry + 40:entry + 48] = mark.tobytes()
+        bytes_[entry + 112:entry + 120] = np.float64(scale or 0).tobytes()
+    (tmp_path / "marked.las").write_bytes(bytes_)
+    marked = alidade.open(tmp_path / "marked.las")
+    marked.index().save(tmp_path / "marked.alidade")
+    for there in (marked, alidade.open(tmp_path / "marked.alidade")):
+        np.testing.assert_array_equal(there["a"], [np.nan, 1.5, 0.02])
+        np.testing.assert_array_equal(there["b"], [np.nan, 0, 7])
+        assert not there["b"].flags.writeable
+
+
+def test_long_names_are_warned_of(tmp_path):
+    cloud = alidade.Cloud(XYZ, **{"C2C_absolute_distances[0.05]_max_" + axis: [1, 2, 3] for axis in "XY"})
+    with pytest.warns(UserWarning, match="LAS keeps 32 bytes of the names"):
+        cloud.write(tmp_path / "long.las")
+    assert len(set(alidade.open(tmp_path / "long.las").keys()) - {"intensity"}) >= 2
+
+
 def test_colours_of_8_bits_come_out_of_an_index_as_16(tmp_path):
     cloud = alidade.Cloud(XYZ, color=np.array([[255, 0, 1], [2, 3, 4], [5, 6, 7]], np.uint8))
     cloud.index().save(tmp_path / "site.alidade")

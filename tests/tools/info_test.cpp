@@ -47,6 +47,24 @@ TEST_F(InfoTest, bounds_are_those_of_the_points_within_the_stated_rounding) {
   }
 }
 
+TEST_F(InfoTest, the_rounding_of_float32_coordinates_is_stated) {
+  std::string text =
+      "ply\nformat binary_little_endian 1.0\nelement vertex 400\nproperty float x\nproperty float "
+      "y\nproperty float z\nend_header\n";
+  for (int i = 0; i < 400; ++i) {
+    for (const float value : {690000.0f + static_cast<float>(i), 5000000.0f + static_cast<float>(i), 1.0f})
+      text.append(reinterpret_cast<const char*>(&value), sizeof value);
+  }
+  write("far.ply", text);
+  const ProgramResult result = run({"info", "--json", "far.ply"});
+  const Json info = Json::parse(result.out);
+  EXPECT_EQ(info.at("rounding_error")[0], 0.03125);
+  EXPECT_EQ(info.at("rounding_error")[1], 0.25);
+  EXPECT_LT(info.at("rounding_error")[2].get<double>(), 1e-3);
+  EXPECT_NE(info.at("warnings").dump().find("y in steps of 0.5"), std::string::npos) << info.at("warnings");
+  EXPECT_NE(run({"info", "far.ply"}).out.find("0.03125 0.25"), std::string::npos);
+}
+
 TEST_F(InfoTest, several_files_are_one_cloud) {
   write_square("a.xyz");
   write("b.xyz", "0 0 0\n1 1 1\n");

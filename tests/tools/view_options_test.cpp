@@ -81,6 +81,44 @@ TEST_F(ViewOptionsTest, index_files_and_databases_are_selected_from_like_files) 
             expected.positions);
 }
 
+TEST_F(ViewOptionsTest, columns_of_text_without_titles_are_named) {
+  write("bare.xyz", "1 2 3 0.5 7 1000.25\n2 3 4 0.25 8 1001.25\n");
+  const PointCloud cloud =
+      written({"convert", "bare.xyz", "--columns", "y,x,z,Range [m],classification,gps_time"}, "named.las");
+  ASSERT_EQ(cloud.size(), 2u);
+  EXPECT_NEAR(cloud.world(0).x, 2.0, 1e-9);
+  EXPECT_EQ(cloud.classifications, (std::vector<std::uint8_t>{7, 8}));
+  EXPECT_EQ(cloud.gps_times, (std::vector<double>{1000.25, 1001.25}));
+  EXPECT_EQ(cloud.extra_dimensions.at(0).name, "Range [m]");
+  const ProgramResult feet = run({"info", "bare.xyz", "--stats", "--columns", "x [ft],y [ft],z [ft],a,b,c"});
+  EXPECT_TRUE(contains(feet.out, "x, y ft; z ft")) << feet.out << feet.err;
+  for (const auto& [words, message] : std::vector<std::pair<Words, std::string>>{
+           {{"info", "floor.las", "--columns", "x,y,z"},
+            "floor.las: --columns requires a text file; expected XYZ, CSV or PTS, found LAS"},
+           {{"info", "bare.xyz", "--columns", "x,y,z"}, "expected 6 names, found 3"}}) {
+    const ProgramResult result = run(words);
+    EXPECT_EQ(result.exit_code, 2);
+    EXPECT_TRUE(contains(result.err, message)) << result.err;
+  }
+}
+
+TEST_F(ViewOptionsTest, one_name_of_an_attribute_everywhere) {
+  write("names.csv",
+        "x,y,z,t,dist,ring,dx,dy,dz,rank\n1,1,1,100,0.5,0,0.1,0.2,0.3,1\n2,1,1,200,0.6,1,0.1,0.2,0.3,2\n");
+  const PointCloud cloud =
+      written({"convert", "names.csv", "--where", "t > 150 AND dist > 0.5 AND dx < 1"}, "some.csv");
+  EXPECT_EQ(cloud.size(), 1u);
+  EXPECT_TRUE(read("some.csv").starts_with("x,y,z,t,dist,ring,dx,dy,dz,rank\n")) << read("some.csv");
+  ASSERT_EQ(run({"sql", "load", "names.csv", "names.db", "-q"}).exit_code, 0);
+  for (const char* const source : {"names.csv", "names.db"}) {
+    const ProgramResult result =
+        run({"sql", source, "SELECT t, dist, dx, rank FROM points ORDER BY t", "--csv", "-q"});
+    EXPECT_EQ(result.out, "t,dist,dx,rank\n100.0,0.5,0.1,1.0\n200.0,0.6,0.1,2.0\n") << result.err;
+  }
+  EXPECT_TRUE(contains(run({"sql", "names.csv", "SELECT ray_t FROM points(0,0,0, 1,0,0)"}).err,
+                       "the t of a line is ray_t"));
+}
+
 TEST_F(ViewOptionsTest, selecting_nothing_and_wrong_conditions_are_errors) {
   const auto error = [&](const Words& words) { return run(with({"info", "floor.las"}, words)).err; };
   EXPECT_TRUE(contains(error({"--classes", "9"}),

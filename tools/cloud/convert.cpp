@@ -152,7 +152,10 @@ void write(const ConvertCommand& command, PointCloud& cloud) {
     else if (is_parquet_name(command.output))
       database::write_parquet(command.output, cloud, parquet_options(command, progress));
     else
-      write_las(command.output, cloud, {.overwrite = command.overwrite, .progress = progress});
+      write_las(command.output, cloud,
+                {.overwrite = command.overwrite, .progress = progress, .warn = [&](const std::string& text) {
+                   say_warnings(command.verbosity, {text});
+                 }});
   });
 }
 
@@ -235,7 +238,8 @@ void write_in_pieces(const ConvertCommand& command, ScratchCloud& cloud) {
                      {.overwrite = command.overwrite,
                       .progress = progress,
                       .expected_points = count,
-                      .memory = command.memory / 2});
+                      .memory = command.memory / 2,
+                      .warn = [&](const std::string& text) { say_warnings(command.verbosity, {text}); }});
     for (std::size_t first = 0; first < count; first += some.size()) writer.write(from(first));
     writer.finish();
   });

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <glm/common.hpp>
+#include <memory>
 #include <nlohmann/json.hpp>
 
 #include "base/error.h"
@@ -39,6 +41,7 @@ struct Description {
   std::uint64_t point_count = 0;
   AttributeSet attributes;
   Bounds bounds;
+  glm::dvec3 resolution{0.0};      ///< the coarsest of the files: CloudReader::resolution()
   std::vector<IndexFile> indexes;  ///< those of the files that are index files
   std::vector<E57File> e57_files;
   std::optional<CloudStatistics> statistics{};
@@ -90,9 +93,14 @@ Description describe(const InfoOptions& options) {
   if (index != nullptr && !options.stats) return describe(IndexFile(index->file()));
   Description description;
   const Damage damage = options.partial ? Damage::read_over : Damage::reject;
+  std::vector<std::unique_ptr<CloudReader>> readers;  // of files that may have rounded their coordinates
   for (const CloudInput& input : options.files.inputs) {
     if (input.is(k_index_format)) description.indexes.emplace_back(input.file());
-    description.attributes = description.attributes | open_cloud(input, damage)->attributes();
+    std::unique_ptr<CloudReader> reader = open_cloud(input, damage);
+    description.attributes = description.attributes | reader->attributes();
+    if (reader->lattice()) continue;
+    reader->rest();
+    readers.push_back(std::move(reader));
   }
   for (const CloudInput& input : e57_files(options.files).inputs) {
     description.e57_files.emplace_back(input.file());
@@ -101,6 +109,8 @@ Description describe(const InfoOptions& options) {
   read_points(options, description);
   description.point_count = description.points.size();
   description.bounds = bounds_of(description.points.lattice, description.points.positions);
+  for (const auto& reader : readers)
+    description.resolution = glm::max(description.resolution, reader->resolution(description.bounds));
   if (options.stats) {
     ProgressLine counting("counting", "columns", options.verbosity);
     description.statistics = statistics_of(description.points, counting.callback());
@@ -167,10 +177,11 @@ std::string copc_text(const std::filesystem::path& file) {
   }
 }
 
-/// Largest difference between a coordinate in the files and the one in the cloud, per axis.
-glm::dvec3 rounding_error(const PointCloud& cloud) {
-  for (const CloudFile& file : cloud.files) {
-    if (!is_las(file)) return 0.5 * cloud.lattice.scale;
+/// Largest difference between a coordinate that was measured and the one in the cloud, per axis: what the lattice or
+/// the numbers of the files round it by, whichever is more.
+glm::dvec3 rounding_error(const Description& description) {
+  for (const CloudFile& file : description.cloud.files) {
+    if (!is_las(file)) return glm::max(0.5 * description.cloud.lattice.scale, description.resolution);
   }
   return glm::dvec3(0.0);
 }
@@ -212,7 +223,7 @@ Json to_json(const Description& description, bool verified) {
                  {"max", empty ? Json() : triple(description.bounds.max)}}},
                {"scale", triple(cloud.lattice.scale)},
                {"offset", triple(cloud.lattice.offset)},
-               {"rounding_error", triple(rounding_error(cloud))},
+               {"rounding_error", triple(rounding_error(description))},
                {"attributes", attribute_names(description.attributes)},
                {"extra_dimensions", extra_dimensions},
                {"crs", cloud.crs.wkt.empty() ? Json() : Json(cloud.crs.wkt)},
@@ -311,7 +322,7 @@ std::string to_table(const Description& description, bool verified, Verbosity ve
   }
   text += row("scale", plain(cloud.lattice.scale));
   text += row("offset", plain(cloud.lattice.offset));
-  const glm::dvec3 error = rounding_error(cloud);
+  const glm::dvec3 error = rounding_error(description);
   text +=
       row("rounding", error == glm::dvec3(0.0) ? "none: integers preserved"
                                                : fmt::format("at most {} {} {}", error.x, error.y, error.z));

@@ -214,7 +214,9 @@ void write_points(const std::filesystem::path& file, std::span<const CloudResult
   }
   ProgressLine line("writing", "points", verbosity);
   if (file_extension(file) != ".ply") {
-    LasWriteOptions options{.overwrite = overwrite};
+    LasWriteOptions options{.overwrite = overwrite, .warn = [verbosity](const std::string& text) {
+                              say_warnings(verbosity, {text});
+                            }};
     options.memory = memory.value_or(options.memory);
     write_las_rows(file, rows, options, line.callback());
   } else {

@@ -162,7 +162,9 @@ class AnswerLas final : public AnswerOutput {
       like.extra_dimensions.push_back(column.description);
     for (const AnswerDimension& dimension : dimensions_)
       like.extra_dimensions.push_back(described(dimension));
-    writer_.emplace(file, like, columns_.attributes(), LasWriteOptions{.overwrite = overwrite});
+    writer_.emplace(file, like, columns_.attributes(),
+                    LasWriteOptions{.overwrite = overwrite,
+                                    .warn = [&](const std::string& text) { warnings.push_back(text); }});
     say_warnings(verbosity, warnings);
   }
 

@@ -237,6 +237,33 @@ TEST(LasWriteTest, long_names_are_cut_between_characters) {
   EXPECT_EQ(read_cloud(path).extra_dimensions.at(0).name, std::string(31, 'a'));
 }
 
+TEST(LasWriteTest, names_that_the_cut_would_make_equal_stay_distinct_and_are_warned_of) {
+  PointCloud cloud;
+  cloud.positions = {{1, 2, 3}};
+  const std::string stem = "C2C_absolute_distances[0.05]_max";  // 32 bytes
+  for (const std::string name :
+       {stem + "_(X)", stem + "_(Y)", std::string("short"), stem + "_(Z)", std::string("short")}) {
+    ExtraDimension& dimension = cloud.extra_dimensions.emplace_back(plain_dimension(name, ScalarType::uint8));
+    dimension.values = {static_cast<std::uint8_t>(cloud.extra_dimensions.size())};
+  }
+  const std::filesystem::path path = test::test_folder() / "out.las";
+  std::vector<std::string> warnings;
+  write_las(path, cloud, {.warn = [&](const std::string& text) { warnings.push_back(text); }});
+  std::vector<std::string> names;
+  std::vector<int> values;
+  for (const ExtraDimension& dimension : read_cloud(path).extra_dimensions) {
+    names.push_back(dimension.name);
+    values.push_back(dimension.values.at(0));
+  }
+  const std::string shorter = stem.substr(0, 30);
+  EXPECT_EQ(names, (std::vector<std::string>{stem, shorter + "_2", "short", shorter + "_3", "short"}));
+  EXPECT_EQ(values, (std::vector<int>{1, 2, 3, 4, 5}));
+  ASSERT_EQ(warnings.size(), 1u);
+  EXPECT_EQ(warnings[0], path.string() + ": LAS keeps 32 bytes of the names of extra dimensions: '" + stem +
+                             "_(X)' becomes '" + stem + "', '" + stem + "_(Y)' becomes '" + shorter +
+                             "_2', '" + stem + "_(Z)' becomes '" + shorter + "_3'");
+}
+
 TEST(LasWriteTest, undocumented_bytes_longer_than_one_entry_can_say_survive) {
   PointCloud cloud;
   cloud.positions = {{1, 2, 3}, {4, 5, 6}};

@@ -116,6 +116,55 @@ TEST(Pcd, packed_colours_as_float_bits_or_integers) {
   EXPECT_EQ(color_of("F", "nan"), Color16(0));
 }
 
+TEST(Pcd, packed_colours_in_text_are_floats_if_any_is_written_as_one) {
+  const auto colors_of = [](const std::string& rows) {
+    return read_pcd(header("x y z rgb", "4 4 4 4", "F F F F", "1 1 1 1", "2", "ascii") + rows).colors;
+  };
+  // As PCL's own tutorial: a float of the size of a colour, whose bits are the colour.
+  EXPECT_EQ(colors_of("1 2 3 4.2108e+06\n1 2 4 4.808e+06\n"),
+            (std::vector<Color16>{Color16(128, 128, 224) * std::uint16_t{257},
+                                  Color16(146, 186, 128) * std::uint16_t{257}}));
+  // One of few digits is written like a whole number; what the others are decides, before it or behind.
+  const auto color = [](float value) {
+    const auto bits = std::bit_cast<std::uint32_t>(value);
+    return Color16(bits >> 16 & 255, bits >> 8 & 255, bits & 255) * std::uint16_t{257};
+  };
+  EXPECT_EQ(colors_of("1 2 3 524289\n1 2 4 1.5e-38\n"),
+            (std::vector<Color16>{color(524289.0f), color(1.5e-38f)}));
+  EXPECT_EQ(colors_of("1 2 3 4210752\n1 2 4 255\n"),
+            (std::vector<Color16>{Color16(64 * 257), Color16(0, 0, 65535)}));
+}
+
+/// As a program does that copies a file as text from Unix to Windows.
+std::string with_carriage_returns(const std::string& bytes) {
+  std::string text;
+  for (const char byte : bytes) {
+    if (byte == '\n') text += '\r';
+    text += byte;
+  }
+  return text;
+}
+
+TEST(Pcd, binary_data_that_were_transferred_as_text_are_an_error) {
+  std::string text = xyz_header("100", "binary");
+  for (int i = 0; i < 300; ++i) append(text, 10.0f + static_cast<float>(i) * 0.37f);
+  ASSERT_NE(text.find('\n', xyz_header("100", "binary").size()), std::string::npos)
+      << "or the test tests nothing";
+  EXPECT_EQ(pcd_error(text), "");
+  const std::string message = pcd_error(with_carriage_returns(text));
+  EXPECT_NE(message.find("the binary data were changed by a transfer as text"), std::string::npos) << message;
+  EXPECT_EQ(message.find("--partial"), std::string::npos) << "which would give wrong points: " << message;
+  EXPECT_EQ(error_of([&] {
+              const std::string damaged = with_carriage_returns(text);
+              read_memory(std::as_bytes(std::span(damaged)), {.partial = true, .region = {}});
+            }),
+            message);
+  // Other bytes behind the points are none of ours, but are not passed over in silence.
+  EXPECT_TRUE(warns(read_pcd(text + "\n"), "1 bytes behind the last point were not read"));
+  EXPECT_TRUE(warns(read_pcd(text + "\r\n"), "2 bytes behind the last point were not read"));
+  EXPECT_FALSE(warns(read_pcd(text), "behind the last point"));
+}
+
 TEST(Pcd, points_that_are_not_finite_are_dropped_and_counted) {
   const PointCloud cloud = read_pcd(xyz_header("3", "ascii") + "nan nan nan\n1 2 3\n1 inf 3\n");
   ASSERT_EQ(cloud.size(), 1u);

@@ -217,6 +217,108 @@ TEST(Ply, float32_coordinates_are_kept_to_less_than_their_own_rounding) {
   }
 }
 
+TEST(Ply, coarse_float32_coordinates_are_a_warning_with_their_steps) {
+  const auto read = [](const char* type, double east, double north) {
+    std::string text = std::string("ply\nformat binary_little_endian 1.0\nelement vertex 1000\nproperty ") +
+                       type + " x\nproperty " + type + " y\nproperty " + type + " z\nend_header\n";
+    for (int i = 0; i < 1000; ++i) {
+      for (const double value : {east + 0.1 * i, north + 0.1 * (i * 7 % 1000), 0.01 * i}) {
+        if (std::string(type) == "float") append(text, static_cast<float>(value));
+        if (std::string(type) == "double") append(text, value);
+        if (std::string(type) == "int") append(text, static_cast<std::int32_t>(value));
+      }
+    }
+    return read_ply(text);
+  };
+  EXPECT_TRUE(warns(read("float", 500000, 5000000), "rounded here: y in steps of 0.5"));
+  EXPECT_TRUE(warns(read("float", 690000, 9000000), "x in steps of 0.0625, y in steps of 1"));
+  EXPECT_FALSE(warns(read("float", 0, 0), "float32"));
+  EXPECT_FALSE(warns(read("float", 500, 5000), "float32"));
+  EXPECT_FALSE(warns(read("double", 500000, 5000000), "float32"));
+  EXPECT_FALSE(warns(read("int", 690000, 9000000), "float32"));
+  // One point has no spacing.
+  std::string single =
+      "ply\nformat binary_little_endian 1.0\nelement vertex 1\nproperty float x\nproperty float "
+      "y\nend_header\n";
+  append(single, 500000.0f);
+  append(single, 5000000.0f);
+  EXPECT_FALSE(warns(read_ply(single), "float32"));
+}
+
+TEST(Ply, gaussian_splats_have_the_colour_of_their_constant) {
+  std::string text = "ply\nformat binary_little_endian 1.0\nelement vertex 3\n";
+  for (const char* name :
+       {"x", "y", "z", "f_dc_0", "f_dc_1", "f_dc_2", "f_rest_0", "opacity", "scale_0", "rot_0"})
+    text += std::string("property float ") + name + "\n";
+  text += "end_header\n";
+  constexpr float k_half = 1.7724538509f;  // 0.5 / 0.28209479177387814
+  for (int i = 0; i < 3; ++i) {
+    for (const float value : {1.0f * static_cast<float>(i), 2.0f, 3.0f, static_cast<float>(i - 1) * k_half,
+                              0.0f, 100.0f, 0.5f, 0.5f, 0.5f, 0.5f})
+      append(text, value);
+  }
+  const PointCloud cloud = read_ply(text);
+  ASSERT_EQ(cloud.colors.size(), 3u);
+  EXPECT_EQ(cloud.colors[0], Color16(0, 32768, 65535));
+  EXPECT_EQ(cloud.colors[1], Color16(32768, 32768, 65535));
+  EXPECT_EQ(cloud.colors[2], Color16(65535, 32768, 65535));
+  EXPECT_TRUE(warns(cloud, "opacity, scales and rotations are not used"));
+  EXPECT_FALSE(warns(cloud, "colours range"));
+  EXPECT_EQ(cloud.extra_dimensions.size(), 4u);
+  // Colours of the file's own come first, and two of three make no colour.
+  EXPECT_FALSE(warns(
+      read_ply(
+          "ply\nformat ascii 1.0\nelement vertex 1\nproperty float x\nproperty float y\nproperty float z\n"
+          "property uchar red\nproperty uchar green\nproperty uchar blue\nproperty float f_dc_0\n"
+          "property float f_dc_1\nproperty float f_dc_2\nend_header\n1 2 3 4 5 6 0 0 0\n"),
+      "splats"));
+  EXPECT_TRUE(
+      read_ply(
+          "ply\nformat ascii 1.0\nelement vertex 1\nproperty float x\nproperty float y\nproperty float z\n"
+          "property float f_dc_0\nproperty float f_dc_1\nend_header\n1 2 3 0 0\n")
+          .colors.empty());
+}
+
+TEST(Ply, names_of_cloudcompare_are_those_of_attributes) {
+  const PointCloud cloud = read_ply(
+      "ply\nformat ascii 1.0\nelement vertex 1\nproperty float x\nproperty float y\nproperty float "
+      "z\nproperty float "
+      "scalar_intensity\nproperty float scalar_Classification\nproperty float scalar_Return_Number\nproperty "
+      "float "
+      "scalar_Number_Of_Returns\nproperty float scalar_Gps_Time\nproperty float "
+      "scalar_Scan_Angle_Rank\nproperty float "
+      "scalar_Point_Source_ID\nproperty float scalar_C2C_absolute_distances\nend_header\n1 2 3 1000 6 1 2 "
+      "500.5 -10 7 0.25\n");
+  EXPECT_EQ(cloud.intensities, std::vector<std::uint16_t>{1000});
+  EXPECT_EQ(cloud.classifications, std::vector<std::uint8_t>{6});
+  EXPECT_EQ(cloud.returns.at(0), (ReturnNumbers{1, 2}));
+  EXPECT_EQ(cloud.gps_times, std::vector<double>{500.5});
+  EXPECT_EQ(cloud.scan_angles, std::vector<float>{-10});
+  EXPECT_EQ(cloud.point_source_ids, std::vector<std::uint16_t>{7});
+  EXPECT_EQ(cloud.extra_dimensions.size(), 1u);
+}
+
+TEST(Ply, binary_data_that_were_transferred_as_text_are_an_error) {
+  const auto as_text = [](const std::string& bytes) {
+    std::string text;
+    for (const char byte : bytes) text += byte == '\n' ? std::string("\r\n") : std::string(1, byte);
+    return text;
+  };
+  for (const bool has_faces : {false, true}) {
+    std::string text =
+        "ply\nformat binary_little_endian 1.0\nelement vertex 1000\nproperty float x\nproperty float "
+        "y\nproperty float z\n";
+    if (has_faces) text += "element face 1\nproperty list uchar int vertex_indices\n";
+    text += "end_header\n";
+    for (int i = 0; i < 3000; ++i) append(text, 10.0f + static_cast<float>(i) * 0.37f);
+    if (has_faces) text += std::string("\1\0\0\0\0", 5);
+    EXPECT_EQ(read_ply(text).size(), 1000u);
+    const std::string message = reading_error(open_ply, as_text(text));
+    EXPECT_NE(message.find("the binary data were changed by a transfer as text"), std::string::npos)
+        << message;
+  }
+}
+
 TEST(Ply, a_file_without_points_or_without_z_reads) {
   const PointCloud empty = read_ply(
       "ply\nformat binary_little_endian 1.0\nelement vertex 0\nproperty float x\nproperty float y\nproperty "

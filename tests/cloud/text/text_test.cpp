@@ -56,6 +56,30 @@ TEST(TextScanner, lines_of_any_extension_with_and_without_mark_and_longer_than_t
   EXPECT_EQ(scanner.next_line(), std::nullopt);
 }
 
+TEST(TextScanner, lines_end_with_line_feeds_carriage_returns_or_both) {
+  const auto lines_of = [](const std::string& text) {
+    InputFile file(std::as_bytes(std::span(text)), "memory");
+    TextScanner scanner(file);
+    std::vector<std::string> lines;
+    while (const auto line = scanner.next_line()) lines.emplace_back(*line);
+    EXPECT_EQ(scanner.line_number(), lines.size());
+    EXPECT_EQ(scanner.offset(), text.size());
+    return lines;
+  };
+  const std::vector<std::string> expected = {"a", "", "b c"};
+  for (const char* text :
+       {"a\n\nb c", "a\r\rb c", "a\r\n\r\nb c", "a\n\nb c\n", "a\r\rb c\r", "a\r\n\nb c\r\n", "a\n\rb c"})
+    EXPECT_EQ(lines_of(text), expected) << text;
+  // A carriage return as the last byte of the window may have its line feed behind it.
+  const std::string filler((1 << 20) - 1, 'x');
+  for (const char* end : {"\r\n", "\r", "\n"})
+    EXPECT_EQ(lines_of(filler + end + "last"), (std::vector<std::string>{filler, "last"}));
+  // Linear also without any line feed: this would take minutes otherwise.
+  std::string many;
+  for (int i = 0; i < 2'000'000; ++i) many += "1\r";
+  EXPECT_EQ(lines_of(many).size(), 2'000'000u);
+}
+
 TEST(Text, any_separator_with_comments_and_empty_lines) {
   for (const char* text :
        {"1.5 2.5 3.5\n4.5 5.5 6.5\n", "# made\n\n  1.5\t2.5   3.5 \r\n// more\n4.5 5.5 6.5",
@@ -141,6 +165,168 @@ TEST(Text, names_may_be_separated_by_blanks_tabs_or_be_in_a_comment) {
   EXPECT_EQ(no_names.intensities.size(), 1u);
 }
 
+/// The cloud that CloudCompare's export of three points is, with titles, count line, or both.
+void expect_named_points(const std::string& text) {
+  const PointCloud cloud = read_text(text);
+  ASSERT_EQ(cloud.size(), 3u) << text;
+  expect_near(cloud.world(0), {1, 2, 3}, 1e-9);
+  expect_near(cloud.world(2), {5, 6, 7}, 1e-9);
+  EXPECT_EQ(cloud.classifications, (std::vector<std::uint8_t>{2, 5, 2})) << text;
+  EXPECT_EQ(cloud.gps_times, (std::vector<double>{1000.5, 1000.75, 1001})) << text;
+  EXPECT_TRUE(cloud.colors.empty()) << text;
+}
+
+TEST(Text, titles_hold_with_and_without_a_count_line_in_any_order_of_columns) {
+  const std::string rows = "1.0 2.0 3.0 2 1000.5\n2.0 3.0 4.0 5 1000.75\n5.0 6.0 7.0 2 1001\n";
+  const std::string turned = "2.0 1.0 3.0 1000.5 2\n3.0 2.0 4.0 1000.75 5\n6.0 5.0 7.0 1001 2\n";
+  const auto with = [](std::string text, char separator) {
+    std::ranges::replace(text, ' ', separator);
+    return text;
+  };
+  for (const std::string before : {"", "3\n", "# made by hand\n"}) {
+    for (const std::string after : {"", "3\n"}) {
+      if (before == after && !before.empty()) continue;
+      for (const std::string mark : {"//", "", "# "}) {
+        for (const char separator : {' ', ';', ',', '\t'}) {
+          expect_named_points(before + with(mark + "X Y Z Classification GpsTime\n", separator) + after +
+                              with(rows, separator));
+          expect_named_points(before + with(mark + "Y X Z Gps_Time Scalar_Classification\n", separator) +
+                              after + with(turned, separator));
+        }
+      }
+    }
+  }
+  // A comment that names other columns than there are is none of titles.
+  EXPECT_TRUE(warns(read_text("//X Y Z\n1 2 3 4\n"), "unnamed columns were read as x y z intensity"));
+}
+
+TEST(Text, decimal_commas_are_read_where_no_comma_separates) {
+  for (const char* text : {"X;Y;Z;I\n691000,125;5336000,25;500,5;10\n691001;5336001;501;20\n",
+                           "X\tY\tZ\tI\n691000,125\t5336000,25\t500,5\t10\n691001\t5336001\t501\t20\n",
+                           "691000,125;5336000,25;500,5;10\n691001;5336001;501;20\n",
+                           "691000,125 5336000,25 500,5 10\n691001 5336001 501 20\n",
+                           "2\n691000,125 5336000,25 500,5 10\n691001 5336001 501 20\n"}) {
+    const PointCloud cloud = read_text(text);
+    ASSERT_EQ(cloud.size(), 2u) << text;
+    expect_near(cloud.world(0), {691000.125, 5336000.25, 500.5}, 1e-9);
+    EXPECT_EQ(cloud.lattice.scale, glm::dvec3(0.001));
+  }
+  EXPECT_EQ(read_text("1,2 3,4 5,6\n").world(0), glm::dvec3(1.2, 3.4, 5.6));
+  // Commas that are followed by blanks separate.
+  EXPECT_EQ(read_text("1, 2, 3\n").world(0), glm::dvec3(1, 2, 3));
+  // What could be thousands is no decimal comma.
+  EXPECT_NE(text_error("x;y;z\n1,5;2,5;3,5\n1.5;2;3\n")
+                .find("line 3: invalid value in the column \"x\"; expected a decimal comma"),
+            std::string::npos);
+  EXPECT_NE(text_error("x,y,z\n\"1,234\",2,3\n").find("line 2: invalid value in the column \"x\""),
+            std::string::npos);
+}
+
+TEST(Text, missing_values_are_none_and_points_without_coordinates_are_left_out) {
+  const PointCloud cloud = read_text(
+      "x,y,z,i,range,gps_time\n1,2,3,1000,7.5,10\n,,,,,\n5,6,7,,nil,NA\n8,9,10,null,-,\n11,,12,1,1,1\n13,14,"
+      "none,1,1,1\n");
+  ASSERT_EQ(cloud.size(), 3u);
+  EXPECT_EQ(cloud.files[0].dropped_count, 3u);
+  EXPECT_TRUE(warns(cloud, "3 points without finite coordinates were skipped"));
+  EXPECT_EQ(cloud.intensities, (std::vector<std::uint16_t>{1000, 0, 0}));
+  EXPECT_TRUE(warns(cloud, "2 values of the column \"i\" are missing and were read as 0"));
+  EXPECT_EQ(extra_value<double>(cloud, "range", 0), 7.5);
+  for (const std::size_t point : {1u, 2u}) {
+    EXPECT_TRUE(std::isnan(extra_value<double>(cloud, "range", point)));
+    EXPECT_TRUE(std::isnan(cloud.gps_times[point]));
+  }
+  EXPECT_FALSE(warns(cloud, "invalid numbers"));
+  // The first row may be the one with a gap, and a column may have values only later.
+  const PointCloud gaps = read_text("x,y,z,a\n-,2,3,\n1,2,3,\n4,5,6,\n");
+  EXPECT_EQ(gaps.size(), 2u);
+  EXPECT_EQ(gaps.extra_dimensions.size(), 1u);
+  EXPECT_EQ(read_text("1,2,nan,4\n1,2,3,nil\n").size(), 1u);
+}
+
+TEST(Text, units_in_brackets_count) {
+  const auto crs_of = [](const std::string& text) {
+    InputFile file(std::as_bytes(std::span(text)), "memory");
+    return open_text(std::move(file))->facts().crs.wkt;
+  };
+  const PointCloud metres = read_text("x [m],y [m],z (Metres),reflectance [dB]\n1,2,3,-5.5\n4,5,6,-7.5\n");
+  EXPECT_EQ(metres.world(1), glm::dvec3(4, 5, 6));
+  EXPECT_EQ(extra_value<double>(metres, "reflectance [dB]", 1), -7.5);
+  EXPECT_EQ(crs_of("x [m],y [m],z [m]\n1,2,3\n"), "");
+  EXPECT_EQ(crs_of("x,y,z\n1,2,3\n"), "");
+  EXPECT_NE(crs_of("x [ft],y [ft],z [ft]\n1,2,3\n").find("LOCAL_CS[\"unknown, in ft\""), std::string::npos);
+  EXPECT_NE(crs_of("x [ft],y [ft],z\n1,2,3\n").find("UNIT[\"foot\",0.3048]"), std::string::npos);
+  EXPECT_NE(crs_of("Easting (US ft);Northing (US ft);Z\n1;2;3\n").find("US survey foot"), std::string::npos);
+  const std::string mixed = crs_of("x [m],y [m],z [us-ft]\n1,2,3\n");
+  EXPECT_TRUE(mixed.starts_with("COMPD_CS[")) << mixed;
+  EXPECT_NE(mixed.find("LOCAL_CS[\"unknown, in m\""), std::string::npos);
+  EXPECT_NE(mixed.find("VERT_CS[\"unknown, in US ft\""), std::string::npos);
+  EXPECT_TRUE(
+      warns(read_text("lon [deg],lat [deg],z [m]\n8,50,100\n"), "degrees of an unknown reference system"));
+  EXPECT_NE(text_error("x [furlong],y [furlong],z\n1,2,3\n")
+                .find("unknown unit of the column \"x [furlong]\"; expected m, ft or US ft"),
+            std::string::npos);
+  EXPECT_NE(text_error("x [m],y [ft],z\n1,2,3\n").find("x and y are in different units"), std::string::npos);
+
+  const PointCloud others = read_text("x,y,z,time [ms],scan_angle [deg]\n1,2,3,1500,10\n");
+  EXPECT_TRUE(others.gps_times.empty());
+  EXPECT_EQ(extra_value<double>(others, "time [ms]", 0), 1500.0);
+  EXPECT_TRUE(warns(others, "\"time [ms]\" is not in seconds"));
+  EXPECT_EQ(others.scan_angles, std::vector<float>{10});
+  EXPECT_EQ(read_text("x,y,z,time [s]\n1,2,3,1.5\n").gps_times, std::vector<double>{1.5});
+  // What is in brackets without being a unit belongs to the name.
+  EXPECT_EQ(extra_value<double>(read_text("x,y,z,C2C[<5]\n1,2,3,4\n"), "C2C[<5]", 0), 4.0);
+}
+
+TEST(Text, columns_without_titles_can_be_named) {
+  const auto read = [](const std::string& text, const std::vector<std::string>& names) {
+    InputFile file(std::as_bytes(std::span(text)), "memory");
+    const auto reader = open_text(std::move(file), Damage::reject, names);
+    const CoordinateSurvey survey = reader->survey({});
+    PointCloud cloud;
+    cloud.lattice = fit_lattice({&survey, 1});
+    reader->read(cloud, AttributeSet::all(), {});
+    return cloud;
+  };
+  const std::vector<std::string> names = {"y", "x", "z", "gps_time", " echo"};
+  for (const char* text : {"2 1 3 7 9\n", "2;1;3;7;9\n", "1\n2 1 3 7 9\n", "//a b c d e\n2 1 3 7 9\n",
+                           "a,b,c,d,e\n2,1,3,7,9\n"}) {
+    const PointCloud cloud = read(text, names);
+    ASSERT_EQ(cloud.size(), 1u) << text;
+    EXPECT_EQ(cloud.world(0), glm::dvec3(1, 2, 3));
+    EXPECT_EQ(cloud.gps_times, std::vector<double>{7});
+    EXPECT_EQ(extra_value<double>(cloud, "echo", 0), 9.0);
+  }
+  EXPECT_TRUE(warns(read("a,b,c,d,e\n2,1,3,7,9\n", names), "--columns replaces the titles \"a,b,c,d,e\""));
+  EXPECT_NE(error_of([&] { read("1 2 3\n", names); }).find("expected 3 names, found 5"), std::string::npos);
+  EXPECT_NE(error_of([&] {
+              read("1 2 3\n", {"a", "b", "c"});
+            }).find("--columns names no coordinates; expected x and y"),
+            std::string::npos);
+}
+
+TEST(Text, other_encodings_than_utf_8_are_errors_that_say_so) {
+  std::string little = "\xff\xfe", big = "\xfe\xff", bare;
+  for (const char character : std::string("x,y,z\n1,2,3\n")) {
+    little += {character, '\0'};
+    big += {'\0', character};
+    bare += {character, '\0'};
+  }
+  for (const std::string& text : {little, big, bare}) {
+    EXPECT_NE(text_error(text).find("text in UTF-16; expected UTF-8 or ASCII"), std::string::npos)
+        << text_error(text);
+    const std::string message = error_of([&] { read_memory(std::as_bytes(std::span(text))); });
+    EXPECT_NE(message.find("text in UTF-16"), std::string::npos) << message;
+  }
+  EXPECT_EQ(read_text("\xEF\xBB\xBFx,y,z\n1,2,3\n").size(), 1u);
+}
+
+TEST(Text, carriage_returns_end_lines) {
+  EXPECT_EQ(read_text("1 2 3\r4 5 6\r7 8 9\r").size(), 3u);
+  EXPECT_EQ(read_text("//X Y Z I\r2\r1 2 3 4\r4 5 6 7\r").size(), 2u);
+  EXPECT_EQ(read_text("x,y,z\r\n1,2,3\r\n").size(), 1u);
+}
+
 TEST(Text, x_comes_before_other_names_for_the_same_axis) {
   const PointCloud cloud = read_text("height,easting,x,y,z\n9,8,1,2,3\n");
   EXPECT_EQ(cloud.world(0), glm::dvec3(1, 2, 3));
@@ -183,7 +369,6 @@ TEST(Text, errors_name_file_line_expectation_and_finding) {
   expect("1 2 3\n\n4 5\n", "memory:line 3: too few columns; expected 3, found 2");
   expect("1 2 3\n4 5 6 7\n", "memory:line 2: too many columns; expected 3, found 4");
   expect("1 2\n", "memory:line 1: too few columns for a point");
-  expect("1,2,3\n4,,6\n", "memory:line 2: invalid value in the column \"y\"; expected a number, found \"\"");
   expect("1,2,3,4\n1,2,3,four\n", "memory:line 2: invalid value in the column \"intensity\"");
   expect("hello world\n1 2 3\n", "memory:line 1: neither a point nor a header with column names");
   expect("X,Y,X\n1,2,3\n", "duplicate column name; expected unique names, found \"X\"");
@@ -199,7 +384,7 @@ TEST(Text, errors_name_file_line_expectation_and_finding) {
   expect(std::string(10 << 20, 'x'), "memory:line 1: line too long; expected at most 1048576 bytes");
   expect(std::string("\0\1\2", 3),
          "memory:line 1: neither a point nor a header with column names; expected numbers, or "
-         "column names with x, y and z, found \"???\"");
+         "column names with x, y and z, also by --columns, found \"???\"");
 }
 
 TEST(Text, more_than_4096_columns_are_an_error_of_their_line) {

@@ -1,10 +1,15 @@
 // SPDX-License-Identifier: MIT
 #include "cloud/text/write_text.h"
 
+#include <cmath>
+#include <cstring>
 #include <fstream>
+#include <limits>
 
+#include "cloud/ply/write_ply.h"
 #include "tests/cloud/cloud_test_support.h"
 #include "tests/cloud/las/las_builder.h"
+#include "tests/cloud/read_alone.h"
 
 namespace alidade::test {
 namespace {
@@ -63,6 +68,48 @@ TEST(WriteTextTest, colours_of_8_bits_are_written_as_such) {
   cloud.colors[0].x = 258;
   EXPECT_EQ(written(cloud, {.overwrite = true}),
             "x,y,z,red,green,blue\n0.000,0.000,0.000,258,514,65535\n0.001,0.000,0.000,0,257,0\n");
+}
+
+/// An extra dimension of these values, some of which are none.
+template <class Value, class Mark>
+ExtraDimension marked(const std::string& name, ScalarType type, Mark mark, const std::vector<Value>& values) {
+  ExtraDimension dimension = plain_dimension(name, type);
+  dimension.values.resize(sizeof(Value) * values.size());
+  std::memcpy(dimension.values.data(), values.data(), dimension.values.size());
+  std::memcpy(dimension.no_data.emplace().data(), &mark, sizeof mark);
+  return dimension;
+}
+
+TEST(WriteTextTest, values_that_are_marked_as_none_are_empty_cells_and_nan_in_ply) {
+  PointCloud cloud;
+  cloud.lattice.scale = glm::dvec3(1.0);
+  cloud.positions = {{1, 2, 3}, {4, 5, 6}};
+  cloud.gps_times = {std::numeric_limits<double>::quiet_NaN(), 7.5};
+  cloud.extra_dimensions = {
+      marked("whole", ScalarType::int16, std::int64_t{-1}, std::vector<std::int16_t>{-1, 8}),
+      marked("scaled", ScalarType::int16, std::int64_t{-32768}, std::vector<std::int16_t>{-32768, 150}),
+      marked("large", ScalarType::uint64, std::uint64_t{UINT64_MAX},
+             std::vector<std::uint64_t>{9, UINT64_MAX}),
+      marked("short", ScalarType::float32, -9999.9, std::vector<float>{-9999.9f, 0.5f}),
+      marked("real", ScalarType::float64, std::numeric_limits<double>::quiet_NaN(),
+             std::vector<double>{std::numeric_limits<double>::quiet_NaN(), -9999.9})};
+  cloud.extra_dimensions[1].has_scale = true;
+  cloud.extra_dimensions[1].scale = 0.01;
+  EXPECT_EQ(written(cloud),
+            "x,y,z,gps_time,whole,scaled,large,short,real\n1,2,3,,,,9,,\n4,5,6,7.5,8,1.5,,0.5,-9999.9\n");
+
+  const std::filesystem::path csv = test_folder() / "cloud.csv", ply = test_folder() / "cloud.ply";
+  for (const bool is_text : {true, false}) {
+    is_text ? alidade::write_text(csv, cloud) : write_ply(ply, cloud);
+    const PointCloud back = read_cloud(is_text ? csv : ply);
+    ASSERT_EQ(back.size(), 2u);
+    EXPECT_TRUE(std::isnan(back.gps_times.at(0)));
+    for (const char* const name : {"whole", "scaled"}) {
+      EXPECT_TRUE(std::isnan(extra_value<double>(back, name, 0))) << name;
+      EXPECT_FALSE(std::isnan(extra_value<double>(back, name, 1))) << name;
+    }
+    EXPECT_TRUE(std::isnan(extra_value<double>(back, "large", 1)));
+  }
 }
 
 TEST(WriteTextTest, an_empty_cloud_is_a_header) {
