@@ -3,6 +3,7 @@
 #include <fstream>
 #include <nlohmann/json.hpp>
 
+#include "cloud/las/write_las.h"
 #include "tests/tools/run_program.h"
 
 namespace alidade::test {
@@ -45,6 +46,22 @@ TEST_F(InfoTest, bounds_are_those_of_the_points_within_the_stated_rounding) {
     EXPECT_NEAR(info.at("bounds").at("max")[axis].get<double>(), expected[1][axis], error + 1e-12);
     EXPECT_LE(error, 0.05);
   }
+}
+
+TEST_F(InfoTest, bounds_have_no_digits_of_rounding) {
+  PointCloud cloud;
+  cloud.lattice = {.scale = glm::dvec3(0.01), .offset = glm::dvec3(0.0)};
+  cloud.positions = {{1, 42815, 37578}, {13639970, 84893520, 37579}};
+  write_las(folder / "centimetres.las", cloud);
+  ASSERT_NE(cloud.world(0).z, 375.78) << "0.01 times 37578 is 375.78000000000003";
+  const std::string said = run({"info", "--json", "centimetres.las"}).out;
+  const Json bounds = Json::parse(said).at("bounds");
+  EXPECT_EQ(bounds.at("min"), Json::parse("[0.01, 428.15, 375.78]")) << said;
+  EXPECT_EQ(bounds.at("max"), Json::parse("[136399.7, 848935.2, 375.79]")) << said;
+  const std::string table = run({"sql", "centimetres.las", "SELECT y, z FROM points WHERE id = 0"}).out;
+  EXPECT_NE(table.find("428.15  375.78\n"), std::string::npos) << table;
+  const std::string csv = run({"sql", "centimetres.las", "SELECT z FROM points WHERE id = 0", "--csv"}).out;
+  EXPECT_EQ(csv, "z\n375.78000000000003\n") << "scripts get the number itself";
 }
 
 TEST_F(InfoTest, several_files_are_one_cloud) {
