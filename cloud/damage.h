@@ -3,6 +3,7 @@
 
 #include <cstdint>
 #include <string>
+#include <string_view>
 #include <utility>
 
 #include "base/error.h"
@@ -33,7 +34,9 @@ class DamagedFile : public Error {
     std::string& last = !parts.found.empty()      ? parts.found
                         : !parts.expected.empty() ? parts.expected
                                                   : parts.problem;
-    last += "; --partial reads the intact part";
+    // A reader may have thrown it already.
+    constexpr std::string_view k_hint = "; --partial reads the intact part";
+    if (!last.ends_with(k_hint)) last += k_hint;
     return parts;
   }
 };

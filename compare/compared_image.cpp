@@ -82,7 +82,7 @@ void require_same_size(const ComparedImage& reference, const ComparedImage& test
       reference.origin_x == test.origin_x && reference.origin_y == test.origin_y)
     return;
   throw SizeMismatch(test.file.string(), {}, "the size differs from the reference " + reference.file.string(),
-                     text_of(reference), text_of(test));
+                     text_of(reference) + ", or --resize reference", text_of(test));
 }
 
 void require_colors(const ComparedImage& reference, const ComparedImage& test, const char* problem) {

@@ -43,17 +43,19 @@ void remark_unused(const FlipOptions& flip, const ComparedImage& reference,
     remarks.push_back("exposures and tone mapper require linear light, but the reference has sRGB values");
 }
 
-void remark_differences(const ComparedImage& reference, const ComparedImage& test,
+void remark_differences(const ComparedImage& reference, const ComparedImage& test, bool uses_alpha,
                         std::vector<std::string>& remarks) {
-  const auto warn = [&](const char* what, bool first, bool second) {
+  const auto warn = [&](const char* what, bool first, bool second, const char* option = "") {
     if (first != second)
-      remarks.push_back(fmt::format("ignoring {1}: only the {0} has it", first ? "reference" : "test", what));
+      remarks.push_back(
+          fmt::format("ignoring {1}: only the {0} has it{2}", first ? "reference" : "test", what, option));
   };
   warn("colours", !reference.color.empty(), !test.color.empty());
   warn("the depth layer", !reference.depth.empty(), !test.depth.empty());
   warn("the normal layer", !reference.normals.empty(), !test.normals.empty());
   warn("the id layer", !reference.ids.empty(), !test.ids.empty());
-  warn("alpha", !reference.alpha.empty(), !test.alpha.empty());
+  warn("alpha", !reference.alpha.empty(), !test.alpha.empty(),
+       uses_alpha ? "" : "; --opaque leaves out the pixels without a surface");
   if (reference.color.empty() || test.color.empty()) return;
   if (reference.encoding != test.encoding)
     remarks.push_back("one image has sRGB values, the other linear light: comparing display values");
@@ -122,7 +124,7 @@ ComparedPair read_compared_pair(const std::filesystem::path& reference, const st
     pair.test.origin_y = pair.reference.origin_y;
   }
   require_same_size(pair.reference, pair.test);
-  remark_differences(pair.reference, pair.test, remarks);
+  remark_differences(pair.reference, pair.test, options.use_alpha, remarks);
   remark_unused(options.flip, pair.reference, remarks);
   pair.mask = mask_of(pair, options);
   if (options.crop) {

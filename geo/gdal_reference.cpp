@@ -77,6 +77,15 @@ std::vector<std::byte> tiff_with_keys(const Crs& crs) {
   return std::move(tiff.bytes());
 }
 
+}  // namespace
+
+std::string expected_system(const std::string& text, const std::string& usual) {
+  const bool is_code = !text.empty() && text.find_first_not_of("0123456789") == std::string::npos;
+  return is_code ? "EPSG:" + text : usual;
+}
+
+namespace {
+
 /// What the user wrote, or the WKT of a file; null for text that says nothing. Errors: GDAL does not
 /// understand it.
 GdalReference read_reference(const std::string& text, bool is_wkt, const std::string& whose,
@@ -86,7 +95,8 @@ GdalReference read_reference(const std::string& text, bool is_wkt, const std::st
   char* wkt = const_cast<char*>(text.c_str());
   const OGRErr error =
       is_wkt ? OSRImportFromWkt(reference.get(), &wkt) : OSRSetFromUserInput(reference.get(), text.c_str());
-  check_that(error == OGRERR_NONE, "the reference system of " + whose + " is invalid", way_out, text);
+  check_that(error == OGRERR_NONE, "the reference system of " + whose + " is invalid",
+             expected_system(text, way_out), text);
   return reference;
 }
 

@@ -54,6 +54,9 @@ class GdalMemoryFile {
   std::string name_;
 };
 
+/// What was expected where a reference system is unknown: with the authority for a number alone, else `usual`.
+std::string expected_system(const std::string& text, const std::string& usual);
+
 /// Throws the Error about a GeoTIFF, with what GDAL said last.
 [[noreturn]] void fail_geotiff(const std::filesystem::path& file, const char* what);
 

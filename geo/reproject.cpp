@@ -22,7 +22,7 @@ constexpr const char* k_systems = "a reference system such as EPSG:25832";
 GdalReference reference_of_text(const std::string& text) {
   GdalReference reference(OSRNewSpatialReference(nullptr));
   if (OSRSetFromUserInput(reference.get(), text.c_str()) != OGRERR_NONE)
-    throw input_error("unknown reference system", k_systems, "'" + text + "'");
+    throw input_error("unknown reference system", expected_system(text, k_systems), "'" + text + "'");
   OSRSetAxisMappingStrategy(reference.get(), OAMS_TRADITIONAL_GIS_ORDER);
   return reference;
 }

@@ -42,10 +42,11 @@ struct ColorSource {
   std::string name;  ///< for messages
 };
 
-/// The coloring with `automatic` made out: rgb if any point has a colour other than black, else classification if half
-/// of the points and more have a class other than unclassified and noise, else height; what was taken instead of rgb is added to `warnings`. A cloud without points is
-/// shown by rgb then. Errors: the cloud lacks the attribute, and is not empty; a colour map or range for
-/// colours that are no numbers, or class colours for what is no class.
+/// The coloring with `automatic` made out: rgb if any point has a colour other than black, else classification if it
+/// has several classes and at least half of the points one other than unclassified and noise, else height; what was
+/// taken instead of rgb is added to `warnings`. A cloud without points is shown by rgb then. Errors: the cloud lacks the
+/// attribute, and is not empty; a colour map or range for colours that are no numbers, or class colours for what is no
+/// class.
 PointColoring choose_color(const PointColoring& coloring, const ColorSource& cloud,
                            std::vector<std::string>& warnings);
 

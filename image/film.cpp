@@ -2,7 +2,9 @@
 #include "image/film.h"
 
 #include <algorithm>
+#include <cmath>
 #include <limits>
+#include <type_traits>
 
 #include "image/srgb.h"
 
@@ -66,6 +68,18 @@ bool Film::holds(Layer layer) const {
 
 bool Film::holds_any() const {
   return std::ranges::any_of(k_layers, [this](const NamedLayer& known) { return holds(known.layer); });
+}
+
+bool Film::sees_anything() const {
+  const auto is_finite = [](float value) { return std::isfinite(value); };
+  const auto is_set = [](const auto& value) { return value != std::decay_t<decltype(value)>(0); };
+  if (!holds(Layer::color) && !holds(Layer::depth) && !holds(Layer::distance) && !holds(Layer::normal) &&
+      !holds(Layer::position) && !holds(Layer::id) && !holds(Layer::coverage))
+    return true;
+  return std::ranges::any_of(alpha, is_set) || std::ranges::any_of(depth, is_finite) ||
+         std::ranges::any_of(distance, is_finite) || std::ranges::any_of(normal, is_set) ||
+         std::ranges::any_of(position, is_set) || std::ranges::any_of(id, is_set) ||
+         std::ranges::any_of(coverage, is_set);
 }
 
 std::array<std::uint8_t, 3> displayed(const Film& film, std::size_t pixel, const OutputSettings& output) {

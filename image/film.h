@@ -53,6 +53,8 @@ struct Film {
   /// Whether the film has this layer.
   bool holds(Layer layer) const;
   bool holds_any() const;
+  /// Whether a ray of any pixel met a surface; true if no layer shows that, as variance and albedo.
+  bool sees_anything() const;
 };
 
 /// Every layer there is.

@@ -18,7 +18,7 @@ namespace alidade::image {
 
 /// Which of a point's values becomes its colour.
 enum class PointColor {
-  automatic,          ///< rgb if the cloud has it, else intensity, else height
+  automatic,          ///< rgb if the cloud has it, else several classes, else height: choose_color()
   rgb,                ///< the colours in the file
   intensity,          ///< 0 .. 65535
   height,             ///< world z

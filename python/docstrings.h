@@ -116,7 +116,7 @@ Returns
 Cloud, or Index for a single .alidade file.)";
 
 inline constexpr const char* k_closest_doc =
-    R"(closest(rays=None, *, origins=None, directions=None, radius=None, measure='entry', t_min=0.0, t_max=None, where=None, classes=None, max_level=None, workers=-1)
+    R"(closest(rays=None, *, origins=None, directions=None, radius=None, measure=None, t_min=0.0, t_max=None, where=None, classes=None, max_level=None, workers=-1)
 --
 
 The first point of each ray.
@@ -127,9 +127,11 @@ radius : float
     Only points at most this far from the ray's line; without it all, for 't' and 'distance'.
 measure : {'entry', 't', 'distance'}
     What comes first: where the ray enters the sphere of `radius` around the point, the point's
-    projection on the ray, or the distance to the ray's line.
+    projection on the ray, or the distance to the ray's line. As for `alidade query --ray`, 'entry'
+    with a radius and 'distance' without, unless given.
 t_min, t_max : float or array
-    Limits of the projection on the ray, inclusive.
+    Limits of the projection on the ray, inclusive. A ray begins at its origin; t_min=-inf asks along
+    the whole line.
 
 Returns
 -------
@@ -148,7 +150,7 @@ Hits
     index, t, distance, entry of shape (..., k), with -1 and nan where fewer points answer.)";
 
 inline constexpr const char* k_within_doc =
-    R"(within(rays=None, *, origins=None, directions=None, radius=None, measure='t', t_min=0.0, t_max=None, where=None, classes=None, max_level=None, workers=-1, k=0)
+    R"(within(rays=None, *, origins=None, directions=None, radius=None, measure=None, t_min=0.0, t_max=None, where=None, classes=None, max_level=None, workers=-1, k=0)
 --
 
 All points within the radius of each ray, or the first k, ordered by the measure.
@@ -243,8 +245,7 @@ Parameters
 camera : dict, JSON or path, optional
     A camera as in docs/cameras.md. Default: an overview of `size`, of medium brightness.
 scene : dict or JSON, optional
-    Light, colours and radii as in docs/scene_format.md. Its "cloud" needs no file; "surface" is blend unless
-    it chooses a radius, a material or max_level.
+    Light, colours and radii as in docs/scene_format.md. Its "cloud" needs no file.
 samples : int, optional
     Paths per pixel. Default: 16 for overviews, else the scene's.
 layers : list of str

@@ -44,9 +44,6 @@ renderer::Scene scene_of(const py::object& given, const CloudData& data) {
   const py::dict cloud = parts.contains("cloud") ? py::dict(parts["cloud"]) : py::dict();
   cloud["file"] = data.name;
   if (cloud.contains("files")) cloud.attr("pop")("files");
-  const bool wants_spheres =
-      cloud.contains("radius") || cloud.contains("material") || cloud.contains("max_level");
-  if (!cloud.contains("surface") && !wants_spheres) cloud["surface"] = "blend";
   parts["cloud"] = cloud;
   if (!parts.contains("version")) parts["version"] = 1;
   renderer::Scene scene = renderer::parse_scene(json_of(parts), "scene");
@@ -150,6 +147,8 @@ py::dict render(const Index& index, const py::object& camera, const py::object& 
     index.data()->check_arrived();
   });
 
+  if (!film.sees_anything() && PyErr_WarnEx(PyExc_UserWarning, "the camera sees nothing", 1) != 0)
+    throw py::error_already_set();
   py::dict picture;
   if (is_seen) {
     picture["image"] = image_of(film, scene.output);

@@ -64,7 +64,10 @@ void apply(const Index& index, const Conditions& conditions, Query& query, py::o
   if (conditions.max_level) query.max_level = *conditions.max_level;
 }
 
-Measure measure_of(const std::string& word) {
+/// The default is that of 'alidade query'.
+Measure measure_of(const std::optional<std::string>& given, double radius) {
+  if (!given) return std::isfinite(radius) ? Measure::entry : Measure::distance;
+  const std::string& word = *given;
   if (word == "entry") return Measure::entry;
   if (word == "distance") return Measure::distance;
   if (word == "t") return Measure::t;
@@ -182,13 +185,13 @@ struct RayCall {
 template <class Run>
 auto ray_query(const Run& run) {
   return [run](const Index& index, const py::object& rays, const py::object& origins,
-               const py::object& directions, std::optional<double> radius, const std::string& measure,
-               const py::object& t_min, const py::object& t_max, const py::object& where,
-               const std::optional<std::vector<int>>& classes, std::optional<int> max_level, int workers,
-               std::int64_t k) {
+               const py::object& directions, std::optional<double> radius,
+               const std::optional<std::string>& measure, const py::object& t_min, const py::object& t_max,
+               const py::object& where, const std::optional<std::vector<int>>& classes,
+               std::optional<int> max_level, int workers, std::int64_t k) {
     RayCall call{index, RayArrays(rays, origins, directions, t_min, t_max), {}, py::none(), workers};
     call.query.radius = radius.value_or(k_unlimited_radius);
-    call.query.measure = measure_of(measure);
+    call.query.measure = measure_of(measure, call.query.radius);
     call.query.k = k == 0 ? k_all : require_k(k);
     apply(index, {where, classes, max_level, workers}, call.query, call.kept);
     return run(call);
@@ -198,11 +201,12 @@ auto ray_query(const Run& run) {
 /// The same for queries without k.
 template <class Run>
 auto plain_ray_query(const Run& run) {
-  return [query = ray_query(run)](
-             const Index& index, const py::object& rays, const py::object& origins,
-             const py::object& directions, std::optional<double> radius, const std::string& measure,
-             const py::object& t_min, const py::object& t_max, const py::object& where,
-             const std::optional<std::vector<int>>& classes, std::optional<int> max_level, int workers) {
+  return [query = ray_query(run)](const Index& index, const py::object& rays, const py::object& origins,
+                                  const py::object& directions, std::optional<double> radius,
+                                  const std::optional<std::string>& measure, const py::object& t_min,
+                                  const py::object& t_max, const py::object& where,
+                                  const std::optional<std::vector<int>>& classes,
+                                  std::optional<int> max_level, int workers) {
     return query(index, rays, origins, directions, radius, measure, t_min, t_max, where, classes, max_level,
                  workers, 0);
   };
@@ -337,19 +341,20 @@ py::object along(const Index& index, const py::handle& path, double radius, cons
 }  // namespace
 
 void add_queries(py::class_<Index, Cloud>& index) {
-  const auto add_ray_query = [&](const char* name, const char* manual, const auto& query, const char* measure,
-                                 const auto&... more) {
+  const auto add_ray_query = [&](const char* name, const char* manual, const auto& query,
+                                 const py::object& measure, const auto&... more) {
     index.def(name, query, manual, py::arg("rays") = py::none(), py::kw_only(),
               py::arg("origins") = py::none(), py::arg("directions") = py::none(),
               py::arg("radius") = py::none(), py::arg("measure") = measure, py::arg("t_min") = 0.0,
               py::arg("t_max") = py::none(), py::arg("where") = py::none(), py::arg("classes") = py::none(),
               py::arg("max_level") = py::none(), py::arg("workers") = -1, more...);
   };
-  add_ray_query("closest", k_closest_doc, plain_ray_query(closest_hits), "entry");
-  add_ray_query("occluded", k_occluded_doc, plain_ray_query(occlusions), "distance");
-  add_ray_query("count", k_count_doc, ray_query(counts), "distance", py::arg("k") = 0);
-  add_ray_query("nearest", k_nearest_doc, ray_query(first_hits), "distance", py::arg("k") = 1);
-  add_ray_query("within", k_within_doc, ray_query(all_hits), "t", py::arg("k") = 0);
+  const py::str distance = "distance";
+  add_ray_query("closest", k_closest_doc, plain_ray_query(closest_hits), py::none());
+  add_ray_query("occluded", k_occluded_doc, plain_ray_query(occlusions), distance);
+  add_ray_query("count", k_count_doc, ray_query(counts), distance, py::arg("k") = 0);
+  add_ray_query("nearest", k_nearest_doc, ray_query(first_hits), distance, py::arg("k") = 1);
+  add_ray_query("within", k_within_doc, ray_query(all_hits), py::none(), py::arg("k") = 0);
   const py::arg_v where = py::arg("where") = py::none(), classes = py::arg("classes") = py::none(),
                   max_level = py::arg("max_level") = py::none(), workers = py::arg("workers") = -1;
   index

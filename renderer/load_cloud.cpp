@@ -5,8 +5,11 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <glm/common.hpp>
+#include <glm/geometric.hpp>
 #include <limits>
 
+#include "base/exact_math.h"
 #include "base/fingerprint.h"
 #include "cloud/cloud_inputs.h"
 #include "cloud/point_table.h"
@@ -38,6 +41,26 @@ void check_positive(double value, const std::string& what) {
 template <class Column>
 void drop(Column& column) {
   Column().swap(column);
+}
+
+/// Beyond these a point is a stray, far from all but the outermost half percent on either side of an axis: by a
+/// quarter of their diagonal. Within the bounds of the cloud, which is not empty.
+Bounds stray_limits(const Octree& octree) {
+  constexpr double k_outermost = 0.005, k_far = 0.25;
+  const std::vector<glm::dvec3> samples = sample_positions(octree, k_sample_count);
+  const auto left_out = static_cast<std::size_t>(k_outermost * static_cast<double>(samples.size()));
+  std::vector<double> values(samples.size());
+  Bounds most;
+  for (int axis = 0; axis < 3; ++axis) {
+    std::ranges::transform(samples, values.begin(),
+                           [&](const glm::dvec3& position) { return position[axis]; });
+    std::ranges::sort(values);
+    most.min[axis] = values[left_out];
+    most.max[axis] = values[values.size() - 1 - left_out];
+  }
+  const glm::dvec3 margin(k_far * glm::length(most.size()));
+  const Bounds& all = octree.bounds();
+  return {glm::max(all.min, most.min - margin), glm::min(all.max, most.max + margin)};
 }
 
 /// Takes over what a cloud says about itself.
@@ -222,31 +245,59 @@ LoadedCloud load_cloud(const CloudSettings& settings, const Progress& progress, 
 }
 
 std::vector<glm::dvec3> visible_positions(const LoadedCloud& cloud) {
-  const Bounds bounds = visible_bounds(cloud);
-  std::vector<glm::dvec3> positions = sample_positions(cloud.octree, k_sample_count);
-  std::erase_if(positions, [&](const glm::dvec3& position) { return !bounds.contains(position); });
+  const Octree& octree = cloud.octree;
+  if (octree.size() == 0) return {};
+  std::vector<glm::dvec3> positions = sample_positions(octree, k_sample_count);
+  const Bounds limits = stray_limits(octree);
+  std::erase_if(positions, [&](const glm::dvec3& position) { return !limits.contains(position); });
+  if (octree.size() <= k_sample_count) return positions;
+  // Samples miss the tips of what is thin: the farthest in directions all around are those nearest to positions far
+  // away.
+  constexpr int k_directions = 128;
+  constexpr double k_golden_degrees = 137.5, k_far = 32.0;
+  const PointQuery query{.k = 1,
+                         .filter = [&](const Candidate& point) { return limits.contains(point.position); }};
+  const double distance = k_far * glm::length(limits.size());
+  for (int i = 0; i < k_directions; ++i) {
+    const double z = 1.0 - (2.0 * i + 1.0) / k_directions, across = std::sqrt(1.0 - z * z);
+    const SineCosine turn = sine_cosine_of_degrees(k_golden_degrees * i);
+    const glm::dvec3 direction(across * turn.cosine, across * turn.sine, z);
+    for (const PointHit& hit : find(octree, limits.center() + distance * direction, query))
+      positions.push_back(hit.position);
+  }
   return positions;
 }
 
 Bounds visible_bounds(const LoadedCloud& cloud) {
-  constexpr double k_stray_share = 0.005, k_margin = 0.05;
   const Bounds& all = cloud.octree.bounds();
   Bounds bounds;
   if (all.empty()) return bounds;
-  const std::vector<glm::dvec3> samples = sample_positions(cloud.octree, k_sample_count);
-  const auto stray = static_cast<std::size_t>(k_stray_share * static_cast<double>(samples.size()));
-  std::vector<double> values(samples.size());
-  for (int axis = 0; axis < 3; ++axis) {
-    std::ranges::transform(samples, values.begin(),
-                           [&](const glm::dvec3& position) { return position[axis]; });
-    std::ranges::sort(values);
-    const double low = values[stray], high = values[values.size() - 1 - stray],
-                 margin = k_margin * (high - low);
-    // A site without strays is shown to its very edge: the margin makes up for the share that was cut.
-    bounds.min[axis] = std::max(all.min[axis], low - margin) - cloud.radius;
-    bounds.max[axis] = std::min(all.max[axis], high + margin) + cloud.radius;
-  }
+  const Bounds limits = stray_limits(cloud.octree);
+  if (limits.min == all.min && limits.max == all.max)
+    bounds = all;
+  else
+    for (const glm::dvec3& position : visible_positions(cloud)) bounds.grow(position);
+  bounds.min -= cloud.radius;
+  bounds.max += cloud.radius;
   return bounds;
+}
+
+std::uint64_t stray_count(const LoadedCloud& cloud) {
+  if (cloud.octree.bounds().empty()) return 0;
+  const Bounds limits = stray_limits(cloud.octree);
+  // Only what is outside is looked at.
+  constexpr double k_infinity = std::numeric_limits<double>::infinity();
+  Bounds rest{glm::dvec3(-k_infinity), glm::dvec3(k_infinity)};
+  std::uint64_t strays = 0;
+  for (int axis = 0; axis < 3; ++axis) {
+    Bounds below = rest, above = rest;
+    below.max[axis] = std::nextafter(limits.min[axis], -k_infinity);
+    above.min[axis] = std::nextafter(limits.max[axis], k_infinity);
+    strays += count(cloud.octree, below) + count(cloud.octree, above);
+    rest.min[axis] = limits.min[axis];
+    rest.max[axis] = limits.max[axis];
+  }
+  return strays;
 }
 
 }  // namespace alidade::renderer

@@ -51,12 +51,16 @@ LoadedCloud load_cloud(const CloudSettings& settings, const CloudInputs& inputs,
 LoadedCloud load_cloud(const CloudSettings& settings, const Progress& progress = {},
                        const Progress& measuring = {});
 
-/// Box around the spheres of the cloud's points but for strays (the outermost half percent on either side of
-/// an axis, where they lie far out): what overview_camera should show. Empty for a cloud without points.
+/// Box around the spheres of the cloud's points but for strays: what overview_camera should show. A stray is farther
+/// from the box of all but the outermost half percent, on either side of each axis, than a quarter of its diagonal.
+/// Empty for a cloud without points.
 Bounds visible_bounds(const LoadedCloud& cloud);
 
-/// Some of the points within visible_bounds(): what overview_camera should show.
+/// Points that are no strays, some and the outermost in all directions: who sees them sees all. Empty for a cloud
+/// without points.
 std::vector<glm::dvec3> visible_positions(const LoadedCloud& cloud);
+
+std::uint64_t stray_count(const LoadedCloud& cloud);
 
 /// Makes points that have been read ready to be traced, but for their radii: chooses their colours, frees the
 /// columns that these do not need, builds the octree. `cloud` holds attributes_for(settings.color);

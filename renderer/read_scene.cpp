@@ -11,6 +11,7 @@
 #include "base/input_file.h"
 #include "base/json.h"
 #include "image/output_settings.h"
+#include "octree/point_surface.h"
 #include "octree/spacing.h"
 
 // Ranges are those of scenes/schema, which the tests compare.
@@ -282,9 +283,17 @@ CloudSettings read_cloud_settings(const JsonNode& node, const std::filesystem::p
   }
   if (const auto normals = fields.find("normals"))
     cloud.normals = choice_of(*normals, {"sphere", "smooth"}) == 0 ? NormalMode::sphere : NormalMode::smooth;
-  if (const auto surface = fields.find("surface"))
-    cloud.shape = static_cast<PointShape>(choice_of(*surface, {"sphere", "disc", "blend"}));
   if (const auto material = fields.find("material")) cloud.material = read_material(*material, true);
+  if (const auto surface = fields.find("surface")) {
+    cloud.shape = static_cast<PointShape>(choice_of(*surface, {"sphere", "disc", "blend"}));
+  } else {
+    // What applies to spheres only selects them, as the options of 'alidade render' do.
+    const bool are_spheres =
+        cloud.radius || fields.find("hits") || fields.find("normals") || fields.find("max_level") ||
+        (cloud.adapted_radius && cloud.adapted_radius->neighbours != k_surface_neighbours) ||
+        std::holds_alternative<Dielectric>(cloud.material);
+    cloud.shape = are_spheres ? PointShape::sphere : PointShape::blend;
+  }
   return cloud;
 }
 

@@ -50,4 +50,12 @@ camera::CameraSet read_camera_file(const std::filesystem::path& file, const std:
   return set;
 }
 
+std::string some_names(std::span<const std::string> names) {
+  constexpr std::size_t k_most = 10;
+  std::string text;
+  for (const std::string& name : names.first(std::min(names.size(), k_most)))
+    text += fmt::format("{}'{}'", text.empty() ? "" : ", ", name);
+  return names.size() > k_most ? text + ", ..." : text;
+}
+
 }  // namespace alidade::tools

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <filesystem>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -25,5 +26,8 @@ void add_camera_reading(const Options& command, const std::string& lens_default,
 /// check_camera(). Errors: those of read_cameras(), camera_called() and check_camera(); a camera named twice.
 camera::CameraSet read_camera_file(const std::filesystem::path& file, const std::vector<std::string>& names,
                                    const camera::CameraFileOptions& options);
+
+/// "'a.jpg', 'b.jpg'", of many the first ten and "...".
+std::string some_names(std::span<const std::string> names);
 
 }  // namespace alidade::tools

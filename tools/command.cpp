@@ -62,6 +62,11 @@ std::string explain_unknown_word(std::span<const std::string> words, const std::
   if (words.empty() || words[0].starts_with("-")) return {};
   const Command* const chosen = find_command(commands, words[0]);
   if (chosen == nullptr) {
+    // A command of a group is easily named without it.
+    for (const Command& group : commands)
+      if (find_command(group.parts, words[0]) != nullptr)
+        return fmt::format("unknown command '{}'; did you mean '{} {}'?", words[0], group.options.name(),
+                           words[0]);
     std::vector<std::string> command_names;
     for (const Command& command : commands) command_names.push_back(command.options.name());
     return unknown("command", words[0], command_names);

@@ -122,7 +122,8 @@ struct LasWriter::State {
       encode(batch, first, count);
       count_points(batch, first, count);
       collected ? collected->records.append(block) : points->write(block);
-      report(options.progress, header.point_count, collected ? 2 * total : total);
+      // Points that are collected first are half done.
+      report(options.progress, collected ? header.point_count / 2 : header.point_count, total);
     }
   }
 
@@ -140,7 +141,7 @@ struct LasWriter::State {
                     collected->scratch, [&](std::span<const std::byte> some) {
                       points->write(some);
                       written += some.size() / header.point_size;
-                      report(options.progress, header.point_count + written, 2 * header.point_count);
+                      report(options.progress, (header.point_count + written) / 2, header.point_count);
                     });
     return plan;
   }

@@ -230,6 +230,20 @@ bool same_columns(sqlite3_stmt* a, sqlite3_stmt* b) {
   return true;
 }
 
+/// "one of x, y, z, intensity (points); name (places)": the columns of the first few tables, for messages.
+std::string columns_of_tables(sqlite3* database) {
+  const Parsed query =
+      parse(database,
+            "SELECT group_concat(c.name, ', ') || ' (' || t.name || ')' FROM pragma_table_list t "
+            "JOIN pragma_table_info(t.name, t.schema) c WHERE t.type IN ('table', 'view', 'virtual') "
+            "AND t.name NOT LIKE 'sqlite!_%' ESCAPE '!' GROUP BY t.schema, t.name LIMIT 4");
+  std::string text;
+  while (query.statement != nullptr && sqlite3_step(query.statement.get()) == SQLITE_ROW)
+    text += (text.empty() ? "one of " : "; ") +
+            std::string(reinterpret_cast<const char*>(sqlite3_column_text(query.statement.get(), 0)));
+  return text;
+}
+
 }  // namespace
 
 PrunedStatement prune_statement(std::string_view sql) {
@@ -240,9 +254,12 @@ Prepared prepare(sqlite3* database, std::string_view sql, std::size_t begin, con
   Parsed given = parse(database, sql.substr(begin));
   if (given.result != SQLITE_OK) {
     const int byte = sqlite3_error_offset(database);
+    std::string problem = sqlite3_errmsg(database);
+    std::string expected = problem.starts_with("no such column") ? columns_of_tables(database) : "";
     throw Error({.file = file,
                  .location = byte < 0 ? "" : text_location(sql, begin + static_cast<std::size_t>(byte)),
-                 .problem = sqlite3_errmsg(database)});
+                 .problem = std::move(problem),
+                 .expected = std::move(expected)});
   }
   Prepared prepared{.statement = std::move(given.statement), .size = given.size};
   if (prepared.statement == nullptr) return prepared;

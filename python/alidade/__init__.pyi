@@ -46,7 +46,7 @@ class Cloud:
 class Index(Cloud):
     def save(self, file: File, *, overwrite: bool = False, progress: Progress | None = None) -> None: ...
     def closest(self, rays: ArrayLike | None = None, *, origins: ArrayLike | None = None,
-                directions: ArrayLike | None = None, radius: float | None = None, measure: Measure = "entry",
+                directions: ArrayLike | None = None, radius: float | None = None, measure: Measure | None = None,
                 t_min: ArrayLike = 0.0, t_max: ArrayLike | None = None, where: NDArray[bool_] | None = None,
                 classes: Sequence[int] | None = None, max_level: int | None = None, workers: int = -1) -> Hits: ...
     def occluded(self, rays: ArrayLike | None = None, *, origins: ArrayLike | None = None,
@@ -65,7 +65,7 @@ class Index(Cloud):
                 classes: Sequence[int] | None = None, max_level: int | None = None, workers: int = -1,
                 k: int = 1) -> Hits: ...
     def within(self, rays: ArrayLike | None = None, *, origins: ArrayLike | None = None,
-               directions: ArrayLike | None = None, radius: float | None = None, measure: Measure = "t",
+               directions: ArrayLike | None = None, radius: float | None = None, measure: Measure | None = None,
                t_min: ArrayLike = 0.0, t_max: ArrayLike | None = None, where: NDArray[bool_] | None = None,
                classes: Sequence[int] | None = None, max_level: int | None = None, workers: int = -1,
                k: int = 0) -> HitLists: ...

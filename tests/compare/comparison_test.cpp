@@ -220,6 +220,24 @@ TEST_F(ComparisonTest, layers_are_compared_and_one_sided_ones_reported) {
   EXPECT_THROW(judge(half, parse_thresholds("ids=99")), Error);
 }
 
+TEST_F(ComparisonTest, alpha_of_one_picture_and_other_sizes_name_their_options) {
+  const std::vector<float> plain(3 * k_width * k_height, 0.5f), transparent(4 * k_width * k_height, 0.5f);
+  write_layers("a.exr", k_width, k_height, {"R", "G", "B"}, plain);
+  write_layers("b.exr", k_width, k_height, {"R", "G", "B", "A"}, transparent);
+  const Comparison comparison = compare("a.exr", "b.exr");
+  ASSERT_EQ(comparison.remarks.size(), 1u);
+  EXPECT_EQ(comparison.remarks[0],
+            "ignoring alpha: only the test has it; --opaque leaves out the pixels without a surface");
+  write_layers("small.exr", k_width, 1, {"R", "G", "B"}, std::vector<float>(3 * k_width, 0.5f));
+  try {
+    compare("a.exr", "small.exr");
+    ADD_FAILURE();
+  } catch (const SizeMismatch& error) {
+    EXPECT_NE(std::string(error.what()).find(", or --resize reference, found "), std::string::npos)
+        << error.what();
+  }
+}
+
 TEST_F(ComparisonTest, files_with_nothing_in_common_cannot_be_compared) {
   write("a.png", wave());
   write_layers("z.exr", k_width, k_height, {"Z"}, std::vector<float>(k_width * k_height, 1.0f));

@@ -37,6 +37,13 @@ def test_cameras_and_scenes_are_those_of_the_program(index):
             alidade.render(index, **arguments)
 
 
+def test_a_camera_that_looks_away_is_a_warning(index):
+    camera = {"model": "pinhole", "width": 60, "height": 40, "intrinsics": {"vertical_fov": 40},
+              "pose": {"look_at": {"eye": [690000, 5325000, 700], "target": [690001, 5325000, 800]}}}
+    with pytest.warns(UserWarning, match="the camera sees nothing"):
+        assert not alidade.render(index, camera=camera, samples=1)["alpha"].any()
+
+
 def test_observers_see_points_and_ground(index):
     seen = alidade.visible(index, [EYE, [690005, 5325010, 601.7]])
     assert seen.shape == (2, len(index)) and seen.dtype == bool

@@ -39,7 +39,7 @@ def test_nearest_within_and_count_agree(scattered, rays):
     assert (np.diff(lists.offsets) == counts).all() and (scattered.count(rays, radius=0.5) == counts).all()
     for i in (0, 17, 499):
         part = slice(lists.offsets[i], lists.offsets[i + 1])
-        assert (np.diff(lists.t[part]) >= 0).all()
+        assert (np.diff(lists.entry[part]) >= 0).all()
         assert set(lists.index[part]) == set(np.flatnonzero(distance[i] <= 0.5))
 
 

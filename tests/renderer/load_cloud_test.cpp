@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <filesystem>
 
+#include "camera/projection.h"
 #include "cloud/las/write_las.h"
 #include "octree/spacing.h"
 #include "renderer/overview.h"
@@ -205,6 +206,37 @@ TEST_F(LoadCloud, strays_do_not_widen_what_is_shown) {
   const Bounds strays = visible_bounds(load_cloud(settings));
   EXPECT_EQ(strays.min, plain.min);
   for (int axis = 0; axis < 3; ++axis) EXPECT_LT(strays.max[axis], plain.max[axis] + 5.0) << axis;
+}
+
+TEST_F(LoadCloud, pylons_and_far_walls_are_in_the_frame_of_an_overview) {
+  std::vector<glm::dvec3> positions;
+  // A wide field, and beside it a few points of a wall.
+  for (int i = 0; i < 90'000; ++i) positions.emplace_back(i % 300, i / 300, 0.01 * (i % 7));
+  for (int i = 0; i < 30; ++i) positions.emplace_back(330.0, 5.0 * i, 0.5 * (i % 10));
+  // Pylons of 60 m: fewer points than half a percent, and their tips than are sampled.
+  for (int pylon = 0; pylon < 4; ++pylon)
+    for (int i = 0; i < 60; ++i) positions.emplace_back(40.0 + 60.0 * pylon, 250.0 - 40.0 * pylon, 1.0 + i);
+  CloudSettings settings;
+  settings.radius = 0.5;
+  settings.files = {folder_ / "field.las"};
+  write_las(settings.files[0], test::make_cloud(positions, {glm::dvec3(0.001), glm::dvec3(0.0)}));
+  LoadedCloud cloud = load_cloud(settings);
+  EXPECT_EQ(stray_count(cloud), 0u);
+  for (const double azimuth : {30.0, 135.0, 260.0}) {
+    const camera::Projection frame(overview_camera(visible_positions(cloud), cloud.radius, 60, 40, azimuth));
+    for (const glm::dvec3& position : positions) {
+      const std::optional<glm::dvec2> film = frame.project(position);
+      ASSERT_TRUE(film && film->x >= 0.0 && film->x <= 60.0 && film->y >= 0.0 && film->y <= 40.0)
+          << position.x << " " << position.y << " " << position.z;
+    }
+  }
+  positions.emplace_back(150.0, 150.0, 1000.0);
+  positions.emplace_back(150.0, -1000.0, 0.0);
+  settings.files = {folder_ / "birds.las"};
+  write_las(settings.files[0], test::make_cloud(positions, {glm::dvec3(0.001), glm::dvec3(0.0)}));
+  cloud = load_cloud(settings);
+  EXPECT_EQ(stray_count(cloud), 2u);
+  EXPECT_NEAR(visible_bounds(cloud).max.z, 60.5, 1e-9);
 }
 
 TEST_F(LoadCloud, overviews_are_from_the_side_of_the_scanners_unless_they_are_amid_the_points) {

@@ -77,9 +77,26 @@ TEST(ReadSceneTest, what_a_scene_leaves_out_is_as_in_the_structs) {
   EXPECT_EQ(describe(parse_scene(R"({"version": 1})", "x.json")), describe(Scene{}));
   Scene scene;
   scene.cloud.emplace().files = {"a.las"};
+  scene.cloud->shape = PointShape::blend;  // as 'alidade render' without a scene
   scene.sun = Sun{};
   EXPECT_EQ(describe(parse_scene(R"({"version": 1, "cloud": {"file": "a.las"}, "sun": {}})", "x.json")),
             describe(scene));
+}
+
+TEST(ReadSceneTest, points_are_blended_discs_unless_something_applies_to_spheres_only) {
+  const auto shape = [](const std::string& keys) {
+    return parse_scene(R"({"version": 1, "cloud": {"file": "a.las")" + keys + "}}", "x.json").cloud->shape;
+  };
+  for (const char* const keys :
+       {"", R"(, "radius": "auto")", R"(, "radius": {"factor": 1})", R"(, "radius": {"neighbours": 8})",
+        R"(, "material": {"type": "metal"})", R"(, "color": "height", "partial": true)",
+        R"(, "surface": "blend", "normals": "smooth")"})
+    EXPECT_EQ(shape(keys), PointShape::blend) << keys;
+  for (const char* const keys : {R"(, "radius": 0.1)", R"(, "radius": {"neighbours": 4})",
+                                 R"(, "hits": "entry")", R"(, "normals": "sphere")", R"(, "max_level": 3)",
+                                 R"(, "material": {"type": "dielectric"})", R"(, "surface": "sphere")"})
+    EXPECT_EQ(shape(keys), PointShape::sphere) << keys;
+  EXPECT_EQ(shape(R"(, "surface": "disc")"), PointShape::disc);
 }
 
 TEST(ReadSceneTest, colours_are_a_word_or_an_object_with_map_range_and_classes) {

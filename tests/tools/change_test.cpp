@@ -207,6 +207,39 @@ TEST_F(ChangeProgramTest, without_scanner_positions_it_says_what_to_do) {
   EXPECT_EQ(std::ranges::count(classes, 2) + std::ranges::count(classes, 4), 0);
 }
 
+/// A point about every metre, in rows that no two points share.
+std::string thin_ground(double height) {
+  std::string text = "x,y,z\n";
+  for (int x = 0; x < 30; ++x)
+    for (int y = 0; y < 30; ++y)
+      text += fmt::format("{},{},{}\n", x + 0.17 * ((7 * x + 3 * y) % 5 - 2) / 2,
+                          y + 0.17 * ((5 * x + 11 * y) % 7 - 3) / 3, height + 0.01 * ((x + 2 * y) % 3 - 1));
+  return text;
+}
+
+TEST_F(ChangeProgramTest, points_without_a_distance_are_not_measured_and_the_reasons_counted) {
+  write("before.csv", thin_ground(0.0));
+  write("after.csv", thin_ground(0.5));
+  const Words all = {"change", "before.csv", "after.csv", "--no-sight", "-o", "change.las", "--overwrite"};
+  const ProgramResult measured =
+      run(with(all, {"--normal-radius", "1.1", "--cylinder-radius", "2", "--max-distance", "2", "--json"}));
+  ASSERT_EQ(measured.exit_code, 0) << measured.err;
+  EXPECT_TRUE(
+      contains(measured.err, "BEFORE: --normal-radius holds too few points for a normal at 900 of 900"))
+      << measured.err;
+  const nlohmann::json before = nlohmann::json::parse(measured.out).at("before").at("classes");
+  EXPECT_EQ(before.at("same").at("points"), 0);
+  EXPECT_GT(before.at("moved").at("with_distance"), 880);
+  EXPECT_NEAR(before.at("moved").at("median_distance"), 0.5, 0.02);
+  const ProgramResult small = run(with(all, {"--cylinder-radius", "0.6", "--max-distance", "2"}));
+  ASSERT_EQ(small.exit_code, 0) << small.err;
+  EXPECT_TRUE(contains(small.out, "\nnot measured               900")) << small.out;
+  EXPECT_TRUE(contains(small.out, "\n  too few points           900\n")) << small.out;
+  EXPECT_FALSE(contains(small.out, "same")) << small.out;
+  EXPECT_TRUE(contains(small.err, "900 of 900 points are not measured: 0 have no normal")) << small.err;
+  EXPECT_EQ(std::ranges::count(values<std::uint8_t>(output("change.las"), "Change"), 7), 1800);
+}
+
 TEST_F(ChangeProgramTest, epochs_on_other_lattices_share_the_finest_scale) {
   PointCloud after = yard(false);
   after.lattice = {.scale = glm::dvec3(0.0005), .offset = {689999.5, 5325000, 600}};

@@ -3,6 +3,7 @@
 #include <fstream>
 #include <nlohmann/json.hpp>
 
+#include "cloud/las/write_las.h"
 #include "tests/tools/run_program.h"
 
 namespace alidade::test {
@@ -63,6 +64,22 @@ TEST_F(InfoTest, the_rounding_of_float32_coordinates_is_stated) {
   EXPECT_LT(info.at("rounding_error")[2].get<double>(), 1e-3);
   EXPECT_NE(info.at("warnings").dump().find("y in steps of 0.5"), std::string::npos) << info.at("warnings");
   EXPECT_NE(run({"info", "far.ply"}).out.find("0.03125 0.25"), std::string::npos);
+}
+
+TEST_F(InfoTest, bounds_have_no_digits_of_rounding) {
+  PointCloud cloud;
+  cloud.lattice = {.scale = glm::dvec3(0.01), .offset = glm::dvec3(0.0)};
+  cloud.positions = {{1, 42815, 37578}, {13639970, 84893520, 37579}};
+  write_las(folder / "centimetres.las", cloud);
+  ASSERT_NE(cloud.world(0).z, 375.78) << "0.01 times 37578 is 375.78000000000003";
+  const std::string said = run({"info", "--json", "centimetres.las"}).out;
+  const Json bounds = Json::parse(said).at("bounds");
+  EXPECT_EQ(bounds.at("min"), Json::parse("[0.01, 428.15, 375.78]")) << said;
+  EXPECT_EQ(bounds.at("max"), Json::parse("[136399.7, 848935.2, 375.79]")) << said;
+  const std::string table = run({"sql", "centimetres.las", "SELECT y, z FROM points WHERE id = 0"}).out;
+  EXPECT_NE(table.find("428.15  375.78\n"), std::string::npos) << table;
+  const std::string csv = run({"sql", "centimetres.las", "SELECT z FROM points WHERE id = 0", "--csv"}).out;
+  EXPECT_EQ(csv, "z\n375.78000000000003\n") << "scripts get the number itself";
 }
 
 TEST_F(InfoTest, several_files_are_one_cloud) {

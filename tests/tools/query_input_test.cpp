@@ -256,7 +256,7 @@ TEST_F(QueryInputTest, targets_of_the_command_line_are_quoted_in_errors) {
       {{"--vertex", "1,2,3"}, "--vertex: too few distinct path vertices"},
       {{"--ray", "0,0,0,1,0,0", "--point", "0,0,0"}, "rays and points are different kinds of targets"},
       {{"--point", "0,0,0", "--points", "targets"}, "--points and --point exclude each other"},
-      {{}, "missing targets; expected one of --rays, --cones, --path, --planes, --boxes, --points"},
+      {{}, "missing targets; expected one of --rays, --lines, --cones, --path, --planes, --boxes, --points"},
       {{"--rays", "absent.csv"}, "absent.csv: cannot open the file"},
       {{"--rays", "."}, ".: cannot read the file"}};
   for (const auto& [words, message] : wrong) {

@@ -80,6 +80,27 @@ TEST_F(QueryTest, ray_without_radius_gives_the_nearest_point) {
             "ray_id,rank,point_id,x,y,z,t,distance,entry\n0,0,3,3,0,2,7,0,-inf\n");
 }
 
+TEST_F(QueryTest, a_ray_begins_at_its_origin_and_a_line_does_not) {
+  // From the point 1 on: it is at t = 0, and 0 lies behind.
+  EXPECT_EQ(ask({"--ray", "1,0,0,1,0,0", "--radius", "0.25"}),
+            "ray_id,rank,point_id,x,y,z,t,distance,entry\n0,0,1,1,0,0,0,0,-0.25\n0,1,4,4,0,0,3,0,2.75\n");
+  EXPECT_EQ(ask({"--line", "1,0,0,1,0,0", "--radius", "0.25", "--count"}), "ray_id,count\n0,3\n");
+  EXPECT_EQ(ask({"--line", "1,0,0,1,0,0", "--radius", "0.25"}),
+            ask({"--ray", "1,0,0,1,0,0,-inf", "--radius", "0.25"}));
+  EXPECT_EQ(ask({"--line", "1,0,0,1,0,0", "--radius", "0.25", "--t-min", "0"}),
+            ask({"--ray", "1,0,0,1,0,0", "--radius", "0.25"}));
+  // The nearest to the line through (4, 0, 2) is behind, the nearest ahead farther away.
+  EXPECT_EQ(ask({"--line", "3.5,0,2,1,0,0"}),
+            "ray_id,rank,point_id,x,y,z,t,distance,entry\n0,0,3,3,0,2,-0.5,0,-inf\n");
+  EXPECT_EQ(ask({"--ray", "3.5,0,2,1,0,0"}),
+            "ray_id,rank,point_id,x,y,z,t,distance,entry\n0,0,4,4,0,0,0.5,2,-inf\n");
+  write("lines.csv", "ox,oy,oz,dx,dy,dz,t_min\n1,0,0,1,0,0,\n1,0,0,1,0,0,2\n");
+  EXPECT_EQ(ask({"--rays", "lines.csv", "--radius", "0.25", "--count"}), "ray_id,count\n0,2\n1,1\n");
+  EXPECT_EQ(ask({"--lines", "lines.csv", "--radius", "0.25", "--count"}), "ray_id,count\n0,3\n1,1\n");
+  EXPECT_EQ(ask({"--line", "3.5,0,2,1,0,0", "--radius", "0.1", "--occluded"}), "ray_id,occluded\n0,1\n");
+  EXPECT_EQ(ask({"--ray", "3.5,0,2,1,0,0", "--radius", "0.1", "--occluded"}), "ray_id,occluded\n0,0\n");
+}
+
 TEST_F(QueryTest, limits_of_a_ray_override_those_of_the_options) {
   write("limited.csv",
         "t_max,ox,oy,oz,dx,dy,dz,t_min\n,0,0,0,1,0,0,\n3,0,0,0,1,0,0,2.5\n-inf,0,0,0,1,0,0,inf\n");

@@ -72,6 +72,7 @@ TEST(Change, names_are_those_of_the_manual) {
   EXPECT_STREQ(name_of(ChangeClass::appeared), "new");
   EXPECT_STREQ(name_of(ChangeClass::never_seen), "never seen");
   EXPECT_STREQ(name_of(ChangeClass::ignored), "ignored");
+  EXPECT_STREQ(name_of(ChangeClass::not_measured), "not measured");
 }
 
 TEST(Change, planes_have_their_distance_and_level_of_detection) {
@@ -289,6 +290,138 @@ TEST(Change, radii_that_are_given_hold) {
   // Too few points of the other epoch in a small cylinder.
   const Changes thin = changes_of(Scan(ground), Scan(dense), {.cylinder_radius = 0.03});
   EXPECT_TRUE(std::isnan(thin.after.distances[1000]));
+  EXPECT_EQ(thin.after.classes[1000], ChangeClass::not_measured);
+}
+
+/// A grid of 30 by 30 m with a point about every metre, and noise of a centimetre.
+Points thin_ground(const char* seed, double height) {
+  Random random(seed);
+  Points points;
+  for (int x = 0; x < 30; ++x)
+    for (int y = 0; y < 30; ++y)
+      points.emplace_back(x + random.between(-0.2, 0.2), y + random.between(-0.2, 0.2),
+                          height + random.between(-0.02, 0.02));
+  return points;
+}
+
+Points crown(const char* seed) {
+  Random random(seed);
+  Points points;
+  for (int i = 0; i < 2000; ++i)
+    points.emplace_back(random.between(-1, 1), random.between(-1, 1), random.between(2, 4));
+  return points;
+}
+
+/// With given radii, that is what `same` means.
+void expect_measured_or_not(const PointChanges& changes) {
+  std::uint64_t unmeasured = 0;
+  for (std::size_t id = 0; id < changes.classes.size(); ++id) {
+    const ChangeClass kind = changes.classes[id];
+    const bool is_found = kind == ChangeClass::same || kind == ChangeClass::moved;
+    ASSERT_EQ(is_found, !std::isnan(changes.distances[id])) << id << " is " << name_of(kind);
+    unmeasured += kind == ChangeClass::not_measured ? 1 : 0;
+  }
+  EXPECT_EQ(changes.without_normal + changes.too_few_points, unmeasured);
+}
+
+TEST(Change, what_was_not_measured_is_never_the_same) {
+  const ChangeOptions options{.normal_radius = 1.1, .cylinder_radius = 2.0, .max_distance = 2.0};
+  const Changes changes =
+      changes_of(Scan(thin_ground("before", 0.0)), Scan(thin_ground("after", 0.5)), options);
+  for (const PointChanges* epoch : {&changes.before, &changes.after}) {
+    expect_measured_or_not(*epoch);
+    EXPECT_EQ(share(*epoch, ChangeClass::same), 0.0);
+    EXPECT_GT(share(*epoch, ChangeClass::moved), 0.98);
+    EXPECT_EQ(epoch->wider_normals, 900u) << "spheres hold 1 to 6 points";
+    for (std::size_t id = 0; id < epoch->distances.size(); ++id)
+      if (!std::isnan(epoch->distances[id])) ASSERT_NEAR(epoch->distances[id], 0.5, 0.03);
+  }
+}
+
+TEST(Change, a_point_without_a_normal_is_not_measured_with_given_radii) {
+  Points moved = crown("before");
+  for (glm::dvec3& point : moved) point.x += 0.03;
+  const Scan before(crown("before"), {{0, -5, 3}}), after(moved, {{0, -5, 3}});
+  for (const ChangeOptions& options :
+       {ChangeOptions{.normal_radius = 0.4}, ChangeOptions{.cylinder_radius = 0.2}}) {
+    const Changes changes = changes_of(before, after, options);
+    expect_measured_or_not(changes.before);
+    expect_measured_or_not(changes.after);
+    EXPECT_LT(share(changes.before, ChangeClass::same), 0.1);
+    EXPECT_GT(changes.before.without_normal, 1800u);
+    EXPECT_EQ(changes.before.wider_normals, 0u);
+  }
+  EXPECT_EQ(changes_of(before, after).before.without_normal, 0u) << "presence decides without radii";
+}
+
+TEST(Change, a_cylinder_with_too_few_points_measures_nothing) {
+  Points ground;
+  add_rectangle(ground, {0, 0, 0}, {4, 0, 0}, {0, 4, 0}, 0.1);
+  const Changes changes =
+      changes_of(Scan(ground), Scan(moved_by(ground, {0, 0, 0.02})), {.cylinder_radius = 0.05});
+  EXPECT_EQ(share(changes.before, ChangeClass::not_measured), 1.0);
+  EXPECT_EQ(changes.before.too_few_points, ground.size());
+  EXPECT_EQ(changes.before.without_normal, 0u);
+  // 4 are enough, 3 are not: rows of the points' own length.
+  Points row;
+  for (int i = 0; i < 4; ++i) row.push_back(ground[static_cast<std::size_t>(20 * 41 + 19 + i)]);
+  const ChangeOptions radius{.cylinder_radius = 0.16};
+  EXPECT_FALSE(std::isnan(changes_of(Scan(ground), Scan(ground), radius).before.distances[20 * 41 + 20]));
+  row.pop_back();
+  const Changes thin = changes_of(Scan(ground), Scan(row), radius);
+  EXPECT_EQ(share(thin.before, ChangeClass::moved), 0.0);
+  expect_measured_or_not(thin.before);
+}
+
+TEST(Change, identical_epochs_are_the_same_at_distance_0) {
+  Points points = yard(0.2);
+  for (const glm::dvec3& leaf : crown("leaves")) points.push_back(leaf);
+  points.emplace_back(30.0, 30.0, 30.0);
+  for (const ChangeOptions& options :
+       {ChangeOptions{}, ChangeOptions{.normal_radius = 0.01, .cylinder_radius = 0.01},
+        ChangeOptions{.registration_error = 0.01, .normal_radius = 0.5, .cylinder_radius = 0.5}}) {
+    const Changes changes = changes_of(Scan(points), Scan(points), options);
+    for (std::size_t id = 0; id < points.size(); ++id) {
+      ASSERT_EQ(changes.before.classes[id], ChangeClass::same) << id;
+      ASSERT_EQ(changes.before.distances[id], 0.0f) << id;
+      ASSERT_GE(changes.before.detection_levels[id], 1.96f * static_cast<float>(options.registration_error));
+    }
+  }
+}
+
+TEST(Change, degenerate_epochs_are_not_measured_rather_than_the_same) {
+  Points few{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}}, one{{0, 0, 0}}, twins(20, {0, 0, 0}), line;
+  for (int i = 0; i < 100; ++i) line.emplace_back(0.1 * i, 0, 0);
+  const ChangeOptions given{.normal_radius = 1.0, .cylinder_radius = 1.0, .max_distance = 2.0};
+  for (const Points& points : {few, one, twins, line}) {
+    // A cloud of no extent overlaps only itself.
+    Points there = points, here = points;
+    there.emplace_back(0, 0, 20);
+    here.emplace_back(0, 0, 20);
+    for (std::size_t i = 0; i < points.size(); ++i) there[i].z += 0.5;
+    const std::size_t count = points.size();
+    const Changes strict = changes_of(Scan(here), Scan(there), given);
+    EXPECT_EQ(share(strict.before, ChangeClass::not_measured, 0, count), 1.0) << count;
+    expect_measured_or_not(strict.before);
+    if (count < 9 || points == twins) {
+      const Changes usual = changes_of(Scan(here), Scan(there));
+      EXPECT_EQ(share(usual.before, ChangeClass::same, 0, count), 0.0) << count << " without spacing";
+    }
+    EXPECT_EQ(share(changes_of(Scan(here), Scan(here), given).before, ChangeClass::same), 1.0) << count;
+  }
+}
+
+TEST(Change, lines_of_sight_decide_before_what_is_not_measured) {
+  Points with_box = yard();
+  const std::size_t first = add_box(with_box, {-0.5, 0, 0}, {1, 1, 1});
+  const std::vector<glm::dvec3> scanner{{0, -3, 1.7}};
+  const ChangeOptions options{.normal_radius = 0.3, .cylinder_radius = 0.3, .max_distance = 0.2};
+  const Changes removed = changes_of(Scan(with_box, scanner), Scan(yard(), scanner), options);
+  EXPECT_GT(share(removed.before, ChangeClass::gone, first), 0.6);
+  expect_measured_or_not(removed.before);
+  const Changes unknown = changes_of(Scan(with_box), Scan(yard()), options);
+  EXPECT_GT(share(unknown.before, ChangeClass::unmatched, first), 0.6);
+  EXPECT_EQ(share(unknown.before, ChangeClass::gone), 0.0);
 }
 
 TEST(Change, summaries_have_counts_areas_and_medians) {
@@ -300,6 +433,7 @@ TEST(Change, summaries_have_counts_areas_and_medians) {
   ASSERT_EQ(all.size(), std::size_t{k_change_classes});
   const ChangeSummary& moved = all[static_cast<std::size_t>(ChangeClass::moved)];
   EXPECT_EQ(moved.count, ground.size());
+  EXPECT_EQ(moved.measured, ground.size());
   EXPECT_NEAR(*moved.median_distance, -0.05, 1e-4);
   EXPECT_NEAR(*moved.median_absolute_distance, 0.05, 1e-4);
   EXPECT_NEAR(*moved.median_detection_level, 0.0196, 1e-4);

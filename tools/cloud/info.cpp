@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 #include <glm/common.hpp>
+#include <limits>
 #include <memory>
 #include <nlohmann/json.hpp>
 
@@ -190,6 +191,18 @@ Json triple(const glm::dvec3& value) {
   return {value.x, value.y, value.z};
 }
 
+/// Coordinates without what products and sums leave in the last bits: 375.78 for 375.78000000000003.
+Json coordinates(const glm::dvec3& position) {
+  glm::dvec3 plain = position;
+  for (int axis = 0; axis < 3; ++axis) {
+    const double value = position[axis], shorter = std::stod(fmt::format("{:.15g}", value));
+    const double step =
+        std::nextafter(std::fabs(value), std::numeric_limits<double>::infinity()) - std::fabs(value);
+    if (std::fabs(shorter - value) <= 2.0 * step) plain[axis] = shorter;
+  }
+  return triple(plain);
+}
+
 Json to_json(const Description& description, bool verified) {
   const PointCloud& cloud = description.cloud;
   Json files = Json::array();
@@ -219,8 +232,8 @@ Json to_json(const Description& description, bool verified) {
   Json json = {{"points", description.point_count},
                {"files", files},
                {"bounds",
-                {{"min", empty ? Json() : triple(description.bounds.min)},
-                 {"max", empty ? Json() : triple(description.bounds.max)}}},
+                {{"min", empty ? Json() : coordinates(description.bounds.min)},
+                 {"max", empty ? Json() : coordinates(description.bounds.max)}}},
                {"scale", triple(cloud.lattice.scale)},
                {"offset", triple(cloud.lattice.offset)},
                {"rounding_error", triple(rounding_error(description))},

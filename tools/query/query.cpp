@@ -25,21 +25,22 @@ void add_conditions(const Options& query, QueryCommand& command) {
   group.value("--radius", "R", "largest distance from the ray, path or point, in metres (default: inf)",
               command.radius, parse_length_limit);
   group.count("--k", "K",
-              "most points per target, in the order of the measure (default: 1 for rays, paths and points "
-              "without --radius, else all)",
+              "most points per target, in the order of the measure (default: 1 for rays, lines, paths and "
+              "points without --radius, else all)",
               command.k, 1, k_all);
   group.choice("--measure",
                "order of points: distance to the ray, position t of the projection, or where the ray enters "
-               "the sphere of the radius around the point (default: rays entry with --radius, else distance; "
-               "cones distance; paths t)",
+               "the sphere of the radius around the point (default: rays and lines entry with --radius, else "
+               "distance; cones distance; paths t)",
                command.measure,
                {{"distance", Measure::distance}, {"t", Measure::t}, {"entry", Measure::entry}});
-  group.value("--t-min", "A",
-              "points that project to t >= A, metres along the ray, cone or path, if the targets do not set "
-              "it (default: -inf; cones 0)",
-              command.t_min, parse_limit);
+  group.value(
+      "--t-min", "A",
+      "points that project to t >= A, metres along the ray, line, cone or path, if the targets do not "
+      "set it (default: rays and cones 0, lines and paths -inf)",
+      command.t_min, parse_limit);
   group.value("--t-max", "B", "points that project to t <= B (default: inf)", command.t_max, parse_limit);
-  group.value("--entry-min", "E", "for rays with --radius: spheres entered at E or later, metres",
+  group.value("--entry-min", "E", "for rays and lines with --radius: spheres entered at E or later, metres",
               command.entry_min, parse_limit);
   group.value("--classes,--class", "LIST",
               "points of these classes, such as 2,6; point ids stay those of all points", command.classes,
@@ -113,14 +114,15 @@ TargetFamily chosen_family(const QueryCommand& command) {
 void check_options(const QueryCommand& command) {
   using enum TargetFamily;
   const TargetFamily family = command.family;
-  const bool has_t = family == rays || family == cones || family == path;
+  const bool is_straight = family == rays || family == lines;
+  const bool has_t = is_straight || family == cones || family == path;
   if (command.radius && (family == cones || family == planes || family == boxes)) reject("--radius", family);
   if (command.measure && !has_t) reject("--measure", family);
   if (command.t_min && !has_t) reject("--t-min", family);
   if (command.t_max && !has_t) reject("--t-max", family);
-  if (command.entry_min && family != rays) reject("--entry-min", family);
+  if (command.entry_min && !is_straight) reject("--entry-min", family);
   if (command.entry_min && !command.radius) throw input_error("--entry-min requires a radius", "--radius R");
-  if (command.measure == Measure::entry && family == rays && !command.radius)
+  if (command.measure == Measure::entry && is_straight && !command.radius)
     throw input_error("--measure entry requires a radius", "--radius R");
   if (command.measure == Measure::entry && family == path)
     throw input_error("--measure entry does not apply to paths", "t or distance");
@@ -130,6 +132,8 @@ ExitCode run(const QueryCommand& given) {
   QueryCommand command = given;
   command.family = chosen_family(command);
   check_options(command);
+  // The library's rays are whole lines, as the paper's.
+  if (command.family == TargetFamily::rays && !command.t_min) command.t_min = 0.0;
   return run_query(command);
 }
 

@@ -252,7 +252,7 @@ std::string run_targets(TargetReader<Target>& reader, AnyAsker& asker, const Que
                         AnswerOutput& output) {
   // Two texts on one terminal would run into each other.
   const bool to_terminal = command.output.empty() && isatty(STDOUT_FILENO) == 1;
-  const TargetKind& kind = target_kind<Target>();
+  const TargetKind& kind = target_kind(command.family);
   ProgressLine line("asking", std::string(kind.plural), to_terminal ? Verbosity::quiet : command.verbosity);
   const Tally tally = answer_all_targets(reader, asker, command, output, line.callback());
   output.finish();
@@ -330,7 +330,7 @@ ExitCode run_with(const QueryCommand& command) {
 ExitCode run_query(const QueryCommand& command) {
   // In the order of TargetFamily.
   constexpr ExitCode (*k_runs[k_target_families])(const QueryCommand&) = {
-      run_with<Ray>,        run_with<Cone>,   run_with<Path>,
+      run_with<Ray>,        run_with<Ray>,    run_with<Cone>,      run_with<Path>,
       run_with<HalfSpaces>, run_with<Bounds>, run_with<glm::dvec3>};
   return k_runs[static_cast<std::size_t>(command.family)](command);
 }

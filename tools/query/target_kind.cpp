@@ -62,7 +62,9 @@ constexpr TargetVector k_box_vectors[] = {{"min", 0}, {"max", 3}};
 // In the order of TargetFamily.
 constexpr TargetKind k_kinds[] = {
     {"ray", "rays", "ray_id", "Ray", k_ray_columns, k_ray_vectors, "--rays", "--ray",
-     "rays: origin, direction of any length"},
+     "rays: origin, direction of any length; they begin at the origin"},
+    {"line", "lines", "ray_id", "Ray", k_ray_columns, k_ray_vectors, "--lines", "--line",
+     "whole lines: as rays, but also behind the origin"},
     {"cone", "cones", "cone_id", "Cone", k_cone_columns, k_ray_vectors, "--cones", "--cone",
      "cones: apex, axis, half angle in degrees, radius at the apex (default 0)"},
     {"path", "paths", "path_id", "Path", k_path_columns, k_position_vectors, "--path", "--vertex",

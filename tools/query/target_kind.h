@@ -13,8 +13,8 @@
 namespace alidade::tools {
 
 /// The families of targets; a run asks with one of them.
-enum class TargetFamily { rays, cones, path, planes, boxes, points };
-constexpr std::size_t k_target_families = 6;
+enum class TargetFamily { rays, lines, cones, path, planes, boxes, points };
+constexpr std::size_t k_target_families = 7;
 
 // What `alidade query` can ask with, and how a target is written: as a row of numbers with named columns,
 // alike in CSV, in JSON lines and on the command line.
@@ -65,7 +65,7 @@ struct TargetKind {
 
 const TargetKind& target_kind(TargetFamily family);
 
-/// The kind of Ray, Cone, Path, HalfSpaces, Bounds, glm::dvec3.
+/// The kind of Ray (lines are such, too), Cone, Path, HalfSpaces, Bounds, glm::dvec3.
 template <Askable Target>
 const TargetKind& target_kind() {
   using enum TargetFamily;

@@ -169,7 +169,7 @@ void warn_of_spheres(const renderer::Scene& scene, const renderer::LoadedCloud& 
 }
 
 void write_depth_maps(const DepthPlan& plan, const renderer::Scene& scene, const renderer::LoadedCloud* cloud,
-                      const std::function<renderer::ImageMetadata(const View&)>& metadata,
+                      const std::function<renderer::ImageMetadata(const View&)>& metadata, EmptyViews& empty,
                       Verbosity verbosity) {
   const std::size_t count = plan.jobs.size();
   if (count > 0) {
@@ -188,13 +188,16 @@ void write_depth_maps(const DepthPlan& plan, const renderer::Scene& scene, const
                        [&](std::uint64_t rays, std::uint64_t) { return progress(done + rays, total); });
       const std::vector<float>& depths = plan.layer == image::Layer::depth ? film.depth : film.distance;
       done += film.count();
+      bool sees_anything = film.sees_anything();
       if (!job.file.empty()) {
         const std::vector<float> values = image::depth_values(depths, plan.format, plan.scale, loss);
+        sees_anything = std::ranges::any_of(values, [](float depth) { return depth != 0.0f; });
         image_module().write_depth_map(values, film.width, film.height, plan.format,
                                        texts_of(metadata(job.view), plan), job.file, plan.overwrite);
       }
       if (!job.mask.empty())
         image_module().write_depth_mask(depths, film.width, film.height, job.mask, plan.overwrite);
+      empty.check(job.view, sees_anything);
     }
     line.finish();
     say_warnings(verbosity, warnings_about(loss, plan));

@@ -8,6 +8,7 @@
 #include "image/depth_map.h"
 #include "renderer/picture_metadata.h"
 #include "tools/render/depth_transforms.h"
+#include "tools/render/empty_views.h"
 #include "tools/render/views.h"
 
 // Depth maps beside the pictures of `alidade render`, or in place of them. docs/depth.md.
@@ -63,9 +64,9 @@ DepthPlan plan_depth_maps(const DepthRequest& request, const CameraRequest& came
 void warn_of_spheres(const renderer::Scene& scene, const renderer::LoadedCloud& cloud, Verbosity verbosity);
 
 /// Makes them one after the other, then the transforms.json, and says what the maps could not hold. `metadata`
-/// is what the picture of a view would say. Errors: write failures; Cancelled.
+/// is what the picture of a view would say; `empty` gets the views whose maps hold no depth. Errors: write failures; Cancelled.
 void write_depth_maps(const DepthPlan& plan, const renderer::Scene& scene, const renderer::LoadedCloud* cloud,
-                      const std::function<renderer::ImageMetadata(const View&)>& metadata,
+                      const std::function<renderer::ImageMetadata(const View&)>& metadata, EmptyViews& empty,
                       Verbosity verbosity);
 
 }  // namespace alidade::tools

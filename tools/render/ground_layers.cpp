@@ -2,7 +2,9 @@
 #include "tools/render/ground_layers.h"
 
 #include <fmt/format.h>
+#include <algorithm>
 #include <cmath>
+#include <functional>
 #include <limits>
 
 #include "base/error.h"
@@ -50,7 +52,7 @@ image::Film seen_from_above(const renderer::Scene& scene, const renderer::Loaded
 
 /// Attributes of the points that are seen; `none` elsewhere and on objects.
 template <class Value>
-std::vector<Value> attribute_of(const image::Film& film, std::span<const Value> column, Value none) {
+std::vector<Value> attribute_of(const image::Film& film, const std::vector<Value>& column, Value none) {
   std::vector<Value> values(film.count(), none);
   for (std::size_t pixel = 0; pixel < values.size(); ++pixel) {
     const std::uint32_t id = film.id[pixel];
@@ -75,10 +77,10 @@ std::vector<std::filesystem::path> GroundLayers::files(const std::filesystem::pa
 }
 
 void write_ground_layers(const GroundLayers& wanted, const renderer::Scene& scene,
-                         const renderer::LoadedCloud& cloud, const CloudInputs& clouds,
-                         const camera::Camera& view, const std::filesystem::path& output, bool overwrite,
+                         const renderer::LoadedCloud& cloud, const CloudInputs& clouds, const View& view,
+                         const std::filesystem::path& output, bool overwrite, EmptyViews& empty,
                          Verbosity verbosity) {
-  const geo::RasterGrid grid = grid_of(view);
+  const geo::RasterGrid grid = grid_of(view.camera);
   const std::vector<std::filesystem::path> files = wanted.files(output);
   image::Film film;
   AttributeSet attributes;
@@ -86,7 +88,7 @@ void write_ground_layers(const GroundLayers& wanted, const renderer::Scene& scen
     if (layer == GroundLayer::intensity) attributes = attributes | Attribute::intensity;
     if (layer == GroundLayer::classification) attributes = attributes | Attribute::classification;
     const bool is_seen = layer != GroundLayer::density && layer != GroundLayer::count;
-    if (is_seen && film.count() == 0) film = seen_from_above(scene, cloud, view);
+    if (is_seen && film.count() == 0) film = seen_from_above(scene, cloud, view.camera);
   }
   PointCloud columns;
   if (attributes != AttributeSet()) {
@@ -104,9 +106,13 @@ void write_ground_layers(const GroundLayers& wanted, const renderer::Scene& scen
       image_module().write_raster(files[i], {.grid = grid, .bands = {band}, .crs = cloud.crs}, overwrite);
       say_note(verbosity, fmt::format("wrote {}", files[i].string()));
     };
-    const auto require = [&](const auto& column) {
+    const auto write_attribute = [&](const auto& column, auto none) {
       if (column.empty())
         throw file_error(clouds.title(), fmt::format("the cloud has no {}", name), "another layer");
+      if (std::ranges::adjacent_find(column, std::not_equal_to()) == column.end())
+        say_warnings(verbosity, {fmt::format("{}: all points have the {} {}", files[i].string(), name,
+                                             static_cast<unsigned>(column.front()))});
+      write(attribute_of(film, column, none), none);
     };
     if (layer == GroundLayer::elevation) {
       std::vector<float> heights(film.count(), nothing);
@@ -114,12 +120,9 @@ void write_ground_layers(const GroundLayers& wanted, const renderer::Scene& scen
         if (film.id[pixel] != 0) heights[pixel] = static_cast<float>(film.position[pixel].z);
       write(heights, nothing);
     } else if (layer == GroundLayer::intensity) {
-      require(columns.intensities);
-      write(attribute_of(film, std::span<const std::uint16_t>(columns.intensities), std::uint16_t{0}), 0.0);
+      write_attribute(columns.intensities, std::uint16_t{0});
     } else if (layer == GroundLayer::classification) {
-      require(columns.classifications);
-      write(attribute_of(film, std::span<const std::uint8_t>(columns.classifications), std::uint8_t{255}),
-            255.0);
+      write_attribute(columns.classifications, std::uint8_t{255});
     } else {
       if (counts.empty()) counts = counts_of(cloud.octree, grid);
       if (layer == GroundLayer::count) {
@@ -132,6 +135,8 @@ void write_ground_layers(const GroundLayers& wanted, const renderer::Scene& scen
       }
     }
   }
+  const bool has_points = std::ranges::any_of(counts, [](std::uint32_t count) { return count > 0; });
+  empty.check(view, film.count() > 0 ? film.sees_anything() : has_points);
 }
 
 }  // namespace alidade::tools

@@ -202,14 +202,16 @@ void prepare_light(renderer::Scene& scene, const renderer::LoadedCloud* cloud, V
 }
 
 void add_color_options(const Options& command, ColorRequest& request) {
-  command.value("--color-by,--color", "NAME",
-                "attribute that colours the points: rgb, intensity, height, classification, normal, "
-                "gps_time, return_number, number_of_returns, or another attribute by its name (default: rgb, "
-                "else intensity, else height)",
-                [&request](const std::string& text) {
-                  if (text.empty()) throw UsageError("missing value; expected a name");
-                  request.by = text;
-                });
+  command.value(
+      "--color-by,--color", "NAME",
+      "attribute that colours the points: rgb, intensity, height, classification, normal, "
+      "gps_time, return_number, number_of_returns, or another attribute by its name (default: "
+      "rgb if the cloud has colours, else classification if it has several classes and at least half "
+      "of the points one other than unclassified and noise, else height)",
+      [&request](const std::string& text) {
+        if (text.empty()) throw UsageError("missing value; expected a name");
+        request.by = text;
+      });
   command.choice("--color-map",
                  "colour map of values (default auto: grey for intensity, terrain for height, else viridis)",
                  request.map, map_words());

@@ -208,20 +208,22 @@ renderer::RenderOptions render_options(const LongRenderRequest& request, const i
   return options;
 }
 
-void render_to_file(const LongRenderRequest& request, const renderer::Scene& scene,
-                    const renderer::LoadedCloud* cloud, const renderer::RenderOptions& options,
-                    renderer::ImageMetadata metadata, bool overwrite,
-                    renderer::RenderStatistics& statistics) {
+std::optional<image::Film> render_to_file(const LongRenderRequest& request, const renderer::Scene& scene,
+                                          const renderer::LoadedCloud* cloud,
+                                          const renderer::RenderOptions& options,
+                                          renderer::ImageMetadata metadata, bool overwrite,
+                                          renderer::RenderStatistics& statistics) {
   if (request.part) {
     renderer::render_part(scene, cloud, options,
                           {written_file(request, scene.output.file), overwrite,
                            renderer::image_entries(scene.output, metadata)},
                           &statistics);
-    return;
+    return std::nullopt;
   }
-  const image::Film film = renderer::render(scene, cloud, options, &statistics);
+  image::Film film = renderer::render(scene, cloud, options, &statistics);
   for (auto& text : reached_texts(request, statistics)) metadata.further.push_back(std::move(text));
   image_module().write_image(film, scene.output, metadata, overwrite);
+  return film;
 }
 
 std::vector<std::pair<std::string, std::string>> reached_texts(const LongRenderRequest& request,

@@ -66,10 +66,13 @@ void warn_of_few_samples(const LongRenderRequest& request, int samples);
 renderer::RenderOptions render_options(const LongRenderRequest& request, const image::OutputSettings& output,
                                        bool resume, const renderer::ImageMetadata& metadata);
 
-/// Renders the scene's picture and writes it, with what was reached, or renders a part and writes that.
-void render_to_file(const LongRenderRequest& request, const renderer::Scene& scene,
-                    const renderer::LoadedCloud* cloud, const renderer::RenderOptions& options,
-                    renderer::ImageMetadata metadata, bool overwrite, renderer::RenderStatistics& statistics);
+/// Renders the scene's picture and writes it, with what was reached, or renders a part and writes that. Returns the
+/// picture; of a part none.
+std::optional<image::Film> render_to_file(const LongRenderRequest& request, const renderer::Scene& scene,
+                                          const renderer::LoadedCloud* cloud,
+                                          const renderer::RenderOptions& options,
+                                          renderer::ImageMetadata metadata, bool overwrite,
+                                          renderer::RenderStatistics& statistics);
 
 /// What was reached, as metadata and for people (with what ended it, if that is not what was asked for), if
 /// the end was not settled beforehand; else nothing.

@@ -26,7 +26,9 @@ ExitCode run(const MergeRequest& request) {
   say_note(request.verbosity,
            fmt::format("{} parts, {} camera rays; wrote {}", merged.parts,
                        short_count(static_cast<double>(merged.samples_taken)), request.output.string()));
-  return ExitCode::done;
+  if (merged.film.sees_anything()) return ExitCode::done;
+  say_warnings(request.verbosity, {fmt::format("{}: the camera sees nothing", request.output.string())});
+  return ExitCode::no;
 }
 
 }  // namespace

@@ -11,6 +11,7 @@
 #include "tools/cloud/load_cloud.h"
 #include "tools/command.h"
 #include "tools/image_module.h"
+#include "tools/render/empty_views.h"
 #include "tools/render/first_looks.h"
 #include "tools/render/image_metadata.h"
 #include "tools/render/load_meshes.h"
@@ -119,6 +120,8 @@ renderer::LoadedCloud load(const RenderCommand& command, const renderer::Scene& 
   const std::string color = cloud.color.by == image::PointColor::rgb ? "rgb" : cloud.color.word;
   say_note(verbosity, fmt::format("{} points, coloured by {}, {}", cloud.octree.size(), color,
                                   radius_text(settings, cloud)));
+  if (const std::string remark = remark_on_colors(cloud.color); !remark.empty())
+    say_warnings(verbosity, {remark});
   if (cloud.color.scale) say_note(verbosity, cloud.color.word + ": " + image::scale_text(cloud.color));
   return cloud;
 }
@@ -234,10 +237,10 @@ void check_views(std::span<const Picture> pictures, const renderer::Scene& scene
 }
 
 /// Renders and writes one picture after the other under one progress line. `resumed`: what the first one goes
-/// on from.
+/// on from. `empty` gets the views that see nothing.
 renderer::RenderStatistics render_all(std::span<const Picture> pictures, renderer::Scene& scene,
                                       const renderer::LoadedCloud* cloud, const RenderCommand& command,
-                                      const std::optional<Resumption>& resumed) {
+                                      const std::optional<Resumption>& resumed, EmptyViews& empty) {
   std::uint64_t total = 0, done = 0;
   const std::optional<renderer::PicturePart>& part = command.long_render.part;
   for (const Picture& picture : pictures) total += camera_rays(scene, picture.view.camera, part);
@@ -262,8 +265,9 @@ renderer::RenderStatistics render_all(std::span<const Picture> pictures, rendere
       return progress(done + rays, done + all_rays + total);
     };
     renderer::RenderStatistics of_picture;
-    render_to_file(command.long_render, scene, cloud, options, std::move(texts), command.overwrite,
-                   of_picture);
+    if (const auto film = render_to_file(command.long_render, scene, cloud, options, std::move(texts),
+                                         command.overwrite, of_picture))
+      empty.check(picture.view, film->sees_anything());
     remove_checkpoint(command.long_render);
     const std::string reached = describe_reached(command.long_render, of_picture);
     if (!reached.empty() && verbosity != Verbosity::quiet)
@@ -337,6 +341,10 @@ ExitCode run(const RenderCommand& given) {
   const renderer::LoadedCloud* const cloud = loaded ? &*loaded : nullptr;
   std::vector<View> all_views = views;
   if (views.empty()) {
+    const std::uint64_t strays =
+        cloud == nullptr || command.camera.from_above ? 0 : renderer::stray_count(*cloud);
+    if (strays > 0)
+      say_note(verbosity, fmt::format("the view leaves out {} points far from all others", strays));
     all_views = views_of_cloud(command.camera, command.film, scene, cloud, command.scene_file);
     for (Picture& picture : pictures) picture.view = all_views[picture.number];
     for (DepthJob& job : depth.jobs) job.view = all_views.front();
@@ -344,15 +352,17 @@ ExitCode run(const RenderCommand& given) {
   check_views(pictures, scene, cloud);
   for (const DepthJob& job : depth.jobs) check_views(std::array{Picture{job.view, {}}}, scene, cloud);
   if (!depth.jobs.empty() && cloud != nullptr && !command.shape) warn_of_spheres(scene, *cloud, verbosity);
+  EmptyViews empty;
+  const auto finish = [&] { return empty.report(command.camera, scene, cloud, verbosity); };
   write_depth_maps(
       depth, scene, cloud,
-      [&](const View& view) { return image_metadata(scene, view, cloud, command.words); }, verbosity);
+      [&](const View& view) { return image_metadata(scene, view, cloud, command.words); }, empty, verbosity);
   if (!command.ground.layers.empty() && cloud != nullptr) {
-    write_ground_layers(command.ground, scene, *cloud, clouds, all_views.front().camera, scene.output.file,
-                        command.overwrite, verbosity);
-    if (!command.ground.with_color) return ExitCode::done;
+    write_ground_layers(command.ground, scene, *cloud, clouds, all_views.front(), scene.output.file,
+                        command.overwrite, empty, verbosity);
+    if (!command.ground.with_color) return finish();
   }
-  if (pictures.empty()) return ExitCode::done;
+  if (pictures.empty()) return finish();
   if (command.is_overview() && !command.light.sun && cloud != nullptr && all_views.size() == 1)
     renderer::light_from_scanners(scene, *cloud, all_views.front().camera);
   prepare_light(scene, cloud, verbosity);
@@ -370,7 +380,7 @@ ExitCode run(const RenderCommand& given) {
 
   renderer::RenderStatistics statistics;
   try {
-    statistics = render_all(pictures, scene, cloud, command, resumed);
+    statistics = render_all(pictures, scene, cloud, command, resumed, empty);
   } catch (const Cancelled&) {
     const std::filesystem::path& checkpoint = command.long_render.checkpoint.file;
     if (!checkpoint.empty()) say_how_to_resume(verbosity, checkpoint.string());
@@ -390,7 +400,7 @@ ExitCode run(const RenderCommand& given) {
     for (const Picture& picture : pictures) all.push_back(picture.file);
     write_film(command.film, all, command.output, command.overwrite, verbosity);
   }
-  return ExitCode::done;
+  return finish();
 }
 
 }  // namespace

@@ -146,9 +146,8 @@ void add_cloud_options(const Options& render, RenderCommand& command) {
   render.choice("--surface",
                 "what a point is to a ray: its sphere, as in the paper; the disc of the plane through its "
                 "neighbours; or "
-                "discs blended into one surface (default: the scene's; without a scene blend, and sphere "
-                "with --radius METRES, "
-                "--hits, --normals, --max-level)",
+                "discs blended into one surface (default: the scene's, else blend, and sphere with --radius "
+                "METRES, --hits, --normals, --max-level)",
                 command.shape,
                 {{"sphere", renderer::PointShape::sphere},
                  {"disc", renderer::PointShape::disc},

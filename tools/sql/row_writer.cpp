@@ -19,6 +19,13 @@ std::string real_text(double value) {
   return text;
 }
 
+/// For people: without the last two digits, which of lattice coordinates are rounding, as 428.15000000000003.
+std::string short_real_text(double value) {
+  std::string text = fmt::format("{:.15g}", value);
+  if (std::isfinite(value) && text.find_first_of(".e") == std::string::npos) text += ".0";
+  return text;
+}
+
 /// The value of a column as it is, without quotes: a blob hexadecimal, nothing for NULL.
 std::string value_text(sqlite3_stmt* statement, int column) {
   const auto size = [&] { return static_cast<std::size_t>(sqlite3_column_bytes(statement, column)); };
@@ -143,7 +150,8 @@ class TableWriter : public RowWriter {
     std::vector<std::string> cells;
     for (std::size_t i = 0; i < names_.size(); ++i) {
       const int column = static_cast<int>(i), type = sqlite3_column_type(statement, column);
-      std::string text = line_text(value_text(statement, column));
+      std::string text = type == SQLITE_FLOAT ? short_real_text(sqlite3_column_double(statement, column))
+                                              : line_text(value_text(statement, column));
       if (type == SQLITE_NULL) text = "NULL";
       if (type == SQLITE_BLOB) text = fmt::format("x'{}'", text);
       if (!has_begun_) {

@@ -149,7 +149,7 @@ std::vector<ResultColumn> columns_of(const visibility::PointChanges& changes, st
   columns.push_back(result_column<std::uint8_t>("Epoch", "1: BEFORE, 2: AFTER", ScalarType::uint8,
                                                 [number](std::size_t) { return number; }));
   columns.push_back(result_column<std::uint8_t>(
-      "Change", "0 same 1 moved 2 gone 3 new 4 unseen", ScalarType::uint8,
+      "Change", "class, 0 same to 7 not measured", ScalarType::uint8,
       [&changes](std::size_t id) { return static_cast<std::uint8_t>(changes.classes[id]); }));
   columns.push_back(result_column<float>("M3C2Distance", "BEFORE to AFTER on the normal", ScalarType::float32,
                                          [&changes](std::size_t id) { return changes.distances[id]; }));
@@ -159,52 +159,83 @@ std::vector<ResultColumn> columns_of(const visibility::PointChanges& changes, st
   return columns;
 }
 
-using Summaries = std::vector<ChangeSummary>;
+/// One epoch, for the table.
+struct Summaries {
+  const visibility::PointChanges& changes;
+  std::vector<ChangeSummary> classes;
 
-std::uint64_t count_of(const Summaries& all) {
-  std::uint64_t count = 0;
-  for (const ChangeSummary& one : all) count += one.count;
-  return count;
-}
+  Summaries(const visibility::PointChanges& found, const EpochCloud& epoch)
+      : changes(found), classes(summaries_of(found, *epoch.occluders)) {}
+
+  const ChangeSummary& of(ChangeClass kind) const { return classes[static_cast<std::size_t>(kind)]; }
+  std::uint64_t points() const { return changes.classes.size(); }
+};
 
 std::string table_of(const char* epoch, const Summaries& all) {
   const auto length = [](const std::optional<double>& value) {
     return value ? fmt::format("{:.4f}", *value) : "-";
   };
-  std::string text = fmt::format("{:<12}{:>12}{:>9}{:>14}{:>18}{:>18}{:>14}\n", epoch, "points", "share",
-                                 "area", "median distance", "median |distance|", "median LoD95");
-  for (std::size_t kind = 0; kind < all.size(); ++kind) {
-    const ChangeSummary& one = all[kind];
+  std::string text =
+      fmt::format("{:<18}{:>12}{:>9}{:>14}{:>16}{:>18}{:>20}{:>16}\n", epoch, "points", "share", "area",
+                  "with distance", "median distance", "median |distance|", "median LoD95");
+  for (std::size_t kind = 0; kind < all.classes.size(); ++kind) {
+    const ChangeSummary& one = all.classes[kind];
     if (one.count == 0) continue;
-    const double share = 100.0 * static_cast<double>(one.count) / static_cast<double>(count_of(all));
-    text += fmt::format("{:<12}{:>12}{:>8.2f}%{:>14.2f}{:>18}{:>18}{:>14}\n",
-                        name_of(static_cast<ChangeClass>(kind)), one.count, share, one.area,
+    const double share = 100.0 * static_cast<double>(one.count) / static_cast<double>(all.points());
+    text += fmt::format("{:<18}{:>12}{:>8.2f}%{:>14.2f}{:>16}{:>18}{:>20}{:>16}\n",
+                        name_of(static_cast<ChangeClass>(kind)), one.count, share, one.area, one.measured,
                         length(one.median_distance), length(one.median_absolute_distance),
                         length(one.median_detection_level));
   }
+  const auto reason = [&](const char* name, std::uint64_t count) {
+    if (count > 0) text += fmt::format("  {:<16}{:>12}\n", name, count);
+  };
+  reason("no normal", all.changes.without_normal);
+  reason("too few points", all.changes.too_few_points);
   return text;
 }
 
 json json_of(const Summaries& all) {
   const auto length = [](const std::optional<double>& value) { return value ? json(*value) : json(); };
   json classes = json::object();
-  for (std::size_t kind = 0; kind < all.size(); ++kind) {
-    const ChangeSummary& one = all[kind];
+  for (std::size_t kind = 0; kind < all.classes.size(); ++kind) {
+    const ChangeSummary& one = all.classes[kind];
     classes[name_of(static_cast<ChangeClass>(kind))] = {
         {"code", kind},
         {"points", one.count},
         {"area", one.area},
+        {"with_distance", one.measured},
         {"median_distance", length(one.median_distance)},
         {"median_absolute_distance", length(one.median_absolute_distance)},
         {"median_lod95", length(one.median_detection_level)}};
   }
-  return {{"points", count_of(all)}, {"classes", classes}};
+  json& unmeasured = classes[name_of(ChangeClass::not_measured)];
+  unmeasured["no_normal"] = all.changes.without_normal;
+  unmeasured["too_few_points"] = all.changes.too_few_points;
+  return {{"points", all.points()}, {"classes", classes}};
+}
+
+/// Warns of radii that are too small for a cloud.
+void say_radii(const ChangeCommand& command, const char* epoch, const Summaries& all) {
+  std::vector<std::string> warnings;
+  if (all.changes.wider_normals > 0) {
+    warnings.push_back(
+        fmt::format("{}: --normal-radius holds too few points for a normal at {} of {} points; their normals "
+                    "come from 2.5 times the distance to the 8th neighbour",
+                    epoch, all.changes.wider_normals, all.points()));
+  }
+  if (const std::uint64_t count = all.of(ChangeClass::not_measured).count; 2 * count > all.points()) {
+    warnings.push_back(
+        fmt::format("{}: {} of {} points are not measured: {} have no normal (--normal-radius), {} too few "
+                    "points in their cylinder (--cylinder-radius, --max-distance)",
+                    epoch, count, all.points(), all.changes.without_normal, all.changes.too_few_points));
+  }
+  say_warnings(command.verbosity, warnings);
 }
 
 /// Says so if most of what is compared has moved by more than its level of detection, without a registration error.
 void say_registration(const ChangeCommand& command, const Summaries& all) {
-  const ChangeSummary& same = all[static_cast<std::size_t>(ChangeClass::same)];
-  const ChangeSummary& moved = all[static_cast<std::size_t>(ChangeClass::moved)];
+  const ChangeSummary &same = all.of(ChangeClass::same), &moved = all.of(ChangeClass::moved);
   if (command.options.registration_error > 0.0 || moved.count <= same.count) return;
   say_warnings(
       command.verbosity,
@@ -228,14 +259,15 @@ ExitCode run(const ChangeCommand& command) {
         return visibility::find_changes({*before->occluders, before->origins},
                                         {*after->occluders, after->origins}, options);
       });
-  const Summaries old_classes = summaries_of(changes.before, *before->occluders);
-  const Summaries new_classes = summaries_of(changes.after, *after->occluders);
+  const Summaries old_classes(changes.before, *before), new_classes(changes.after, *after);
   const CloudResults results[] = {{before->cloud, columns_of(changes.before, 1)},
                                   {after->cloud, columns_of(changes.after, 2)}};
   write_points(command.output, results, command.overwrite, command.memory, command.verbosity);
   write_to_stdout(command.json
                       ? json{{"before", json_of(old_classes)}, {"after", json_of(new_classes)}}.dump(2) + "\n"
                       : table_of("BEFORE", old_classes) + "\n" + table_of("AFTER", new_classes));
+  say_radii(command, "BEFORE", old_classes);
+  say_radii(command, "AFTER", new_classes);
   say_registration(command, new_classes);
   return ExitCode::done;
 }
@@ -275,13 +307,13 @@ void add_distances(const Options& change, ChangeCommand& command) {
                command.options.registration_error, 0.0, 1e6);
   group.number(
       "--normal-radius", "LENGTH",
-      "radius of the sphere whose points define the normal, in metres (default: per point, 2.5 times the "
-      "distance to its 8th neighbour, or less at edges)",
+      "radius of the sphere whose points define the normal, in metres (default, and where it holds too few "
+      "points: per point, 2.5 times the distance to its 8th neighbour, or less at edges)",
       command.options.normal_radius, 1e-6, 1e6);
   group.number(
       "--cylinder-radius", "LENGTH",
-      "radius of the cylinder along the normal whose points are averaged, in metres (default: per point, "
-      "twice the distance to the 8th neighbour in the sparser cloud)",
+      "radius of the cylinder along the normal whose points are averaged, in metres; both clouds need 4 "
+      "points in it (default: per point, twice the distance to the 8th neighbour in the sparser cloud)",
       command.options.cylinder_radius, 1e-6, 1e6);
   group.number(
       "--max-distance", "LENGTH",

@@ -103,8 +103,9 @@ void keep_colors(const AttributeColumns& columns, visibility::PhotoVisibility& s
     if (seen.counts[id] == 0) seen.colors[id] = columns.colors[id];
 }
 
-void say_result(const PhotosCommand& command, const VisibilityCloud& cloud,
-                const visibility::PhotoVisibility& seen) {
+/// ExitCode::no if no photo sees a point.
+ExitCode say_result(const PhotosCommand& command, const VisibilityCloud& cloud,
+                    std::span<const camera::NamedCamera> cameras, const visibility::PhotoVisibility& seen) {
   const visibility::PhotoTotals totals = visibility::totals(seen);
   const auto part = [&](std::size_t count) {
     const std::uint64_t points = totals.points_by_count[count];
@@ -120,13 +121,19 @@ void say_result(const PhotosCommand& command, const VisibilityCloud& cloud,
                "{} photo{}; median ground sampling distance {:.3g}{}", photos, photos == 1 ? "" : "s",
                totals.median_sampling,
                photos == 1 ? "" : fmt::format(", median overlap {:.0f} %", 100.0 * totals.median_overlap)));
-  if (totals.photos_without_points > 0)
-    say_warnings(verbosity, {fmt::format("{} of {} photos see no point", totals.photos_without_points,
-                                         seen.photos.size())});
-  if (!command.colorize) return;
+  const ExitCode code = totals.photos_without_points == photos ? ExitCode::no : ExitCode::done;
+  if (totals.photos_without_points > 0) {
+    std::vector<std::string> names;
+    for (std::size_t i = 0; i < photos; ++i)
+      if (seen.photos[i].points == 0) names.push_back(cameras[i].name);
+    say_warnings(verbosity, {fmt::format("{} of {} photos see no point: {}", totals.photos_without_points,
+                                         photos, some_names(names))});
+  }
+  if (!command.colorize) return code;
   say_note(verbosity, fmt::format("{} points have colours of photos; {} {}",
                                   seen.counts.size() - totals.points_by_count[0], totals.points_by_count[0],
                                   cloud.columns.colors.empty() ? "are black" : "keep the colour they had"));
+  return code;
 }
 
 void write(const PhotosCommand& command, const VisibilityCloud& cloud,
@@ -167,8 +174,7 @@ ExitCode run(const PhotosCommand& command) {
   keep_colors(cloud->columns, seen);
   write(command, *cloud, set.cameras, seen);
   long_run.finish();
-  say_result(command, *cloud, seen);
-  return ExitCode::done;
+  return say_result(command, *cloud, set.cameras, seen);
 }
 
 void add_photos(const Options& command, PhotosCommand& photos) {

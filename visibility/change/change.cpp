@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <array>
+#include <atomic>
 #include <cmath>
 #include <glm/common.hpp>
 #include <glm/geometric.hpp>
@@ -37,18 +38,19 @@ constexpr double k_least_parallel = 0.70710678118654752;
 /// One epoch with what is queried of it.
 class EpochCloud {
  public:
-  explicit EpochCloud(const Epoch& epoch) : epoch_(epoch), spacings_(spacings_in_order(octree())) {
-    // The spacing of a few points is infinite.
-    const double most = epoch.occluders.largest_radius() / k_disc_spacings;
-    for (float& spacing : spacings_) spacing = static_cast<float>(std::min<double>(spacing, most));
-  }
+  explicit EpochCloud(const Epoch& epoch)
+      : epoch_(epoch),
+        spacings_(spacings_in_order(octree())),
+        largest_spacing_(epoch.occluders.largest_radius() / k_disc_spacings) {}
 
   const Octree& octree() const { return epoch_.occluders.octree(); }
   const Occluders& occluders() const { return epoch_.occluders; }
   const CountedPoints& counts() const { return occluders().options().counts; }
   bool is_counted(std::uint64_t id) const { return !counts() || counts()(id); }
   std::span<const glm::dvec3> origins() const { return epoch_.origins; }
-  double spacing(std::uint64_t id) const { return spacings_[id]; }
+  /// Metres; limited, since that of a lone point may be the length of the site, and that of a few points is infinite.
+  double spacing(std::uint64_t id) const { return std::min<double>(spacings_[id], largest_spacing_); }
+  bool has_spacing(std::uint64_t id) const { return std::isfinite(spacings_[id]); }
 
   PointSurface surface(std::uint64_t id) const { return occluders().surface(id); }
 
@@ -100,6 +102,7 @@ class EpochCloud {
  private:
   const Epoch& epoch_;
   HugeVector<float> spacings_;
+  double largest_spacing_;
 };
 
 /// A point of one epoch, and the lengths that it is compared by.
@@ -107,17 +110,21 @@ struct ComparedPoint {
   std::uint64_t id = 0;
   glm::dvec3 position{0.0};
   PointSurface surface;
-  double spacing = 0.0;       ///< metres
-  double near_limit = 0.0;    ///< a point of the other epoch within this is the same thing, metres
-  double nearest = 0.0;       ///< distance to the nearest point of the other epoch, metres
-  double radius = 0.0;        ///< of the cylinder, metres
-  double max_distance = 0.0;  ///< metres
-  double window = 0.0;        ///< metres
+  double spacing = 0.0;           ///< metres
+  double near_limit = 0.0;        ///< a point of the other epoch within this is the same thing, metres
+  double nearest = 0.0;           ///< distance to the nearest point of the other epoch, metres
+  double radius = 0.0;            ///< of the cylinder, metres
+  double max_distance = 0.0;      ///< metres
+  double window = 0.0;            ///< metres
+  bool has_wider_normal = false;  ///< PointChanges::wider_normals
+  /// Whether a point of the other epoch within near_limit is found to be the same thing without a distance.
+  bool is_same_if_near = true;
 };
 
 struct Finding {
   ChangeClass kind = ChangeClass::never_seen;
   float distance = k_none, detection_level = k_none;
+  bool has_normal = true, has_wider_normal = false;
 };
 
 /// What a line of sight of the other epoch says of a position.
@@ -133,51 +140,82 @@ class Comparison {
   /// Of a point that counts.
   Finding compare(std::uint64_t id, const glm::dvec3& position) const {
     const ComparedPoint point = measured(id, position);
-    if (const std::optional<Finding> finding = by_distance(point)) return *finding;
-    if (is_near(point)) return {ChangeClass::same};
-    return {by_sight(point)};
+    Finding finding = by_distance(point);
+    if (std::isnan(finding.distance)) finding.kind = without_distance(point, finding.kind);
+    finding.has_normal = point.surface.exists;
+    finding.has_wider_normal = point.has_wider_normal;
+    return finding;
   }
 
  private:
-  PointSurface surface_at(std::uint64_t id, const glm::dvec3& position) const {
-    if (!options_.normal_radius) return own_.surface(id);
-    const LocalPlane plane = local_plane(own_.octree(), position, *options_.normal_radius);
-    return {plane.trust >= k_least_surface_trust, plane.normal, plane.height, plane.thickness};
+  /// Fills the surface.
+  void find_surface(ComparedPoint& point) const {
+    // Fewer than these lower the trust in a plane by their number alone.
+    constexpr double k_enough_points = 9.0;
+    point.surface = own_.surface(point.id);
+    if (!options_.normal_radius) return;
+    const LocalPlane plane = local_plane(own_.octree(), point.position, *options_.normal_radius);
+    const bool is_trusted = plane.trust >= k_least_surface_trust;
+    point.has_wider_normal = !is_trusted && plane.count < k_enough_points;
+    if (!point.has_wider_normal) point.surface = {is_trusted, plane.normal, plane.height, plane.thickness};
   }
 
   ComparedPoint measured(std::uint64_t id, const glm::dvec3& position) const {
-    ComparedPoint point{.id = id, .position = position, .surface = surface_at(id, position)};
+    ComparedPoint point{.id = id, .position = position, .surface = {}};
+    find_surface(point);
     point.spacing = own_.spacing(id);
     const std::vector<PointHit> nearest = other_.nearest(position, 1);
     point.nearest = nearest.empty() ? std::numeric_limits<double>::infinity() : nearest.front().distance;
     point.near_limit =
         std::max(point.spacing, nearest.empty() ? 0.0 : other_.spacing(nearest.front().point_id));
+    point.is_same_if_near = !options_.normal_radius && !options_.cylinder_radius && own_.has_spacing(id) &&
+                            (nearest.empty() || other_.has_spacing(nearest.front().point_id));
     point.radius = options_.cylinder_radius.value_or(k_cylinder_spacings * point.near_limit);
     point.max_distance = options_.max_distance.value_or(k_distance_radii * point.radius);
     point.window = std::max(k_window_radii * point.radius, k_window_thicknesses * point.surface.thickness);
     return point;
   }
 
-  /// Steps 1 of find_changes(); empty: the other epoch has no such surface within reach.
-  std::optional<Finding> by_distance(const ComparedPoint& point) const {
-    if (!point.surface.exists || !(point.nearest <= std::hypot(point.radius, point.max_distance)))
-      return std::nullopt;
+  /// Steps 1 and 2 of find_changes(). Without a distance: not_measured if the other epoch has points within reach, in
+  /// the cylinder if there is one; else unmatched.
+  Finding by_distance(const ComparedPoint& point) const {
+    Finding finding = by_surfaces(point);
+    if (std::isnan(finding.distance) && point.nearest == 0.0) {
+      const double level = detection_level({}, {}, options_.registration_error);
+      finding = {ChangeClass::same, 0.0f, static_cast<float>(level)};
+    }
+    return finding;
+  }
+
+  Finding by_surfaces(const ComparedPoint& point) const {
+    if (!(point.nearest <= std::hypot(point.radius, point.max_distance))) return {ChangeClass::unmatched};
+    if (!point.surface.exists) return {ChangeClass::not_measured};
     const Cylinder cylinder{point.position, point.surface.normal, point.radius, point.max_distance,
                             point.window};
     const std::optional<CylinderSurface> other = other_.surface_in(cylinder);
-    if (!other || other->count < k_least_cylinder_points) return std::nullopt;
+    if (!other) return {ChangeClass::unmatched};
+    if (other->count < k_least_cylinder_points) return {ChangeClass::not_measured};
     const std::optional<CylinderSurface> own = own_.surface_in(cylinder);
-    if (!own || own->count < k_least_cylinder_points) return std::nullopt;
+    if (!own || own->count < k_least_cylinder_points) return {ChangeClass::not_measured};
     const double offset = other->position - own->position;
     if (glm::length(other->middle - own->middle - offset * cylinder.axis) > k_most_aside * point.radius)
-      return std::nullopt;
+      return {ChangeClass::not_measured};
     const double level = detection_level(*own, *other, options_.registration_error);
     const double side = own_.side_of(point.id, point.position, point.surface.normal);
-    return Finding{std::fabs(offset) > level ? ChangeClass::moved : ChangeClass::same,
-                   static_cast<float>(sign_ * side * offset), static_cast<float>(level)};
+    return {std::fabs(offset) > level ? ChangeClass::moved : ChangeClass::same,
+            static_cast<float>(sign_ * side * offset), static_cast<float>(level)};
   }
 
-  /// Step 2: whether the other epoch has a point here. One on a surface must be on the same as the point, if that has
+  /// Steps 3 and 4. `found`: by by_distance().
+  ChangeClass without_distance(const ComparedPoint& point, ChangeClass found) const {
+    const ChangeClass kind = is_near(point) ? ChangeClass::same : by_sight(point);
+    if (point.is_same_if_near) return kind;
+    const bool is_open =
+        kind == ChangeClass::same || (kind == ChangeClass::unmatched && found == ChangeClass::not_measured);
+    return is_open ? ChangeClass::not_measured : kind;
+  }
+
+  /// Step 3: whether the other epoch has a point here. One on a surface must be on the same as the point, if that has
   /// one.
   bool is_near(const ComparedPoint& point) const {
     constexpr std::size_t k_neighbours = 8;
@@ -192,7 +230,7 @@ class Comparison {
         });
   }
 
-  /// Step 3.
+  /// Step 4.
   ChangeClass by_sight(const ComparedPoint& point) const {
     if (other_.origins().empty()) return ChangeClass::unmatched;
     bool is_met = false;
@@ -260,6 +298,7 @@ PointChanges compare_all(const EpochCloud& own, const EpochCloud& other, const C
   PointChanges changes{HugeVector<ChangeClass>(tree.point_count, scratch),
                        HugeVector<float>(tree.point_count, scratch),
                        HugeVector<float>(tree.point_count, scratch)};
+  std::atomic<std::uint64_t> without_normal = 0, too_few_points = 0, wider_normals = 0;
   for_each_leaf_in_parallel(tree, progress, [&] {
     return [&, last = std::optional<LatticePosition>(), of_last = Finding()](const Leaf& leaf) mutable {
       for (std::uint32_t i = 0; i < leaf.count; ++i) {
@@ -275,9 +314,15 @@ PointChanges compare_all(const EpochCloud& own, const EpochCloud& other, const C
         changes.classes[id] = finding.kind;
         changes.distances[id] = finding.distance;
         changes.detection_levels[id] = finding.detection_level;
+        if (finding.has_wider_normal) ++wider_normals;
+        if (finding.kind == ChangeClass::not_measured)
+          ++(finding.has_normal ? too_few_points : without_normal);
       }
     };
   });
+  changes.without_normal = without_normal;
+  changes.too_few_points = too_few_points;
+  changes.wider_normals = wider_normals;
   return changes;
 }
 
@@ -317,8 +362,8 @@ std::optional<double> median(HugeVector<float>& values) {
 }  // namespace
 
 const char* name_of(ChangeClass kind) {
-  constexpr std::array<const char*, k_change_classes> k_names{"same",       "moved",     "gone",   "new",
-                                                              "never seen", "unmatched", "ignored"};
+  constexpr std::array<const char*, k_change_classes> k_names{
+      "same", "moved", "gone", "new", "never seen", "unmatched", "ignored", "not measured"};
   return k_names[static_cast<std::size_t>(kind)];
 }
 
@@ -380,6 +425,7 @@ std::vector<ChangeSummary> summaries_of(const PointChanges& changes, const Occlu
     };
     ChangeSummary& summary = summaries[kind];
     summary.median_distance = median_of(changes.distances);
+    summary.measured = some.size();
     for (float& distance : some) distance = std::fabs(distance);
     summary.median_absolute_distance = median(some);
     summary.median_detection_level = median_of(changes.detection_levels);

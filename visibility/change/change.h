@@ -23,17 +23,21 @@ namespace alidade::visibility {
 
 /// What the other epoch says of a point.
 enum class ChangeClass : std::uint8_t {
-  same = 0,        ///< it has the surface: the distance is within the level of detection, or points are near
+  /// It has the surface: the distance is within the level of detection; where no radius is given, also points that are
+  /// as near as those of one scan are to each other.
+  same = 0,
   moved = 1,       ///< it has the surface at a significant distance along the normal
   gone = 2,        ///< of BEFORE: lines of sight of AFTER pass through the position
   appeared = 3,    ///< "new", of AFTER: lines of sight of BEFORE pass through the position
   never_seen = 4,  ///< none of its lines of sight passed or met the position: hidden, or out of range
   unmatched = 5,   ///< it has no surface here, and where it was measured from is unknown
   ignored = 6,     ///< the point does not count (OccluderOptions::counts)
+  /// The other epoch has points here, but their distance is unknown; PointChanges counts the reasons.
+  not_measured = 7,
 };
-constexpr int k_change_classes = 7;
+constexpr int k_change_classes = 8;
 
-/// "same", "moved", "gone", "new", "never seen", "unmatched", "ignored".
+/// "same", "moved", "gone", "new", "never seen", "unmatched", "ignored", "not measured".
 const char* name_of(ChangeClass kind);
 
 /// One scan of the site. `occluders` must outlive it.
@@ -44,8 +48,8 @@ struct Epoch {
 
 struct ChangeOptions {
   double registration_error = 0.0;  ///< standard deviation of the offset between the clouds, metres, >= 0
-  /// Of the sphere whose points define the normal, metres, > 0. Empty: the surfaces of octree/point_surface.h,
-  /// 2.5 spacings of the point.
+  /// Of the sphere whose points define the normal, metres, > 0. Empty, and where the sphere holds too few points for a
+  /// plane: the surfaces of octree/point_surface.h, 2.5 spacings of the point.
   std::optional<double> normal_radius{};
   /// Of the cylinder, metres, > 0. Empty: twice the spacing (to the 8th neighbour) of the point or, if it is more,
   /// of the nearest point of the other epoch.
@@ -64,6 +68,11 @@ struct PointChanges {
   /// origin is known: material that comes is positive. NaN for points without a surface or a counterpart.
   HugeVector<float> distances;
   HugeVector<float> detection_levels;  ///< LoD95, metres; NaN where the distance is
+  // Why points are not_measured; together as many as have that class.
+  std::uint64_t without_normal = 0;  ///< their neighbours do not lie on a plane
+  std::uint64_t too_few_points = 0;  ///< in their cylinder, of one of the epochs, around the same middle
+  /// Points whose sphere of ChangeOptions::normal_radius holds too few points for a normal.
+  std::uint64_t wider_normals = 0;
 };
 
 struct Changes {
@@ -79,13 +88,18 @@ void check_overlap(const Octree& before, const Octree& after);
 ///    the M3C2 distance (m3c2.h) is insignificant, `same`, or not, `moved`. Points count whose own surfaces are
 ///    parallel to that of the point within 45 degrees; those of one surface lie within a sixth of the cylinder's
 ///    radius, or 3 thicknesses, of its mean.
-/// 2. A point of the other epoch is within the larger of both spacings, on the same plane if both points have surfaces:
+/// 2. A point of the other epoch has exactly the same position: `same`, at distance 0.
+/// 3. A point of the other epoch is within the larger of both spacings, on the same plane if both points have surfaces:
 ///    `same`. That decides for foliage and wires, which have no normal, and for edges.
-/// 3. Lines from the other epoch's origins through the point, to the first surface of that epoch. Beyond the point:
+/// 4. Lines from the other epoch's origins through the point, to the first surface of that epoch. Beyond the point:
 ///    the line passes, `gone` or `appeared`, if it ends on the side of a surface that was scanned, and points there
 ///    are dense enough for a beam to have met the point's surface. At the point, or beyond it on its plane, where a
 ///    line grazes it: `same`. Before the point: hidden. Nothing there, or out of range: unknown. One line that passes
 ///    decides; if none passes or meets the point, `never_seen`.
+///
+/// Steps 3 and 4 measure no distance: to them a movement by less than a spacing is `same`. So where a radius is given, of
+/// normals or cylinders, and where an epoch has too few points for a spacing, they find `not_measured` instead, as they
+/// do instead of `unmatched` if the other epoch has points in the cylinder, or near a point without a normal.
 ///
 /// That a line of sight is free in the cloud of its epoch is taken as proof that the scanner saw along it, so origins
 /// must be those of scanners that scan all around.
@@ -98,6 +112,7 @@ Changes find_changes(const Epoch& before, const Epoch& after, const ChangeOption
 /// The points of one class of one epoch.
 struct ChangeSummary {
   std::uint64_t count = 0;
+  std::uint64_t measured = 0;  ///< of these with a distance
   /// Square metres: for each point an 8th of the circle through its 8th neighbour.
   double area = 0.0;
   // Of the points that have a distance, metres; empty if none has.

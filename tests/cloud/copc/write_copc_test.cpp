@@ -91,6 +91,19 @@ TEST(WriteCopc, all_points_and_attributes_come_back_from_a_tree_of_their_own) {
             file.hierarchy().nodes.size());
 }
 
+TEST(WriteCopc, progress_counts_each_point_once) {
+  const PointCloud cloud = test::full_cloud(20'000, 1 << 14, 5);
+  std::uint64_t last = 0;
+  const Progress progress = [&](std::uint64_t done, std::uint64_t total) {
+    EXPECT_EQ(total, 20'000u);
+    EXPECT_GE(done, last);
+    last = done;
+    return true;
+  };
+  write_las(test::test_folder() / "counted.copc.laz", cloud, {.progress = progress});
+  EXPECT_EQ(last, 20'000u);
+}
+
 TEST(WriteCopc, bytes_depend_neither_on_memory_nor_on_pieces) {
   const std::filesystem::path folder = test::test_folder();
   PointCloud cloud = test::full_cloud(100'000, 1 << 14, 4);

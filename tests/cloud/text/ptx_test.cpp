@@ -93,7 +93,7 @@ TEST(Ptx, errors_name_file_line_expectation_and_finding) {
   expect(scan("1\n2\n", k_identity, "1 2 3 0.5\n"), "truncated file");
   expect(scan("4294967296\n4294967296\n", k_identity, "1 2 3 0.5\n"),
          "memory:line 2: truncated file: too short for the points of the scan; expected at most 11, found "
-         "4294967296 times");
+         "4294967296 times 4294967296; --partial reads the intact part");
   expect(good + "4 5 6 0.5\n", "memory:line 12: invalid number of columns of a scan");
 }
 
