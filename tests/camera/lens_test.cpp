@@ -246,6 +246,57 @@ TEST(Lens, folds_of_every_kind_are_found) {
             std::string::npos);
 }
 
+/// The film position of docs/cameras.md, in long double.
+std::array<long double, 2> distorted(const Distortion& lens, long double x, long double y) {
+  const long double q = x * x + y * y;
+  const auto polynomial = [q](const auto& coefficients) {
+    long double value = 1.0L, power = q;
+    for (const double each : coefficients) value += each * power, power *= q;
+    return value;
+  };
+  const long double factor = polynomial(lens.radial) / polynomial(lens.denominator), c = x * factor,
+                    d = y * factor;
+  const long double a = lens.after_radial ? c : x, b = lens.after_radial ? d : y, s = a * a + b * b;
+  return {c + 2 * lens.p1 * a * b + lens.p2 * (s + 2 * a * a) + lens.prism[0] * s + lens.prism[1] * s * s,
+          d + 2 * lens.p2 * a * b + lens.p1 * (s + 2 * b * b) + lens.prism[2] * s + lens.prism[3] * s * s};
+}
+
+/// By what a small patch of the film grows, from differences of the formula.
+long double growth_of_area(const Distortion& lens, long double x, long double y) {
+  constexpr long double k_step = 1e-5L;
+  const auto right = distorted(lens, x + k_step, y), left = distorted(lens, x - k_step, y);
+  const auto below = distorted(lens, x, y + k_step), above = distorted(lens, x, y - k_step);
+  return ((right[0] - left[0]) * (below[1] - above[1]) - (right[1] - left[1]) * (below[0] - above[0])) /
+         (4 * k_step * k_step);
+}
+
+// Newton's method comes back with wrong derivatives, too; where a lens folds only the right ones say.
+TEST(Lens, the_film_ends_where_a_patch_of_it_loses_its_area) {
+  Random random;
+  for (int part = 0; part < 8; ++part) {
+    int folded = 0, flat = 0;
+    for (int i = 0; i < 4000; ++i) {
+      // One coefficient alone, or all of them; the radial part itself grows.
+      const auto strong = [&](int which) {
+        const double most = which < 2 ? 0.5 : 2.0;
+        return part == which || part >= 6 ? random.between(-most, most) : 0.0;
+      };
+      Distortion lens{.radial = {0.2, 0.1, 0.05}, .denominator = {0.1, 0.02}};
+      lens.p1 = strong(0), lens.p2 = strong(1);
+      lens.prism = {strong(2), strong(3), strong(4), strong(5)};
+      lens.after_radial = part == 7;
+      const double x = random.between(-1.5, 1.5), y = random.between(-1.5, 1.5);
+      const long double growth = growth_of_area(lens, x, y);
+      if (std::fabs(growth) < 1e-6L) continue;
+      ASSERT_EQ(LensMap(BrownLens{lens}).project({x, y, 1.0}).has_value(), growth > 0)
+          << part << " " << x << " " << y << " " << static_cast<double>(growth);
+      ++(growth > 0 ? flat : folded);
+    }
+    EXPECT_GT(folded, 100) << part;
+    EXPECT_GT(flat, 100) << part;
+  }
+}
+
 // What lies beyond the fold would come to stand inside the image again.
 TEST(Lens, nothing_is_projected_from_beyond_the_fold) {
   const LensMap map(BrownLens{{.radial = {-0.5}}});

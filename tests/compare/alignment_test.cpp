@@ -51,6 +51,40 @@ TEST(Alignment, shifts_are_found_to_a_tenth_of_a_pixel) {
   }
 }
 
+/// Blots that are four times as long as wide, along a diagonal: their peak has slopes that run across both axes.
+ComparedImage slanted_blots(double shift_x, double shift_y) {
+  return draw_picture(360, 240, ColorEncoding::display, [&](int x, int y) {
+    const double along = (x - shift_x) + (y - shift_y), across = (x - shift_x) - (y - shift_y);
+    const double value = blots(0.35 * along, 1.4 * across);
+    return std::array<double, 3>{value, value, value};
+  });
+}
+
+TEST(Alignment, a_slanted_peak_is_found_to_a_tenth_of_a_pixel) {
+  const ComparedImage reference = slanted_blots(0.0, 0.0);
+  const std::array<std::array<double, 2>, 3> shifts = {{{0.4, 0.0}, {0.0, -0.4}, {3.3, 5.7}}};
+  for (const auto& [x, y] : shifts) {
+    SCOPED_TRACE(testing::Message() << x << " " << y);
+    expect_shift(align(reference, slanted_blots(x, y), {}), x, y, 0.1);
+  }
+}
+
+TEST(Alignment, a_shift_counts_that_leaves_a_quarter_of_the_pictures_on_each_other) {
+  const auto small = [](double shift) {
+    return draw_picture(160, 90, ColorEncoding::display, [&](int x, int y) {
+      const double value = blots(x - shift, y);
+      return std::array<double, 3>{value, value, value};
+    });
+  };
+  const ComparedImage reference = small(0.0);
+  // 44 % and 31 % of the pixels lie on each other, and 19 %.
+  expect_shift(align(reference, small(90.0), {}, {.largest_shift = 150}), 90.0, 0.0, 0.1);
+  expect_shift(align(reference, small(110.0), {}, {.largest_shift = 150}), 110.0, 0.0, 0.1);
+  const Alignment less = align(reference, small(130.0), {}, {.largest_shift = 150});
+  EXPECT_GT(std::abs(less.shift_x - 130.0), 5.0);
+  EXPECT_FALSE(less.is_certain);
+}
+
 TEST(Alignment, swapped_pictures_have_the_opposite_shift) {
   const ComparedImage one = shifted_blots(0.0, 0.0), other = shifted_blots(7.25, -3.5);
   const Alignment there = align(one, other, {}), back = align(other, one, {});

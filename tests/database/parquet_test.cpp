@@ -6,11 +6,15 @@
 #include <tbb/task_arena.h>
 #include <climits>
 #include <cmath>
+#include <cstring>
 #include <fstream>
 #include <initializer_list>
 #include <limits>
+#include <map>
 #include <numeric>
 #include <optional>
+#include <string>
+#include <string_view>
 #include <utility>
 
 #include "base/output_file.h"
@@ -213,6 +217,132 @@ TEST_F(WriteParquetTest, a_file_appears_completely_or_not_at_all) {
     EXPECT_TRUE(bytes(parquet_) == before);
     EXPECT_EQ(count_files(), 1u);
   }
+}
+
+/// Reads the compact protocol of Apache Thrift: numbers, texts and lists of a structure by the way of field ids and
+/// list indices that leads to them, such as "4/1/2" for field 2 of the second element of field 4.
+class ThriftReader {
+ public:
+  explicit ThriftReader(std::string_view bytes) : bytes_(bytes) { take_structure(""); }
+
+  std::int64_t number(const std::string& way) const { return numbers_.at(way); }
+  const std::string& text(const std::string& way) const { return texts_.at(way); }
+  bool has_text(const std::string& way) const { return texts_.contains(way); }
+  bool has_number(const std::string& way) const { return numbers_.contains(way); }
+
+ private:
+  unsigned take_byte() { return static_cast<unsigned char>(bytes_.at(at_++)); }
+  std::uint64_t take_varint() {
+    std::uint64_t value = 0;
+    for (int shift = 0;; shift += 7) {
+      const unsigned byte = take_byte();
+      value |= std::uint64_t{byte & 0x7f} << shift;
+      if (byte < 0x80) return value;
+    }
+  }
+  std::int64_t take_number() {
+    const std::uint64_t value = take_varint();
+    return static_cast<std::int64_t>(value >> 1) ^ -static_cast<std::int64_t>(value & 1);
+  }
+  void take_structure(const std::string& way) {
+    std::int64_t id = 0;
+    while (const unsigned head = take_byte()) {
+      id = head >> 4 != 0 ? id + (head >> 4) : take_number();
+      take(way + (way.empty() ? "" : "/") + std::to_string(id), static_cast<ThriftWriter::Kind>(head & 15));
+    }
+  }
+  void take(const std::string& way, ThriftWriter::Kind kind) {
+    using Kind = ThriftWriter::Kind;
+    if (kind == Kind::structure) return take_structure(way);
+    if (kind == Kind::byte) {
+      numbers_[way] = take_byte();
+    } else if (kind == Kind::int32 || kind == Kind::int64) {
+      numbers_[way] = take_number();
+    } else if (kind == Kind::binary) {
+      const std::uint64_t size = take_varint();
+      texts_[way] = bytes_.substr(at_, size);
+      at_ += size;
+    } else if (kind == Kind::list) {
+      const unsigned head = take_byte();
+      const std::uint64_t count = head >> 4 == 15 ? take_varint() : head >> 4;
+      for (std::uint64_t i = 0; i < count; ++i)
+        take(way + "/" + std::to_string(i), static_cast<Kind>(head & 15));
+    }
+  }
+
+  std::string_view bytes_;
+  std::size_t at_ = 0;
+  std::map<std::string, std::int64_t> numbers_;
+  std::map<std::string, std::string> texts_;
+};
+
+/// The metadata of a file.
+ThriftReader footer_of(const std::string& content) {
+  std::uint32_t size = 0;
+  std::memcpy(&size, content.data() + content.size() - 8, sizeof size);
+  return ThriftReader(std::string_view(content).substr(content.size() - 8 - size, size));
+}
+
+template <class Value>
+Value value_of(const std::string& bytes) {
+  EXPECT_EQ(bytes.size(), sizeof(Value));
+  Value value{};
+  std::memcpy(&value, bytes.data(), std::min(bytes.size(), sizeof value));
+  return value;
+}
+
+TEST_F(WriteParquetTest, statistics_of_every_group_hold_its_points_and_those_of_the_file_all) {
+  const PointCloud cloud = site(5000);
+  write_parquet(parquet_, cloud, {.group_points = 1024, .geometry = true});
+  const std::string content = bytes(parquet_);
+  const ThriftReader footer = footer_of(content);
+  Bounds all;
+  std::int64_t rows = 0, nulls = 0;
+  int groups = 0;
+  for (; footer.has_number(fmt::format("4/{}/3", groups)); ++groups) {
+    const std::string group = fmt::format("4/{}/", groups);
+    rows += footer.number(group + "3");
+    Bounds box;
+    std::int64_t end = footer.number(group + "5");
+    for (int column = 0; footer.has_number(group + fmt::format("1/{}/3/1", column)); ++column) {
+      const std::string about = group + fmt::format("1/{}/3/", column);
+      const std::string& name = footer.text(about + "3/0");
+      EXPECT_EQ(footer.number(about + "5"), footer.number(group + "3")) << name;
+      // One column lies behind the other: a dictionary, if there is one, then the data.
+      const bool has_dictionary = footer.has_number(about + "11");
+      const std::int64_t data = footer.number(about + "9"),
+                         dictionary = has_dictionary ? footer.number(about + "11") : data;
+      EXPECT_EQ(dictionary, end) << name;
+      EXPECT_EQ(data > dictionary, has_dictionary) << name;
+      const auto kind_of_page = [&](std::int64_t at) {
+        return ThriftReader(std::string_view(content).substr(static_cast<std::size_t>(at))).number("1");
+      };
+      EXPECT_EQ(kind_of_page(data), 0) << name;
+      if (has_dictionary) EXPECT_EQ(kind_of_page(dictionary), 2) << name;
+      end = dictionary + footer.number(about + "7");
+      nulls += footer.number(about + "12/3");
+      if (name == "x" || name == "y" || name == "z") {
+        const int axis = name[0] - 'x';
+        box.min[axis] = value_of<double>(footer.text(about + "12/6"));
+        box.max[axis] = value_of<double>(footer.text(about + "12/5"));
+        EXPECT_LT(box.min[axis], box.max[axis]);
+      }
+      EXPECT_EQ(footer.has_text(about + "12/5"), name != "geometry") << name;
+      if (name == "Height") EXPECT_EQ(value_of<double>(footer.text(about + "12/5")), 0.01 * 199);
+      if (name == "Height") EXPECT_EQ(value_of<double>(footer.text(about + "12/6")), 0.01);
+    }
+    EXPECT_EQ(end, footer.number(group + "5") + footer.number(group + "6"));
+    all.grow(box);
+  }
+  EXPECT_EQ(groups, 5);
+  EXPECT_EQ(rows, 5000);
+  EXPECT_EQ(nulls, 25) << "every 200th height is 0, which stands for none";
+  const Bounds exact = cloud.bounds();
+  EXPECT_EQ(all.min, exact.min);
+  EXPECT_EQ(all.max, exact.max);
+  EXPECT_NE(content.find(fmt::format(R"("bbox":[{},{},{},{},{},{}])", exact.min.x, exact.min.y, exact.min.z,
+                                     exact.max.x, exact.max.y, exact.max.z)),
+            std::string::npos);
 }
 
 TEST_F(WriteParquetTest, thousands_of_columns_are_written_in_smaller_groups) {

@@ -215,6 +215,49 @@ TEST(TriangleTreeTest, rays_do_not_slip_between_triangles) {
   }
 }
 
+TEST(TriangleTreeTest, rays_along_an_axis_meet_what_is_in_their_way_and_nothing_beside) {
+  // Squares in the planes x = 0, y = 0, z = 0, whose ends are known: a ray along an axis crosses one of them.
+  for (int axis = 0; axis < 3; ++axis) {
+    const int u = (axis + 1) % 3, v = (axis + 2) % 3;
+    TriangleMesh mesh;
+    for (int corner = 0; corner < 4; ++corner) {
+      glm::dvec3 vertex(0.0);
+      vertex[u] = corner & 1 ? 4.0 : -4.0;
+      vertex[v] = corner & 2 ? 4.0 : -4.0;
+      mesh.vertices.push_back(vertex);
+    }
+    mesh.triangles = {{0, 1, 3}, {0, 3, 2}};
+    const TriangleTree tree(mesh);
+    for (int i = -5; i <= 5; ++i) {
+      for (int j = -5; j <= 5; ++j) {
+        for (const double sign : {1.0, -1.0}) {
+          glm::dvec3 origin(0.0), direction(0.0);
+          origin[u] = i, origin[v] = j, origin[axis] = -3.0 * sign;
+          direction[axis] = sign;
+          const auto hit = tree.closest(make_ray(origin, direction, 0.0));
+          ASSERT_EQ(hit.has_value(), std::abs(i) <= 4 && std::abs(j) <= 4) << axis << " " << i << " " << j;
+          if (hit) EXPECT_EQ(hit->t, 3.0) << axis << " " << i << " " << j;
+        }
+      }
+    }
+  }
+}
+
+TEST(TriangleTreeTest, a_ray_in_the_plane_of_a_gable_passes_by_beside_it) {
+  // Seen along the ray the gable is a line that leads to it: on which side of its edges the ray passes is rounding.
+  Numbers numbers;
+  for (int i = 0; i < 2000; ++i) {
+    const glm::dvec3 along = glm::normalize(glm::dvec3(numbers.next(), numbers.next(), 0.0));
+    const double begin = 1.5 + numbers.next(), middle = begin + 1.5 + numbers.next();
+    TriangleMesh mesh;
+    mesh.vertices = {begin * along, (middle + 1.0) * along, middle * along + glm::dvec3(0, 0, 3)};
+    mesh.triangles = {{0, 1, 2}};
+    const TriangleTree tree(mesh);
+    EXPECT_FALSE(tree.occluded(make_ray({0, 0, 10}, {0, 0, -1}))) << i;
+    EXPECT_FALSE(tree.closest_by_brute_force(make_ray({0, 0, -10}, {0, 0, 1}))) << i;
+  }
+}
+
 TEST(TriangleTreeTest, colours_of_vertices_are_blended_and_those_of_triangles_go_first) {
   TriangleMesh mesh;
   mesh.vertices = {{0, 0, 0}, {4, 0, 0}, {0, 4, 0}};

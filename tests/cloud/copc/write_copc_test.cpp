@@ -144,6 +144,15 @@ TEST(WriteCopc, upper_levels_are_a_thinned_cloud) {
   EXPECT_EQ(row, cloud.size());
 }
 
+TEST(WriteCopc, a_node_takes_the_middle_point_of_each_cell) {
+  // The root begins a step before the first point, so that a cell of its grid holds the points 4 n - 1 to 4 n + 2.
+  PointCloud cloud;
+  for (int i = 0; i < 511; ++i) cloud.positions.emplace_back(i, 0, 0);
+  const CopcPlan plan = planned(cloud, 20);
+  ASSERT_EQ(plan.nodes.at(0).point_count, 128u);
+  for (std::uint32_t i = 0; i < 128; ++i) EXPECT_EQ(plan.order[i], 4 * i + 1);
+}
+
 TEST(WriteCopc, coincident_points_and_no_points_are_files_too) {
   const std::filesystem::path folder = test::test_folder();
   PointCloud cloud;
@@ -171,11 +180,15 @@ TEST(WriteCopc, large_trees_have_pages_that_lead_to_every_node_once) {
   plan.info.root_page = k_begin;
   const std::vector<std::uint8_t> pages = copc_hierarchy_record(plan, chunks).data;
   EXPECT_LT(plan.info.root_page_size, pages.size());
+  struct Page {
+    std::uint64_t offset, size;
+    int level;
+  };
   std::map<CopcKey, std::uint64_t> offsets;
-  std::vector<std::pair<std::uint64_t, std::uint64_t>> open = {{k_begin, plan.info.root_page_size}};
+  std::vector<Page> open = {{k_begin, plan.info.root_page_size, 0}};
   std::uint64_t bytes = 0;
   while (!open.empty()) {
-    const auto [offset, size] = open.back();
+    const auto [offset, size, level] = open.back();
     open.pop_back();
     bytes += size;
     for (std::uint64_t at = offset - k_begin; at < offset - k_begin + size; at += 32) {
@@ -185,8 +198,10 @@ TEST(WriteCopc, large_trees_have_pages_that_lead_to_every_node_once) {
       const auto target = load<std::uint64_t>(entry + 16);
       const auto length = static_cast<std::uint64_t>(load<std::int32_t>(entry + 24));
       if (load<std::int32_t>(entry + 28) < 0) {
-        open.emplace_back(target, length);
+        EXPECT_EQ(key.level, level + 4) << "of the page of " << key.name();
+        open.push_back({target, length, key.level});
       } else {
+        EXPECT_TRUE(key.level >= level && key.level < level + 4) << key.name();
         EXPECT_TRUE(offsets.emplace(key, target).second) << key.name();
       }
     }
