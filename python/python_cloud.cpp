@@ -10,6 +10,7 @@
 
 #include "base/input_file.h"
 #include "base/remote_map.h"
+#include "base/shown_text.h"
 #include "base/words.h"
 #include "cloud/las/write_las.h"
 #include "cloud/ply/write_ply.h"
@@ -165,7 +166,7 @@ py::object open_clouds(const FileNames& files, bool partial, int workers, const 
     }
   });
   for (const std::string& warning : data->points.cloud.warnings)
-    if (PyErr_WarnEx(PyExc_UserWarning, warning.c_str(), 1) != 0) throw py::error_already_set();
+    if (PyErr_WarnEx(PyExc_UserWarning, line_text(warning).c_str(), 1) != 0) throw py::error_already_set();
   if (data->points.index) return py::cast(Index(data, data->points.octree));
   return py::cast(Cloud(std::move(data)));
 }
