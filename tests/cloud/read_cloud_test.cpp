@@ -244,6 +244,7 @@ TEST(ReadCloudTest, coordinates_that_no_lattice_holds_are_an_error_that_names_th
                                odd = text("1 2 nan\n");
   const std::string problem = ": coordinates too large; expected at most 1e300, found ";
   EXPECT_TRUE(error_of([&] { join({far}); }).starts_with("first" + problem));
+  EXPECT_TRUE(error_of([&] { join({text("1e301 0 0\n")}); }).ends_with("found 1e+301"));
   EXPECT_TRUE(error_of([&] { join({near, far, odd}); }).starts_with("second" + problem));
   // A view reads the file by itself.
   CloudInputs chosen{{cloud_in_memory(far, "far")}};
