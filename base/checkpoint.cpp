@@ -16,6 +16,7 @@
 #include "base/fingerprint.h"
 #include "base/input_file.h"
 #include "base/output_file.h"
+#include "base/public_name.h"
 
 namespace alidade {
 namespace {
@@ -40,6 +41,13 @@ std::uint64_t head_checksum(std::vector<std::byte> head) {
 }
 
 }  // namespace
+
+std::string name_in_checkpoint(const std::filesystem::path& file) {
+  if (!file.is_absolute()) return public_name(file.string());
+  const std::string folder = file.parent_path().string();
+  return fmt::format("{} in folder {:016x}", file.filename().string(),
+                     checksum(std::as_bytes(std::span(folder))));
+}
 
 std::vector<std::byte> checkpoint_head(const CheckpointForm& form, const Fingerprint& fingerprint,
                                        const std::function<void(std::byte*)>& fill) {

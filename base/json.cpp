@@ -8,6 +8,7 @@
 #include <tuple>
 
 #include "base/error.h"
+#include "base/shown_text.h"
 #include "base/words.h"
 
 namespace alidade {
@@ -201,11 +202,10 @@ std::string JsonDocument::quote(std::size_t begin, std::size_t end) const {
   if (cut) end = begin + k_longest_quote - 3;
   while (cut && end > begin && is_continuation(text[end])) --end;
   std::string quoted = text.substr(begin, end - begin);
-  // DEL is the only control character JSON lets through in a string; line breaks can stand between tokens.
-  for (char& c : quoted) {
-    if (static_cast<unsigned char>(c) < 0x20 || c == 0x7F) c = ' ';
-  }
-  return quoted + (cut ? "..." : "");
+  // Line breaks can be between tokens.
+  std::ranges::replace_if(
+      quoted, [](char c) { return static_cast<unsigned char>(c) < 0x20; }, ' ');
+  return line_text(quoted) + (cut ? "..." : "");
 }
 
 JsonDocument parse_json(std::string text, std::string name, std::span<const std::string_view> unread) {

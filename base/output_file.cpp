@@ -31,11 +31,25 @@ constexpr std::size_t k_buffer_size = 1 << 18;
   throw system_error(name, "cannot write the file");
 }
 
-/// The file a symbolic link leads to, which need not exist, so that writing keeps the link.
-std::filesystem::path resolve(std::filesystem::path path) {
+/// Whether others can put links into the folder of a file.
+bool is_in_shared_folder(const std::filesystem::path& path) {
+  const std::filesystem::path folder = path.parent_path();
+  struct stat status {};
+  if (::stat(folder.empty() ? "." : folder.c_str(), &status) != 0) return false;
+  const bool is_of_others = status.st_uid != ::geteuid() && status.st_uid != 0;
+  return is_of_others || (status.st_mode & (S_IWGRP | S_IWOTH)) != 0;
+}
+
+/// The file a symbolic link leads to, which need not exist, so that writing keeps the link. Errors: too many links;
+/// `trusts_links` is false and a link is in a folder that others can write, who then choose what is written.
+std::filesystem::path resolve(std::filesystem::path path, bool trusts_links) {
   constexpr int k_most_links = 40;  // as many as Linux follows
   std::error_code error;
+  const std::string name = path.string();
   for (int i = 0; i < k_most_links && std::filesystem::is_symlink(path, error); ++i) {
+    if (!trusts_links && is_in_shared_folder(path))
+      throw file_error(name, "the output is a symbolic link in a folder that others can write",
+                       "another name, or --overwrite");
     const std::filesystem::path target = std::filesystem::read_symlink(path, error);
     if (error) return path;
     path = path.parent_path() / target;
@@ -126,6 +140,10 @@ void write_fully(const std::string& name, int descriptor, std::uint64_t offset,
   }
 }
 
+void check_links(const std::filesystem::path& path) {
+  resolve(path, false);
+}
+
 void check_output(const std::filesystem::path& path, bool overwrite) {
   std::error_code error;
   if (path.filename().empty()) throw Error({.file = path.string(), .problem = "not a file name"});
@@ -134,6 +152,7 @@ void check_output(const std::filesystem::path& path, bool overwrite) {
     throw Error(
         {.file = path.string(), .problem = "cannot write the file: no such folder " + folder.string()});
   }
+  resolve(path, overwrite);
   const std::filesystem::file_status status = std::filesystem::status(path, error);
   if (!std::filesystem::exists(status)) return;
   if (!std::filesystem::is_regular_file(status)) {
@@ -171,7 +190,7 @@ bool sync_temporary(int descriptor) {
 OutputFile::OutputFile(const std::filesystem::path& path, bool overwrite)
     : name_(path.string()), overwrite_(overwrite) {
   check_output(path, overwrite);
-  path_ = resolve(path);
+  path_ = resolve(path, overwrite);
   descriptor_ = create_temporary(path_, name_, temporary_);
   buffer_.reserve(k_buffer_size);
 }

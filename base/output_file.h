@@ -12,12 +12,11 @@ namespace alidade {
 
 /// A file that appears completely or not at all: bytes go to a temporary file in the same folder, and commit()
 /// renames it to its final name. Without commit() the destructor removes the temporary file, and an earlier
-/// file stays as it was. Through a symbolic link its target is written, whether or not it is there. What a
-/// process that was killed left of the same output is removed.
+/// file stays as it was. Through a symbolic link its target is written, whether or not it is there; a link in a folder
+/// that others can write requires `overwrite`. What a process that was killed left of the same output is removed.
 class OutputFile {
  public:
-  /// Errors: `path` exists and `overwrite` is false, or it is not a regular file; the folder is missing or
-  /// not writable.
+  /// Errors: those of check_output(); the folder is not writable.
   OutputFile(const std::filesystem::path& path, bool overwrite);
   ~OutputFile();
   OutputFile(const OutputFile&) = delete;
@@ -54,8 +53,11 @@ std::filesystem::path temporary_beside(const std::filesystem::path& path, int at
 void write_fully(const std::string& name, int descriptor, std::uint64_t offset,
                  std::span<const std::byte> bytes);
 
-/// Throws the Error for an output that exists already, unless `overwrite`; lets a long task fail before it
-/// starts.
+/// Lets a long task fail before it starts. Errors: `path` is not a regular file, or its folder is missing; unless
+/// `overwrite`, it exists, or is a symbolic link, also a dangling one, in a folder that others can write.
 void check_output(const std::filesystem::path& path, bool overwrite);
+
+/// The last of these errors, for files that may exist: databases, checkpoints.
+void check_links(const std::filesystem::path& path);
 
 }  // namespace alidade

@@ -5,6 +5,8 @@
 #include <charconv>
 #include <limits>
 
+#include "base/shown_text.h"
+
 namespace alidade {
 namespace {
 
@@ -104,6 +106,9 @@ void split_cells(std::string_view line, char separator, std::vector<std::string_
     while (!line.empty() && is_blank(line.front()) && line.front() != separator) line.remove_prefix(1);
     std::size_t closing = line.npos;
     if (line.starts_with('"')) closing = line.find('"', 1);
+    // Written twice it is a character of the word.
+    while (closing != line.npos && line.substr(closing + 1).starts_with('"'))
+      closing = line.find('"', closing + 2);
     const std::size_t end = line.find(separator, closing == line.npos ? 0 : closing + 1);
     words.push_back(closing == line.npos ? trim(line.substr(0, end)) : line.substr(1, closing - 1));
     if (end == line.npos) return;
@@ -113,11 +118,9 @@ void split_cells(std::string_view line, char separator, std::vector<std::string_
 
 std::string quote(std::string_view text) {
   constexpr std::size_t k_longest = 40;
-  std::string result = "\"";
-  for (const char character : text.substr(0, k_longest))
-    result += character >= ' ' && character != '\x7f' ? character : '?';
-  if (text.size() > k_longest) result += "...";
-  return result + '"';
+  std::size_t end = std::min(text.size(), k_longest);
+  for (int i = 0; i < 3 && end < text.size() && is_continuation(text[end]); ++i) --end;
+  return '"' + line_text(text.substr(0, end)) + (end < text.size() ? "...\"" : "\"");
 }
 
 std::string_view nearest_word(std::string_view word, std::span<const std::string_view> words) {

@@ -86,10 +86,10 @@ int written_decimals(std::string_view word);
 void split_words(std::string_view line, std::vector<std::string_view>& words);
 
 /// Fills `words` with what stands between `separator`s, without blanks and double quotes around it; between
-/// double quotes a separator is part of the word.
+/// double quotes a separator is part of the word, and a quote that is written twice stays so.
 void split_cells(std::string_view line, char separator, std::vector<std::string_view>& words);
 
-/// Text of a file as an error message can show it: in quotes, unprintable bytes as "?", cut after 40 bytes.
+/// Text of a file as an error message shows it: line_text() (base/shown_text.h) in quotes, cut after 40 bytes.
 std::string quote(std::string_view text);
 
 /// The word of `words` that was probably meant, by edit distance (swapped characters count once); empty if none

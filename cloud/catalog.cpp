@@ -10,8 +10,10 @@
 #include <cstdio>
 #include <nlohmann/json.hpp>
 
+#include "base/allowed_hosts.h"
 #include "base/error.h"
 #include "base/input_file.h"
+#include "base/json.h"
 #include "base/words.h"
 
 namespace alidade {
@@ -24,6 +26,7 @@ constexpr std::uint64_t k_largest_catalog = std::uint64_t{2} << 30;
 constexpr int k_deepest = 64;
 constexpr double k_largest_coordinate = 1e12;
 constexpr std::uint64_t k_most_points = std::uint64_t{1} << 62;  // of all items
+constexpr std::array<std::string_view, 1> k_items = {"features"};
 constexpr const char* k_remedy = "make the catalog again with 'alidade catalog'";
 
 std::string_view without_query(std::string_view name) {
@@ -34,9 +37,10 @@ bool is_web_url(std::string_view name) {
   return name.starts_with("https://") || name.starts_with("http://");
 }
 
-/// "https://host:port" of a URL, in small characters.
-std::string server_of(std::string_view url) {
-  return lower_case(url.substr(0, url.find_first_of("/?#", url.find("://") + 3)));
+/// What is behind the host of a URL, without parameters.
+std::string_view path_of(std::string_view url) {
+  url = without_query(url.substr(0, url.find('#')));
+  return url.substr(std::min(url.find('/', url.find("://") + 3), url.size()));
 }
 
 /// Text with its %XX replaced; empty if one is invalid or means a control character.
@@ -89,8 +93,10 @@ class CatalogReader {
     Json root;
     try {
       root = Json::parse(text, take);
-    } catch (const Json::exception& error) {
-      fail(fmt::format("invalid JSON: {}", error.what()));
+    } catch (const Json::exception&) {
+      // Names line and column; nothing of the items is kept.
+      parse_json(std::string(text), name_, k_items);
+      fail("invalid JSON");
     }
     const auto features = root.is_object() ? root.find("features") : root.end();
     if (features == root.end() || !features->is_array() || root.value("type", Json()) != "FeatureCollection")
@@ -148,25 +154,42 @@ class CatalogReader {
   fs::path file_of(const std::string& href) const {
     constexpr std::size_t k_longest = 4096;
     if (href.size() > k_longest) fail_item("the href is too long", "at most 4096 bytes");
-    const bool is_remote = is_remote_name(name_);
     std::string file;
     if (is_web_url(href)) {
-      if (is_remote && server_of(href) != server_of(name_))
-        fail_item("the href leads to another server", server_of(name_), quote(href));
-      if (!decoded(href)) fail_item("invalid href", "a URL", quote(href));
+      const std::string host = host_of(href);
+      if (!decoded(href) || host.empty()) fail_item("invalid href", "a URL", quote(href));
+      const std::vector<std::string> allowed = allowed_hosts();
+      if (!lies_below(href) && std::ranges::find(allowed, host) == allowed.end())
+        fail_item(
+            "the href leads to " + host + ", which is not allowed",
+            fmt::format("files below the catalog, or --allow-host {0} (or ALIDADE_ALLOW_HOSTS={0} in the "
+                        "environment)",
+                        host),
+            quote(href));
       file = href;
     } else {
       const auto plain = decoded(without_query(href));
       const bool has_scheme = href.find(':') < href.find('/');
       if (!plain || has_scheme || plain->starts_with('/') || !stays_inside(*plain))
-        fail_item("the href leaves the catalog's folder", "a relative path without '..', or an http(s) URL",
-                  quote(href));
+        fail_item("the href leaves the catalog's folder",
+                  "a relative path without '..', or the URL of a host that --allow-host names", quote(href));
       const std::string_view folder = without_query(name_);
       const std::string base(folder.substr(0, folder.rfind('/') + 1));
       file = base + (is_web_url(name_) ? href : *plain);
     }
     if (is_catalog_name(file)) fail_item("the catalog lists a catalog", "files of points", quote(href));
+    if (is_remote_name(file)) note_listed_file(file);
     return file;
+  }
+
+  /// Whether a URL is that of a file below the folder of the catalog, which is on the same server.
+  bool lies_below(std::string_view url) const {
+    const auto scheme_of = [](std::string_view of) { return lower_case(of.substr(0, of.find(':'))); };
+    if (!is_web_url(name_) || scheme_of(url) != scheme_of(name_) || host_of(url) != host_of(name_))
+      return false;
+    const std::string_view catalog = path_of(name_);
+    const auto folder = decoded(catalog.substr(0, catalog.rfind('/') + 1)), path = decoded(path_of(url));
+    return folder && path && path->starts_with(*folder) && stays_inside(path->substr(folder->size()));
   }
 
   static const CloudFormat* format_of(const Json& encoding, const Json& type, const std::string& file) {

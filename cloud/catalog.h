@@ -32,9 +32,10 @@ bool is_catalog_name(std::string_view name);
 /// StatedFile, unless one of the first two is missing or the box is flat (4 numbers). The format is what the encoding,
 /// or the type of the asset, says; null if that is nothing known.
 ///
-/// A relative href is meant from the catalog's folder and stays in it. An absolute one is an http(s) URL: of the
-/// catalog's own server, or of any if the catalog is a file on this machine. Everything else, such as "../a.laz",
-/// "/etc/a.laz", "file:" and "s3:" is an Error, so that a catalog from elsewhere reads nothing but what it lies beside.
+/// A relative href is meant from the catalog's folder and stays in it. An absolute one is an http(s) URL: of a file below
+/// that folder, or of a host that is allowed (base/allowed_hosts.h), and requests for it are redirected to none that is not.
+/// Everything else, such as "../a.laz", "/etc/a.laz", "file:" and "s3:" is an Error, so that a catalog from elsewhere reads
+/// nothing but what lies below it.
 ///
 /// Errors: the file is missing; no JSON; no collection of items; more than 2 GiB; an item without file, or whose file is
 /// a catalog; an invalid box or count. They name the item. Memory: the text, and about 300 B per

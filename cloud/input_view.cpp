@@ -10,6 +10,7 @@
 #include <utility>
 
 #include "base/error.h"
+#include "base/name_errors.h"
 #include "cloud/rows.h"
 
 namespace alidade {
@@ -144,7 +145,7 @@ class ViewReader final : public CloudReader {
   Lattice own_lattice() {
     if (const auto lattice = inner_->lattice()) return *lattice;
     const CoordinateSurvey survey = survey_own();
-    return fit_lattice(std::span(&survey, 1));
+    return with_file(inner_->file().path.string(), [&] { return fit_lattice(std::span(&survey, 1)); });
   }
 
   const CoordinateSurvey& survey_own() {

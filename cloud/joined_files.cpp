@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <array>
 #include <filesystem>
+#include <glm/common.hpp>
 #include <map>
 #include <set>
 #include <string>
@@ -14,6 +15,7 @@
 #include <utility>
 
 #include "base/error.h"
+#include "base/name_errors.h"
 #include "cloud/crs.h"
 #include "cloud/lattice.h"
 
@@ -97,7 +99,14 @@ Lattice common_lattice(const std::vector<CloudSource>& sources) {
   if (!first) {
     std::vector<CoordinateSurvey> surveys;
     for (const CloudSource& source : sources) surveys.push_back(source.survey);
-    return fit_lattice(surveys);
+    const auto reach = [](const CloudSource& source) {
+      const Bounds& bounds = source.survey.bounds;
+      const glm::dvec3 most = glm::max(glm::abs(bounds.min), glm::abs(bounds.max));
+      return bounds.empty() ? 0.0 : std::max({most.x, most.y, most.z});
+    };
+    const auto farthest = std::ranges::max_element(sources, {}, reach);
+    return with_file(farthest == sources.end() ? "" : farthest->path().string(),
+                     [&] { return fit_lattice(surveys); });
   }
   const Lattice lattice = *first->reader->lattice();
   check_agreement(

@@ -49,7 +49,7 @@ Lattice fit_lattice(std::span<const CoordinateSurvey> surveys) {
     if (!(reach <= 1e300 && std::abs(offset) <= 1e300)) {
       throw Error({.problem = "coordinates too large",
                    .expected = "at most 1e300",
-                   .found = fmt::format("{}", reach)});
+                   .found = fmt::format("{}", std::max(reach, std::abs(offset)))});
     }
     double resolution = std::numeric_limits<double>::infinity();
     for (const CoordinateSurvey& survey : surveys) {

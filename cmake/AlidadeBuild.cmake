@@ -16,7 +16,7 @@ target_include_directories(alidade_flags INTERFACE ${PROJECT_SOURCE_DIR})
 # Programs are position independent by the default of Debian's compilers.
 if(NOT CMAKE_CXX_FLAGS MATCHES "-fsanitize")
   target_compile_options(alidade_flags INTERFACE -fstack-protector-strong)
-  target_compile_definitions(alidade_flags INTERFACE $<$<CONFIG:Release,RelWithDebInfo>:_FORTIFY_SOURCE=2>)
+  target_compile_definitions(alidade_flags INTERFACE $<$<CONFIG:Release,RelWithDebInfo,MinSizeRel>:_FORTIFY_SOURCE=2>)
   if(CMAKE_SYSTEM_PROCESSOR MATCHES "x86_64|AMD64")
     target_compile_options(alidade_flags INTERFACE -fcf-protection)
   endif()

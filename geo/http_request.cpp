@@ -238,20 +238,25 @@ HttpAnswer send(const HttpRequest& request) {
          .problem = "the server sends no ranges, and the file is too large to fetch whole; download it",
          .expected = fmt::format("at most {} bytes", HttpRequest::k_largest_body)});
 
-  // The last of a name: those of redirections come before.
-  const auto header = [&](const char* key, int begin) {
-    std::string value;
+  const auto values = [&](const char* key, int begin) {
+    std::vector<std::string> found;
     for (char** line = result->papszHeaders == nullptr ? nullptr : result->papszHeaders + begin;
          line != nullptr && *line != nullptr; ++line) {
       char* name = nullptr;
       const char* const text = CPLParseNameValue(*line, &name);
-      if (text != nullptr && name != nullptr && EQUAL(name, key)) value = text;
+      if (text != nullptr && name != nullptr && EQUAL(name, key)) found.emplace_back(text);
       CPLFree(name);
     }
-    return value;
+    return found;
+  };
+  // The last of a name: those of redirections come before.
+  const auto header = [&](const char* key, int begin) {
+    const std::vector<std::string> all = values(key, begin);
+    return all.empty() ? std::string() : all.back();
   };
   const int begin = begin_of_last_answer(result->papszHeaders);
   HttpAnswer answer;
+  answer.redirections = values("Location", 0);
   answer.curl_code = result->nStatus;
   answer.stated_range = header("Content-Range", 0);
   answer.length = parse_number(header("Content-Length", begin));

@@ -38,8 +38,9 @@ struct HttpAnswer {
   int status = 0;     ///< from 400 on, otherwise 0
   std::string problem;
   std::string stated_range, etag, last_modified;
-  std::optional<ContentRange> range;    ///< without one it is the whole file
-  std::optional<std::uint64_t> length;  ///< what Content-Length states
+  std::vector<std::string> redirections;  ///< what Location states, in their order
+  std::optional<ContentRange> range;      ///< without one it is the whole file
+  std::optional<std::uint64_t> length;    ///< what Content-Length states
   std::vector<std::byte> body;
   std::shared_ptr<ScratchFile> whole;  ///< in place of the body, if it is longer than requested
 

@@ -12,9 +12,11 @@
 #include <thread>
 #include <utility>
 
+#include "base/allowed_hosts.h"
 #include "base/error.h"
 #include "base/fingerprint.h"
 #include "base/scratch_file.h"
+#include "base/words.h"
 
 namespace alidade::geo {
 namespace {
@@ -94,6 +96,24 @@ void HttpSource::check_range(const HttpAnswer& answer, std::uint64_t first, std:
          fmt::format("{}", answer.size()));
 }
 
+void HttpSource::check_hosts(const HttpAnswer& answer) const {
+  if (!hosts_) return;
+  for (const std::string& stated : answer.redirections) {
+    const std::string_view target = trim(stated);
+    // Without a host in front it is another file of the same one.
+    const bool has_host =
+        target.starts_with("//") || target.find(':') < std::min(target.find_first_of("/?#"), target.size());
+    if (!has_host) continue;
+    const std::string host = host_of(target.starts_with("//") ? "https:" + std::string(target) : target);
+    if (!host.empty() && (host == host_of(url_) || std::ranges::find(*hosts_, host) != hosts_->end()))
+      continue;
+    throw Error({.file = name_,
+                 .problem = "the server redirects to a host that is not allowed",
+                 .expected = host.empty() ? "a redirection to http(s)" : "--allow-host " + host,
+                 .found = quote(target)});
+  }
+}
+
 void HttpSource::check_whole(const HttpAnswer& start) {
   const std::uint64_t end = std::max<std::uint64_t>(start.body.size(), 1);
   const HttpAnswer behind = request(end, end + start.body.size());
@@ -109,8 +129,11 @@ void HttpSource::check_whole(const HttpAnswer& start) {
 }
 
 HttpSource::HttpSource(std::string name, std::string url, std::size_t count, bool (*is_interrupted)(),
-                       std::optional<std::uint64_t> known)
-    : name_(std::move(name)), url_(std::move(url)), is_interrupted_(is_interrupted) {
+                       std::optional<std::vector<std::string>> hosts, std::optional<std::uint64_t> known)
+    : name_(std::move(name)),
+      url_(std::move(url)),
+      is_interrupted_(is_interrupted),
+      hosts_(std::move(hosts)) {
   is_open_ = known && open_by_headers(*known);
   if (is_open_) return;
   HttpAnswer answer = request(0, count - 1);
@@ -225,6 +248,7 @@ HttpAnswer HttpSource::fetch(std::uint64_t first, std::uint64_t last, HttpPart p
                             .last = last,
                             .part = part,
                             .is_interrupted = is_interrupted_});
+  check_hosts(answer);
   if (answer.is_good() && part == HttpPart::bytes) check_range(answer, first, last);
   return answer;
 }

@@ -37,10 +37,11 @@ class HttpSource {
   /// Requests the first `count` bytes. With `known`, the sum_of_version() of a file without ranges that is kept
   /// elsewhere, the headers come first, and no bytes if they state this version: some servers state a wrong length or
   /// ETag there. `name` is what messages call the file; `is_interrupted`, if given, is
-  /// called while waiting and returns whether to stop. Errors: those of read(); the server cannot be reached,
-  /// or has no such file.
+  /// called while waiting and returns whether to stop. With `hosts`, an answer that came from another host than that
+  /// of the URL and these is an error: redirections are followed before they are known, but nothing is taken from there.
+  /// Errors: those of read(); the server cannot be reached, or has no such file.
   HttpSource(std::string name, std::string url, std::size_t count, bool (*is_interrupted)(),
-             std::optional<std::uint64_t> known = {});
+             std::optional<std::vector<std::string>> hosts, std::optional<std::uint64_t> known = {});
 
   /// No other source of the process has or had it.
   std::uint64_t number() const { return number_; }
@@ -67,6 +68,8 @@ class HttpSource {
   void take_version(const HttpAnswer& answer);
   /// Errors: the answer does not hold just these bytes.
   void check_range(const HttpAnswer& answer, std::uint64_t first, std::uint64_t last) const;
+  /// Errors: the answer is one of a host that is not allowed.
+  void check_hosts(const HttpAnswer& answer) const;
   /// Makes sure that an answer to the first request that states no range is the whole file, by a request for
   /// what is behind it. Errors: it may be a part.
   void check_whole(const HttpAnswer& start);
@@ -79,6 +82,7 @@ class HttpSource {
   const std::uint64_t number_ = count_++;
   std::string name_, url_;
   bool (*is_interrupted_)();
+  std::optional<std::vector<std::string>> hosts_;
   std::uint64_t size_ = 0;
   std::string etag_, last_modified_, version_;
   std::vector<std::byte> start_;

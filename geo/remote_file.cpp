@@ -243,7 +243,8 @@ bool keep_whole(HttpSource& source, const std::string& url) {
 }
 
 /// The source of a URL, opened once in a process and again when it turns out that the file changed.
-std::shared_ptr<HttpSource> http_source(const std::string& name, const std::string& url) {
+std::shared_ptr<HttpSource> http_source(const std::string& name, const std::string& url,
+                                        const std::optional<std::vector<std::string>>& hosts) {
   {
     const std::scoped_lock lock(web().mutex);
     const auto known = web().sources.find(url);
@@ -255,7 +256,7 @@ std::shared_ptr<HttpSource> http_source(const std::string& name, const std::stri
   if (web().folder)
     if (const auto kept = web().folder->find(mark, sizeof(*marked)))
       marked = load<std::uint64_t>(kept->data());
-  auto source = std::make_shared<HttpSource>(name, url, k_block, web().options.is_interrupted, marked);
+  auto source = std::make_shared<HttpSource>(name, url, k_block, web().options.is_interrupted, hosts, marked);
   if (auto start = source->take_start(); !start.empty())
     web().memory.keep({source->number(), 0},
                       std::make_shared<const std::vector<std::byte>>(std::move(start)));
@@ -356,7 +357,7 @@ class HttpFile final : public RemoteFile {
 std::unique_ptr<RemoteFile> open_file(const std::string& name, const RemoteOptions& options) {
   const std::string url = web_url(name);
   web(options);
-  if (!url.empty()) return std::make_unique<HttpFile>(http_source(name, url), url);
+  if (!url.empty()) return std::make_unique<HttpFile>(http_source(name, url, options.hosts), url);
   return std::make_unique<VirtualFile>(name, virtual_name(name));
 }
 

@@ -4,7 +4,9 @@
 #include <cstdint>
 #include <filesystem>
 #include <memory>
+#include <optional>
 #include <string>
+#include <vector>
 
 #include "base/input_file.h"
 
@@ -16,6 +18,8 @@ struct RemoteOptions {
   /// and no time of modification, nothing is kept.
   std::filesystem::path cache{};
   std::uint64_t cache_bytes = std::uint64_t{1} << 30;  ///< that the folder may take
+  /// Where requests for the file may be redirected to (http, https), beside its own host; empty: anywhere.
+  std::optional<std::vector<std::string>> hosts{};
 };
 
 /// Opens a file of a name for which is_remote_name() holds. Of a file on a web server (http, https) only the
@@ -25,7 +29,8 @@ struct RemoteOptions {
 /// that sends less than 4 kB/s over 30 seconds has failed. GDAL's configuration options (GDAL_HTTP_*, AWS_*,
 /// CPL_VSIL_CURL_*) are taken from the environment. What ends in .json.gz is decompressed. Errors: the file
 /// is missing, the server does not answer, or its answers contradict each other. Cancelled, if is_interrupted
-/// says so. The options are those of the first call in a process.
+/// says so. The options, but for `hosts`, are those of the first call in a process; `hosts` are those of the first for a
+/// file.
 std::unique_ptr<RemoteFile> open_remote_file(const std::string& name, const RemoteOptions& options = {});
 
 /// What this process has fetched from servers so far.

@@ -7,6 +7,7 @@
 #include <chrono>
 #include <cmath>
 
+#include "base/shown_text.h"
 #include "base/words.h"
 #include "cloud/cloud_reader.h"
 #include "geo/map_unit.h"
@@ -116,7 +117,7 @@ ColorMap usual_map(PointColor by) {
 
 /// "point_source_id" -> "Point source id".
 std::string title_of(const std::string& word) {
-  std::string title = word;
+  std::string title = line_text(word);
   std::ranges::replace(title, '_', ' ');
   if (!title.empty() && title[0] >= 'a' && title[0] <= 'z')
     title[0] = static_cast<char>(title[0] - 'a' + 'A');

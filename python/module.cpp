@@ -2,10 +2,14 @@
 #include <dlfcn.h>
 #include <filesystem>
 #include <memory>
+#include <optional>
 #include <string>
+#include <vector>
 
+#include "base/allowed_hosts.h"
 #include "base/error.h"
 #include "base/input_file.h"
+#include "base/shown_text.h"
 #include "python/docstrings.h"
 #include "python/python_cloud.h"
 
@@ -22,7 +26,7 @@ void add_errors(py::module_& module) {
     try {
       if (thrown) std::rethrow_exception(thrown);
     } catch (const alidade::Error& invalid) {
-      error(invalid.what());
+      error(alidade::line_text(invalid.what()).c_str());
     } catch (const alidade::Cancelled&) {
       PyErr_SetNone(PyExc_KeyboardInterrupt);
     }
@@ -32,7 +36,8 @@ void add_errors(py::module_& module) {
 /// GDAL, with the libraries it brings, is loaded when the first remote file is opened: from a module beside
 /// this one.
 std::unique_ptr<alidade::RemoteFile> open_remote(const std::string& name) {
-  using Open = std::unique_ptr<alidade::RemoteFile>(const std::string&, bool (*)());
+  using Open = std::unique_ptr<alidade::RemoteFile>(const std::string&, bool (*)(),
+                                                    const std::optional<std::vector<std::string>>&);
   static Open* const open = [&] {
     ::Dl_info info{};
     ::dladdr(reinterpret_cast<const void*>(&open_remote), &info);
@@ -49,7 +54,7 @@ std::unique_ptr<alidade::RemoteFile> open_remote(const std::string& name) {
     }
     return reinterpret_cast<Open*>(found);
   }();
-  return open(name, &alidade::python::is_interrupted);
+  return open(name, &alidade::python::is_interrupted, alidade::hosts_for(name));
 }
 
 }  // namespace

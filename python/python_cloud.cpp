@@ -10,6 +10,7 @@
 
 #include "base/input_file.h"
 #include "base/remote_map.h"
+#include "base/shown_text.h"
 #include "base/words.h"
 #include "cloud/las/write_las.h"
 #include "cloud/ply/write_ply.h"
@@ -158,7 +159,7 @@ py::object crs_of(const Cloud& cloud) {
 
 void warn(const std::vector<std::string>& warnings) {
   for (const std::string& warning : warnings)
-    if (PyErr_WarnEx(PyExc_UserWarning, warning.c_str(), 1) != 0) throw py::error_already_set();
+    if (PyErr_WarnEx(PyExc_UserWarning, line_text(warning).c_str(), 1) != 0) throw py::error_already_set();
 }
 
 using FileNames = std::variant<std::filesystem::path, std::vector<std::filesystem::path>>;

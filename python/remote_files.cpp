@@ -6,8 +6,8 @@
 /// What the module alidade opens remote files with (python/module.cpp). The cache is as for the program; the first
 /// `is_interrupted` is that of the process.
 extern "C" [[gnu::visibility("default")]] std::unique_ptr<alidade::RemoteFile> alidade_open_remote_file(
-    const std::string& name, bool (*is_interrupted)()) {
+    const std::string& name, bool (*is_interrupted)(), const std::optional<std::vector<std::string>>& hosts) {
   static const char* const cache = std::getenv("ALIDADE_CACHE");
   return alidade::geo::open_remote_file(
-      name, {.is_interrupted = is_interrupted, .cache = cache != nullptr ? cache : ""});
+      name, {.is_interrupted = is_interrupted, .cache = cache != nullptr ? cache : "", .hosts = hosts});
 }

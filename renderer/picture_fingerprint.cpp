@@ -20,7 +20,8 @@ class Text {
   void add(double number) { add_word(fmt::format("{:.17g}", number)); }
   void add(int number) { add_word(std::to_string(number)); }
   void add(const std::string& text) { add_word(fmt::format("{}:{}", text.size(), text)); }
-  void add(const std::filesystem::path& path) { add(path.string()); }
+  /// What is in a file counts by its checksum: parts of a picture come from machines with other folders.
+  void add(const std::filesystem::path& path) { add(path.filename().string()); }
   void add(const Rgb& color) { add_all(double{color.r}, double{color.g}, double{color.b}); }
   void add(const glm::dvec3& position) { add_all(position.x, position.y, position.z); }
 
@@ -143,7 +144,7 @@ std::string noise_text(const RenderOptions& options, const Scene& scene) {
 std::string file_names(const CloudSettings& settings) {
   std::string names;
   for (const std::filesystem::path& file : settings.files)
-    names += (names.empty() ? "" : ", ") + file.string();
+    names += (names.empty() ? "" : ", ") + file.filename().string();
   return names;
 }
 

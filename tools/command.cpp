@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 
+#include "base/allowed_hosts.h"
 #include "base/input_file.h"
 #include "base/words.h"
 #include "database/server/server_name.h"
@@ -135,10 +136,17 @@ Command add_visibility(const Options& program) {
 
 }  // namespace
 
+std::string kept_name(const std::filesystem::path& file) {
+  if (!file.is_absolute()) return file.string();
+  // Of "/site/tiles/" the last part is empty.
+  return (file.has_filename() ? file : file.parent_path()).filename().string();
+}
+
 std::string picture_command(const CommandLine& words) {
   std::string text = "alidade";
   for (std::size_t i = 1; i < words.size(); ++i) {
-    const std::string& word = words[i];
+    const std::size_t value = words[i].starts_with("--") ? words[i].find('=') + 1 : 0;
+    const std::string word = words[i].substr(0, value) + kept_name(words[i].substr(value));
     if (is_silent_flag(word) || holds_silent_option(word)) continue;
     if (is_silent_option(word)) {
       ++i;
@@ -152,8 +160,11 @@ std::string picture_command(const CommandLine& words) {
 
 ExitCode run_program(const CommandLine& command_line) {
   check_server_names(command_line);
-  set_remote_files(
-      [](const std::string& name) { return loaded_image_module().open_remote_file(name, remote_options()); });
+  set_remote_files([](const std::string& name) {
+    geo::RemoteOptions options = remote_options();
+    options.hosts = hosts_for(name);
+    return loaded_image_module().open_remote_file(name, options);
+  });
   Parser parser;
   const Options program = parser.program();
   const std::vector<Command> commands = {add_info(program),       add_generate(program), add_index(program),

@@ -11,7 +11,7 @@
 #include <cstdlib>
 
 #include "base/remote_map.h"
-#include "base/words.h"
+#include "base/shown_text.h"
 
 namespace alidade::tools {
 namespace {
@@ -26,25 +26,9 @@ void note_signal(int signal) {
 // Back to the first column, and the rest of the terminal's line cleared.
 const std::string k_line_start = "\r\033[K";
 
-/// The code in Unicode of what is one character of UTF-8.
-unsigned character_code(std::string_view character) {
-  const auto byte = [&](std::size_t position) { return static_cast<unsigned char>(character[position]); };
-  if (character.size() == 1) return byte(0);
-  unsigned code = byte(0) & (0x7fu >> character.size());
-  for (std::size_t position = 1; position < character.size(); ++position)
-    code = code << 6 | (byte(position) & 0x3fu);
-  return code;
-}
-
-/// Whether terminals take a character beyond ASCII as a command, or as one that turns the direction of writing.
-bool is_command(unsigned code) {
-  return (code >= 0x80 && code <= 0x9f) || (code >= 0x202a && code <= 0x202e) ||
-         (code >= 0x2066 && code <= 0x2069);
-}
-
 void say(std::string_view kind, std::string_view text) {
   std::string line = "alidade: ";
-  line.append(kind).append(terminal_text(text)).append("\n");
+  line.append(kind).append(line_text(text)).append("\n");
   write_to_stderr(line);
 }
 
@@ -137,37 +121,6 @@ std::string quantity(double count, const std::string& unit) {
   if (unit == "B") return text.find(' ') == std::string::npos ? text + " B" : text + unit;
   const bool is_one = text == "1" && unit.ends_with('s');
   return text + " " + (is_one ? unit.substr(0, unit.size() - 1) : unit);
-}
-
-std::string line_text(std::string_view text) {
-  std::string line;
-  while (!text.empty()) {
-    const std::size_t size = utf8_character_size(text);
-    const std::string_view character = text.substr(0, std::max<std::size_t>(size, 1));
-    text.remove_prefix(character.size());
-    const unsigned code =
-        size == 0 ? static_cast<unsigned char>(character.front()) : character_code(character);
-    if (code == '\n')
-      line += "\\n";
-    else if (size == 0 || code < 0x20 || code == 0x7f)
-      line += fmt::format("\\x{:02x}", code);
-    else if (is_command(code))
-      line += fmt::format("\\u{:04x}", code);
-    else
-      line += character;
-  }
-  return line;
-}
-
-std::string terminal_text(std::string_view text) {
-  std::string shown;
-  for (; !text.empty();) {
-    const std::size_t size = std::max<std::size_t>(utf8_character_size(text), 1);
-    const std::string_view character = text.substr(0, size);
-    shown += character == "\n" ? "\n" : line_text(character);
-    text.remove_prefix(size);
-  }
-  return shown;
 }
 
 std::string clock_time(double seconds) {

@@ -37,7 +37,8 @@ bool interrupted();
 /// Lets a prompt go on after Ctrl-C: from now on it has not come. False if another signal has.
 bool forget_ctrl_c();
 
-// What the program says to a person, on stderr. A stderr that cannot be written to is no reason to stop.
+// What the program says to a person, on stderr. A stderr that cannot be written to is no reason to stop. A text is one
+// line, whatever names from files are in it (line_text(), base/shown_text.h).
 
 /// The bytes as they are.
 void write_to_stderr(std::string_view text);
@@ -126,13 +127,6 @@ std::string short_count(double count);
 
 /// "640 k points", "1 ray", "2.3 MB": a count of a unit, which is "B" or a plural.
 std::string quantity(double count, const std::string& unit);
-
-/// As one line that cannot move a terminal's cursor: control characters are shown as \n, \x1b, \u009b, bytes
-/// that are no UTF-8 as \xff, and characters that turn the direction of writing as \u202e.
-std::string line_text(std::string_view text);
-
-/// The same for a text of several lines. Names from files go to the terminal through it.
-std::string terminal_text(std::string_view text);
 
 /// "0:07", "12:30", "1:02:03".
 std::string clock_time(double seconds);

@@ -15,8 +15,8 @@ inline constexpr std::array<std::string_view, 6> k_silent_flags = {"help",  "ove
                                                                    "quiet", "verbose",   "resume"};
 
 /// With a value.
-inline constexpr std::array<std::string_view, 7> k_silent_options = {
-    "output", "threads", "memory", "cache", "cache-size", "checkpoint", "checkpoint-interval"};
+inline constexpr std::array<std::string_view, 8> k_silent_options = {
+    "output", "threads", "memory", "cache", "cache-size", "allow-host", "checkpoint", "checkpoint-interval"};
 
 /// Whether the option of this name, without dashes, is one of these, or of those that a command adds to them.
 inline bool is_silent(std::string_view name, std::span<const std::string_view> own) {

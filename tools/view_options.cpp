@@ -9,7 +9,9 @@
 #include <limits>
 #include <utility>
 
+#include "base/allowed_hosts.h"
 #include "base/error.h"
+#include "base/words.h"
 #include "cloud/cloud_reader.h"
 #include "database/sqlite/where_clause.h"
 #include "tools/image_module.h"
@@ -129,6 +131,18 @@ void add_cache_options(const Options& command) {
                 if (text.empty()) throw UsageError("missing value; expected a folder");
                 remote_options().cache = text;
               });
+  group.values("--allow-host", "HOST",
+               "let catalogs list files of this web server, such as example.org or example.org:8080, and "
+               "other servers "
+               "redirect to it what catalogs list; may be given again (default: the hosts between commas in "
+               "ALIDADE_ALLOW_HOSTS; without it, files below the catalog alone)",
+               [](const std::string& text) {
+                 try {
+                   allow_host(lower_case(text));
+                 } catch (const Error& error) {
+                   throw UsageError(error.what());
+                 }
+               });
   group.value("--cache-size", "SIZE",
               "largest size of that folder, such as 500M or 20G (default 1G); what was not used for longest "
               "is removed",

@@ -30,7 +30,7 @@ struct ViewRequest {
 
 /// How the program opens remote files, by ALIDADE_CACHE and the options below.
 geo::RemoteOptions& remote_options();
-/// Declares --cache and --cache-size.
+/// Declares --cache, --cache-size and --allow-host.
 void add_cache_options(const Options& command);
 
 /// Declares --classes, --ignore-classes, --where, --crop, --crop-crs, --columns, --crs and --reproject, without those in

@@ -3,30 +3,17 @@
 
 #include <nlohmann/json.hpp>
 
+#include "base/shown_text.h"
 #include "base/words.h"
 
 namespace alidade::visibility {
 namespace {
 
-std::string text_of(const Row& value) {
-  return value.dump(-1, ' ', false, Row::error_handler_t::replace);
-}
-
-std::string quoted_where_needed(const std::string& text) {
-  if (text.find_first_of(",\"\r\n") == std::string::npos) return text;
-  std::string quoted = "\"";
-  for (const char character : text) {
-    quoted += character;
-    if (character == '"') quoted += character;
-  }
-  return quoted + "\"";
-}
-
 std::string cell_of(const Row& value) {
   if (value.is_null()) return "";
   if (value.is_boolean()) return value.get<bool>() ? "1" : "0";
-  if (value.is_string()) return quoted_where_needed(value.get<std::string>());
-  return text_of(value);
+  if (value.is_string()) return csv_cell(value.get<std::string>());
+  return json_text(value);
 }
 
 }  // namespace
@@ -43,7 +30,7 @@ std::string csv_names(const Row& row) {
   std::string line;
   for (const auto& [name, value] : row.items()) {
     if (!line.empty()) line += ',';
-    line += name;
+    line += csv_cell(name);
   }
   return line + "\n";
 }
@@ -64,14 +51,14 @@ void write_text(OutputFile& file, const std::string& text) {
 }
 
 JsonListWriter::JsonListWriter(OutputFile& file, const Row& head, const std::string& list) : file_(file) {
-  std::string begin = text_of(head);
+  std::string begin = json_text(head);
   begin.pop_back();
   if (!head.empty()) begin += ",";
   write_text(file_, begin + "\"" + list + "\":[");
 }
 
 void JsonListWriter::add(const Row& element) {
-  write_text(file_, (is_first_ ? "\n" : ",\n") + text_of(element));
+  write_text(file_, (is_first_ ? "\n" : ",\n") + json_text(element));
   is_first_ = false;
 }
 

@@ -35,8 +35,8 @@ using ToLonLat = std::function<std::optional<std::vector<glm::dvec3>>(std::span<
 /// Values by name, in the order of the columns.
 using Row = nlohmann::ordered_json;
 
-/// A line of CSV with the names, or the values: nothing for null, 1 and 0 for true and false, quotes where a
-/// text needs them.
+/// A line of CSV with the names, or the values: nothing for null, 1 and 0 for true and false; texts are csv_cell()
+/// (base/shown_text.h).
 std::string csv_names(const Row& row);
 std::string csv_values(const Row& row);
 

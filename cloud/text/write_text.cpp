@@ -13,6 +13,7 @@
 #include <vector>
 
 #include "base/output_file.h"
+#include "base/shown_text.h"
 #include "cloud/written_column.h"
 
 namespace alidade {
@@ -34,7 +35,7 @@ int color_bits(std::size_t point_count, const PointPieces& pieces) {
 
 std::string header(const std::vector<WrittenColumn>& columns) {
   std::string text;
-  for (const WrittenColumn& column : columns) text += (text.empty() ? "" : ",") + column.name;
+  for (const WrittenColumn& column : columns) text += (text.empty() ? "" : ",") + csv_cell(column.name);
   return text + '\n';
 }
 

@@ -256,7 +256,7 @@ std::string batch_json(const std::vector<PairOutcome>& outcomes) {
     }
     pairs.push_back(pair);
   }
-  return json_text({{"pairs", pairs}, {"failed", failed}, {"pass", failed == 0}}, 2) + "\n";
+  return json_text(Json{{"pairs", pairs}, {"failed", failed}, {"pass", failed == 0}}, 2) + "\n";
 }
 
 }  // namespace alidade::compare

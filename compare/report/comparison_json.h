@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "base/shown_text.h"
 #include "compare/batch.h"
 #include "compare/comparison.h"
 #include "compare/verdict.h"
@@ -21,11 +22,6 @@ inline Json json_number(double value) {
   if (std::isnan(value)) return "nan";
   if (std::isinf(value)) return value > 0.0 ? "infinity" : "-infinity";
   return value;
-}
-
-/// The document; bytes of names that are no UTF-8 become U+FFFD.
-inline std::string json_text(const Json& json, int indent) {
-  return json.dump(indent, ' ', false, Json::error_handler_t::replace);
 }
 
 // What JSON for programs and that of pages have in common.

@@ -6,6 +6,7 @@
 #include <cassert>
 
 #include "base/output_file.h"
+#include "base/shown_text.h"
 #include "compare/batch.h"
 #include "compare/report/comparison_json.h"
 
@@ -30,18 +31,27 @@ std::string html_text(std::string_view text) {
   constexpr std::string_view k_special = "&<>\"'";
   constexpr std::string_view k_escapes[] = {"&amp;", "&lt;", "&gt;", "&quot;", "&#39;"};
   std::string escaped;
-  for (const char& c : text) {
+  for (const char& c : line_text(text)) {
     const std::size_t special = k_special.find(c);
     escaped += special == std::string_view::npos ? std::string_view(&c, 1) : k_escapes[special];
   }
   return escaped;
 }
 
-std::string script_json(std::string json) {
-  for (std::size_t position = json.find('<'); position != std::string::npos;
-       position = json.find('<', position))
-    json.replace(position, 1, "\\u003c");
-  return json;
+std::string script_json(std::string_view json) {
+  std::string shown;
+  for (std::size_t i = 0; i < json.size(); ++i) {
+    if (json[i] == '<') {
+      shown += "\\u003c";
+    } else {
+      shown += json[i];
+      if (json[i] != '\\') continue;
+      // The escape of a character that pages obey becomes text.
+      if (json[i + 1] == 'u') shown += '\\';
+      shown += json[++i];
+    }
+  }
+  return shown;
 }
 
 void write_page(const std::string& page, const std::filesystem::path& file, bool overwrite) {

@@ -21,11 +21,12 @@ extern const std::string_view k_report_html, k_summary_html, k_style_css, k_page
 std::string fill_page(std::string_view page,
                       const std::vector<std::pair<std::string_view, std::string_view>>& values);
 
-/// Text as it is in HTML and in its quoted attributes.
+/// line_text() as it is in HTML and in its quoted attributes.
 std::string html_text(std::string_view text);
 
-/// JSON as it may be in a script element: no "</script>" can end it early.
-std::string script_json(std::string json);
+/// What json_text() made, as it may be in a script element: no "</script>" can end it early. Characters that it escaped
+/// by their number are shown as these escapes.
+std::string script_json(std::string_view json);
 
 /// Writes a page, which is written completely or not at all. Errors: those of OutputFile.
 void write_page(const std::string& page, const std::filesystem::path& file, bool overwrite);

@@ -18,6 +18,7 @@
 #include <vector>
 
 #include "base/error.h"
+#include "base/shown_text.h"
 #include "database/duckdb/duckdb_api.h"
 #include "database/sqlite/file_cloud.h"
 #include "database/sqlite/scan.h"
@@ -96,7 +97,7 @@ void guarded(Handle info, const Fail& fail, const Work& work) {
   try {
     work();
   } catch (const std::exception& error) {
-    fail(info, error.what());
+    fail(info, line_text(error.what()).c_str());
   }
 }
 

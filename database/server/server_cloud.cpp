@@ -7,6 +7,7 @@
 #include <limits>
 
 #include "base/error.h"
+#include "base/name_errors.h"
 #include "cloud/point_table.h"
 #include "cloud/rows.h"
 #include "database/stored_column.h"
@@ -212,16 +213,11 @@ void ServerCloud::read(const RowChoice& choice, const std::function<void(const S
     take(row);
     ++row.number;
   });
-  try {
+  with_file(connection_.name(), [&] {
     connection_.copy_out(
         copy_statement(table_, choice), [&](auto bytes) { decoder.add(bytes); }, wait);
     decoder.finish();
-  } catch (const Error& error) {
-    Error::Parts parts = error.parts();
-    if (!parts.file.empty()) throw;
-    parts.file = connection_.name();
-    throw Error(parts);
-  }
+  });
 }
 
 }  // namespace alidade::database

@@ -11,6 +11,7 @@
 #include <type_traits>
 #include <vector>
 
+#include "base/shown_text.h"
 #include "database/point_filter.h"
 #include "database/sqlite/connection.h"
 #include "database/stored_column.h"
@@ -20,7 +21,7 @@
 namespace alidade::database {
 
 /// Runs `work`, which answers SQLite's code or nothing, for a callback of SQLite, through which no exception may
-/// pass; `fail` gets the message.
+/// pass; `fail` gets the message as line_text() (base/shown_text.h).
 template <class Work, class Fail>
 int guarded(const Work& work, const Fail& fail) {
   try {
@@ -33,10 +34,10 @@ int guarded(const Work& work, const Fail& fail) {
   } catch (const std::bad_alloc&) {
     return SQLITE_NOMEM;
   } catch (const SqliteError& error) {
-    fail(error.what());
+    fail(line_text(error.what()).c_str());
     return error.code();
   } catch (const std::exception& error) {
-    fail(error.what());
+    fail(line_text(error.what()).c_str());
     return SQLITE_ERROR;
   }
 }

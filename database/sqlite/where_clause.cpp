@@ -5,13 +5,17 @@
 #include <fmt/ranges.h>
 #include <tbb/parallel_for.h>
 #include <algorithm>
+#include <array>
 #include <memory>
+#include <span>
 #include <string_view>
 #include <utility>
 #include <vector>
 
+#include "base/words.h"
 #include "database/cloud_column.h"
 #include "database/sqlite/functions.h"
+#include "database/sqlite/sql_tokens.h"
 #include "database/sqlite/sqlite_api.h"
 
 namespace alidade::database {
@@ -39,6 +43,14 @@ struct Cursor {
   std::size_t row = 0;
 };
 
+/// The name of the hidden column with the number of a row: one that no attribute has.
+std::string row_column(const std::vector<CloudColumn>& columns) {
+  std::string name = "_row";
+  const auto is_name = [&](const CloudColumn& column) { return lower_case(column.like.name) == name; };
+  while (std::ranges::any_of(columns, is_name)) name += '_';
+  return name;
+}
+
 const Rows& rows_of(sqlite3_vtab* base) {
   return *reinterpret_cast<Table*>(base)->rows;
 }
@@ -54,8 +66,12 @@ int connect(sqlite3* database, void* rows, int, const char* const*, sqlite3_vtab
         table->rows = static_cast<const Rows*>(rows);
         std::vector<std::string> names;
         for (const CloudColumn& column : table->rows->columns) names.push_back(sql_name(column.like.name));
+        // Without rowid: in a condition it would be the number of a row among those of its block.
+        const std::string row = row_column(table->rows->columns);
         const int result = sqlite3_declare_vtab(
-            database, fmt::format("CREATE TABLE point({})", fmt::join(names, ",")).c_str());
+            database, fmt::format("CREATE TABLE point({},{} INTEGER HIDDEN, PRIMARY KEY({})) WITHOUT ROWID",
+                                  fmt::join(names, ","), row, row)
+                          .c_str());
         if (result == SQLITE_OK) *made = &table.release()->base;
         return result;
       },
@@ -98,12 +114,12 @@ int at_end(sqlite3_vtab_cursor* base) {
 
 int column(sqlite3_vtab_cursor* base, sqlite3_context* context, int number) {
   const Rows& rows = rows_of(base->pVtab);
-  answer(context, value_of(rows.cloud, rows.columns[static_cast<std::size_t>(number)], cursor_of(base).row));
-  return SQLITE_OK;
-}
-
-int row_id(sqlite3_vtab_cursor* base, sqlite3_int64* id) {
-  *id = static_cast<sqlite3_int64>(cursor_of(base).row);
+  const auto column = static_cast<std::size_t>(number);
+  const std::size_t row = cursor_of(base).row;
+  if (column == rows.columns.size())
+    sqlite3_result_int64(context, static_cast<sqlite3_int64>(row));
+  else
+    answer(context, value_of(rows.cloud, rows.columns[column], row));
   return SQLITE_OK;
 }
 
@@ -119,7 +135,6 @@ const sqlite3_module k_module = [] {
   module.xNext = next;
   module.xEof = at_end;
   module.xColumn = column;
-  module.xRowid = row_id;
   return module;
 }();
 
@@ -161,9 +176,49 @@ class Evaluation {
       {.problem = fmt::format("invalid condition '{}': {}", text, message), .expected = std::move(expected)});
 }
 
+/// Errors: the text has a parameter, or answers another time might differ: of a random number, the clock, the time zone
+/// of the machine, or what was asked before.
+void reject_changing(const std::string& text) {
+  constexpr const char* k_remedy =
+      "a condition on values of the points, which always holds for the same ones (to thin a cloud: 'alidade "
+      "convert "
+      "--every N')";
+  static constexpr std::array<std::string_view, 5> k_functions = {"random", "randomblob", "changes",
+                                                                  "total_changes", "last_insert_rowid"};
+  static constexpr std::array<std::string_view, 7> k_dates = {
+      "date", "time", "datetime", "julianday", "unixepoch", "strftime", "timediff"};
+  const TokenList tokens(text);
+  for (std::size_t i = 0; i < tokens.size(); ++i) {
+    const std::string word(tokens.text(i));
+    if (tokens.is(i, SqlTokenKind::parameter))
+      reject(text, fmt::format("it has the parameter {}", word), "a value in its place");
+    const bool is_clock = tokens.is_one_of(i, {"current_date", "current_time", "current_timestamp"});
+    const bool is_call = tokens.is_name(i) && tokens.is_sign(i + 1, "(");
+    const auto calls_one_of = [&](std::span<const std::string_view> names) {
+      return is_call && std::ranges::find(names, plain_name(word)) != names.end();
+    };
+    if (is_clock || calls_one_of(k_functions))
+      reject(text, word + " changes from one time to the next", k_remedy);
+    if (!calls_one_of(k_dates) || !tokens.is_sound()) continue;
+    // Without a time these are about the present one.
+    const std::vector<TokenRange> arguments = tokens.arguments(i + 1);
+    const std::size_t least = plain_name(word) == "strftime" ? 2 : 1;
+    const std::size_t closing = tokens.closing(i + 1);
+    bool is_fixed = closing > i + 2 && arguments.size() >= least;
+    for (std::size_t j = i + 2; j < closing; ++j) {
+      const std::string argument = lower_case(tokens.text(j));
+      is_fixed = is_fixed && argument != "'now'" && argument != "'localtime'" && argument != "'utc'";
+    }
+    if (!is_fixed)
+      reject(text, word + " of the present, or of the time zone here, changes from one time to the next",
+             k_remedy);
+  }
+}
+
 }  // namespace
 
 WhereClause::WhereClause(std::string text) : text_(std::move(text)) {
+  reject_changing(text_);
   const Evaluation evaluation(nullptr);
   // A parenthesis of the text must not end the one around it.
   const std::string alone = "SELECT 1 WHERE " + text_;
@@ -189,7 +244,8 @@ void WhereClause::mark(const PointCloud& cloud, std::span<std::uint8_t> marks,
                   marks.begin() + static_cast<std::ptrdiff_t>(rows.end), std::uint8_t{0});
         const Evaluation evaluation(&rows, &is_given_up);
         try {
-          Statement statement(evaluation.get(), "SELECT rowid FROM point WHERE (" + text_ + "\n)");
+          Statement statement(evaluation.get(),
+                              "SELECT " + row_column(columns) + " FROM point WHERE (" + text_ + "\n)");
           while (statement.step()) marks[static_cast<std::size_t>(statement.whole(0))] = 1;
         } catch (const Error& error) {
           if (is_given_up && is_given_up()) throw Cancelled();

@@ -17,8 +17,9 @@ namespace alidade::database {
 /// A condition that is NULL does not hold.
 class WhereClause {
  public:
-  /// Errors: no condition by SQLite's grammar; more than one statement. Columns are not looked up: they are
-  /// not known before a cloud is.
+  /// Errors: no condition by SQLite's grammar; more than one statement; a parameter; what may differ from one time to the
+  /// next: random(), the present time, the time zone of the machine. Columns are not looked up: they are not known before
+  /// a cloud is.
   explicit WhereClause(std::string text);
 
   const std::string& text() const { return text_; }

@@ -135,6 +135,7 @@ TEST(OutputFileTest, names_may_be_as_long_as_file_systems_take) {
 TEST(OutputFileTest, a_link_that_leads_nowhere_gets_its_target) {
   const std::filesystem::path folder = test::test_folder();
   std::filesystem::create_directories(folder / "data");
+  std::filesystem::permissions(folder, std::filesystem::perms::owner_all);
   std::filesystem::create_symlink("data/real.txt", folder / "link.txt");
   std::filesystem::create_symlink("link.txt", folder / "chain.txt");
   for (const bool overwrite : {false, true}) {
@@ -147,6 +148,43 @@ TEST(OutputFileTest, a_link_that_leads_nowhere_gets_its_target) {
   }
   std::filesystem::create_symlink("loop.txt", folder / "loop.txt");
   EXPECT_NE(error_of([&] { OutputFile(folder / "loop.txt", true); }), "");
+}
+
+TEST(OutputFileTest, a_link_in_a_folder_that_others_can_write_requires_overwrite) {
+  namespace fs = std::filesystem;
+  const fs::path folder = test::test_folder(), shared = folder / "shared";
+  for (const char* const name : {"shared", "own"}) {
+    fs::create_directories(folder / name);
+    fs::permissions(folder / name, fs::perms::owner_all);
+  }
+  test::write_text(folder / "own" / "kept.txt", "kept");
+  fs::create_symlink(folder / "own" / "kept.txt", shared / "link.txt");
+  fs::create_symlink(folder / "own" / "new.txt", shared / "dangling.txt");
+  fs::create_symlink(shared / "dangling.txt", folder / "own" / "chain.txt");
+  const std::string problem = "the output is a symbolic link in a folder that others can write";
+  for (const fs::perms others : {fs::perms::others_write, fs::perms::group_write}) {
+    fs::permissions(shared, fs::perms::owner_all | others);
+    for (const fs::path& link :
+         {shared / "link.txt", shared / "dangling.txt", folder / "own" / "chain.txt"}) {
+      EXPECT_TRUE(error_of([&] { OutputFile(link, false); }).starts_with(link.string() + ": " + problem))
+          << link;
+      EXPECT_NE(error_of([&] { check_output(link, false); }).find("--overwrite"), std::string::npos) << link;
+      EXPECT_NE(error_of([&] { check_links(link); }).find(problem), std::string::npos) << link;
+    }
+    check_links(shared / "plain.txt");
+    OutputFile(shared / "plain.txt", false).commit();
+    fs::remove(shared / "plain.txt");
+  }
+  EXPECT_FALSE(fs::exists(folder / "own" / "new.txt"));
+  EXPECT_EQ(content(folder / "own" / "kept.txt"), "kept");
+  OutputFile(shared / "dangling.txt", true).commit();
+  EXPECT_TRUE(fs::exists(folder / "own" / "new.txt"));
+  fs::remove(folder / "own" / "new.txt");
+  // Of a folder that only its owner can write, links are the owner's wish.
+  fs::permissions(shared, fs::perms::owner_all);
+  check_links(folder / "own" / "chain.txt");
+  OutputFile(folder / "own" / "chain.txt", false).commit();
+  EXPECT_TRUE(fs::exists(folder / "own" / "new.txt"));
 }
 
 TEST(OutputFileTest, what_a_dead_process_left_of_the_same_output_is_removed) {

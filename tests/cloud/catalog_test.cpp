@@ -3,9 +3,11 @@
 
 #include <gtest/gtest.h>
 
+#include <cstdlib>
 #include <string>
 #include <vector>
 
+#include "base/allowed_hosts.h"
 #include "cloud/input_view.h"
 #include "cloud/las/write_las.h"
 #include "cloud/rows.h"
@@ -90,19 +92,78 @@ TEST_F(CatalogTest, what_leads_out_of_the_folder_is_an_error) {
         << href << ": " << error;
   }
   EXPECT_NE(error_of_href("").find("leaves"), std::string::npos);
-  EXPECT_EQ(read(collection(item("https://example.org/a.laz"))).front().name, "https://example.org/a.laz");
+}
+
+TEST_F(CatalogTest, urls_are_files_below_the_catalog_or_of_hosts_that_are_allowed) {
+  const auto error_at = [](const std::string& catalog, const std::string& href) {
+    return error_of([&] { parse_catalog(collection(item(href)), catalog); });
+  };
+  const std::string remote = "https://example.org/site/a.catalog.json?key=1", local = catalog_.string();
+  const std::string remedy =
+      "item 1: the href leads to other.org, which is not allowed; expected files below the catalog, or "
+      "--allow-host "
+      "other.org (or ALIDADE_ALLOW_HOSTS=other.org in the environment), found \"https://other.org/a.laz\"";
+  EXPECT_TRUE(error_at(local, "https://other.org/a.laz").ends_with(remedy))
+      << error_at(local, "https://other.org/a.laz");
+  EXPECT_TRUE(error_at(remote, "https://other.org/a.laz").ends_with(remedy));
+  // What is above or beside the folder, by whatever spelling, is not below it; nor is another port, or no encryption.
+  for (const char* const href :
+       {"https://example.org/a.laz", "https://example.org/site/../a.laz",
+        "https://example.org/site/%2e%2e/a.laz", "https://example.org/sites/a.laz",
+        "https://example.org/site/", "https://example.org/site", "https://example.org",
+        "https://example.org?/site/a.laz", "https://example.org#/site/a.laz",
+        "https://example.org:444/site/a.laz", "http://example.org/site/a.laz",
+        "https://example.org.other.org/site/a.laz", "https://example.org@other.org/site/a.laz",
+        "https://example.org\\\\@other.org/site/a.laz"})
+    EXPECT_NE(error_at(remote, href).find("which is not allowed; expected files below the catalog"),
+              std::string::npos)
+        << href << ": " << error_at(remote, href);
+  for (const char* const href : {"https:///a.laz", "https://a b/a.laz", "http://", "https://a%2eb/a.laz"})
+    EXPECT_NE(error_at(remote, href).find("invalid href"), std::string::npos) << href;
+  for (const char* const href :
+       {"https://example.org/site/a.laz", "https://EXAMPLE.org/site/deep/../a.laz?key=2",
+        "https://example.org:443/site/deep/a.laz", "https://me@example.org/site/a.laz"})
+    EXPECT_EQ(parse_catalog(collection(item(href)), remote).front().name, href);
+  EXPECT_EQ(hosts_for("https://example.org/site/a.laz"), std::vector<std::string>());
+  EXPECT_FALSE(hosts_for("https://other.org/a.laz")) << "nothing has listed it";
+
+  allow_host("other.org");
+  ::setenv("ALIDADE_ALLOW_HOSTS", "third.org, Fourth.org:8080", 1);
+  for (const char* const href : {"https://other.org/a.laz", "http://OTHER.org/a.laz",
+                                 "https://third.org/x/../a.laz", "http://fourth.org:8080/a.laz"}) {
+    EXPECT_EQ(parse_catalog(collection(item(href)), local).front().name, href);
+    EXPECT_EQ(hosts_for(href), (std::vector<std::string>{"third.org", "fourth.org:8080", "other.org"}));
+  }
+  EXPECT_NE(error_at(local, "http://fourth.org/a.laz").find("not allowed"), std::string::npos);
+  ::unsetenv("ALIDADE_ALLOW_HOSTS");
+  EXPECT_NE(error_at(local, "https://third.org/a.laz").find("not allowed"), std::string::npos);
+  EXPECT_NE(error_at(local, "https://other.org/b.catalog.json?x=1").find("lists a catalog"),
+            std::string::npos);
+  for (const char* const host :
+       {"", "other.org/", "https://other.org", "me@other.org", "Other.org", "other.org:443"})
+    EXPECT_NE(error_of([&] { allow_host(host); }).find("invalid host"), std::string::npos) << host;
 }
 
 TEST_F(CatalogTest, a_catalog_in_a_catalog_is_an_error) {
-  for (const char* const href : {"site.catalog.json", "x/../site.catalog.json", "OTHER.CATALOG.JSON",
-                                 "https://example.org/site.catalog.json?x=1"})
+  for (const char* const href : {"site.catalog.json", "x/../site.catalog.json", "OTHER.CATALOG.JSON"})
     EXPECT_NE(error_of_href(href).find("the catalog lists a catalog"), std::string::npos) << href;
 }
 
 TEST_F(CatalogTest, malformed_catalogs_are_errors_that_name_the_item) {
   const std::string good = item("a.las");
-  EXPECT_NE(error_in("").find("invalid JSON"), std::string::npos);
-  EXPECT_NE(error_in(collection(good).substr(0, 60)).find("invalid JSON"), std::string::npos);
+  EXPECT_TRUE(
+      error_in("").ends_with("site.catalog.json:1:1: invalid JSON: unexpected end of input; expected '[', "
+                             "'{', or a literal, found the end of the file"))
+      << error_in("");
+  for (const std::string& text : {collection(good).substr(0, 60), collection(good + ",\n{\"a\": tru}"),
+                                  collection("{\"a\": \"\x9b\"}"), collection(good) + "}"}) {
+    const std::string error = error_in(text);
+    EXPECT_NE(error.find("invalid JSON: "), std::string::npos) << error;
+    EXPECT_EQ(error.find("json.exception"), std::string::npos) << error;
+    EXPECT_EQ(error.find("parse error"), std::string::npos) << error;
+  }
+  EXPECT_NE(error_in(collection(good + ",\n{\"a\": tru}")).find("site.catalog.json:2:7: "),
+            std::string::npos);
   for (const char* const text : {"[]", "3", "{}", R"({"type": "FeatureCollection"})", R"({"features": []})",
                                  R"({"type": "FeatureCollection", "features": {}})",
                                  R"({"type": ["FeatureCollection"], "features": []})"})

@@ -16,6 +16,7 @@
 #include "cloud/cloud_reader.h"
 #include "cloud/read_cloud.h"
 #include "cloud/read_in_pieces.h"
+#include "tests/support/absent_data.h"
 
 namespace alidade::test {
 
@@ -76,10 +77,11 @@ bool same_bits(const std::vector<T>& a, const std::vector<T>& b) {
   return a.size() == b.size() && (a.empty() || std::memcmp(a.data(), b.data(), a.size() * sizeof(T)) == 0);
 }
 
-inline constexpr const char* k_no_shared_data = "../shared/data beside the repository not there";
+/// What a test of one case says.
+inline const std::string k_no_shared_data = absent("../shared/data");
 
 /// A file of ../shared/data beside the repository; empty if it is not there: skip the test then and say
-/// k_no_shared_data.
+/// k_no_shared_data, or absent() with the number of cases.
 inline std::filesystem::path shared_data(const std::string& name) {
   const std::filesystem::path path = std::filesystem::path(ALIDADE_SHARED_DATA) / name;
   return std::filesystem::exists(path) ? path : std::filesystem::path();

@@ -8,6 +8,7 @@
 #include <string>
 #include <vector>
 
+#include "cloud/input_view.h"
 #include "tests/cloud/cloud_test_support.h"
 #include "tests/cloud/las/las_builder.h"
 
@@ -236,6 +237,23 @@ TEST(ReadCloudTest, free_coordinates_share_a_lattice_over_all_files) {
   ASSERT_EQ(cloud.size(), 2u);
   EXPECT_EQ(cloud.world(0), glm::dvec3(690000.5, 5325000.25, 480));
   EXPECT_EQ(cloud.world(1), glm::dvec3(690100, 5325100, 530.125));
+}
+
+TEST(ReadCloudTest, coordinates_that_no_lattice_holds_are_an_error_that_names_their_file) {
+  const std::vector<std::byte> near = text("1 2 3\n4 5 6\n"), far = text("1 2 3\n4 -1e301 6\n"),
+                               odd = text("1 2 nan\n");
+  const std::string problem = ": coordinates too large; expected at most 1e300, found ";
+  EXPECT_TRUE(error_of([&] { join({far}); }).starts_with("first" + problem));
+  EXPECT_TRUE(error_of([&] { join({text("1e301 0 0\n")}); }).ends_with("found 1e+301"));
+  EXPECT_TRUE(error_of([&] { join({near, far, odd}); }).starts_with("second" + problem));
+  // A view reads the file by itself.
+  CloudInputs chosen{{cloud_in_memory(far, "far")}};
+  const auto view = std::make_shared<InputView>();
+  view->change_reference = [](const std::filesystem::path&, const FileFacts&) {
+    return ReferenceChange{.crs = {}, .move = [](std::span<glm::dvec3>) {}};
+  };
+  chosen.inputs[0].view = view;
+  EXPECT_TRUE(error_of([&] { read_cloud(chosen); }).starts_with("far" + problem));
 }
 
 TEST(ReadCloudTest, free_coordinates_beside_las_go_to_the_lattice_of_the_las_file) {

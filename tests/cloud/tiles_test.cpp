@@ -143,15 +143,24 @@ TEST(PiecesTest, tiles_in_pieces_are_the_same_cloud) {
 }
 
 TEST(PiecesTest, files_of_every_format_in_pieces_are_the_same_cloud) {
-  for (const char* const name :
-       {"lidar/extrabytes.las", "lidar/pdrf0_pennsylvania.las", "laz_vectors/micro1.laz",
-        "laz_vectors/microz.laz", "lidar_rgb/autzen_trim.laz", "lidar_rgb/lion_takanawa.copc.laz",
-        "ply/platonic_shelf_ascii.ply", "ply/platonic_shelf_big_endian.ply", "pcd/lamppost.pcd",
-        "e57/ColouredCubeFloat.e57", "e57/tiny_spherical.e57", "text/1.2-with-color.ptx",
-        "text/ripple.pts"}) {
+  constexpr const char* k_names[] = {"lidar/extrabytes.las",
+                                     "lidar/pdrf0_pennsylvania.las",
+                                     "laz_vectors/micro1.laz",
+                                     "laz_vectors/microz.laz",
+                                     "lidar_rgb/autzen_trim.laz",
+                                     "lidar_rgb/lion_takanawa.copc.laz",
+                                     "ply/platonic_shelf_ascii.ply",
+                                     "ply/platonic_shelf_big_endian.ply",
+                                     "pcd/lamppost.pcd",
+                                     "e57/ColouredCubeFloat.e57",
+                                     "e57/tiny_spherical.e57",
+                                     "text/1.2-with-color.ptx",
+                                     "text/ripple.pts"};
+  for (const char* const name : k_names) {
     SCOPED_TRACE(name);
     const std::filesystem::path file = test::shared_data(name);
-    if (!std::filesystem::exists(file)) GTEST_SKIP() << test::k_no_shared_data;
+    if (!std::filesystem::exists(file))
+      GTEST_SKIP() << test::absent(std::string("../shared/data/") + name, std::size(k_names));
     const PointCloud whole = read_cloud(file);
     std::size_t piece_count = 0;
     expect_same(whole, put_together(

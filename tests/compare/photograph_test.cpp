@@ -12,6 +12,7 @@
 #include "compare/photographs/alignment.h"
 #include "compare/photographs/color_match.h"
 #include "renderer/render.h"
+#include "tests/support/absent_data.h"
 
 namespace alidade::test {
 
@@ -104,8 +105,7 @@ const Pair& pair() {
 class Photograph : public ::testing::Test {
  protected:
   void SetUp() override {
-    if (!std::filesystem::exists(shared("00004.jpg")))
-      GTEST_SKIP() << "../shared/data/scene_sceaux is not there";
+    if (!std::filesystem::exists(shared("00004.jpg"))) GTEST_SKIP() << absent("../shared/data/scene_sceaux");
   }
 };
 

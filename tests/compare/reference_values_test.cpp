@@ -9,6 +9,7 @@
 #include "compare/metrics/errors.h"
 #include "compare/metrics/flip.h"
 #include "compare/metrics/ssim.h"
+#include "tests/support/absent_data.h"
 
 namespace alidade::test {
 
@@ -22,7 +23,7 @@ class ReferenceValues : public ::testing::Test {
  protected:
   void SetUp() override {
     std::ifstream stream(k_folder / "reference.json");
-    if (!stream) GTEST_SKIP() << "no reference values: " << k_folder << " is absent";
+    if (!stream) GTEST_SKIP() << absent(k_folder.string(), 9);
     pairs_ = nlohmann::json::parse(stream).at("pairs");
     ASSERT_EQ(pairs_.size(), 9u);
   }

@@ -70,6 +70,43 @@ TEST_F(WhereClauseTest, what_is_no_condition_is_an_error) {
     EXPECT_NE(problem(text), "") << text;
 }
 
+TEST_F(WhereClauseTest, a_condition_that_changes_from_one_time_to_the_next_is_an_error) {
+  for (const char* const text : {"z > ?", "z > ?1", "z > :low", "z > @low OR 1", "$low < z"}) {
+    const std::string said = problem(text);
+    EXPECT_NE(said.find("it has the parameter "), std::string::npos) << text << ": " << said;
+    EXPECT_NE(said.find("expected a value in its place"), std::string::npos) << said;
+  }
+  for (const char* const text : {"random() % 10 = 0", "RANDOM ( ) > 0", "\"random\"() > 0",
+                                 "length(randomblob(4)) = 4", "changes() = 0", "gps_time < current_timestamp",
+                                 "z IN (SELECT random())", "julianday('now') > gps_time", "date() > '2020'",
+                                 "datetime(gps_time, 'unixepoch', 'localtime') > '2020'",
+                                 "strftime('%s') > gps_time", "time('NOW') > '1'"}) {
+    const std::string said = problem(text);
+    EXPECT_NE(said.find("changes from one time to the next; expected a condition on values of the points"),
+              std::string::npos)
+        << text << ": " << said;
+  }
+  // Text and names of that kind are none of these, and dates of the points are their values.
+  for (const char* const text :
+       {"'?' = '?'", "'random()' <> ''", "z > 0 -- ? random()", "datetime(gps_time, 'unixepoch') < '2100'",
+        "strftime('%Y', gps_time, 'unixepoch') >= '1970'"})
+    EXPECT_EQ(problem(text), "") << text;
+}
+
+TEST_F(WhereClauseTest, rows_have_no_number_in_a_condition_and_attributes_of_such_names_are_values) {
+  for (const char* const name : {"rowid", "oid", "_rowid_"})
+    EXPECT_NE(problem(std::string(name) + " < 3").find("no such column: " + std::string(name)),
+              std::string::npos);
+  PointCloud cloud = site(5);
+  cloud.extra_dimensions.clear();
+  for (const char* const name : {"rowid", "oid", "_rowid_", "_row", "_ROW_"}) {
+    ExtraDimension one = plain_dimension(name, ScalarType::uint8);
+    one.values = {200, 7, 201, 7, 202};
+    cloud.extra_dimensions.push_back(one);
+    EXPECT_EQ(marks(cloud, std::string(name) + " > 7"), (std::vector<std::uint8_t>{1, 0, 1, 0, 1})) << name;
+  }
+}
+
 TEST_F(WhereClauseTest, a_column_that_is_missing_is_an_error_that_lists_those_that_are_not) {
   const std::string columns =
       "x, y, z, red, green, blue, classification, return_number, return_count, gps_time, Height";

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <nlohmann/json.hpp>
 
+#include "tests/support/absent_data.h"
 #include "tests/tools/program_words.h"
 #include "tests/tools/run_program.h"
 
@@ -62,7 +63,7 @@ class FirstHourTest : public ProgramTest {
 
 TEST_F(FirstHourTest, any_cloud_is_described_drawn_converted_and_asked) {
   const std::vector<fs::path> clouds = small_clouds();
-  if (clouds.empty()) GTEST_SKIP() << "../shared/data is not there";
+  if (clouds.empty()) GTEST_SKIP() << absent("../shared/data");
   std::size_t poorly_lit = 0;
   for (const fs::path& cloud : clouds) {
     SCOPED_TRACE(cloud.filename().string());

@@ -27,6 +27,7 @@ Everywhere:
 /status-403/FILE  always answers 403, with a page of 40 kB
 /moved/FILE      redirects to /good/FILE, each time with another ETag
 /moved-bare/FILE  the same, to /bare/FILE
+/away/FILE       redirects to /good/FILE of the server `other`
 /bare/FILE       sends neither ETag nor Last-Modified
 /dated/FILE      sends the time of the file's last change as Last-Modified, and no ETag
 /keyed/FILE      answers 403 to requests without the header X-Key: 17
@@ -85,9 +86,10 @@ class Handler(http.server.BaseHTTPRequestHandler):
             return None
         if manner == "keyed" and self.headers.get("X-Key") != "17":
             return self.send_error(403)
-        if manner in ("moved", "moved-bare"):
+        if manner in ("moved", "moved-bare", "away"):
             self.send_response(302)
-            self.send_header("Location", server.address("good" if manner == "moved" else "bare", name))
+            target = server.other if manner == "away" else server
+            self.send_header("Location", target.address("bare" if manner == "moved-bare" else "good", name))
             self.send_header("ETag", f'"{number}"')
             self.send_header("Content-Length", "0")
             return self.end_headers()
@@ -174,6 +176,7 @@ class RangeServer(http.server.ThreadingHTTPServer):
         self.stop = threading.Event()
         self.requests = self.sent = 0
         self.seen = set()
+        self.other = None
         threading.Thread(target=self.serve_forever, daemon=True).start()
 
     def content(self, name):

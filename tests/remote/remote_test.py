@@ -15,6 +15,7 @@ import time
 import unittest
 
 import country
+import range_server
 from remote_case import PROGRAM, RemoteCase
 
 
@@ -135,6 +136,36 @@ class RemoteTest(RemoteCase):
                 message = self.query(self.server.address("good", "bad.catalog.json"), succeeds=False)
                 self.assertIn("bad.catalog.json:item 1: the href le", message)
                 os.remove(os.path.join(self.folder, "bad.catalog.json"))
+
+    def test_a_catalog_names_files_below_it_or_of_hosts_that_are_allowed_redirections_included(self):
+        other = range_server.RangeServer(self.folder)
+        self.addCleanup(other.server_close)
+        self.addCleanup(other.shutdown)
+        self.server.other = other
+        host, away = (f"127.0.0.1:{server.server_port}" for server in (self.server, other))
+        expected = self.query("site.copc.laz")
+
+        def catalog(href):
+            with open(os.path.join(self.folder, "hosts.catalog.json"), "w", encoding="utf-8") as file:
+                json.dump({"type": "FeatureCollection", "features": [{"assets": {"data": {"href": href}}}]}, file)
+
+        # Beside the folder of the catalog, from a catalog here, and by a redirection of what lies below it.
+        for manner, href, needed in (("good", self.server.address("plain", "site.copc.laz"), host),
+                                     (None, self.server.address("good", "site.copc.laz"), host),
+                                     ("away", "site.copc.laz", away)):
+            with self.subTest(manner=manner, href=href):
+                catalog(href)
+                name = self.server.address(manner, "hosts.catalog.json") if manner else "hosts.catalog.json"
+                message = self.query(name, succeeds=False)
+                self.assertRegex(message, "is not allowed; expected .*--allow-host " + needed)
+                self.assertIn("is not allowed", self.query(name, "--allow-host", "example.org", succeeds=False))
+                self.assertEqual(self.query(name, "--allow-host", needed), expected)
+                self.assertEqual(self.query(name, settings={"ALIDADE_ALLOW_HOSTS": "example.org," + needed}), expected)
+        # Who names a file goes where its server leads.
+        self.assertEqual(self.query(self.server.address("away", "site.copc.laz")), expected)
+        catalog(self.server.address("good", "site.copc.laz"))
+        self.assertEqual(self.query(self.server.address("good", "hosts.catalog.json")), expected)
+        self.assertIn("invalid host", self.query("site.laz", "--allow-host", "http://example.org", succeeds=False))
 
     def bucket_settings(self):
         """Buckets are then the manners of the server."""

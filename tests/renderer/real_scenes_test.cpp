@@ -17,6 +17,7 @@
 #include "cloud/read_cloud.h"
 #include "octree/build.h"
 #include "renderer/render.h"
+#include "tests/support/absent_data.h"
 #include "tests/support/point_families.h"
 
 namespace alidade::test {
@@ -115,8 +116,7 @@ void expect_colors_of_photo(const std::filesystem::path& file, const std::vector
 }
 
 TEST(RealScenes, points_of_sceaux_are_where_the_formula_puts_them) {
-  if (!std::filesystem::exists(shared("scene_sceaux")))
-    GTEST_SKIP() << "../shared/data/scene_sceaux is not there";
+  if (!std::filesystem::exists(shared("scene_sceaux"))) GTEST_SKIP() << absent("../shared/data/scene_sceaux");
   const PointCloud cloud = read_cloud(shared("scene_sceaux/Sparse.ply"));
   std::vector<ColoredPoint> points;
   for (std::size_t i = 0; i < cloud.size(); ++i)
@@ -151,7 +151,7 @@ TEST(RealScenes, points_of_sceaux_are_where_the_formula_puts_them) {
 
 TEST(RealScenes, points_of_berlin_are_where_the_formula_puts_them) {
   const std::filesystem::path file = shared("scene_berlin/reconstruction_example.json");
-  if (!std::filesystem::exists(file)) GTEST_SKIP() << "../shared/data/scene_berlin is not there";
+  if (!std::filesystem::exists(file)) GTEST_SKIP() << absent("../shared/data/scene_berlin");
   const Json reconstruction = json_of(file).at(0);
   std::vector<ColoredPoint> points;
   const auto vector = [](const Json& numbers) {

@@ -9,7 +9,6 @@ namespace alidade::test {
 namespace {
 
 using tools::quantity;
-using tools::terminal_text;
 
 TEST(QuantityTest, is_written_as_people_write_it) {
   EXPECT_EQ(quantity(1, "rays"), "1 ray");
@@ -19,12 +18,6 @@ TEST(QuantityTest, is_written_as_people_write_it) {
   EXPECT_EQ(quantity(512, "B"), "512 B");
   EXPECT_EQ(quantity(36'000'000, "B"), "36 MB");
   EXPECT_EQ(quantity(64'000, "B"), "64 kB");
-}
-
-TEST(TerminalTextTest, has_no_control_characters_but_line_ends) {
-  EXPECT_EQ(terminal_text("a\tb\n\x1b[31mred\x7f \xff \xe2\x80\xae"),
-            "a\\x09b\n\\x1b[31mred\\x7f \\xff \\u202e");
-  EXPECT_EQ(terminal_text("Grün"), "Grün");
 }
 
 class ConsoleTest : public ProgramTest {};

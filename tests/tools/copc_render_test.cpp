@@ -6,6 +6,7 @@
 
 #include "cloud/copc/copc_file.h"
 #include "tests/cloud/copc/copc_builder.h"
+#include "tests/support/absent_data.h"
 #include "tests/tools/run_program.h"
 
 namespace alidade::test {
@@ -34,7 +35,7 @@ class CopcRenderTest : public ProgramTest {
 
 TEST_F(CopcRenderTest, the_picture_is_that_of_the_decoded_cloud_byte_for_byte) {
   const auto file = shared_data("lidar_rgb/lion_takanawa.copc.laz");
-  if (!file) GTEST_SKIP() << "no shared data";
+  if (!file) GTEST_SKIP() << absent("../shared/data/lidar_rgb/lion_takanawa.copc.laz");
   // Pictures name their clouds.
   std::filesystem::copy_file(*file, folder / "site");
   ASSERT_EQ(render("direct.png").exit_code, 0);

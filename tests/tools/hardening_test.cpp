@@ -28,5 +28,23 @@ TEST_F(HardeningTest, program_and_module_are_position_independent_bound_at_start
   }
 }
 
+TEST_F(HardeningTest, copies_into_buffers_of_known_size_are_checked_in_everything_that_is_installed) {
+#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__) || !defined(NDEBUG)
+  GTEST_SKIP() << "_FORTIFY_SOURCE is for optimized builds without sanitizers";
+#endif
+  const std::filesystem::path build = ALIDADE_BUILD_FOLDER;
+  std::vector<std::filesystem::path> files = {build / "alidade", build / "alidade_images.so"};
+  std::error_code error;
+  for (const char* const folder_name : {"", "postgres", "python/alidade"})
+    for (const auto& entry : std::filesystem::directory_iterator(build / folder_name, error))
+      if (entry.path().extension() == ".so" || entry.path().extension() == ".duckdb_extension")
+        files.push_back(entry.path());
+  for (const std::filesystem::path& file : files) {
+    const std::string symbols = said_by("readelf --dyn-syms -W '" + file.string() + "'", folder);
+    if (symbols.empty()) GTEST_SKIP() << "readelf of Debian's binutils is not there";
+    EXPECT_TRUE(contains(symbols, "__memcpy_chk")) << file;
+  }
+}
+
 }  // namespace
 }  // namespace alidade::test

@@ -188,6 +188,29 @@ TEST_F(IndexResumeTest, rejects_other_inputs_options_and_folders) {
   EXPECT_EQ(names(), (Words{"out.alidade", "tile0.laz"}));
 }
 
+TEST_F(IndexResumeTest, a_checkpoint_holds_no_absolute_path_and_knows_its_files) {
+  make_tiles(1, 60'000);
+  const std::filesystem::path tile = folder / index_[1];
+  index_[1] = tile;
+  ASSERT_NO_FATAL_FAILURE(leave_checkpoint());
+  EXPECT_FALSE(contains(read("state/manifest"), folder.string()));
+  EXPECT_TRUE(contains(read("state/manifest"), "tile0.laz in folder "));
+  // A file of the same name, size and time in another folder is another one.
+  std::filesystem::create_directory(folder / "other");
+  std::filesystem::rename(tile, folder / "other" / "tile0.laz");
+  index_[1] = folder / "other" / "tile0.laz";
+  const Words words = with(index_, {"-o", "out.alidade", "--checkpoint", "state"});
+  const ProgramResult other = run(with(words, {"--resume"}));
+  EXPECT_EQ(other.exit_code, 2);
+  EXPECT_TRUE(contains(other.err, "this checkpoint belongs to another run: it has tile0.laz in folder "))
+      << other.err;
+  EXPECT_FALSE(contains(other.err, folder.string() + "/tile0")) << other.err;
+  std::filesystem::rename(folder / "other" / "tile0.laz", tile);
+  index_[1] = "tile0.laz";
+  const ProgramResult same = run(with(index_, {"-o", "out.alidade", "--checkpoint", "state", "--resume"}));
+  EXPECT_TRUE(contains(same.err, "resuming from state: ")) << same.err;
+}
+
 TEST_F(IndexResumeTest, changed_rows_are_an_error) {
   make_tiles(1, 60'000);
   ASSERT_NO_FATAL_FAILURE(leave_checkpoint());

@@ -2,6 +2,7 @@
 // What `alidade info` says of files that other programs wrote, traps included.
 #include <nlohmann/json.hpp>
 
+#include "tests/support/absent_data.h"
 #include "tests/tools/run_program.h"
 
 namespace alidade::test {
@@ -22,7 +23,7 @@ class InfoSharedDataTest : public ProgramTest, public ::testing::WithParamInterf
 TEST_P(InfoSharedDataTest, counts_formats_and_traps_are_printed) {
   const Expected& expected = GetParam();
   const auto file = shared_data(expected.name);
-  if (!file) GTEST_SKIP() << "../shared/data/" << expected.name << " is not there";
+  if (!file) GTEST_SKIP() << absent(std::string("../shared/data/") + expected.name);
   const ProgramResult json = run({"info", "--json", file->string()});
   ASSERT_EQ(json.exit_code, 0) << json.err;
   const Json info = Json::parse(json.out);

@@ -2,6 +2,7 @@
 #include <algorithm>
 
 #include "tests/cloud/las/las_builder.h"
+#include "tests/support/absent_data.h"
 #include "tests/tools/run_program.h"
 
 namespace alidade::test {
@@ -32,7 +33,7 @@ class MalformedTest : public ProgramTest {
 
 TEST_F(MalformedTest, every_odd_file_gives_a_result_or_an_error_that_names_it) {
   const auto data = shared_data("malformed");
-  if (!data) GTEST_SKIP() << "../shared/data/malformed is not there";
+  if (!data) GTEST_SKIP() << absent("../shared/data/malformed");
   std::vector<std::filesystem::path> files;
   for (const auto& entry : std::filesystem::directory_iterator(*data)) files.push_back(entry.path());
   std::sort(files.begin(), files.end());

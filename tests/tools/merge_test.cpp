@@ -75,6 +75,27 @@ TEST_F(MergeTest, parts_give_the_bytes_of_one_run) {
   expect_same(with(k_render, {k_layers}), ".exr", 7);
 }
 
+TEST_F(MergeTest, parts_hold_no_absolute_paths_and_those_of_other_folders_give_the_bytes_of_one_run) {
+  Words parts;
+  for (const char* const machine : {"here", "there"}) {
+    std::filesystem::create_directory(folder / machine);
+    std::filesystem::copy_file(folder / "square.xyz", folder / machine / "square.xyz");
+    const std::string number = fmt::format("{}", parts.size() + 1), picture = folder / machine / "a.exr";
+    ok({"render", "--cloud", folder / machine / "square.xyz", "--size=80x60", "--samples=4", "-o", picture,
+        "--part=" + number + "/2"});
+    parts.push_back(std::string(machine) + "/a.exr.part" + number + "of2");
+    EXPECT_FALSE(contains(read(parts.back()), folder.string()));
+  }
+  ok(with(with({"merge"}, parts), {"-o", "merged.exr"}));
+  ok(with(k_render, {"-o", "whole.exr"}));
+  EXPECT_TRUE(read("merged.exr") == read("whole.exr"));
+  // Another cloud of the same name is another picture.
+  write("there/square.xyz", read("square.xyz") + "101 201 6\n");
+  ok({"render", "--cloud", folder / "there" / "square.xyz", "--size=80x60", "--samples=4", "-o",
+      folder / "there" / "a.exr", "--part=2/2", "--overwrite"});
+  expect_rejection(parts, "other.exr", "this part belongs to another picture: it has number of points");
+}
+
 TEST_F(MergeTest, parts_of_every_surface_give_the_bytes_of_one_run) {
   for (const std::string surface : {"disc", "blend", "sphere"})
     expect_same(with(k_render, {k_layers, "--surface", surface, "--overwrite"}), ".exr", 3);
@@ -136,6 +157,7 @@ TEST_F(MergeTest, killed_and_resumed_part_has_the_bytes_of_an_uninterrupted_one)
   if (!std::filesystem::exists(folder / "state"))
     GTEST_SKIP() << "this machine was too fast to kill the render";
   EXPECT_GT(killed, 0);
+  EXPECT_FALSE(contains(read("state"), folder.string())) << "checkpoints hold no absolute paths";
   // What is there is neither a part nor the checkpoint of another part.
   expect_rejection({"state"}, "out.exr",
                    "state: a checkpoint of an unfinished render; expected a finished part");

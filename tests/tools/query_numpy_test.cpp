@@ -6,6 +6,7 @@
 #include <cstdlib>
 #include <nlohmann/json.hpp>
 
+#include "tests/support/absent_data.h"
 #include "tests/support/random.h"
 #include "tests/tools/run_program.h"
 
@@ -27,7 +28,7 @@ class QueryNumpyTest : public ProgramTest {
 
 TEST_F(QueryNumpyTest, answers_of_1000_rays_on_a_real_scan_are_those_of_a_short_script_to_the_last_digit) {
   const std::optional<std::filesystem::path> cloud = shared_data("lidar_rgb/autzen_stadium_crop.las");
-  if (!cloud) GTEST_SKIP() << "the scan of the Autzen stadium is not in ../shared/data";
+  if (!cloud) GTEST_SKIP() << absent("../shared/data/lidar_rgb/autzen_stadium_crop.las");
   const std::string interpreter = python();
   if (interpreter.empty()) GTEST_SKIP() << "there is no python3 with NumPy";
 

@@ -11,6 +11,7 @@
 #include "cloud/read_cloud.h"
 #include "database/sql_name.h"
 #include "database/sqlite/connection.h"
+#include "tests/support/absent_data.h"
 #include "tests/tools/run_program.h"
 
 namespace alidade::test {
@@ -72,13 +73,18 @@ TEST_F(SqlLoadTest, a_file_becomes_a_table) {
 }
 
 TEST_F(SqlLoadTest, files_of_every_format_become_tables) {
-  for (const char* const name :
-       {"lidar/extrabytes.las", "laz_vectors/micro1.laz", "lidar_rgb/lion_takanawa.copc.laz",
-        "ply/platonic_shelf_big_endian.ply", "pcd/lamppost.pcd", "e57/ColouredCubeFloat.e57",
-        "text/1.2-with-color.ptx", "text/ripple.pts"}) {
+  constexpr const char* k_names[] = {"lidar/extrabytes.las",
+                                     "laz_vectors/micro1.laz",
+                                     "lidar_rgb/lion_takanawa.copc.laz",
+                                     "ply/platonic_shelf_big_endian.ply",
+                                     "pcd/lamppost.pcd",
+                                     "e57/ColouredCubeFloat.e57",
+                                     "text/1.2-with-color.ptx",
+                                     "text/ripple.pts"};
+  for (const char* const name : k_names) {
     SCOPED_TRACE(name);
     const std::optional<std::filesystem::path> file = shared_data(name);
-    if (!file) GTEST_SKIP() << "../shared/data beside the repository is not there";
+    if (!file) GTEST_SKIP() << absent(std::string("../shared/data/") + name, std::size(k_names));
     ASSERT_EQ(load({file->string(), "site.db"}, {"-q", "--overwrite", "--memory=1M"}).exit_code, 0);
     const PointCloud cloud = read_cloud(*file);
     double sum = 0;

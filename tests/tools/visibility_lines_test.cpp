@@ -157,7 +157,8 @@ TEST_F(VisibilityLinesTest, what_cannot_be_done_is_an_error) {
              "own.csv: pairs given as coordinates, but --places requires names");
   fails_with({"--pairs", "own.csv", "--places-crs", "EPSG:4326", "-o", "l.csv"},
              "--places-crs requires --places");
-  fails_with({"--places", "same.csv", "--pairs", "names.csv", "-o", "l.csv"}, "duplicate position 'west'");
+  fails_with({"--places", "same.csv", "--pairs", "names.csv", "-o", "l.csv"},
+             "same.csv: duplicate position 'west'; expected unique names");
   fails_with({"--places", "positions.csv", "--frequency", "5kHz", "-o", "l.csv"}, "expected 1MHz to 1000GHz");
   fails_with({"--places", "positions.csv", "--frequency", "5", "--transparency", "2", "-o", "l.csv"},
              "transparency requires straight lines");

@@ -18,6 +18,16 @@ TEST_F(ResumeTest, positions_killed_at_many_moments_give_the_bytes_of_an_uninter
                   {"-o", "positions.json"}, 12);
 }
 
+TEST_F(ResumeTest, a_checkpoint_holds_no_absolute_path) {
+  std::string eyes = "x,y,z\n";
+  for (int i = 0; i < 1000; ++i) eyes += std::to_string(100 + 0.0018 * i) + ",201,6\n";
+  write("eyes.csv", eyes);
+  interrupt({"visibility", "points", folder / "square.xyz", "--observers", folder / "eyes.csv", "--fraction",
+             "255", "-o", folder / "seen.las", "--checkpoint", "state"});
+  EXPECT_FALSE(contains(read("state"), folder.string()));
+  EXPECT_TRUE(contains(read("state"), "eyes.csv in folder "));
+}
+
 TEST_F(ResumeTest, interrupted_it_keeps_a_checkpoint_and_ends_with_130) {
   const Words words = with(
       k_points, {"--observer-grid", "0.05", "--fraction", "255", "-o", "seen.las", "--checkpoint", "state"});

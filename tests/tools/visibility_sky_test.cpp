@@ -5,6 +5,7 @@
 #include <sstream>
 
 #include "cloud/read_cloud.h"
+#include "tests/support/absent_data.h"
 #include "tests/tools/wall_site.h"
 
 namespace alidade::test {
@@ -264,7 +265,7 @@ TEST_F(SkyTest, options_of_maps_mean_nothing_for_points_nor_the_other_way) {
 
 TEST_F(SkyTest, clouds_in_degrees_have_no_elevations) {
   const auto file = shared_data("lidar/epsg_4326.las");
-  if (!file) GTEST_SKIP() << "no shared data";
+  if (!file) GTEST_SKIP() << absent("../shared/data/lidar/epsg_4326.las", 3);
   for (const Words& words :
        {Words{"visibility", "sky", file->string(), "-o", "a.las"},
         Words{"visibility", "sun", file->string(), "-o", "a.las", "--from", "2026-06-21"},

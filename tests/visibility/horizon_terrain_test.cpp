@@ -11,6 +11,7 @@
 #include <numbers>
 #include <string>
 
+#include "tests/support/absent_data.h"
 #include "tests/support/random.h"
 #include "tests/visibility/ascii_grid.h"
 #include "tests/visibility/exact_terrain.h"
@@ -109,7 +110,7 @@ TEST(HorizonTerrain, of_rough_ground_is_the_exact_one) {
 
 TEST(HorizonTerrain, of_test_data_of_r_viewshed_is_the_exact_one) {
   const std::optional<Raster<float>> elevation = elevation_of_r_viewshed();
-  if (!elevation) GTEST_SKIP() << "no grass_elevation.ascii in ../shared/data/viewshed";
+  if (!elevation) GTEST_SKIP() << absent("grass_elevation.ascii of ../shared/data/viewshed", 4);
   const Raster<float>& heights = *elevation;
   for (const double height : {0.05, 1.7, 40.0})
     expect_exact("elevation", heights, {{99, 81}, {40, 100}, {110.4, 40.2}}, height);

@@ -8,6 +8,7 @@
 #include <nlohmann/json.hpp>
 
 #include "octree/build.h"
+#include "tests/support/absent_data.h"
 #include "tests/visibility/ascii_grid.h"
 #include "visibility/raster/viewshed.h"
 
@@ -56,7 +57,7 @@ class ViewshedGdalTest : public ::testing::Test {
  protected:
   void SetUp() override {
     std::ifstream stream(k_file);
-    if (!stream) GTEST_SKIP() << "no data in " << k_file;
+    if (!stream) GTEST_SKIP() << absent(k_file.string());
     const json all = json::parse(stream);
     for (const json& one : all.at("cases")) cases_[one.at("name")] = one;
   }

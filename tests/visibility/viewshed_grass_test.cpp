@@ -5,6 +5,7 @@
 #include <cstdio>
 
 #include "octree/build.h"
+#include "tests/support/absent_data.h"
 #include "tests/visibility/ascii_grid.h"
 #include "visibility/raster/viewshed.h"
 
@@ -18,7 +19,7 @@ namespace {
 const std::filesystem::path k_folder = std::filesystem::path(ALIDADE_SHARED_DATA) / "viewshed";
 
 TEST(ViewshedGrassTest, a_bare_earth_cloud_agrees_with_r_viewshed) {
-  if (!std::filesystem::exists(k_folder)) GTEST_SKIP() << "no data in " << k_folder;
+  if (!std::filesystem::exists(k_folder)) GTEST_SKIP() << absent(k_folder.string());
   const Raster<double> elevation = read_ascii_grid(k_folder / "grass_elevation.ascii"),
                        published = read_ascii_grid(k_folder / "grass_lake_viewshed.ascii");
   ASSERT_EQ(elevation.grid, published.grid);

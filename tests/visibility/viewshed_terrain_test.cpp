@@ -11,6 +11,7 @@
 #include <cstdio>
 #include <vector>
 
+#include "tests/support/absent_data.h"
 #include "tests/visibility/ascii_grid.h"
 #include "tests/visibility/exact_terrain.h"
 #include "tests/visibility/known_terrains.h"
@@ -162,7 +163,7 @@ TEST(ViewshedTerrain, heights_seen_are_those_of_exact_lines) {
 
 TEST(ViewshedTerrain, test_data_of_r_viewshed_is_seen_as_by_exact_lines) {
   const std::optional<Raster<float>> elevation = elevation_of_r_viewshed();
-  if (!elevation) GTEST_SKIP() << "no grass_elevation.ascii in ../shared/data/viewshed";
+  if (!elevation) GTEST_SKIP() << absent("grass_elevation.ascii of ../shared/data/viewshed", 4);
   const Raster<float>& heights = *elevation;
   // The first one is that of the published map of r.viewshed.
   for (const glm::ivec2 cell : {*cell_at(heights.grid, {634720, 216180}), {40, 100}, {110, 40}})

@@ -2,17 +2,21 @@
 #include "cloud/catalog.h"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 #include <sys/stat.h>
 #include <algorithm>
 #include <array>
 #include <ctime>
 #include <mutex>
 #include <nlohmann/json.hpp>
+#include <set>
 #include <utility>
 
+#include "base/allowed_hosts.h"
 #include "base/error.h"
 #include "base/output_file.h"
 #include "base/parallel.h"
+#include "base/shown_text.h"
 #include "base/words.h"
 #include "cloud/cloud_reader.h"
 #include "cloud/crs.h"
@@ -285,8 +289,7 @@ void write_json(const CatalogCommand& command, const std::vector<FileRow>& rows,
   for (std::size_t i = 0; i < rows.size(); ++i) {
     if (interrupted()) throw Cancelled();
     write(i == 0 ? "\n" : ",\n");
-    write(item_of(rows[i], outlines[i], projections[rows[i].system])
-              .dump(-1, ' ', false, Json::error_handler_t::replace));
+    write(json_text(item_of(rows[i], outlines[i], projections[rows[i].system])));
   }
   write("\n]}\n");
   file.commit();
@@ -347,6 +350,12 @@ ExitCode run(const CatalogCommand& command) {
                             unknown, rows.size()));
   say_note(command.verbosity,
            fmt::format("{} files, {} points in {}", rows.size(), points, command.output.string()));
+  std::set<std::string> hosts;
+  for (const FileRow& row : rows)
+    if (row.is_url && !is_geopackage) hosts.insert(host_of(row.name));
+  if (!hosts.empty())
+    say_note(command.verbosity,
+             fmt::format("reading the catalog requires --allow-host {}", fmt::join(hosts, " --allow-host ")));
   return ExitCode::done;
 }
 

@@ -11,6 +11,7 @@
 
 #include "base/error.h"
 #include "base/huge_memory.h"
+#include "base/name_errors.h"
 #include "base/progress.h"
 #include "base/words.h"
 #include "cloud/las/write_las.h"
@@ -60,8 +61,9 @@ void choose_points(Cloud& cloud, const ConvertCommand& command) {
       keep_every(cloud, command.every);
   }
   if (command.spacing) {
-    with_progress("thinning", "points", command.verbosity,
-                  [&](const Progress& progress) { thin(cloud, *command.spacing, progress); });
+    with_progress("thinning", "points", command.verbosity, [&](const Progress& progress) {
+      with_file(command.files.title(), [&] { thin(cloud, *command.spacing, progress); });
+    });
   }
 }
 

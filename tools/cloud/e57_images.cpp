@@ -8,6 +8,7 @@
 #include <unordered_set>
 
 #include "base/output_file.h"
+#include "base/shown_text.h"
 #include "camera/camera_json.h"
 #include "camera/camera_set.h"
 
@@ -116,7 +117,7 @@ std::string camera_text(const E57Image& image, const E57Picture& picture, const 
   Json json = Json::parse(camera::camera_json(*camera));
   json["description"] = std::string(name_of(picture.projection)) + " image of " + file +
                         (image.pose ? "" : ", which has no pose: the axes are those of the file");
-  return json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
+  return json_text(json, 2) + "\n";
 }
 
 /// A name that stays in its folder whatever a file says: characters, digits, '-', '_' and '.' of `text`, "_"
@@ -142,7 +143,7 @@ class Plan {
   }
 
   const std::vector<Extraction>& extractions() const { return extractions_; }
-  std::string table() const { return table_.dump(2, ' ', false, Json::error_handler_t::replace) + "\n"; }
+  std::string table() const { return json_text(table_, 2) + "\n"; }
 
  private:
   void add(std::size_t file_number, const E57File& file, const E57Image& image, const E57Picture& picture,

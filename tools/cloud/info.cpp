@@ -9,6 +9,7 @@
 #include <nlohmann/json.hpp>
 
 #include "base/error.h"
+#include "base/shown_text.h"
 #include "cloud/cloud_reader.h"
 #include "cloud/copc/copc_file.h"
 #include "cloud/crs.h"
@@ -255,7 +256,7 @@ std::string joined(const std::vector<std::string>& words, const std::string& oth
 }
 
 std::string row(const std::string& name, const std::string& value) {
-  return fmt::format("{:<12}{}\n", name, value);
+  return fmt::format("{:<12}{}\n", name, line_text(value));
 }
 
 std::string row(const std::string& name, const std::array<std::string, 3>& words) {
@@ -355,12 +356,10 @@ ExitCode run(const InfoOptions& options) {
     extract_images(e57_files(options.files).names(), options.image_folder, options.overwrite);
   const Description description = describe(options);
   if (options.json) {
-    // File names need not be UTF-8; JSON must be.
-    write_to_stdout(to_json(description, options.verify).dump(2, ' ', false, Json::error_handler_t::replace) +
-                    "\n");
+    write_to_stdout(json_text(to_json(description, options.verify), 2) + "\n");
     return ExitCode::done;
   }
-  write_to_stdout(terminal_text(to_table(description, options.verify, options.verbosity)));
+  write_to_stdout(to_table(description, options.verify, options.verbosity));
   say_warnings(options.verbosity, description.cloud.warnings);
   return ExitCode::done;
 }

@@ -52,17 +52,20 @@ Fingerprint reading_fingerprint(const Options& command, const CloudInputs& input
   Fingerprint fingerprint{{"program version", ALIDADE_VERSION}, {"version of rows", k_rows_version}};
   for (const auto& [name, words] : command.given()) {
     if (is_silent(name, k_own_silent_options)) continue;
-    fingerprint.push_back({"--" + name, words.empty() ? "none" : fmt::format("{}", fmt::join(words, " "))});
+    std::string all;
     std::error_code error;
     for (const std::string& word : words) {
-      if (std::filesystem::is_regular_file(word, error)) fingerprint.push_back({word, stamp(word)});
+      all += (all.empty() ? "" : " ") + name_in_checkpoint(word);
+      if (std::filesystem::is_regular_file(word, error))
+        fingerprint.push_back({name_in_checkpoint(word), stamp(word)});
     }
+    fingerprint.push_back({"--" + name, all.empty() ? "none" : all});
   }
   for (const CloudInput& input : inputs.inputs) {
     const std::filesystem::path& file = input.name;
     const bool is_remote = is_remote_name(file.string());
     fingerprint.push_back(
-        {is_remote ? file.string() : std::filesystem::absolute(file).lexically_normal().string(),
+        {name_in_checkpoint(is_remote ? file : std::filesystem::absolute(file).lexically_normal()),
          stamp(file)});
   }
   fingerprint.push_back({"number of files", std::to_string(inputs.size())});

@@ -16,6 +16,7 @@
 #include <unordered_map>
 #include <variant>
 
+#include "base/shown_text.h"
 #include "database/cloud_column.h"
 #include "geo/map_unit.h"
 #include "image/color_points.h"
@@ -380,7 +381,7 @@ std::string statistics_text(const CloudStatistics& statistics, const PointCloud&
   text += fmt::format("{:<18}{:>14}{:>14}{:>14}{:>14}{:>14}{:>14}{:>14}{:>14}\n", "column", "least", "1 %",
                       "25 %", "median", "75 %", "99 %", "most", "mean");
   for (const ColumnStatistics& column : statistics.columns) {
-    text += fmt::format("{:<18}{:>14}", column.name, number_text(column.least, column.is_whole));
+    text += fmt::format("{:<18}{:>14}", line_text(column.name), number_text(column.least, column.is_whole));
     for (const double quantile : column.quantiles)
       text += fmt::format("{:>14}", number_text(quantile, column.is_whole));
     text += fmt::format("{:>14}{:>14}", number_text(column.most, column.is_whole),

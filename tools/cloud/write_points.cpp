@@ -100,7 +100,11 @@ class Rows {
     if (own == batch_.lattice) return;
     for (LatticePosition& position : batch_.positions) {
       const auto moved = to_lattice(batch_.lattice, to_world(own, position));
-      if (!moved) throw input_error("a point lies outside the bounds of its cloud", "an intact index file");
+      if (!moved) {
+        const std::vector<CloudFile>& files = cloud_.cloud.cloud.files;
+        throw file_error(files.empty() ? "" : files.front().path.string(),
+                         "a point lies outside the bounds of its cloud", "an intact index file");
+      }
       position = *moved;
     }
   }

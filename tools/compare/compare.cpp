@@ -3,6 +3,7 @@
 #include <new>
 
 #include "base/error.h"
+#include "base/shown_text.h"
 #include "cloud/las/write_las.h"
 #include "cloud/read_cloud.h"
 #include "compare/batch.h"
@@ -22,7 +23,8 @@ namespace {
 namespace fs = std::filesystem;
 
 std::string facts_text(const char* side, const compare::PictureFacts& facts) {
-  return fmt::format("{:<10} {}  {} x {}, {}\n", side, facts.file.string(), facts.width, facts.height,
+  return fmt::format("{:<10} {}  {} x {}, {}\n", side, line_text(facts.file.string()), facts.width,
+                     facts.height,
                      facts.encoding == compare::ColorEncoding::display ? "display" : "linear light");
 }
 
@@ -69,7 +71,8 @@ std::string comparison_text(const compare::Comparison& comparison, const compare
   }
   const std::vector<compare::HowLine> how = compare::how_lines(comparison);
   if (!how.empty()) text += "\nHow it was compared\n";
-  for (const compare::HowLine& line : how) text += fmt::format("  {:<18} {}\n", line.name, line.text);
+  for (const compare::HowLine& line : how)
+    text += fmt::format("  {:<18} {}\n", line.name, line_text(line.text));
   if (comparison.changes) text += regions_text(*comparison.changes);
   if (verdict.judged.empty()) return text;
   text += "\nThresholds\n";
@@ -86,8 +89,8 @@ std::string batch_text(const std::vector<compare::PairOutcome>& outcomes) {
   for (const compare::PairOutcome& outcome : outcomes) {
     failed += !outcome.pass();
     if (!outcome.comparison) {
-      text += fmt::format("{:<5} {:>10} {:>10} {:>10}  {}: {}\n", "ERROR", "", "", "", outcome.pair.name,
-                          outcome.error);
+      text += fmt::format("{:<5} {:>10} {:>10} {:>10}  {}: {}\n", "ERROR", "", "", "",
+                          line_text(outcome.pair.name), line_text(outcome.error));
       continue;
     }
     text += fmt::format("{:<5}", outcome.pass() ? "pass" : "FAIL");
@@ -95,7 +98,7 @@ std::string batch_text(const std::vector<compare::PairOutcome>& outcomes) {
       const std::optional<double> value = compare::find_metric(name)->value(*outcome.comparison);
       text += fmt::format(" {:>10}", value ? fmt::format("{:.5g}", *value) : "-");
     }
-    text += "  " + outcome.pair.name;
+    text += "  " + line_text(outcome.pair.name);
     for (const std::string& failure : failures_of(outcome.verdict)) text += "; " + failure;
     text += "\n";
   }

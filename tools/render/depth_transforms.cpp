@@ -7,6 +7,7 @@
 
 #include "base/input_file.h"
 #include "base/output_file.h"
+#include "base/shown_text.h"
 
 namespace alidade::tools {
 namespace {
@@ -64,7 +65,7 @@ void write_depth_transforms(const DepthTransforms& transforms, std::span<const V
   for (Json& frame : top["frames"]) frame["depth_file_path"] = depth_of.at(photo_of(frame)).generic_string();
   OutputFile output(transforms.output, overwrite);
   constexpr int k_indent = 2;
-  const std::string text = top.dump(k_indent) + "\n";
+  const std::string text = json_text(top, k_indent) + "\n";
   output.write(std::as_bytes(std::span(text)));
   output.commit();
 }

@@ -23,7 +23,7 @@ renderer::ImageMetadata image_metadata(const renderer::Scene& scene, const View&
   if (scene.cloud->shape != renderer::PointShape::sphere)
     metadata.further.emplace_back("alidade:surface",
                                   scene.cloud->shape == renderer::PointShape::disc ? "disc" : "blend");
-  for (const CloudFile& file : cloud->files) metadata.cloud_files.push_back(file.path.string());
+  for (const CloudFile& file : cloud->files) metadata.cloud_files.push_back(kept_name(file.path));
   metadata.cloud_offset = cloud->octree.lattice().offset;
   metadata.crs = cloud->crs;
   metadata.radius = cloud->radius;

@@ -6,6 +6,7 @@
 
 #include "renderer/mesh_surfaces.h"
 #include "tools/cloud/mesh_files.h"
+#include "tools/command.h"
 
 namespace alidade::tools {
 
@@ -23,7 +24,7 @@ void load_meshes(renderer::Scene& scene, Verbosity verbosity) {
     const renderer::MeshFile& source = *model->mesh;
     TriangleMesh mesh = read_mesh_shown(source.file, source.placement, verbosity);
     model->surfaces = build_mesh_shown(verbosity, [&](const Progress& progress) {
-      return std::make_shared<renderer::MeshSurfaces>(std::move(mesh), source.file.string(), progress);
+      return std::make_shared<renderer::MeshSurfaces>(std::move(mesh), kept_name(source.file), progress);
     });
   }
 }

@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 #include <cmath>
 
+#include "base/output_file.h"
 #include "renderer/checkpoint.h"
 #include "renderer/merge_parts.h"
 #include "renderer/noise.h"
@@ -16,13 +17,13 @@ constexpr double k_most_seconds = 1e9;
 constexpr std::string_view k_preview_mark = "alidade:preview";
 
 /// What a checkpoint calls a picture, however its name was typed.
-std::string name_in_checkpoint(const std::filesystem::path& picture) {
-  return std::filesystem::absolute(picture).lexically_normal().string();
+std::string picture_in_checkpoint(const std::filesystem::path& picture) {
+  return name_in_checkpoint(std::filesystem::absolute(picture).lexically_normal());
 }
 
 bool is_of_one_of(const renderer::CheckpointSummary& summary,
                   std::span<const std::filesystem::path> pictures) {
-  return std::ranges::find(pictures, summary.picture, name_in_checkpoint) != pictures.end();
+  return std::ranges::find(pictures, summary.picture, picture_in_checkpoint) != pictures.end();
 }
 
 /// Whether a file is there that was written as a preview. Formats keep texts before the pixels.
@@ -147,6 +148,7 @@ void check_long_render(const LongRenderRequest& request, Replaceable replaceable
   }
   check(request.preview,
         replaceable.any || (replaceable.earlier_preview && is_preview_of_ours(request.preview)));
+  if (!replaceable.any) check_links(request.checkpoint.file);
   check(request.checkpoint.file, true);
   // It would be replaced, and removed in the end.
   if (keeps_checkpoint && !renderer::is_checkpoint(request.checkpoint.file)) {
@@ -170,7 +172,7 @@ std::optional<Resumption> find_resumption(const LongRenderRequest& request,
   }
   const renderer::CheckpointSummary summary = renderer::read_checkpoint_summary(request.checkpoint.file);
   const std::string picture = pictures.front().string();
-  if (summary.picture == name_in_checkpoint(picture)) {
+  if (summary.picture == picture_in_checkpoint(picture)) {
     return Resumption{summary.samples_taken,
                       fmt::format("resuming from {}: {} has {:.0f} % of its samples after {}", file, picture,
                                   100.0 * summary.share, clock_time(summary.seconds))};
@@ -202,7 +204,7 @@ renderer::RenderOptions render_options(const LongRenderRequest& request, const i
     options.checkpoint = {.file = request.checkpoint.file,
                           .interval = request.checkpoint.interval,
                           .resume = resume,
-                          .picture = name_in_checkpoint(output.file),
+                          .picture = picture_in_checkpoint(output.file),
                           .failed = checkpoint_warning()};
   }
   return options;

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include <fmt/format.h>
 
+#include "base/output_file.h"
 #include "base/words.h"
 #include "cloud/catalog.h"
 #include "cloud/read_cloud.h"
@@ -74,6 +75,7 @@ ExitCode run(const LoadCommand& command) {
   } else {
     check_name(database);
     // A database that is there stays: what may be replaced is a table in it.
+    if (!command.store.replace) check_links(database);
     check_writable(database, true, files.names());
   }
   const auto work = [&](const ReadOptions& reading, const Progress& storing) {

@@ -4,6 +4,7 @@
 #include <nlohmann/json.hpp>
 #include <utility>
 
+#include "base/shown_text.h"
 #include "base/words.h"
 #include "database/sqlite/sqlite_api.h"
 #include "tools/console.h"
@@ -49,11 +50,6 @@ std::string value_text(sqlite3_stmt* statement, int column) {
   }
 }
 
-/// Between quotes, for JSON. Bytes that are no UTF-8 become U+FFFD.
-std::string json_text(std::string_view text) {
-  return nlohmann::json(text).dump(-1, ' ', false, nlohmann::json::error_handler_t::replace);
-}
-
 /// Collects text for stdout, so that not every row is a system call.
 class Output {
  public:
@@ -74,13 +70,6 @@ class Output {
   std::string text_;
 };
 
-std::string csv_cell(const std::string& text) {
-  if (text.find_first_of(",\"\r\n") == std::string::npos) return text;
-  std::string cell = "\"";
-  for (const char character : text) cell.append(character == '"' ? 2 : 1, character);
-  return cell + "\"";
-}
-
 class CsvWriter : public RowWriter {
  public:
   void begin(const std::vector<std::string>& columns) override {
@@ -92,7 +81,7 @@ class CsvWriter : public RowWriter {
     for (int i = 0; i < count; ++i) {
       const bool is_text = sqlite3_column_type(statement, i) == SQLITE_TEXT;
       const std::string text = value_text(statement, i);
-      out_ << (i > 0 ? "," : "") << (is_text && text.empty() ? "\"\"" : csv_cell(text));
+      out_ << (i > 0 ? "," : "") << (!is_text ? text : text.empty() ? "\"\"" : csv_cell(text));
     }
     out_ << "\n";
     out_.end_row();
@@ -106,7 +95,7 @@ class CsvWriter : public RowWriter {
 class JsonWriter : public RowWriter {
  public:
   void begin(const std::vector<std::string>& columns) override {
-    for (const std::string& column : columns) keys_.push_back(json_text(column) + ":");
+    for (const std::string& column : columns) keys_.push_back(json_text(nlohmann::json(column)) + ":");
     out_ << "[";
   }
   void row(sqlite3_stmt* statement) override {
@@ -128,7 +117,7 @@ class JsonWriter : public RowWriter {
     if (type == SQLITE_NULL) return "null";
     if (type == SQLITE_FLOAT && !std::isfinite(sqlite3_column_double(statement, column))) return "null";
     const std::string text = value_text(statement, column);
-    return type == SQLITE_TEXT || type == SQLITE_BLOB ? json_text(text) : text;
+    return type == SQLITE_TEXT || type == SQLITE_BLOB ? json_text(nlohmann::json(text)) : text;
   }
 
   Output out_;

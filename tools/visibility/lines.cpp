@@ -68,13 +68,14 @@ ObserverOptions ends_with_positions(const std::vector<visibility::GivenPair>& pa
   return ends;
 }
 
-/// Those of pairs with names.
-std::vector<visibility::Observer> ends_with_names(std::span<const visibility::Observer> positions,
+/// Those of pairs with names, which `file` has.
+std::vector<visibility::Observer> ends_with_names(const std::filesystem::path& file,
+                                                  std::span<const visibility::Observer> positions,
                                                   const std::vector<visibility::GivenPair>& pairs) {
   std::map<std::string, const visibility::Observer*> by_name;
   for (const visibility::Observer& position : positions) {
     if (!by_name.emplace(position.name, &position).second)
-      throw Error({.problem = fmt::format("duplicate position '{}'", position.name)});
+      throw file_error(file, fmt::format("duplicate position '{}'", position.name), "unique names");
   }
   std::vector<visibility::Observer> ends;
   for (const visibility::GivenPair& pair : pairs) {
@@ -144,7 +145,7 @@ LineEnds load_line_ends(const PairRequest& request, const VisibilityCloud& cloud
   ends.are_pairs = !given.empty();
   if (has_positions || !request.positions.empty()) ends.positions = load_observers(options, cloud, verbosity);
   if (ends.are_pairs) {
-    if (!has_positions) ends.positions = ends_with_names(ends.positions, given);
+    if (!has_positions) ends.positions = ends_with_names(request.positions, ends.positions, given);
     return ends;
   }
   if (ends.positions.size() < 2)

@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 #include <array>
 
+#include "base/output_file.h"
 #include "tools/silent_options.h"
 
 namespace alidade::tools {
@@ -17,7 +18,7 @@ constexpr std::array<std::string_view, 10> k_own_silent_options = {
 
 std::string joined(const std::vector<std::string>& words) {
   std::string text;
-  for (const std::string& word : words) text += (text.empty() ? "" : " ") + word;
+  for (const std::string& word : words) text += (text.empty() ? "" : " ") + name_in_checkpoint(word);
   return text.empty() ? "none" : text;
 }
 
@@ -68,6 +69,7 @@ void check_checkpoint(const CheckpointRequest& request, bool overwrite,
   const bool is_there = std::filesystem::exists(request.file, error);
   if (is_there && !request.resume && !overwrite)
     throw file_error(request.file, "the file exists", "--resume to continue from it, or --overwrite");
+  if (!overwrite) check_links(request.file);
   check_writable(request.file, true, inputs);
   // It would be replaced, and removed in the end.
   if (is_there && !is_parts_file(request.file)) {

@@ -78,13 +78,25 @@ TEST(E57Malformed, every_prefix_is_an_error) {
 
 TEST(E57Malformed, changed_bytes_under_right_checksums_are_errors_or_other_clouds) {
   const std::string file = sample();
+  std::size_t rejected = 0, read = 0;
   for (std::size_t offset = 0; offset < file.size(); ++offset) {
     for (const int change : {1, 0x80, 0xff}) {
       std::string changed = file;
       changed[offset] = static_cast<char>(changed[offset] ^ change);
-      test::reading_error(open_e57, sealed(changed));
+      SCOPED_TRACE(offset);
+      try {
+        // A point has 24 bytes at least.
+        EXPECT_LE(24 * test::read_alone(open_e57, sealed(changed)).size(), file.size());
+        ++read;
+      } catch (const Error& error) {
+        EXPECT_EQ(error.parts().file, "memory") << error.what();
+        EXPECT_NE(error.parts().location, "") << error.what();
+        ++rejected;
+      }
     }
   }
+  EXPECT_GT(rejected, file.size() / 2);
+  EXPECT_GT(read, file.size() / 2);
 }
 
 TEST(E57Malformed, sections) {

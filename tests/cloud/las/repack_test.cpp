@@ -233,7 +233,7 @@ TEST(CanRepackTest, las_and_laz_but_neither_copc_nor_anything_else) {
 }
 
 TEST(RepackSharedDataTest, every_las_file_is_the_same_after_packing_and_unpacking) {
-  if (shared_data("lidar").empty()) GTEST_SKIP() << k_no_shared_data;
+  if (shared_data("lidar").empty()) GTEST_SKIP() << test::absent("../shared/data/lidar", 12);
   const fs::path folder = test::test_folder();
   int count = 0;
   for (const char* const part : {"lidar", "lidar_rgb"}) {
@@ -248,7 +248,7 @@ TEST(RepackSharedDataTest, every_las_file_is_the_same_after_packing_and_unpackin
 }
 
 TEST(RepackSharedDataTest, laz_files_of_other_writers_keep_their_records) {
-  if (shared_data("lidar").empty()) GTEST_SKIP() << k_no_shared_data;
+  if (shared_data("lidar").empty()) GTEST_SKIP() << test::absent("../shared/data/lidar", 5);
   const fs::path folder = test::test_folder();
   for (const char* const name :
        {"lidar/lone-star.laz", "lidar_rgb/autzen_trim.laz", "lidar_rgb/sample_lareunion_epsg2975.laz",

@@ -47,7 +47,8 @@ std::vector<Reference> references() {
 }
 
 TEST(LazSharedDataTest, records_have_the_checksums_of_the_reference_on_any_number_of_threads) {
-  if (shared_data("laz_reference.json").empty()) GTEST_SKIP() << k_no_shared_data;
+  if (shared_data("laz_reference.json").empty())
+    GTEST_SKIP() << test::absent("../shared/data/laz_reference.json", 6);
   const std::vector<Reference> all = references();
   ASSERT_EQ(all.size(), 6u);
   for (const Reference& reference : all) {
@@ -61,7 +62,8 @@ TEST(LazSharedDataTest, records_have_the_checksums_of_the_reference_on_any_numbe
 }
 
 TEST(LazSharedDataTest, chunks_are_found_without_a_table) {
-  if (shared_data("laz_reference.json").empty()) GTEST_SKIP() << k_no_shared_data;
+  if (shared_data("laz_reference.json").empty())
+    GTEST_SKIP() << test::absent("../shared/data/laz_reference.json", 6);
   for (const Reference& reference : references()) {
     std::vector<std::byte> bytes = test::read_bytes(shared_data(reference.file));
     InputFile file(bytes, "memory");
@@ -103,7 +105,7 @@ TEST(LazSharedDataTest, copc_is_detected_and_its_records_are_left_out) {
 }
 
 TEST(LazSharedDataTest, damaged_and_odd_files_are_errors_or_clean_reads) {
-  if (shared_data("malformed").empty()) GTEST_SKIP() << k_no_shared_data;
+  if (shared_data("malformed").empty()) GTEST_SKIP() << test::absent("../shared/data/malformed", 3);
   const auto contains = [](const std::string& text, const char* part) {
     return text.find(part) != std::string::npos;
   };

@@ -316,7 +316,7 @@ TEST(IndexFile, progress_grows_up_to_its_total) {
 
 TEST(IndexFile, holds_what_files_held_that_nobody_here_made) {
   const std::filesystem::path data = test::shared_data("lidar");
-  if (data.empty()) GTEST_SKIP() << test::k_no_shared_data;
+  if (data.empty()) GTEST_SKIP() << test::absent("../shared/data/lidar", 6);
   const auto path = test::test_folder() / "site.alidade";
   int count = 0;
   for (const char* const name : {"lidar", "lidar_rgb", "ply", "pcd"}) {

@@ -279,7 +279,18 @@ TEST_F(RemoteIndex, zeros_for_all_but_the_nodes_do_no_harm) {
     std::memset(bytes.data() + row.offset, 0, row.bytes);
   }
   seal(bytes);
-  test::use(test::index_in_memory(bytes));
+  const IndexFile index = test::index_in_memory(bytes);
+  test::use(index);
+  // Every point is the one of id 0, somewhere in its leaf.
+  const Octree octree = index.octree();
+  EXPECT_EQ(octree.size(), test::cloud_with_everything().size());
+  Bounds everywhere;
+  everywhere.grow(glm::dvec3(-1e9));
+  everywhere.grow(glm::dvec3(1e9));
+  const std::vector<PointHit> hits = find(octree, everywhere, {});
+  EXPECT_EQ(hits.size(), octree.size());
+  for (const PointHit& hit : hits) EXPECT_EQ(hit.point_id, 0u);
+  for (const Color16& color : index.columns().colors) EXPECT_EQ(color, Color16(0));
 }
 
 }  // namespace

@@ -1,0 +1,30 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+// Which web servers files may come from that nobody named: a catalog lists them, or a server redirects to them.
+
+namespace alidade {
+
+/// The host of an http(s) URL in small characters, "example.org", with the port where it is not that of the scheme. Empty:
+/// no such URL, or a host with other characters than hosts have.
+std::string host_of(std::string_view url);
+
+/// Allows a host for the rest of the process. Errors: it is not as host_of() gives it.
+void allow_host(const std::string& host);
+
+/// Those of allow_host(), and those between commas in the environment variable ALIDADE_ALLOW_HOSTS.
+std::vector<std::string> allowed_hosts();
+
+/// Notes that a catalog has listed a remote file. Thread safe, as all functions here.
+void note_listed_file(const std::string& name);
+
+/// For a file that a catalog has listed, and that was not named otherwise: the hosts that requests for it may be redirected
+/// to beside its own; empty for any other.
+std::optional<std::vector<std::string>> hosts_for(const std::string& name);
+
+}  // namespace alidade

@@ -1,0 +1,84 @@
+// SPDX-License-Identifier: MIT
+#include "base/shown_text.h"
+
+#include <fmt/format.h>
+#include <algorithm>
+#include <cstddef>
+#include <optional>
+
+#include "base/words.h"
+
+namespace alidade {
+namespace {
+
+/// The code in Unicode of what is one character of UTF-8.
+unsigned character_code(std::string_view character) {
+  const auto byte = [&](std::size_t position) { return static_cast<unsigned char>(character[position]); };
+  if (character.size() == 1) return byte(0);
+  unsigned code = byte(0) & (0x7fu >> character.size());
+  for (std::size_t position = 1; position < character.size(); ++position)
+    code = code << 6 | (byte(position) & 0x3fu);
+  return code;
+}
+
+/// Whether a character beyond ASCII is obeyed instead of shown: C1, line separators, and the direction of writing.
+bool is_command(unsigned code) {
+  return (code >= 0x80 && code <= 0x9f) || code == 0x061c || code == 0x200e || code == 0x200f ||
+         (code >= 0x2028 && code <= 0x202e) || (code >= 0x2066 && code <= 0x2069);
+}
+
+/// Calls use(character, code) for each character of UTF-8; NUL and a byte that begins none are without code.
+template <class Use>
+void for_each_character(std::string_view text, const Use& use) {
+  while (!text.empty()) {
+    const std::size_t size = utf8_character_size(text);
+    const std::string_view character = text.substr(0, std::max<std::size_t>(size, 1));
+    text.remove_prefix(character.size());
+    use(character, size > 0 ? std::optional(character_code(character)) : std::nullopt);
+  }
+}
+
+}  // namespace
+
+std::string line_text(std::string_view text) {
+  std::string line;
+  for_each_character(text, [&](std::string_view character, std::optional<unsigned> code) {
+    if (code == unsigned{'\n'})
+      line += "\\n";
+    else if (!code || *code < 0x20 || *code == 0x7f)
+      line += fmt::format("\\x{:02x}", static_cast<unsigned char>(character.front()));
+    else if (is_command(*code))
+      line += fmt::format("\\u{:04x}", *code);
+    else
+      line += character;
+  });
+  return line;
+}
+
+std::string csv_cell(std::string_view text) {
+  std::string shown = line_text(text);
+  const bool is_formula = !shown.empty() &&
+                          std::string_view("=+-@").find(shown.front()) != std::string_view::npos &&
+                          !parse_number(shown);
+  if (is_formula) shown.insert(0, 1, '\'');
+  if (shown.find_first_of(",\"") == std::string::npos) return shown;
+  std::string cell = "\"";
+  for (const char character : shown) cell.append(character == '"' ? 2 : 1, character);
+  return cell + '"';
+}
+
+std::string plain_json(std::string json) {
+  // These are only in strings: JSON is ASCII outside of them, and has escapes for its control characters in them.
+  if (std::ranges::all_of(json, [](char byte) { return static_cast<unsigned char>(byte) < 0x7f; }))
+    return json;
+  std::string plain;
+  for_each_character(json, [&](std::string_view character, std::optional<unsigned> code) {
+    if (code && (*code == 0x7f || is_command(*code)))
+      plain += fmt::format("\\u{:04x}", *code);
+    else
+      plain += character;
+  });
+  return plain;
+}
+
+}  // namespace alidade
