@@ -262,6 +262,11 @@ bool CloudInput::is_changed() const {
   return view != nullptr && !view->empty();
 }
 
+bool CloudInput::changes_heights() const {
+  return view != nullptr && view->has_one_unit &&
+         view->change_of(*this, open_stored_cloud(*this, file(), Damage::read_over)->facts()).height_factor != 1.0;
+}
+
 std::vector<fs::path> CloudInputs::names() const {
   std::vector<fs::path> names;
   for (const CloudInput& input : inputs) names.push_back(input.name);
@@ -331,7 +336,10 @@ std::unique_ptr<CloudReader> open_cloud(const CloudInput& input, InputFile file,
     const bool has_box = reader->facts().box.has_value();
     check_stated(input, reader->point_count(), has_box ? reader->file().stated_bounds : std::nullopt);
   }
-  return input.is_changed() ? open_view(std::move(reader), input.view, damage) : std::move(reader);
+  if (!input.view) return reader;
+  ReferenceChange change = input.view->change_of(input, reader->facts());
+  if (!input.is_changed() && change.height_factor == 1.0) return reader;
+  return open_view(std::move(reader), input.view, std::move(change), damage);
 }
 
 }  // namespace alidade

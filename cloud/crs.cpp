@@ -55,29 +55,13 @@ bool nearly_equal(double a, double b) {
   return std::fabs(a - b) <= k_last_digits * std::max(std::fabs(a), std::fabs(b));
 }
 
-/// Whether two projected systems, WKT of version 1, are defined by the same numbers: ellipsoid, prime
-/// meridian, units, and the parameters of the projection. Parameters are compared by the alphanumeric
-/// characters of their names. Programs give systems, datums and projections names of their own, as
-/// "ETRS89 / UTM zone 32N" and "ETRS_1989_UTM_Zone_32N", but share the numbers up to their last digit. Equal
-/// numbers do not make equal systems: datums on one ellipsoid lie up to some metres apart. False for systems
-/// without parameters, or with other ones, as WKT of version 2 beside that of version 1.
-bool same_definition(const std::string& wkt_a, const std::string& wkt_b) {
-  const Definition a = definition_of(wkt_a), b = definition_of(wkt_b);
-  const auto parameter = a.lower_bound("PARAMETER");
-  const bool has_parameters = parameter != a.end() && parameter->first.starts_with("PARAMETER");
-  return has_parameters && std::ranges::equal(a, b, [](const auto& one, const auto& other) {
-           return one.first == other.first && std::ranges::equal(one.second, other.second, nearly_equal);
-         });
-}
-
 constexpr std::uint16_t k_model_type = 1024, k_geographic_type = 2048, k_projected_type = 3072,
                         k_vertical_type = 4096;
 constexpr std::uint16_t k_geographic_model = 2, k_geocentric_model = 3;
 
 /// The first value of a GeoTIFF key, of those that are stored in the directory itself, that is accepted.
-template <class Accepts = bool (*)(std::uint16_t)>
-std::optional<std::uint16_t> value_of_key(
-    const Crs& crs, std::uint16_t key, const Accepts& accepts = [](std::uint16_t) { return true; }) {
+template <class Accepts>
+std::optional<std::uint16_t> value_of_key(const Crs& crs, std::uint16_t key, const Accepts& accepts) {
   for (std::size_t i = 4; i + 3 < crs.geotiff_keys.size(); i += 4) {
     const std::uint16_t value = crs.geotiff_keys[i + 3];
     if (crs.geotiff_keys[i] == key && crs.geotiff_keys[i + 1] == 0 && accepts(value)) return value;
@@ -159,7 +143,33 @@ std::optional<int> vertical_code(const Crs& crs) {
                          : code_of_wkt(crs.wkt, {"VERT_CS[", "VERTCRS[", "VERTICALCRS["});
 }
 
+CrsLibrary& used_library() {
+  static CrsLibrary library;
+  return library;
+}
+
 }  // namespace
+
+void use_crs_library(const CrsLibrary& library) {
+  used_library() = library;
+}
+
+const CrsLibrary& crs_library() {
+  return used_library();
+}
+
+std::optional<std::uint16_t> geotiff_value(const Crs& crs, std::uint16_t key) {
+  return value_of_key(crs, key, [](std::uint16_t) { return true; });
+}
+
+bool same_definition(const std::string& wkt_a, const std::string& wkt_b) {
+  const Definition a = definition_of(wkt_a), b = definition_of(wkt_b);
+  const auto parameter = a.lower_bound("PARAMETER");
+  const bool has_parameters = parameter != a.end() && parameter->first.starts_with("PARAMETER");
+  return has_parameters && std::ranges::equal(a, b, [](const auto& one, const auto& other) {
+           return one.first == other.first && std::ranges::equal(one.second, other.second, nearly_equal);
+         });
+}
 
 bool is_geographic(const Crs& crs) {
   // A projected system contains its geographic one, so the projected one decides.
@@ -168,13 +178,13 @@ bool is_geographic(const Crs& crs) {
            (has_any(crs.wkt, {"GEOGCS[", "GEOGCRS[", "GEOGRAPHICCRS["}) ||
             is_geodetic(crs.wkt, "CS[ellipsoidal"));
   }
-  if (const auto model = value_of_key(crs, k_model_type)) return *model == k_geographic_model;
-  return value_of_key(crs, k_geographic_type) && !value_of_key(crs, k_projected_type);
+  if (const auto model = geotiff_value(crs, k_model_type)) return *model == k_geographic_model;
+  return geotiff_value(crs, k_geographic_type) && !geotiff_value(crs, k_projected_type);
 }
 
 bool is_geocentric(const Crs& crs) {
   if (!crs.wkt.empty()) return has_any(crs.wkt, {"GEOCCS["}) || is_geodetic(crs.wkt, "CS[Cartesian,3]");
-  return value_of_key(crs, k_model_type) == k_geocentric_model;
+  return geotiff_value(crs, k_model_type) == k_geocentric_model;
 }
 
 std::optional<std::string> implausible_crs(const Crs& crs, const Bounds& bounds) {
@@ -230,6 +240,14 @@ std::string crs_name(const Crs& crs) {
 }
 
 CrsAgreement compare_crs(const Crs& a, const Crs& b) {
+  using enum CrsAgreement;
+  if (a == b) return same;
+  if (crs_library().compare == nullptr) return compare_crs_text(a, b);
+  if (const auto known = crs_library().compare(a, b)) return *known;
+  return compare_crs_text(a, b) == same ? same : unknown;
+}
+
+CrsAgreement compare_crs_text(const Crs& a, const Crs& b) {
   using enum CrsAgreement;
   if (a == b) return same;
   const std::optional<int> heights_a = vertical_code(a), heights_b = vertical_code(b);

@@ -7,6 +7,7 @@
 #include <optional>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 #include "base/bounds.h"
@@ -24,6 +25,12 @@ struct Crs {
   bool empty() const { return wkt.empty() && geotiff_keys.empty(); }
   bool operator==(const Crs&) const = default;
 };
+
+inline Crs crs_of_wkt(std::string wkt) {
+  Crs crs;
+  crs.wkt = std::move(wkt);
+  return crs;
+}
 
 /// The piece of a WKT from the first of the keys that is in it, such as "PROJCS[", to the bracket that closes
 /// it; brackets within quotes do not count. Empty if it is missing or does not end. It points into `wkt`.
@@ -56,10 +63,39 @@ std::string characters_and_digits(std::string_view name);
 /// What is known about two systems being one.
 enum class CrsAgreement { same, unknown, different };
 
-/// Compares two systems that are not empty: by their EPSG codes where both have one, else WKT by its names,
-/// characters and digits alone, and GeoTIFF keys among themselves as they are. Nothing is known of WKT without
-/// code beside keys, and of two names for the same numbers (same_definition()).
+/// Compares two systems that are not empty, however they are written: by a CrsLibrary if one is used. Of what it does
+/// not understand, and without one, by their EPSG codes where both have one, else WKT by its names, characters and
+/// digits alone, and GeoTIFF keys among themselves as they are; nothing is known of WKT without code beside keys, and of
+/// two names for the same numbers (same_definition()). A library that does not understand one of them leaves `same`
+/// and `unknown`.
 CrsAgreement compare_crs(const Crs& a, const Crs& b);
+
+/// Whether two projected systems, WKT of version 1, are defined by the same numbers: ellipsoid, prime
+/// meridian, units, and the parameters of the projection. Parameters are compared by the alphanumeric
+/// characters of their names. Programs give systems, datums and projections names of their own, as
+/// "ETRS89 / UTM zone 32N" and "ETRS_1989_UTM_Zone_32N", but share the numbers up to their last digit. Equal
+/// numbers do not make equal systems: datums on one ellipsoid lie up to some metres apart. False for systems
+/// without parameters, or with other ones, as WKT of version 2 beside that of version 1.
+bool same_definition(const std::string& wkt_a, const std::string& wkt_b);
+
+/// compare_crs() without a library.
+CrsAgreement compare_crs_text(const Crs& a, const Crs& b);
+
+/// What is found out about systems by a library that this room does without: PROJ (geo/crs_library.h).
+struct CrsLibrary {
+  /// Empty: it does not understand one of them.
+  std::optional<CrsAgreement> (*compare)(const Crs& a, const Crs& b) = nullptr;
+  /// All of a system as WKT, heights included; empty: it does not understand it.
+  std::string (*wkt)(const Crs& crs) = nullptr;
+};
+
+/// To be called before clouds are read, by programs that have such a library.
+void use_crs_library(const CrsLibrary& library);
+/// The one that is used; without functions if none is.
+const CrsLibrary& crs_library();
+
+/// The first value of a GeoTIFF key that is stored in the directory itself.
+std::optional<std::uint16_t> geotiff_value(const Crs& crs, std::uint16_t key);
 
 /// Whether the system's horizontal coordinates are longitude and latitude: WKT of a geographic system (also
 /// as part of a compound one), or, without WKT, a GeoTIFF model type of 2; without a model type, keys that

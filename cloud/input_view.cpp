@@ -43,13 +43,22 @@ PointCloud take_rows(PointCloud& piece, AttributeSet wanted) {
 
 class ViewReader final : public CloudReader {
  public:
-  ViewReader(std::unique_ptr<CloudReader> inner, std::shared_ptr<const InputView> view, Damage damage)
-      : inner_(std::move(inner)), view_(std::move(view)), facts_(inner_->facts()) {
-    if (view_->change_reference) {
-      change_ = view_->change_reference(inner_->file().path, facts_);
-      facts_.crs = change_.crs;
-      if (change_.move) facts_.box.reset();
+  ViewReader(std::unique_ptr<CloudReader> inner, std::shared_ptr<const InputView> view,
+             ReferenceChange change, Damage damage)
+      : inner_(std::move(inner)),
+        view_(std::move(view)),
+        facts_(inner_->facts()),
+        change_(std::move(change)) {
+    facts_.crs = change_.crs;
+    facts_.heights_note = change_.heights_note;
+    if (change_.height_factor != 1.0 && (change_.move || !inner_->lattice())) {
+      change_.move = [factor = std::exchange(change_.height_factor, 1.0),
+                      move = std::move(change_.move)](std::span<glm::dvec3> positions) {
+        for (glm::dvec3& position : positions) position.z *= factor;
+        if (move) move(positions);
+      };
     }
+    stretch(facts_.box);
     sources_ = inner_->sources();
     left_.resize(sources_.size());
     const PointSelection& selection = view_->selection;
@@ -64,13 +73,15 @@ class ViewReader final : public CloudReader {
     for (std::size_t i = 0; i < sources.size(); ++i) {
       sources[i].left_out_count = sources.size() == 1 ? left_out_ : sources[i].point_count - left_[i];
       sources[i].point_count = left_[i];
-      if (change_.move) sources[i].stated_bounds.reset();
+      stretch(sources[i].stated_bounds);
     }
     sources.front().dropped_count += dropped_;
     return sources;
   }
   AttributeSet attributes() const override { return inner_->attributes(); }
-  std::optional<Lattice> lattice() const override { return change_.move ? std::nullopt : inner_->lattice(); }
+  std::optional<Lattice> lattice() const override {
+    return change_.move ? std::nullopt : stretched(inner_->lattice());
+  }
   FileFacts facts() const override { return facts_; }
   glm::dvec3 resolution(const Bounds& bounds) const override {
     return change_.move ? glm::dvec3(0.0) : inner_->resolution(bounds);
@@ -116,7 +127,7 @@ class ViewReader final : public CloudReader {
     if (selection.classes) needed = needed | Attribute::classification;
     if (selection.condition) needed = AttributeSet::all();
     PointCloud piece;
-    piece.lattice = change_.move ? own_lattice() : cloud.lattice;
+    piece.lattice = change_.move || change_.height_factor != 1.0 ? own_lattice() : cloud.lattice;
     const Lattice own = piece.lattice;
     const CloudPieces own_pieces{.most_bytes = std::min(k_piece_bytes, pieces.most_bytes),
                                  .bytes_beside = pieces.bytes_beside,
@@ -132,7 +143,8 @@ class ViewReader final : public CloudReader {
     piece.lattice = cloud.lattice;
     piece.extra_dimensions.clear();
     for (ScannerPosition& scanner : piece.scanner_positions) {
-      if (!change_.move) break;
+      scanner.position.z *= change_.height_factor;
+      if (!change_.move) continue;
       change_.move(std::span(&scanner.position, 1));
       scanner.axes.reset();  // another system has another north
     }
@@ -151,6 +163,22 @@ class ViewReader final : public CloudReader {
   const CoordinateSurvey& survey_own() {
     if (!own_survey_) own_survey_ = inner_->survey({});
     return *own_survey_;
+  }
+
+  /// The lattice of a file after its heights are multiplied.
+  std::optional<Lattice> stretched(std::optional<Lattice> lattice) const {
+    if (!lattice) return lattice;
+    lattice->scale.z *= change_.height_factor;
+    lattice->offset.z *= change_.height_factor;
+    return lattice;
+  }
+
+  /// A box of positions becomes that of the positions afterwards; nothing is known where they move.
+  void stretch(std::optional<Bounds>& box) const {
+    if (change_.move) box.reset();
+    if (!box || box->empty()) return;
+    box->min.z *= change_.height_factor;
+    box->max.z *= change_.height_factor;
   }
 
   template <class Visit>
@@ -186,6 +214,11 @@ class ViewReader final : public CloudReader {
 
   /// Brings a part of the file onto the cloud's lattice; rows without an image go.
   void move_rows(PointCloud& part, const Lattice& lattice) const {
+    if (change_.height_factor != 1.0) {
+      const LatticeShift shift(*this->lattice(), lattice, file_.path.string());
+      for (LatticePosition& position : part.positions) position = shift(position);
+      part.lattice = lattice;
+    }
     if (!change_.move) return;
     std::vector<glm::dvec3> positions(part.size());
     for (std::size_t row = 0; row < part.size(); ++row) positions[row] = part.world(row);
@@ -273,7 +306,7 @@ class ViewReader final : public CloudReader {
     file_.dropped_count += dropped_;
     file_.left_out_count = left_out_;
     file_.point_count = std::accumulate(left_.begin(), left_.end(), std::uint64_t{0});
-    if (change_.move) file_.stated_bounds.reset();
+    stretch(file_.stated_bounds);
   }
 
   std::unique_ptr<CloudReader> inner_;
@@ -292,9 +325,34 @@ class ViewReader final : public CloudReader {
 
 }  // namespace
 
+ReferenceChange InputView::change_of(const CloudInput& input, const FileFacts& facts) const {
+  ReferenceChange change{.crs = facts.crs};
+  if (change_reference) change = change_reference(input.name, facts);
+  // Who moves positions has brought their heights to one unit, too.
+  if (!has_one_unit || change.move || change.height_factor != 1.0) return change;
+  HeightChange heights = heights_in_plane_unit(change.crs, height_unit, input.name);
+  if (heights.factor == 1.0) return change;
+  // By the boxes of a catalog files are left unopened.
+  if (input.stated && !change_reference)
+    throw file_error(input.name, "a catalog of files whose heights are not in the unit of x and y",
+                     "the files without the catalog, or files that 'alidade convert --reproject' wrote",
+                     crs_name(facts.crs));
+  change.crs = std::move(heights.crs);
+  change.height_factor = heights.factor;
+  change.heights_note = std::move(heights.note);
+  return change;
+}
+
+CloudInputs in_one_unit(CloudInputs clouds) {
+  static const auto view = std::make_shared<const InputView>(InputView{.has_one_unit = true});
+  for (CloudInput& input : clouds.inputs) input.view = view;
+  return clouds;
+}
+
 std::unique_ptr<CloudReader> open_view(std::unique_ptr<CloudReader> reader,
-                                       std::shared_ptr<const InputView> view, Damage damage) {
-  return std::make_unique<ViewReader>(std::move(reader), std::move(view), damage);
+                                       std::shared_ptr<const InputView> view, ReferenceChange change,
+                                       Damage damage) {
+  return std::make_unique<ViewReader>(std::move(reader), std::move(view), std::move(change), damage);
 }
 
 }  // namespace alidade

@@ -26,16 +26,6 @@ std::string text_of(const glm::dvec3& value) {
   return fmt::format("{}, {}, {}", value.x, value.y, value.z);
 }
 
-[[noreturn]] void reject_lattice(const CloudSource& odd, const CloudSource& other) {
-  const Lattice own = *odd.reader->lattice(), lattice = *other.reader->lattice();
-  throw Error({.file = odd.path().string(),
-               .problem = "the lattice differs from that of " + other.path().string(),
-               .expected = fmt::format("scale {} and an offset that differs by whole steps (convert "
-                                       "the file to PLY, which is rounded to that lattice)",
-                                       text_of(lattice.scale)),
-               .found = fmt::format("scale {} and offset {}", text_of(own.scale), text_of(own.offset))});
-}
-
 bool has_lattice(const CloudSource& source) {
   return source.has_lattice;
 }
@@ -56,31 +46,41 @@ const CloudSource* first_that_binds(const std::vector<CloudSource>& sources, con
   return first;
 }
 
-/// Calls reject(odd, other) if a source with points has something else than the first: agrees(source). The
-/// odd one is the first that differs, or the first of all if more differ from it than agree.
-template <class Has, class Agrees, class Reject>
-void check_agreement(const std::vector<CloudSource>& sources, const CloudSource& first, const Has& has,
-                     const Agrees& agrees, const Reject& reject) {
-  std::size_t agreeing = 0, differing = 0;
-  const CloudSource* odd = nullptr;
-  for (const CloudSource& source : sources) {
-    if (!has(source) || source.point_count() == 0) continue;
-    if (agrees(source)) {
-      ++agreeing;
-    } else if (differing++ == 0) {
-      odd = &source;
-    }
+/// Compares systems with one, each once: tiles mostly share one, and to compare takes a millisecond.
+class ComparedSystems {
+ public:
+  explicit ComparedSystems(const Crs& crs) : crs_(crs) {}
+
+  CrsAgreement with(const Crs& other) {
+    const auto known = std::ranges::find_if(known_, [&](const auto& one) { return *one.first == other; });
+    if (known != known_.end()) return known->second;
+    return known_.emplace_back(&other, compare_crs(other, crs_)).second;
   }
-  if (odd == nullptr) return;
-  if (agreeing < differing) reject(first, *odd);
-  reject(*odd, first);
-}
+
+ private:
+  const Crs& crs_;
+  std::vector<std::pair<const Crs*, CrsAgreement>> known_;
+};
 
 [[noreturn]] void reject_crs(const CloudSource& odd, const CloudSource& other) {
-  throw Error({.file = odd.path().string(),
-               .problem = "the coordinate reference system differs from that of " + other.path().string(),
-               .expected = crs_name(other.facts.crs) + " (reproject the file, or read it separately)",
-               .found = crs_name(odd.facts.crs)});
+  throw file_error(odd.path(),
+                   "the coordinate reference system differs from that of " + other.path().string(),
+                   crs_name(other.facts.crs) + " (alidade convert --reproject SYSTEM brings files to one)",
+                   crs_name(odd.facts.crs));
+}
+
+/// Errors: heights of some files are converted, and others do not state what theirs are.
+void check_heights(const std::vector<CloudSource>& sources) {
+  const auto converted = std::ranges::find_if(
+      sources, [](const CloudSource& source) { return !source.facts.heights_note.empty(); });
+  if (converted == sources.end()) return;
+  for (const CloudSource& source : sources) {
+    if (!source.is_open || has_crs(source) || source.point_count() == 0) continue;
+    throw file_error(source.path(),
+                     "no coordinate reference system, and the heights of " + converted->path().string() +
+                         " are converted to the unit of x and y",
+                     "--crs EPSG:n, which states one");
+  }
 }
 
 }  // namespace
@@ -108,20 +108,21 @@ Lattice common_lattice(const std::vector<CloudSource>& sources) {
     return with_file(farthest == sources.end() ? "" : farthest->path().string(),
                      [&] { return fit_lattice(surveys); });
   }
-  const Lattice lattice = *first->reader->lattice();
-  check_agreement(
-      sources, *first, has_lattice,
-      [&](const CloudSource& source) {
-        return steps_between(*source.reader->lattice(), lattice).has_value();
-      },
-      reject_lattice);
+  std::vector<Lattice> lattices = {*first->reader->lattice()};
+  Bounds bounds;
+  for (const CloudSource& source : sources) {
+    if (source.point_count() == 0) continue;
+    bounds.grow(source.has_lattice ? source.facts.box.value_or(Bounds()) : source.survey.bounds);
+    if (source.has_lattice) lattices.push_back(*source.reader->lattice());
+  }
+  const Lattice lattice = joined_lattice(lattices, bounds);
   for (const CloudSource& source : sources) {
     if (source.has_lattice || source.point_count() == 0) continue;
-    const Bounds& bounds = source.survey.bounds;
-    if (to_lattice(lattice, bounds.min) && to_lattice(lattice, bounds.max)) continue;
+    const Bounds& own = source.survey.bounds;
+    if (to_lattice(lattice, own.min) && to_lattice(lattice, own.max)) continue;
     throw Error({.file = source.path().string(),
                  .problem = "too far away for the lattice of " + first->path().string(),
-                 .found = fmt::format("a box from {} to {}", text_of(bounds.min), text_of(bounds.max))});
+                 .found = fmt::format("a box from {} to {}", text_of(own.min), text_of(own.max))});
   }
   return lattice;
 }
@@ -130,12 +131,20 @@ Crs common_crs(const std::vector<CloudSource>& sources) {
   const CloudSource* const first = first_that_binds(sources, has_crs);
   if (first == nullptr) return {};
   const Crs& crs = first->facts.crs;
-  check_agreement(
-      sources, *first, has_crs,
-      [&](const CloudSource& source) {
-        return compare_crs(source.facts.crs, crs) != CrsAgreement::different;
-      },
-      reject_crs);
+  ComparedSystems compared(crs);
+  std::size_t agreeing = 0, differing = 0;
+  const CloudSource* odd = nullptr;
+  for (const CloudSource& source : sources) {
+    if (!has_crs(source) || source.point_count() == 0) continue;
+    if (compared.with(source.facts.crs) != CrsAgreement::different) {
+      ++agreeing;
+    } else if (differing++ == 0) {
+      odd = &source;
+    }
+  }
+  if (odd != nullptr && agreeing < differing) reject_crs(*first, *odd);
+  if (odd != nullptr) reject_crs(*odd, *first);
+  check_heights(sources);
   return crs;
 }
 
@@ -175,6 +184,27 @@ void warn_of_rounding(const CloudSource& source, PointCloud& cloud) {
   }
 }
 
+void warn_of_heights(std::span<const CloudSource> sources, PointCloud& cloud) {
+  std::map<std::string, SomeFiles> files;
+  for (const CloudSource& source : sources)
+    if (!source.facts.heights_note.empty() && source.point_count() > 0)
+      files[source.facts.heights_note].add(source.path().string());
+  for (const auto& [note, some] : files) cloud.warnings.push_back(some.text() + ": " + note);
+}
+
+void warn_of_lattices(std::span<CloudSource> sources, PointCloud& cloud) {
+  SomeFiles files;
+  for (CloudSource& source : sources) {
+    if (!source.has_lattice || source.point_count() == 0) continue;
+    source.is_rounded = !steps_between(*source.reader->lattice(), cloud.lattice);
+    if (source.is_rounded) files.add(source.path().string());
+  }
+  if (files.count() == 0) return;
+  cloud.warnings.push_back(
+      fmt::format("{}: coordinates are rounded to steps of {}: no lattice holds those of all files exactly",
+                  files.text(), text_of(cloud.lattice.scale)));
+}
+
 void warn_of_gaps(std::span<const GivenRows> given, AttributeSet present,
                   std::vector<std::string>& warnings) {
   // By what is missing, in the order of the files.
@@ -208,10 +238,11 @@ void warn_of_missing_crs(std::span<const CloudSource> sources, PointCloud& cloud
 
 void warn_of_other_crs(std::span<const CloudSource> sources, PointCloud& cloud) {
   std::vector<std::pair<std::string, SomeFiles>> ways;
+  ComparedSystems compared(cloud.crs);
   for (const CloudSource& source : sources) {
     const Crs& own = source.facts.crs;
     if (own.empty() || source.point_count() == 0) continue;
-    if (compare_crs(own, cloud.crs) != CrsAgreement::unknown) continue;
+    if (compared.with(own) != CrsAgreement::unknown) continue;
     const std::string name = crs_name(own);
     const auto same = std::ranges::find(ways, name, &std::pair<std::string, SomeFiles>::first);
     SomeFiles& files = same != ways.end() ? same->second : ways.emplace_back(name, SomeFiles{}).second;

@@ -38,6 +38,7 @@ struct CloudSource {
   CoordinateSurvey survey{};  ///< of files without a lattice
   bool is_skipped = false;    ///< lies outside ReadOptions::region
   bool is_open = true;        ///< false: what is known is what a catalog states
+  bool is_rounded = false;    ///< by warn_of_lattices()
 
   const std::filesystem::path& path() const { return reader->file().path; }
   std::uint64_t point_count() const {
@@ -45,12 +46,13 @@ struct CloudSource {
   }
 };
 
-/// The lattice of the joined cloud, by the rules at read_cloud(). Errors: a file does not share it, or lies
-/// too far away for it. If most files differ from the first, it is the first that is named as the odd one.
+/// The lattice of the joined cloud, by the rules at read_cloud(): joined_lattice() of the files that have one. Error: a
+/// file without one lies too far away for it.
 Lattice common_lattice(const std::vector<CloudSource>& sources);
 
 /// The coordinate reference system of the joined cloud: that of the first file that states one. Error: a file
-/// with points states a different one (compare_crs()); the one that most files do not share is named.
+/// with points states a different one (compare_crs()); the one that most files do not share is named. Or one states none
+/// where heights of others are converted.
 Crs common_crs(const std::vector<CloudSource>& sources);
 
 /// Keeps one copy of the records that the tiles of a survey repeat. Repetitions within one file stay: they
@@ -86,6 +88,12 @@ struct GivenRows {
 
 /// Warns of a file without a lattice whose coordinates are rounded coarsely; see read_cloud() for the rule.
 void warn_of_rounding(const CloudSource& source, PointCloud& cloud);
+
+/// States how heights were converted (FileFacts::heights_note).
+void warn_of_heights(std::span<const CloudSource> sources, PointCloud& cloud);
+
+/// Warns of files whose lattice is not on that of the cloud, so that their coordinates are rounded.
+void warn_of_lattices(std::span<CloudSource> sources, PointCloud& cloud);
 
 /// Attributes, of those that the cloud has, that were filled with zeros.
 void warn_of_gaps(std::span<const GivenRows> given, AttributeSet present, std::vector<std::string>& warnings);

@@ -33,6 +33,27 @@ int finest_exponent(double reach) {
   return exponent;
 }
 
+/// LatticeSteps along one axis.
+struct AxisSteps {
+  std::int64_t factor, shift;
+};
+
+std::optional<AxisSteps> axis_steps(double from_scale, double from_offset, double to_scale,
+                                    double to_offset) {
+  // Beyond 2^33 steps no position fits both lattices.
+  constexpr double k_most_steps = 8589934592.0, k_tolerance = 1e-5;
+  const double ratio = from_scale / to_scale, factor = std::nearbyint(ratio);
+  if (!(factor >= 1.0 && factor <= k_largest_step &&
+        std::abs(ratio / factor - 1.0) * k_largest_step <= k_tolerance))
+    return std::nullopt;
+  const double exact = (from_offset - to_offset) / to_scale, whole = std::nearbyint(exact);
+  const double larger = std::max(std::abs(from_offset), std::abs(to_offset));
+  const double next = std::nextafter(larger, std::numeric_limits<double>::infinity());
+  const double tolerance = std::max(k_tolerance, 2.0 * (next - larger) / to_scale);
+  if (!(std::abs(whole) <= k_most_steps && std::abs(exact - whole) <= tolerance)) return std::nullopt;
+  return AxisSteps{static_cast<std::int64_t>(factor), static_cast<std::int64_t>(whole)};
+}
+
 }  // namespace
 
 Lattice fit_lattice(std::span<const CoordinateSurvey> surveys) {
@@ -42,6 +63,7 @@ Lattice fit_lattice(std::span<const CoordinateSurvey> surveys) {
 
   Lattice lattice;
   std::array<int, 3> finest{}, wanted{};
+  glm::dvec3 reaches(0.0);
   for (int axis = 0; axis < 3; ++axis) {
     lattice.offset[axis] = std::nearbyint(0.5 * bounds.min[axis] + 0.5 * bounds.max[axis]);
     const double offset = lattice.offset[axis];
@@ -55,6 +77,7 @@ Lattice fit_lattice(std::span<const CoordinateSurvey> surveys) {
     for (const CoordinateSurvey& survey : surveys) {
       if (survey.finite_count > 0) resolution = std::min(resolution, survey.resolution[axis]);
     }
+    reaches[axis] = reach;
     finest[axis] = finest_exponent(reach);
     wanted[axis] = finest[axis];
     if (resolution > 0 && std::isfinite(resolution)) {
@@ -62,7 +85,12 @@ Lattice fit_lattice(std::span<const CoordinateSurvey> surveys) {
       wanted[axis] =
           std::max(wanted[axis], static_cast<int>(std::floor(std::log10(2.0 * resolution) + 1e-9)));
     }
-    if (wanted[axis] == k_finest_exponent) wanted[axis] = k_default_exponent;
+  }
+  // An axis along which nothing lies, but for rounding, asks for no resolution: that of a float of 0 is 1e-45.
+  constexpr double k_nothing = 1e-12;
+  const double longest = std::max({reaches.x, reaches.y, reaches.z});
+  for (int axis = 0; axis < 3; ++axis) {
+    if (reaches[axis] <= k_nothing * longest) wanted[axis] = std::max(wanted[axis], k_default_exponent);
   }
   // Steps of one length make cubes of the octree's nodes: boxes a million times longer than wide prune nothing.
   const int common = *std::min_element(wanted.begin(), wanted.end());
@@ -85,33 +113,55 @@ std::optional<int> decimals_of(const Lattice& lattice, int axis) {
   return std::nullopt;
 }
 
-std::optional<glm::i64vec3> steps_between(const Lattice& from, const Lattice& to) {
-  if (from.scale != to.scale) return std::nullopt;
-  glm::i64vec3 steps;
+std::optional<LatticeSteps> steps_between(const Lattice& from, const Lattice& to) {
+  LatticeSteps steps;
   for (int axis = 0; axis < 3; ++axis) {
-    const double exact = (from.offset[axis] - to.offset[axis]) / to.scale[axis];
-    const double whole = std::nearbyint(exact);
-    const double larger = std::max(std::abs(from.offset[axis]), std::abs(to.offset[axis]));
-    const double next = std::nextafter(larger, std::numeric_limits<double>::infinity());
-    const double tolerance = std::max(1e-5, 2.0 * (next - larger) / to.scale[axis]);
-    // Beyond 2^33 steps no position fits both lattices.
-    if (!(std::abs(whole) <= 8589934592.0 && std::abs(exact - whole) <= tolerance)) return std::nullopt;
-    steps[axis] = static_cast<std::int64_t>(whole);
+    const std::optional<AxisSteps> along =
+        axis_steps(from.scale[axis], from.offset[axis], to.scale[axis], to.offset[axis]);
+    if (!along) return std::nullopt;
+    steps.factor[axis] = along->factor;
+    steps.shift[axis] = along->shift;
   }
   return steps;
 }
 
-LatticeShift::LatticeShift(const Lattice& from, const Lattice& to, std::string file)
-    : file_(std::move(file)) {
-  const std::optional<glm::i64vec3> steps = steps_between(from, to);
-  if (!steps) throw Error({.file = file_, .problem = "the lattice differs from that of the previous files"});
-  steps_ = *steps;
+Lattice joined_lattice(std::span<const Lattice> lattices, const Bounds& bounds) {
+  Lattice joined = lattices.front();
+  const auto is_exact = [&](int axis, double scale) {
+    return std::ranges::all_of(lattices, [&](const Lattice& own) {
+      return axis_steps(own.scale[axis], own.offset[axis], scale, joined.offset[axis]).has_value();
+    });
+  };
+  for (int axis = 0; axis < 3; ++axis) {
+    if (is_exact(axis, joined.scale[axis])) continue;
+    double finest = joined.scale[axis], reach = 0.0;
+    for (const Lattice& own : lattices) finest = std::min(finest, own.scale[axis]);
+    for (const double corner : {bounds.min[axis], bounds.max[axis]})
+      if (!bounds.empty()) reach = std::max(reach, std::fabs(corner - joined.offset[axis]));
+    const auto is_held = [&](double scale) { return reach <= (k_largest_step - 1) * scale; };
+    constexpr double k_parts[] = {1, 2, 5, 10};
+    const auto part = std::ranges::find_if(
+        k_parts, [&](double parts) { return is_exact(axis, finest / parts) && is_held(finest / parts); });
+    double& scale = joined.scale[axis];
+    scale = part != std::end(k_parts) ? finest / *part : finest;
+    while (!is_held(scale)) scale *= 10.0;
+  }
+  return joined;
 }
 
-void LatticeShift::reject(const glm::i64vec3& steps) const {
+LatticeShift::LatticeShift(const Lattice& from, const Lattice& to, std::string file)
+    : file_(std::move(file)), from_(from), to_(to), steps_(steps_between(from, to)) {}
+
+LatticePosition LatticeShift::nearest(const LatticePosition& position) const {
+  const glm::dvec3 world = to_world(from_, position);
+  if (const auto moved = to_lattice(to_, world)) return *moved;
+  reject((world - to_.offset) / to_.scale);
+}
+
+void LatticeShift::reject(const glm::dvec3& steps) const {
   throw Error({.file = file_,
                .problem = "too far from the first file for its lattice of 32-bit steps",
-               .found = fmt::format("step {}, {}, {}", steps.x, steps.y, steps.z)});
+               .found = fmt::format("step {:.0f}, {:.0f}, {:.0f}", steps.x, steps.y, steps.z)});
 }
 
 }  // namespace alidade

@@ -80,34 +80,50 @@ struct CoordinateSurvey {
 /// can. Errors: coordinates beyond 1e300.
 Lattice fit_lattice(std::span<const CoordinateSurvey> surveys);
 
-/// The steps to add to positions on `from` to get positions on `to`; empty if the lattices differ in scale or
-/// by a fraction of a step. A fraction up to 1e-5 steps, or up to twice the distance from the larger offset to
-/// the next double, counts as zero: offsets have no higher resolution. Where the scale is finer than such
-/// doubles, all offsets agree, and world coordinates are no finer either.
-std::optional<glm::i64vec3> steps_between(const Lattice& from, const Lattice& to);
+/// How positions on one lattice become the same positions on another: factor * position + shift.
+struct LatticeSteps {
+  glm::i64vec3 factor{1}, shift{0};
 
-/// Brings positions of a file from its lattice onto that of the cloud it is joined to.
+  bool operator==(const LatticeSteps&) const = default;
+};
+
+/// Empty if some positions of `from` are not on `to`: on every axis the step of `from` must be a whole number of
+/// those of `to`, and so must the difference of the offsets. A fraction up to 1e-5 steps over all of 32 bits, or of
+/// the offsets up to twice the distance from the larger one to the next double, counts as zero: offsets have no
+/// higher resolution. Where the scale is finer than such doubles, all offsets agree, and world coordinates are
+/// no finer either.
+std::optional<LatticeSteps> steps_between(const Lattice& from, const Lattice& to);
+
+/// A lattice for the points of several: the first one if it holds them all exactly, else its offset and on every
+/// axis the finest scale, or a half, a fifth or a tenth of that, if it does. If none does, the finest scale, or 10,
+/// 100, ... of it where 32 bits do not reach over `bounds`. Requires one at least.
+Lattice joined_lattice(std::span<const Lattice> lattices, const Bounds& bounds);
+
+/// Brings positions of a file from its lattice onto that of the cloud it is joined to: exactly where steps_between()
+/// finds a way, else to the nearest position.
 class LatticeShift {
  public:
-  /// Errors: steps_between() finds no way.
   LatticeShift(const Lattice& from, const Lattice& to, std::string file);
 
   /// Errors: 32 bits do not hold the new position.
   LatticePosition operator()(const LatticePosition& position) const {
-    const glm::i64vec3 steps = glm::i64vec3(position) + steps_;
+    if (!steps_) return nearest(position);
+    const glm::i64vec3 steps = steps_->factor * glm::i64vec3(position) + steps_->shift;
     const LatticePosition shifted(steps);
-    if (glm::i64vec3(shifted) != steps) reject(steps);
+    if (glm::i64vec3(shifted) != steps) reject(glm::dvec3(steps));
     return shifted;
   }
 
   /// Whether positions stay what they are.
-  bool is_none() const { return steps_ == glm::i64vec3(0); }
+  bool is_none() const { return steps_ == LatticeSteps(); }
 
  private:
-  [[noreturn]] void reject(const glm::i64vec3& steps) const;
+  LatticePosition nearest(const LatticePosition& position) const;
+  [[noreturn]] void reject(const glm::dvec3& steps) const;
 
   std::string file_;
-  glm::i64vec3 steps_{0};
+  Lattice from_, to_;
+  std::optional<LatticeSteps> steps_;
 };
 
 }  // namespace alidade

@@ -45,6 +45,7 @@ struct CloudFile {
   std::string software{};            ///< that wrote it, by its header (LAS); empty if unknown
   std::string system_identifier{};   ///< of the sensor or the processing, likewise
   std::string created{};             ///< "2019-05-02", likewise
+  bool is_rounded = false;           ///< whether its lattice is not that of the cloud, nor a part of it
 };
 
 /// Which way a depth camera looked: unit vectors at right angles, world axes.

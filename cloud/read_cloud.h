@@ -43,9 +43,10 @@ struct ReadOptions {
 ///
 /// Several files are joined in the
 /// order given; an attribute that only some files have is filled with zeros for the others (said in
-/// `warnings`). LAS files must share one lattice up to a whole number of steps, otherwise the odd file is an
-/// Error; so is one that states another coordinate reference system. A file that states none beside others
-/// that do is warned of. Files without a lattice of their own get one fine enough that rounding stays below
+/// `warnings`). LAS files of different lattices are joined on one that holds all their positions exactly, mostly the
+/// finest; where none does, those that are rounded are warned of (joined_lattice()). A file that states another
+/// coordinate reference system than the others is an Error; one that states none beside others that do is warned of.
+/// Heights stay in their unit, unless one unit is wanted (in_one_unit()). Files without a lattice of their own get one fine enough that rounding stays below
 /// what the file's own number type can express (or, for double coordinates, the finest power of ten that 32
 /// bits hold). A warning says where rounding costs more than the digits written or the number type had, and
 /// more than a millionth of the file's longest side; double coordinates are rounded without one.

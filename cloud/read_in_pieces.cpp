@@ -93,6 +93,7 @@ class Joining {
     warn_of_rounding(source, cloud_);
     std::vector<CloudFile> files = source.reader->sources();
     warn_of_losses(*source.reader, files, cloud_);
+    for (CloudFile& own : files) own.is_rounded = own.is_rounded || source.is_rounded;
     std::ranges::move(files, std::back_inserter(cloud_.files));
     source.reader.reset();
   }
@@ -278,6 +279,8 @@ PiecewiseCloud read_in_pieces(const CloudInputs& inputs, const ReadOptions& opti
   cloud.positions.reserve(static_cast<std::size_t>(std::min(point_count, most_in_piece)));
   warn_of_missing_crs(sources, cloud);
   warn_of_other_crs(sources, cloud);
+  warn_of_heights(sources, cloud);
+  warn_of_lattices(sources, cloud);
 
   Joining joining(cloud, options, pieces);
   const bool is_parallel = !pieces.take && tbb::this_task_arena::max_concurrency() > 1;

@@ -20,8 +20,8 @@ enum class MapUnit {
   degree,  ///< no lengths can be measured over them
 };
 
-/// Of x and y; heights of a compound system may be counted in another unit. Told by the text of the system
-/// alone: one that is named by its code only is unknown (lon_lat.h asks GDAL).
+/// Of x and y; heights of a compound system may be counted in another unit. By axis_units(): what a code means is known
+/// where a CrsLibrary is used.
 MapUnit map_unit(const Crs& crs);
 
 /// "m", "ft", "deg" or "unknown".

@@ -48,22 +48,20 @@ void write_raster(const std::filesystem::path& file, const RasterContents& conte
 struct HeightRaster {
   Raster<float> heights;  ///< NaN where the file has no data
   Crs crs;                ///< WKT; empty if the file has none
+  std::string heights_note{};  ///< what is to be said of heights that were converted; empty: they were not
 };
 
 /// Whether GDAL reads the file as a raster. Not for text of x, y and z, which is a cloud, and for missing files.
 bool is_raster(const std::filesystem::path& file);
 
-/// Reads the first band of a raster in any format of GDAL, with its scale and offset. Rows come back from the
+/// Reads the first band of a raster in any format of GDAL, with its scale and offset. Heights in another unit than x and
+/// y, by the system's vertical part or else the unit of the band, are converted to it. Rows come back from the
 /// north. `progress` is in cells. Errors: not a raster; no band of numbers; no georeference; rotated or
 /// sheared; cells that are not square (to a thousandth of a cell over the raster); more than k_most_cells
 /// cells, or more than the memory holds; geographic coordinates; a finite height beyond 1e6, a no-data value that
 /// the file does not declare; damaged data. Cost: that of GDAL's reading. Memory: 4 B per cell, checked with that
 /// of a terrain.
 HeightRaster read_heights(const std::filesystem::path& file, const Progress& progress = {});
-
-/// Whether two systems have the same x and y, heights aside; also if one of them does not say, or GDAL does
-/// not know it.
-bool is_same_plane(const Crs& a, const Crs& b);
 
 /// A picture on the ground, but for its pixels.
 struct GroundPicture {

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: MIT
+#include <cpl_conv.h>
 #include <fmt/format.h>
 #include <gdal.h>
 
@@ -7,12 +8,15 @@
 #include <cmath>
 #include <cstdint>
 #include <limits>
+#include <optional>
 #include <string_view>
 #include <vector>
 
 #include "base/error.h"
 #include "base/huge_memory.h"
 #include "base/input_file.h"
+#include "base/words.h"
+#include "cloud/axis_units.h"
 #include "geo/gdal_reference.h"
 #include "geo/map_unit.h"
 #include "geo/raster_file.h"
@@ -23,7 +27,11 @@ namespace {
 /// Closed when it is no longer used; null if GDAL does not read it.
 GdalDataset open_raster(const std::filesystem::path& file) {
   GDALAllRegister();
-  return GdalDataset(GDALOpenEx(file.c_str(), GDAL_OF_RASTER | GDAL_OF_READONLY, nullptr, nullptr, nullptr));
+  // Else a GeoTIFF file would lose its vertical part.
+  CPLSetThreadLocalConfigOption("GTIFF_REPORT_COMPD_CS", "YES");
+  GdalDataset dataset(GDALOpenEx(file.c_str(), GDAL_OF_RASTER | GDAL_OF_READONLY, nullptr, nullptr, nullptr));
+  CPLSetThreadLocalConfigOption("GTIFF_REPORT_COMPD_CS", nullptr);
+  return dataset;
 }
 
 std::string text_of(const std::array<double, 6>& transform) {
@@ -59,11 +67,18 @@ std::array<double, 6> square_transform(void* dataset, const std::filesystem::pat
   return transform;
 }
 
+/// By the names that programs give units.
+std::optional<LengthUnit> unit_of_band(void* band) {
+  const std::string name = lower_case(GDALGetRasterUnitType(band));
+  if (name == "m" || name.starts_with("metre") || name.starts_with("meter")) return k_metre;
+  if (name == "us-ft" || name == "ftus" || name.find("survey") != std::string::npos) return k_survey_foot;
+  const bool is_foot = name == "ft" || name.starts_with("foot") || name.starts_with("feet");
+  return is_foot ? std::optional(k_foot) : std::nullopt;
+}
+
 Crs crs_of(void* dataset) {
-  Crs crs;
   const char* const wkt = GDALGetProjectionRef(dataset);
-  if (wkt != nullptr) crs.wkt = wkt;
-  return crs;
+  return crs_of_wkt(wkt != nullptr ? wkt : "");
 }
 
 }  // namespace
@@ -105,7 +120,17 @@ HeightRaster read_heights(const std::filesystem::path& file, const Progress& pro
   void* const band = GDALGetRasterBand(dataset.get(), 1);
   if (GDALDataTypeIsComplex(GDALGetRasterDataType(band)) != 0)
     throw file_error(file, "the first band of the raster has complex numbers", "heights");
-  const double scale = GDALGetRasterScale(band, nullptr), offset = GDALGetRasterOffset(band, nullptr);
+  const AxisUnits units = stated_units(raster.crs);
+  const std::optional<LengthUnit> unit = units.heights ? units.heights : unit_of_band(band);
+  const bool is_converted = unit && units.plane && *unit != *units.plane;
+  const double factor = is_converted ? unit->metres / units.plane->metres : 1.0;
+  if (is_converted) {
+    raster.crs = with_height_unit(raster.crs, *units.plane);
+    raster.heights_note = fmt::format("heights are converted from {} to {}, the unit of x and y", unit->name,
+                                      units.plane->name);
+  }
+  const double scale = factor * GDALGetRasterScale(band, nullptr),
+               offset = factor * GDALGetRasterOffset(band, nullptr);
   void* const mask = GDALGetMaskBand(band);
   std::vector<std::uint8_t> is_valid(static_cast<std::size_t>(columns));
   std::vector<double> values(static_cast<std::size_t>(columns));
@@ -135,12 +160,6 @@ HeightRaster read_heights(const std::filesystem::path& file, const Progress& pro
   }
   report(progress, cells, cells);
   return raster;
-}
-
-bool is_same_plane(const Crs& a, const Crs& b) {
-  const QuietGdal quiet;
-  const GdalReference one = plane_reference(a), other = plane_reference(b);
-  return !one || !other || OSRIsSame(one.get(), other.get()) != 0;
 }
 
 }  // namespace alidade::geo

@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "base/error.h"
+#include "geo/crs_library.h"
 #include "geo/gdal_reference.h"
 
 namespace alidade::geo {
@@ -28,10 +29,7 @@ GdalReference reference_of_text(const std::string& text) {
 }
 
 GdalReference reference_of_file(const Crs& crs, const std::filesystem::path& file) {
-  // Else keys would lose their vertical part.
-  CPLSetThreadLocalConfigOption("GTIFF_REPORT_COMPD_CS", "YES");
-  const std::string wkt = wkt_of(crs);
-  CPLSetThreadLocalConfigOption("GTIFF_REPORT_COMPD_CS", nullptr);
+  const std::string wkt = whole_wkt(crs);
   if (wkt.empty())
     throw file_error(file, "cannot reproject: the reference system is unknown",
                      "--crs EPSG:n, which states it");
@@ -69,6 +67,20 @@ std::string with_heights_of(const GdalReference& plane, const GdalReference& oth
   const std::string name = std::string(OSRGetName(plane.get())) + " + " + OSRGetName(heights.get());
   return OSRSetCompoundCS(both.get(), name.c_str(), plane.get(), heights.get()) == OGRERR_NONE ? text_of(both)
                                                                                                : wkt;
+}
+
+/// The unit of z in a system: of its heights, else of x and y, else metres.
+LengthUnit height_unit_of(const GdalReference& reference) {
+  const AxisUnits units = stated_units(crs_of_wkt(text_of(reference)));
+  return units.heights ? *units.heights : units.plane.value_or(k_metre);
+}
+
+/// The system with heights in the unit of x and y.
+GdalReference with_one_unit(GdalReference reference) {
+  const Crs crs = crs_of_wkt(text_of(reference));
+  const AxisUnits units = stated_units(crs);
+  if (!units.plane || !units.heights || *units.plane == *units.heights) return reference;
+  return reference_of_text(with_height_unit(crs, *units.plane).wkt);
 }
 
 /// Moves positions by a transformation. Each thread uses its own copy of it.
@@ -113,9 +125,7 @@ std::string library_versions() {
 
 Crs crs_of_text(const std::string& text) {
   const QuietGdal quiet;
-  Crs crs;
-  crs.wkt = text_of(reference_of_text(text));
-  return crs;
+  return crs_of_wkt(text_of(reference_of_text(text)));
 }
 
 std::string projjson_of(const Crs& crs) {
@@ -139,24 +149,47 @@ ReferenceChange change_reference(const ReferenceRequest& request, const std::fil
   ReferenceChange change{.crs = own};
   if (!request.stated.empty()) {
     change.crs = crs_of_text(request.stated);
-    if (!own.empty() && compare_crs(own, change.crs) == CrsAgreement::different)
+    if (!own.empty() && compare_systems(own, change.crs) == CrsAgreement::different)
       change.warnings.push_back(file.string() + ": the file states the reference system " + crs_name(own) +
                                 "; " + crs_name(change.crs) + " is used instead");
   }
   if (request.wanted.empty()) return change;
   if (const auto problem = implausible_crs(change.crs, facts.box.value_or(Bounds())))
     throw file_error(file, "cannot reproject: " + *problem, "--crs EPSG:n, which states the right system");
-  const GdalReference to = reference_of_text(request.wanted), from = reference_of_file(change.crs, file);
-  change.crs = Crs();
-  change.crs.wkt = with_heights_of(to, from);
+  GdalReference to = reference_of_text(request.wanted);
+  const GdalReference from = reference_of_file(change.crs, file);
+  if (request.has_one_unit) to = with_one_unit(std::move(to));
+  AxisUnits units = stated_units(change.crs);
+  if (!units.heights) units.heights = stated_units(crs_of_wkt(whole_wkt(change.crs))).heights;
+  const std::optional<LengthUnit> stated = height_unit_of_file(change.crs, units, request.height_unit, file);
+  const bool has_heights = OSRIsCompound(to.get()) != 0, from_centre = OSRIsGeocentric(from.get()) != 0,
+             to_centre = OSRIsGeocentric(to.get()) != 0;
+  const LengthUnit unit = height_unit_of(to),
+                   before = from_centre ? k_metre : stated.value_or(height_unit_of(from));
+  change.crs = crs_of_wkt(with_heights_of(to, from));
+  if (!has_heights) change.crs = with_height_unit(change.crs, unit);
+  // PROJ converts heights where both systems have them, and else returns what it was given, or metres.
+  const bool follows =
+      from_centre ? has_heights : OSRIsCompound(from.get()) != 0 && (has_heights || to_centre);
+  if (!follows && before != unit) {
+    change.height_factor = before.metres / unit.metres;
+    change.heights_note = fmt::format(
+        "heights are converted from {} to {}{}", before.name, unit.name,
+        stated || from_centre ? "" : ", as if in the unit of x and y; --vertical-unit states another");
+  }
   // Without heights in the wanted system those of a compound one must not go through a grid.
-  if (OSRIsCompound(to.get()) == 0) OSRStripVertical(from.get());
+  if (!has_heights && !to_centre) OSRStripVertical(from.get());
   if (OSRIsSame(from.get(), to.get()) != 0) return change;
   GdalTransformation transformation = transformation_between(from, to);
   if (!transformation)
     throw file_error(file, "no transformation to " + request.wanted, {}, CPLGetLastErrorMsg());
   const auto mover = std::make_shared<Mover>(std::move(transformation));
-  change.move = [mover](std::span<glm::dvec3> positions) { (*mover)(positions); };
+  // The z of geocentric positions becomes a height only when they move.
+  const double factor = from_centre ? std::exchange(change.height_factor, 1.0) : 1.0;
+  change.move = [mover, factor](std::span<glm::dvec3> positions) {
+    (*mover)(positions);
+    for (glm::dvec3& position : positions) position.z *= factor;
+  };
   return change;
 }
 

@@ -3,8 +3,10 @@
 
 #include <filesystem>
 #include <glm/vec3.hpp>
+#include <optional>
 #include <string>
 
+#include "cloud/axis_units.h"
 #include "cloud/crs.h"
 #include "cloud/input_view.h"
 
@@ -15,12 +17,16 @@ namespace alidade::geo {
 struct ReferenceRequest {
   std::string stated{};  ///< that of the file, above what it says itself; empty: what it says
   std::string wanted{};  ///< that the points are to be in; empty: the same
+  std::optional<LengthUnit> height_unit{};  ///< of a file that states none; empty: that of its x and y
+  bool has_one_unit = false;  ///< heights in the unit of x and y, also where `wanted` has them in another
 };
 
-/// How a file's positions get into the wanted system, through PROJ. Heights follow where the wanted system has
-/// heights (EPSG:25832+7837), or the file's are geocentric or ellipsoidal; otherwise they stay, and a compound
-/// system keeps its vertical part. Warns where `stated` differs from what the file says. Errors: GDAL does not
-/// understand a system; the file's is unknown or local; its points cannot lie in it (implausible_crs()); there
+/// How a file's positions get into the wanted system, through PROJ. Heights follow where both systems have
+/// heights (EPSG:25832+7837), or the file's are geocentric; otherwise they stay on their datum, a compound
+/// system keeps its vertical part, and their unit becomes that of the wanted system's heights: where it has none that of
+/// its x and y, over degrees metres. Warns where `stated` differs from what the file says. Errors: GDAL does not
+/// understand a system; the file's is unknown or local; its points cannot lie in it (implausible_crs()); the unit of
+/// its heights is unknown, or `height_unit` contradicts it; there
 /// is no way from one to the other. Cost of moving: some us per position, shared by the threads of the task
 /// arena (oneTBB).
 ReferenceChange change_reference(const ReferenceRequest& request, const std::filesystem::path& file,

@@ -21,8 +21,8 @@ struct CopcTiles::Slot {
   bool was_open = false;
 };
 
-CopcTiles::Tile::Tile(InputFile input, const CopcCache::Options& options, bool rests)
-    : file(std::move(input), rests), cache(file, options), kept_in_all(*options.kept_in_all) {
+CopcTiles::Tile::Tile(const CloudInput& input, const CopcCache::Options& options, bool rests)
+    : file(input.file(), rests, &input), cache(file, options), kept_in_all(*options.kept_in_all) {
   // Measured with small files: most of it are the tables of the decoder. What nodes take is theirs and their slots'.
   constexpr std::size_t k_file_bytes = 160 << 10, k_node_bytes = 160;
   byte_count = k_file_bytes + k_node_bytes * file.hierarchy().nodes.size();
@@ -96,7 +96,7 @@ std::shared_ptr<CopcTiles::Tile> CopcTiles::open(std::uint32_t number) const {
   const CloudInput& input = inputs_.inputs[number];
   CopcCache::Options options = options_;
   if (input.stated) options.stated_box = input.stated->box;
-  auto tile = std::make_shared<Tile>(input.file(), options, size() > 1);
+  auto tile = std::make_shared<Tile>(input, options, size() > 1);
   const LasHeader& header = tile->file.header();
   const bool has_box = widened_header_box(header.bounds, header.lattice).has_value();
   check_stated(input, header.point_count, has_box ? std::optional(header.bounds) : std::nullopt);
@@ -108,7 +108,13 @@ std::shared_ptr<const CopcTiles::Tile> CopcTiles::join(std::uint32_t number,
   const Crs& crs = tile->file.records().crs;
   if (!crs.empty() && !crs_.empty() && compare_crs(crs, crs_) == CrsAgreement::different)
     throw file_error(tile->file.name(), "the coordinate reference system differs from that of " + first_name_,
-                     crs_name(crs_) + " (reproject the file, or read it separately)", crs_name(crs));
+                     crs_name(crs_) + " (alidade convert --reproject SYSTEM brings files to one)",
+                     crs_name(crs));
+  const Lattice& own = tile->file.header().lattice;
+  if (tile->file.header().point_count > 0 && !steps_between(own, lattice_))
+    throw file_error(tile->file.name(), "the lattice differs from that of " + first_name_,
+                     "--load, which reads all files and joins them on one lattice",
+                     fmt::format("scale {}, {}, {}", own.scale.x, own.scale.y, own.scale.z));
   tile->tree.emplace(tile->cache, lattice_, first_rows_[number]);
   const auto& nodes = tile->file.hierarchy().nodes;
   const std::lock_guard lock(mutex_);

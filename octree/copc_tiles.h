@@ -30,7 +30,7 @@ class CopcTiles {
  public:
   /// A file that is open.
   struct Tile {
-    Tile(InputFile input, const CopcCache::Options& options, bool rests);
+    Tile(const CloudInput& input, const CopcCache::Options& options, bool rests);
     ~Tile();
 
     CopcFile file;
@@ -54,7 +54,7 @@ class CopcTiles {
   const std::vector<std::string>& warnings() const { return warnings_; }
 
   /// Opens a file, or finds it open. Errors: those of opening; it is not what a catalog states (check_stated()); its
-  /// lattice or its reference system is not that of the first.
+  /// lattice is not on that of the first (steps_between()); its reference system differs.
   std::shared_ptr<const Tile> tile(std::uint32_t number) const;
 
   /// Boxes around the files that have points: those of level 0 are files, by file_of(), and those of each

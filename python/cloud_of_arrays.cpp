@@ -4,6 +4,7 @@
 #include <cmath>
 #include <cstring>
 
+#include "cloud/axis_units.h"
 #include "python/python_cloud.h"
 
 namespace alidade::python {
@@ -174,6 +175,9 @@ Cloud cloud_of_arrays(const py::handle& xyz, const std::optional<std::string>& c
     });
   });
   if (crs) cloud.crs = read_crs(*crs);
+  if (heights_in_plane_unit(cloud.crs, {}, "crs").factor != 1.0)
+    throw input_error("the reference system has heights in another unit than x and y",
+                      "z in the unit of x and y, and a system that says so", crs_name(cloud.crs));
   for (const auto& [name, values] : attributes) set_attribute(cloud, name.cast<std::string>(), values);
   return Cloud(std::move(data));
 }

@@ -66,8 +66,8 @@ inline constexpr const char* k_xyz_doc =
     "World coordinates, (n, 3) doubles, read-only. They are computed when first asked for, and kept.";
 inline constexpr const char* k_bounds_doc = "Smallest box around all points: (2, 3), lower and upper corner.";
 inline constexpr const char* k_crs_doc =
-    "Coordinate reference system as the file states it: WKT, or \"EPSG:n\" for GeoTIFF keys; None if "
-    "unknown.";
+    "Coordinate reference system as the file states it (with the unit of converted heights): WKT, or \"EPSG:n\" for "
+    "GeoTIFF keys; None if unknown.";
 inline constexpr const char* k_scale_doc = "Step of the coordinates' lattice in x, y and z.";
 
 inline constexpr const char* k_make_index_doc =
@@ -113,7 +113,8 @@ partial : bool
 
 Returns
 -------
-Cloud, or Index for a single .alidade file.)";
+Cloud, or Index for a single .alidade file. Heights are in the unit of x and y: those in another unit are converted,
+with a warning, and crs says so.)";
 
 inline constexpr const char* k_closest_doc =
     R"(closest(rays=None, *, origins=None, directions=None, radius=None, measure=None, t_min=0.0, t_max=None, where=None, classes=None, max_level=None, workers=-1)

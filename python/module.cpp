@@ -10,6 +10,7 @@
 #include "base/error.h"
 #include "base/input_file.h"
 #include "base/shown_text.h"
+#include "cloud/crs.h"
 #include "python/docstrings.h"
 #include "python/python_cloud.h"
 
@@ -33,28 +34,43 @@ void add_errors(py::module_& module) {
   });
 }
 
-/// GDAL, with the libraries it brings, is loaded when the first remote file is opened: from a module beside
-/// this one.
+/// A function of the module beside this one. GDAL, with the libraries it brings, is loaded when the first is needed: for
+/// a remote file, or systems that must be compared. Null without it, and then `reason` says why.
+void* function_with_gdal(const char* name, std::string& reason) {
+  static void* const library = [] {
+    ::Dl_info info{};
+    ::dladdr(reinterpret_cast<const void*>(&function_with_gdal), &info);
+    const std::filesystem::path file =
+        std::filesystem::path(info.dli_fname).parent_path() / "remote_files.so";
+    return ::dlopen(file.c_str(), RTLD_NOW | RTLD_LOCAL);
+  }();
+  void* const found = library != nullptr ? ::dlsym(library, name) : nullptr;
+  const char* const text = found == nullptr ? ::dlerror() : nullptr;
+  reason = text != nullptr ? text : "";
+  return found;
+}
+
 std::unique_ptr<alidade::RemoteFile> open_remote(const std::string& name) {
   using Open = std::unique_ptr<alidade::RemoteFile>(const std::string&, bool (*)(),
                                                     const std::optional<std::vector<std::string>>&);
-  static Open* const open = [&] {
-    ::Dl_info info{};
-    ::dladdr(reinterpret_cast<const void*>(&open_remote), &info);
-    const std::filesystem::path file =
-        std::filesystem::path(info.dli_fname).parent_path() / "remote_files.so";
-    void* const library = ::dlopen(file.c_str(), RTLD_NOW | RTLD_LOCAL);
-    void* const found = library != nullptr ? ::dlsym(library, "alidade_open_remote_file") : nullptr;
-    if (found == nullptr) {
-      const char* const reason = ::dlerror();
-      throw alidade::file_error(
-          name, "this package of alidade opens no remote files (wheels do not)",
-          "a file on this machine, or the module alidade of the Debian package or of a build",
-          reason != nullptr ? reason : file.string());
-    }
-    return reinterpret_cast<Open*>(found);
-  }();
+  std::string reason;
+  auto* const open = reinterpret_cast<Open*>(function_with_gdal("alidade_open_remote_file", reason));
+  if (open == nullptr)
+    throw alidade::file_error(
+        name, "this package of alidade opens no remote files (wheels do not)",
+        "a file on this machine, or the module alidade of the Debian package or of a build", reason);
   return open(name, &alidade::python::is_interrupted, alidade::hosts_for(name));
+}
+
+/// Without functions in wheels, which go by the text of systems.
+const alidade::CrsLibrary& systems() {
+  static const alidade::CrsLibrary library = [] {
+    using Get = const alidade::CrsLibrary*();
+    std::string reason;
+    auto* const get = reinterpret_cast<Get*>(function_with_gdal("alidade_crs_library", reason));
+    return get != nullptr ? *get() : alidade::CrsLibrary();
+  }();
+  return library;
 }
 
 }  // namespace
@@ -67,6 +83,13 @@ PYBIND11_MODULE(_alidade, module) {
   module.attr("__version__") = ALIDADE_VERSION;
   add_errors(module);
   alidade::set_remote_files(&open_remote);
+  alidade::use_crs_library(
+      {.compare =
+           [](const alidade::Crs& a, const alidade::Crs& b) {
+             return systems().compare != nullptr ? systems().compare(a, b) : compare_crs_text(a, b);
+           },
+       .wkt =
+           [](const alidade::Crs& crs) { return systems().wkt != nullptr ? systems().wkt(crs) : crs.wkt; }});
   alidade::python::add_cloud(module);
   alidade::python::add_pictures(module);
 }

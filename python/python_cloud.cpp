@@ -12,6 +12,7 @@
 #include "base/remote_map.h"
 #include "base/shown_text.h"
 #include "base/words.h"
+#include "cloud/input_view.h"
 #include "cloud/las/write_las.h"
 #include "cloud/ply/write_ply.h"
 #include "cloud/point_table.h"
@@ -171,9 +172,12 @@ py::object open_clouds(const FileNames& files, bool partial, int workers, const 
       with_file_formats({&database::k_server_format, &database::k_sqlite_format, &k_index_format});
   auto data = std::make_shared<CloudData>();
   run_watched(workers, progress, [&](const Progress& watch) {
-    const CloudInputs inputs = resolve_clouds(names, formats);
+    const CloudInputs inputs = in_one_unit(resolve_clouds(names, formats));
     data->name = inputs.title();
-    if (inputs.only(k_index_format) != nullptr) {
+    if (const CloudInput* const index = inputs.only(k_index_format)) {
+      if (index->changes_heights())
+        throw file_error(index->name, "an index of heights that are not in the unit of x and y",
+                         "one that 'alidade index' makes again: it converts them");
       data->points = load_indexed_cloud(inputs, {.read = {.progress = watch}, .build = {}});
     } else {
       data->points.cloud = read_cloud(inputs, {.partial = partial, .region = {}, .progress = watch});

@@ -172,7 +172,7 @@ std::vector<std::unique_ptr<CopcFile>> open_copc_cloud(const CloudInputs& inputs
   for (const CloudInput& input : inputs.inputs) {
     InputFile file = input.file();
     if (!input.is(k_copc_format)) return {};
-    files.push_back(std::make_unique<CopcFile>(std::move(file)));
+    files.push_back(std::make_unique<CopcFile>(std::move(file), false, &input));
   }
   return files;
 }

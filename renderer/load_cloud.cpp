@@ -228,8 +228,9 @@ LoadedCloud load_cloud(const CloudSettings& settings, const CloudInputs& inputs,
     return !progress || progress(done, total);
   };
   const CloudInput* const index = inputs.only(k_index_format);
-  LoadedCloud loaded =
-      index ? map_cloud(settings, *index, reading) : build_cloud(settings, inputs, reading, afterwards);
+  LoadedCloud loaded = index && !index->changes_heights()
+                           ? map_cloud(settings, *index, reading)
+                           : build_cloud(settings, inputs, reading, afterwards);
   if (settings.max_level < k_max_level && loaded.octree.size() > 0 &&
       loaded.octree.view().organisation != Organisation::layered) {
     throw file_error(inputs.title(), "max_level requires a layered index",

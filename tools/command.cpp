@@ -6,6 +6,7 @@
 #include "base/allowed_hosts.h"
 #include "base/input_file.h"
 #include "base/words.h"
+#include "cloud/crs.h"
 #include "database/server/server_name.h"
 #include "tools/command.h"
 #include "tools/image_module.h"
@@ -165,6 +166,8 @@ ExitCode run_program(const CommandLine& command_line) {
     options.hosts = hosts_for(name);
     return loaded_image_module().open_remote_file(name, options);
   });
+  use_crs_library({.compare = [](const Crs& a, const Crs& b) { return image_module().compare_systems(a, b); },
+                   .wkt = [](const Crs& crs) { return image_module().whole_wkt(crs); }});
   Parser parser;
   const Options program = parser.program();
   const std::vector<Command> commands = {add_info(program),       add_generate(program), add_index(program),

@@ -5,6 +5,7 @@
 #include "compare/comparison.h"
 #include "compare/difference_map.h"
 #include "compare/report/page.h"
+#include "geo/crs_library.h"
 #include "geo/earth.h"
 #include "geo/geopackage.h"
 #include "geo/raster_file.h"
@@ -48,7 +49,8 @@ struct ImageModule {
   decltype(&geo::write_raster) write_raster = &geo::write_raster;
   decltype(&geo::is_raster) is_raster = &geo::is_raster;
   decltype(&geo::read_heights) read_heights = &geo::read_heights;
-  decltype(&geo::is_same_plane) is_same_plane = &geo::is_same_plane;
+  decltype(&geo::compare_systems) compare_systems = &geo::compare_systems;
+  decltype(&geo::whole_wkt) whole_wkt = &geo::whole_wkt;
   decltype(&geo::read_polygons) read_polygons = &geo::read_polygons;
   decltype(&geo::lon_lat) lon_lat = &geo::lon_lat;
   decltype(&geo::change_reference) change_reference = &geo::change_reference;

@@ -164,10 +164,12 @@ CloudInputs ViewRequest::apply(CloudInputs clouds) {
 }
 
 std::shared_ptr<ViewRequest> add_view_options(const Options& command,
-                                              std::initializer_list<std::string_view> own) {
+                                              std::initializer_list<std::string_view> own,
+                                              HeightUse heights) {
   const auto request = std::make_shared<ViewRequest>();
   ViewRequest* const target = request.get();
   PointSelection& selection = request->view->selection;
+  request->view->has_one_unit = heights == HeightUse::measured;
   const auto is_own = [&](std::string_view name) { return std::ranges::find(own, name) != own.end(); };
   const Options group = command.group("Which points, in which reference system");
   const auto choose = [&selection](const std::bitset<256>& classes) {
@@ -190,7 +192,8 @@ std::shared_ptr<ViewRequest> add_view_options(const Options& command,
     if (is_automatic)
       tbb::this_task_arena::isolate(
           [&] { std::call_once(target->is_zone_chosen, choose_zone, std::ref(*target)); });
-    return image_module().change_reference({target->stated, is_automatic ? target->zone : target->wanted},
+    return image_module().change_reference({target->stated, is_automatic ? target->zone : target->wanted,
+                                            target->view->height_unit, target->view->has_one_unit},
                                            file, facts);
   };
   group.value("--columns", "NAMES",
@@ -205,13 +208,20 @@ std::shared_ptr<ViewRequest> add_view_options(const Options& command,
         target->stated = text;
         target->view->change_reference = change;
       });
-  group.value("--reproject", "SYSTEM|auto",
-              "bring the points to another reference system, such as EPSG:25832; auto: from degrees or "
-              "geocentric coordinates to the zone of UTM of the first cloud",
-              [target, change](const std::string& text) {
-                target->wanted = text;
-                target->view->change_reference = change;
-              });
+  const Option reproject = group.value(
+      "--reproject", "SYSTEM|auto",
+      "bring the points to another reference system, such as EPSG:25832; auto: from degrees or "
+      "geocentric coordinates to the zone of UTM of the first cloud; heights get the unit of the system",
+      [target, change](const std::string& text) {
+        target->wanted = text;
+        target->view->change_reference = change;
+      });
+  (heights == HeightUse::measured ? group : group.needs(reproject))
+      .choice(
+          "--vertical-unit",
+          "unit of the heights of clouds that state none: metres, feet or US survey feet (default: that of x "
+          "and y); heights are converted to the unit of x and y",
+          request->view->height_unit, {{"m", k_metre}, {"ft", k_foot}, {"us-ft", k_survey_foot}});
   add_cache_options(command);
   return request;
 }

@@ -33,9 +33,13 @@ geo::RemoteOptions& remote_options();
 /// Declares --cache, --cache-size and --allow-host.
 void add_cache_options(const Options& command);
 
-/// Declares --classes, --ignore-classes, --where, --crop, --crop-crs, --columns, --crs and --reproject, without those in
-/// `own`, which the command has itself, and those of add_cache_options().
+/// Whether a command measures, for which heights must be in the unit of x and y, or shows clouds as they are.
+enum class HeightUse { measured, as_stored };
+
+/// Declares --classes, --ignore-classes, --where, --crop, --crop-crs, --columns, --crs, --reproject and --vertical-unit,
+/// without those in `own`, which the command has itself, and those of add_cache_options().
 std::shared_ptr<ViewRequest> add_view_options(const Options& command,
-                                              std::initializer_list<std::string_view> own = {});
+                                              std::initializer_list<std::string_view> own = {},
+                                              HeightUse heights = HeightUse::measured);
 
 }  // namespace alidade::tools

@@ -14,6 +14,7 @@
 #include "base/bytes.h"
 #include "base/error.h"
 #include "base/parallel.h"
+#include "cloud/input_view.h"
 #include "cloud/las/las_records.h"
 #include "cloud/laz/chunk_codec.h"
 #include "cloud/read_in_pieces.h"
@@ -311,7 +312,7 @@ bool is_copc(std::span<const std::byte> start) {
          load<std::uint16_t>(start.data() + k_las_header_size + 18) == 1;
 }
 
-CopcFile::CopcFile(InputFile file, bool rests)
+CopcFile::CopcFile(InputFile file, bool rests, const CloudInput* input)
     : file_(std::move(file)),
       rests_(rests),
       header_(read_las_header(file_, warnings_)),
@@ -320,6 +321,17 @@ CopcFile::CopcFile(InputFile file, bool rests)
       info_(parse_copc_info(records_.copc_info->data, file_.name(), records_.copc_info->offset)),
       hierarchy_(read_copc_hierarchy(file_, info_, find_chunks(file_, header_, layout_, warnings_))) {
   if (rests_) file_.rest();
+  if (input == nullptr || input->view == nullptr || input->is_changed()) return;
+  FileFacts facts;
+  facts.crs = records_.crs;
+  const ReferenceChange change = input->view->change_of(*input, facts);
+  if (change.height_factor == 1.0) return;
+  height_factor_ = change.height_factor;
+  records_.crs = change.crs;
+  for (double* const height :
+       {&header_.lattice.scale.z, &header_.lattice.offset.z, &header_.bounds.min.z, &header_.bounds.max.z})
+    *height *= height_factor_;
+  warnings_.push_back(name() + ": " + change.heights_note);
 }
 
 void CopcFile::read_chunk(const CopcNode& node, std::vector<std::byte>& bytes) const {
@@ -336,7 +348,11 @@ Bounds CopcFile::bounds(const CopcNode& node) const {
     // A cube's faces are sums of three numbers, each rounded: a few units in the last offset of the largest.
     const double largest = std::abs(info_.centre[axis]) + 2 * info_.half_size;
     const double rounding = 8 * std::numeric_limits<double>::epsilon() * largest * levels_below;
-    const double margin = header_.lattice.scale[axis] + rounding;
+    if (axis == 2) {
+      bounds.min.z *= height_factor_;
+      bounds.max.z *= height_factor_;
+    }
+    const double margin = header_.lattice.scale[axis] + rounding * std::max(1.0, height_factor_);
     bounds.min[axis] -= margin;
     bounds.max[axis] += margin;
   }
@@ -345,14 +361,18 @@ Bounds CopcFile::bounds(const CopcNode& node) const {
 
 PointCloud read_copc_nodes(std::span<const ChosenNodes> parts, const ReadOptions& options) {
   PointCloud cloud;
+  std::vector<Lattice> lattices;
+  Bounds bounds;
+  for (const ChosenNodes& part : parts) {
+    lattices.push_back(part.file->header().lattice);
+    bounds.grow(part.file->header().bounds);
+  }
+  if (!parts.empty()) cloud.lattice = joined_lattice(lattices, bounds);
   JoinedProgress progress(options.progress, point_count(parts));
   std::vector<ColoredRows> colored;
   for (const ChosenNodes& part : parts) {
     const CopcFile& file = *part.file;
-    if (&part == &parts.front()) {
-      cloud.lattice = file.header().lattice;
-      cloud.crs = file.records().crs;
-    }
+    if (&part == &parts.front()) cloud.crs = file.records().crs;
     const LasColumns columns(file.name(), file.header(), file.records().extra_dimensions);
     const LasColumns::Choice choice = columns.choose(options.attributes, cloud);
     const std::size_t first_row = cloud.size();

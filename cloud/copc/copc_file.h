@@ -87,8 +87,9 @@ class CopcFile {
   /// Errors: the file is no COPC 1.0 (LAS 1.4 with points of format 6 to 8, compressed in chunks of different
   /// sizes, behind a record of COPC); what read_las_header(), parse_laszip_record(), read_chunk_table(),
   /// parse_copc_info() and read_copc_hierarchy() reject. `rests`: whether the file is closed between reads, so that
-  /// thousands can be in use.
-  explicit CopcFile(InputFile file, bool rests = false);
+  /// thousands can be in use. `input`, if given, says in which unit heights are wanted (InputView::has_one_unit): header,
+  /// reference system, boxes and points are then those of the stretched cloud. Errors: those of InputView::change_of().
+  explicit CopcFile(InputFile file, bool rests = false, const CloudInput* input = nullptr);
 
   const std::string& name() const { return file_.name(); }
   const LasHeader& header() const { return header_; }
@@ -111,6 +112,7 @@ class CopcFile {
   mutable InputFile file_;
   mutable std::mutex mutex_;  ///< of file_
   bool rests_;
+  double height_factor_ = 1.0;
   std::vector<std::string> warnings_;
   LasHeader header_;
   LasRecords records_;
@@ -127,8 +129,8 @@ struct ChosenNodes {
 
 /// Reads the points of these nodes, file by file in the order given, node by node: a part of what
 /// read_cloud() gives. Of the options, region and partial have no meaning; progress is in points. Chunks are
-/// unpacked in parallel (oneTBB); the result does not depend on the number of threads. Errors: files of
-/// different lattices; a damaged chunk.
+/// unpacked in parallel (oneTBB); the result does not depend on the number of threads. The lattice is that of all files
+/// (joined_lattice()). Errors: a damaged chunk.
 PointCloud read_copc_nodes(std::span<const ChosenNodes> parts, const ReadOptions& options = {});
 
 /// How many points read_copc_nodes() would read.

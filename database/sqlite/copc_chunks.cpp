@@ -26,9 +26,9 @@ constexpr std::uint64_t k_bytes_per_point = 20;
 
 class CopcChunks final : public ChunkSource {
  public:
-  CopcChunks(InputFile file, std::function<bool()> is_given_up)
+  CopcChunks(const CloudInput& input, std::function<bool()> is_given_up)
       : is_given_up_(std::move(is_given_up)),
-        file_(std::move(file)),
+        file_(input.file(), false, &input),
         cache_(file_, {.byte_count = k_cache_bytes, .progress = [this](std::uint64_t, std::uint64_t) {
                          return !is_given_up_ || !is_given_up_();
                        }}) {
@@ -231,7 +231,7 @@ class CopcChunks final : public ChunkSource {
 }  // namespace
 
 FileChunks copc_chunks(const CloudInput& input, std::function<bool()> is_given_up) {
-  auto source = std::make_unique<CopcChunks>(input.file(), std::move(is_given_up));
+  auto source = std::make_unique<CopcChunks>(input, std::move(is_given_up));
   FileChunks chunks{.schema = source->schema(), .warnings = source->warnings()};
   chunks.source = std::move(source);
   return chunks;

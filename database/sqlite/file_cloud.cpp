@@ -5,12 +5,13 @@
 
 #include "base/error.h"
 #include "base/input_file.h"
+#include "cloud/input_view.h"
 #include "octree/index_file/index_file.h"
 
 namespace alidade::database {
 
 FileCloud::FileCloud(std::span<const std::filesystem::path> names, const FileTables& how) {
-  const CloudInputs inputs = resolve_clouds(names, index_and_file_formats());
+  const CloudInputs inputs = in_one_unit(resolve_clouds(names, index_and_file_formats()));
   for (const CloudInput& input : inputs.inputs) files_.push_back(state_of(input.name));
   const CloudInput* const copc = how.reading.partial ? nullptr : inputs.only(k_copc_format);
   if (copc != nullptr) chunks_ = copc_chunks(*copc, how.is_given_up);

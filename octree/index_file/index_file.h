@@ -138,7 +138,8 @@ struct IndexCloudOptions {
 };
 
 /// Loads clouds for queries: a single index file
-/// is mapped and checked (IndexFile::tree), anything else goes through read_cloud() and build().
+/// is mapped and checked (IndexFile::tree), unless its heights are wanted in another unit; anything else goes through
+/// read_cloud() and build().
 /// read.progress is in bytes; while the octree is built it repeats the last numbers. `cloud.files` are the
 /// files that the points come from, also those an index was made of. Errors: as read_cloud(), build() and
 /// open_index(). Memory: for an index file about 1 B per point; with IndexCloudOptions::scratch what ScratchCloud and

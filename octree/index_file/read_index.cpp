@@ -145,7 +145,9 @@ CloudFormats index_and_file_formats() {
 IndexedCloud load_indexed_cloud(const CloudInputs& inputs, const IndexCloudOptions& options) {
   IndexedCloud loaded;
   const ScratchFolder folder = options.scratch ? ScratchFolder(options.scratch->folder) : std::nullopt;
-  if (const CloudInput* const index = inputs.only(k_index_format)) {
+  // Of heights in another unit nothing measured in the index is right.
+  const CloudInput* const index = inputs.only(k_index_format);
+  if (index != nullptr && !index->changes_heights()) {
     loaded.index = IndexFile(index->file());
     loaded.octree = loaded.index->octree(options.read.progress).with_scratch(folder);
     loaded.cloud = loaded.index->description();

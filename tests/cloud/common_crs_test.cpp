@@ -142,7 +142,7 @@ TEST(CommonCrsTest, another_system_is_an_error_that_names_the_odd_file_and_both_
   EXPECT_EQ(
       message,
       "tile_2: the coordinate reference system differs from that of tile_0; expected WGS 84 / UTM zone 32N "
-      "(reproject the file, or read it separately), found WGS 84 / UTM zone 33N");
+      "(alidade convert --reproject SYSTEM brings files to one), found WGS 84 / UTM zone 33N");
   EXPECT_TRUE(error_of([] {
                 join({tile(k_utm_32), tile(k_utm_33), tile(k_utm_33)});
               }).starts_with("tile_0: the coordinate reference system differs"));

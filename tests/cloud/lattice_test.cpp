@@ -84,6 +84,16 @@ TEST(FitLatticeTest, no_points_one_point_and_a_flat_cloud_have_a_lattice) {
   EXPECT_EQ(to_world(flat, *to_lattice(flat, {1, 1, 7})).z, 7.0);
 }
 
+TEST(FitLatticeTest, an_axis_along_which_nothing_lies_asks_for_no_resolution) {
+  // Half an ulp of a float of 0 is the least number that a float holds.
+  constexpr double k_least = 0.5 * std::numeric_limits<float>::denorm_min();
+  EXPECT_EQ(fit(survey({-12, 0, 0}, {9, 3, 0}, {5e-7, 5e-7, k_least})).scale, glm::dvec3(1e-6));
+  EXPECT_EQ(fit(survey({-12, 0, -1e-30}, {9, 3, 1e-30}, {5e-7, 5e-7, k_least})).scale, glm::dvec3(1e-6));
+  EXPECT_EQ(fit(survey({0, 0, 0}, {0, 0, 0}, glm::dvec3(k_least))).scale, glm::dvec3(0.001));
+  // What is small beside others but there keeps its digits.
+  EXPECT_EQ(fit(survey({-12, 0, 0}, {9, 3, 1e-6}, {5e-7, 5e-7, 5e-14})).scale.z, 1e-13);
+}
+
 TEST(FitLatticeTest, coordinates_beyond_all_reason_are_an_error) {
   const double huge = std::numeric_limits<double>::max();
   EXPECT_THROW(fit(survey(glm::dvec3(-huge), glm::dvec3(huge), glm::dvec3(0))), Error);
@@ -94,7 +104,7 @@ TEST(StepsBetweenTest, offsets_may_differ_by_whole_steps_only) {
   const Lattice to{.scale = glm::dvec3(0.01), .offset = {637012.24, 849028.31, 431.66}};
   const Lattice from{.scale = glm::dvec3(0.01), .offset = {0, 1000, 431.67}};
   ASSERT_TRUE(steps_between(from, to));
-  EXPECT_EQ(*steps_between(from, to), glm::i64vec3(-63701224, -84802831, 1));
+  EXPECT_EQ(*steps_between(from, to), (LatticeSteps{glm::i64vec3(1), {-63701224, -84802831, 1}}));
   EXPECT_FALSE(steps_between({.scale = glm::dvec3(0.01), .offset = {0.005, 0, 0}}, to));
   EXPECT_FALSE(steps_between({.scale = glm::dvec3(0.001), .offset = to.offset}, to));
   EXPECT_FALSE(steps_between({.scale = glm::dvec3(0.01), .offset = glm::dvec3(1e300)}, to));
@@ -106,8 +116,68 @@ TEST(StepsBetweenTest, fine_scales_at_far_offsets_agree_within_the_rounding_of_t
   const double exact = (from.offset.x - to.offset.x) / 1e-6;
   ASSERT_GT(std::abs(exact - std::nearbyint(exact)), 1e-5) << "the offsets are too good for this test";
   ASSERT_TRUE(steps_between(from, to));
-  EXPECT_EQ(*steps_between(from, to), glm::i64vec3(123456));
+  EXPECT_EQ(*steps_between(from, to), (LatticeSteps{glm::i64vec3(1), glm::i64vec3(123456)}));
   EXPECT_FALSE(steps_between({.scale = to.scale, .offset = to.offset + 0.5e-6}, to));
+}
+
+TEST(StepsBetweenTest, a_step_may_be_a_whole_number_of_the_others) {
+  const Lattice fine{.scale = {0.001, 0.0005, 1e-7}, .offset = {0.5, 0, 0}};
+  const Lattice coarse{.scale = {0.01, 0.01, 0.001}, .offset = {0.523, 100, -7}};
+  ASSERT_TRUE(steps_between(coarse, fine));
+  EXPECT_EQ(*steps_between(coarse, fine), (LatticeSteps{{10, 20, 10'000}, {23, 200'000, -70'000'000}}));
+  EXPECT_FALSE(steps_between(fine, coarse));
+  // Off by a hundred-thousandth of a step after 32 bits of steps.
+  EXPECT_FALSE(steps_between({.scale = glm::dvec3(0.01 * (1 + 1e-12))}, {.scale = glm::dvec3(0.01)}));
+  EXPECT_TRUE(steps_between({.scale = glm::dvec3(0.01 * (1 + 1e-15))}, {.scale = glm::dvec3(0.01)}));
+}
+
+const Bounds k_site{glm::dvec3(0.0), glm::dvec3(1000.0)};
+
+glm::dvec3 joined_scale(std::initializer_list<Lattice> lattices, const Bounds& bounds = k_site) {
+  return joined_lattice(std::span(lattices.begin(), lattices.size()), bounds).scale;
+}
+
+Lattice of_scale(double scale, double offset = 0.0) {
+  return {.scale = glm::dvec3(scale), .offset = glm::dvec3(offset)};
+}
+
+TEST(JoinedLatticeTest, the_first_is_kept_if_it_holds_all) {
+  const Lattice first = of_scale(0.001, 5.0);
+  const Lattice lattices[] = {first, of_scale(0.01, 7.0), of_scale(0.001, 9.123), of_scale(0.25, 0.0)};
+  EXPECT_EQ(joined_lattice(lattices, k_site), first);
+  EXPECT_EQ(joined_lattice({&first, 1}, {}), first);
+}
+
+TEST(JoinedLatticeTest, the_finest_scale_or_a_part_of_it_holds_all_exactly) {
+  EXPECT_EQ(joined_scale({of_scale(0.01), of_scale(0.001)}), glm::dvec3(0.001));
+  EXPECT_EQ(joined_scale({of_scale(0.01), of_scale(0.01, 0.005)}), glm::dvec3(0.005));
+  EXPECT_EQ(joined_scale({of_scale(0.025), of_scale(0.01)}), glm::dvec3(0.005));
+  EXPECT_EQ(joined_scale({of_scale(0.01, 0.0001), of_scale(0.001)}), glm::dvec3(0.0001));
+  EXPECT_EQ(joined_scale({of_scale(0.01), {.scale = {0.01, 0.01, 0.001}}}), glm::dvec3(0.01, 0.01, 0.001));
+}
+
+TEST(JoinedLatticeTest, where_no_lattice_holds_all_it_is_the_finest_that_32_bits_reach_with) {
+  EXPECT_EQ(joined_scale({of_scale(0.01), of_scale(0.0013)}), glm::dvec3(0.0013));
+  EXPECT_EQ(joined_scale({of_scale(1.7e-6), of_scale(1.1e-6)}), glm::dvec3(1.1e-6));
+  EXPECT_EQ(joined_scale({of_scale(1.7e-6), of_scale(1.1e-6)}, {glm::dvec3(0), glm::dvec3(5000)}),
+            glm::dvec3(1.1e-5));
+  EXPECT_EQ(joined_scale({of_scale(0.01), of_scale(1e-7)}), glm::dvec3(1e-6)) << "exact, but out of reach";
+}
+
+TEST(LatticeShiftTest, positions_stay_where_they_are) {
+  test::Random random;
+  const Lattice coarse = of_scale(0.01, 690000.0), fine = of_scale(0.001, 689000.5), odd = of_scale(0.0013);
+  const LatticeShift exact(coarse, fine, "a"), rounded(coarse, odd, "a");
+  EXPECT_FALSE(exact.is_none());
+  EXPECT_FALSE(rounded.is_none());
+  EXPECT_TRUE(LatticeShift(odd, odd, "a").is_none());
+  for (int i = 0; i < 1000; ++i) {
+    const LatticePosition position(static_cast<int>(random.between(-1e5, 1e5)));
+    EXPECT_EQ(exact(position), position * 10 + 999'500);
+    EXPECT_NEAR(to_world(odd, rounded(position)).x, to_world(coarse, position).x, 0.00065 + 1e-9);
+  }
+  EXPECT_THROW(exact(LatticePosition(300'000'000)), Error);
+  EXPECT_THROW(rounded(LatticePosition(2'000'000'000)), Error);
 }
 
 }  // namespace

@@ -131,20 +131,39 @@ TEST(ReadCloudTest, offsets_that_differ_by_whole_steps_share_the_first_lattice) 
   EXPECT_EQ(cloud.positions[1].x, 1235);
 }
 
-TEST(ReadCloudTest, another_scale_or_a_fraction_of_a_step_is_an_error_that_names_the_file) {
-  const std::string scale = error_of([] { join({build_las(las({1})), build_las(las({1}, 0, 0.001))}); });
-  EXPECT_NE(scale.find("second: the lattice differs from that of first; expected scale 0.01"),
-            std::string::npos)
-      << scale;
-  const std::string offset = error_of([] { join({build_las(las({1})), build_las(las({1}, 0.005))}); });
-  EXPECT_NE(offset.find("offset 0.005"), std::string::npos) << offset;
+TEST(ReadCloudTest, files_of_other_scales_and_offsets_are_joined_on_the_finest_lattice_without_loss) {
+  for (const bool is_finer_first : {false, true}) {
+    std::vector<std::vector<std::byte>> tiles = {build_las(las({1, 7})),
+                                                 build_las(las({1234, 5}, 10, 0.001))};
+    if (is_finer_first) std::swap(tiles[0], tiles[1]);
+    const PointCloud cloud = join(tiles);
+    EXPECT_EQ(cloud.lattice.scale.x, 0.001);
+    EXPECT_TRUE(cloud.warnings.empty());
+    ASSERT_EQ(cloud.size(), 4u);
+    const std::size_t coarse = is_finer_first ? 2 : 0, fine = 2 - coarse;
+    EXPECT_NEAR(cloud.world(coarse).x - cloud.world(fine).x, 0.01 - 11.234, 1e-9);
+    EXPECT_EQ(cloud.positions[coarse + 1].x - cloud.positions[coarse].x, 60);
+    EXPECT_EQ(cloud.positions[fine].x - cloud.positions[fine + 1].x, 1229);
+    for (const CloudFile& file : cloud.files) EXPECT_FALSE(file.is_rounded);
+  }
+  const PointCloud halves = join({build_las(las({1})), build_las(las({1}, 0.005))});
+  EXPECT_EQ(halves.lattice.scale.x, 0.005);
+  EXPECT_EQ(halves.positions[0].x, 2);
+  EXPECT_EQ(halves.positions[1].x, 3);
 }
 
-TEST(ReadCloudTest, the_first_file_is_named_if_most_do_not_share_its_lattice) {
-  const std::string message = error_of([] {
-    join({build_las(las({1}, 0, 0.03)), build_las(las({1})), build_las(las({2}))});
-  });
-  EXPECT_TRUE(message.starts_with("first: the lattice differs from that of second")) << message;
+TEST(ReadCloudTest, where_no_lattice_holds_all_files_the_rounding_is_stated) {
+  const PointCloud cloud =
+      join({build_las(las({100})), build_las(las({1000}, 0, 0.0013)), build_las(las({7}))});
+  EXPECT_EQ(cloud.lattice.scale.x, 0.0013);
+  EXPECT_EQ(cloud.positions[1].x, 1000);
+  EXPECT_NEAR(cloud.world(0).x, 1.0, 0.00065);
+  ASSERT_EQ(cloud.warnings.size(), 1u);
+  EXPECT_TRUE(
+      cloud.warnings[0].starts_with("first and 1 more file: coordinates are rounded to steps of 0.0013"))
+      << cloud.warnings[0];
+  EXPECT_TRUE(cloud.files[0].is_rounded);
+  EXPECT_FALSE(cloud.files[1].is_rounded);
 }
 
 TEST(ReadCloudTest, files_too_far_apart_for_32_bits_are_an_error) {

@@ -348,12 +348,14 @@ TEST(RegionTest, a_region_is_ignored_for_damaged_files_and_for_texts) {
   EXPECT_EQ(join({text("1 2 3\n4 5 6\n")}, {.region = far}, 1).size(), 2u);
 }
 
-TEST(RegionTest, skipped_files_still_have_to_fit) {
+TEST(RegionTest, the_lattice_is_that_of_all_files) {
   std::vector<Bytes> tiles = row_of_tiles();
-  const double scale = 0.03;
+  const double scale = 0.001;
   std::memcpy(tiles[4].data() + 131, &scale, sizeof scale);
-  const Bounds near{{0, 0, 0}, {5, 0, 0}};
-  EXPECT_TRUE(error_of([&] { join(tiles, {.region = near}, 1); }).starts_with("tile_4: the lattice differs"));
+  const PointCloud some = join(tiles, {.region = Bounds{{0, 0, 0}, {5, 0, 0}}}, 1), all = join(tiles, {}, 1);
+  EXPECT_EQ(some.size(), 10u);
+  EXPECT_EQ(some.lattice, all.lattice);
+  EXPECT_EQ(some.lattice.scale.x, 0.001);
 }
 
 }  // namespace

@@ -100,22 +100,5 @@ TEST_F(ReadHeightsTest, reading_can_be_cancelled) {
   EXPECT_THROW(read_heights(file, [](std::uint64_t, std::uint64_t) { return false; }), Cancelled);
 }
 
-TEST_F(ReadHeightsTest, systems_are_one_if_x_and_y_are) {
-  const auto system = [](const std::string& utm_zone_meridian) {
-    Crs crs;
-    crs.wkt = R"(PROJCS["utm",GEOGCS["WGS 84",DATUM["WGS_1984",SPHEROID["WGS 84",6378137,298.257223563]],)"
-              R"(PRIMEM["Greenwich",0],UNIT["degree",0.0174532925199433]],PROJECTION["Transverse_Mercator"],)"
-              R"(PARAMETER["latitude_of_origin",0],PARAMETER["central_meridian",)" +
-              utm_zone_meridian +
-              R"(],PARAMETER["scale_factor",0.9996],PARAMETER["false_easting",500000],)"
-              R"(PARAMETER["false_northing",0],UNIT["metre",1]])";
-    return crs;
-  };
-  EXPECT_TRUE(is_same_plane(system("9"), system("9")));
-  EXPECT_FALSE(is_same_plane(system("9"), system("15")));
-  EXPECT_TRUE(is_same_plane(system("9"), {}));
-  EXPECT_TRUE(is_same_plane({}, {}));
-}
-
 }  // namespace
 }  // namespace alidade::test

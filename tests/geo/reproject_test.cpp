@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "geo/reproject.h"
 
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -71,6 +72,65 @@ TEST(ReprojectTest, heights_of_a_compound_system_keep_their_name) {
       change_reference({.wanted = "EPSG:4258"}, "site.las", facts_of("EPSG:25832+7837"));
   EXPECT_NE(change.crs.wkt.find("VERT_CS[\"DHHN2016 height\""), std::string::npos) << change.crs.wkt;
   EXPECT_NE(change.crs.wkt.find("GEOGCS[\"ETRS89\""), std::string::npos) << change.crs.wkt;
+}
+
+/// What becomes of a height in a system when it gets into another one, and the unit it is in afterwards.
+std::string height_in(const std::string& wanted, const std::string& own,
+                      const ReferenceRequest& request = {}) {
+  ReferenceRequest all = request;
+  all.wanted = wanted;
+  const ReferenceChange change = change_reference(all, "site.las", facts_of(own));
+  std::vector<glm::dvec3> positions = {{500000, 200000, 1000 * change.height_factor}};
+  if (change.move) change.move(positions);
+  const AxisUnits units = stated_units(change.crs);
+  const std::optional<LengthUnit> unit = units.heights ? units.heights : units.plane;
+  return fmt::format("{:.3f} {}", positions[0].z, unit ? short_name(*unit) : "-");
+}
+
+TEST(ReprojectTest, heights_get_the_unit_of_the_wanted_system) {
+  EXPECT_EQ(height_in("EPSG:26910", "EPSG:2991"), "1000.000 m");
+  EXPECT_EQ(height_in("EPSG:26910", "EPSG:2994"), "304.800 m")
+      << "in the unit of x and y, as nothing else is stated";
+  EXPECT_EQ(height_in("EPSG:26910", "EPSG:2994+6360"), "304.801 m");
+  EXPECT_EQ(height_in("EPSG:26910", "EPSG:2994+5703"), "1000.000 m");
+  EXPECT_EQ(height_in("EPSG:26910", "EPSG:2991+6360"), "304.801 m");
+  EXPECT_EQ(height_in("EPSG:2994", "EPSG:2991"), "3280.840 ft");
+  EXPECT_EQ(height_in("EPSG:2994", "EPSG:2991+5703"), "3280.840 ft");
+  EXPECT_EQ(height_in("EPSG:26910+5703", "EPSG:2994"), "304.800 m");
+  EXPECT_EQ(height_in("EPSG:26910+6360", "EPSG:2991"), "3280.833 us-ft");
+  EXPECT_EQ(height_in("EPSG:26910+5703", "EPSG:2991+6360"), "304.801 m") << "by PROJ";
+  EXPECT_EQ(height_in("EPSG:26910+6360", "EPSG:2991+5703"), "3280.833 us-ft") << "by PROJ";
+  EXPECT_EQ(height_in("EPSG:26910+6360", "EPSG:2991+5703", {.has_one_unit = true}), "1000.000 m");
+  EXPECT_EQ(height_in("EPSG:4152", "EPSG:2994"), "304.800 -") << "over degrees metres";
+  EXPECT_EQ(height_in("EPSG:26910", "EPSG:2991", {.height_unit = k_foot}), "304.800 m");
+  EXPECT_EQ(height_in("EPSG:26910", "EPSG:2994", {.height_unit = k_metre}), "1000.000 m");
+}
+
+TEST(ReprojectTest, heights_alone_change_on_the_lattice) {
+  const ReferenceChange change =
+      change_reference({.wanted = "EPSG:2991"}, "site.las", facts_of("EPSG:2991+6360"));
+  EXPECT_FALSE(change.move);
+  EXPECT_EQ(change.height_factor, 1200.0 / 3937.0);
+  EXPECT_EQ(change.heights_note, "heights are converted from US survey foot to metre");
+  EXPECT_EQ(change_reference({.wanted = "EPSG:26910"}, "site.las", facts_of("EPSG:2994")).heights_note,
+            "heights are converted from foot to metre, as if in the unit of x and y; --vertical-unit states "
+            "another");
+  EXPECT_EQ(change_reference({.wanted = "EPSG:26910"}, "site.las", facts_of("EPSG:2991")).heights_note, "");
+}
+
+TEST(ReprojectTest, geocentric_positions_get_heights_in_the_wanted_unit) {
+  const double radius = 6378137.0 + 100.0, angle = -123.0 / 180.0 * M_PI;
+  std::vector<glm::dvec3> positions = {{radius * std::cos(angle), radius * std::sin(angle), 0.0}};
+  const ReferenceChange change = change_reference({.wanted = "EPSG:2994"}, "site.las", facts_of("EPSG:4978"));
+  EXPECT_EQ(change.height_factor, 1.0);
+  change.move(positions);
+  EXPECT_NEAR(positions[0].z, 100.0 / 0.3048, 1e-2);
+}
+
+TEST(ReprojectTest, a_stated_unit_of_heights_must_not_contradict_the_file) {
+  EXPECT_NE(problem_of({.wanted = "EPSG:26910", .height_unit = k_metre}, facts_of("EPSG:2991+6360"))
+                .find("--vertical-unit contradicts the reference system of the file"),
+            std::string::npos);
 }
 
 TEST(ReprojectTest, a_system_can_be_stated_with_a_warning_where_the_file_says_another) {

@@ -14,6 +14,8 @@
 #include "base/name_errors.h"
 #include "base/progress.h"
 #include "base/words.h"
+#include "cloud/axis_units.h"
+#include "cloud/cloud_reader.h"
 #include "cloud/las/write_las.h"
 #include "cloud/ply/write_ply.h"
 #include "cloud/point_cloud.h"
@@ -280,6 +282,23 @@ ExitCode convert_to_parquet(const ConvertCommand& command) {
   return ExitCode::done;
 }
 
+/// Errors: something is measured that needs one unit of all axes. Warns of engines that measure later.
+void check_units(const ConvertCommand& command) {
+  const bool measures = command.spacing || command.normals;
+  if (command.files.empty() || (!measures && !is_parquet_name(command.output))) return;
+  const CloudInput& first = command.files.inputs.front();
+  if (first.format == nullptr) return;
+  const Crs crs = open_cloud(first, command.partial ? Damage::read_over : Damage::reject)->facts().crs;
+  const AxisUnits units = axis_units(crs);
+  if (!units.plane || !units.heights || *units.plane == *units.heights) return;
+  const std::string problem =
+      fmt::format("x and y are in {}, but heights in {}", units.plane->name, units.heights->name);
+  const std::string way_out = "--reproject SYSTEM, which brings heights to the unit of x and y";
+  if (measures) throw file_error(first.name, "--spacing and --normals measure: " + problem, way_out);
+  say_warnings(command.verbosity,
+               {fmt::format("{}: {}; distances need one unit: {}", first.name.string(), problem, way_out)});
+}
+
 ExitCode run(const ConvertCommand& command) {
   if (!has_extension(command.output, {".las", ".laz", ".ply", ".csv", ".xyz", ".alidade", ".parquet"}))
     throw file_error(command.output, "unknown output format",
@@ -289,6 +308,7 @@ ExitCode run(const ConvertCommand& command) {
     throw file_error(command.output, option + " requires Parquet", "the extension .parquet");
   }
   check_writable(command.output, command.overwrite, command.files.names());
+  check_units(command);
   if (only_packing_changes(command)) return repack(command);
   if (is_parquet_name(command.output) && !chooses_points(command)) return convert_to_parquet(command);
   if (is_large(command)) return convert_large(command);
@@ -308,7 +328,7 @@ Command add_convert(const Options& program) {
   auto command = std::make_shared<ConvertCommand>();
   const Options convert = program.command("convert", "Convert, join, crop and thin clouds");
   add_cloud_files(convert.required(), "files", "FILE...", k_files_help + ", or index files" + k_database_help,
-                  command->files, add_view_options(convert));
+                  command->files, add_view_options(convert, {}, HeightUse::as_stored));
   convert.required().file("-o,--output", "FILE.las|.laz|.copc.laz|.ply|.csv|.xyz|.alidade|.parquet",
                           "output file; the extension selects the format", command->output);
   convert.count("--every", "N", "keep the first point and every N-th after it", command->every, 1,

@@ -10,6 +10,7 @@
 
 #include "base/error.h"
 #include "base/shown_text.h"
+#include "cloud/axis_units.h"
 #include "cloud/cloud_reader.h"
 #include "cloud/copc/copc_file.h"
 #include "cloud/crs.h"
@@ -183,7 +184,7 @@ std::string copc_text(const std::filesystem::path& file) {
 /// the numbers of the files round it by, whichever is more.
 glm::dvec3 rounding_error(const Description& description) {
   for (const CloudFile& file : description.cloud.files) {
-    if (!is_las(file)) return glm::max(0.5 * description.cloud.lattice.scale, description.resolution);
+    if (!is_las(file) || file.is_rounded) return glm::max(0.5 * description.cloud.lattice.scale, description.resolution);
   }
   return glm::dvec3(0.0);
 }
@@ -203,6 +204,25 @@ Json coordinates(const glm::dvec3& position) {
   }
   return triple(plain);
 }
+
+/// All of the system as WKT, also where the files have GeoTIFF keys; empty if it is unknown.
+std::string wkt_of(const Crs& crs) {
+  return crs.wkt.empty() && !crs.empty() ? crs_library().wkt(crs) : crs.wkt;
+}
+
+/// "m", "us-ft", "deg", or empty if it is unknown.
+struct UnitNames {
+  std::string plane, height;
+  bool states_heights;
+
+  explicit UnitNames(const Crs& crs) {
+    const AxisUnits units = axis_units(crs);
+    states_heights = units.states_heights;
+    plane = is_geographic(crs) ? "deg" : units.plane ? short_name(*units.plane) : "";
+    height = units.heights ? short_name(*units.heights) : is_geographic(crs) ? "m" : plane;
+    if (states_heights && !units.heights) height.clear();
+  }
+};
 
 Json to_json(const Description& description, bool verified) {
   const PointCloud& cloud = description.cloud;
@@ -230,6 +250,9 @@ Json to_json(const Description& description, bool verified) {
                         {"position", triple(scanner.position)},
                         {"depth_camera", scanner.axes.has_value()}});
   const bool empty = description.bounds.empty();
+  const std::string wkt = wkt_of(cloud.crs);
+  const UnitNames units(cloud.crs);
+  const auto unit = [](const std::string& name) { return name.empty() ? Json() : Json(name); };
   Json json = {{"points", description.point_count},
                {"files", files},
                {"bounds",
@@ -240,7 +263,12 @@ Json to_json(const Description& description, bool verified) {
                {"rounding_error", triple(rounding_error(description))},
                {"attributes", attribute_names(description.attributes)},
                {"extra_dimensions", extra_dimensions},
-               {"crs", cloud.crs.wkt.empty() ? Json() : Json(cloud.crs.wkt)},
+               {"crs", wkt.empty() ? Json() : Json(wkt)},
+               {"units",
+                {{"x", unit(units.plane)},
+                 {"y", unit(units.plane)},
+                 {"z", unit(units.height)},
+                 {"z_is_stated", units.states_heights}}},
                {"geotiff_keys", cloud.crs.geotiff_keys},
                {"epsg", epsg_codes(cloud.crs)},
                {"scanner_positions", scanners},
@@ -296,7 +324,24 @@ std::string scanner_rows(std::span<const ScannerPosition> scanners) {
 std::string crs_text(const Crs& crs, Verbosity verbosity) {
   if (!crs.wkt.empty()) return verbosity == Verbosity::verbose ? crs.wkt : crs_name(crs);
   if (crs.geotiff_keys.empty()) return "none";
-  return "GeoTIFF keys without WKT: " + joined(epsg_codes(crs), "no EPSG code");
+  const std::string codes = "GeoTIFF keys, " + joined(epsg_codes(crs), "no EPSG code"), wkt = wkt_of(crs);
+  if (wkt.empty()) return "unknown: " + codes;
+  if (verbosity == Verbosity::verbose) return wkt;
+  const auto name_of = [&](std::initializer_list<std::string_view> keys) {
+    const Crs part = crs_of_wkt(std::string(wkt_node(wkt, keys)));
+    return part.empty() ? "" : crs_name(part);
+  };
+  // The name of a compound system is often that of its first part.
+  const std::string plane = name_of({"PROJCS[", "GEOGCS["}), heights = name_of({"VERT_CS["});
+  return fmt::format("{}{} ({})", plane.empty() ? crs_name(crs_of_wkt(wkt)) : plane,
+                     heights.empty() ? "" : " + " + heights, codes);
+}
+
+std::string units_text(const Crs& crs) {
+  const UnitNames units(crs);
+  const auto known = [](const std::string& name) { return name.empty() ? "unknown" : name; };
+  return fmt::format("x, y {}; z {}{}", known(units.plane), known(units.height),
+                     units.states_heights || units.height.empty() ? "" : " (not stated)");
 }
 
 std::string to_table(const Description& description, bool verified, Verbosity verbosity) {
@@ -346,6 +391,7 @@ std::string to_table(const Description& description, bool verified, Verbosity ve
   if (!extra_dimensions.empty()) text += row("extra", joined(extra_dimensions, ""));
   text += scanner_rows(cloud.scanner_positions);
   text += row("CRS", crs_text(cloud.crs, verbosity));
+  if (!cloud.crs.empty()) text += row("units", units_text(cloud.crs));
   if (description.statistics) text += statistics_text(*description.statistics, cloud);
   return text;
 }
@@ -370,7 +416,7 @@ Command add_info(const Options& program) {
   auto options = std::make_shared<InfoOptions>();
   const Options command = program.command("info", "Describe cloud files");
   add_cloud_files(command.required(), "files", "FILE...", k_files_help + k_database_help, options->files,
-                  add_view_options(command));
+                  add_view_options(command, {}, HeightUse::as_stored));
   command.flag("--json", "print JSON instead of a table; the keys are below", options->json);
   command.flag(
       "--stats",

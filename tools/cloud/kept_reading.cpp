@@ -20,7 +20,7 @@ namespace alidade::tools {
 namespace {
 
 /// To be raised when what is read into the rows changes.
-constexpr const char* k_rows_version = "1";
+constexpr const char* k_rows_version = "2";
 
 /// The files are in the fingerprint one by one.
 constexpr std::array<std::string_view, 1> k_own_silent_options = {"files"};

@@ -6,7 +6,6 @@
 #include "base/error.h"
 #include "database/server/server_clouds.h"
 #include "database/sqlite/stored_cloud.h"
-#include "geo/map_unit.h"
 #include "octree/point_surface.h"
 #include "octree/spacing.h"
 
@@ -100,12 +99,14 @@ Octree with_surfaces_shown(const Octree& octree, Verbosity verbosity) {
 
 bool has_parts(const CloudInput& input) {
   if (input.is_changed()) return false;
-  return input.is(database::k_server_format) ? database::has_server_parts(input.name.string())
-                                             : input.is(database::k_sqlite_format);
+  const bool has_parts = input.is(database::k_server_format)
+                             ? database::has_server_parts(input.name.string())
+                             : input.is(database::k_sqlite_format);
+  return has_parts && !input.changes_heights();
 }
 
 void check_map_unit(const Crs& crs, const CloudInputs& clouds) {
-  if (geo::map_unit(crs) != geo::MapUnit::degree) return;
+  if (!is_geographic(crs)) return;
   throw file_error(clouds.title(), "geographic coordinates (degrees) are not supported",
                    "a projected reference system: --reproject auto, or --reproject EPSG:n", crs_name(crs));
 }

@@ -256,10 +256,6 @@ std::string header_text(const PointCloud& cloud) {
   std::string text;
   const std::vector<std::string> codes = epsg_codes(cloud.crs);
   if (!codes.empty()) text += fact_row("EPSG", fmt::format("{}", fmt::join(codes, ", ")));
-  const std::string height = geo::height_unit(cloud.crs);
-  if (!cloud.crs.empty())
-    text += fact_row("units", fmt::format("x, y {}; z {}", geo::unit_name(geo::map_unit(cloud.crs)),
-                                          height.empty() ? "unknown" : height));
   std::set<std::string> said;
   for (const CloudFile& file : cloud.files) {
     std::string line = file.software.empty() ? "" : "by " + file.software;

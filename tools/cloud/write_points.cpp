@@ -3,7 +3,6 @@
 
 #include <fmt/format.h>
 #include <algorithm>
-#include <glm/common.hpp>
 
 #include "base/error.h"
 #include "base/huge_memory.h"
@@ -118,26 +117,14 @@ class Rows {
   PointCloud batch_;
 };
 
-/// The offset of the first cloud, and the finest of all scales that 32 bits hold, or 10, 100, ... of it.
 Lattice common_lattice(std::span<const CloudResults> clouds) {
-  Lattice lattice = clouds.front().cloud.octree.lattice();
+  std::vector<Lattice> lattices;
   Bounds bounds;
-  bool is_common = true;
   for (const CloudResults& cloud : clouds) {
-    const Lattice& own = cloud.cloud.octree.lattice();
-    is_common = is_common && own == lattice;
-    lattice.scale = glm::min(lattice.scale, own.scale);
-    if (cloud.cloud.octree.size() == 0) continue;
-    bounds.grow(cloud.cloud.octree.bounds().min);
-    bounds.grow(cloud.cloud.octree.bounds().max);
+    lattices.push_back(cloud.cloud.octree.lattice());
+    bounds.grow(cloud.cloud.octree.bounds());
   }
-  if (is_common || bounds.empty()) return lattice;
-  constexpr double k_most_steps = 2147483646.0;
-  const glm::dvec3 reach =
-      glm::max(glm::abs(bounds.min - lattice.offset), glm::abs(bounds.max - lattice.offset));
-  for (int axis = 0; axis < 3; ++axis)
-    while (reach[axis] > k_most_steps * lattice.scale[axis]) lattice.scale[axis] *= 10.0;
-  return lattice;
+  return joined_lattice(lattices, bounds);
 }
 
 /// All rows of all clouds.

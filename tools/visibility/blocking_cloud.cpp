@@ -7,7 +7,6 @@
 #include <utility>
 
 #include "base/words.h"
-#include "geo/map_unit.h"
 #include "octree/point_surface.h"
 #include "tools/cloud/load_cloud.h"
 #include "tools/cloud/mesh_files.h"
@@ -62,8 +61,11 @@ BlockingTerrain terrain_of(geo::HeightRaster raster, const std::filesystem::path
 }
 
 geo::HeightRaster read_heights_shown(const std::filesystem::path& file, Verbosity verbosity) {
-  return with_progress("reading raster", "cells", verbosity,
-                       [&](const Progress& progress) { return image_module().read_heights(file, progress); });
+  geo::HeightRaster raster =
+      with_progress("reading raster", "cells", verbosity,
+                    [&](const Progress& progress) { return image_module().read_heights(file, progress); });
+  if (!raster.heights_note.empty()) say_warnings(verbosity, {file.string() + ": " + raster.heights_note});
+  return raster;
 }
 
 /// Whether a raster was given instead of a cloud. Text is a cloud if its name says so: to ask GDAL takes longer
@@ -98,10 +100,16 @@ void load_raster_alone(const VisibilityRequest& request, AcceptedInput accepted,
 }
 
 /// Errors: both systems are known and differ.
-void check_same_plane(const Crs& terrain, const std::filesystem::path& file, const Crs& cloud) {
-  if (image_module().is_same_plane(terrain, cloud)) return;
-  throw file_error(file, "the raster is in another reference system than the cloud",
-                   crs_name(cloud) + ": reproject the raster with gdalwarp -t_srs", crs_name(terrain));
+void check_same_system(const Crs& terrain, const std::filesystem::path& file, const Crs& cloud,
+                       Verbosity verbosity) {
+  if (terrain.empty() || cloud.empty()) return;
+  const CrsAgreement agreement = compare_crs(terrain, cloud);
+  if (agreement == CrsAgreement::different)
+    throw file_error(file, "the raster is in another reference system than the cloud",
+                     crs_name(cloud) + ": reproject the raster with gdalwarp -t_srs", crs_name(terrain));
+  if (agreement == CrsAgreement::unknown)
+    say_warnings(verbosity, {fmt::format("{} is in {}, the cloud in {}; both are assumed to be the same",
+                                         file.string(), crs_name(terrain), crs_name(cloud))});
 }
 
 /// With all that occluders would measure themselves, in steps that show their progress.
@@ -211,7 +219,7 @@ std::unique_ptr<VisibilityCloud> load_cloud_alone(const VisibilityRequest& reque
   if (loaded->cloud.octree.size() == 0)
     throw file_error(request.files.first_name(), "the cloud has no points");
   check_map_unit(loaded->cloud.cloud.crs, request.files);
-  if (!terrain.empty()) check_same_plane(terrain_crs, terrain, loaded->cloud.cloud.crs);
+  if (!terrain.empty()) check_same_system(terrain_crs, terrain, loaded->cloud.cloud.crs, request.verbosity);
   loaded->columns = loaded->cloud.columns();
   return loaded;
 }

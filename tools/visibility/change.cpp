@@ -107,25 +107,33 @@ std::unique_ptr<EpochCloud> load_epoch(const ChangeCommand& command, const Epoch
   return epoch;
 }
 
-/// Errors: both systems are known and differ.
+/// Errors: both systems are known and differ; only one is, and its heights are converted.
 void check_same_system(const ChangeCommand& command, const EpochCloud& before, const EpochCloud& after) {
   const Crs &old_crs = before.cloud.cloud.crs, &new_crs = after.cloud.cloud.crs;
+  const EpochRequest& other = old_crs.empty() ? command.before : command.after;
+  const EpochRequest& stated = old_crs.empty() ? command.after : command.before;
   if (old_crs == new_crs) return;
   if (old_crs.empty() || new_crs.empty()) {
+    if (std::ranges::any_of(stated.files.inputs, &CloudInput::changes_heights))
+      throw file_error(
+          other.files.first_name(),
+          fmt::format("no reference system, and the heights of {} are converted to the unit of x and y",
+                      stated.name),
+          "--crs EPSG:n, which states one");
     say_warnings(
         command.verbosity,
         {fmt::format("only {} states a reference system; that of the other is assumed to be the same",
-                     old_crs.empty() ? "AFTER" : "BEFORE")});
+                     stated.name)});
     return;
   }
-  if (compare_crs(old_crs, new_crs) == CrsAgreement::same) return;
-  if (!image_module().is_same_plane(old_crs, new_crs)) {
-    throw file_error(command.after.files.first_name(), "AFTER is in another reference system than BEFORE",
-                     crs_name(old_crs) + ": reproject one of them", crs_name(new_crs));
-  }
-  say_warnings(command.verbosity,
-               {fmt::format("BEFORE is in {}, AFTER in {}; both are assumed to be the same",
-                            crs_name(old_crs), crs_name(new_crs))});
+  const CrsAgreement agreement = compare_crs(old_crs, new_crs);
+  if (agreement == CrsAgreement::different)
+    throw file_error(other.files.first_name(), "AFTER is in another reference system than BEFORE",
+                     crs_name(old_crs) + ": --reproject SYSTEM brings both to one", crs_name(new_crs));
+  if (agreement == CrsAgreement::unknown)
+    say_warnings(command.verbosity,
+                 {fmt::format("BEFORE is in {}, AFTER in {}; both are assumed to be the same",
+                              crs_name(old_crs), crs_name(new_crs))});
 }
 
 void measure(const ChangeCommand& command, EpochCloud& epoch) {

@@ -1,0 +1,345 @@
+// SPDX-License-Identifier: MIT
+// Clouds whose heights are in another unit than x and y, and files of different reference systems.
+#include <cmath>
+#include <cstring>
+#include <nlohmann/json.hpp>
+
+#include "cloud/axis_units.h"
+#include "cloud/las/write_las.h"
+#include "cloud/read_cloud.h"
+#include "tests/tools/program_words.h"
+#include "tests/tools/run_program.h"
+
+namespace alidade::test {
+namespace {
+
+using Json = nlohmann::json;
+
+constexpr double k_foot_of_surveys = 1200.0 / 3937.0;
+
+const std::string k_oregon =
+    R"~(PROJCS["NAD83 / Oregon LCC (m)",GEOGCS["NAD83",DATUM["North_American_Datum_1983",SPHEROID["GRS 1980",6378137,)~"
+    R"(298.257222101],AUTHORITY["EPSG","6269"]],PRIMEM["Greenwich",0],UNIT["degree",0.0174532925199433],)"
+    R"(AUTHORITY["EPSG","4269"]],PROJECTION["Lambert_Conformal_Conic_2SP"],PARAMETER["latitude_of_origin",41.75],)"
+    R"(PARAMETER["central_meridian",-120.5],PARAMETER["standard_parallel_1",43],PARAMETER["standard_parallel_2",45.5],)"
+    R"(PARAMETER["false_easting",400000],PARAMETER["false_northing",0],UNIT["metre",1],AXIS["Easting",EAST],)"
+    R"(AXIS["Northing",NORTH],AUTHORITY["EPSG","2991"]])";
+
+std::string with_heights(const std::string& name, const std::string& unit, const std::string& code) {
+  return "COMPD_CS[\"NAD83 / Oregon LCC (m) + " + name + "\"," + k_oregon + ",VERT_CS[\"" + name +
+         R"(",VERT_DATUM["North American Vertical Datum 1988",2005,AUTHORITY["EPSG","5103"]],)" + unit +
+         R"(,AXIS["Gravity-related height",UP],AUTHORITY["EPSG",")" + code + "\"]]]";
+}
+
+const std::string k_feet =
+    with_heights("NAVD88 height (ftUS)", R"(UNIT["US survey foot",0.304800609601219])", "6360");
+const std::string k_metres = with_heights("NAVD88 height", R"(UNIT["metre",1])", "5703");
+
+std::size_t count_of(const std::string& text, const std::string& part) {
+  std::size_t count = 0;
+  for (std::size_t at = text.find(part); at != std::string::npos; at = text.find(part, at + 1)) ++count;
+  return count;
+}
+
+class UnitsTest : public ProgramTest {
+ protected:
+  void SetUp() override {
+    ProgramTest::SetUp();
+    write_site("feet.las", k_feet, 0.01);
+    write_site("metres.las", k_metres, 0.01 * k_foot_of_surveys);
+  }
+
+  /// Ground of 40 x 40 m with a wall of 6 m across it, in steps of this height.
+  void write_site(const std::string& name, const std::string& wkt, double step, int shift = 0) {
+    PointCloud cloud;
+    cloud.lattice = {.scale = {0.01, 0.01, step}, .offset = {194500, 259240, 0}};
+    cloud.crs = crs_of_wkt(wkt);
+    const auto add = [&](int x, int y, double feet) {
+      cloud.positions.emplace_back(x, y, static_cast<int>(std::lround(feet * 100)) + shift);
+    };
+    for (int i = 0; i < 80; ++i)
+      for (int j = 0; j < 80; ++j) add(50 * i, 50 * j, 430 + 0.02 * i + 0.4 * std::sin(0.3 * j));
+    for (int j = 20; j < 60; ++j)
+      for (int k = 1; k < 40; ++k) add(2010, 50 * j, 431 + 0.5 * k);
+    write_las(folder / name, cloud, {.overwrite = true});
+  }
+
+  /// Runs `words` on both files and expects the same output, byte for byte, and one sentence on heights.
+  void expect_as_in_metres(Words words) {
+    ProgramResult results[2];
+    for (int i = 0; i < 2; ++i) {
+      Words all = words;
+      for (std::string& word : all)
+        if (word == "CLOUD") word = i == 0 ? "feet.las" : "metres.las";
+      results[i] = run(all);
+      EXPECT_EQ(results[i].exit_code, 0) << results[i].err;
+    }
+    EXPECT_FALSE(results[0].out.empty());
+    EXPECT_EQ(results[0].out, results[1].out) << words[0] << " " << words[1];
+    const std::string said = "heights are converted from US survey foot to metre";
+    EXPECT_EQ(count_of(results[0].err, said), 1u) << results[0].err;
+    EXPECT_EQ(count_of(results[1].err, said), 0u) << results[1].err;
+  }
+
+  Json info(const std::string& file) { return Json::parse(run({"info", "--json", file}).out); }
+
+  std::string error(const Words& words) {
+    const ProgramResult result = run(words);
+    EXPECT_EQ(result.exit_code, 2) << result.out;
+    return result.err;
+  }
+};
+
+TEST_F(UnitsTest, info_prints_the_unit_of_each_axis) {
+  EXPECT_TRUE(contains(run({"info", "feet.las"}).out, "units       x, y m; z us-ft\n"));
+  EXPECT_EQ(info("feet.las")["units"], (Json{{"x", "m"}, {"y", "m"}, {"z", "us-ft"}, {"z_is_stated", true}}));
+  write_site("plane.las", k_oregon, 0.01);
+  EXPECT_TRUE(contains(run({"info", "plane.las"}).out, "units       x, y m; z m (not stated)\n"));
+  EXPECT_EQ(info("plane.las")["units"], (Json{{"x", "m"}, {"y", "m"}, {"z", "m"}, {"z_is_stated", false}}));
+  write_square("none.csv");
+  EXPECT_EQ(info("none.csv")["units"]["z"], Json());
+}
+
+TEST_F(UnitsTest, commands_that_measure_answer_as_for_metres) {
+  expect_as_in_metres({"visibility", "horizon", "CLOUD", "--observer", "194510,259260,133", "--step", "15"});
+  expect_as_in_metres(
+      {"visibility", "lines", "CLOUD", "--from", "194510,259260,133", "--to", "194530,259260,133"});
+  expect_as_in_metres({"visibility", "summary", "CLOUD", "--observer", "194510,259260"});
+  expect_as_in_metres({"query", "CLOUD", "--point", "194520.1,259260,133", "--k", "9"});
+  expect_as_in_metres({"query", "CLOUD", "--ray", "194500,259260,132.5,1,0,0", "--radius", "0.2"});
+  expect_as_in_metres({"sql", "CLOUD",
+                       "SELECT id, x, y, z FROM points WHERE "
+                       "dist_ray(194500, 259260, 133, 1, 0, 0, x, y, z) < 0.5 ORDER BY id"});
+}
+
+TEST_F(UnitsTest, outputs_are_in_metres_and_say_so) {
+  const ProgramResult result =
+      run({"visibility", "points", "feet.las", "--observer", "194510,259260", "-o", "seen.las"});
+  ASSERT_EQ(result.exit_code, 0) << result.err;
+  const Json seen = info("seen.las");
+  EXPECT_EQ(seen["units"]["z"], "m");
+  EXPECT_NEAR(double(seen["bounds"]["max"][2]), 450.5 * k_foot_of_surveys, 0.01);
+  EXPECT_TRUE(contains(std::string(seen["crs"]), "NAVD88 height\""));
+  const PointCloud stored = read_cloud(folder / "feet.las"), written = read_cloud(folder / "seen.las");
+  EXPECT_EQ(written.positions, stored.positions) << "no height is rounded";
+  // Without a warning, since nothing is converted again.
+  EXPECT_FALSE(contains(run({"query", "seen.las", "--point", "194520,259260,133"}).err, "converted"));
+  ASSERT_EQ(
+      run({"render", "--cloud", "feet.las", "-o", "feet.png", "--size", "60x40", "--samples", "2"}).exit_code,
+      0);
+  ASSERT_EQ(run({"render", "--cloud", "metres.las", "-o", "metres.png", "--size", "60x40", "--samples", "2"})
+                .exit_code,
+            0);
+  EXPECT_EQ(run({"compare", "feet.png", "metres.png"}).exit_code, 0);
+}
+
+TEST_F(UnitsTest, change_compares_epochs_of_either_unit) {
+  const Words words{"--no-sight", "--json", "-o", "change.las", "--overwrite"};
+  const auto same_share = [&](const std::string& before, const std::string& after) {
+    Words all{"change", before, after};
+    all.insert(all.end(), words.begin(), words.end());
+    const ProgramResult result = run(all);
+    EXPECT_EQ(result.exit_code, 0) << result.err;
+    const Json answer = Json::parse(result.out)["after"];
+    return double(answer["classes"]["same"]["points"]) / double(answer["points"]);
+  };
+  EXPECT_GT(same_share("feet.las", "metres.las"), 0.9);
+  EXPECT_GT(same_share("metres.las", "feet.las"), 0.9);
+  write_site("none.las", "", 0.01);
+  EXPECT_TRUE(contains(error({"change", "none.las", "feet.las", "--no-sight", "-o", "x.las"}),
+                       "none.las: no reference system, and the heights of AFTER are converted"));
+}
+
+TEST_F(UnitsTest, copc_and_index_files_and_databases_answer_as_the_file) {
+  ASSERT_EQ(run({"convert", "feet.las", "-o", "feet.copc.laz", "-q"}).exit_code, 0);
+  ASSERT_EQ(run({"convert", "feet.las", "-o", "stored.alidade", "-q"}).exit_code, 0);
+  ASSERT_EQ(run({"index", "feet.las", "-o", "feet.alidade", "-q"}).exit_code, 0);
+  ASSERT_EQ(run({"sql", "load", "feet.las", "feet.db", "-q"}).exit_code, 0);
+  EXPECT_EQ(info("feet.copc.laz")["units"]["z"], "us-ft");
+  EXPECT_EQ(info("stored.alidade")["units"]["z"], "us-ft");
+  EXPECT_EQ(info("feet.alidade")["units"]["z"], "m");
+  const auto answer = [&](const std::string& cloud, const Words& more = {}) {
+    Words words{"query", cloud, "--box", "194519,259250,132.5,194521,259251,134", "--count"};
+    words.insert(words.end(), more.begin(), more.end());
+    const ProgramResult result = run(words);
+    EXPECT_EQ(result.exit_code, 0) << result.err;
+    return result.out;
+  };
+  const std::string expected = answer("metres.las");
+  EXPECT_EQ(answer("feet.las"), expected);
+  EXPECT_EQ(answer("feet.copc.laz"), expected) << "in place";
+  EXPECT_EQ(answer("feet.copc.laz", {"--load"}), expected);
+  EXPECT_EQ(answer("stored.alidade"), expected);
+  EXPECT_EQ(answer("feet.alidade"), expected);
+  EXPECT_EQ(answer("feet.db?table=points"), expected);
+  const auto rows = [&](const std::string& cloud) {
+    return run({"sql", cloud, "SELECT count(*), min(z), max(z) FROM points", "--csv"}).out;
+  };
+  for (const char* const cloud : {"feet.las", "feet.copc.laz", "stored.alidade", "feet.alidade", "feet.db"})
+    EXPECT_EQ(rows(cloud), rows("metres.las")) << cloud;
+}
+
+TEST_F(UnitsTest, convert_keeps_files_as_they_are_and_reproject_brings_heights_to_the_unit) {
+  ASSERT_EQ(run({"convert", "feet.las", "-o", "same.las"}).exit_code, 0);
+  EXPECT_EQ(info("same.las")["crs"], k_feet);
+  ASSERT_EQ(run({"convert", "feet.las", "-o", "metres_too.las", "--reproject", "EPSG:2991"}).exit_code, 0);
+  EXPECT_EQ(info("metres_too.las")["units"]["z"], "m");
+  EXPECT_EQ(read_cloud(folder / "metres_too.las").positions, read_cloud(folder / "feet.las").positions);
+  const ProgramResult utm = run({"convert", "feet.las", "-o", "utm.las", "--reproject", "EPSG:26910"});
+  EXPECT_EQ(count_of(utm.err, "heights are converted from US survey foot to metre"), 1u) << utm.err;
+  EXPECT_NEAR(double(info("utm.las")["bounds"]["max"][2]), 450.5 * k_foot_of_surveys, 0.02);
+  for (const char* const option : {"--spacing=1", "--normals"})
+    EXPECT_TRUE(contains(error({"convert", "feet.las", "-o", "x.las", option}),
+                         "x and y are in metre, but heights in US survey foot; expected --reproject SYSTEM"));
+  EXPECT_EQ(run({"convert", "feet.las", "-o", "y.las", "--spacing=1", "--reproject", "EPSG:2991"}).exit_code,
+            0);
+}
+
+TEST_F(UnitsTest, a_unit_is_stated_for_files_that_state_none_and_never_against_them) {
+  write_site("plane.las", k_oregon, 0.01);
+  const auto answer = [&](const std::string& cloud, const Words& more) {
+    Words words{"query", cloud, "--point", "194520.1,259260,133", "--k", "9"};
+    words.insert(words.end(), more.begin(), more.end());
+    return run(words).out;
+  };
+  EXPECT_EQ(answer("plane.las", {"--vertical-unit", "us-ft"}), answer("metres.las", {}));
+  EXPECT_EQ(answer("feet.las", {"--vertical-unit", "us-ft"}), answer("metres.las", {}));
+  EXPECT_TRUE(
+      contains(error({"query", "feet.las", "--point", "0,0,0", "--vertical-unit", "m"}),
+               "--vertical-unit contradicts the reference system of the file; expected US survey foot"));
+  EXPECT_TRUE(
+      contains(error({"query", "feet.las", "--point", "0,0,0", "--vertical-unit", "feet"}), "m|ft|us-ft"));
+  write_square("none.csv");
+  EXPECT_TRUE(contains(error({"query", "none.csv", "--point", "0,0,0", "--vertical-unit", "ft"}),
+                       "the unit of x and y is unknown"));
+  EXPECT_NE(run({"convert", "plane.las", "-o", "x.las", "--vertical-unit", "ft"}).exit_code, 0);
+  ASSERT_EQ(
+      run({"convert", "plane.las", "-o", "x.las", "--vertical-unit", "us-ft", "--reproject", "EPSG:2991"})
+          .exit_code,
+      0);
+  EXPECT_NEAR(double(info("x.las")["bounds"]["max"][2]), 450.5 * k_foot_of_surveys, 0.01);
+}
+
+/// The WKT of a LAS file becomes GeoTIFF keys.
+void write_keys(const std::filesystem::path& file, const std::vector<std::uint16_t>& keys) {
+  PointCloud cloud = read_cloud(file);
+  cloud.crs = Crs();
+  cloud.crs.geotiff_keys = {1, 1, 0, static_cast<std::uint16_t>(keys.size() / 2)};
+  for (std::size_t i = 0; i < keys.size(); i += 2)
+    cloud.crs.geotiff_keys.insert(cloud.crs.geotiff_keys.end(), {keys[i], 0, 1, keys[i + 1]});
+  write_las(file, cloud, {.overwrite = true});
+}
+
+TEST_F(UnitsTest, geotiff_keys_and_their_codes_alone_state_units) {
+  for (const std::vector<std::uint16_t>& heights :
+       {std::vector<std::uint16_t>{4096, 6360}, {4096, 5703, 4099, 9003}, {4099, 9003}}) {
+    std::vector<std::uint16_t> keys = {1024, 1, 1025, 1, 3072, 2991};
+    keys.insert(keys.end(), heights.begin(), heights.end());
+    write_site("feet.las", "", 0.01);
+    write_keys(folder / "feet.las", keys);
+    EXPECT_EQ(info("feet.las")["units"],
+              (Json{{"x", "m"}, {"y", "m"}, {"z", "us-ft"}, {"z_is_stated", true}}));
+    expect_as_in_metres({"query", "CLOUD", "--point", "194520.1,259260,133", "--k", "9"});
+  }
+  EXPECT_TRUE(
+      contains(run({"info", "feet.las"}).out, "CRS         NAD83 / Oregon LCC (m) + unknown (GeoTIFF keys"));
+  write_keys(folder / "feet.las", {1024, 1, 1025, 1, 3072, 2991, 4096, 4321});
+  EXPECT_TRUE(contains(error({"query", "feet.las", "--point", "0,0,0"}),
+                       "the unit of heights is unknown; expected --vertical-unit m, ft or us-ft"));
+}
+
+TEST_F(UnitsTest, a_catalog_of_mixed_units_is_refused_with_the_remedy) {
+  ASSERT_EQ(run({"catalog", "feet.las", "-o", "site.catalog.json"}).exit_code, 0);
+  EXPECT_TRUE(contains(
+      error({"query", "site.catalog.json", "--point", "0,0,0"}),
+      "feet.las: a catalog of files whose heights are not in the unit of x and y; expected the files "
+      "without the catalog"));
+  EXPECT_EQ(run({"convert", "site.catalog.json", "-o", "x.las"}).exit_code, 0);
+}
+
+TEST_F(UnitsTest, a_raster_beside_the_cloud_is_converted_too) {
+  // 10 x 10 cells of 4 m at 430 feet.
+  std::string cells;
+  for (int i = 0; i < 100; ++i) cells += "430 ";
+  write("ground.asc", "ncols 10\nnrows 10\nxllcorner 194500\nyllcorner 259240\ncellsize 4\n" + cells + "\n");
+  const std::string virtual_raster =
+      R"(<VRTDataset rasterXSize="10" rasterYSize="10"><SRS>)" + k_feet +
+      R"(</SRS><GeoTransform>194500,4,0,259280,0,-4</GeoTransform><VRTRasterBand dataType="Float32" band="1">)"
+      R"(<SimpleSource><SourceFilename relativeToVRT="1">ground.asc</SourceFilename><SourceBand>1</SourceBand>)"
+      R"(</SimpleSource></VRTRasterBand></VRTDataset>)";
+  write("ground.vrt", virtual_raster);
+  const ProgramResult result = run({"visibility", "lines", "metres.las", "--terrain", "ground.vrt", "--from",
+                                    "194510,259260,133", "--to", "194511,259260,133"});
+  EXPECT_EQ(result.exit_code, 0) << result.err;
+  EXPECT_TRUE(contains(result.err, "ground.vrt: heights are converted from US survey foot to metre"))
+      << result.err;
+  EXPECT_TRUE(contains(result.err, "131.064 to 131.064 high")) << result.err;
+}
+
+/// Metres of Quebec by keys, and feet of Oregon in words.
+class SystemsTest : public UnitsTest {
+ protected:
+  void SetUp() override {
+    UnitsTest::SetUp();
+    write_site("quebec.las", "", 0.01);
+    write_keys(folder / "quebec.las", {1024, 1, 1025, 1, 3072, 2949});
+    std::string feet = k_oregon;
+    feet.replace(feet.find(R"(UNIT["metre",1])"), 15, R"(UNIT["foot",0.3048])");
+    feet.replace(feet.find(R"(,AUTHORITY["EPSG","2991"])"), 24, "");
+    write_site("oregon.las", feet, 0.01);
+  }
+};
+
+TEST_F(SystemsTest, files_of_different_systems_are_never_one_cloud) {
+  for (const Words& words :
+       {Words{"info", "quebec.las", "oregon.las"},
+        Words{"convert", "quebec.las", "oregon.las", "-o", "both.las"},
+        Words{"query", "quebec.las", "oregon.las", "--point", "0,0,0"},
+        Words{"visibility", "summary", "oregon.las", "quebec.las", "--observer", "194510,259260"},
+        Words{"sql", "*g*.las", "SELECT count(*) FROM points"},
+        Words{"sql", "load", "quebec.las", "oregon.las", "both.db"}}) {
+    const std::string said = error(words);
+    EXPECT_TRUE(contains(said, "the coordinate reference system differs from that of")) << said;
+    EXPECT_TRUE(contains(said, "--reproject")) << said;
+  }
+  EXPECT_TRUE(contains(error({"change", "quebec.las", "oregon.las", "--no-sight", "-o", "x.las"}),
+                       "AFTER is in another reference system than BEFORE"));
+  EXPECT_TRUE(contains(error({"catalog", "quebec.las", "oregon.las", "-o", "x.gpkg"}),
+                       "a GeoPackage of files of different reference systems"));
+}
+
+TEST_F(SystemsTest, one_system_written_differently_is_one_cloud_without_a_word) {
+  write_keys(folder / "quebec.las", {1024, 1, 1025, 1, 3072, 2991});
+  write_site("plane.las", k_oregon, 0.01, 1);
+  std::string nameless = k_oregon;
+  nameless.replace(nameless.find("NAD83 / Oregon LCC (m)"), 22, "site");
+  nameless.replace(nameless.find(R"(,AUTHORITY["EPSG","2991"])"), 24, "");
+  write_site("oregon.las", nameless, 0.01, 2);
+  const ProgramResult result = run({"convert", "plane.las", "quebec.las", "oregon.las", "-o", "all.las"});
+  EXPECT_EQ(result.exit_code, 0);
+  EXPECT_FALSE(contains(result.err, "reference system")) << result.err;
+}
+
+TEST_F(SystemsTest, a_system_that_nobody_understands_is_warned_of_by_both_names) {
+  write_keys(folder / "quebec.las", {1024, 1, 1025, 1, 3072, 32767});
+  const ProgramResult result = run({"info", "oregon.las", "quebec.las"});
+  EXPECT_EQ(result.exit_code, 0) << result.err;
+  EXPECT_TRUE(
+      contains(result.err,
+               "quebec.las: the coordinate reference system is described differently (GeoTIFF keys without "
+               "EPSG code) from the other files (NAD83 / Oregon LCC (m))"))
+      << result.err;
+  EXPECT_TRUE(contains(run({"info", "quebec.las"}).out, "CRS         unknown: GeoTIFF keys, no EPSG code"));
+}
+
+TEST_F(SystemsTest, keys_are_called_by_the_name_of_what_they_mean) {
+  write_keys(folder / "quebec.las", {1024, 1, 1025, 1, 3072, 3005, 4096, 5713});
+  EXPECT_TRUE(
+      contains(run({"info", "quebec.las"}).out,
+               "CRS         NAD83 / BC Albers + CGVD28 height (GeoTIFF keys, EPSG:3005, vertical EPSG:5713)\n"
+               "units       x, y m; z m\n"));
+  EXPECT_TRUE(contains(std::string(info("quebec.las")["crs"]), "NAD83 / BC Albers"));
+}
+
+}  // namespace
+}  // namespace alidade::test
