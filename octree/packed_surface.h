@@ -38,6 +38,10 @@ inline glm::dvec3 unpack_normal(const glm::uvec2& packed, double steps) {
 namespace packed_surface {
 
 constexpr double k_side_steps = 1022.0;
+/// Radians from a normal to the stored one, at most. Both numbers are rounded by at most half a step, e = 1 / k_side_steps
+/// of their range [-1, 1]. So x and y on the octahedron |x| + |y| + |z| = 1 change by at most e together, and z by at most
+/// e: by e sqrt(2) in all, at no less than 1 / sqrt(3) from the origin.
+constexpr double k_normal_error = 2.44948974278318 / k_side_steps;
 constexpr std::uint32_t k_exists = 0x80000000u, k_side_mask = 0x3ffu, k_below = 0x400u, k_length_mask = 31u;
 constexpr int k_first_side = 21, k_second_side = 11, k_height = 5;  ///< the lowest bit of each
 

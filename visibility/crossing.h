@@ -6,6 +6,7 @@
 #include <optional>
 
 #include "base/ray.h"
+#include "octree/packed_surface.h"
 #include "octree/point_disc.h"
 #include "octree/query.h"
 #include "visibility/sight_line.h"
@@ -25,11 +26,13 @@ constexpr double k_widest_disc = 16.0, k_widest_lone = 0.35;
 /// How far from a disc's plane its sheet still lies, in thicknesses of the sheet, which are standard deviations.
 constexpr double k_sheet_reach = 1.5;
 
-/// Whether a disc is part of the surface that an end lies on. A disc is no better known than its sheet is thick.
+/// Whether a disc is part of the surface that an end lies on. A disc is no better known than its sheet is thick, and
+/// its plane, through its point, no better than its normal is stored: the farther from the point the less.
 inline bool is_own(const SightEnd& end, const PointDisc& disc, const PointSurface& surface) {
-  return end.own_reach > 0.0 &&
-         is_part_of_surface(disc, end.position, end.own_reach,
-                            std::max(end.own_thickness, k_sheet_reach * surface.thickness));
+  if (!(end.own_reach > 0.0)) return false;
+  const double thickness = std::max(end.own_thickness, k_sheet_reach * surface.thickness);
+  const double turned = packed_surface::k_normal_error * glm::length(end.position - disc.point);
+  return is_part_of_surface(disc, end.position, end.own_reach, thickness + turned);
 }
 
 /// Whether what a line meets this far from an end, of a point with this radius, is of the same thing as the end.

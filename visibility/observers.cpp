@@ -144,6 +144,7 @@ std::vector<Observer> place_observers(std::span<const GivenObserver> given, cons
              fmt::format("{}, {}", one.position.x, one.position.y));
     }
     observer.stands_on_ground = !one.z;
+    observer.is_placed = true;
     observer.position = glm::dvec3(one.position, *foot + observer.height);
     const glm::dvec3& eye = observer.position;
     for (const double coordinate : {eye.x, eye.y, eye.z}) {
@@ -261,6 +262,69 @@ bool is_below(const geo::TerrainSurface& terrain, const glm::dvec3& position) {
   return terrain.occluded({position, {0.0, 0.0, 1.0}, k_mesh_contact});
 }
 
+/// Metres along a vertical line to what is there first.
+std::optional<double> first_along(const Occluders& occluders, const SightLine& line) {
+  const OccluderOptions& options = occluders.options();
+  double first = std::numeric_limits<double>::infinity();
+  const auto take = [&first](const auto& hit) {
+    if (hit) first = std::min(first, std::max(hit->t, 0.0));
+  };
+  RayQuery blocking = query_of(occluders);
+  blocking.filter = [&](const Candidate& candidate) { return crossing(occluders, line, candidate).has_value(); };
+  take(closest(occluders.octree(), ray_of(occluders, line), blocking));
+  // What is beside the start is not above it.
+  const double beside = occluders.typical_radius();
+  if (options.shape != OccluderShape::disc && beside < line.length) {
+    RayQuery lone{.radius = beside, .measure = Measure::t};
+    lone.filter = [&](const Candidate& candidate) {
+      return (!options.counts || options.counts(candidate.point_id)) &&
+             !occluders.surface(candidate.point_id).exists;
+    };
+    take(closest(occluders.octree(), Ray{line.from.position, line.direction, beside, line.length}, lone));
+  }
+  const Ray ray{line.from.position, line.direction, k_mesh_contact, line.length};
+  if (options.mesh != nullptr) take(options.mesh->closest(ray));
+  if (options.terrain != nullptr) take(options.terrain->closest(ray));
+  return std::isinf(first) ? std::nullopt : std::optional(first);
+}
+
+/// z of what is highest at a position.
+std::optional<double> top_at(const Occluders& occluders, const glm::dvec3& position) {
+  Bounds all = occluders.octree().bounds();
+  const OccluderOptions& options = occluders.options();
+  if (options.mesh != nullptr) all.grow(options.mesh->bounds());
+  if (options.terrain != nullptr) all.grow(options.terrain->bounds());
+  const double start = all.max.z + 1.0 + occluders.largest_radius();
+  const auto depth = first_along(occluders, sight_ray(chord_end({position.x, position.y, start}), {0, 0, -1}));
+  return depth ? std::optional(start - *depth) : std::nullopt;
+}
+
+/// The observer to give instead of one, with its foot at this z.
+std::string instead_of(const Observer& observer, double foot) {
+  const double height = observer.height > 0.0 ? observer.height : k_usual_observer_height;
+  return fmt::format("--observer={:.3f},{:.3f},{:.3f} --observer-height {:g} (in a file z and height)",
+                     observer.position.x, observer.position.y, foot, height);
+}
+
+/// Whether an observer is below something, or not where its foot should be; empty if it is neither.
+std::string remark_on_clearance(const Occluders& occluders, const Observer& observer) {
+  constexpr double k_off = 1.0;
+  const Clearance clearance = clearance_of(occluders, observer.position);
+  std::string remark;
+  if (clearance.above) {
+    remark = fmt::format("{} has something {:.2f} above its eye, which hides the sky", observer.name,
+                         *clearance.above);
+    if (const auto top = top_at(occluders, observer.position))
+      remark += fmt::format("; on top of it is {}", instead_of(observer, *top));
+  }
+  const bool has_foot = observer.stands_on_ground || observer.height > 0.0;
+  const double off = clearance.below.value_or(0.0) - observer.height;
+  if (!clearance.below || !has_foot || std::fabs(off) <= k_off) return remark;
+  return fmt::format("{}{}the foot of {} is {:.2f} {} what is there; on that is {}", remark,
+                     remark.empty() ? "" : "; ", observer.name, std::fabs(off), off > 0.0 ? "above" : "below",
+                     instead_of(observer, observer.position.z - *clearance.below));
+}
+
 std::string remark_on(const Occluders& occluders, const Observer& observer) {
   const auto& terrain = occluders.options().terrain;
   const bool has_points = occluders.octree().size() > 0;
@@ -277,7 +341,7 @@ std::string remark_on(const Occluders& occluders, const Observer& observer) {
                        all);
   if (terrain != nullptr && is_below(*terrain, observer.position))
     return fmt::format("{} is below the surface of the raster", observer.name);
-  if (!has_points) return "";
+  if (!has_points) return observer.is_placed ? remark_on_clearance(occluders, observer) : "";
   if (!observer.stands_on_ground && is_below_all(occluders.octree(), observer.position))
     return fmt::format("{} is below all points near it", observer.name);
   constexpr std::size_t k_near_points = 16;
@@ -285,10 +349,20 @@ std::string remark_on(const Occluders& occluders, const Observer& observer) {
     std::string remark = remark_on(occluders, observer, point);
     if (!remark.empty()) return remark;
   }
-  return "";
+  return observer.is_placed ? remark_on_clearance(occluders, observer) : "";
 }
 
 }  // namespace
+
+Clearance clearance_of(const Occluders& occluders, const glm::dvec3& eye) {
+  const SightEnd end = end_near_surface(occluders, eye);
+  // The surface that the eye is on may be as far above it as it is below.
+  const double raise = end.own_thickness + k_mesh_contact;
+  const glm::dvec3 above_surface = eye + glm::dvec3(0.0, 0.0, raise);
+  std::optional<double> below = first_along(occluders, sight_ray(chord_end(above_surface), {0, 0, -1}));
+  if (below) below = std::max(*below - raise, 0.0);
+  return {below, first_along(occluders, sight_ray(end, {0, 0, 1}))};
+}
 
 std::vector<std::string> observer_remarks(const Occluders& occluders, std::span<const Observer> observers) {
   std::vector<std::string> remarks;

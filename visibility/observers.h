@@ -23,6 +23,7 @@ struct Observer {
   /// How far the eye is above its foot, metres; the foot is at position.z - height.
   double height = 0.0;
   bool stands_on_ground = false;  ///< the foot was put on the ground, its z was not given
+  bool is_placed = false;         ///< by place_observers(): neither a camera nor an object
   std::string name;               ///< never empty: "observer 3" if nobody gave one
   /// Field of view, degrees, limits inclusive. Azimuth clockwise from north (+y), from the first limit to the
   /// second: 350 to 10 looks north. A range of 360 or more is all round. Elevation up from the horizontal.
@@ -101,12 +102,24 @@ constexpr double k_most_grid_observers = 1e6;
 std::vector<GivenObserver> observer_grid(const Bounds& extent, double width, const GroundHeight& ground,
                                          const Progress& progress = {});
 
+/// What a vertical line through an eye meets, metres from the eye: what blocks sight, or a point without a surface within
+/// the typical radius of the line, since lines pass through crowns that are above an eye.
+struct Clearance {
+  std::optional<double> below{};  ///< 0 for an eye on a surface; empty: nothing is below
+  std::optional<double> above{};  ///< the surface that the eye is on left out; empty: nothing is overhead
+};
+
+/// Cost: some microseconds.
+Clearance clearance_of(const Occluders& occluders, const glm::dvec3& eye);
+
 /// What is strange about observers, a sentence each, in their order: one that is farther outside the cloud and
 /// the terrain than these are long, and than 100 metres; one that cannot reach them within its max_distance;
 /// one below the terrain; one below all points near it (within a square of half side 1, or the first of 2, 4,
 /// 8 and 16 that holds points): in the ground, if it was not put on it; one inside the sphere of a point, which
 /// then does not block its view; one so near the disc of a point that this hides nearly half of the view, as in
-/// scans whose discs are metres wide. Of the points, the 16 nearest are looked at.
+/// scans whose discs are metres wide; and of observers that were placed, one with anything overhead, and one whose
+/// foot, if it has one, is more than 1 above or below what is there (clearance_of()), with the observer to give
+/// instead. Of the points, the 16 nearest are looked at.
 /// Cost: some ten microseconds each.
 std::vector<std::string> observer_remarks(const Occluders& occluders, std::span<const Observer> observers);
 

@@ -53,11 +53,13 @@ double own_reach(const Occluders& occluders) {
                                     : k_typical * occluders.typical_radius();
 }
 
-/// How thick the surface of an end is around its sheet; also when it has no thickness but that of the
-/// lattice.
-double own_thickness(const Occluders& occluders, const PointSurface& surface) {
-  constexpr double k_thicknesses = 3.0;
-  return k_thicknesses * surface.thickness + 0.5 * glm::length(occluders.octree().lattice().scale);
+/// How thick the surface of an end is around its sheet. Without noise that is half a diagonal of the lattice, by which its
+/// points are rounded, and what the arithmetic leaves of coordinates, of which some roundings of doubles add up. How far
+/// stored planes are off grows with the distance (is_own()).
+double own_thickness(const Occluders& occluders, const PointSurface& surface, const glm::dvec3& position) {
+  constexpr double k_thicknesses = 3.0, k_roundings = 8.0 * std::numeric_limits<double>::epsilon();
+  return k_thicknesses * surface.thickness + 0.5 * glm::length(occluders.octree().lattice().scale) +
+         k_roundings * glm::length(position);
 }
 
 void check_end(const SightEnd& end) {
@@ -261,7 +263,7 @@ SightEnd end_on_point(const Occluders& occluders, std::uint64_t point_id, const 
   if (std::fabs(rise) < k_grazing * glm::length(way)) rise = surface.normal.z;
   const double lift = std::copysign(k_lift * surface.thickness, rise);
   return {position + (lift - surface.height) * surface.normal, own_reach(occluders),
-          own_thickness(occluders, surface)};
+          own_thickness(occluders, surface, position)};
 }
 
 SightEnd end_near_surface(const Occluders& occluders, const glm::dvec3& position) {
@@ -273,7 +275,7 @@ SightEnd end_near_surface(const Occluders& occluders, const glm::dvec3& position
   if (!surface.exists) return {position};
   const glm::dvec3 center = nearest.front().position - surface.height * surface.normal;
   const double above = std::fabs(glm::dot(position - center, surface.normal));
-  return {position, own_reach(occluders), above + own_thickness(occluders, surface)};
+  return {position, own_reach(occluders), above + own_thickness(occluders, surface, position)};
 }
 
 std::optional<Blocker> first_blocker(const Occluders& occluders, const SightLine& line) {

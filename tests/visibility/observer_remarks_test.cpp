@@ -96,5 +96,104 @@ TEST(ObserverRemarks, name_observers_below_a_terrain_and_far_outside_of_it) {
             "mast sees nothing: the raster is 105.019 away, beyond the maximum distance 50");
 }
 
+/// Ground with a roof 5 above its middle part.
+WallCloud roofed() {
+  WallCloud cloud;
+  cloud.add({0, 0, 0}, {20, 0, 0}, {0, 20, 0}, 0.25);
+  cloud.add({5, 5, 5}, {10, 0, 0}, {0, 10, 0}, 0.25);
+  return cloud;
+}
+
+std::string remark_on_placed(const Occluders& occluders, const GivenObserver& given, double ground = 0.0) {
+  const std::vector<Observer> observers =
+      place_observers(std::span(&given, 1), {}, [&](const glm::dvec2&) { return std::optional(ground); });
+  const auto remarks = observer_remarks(occluders, observers);
+  return remarks.empty() ? "" : remarks[0];
+}
+
+TEST(Clearance, is_what_is_straight_above_and_below_an_eye) {
+  const Occluders occluders = roofed().occluders();
+  const Clearance below_roof = clearance_of(occluders, {10, 10, 1.7}), on_roof = clearance_of(occluders, {10, 10, 7}),
+                  outside = clearance_of(occluders, {2, 2, 1.7}), nowhere = clearance_of(occluders, {90, 2, 1.7});
+  EXPECT_NEAR(below_roof.below.value(), 1.7, 1e-3);
+  EXPECT_NEAR(below_roof.above.value(), 3.3, 1e-3);
+  EXPECT_NEAR(on_roof.below.value(), 2.0, 1e-3);
+  EXPECT_FALSE(on_roof.above);
+  EXPECT_NEAR(outside.below.value(), 1.7, 1e-3);
+  EXPECT_FALSE(outside.above);
+  EXPECT_FALSE(nowhere.below || nowhere.above);
+}
+
+TEST(Clearance, leaves_out_the_surface_that_the_eye_is_on) {
+  const Occluders occluders = roofed().occluders();
+  for (const double height : {-0.001, 0.0, 0.001}) {
+    const Clearance clearance = clearance_of(occluders, {2.1, 2.1, height});
+    ASSERT_TRUE(clearance.below) << height;
+    EXPECT_NEAR(*clearance.below, std::max(height, 0.0), 1e-3);
+    EXPECT_FALSE(clearance.above) << height;
+  }
+}
+
+TEST(Clearance, ends_at_the_first_crossing_whatever_the_transparency_and_at_points_that_count) {
+  const WallCloud cloud = roofed();
+  EXPECT_NEAR(clearance_of(cloud.occluders({.transparency = 3}), {10, 10, 7}).below.value(), 2.0, 1e-3);
+  OccluderOptions ground_alone;
+  ground_alone.counts = [roof = std::size_t{81 * 81}](std::uint64_t id) { return id < roof; };
+  const Clearance clearance = clearance_of(cloud.occluders(ground_alone), {10, 10, 1.7});
+  EXPECT_NEAR(clearance.below.value(), 1.7, 1e-3);
+  EXPECT_FALSE(clearance.above);
+}
+
+TEST(Clearance, finds_crowns_whose_points_lines_pass_between) {
+  // A point of foliage every 3 metres straight above the eye, and beside it less than a radius away.
+  WallCloud cloud = garden();
+  const Occluders occluders = cloud.add({4.1, 4.1, 9}).occluders();
+  const double beside = 0.9 * occluders.typical_radius();
+  EXPECT_NEAR(clearance_of(occluders, {4.1 + beside, 4.1, 2}).above.value(), 7.0, 0.3);
+  EXPECT_FALSE(clearance_of(occluders, {4.1 + 3.0 * beside, 4.1, 2}).above);
+}
+
+TEST(Clearance, is_also_that_to_meshes_and_terrains) {
+  OccluderOptions options;
+  options.terrain =
+      std::make_shared<const geo::TerrainSurface>(geo::Raster<float>({{-50, 50}, 10.0, 10, 10}, 7.0f));
+  const Occluders occluders(build(PointCloud()), options);
+  EXPECT_NEAR(clearance_of(occluders, {1, 1, 9}).below.value(), 2.0, 1e-6);
+  EXPECT_NEAR(clearance_of(occluders, {1, 1, 7}).below.value(), 0.0, 1e-6);
+  EXPECT_FALSE(clearance_of(occluders, {1, 1, 7}).above);
+  EXPECT_NEAR(clearance_of(occluders, {1, 1, 4}).above.value(), 3.0, 1e-6);
+}
+
+TEST(ObserverRemarks, name_observers_below_something_and_what_to_type) {
+  const Occluders occluders = roofed().occluders();
+  EXPECT_EQ(remark_on_placed(occluders, {.name = "mast", .position = {10, 10}, .height = 1.5}),
+            "mast has something 3.50 above its eye, which hides the sky; on top of it is "
+            "--observer=10.000,10.000,5.000 --observer-height 1.5 (in a file z and height)");
+  EXPECT_EQ(remark_on_placed(occluders, {.name = "mast", .position = {10, 10}, .z = 5.0, .height = 1.5}), "");
+  EXPECT_EQ(remark_on_placed(occluders, {.name = "mast", .position = {2, 2}, .height = 1.5}), "");
+  Observer camera;
+  camera.position = {10, 10, 1.5};
+  EXPECT_TRUE(observer_remarks(occluders, std::span(&camera, 1)).empty()) << "photos are taken below roofs";
+}
+
+TEST(ObserverRemarks, name_observers_whose_foot_is_off_the_points_by_more_than_one) {
+  const Occluders occluders = roofed().occluders();
+  const auto on_ground = [&](double ground) {
+    return remark_on_placed(occluders, {.name = "mast", .position = {2, 2}, .height = 2.0}, ground);
+  };
+  EXPECT_EQ(on_ground(0.98), "");
+  EXPECT_EQ(on_ground(1.02),
+            "the foot of mast is 1.02 above what is there; on that is --observer=2.000,2.000,0.000 "
+            "--observer-height 2 (in a file z and height)");
+  EXPECT_EQ(on_ground(-0.98), "");
+  EXPECT_EQ(on_ground(-1.02).substr(0, 45), "the foot of mast is 1.02 below what is there;");
+  EXPECT_EQ(remark_on_placed(occluders, {.name = "drone", .position = {2, 2}, .z = 50.0}), "") << "has no foot";
+  EXPECT_NE(remark_on_placed(occluders, {.name = "mast", .position = {2, 2}, .z = 11.0, .height = 2.0}), "");
+  // Between roof and street it is both.
+  const std::string between = remark_on_placed(occluders, {.name = "mast", .position = {10, 10}, .height = 2.0}, 2.0);
+  EXPECT_NE(between.find("mast has something 1.00 above its eye"), std::string::npos) << between;
+  EXPECT_NE(between.find("the foot of mast is 2.00 above what is there"), std::string::npos) << between;
+}
+
 }  // namespace
 }  // namespace alidade::test

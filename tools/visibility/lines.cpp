@@ -41,6 +41,7 @@ struct LinesCommand : VisibilityRequest {
 /// The ends of lines.
 struct LineEnds {
   std::vector<visibility::Observer> positions;
+  std::vector<visibility::Observer> named;  ///< each once
   bool are_pairs = false;  ///< first and second end of each line after each other; else all are paired
 };
 
@@ -144,6 +145,7 @@ LineEnds load_line_ends(const PairRequest& request, const VisibilityCloud& cloud
   LineEnds ends;
   ends.are_pairs = !given.empty();
   if (has_positions || !request.positions.empty()) ends.positions = load_observers(options, cloud, verbosity);
+  ends.named = ends.positions;
   if (ends.are_pairs) {
     if (!has_positions) ends.positions = ends_with_names(request.positions, ends.positions, given);
     return ends;
@@ -283,7 +285,7 @@ ExitCode run_lines(const LinesCommand& command) {
   visibility::check_line_report(options, command.occluders.options.transparency);
   check_margin(ends, command.end_margin);
   measure_occluders(*cloud, command.occluders, command.verbosity);
-  say_observer_remarks(ends.positions, *cloud, command.verbosity);
+  say_observer_remarks(ends.named, *cloud, command.verbosity);
   visibility::LineTable table;
   table.pairs = pairs_of(ends, *cloud->occluders);
   table.classifications = cloud->columns.classifications;

@@ -95,11 +95,16 @@ void check_places(std::span<const visibility::GivenObserver> given, const Bounds
   }
 }
 
-/// Says where the first observers are.
-void print_positions(std::span<const visibility::Observer> observers) {
+/// Where the first observers are, and what is below and above them.
+void print_positions(std::span<const visibility::Observer> observers, const visibility::Occluders& occluders) {
+  const auto distance = [](const std::optional<double>& length, const char* with, const char* without) {
+    return length ? fmt::format("{:.2f} {}", *length, with) : std::string(without);
+  };
   for (const visibility::Observer& one : observers.first(std::min(observers.size(), k_most_lines))) {
-    say_note(fmt::format("{}: eye at {:.3f}, {:.3f}, {:.3f}, {:.6g} m above the ground", one.name,
-                         one.position.x, one.position.y, one.position.z, one.height));
+    const visibility::Clearance clearance = visibility::clearance_of(occluders, one.position);
+    say_note(fmt::format("{}: eye at {:.3f}, {:.3f}, {:.3f}; {}, {}", one.name, one.position.x, one.position.y,
+                         one.position.z, distance(clearance.below, "above what is below it", "nothing below it"),
+                         distance(clearance.above, "below what is overhead", "nothing overhead")));
   }
   if (observers.size() > k_most_lines)
     say_note(fmt::format("and {} more observers", observers.size() - k_most_lines));
@@ -171,15 +176,13 @@ std::vector<visibility::Observer> load_observers(const ObserverOptions& options,
     });
     given.insert(given.end(), grid.begin(), grid.end());
   }
-  std::vector<visibility::Observer> observers =
-      visibility::place_observers(given, options.defaults, height_at);
-  if (verbosity != Verbosity::quiet) print_positions(observers);
-  return observers;
+  return visibility::place_observers(given, options.defaults, height_at);
 }
 
 void say_observer_remarks(std::span<const visibility::Observer> observers, const VisibilityCloud& cloud,
                           Verbosity verbosity) {
   if (verbosity == Verbosity::quiet) return;
+  if (!observers.empty() && observers.front().is_placed) print_positions(observers, *cloud.occluders);
   const std::vector<std::string> remarks = visibility::observer_remarks(*cloud.occluders, observers);
   for (std::size_t i = 0; i < std::min(remarks.size(), k_most_lines); ++i) say_warning(remarks[i]);
   if (remarks.size() > k_most_lines)

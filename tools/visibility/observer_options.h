@@ -40,8 +40,8 @@ void add_target_height(const Options& command, std::optional<double>& height);
 /// What can be wrong before a cloud is loaded. Errors: no observers are given; their file cannot be opened.
 void check_given(const ObserverOptions& options);
 
-/// Reads the observers, in the cloud's reference system, gives them their positions, and prints these; what is
-/// strange about them say_observer_remarks() prints, once occluders are measured. Those of the command line
+/// Reads the observers, in the cloud's reference system, and gives them their positions, which
+/// say_observer_remarks() prints once occluders are measured. Those of the command line
 /// come first, then the file's, then the grid's. `ground` is requested observers without z; if it is empty,
 /// the cloud's is found where it is needed. Errors: nobody was asked for; those of read_observers(),
 /// observer_grid(), place_observers() and make_ground().
@@ -49,8 +49,8 @@ std::vector<visibility::Observer> load_observers(const ObserverOptions& options,
                                                  Verbosity verbosity,
                                                  const visibility::GroundHeight& ground = {});
 
-/// Says what is strange about observers: observer_remarks() of visibility/observers.h. Requires measured
-/// occluders.
+/// Prints where observers that were placed are, with clearance_of() of visibility/observers.h, and what is strange
+/// about observers: observer_remarks(). Requires measured occluders.
 void say_observer_remarks(std::span<const visibility::Observer> observers, const VisibilityCloud& cloud,
                           Verbosity verbosity);
 
