@@ -19,7 +19,7 @@ namespace alidade::renderer {
 
 /// Changes whenever the same scene gives other bytes, so that no checkpoint continues with samples of another
 /// kind.
-inline constexpr int k_picture_version = 3;
+inline constexpr int k_picture_version = 4;
 
 /// A small picture of what there is so far, every now and then.
 struct PreviewOptions {

@@ -35,7 +35,8 @@ struct Traversed {
 
   /// Whether points of the node's first position are in more than one of its slots.
   static bool has_twins(const Slots& slots, const SamePositions& same) {
-    return (slots.leaf & 1u | slots.inner & 1u) != 0 && (same.twins & (slots.leaf | slots.inner)) != 0;
+    const unsigned filled = slots.leaf | slots.inner;
+    return (filled & 1u) != 0 && (filled & same.twins) != 0;
   }
 
   /// Whether the query rejects that position. corner: of the node's frame, which has the lowest level.

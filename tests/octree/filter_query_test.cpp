@@ -135,7 +135,7 @@ TEST_F(Filter, of_position_gives_the_answers_of_brute_force) {
 }
 
 TEST_F(Filter, of_position_is_called_for_a_few_of_many_equal_points) {
-  constexpr std::size_t k_equal = 100'000, k_rays = 3000, k_few = 64;
+  constexpr std::size_t k_equal = 100'000, k_rays = 3000, k_few = 300;
   std::vector<glm::dvec3> positions(k_equal, glm::dvec3(1, 0, 0));
   for (int i = 0; i < 1000; ++i) positions.push_back(glm::dvec3(3, 0, 0) + random_.in_cube());
   const PointCloud cloud = make_cloud(positions, {glm::dvec3(0.001), glm::dvec3(0)});
