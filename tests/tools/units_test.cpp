@@ -243,9 +243,13 @@ TEST_F(UnitsTest, geotiff_keys_and_their_codes_alone_state_units) {
   }
   EXPECT_TRUE(
       contains(run({"info", "feet.las"}).out, "CRS         NAD83 / Oregon LCC (m) + unknown (GeoTIFF keys"));
-  write_keys(folder / "feet.las", {1024, 1, 1025, 1, 3072, 2991, 4096, 4321});
-  EXPECT_TRUE(contains(error({"query", "feet.las", "--point", "0,0,0"}),
-                       "the unit of heights is unknown; expected --vertical-unit m, ft or us-ft"));
+  for (const std::uint16_t code : {4321, 32767}) {
+    write_keys(folder / "feet.las", {1024, 1, 1025, 1, 3072, 2991, 4096, code});
+    EXPECT_TRUE(contains(error({"query", "feet.las", "--point", "0,0,0"}),
+                         "the unit of heights is unknown; expected --vertical-unit m, ft or us-ft"));
+    EXPECT_EQ(info("feet.las")["units"]["z"], Json());
+    EXPECT_EQ(run({"query", "feet.las", "--point", "0,0,0", "--vertical-unit", "us-ft"}).exit_code, 0);
+  }
 }
 
 TEST_F(UnitsTest, a_catalog_of_mixed_units_is_refused_with_the_remedy) {
