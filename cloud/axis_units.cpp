@@ -58,7 +58,7 @@ std::string_view vertical_node(std::string_view wkt) {
   if (!vertical.empty()) return vertical;
   for (std::size_t at = wkt.find("AXIS["); at != std::string_view::npos; at = wkt.find("AXIS[", at + 1)) {
     const std::string_view axis = wkt_node(wkt.substr(at), {"AXIS["});
-    if (axis.find("\",up") != std::string_view::npos) return axis;
+    if (axis.find("\",up") != axis.npos && axis.find("UNIT[") != axis.npos) return axis;
   }
   return {};
 }
@@ -156,7 +156,10 @@ AxisUnits axis_units(const Crs& crs) {
   if (is_complete || !crs.wkt.empty() || crs.empty()) return units;
   const AxisUnits known = units_of_wkt(whole_wkt(crs));
   if (!units.plane) units.plane = known.plane;
-  if (!units.heights && units.states_heights) units.heights = known.heights;
+  // Of a system that the file itself defines, a library only guesses the unit.
+  constexpr std::uint16_t k_user_defined = 32767;
+  if (!units.heights && geotiff_value(crs, k_heights_key).value_or(k_user_defined) != k_user_defined)
+    units.heights = known.heights;
   return units;
 }
 

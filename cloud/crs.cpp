@@ -8,6 +8,7 @@
 #include <glm/geometric.hpp>
 #include <map>
 
+#include "cloud/axis_units.h"
 #include "cloud/crs.h"
 
 namespace alidade {
@@ -48,6 +49,11 @@ Definition definition_of(std::string_view wkt) {
     }
   }
   return definition;
+}
+
+bool has_parameters(const Definition& definition) {
+  const auto parameter = definition.lower_bound("PARAMETER");
+  return parameter != definition.end() && parameter->first.starts_with("PARAMETER");
 }
 
 bool nearly_equal(double a, double b) {
@@ -164,9 +170,7 @@ std::optional<std::uint16_t> geotiff_value(const Crs& crs, std::uint16_t key) {
 
 bool same_definition(const std::string& wkt_a, const std::string& wkt_b) {
   const Definition a = definition_of(wkt_a), b = definition_of(wkt_b);
-  const auto parameter = a.lower_bound("PARAMETER");
-  const bool has_parameters = parameter != a.end() && parameter->first.starts_with("PARAMETER");
-  return has_parameters && std::ranges::equal(a, b, [](const auto& one, const auto& other) {
+  return has_parameters(a) && std::ranges::equal(a, b, [](const auto& one, const auto& other) {
            return one.first == other.first && std::ranges::equal(one.second, other.second, nearly_equal);
          });
 }
@@ -250,13 +254,26 @@ CrsAgreement compare_crs(const Crs& a, const Crs& b) {
 CrsAgreement compare_crs_text(const Crs& a, const Crs& b) {
   using enum CrsAgreement;
   if (a == b) return same;
+  const AxisUnits units_a = stated_units(a), units_b = stated_units(b);
+  const auto differ = [](const std::optional<LengthUnit>& one, const std::optional<LengthUnit>& other) {
+    return one && other && *one != *other;
+  };
+  const auto height_unit = [](const AxisUnits& units) {
+    return units.heights || units.states_heights ? units.heights : units.plane;
+  };
+  if (differ(units_a.plane, units_b.plane) || differ(height_unit(units_a), height_unit(units_b)))
+    return different;
   const std::optional<int> heights_a = vertical_code(a), heights_b = vertical_code(b);
   if (heights_a && heights_b && heights_a != heights_b) return different;
   const std::optional<int> plane_a = plane_code(a), plane_b = plane_code(b);
   if (plane_a && plane_b) return plane_a == plane_b ? same : different;
   if (!a.wkt.empty() && !b.wkt.empty()) {
-    if (characters_and_digits(wkt_name(a.wkt)) == characters_and_digits(wkt_name(b.wkt))) return same;
-    return same_definition(a.wkt, b.wkt) ? unknown : different;
+    const bool is_same = same_definition(a.wkt, b.wkt);
+    // Many systems are called "unnamed".
+    const bool is_known = has_parameters(definition_of(a.wkt)) && has_parameters(definition_of(b.wkt));
+    if (characters_and_digits(wkt_name(a.wkt)) == characters_and_digits(wkt_name(b.wkt)))
+      return is_same || !is_known ? same : different;
+    return is_same ? unknown : different;
   }
   if (a.wkt.empty() && b.wkt.empty())
     return a.geotiff_keys == b.geotiff_keys && a.geotiff_doubles == b.geotiff_doubles ? same : different;

@@ -64,9 +64,9 @@ std::string characters_and_digits(std::string_view name);
 enum class CrsAgreement { same, unknown, different };
 
 /// Compares two systems that are not empty, however they are written: by a CrsLibrary if one is used. Of what it does
-/// not understand, and without one, by their EPSG codes where both have one, else WKT by its names, characters and
-/// digits alone, and GeoTIFF keys among themselves as they are; nothing is known of WKT without code beside keys, and of
-/// two names for the same numbers (same_definition()). A library that does not understand one of them leaves `same`
+/// not understand, and without one, by the units that they state, by their EPSG codes where both have one, else WKT by
+/// its names, characters and digits alone, and its numbers, and GeoTIFF keys among themselves as they are; nothing is
+/// known of WKT without code beside keys, and of two names for the same numbers (same_definition()). A library that does not understand one of them leaves `same`
 /// and `unknown`.
 CrsAgreement compare_crs(const Crs& a, const Crs& b);
 

@@ -62,35 +62,35 @@ Lattice fit_lattice(std::span<const CoordinateSurvey> surveys) {
   if (bounds.empty()) return {};
 
   Lattice lattice;
-  std::array<int, 3> finest{}, wanted{};
-  glm::dvec3 reaches(0.0);
+  glm::dvec3 reach(0.0);
   for (int axis = 0; axis < 3; ++axis) {
     lattice.offset[axis] = std::nearbyint(0.5 * bounds.min[axis] + 0.5 * bounds.max[axis]);
     const double offset = lattice.offset[axis];
-    const double reach = std::max(bounds.max[axis] - offset, offset - bounds.min[axis]);
-    if (!(reach <= 1e300 && std::abs(offset) <= 1e300)) {
+    reach[axis] = std::max(bounds.max[axis] - offset, offset - bounds.min[axis]);
+    if (!(reach[axis] <= 1e300 && std::abs(offset) <= 1e300)) {
       throw Error({.problem = "coordinates too large",
                    .expected = "at most 1e300",
-                   .found = fmt::format("{}", std::max(reach, std::abs(offset)))});
+                   .found = fmt::format("{}", std::max(reach[axis], std::abs(offset)))});
     }
+  }
+  // Where nothing lies along an axis, but for rounding, no resolution is wanted: that of a float of 0 is 1e-45.
+  const double nothing = 1e-12 * std::max({reach.x, reach.y, reach.z});
+  std::array<int, 3> finest{}, wanted{};
+  for (int axis = 0; axis < 3; ++axis) {
     double resolution = std::numeric_limits<double>::infinity();
     for (const CoordinateSurvey& survey : surveys) {
-      if (survey.finite_count > 0) resolution = std::min(resolution, survey.resolution[axis]);
+      const double largest = std::max(-survey.bounds.min[axis], survey.bounds.max[axis]);
+      if (survey.finite_count > 0 && largest > nothing)
+        resolution = std::min(resolution, survey.resolution[axis]);
     }
-    reaches[axis] = reach;
-    finest[axis] = finest_exponent(reach);
+    finest[axis] = finest_exponent(reach[axis]);
     wanted[axis] = finest[axis];
     if (resolution > 0 && std::isfinite(resolution)) {
       // Rounding costs half a step. The tiny addition keeps log10 of an exact power from falling below it.
       wanted[axis] =
           std::max(wanted[axis], static_cast<int>(std::floor(std::log10(2.0 * resolution) + 1e-9)));
     }
-  }
-  // An axis along which nothing lies, but for rounding, asks for no resolution: that of a float of 0 is 1e-45.
-  constexpr double k_nothing = 1e-12;
-  const double longest = std::max({reaches.x, reaches.y, reaches.z});
-  for (int axis = 0; axis < 3; ++axis) {
-    if (reaches[axis] <= k_nothing * longest) wanted[axis] = std::max(wanted[axis], k_default_exponent);
+    if (reach[axis] <= nothing) wanted[axis] = std::max(wanted[axis], k_default_exponent);
   }
   // Steps of one length make cubes of the octree's nodes: boxes a million times longer than wide prune nothing.
   const int common = *std::min_element(wanted.begin(), wanted.end());

@@ -95,7 +95,9 @@ std::string whole_wkt(const Crs& crs) {
   CPLSetThreadLocalConfigOption("GTIFF_REPORT_COMPD_CS", "YES");
   const std::string wkt = wkt_of(crs);
   CPLSetThreadLocalConfigOption("GTIFF_REPORT_COMPD_CS", nullptr);
-  if (!crs.wkt.empty() || wkt.empty()) return wkt;
+  if (!crs.wkt.empty()) return wkt;
+  // So GDAL calls keys of which it knows nothing.
+  if (wkt.empty() || wkt.starts_with("LOCAL_CS[")) return "";
   const std::optional<LengthUnit> stated = stated_units(crs).heights;
   return stated ? with_height_unit(crs_of_wkt(wkt), *stated).wkt : wkt;
 }

@@ -77,6 +77,8 @@ TEST(AxisUnitsTest, wkt_of_both_versions_states_the_unit_of_each_axis) {
   EXPECT_EQ(units_of(crs_of_wkt(with_heights(k_feet, k_metres))), "ft m");
   EXPECT_EQ(units_of(crs_of_wkt(k_version_2)), "us-ft m");
   EXPECT_EQ(units_of(crs_of_wkt(k_three_axes)), "m ft");
+  EXPECT_EQ(units_of(crs_of_wkt(R"(PROJCRS["a",CS[Cartesian,3],AXIS["h",up],LENGTHUNIT["foot",0.3048]])")), "ft")
+      << "one unit of all axes";
   EXPECT_EQ(units_of(crs_of_wkt(k_geographic)), "-");
   EXPECT_EQ(units_of(crs_of_wkt(R"(PROJCS["without",)" + k_geographic + "]")), "-")
       << "degrees are no lengths";

@@ -87,12 +87,24 @@ PROJECTION["Transverse_Mercator"],PARAMETER["False_Easting",500000.0],PARAMETER[
 PARAMETER["Central_Meridian",9.0],PARAMETER["Scale_Factor",0.9996],PARAMETER["Latitude_Of_Origin",0.0],
 UNIT["Meter",1.0]])";
 
+TEST(CompareCrsTest, one_name_or_code_for_other_units_or_numbers_is_no_agreement) {
+  using enum CrsAgreement;
+  EXPECT_EQ(compare_crs(of_wkt(gdal_utm()), of_wkt(gdal_utm("15"))), different) << "meridian";
+  EXPECT_EQ(compare_crs(of_wkt(gdal_utm()), of_wkt(gdal_utm("9", "\"foot\",0.3048"))), different) << "unit";
+  EXPECT_EQ(compare_crs(of_wkt(gdal_utm()), of_wkt(gdal_utm("9", "\"Meter\",1.0"))), same);
+  EXPECT_EQ(compare_crs(of_keys({3072, 2991, 3076, 9001}), of_keys({3072, 2991, 3076, 9002})), different);
+}
+
 TEST(CompareCrsTest, two_names_for_the_same_numbers_are_not_known_to_differ) {
   using enum CrsAgreement;
   EXPECT_EQ(compare_crs(of_wkt(gdal_utm()), of_wkt(k_esri_etrs_32)), unknown);
   EXPECT_EQ(compare_crs(of_wkt(k_esri_etrs_32), of_wkt("COMPD_CS[\"both\"," + gdal_utm() +
-                                                       ",VERT_CS[\"heights\",UNIT[\"foot\",0.3048]]]")),
+                                                       ",VERT_CS[\"heights\",UNIT[\"metre\",1]]]")),
             unknown);
+  EXPECT_EQ(compare_crs(of_wkt(k_esri_etrs_32), of_wkt("COMPD_CS[\"both\"," + gdal_utm() +
+                                                       ",VERT_CS[\"heights\",UNIT[\"foot\",0.3048]]]")),
+            different)
+      << "heights of the first are in metres";
   EXPECT_EQ(compare_crs(of_wkt(gdal_utm("15")), of_wkt(k_esri_etrs_32)), different) << "meridian";
   EXPECT_EQ(compare_crs(of_wkt(gdal_utm("9", "\"foot\",0.3048")), of_wkt(k_esri_etrs_32)), different);
   std::string bessel = gdal_utm();

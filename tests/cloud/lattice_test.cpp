@@ -90,6 +90,9 @@ TEST(FitLatticeTest, an_axis_along_which_nothing_lies_asks_for_no_resolution) {
   EXPECT_EQ(fit(survey({-12, 0, 0}, {9, 3, 0}, {5e-7, 5e-7, k_least})).scale, glm::dvec3(1e-6));
   EXPECT_EQ(fit(survey({-12, 0, -1e-30}, {9, 3, 1e-30}, {5e-7, 5e-7, k_least})).scale, glm::dvec3(1e-6));
   EXPECT_EQ(fit(survey({0, 0, 0}, {0, 0, 0}, glm::dvec3(k_least))).scale, glm::dvec3(0.001));
+  const CoordinateSurvey heights[] = {survey({-3, -3, 0}, {3, 3, 0}, {1.2e-7, 1.2e-7, k_least}),
+                                      survey({-3, -3, 0.4}, {3, 3, 0.4}, {1.2e-7, 1.2e-7, 1.5e-8})};
+  EXPECT_EQ(fit_lattice(heights).scale, glm::dvec3(1e-8)) << "two scans, one of them at height 0";
   // What is small beside others but there keeps its digits.
   EXPECT_EQ(fit(survey({-12, 0, 0}, {9, 3, 1e-6}, {5e-7, 5e-7, 5e-14})).scale.z, 1e-13);
 }

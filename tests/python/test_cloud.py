@@ -1,11 +1,55 @@
 # SPDX-License-Identifier: MIT
 import os
+import struct
+import subprocess
 
 import alidade
 import numpy as np
 import pytest
+from conftest import PROGRAM
 
 XYZ = np.array([[690000.25, 5325000.5, 600.125], [690001.0, 5325002.0, 603.0], [690004.5, 5325001.0, 601.0]])
+
+# Metres in plan, heights in US survey feet.
+PLANE = ('PROJCS["Oregon",GEOGCS["NAD83",DATUM["North_American_Datum_1983",SPHEROID["GRS 1980",6378137,298.257222101]],'
+         'PRIMEM["Greenwich",0],UNIT["degree",0.0174532925199433]],PROJECTION["Lambert_Conformal_Conic_2SP"],'
+         'PARAMETER["latitude_of_origin",41.75],PARAMETER["central_meridian",-120.5],PARAMETER["standard_parallel_1",43],'
+         'PARAMETER["standard_parallel_2",45.5],PARAMETER["false_easting",400000],PARAMETER["false_northing",0],'
+         'UNIT["metre",1]]')
+FEET = (f'COMPD_CS["both",{PLANE},VERT_CS["NAVD88 height (ftUS)",VERT_DATUM["North American Vertical Datum 1988",2005],'
+        'UNIT["US survey foot",0.304800609601219],AXIS["Up",UP]]]')
+
+
+def las_file(wkt: str, steps: list) -> bytes:
+    """LAS 1.4, point format 6, positions in steps of 0.01."""
+    text = wkt.encode() + b"\0"
+    header = struct.pack("<4sHH16sBB32s32sHHHIIBHI20s12d", b"LASF", 0, 16, b"", 1, 4, b"", b"", 1, 2026, 375,
+                         375 + 54 + len(text), 1, 6, 30, 0, b"", .01, .01, .01, 0, 0, 0, 1e6, 0, 1e6, 0, 1e6, 0)
+    header += struct.pack("<QQIQ15Q", 0, 0, 0, len(steps), len(steps), *[0] * 14)
+    record = struct.pack("<H16sHH32s", 0, b"LASF_Projection", 2112, len(text), b"") + text
+    return header + record + b"".join(struct.pack("<3i18x", *step) for step in steps)
+
+
+def test_heights_in_another_unit_are_converted_with_a_warning(tmp_path):
+    (tmp_path / "feet.las").write_bytes(las_file(FEET, [[100, 100, 1000], [200, 100, 2000]]))
+    with pytest.warns(UserWarning, match="heights are converted from US survey foot to metre"):
+        cloud = alidade.open(tmp_path / "feet.las")
+    np.testing.assert_allclose(cloud.xyz[:, 2], np.array([10, 20]) * 1200 / 3937, rtol=1e-12)
+    assert 'VERT_CS["NAVD88 height"' in cloud.crs and "foot" not in cloud.crs
+    assert alidade.Cloud(cloud.xyz, crs=cloud.crs, scale=0.001).crs == cloud.crs
+    subprocess.run([PROGRAM, "convert", tmp_path / "feet.las", "-o", tmp_path / "feet.alidade", "-q"], check=True)
+    with pytest.raises(alidade.Error, match="an index of heights that are not in the unit of x and y"):
+        alidade.open(tmp_path / "feet.alidade")
+
+
+def test_files_of_different_systems_are_an_error_however_they_are_written(tmp_path):
+    step = [[100, 100, 1000]]
+    (tmp_path / "a.las").write_bytes(las_file(PLANE, step))
+    (tmp_path / "b.las").write_bytes(las_file(PLANE.replace('UNIT["metre",1]', 'UNIT["foot",0.3048]'), step))
+    (tmp_path / "c.las").write_bytes(las_file(PLANE.replace("Oregon", "oregon lcc"), step))
+    with pytest.raises(alidade.Error, match="the coordinate reference system differs"):
+        alidade.open([tmp_path / "a.las", tmp_path / "b.las"])
+    assert len(alidade.open([tmp_path / "a.las", tmp_path / "c.las"])) == 2
 
 
 def test_arrays_become_a_cloud_and_come_back():
@@ -113,6 +157,7 @@ def test_scaled_dimensions_are_doubles(yard):
     (dict(xyz=XYZ, color=[1, 2, 3]), ["color", "(3, 3)"]),
     (dict(xyz=XYZ, Name=np.array(["a", "b", "c"])), ["Name", "<U1"]),
     (dict(xyz=XYZ, crs="EPSG:none"), ["EPSG:n"]),
+    (dict(xyz=XYZ, crs=FEET), ["heights in another unit than x and y"]),
 ])
 def test_wrong_arrays_are_errors_that_name_them(arguments, words):
     with pytest.raises(alidade.Error) as error:

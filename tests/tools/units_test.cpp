@@ -243,9 +243,13 @@ TEST_F(UnitsTest, geotiff_keys_and_their_codes_alone_state_units) {
   }
   EXPECT_TRUE(
       contains(run({"info", "feet.las"}).out, "CRS         NAD83 / Oregon LCC (m) + unknown (GeoTIFF keys"));
-  write_keys(folder / "feet.las", {1024, 1, 1025, 1, 3072, 2991, 4096, 4321});
-  EXPECT_TRUE(contains(error({"query", "feet.las", "--point", "0,0,0"}),
-                       "the unit of heights is unknown; expected --vertical-unit m, ft or us-ft"));
+  for (const std::uint16_t code : {4321, 32767}) {
+    write_keys(folder / "feet.las", {1024, 1, 1025, 1, 3072, 2991, 4096, code});
+    EXPECT_TRUE(contains(error({"query", "feet.las", "--point", "0,0,0"}),
+                         "the unit of heights is unknown; expected --vertical-unit m, ft or us-ft"));
+    EXPECT_EQ(info("feet.las")["units"]["z"], Json());
+    EXPECT_EQ(run({"query", "feet.las", "--point", "0,0,0", "--vertical-unit", "us-ft"}).exit_code, 0);
+  }
 }
 
 TEST_F(UnitsTest, a_catalog_of_mixed_units_is_refused_with_the_remedy) {
@@ -274,6 +278,31 @@ TEST_F(UnitsTest, a_raster_beside_the_cloud_is_converted_too) {
   EXPECT_TRUE(contains(result.err, "ground.vrt: heights are converted from US survey foot to metre"))
       << result.err;
   EXPECT_TRUE(contains(result.err, "131.064 to 131.064 high")) << result.err;
+}
+
+TEST_F(UnitsTest, heights_of_a_public_file_in_feet_give_the_sky_of_metres) {
+  const auto file = shared_data("../cases/vertical_feet_bmx-2010.las");
+  if (!file) GTEST_SKIP() << "../shared/cases is not there";
+  const ProgramResult sky = run({"visibility", "sky", file->string(), "-o", "sky.tif"});
+  EXPECT_EQ(sky.exit_code, 0);
+  EXPECT_TRUE(contains(sky.err, "mean 0.99")) << sky.err;
+}
+
+TEST_F(UnitsTest, tiles_of_other_scales_and_flat_scans_are_joined) {
+  const auto coarse = shared_data("../cases/L13_a.las"), fine = shared_data("../cases/L13_b.las"),
+             flat = shared_data("../cases/Z1_scan2d_a.pcd"), raised = shared_data("../cases/Z1_scan2d_b.pcd");
+  if (!coarse || !fine || !flat || !raised) GTEST_SKIP() << "../shared/cases is not there";
+  const Json tiles = Json::parse(run({"info", "--json", coarse->string(), fine->string()}).out);
+  EXPECT_EQ(tiles["scale"], (Json{0.001, 0.001, 0.001}));
+  EXPECT_EQ(tiles["points"],
+            info(coarse->string())["points"].get<int>() + info(fine->string())["points"].get<int>());
+  EXPECT_EQ(tiles["rounding_error"], (Json{0.0, 0.0, 0.0}));
+  EXPECT_EQ(info(flat->string())["scale"], (Json{1e-7, 1e-7, 1e-7}));
+  ASSERT_EQ(run({"convert", flat->string(), "-o", "flat.las"}).exit_code, 0);
+  ASSERT_EQ(run({"convert", raised->string(), "-o", "raised.las"}).exit_code, 0);
+  const ProgramResult both = run({"info", "--json", "flat.las", "raised.las"});
+  ASSERT_EQ(both.exit_code, 0) << both.err;
+  EXPECT_EQ(Json::parse(both.out)["points"], 720);
 }
 
 /// Metres of Quebec by keys, and feet of Oregon in words.
