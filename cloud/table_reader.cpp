@@ -19,6 +19,8 @@ namespace alidade {
 
 namespace {
 
+constexpr ColumnRole k_axes[] = {ColumnRole::x, ColumnRole::y, ColumnRole::z};
+
 /// Nearest value of an integer type, held at its ends; NaN becomes 0.
 template <class Integer>
 Integer nearest(double value) {
@@ -316,9 +318,8 @@ void TableReader::read_in_pieces(PointCloud& cloud, AttributeSet wanted, const C
 
 void TableReader::warn_of_coarse_floats() {
   CoordinateSurvey survey = *survey_;
-  constexpr ColumnRole k_roles[] = {ColumnRole::x, ColumnRole::y, ColumnRole::z};
   for (int axis = 0; axis < 3; ++axis)
-    if (type_of(k_roles[axis]) != ScalarType::float32) survey.resolution[axis] = 0.0;
+    if (type_of(k_axes[axis]) != ScalarType::float32) survey.resolution[axis] = 0.0;
   if (const auto steps = coarse_floats(survey)) warn(*steps);
 }
 
@@ -326,10 +327,9 @@ glm::dvec3 TableReader::resolution(const Bounds& bounds) const {
   if (written_) return written_->resolution();
   glm::dvec3 result(0.0);
   if (bounds.empty()) return result;
-  constexpr ColumnRole k_roles[] = {ColumnRole::x, ColumnRole::y, ColumnRole::z};
   for (int axis = 0; axis < 3; ++axis) {
     const double largest = std::max(std::abs(bounds.min[axis]), std::abs(bounds.max[axis]));
-    if (const auto type = type_of(k_roles[axis])) result[axis] = type_resolution(*type, largest);
+    if (const auto type = type_of(k_axes[axis])) result[axis] = type_resolution(*type, largest);
   }
   return result;
 }
