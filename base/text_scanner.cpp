@@ -46,7 +46,7 @@ std::optional<std::size_t> TextScanner::find_end() {
 void TextScanner::refill() {
   window_offset_ += used_;
   used_ = 0;
-  const auto bytes = file_.view_up_to(window_offset_, k_window);
+  const auto bytes = file_.view_up_to(window_offset_, k_window + 2);  // with the end of the longest line
   window_ = {reinterpret_cast<const char*>(bytes.data()), bytes.size()};
   line_feed_ = std::min(window_.find('\n'), window_.size());
   if (window_offset_ > 0) return;

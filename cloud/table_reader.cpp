@@ -19,6 +19,8 @@ namespace alidade {
 
 namespace {
 
+constexpr ColumnRole k_axes[] = {ColumnRole::x, ColumnRole::y, ColumnRole::z};
+
 /// Nearest value of an integer type, held at its ends; NaN becomes 0.
 template <class Integer>
 Integer nearest(double value) {
@@ -308,20 +310,26 @@ void TableReader::read_in_pieces(PointCloud& cloud, AttributeSet wanted, const C
 
   description_.point_count = survey_->finite_count;
   description_.dropped_count = survey_->dropped_count;
-  if (const auto steps = written_ ? std::nullopt : coarse_floats(*survey_)) warn(*steps);
+  if (!written_) warn_of_coarse_floats();
   if (description_.dropped_count > 0)
     warn(std::to_string(description_.dropped_count) + " points " + reason_to_drop() + " were skipped");
   cloud.warnings.insert(cloud.warnings.end(), warnings_.begin(), warnings_.end());
+}
+
+void TableReader::warn_of_coarse_floats() {
+  CoordinateSurvey survey = *survey_;
+  for (int axis = 0; axis < 3; ++axis)
+    if (type_of(k_axes[axis]) != ScalarType::float32) survey.resolution[axis] = 0.0;
+  if (const auto steps = coarse_floats(survey)) warn(*steps);
 }
 
 glm::dvec3 TableReader::resolution(const Bounds& bounds) const {
   if (written_) return written_->resolution();
   glm::dvec3 result(0.0);
   if (bounds.empty()) return result;
-  constexpr ColumnRole k_roles[] = {ColumnRole::x, ColumnRole::y, ColumnRole::z};
   for (int axis = 0; axis < 3; ++axis) {
     const double largest = std::max(std::abs(bounds.min[axis]), std::abs(bounds.max[axis]));
-    if (const auto type = type_of(k_roles[axis])) result[axis] = type_resolution(*type, largest);
+    if (const auto type = type_of(k_axes[axis])) result[axis] = type_resolution(*type, largest);
   }
   return result;
 }

@@ -140,6 +140,7 @@ class TableReader : public CloudReader {
 
  private:
   std::optional<ScalarType> type_of(ColumnRole role) const;
+  void warn_of_coarse_floats();
   void visit_whole_rows(const RowVisitor& visit, const Progress& progress);
 
   std::vector<TableColumn> columns_;

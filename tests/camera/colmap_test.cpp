@@ -262,7 +262,7 @@ TEST(Colmap, lines_of_observations_may_be_missing) {
   };
   const std::string a = "3 1 0 0 0 0 0 0 1 a", b = "4 0.5 0.5 -0.5 0.5 1 2 3 1 sub dir/photo 2.JPG",
                     c = "5 1 0 0 0 0 0 0 1 c";
-  const std::vector<std::string> expected = {"a", "c", "sub dir/photo 2.JPG"};
+  const std::vector<std::string> expected = {"a", "sub dir/photo 2.JPG", "c"};
   for (const std::string end : {"\n", "\r\n", "\r"}) {
     EXPECT_EQ(names_of(a + end + b + end + c + end), expected);
     EXPECT_EQ(names_of(a + end + end + b + end + end + c), expected);

@@ -107,10 +107,13 @@ TEST(DamageTest, extended_records_at_an_impossible_offset_are_left_out) {
 TEST(DamageTest, a_las_file_that_was_transferred_as_text_is_an_error) {
   LasFile file = test::sample_las(2, 1, 500);
   for (test::LasPoint& point : file.points) point.intensity = 10;
+  const std::vector<std::byte> bytes = build_las(file);
+  std::uint32_t points = 0;
+  std::memcpy(&points, bytes.data() + 96, sizeof points);
   std::string text;
-  for (const std::byte byte : build_las(file)) {
-    if (byte == std::byte{'\n'}) text += '\r';
-    text += static_cast<char>(byte);
+  for (std::size_t i = 0; i < bytes.size(); ++i) {
+    if (i >= points && bytes[i] == std::byte{'\n'}) text += '\r';
+    text += static_cast<char>(bytes[i]);
   }
   for (const bool partial : {false, true}) {
     const std::string message = error_of(

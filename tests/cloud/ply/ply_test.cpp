@@ -231,7 +231,7 @@ TEST(Ply, coarse_float32_coordinates_are_a_warning_with_their_steps) {
     return read_ply(text);
   };
   EXPECT_TRUE(warns(read("float", 500000, 5000000), "rounded here: y in steps of 0.5"));
-  EXPECT_TRUE(warns(read("float", 690000, 9000000), "x in steps of 0.0625, y in steps of 1"));
+  EXPECT_TRUE(warns(read("float", 1500000, 9000000), "x in steps of 0.125, y in steps of 1"));
   EXPECT_FALSE(warns(read("float", 0, 0), "float32"));
   EXPECT_FALSE(warns(read("float", 500, 5000), "float32"));
   EXPECT_FALSE(warns(read("double", 500000, 5000000), "float32"));

@@ -70,10 +70,13 @@ TEST(TextScanner, lines_end_with_line_feeds_carriage_returns_or_both) {
   for (const char* text :
        {"a\n\nb c", "a\r\rb c", "a\r\n\r\nb c", "a\n\nb c\n", "a\r\rb c\r", "a\r\n\nb c\r\n", "a\n\rb c"})
     EXPECT_EQ(lines_of(text), expected) << text;
-  // A carriage return as the last byte of the window may have its line feed behind it.
-  const std::string filler((1 << 20) - 1, 'x');
-  for (const char* end : {"\r\n", "\r", "\n"})
-    EXPECT_EQ(lines_of(filler + end + "last"), (std::vector<std::string>{filler, "last"}));
+  // A carriage return as the last byte of a window of a mebibyte and a little more may have its line feed behind it.
+  for (const std::size_t before : {0u, 1u, 2u, 3u, 4u}) {
+    const std::string first(before, 'f'), second((1 << 20) - 1, 'x');
+    for (const char* end : {"\r\n", "\r", "\n"})
+      EXPECT_EQ(lines_of(first + "\n" + second + end + "last"),
+                (std::vector<std::string>{first, second, "last"}));
+  }
   // Linear also without any line feed: this would take minutes otherwise.
   std::string many;
   for (int i = 0; i < 2'000'000; ++i) many += "1\r";
@@ -188,9 +191,9 @@ TEST(Text, titles_hold_with_and_without_a_count_line_in_any_order_of_columns) {
       if (before == after && !before.empty()) continue;
       for (const std::string mark : {"//", "", "# "}) {
         for (const char separator : {' ', ';', ',', '\t'}) {
-          expect_named_points(before + with(mark + "X Y Z Classification GpsTime\n", separator) + after +
+          expect_named_points(before + mark + with("X Y Z Classification GpsTime\n", separator) + after +
                               with(rows, separator));
-          expect_named_points(before + with(mark + "Y X Z Gps_Time Scalar_Classification\n", separator) +
+          expect_named_points(before + mark + with("Y X Z Gps_Time Scalar_Classification\n", separator) +
                               after + with(turned, separator));
         }
       }
