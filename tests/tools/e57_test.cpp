@@ -76,7 +76,7 @@ TEST_F(E57ProgramTest, names_stay_on_their_line) {
   builder.add_image("");
   write("named.e57", builder.file());
   const ProgramResult table = run({"info", "named.e57"});
-  EXPECT_TRUE(contains(table.out, "scan 1 '?[31mGr\xC3\xBCn?points 9': 1 records")) << table.out;
+  EXPECT_TRUE(contains(table.out, "scan 1 '\\x1b[31mGr\xC3\xBCn\\npoints 9': 1 records")) << table.out;
   EXPECT_TRUE(contains(table.out, "image 1: no image, no pose")) << table.out;
 }
 

@@ -32,10 +32,7 @@ std::string picture_text(const E57Picture& picture) {
                      picture.height, picture.mask ? " with mask" : "");
 }
 
-/// Names say anything: line breaks and what moves the cursor would look like words of ours.
-std::string named(const char* kind, std::size_t number, std::string name) {
-  std::ranges::replace_if(
-      name, [](unsigned char character) { return character < 0x20 || character == 0x7f; }, '?');
+std::string named(const char* kind, std::size_t number, const std::string& name) {
   return name.empty() ? fmt::format("{} {}", kind, number) : fmt::format("{} {} '{}'", kind, number, name);
 }
 

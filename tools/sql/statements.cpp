@@ -12,6 +12,7 @@
 #include <string_view>
 #include <utility>
 
+#include "base/shown_text.h"
 #include "database/sqlite/prepare.h"
 #include "database/sqlite/sql_tokens.h"
 #include "tools/console.h"
@@ -153,6 +154,17 @@ std::string share(std::uint64_t part, std::uint64_t all) {
                   : fmt::format(" ({:.1f} %)", 100.0 * static_cast<double>(part) / static_cast<double>(all));
 }
 
+/// A statement keeps its lines: they are the user's own.
+void say_rewritten(std::string_view statement) {
+  std::string text = "alidade: rewritten as: ";
+  for (std::size_t begin = 0; begin <= statement.size();) {
+    const std::size_t end = std::min(statement.find('\n', begin), statement.size());
+    text += line_text(statement.substr(begin, end - begin)) + "\n";
+    begin = end + 1;
+  }
+  write_to_stderr(text);
+}
+
 void explain(const database::Prepared& prepared, const database::ScanReads& before,
              const database::ScanReads& after, std::uint64_t rows, double milliseconds) {
   const std::uint64_t scans = after.scans - before.scans, chunks = after.chunks - before.chunks,
@@ -162,7 +174,7 @@ void explain(const database::Prepared& prepared, const database::ScanReads& befo
   if (scans > 1) text += fmt::format(" in {} scans", scans);
   if (scans > 0) text += fmt::format(", {} points tested", after.points_read - before.points_read);
   say_note(fmt::format("{}, {} {}, {:.1f} ms", text, rows, rows == 1 ? "row" : "rows", milliseconds));
-  if (!prepared.pruned.empty()) say_note("rewritten as: " + prepared.pruned);
+  if (!prepared.pruned.empty()) say_rewritten(prepared.pruned);
   if (!prepared.reason.empty())
     say_note((prepared.pruned.empty() ? "not rewritten: " : "not rewritten further: ") + prepared.reason);
 }

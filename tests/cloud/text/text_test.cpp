@@ -387,7 +387,7 @@ TEST(Text, errors_name_file_line_expectation_and_finding) {
   expect(std::string(10 << 20, 'x'), "memory:line 1: line too long; expected at most 1048576 bytes");
   expect(std::string("\0\1\2", 3),
          "memory:line 1: neither a point nor a header with column names; expected numbers, or "
-         "column names with x, y and z, also by --columns, found \"???\"");
+         "column names with x, y and z, also by --columns, found \"\\x00\\x01\\x02\"");
 }
 
 TEST(Text, more_than_4096_columns_are_an_error_of_their_line) {
