@@ -25,6 +25,8 @@ std::uint32_t points_offset(const std::vector<std::byte>& bytes) {
   return offset;
 }
 
+constexpr std::size_t k_points = 30;
+
 /// Files of every kind, small enough to damage them everywhere.
 std::vector<std::vector<std::byte>> samples() {
   std::vector<std::vector<std::byte>> files;
@@ -38,8 +40,6 @@ std::vector<std::vector<std::byte>> samples() {
   }
   return files;
 }
-
-constexpr std::size_t k_points = 30;
 
 /// The points that a file of k_points gives; empty for an Error, which must name the file.
 std::optional<std::size_t> points_read(std::span<const std::byte> bytes, bool partial) {
