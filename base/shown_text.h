@@ -12,15 +12,15 @@
 
 namespace alidade {
 
-/// For a line on a terminal and in messages: \n, \x1b, \u009b, \u202e; bytes that are no UTF-8 as \xff. Applied again,
-/// it changes nothing.
+/// For a line on a terminal and in messages: `\n`, `\x1b`, `\u009b`, `\u202e`; bytes that are no UTF-8 as `\xff`. Applied
+/// again, it changes nothing.
 std::string line_text(std::string_view text);
 
 /// A cell of CSV that is text and no number: line_text(), behind an apostrophe if spreadsheets would take it for a formula
 /// (=, +, -, @ in front, unless it is a number), in quotes if it needs them (RFC 4180).
 std::string csv_cell(std::string_view text);
 
-/// JSON in which strings hold such characters as \u009b, \u202e: the same values.
+/// JSON in which strings hold such characters as `\u009b`, `\u202e`: the same values.
 std::string plain_json(std::string json);
 
 /// The text of a value of nlohmann::json; bytes that are no UTF-8 become U+FFFD.
