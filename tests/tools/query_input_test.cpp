@@ -116,8 +116,9 @@ TEST_F(QueryInputTest, an_index_that_is_cut_below_the_program_ends_it_with_a_mes
                                std::filesystem::copy_options::overwrite_existing);
     const std::filesystem::path pipe = folder / "pipe";
     ASSERT_EQ(::mkfifo(pipe.c_str(), 0600), 0);
-    Program program({"query", "cut.alidade", "-q", "--rays", "-", "--radius", "1", "-o", "out.csv"}, folder,
-                    {}, pipe);
+    Program program(
+        {"query", "cut.alidade", "-q", "--rays", "-", "--radius", "1", "--k", "1", "-o", "out.csv"}, folder,
+        {}, pipe);
     {
       std::ofstream writer(pipe);
       writer << k_header;
