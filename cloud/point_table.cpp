@@ -190,10 +190,9 @@ double meant_number(const ExtraDimension& dimension, const std::uint8_t* at) {
       return std::numeric_limits<double>::quiet_NaN();
     const auto number = static_cast<double>(stored);
     // NaN is no factor and no summand.
-    const bool is_scaled = dimension.has_scale && std::isfinite(dimension.scale);
-    const bool is_moved = dimension.has_offset && std::isfinite(dimension.offset);
-    if (!is_scaled && !is_moved) return number;
-    return (is_moved ? dimension.offset : 0.0) + (is_scaled ? dimension.scale : 1.0) * number;
+    const double scale = std::isfinite(dimension.scale) ? dimension.scale : 1.0;
+    const double offset = std::isfinite(dimension.offset) ? dimension.offset : 0.0;
+    return scale == 1.0 && offset == 0.0 ? number : offset + scale * number;
   });
 }
 

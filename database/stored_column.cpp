@@ -17,8 +17,8 @@ namespace alidade::database {
 namespace {
 
 /// Names of columns that every table has, in small characters; those of PostgreSQL last.
-const std::set<std::string> k_taken = {"id",   "x",    "y",    "z",    "_chunk", "rowid",
-                                       "ctid", "cmin", "cmax", "xmin", "xmax",   "tableoid"};
+const std::set<std::string> k_taken = {"id",   "x",    "y",    "z",    "_chunk",  "ctid",
+                                       "cmin", "cmax", "xmin", "xmax", "tableoid"};
 
 /// PostgreSQL keeps so many bytes of a name.
 constexpr std::size_t k_most_bytes = 63;
