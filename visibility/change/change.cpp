@@ -181,7 +181,8 @@ class Comparison {
   Finding by_distance(const ComparedPoint& point) const {
     Finding finding = by_surfaces(point);
     if (std::isnan(finding.distance) && point.nearest == 0.0) {
-      const double level = detection_level({}, {}, options_.registration_error);
+      const CylinderSurface alone{.count = 1};
+      const double level = detection_level(alone, alone, options_.registration_error);
       finding = {ChangeClass::same, 0.0f, static_cast<float>(level)};
     }
     return finding;
