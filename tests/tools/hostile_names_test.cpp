@@ -69,7 +69,7 @@ TEST_F(HostileNamesTest, of_attributes_and_files_are_escapes_on_a_terminal_and_i
 
 TEST_F(HostileNamesTest, of_columns_are_quoted_cells_and_no_formulas) {
   said({"convert", k_file, "-o", "points.csv"});
-  EXPECT_TRUE(plain_file("points.csv").starts_with("x,y,z,\"'=_[2J_INJ_____,\"\"q\"\n"));
+  EXPECT_TRUE(contains(plain_file("points.csv"), ",\"'=_[2J_INJ_____,\"\"q\"\n"));
   const std::string select = "SELECT * FROM points LIMIT 2";
   const std::string csv = said({"sql", k_file, select, "--csv", "-q"});
   EXPECT_TRUE(contains(csv.substr(0, csv.find('\n')), ",\"'=\\x1b[2J\\nINJ\\u009b\\u202e,\"\"q\"")) << csv;
