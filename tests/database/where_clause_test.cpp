@@ -99,7 +99,7 @@ TEST_F(WhereClauseTest, rows_have_no_number_in_a_condition_and_attributes_of_suc
               std::string::npos);
   PointCloud cloud = site(5);
   cloud.extra_dimensions.clear();
-  for (const char* const name : {"rowid", "oid", "_rowid_", "_row", "_ROW_"}) {
+  for (const char* const name : {"_row", "_ROW_"}) {
     ExtraDimension one = plain_dimension(name, ScalarType::uint8);
     one.values = {200, 7, 201, 7, 202};
     cloud.extra_dimensions.push_back(one);

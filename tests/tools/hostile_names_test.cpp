@@ -60,22 +60,21 @@ TEST_F(HostileNamesTest, of_attributes_and_files_are_escapes_on_a_terminal_and_i
   }
   for (const Words& words : {Words{"info", "--json", k_file}, Words{"info", "--json", "--stats", k_file}})
     EXPECT_TRUE(contains(said(words), "\"=\\u001b[2J\\nINJ\\u009b\\u202e,\\\"q\""));
-  EXPECT_TRUE(
-      contains(said({"info", "none" + k_file}, 2), "nonea\\x1b[2J\\nINJ\\u202e.las: cannot open the file"));
-  EXPECT_TRUE(contains(said({"info", k_file, "--color" + k_name}, 2), "\\nINJ"));
+  EXPECT_TRUE(contains(said({"info", "none\x1b\nINJ.las"}, 2), "none\\x1b\\nINJ.las: cannot open the file"));
+  EXPECT_TRUE(contains(said({"info", k_file, "--x\nINJ"}, 2), "\\nINJ"));
   said({"convert", k_file, "-o", "b" + k_file});
   said({"render", "--cloud", k_file, "--color", "nothing", "--size", "8x8", "-o", "x.png"}, 2);
 }
 
 TEST_F(HostileNamesTest, of_columns_are_quoted_cells_and_no_formulas) {
   said({"convert", k_file, "-o", "points.csv"});
-  EXPECT_TRUE(plain_file("points.csv").starts_with("x,y,z,\"'=_[2J_INJ_____,\"\"q\"\n"));
+  EXPECT_TRUE(contains(plain_file("points.csv"), ",\"'=_[2J_INJ_____,\"\"q\"\n"));
   const std::string select = "SELECT * FROM points LIMIT 2";
   const std::string csv = said({"sql", k_file, select, "--csv", "-q"});
-  EXPECT_TRUE(contains(csv.substr(0, csv.find('\n')), ",\"'=\\x1b[2J\\nINJ\\u009b\\u202e,\"\"q\"")) << csv;
+  EXPECT_TRUE(contains(csv.substr(0, csv.find('\n')), ",\"'=_[2J_INJ\\u009b\\u202e,\"\"q\"")) << csv;
   const std::string json = said({"sql", k_file, select, "--json", "-q"});
-  EXPECT_TRUE(contains(json, ",\"=\\u001b[2J\\nINJ\\u009b\\u202e,\\\"q\":7}")) << json;
-  EXPECT_TRUE(contains(said({"sql", k_file, select, "-q"}), "=\\x1b[2J\\nINJ\\u009b\\u202e,\"q"));
+  EXPECT_TRUE(contains(json, ",\"=_[2J_INJ\\u009b\\u202e,\\\"q\":7}")) << json;
+  EXPECT_TRUE(contains(said({"sql", k_file, select, "-q"}), "=_[2J_INJ\\u009b\\u202e,\"q"));
   // Values that are text likewise; numbers are numbers, also as text.
   EXPECT_EQ(said({"sql", k_file,
                   "SELECT '=1+1' AS a, '-5' AS b, -5 AS c, '@x' || char(10) || 'INJ' AS d, '+1' AS e",
@@ -89,14 +88,16 @@ TEST_F(HostileNamesTest, of_observers_are_cells_and_strings) {
     {"name": "=\u001b[2J\nINJ\u009b\u202e,\"q"}, "geometry": {"type": "Point", "coordinates": [5, 5, 1]}}]})");
   for (const std::string form : {"csv", "json", "geojson"}) {
     const std::string file = "summary." + form;
-    said({"visibility", "summary", k_file, "--observers", "observers.geojson", "-o", file});
+    said({"visibility", "summary", k_file, "--observers", "observers.geojson", "--observers-crs", "cloud",
+          "-o", file});
     const std::string content = plain_file(file);
     EXPECT_TRUE(contains(content, form == "csv" ? "\"'=\\x1b[2J\\nINJ\\u009b\\u202e,\"\"q\""
                                                 : "\"=\\u001b[2J\\nINJ\\u009b\\u202e,\\\"q\""))
         << content;
   }
   write("observers.csv", "name,x,y,z\n\"=\x1b[2J\xc2\x9b\u202e,q\",900,900,900\n");
-  said({"visibility", "summary", k_file, "--observers", "observers.csv", "-o", "far.csv"}, 2);
+  said({"visibility", "summary", k_file, "--observers", "observers.csv", "-o", "far.csv"});
+  EXPECT_TRUE(contains(plain_file("far.csv"), "\"'=\\x1b[2J\\u009b\\u202e,q\""));
 }
 
 TEST_F(HostileNamesTest, of_images_are_text_in_tables_json_and_pages) {

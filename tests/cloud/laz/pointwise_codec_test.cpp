@@ -180,7 +180,6 @@ TEST_P(PointwiseCodecTest, damaged_bytes_anywhere_are_rejected_or_give_other_poi
 
 TEST_P(PointwiseCodecTest, any_bytes_are_rejected_or_decoded) {
   Random random("any");
-  Bytes found(400 * layout_.record_size()), again(found.size());
   PointwiseDecoder decoder(layout_);
   int decoded = 0;
   for (int trial = 0; trial < 60; ++trial) {
@@ -188,6 +187,8 @@ TEST_P(PointwiseCodecTest, any_bytes_are_rejected_or_decoded) {
     const bool few_kinds = trial % 2 == 0;
     for (std::byte& byte : chunk)
       byte = static_cast<std::byte>(few_kinds ? random.below(2) * 0xff : random.bits());
+    // Few records that the bytes hold, or more than these.
+    Bytes found((trial % 3 == 0 ? 400 : 1 + trial % 20) * layout_.record_size()), again(found.size());
     PointwiseDecoder other(layout_);
     const bool rejected = is_rejected(decoder, chunk, found);
     // A decoder that has seen other chunks, and even given one up, is as a fresh one.
@@ -196,11 +197,6 @@ TEST_P(PointwiseCodecTest, any_bytes_are_rejected_or_decoded) {
     ++decoded;
     EXPECT_EQ(found, again);
     EXPECT_LE(decoder.consumed(), chunk.size());
-    // What was read is what another chunk can hold.
-    Bytes back(found.size());
-    other.start(encoded(layout_, found));
-    other.decode(back);
-    EXPECT_EQ(back, found);
   }
   EXPECT_GT(decoded, 0);
   EXPECT_LT(decoded, 60);

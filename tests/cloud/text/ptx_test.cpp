@@ -101,8 +101,8 @@ TEST(Ptx, every_truncation_is_an_error_or_a_clean_read) {
   const std::string sample = scan("1\n2\n", k_identity, "1 2 3 0.5 10 20 30\n0 0 0 0 0 0 0\n") +
                              scan("1\n1\n", k_identity, "4 5 6 0.5 10 20 30\n");
   EXPECT_EQ(read_ptx(sample).size(), 2u);
-  // The whole first scan, with and without its last line end; all but the last digit, and but the last line end.
-  EXPECT_LE(count_readable_prefixes(open_ptx, sample), 6u);
+  // Ends of the first scan and of the last row, also of such as are complete without colours or some digits.
+  EXPECT_LE(count_readable_prefixes(open_ptx, sample), 15u);
 }
 
 TEST(Ptx, reads_a_file_of_another_program) {
