@@ -59,8 +59,8 @@ struct CloudInput {
   bool is(const CloudFormat& which) const { return format == &which; }
   /// Whether it is to be taken otherwise than it is stored, but for the unit of heights.
   bool is_changed() const;
-  /// Whether its heights are to be in another unit (InputView::has_one_unit). Opens it. Requires a format. Errors: those
-  /// of opening, and of InputView::change_of().
+  /// Whether its heights are to be in another unit (InputView::has_one_unit). Opens it. Requires a format. Errors:
+  /// those of opening, and of InputView::change_of().
   bool changes_heights() const;
 };
 

@@ -82,7 +82,7 @@ class RowsToFill {
 /// What a file says about all of its points at once.
 struct FileFacts {
   Crs crs{};
-  std::string heights_note{};  ///< how heights were brought to another unit (HeightChange::note); empty: they were not
+  std::string heights_note{};  ///< how heights were converted (HeightChange::note); empty: they were not
   std::optional<bool> gps_time_is_standard{};  ///< as PointCloud's; empty if the format cannot say
   std::array<std::uint8_t, 16> project_id{};   ///< as PointCloud's, and so is the next one
   std::uint16_t file_source_id = 0;

@@ -66,8 +66,8 @@ enum class CrsAgreement { same, unknown, different };
 /// Compares two systems that are not empty, however they are written: by a CrsLibrary if one is used. Of what it does
 /// not understand, and without one, by the units that they state, by their EPSG codes where both have one, else WKT by
 /// its names, characters and digits alone, and its numbers, and GeoTIFF keys among themselves as they are; nothing is
-/// known of WKT without code beside keys, and of two names for the same numbers (same_definition()). A library that does not understand one of them leaves `same`
-/// and `unknown`.
+/// known of WKT without code beside keys, and of two names for the same numbers (same_definition()). A library that
+/// does not understand one of them leaves `same` and `unknown`.
 CrsAgreement compare_crs(const Crs& a, const Crs& b);
 
 /// Whether two projected systems, WKT of version 1, are defined by the same numbers: ellipsoid, prime

@@ -51,8 +51,8 @@ struct CloudSource {
 Lattice common_lattice(const std::vector<CloudSource>& sources);
 
 /// The coordinate reference system of the joined cloud: that of the first file that states one. Error: a file
-/// with points states a different one (compare_crs()); the one that most files do not share is named. Or one states none
-/// where heights of others are converted.
+/// with points states a different one (compare_crs()); the one that most files do not share is named. Or one states
+/// none where heights of others are converted.
 Crs common_crs(const std::vector<CloudSource>& sources);
 
 /// Keeps one copy of the records that the tiles of a survey repeat. Repetitions within one file stay: they

@@ -46,10 +46,11 @@ struct ReadOptions {
 /// `warnings`). LAS files of different lattices are joined on one that holds all their positions exactly, mostly the
 /// finest; where none does, those that are rounded are warned of (joined_lattice()). A file that states another
 /// coordinate reference system than the others is an Error; one that states none beside others that do is warned of.
-/// Heights stay in their unit, unless one unit is wanted (in_one_unit()). Files without a lattice of their own get one fine enough that rounding stays below
-/// what the file's own number type can express (or, for double coordinates, the finest power of ten that 32
-/// bits hold). A warning says where rounding costs more than the digits written or the number type had, and
-/// more than a millionth of the file's longest side; double coordinates are rounded without one.
+/// Heights stay in their unit, unless one unit is wanted (in_one_unit()). Files without a lattice of their own get
+/// one fine enough that rounding stays below what the file's own number type can express (or, for double coordinates,
+/// the finest power of ten that 32 bits hold). A warning says where rounding costs more than the digits written or
+/// the number type had, and more than a millionth of the file's longest side; double coordinates are rounded without
+/// one.
 ///
 /// Errors: Error naming file, position, expectation and finding. Memory: the columns of the result plus a
 /// constant, and for several files those of 4 million points or an eighth of all, whichever is more; counts

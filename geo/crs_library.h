@@ -11,8 +11,8 @@ namespace alidade::geo {
 // The functions of a CrsLibrary, by GDAL and PROJ.
 
 /// All of a system as WKT: what the file gave, or what its GeoTIFF keys mean, with their heights. Where a key states
-/// the unit of heights, it holds above that of the vertical system's code: programs write both, and mean the unit. Empty
-/// if it is missing or invalid.
+/// the unit of heights, it holds above that of the vertical system's code: programs write both, and mean the unit.
+/// Empty if it is missing or invalid.
 std::string whole_wkt(const Crs& crs);
 
 /// Whether two systems are one, whatever their names, the order of their axes and how they are written. `different`:

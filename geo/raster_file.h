@@ -54,13 +54,12 @@ struct HeightRaster {
 /// Whether GDAL reads the file as a raster. Not for text of x, y and z, which is a cloud, and for missing files.
 bool is_raster(const std::filesystem::path& file);
 
-/// Reads the first band of a raster in any format of GDAL, with its scale and offset. Heights in another unit than x and
-/// y, by the system's vertical part or else the unit of the band, are converted to it. Rows come back from the
-/// north. `progress` is in cells. Errors: not a raster; no band of numbers; no georeference; rotated or
-/// sheared; cells that are not square (to a thousandth of a cell over the raster); more than k_most_cells
-/// cells, or more than the memory holds; geographic coordinates; a finite height beyond 1e6, a no-data value that
-/// the file does not declare; damaged data. Cost: that of GDAL's reading. Memory: 4 B per cell, checked with that
-/// of a terrain.
+/// Reads the first band of a raster in any format of GDAL, with its scale and offset. Heights in another unit than x
+/// and y, by the system's vertical part or else the unit of the band, are converted to it. Rows come back from the
+/// north. `progress` is in cells. Errors: not a raster; no band of numbers; no georeference; rotated or sheared;
+/// cells that are not square (to a thousandth of a cell over the raster); more than k_most_cells cells, or more than
+/// the memory holds; geographic coordinates; a finite height beyond 1e6, a no-data value that the file does not
+/// declare; damaged data. Cost: that of GDAL's reading. Memory: 4 B per cell, checked with that of a terrain.
 HeightRaster read_heights(const std::filesystem::path& file, const Progress& progress = {});
 
 /// A picture on the ground, but for its pixels.

@@ -23,12 +23,11 @@ struct ReferenceRequest {
 
 /// How a file's positions get into the wanted system, through PROJ. Heights follow where both systems have
 /// heights (EPSG:25832+7837), or the file's are geocentric; otherwise they stay on their datum, a compound
-/// system keeps its vertical part, and their unit becomes that of the wanted system's heights: where it has none that of
-/// its x and y, over degrees metres. Warns where `stated` differs from what the file says. Errors: GDAL does not
+/// system keeps its vertical part, and their unit becomes that of the wanted system's heights: where it has none that
+/// of its x and y, over degrees metres. Warns where `stated` differs from what the file says. Errors: GDAL does not
 /// understand a system; the file's is unknown or local; its points cannot lie in it (implausible_crs()); the unit of
-/// its heights is unknown, or `height_unit` contradicts it; there
-/// is no way from one to the other. Cost of moving: some us per position, shared by the threads of the task
-/// arena (oneTBB).
+/// its heights is unknown, or `height_unit` contradicts it; there is no way from one to the other. Cost of moving:
+/// some us per position, shared by the threads of the task arena (oneTBB).
 ReferenceChange change_reference(const ReferenceRequest& request, const std::filesystem::path& file,
                                  const FileFacts& facts);
 

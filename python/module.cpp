@@ -34,8 +34,8 @@ void add_errors(py::module_& module) {
   });
 }
 
-/// A function of the module beside this one. GDAL, with the libraries it brings, is loaded when the first is needed: for
-/// a remote file, or systems that must be compared. Null without it, and then `reason` says why.
+/// A function of the module beside this one. GDAL, with the libraries it brings, is loaded when the first is needed:
+/// for a remote file, or systems that must be compared. Null without it, and then `reason` says why.
 void* function_with_gdal(const char* name, std::string& reason) {
   static void* const library = [] {
     ::Dl_info info{};

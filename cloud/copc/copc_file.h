@@ -87,8 +87,9 @@ class CopcFile {
   /// Errors: the file is no COPC 1.0 (LAS 1.4 with points of format 6 to 8, compressed in chunks of different
   /// sizes, behind a record of COPC); what read_las_header(), parse_laszip_record(), read_chunk_table(),
   /// parse_copc_info() and read_copc_hierarchy() reject. `rests`: whether the file is closed between reads, so that
-  /// thousands can be in use. `input`, if given, says in which unit heights are wanted (InputView::has_one_unit): header,
-  /// reference system, boxes and points are then those of the stretched cloud. Errors: those of InputView::change_of().
+  /// thousands can be in use. `input`, if given, says in which unit heights are wanted (InputView::has_one_unit):
+  /// header, reference system, boxes and points are then those of the stretched cloud. Errors: those of
+  /// InputView::change_of().
   explicit CopcFile(InputFile file, bool rests = false, const CloudInput* input = nullptr);
 
   const std::string& name() const { return file_.name(); }

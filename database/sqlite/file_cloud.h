@@ -19,7 +19,8 @@ class FileCloud {
  public:
   /// Names of files, folders and patterns (resolve_clouds()), taken together as one cloud: a single COPC file with
   /// points is read where it lies (copc_chunks()), unless with ReadOptions::partial; everything else is loaded
-  /// (octree_chunks()). Heights are in the unit of x and y (in_one_unit()). Errors: those of resolve_clouds() and of these; a file changes while it is read. Cancelled.
+  /// (octree_chunks()). Heights are in the unit of x and y (in_one_unit()). Errors: those of resolve_clouds() and of
+  /// these; a file changes while it is read. Cancelled.
   FileCloud(std::span<const std::filesystem::path> names, const FileTables& how);
 
   const CloudSchema& schema() const { return chunks_.schema; }

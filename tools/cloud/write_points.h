@@ -63,8 +63,9 @@ void write_points(const std::filesystem::path& file, const IndexedCloud& cloud,
                   std::optional<std::uint64_t> memory, Verbosity verbosity);
 
 /// The same for several clouds, at least one, in one file, each behind the one before. A column that only some have
-/// is 0 in the others. Positions are on one lattice (joined_lattice()), on which some are rounded by half a step at most
-/// where it does not hold all of them exactly. Reference system: that of the first cloud that has one; records and encoding: of the first.
+/// is 0 in the others. Positions are on one lattice (joined_lattice()), on which some are rounded by half a step at
+/// most where it does not hold all of them exactly. Reference system: that of the first cloud that has one; records
+/// and encoding: of the first.
 void write_points(const std::filesystem::path& file, std::span<const CloudResults> clouds, bool overwrite,
                   std::optional<std::uint64_t> memory, Verbosity verbosity);
 
