@@ -23,7 +23,7 @@ QUERIES = {
     "nearest with a radius": (["--ray", "--radius", "0.5", "--k", "7", "--measure", "distance"],
                               lambda index: index.nearest(RAY, radius=0.5, k=7)),
     "whole line": (["--line", "--radius", "0.5"], lambda index: index.within(RAY, radius=0.5, t_min=-np.inf)),
-    "whole line, nearest": (["--line", "--k", "7"], lambda index: index.nearest(RAY, k=7, t_min=-np.inf)),
+    "whole line, nearest": (["--line", "--k", "7"], lambda index: index.nearest(RAY, k=7, t_min=-np.inf)),  # ahead
 }
 
 
@@ -39,7 +39,7 @@ def test_queries_have_the_same_defaults(name, yard, index):
     expected = [int(row.split(",")[2]) for row in rows]
     assert expected and np.atleast_1d(ask(index).index).tolist() == expected
     behind = any(float(row.split(",")[6]) < 0 for row in rows)
-    assert behind == (options[0] == "--line"), "only a line is asked behind its origin"
+    assert behind == (name == "whole line"), "only a line is asked behind its origin"
 
 
 def test_counts_and_occlusion_begin_at_the_origin(yard, index):

@@ -115,7 +115,7 @@ def test_shapes_of_rays_are_those_of_answers(scattered, rays):
     (dict(origins=np.ones((3, 3)), directions=np.ones((4, 3)), radius=1), ["different shapes"]),
     (dict(rays=[0, 0, 0, 0, 0, 1], radius=-1), ["radius"]),
     (dict(rays=[0, 0, 0, 0, 0, 1], radius=np.nan), ["radius"]),
-    (dict(rays=[0, 0, 0, 0, 0, 1]), ["radius"]),
+    (dict(rays=[0, 0, 0, 0, 0, 1], measure="entry"), ["radius"]),
     (dict(rays=[0, 0, 0, 0, 0, 1], radius=1, measure="first"), ["entry, distance or t", "first"]),
     (dict(rays=[[0, 0, 0, 0, 0, 1]] * 2, radius=1, t_min=[1, 2, 3]), ["t_min", "(2)", "(3,)"]),
     (dict(rays=np.ones((2, 3, 6)), radius=1, t_max=np.ones((3, 2))), ["t_max", "(2, 3)", "(3, 2)"]),

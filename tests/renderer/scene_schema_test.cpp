@@ -243,8 +243,8 @@ TEST_F(SceneSchemaTest, reader_accepts_exactly_the_keys_of_the_schema) {
 
 TEST_F(SceneSchemaTest, leaving_a_key_out_means_the_default_in_the_schema) {
   // What has no default: texts for people, what a scene may do without, and what follows from other keys.
-  const std::set<std::string> without_default{"version", "description", "cloud",  "sun",  "camera",
-                                              "file",    "files",       "albedo", "name", "factor"};
+  const std::set<std::string> without_default{"version", "description", "cloud", "sun",    "camera", "file",
+                                              "files",   "albedo",      "name",  "factor", "surface"};
   int count = 0;
   for (const Sample& sample : samples()) {
     const auto applied = validator_.validate(sample.schema, sample.document).value();
