@@ -65,7 +65,10 @@ TEST(Alignment, a_slanted_peak_is_found_to_a_tenth_of_a_pixel) {
   const std::array<std::array<double, 2>, 3> shifts = {{{0.4, 0.0}, {0.0, -0.4}, {3.3, 5.7}}};
   for (const auto& [x, y] : shifts) {
     SCOPED_TRACE(testing::Message() << x << " " << y);
-    expect_shift(align(reference, slanted_blots(x, y), {}), x, y, 0.1);
+    // Certain or not: it is flat along the blots.
+    const Alignment alignment = align(reference, slanted_blots(x, y), {});
+    EXPECT_NEAR(alignment.shift_x, x, 0.1);
+    EXPECT_NEAR(alignment.shift_y, y, 0.1);
   }
 }
 
