@@ -52,7 +52,7 @@ class DegenerateTest(unittest.TestCase):
         return time.monotonic() - sent, said
 
     def test_every_command_ends_on_degenerate_clouds(self):
-        for cloud, folder in degenerate.make_clouds(PROGRAM, self.folder, ("equal", "two", "zeros", "far_zeros"), 8000).items():
+        for cloud, folder in degenerate.make_clouds(PROGRAM, self.folder, ("equal", "two", "zeros", "far_zeros"), 4000).items():
             for name, words in degenerate.commands(degenerate.EYES[cloud]).items():
                 with self.subTest(cloud=cloud, command=name):
                     degenerate.clear(folder)
