@@ -31,7 +31,7 @@ std::vector<UnitNode> unit_nodes(std::string_view wkt) {
     const std::string_view node = wkt_node(wkt.substr(at), {k_key});
     const std::size_t quote = node.find('"', k_key.size() + 1);
     if (node.size() <= k_key.size() || node[k_key.size()] != '"' || quote == std::string_view::npos) continue;
-    const std::size_t digit = node.find_first_of("0123456789.", quote);
+    const std::size_t digit = node.find_first_of("-0123456789.", quote);
     double metres = 0.0;
     if (digit != std::string_view::npos)
       std::from_chars(node.data() + digit, node.data() + node.size(), metres);

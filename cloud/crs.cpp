@@ -237,7 +237,18 @@ std::string characters_and_digits(std::string_view name) {
 }
 
 std::string crs_name(const Crs& crs) {
-  if (!crs.wkt.empty()) return wkt_name(crs.wkt);
+  if (!crs.wkt.empty()) {
+    const auto name_of = [&](std::initializer_list<std::string_view> keys) {
+      const std::string_view node = wkt_node(crs.wkt, keys);
+      return node.empty() ? "" : wkt_name(std::string(node));
+    };
+    const std::string name = wkt_name(crs.wkt), heights = name_of({"VERT_CS[", "VERTCRS[", "VERTICALCRS["}),
+                      plane = name_of({"PROJCS[", "PROJCRS[", "PROJECTEDCRS[", "GEOGCS[", "GEOGCRS["});
+    // Programs call the whole "unknown", or as its first part.
+    if (!plane.empty() && !heights.empty()) return plane + " + " + heights;
+    const bool is_named = !name.empty() && name != "unknown" && name != "unnamed";
+    return is_named ? name : "a system without a name";
+  }
   if (crs.geotiff_keys.empty()) return "none";
   const std::vector<std::string> codes = epsg_codes(crs);
   return codes.empty() ? "GeoTIFF keys without EPSG code" : fmt::format("{}", fmt::join(codes, ", "));

@@ -77,7 +77,8 @@ TEST(AxisUnitsTest, wkt_of_both_versions_states_the_unit_of_each_axis) {
   EXPECT_EQ(units_of(crs_of_wkt(with_heights(k_feet, k_metres))), "ft m");
   EXPECT_EQ(units_of(crs_of_wkt(k_version_2)), "us-ft m");
   EXPECT_EQ(units_of(crs_of_wkt(k_three_axes)), "m ft");
-  EXPECT_EQ(units_of(crs_of_wkt(R"(PROJCRS["a",CS[Cartesian,3],AXIS["h",up],LENGTHUNIT["foot",0.3048]])")), "ft")
+  EXPECT_EQ(units_of(crs_of_wkt(R"(PROJCRS["a",CS[Cartesian,3],AXIS["h",up],LENGTHUNIT["foot",0.3048]])")),
+            "ft")
       << "one unit of all axes";
   EXPECT_EQ(units_of(crs_of_wkt(k_geographic)), "-");
   EXPECT_EQ(units_of(crs_of_wkt(R"(PROJCS["without",)" + k_geographic + "]")), "-")
@@ -153,7 +154,7 @@ TEST(HeightUnitTest, heights_get_the_unit_of_x_and_y) {
 TEST(HeightUnitTest, a_unit_can_be_stated_where_the_file_states_none) {
   EXPECT_EQ(factor_of(crs_of_wkt(plane(k_metres)), k_survey_foot), 1200.0 / 3937.0);
   EXPECT_EQ(factor_of(crs_of_wkt(plane(k_metres)), k_metre), 1.0);
-  EXPECT_EQ(factor_of(of_keys({3076, 9003}), k_metre), 3937.0 / 1200.0);
+  EXPECT_DOUBLE_EQ(factor_of(of_keys({3076, 9003}), k_metre), 3937.0 / 1200.0);
   EXPECT_EQ(factor_of(crs_of_wkt(with_heights(k_metres, k_survey_feet)), k_survey_foot), 1200.0 / 3937.0)
       << "agrees";
   EXPECT_EQ(heights_in_plane_unit(crs_of_wkt(plane(k_metres)), k_foot, "site.las").crs,

@@ -39,6 +39,13 @@ TEST(CrsNameTest, a_system_is_called_by_its_wkt_else_by_its_codes) {
   EXPECT_EQ(crs_name(of_keys({3072, 32632, 4096, 5773})), "EPSG:32632, vertical EPSG:5773");
   EXPECT_EQ(crs_name(of_keys({3072, 32767})), "GeoTIFF keys without EPSG code");
   EXPECT_EQ(crs_name({}), "none");
+  const auto compound = [](const std::string& name) {
+    return crs_name(
+        of_wkt("COMPD_CS[\"" + name + R"(",PROJCS["plane",GEOGCS["datum"]],VERT_CS["heights"]])"));
+  };
+  for (const char* const whole : {"", "unknown", "plane", "plane + unknown", "plane + heights"})
+    EXPECT_EQ(compound(whole), "plane + heights") << whole;
+  EXPECT_EQ(crs_name(of_wkt("PROJCS[\"unknown\",GEOGCS[\"datum\"]]")), "a system without a name");
 }
 
 TEST(CompareCrsTest, systems_are_compared_by_their_codes_where_both_have_one) {

@@ -40,10 +40,12 @@ TEST(HeightUnitTest, the_vertical_system_counts_else_the_horizontal_one) {
   EXPECT_EQ(height_unit(Crs()), "m");
   EXPECT_EQ(of_wkt(R"(PROJCS["x",GEOGCS["y",UNIT["degree",0.0174]],UNIT["metre",1]])"), "m");
   EXPECT_EQ(of_wkt(R"(PROJCS["x",GEOGCS["y",UNIT["degree",0.0174]],UNIT["US survey foot",0.3048]])"), "ft");
-  EXPECT_EQ(of_wkt(R"(COMPD_CS["a",PROJCS["x",UNIT["US survey foot",0.3]],VERT_CS["h",UNIT["metre",1]]])"),
-            "m");
   EXPECT_EQ(
-      of_wkt(R"(COMPOUNDCRS["a",PROJCRS["x",LENGTHUNIT["metre",1]],VERTCRS["h",LENGTHUNIT["foot",0.3]]])"),
+      of_wkt(
+          R"(COMPD_CS["a",PROJCS["x",UNIT["US survey foot",0.304800609601219]],VERT_CS["h",UNIT["metre",1]]])"),
+      "m");
+  EXPECT_EQ(
+      of_wkt(R"(COMPOUNDCRS["a",PROJCRS["x",LENGTHUNIT["metre",1]],VERTCRS["h",LENGTHUNIT["foot",0.3048]]])"),
       "ft");
   EXPECT_EQ(of_wkt(R"(GEOGCS["y",UNIT["degree",0.0174]])"), "m");
   EXPECT_EQ(of_wkt(R"(LOCAL_CS["y",UNIT["furlong",201.168]])"), "");

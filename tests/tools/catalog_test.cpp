@@ -76,7 +76,7 @@ class CatalogProgramTest : public ProgramTest {
 TEST_F(CatalogProgramTest, answers_are_those_of_the_loaded_files) {
   make_tiles(5);
   make_catalog();
-  expect_same({"--ray", "690060,5325000,481,1,0.01,0", "--radius", "2", "--classes", "1,2,3,4,5"});
+  expect_same({"--line", "690060,5325000,481,1,0.01,0", "--radius", "2", "--classes", "1,2,3,4,5"});
   expect_same({"--point", "690250,5325000,480", "--k", "30", "--format", "jsonl"});
   expect_same({"--cone", "690000,5325000,600,1,0,-0.2,5", "--count"});
   const Words narrow = {"query", "site.catalog.json", "--box", "690060,5325000,470,690300,5325020,490", "-q"};

@@ -64,7 +64,8 @@ class UnitsTest : public ProgramTest {
     write_las(folder / name, cloud, {.overwrite = true});
   }
 
-  /// Runs `words` on both files and expects the same output, byte for byte, and one sentence on heights.
+  /// Runs `words` on both files and expects the same output, byte for byte, and one sentence on heights. OUT.csv is
+  /// where they write, if not to the terminal.
   void expect_as_in_metres(Words words) {
     ProgramResult results[2];
     for (int i = 0; i < 2; ++i) {
@@ -73,6 +74,9 @@ class UnitsTest : public ProgramTest {
         if (word == "CLOUD") word = i == 0 ? "feet.las" : "metres.las";
       results[i] = run(all);
       EXPECT_EQ(results[i].exit_code, 0) << results[i].err;
+      if (std::ranges::find(all, "OUT.csv") == all.end()) continue;
+      results[i].out = read("OUT.csv");
+      std::filesystem::remove(folder / "OUT.csv");
     }
     EXPECT_FALSE(results[0].out.empty());
     EXPECT_EQ(results[0].out, results[1].out) << words[0] << " " << words[1];
@@ -102,9 +106,11 @@ TEST_F(UnitsTest, info_prints_the_unit_of_each_axis) {
 
 TEST_F(UnitsTest, commands_that_measure_answer_as_for_metres) {
   expect_as_in_metres({"visibility", "horizon", "CLOUD", "--observer", "194510,259260,133", "--step", "15"});
-  expect_as_in_metres(
-      {"visibility", "lines", "CLOUD", "--from", "194510,259260,133", "--to", "194530,259260,133"});
-  expect_as_in_metres({"visibility", "summary", "CLOUD", "--observer", "194510,259260"});
+  write("pairs.csv",
+        "from_x,from_y,from_z,to_x,to_y,to_z\n194510,259260,133,194530,259260,133\n194510,259260,133,194510,"
+        "259242,133\n");
+  expect_as_in_metres({"visibility", "lines", "CLOUD", "--pairs", "pairs.csv", "-o", "OUT.csv"});
+  expect_as_in_metres({"visibility", "summary", "CLOUD", "--observer", "194510,259260", "-o", "OUT.csv"});
   expect_as_in_metres({"query", "CLOUD", "--point", "194520.1,259260,133", "--k", "9"});
   expect_as_in_metres({"query", "CLOUD", "--ray", "194500,259260,132.5,1,0,0", "--radius", "0.2"});
   expect_as_in_metres({"sql", "CLOUD",
@@ -272,8 +278,9 @@ TEST_F(UnitsTest, a_raster_beside_the_cloud_is_converted_too) {
       R"(<SimpleSource><SourceFilename relativeToVRT="1">ground.asc</SourceFilename><SourceBand>1</SourceBand>)"
       R"(</SimpleSource></VRTRasterBand></VRTDataset>)";
   write("ground.vrt", virtual_raster);
-  const ProgramResult result = run({"visibility", "lines", "metres.las", "--terrain", "ground.vrt", "--from",
-                                    "194510,259260,133", "--to", "194511,259260,133"});
+  write("pairs.csv", "from_x,from_y,from_z,to_x,to_y,to_z\n194510,259260,133,194511,259260,133\n");
+  const ProgramResult result = run({"visibility", "lines", "metres.las", "--terrain", "ground.vrt", "--pairs",
+                                    "pairs.csv", "-o", "lines.csv"});
   EXPECT_EQ(result.exit_code, 0) << result.err;
   EXPECT_TRUE(contains(result.err, "ground.vrt: heights are converted from US survey foot to metre"))
       << result.err;
@@ -320,13 +327,16 @@ class SystemsTest : public UnitsTest {
 };
 
 TEST_F(SystemsTest, files_of_different_systems_are_never_one_cloud) {
-  for (const Words& words :
-       {Words{"info", "quebec.las", "oregon.las"},
-        Words{"convert", "quebec.las", "oregon.las", "-o", "both.las"},
-        Words{"query", "quebec.las", "oregon.las", "--point", "0,0,0"},
-        Words{"visibility", "summary", "oregon.las", "quebec.las", "--observer", "194510,259260"},
-        Words{"sql", "*g*.las", "SELECT count(*) FROM points"},
-        Words{"sql", "load", "quebec.las", "oregon.las", "both.db"}}) {
+  std::filesystem::create_directory(folder / "both");
+  for (const char* const file : {"quebec.las", "oregon.las"})
+    std::filesystem::copy_file(folder / file, folder / "both" / file);
+  for (const Words& words : {Words{"info", "quebec.las", "oregon.las"},
+                             Words{"convert", "quebec.las", "oregon.las", "-o", "both.las"},
+                             Words{"query", "quebec.las", "oregon.las", "--point", "0,0,0"},
+                             Words{"visibility", "summary", "oregon.las", "quebec.las", "--observer",
+                                   "194510,259260", "-o", "x.csv"},
+                             Words{"sql", "both", "SELECT count(*) FROM points"},
+                             Words{"sql", "load", "quebec.las", "oregon.las", "both.db"}}) {
     const std::string said = error(words);
     EXPECT_TRUE(contains(said, "the coordinate reference system differs from that of")) << said;
     EXPECT_TRUE(contains(said, "--reproject")) << said;

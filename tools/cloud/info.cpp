@@ -184,7 +184,8 @@ std::string copc_text(const std::filesystem::path& file) {
 /// the numbers of the files round it by, whichever is more.
 glm::dvec3 rounding_error(const Description& description) {
   for (const CloudFile& file : description.cloud.files) {
-    if (!is_las(file) || file.is_rounded) return glm::max(0.5 * description.cloud.lattice.scale, description.resolution);
+    if (!is_las(file) || file.is_rounded)
+      return glm::max(0.5 * description.cloud.lattice.scale, description.resolution);
   }
   return glm::dvec3(0.0);
 }
@@ -327,14 +328,7 @@ std::string crs_text(const Crs& crs, Verbosity verbosity) {
   const std::string codes = "GeoTIFF keys, " + joined(epsg_codes(crs), "no EPSG code"), wkt = wkt_of(crs);
   if (wkt.empty()) return "unknown: " + codes;
   if (verbosity == Verbosity::verbose) return wkt;
-  const auto name_of = [&](std::initializer_list<std::string_view> keys) {
-    const Crs part = crs_of_wkt(std::string(wkt_node(wkt, keys)));
-    return part.empty() ? "" : crs_name(part);
-  };
-  // The name of a compound system is often that of its first part.
-  const std::string plane = name_of({"PROJCS[", "GEOGCS["}), heights = name_of({"VERT_CS["});
-  return fmt::format("{}{} ({})", plane.empty() ? crs_name(crs_of_wkt(wkt)) : plane,
-                     heights.empty() ? "" : " + " + heights, codes);
+  return fmt::format("{} ({})", crs_name(crs_of_wkt(wkt)), codes);
 }
 
 std::string units_text(const Crs& crs) {
