@@ -157,7 +157,7 @@ TEST_F(RenderCameraTest, a_camera_inside_a_point_is_an_error) {
   const auto seen = [&](const std::string& from, const std::string& near) {
     const ProgramResult made = render({"--panorama", from, "--near", near, "--radius", "0.1", "--size",
                                        "16x8", "--overwrite", "-o", "out.png"});
-    EXPECT_EQ(made.exit_code, 0) << made.err;
+    EXPECT_EQ(made.exit_code, near == "1000" ? 1 : 0) << made.err;
     return read("out.png");
   };
   seen("100.1,200.1,5.2", "0");
