@@ -46,8 +46,8 @@ void write_raster(const std::filesystem::path& file, const RasterContents& conte
 
 /// Heights of an elevation raster: of the ground, or of the surface with buildings and trees.
 struct HeightRaster {
-  Raster<float> heights;  ///< NaN where the file has no data
-  Crs crs;                ///< WKT; empty if the file has none
+  Raster<float> heights;       ///< NaN where the file has no data
+  Crs crs;                     ///< WKT; empty if the file has none
   std::string heights_note{};  ///< what is to be said of heights that were converted; empty: they were not
 };
 

@@ -66,7 +66,8 @@ inline constexpr const char* k_xyz_doc =
     "World coordinates, (n, 3) doubles, read-only. They are computed when first asked for, and kept.";
 inline constexpr const char* k_bounds_doc = "Smallest box around all points: (2, 3), lower and upper corner.";
 inline constexpr const char* k_crs_doc =
-    "Coordinate reference system as the file states it (with the unit of converted heights): WKT, or \"EPSG:n\" for "
+    "Coordinate reference system as the file states it (with the unit of converted heights): WKT, or "
+    "\"EPSG:n\" for "
     "GeoTIFF keys; None if unknown.";
 inline constexpr const char* k_scale_doc = "Step of the coordinates' lattice in x, y and z.";
 

@@ -99,9 +99,8 @@ Octree with_surfaces_shown(const Octree& octree, Verbosity verbosity) {
 
 bool has_parts(const CloudInput& input) {
   if (input.is_changed()) return false;
-  const bool has_parts = input.is(database::k_server_format)
-                             ? database::has_server_parts(input.name.string())
-                             : input.is(database::k_sqlite_format);
+  const bool has_parts = input.is(database::k_server_format) ? database::has_server_parts(input.name.string())
+                                                             : input.is(database::k_sqlite_format);
   return has_parts && !input.changes_heights();
 }
 
