@@ -270,7 +270,9 @@ std::optional<double> first_along(const Occluders& occluders, const SightLine& l
     if (hit) first = std::min(first, std::max(hit->t, 0.0));
   };
   RayQuery blocking = query_of(occluders);
-  blocking.filter = [&](const Candidate& candidate) { return crossing(occluders, line, candidate).has_value(); };
+  blocking.filter = [&](const Candidate& candidate) {
+    return crossing(occluders, line, candidate).has_value();
+  };
   take(closest(occluders.octree(), ray_of(occluders, line), blocking));
   // What is beside the start is not above it.
   const double beside = occluders.typical_radius();
@@ -295,14 +297,15 @@ std::optional<double> top_at(const Occluders& occluders, const glm::dvec3& posit
   if (options.mesh != nullptr) all.grow(options.mesh->bounds());
   if (options.terrain != nullptr) all.grow(options.terrain->bounds());
   const double start = all.max.z + 1.0 + occluders.largest_radius();
-  const auto depth = first_along(occluders, sight_ray(chord_end({position.x, position.y, start}), {0, 0, -1}));
+  const auto depth =
+      first_along(occluders, sight_ray(chord_end({position.x, position.y, start}), {0, 0, -1}));
   return depth ? std::optional(start - *depth) : std::nullopt;
 }
 
 /// The observer to give instead of one, with its foot at this z.
 std::string instead_of(const Observer& observer, double foot) {
   const double height = observer.height > 0.0 ? observer.height : k_usual_observer_height;
-  return fmt::format("--observer={:.3f},{:.3f},{:.3f} --observer-height {:g} (in a file z and height)",
+  return fmt::format("--observer={:.3f},{:.3f},{:.3f} --observer-height {:g} (in a file: z, height)",
                      observer.position.x, observer.position.y, foot, height);
 }
 
@@ -315,12 +318,12 @@ std::string remark_on_clearance(const Occluders& occluders, const Observer& obse
     remark = fmt::format("{} has something {:.2f} above its eye, which hides the sky", observer.name,
                          *clearance.above);
     if (const auto top = top_at(occluders, observer.position))
-      remark += fmt::format("; on top of it is {}", instead_of(observer, *top));
+      remark += fmt::format("; to look from its top, type {}", instead_of(observer, *top));
   }
   const bool has_foot = observer.stands_on_ground || observer.height > 0.0;
   const double off = clearance.below.value_or(0.0) - observer.height;
   if (!clearance.below || !has_foot || std::fabs(off) <= k_off) return remark;
-  return fmt::format("{}{}the foot of {} is {:.2f} {} what is there; on that is {}", remark,
+  return fmt::format("{}{}the foot of {} is {:.2f} {} what is there; to stand on that, type {}", remark,
                      remark.empty() ? "" : "; ", observer.name, std::fabs(off), off > 0.0 ? "above" : "below",
                      instead_of(observer, observer.position.z - *clearance.below));
 }

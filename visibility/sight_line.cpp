@@ -53,12 +53,13 @@ double own_reach(const Occluders& occluders) {
                                     : k_typical * occluders.typical_radius();
 }
 
-/// How thick the surface of an end is around its sheet. Without noise that is half a diagonal of the lattice, by which its
-/// points are rounded, and what the arithmetic leaves of coordinates, of which some roundings of doubles add up. How far
-/// stored planes are off grows with the distance (is_own()).
+/// How thick the surface of an end is around its sheet. At least a diagonal of the lattice: it and the discs around it are
+/// rounded by half of one each, all the same way where few steps lie across the surface, so that no thickness shows it.
+/// And doubles round coordinates, of UTM for example, several times on the way here.
 double own_thickness(const Occluders& occluders, const PointSurface& surface, const glm::dvec3& position) {
   constexpr double k_thicknesses = 3.0, k_roundings = 8.0 * std::numeric_limits<double>::epsilon();
-  return k_thicknesses * surface.thickness + 0.5 * glm::length(occluders.octree().lattice().scale) +
+  const double diagonal = glm::length(occluders.octree().lattice().scale);
+  return std::max(k_thicknesses * surface.thickness + 0.5 * diagonal, diagonal) +
          k_roundings * glm::length(position);
 }
 

@@ -128,8 +128,8 @@ constexpr double k_lone_radii = 2.0;
 struct SightEnd {
   glm::dvec3 position{0.0};
   /// Discs with their point within own_reach (metres), or 3 of their radii if these are more, whose plane
-  /// passes within own_thickness (metres), or k_sheet_reach of their own sheet, of the position are the surface that
-  /// the end lies on. 0: a position in the air.
+  /// passes within own_thickness (metres), or k_sheet_reach of their own sheet, or what planes are stored to
+  /// (error_of_plane()), of the position are the surface that the end lies on. 0: a position in the air.
   double own_reach = 0.0, own_thickness = 0.0;
   /// Whether it is a point without a surface among discs, as in foliage or at an edge: what a line meets within
   /// k_lone_radii of it is of the same thing.
@@ -162,7 +162,8 @@ SightLine sight_ray(const SightEnd& from, const glm::dvec3& direction,
 
 /// A point of the cloud as an end: on its sheet, lifted by the sheet's thickness towards the side that
 /// `seen_from` is on; where the line grazes the sheet by less than 0.02 (1.1 degrees), upwards. Its own
-/// surface are the discs whose planes pass within 3 thicknesses and whose points are near: within 3 of their
+/// surface are the discs whose planes pass within 3 thicknesses, and without noise within what the lattice and the
+/// arithmetic leave, so that an exact plane does not hide itself, and whose points are near: within 3 of their
 /// radii or, where each has its own, 4 of the typical one. A point without a surface stands where it is.
 /// Requires: point_id has this position.
 SightEnd end_on_point(const Occluders& occluders, std::uint64_t point_id, const glm::dvec3& position,

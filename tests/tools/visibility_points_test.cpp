@@ -147,9 +147,49 @@ TEST_F(VisibilityPointsTest, observers_without_z_are_on_the_ground) {
   const ProgramResult result =
       run(with(k_points, {"--observer", "690005,5325010", "--observer-height", "1.5", "-o", "seen.las"}));
   ASSERT_EQ(result.exit_code, 0) << result.err;
-  EXPECT_TRUE(
-      contains(result.err, "observer 1: eye at 690005.000, 5325010.000, 601.500, 1.5 m above the ground"))
+  EXPECT_TRUE(contains(result.err,
+                       "observer 1: eye at 690005.000, 5325010.000, 601.500; 1.50 above what is below it, "
+                       "nothing overhead"))
       << result.err;
+  EXPECT_FALSE(contains(result.err, "warning")) << result.err;
+}
+
+TEST_F(VisibilityPointsTest, and_all_that_have_observers_print_what_is_above_and_below_their_eyes) {
+  std::string rows = "x,y,z\n";
+  for (int x = 0; x <= 40; ++x) {
+    for (int y = 0; y <= 40; ++y) {
+      rows += fmt::format("{},{},0\n", 0.25 * x, 0.25 * y);
+      if (std::abs(x - 20) < 12 && std::abs(y - 20) < 12)
+        rows += fmt::format("{},{},5\n", 0.25 * x, 0.25 * y);
+    }
+  }
+  write("roofed.csv", rows);
+  write("places.csv", "x,y,name\n5,5,below\n0.5,0.5,beside\n");
+  const Words below = {"--observer", "5,5"};
+  const std::pair<std::string, Words> commands[] = {
+      {"points", with(below, {"-o", "o.las"})},
+      {"raster", with(below, {"-o", "o.tif"})},
+      {"horizon", with(below, {"--step", "30", "-o", "o.csv"})},
+      {"sun",
+       with(below, {"--place", "48,11", "--from", "2026-06-21", "--to", "2026-06-21", "-o", "sun.csv"})},
+      {"summary", with(below, {"-o", "summary.csv"})},
+      {"lines", {"--places", "places.csv", "-o", "lines.csv"}}};
+  for (const auto& [name, words] : commands) {
+    const ProgramResult result = run(with({"visibility", name, "roofed.csv"}, words));
+    ASSERT_EQ(result.exit_code, 0) << name << result.err;
+    EXPECT_TRUE(contains(result.err,
+                         "eye at 5.000, 5.000, 2.000; 2.00 above what is below it, "
+                         "3.00 below what is overhead"))
+        << name << result.err;
+    EXPECT_TRUE(contains(result.err,
+                         "has something 3.00 above its eye, which hides the sky; to look from its top, type "
+                         "--observer=5.000,5.000,5.000 --observer-height 2"))
+        << name << result.err;
+    EXPECT_EQ(contains(result.err,
+                       "beside: eye at 0.500, 0.500, 2.000; 2.00 above what is below it, nothing overhead"),
+              name == "lines")
+        << result.err;
+  }
 }
 
 TEST_F(VisibilityPointsTest, observer_grid_is_on_the_ground_everywhere) {

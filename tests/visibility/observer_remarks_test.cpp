@@ -113,8 +113,10 @@ std::string remark_on_placed(const Occluders& occluders, const GivenObserver& gi
 
 TEST(Clearance, is_what_is_straight_above_and_below_an_eye) {
   const Occluders occluders = roofed().occluders();
-  const Clearance below_roof = clearance_of(occluders, {10, 10, 1.7}), on_roof = clearance_of(occluders, {10, 10, 7}),
-                  outside = clearance_of(occluders, {2, 2, 1.7}), nowhere = clearance_of(occluders, {90, 2, 1.7});
+  const Clearance below_roof = clearance_of(occluders, {10, 10, 1.7}),
+                  on_roof = clearance_of(occluders, {10, 10, 7}),
+                  outside = clearance_of(occluders, {2, 2, 1.7}),
+                  nowhere = clearance_of(occluders, {90, 2, 1.7});
   EXPECT_NEAR(below_roof.below.value(), 1.7, 1e-3);
   EXPECT_NEAR(below_roof.above.value(), 3.3, 1e-3);
   EXPECT_NEAR(on_roof.below.value(), 2.0, 1e-3);
@@ -167,8 +169,8 @@ TEST(Clearance, is_also_that_to_meshes_and_terrains) {
 TEST(ObserverRemarks, name_observers_below_something_and_what_to_type) {
   const Occluders occluders = roofed().occluders();
   EXPECT_EQ(remark_on_placed(occluders, {.name = "mast", .position = {10, 10}, .height = 1.5}),
-            "mast has something 3.50 above its eye, which hides the sky; on top of it is "
-            "--observer=10.000,10.000,5.000 --observer-height 1.5 (in a file z and height)");
+            "mast has something 3.50 above its eye, which hides the sky; to look from its top, type "
+            "--observer=10.000,10.000,5.000 --observer-height 1.5 (in a file: z, height)");
   EXPECT_EQ(remark_on_placed(occluders, {.name = "mast", .position = {10, 10}, .z = 5.0, .height = 1.5}), "");
   EXPECT_EQ(remark_on_placed(occluders, {.name = "mast", .position = {2, 2}, .height = 1.5}), "");
   Observer camera;
@@ -182,15 +184,18 @@ TEST(ObserverRemarks, name_observers_whose_foot_is_off_the_points_by_more_than_o
     return remark_on_placed(occluders, {.name = "mast", .position = {2, 2}, .height = 2.0}, ground);
   };
   EXPECT_EQ(on_ground(0.98), "");
-  EXPECT_EQ(on_ground(1.02),
-            "the foot of mast is 1.02 above what is there; on that is --observer=2.000,2.000,0.000 "
-            "--observer-height 2 (in a file z and height)");
+  EXPECT_EQ(
+      on_ground(1.02),
+      "the foot of mast is 1.02 above what is there; to stand on that, type --observer=2.000,2.000,0.000 "
+      "--observer-height 2 (in a file: z, height)");
   EXPECT_EQ(on_ground(-0.98), "");
   EXPECT_EQ(on_ground(-1.02).substr(0, 45), "the foot of mast is 1.02 below what is there;");
-  EXPECT_EQ(remark_on_placed(occluders, {.name = "drone", .position = {2, 2}, .z = 50.0}), "") << "has no foot";
+  EXPECT_EQ(remark_on_placed(occluders, {.name = "drone", .position = {2, 2}, .z = 50.0}), "")
+      << "has no foot";
   EXPECT_NE(remark_on_placed(occluders, {.name = "mast", .position = {2, 2}, .z = 11.0, .height = 2.0}), "");
   // Between roof and street it is both.
-  const std::string between = remark_on_placed(occluders, {.name = "mast", .position = {10, 10}, .height = 2.0}, 2.0);
+  const std::string between =
+      remark_on_placed(occluders, {.name = "mast", .position = {10, 10}, .height = 2.0}, 2.0);
   EXPECT_NE(between.find("mast has something 1.00 above its eye"), std::string::npos) << between;
   EXPECT_NE(between.find("the foot of mast is 2.00 above what is there"), std::string::npos) << between;
 }

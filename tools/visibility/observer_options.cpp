@@ -96,14 +96,16 @@ void check_places(std::span<const visibility::GivenObserver> given, const Bounds
 }
 
 /// Where the first observers are, and what is below and above them.
-void print_positions(std::span<const visibility::Observer> observers, const visibility::Occluders& occluders) {
+void print_positions(std::span<const visibility::Observer> observers,
+                     const visibility::Occluders& occluders) {
   const auto distance = [](const std::optional<double>& length, const char* with, const char* without) {
     return length ? fmt::format("{:.2f} {}", *length, with) : std::string(without);
   };
   for (const visibility::Observer& one : observers.first(std::min(observers.size(), k_most_lines))) {
     const visibility::Clearance clearance = visibility::clearance_of(occluders, one.position);
-    say_note(fmt::format("{}: eye at {:.3f}, {:.3f}, {:.3f}; {}, {}", one.name, one.position.x, one.position.y,
-                         one.position.z, distance(clearance.below, "above what is below it", "nothing below it"),
+    say_note(fmt::format("{}: eye at {:.3f}, {:.3f}, {:.3f}; {}, {}", one.name, one.position.x,
+                         one.position.y, one.position.z,
+                         distance(clearance.below, "above what is below it", "nothing below it"),
                          distance(clearance.above, "below what is overhead", "nothing overhead")));
   }
   if (observers.size() > k_most_lines)
