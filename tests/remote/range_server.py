@@ -68,6 +68,7 @@ class Handler(http.server.BaseHTTPRequestHandler):
         _, manner, name = urllib.parse.unquote(urllib.parse.urlsplit(self.path).path).split("/", 2)
         with server.lock:
             server.requests += 1
+            server.times.append(time.monotonic())
             number = server.requests
         content = server.content(name)
         if content is None:
@@ -175,6 +176,7 @@ class RangeServer(http.server.ThreadingHTTPServer):
         self.lock = threading.Lock()
         self.stop = threading.Event()
         self.requests = self.sent = 0
+        self.times = []  # of the requests, seconds
         self.seen = set()
         self.other = None
         threading.Thread(target=self.serve_forever, daemon=True).start()
@@ -199,4 +201,5 @@ class RangeServer(http.server.ThreadingHTTPServer):
 
     def forget(self):
         self.requests = self.sent = 0
+        self.times.clear()
         self.seen.clear()

@@ -39,7 +39,7 @@ class RemoteCase(unittest.TestCase):
     def run_program(cls, *words, succeeds=True, settings=None, largest_file=None):
         """`largest_file` is in KiB, as if the disk were full."""
         disk = ("sh", "-c", f"ulimit -f {2 * largest_file}; trap '' XFSZ; exec \"$@\"", "sh") if largest_file else ()
-        environment = dict(os.environ, GDAL_HTTP_RETRY_DELAY="0.02", **(settings or {}))
+        environment = {**os.environ, "GDAL_HTTP_RETRY_DELAY": "0.02", **(settings or {})}
         done = subprocess.run([*disk, PROGRAM, *words, "-q"], cwd=cls.folder, capture_output=True, text=True, timeout=120,
                               check=False, env=environment)
         if succeeds:

@@ -241,11 +241,20 @@ class RemoteTest(RemoteCase):
                     self.assertEqual(self.run_program(command, *packed, *words), expected)
 
     def test_requests_to_a_busy_server_are_repeated(self):
-        for status in (429, 500, 503):
+        for status in (429, 500, 502, 503, 504):
             with self.subTest(status):
                 self.server.forget()
                 self.assertEqual(self.query(self.server.address(f"busy-{status}", "site.laz")), self.query("site.laz"))
                 self.assertGreater(self.server.requests, 3)
+
+    def test_pauses_before_requests_are_repeated_double(self):
+        self.server.forget()
+        self.assertIn("(4 attempts): HTTP status 503",
+                      self.query(self.server.address("status-503", "site.laz"), succeeds=False,
+                                 settings={"GDAL_HTTP_RETRY_DELAY": "0.1"}))
+        pauses = [later - earlier for earlier, later in zip(self.server.times, self.server.times[1:])]
+        for pause, least in zip(pauses[:3], (0.1, 0.2, 0.4), strict=True):
+            self.assertGreaterEqual(pause, least)
 
     def test_servers_that_redirect_or_ask_for_a_key_are_read(self):
         for manner in ("moved", "moved-bare"):  # the ETags are those of redirections, and change
