@@ -42,9 +42,9 @@ TEST_F(SqlTest, rows_are_a_table_for_people) {
   EXPECT_EQ(result.err, "");
   EXPECT_EQ(result.exit_code, 0);
   EXPECT_EQ(result.out,
-            "five  text  none  bytes                    sum  one\n"
-            "----  ----  ----  -------  -------------------  ---\n"
-            "   5  a\\nb  NULL  x'00ff'  0.30000000000000004  1.0\n"
+            "five  text  none  bytes    sum  one\n"
+            "----  ----  ----  -------  ---  ---\n"
+            "   5  a\\nb  NULL  x'00ff'  0.3  1.0\n"
             " id      x      y  ä\n"
             "---  -----  -----  ----\n"
             "  0  100.0  200.0  ä0\n"
