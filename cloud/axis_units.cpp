@@ -134,7 +134,8 @@ std::string with_unit(std::string name, const LengthUnit& unit) {
 }  // namespace
 
 bool LengthUnit::operator==(const LengthUnit& other) const {
-  constexpr double k_last_digits = 1e-8;
+  // Programs write the US survey foot with as few digits as 0.3048006; from the foot it differs by 2e-6.
+  constexpr double k_last_digits = 1e-7;
   return std::fabs(metres - other.metres) <= k_last_digits * metres;
 }
 
