@@ -160,7 +160,7 @@ TEST_F(QueryInputTest, wrong_csv_is_rejected_with_line_and_column) {
       {"ox,oy,oz\n", "targets:1:9: missing column dx"},
       {"ox,oy,oz,dx,dy,dz,time\n", "targets:1:19: unknown column \"time\"; expected one of ox, oy, oz, dx"},
       {"ox,oy,oz,dx,oy,dz\n", "targets:1:13: duplicate column oy"},
-      {"\x89PNG\r\n\x1a\n", "targets:1:1: unknown column \"?PNG\""},
+      {"\x89PNG\r\n\x1a\n", "targets:1:1: unknown column \"\\x89PNG\""},
       {header + "1,2,3,4,5\n", "targets:2:10: too few columns; expected 6, found 5"},
       {header + "1,2,3,4,5,6,7\n", "targets:2:13: too many columns; expected 6, found 7"},
       {header + "0,0,0,1,0,0\n\n1,2,abc,4,5,6\n",

@@ -89,7 +89,7 @@ TEST_F(RenderCommandTest, clouds_and_scenes_are_told_apart_by_their_content) {
   write("scene",
         R"({"version": 1, "cloud": {"file": "square.xyz"}, "camera": {"version": 1, "model": "pinhole",
     "width": 8, "height": 8, "intrinsics": {"vertical_fov": 50},
-    "pose": {"look_at": {"eye": [0, -5, 1], "target": [0, 0, 0], "up": [0, 0, 1]}}}})");
+    "pose": {"look_at": {"eye": [101, 198, 7], "target": [101, 201, 5], "up": [0, 0, 1]}}}})");
   const ProgramResult scene = run(small({"scene", "-o", "scene.png"}));
   EXPECT_EQ(scene.exit_code, 0) << scene.err;
   write("bad.json", "square.xyz");
