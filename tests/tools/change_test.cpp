@@ -273,9 +273,10 @@ TEST_F(ChangeProgramTest, epochs_that_cannot_be_compared_are_errors) {
   after.crs.wkt = utm(33);
   write_las(folder / "before.las", before, {.overwrite = true});
   write_las(folder / "after.las", after, {.overwrite = true});
-  EXPECT_TRUE(contains(error(all),
-                       "after.las: AFTER is in another reference system than BEFORE; expected "
-                       "WGS 84 / UTM zone 32N: --reproject SYSTEM brings both to one, found WGS 84 / UTM zone 33N"));
+  EXPECT_TRUE(
+      contains(error(all),
+               "after.las: AFTER is in another reference system than BEFORE; expected "
+               "WGS 84 / UTM zone 32N: --reproject SYSTEM brings both to one, found WGS 84 / UTM zone 33N"));
   after.crs.wkt = R"(GEOGCS["WGS 84",DATUM["WGS_1984",SPHEROID["WGS 84",6378137,298.257223563]],)"
                   R"(PRIMEM["Greenwich",0],UNIT["degree",0.0174532925199433]])";
   write_las(folder / "after.las", after, {.overwrite = true});
