@@ -6,7 +6,7 @@
 #include <string_view>
 #include <vector>
 
-// Which web servers files may come from that nobody named: a catalog lists them, or a server redirects to them.
+// The web servers that files may come from when the user did not name them: catalogs list files, servers redirect.
 
 namespace alidade {
 

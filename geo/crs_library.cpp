@@ -60,7 +60,7 @@ CrsAgreement compare_planes(const GdalReference& a, const GdalReference& b) {
   const GdalReference one = plane_of(a), other = plane_of(b);
   if (is_same(one, other)) return same;
   if (!same_definition(version_1_of(one), version_1_of(other))) return different;
-  // PROJ holds datums apart by names, of which programs have their own.
+  // PROJ distinguishes datums by name, and programs write names of their own.
   const std::string datum = code_of(one, "DATUM"), other_datum = code_of(other, "DATUM");
   if (datum.empty() || other_datum.empty()) return unknown;
   return datum == other_datum ? same : different;
@@ -96,7 +96,7 @@ std::string whole_wkt(const Crs& crs) {
   const std::string wkt = wkt_of(crs);
   CPLSetThreadLocalConfigOption("GTIFF_REPORT_COMPD_CS", nullptr);
   if (!crs.wkt.empty()) return wkt;
-  // So GDAL calls keys of which it knows nothing.
+  // The name that GDAL gives to keys it cannot read.
   if (wkt.empty() || wkt.starts_with("LOCAL_CS[")) return "";
   const std::optional<LengthUnit> stated = stated_units(crs).heights;
   return stated ? with_height_unit(crs_of_wkt(wkt), *stated).wkt : wkt;

@@ -273,7 +273,7 @@ void read_image(std::string_view line, ColmapImages& model) {
 
 /// The second line of an image: x, y and point id by turns.
 bool is_observations(std::string_view line) {
-  // An image has nine numbers, of which the third is part of a quaternion, and a name.
+  // The line of an image has nine numbers and a name; the third number is part of a quaternion.
   constexpr std::size_t k_looked_at = 12;
   std::size_t count = 0;
   for (FieldWalk fields(line); !fields.at_end(); ++count) {

@@ -292,7 +292,7 @@ void leave_out_words(TextLayout& layout, const Sample& sample) {
 /// What precedes the second point.
 struct Preamble {
   std::string comment, titles,
-      row;  ///< the last comment, titles that are none, and the first row; maybe empty
+      row;  ///< the last comment, words that are no titles, and the first row; may be empty
   std::uint64_t row_offset = 0, row_line = 0;  ///< where the row begins
 };
 

@@ -57,7 +57,7 @@ TEST_F(LocalMapTest, of_a_file_that_was_cut_gives_zeros_and_an_error) {
   const auto sound = LocalMap::open(sound_path.string(), "sound");
   auto map = open();
   std::filesystem::resize_file(path_, 2 * k_page);
-  RemoteMap::check(map->bytes().data());  // nobody needed what is missing
+  RemoteMap::check(map->bytes().data());  // no page that is missing was read
   std::vector<std::thread> threads;
   std::atomic<int> zeros = 0;
   for (std::size_t i = 0; i < 4; ++i)
