@@ -107,6 +107,15 @@ TEST(AxisUnitsTest, damaged_wkt_is_no_trouble) {
     EXPECT_FALSE(stated_units(crs_of_wkt(wkt)).heights) << wkt;
 }
 
+TEST(AxisUnitsTest, the_time_for_nodes_within_nodes_grows_with_their_number) {
+  for (const std::string key : {"UNIT[", "AXIS["}) {
+    std::string open = "PROJCS[\"a\",", closing;
+    for (int i = 0; i < 400'000; ++i) open += key, closing += ']';
+    for (const std::string& wkt : {open, open + closing + "]"})
+      EXPECT_EQ(units_of(with_height_unit(crs_of_wkt(wkt), k_metre)), "-") << key;
+  }
+}
+
 TEST(HeightUnitTest, a_system_with_heights_in_another_unit_has_lost_codes_but_no_datum) {
   EXPECT_EQ(with_height_unit(crs_of_wkt(with_heights(k_metres, k_survey_feet)), k_metre).wkt,
             R"(COMPD_CS["Oregon LCC + NAVD88 height",)" + plane(k_metres) +
