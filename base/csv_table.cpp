@@ -24,7 +24,7 @@ std::string hint_for(std::string_view name) {
 }  // namespace
 
 bool has_decimal_comma(std::string_view cell) {
-  return std::ranges::count(cell, ',') == 1 && cell.back() != ',' &&
+  return std::ranges::count(cell, ',') == 1 && cell.front() != ',' && cell.back() != ',' &&
          cell.find_first_not_of("+-0123456789,eE ") == cell.npos;
 }
 

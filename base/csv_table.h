@@ -13,7 +13,7 @@
 
 namespace alidade {
 
-/// Whether a cell is a number with a decimal comma, which is unambiguous where no comma separates cells.
+/// Whether a cell is a number with a decimal comma between digits, which is unambiguous where no comma separates cells.
 bool has_decimal_comma(std::string_view cell);
 
 /// A table as CSV: a header with the names of columns in any order, then rows with a cell for each. Blank
