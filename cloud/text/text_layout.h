@@ -37,7 +37,7 @@ namespace alidade {
 struct TextLayout {
   std::string format;               ///< "XYZ", "CSV" or "PTS"
   char separator = ' ';             ///< ' ' is any blanks and tabs
-  bool has_decimal_commas = false;  ///< in the first points
+  bool has_decimal_commas = false;  ///< a number of the first points has one
   bool has_blocks = false;          ///< count lines, each before its points
   std::vector<TableColumn> columns;
   bool has_names = false;            ///< columns have names of their own; words in extra columns become NaN
@@ -49,8 +49,8 @@ struct TextLayout {
 };
 
 /// `names` are those of the columns of a file without titles; empty: as above. Errors: a first line of words
-/// without the names of coordinates; fewer than three columns without names; as many names as there are no
-/// columns; coordinates in an unknown unit. A file without lines has no points and is XYZ.
+/// without the names of coordinates; fewer than three columns without names; more or fewer names than columns;
+/// coordinates in an unknown unit. A file without lines has no points and is XYZ.
 TextLayout read_text_layout(InputFile& input, std::span<const std::string> names);
 
 /// Whether a line holds no data.
