@@ -31,6 +31,8 @@ struct AxisUnits {
   /// Whether the system says something about heights: a vertical part, or a GeoTIFF key. Without it they are taken to
   /// be in the unit of x and y, over angles in metres.
   bool states_heights = false;
+
+  std::optional<LengthUnit> of_z() const { return states_heights ? heights : plane; }
 };
 
 /// What WKT and GeoTIFF keys themselves give.

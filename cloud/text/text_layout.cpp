@@ -204,12 +204,12 @@ struct CoordinateUnit {
 constexpr CoordinateUnit k_coordinate_units[] = {
     {"m metre metres meter meters", "m", R"(UNIT["metre",1])"},
     {"ft foot feet intft ift", "ft", R"(UNIT["foot",0.3048])"},
-    {"usft ftus usfoot usfeet usfoot ussurveyfoot ussurveyfeet surveyfoot surveyfeet ussft", "US ft",
+    {"usft ftus usfoot usfeet ussurveyfoot ussurveyfeet surveyfoot surveyfeet ussft", "US ft",
      R"(UNIT["US survey foot",0.3048006096012192])"},
     {"deg degree degrees dd \xc2\xb0", "deg", ""},
 };
-constexpr const CoordinateUnit& k_metre = k_coordinate_units[0];
-constexpr const CoordinateUnit& k_degree = k_coordinate_units[3];
+constexpr const CoordinateUnit& k_in_metres = k_coordinate_units[0];
+constexpr const CoordinateUnit& k_in_degrees = k_coordinate_units[3];
 
 /// The unit that the title of a coordinate states; null if it states none. Errors: an unknown one.
 const CoordinateUnit* unit_of(const TextScanner& scanner, const TextLayout& layout, ColumnRole axis,
@@ -219,7 +219,7 @@ const CoordinateUnit* unit_of(const TextScanner& scanner, const TextLayout& layo
   const auto* const known = std::ranges::find_if(k_coordinate_units, [&](const CoordinateUnit& unit) {
     return is_one_of(titles[*column].unit, unit.names);
   });
-  if (known == std::end(k_coordinate_units) || (known == &k_degree && axis == ColumnRole::z))
+  if (known == std::end(k_coordinate_units) || (known == &k_in_degrees && axis == ColumnRole::z))
     scanner.fail("unknown unit of the column " + quote(layout.columns[*column].name), "m, ft or US ft",
                  quote(titles[*column].unit));
   return known;
@@ -232,13 +232,13 @@ void take_coordinate_units(const TextScanner& scanner, std::span<const Title> ti
   const CoordinateUnit *const x = unit(ColumnRole::x), *const y = unit(ColumnRole::y),
                               *z = unit(ColumnRole::z);
   if (x && y && x != y) scanner.fail("x and y are in different units", x->title, y->title);
-  const CoordinateUnit& plane = x ? *x : y ? *y : k_metre;
-  if (&plane == &k_degree) {
+  const CoordinateUnit& plane = x ? *x : y ? *y : k_in_metres;
+  if (&plane == &k_in_degrees) {
     layout.remarks.emplace_back("x and y are degrees of an unknown reference system, which --crs states");
     return;
   }
   if (!z) z = &plane;
-  if (&plane == &k_metre && z == &k_metre) return;
+  if (&plane == &k_in_metres && z == &k_in_metres) return;
   layout.crs.wkt =
       fmt::format(R"(LOCAL_CS["unknown, in {}",LOCAL_DATUM["unknown",0],{},AXIS["x",EAST],AXIS["y",NORTH]])",
                   plane.title, plane.wkt);
@@ -258,7 +258,7 @@ void take_other_units(std::span<const Title> titles, TextLayout& layout) {
                                          quote(layout.columns[*found].name), meaning));
   };
   require(ColumnRole::gps_time, "s sec secs second seconds", "seconds");
-  require(ColumnRole::scan_angle, k_degree.names, "degrees");
+  require(ColumnRole::scan_angle, k_in_degrees.names, "degrees");
 }
 
 /// Gives columns these names and the roles of them. The scanner is where errors are.
@@ -291,8 +291,9 @@ void leave_out_words(TextLayout& layout, const Sample& sample) {
 
 /// What precedes the second point.
 struct Preamble {
-  std::string comment, titles,
-      row;  ///< the last comment, words that are no titles, and the first row; may be empty
+  std::string comment;                         ///< the last one
+  std::string titles;                          ///< the first line of words
+  std::string row;                             ///< the first one
   std::uint64_t row_offset = 0, row_line = 0;  ///< where the row begins
 };
 
@@ -402,7 +403,6 @@ TextLayout read_text_layout(InputFile& input, std::span<const std::string> names
   if (!preamble.row.empty() && !layout.has_blocks && column_count < 3)
     scanner.fail("too few columns for a point", "at least 3 numbers", quote(preamble.row));
   layout.columns = unnamed_columns(std::max<std::size_t>(column_count, 3));
-  layout.remarks.clear();
   assign_by_content(layout, sample);
   return layout;
 }
