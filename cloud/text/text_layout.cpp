@@ -235,6 +235,8 @@ void take_coordinate_units(const TextScanner& scanner, std::span<const Title> ti
   const CoordinateUnit& plane = x ? *x : y ? *y : k_in_metres;
   if (&plane == &k_in_degrees) {
     layout.remarks.emplace_back("x and y are degrees of an unknown reference system, which --crs states");
+    if (z && z != &k_in_metres)
+      layout.remarks.push_back(fmt::format("z is in {}, which --vertical-unit states", z->title));
     return;
   }
   if (!z) z = &plane;

@@ -267,6 +267,8 @@ TEST(Text, units_in_brackets_count) {
   EXPECT_NE(mixed.find("VERT_CS[\"unknown, in US ft\""), std::string::npos);
   EXPECT_TRUE(
       warns(read_text("lon [deg],lat [deg],z [m]\n8,50,100\n"), "degrees of an unknown reference system"));
+  EXPECT_TRUE(warns(read_text("lon [deg],lat [deg],z [us-ft]\n8,50,100\n"),
+                    "z is in US ft, which --vertical-unit states"));
   EXPECT_NE(text_error("x [furlong],y [furlong],z\n1,2,3\n")
                 .find("unknown unit of the column \"x [furlong]\"; expected m, ft or US ft"),
             std::string::npos);
