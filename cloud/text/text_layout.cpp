@@ -27,8 +27,15 @@ bool is_number(std::string_view word) {
 
 /// What separates the cells of a row or of titles.
 char separator_of(std::string_view line) {
-  if (line.find(';') != line.npos) return ';';
-  if (line.find(',') == line.npos) return ' ';
+  const auto has = [&](char separator) {
+    bool is_quoted = false;
+    return std::ranges::any_of(line, [&](char character) {
+      if (character == '"') is_quoted = !is_quoted;
+      return character == separator && !is_quoted;
+    });
+  };
+  if (has(';')) return ';';
+  if (!has(',')) return ' ';
   // "691000,5 5336000,25 500,0": no comma is followed by a blank, and there are enough numbers between blanks.
   Words words;
   split_words(line, words);
@@ -273,8 +280,14 @@ void assign_by_names(const TextScanner& scanner, const Words& words, TextLayout&
     layout.columns.push_back({titles.back().name});
   }
   assign_roles(layout.columns, NameRules::text);
-  for (std::size_t i = 0; i < words.size(); ++i)
-    if (!trim(words[i]).empty()) layout.columns[i].name = trim(words[i]);
+  for (std::size_t i = 0; i < words.size(); ++i) {
+    if (trim(words[i]).empty()) continue;
+    std::string& name = layout.columns[i].name;
+    name = trim(words[i]);
+    // Quotes within quotes are written twice.
+    for (std::size_t at = name.find("\"\""); at != name.npos; at = name.find("\"\"", at + 1))
+      name.erase(at, 1);
+  }
   layout.has_names = find_role(layout.columns, ColumnRole::x) && find_role(layout.columns, ColumnRole::y);
   if (!layout.has_names) return;
   take_coordinate_units(scanner, titles, layout);

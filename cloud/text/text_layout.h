@@ -32,8 +32,8 @@ namespace alidade {
 ///     7  x y z intensity color | x y z color intensity | x y z intensity normal | x y z normal intensity
 ///     9  x y z color normal | x y z normal color
 ///    10  x y z intensity color normal | x y z color intensity normal | x y z color normal intensity
-/// - Columns are separated by semicolons if the titles or the first point have one, else by commas, else by blanks
-///   and tabs. Where no comma separates them, numbers may have decimal commas, then all of them.
+/// - Columns are separated by semicolons if the titles or the first point have one without quotes around it, else by
+///   commas, else by blanks and tabs. Where no comma separates them, numbers may have decimal commas, then all of them.
 struct TextLayout {
   std::string format;               ///< "XYZ", "CSV" or "PTS"
   char separator = ' ';             ///< ' ' is any blanks and tabs

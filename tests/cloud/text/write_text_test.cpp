@@ -60,6 +60,21 @@ TEST(WriteTextTest, our_own_reader_gets_back_what_was_written) {
   }
 }
 
+TEST(WriteTextTest, names_with_separators_and_quotes_come_back) {
+  PointCloud cloud;
+  cloud.positions = {{1, 2, 3}};
+  const std::vector<std::string> names = {"a,b", "a;b", "say\"hi\"", "\"\"", "\"a\",\"b\";"};
+  for (const std::string& name : names) {
+    cloud.extra_dimensions.push_back(plain_dimension(name, ScalarType::uint8));
+    cloud.extra_dimensions.back().values = {7};
+  }
+  const std::filesystem::path path = test_folder() / "cloud.csv";
+  write_text(path, cloud);
+  const PointCloud back = read_cloud(path);
+  ASSERT_EQ(back.extra_dimensions.size(), names.size());
+  for (std::size_t i = 0; i < names.size(); ++i) EXPECT_EQ(back.extra_dimensions[i].name, names[i]);
+}
+
 TEST(WriteTextTest, colours_of_8_bits_are_written_as_such) {
   PointCloud cloud;
   cloud.positions = {{0, 0, 0}, {1, 0, 0}};
