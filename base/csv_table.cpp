@@ -28,6 +28,13 @@ bool has_decimal_comma(std::string_view cell) {
          cell.find_first_not_of("+-0123456789,eE ") == cell.npos;
 }
 
+std::string_view with_point(std::string_view cell, std::string& room) {
+  if (!has_decimal_comma(cell)) return cell;
+  room = cell;
+  std::ranges::replace(room, ',', '.');
+  return room;
+}
+
 CsvTable::CsvTable(InputFile& file, const ColumnOf& column_of, std::string form)
     : file_(file), scanner_(file), form_(std::move(form)) {
   std::optional<std::string_view> line = scanner_.next_line();
@@ -63,12 +70,8 @@ void CsvTable::split(std::string_view line) {
   split_cells(line, separator_, cells_);
   if (separator_ == ',') return;
   numbers_.clear();
-  for (std::string_view& cell : cells_) {
-    if (!has_decimal_comma(cell)) continue;
-    std::string& number = numbers_.emplace_back(cell);
-    std::ranges::replace(number, ',', '.');
-    cell = number;
-  }
+  for (std::string_view& cell : cells_)
+    if (has_decimal_comma(cell)) cell = with_point(cell, numbers_.emplace_back());
 }
 
 bool CsvTable::has(std::size_t column) const {

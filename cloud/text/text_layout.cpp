@@ -375,13 +375,6 @@ void split_line(std::string_view line, char separator, std::size_t column_count,
   if (words.size() > std::max<std::size_t>(column_count, 1) && words.back().empty()) words.pop_back();
 }
 
-std::string_view with_point(std::string_view word, std::string& room) {
-  if (!has_decimal_comma(word)) return word;
-  room = word;
-  std::ranges::replace(room, ',', '.');
-  return room;
-}
-
 TextLayout read_text_layout(InputFile& input, std::span<const std::string> names) {
   TextScanner scanner(input);
   TextLayout layout;

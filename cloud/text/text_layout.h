@@ -64,7 +64,4 @@ bool is_missing(std::string_view word);
 void split_line(std::string_view line, char separator, std::size_t column_count,
                 std::vector<std::string_view>& words);
 
-/// The word, or one in `room` with a point for its decimal comma.
-std::string_view with_point(std::string_view word, std::string& room);
-
 }  // namespace alidade
