@@ -6,11 +6,9 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <optional>
 #include <utility>
 
 #include "base/csv_table.h"
-#include "base/error.h"
 #include "base/text_scanner.h"
 #include "base/words.h"
 
