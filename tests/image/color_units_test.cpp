@@ -50,11 +50,20 @@ TEST(HeightUnitTest, the_vertical_system_counts_else_the_horizontal_one) {
   EXPECT_EQ(of_wkt(R"(GEOGCS["y",UNIT["degree",0.0174]])"), "m");
   EXPECT_EQ(of_wkt(R"(LOCAL_CS["y",UNIT["furlong",201.168]])"), "");
   EXPECT_EQ(of_wkt("UNIT[\"met"), "");
+  // What a vertical part does not say is not that of x and y.
+  EXPECT_EQ(of_wkt(R"(COMPD_CS["a",PROJCS["x",UNIT["metre",1]],VERT_CS["h",UNIT["furlong",201.168]]])"), "");
+  EXPECT_EQ(of_wkt(R"(COMPD_CS["a",PROJCS["x",UNIT["metre",1]],VERT_CS["h",VERT_DATUM["d",2005]]])"), "");
   Crs keys;
   keys.geotiff_keys = {1, 1, 0, 1, 3076, 0, 1, 9003};
   EXPECT_EQ(height_unit(keys), "ft");
   keys.geotiff_keys = {1, 1, 0, 2, 3076, 0, 1, 9003, 4099, 0, 1, 9001};
   EXPECT_EQ(height_unit(keys), "m");
+  for (const std::uint16_t unknown : {9005, 32767}) {
+    keys.geotiff_keys = {1, 1, 0, 2, 3076, 0, 1, 9001, 4099, 0, 1, unknown};
+    EXPECT_EQ(height_unit(keys), "") << unknown;
+  }
+  keys.geotiff_keys = {1, 1, 0, 2, 3076, 0, 1, 9001, 4096, 0, 1, 32767};
+  EXPECT_EQ(height_unit(keys), "");
   keys.geotiff_keys = {1, 1, 0, 1, 3072, 0, 1, 2229};
   EXPECT_EQ(height_unit(keys), "");
 }
