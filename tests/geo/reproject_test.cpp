@@ -106,6 +106,19 @@ TEST(ReprojectTest, heights_get_the_unit_of_the_wanted_system) {
   EXPECT_EQ(height_in("EPSG:26910", "EPSG:2994", {.height_unit = k_metre}), "1000.000 m");
 }
 
+TEST(ReprojectTest, heights_above_the_ellipsoid_are_converted_once) {
+  const auto height = [](const std::string& wanted, const std::string& own, const glm::dvec3& position) {
+    const ReferenceChange change = change_reference({.wanted = wanted}, "site.las", facts_of(own));
+    std::vector<glm::dvec3> positions = {{position.x, position.y, position.z * change.height_factor}};
+    change.move(positions);
+    return positions[0].z;
+  };
+  // The geoid is some 20 m below the ellipsoid there, where PROJ has it.
+  EXPECT_NEAR(height("EPSG:2994+6360", "EPSG:4979", {-123, 44.5, 1000}), 3281.0, 100.0);
+  EXPECT_NEAR(height("EPSG:4979", "EPSG:2994+6360", {500000, 900000, 3281}), 1000.0, 30.0);
+  EXPECT_NEAR(height("EPSG:2994", "EPSG:4979", {-123, 44.5, 1000}), 1000.0 / 0.3048, 1e-6);
+}
+
 TEST(ReprojectTest, heights_alone_change_on_the_lattice) {
   const ReferenceChange change =
       change_reference({.wanted = "EPSG:2991"}, "site.las", facts_of("EPSG:2991+6360"));
