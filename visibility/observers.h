@@ -58,7 +58,7 @@ class FieldOfView {
 
 /// An observer as somebody wrote it: what was not said is empty.
 struct GivenObserver {
-  std::string source;  ///< where it was written, for messages: "observers.csv:3"
+  std::string source{};  ///< where it was written, for messages: "observers.csv:3"
   std::string name{};
   glm::dvec2 position{0.0};
   std::optional<double> z{};  ///< of the foot; empty: the ground

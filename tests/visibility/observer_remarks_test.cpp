@@ -166,6 +166,20 @@ TEST(Clearance, is_also_that_to_meshes_and_terrains) {
   EXPECT_NEAR(clearance_of(occluders, {1, 1, 4}).above.value(), 3.0, 1e-6);
 }
 
+TEST(Clearance, is_0_on_a_mesh_however_the_millimetre_around_an_eye_is_rounded) {
+  for (double height = 0.3; height < 1000.0; height += 17.0) {
+    TriangleMesh roof;
+    roof.vertices = {{-5, -5, height}, {5, -5, height}, {0, 5, height}};
+    roof.triangles = {{0, 1, 2}};
+    OccluderOptions options;
+    options.mesh = std::make_shared<const TriangleTree>(std::move(roof));
+    const Clearance clearance = clearance_of(Occluders(build(PointCloud()), options), {0.3, 0.2, height});
+    ASSERT_TRUE(clearance.below) << height;
+    EXPECT_NEAR(*clearance.below, 0.0, 1e-9) << height;
+    EXPECT_FALSE(clearance.above) << height;
+  }
+}
+
 TEST(ObserverRemarks, name_observers_below_something_and_what_to_type) {
   const Occluders occluders = roofed().occluders();
   EXPECT_EQ(remark_on_placed(occluders, {.name = "mast", .position = {10, 10}, .height = 1.5}),
