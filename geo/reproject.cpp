@@ -156,8 +156,7 @@ ReferenceChange change_reference(const ReferenceRequest& request, const std::fil
   GdalReference to = reference_of_text(request.wanted);
   const GdalReference from = reference_of_file(change.crs, file);
   if (request.has_one_unit) to = with_one_unit(std::move(to));
-  AxisUnits units = stated_units(change.crs);
-  if (!units.heights) units.heights = stated_units(crs_of_wkt(whole_wkt(change.crs))).heights;
+  const AxisUnits units = axis_units(change.crs, whole_wkt(change.crs));
   const std::optional<LengthUnit> stated = height_unit_of_file(change.crs, units, request.height_unit, file);
   const bool to_heights = has_heights(to), from_centre = OSRIsGeocentric(from.get()) != 0,
              to_centre = OSRIsGeocentric(to.get()) != 0;

@@ -140,6 +140,17 @@ TEST(ReprojectTest, geocentric_positions_get_heights_in_the_wanted_unit) {
   EXPECT_NEAR(positions[0].z, 100.0 / 0.3048, 1e-2);
 }
 
+TEST(ReprojectTest, heights_of_a_system_of_the_file_alone_have_no_unit_until_it_is_stated) {
+  // Oregon in feet, and a vertical system that a program defined without a unit: GDAL takes it for metres.
+  FileFacts facts;
+  facts.crs.geotiff_keys = {1, 1, 0, 3, 1024, 0, 1, 1, 3072, 0, 1, 2994, 4096, 0, 1, 32767};
+  EXPECT_NE(problem_of({.wanted = "EPSG:26910"}, facts).find("the unit of heights is unknown"),
+            std::string::npos);
+  EXPECT_EQ(
+      change_reference({.wanted = "EPSG:26910", .height_unit = k_foot}, "site.las", facts).height_factor,
+      0.3048);
+}
+
 TEST(ReprojectTest, a_stated_unit_of_heights_must_not_contradict_the_file) {
   EXPECT_NE(problem_of({.wanted = "EPSG:26910", .height_unit = k_metre}, facts_of("EPSG:2991+6360"))
                 .find("--vertical-unit contradicts the reference system of the file"),
