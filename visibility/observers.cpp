@@ -10,6 +10,7 @@
 
 #include "base/error.h"
 #include "base/exact_math.h"
+#include "base/parallel.h"
 #include "base/words.h"
 #include "octree/query.h"
 #include "visibility/crossing.h"
@@ -367,12 +368,13 @@ Clearance clearance_of(const Occluders& occluders, const glm::dvec3& eye) {
 }
 
 std::vector<std::string> observer_remarks(const Occluders& occluders, std::span<const Observer> observers) {
-  std::vector<std::string> remarks;
-  if (occluders.octree().size() == 0 && occluders.options().terrain == nullptr) return remarks;
-  for (const Observer& observer : observers) {
-    std::string remark = remark_on(occluders, observer);
-    if (!remark.empty()) remarks.push_back(std::move(remark));
-  }
+  if (occluders.octree().size() == 0 && occluders.options().terrain == nullptr) return {};
+  std::vector<std::string> remarks(observers.size());
+  in_parallel(observers.size(), 1, [&](std::size_t i) {
+    occluders.check_given_up();
+    remarks[i] = remark_on(occluders, observers[i]);
+  });
+  std::erase(remarks, "");
   return remarks;
 }
 

@@ -3,6 +3,9 @@
 
 #include <gtest/gtest.h>
 
+#include <atomic>
+#include <vector>
+
 #include "tests/support/random.h"
 #include "tests/visibility/wall_cloud.h"
 
@@ -178,6 +181,17 @@ TEST(Clearance, is_0_on_a_mesh_however_the_millimetre_around_an_eye_is_rounded) 
     EXPECT_NEAR(*clearance.below, 0.0, 1e-9) << height;
     EXPECT_FALSE(clearance.above) << height;
   }
+}
+
+TEST(ObserverRemarks, of_many_observers_end_when_they_are_given_up) {
+  std::atomic<int> asked = 0;
+  OccluderOptions options;
+  options.is_given_up = [&asked] { return ++asked > 100; };
+  Observer observer;
+  observer.position = {10, 10, 1.7};
+  const std::vector<Observer> many(100'000, observer);
+  EXPECT_THROW(observer_remarks(roofed().occluders(options), many), Cancelled);
+  EXPECT_LT(asked, 1000);
 }
 
 TEST(ObserverRemarks, name_observers_below_something_and_what_to_type) {
