@@ -156,10 +156,15 @@ AxisUnits stated_units(const Crs& crs) {
 }
 
 AxisUnits axis_units(const Crs& crs) {
-  AxisUnits units = stated_units(crs);
+  const AxisUnits units = stated_units(crs);
   const bool is_complete = units.plane && (units.heights || !units.states_heights);
-  if (is_complete || !crs.wkt.empty() || crs.empty()) return units;
-  const AxisUnits known = units_of_wkt(whole_wkt(crs));
+  return is_complete || !crs.wkt.empty() || crs.empty() ? units : axis_units(crs, whole_wkt(crs));
+}
+
+AxisUnits axis_units(const Crs& crs, const std::string& whole_wkt) {
+  AxisUnits units = stated_units(crs);
+  if (!crs.wkt.empty()) return units;
+  const AxisUnits known = units_of_wkt(whole_wkt);
   if (!units.plane) units.plane = known.plane;
   // Of a system that the file itself defines, a library only guesses the unit.
   constexpr std::uint16_t k_user_defined = 32767;

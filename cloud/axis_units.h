@@ -40,6 +40,8 @@ AxisUnits stated_units(const Crs& crs);
 
 /// The same, and of GeoTIFF keys that are codes without units what the library of reference systems knows (CrsLibrary).
 AxisUnits axis_units(const Crs& crs);
+/// The same, with the WKT that a library makes of GeoTIFF keys; empty: it does not understand them.
+AxisUnits axis_units(const Crs& crs, const std::string& whole_wkt);
 
 /// The unit of a file's heights: that of its system, whose units are `units`, else `stated`, by the user
 /// (--vertical-unit). Empty if neither states it. Errors: the system has heights in an unknown unit, or `stated`

@@ -11,21 +11,8 @@
 namespace alidade::geo {
 namespace {
 
-/// Null if GDAL does not understand it.
-GdalReference reference_of(const std::string& wkt) {
-  GdalReference reference(OSRNewSpatialReference(nullptr));
-  char* text = const_cast<char*>(wkt.c_str());
-  if (wkt.empty() || OSRImportFromWkt(reference.get(), &text) != OGRERR_NONE) return nullptr;
-  return reference;
-}
-
 std::string version_1_of(const GdalReference& reference) {
-  const char* const options[] = {"FORMAT=WKT1", nullptr};
-  char* text = nullptr;
-  const bool is_written = OSRExportToWktEx(reference.get(), &text, options) == OGRERR_NONE;
-  const std::string wkt = is_written && text != nullptr ? text : "";
-  CPLFree(text);
-  return wkt;
+  return wkt_in_format(reference.get(), "FORMAT=WKT1");
 }
 
 bool is_same(const GdalReference& a, const GdalReference& b) {
@@ -40,6 +27,12 @@ std::string code_of(const GdalReference& reference, const char* part) {
   return code != nullptr ? code : "";
 }
 
+/// The name that version 1 of WKT gives to a projection; empty for systems without one.
+std::string projection_of(const GdalReference& reference) {
+  const char* const name = OSRGetAttrValue(reference.get(), "PROJECTION", 0);
+  return name != nullptr ? name : "";
+}
+
 /// x and y of a system without what does not move them in clouds, whose x is always east: the order of axes, and
 /// parameters to other datums.
 GdalReference plane_of(const GdalReference& reference) {
@@ -51,7 +44,7 @@ GdalReference plane_of(const GdalReference& reference) {
       wkt.erase(static_cast<std::size_t>(node.data() - wkt.data()), node.size());
   }
   // Systems that version 1 does not have stay what they are.
-  if (GdalReference bare = reference_of(wkt)) return bare;
+  if (GdalReference bare = reference_of_wkt(wkt)) return bare;
   return plane;
 }
 
@@ -59,7 +52,9 @@ CrsAgreement compare_planes(const GdalReference& a, const GdalReference& b) {
   using enum CrsAgreement;
   const GdalReference one = plane_of(a), other = plane_of(b);
   if (is_same(one, other)) return same;
-  if (!same_definition(version_1_of(one), version_1_of(other))) return different;
+  // Some projections have the same parameters.
+  if (projection_of(one) != projection_of(other) || !same_definition(version_1_of(one), version_1_of(other)))
+    return different;
   // PROJ distinguishes datums by name, and programs write names of their own.
   const std::string datum = code_of(one, "DATUM"), other_datum = code_of(other, "DATUM");
   if (datum.empty() || other_datum.empty()) return unknown;
@@ -67,7 +62,7 @@ CrsAgreement compare_planes(const GdalReference& a, const GdalReference& b) {
 }
 
 GdalReference heights_of(const std::string& wkt) {
-  return reference_of(std::string(wkt_node(wkt, {"VERT_CS[", "VERTCRS[", "VERTICALCRS["})));
+  return reference_of_wkt(std::string(wkt_node(wkt, {"VERT_CS[", "VERTCRS[", "VERTICALCRS["})));
 }
 
 /// Of heights; that of x and y where they state none.
@@ -92,9 +87,8 @@ CrsAgreement compare_heights(const Crs& a, const std::string& wkt_a, const Crs& 
 }  // namespace
 
 std::string whole_wkt(const Crs& crs) {
-  CPLSetThreadLocalConfigOption("GTIFF_REPORT_COMPD_CS", "YES");
+  const CPLConfigOptionSetter heights("GTIFF_REPORT_COMPD_CS", "YES", false);
   const std::string wkt = wkt_of(crs);
-  CPLSetThreadLocalConfigOption("GTIFF_REPORT_COMPD_CS", nullptr);
   if (!crs.wkt.empty()) return wkt;
   // The name that GDAL gives to keys it cannot read.
   if (wkt.empty() || wkt.starts_with("LOCAL_CS[")) return "";
@@ -106,7 +100,7 @@ std::optional<CrsAgreement> compare_systems(const Crs& a, const Crs& b) {
   using enum CrsAgreement;
   const QuietGdal quiet;
   const std::string wkt_a = whole_wkt(a), wkt_b = whole_wkt(b);
-  const GdalReference one = reference_of(wkt_a), other = reference_of(wkt_b);
+  const GdalReference one = reference_of_wkt(wkt_a), other = reference_of_wkt(wkt_b);
   if (!one || !other) return std::nullopt;
   if (OSRIsSame(one.get(), other.get()) != 0) return same;
   if (OSRIsLocal(one.get()) != 0 || OSRIsLocal(other.get()) != 0) return unknown;

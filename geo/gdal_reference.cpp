@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "geo/gdal_reference.h"
 
+#include <cpl_conv.h>
 #include <gdal_frmts.h>
 #include <algorithm>
 #include <cmath>
@@ -91,12 +92,9 @@ namespace {
 GdalReference read_reference(const std::string& text, bool is_wkt, const std::string& whose,
                              const std::string& way_out) {
   if (text.empty()) return nullptr;
-  GdalReference reference(OSRNewSpatialReference(nullptr));
-  char* wkt = const_cast<char*>(text.c_str());
-  const OGRErr error =
-      is_wkt ? OSRImportFromWkt(reference.get(), &wkt) : OSRSetFromUserInput(reference.get(), text.c_str());
-  check_that(error == OGRERR_NONE, "the reference system of " + whose + " is invalid",
-             expected_system(text, way_out), text);
+  GdalReference reference = is_wkt ? reference_of_wkt(text) : GdalReference(OSRNewSpatialReference(nullptr));
+  check_that(reference && (is_wkt || OSRSetFromUserInput(reference.get(), text.c_str()) == OGRERR_NONE),
+             "the reference system of " + whose + " is invalid", expected_system(text, way_out), text);
   return reference;
 }
 
@@ -134,11 +132,25 @@ std::string wkt_of(const Crs& crs) {
   return wkt != nullptr ? wkt : "";
 }
 
-GdalReference plane_reference(const Crs& crs) {
-  const std::string wkt = wkt_of(crs);
+GdalReference reference_of_wkt(const std::string& wkt) {
   GdalReference reference(OSRNewSpatialReference(nullptr));
   char* text = const_cast<char*>(wkt.c_str());
   if (wkt.empty() || OSRImportFromWkt(reference.get(), &text) != OGRERR_NONE) return nullptr;
+  return reference;
+}
+
+std::string wkt_in_format(OGRSpatialReferenceH reference, const char* format) {
+  const char* const options[] = {format, nullptr};
+  char* text = nullptr;
+  const bool is_written = OSRExportToWktEx(reference, &text, options) == OGRERR_NONE;
+  std::string wkt = is_written && text != nullptr ? text : "";
+  CPLFree(text);
+  return wkt;
+}
+
+GdalReference plane_reference(const Crs& crs) {
+  GdalReference reference = reference_of_wkt(wkt_of(crs));
+  if (!reference) return nullptr;
   if (OSRIsGeocentric(reference.get()) != 0 || OSRIsLocal(reference.get()) != 0) return nullptr;
   make_plane(reference);
   return reference;

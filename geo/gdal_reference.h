@@ -76,6 +76,12 @@ using GdalTransformation = GdalHandle<OCTDestroyCoordinateTransformation>;
 /// if it is missing or invalid.
 std::string wkt_of(const Crs& crs);
 
+/// Null for text that is empty or that GDAL does not understand.
+GdalReference reference_of_wkt(const std::string& wkt);
+
+/// A system as WKT of a kind that GDAL names, such as "FORMAT=WKT1"; empty if it has none of that kind.
+std::string wkt_in_format(OGRSpatialReferenceH reference, const char* format);
+
 /// The plane part of a cloud's system; null if GDAL does not know it or it lies nowhere on Earth.
 GdalReference plane_reference(const Crs& crs);
 

@@ -8,7 +8,7 @@
 namespace alidade::geo {
 namespace {
 
-/// "m", "ft" for feet of all countries; empty for others.
+/// "m", or "ft" for the foot and the US survey foot; empty for others.
 std::string foot_or_metre(const LengthUnit& unit) {
   if (unit == k_metre) return "m";
   return unit == k_foot || unit == k_survey_foot ? "ft" : "";

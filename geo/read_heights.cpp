@@ -28,10 +28,8 @@ namespace {
 GdalDataset open_raster(const std::filesystem::path& file) {
   GDALAllRegister();
   // Else a GeoTIFF file would lose its vertical part.
-  CPLSetThreadLocalConfigOption("GTIFF_REPORT_COMPD_CS", "YES");
-  GdalDataset dataset(GDALOpenEx(file.c_str(), GDAL_OF_RASTER | GDAL_OF_READONLY, nullptr, nullptr, nullptr));
-  CPLSetThreadLocalConfigOption("GTIFF_REPORT_COMPD_CS", nullptr);
-  return dataset;
+  const CPLConfigOptionSetter heights("GTIFF_REPORT_COMPD_CS", "YES", false);
+  return GdalDataset(GDALOpenEx(file.c_str(), GDAL_OF_RASTER | GDAL_OF_READONLY, nullptr, nullptr, nullptr));
 }
 
 std::string text_of(const std::array<double, 6>& transform) {

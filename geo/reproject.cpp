@@ -33,9 +33,8 @@ GdalReference reference_of_file(const Crs& crs, const std::filesystem::path& fil
   if (wkt.empty())
     throw file_error(file, "cannot reproject: the reference system is unknown",
                      "--crs EPSG:n, which states it");
-  GdalReference reference(OSRNewSpatialReference(nullptr));
-  char* text = const_cast<char*>(wkt.c_str());
-  if (OSRImportFromWkt(reference.get(), &text) != OGRERR_NONE || OSRIsLocal(reference.get()) != 0)
+  GdalReference reference = reference_of_wkt(wkt);
+  if (!reference || OSRIsLocal(reference.get()) != 0)
     throw file_error(file, "cannot reproject: the reference system says nowhere where on Earth it is",
                      "--crs EPSG:n, which states another", crs_name(crs));
   OSRSetAxisMappingStrategy(reference.get(), OAMS_TRADITIONAL_GIS_ORDER);
@@ -45,25 +44,25 @@ GdalReference reference_of_file(const Crs& crs, const std::filesystem::path& fil
 std::string text_of(const GdalReference& reference) {
   // LAS wants the first kind, which does not have all systems.
   for (const char* const format : {"FORMAT=WKT1", "FORMAT=WKT2"}) {
-    const char* const options[] = {format, nullptr};
-    char* text = nullptr;
-    const bool is_written = OSRExportToWktEx(reference.get(), &text, options) == OGRERR_NONE;
-    const std::string wkt = is_written && text != nullptr ? text : "";
-    CPLFree(text);
+    std::string wkt = wkt_in_format(reference.get(), format);
     if (!wkt.empty()) return wkt;
   }
   throw Error({.problem = "the reference system cannot be written as WKT"});
 }
 
+/// Whether z of a system is a height that it defines: by a vertical part, or above the ellipsoid as in EPSG:4979.
+bool has_heights(const GdalReference& reference) {
+  return OSRIsGeocentric(reference.get()) == 0 && OSRGetAxesCount(reference.get()) == 3;
+}
+
 /// The system with the vertical part of the other one, if only that has one.
 std::string with_heights_of(const GdalReference& plane, const GdalReference& other) {
   const std::string wkt = text_of(plane);
-  if (OSRIsCompound(plane.get()) != 0 || OSRIsCompound(other.get()) == 0) return wkt;
+  if (has_heights(plane)) return wkt;
   const std::string all = text_of(other);
-  std::string part(wkt_node(all, {"VERT_CS[", "VERTCRS["}));
-  const GdalReference heights(OSRNewSpatialReference(nullptr)), both(OSRNewSpatialReference(nullptr));
-  char* text = part.data();
-  if (part.empty() || OSRImportFromWkt(heights.get(), &text) != OGRERR_NONE) return wkt;
+  const GdalReference heights = reference_of_wkt(std::string(wkt_node(all, {"VERT_CS[", "VERTCRS["}))),
+                      both(OSRNewSpatialReference(nullptr));
+  if (!heights) return wkt;
   const std::string name = std::string(OSRGetName(plane.get())) + " + " + OSRGetName(heights.get());
   return OSRSetCompoundCS(both.get(), name.c_str(), plane.get(), heights.get()) == OGRERR_NONE ? text_of(both)
                                                                                                : wkt;
@@ -130,10 +129,8 @@ Crs crs_of_text(const std::string& text) {
 
 std::string projjson_of(const Crs& crs) {
   const QuietGdal quiet;
-  const std::string wkt = wkt_of(crs);
-  const GdalReference reference(OSRNewSpatialReference(nullptr));
-  char* text = const_cast<char*>(wkt.c_str());
-  if (wkt.empty() || OSRImportFromWkt(reference.get(), &text) != OGRERR_NONE) return "";
+  const GdalReference reference = reference_of_wkt(wkt_of(crs));
+  if (!reference) return "";
   const char* const options[] = {"MULTILINE=NO", nullptr};
   char* json = nullptr;
   const bool is_exported = OSRExportToPROJJSON(reference.get(), &json, options) == OGRERR_NONE;
@@ -159,18 +156,16 @@ ReferenceChange change_reference(const ReferenceRequest& request, const std::fil
   GdalReference to = reference_of_text(request.wanted);
   const GdalReference from = reference_of_file(change.crs, file);
   if (request.has_one_unit) to = with_one_unit(std::move(to));
-  AxisUnits units = stated_units(change.crs);
-  if (!units.heights) units.heights = stated_units(crs_of_wkt(whole_wkt(change.crs))).heights;
+  const AxisUnits units = axis_units(change.crs, whole_wkt(change.crs));
   const std::optional<LengthUnit> stated = height_unit_of_file(change.crs, units, request.height_unit, file);
-  const bool has_heights = OSRIsCompound(to.get()) != 0, from_centre = OSRIsGeocentric(from.get()) != 0,
+  const bool to_heights = has_heights(to), from_centre = OSRIsGeocentric(from.get()) != 0,
              to_centre = OSRIsGeocentric(to.get()) != 0;
   const LengthUnit unit = height_unit_of(to),
                    before = from_centre ? k_metre : stated.value_or(height_unit_of(from));
   change.crs = crs_of_wkt(with_heights_of(to, from));
-  if (!has_heights) change.crs = with_height_unit(change.crs, unit);
+  if (!to_heights) change.crs = with_height_unit(change.crs, unit);
   // PROJ converts heights where both systems have them, and else returns what it was given, or metres.
-  const bool follows =
-      from_centre ? has_heights : OSRIsCompound(from.get()) != 0 && (has_heights || to_centre);
+  const bool follows = from_centre ? to_heights : has_heights(from) && (to_heights || to_centre);
   if (!follows && before != unit) {
     change.height_factor = before.metres / unit.metres;
     change.heights_note = fmt::format(
@@ -178,7 +173,7 @@ ReferenceChange change_reference(const ReferenceRequest& request, const std::fil
         stated || from_centre ? "" : ", as if in the unit of x and y; --vertical-unit states another");
   }
   // Without heights in the wanted system those of a compound one must not go through a grid.
-  if (!has_heights && !to_centre) OSRStripVertical(from.get());
+  if (!to_heights && !to_centre) OSRStripVertical(from.get());
   if (OSRIsSame(from.get(), to.get()) != 0) return change;
   GdalTransformation transformation = transformation_between(from, to);
   if (!transformation)

@@ -22,7 +22,7 @@ struct ReferenceRequest {
 };
 
 /// How a file's positions get into the wanted system, through PROJ. Heights follow where both systems have
-/// heights (EPSG:25832+7837), or the file's are geocentric; otherwise they stay on their datum, a compound
+/// heights (EPSG:25832+7837, EPSG:4979), or the file's are geocentric; otherwise they stay on their datum, a compound
 /// system keeps its vertical part, and their unit becomes that of the wanted system's heights: where it has none that
 /// of its x and y, over degrees metres. Warns where `stated` differs from what the file says. Errors: GDAL does not
 /// understand a system; the file's is unknown or local; its points cannot lie in it (implausible_crs()); the unit of

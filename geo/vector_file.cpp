@@ -54,12 +54,7 @@ OGRLayerH only_layer(const GdalDataset& dataset, const std::filesystem::path& pa
 std::string wkt_of_layer(OGRLayerH layer) {
   const OGRSpatialReferenceH reference = OGR_L_GetSpatialRef(layer);
   if (reference == nullptr) return "";
-  char* text = nullptr;
-  const char* const options[] = {"FORMAT=WKT2_2018", nullptr};
-  OSRExportToWktEx(reference, &text, options);
-  std::string wkt = text != nullptr ? text : "";
-  CPLFree(text);
-  return wkt;
+  return wkt_in_format(reference, "FORMAT=WKT2_2018");
 }
 
 /// The point of that number.

@@ -10,6 +10,7 @@
 
 #include "base/error.h"
 #include "base/exact_math.h"
+#include "base/parallel.h"
 #include "base/words.h"
 #include "octree/query.h"
 #include "visibility/crossing.h"
@@ -270,18 +271,17 @@ std::optional<double> first_along(const Occluders& occluders, const SightLine& l
     if (hit) first = std::min(first, std::max(hit->t, 0.0));
   };
   RayQuery blocking = query_of(occluders);
-  blocking.filter = [&](const Candidate& candidate) {
-    return crossing(occluders, line, candidate).has_value();
+  if (options.counts)
+    blocking.filter = [&](const Candidate& point) { return is_counted(occluders, point.point_id); };
+  blocking.position_filter = [&](const Candidate& candidate) {
+    return position_crossing(occluders, line, candidate).has_value();
   };
   take(closest(occluders.octree(), ray_of(occluders, line), blocking));
   // What is beside the start is not above it.
   const double beside = occluders.typical_radius();
   if (options.shape != OccluderShape::disc && beside < line.length) {
-    RayQuery lone{.radius = beside, .measure = Measure::t};
-    lone.filter = [&](const Candidate& candidate) {
-      return (!options.counts || options.counts(candidate.point_id)) &&
-             !occluders.surface(candidate.point_id).exists;
-    };
+    RayQuery lone{.radius = beside, .measure = Measure::t, .filter = blocking.filter};
+    lone.position_filter = [&](const Candidate& point) { return !occluders.surface(point.point_id).exists; };
     take(closest(occluders.octree(), Ray{line.from.position, line.direction, beside, line.length}, lone));
   }
   const Ray ray{line.from.position, line.direction, k_mesh_contact, line.length};
@@ -360,7 +360,7 @@ std::string remark_on(const Occluders& occluders, const Observer& observer) {
 Clearance clearance_of(const Occluders& occluders, const glm::dvec3& eye) {
   const SightEnd end = end_near_surface(occluders, eye);
   // The surface that the eye is on may be as far above it as it is below.
-  const double raise = end.own_thickness + k_mesh_contact;
+  const double raise = end.own_thickness + 2.0 * k_mesh_contact;
   const glm::dvec3 above_surface = eye + glm::dvec3(0.0, 0.0, raise);
   std::optional<double> below = first_along(occluders, sight_ray(chord_end(above_surface), {0, 0, -1}));
   if (below) below = std::max(*below - raise, 0.0);
@@ -368,12 +368,13 @@ Clearance clearance_of(const Occluders& occluders, const glm::dvec3& eye) {
 }
 
 std::vector<std::string> observer_remarks(const Occluders& occluders, std::span<const Observer> observers) {
-  std::vector<std::string> remarks;
-  if (occluders.octree().size() == 0 && occluders.options().terrain == nullptr) return remarks;
-  for (const Observer& observer : observers) {
-    std::string remark = remark_on(occluders, observer);
-    if (!remark.empty()) remarks.push_back(std::move(remark));
-  }
+  if (occluders.octree().size() == 0 && occluders.options().terrain == nullptr) return {};
+  std::vector<std::string> remarks(observers.size());
+  in_parallel(observers.size(), 1, [&](std::size_t i) {
+    occluders.check_given_up();
+    remarks[i] = remark_on(occluders, observers[i]);
+  });
+  std::erase(remarks, "");
   return remarks;
 }
 

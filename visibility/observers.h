@@ -58,7 +58,7 @@ class FieldOfView {
 
 /// An observer as somebody wrote it: what was not said is empty.
 struct GivenObserver {
-  std::string source;  ///< where it was written, for messages: "observers.csv:3"
+  std::string source{};  ///< where it was written, for messages: "observers.csv:3"
   std::string name{};
   glm::dvec2 position{0.0};
   std::optional<double> z{};  ///< of the foot; empty: the ground
@@ -120,7 +120,7 @@ Clearance clearance_of(const Occluders& occluders, const glm::dvec3& eye);
 /// scans whose discs are metres wide; and of observers that were placed, one with anything overhead, and one whose
 /// foot, if it has one, is more than 1 above or below what is there (clearance_of()), with the observer to give
 /// instead. Of the points, the 16 nearest are looked at.
-/// Cost: some ten microseconds each.
+/// Cost: some ten microseconds of one thread each. Errors: Cancelled, by OccluderOptions::is_given_up.
 std::vector<std::string> observer_remarks(const Occluders& occluders, std::span<const Observer> observers);
 
 }  // namespace alidade::visibility

@@ -66,8 +66,8 @@ struct OccluderOptions {
   std::shared_ptr<const TriangleTree> mesh{};
   /// A terrain that blocks in the same way; null: none.
   std::shared_ptr<const geo::TerrainSurface> terrain{};
-  /// Called, from many threads at once, every few milliseconds while lines are answered, which then ends with Cancelled
-  /// if it returns true; empty: never.
+  /// Called, from many threads at once, before every some ten thousand lines that are answered, which then ends with
+  /// Cancelled if it returns true; empty: never.
   std::function<bool()> is_given_up{};
 };
 

@@ -9,6 +9,9 @@ namespace {
 
 constexpr const char* k_colmap =
     "a COLMAP model, transforms.json, or a trajectory with quaternions (docs/cameras.md)";
+constexpr const char* k_metashape =
+    "its export as COLMAP (File > Export > Export Cameras, type Colmap), or transforms.json by "
+    "'ns-process-data metashape'";
 
 /// An export that is not read, by words that its first bytes contain.
 struct KnownExport {
@@ -18,11 +21,7 @@ struct KnownExport {
 };
 
 constexpr KnownExport k_exports[] = {
-    {{"<document", "<chunk", "<sensor"},
-     "the XML of Agisoft Metashape",
-     "its export as COLMAP (File > Export > Export Cameras, type Colmap), or transforms.json by "
-     "'ns-process-data "
-     "metashape'"},
+    {{"<document", "<chunk", "<sensor"}, "the XML of Agisoft Metashape", k_metashape},
     {{"xcr:", "", ""}, "the XMP of RealityCapture", k_colmap},
     {{"\"img_name\"", "\"rotation\"", "\"position\""},
      "the cameras.json of 3D Gaussian Splatting",
@@ -36,9 +35,7 @@ constexpr KnownExport k_exports[] = {
     {{"# Bundle file", "", ""}, "a bundle of Bundler", k_colmap},
     {{"NVM_V3", "", ""}, "a model of VisualSFM", k_colmap},
     {{"imageName", "Omega", "Kappa"}, "the external camera parameters of Pix4D", k_colmap},
-    {{"PhotoID", "Omega", "Kappa"},
-     "the angles of Agisoft Metashape",
-     "its export as COLMAP (File > Export > Export Cameras, type Colmap)"},
+    {{"PhotoID", "Omega", "Kappa"}, "the angles of Agisoft Metashape", k_metashape},
     {{"#name", "alt", "heading"},
      "the camera parameters of RealityCapture",
      "transforms.json by 'ns-process-data realitycapture', or a COLMAP model"},

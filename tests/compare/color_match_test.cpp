@@ -105,6 +105,23 @@ TEST(ColorMatch, display_encoded_pictures_are_fitted_in_linear_light_without_cli
                1e-4);
 }
 
+TEST(ColorMatch, of_display_codes_the_first_and_last_two_are_clipped) {
+  // One channel has the same code everywhere, so all pixels count or none.
+  const auto with_code = [](int code) {
+    return draw_picture(64, 64, ColorEncoding::display, [code](int x, int y) {
+      return std::array<double, 3>{(60 + x) / 255.0, (60 + y) / 255.0, code / 255.0};
+    });
+  };
+  for (const ColorModel model : {ColorModel::exposure, ColorModel::affine}) {
+    for (const int code : {0, 1, 254, 255})
+      EXPECT_FALSE(match_color(with_code(128), with_code(code), {}, model)) << code;
+  }
+  for (const int code : {2, 253}) {
+    const auto match = match_color(with_code(code), with_code(code), {}, ColorModel::exposure);
+    expect_match(match, glm::dvec3(1.0), glm::dvec3(0.0), 1e-9);
+  }
+}
+
 TEST(ColorMatch, pixels_that_do_not_count_play_no_role) {
   const ComparedImage reference = scene();
   ComparedImage test = by_another_camera(k_scale, glm::dvec3(0.0));

@@ -103,6 +103,14 @@ TEST(Ssim, pictures_of_one_colour_give_what_the_paper_says) {
   EXPECT_NEAR(similarity(one, other).ssim, expected, 1e-9);
 }
 
+// Such pictures have equal contrast at all scales, and other means count at the last one only.
+TEST(Ssim, five_scales_see_other_means_at_the_last_one) {
+  const ComparedImage one = uniform_picture(170, 165, ColorEncoding::display, 0.5f, 0.25f, 1.0f);
+  const ComparedImage other = uniform_picture(170, 165, ColorEncoding::display, 0.25f, 0.25f, 0.0f);
+  const double expected = (std::pow(0.2501 / 0.3126, 0.1333) + 1.0 + std::pow(0.0001 / 1.0001, 0.1333)) / 3.0;
+  EXPECT_NEAR(similarity(one, other).ms_ssim, expected, 1e-9);
+}
+
 TEST(Ssim, means_are_those_of_plain_loops) {
   // More than one tile each way.
   const ComparedImage one = patchy_picture(143, 81, ColorEncoding::display, "plain", 0.2);

@@ -139,6 +139,23 @@ TEST_F(CloudTableTest, rows_in_order_are_the_nearest) {
   }
 }
 
+TEST_F(CloudTableTest, rows_in_order_come_along_the_whole_line) {
+  Random random;
+  std::size_t found = 0;
+  for (int i = 0; i < 10; ++i) {
+    const auto [text, ray] = some_ray(random);
+    std::vector<double> along;
+    for (std::size_t id = 0; id < cloud_.size(); ++id) {
+      const RayProjection at = project(ray, cloud_.world(id));
+      if (at.distance <= 8) along.push_back(at.t);
+    }
+    std::ranges::sort(along);
+    EXPECT_EQ(numbers(*database_, "SELECT t FROM points(" + text + ") WHERE dist <= 8 ORDER BY t"), along);
+    found += along.size();
+  }
+  EXPECT_GT(found, 1000u);
+}
+
 TEST_F(CloudTableTest, boxes_are_conditions_on_coordinates) {
   const std::vector<double> inside = expected([](const glm::dvec3& point) {
     return point.x >= 690010 && point.x < 690020 && point.y > 5325030 && point.y <= 5325050 &&

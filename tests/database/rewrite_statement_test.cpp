@@ -83,6 +83,16 @@ TEST(RewriteStatement, writes_expressions_and_one_box) {
             "-1e+00) * ((x - 1e+01) * -1e+00)) <= 1e+00)");
 }
 
+TEST(RewriteStatement, a_plane_without_a_lower_limit_keeps_what_is_behind_it) {
+  // z <= 20 and z >= 12: what is on the other side of z = 16 is at negative distances.
+  const std::string below = rewritten("dist_plane(0,0,16, 0,0,1, x,y,z) <= 4"),
+                    above = rewritten("dist_plane(0,0,16, 0,0,1, x,y,z) >= -4");
+  EXPECT_NE(below.find("WHERE z <= 2.0"), std::string::npos) << below;
+  EXPECT_EQ(below.find("z >="), std::string::npos) << below;
+  EXPECT_NE(above.find("WHERE z >= 1.1"), std::string::npos) << above;
+  EXPECT_EQ(above.find("z <="), std::string::npos) << above;
+}
+
 TEST(RewriteStatement, gives_each_engine_its_form_of_several_boxes) {
   const std::string diagonal = "dist_ray(0,0,0, 1,1,0.5, x,y,z) <= 1";
   const std::string either = rewritten(diagonal);

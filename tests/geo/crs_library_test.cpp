@@ -47,6 +47,8 @@ TEST(CompareSystemsTest, other_systems_are_different_however_they_are_written) {
   // Metres of Quebec and feet of Oregon.
   EXPECT_EQ(compare_systems(crs_of_keys({1024, 1, 3072, 2949}), written("EPSG:2994", "FORMAT=WKT1_ESRI")),
             CrsAgreement::different);
+  // Other projections with the same parameters.
+  EXPECT_EQ(compare_systems(crs_of_text("ESRI:54009"), crs_of_text("ESRI:54012")), CrsAgreement::different);
   const char* const codes[] = {"EPSG:25832", "EPSG:25833", "EPSG:32632", "EPSG:2991", "EPSG:2994",
                                "EPSG:26910", "EPSG:3740",  "EPSG:4326",  "EPSG:4978"};
   for (const char* const a : codes)

@@ -106,6 +106,19 @@ TEST(ReprojectTest, heights_get_the_unit_of_the_wanted_system) {
   EXPECT_EQ(height_in("EPSG:26910", "EPSG:2994", {.height_unit = k_metre}), "1000.000 m");
 }
 
+TEST(ReprojectTest, heights_above_the_ellipsoid_are_converted_once) {
+  const auto height = [](const std::string& wanted, const std::string& own, const glm::dvec3& position) {
+    const ReferenceChange change = change_reference({.wanted = wanted}, "site.las", facts_of(own));
+    std::vector<glm::dvec3> positions = {{position.x, position.y, position.z * change.height_factor}};
+    change.move(positions);
+    return positions[0].z;
+  };
+  // The geoid is some 20 m below the ellipsoid there, where PROJ has it.
+  EXPECT_NEAR(height("EPSG:2994+6360", "EPSG:4979", {-123, 44.5, 1000}), 3281.0, 100.0);
+  EXPECT_NEAR(height("EPSG:4979", "EPSG:2994+6360", {500000, 900000, 3281}), 1000.0, 30.0);
+  EXPECT_NEAR(height("EPSG:2994", "EPSG:4979", {-123, 44.5, 1000}), 1000.0 / 0.3048, 1e-6);
+}
+
 TEST(ReprojectTest, heights_alone_change_on_the_lattice) {
   const ReferenceChange change =
       change_reference({.wanted = "EPSG:2991"}, "site.las", facts_of("EPSG:2991+6360"));
@@ -125,6 +138,17 @@ TEST(ReprojectTest, geocentric_positions_get_heights_in_the_wanted_unit) {
   EXPECT_EQ(change.height_factor, 1.0);
   change.move(positions);
   EXPECT_NEAR(positions[0].z, 100.0 / 0.3048, 1e-2);
+}
+
+TEST(ReprojectTest, heights_of_a_system_of_the_file_alone_have_no_unit_until_it_is_stated) {
+  // Oregon in feet, and a vertical system that a program defined without a unit: GDAL takes it for metres.
+  FileFacts facts;
+  facts.crs.geotiff_keys = {1, 1, 0, 3, 1024, 0, 1, 1, 3072, 0, 1, 2994, 4096, 0, 1, 32767};
+  EXPECT_NE(problem_of({.wanted = "EPSG:26910"}, facts).find("the unit of heights is unknown"),
+            std::string::npos);
+  EXPECT_EQ(
+      change_reference({.wanted = "EPSG:26910", .height_unit = k_foot}, "site.las", facts).height_factor,
+      0.3048);
 }
 
 TEST(ReprojectTest, a_stated_unit_of_heights_must_not_contradict_the_file) {

@@ -47,8 +47,14 @@ TEST(HeightUnitTest, the_vertical_system_counts_else_the_horizontal_one) {
   EXPECT_EQ(of_wkt(R"(GEOGCS["y",UNIT["degree",0.0174]])"), "m");
   EXPECT_EQ(of_wkt(R"(LOCAL_CS["y",UNIT["furlong",201.168]])"), "");
   EXPECT_EQ(of_wkt("UNIT[\"met"), "");
+  // What a vertical part does not say is not that of x and y.
+  EXPECT_EQ(of_wkt(R"(COMPD_CS["a",PROJCS["x",UNIT["metre",1]],VERT_CS["h",UNIT["furlong",201.168]]])"), "");
+  EXPECT_EQ(of_wkt(R"(COMPD_CS["a",PROJCS["x",UNIT["metre",1]],VERT_CS["h",VERT_DATUM["d",2005]]])"), "");
   EXPECT_EQ(height_unit(test::crs_of_keys({3076, 9003})), "ft");
   EXPECT_EQ(height_unit(test::crs_of_keys({3076, 9003, 4099, 9001})), "m");
+  for (const std::uint16_t unknown : {9005, 32767})
+    EXPECT_EQ(height_unit(test::crs_of_keys({3076, 9001, 4099, unknown})), "") << unknown;
+  EXPECT_EQ(height_unit(test::crs_of_keys({3076, 9001, 4096, 32767})), "");
   EXPECT_EQ(height_unit(test::crs_of_keys({3072, 2229})), "");
 }
 

@@ -126,6 +126,27 @@ TEST(Layers, of_a_scan_tell_how_sure_they_are) {
   EXPECT_GT(film.depth_sigma[bird], 0.5f) << "the floor may be seen past it";
 }
 
+TEST(Layers, depth_and_its_sigma_are_along_the_axis_of_the_camera) {
+  // The middle of the right pixel looks along (0.6, 0.8, 0) at a sphere 5 away, whose sigma is its radius.
+  const LoadedCloud cloud = test::loaded({{3.0, 4.0, 0.0}}, 0.1);
+  Scene scene;
+  scene.cloud.emplace().shape = PointShape::sphere;
+  scene.camera = camera::Camera{
+      .width = 3, .height = 1, .fx = 4.0 / 3.0, .fy = 4.0 / 3.0, .cx = 1.5, .cy = 0.5, .pose = {}};
+  scene.render.samples = 1;
+  const image::Film film = render(scene, &cloud);
+  EXPECT_NEAR(film.distance[2], 4.9, 1e-6);
+  EXPECT_NEAR(film.depth[2], 4.9 * 0.8, 1e-6);
+  EXPECT_NEAR(film.depth_sigma[2], 0.1 * 0.8, 1e-7);
+  // A panorama has no axis. A pixel looks 36 degrees and a bit from the one in the middle.
+  const double angle = std::atan2(3.0, 4.0);
+  scene.camera->lens = camera::EquirectangularLens{};
+  scene.camera->fx = scene.camera->fy = 1.0 / angle;
+  const image::Film around = render(scene, &cloud);
+  EXPECT_NEAR(around.depth[2], 4.9, 1e-6);
+  EXPECT_NEAR(around.depth_sigma[2], 0.1, 1e-7);
+}
+
 TEST(Fidelity, of_the_truth_to_itself_is_perfect) {
   const Scene scene = flat_yard();
   const image::Film truth = test::exact_picture(scene);

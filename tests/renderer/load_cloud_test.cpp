@@ -239,6 +239,21 @@ TEST_F(LoadCloud, pylons_and_far_walls_are_in_the_frame_of_an_overview) {
   EXPECT_NEAR(visible_bounds(cloud).max.z, 60.5, 1e-9);
 }
 
+TEST(AutomaticExposure, is_that_of_the_surfaces_alone) {
+  // A ball that shines, small before nothing: its luminance times a quarter is the medium of 0.187.
+  Scene scene;
+  scene.objects.emplace_back(
+      Sphere{.center = {0, 0, 0}, .radius = 1.5, .material = Emissive{Rgb(4.0f * 0.187f)}});
+  const Camera view = camera::pinhole_from_fov(60, 40, 60.0, camera::look_at({0, -10, 0}, {0, 0, 0}));
+  EXPECT_NEAR(automatic_exposure(scene, nullptr, view), -2.0, 1e-9);
+  scene.sky = ConstantSky{Rgb(50.0f)};
+  EXPECT_NEAR(automatic_exposure(scene, nullptr, view), -2.0, 1e-9) << "however bright the sky is";
+  EXPECT_EQ(
+      automatic_exposure(scene, nullptr,
+                         camera::pinhole_from_fov(60, 40, 60.0, camera::look_at({0, -10, 0}, {0, -20, 0}))),
+      0.0);
+}
+
 TEST_F(LoadCloud, overviews_are_from_the_side_of_the_scanners_unless_they_are_amid_the_points) {
   LoadedCloud cloud = load_cloud(settings_for(add_colors));
   const CameraPose plain = overview_camera(cloud, 60, 40).pose;

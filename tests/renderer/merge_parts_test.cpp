@@ -95,6 +95,7 @@ void expect_film_and_facts_of_one_run(PointShape shape) {
   EXPECT_THROW(render_part(scene, &cloud, {.part = {1, 3}}, {files.front(), false, {}}), Error);
   const MergedPicture merged = merge_parts(files, "b.exr");
   expect_same(merged.film, whole);
+  EXPECT_EQ(merged.samples_taken, whole.count() * static_cast<std::uint64_t>(scene.render.samples));
   EXPECT_EQ(merged.output.layers, output.layers);
   EXPECT_EQ(merged.output.exposure, output.exposure);
   EXPECT_EQ(merged.output.half, output.half);

@@ -3,6 +3,9 @@
 
 #include <gtest/gtest.h>
 
+#include <atomic>
+#include <vector>
+
 #include "tests/support/random.h"
 #include "tests/visibility/wall_cloud.h"
 
@@ -164,6 +167,31 @@ TEST(Clearance, is_also_that_to_meshes_and_terrains) {
   EXPECT_NEAR(clearance_of(occluders, {1, 1, 7}).below.value(), 0.0, 1e-6);
   EXPECT_FALSE(clearance_of(occluders, {1, 1, 7}).above);
   EXPECT_NEAR(clearance_of(occluders, {1, 1, 4}).above.value(), 3.0, 1e-6);
+}
+
+TEST(Clearance, is_0_on_a_mesh_however_the_millimetre_around_an_eye_is_rounded) {
+  for (double height = 0.3; height < 1000.0; height += 17.0) {
+    TriangleMesh roof;
+    roof.vertices = {{-5, -5, height}, {5, -5, height}, {0, 5, height}};
+    roof.triangles = {{0, 1, 2}};
+    OccluderOptions options;
+    options.mesh = std::make_shared<const TriangleTree>(std::move(roof));
+    const Clearance clearance = clearance_of(Occluders(build(PointCloud()), options), {0.3, 0.2, height});
+    ASSERT_TRUE(clearance.below) << height;
+    EXPECT_NEAR(*clearance.below, 0.0, 1e-9) << height;
+    EXPECT_FALSE(clearance.above) << height;
+  }
+}
+
+TEST(ObserverRemarks, of_many_observers_end_when_they_are_given_up) {
+  std::atomic<int> asked = 0;
+  OccluderOptions options;
+  options.is_given_up = [&asked] { return ++asked > 100; };
+  Observer observer;
+  observer.position = {10, 10, 1.7};
+  const std::vector<Observer> many(100'000, observer);
+  EXPECT_THROW(observer_remarks(roofed().occluders(options), many), Cancelled);
+  EXPECT_LT(asked, 1000);
 }
 
 TEST(ObserverRemarks, name_observers_below_something_and_what_to_type) {

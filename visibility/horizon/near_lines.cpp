@@ -63,6 +63,7 @@ NearLines::NearLines(const Occluders& occluders, const SightEnd& eye, const Azim
   const TreeView& tree = occluders.octree().view();
   constexpr std::size_t k_points_at_once = 1 << 20, k_grain = 1024;
   for (const std::vector<Leaf>& leaves : leaf_blocks(tree, k_points_at_once)) {
+    occluders.check_given_up();
     const std::vector<PlacedPoint> points = placed_points(tree, leaves);
     in_parallel(points.size(), k_grain, [&](std::size_t i) {
       const std::optional<double> reach = reaches.of(points[i]);
