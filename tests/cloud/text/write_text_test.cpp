@@ -131,5 +131,18 @@ TEST(DecimalsTest, are_the_fewest_that_lose_nothing) {
   EXPECT_EQ(decimals(1e-9 / 3.0, 0.0), std::nullopt);
 }
 
+TEST(DecimalsTest, shown_are_those_or_a_thousandth_of_a_step) {
+  const auto decimals = [](double scale, double offset) {
+    return shown_decimals({.scale = glm::dvec3(scale), .offset = glm::dvec3(offset)}, 0);
+  };
+  EXPECT_EQ(decimals(0.01, 0.005), 3);
+  EXPECT_EQ(decimals(1.0 / 1024.0, 0.0), 10) << "exact";
+  constexpr double k_survey_foot = 1200.0 / 3937.0;
+  EXPECT_EQ(decimals(0.01 * k_survey_foot, 0.0), 6);
+  EXPECT_EQ(decimals(0.001 * k_survey_foot, 0.0), 7);
+  EXPECT_EQ(decimals(700.0 * k_survey_foot, 0.0), 1);
+  EXPECT_EQ(decimals(1e-45, 0.0), std::nullopt);
+}
+
 }  // namespace
 }  // namespace alidade::test
