@@ -60,6 +60,21 @@ TEST(WriteTextTest, our_own_reader_gets_back_what_was_written) {
   }
 }
 
+TEST(WriteTextTest, our_own_reader_gets_back_names_that_are_quoted_and_marked) {
+  PointCloud cloud;
+  cloud.positions = {{1, 2, 3}};
+  std::vector<std::string> names = {"=x", "+1", "-y,z", "a\"b", "@\"", "'t", "it's"};
+  for (const std::string& name : names) {
+    cloud.extra_dimensions.push_back(plain_dimension(name, ScalarType::float64));
+    cloud.extra_dimensions.back().values.resize(sizeof(double));
+  }
+  const std::filesystem::path path = test_folder() / "names.csv";
+  write_text(path, cloud);
+  std::vector<std::string> back;
+  for (const ExtraDimension& dimension : read_cloud(path).extra_dimensions) back.push_back(dimension.name);
+  EXPECT_EQ(back, names);
+}
+
 TEST(WriteTextTest, colours_of_8_bits_are_written_as_such) {
   PointCloud cloud;
   cloud.positions = {{0, 0, 0}, {1, 0, 0}};
