@@ -292,8 +292,9 @@ std::string row(const std::string& name, const std::array<std::string, 3>& words
   return row(name, fmt::format("{:>18} {:>18} {:>18}", words[0], words[1], words[2]));
 }
 
-/// Numbers as they are.
-std::array<std::string, 3> plain(const glm::dvec3& value) {
+/// Numbers as they are, zeros without a sign.
+std::array<std::string, 3> plain(glm::dvec3 value) {
+  value += 0.0;
   return {fmt::format("{}", value.x), fmt::format("{}", value.y), fmt::format("{}", value.z)};
 }
 
