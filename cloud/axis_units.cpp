@@ -244,9 +244,9 @@ HeightChange heights_in_plane_unit(const Crs& crs, const std::optional<LengthUni
   if (*own == *units.plane) return change;
   change.factor = own->metres / units.plane->metres;
   change.crs = with_height_unit(crs, *units.plane);
-  change.note =
-      fmt::format("heights are converted from {} to {}, the unit of x and y; heights in options are in it",
-                  own->name, units.plane->name);
+  change.note = fmt::format(
+      "heights are converted from {0} to {1}, the unit of x and y; heights in options are in {1}, too",
+      own->name, units.plane->name);
   return change;
 }
 

@@ -79,7 +79,8 @@ struct PathHit {
 // - Common Errors: k = 0; radius negative or NaN; spacing_factor negative or not finite, or above 0 for an
 //   octree without spacings; Measure::entry with an infinite radius (of rays) or at all
 //   (of paths); Measure::crossing of cones and paths, or without what it needs; max_level negative, or given
-//   for an octree that is not layered; room for answers not as long as the targets. A batch with Errors leaves its answers half done.
+//   for an octree that is not layered; room for answers not as long as the targets. A batch with Errors
+//   leaves its answers half done.
 
 class Octree;
 

@@ -193,6 +193,17 @@ Title split_title(std::string_view title) {
   return {std::string(title), ""};
 }
 
+/// A title as it was before csv_cell() (base/shown_text.h): without the mark of formulas, and each quote once.
+std::string plain_title(std::string_view cell) {
+  cell = trim(cell);
+  const bool is_marked =
+      cell.size() > 1 && cell[0] == '\'' && std::string_view("=+-@").find(cell[1]) != cell.npos;
+  std::string title(cell.substr(is_marked ? 1 : 0));
+  for (std::size_t at = title.find("\"\""); at != title.npos; at = title.find("\"\"", at + 1))
+    title.erase(at, 1);
+  return title;
+}
+
 bool is_one_of(std::string_view unit, std::string_view names) {
   Words words;
   split_words(names, words);
@@ -273,19 +284,13 @@ void assign_by_names(const TextScanner& scanner, const Words& words, TextLayout&
   std::vector<Title> titles;
   layout.columns.clear();
   for (const std::string_view word : words) {
-    titles.push_back(split_title(trim(word)));
+    titles.push_back(split_title(plain_title(word)));
     if (titles.back().name.empty()) titles.back().name = fmt::format("column_{}", titles.size());
     layout.columns.push_back({titles.back().name});
   }
   assign_roles(layout.columns, NameRules::text);
-  for (std::size_t i = 0; i < words.size(); ++i) {
-    if (trim(words[i]).empty()) continue;
-    std::string& name = layout.columns[i].name;
-    name = trim(words[i]);
-    // Quotes within quotes are written twice.
-    for (std::size_t at = name.find("\"\""); at != name.npos; at = name.find("\"\"", at + 1))
-      name.erase(at, 1);
-  }
+  for (std::size_t i = 0; i < words.size(); ++i)
+    if (!trim(words[i]).empty()) layout.columns[i].name = plain_title(words[i]);
   layout.has_names = find_role(layout.columns, ColumnRole::x) && find_role(layout.columns, ColumnRole::y);
   if (!layout.has_names) return;
   take_coordinate_units(scanner, titles, layout);

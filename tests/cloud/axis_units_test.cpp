@@ -222,7 +222,7 @@ TEST(OneUnitTest, heights_are_converted_on_the_lattice_and_stated_once) {
   EXPECT_EQ(cloud.warnings,
             (std::vector<std::string>{
                 "tile_0 and 2 more files: heights are converted from US survey foot to metre, "
-                "the unit of x and y; heights in options are in it"}));
+                "the unit of x and y; heights in options are in metre, too"}));
   EXPECT_EQ(stored.crs.wkt, wkt);
   EXPECT_TRUE(stored.warnings.empty());
   EXPECT_NEAR(cloud.files[0].stated_bounds->max.z, 100 * k_factor, 1e-12);
