@@ -45,7 +45,7 @@ using StatementHandle = std::unique_ptr<sqlite3_stmt, FinalizeStatement>;
 struct Prepared {
   StatementHandle statement{};  ///< empty if there were only blanks and comments
   std::size_t size = 0;         ///< bytes of the text that it took, with its semicolon
-  std::string pruned{};  ///< what runs instead of the text (prune_statement.h); empty if it is as given
+  std::string pruned{};  ///< what runs instead of the text (rewrite_statement.h); empty if it is as given
   std::string reason{};  ///< why it, or some condition in it, is as given; empty if there is none
 };
 
