@@ -247,13 +247,7 @@ class ViewReader final : public CloudReader {
     if (selection.polygons) crop(part, polygons());
     if (selection.condition && part.size() > 0) {
       std::vector<std::uint8_t> marks(part.size(), 1);
-      try {
-        selection.condition(part, marks);
-      } catch (const Error& error) {
-        Error::Parts parts = error.parts();
-        parts.file = inner_->file().path.string();
-        throw Error(std::move(parts));
-      }
+      with_file(inner_->file().path.string(), [&] { selection.condition(part, marks); });
       keep_rows(part, marks);
     }
     left_out_ += before - part.size();
