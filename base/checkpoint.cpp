@@ -42,8 +42,9 @@ std::uint64_t head_checksum(std::vector<std::byte> head) {
 
 }  // namespace
 
-std::string name_in_checkpoint(const std::filesystem::path& file) {
-  if (!file.is_absolute()) return public_name(file.string());
+std::string name_in_checkpoint(const std::filesystem::path& given) {
+  const std::filesystem::path file = public_name(given.string());
+  if (!file.is_absolute()) return file.string();
   const std::string folder = file.parent_path().string();
   return fmt::format("{} in folder {:016x}", file.filename().string(),
                      checksum(std::as_bytes(std::span(folder))));

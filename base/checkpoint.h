@@ -44,7 +44,7 @@ class InputFile;
 
 /// What a checkpoint calls a file. Checkpoints go to other machines and people: of an absolute path it keeps the file's name
 /// and a checksum of the folder's, of a URL what public_name() keeps, of any other name all.
-std::string name_in_checkpoint(const std::filesystem::path& file);
+std::string name_in_checkpoint(const std::filesystem::path& given);
 
 /// How a kind of checkpoint begins: its magic, the byte order and the version of checkpoints, 8 bytes of the
 /// kind, the checksum of the head, further fields of the kind, and the fingerprint of what is computed. The

@@ -24,8 +24,15 @@ std::string hint_for(std::string_view name) {
 }  // namespace
 
 bool has_decimal_comma(std::string_view cell) {
-  return std::ranges::count(cell, ',') == 1 && cell.back() != ',' &&
+  return std::ranges::count(cell, ',') == 1 && cell.front() != ',' && cell.back() != ',' &&
          cell.find_first_not_of("+-0123456789,eE ") == cell.npos;
+}
+
+std::string_view with_point(std::string_view cell, std::string& room) {
+  if (!has_decimal_comma(cell)) return cell;
+  room = cell;
+  std::ranges::replace(room, ',', '.');
+  return room;
 }
 
 CsvTable::CsvTable(InputFile& file, const ColumnOf& column_of, std::string form)
@@ -63,12 +70,8 @@ void CsvTable::split(std::string_view line) {
   split_cells(line, separator_, cells_);
   if (separator_ == ',') return;
   numbers_.clear();
-  for (std::string_view& cell : cells_) {
-    if (!has_decimal_comma(cell)) continue;
-    std::string& number = numbers_.emplace_back(cell);
-    std::ranges::replace(number, ',', '.');
-    cell = number;
-  }
+  for (std::string_view& cell : cells_)
+    if (has_decimal_comma(cell)) cell = with_point(cell, numbers_.emplace_back());
 }
 
 bool CsvTable::has(std::size_t column) const {

@@ -13,8 +13,11 @@
 
 namespace alidade {
 
-/// Whether a cell is a number with a decimal comma, which is unambiguous where no comma separates cells.
+/// Whether a cell is a number with a decimal comma between digits, which is unambiguous where no comma separates cells.
 bool has_decimal_comma(std::string_view cell);
+
+/// The cell, or one in `room` with a point for its decimal comma.
+std::string_view with_point(std::string_view cell, std::string& room);
 
 /// A table as CSV: a header with the names of columns in any order, then rows with a cell for each. Blank
 /// lines are skipped. Columns are separated by commas, or, where the header has none, by semicolons or tabs;

@@ -22,7 +22,7 @@ constexpr std::uintptr_t k_page = 4096;
 
 /// Where a map lies, as the handler of a signal may read it at any time: entries are never deleted, but used again.
 struct Place {
-  std::atomic<std::uintptr_t> begin = 0, end = 0;  ///< both 0: free
+  std::atomic<std::uintptr_t> begin = 0, end = 0;  ///< end 0: free
   std::atomic<bool> has_failed = false;
   Place* next = nullptr;
 };
@@ -76,9 +76,9 @@ class WatchedMap final : public LocalMap {
     {
       const std::scoped_lock lock(registry().mutex);
       registry().maps.erase(this);
-      place_->begin = 0;
-      if (place_->has_failed.exchange(false)) --failures_;
+      // First, as handlers in other threads take what is before it for this map.
       place_->end = 0;
+      if (place_->has_failed.exchange(false)) --failures_;
     }
     ::munmap(const_cast<std::byte*>(bytes_.data()), bytes_.size());
   }
@@ -114,12 +114,14 @@ class WatchedMap final : public LocalMap {
   static void on_bus_error(int number, siginfo_t* info, void* context) {
     const auto address = reinterpret_cast<std::uintptr_t>(info->si_addr);
     for (Place* place = first_place; place != nullptr; place = place->next) {
-      if (address < place->begin || address >= place->end) continue;
+      const std::uintptr_t begin = place->begin, end = place->end;
+      // The place may get another map meanwhile.
+      if (address < begin || address >= end || place->begin != begin) continue;
       const int error = errno;
       // In this order: who sees zeros must find the failure.
       if (!place->has_failed.exchange(true)) ++failures_;
       const std::uintptr_t page = address / k_page * k_page;
-      const void* const map = ::mmap(reinterpret_cast<void*>(page), place->end - page, PROT_READ,
+      const void* const map = ::mmap(reinterpret_cast<void*>(page), end - page, PROT_READ,
                                      MAP_PRIVATE | MAP_ANONYMOUS | MAP_NORESERVE | MAP_FIXED, -1, 0);
       errno = error;
       if (map != MAP_FAILED) return;

@@ -61,7 +61,7 @@ std::string csv_cell(std::string_view text) {
                           std::string_view("=+-@").find(shown.front()) != std::string_view::npos &&
                           !parse_number(shown);
   if (is_formula) shown.insert(0, 1, '\'');
-  if (shown.find_first_of(",\"") == std::string::npos) return shown;
+  if (shown.find_first_of(",;\"") == std::string::npos) return shown;
   std::string cell = "\"";
   for (const char character : shown) cell.append(character == '"' ? 2 : 1, character);
   return cell + '"';

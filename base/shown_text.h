@@ -17,7 +17,7 @@ namespace alidade {
 std::string line_text(std::string_view text);
 
 /// A cell of CSV that is text and no number: line_text(), behind an apostrophe if spreadsheets would take it for a formula
-/// (=, +, -, @ in front, unless it is a number), in quotes if it needs them (RFC 4180).
+/// (=, +, -, @ in front, unless it is a number), in quotes if it needs them (RFC 4180) or has a semicolon.
 std::string csv_cell(std::string_view text);
 
 /// JSON in which strings hold such characters as `\u009b`, `\u202e`: the same values.

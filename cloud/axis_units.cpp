@@ -23,21 +23,25 @@ struct UnitNode {
 std::vector<UnitNode> unit_nodes(std::string_view wkt) {
   constexpr std::string_view k_key = "UNIT[";
   std::vector<UnitNode> nodes;
-  for (std::size_t at = wkt.find(k_key); at != std::string_view::npos; at = wkt.find(k_key, at + 1)) {
+  // Each character is looked at once, however many of these a file has one within the other.
+  for (std::size_t at = wkt.find(k_key), end = 0; at != std::string_view::npos; at = wkt.find(k_key, end)) {
+    end = at + k_key.size();
     std::size_t begin = at;
     while (begin > 0 && std::isalpha(static_cast<unsigned char>(wkt[begin - 1]))) --begin;
     const std::string_view kind = wkt.substr(begin, at - begin);
     if (!kind.empty() && kind != "LENGTH") continue;
     const std::string_view node = wkt_node(wkt.substr(at), {k_key});
+    if (node.empty()) break;
+    end = at + node.size();
     const std::size_t quote = node.find('"', k_key.size() + 1);
-    if (node.size() <= k_key.size() || node[k_key.size()] != '"' || quote == std::string_view::npos) continue;
+    if (node[k_key.size()] != '"' || quote == std::string_view::npos) continue;
     const std::size_t digit = node.find_first_of("-0123456789.", quote);
     double metres = 0.0;
     if (digit != std::string_view::npos)
       std::from_chars(node.data() + digit, node.data() + node.size(), metres);
     if (!(metres > 0.0) || !std::isfinite(metres)) continue;
     const std::string name(node.substr(k_key.size() + 1, quote - k_key.size() - 1));
-    nodes.push_back({begin, at + node.size(), {name, metres}});
+    nodes.push_back({begin, end, {name, metres}});
   }
   return nodes;
 }
@@ -56,9 +60,9 @@ std::optional<LengthUnit> last_unit(std::string_view wkt) {
 std::string_view vertical_node(std::string_view wkt) {
   const std::string_view vertical = wkt_node(wkt, {"VERT_CS[", "VERTCRS[", "VERTICALCRS["});
   if (!vertical.empty()) return vertical;
-  for (std::size_t at = wkt.find("AXIS["); at != std::string_view::npos; at = wkt.find("AXIS[", at + 1)) {
-    const std::string_view axis = wkt_node(wkt.substr(at), {"AXIS["});
+  for (std::string_view axis = wkt_node(wkt, {"AXIS["}); !axis.empty(); axis = wkt_node(wkt, {"AXIS["})) {
     if (axis.find("\",up") != axis.npos && axis.find("UNIT[") != axis.npos) return axis;
+    wkt.remove_prefix(static_cast<std::size_t>(axis.data() + axis.size() - wkt.data()));
   }
   return {};
 }
@@ -191,15 +195,14 @@ Crs with_height_unit(const Crs& crs, const LengthUnit& unit) {
   changed = crs_of_wkt(wkt);
   if (node.empty()) return changed;
   const auto begin = static_cast<std::size_t>(node.data() - wkt.data());
-  std::string vertical(node);
-  const std::vector<UnitNode> nodes = unit_nodes(vertical);
-  for (auto own = nodes.rbegin(); own != nodes.rend(); ++own) {
-    const std::string_view key =
-        std::string_view(vertical).substr(own->begin, vertical.find('[', own->begin) - own->begin);
-    vertical.replace(own->begin, own->end - own->begin,
-                     fmt::format("{}[\"{}\",{}]", key, unit.name, unit.metres));
+  std::string vertical;
+  std::size_t done = 0;
+  for (const UnitNode& own : unit_nodes(node)) {
+    vertical += node.substr(done, node.find('[', own.begin) - done);
+    vertical += fmt::format("[\"{}\",{}]", unit.name, unit.metres);
+    done = own.end;
   }
-  vertical = without_codes(vertical);
+  vertical = without_codes(vertical + std::string(node.substr(done)));
   std::string head = wkt.substr(0, begin);
   const std::size_t quote = vertical.find('"'), end = vertical.find('"', quote + 1);
   if (!vertical.starts_with("AXIS") && end != std::string::npos) {
@@ -241,8 +244,9 @@ HeightChange heights_in_plane_unit(const Crs& crs, const std::optional<LengthUni
   if (*own == *units.plane) return change;
   change.factor = own->metres / units.plane->metres;
   change.crs = with_height_unit(crs, *units.plane);
-  change.note = fmt::format("heights are converted from {} to {}, the unit of x and y, also those of options",
-                            own->name, units.plane->name);
+  change.note = fmt::format(
+      "heights are converted from {0} to {1}, the unit of x and y; heights in options are in {1}, too",
+      own->name, units.plane->name);
   return change;
 }
 

@@ -31,6 +31,8 @@ struct AxisUnits {
   /// Whether the system says something about heights: a vertical part, or a GeoTIFF key. Without it they are taken to
   /// be in the unit of x and y, over angles in metres.
   bool states_heights = false;
+
+  std::optional<LengthUnit> of_z() const { return states_heights ? heights : plane; }
 };
 
 /// What WKT and GeoTIFF keys themselves give.
@@ -61,8 +63,8 @@ struct HeightChange {
 HeightChange heights_in_plane_unit(const Crs& crs, const std::optional<LengthUnit>& stated,
                                    const std::filesystem::path& file);
 
-/// A system with heights in another unit; it stays what it is if it has them already, or has none. GeoTIFF keys
-/// become WKT, by the library; without one, x and y are all that is left of them.
+/// A system with its heights in this unit; it stays what it is if they are, or if it states none. GeoTIFF keys become
+/// WKT, by the library (CrsLibrary); without one, those of heights are left out.
 Crs with_height_unit(const Crs& crs, const LengthUnit& unit);
 
 }  // namespace alidade

@@ -269,11 +269,7 @@ CrsAgreement compare_crs_text(const Crs& a, const Crs& b) {
   const auto differ = [](const std::optional<LengthUnit>& one, const std::optional<LengthUnit>& other) {
     return one && other && *one != *other;
   };
-  const auto height_unit = [](const AxisUnits& units) {
-    return units.heights || units.states_heights ? units.heights : units.plane;
-  };
-  if (differ(units_a.plane, units_b.plane) || differ(height_unit(units_a), height_unit(units_b)))
-    return different;
+  if (differ(units_a.plane, units_b.plane) || differ(units_a.of_z(), units_b.of_z())) return different;
   const std::optional<int> heights_a = vertical_code(a), heights_b = vertical_code(b);
   if (heights_a && heights_b && heights_a != heights_b) return different;
   const std::optional<int> plane_a = plane_code(a), plane_b = plane_code(b);

@@ -54,7 +54,7 @@ inline std::string_view wkt_node(std::string_view wkt, std::initializer_list<std
 /// projected and vertical system.
 std::vector<std::string> epsg_codes(const Crs& crs);
 
-/// Name of a system for people: that in its WKT, else its EPSG codes.
+/// Name of a system for people: that in its WKT, of compound ones those of the parts, else its EPSG codes.
 std::string crs_name(const Crs& crs);
 
 /// Characters and digits of a name, in lower case: what names of one thing share between programs.
@@ -66,8 +66,8 @@ enum class CrsAgreement { same, unknown, different };
 /// Compares two systems that are not empty, however they are written: by a CrsLibrary if one is used. Of what it does
 /// not understand, and without one, by the units that they state, by their EPSG codes where both have one, else WKT by
 /// its names, characters and digits alone, and its numbers, and GeoTIFF keys among themselves as they are; nothing is
-/// known of WKT without code beside keys, and of two names for the same numbers (same_definition()). A library that
-/// does not understand one of them leaves `same` and `unknown`.
+/// known of WKT without code beside keys, and of two names for the same numbers (same_definition()). Where a library is
+/// used and does not understand one of them, they are not `different`: `same` or `unknown`.
 CrsAgreement compare_crs(const Crs& a, const Crs& b);
 
 /// Whether two projected systems, WKT of version 1, are defined by the same numbers: ellipsoid, prime
@@ -81,7 +81,7 @@ bool same_definition(const std::string& wkt_a, const std::string& wkt_b);
 /// compare_crs() without a library.
 CrsAgreement compare_crs_text(const Crs& a, const Crs& b);
 
-/// What is found out about systems by a library that this room does without: PROJ (geo/crs_library.h).
+/// What a library that this room does without knows about systems: PROJ (geo/crs_library.h).
 struct CrsLibrary {
   /// Empty: it does not understand one of them.
   std::optional<CrsAgreement> (*compare)(const Crs& a, const Crs& b) = nullptr;

@@ -68,8 +68,8 @@ struct InputView {
 
   /// Whether all points are wanted as they are, but for the unit of heights.
   bool empty() const { return selection.empty() && !change_reference; }
-  /// What becomes of the positions of a file. Errors: those of change_reference() and heights_in_plane_unit(); heights
-  /// of a file in another unit of which a catalog states the box.
+  /// What becomes of the positions of a file. Errors: those of change_reference() and heights_in_plane_unit(); a file
+  /// in another unit of which a catalog states the box.
   ReferenceChange change_of(const CloudInput& input, const FileFacts& facts) const;
 };
 

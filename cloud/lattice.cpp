@@ -113,6 +113,13 @@ std::optional<int> decimals_of(const Lattice& lattice, int axis) {
   return std::nullopt;
 }
 
+std::optional<int> shown_decimals(const Lattice& lattice, int axis) {
+  constexpr int k_most_exact = 12;
+  if (const auto exact = decimals_of(lattice, axis); exact && *exact <= k_most_exact) return exact;
+  const double decimals = std::max(0.0, 3.0 - std::floor(std::log10(lattice.scale[axis])));
+  return decimals <= 15.0 ? std::optional(static_cast<int>(decimals)) : std::nullopt;
+}
+
 std::optional<LatticeSteps> steps_between(const Lattice& from, const Lattice& to) {
   LatticeSteps steps;
   for (int axis = 0; axis < 3; ++axis) {

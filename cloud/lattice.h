@@ -46,6 +46,10 @@ inline std::optional<LatticePosition> to_lattice(const Lattice& lattice, const g
 /// The fewest decimals that write every coordinate of an axis to a thousandth of a step; empty if 15 do not.
 std::optional<int> decimals_of(const Lattice& lattice, int axis);
 
+/// The same for people: where that takes more than 12, as of survey feet in metres, as many as round to a thousandth of a
+/// step; empty if 15 do not even do that.
+std::optional<int> shown_decimals(const Lattice& lattice, int axis);
+
 /// Low and high corner of points in lattice positions; low is above high without points.
 struct LatticeExtent {
   LatticePosition low{2147483647}, high{-2147483647 - 1};

@@ -208,7 +208,7 @@ ValueScaling intensity_scaling(ScalarType type, const ColumnRange& range, Intens
 double type_resolution(ScalarType type, double largest);
 
 /// A clause about axes of float32 coordinates whose steps are more than a fiftieth of the mean spacing of the points in
-/// their box; empty if there are none. An axis has such coordinates if its resolution is that of the type.
+/// their box; empty if all steps are smaller. An axis has such coordinates if its resolution is that of the type.
 std::optional<std::string> coarse_floats(const CoordinateSurvey& survey);
 
 }  // namespace alidade

@@ -90,7 +90,7 @@ class TableReader : public CloudReader {
 
   TableReader(InputFile input, std::string format, Damage damage);
 
-  /// Sets the columns, whose roles have been assigned; `offset` is that of their names in the file. Errors: two
+  /// Sets the columns, whose roles have been assigned; `location` is that of their names in the file. Errors: two
   /// columns of one name; more than 4096; no x or no y. A missing z is said in the warnings.
   void set_columns(std::vector<TableColumn> columns, const std::string& location);
 

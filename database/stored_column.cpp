@@ -16,7 +16,7 @@
 namespace alidade::database {
 namespace {
 
-/// Names of columns that every table has, in small characters; those of PostgreSQL last.
+/// Names of columns that every table has, in lower case; those of PostgreSQL last.
 const std::set<std::string> k_taken = {"id",   "x",    "y",    "z",    "_chunk",  "ctid",
                                        "cmin", "cmax", "xmin", "xmax", "tableoid"};
 

@@ -19,9 +19,8 @@ std::string foot_or_metre(const LengthUnit& unit) {
 std::string height_unit(const Crs& crs) {
   if (crs.empty()) return "m";
   const AxisUnits units = axis_units(crs);
-  if (units.heights || units.states_heights) return units.heights ? foot_or_metre(*units.heights) : "";
-  if (units.plane) return foot_or_metre(*units.plane);
-  return is_geographic(crs) ? "m" : "";
+  if (const auto unit = units.of_z()) return foot_or_metre(*unit);
+  return !units.states_heights && is_geographic(crs) ? "m" : "";
 }
 
 MapUnit map_unit(const Crs& crs) {

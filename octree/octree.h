@@ -2,6 +2,7 @@
 #pragma once
 
 #include <algorithm>
+#include <array>
 #include <bit>
 #include <cmath>
 #include <cstddef>
@@ -147,7 +148,12 @@ struct TreeExtent {
   double low[4] = {}, high[4] = {};  ///< of the bounds, world
   float scale[4] = {};               ///< of the lattice
   double widest_scale = 0.0;
-  double frame_width = 0.0;         ///< of the root's frame, along the axis of the widest scale
+  double frame_width = 0.0;  ///< of the root's frame, along the axis of the widest scale
+  /// The *site*: the frame that holds all nodes but a few. Invalid points at 0 0 0, far away from the others, make the root's
+  /// frame millions of metres wide, in which floats are metres apart. The root's frame if most of it is in use.
+  std::array<std::uint32_t, 3> site_corner{};  ///< lattice steps from the root's corner
+  int site_level = 0;                          ///< it is 2^site_level lattice steps wide
+  double site_width = 0.0;                     ///< along the axis of the widest scale
   double largest_coordinate = 0.0;  ///< at least |offset of the lattice| + |coordinate| of every point
   double size = 0.0;                ///< sum of the sides of the bounds
 };
@@ -210,25 +216,8 @@ inline void append_tree_checksums(const TreeView& tree, std::vector<std::uint64_
       sums);
 }
 
-inline TreeExtent extent_of(const TreeView& tree) {
-  TreeExtent extent;
-  const glm::dvec3 corner = to_world(tree.lattice, tree.base), size = tree.bounds.size();
-  for (int axis = 0; axis < 3; ++axis) {
-    extent.corner[axis] = corner[axis];
-    extent.low[axis] = tree.bounds.min[axis];
-    extent.high[axis] = tree.bounds.max[axis];
-    extent.scale[axis] = static_cast<float>(tree.lattice.scale[axis]);
-    extent.widest_scale = std::max(extent.widest_scale, tree.lattice.scale[axis]);
-    // Positions are sums of the lattice's offset and a product that may be as large.
-    extent.largest_coordinate =
-        std::max(extent.largest_coordinate,
-                 std::fabs(tree.lattice.offset[axis]) +
-                     std::max(std::fabs(tree.bounds.min[axis]), std::fabs(tree.bounds.max[axis])));
-  }
-  extent.frame_width = std::ldexp(extent.widest_scale, tree.root_level);
-  extent.size = size.x + size.y + size.z;
-  return extent;
-}
+/// Everything of a tree's extent. Cost: looks at some hundred nodes at most.
+TreeExtent extent_of(const TreeView& tree);
 
 constexpr int k_coordinate_padding = 32;
 

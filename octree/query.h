@@ -79,7 +79,8 @@ struct PathHit {
 // - Common Errors: k = 0; radius negative or NaN; spacing_factor negative or not finite, or above 0 for an
 //   octree without spacings; Measure::entry with an infinite radius (of rays) or at all
 //   (of paths); Measure::crossing of cones and paths, or without what it needs; max_level negative, or given
-//   for an octree that is not layered; room for answers not as long as the targets. A batch with Errors leaves its answers half done.
+//   for an octree that is not layered; room for answers not as long as the targets. A batch with Errors
+//   leaves its answers half done.
 
 class Octree;
 
@@ -110,8 +111,8 @@ struct Candidate {
 /// same candidate whenever asked, in any order and from several threads at once; it may be asked for points
 /// that then are no part of the answer, and not for every point that meets the other conditions.
 /// `closest` of rays calls the filter for every such point before its answer, or for all of them if there is no answer.
-/// It may call it twice for a point, and for one query_index it calls it from one thread at a time. Not so
-/// RayQuery::position_filter.
+/// It may call it twice for a point, and for one query_index it calls it from one thread at a time. These
+/// two sentences are not about RayQuery::position_filter.
 using CandidateFilter = std::function<bool(const Candidate&)>;
 
 constexpr double k_unlimited_radius = std::numeric_limits<double>::infinity();

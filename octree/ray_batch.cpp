@@ -8,7 +8,6 @@
 #include <algorithm>
 #include <atomic>
 #include <chrono>
-#include <cmath>
 #include <glm/common.hpp>
 #include <memory>
 #include <numeric>

@@ -13,9 +13,9 @@ inline constexpr const char* k_module_doc = R"(Ray queries and pictures of raw p
 
 Positions and lengths are in the unit of the cloud's coordinate reference system, mostly metres.
 Every function takes whole arrays, releases the GIL and uses all cores; `workers` limits the
-threads. Ctrl-C ends long work, mostly within a fraction of a second. `progress`, a function of the work done and all work, is called
-a few times per second; what it raises ends the work. Clouds and indexes never change, so
-threads can share them. Invalid input raises alidade.Error, a ValueError.)";
+threads. Ctrl-C ends long work, mostly within a fraction of a second. `progress`, a function of the
+work done and all work, is called a few times per second; what it raises ends the work. Clouds and
+indexes never change, so threads can share them. Invalid input raises alidade.Error, a ValueError.)";
 
 inline constexpr const char* k_cloud_doc = R"(Cloud(xyz, *, crs=None, scale=None, **attributes)
 --
@@ -38,8 +38,8 @@ scale : float, optional
 Notes
 -----
 cloud["intensity"] is a read-only array that shares the cloud's memory. color has 16 bits per
-channel. Extra dimensions with a scale, or with a
-mark for no value, are returned as doubles that mean the values, NaN for none.)";
+channel. Extra dimensions with a scale or a no-data value are returned as scaled doubles, with NaN for
+no value.)";
 
 inline constexpr const char* k_index_doc = R"(A cloud with an octree, which answers queries exactly.
 
@@ -67,8 +67,7 @@ inline constexpr const char* k_xyz_doc =
 inline constexpr const char* k_bounds_doc = "Smallest box around all points: (2, 3), lower and upper corner.";
 inline constexpr const char* k_crs_doc =
     "Coordinate reference system as the file states it (with the unit of converted heights): WKT, or "
-    "\"EPSG:n\" for "
-    "GeoTIFF keys; None if unknown.";
+    "\"EPSG:n\" for GeoTIFF keys; None if unknown.";
 inline constexpr const char* k_scale_doc = "Step of the coordinates' lattice in x, y and z.";
 
 inline constexpr const char* k_make_index_doc =
@@ -114,8 +113,13 @@ partial : bool
 
 Returns
 -------
-Cloud, or Index for a single .alidade file. Heights are in the unit of x and y: those in another unit are converted,
-with a warning, and crs says so.)";
+Cloud, or Index for a single .alidade file. Heights in another unit than x and y are converted to
+that of x and y, with a warning; `crs` then has that unit.
+
+Notes
+-----
+Only the program has options that name columns of text without titles (--columns) or state a unit of
+heights (--vertical-unit); for such files, use `alidade convert` or `alidade index` first.)";
 
 inline constexpr const char* k_closest_doc =
     R"(closest(rays=None, *, origins=None, directions=None, radius=None, measure=None, t_min=0.0, t_max=None, where=None, classes=None, max_level=None, workers=-1)

@@ -16,6 +16,8 @@
 
 namespace {
 
+using alidade::Crs;
+
 namespace py = pybind11;
 
 /// Error and Cancelled of C++ as exceptions of Python.
@@ -62,13 +64,16 @@ std::unique_ptr<alidade::RemoteFile> open_remote(const std::string& name) {
   return open(name, &alidade::python::is_interrupted, alidade::hosts_for(name));
 }
 
-/// Without functions in wheels, which go by the text of systems.
+/// Wheels go by the text of systems.
 const alidade::CrsLibrary& systems() {
   static const alidade::CrsLibrary library = [] {
     using Get = const alidade::CrsLibrary*();
     std::string reason;
     auto* const get = reinterpret_cast<Get*>(function_with_gdal("alidade_crs_library", reason));
-    return get != nullptr ? *get() : alidade::CrsLibrary();
+    if (get != nullptr) return *get();
+    return alidade::CrsLibrary{
+        .compare = [](const Crs& a, const Crs& b) { return std::optional(compare_crs_text(a, b)); },
+        .wkt = [](const Crs& crs) { return crs.wkt; }};
   }();
   return library;
 }
@@ -83,13 +88,8 @@ PYBIND11_MODULE(_alidade, module) {
   module.attr("__version__") = ALIDADE_VERSION;
   add_errors(module);
   alidade::set_remote_files(&open_remote);
-  alidade::use_crs_library(
-      {.compare =
-           [](const alidade::Crs& a, const alidade::Crs& b) {
-             return systems().compare != nullptr ? systems().compare(a, b) : compare_crs_text(a, b);
-           },
-       .wkt =
-           [](const alidade::Crs& crs) { return systems().wkt != nullptr ? systems().wkt(crs) : crs.wkt; }});
+  alidade::use_crs_library({.compare = [](const Crs& a, const Crs& b) { return systems().compare(a, b); },
+                            .wkt = [](const Crs& crs) { return systems().wkt(crs); }});
   alidade::python::add_cloud(module);
   alidade::python::add_pictures(module);
 }

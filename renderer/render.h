@@ -118,9 +118,9 @@ void check_camera_position(const camera::Camera& camera, const Scene& scene, con
 /// alpha and 12 for the variance, which replace the sums; what film.h says for each further layer;
 /// and a few megabytes per thread.
 ///
-/// Errors: no camera; a model without surfaces; a number outside its range; a part with a time limit or a target, on which pixels of other
-/// parts depend; of checkpoints: damage, another picture, a failed write. Cancelled, if `progress` says so; the
-/// checkpoint then holds all samples taken.
+/// Errors: no camera; a model without surfaces; a number outside its range; a part with a time limit or a target, on
+/// which pixels of other parts depend; of checkpoints: damage, another picture, a failed write. Cancelled, if `progress`
+/// says so; the checkpoint then holds all samples taken.
 image::Film render(const Scene& scene, const LoadedCloud* cloud, const RenderOptions& options = {},
                    RenderStatistics* statistics = nullptr);
 

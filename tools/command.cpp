@@ -5,6 +5,7 @@
 
 #include "base/allowed_hosts.h"
 #include "base/input_file.h"
+#include "base/public_name.h"
 #include "base/words.h"
 #include "cloud/crs.h"
 #include "database/server/server_name.h"
@@ -137,7 +138,8 @@ Command add_visibility(const Options& program) {
 
 }  // namespace
 
-std::string kept_name(const std::filesystem::path& file) {
+std::string kept_name(const std::filesystem::path& given) {
+  const std::filesystem::path file = public_name(given.string());
   if (!file.is_absolute()) return file.string();
   // Of "/site/tiles/" the last part is empty.
   return (file.has_filename() ? file : file.parent_path()).filename().string();

@@ -80,8 +80,9 @@ Command add_visibility_horizon(const Options& visibility);
 Command add_visibility_sky(const Options& visibility);
 Command add_visibility_sun(const Options& visibility);
 
-/// A file's name as metadata keep it, which go to other people: of an absolute path the last part alone.
-std::string kept_name(const std::filesystem::path& file);
+/// A file's name as metadata keep it, which go to other people: of an absolute path the last part alone, of a URL
+/// public_name().
+std::string kept_name(const std::filesystem::path& given);
 
 /// The command line as metadata keep it: names as kept_name(), without the words that only say where the picture goes,
 /// how it is computed and who watches, so that the same picture is the same file.

@@ -83,8 +83,7 @@ void add_crop(const Options& group, PointSelection& selection) {
   const Option crop =
       group.value("--crop", "BOX|FILE",
                   "only points in the box x0,y0,x1,y1 or x0,y0,z0,x1,y1,z1, in the cloud's unit, mostly "
-                  "metres, or in the "
-                  "polygons of a GeoJSON, GeoPackage or Shapefile; the border is included",
+                  "metres, or in the polygons of a GeoJSON, GeoPackage or Shapefile; the border is included",
                   [&selection, polygons](const std::string& text) { take_crop(text, selection, polygons); });
   group.needs(crop).value(
       "--crop-crs", "SYSTEM",
@@ -132,10 +131,9 @@ void add_cache_options(const Options& command) {
                 remote_options().cache = text;
               });
   group.values("--allow-host", "HOST",
-               "let catalogs list files of this web server, such as example.org or example.org:8080, and "
-               "other servers "
-               "redirect to it what catalogs list; may be given again (default: the hosts between commas in "
-               "ALIDADE_ALLOW_HOSTS; without it, files below the catalog alone)",
+               "accept files of this web server, such as example.org or example.org:8080, in catalogs, and "
+               "redirections of such files to it; may be given again (default: files below the catalog; "
+               "ALIDADE_ALLOW_HOSTS=HOST,... allows hosts, too)",
                [](const std::string& text) {
                  try {
                    allow_host(lower_case(text));

@@ -51,7 +51,7 @@ std::optional<LazLayout> read_packing(const InputFile& file, LasHeader& header, 
 std::vector<VariableLengthRecord> las_crs_records(const Crs& crs);
 
 /// Gives dimensions the names that LAS keeps: 32 bytes, and a number at the end where names that differ would become
-/// equal. Returns a clause on those that changed, as "name" becomes "nam_2"; empty if none did.
+/// equal. Returns a clause on those that changed, such as "'long name' becomes 'long_2'"; empty if none did.
 std::string shorten_names(std::vector<ExtraDimension>& dimensions);
 
 /// The record that describes extra bytes. Requires at least one dimension. Errors: more than 341, the most

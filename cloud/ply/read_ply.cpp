@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: MIT
 
-#include <fmt/format.h>
 #include <algorithm>
 #include <bit>
 #include <cstdint>

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: MIT
+#include <fmt/format.h>
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -94,16 +95,6 @@ class PtxReader final : public TableReader {
     scanner.fail("truncated file", "more lines of the scan", "the end of the file");
   }
 
-  /// Errors that Damage::read_over reads over, found before points are read.
-  [[noreturn]] static void fail_by_damage(const TextScanner& scanner, const std::string& problem,
-                                          const std::string& expected, const std::string& found) {
-    try {
-      scanner.fail(problem, expected, found);
-    } catch (const Error& error) {
-      throw DamagedFile(error.parts());
-    }
-  }
-
   /// The numbers of the line in words_.
   template <std::size_t count>
   std::array<double, count> require_numbers(const TextScanner& scanner, const char* what) const {
@@ -137,9 +128,11 @@ class PtxReader final : public TableReader {
     // The shortest line is "0 0 0" and its end, which the last line may lack.
     const std::uint64_t room = (input_.size() - scanner.offset() + 1) / 6;
     if (height > 0 && width > (damage() == Damage::reject ? room : k_most_points) / height)
-      fail_by_damage(scanner, "truncated file: too short for the points of the scan",
-                     "at most " + std::to_string(room),
-                     std::to_string(width) + " times " + std::to_string(height));
+      throw DamagedFile({.file = input_.name(),
+                         .location = fmt::format("line {}", scanner.line_number()),
+                         .problem = "truncated file: too short for the points of the scan",
+                         .expected = fmt::format("at most {}", room),
+                         .found = fmt::format("{} times {}", width, height)});
     for (const char* what : {"the scanner's position", "its x axis", "its y axis", "its z axis"}) {
       next();
       require_numbers<3>(scanner, what);

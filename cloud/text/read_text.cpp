@@ -6,6 +6,7 @@
 #include <optional>
 #include <utility>
 
+#include "base/csv_table.h"
 #include "base/text_scanner.h"
 #include "cloud/cloud_reader.h"
 #include "cloud/table_reader.h"

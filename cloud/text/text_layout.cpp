@@ -6,11 +6,9 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <optional>
 #include <utility>
 
 #include "base/csv_table.h"
-#include "base/error.h"
 #include "base/text_scanner.h"
 #include "base/words.h"
 
@@ -27,8 +25,15 @@ bool is_number(std::string_view word) {
 
 /// What separates the cells of a row or of titles.
 char separator_of(std::string_view line) {
-  if (line.find(';') != line.npos) return ';';
-  if (line.find(',') == line.npos) return ' ';
+  const auto has = [&](char separator) {
+    bool is_quoted = false;
+    return std::ranges::any_of(line, [&](char character) {
+      if (character == '"') is_quoted = !is_quoted;
+      return character == separator && !is_quoted;
+    });
+  };
+  if (has(';')) return ';';
+  if (!has(',')) return ' ';
   // "691000,5 5336000,25 500,0": no comma is followed by a blank, and there are enough numbers between blanks.
   Words words;
   split_words(line, words);
@@ -188,6 +193,17 @@ Title split_title(std::string_view title) {
   return {std::string(title), ""};
 }
 
+/// A title as it was before csv_cell() (base/shown_text.h): without the mark of formulas, and each quote once.
+std::string plain_title(std::string_view cell) {
+  cell = trim(cell);
+  const bool is_marked =
+      cell.size() > 1 && cell[0] == '\'' && std::string_view("=+-@").find(cell[1]) != cell.npos;
+  std::string title(cell.substr(is_marked ? 1 : 0));
+  for (std::size_t at = title.find("\"\""); at != title.npos; at = title.find("\"\"", at + 1))
+    title.erase(at, 1);
+  return title;
+}
+
 bool is_one_of(std::string_view unit, std::string_view names) {
   Words words;
   split_words(names, words);
@@ -204,12 +220,12 @@ struct CoordinateUnit {
 constexpr CoordinateUnit k_coordinate_units[] = {
     {"m metre metres meter meters", "m", R"(UNIT["metre",1])"},
     {"ft foot feet intft ift", "ft", R"(UNIT["foot",0.3048])"},
-    {"usft ftus usfoot usfeet usfoot ussurveyfoot ussurveyfeet surveyfoot surveyfeet ussft", "US ft",
+    {"usft ftus usfoot usfeet ussurveyfoot ussurveyfeet surveyfoot surveyfeet ussft", "US ft",
      R"(UNIT["US survey foot",0.3048006096012192])"},
     {"deg degree degrees dd \xc2\xb0", "deg", ""},
 };
-constexpr const CoordinateUnit& k_metre = k_coordinate_units[0];
-constexpr const CoordinateUnit& k_degree = k_coordinate_units[3];
+constexpr const CoordinateUnit& k_in_metres = k_coordinate_units[0];
+constexpr const CoordinateUnit& k_in_degrees = k_coordinate_units[3];
 
 /// The unit that the title of a coordinate states; null if it states none. Errors: an unknown one.
 const CoordinateUnit* unit_of(const TextScanner& scanner, const TextLayout& layout, ColumnRole axis,
@@ -219,7 +235,7 @@ const CoordinateUnit* unit_of(const TextScanner& scanner, const TextLayout& layo
   const auto* const known = std::ranges::find_if(k_coordinate_units, [&](const CoordinateUnit& unit) {
     return is_one_of(titles[*column].unit, unit.names);
   });
-  if (known == std::end(k_coordinate_units) || (known == &k_degree && axis == ColumnRole::z))
+  if (known == std::end(k_coordinate_units) || (known == &k_in_degrees && axis == ColumnRole::z))
     scanner.fail("unknown unit of the column " + quote(layout.columns[*column].name), "m, ft or US ft",
                  quote(titles[*column].unit));
   return known;
@@ -232,13 +248,15 @@ void take_coordinate_units(const TextScanner& scanner, std::span<const Title> ti
   const CoordinateUnit *const x = unit(ColumnRole::x), *const y = unit(ColumnRole::y),
                               *z = unit(ColumnRole::z);
   if (x && y && x != y) scanner.fail("x and y are in different units", x->title, y->title);
-  const CoordinateUnit& plane = x ? *x : y ? *y : k_metre;
-  if (&plane == &k_degree) {
+  const CoordinateUnit& plane = x ? *x : y ? *y : k_in_metres;
+  if (&plane == &k_in_degrees) {
     layout.remarks.emplace_back("x and y are degrees of an unknown reference system, which --crs states");
+    if (z && z != &k_in_metres)
+      layout.remarks.push_back(fmt::format("z is in {}, which --vertical-unit states", z->title));
     return;
   }
   if (!z) z = &plane;
-  if (&plane == &k_metre && z == &k_metre) return;
+  if (&plane == &k_in_metres && z == &k_in_metres) return;
   layout.crs.wkt =
       fmt::format(R"(LOCAL_CS["unknown, in {}",LOCAL_DATUM["unknown",0],{},AXIS["x",EAST],AXIS["y",NORTH]])",
                   plane.title, plane.wkt);
@@ -258,7 +276,7 @@ void take_other_units(std::span<const Title> titles, TextLayout& layout) {
                                          quote(layout.columns[*found].name), meaning));
   };
   require(ColumnRole::gps_time, "s sec secs second seconds", "seconds");
-  require(ColumnRole::scan_angle, k_degree.names, "degrees");
+  require(ColumnRole::scan_angle, k_in_degrees.names, "degrees");
 }
 
 /// Gives columns these names and the roles of them. The scanner is where errors are.
@@ -266,13 +284,13 @@ void assign_by_names(const TextScanner& scanner, const Words& words, TextLayout&
   std::vector<Title> titles;
   layout.columns.clear();
   for (const std::string_view word : words) {
-    titles.push_back(split_title(trim(word)));
+    titles.push_back(split_title(plain_title(word)));
     if (titles.back().name.empty()) titles.back().name = fmt::format("column_{}", titles.size());
     layout.columns.push_back({titles.back().name});
   }
   assign_roles(layout.columns, NameRules::text);
   for (std::size_t i = 0; i < words.size(); ++i)
-    if (!trim(words[i]).empty()) layout.columns[i].name = trim(words[i]);
+    if (!trim(words[i]).empty()) layout.columns[i].name = plain_title(words[i]);
   layout.has_names = find_role(layout.columns, ColumnRole::x) && find_role(layout.columns, ColumnRole::y);
   if (!layout.has_names) return;
   take_coordinate_units(scanner, titles, layout);
@@ -291,8 +309,9 @@ void leave_out_words(TextLayout& layout, const Sample& sample) {
 
 /// What precedes the second point.
 struct Preamble {
-  std::string comment, titles,
-      row;  ///< the last comment, words that are no titles, and the first row; may be empty
+  std::string comment;                         ///< the last one
+  std::string titles;                          ///< the first line of words
+  std::string row;                             ///< the first one
   std::uint64_t row_offset = 0, row_line = 0;  ///< where the row begins
 };
 
@@ -359,13 +378,6 @@ void split_line(std::string_view line, char separator, std::size_t column_count,
   if (words.size() > std::max<std::size_t>(column_count, 1) && words.back().empty()) words.pop_back();
 }
 
-std::string_view with_point(std::string_view word, std::string& room) {
-  if (!has_decimal_comma(word)) return word;
-  room = word;
-  std::ranges::replace(room, ',', '.');
-  return room;
-}
-
 TextLayout read_text_layout(InputFile& input, std::span<const std::string> names) {
   TextScanner scanner(input);
   TextLayout layout;
@@ -402,7 +414,6 @@ TextLayout read_text_layout(InputFile& input, std::span<const std::string> names
   if (!preamble.row.empty() && !layout.has_blocks && column_count < 3)
     scanner.fail("too few columns for a point", "at least 3 numbers", quote(preamble.row));
   layout.columns = unnamed_columns(std::max<std::size_t>(column_count, 3));
-  layout.remarks.clear();
   assign_by_content(layout, sample);
   return layout;
 }

@@ -32,12 +32,12 @@ namespace alidade {
 ///     7  x y z intensity color | x y z color intensity | x y z intensity normal | x y z normal intensity
 ///     9  x y z color normal | x y z normal color
 ///    10  x y z intensity color normal | x y z color intensity normal | x y z color normal intensity
-/// - Columns are separated by semicolons if the titles or the first point have one, else by commas, else by blanks
-///   and tabs. Where no comma separates them, numbers may have decimal commas, then all of them.
+/// - Columns are separated by semicolons if the titles or the first point have one without quotes around it, else by
+///   commas, else by blanks and tabs. Where no comma separates them, numbers may have decimal commas, then all of them.
 struct TextLayout {
   std::string format;               ///< "XYZ", "CSV" or "PTS"
   char separator = ' ';             ///< ' ' is any blanks and tabs
-  bool has_decimal_commas = false;  ///< in the first points
+  bool has_decimal_commas = false;  ///< a number of the first points has one
   bool has_blocks = false;          ///< count lines, each before its points
   std::vector<TableColumn> columns;
   bool has_names = false;            ///< columns have names of their own; words in extra columns become NaN
@@ -49,8 +49,8 @@ struct TextLayout {
 };
 
 /// `names` are those of the columns of a file without titles; empty: as above. Errors: a first line of words
-/// without the names of coordinates; fewer than three columns without names; as many names as there are no
-/// columns; coordinates in an unknown unit. A file without lines has no points and is XYZ.
+/// without the names of coordinates; fewer than three columns without names; more or fewer names than columns;
+/// coordinates in an unknown unit. A file without lines has no points and is XYZ.
 TextLayout read_text_layout(InputFile& input, std::span<const std::string> names);
 
 /// Whether a line holds no data.
@@ -63,8 +63,5 @@ bool is_missing(std::string_view word);
 /// `column_count`.
 void split_line(std::string_view line, char separator, std::size_t column_count,
                 std::vector<std::string_view>& words);
-
-/// The word, or one in `room` with a point for its decimal comma.
-std::string_view with_point(std::string_view word, std::string& room);
 
 }  // namespace alidade

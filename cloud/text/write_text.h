@@ -20,8 +20,8 @@ struct TextWriteOptions {
 
 /// Writes a cloud as CSV or XYZ, a line per point in their order. Columns are those of written_columns(), colours
 /// of 8 bits if that loses nothing, else of 16. Coordinates have the decimals of the lattice (decimals_of()),
-/// other numbers as many digits as give the same value again; NaN, which stands for no value, is an empty cell. Reference system and records are left out.
-/// Errors: as OutputFile.
+/// other numbers as many digits as give the same value again; NaN, which stands for no value, is an empty cell.
+/// Reference system and records are left out. Errors: as OutputFile.
 void write_text(const std::filesystem::path& path, const PointCloud& cloud,
                 const TextWriteOptions& options = {});
 

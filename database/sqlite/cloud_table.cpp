@@ -267,7 +267,7 @@ int column(sqlite3_vtab_cursor* base, sqlite3_context* context, int number) {
     } else if (kind == TableColumns::Kind::chunk) {
       sqlite3_result_int64(context, static_cast<sqlite3_int64>(points.chunk().id));
     } else if (!cursor.arguments) {
-      throw Error({.problem = "ray columns require a ray", .expected = k_ray_form});
+      throw Error({.problem = "dist, t and ox to dz are columns of a ray", .expected = k_ray_form});
     } else if (kind == TableColumns::Kind::argument) {
       sqlite3_result_double(context, (*cursor.arguments)[columns.argument(number)]);
     } else {

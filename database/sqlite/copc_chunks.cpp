@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: MIT
 #include <tbb/parallel_for.h>
 #include <algorithm>
-#include <array>
 #include <cstring>
 #include <iterator>
 #include <list>

@@ -117,7 +117,7 @@ class TableColumns {
 };
 
 /// How the form with a ray is written.
-inline constexpr const char* k_ray_form = "cloud(ox, oy, oz, dx, dy, dz)";
+inline constexpr const char* k_ray_form = "FROM TABLE(ox, oy, oz, dx, dy, dz)";
 
 /// A row id is a chunk and the row in it.
 inline constexpr int k_row_bits = 20;

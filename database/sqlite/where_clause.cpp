@@ -5,7 +5,7 @@
 #include <fmt/ranges.h>
 #include <tbb/parallel_for.h>
 #include <algorithm>
-#include <array>
+#include <iterator>
 #include <memory>
 #include <span>
 #include <string_view>
@@ -180,13 +180,14 @@ class Evaluation {
 /// of the machine, or what was asked before.
 void reject_changing(const std::string& text) {
   constexpr const char* k_remedy =
-      "a condition on values of the points, which always holds for the same ones (to thin a cloud: 'alidade "
-      "convert "
-      "--every N')";
-  static constexpr std::array<std::string_view, 5> k_functions = {"random", "randomblob", "changes",
-                                                                  "total_changes", "last_insert_rowid"};
-  static constexpr std::array<std::string_view, 7> k_dates = {
-      "date", "time", "datetime", "julianday", "unixepoch", "strftime", "timediff"};
+      "a condition on values of the points, which always holds for the same ones "
+      "(to thin a cloud: 'alidade convert --every N')";
+  constexpr std::string_view k_functions[] = {"random", "randomblob", "changes", "total_changes",
+                                              "last_insert_rowid"};
+  constexpr std::string_view k_dates[] = {"date",      "time",     "datetime", "julianday",
+                                          "unixepoch", "strftime", "timediff"};
+  // "subsec" in place of a time is the present one.
+  constexpr std::string_view k_variable[] = {"'now'", "'subsec'", "'subsecond'", "'localtime'", "'utc'"};
   const TokenList tokens(text);
   for (std::size_t i = 0; i < tokens.size(); ++i) {
     const std::string word(tokens.text(i));
@@ -205,10 +206,9 @@ void reject_changing(const std::string& text) {
     const std::size_t least = plain_name(word) == "strftime" ? 2 : 1;
     const std::size_t closing = tokens.closing(i + 1);
     bool is_fixed = closing > i + 2 && arguments.size() >= least;
-    for (std::size_t j = i + 2; j < closing; ++j) {
-      const std::string argument = lower_case(tokens.text(j));
-      is_fixed = is_fixed && argument != "'now'" && argument != "'localtime'" && argument != "'utc'";
-    }
+    for (std::size_t j = i + 2; j < closing; ++j)
+      is_fixed =
+          is_fixed && std::ranges::find(k_variable, lower_case(tokens.text(j))) == std::end(k_variable);
     if (!is_fixed)
       reject(text, word + " of the present, or of the time zone here, changes from one time to the next",
              k_remedy);

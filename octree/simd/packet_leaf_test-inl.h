@@ -57,7 +57,7 @@ class PacketLeafTest {
   }
 
   /// The first `count` points of a leaf, for the rays that enter its box at t_near before their cuts, in these groups.
-  /// far: the corner of the box, widened, that is the last one along the rays, from the root's corner, mirrored; extent:
+  /// far: the corner of the box, widened, that is the last one along the rays, from the setup's corner, mirrored; extent:
   /// no ray is inside the box for longer.
   void visit(const Leaf& leaf, std::uint32_t count, unsigned groups, const float* t_near,
              const float (&far)[3], float extent) {

@@ -59,8 +59,8 @@ struct PacketRays {
   Boxes boxes[k_size / k_lanes];
   alignas(64) float along[3][k_size];  ///< direction
   alignas(
-      64) float start[k_size];  ///< how far along the ray local t = 0 is from the foot of the root's corner
-  // Of all rays that go through the tree, from the root's corner, metres, mirrored.
+      64) float start[k_size];  ///< how far along the ray local t = 0 is from the foot of the setup's corner
+  // Of all rays that go through the tree, from the setup's corner, metres, mirrored.
   float origin_min[3], origin_max[3], inverse_min[3], inverse_max[3];
 
   /// numbers: of at most k_size rays, at least one.
@@ -94,7 +94,7 @@ struct PacketRays {
         groups |= 1u << (lane / hn::Lanes(all));
   }
 
-  /// An upper limit of local t of the points in a box. far: its last corner, widened, from the root's corner, mirrored;
+  /// An upper limit of local t of the points in a box. far: its last corner, widened, from the setup's corner, mirrored;
   /// widening: by which it is widened beside what covers the rounding.
   HWY_INLINE RayVector last_projection(std::size_t first, const float (&far)[3], float widening) const {
     const RayLanes d;
@@ -137,11 +137,18 @@ struct PacketRays {
     }
     const V world_min = hn::Load(d, t_min + lane), world_max = hn::Load(d, t_max + lane);
     const V entry_min = hn::Set(d, setup.query.entry_min);
-    const V first = hn::Max(enter, hn::Sub(hn::Max(world_min, entry_min), hn::Set(d, setup.box_radius)));
+    const V first = hn::Max(enter, hn::Sub(hn::Max(world_min, entry_min), hn::Set(d, setup.site_radius)));
     const auto is_ray = hn::FirstN(d, count > lane ? count - lane : 0);
-    const auto is_far = hn::And(is_ray, hn::Gt(way, hn::Set(d, setup.longest_way)));
-    const auto comes_near = hn::And(hn::AndNot(is_far, is_ray), hn::Le(first, leave));
-    const V begin = hn::IfThenElseZero(comes_near, first);
+    auto is_far = hn::And(is_ray, hn::Gt(way, hn::Set(d, setup.longest_way)));
+    auto comes_near = hn::And(hn::AndNot(is_far, is_ray), hn::Le(first, leave));
+    V begin = hn::IfThenElseZero(comes_near, first), from[3];
+    for (int axis = 0; axis < 3; ++axis) {
+      from[axis] = hn::MulAdd(begin, hn::Load(d, direction[axis] + lane),
+                              hn::Sub(hn::Load(d, origin[axis] + lane), hn::Set(d, setup.corner[axis])));
+      is_far =
+          hn::Or(is_far, hn::And(comes_near, hn::Gt(hn::Abs(from[axis]), hn::Set(d, setup.longest_origin))));
+    }
+    comes_near = hn::AndNot(is_far, comes_near);
     const auto local = [&](V t) {
       return hn::Min(hn::Max(hn::Sub(t, begin), hn::Set(d, -k_far)), hn::Set(d, k_far));
     };
@@ -161,10 +168,8 @@ struct PacketRays {
     V start_along = hn::Zero(d);
     for (int axis = 0; axis < 3; ++axis) {
       const V to = hn::Load(d, direction[axis] + lane);
-      const V from = hn::MulAdd(
-          begin, to, hn::Sub(hn::Load(d, origin[axis] + lane), hn::Set(d, setup.tree.extent.corner[axis])));
-      start_along = hn::MulAdd(from, to, start_along);
-      const V mirrored = (octant >> axis & 1) != 0 ? hn::Neg(from) : from;
+      start_along = hn::MulAdd(from[axis], to, start_along);
+      const V mirrored = (octant >> axis & 1) != 0 ? hn::Neg(from[axis]) : from[axis];
       Boxes& group = boxes[lane / k_lanes];
       hn::Store(hn::DemoteTo(floats, inverses[axis]), floats, group.inverse[axis] + lane % k_lanes);
       hn::Store(hn::DemoteTo(floats, hn::Mul(mirrored, inverses[axis])), floats,

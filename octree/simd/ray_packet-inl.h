@@ -76,7 +76,7 @@ class RayPacket {
     unsigned groups;  ///< bit per vector of rays: one of them meets the node
   };
 
-  /// Faces of a node's boxes, widened, from the root's corner, metres, mirrored so that all rays rise.
+  /// Faces of a node's boxes, widened, from the setup's corner, metres, mirrored so that all rays rise.
   struct Faces {
     alignas(64) float near[3][k_node_width], far[3][k_node_width];
 
@@ -143,11 +143,10 @@ class RayPacket {
   void fill(Faces& faces, const Node& node, const Frame& frame) const {
     const ChildLanes d;
     const auto grid_step = static_cast<float>(power_of_two(frame.level - k_min_frame_level));
-    const auto margin = static_cast<float>(radii == Radii::own ? setup_.box_margin : setup_.box_radius);
+    const auto margin = static_cast<float>(setup_.widening(radii, frame.corner, frame.level));
     for (int axis = 0; axis < 3; ++axis) {
       const bool down = (octant_ >> axis & 1) != 0;
-      const float corner = static_cast<float>(static_cast<std::int32_t>(frame.corner[axis] >> 8)) * 256.0f *
-                           setup_.tree.extent.scale[axis];
+      const float corner = setup_.steps_to(frame.corner[axis], axis) * setup_.tree.extent.scale[axis];
       const float step = grid_step * setup_.tree.extent.scale[axis];
       const float low = corner - margin, high = corner + (step + margin);
       const std::uint8_t *const first = down ? node.high[axis] : node.low[axis], *const last =

@@ -72,7 +72,7 @@ bool holds_for_most_pairs(std::size_t rays, const Condition& condition) {
 /// Whether most rays start near the one before, measured by the size of the tree. origin(i): of so many rays.
 template <class Origin>
 bool start_side_by_side(const TreeExtent& extent, std::size_t rays, const Origin& origin) {
-  const double near = extent.size / 64.0;
+  const double near = std::min(extent.size, 3.0 * extent.site_width) / 64.0;
   return holds_for_most_pairs(rays, [&](std::size_t a, std::size_t b) {
     const glm::dvec3 apart = origin(b) - origin(a);
     return std::fabs(apart.x) + std::fabs(apart.y) + std::fabs(apart.z) <= near;
@@ -94,23 +94,63 @@ enum class Radii {
 /// steps together stay below F), of the ray's local origin F + r, of the four sums in t at most 8 F + 7 r,
 /// of the widening 4 r. The sum stays below 13 (F + r); the budget is 16 (F + r). Where points have radii of
 /// their own, theirs replace r in the widening; that is a sum and two products more, and the budget
-/// is 32 (F + r). What goes wrong in double comes on top: `double_error` exceeds 2^-48 (W + way) + 4e-12 way,
+/// is 32 (F + r).
+///
+/// In a tree with a site (TreeExtent) positions are relative to the site's corner. Boxes in the site are widened by
+/// `site_radius`, which has 8 widths of the site in the place of F. So much suffices for rays whose local origin is within 7
+/// widths of its corner along each axis; others are asked for alone, with a setup for the whole tree.
+///
+/// What goes wrong in double comes on top: `double_error` exceeds 2^-48 (W + way) + 4e-12 way,
 /// W the largest coordinate with the lattice's offset and `way` that from a ray's origin to the far end of
 /// the points: cancellation in point - origin and in t, and direction components kept 1e-12 away from zero.
 struct QuerySetup {
-  /// For rays that start not farther away than a few times the extent of the points; others get a setup of
-  /// their own.
+  /// For rays that start not farther away than a few times the extent of the points, and near the site if there is one;
+  /// others get a setup of their own.
   QuerySetup(const TreeView& asked_tree, const RayQuery& asked_query)
-      : QuerySetup(asked_tree, asked_query, usual_way(asked_tree, asked_query)) {}
+      : QuerySetup(asked_tree, asked_query, usual_way(asked_tree, asked_query)) {
+    const TreeExtent& extent = tree.extent;
+    if (extent.site_level >= tree.root_level) return;
+    has_site = true;
+    reference = extent.site_corner;
+    for (int axis = 0; axis < 3; ++axis) corner[axis] += tree.lattice.scale[axis] * reference[axis];
+    longest_origin = 7.0 * extent.site_width;
+    site_margin = margin_in(8.0 * extent.site_width);
+    site_radius = query.radius + site_margin;
+  }
 
+  /// For rays from anywhere.
   QuerySetup(const TreeView& asked_tree, const RayQuery& asked_query, double greatest_way)
       : tree(asked_tree),
         query(asked_query),
         longest_way(greatest_way),
         double_error(double_error_of(asked_tree.extent, greatest_way)) {
-    const double budget = query.spacing_factor > 0.0 ? 0x1p-19 : 0x1p-20;
-    box_margin = budget * (tree.extent.frame_width + query.radius) + double_error;
-    box_radius = query.radius + box_margin;
+    std::ranges::copy(tree.extent.corner, corner);
+    box_margin = site_margin = margin_in(tree.extent.frame_width);
+    box_radius = site_radius = query.radius + box_margin;
+  }
+
+  /// Whether the boxes below a frame are in the site.
+  bool in_site(const std::array<std::uint32_t, 3>& frame_corner, int level) const {
+    if (!has_site) return true;
+    std::uint32_t outside = 0;
+    for (int axis = 0; axis < 3; ++axis)
+      outside |= (frame_corner[axis] ^ reference[axis]) >> tree.extent.site_level;
+    return outside == 0 && level <= tree.extent.site_level;
+  }
+
+  /// Lattice steps from `corner` to that of a frame along an axis; exact.
+  float steps_to(std::uint32_t frame_corner, int axis) const {
+    const auto part = [](std::uint32_t steps) {
+      return static_cast<std::int32_t>(steps >> k_min_frame_level);
+    };
+    return static_cast<float>(part(frame_corner) - part(reference[axis])) * 256.0f;
+  }
+
+  /// By how much boxes below a frame are widened beside radii of the points' own.
+  double widening(Radii radii, const std::array<std::uint32_t, 3>& frame_corner, int level) const {
+    const bool within = in_site(frame_corner, level);
+    if (radii == Radii::own) return within ? site_margin : box_margin;
+    return within ? site_radius : box_radius;
   }
 
   /// Exceeds by how much lanes are wrong about t and distance of points in leaves below a frame of this
@@ -137,9 +177,23 @@ struct QuerySetup {
   const double double_error;
   double box_radius = 0.0;
   double box_margin = 0.0;  ///< of it, what is not radius
+  /// What boxes are measured from: the corner of the site, if there is one, or of the root's frame.
+  bool has_site = false;
+  std::array<std::uint32_t, 3> reference{};  ///< lattice steps from the root's corner
+  double corner[4] = {};                     ///< world
+  double longest_origin = k_far;             ///< of local origins, along each axis
+  double site_radius = 0.0;
+  double site_margin = 0.0;  ///< of it, what is not radius
+
+ private:
+  /// For positions within so many metres.
+  double margin_in(double width) const {
+    const double budget = query.spacing_factor > 0.0 ? 0x1p-19 : 0x1p-20;
+    return budget * (width + query.radius) + double_error;
+  }
 };
 
-/// What of a ray meets boxes, relative to the root's corner. t of a face at x is x * inverse - origin_t.
+/// What of a ray meets boxes, relative to the setup's corner. t of a face at x is x * inverse - origin_t.
 struct alignas(32) RayBoxes {
   float inverse[3];  ///< 1 / direction, components kept 1e-12 away from zero
   float unused;

@@ -60,7 +60,7 @@ class RayStream {
     }
   };
 
-  /// Faces of a node's boxes, widened, from the root's corner, metres; first met, last met.
+  /// Faces of a node's boxes, widened, from the setup's corner, metres; first met, last met.
   struct Faces {
     alignas(64) float near[3][k_node_width], far[3][k_node_width];
   };
@@ -151,13 +151,12 @@ class RayStream {
     const ChildLanes d;
     Faces faces;
     const auto grid_step = static_cast<float>(power_of_two(frame.level - k_min_frame_level));
-    const auto margin = static_cast<float>(radii == Radii::own ? setup_.box_margin : setup_.box_radius);
+    const auto margin = static_cast<float>(setup_.widening(radii, frame.corner, frame.level));
     const OwnRadii& own_radii = traversed_.leaf_test.own_radii();
     const std::uint16_t* spacings = slot_spacings(setup_.tree, frame.node);
     for (int axis = 0; axis < 3; ++axis) {
       const bool negative = (octant_ >> axis & 1) != 0;
-      const float corner = static_cast<float>(static_cast<std::int32_t>(frame.corner[axis] >> 8)) * 256.0f *
-                           setup_.tree.extent.scale[axis];
+      const float corner = setup_.steps_to(frame.corner[axis], axis) * setup_.tree.extent.scale[axis];
       const float step = grid_step * setup_.tree.extent.scale[axis];
       const float low_base = corner - margin, high_base = corner + (step + margin);
       for (std::size_t lane = 0; lane < k_node_width; lane += hn::Lanes(d)) {

@@ -50,22 +50,25 @@ struct Traversed {
 };
 
 /// A single ray as it meets boxes. t of the face at grid step q of a frame is q * step * 2^(level - 8) +
-/// corner * step - origin_t, with the frame's corner in lattice steps from the root's, and `reach` before that for
+/// corner * step - origin_t, with the frame's corner in lattice steps from the setup's, and `reach` before that for
 /// near faces, behind it for far ones. Radii of the points' own are taken off later.
 template <Radii radii>
 struct RayOnGrid {
-  float step[3], reach[3], origin_t[3];
+  float step[3], origin_t[3];
+  float reach[3], reach_in_site[3];
   float way[3];                            ///< along the ray for a metre along the axis
   std::ptrdiff_t near_row[3], far_row[3];  ///< bytes from the node's start
 
   RayOnGrid(const QuerySetup& setup, const RayBoxes& boxes) {
     const auto widening = static_cast<float>(radii == Radii::own ? setup.box_margin : setup.box_radius);
+    const auto in_site = static_cast<float>(radii == Radii::own ? setup.site_margin : setup.site_radius);
     for (int axis = 0; axis < 3; ++axis) {
       const bool negative = boxes.inverse[axis] < 0.0f;
       step[axis] = setup.tree.extent.scale[axis] * boxes.inverse[axis];
       origin_t[axis] = boxes.origin_t[axis];
       way[axis] = std::fabs(boxes.inverse[axis]);
       reach[axis] = widening * way[axis];
+      reach_in_site[axis] = in_site * way[axis];
       near_row[axis] = k_node_width * (negative ? 3 + axis : axis);
       far_row[axis] = k_node_width * (negative ? axis : 3 + axis);
     }
@@ -87,10 +90,11 @@ HWY_INLINE float grid_step_of(int level) {
 }
 
 /// Slots whose widened box the ray meets between local t = 0 and t_cut, empty slots included, and where it enters
-/// each. corner: of the node's frame, lattice steps. spacings: of the node's slots; only for Radii::own.
+/// each. corner: of the node's frame, lattice steps. reach: RayOnGrid's for that frame. spacings: of the node's slots; only
+/// for Radii::own.
 template <Radii radii>
 HWY_INLINE unsigned meet_boxes(const RayOnGrid<radii>& ray, float t_cut, const Node& node,
-                               const float* corner, int level, const OwnRadii& own_radii,
+                               const float* corner, int level, const float* reach, const OwnRadii& own_radii,
                                const std::uint16_t* spacings, float* t_near) {
   const ChildLanes d;
   const float grid_step = grid_step_of(level);
@@ -99,8 +103,8 @@ HWY_INLINE unsigned meet_boxes(const RayOnGrid<radii>& ray, float t_cut, const N
     step[axis] = ray.step[axis] * grid_step;
     const float base = corner[axis] * ray.step[axis] - ray.origin_t[axis];
     // `high` is inclusive: its face is one grid step further. That is the nearer one to a ray that goes down.
-    near[axis] = base - ray.reach[axis] + std::min(step[axis], 0.0f);
-    far[axis] = base + ray.reach[axis] + std::max(step[axis], 0.0f);
+    near[axis] = base - reach[axis] + std::min(step[axis], 0.0f);
+    far[axis] = base + reach[axis] + std::max(step[axis], 0.0f);
   }
   const auto* rows = &node.low[0][0];
   const auto on_axis = [&](std::ptrdiff_t row, int axis, float base) {
@@ -134,8 +138,9 @@ class RayWalk {
   RayWalk(const Traversed<measure, any, radii>& traversed, const RayUnderWay& ray, const Frame& from)
       : ray_(ray),
         on_grid_(traversed.setup, ray.boxes),
-        at_{{static_cast<float>(from.corner[0]), static_cast<float>(from.corner[1]),
-             static_cast<float>(from.corner[2])},
+        reference_(traversed.setup.reference),
+        at_{{traversed.setup.steps_to(from.corner[0], 0), traversed.setup.steps_to(from.corner[1], 1),
+             traversed.setup.steps_to(from.corner[2], 2)},
             from.node,
             static_cast<std::uint16_t>(from.level),
             static_cast<std::uint16_t>(from.depth)} {}
@@ -146,6 +151,7 @@ class RayWalk {
     const Node& node = tree.nodes[at_.node];
     const Slots slots(node);
     unsigned met = meet_boxes(on_grid_, ray_.boxes.t_cut, node, at_.corner, at_.level,
+                              in_site(traversed.setup) ? on_grid_.reach_in_site : on_grid_.reach,
                               traversed.leaf_test.own_radii(), slot_spacings(tree, at_.node), t_near_);
     single_ = 0;
     if (at_.level == k_min_frame_level && (traversed.skips_twins || traversed.rejects_twins)) {
@@ -227,18 +233,29 @@ class RayWalk {
   }
 
  private:
-  /// A node, with the corner of its frame as floats, which hold it exactly: it is a multiple of 256 below
+  /// A node, with the corner of its frame as floats, which hold it exactly: it is a multiple of 256 within
   /// 2^32.
   struct Index {
-    float corner[3];  ///< lattice steps from the root's
+    float corner[3];  ///< lattice steps from the setup's
     std::uint32_t node;
     std::uint16_t level;
     std::uint16_t depth;
   };
 
-  static std::uint32_t lattice_steps(float corner) { return static_cast<std::uint32_t>(corner); }
+  /// From the root's corner.
+  std::uint32_t lattice_steps(int axis) const {
+    return reference_[axis] + static_cast<std::uint32_t>(static_cast<std::int64_t>(at_.corner[axis]));
+  }
   std::array<std::uint32_t, 3> corner() const {
-    return {lattice_steps(at_.corner[0]), lattice_steps(at_.corner[1]), lattice_steps(at_.corner[2])};
+    return {lattice_steps(0), lattice_steps(1), lattice_steps(2)};
+  }
+
+  /// QuerySetup::in_site() of the node.
+  bool in_site(const QuerySetup& setup) const {
+    if (!setup.has_site) return true;
+    const auto width = static_cast<float>(power_of_two(setup.tree.extent.site_level));
+    const auto within = [&](int axis) { return at_.corner[axis] >= 0.0f && at_.corner[axis] < width; };
+    return at_.level <= setup.tree.extent.site_level && within(0) && within(1) && within(2);
   }
 
   /// inner: of the parent's slots.
@@ -277,6 +294,7 @@ class RayWalk {
 
   RayUnderWay ray_;
   RayOnGrid<radii> on_grid_;
+  std::array<std::uint32_t, 3> reference_;
   Index at_;
   unsigned leaves_, children_, inner_, single_;
   int waiting_count_ = 0;

@@ -31,7 +31,7 @@ namespace HWY_NAMESPACE {
 enum class Course : std::uint8_t {
   misses,  ///< does not come near the points, or its interval is empty
   usual,
-  far_away,  ///< needs a setup for a longer way
+  far_away,  ///< needs a setup for rays from anywhere
 };
 
 HWY_INLINE double clamped(double t) {
@@ -64,8 +64,14 @@ HWY_INLINE Course set_up(const QuerySetup& setup, const RayUnderWay& under_way) 
   if (way[0] + way[1] + way[2] > setup.longest_way) return Course::far_away;
   const double first = std::max(ray.t_min, setup.query.entry_min);
   const double begin =
-      std::max(std::max(enters[0], enters[1]), std::max(enters[2], first - setup.box_radius));
+      std::max(std::max(enters[0], enters[1]), std::max(enters[2], first - setup.site_radius));
   if (!(begin <= std::min(std::min(leaves[0], leaves[1]), leaves[2]))) return Course::misses;
+  if (setup.has_site) {
+    for (int axis = 0; axis < 3; ++axis) {
+      const double from_corner = begin * ray.direction[axis] + (ray.origin[axis] - setup.corner[axis]);
+      if (std::fabs(from_corner) > setup.longest_origin) return Course::far_away;
+    }
+  }
   state.shift = begin;
   state.limits.t_min = clamped(ray.t_min - begin);
   state.limits.t_max = clamped(ray.t_max - begin);
@@ -75,9 +81,9 @@ HWY_INLINE Course set_up(const QuerySetup& setup, const RayUnderWay& under_way) 
   const hn::Rebind<float, decltype(d)> floats;
   for (std::size_t lane = 0; lane < 4; lane += hn::Lanes(d)) {
     const auto inverses = hn::Load(d, inverse + lane);
-    const auto origin = hn::MulAdd(
-        hn::Set(d, begin), hn::LoadU(d, &ray.direction.x + lane),
-        hn::Sub(hn::LoadU(d, &ray.origin.x + lane), hn::LoadU(d, setup.tree.extent.corner + lane)));
+    const auto origin =
+        hn::MulAdd(hn::Set(d, begin), hn::LoadU(d, &ray.direction.x + lane),
+                   hn::Sub(hn::LoadU(d, &ray.origin.x + lane), hn::LoadU(d, setup.corner + lane)));
     // One store per vector: a vector load soon after stores of its parts would stall.
     const auto is_axis = hn::FirstN(floats, lane < 3 ? 3 - lane : 0);
     hn::Store(hn::DemoteTo(floats, inverses), floats, boxes.inverse + lane);
@@ -209,7 +215,8 @@ class Tracer {
     constexpr std::size_t k_first_look = 8;
     constexpr std::uint64_t k_fewest_rays_at_nodes = 8;  // on average
     const glm::dvec3 size = setup_.tree.bounds.size();
-    const RayOrder order(rays_, 0.25 * std::max({size.x, size.y, size.z}));
+    const RayOrder order(rays_,
+                         0.25 * std::min(std::max({size.x, size.y, size.z}), setup_.tree.extent.site_width));
     const auto packet = std::make_unique<Packet>(traversed_);
     Octants left;
     bool pays = true;

@@ -41,7 +41,7 @@ TEST(LineTextTest, quotations_in_messages_are_such_text_of_whole_characters) {
 TEST(CsvCellTest, texts_are_quoted_as_rfc_4180_says) {
   const std::vector<std::pair<std::string, std::string>> cases = {
       {"", ""},           {"plain name", "plain name"}, {"a,b", "\"a,b\""},      {"a\"b", "\"a\"\"b\""},
-      {"\"", "\"\"\"\""}, {"a;b'c", "a;b'c"},           {"a\r\nb", "a\\x0d\\nb"}};
+      {"\"", "\"\"\"\""}, {"a;b'c", "\"a;b'c\""},       {"a\r\nb", "a\\x0d\\nb"}};
   for (const auto& [text, cell] : cases) EXPECT_EQ(csv_cell(text), cell) << text;
 }
 

@@ -10,12 +10,14 @@
 #include "cloud/catalog.h"
 #include "cloud/input_view.h"
 #include "tests/cloud/cloud_test_support.h"
+#include "tests/cloud/crs_of_keys.h"
 #include "tests/cloud/las/las_builder.h"
 
 namespace alidade {
 namespace {
 
 using test::build_las;
+using test::crs_of_keys;
 using test::error_of;
 using test::LasFile;
 using Bytes = std::vector<std::byte>;
@@ -41,14 +43,6 @@ std::string with_heights(const std::string& unit, const std::string& height_unit
 
 const std::string k_metres = R"(UNIT["metre",1,AUTHORITY["EPSG","9001"]])", k_feet = R"(UNIT["foot",0.3048])",
                   k_survey_feet = R"(UNIT["US survey foot",0.304800609601219])";
-
-Crs of_keys(const std::vector<std::uint16_t>& keys) {
-  Crs crs;
-  crs.geotiff_keys = {1, 1, 0, static_cast<std::uint16_t>(keys.size() / 2)};
-  for (std::size_t i = 0; i < keys.size(); i += 2)
-    crs.geotiff_keys.insert(crs.geotiff_keys.end(), {keys[i], 0, 1, keys[i + 1]});
-  return crs;
-}
 
 const std::string k_version_2 =
     R"~(COMPOUNDCRS["c",PROJCRS["a",BASEGEOGCRS["b",DATUM["d",ELLIPSOID["e",6378137,298,LENGTHUNIT["metre",1]]],
@@ -87,11 +81,11 @@ TEST(AxisUnitsTest, wkt_of_both_versions_states_the_unit_of_each_axis) {
 }
 
 TEST(AxisUnitsTest, geotiff_keys_state_units_and_codes_of_heights) {
-  EXPECT_EQ(units_of(of_keys({3072, 26910, 3076, 9001})), "m");
-  EXPECT_EQ(units_of(of_keys({3072, 26910, 3076, 9001, 4099, 9003})), "m us-ft");
-  EXPECT_EQ(units_of(of_keys({3072, 26910, 4096, 5703})), "- -") << "by codes alone";
-  EXPECT_EQ(units_of(of_keys({3072, 26910, 4096, 5703, 4099, 9002})), "- ft");
-  EXPECT_EQ(units_of(of_keys({3072, 26910, 3076, 9001, 4096, 0})), "m");
+  EXPECT_EQ(units_of(crs_of_keys({3072, 26910, 3076, 9001})), "m");
+  EXPECT_EQ(units_of(crs_of_keys({3072, 26910, 3076, 9001, 4099, 9003})), "m us-ft");
+  EXPECT_EQ(units_of(crs_of_keys({3072, 26910, 4096, 5703})), "- -") << "by codes alone";
+  EXPECT_EQ(units_of(crs_of_keys({3072, 26910, 4096, 5703, 4099, 9002})), "- ft");
+  EXPECT_EQ(units_of(crs_of_keys({3072, 26910, 3076, 9001, 4096, 0})), "m");
 }
 
 TEST(AxisUnitsTest, damaged_wkt_is_no_trouble) {
@@ -105,6 +99,15 @@ TEST(AxisUnitsTest, damaged_wkt_is_no_trouble) {
        {"UNIT[", "UNIT[\"", "UNIT[\"m\"", "PROJCS[UNIT[\"m\",]", "PROJCS[UNIT[\"m\",nan]]",
         "VERT_CS[UNIT[\"m\",0]]", "VERT_CS[\"\",UNIT[\"m\",-1]]"})
     EXPECT_FALSE(stated_units(crs_of_wkt(wkt)).heights) << wkt;
+}
+
+TEST(AxisUnitsTest, the_time_for_nodes_within_nodes_grows_with_their_number) {
+  for (const std::string key : {"UNIT[", "AXIS["}) {
+    std::string open = "PROJCS[\"a\",", closing;
+    for (int i = 0; i < 400'000; ++i) open += key, closing += ']';
+    for (const std::string& wkt : {open, open + closing + "]"})
+      EXPECT_EQ(units_of(with_height_unit(crs_of_wkt(wkt), k_metre)), "-") << key;
+  }
 }
 
 TEST(HeightUnitTest, a_system_with_heights_in_another_unit_has_lost_codes_but_no_datum) {
@@ -127,8 +130,8 @@ TEST(HeightUnitTest, a_system_with_heights_in_another_unit_has_lost_codes_but_no
   for (const Crs& crs : {crs_of_wkt(plane(k_metres)), crs_of_wkt(with_heights(k_metres, k_metres)), Crs()})
     EXPECT_EQ(with_height_unit(crs, k_metre), crs);
   // Keys that no library explains keep x and y.
-  EXPECT_EQ(with_height_unit(of_keys({3072, 26910, 4096, 6360, 4099, 9003}), k_metre),
-            of_keys({3072, 26910}));
+  EXPECT_EQ(with_height_unit(crs_of_keys({3072, 26910, 4096, 6360, 4099, 9003}), k_metre),
+            crs_of_keys({3072, 26910}));
 }
 
 double factor_of(const Crs& crs, const std::optional<LengthUnit>& stated = {}) {
@@ -139,10 +142,10 @@ TEST(HeightUnitTest, heights_get_the_unit_of_x_and_y) {
   EXPECT_EQ(factor_of(crs_of_wkt(with_heights(k_metres, k_survey_feet))), 1200.0 / 3937.0);
   EXPECT_EQ(factor_of(crs_of_wkt(with_heights(k_metres, k_feet))), 0.3048);
   EXPECT_EQ(factor_of(crs_of_wkt(with_heights(k_feet, k_metres))), 1.0 / 0.3048);
-  EXPECT_EQ(factor_of(of_keys({3076, 9001, 4099, 9003})), 1200.0 / 3937.0);
+  EXPECT_EQ(factor_of(crs_of_keys({3076, 9001, 4099, 9003})), 1200.0 / 3937.0);
   for (const Crs& crs :
        {crs_of_wkt(plane(k_metres)), crs_of_wkt(plane(k_survey_feet)), crs_of_wkt(k_geographic), Crs(),
-        crs_of_wkt(with_heights(k_metres, k_metres)), of_keys({3072, 26910}),
+        crs_of_wkt(with_heights(k_metres, k_metres)), crs_of_keys({3072, 26910}),
         crs_of_wkt(R"(COMPD_CS["c",)" + k_geographic + R"(,VERT_CS["h",)" + k_feet + "]]")}) {
     const HeightChange change = heights_in_plane_unit(crs, {}, "site.las");
     EXPECT_EQ(change.factor, 1.0);
@@ -154,7 +157,7 @@ TEST(HeightUnitTest, heights_get_the_unit_of_x_and_y) {
 TEST(HeightUnitTest, a_unit_can_be_stated_where_the_file_states_none) {
   EXPECT_EQ(factor_of(crs_of_wkt(plane(k_metres)), k_survey_foot), 1200.0 / 3937.0);
   EXPECT_EQ(factor_of(crs_of_wkt(plane(k_metres)), k_metre), 1.0);
-  EXPECT_DOUBLE_EQ(factor_of(of_keys({3076, 9003}), k_metre), 3937.0 / 1200.0);
+  EXPECT_DOUBLE_EQ(factor_of(crs_of_keys({3076, 9003}), k_metre), 3937.0 / 1200.0);
   EXPECT_EQ(factor_of(crs_of_wkt(with_heights(k_metres, k_survey_feet)), k_survey_foot), 1200.0 / 3937.0)
       << "agrees";
   EXPECT_EQ(heights_in_plane_unit(crs_of_wkt(plane(k_metres)), k_foot, "site.las").crs,
@@ -164,11 +167,11 @@ TEST(HeightUnitTest, a_unit_can_be_stated_where_the_file_states_none) {
 TEST(HeightUnitTest, unknown_and_contradictory_units_are_errors_that_name_the_remedy) {
   EXPECT_EQ(
       error_of([] {
-        factor_of(of_keys({3076, 9001, 4096, 5703}));
+        factor_of(crs_of_keys({3076, 9001, 4096, 5703}));
       }),
       "site.las: the unit of heights is unknown; expected --vertical-unit m, ft or us-ft, or a file that "
       "'alidade convert --reproject' wrote with it, found vertical EPSG:5703");
-  EXPECT_EQ(factor_of(of_keys({3076, 9001, 4096, 5703}), k_foot), 0.3048);
+  EXPECT_EQ(factor_of(crs_of_keys({3076, 9001, 4096, 5703}), k_foot), 0.3048);
   EXPECT_EQ(error_of([] { factor_of(crs_of_wkt(with_heights(k_metres, k_survey_feet)), k_foot); }),
             "site.las: --vertical-unit contradicts the reference system of the file; expected US survey "
             "foot, or no "
@@ -219,7 +222,7 @@ TEST(OneUnitTest, heights_are_converted_on_the_lattice_and_stated_once) {
   EXPECT_EQ(cloud.warnings,
             (std::vector<std::string>{
                 "tile_0 and 2 more files: heights are converted from US survey foot to metre, "
-                "the unit of x and y, also those of options"}));
+                "the unit of x and y; heights in options are in metre, too"}));
   EXPECT_EQ(stored.crs.wkt, wkt);
   EXPECT_TRUE(stored.warnings.empty());
   EXPECT_NEAR(cloud.files[0].stated_bounds->max.z, 100 * k_factor, 1e-12);

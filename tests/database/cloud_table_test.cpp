@@ -239,12 +239,12 @@ TEST_F(CloudTableTest, what_needs_a_ray_is_an_error_without_one) {
            "SELECT id FROM points WHERE t > 0", "SELECT id FROM points WHERE ox = 1",
            "SELECT p.id FROM points p JOIN points q ON p.ox = q.ox", "SELECT id FROM points(1, 2, 3)"}) {
     const std::string error = error_of(*database_, statement);
-    EXPECT_NE(error.find("cloud(ox, oy, oz, dx, dy, dz)"), std::string::npos) << statement << "\n" << error;
+    EXPECT_NE(error.find("FROM TABLE(ox, oy, oz, dx, dy, dz)"), std::string::npos) << statement << "\n" << error;
   }
   // There SQLite (3.40) hands over no arguments.
   EXPECT_TRUE(error_of(*database_, "SELECT count(p.id) FROM (SELECT 5 AS far) o RIGHT JOIN points(" + ray +
                                        ") p ON p.dist < o.far")
-                  .find("cloud(ox, oy, oz, dx, dy, dz)") != std::string::npos);
+                  .find("FROM TABLE(ox, oy, oz, dx, dy, dz)") != std::string::npos);
   EXPECT_EQ(numbers(*database_, "SELECT count(o.far) FROM points(" + ray +
                                     ") p LEFT JOIN (SELECT 5 AS far) o ON p.dist < o.far"),
             numbers(*database_, "SELECT count(*) FROM points(" + ray + ") WHERE dist < 5"));

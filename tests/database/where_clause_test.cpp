@@ -76,11 +76,12 @@ TEST_F(WhereClauseTest, a_condition_that_changes_from_one_time_to_the_next_is_an
     EXPECT_NE(said.find("it has the parameter "), std::string::npos) << text << ": " << said;
     EXPECT_NE(said.find("expected a value in its place"), std::string::npos) << said;
   }
-  for (const char* const text : {"random() % 10 = 0", "RANDOM ( ) > 0", "\"random\"() > 0",
-                                 "length(randomblob(4)) = 4", "changes() = 0", "gps_time < current_timestamp",
-                                 "z IN (SELECT random())", "julianday('now') > gps_time", "date() > '2020'",
-                                 "datetime(gps_time, 'unixepoch', 'localtime') > '2020'",
-                                 "strftime('%s') > gps_time", "time('NOW') > '1'"}) {
+  for (const char* const text :
+       {"random() % 10 = 0", "RANDOM ( ) > 0", "\"random\"() > 0", "length(randomblob(4)) = 4",
+        "changes() = 0", "gps_time < current_timestamp", "z IN (SELECT random())",
+        "julianday('now') > gps_time", "date() > '2020'",
+        "datetime(gps_time, 'unixepoch', 'localtime') > '2020'", "strftime('%s') > gps_time",
+        "time('NOW') > '1'", "unixepoch('subsec') > gps_time"}) {
     const std::string said = problem(text);
     EXPECT_NE(said.find("changes from one time to the next; expected a condition on values of the points"),
               std::string::npos)

@@ -10,17 +10,12 @@
 #include "cloud/axis_units.h"
 #include "geo/gdal_reference.h"
 #include "geo/reproject.h"
+#include "tests/cloud/crs_of_keys.h"
 
 namespace alidade::geo {
 namespace {
 
-Crs of_keys(const std::vector<std::uint16_t>& keys) {
-  Crs crs;
-  crs.geotiff_keys = {1, 1, 0, static_cast<std::uint16_t>(keys.size() / 2)};
-  for (std::size_t i = 0; i < keys.size(); i += 2)
-    crs.geotiff_keys.insert(crs.geotiff_keys.end(), {keys[i], 0, 1, keys[i + 1]});
-  return crs;
-}
+using test::crs_of_keys;
 
 /// A system by its code, in another form of WKT.
 Crs written(const std::string& code, const char* format) {
@@ -38,7 +33,7 @@ TEST(CompareSystemsTest, one_system_is_the_same_however_it_is_written) {
   for (const std::uint16_t code : {25832, 32632, 2154, 3005, 2903, 26910, 28992, 27700, 2056, 31287, 3857,
                                    2949, 2193, 5514, 3067, 2994, 32104}) {
     const std::string name = "EPSG:" + std::to_string(code);
-    std::vector<Crs> forms = {of_keys({1024, 1, 1025, 1, 3072, code}), crs_of_text(name)};
+    std::vector<Crs> forms = {crs_of_keys({1024, 1, 1025, 1, 3072, code}), crs_of_text(name)};
     for (const char* const format :
          {"FORMAT=WKT1", "FORMAT=WKT2_2015", "FORMAT=WKT2_2019", "FORMAT=WKT1_ESRI"})
       forms.push_back(written(name, format));
@@ -50,7 +45,7 @@ TEST(CompareSystemsTest, one_system_is_the_same_however_it_is_written) {
 
 TEST(CompareSystemsTest, other_systems_are_different_however_they_are_written) {
   // Metres of Quebec and feet of Oregon.
-  EXPECT_EQ(compare_systems(of_keys({1024, 1, 3072, 2949}), written("EPSG:2994", "FORMAT=WKT1_ESRI")),
+  EXPECT_EQ(compare_systems(crs_of_keys({1024, 1, 3072, 2949}), written("EPSG:2994", "FORMAT=WKT1_ESRI")),
             CrsAgreement::different);
   // Other projections with the same parameters.
   EXPECT_EQ(compare_systems(crs_of_text("ESRI:54009"), crs_of_text("ESRI:54012")), CrsAgreement::different);
@@ -99,15 +94,18 @@ TEST(CompareSystemsTest, heights_differ_by_unit_and_by_datum) {
   EXPECT_EQ(compare("EPSG:26910+5703", "EPSG:26910"), CrsAgreement::same)
       << "not stated: the unit of x and y";
   EXPECT_EQ(compare("EPSG:26910+6360", "EPSG:26910"), CrsAgreement::different);
-  EXPECT_EQ(compare_systems(of_keys({3072, 26910, 4096, 5703}), crs_of_text("EPSG:26910+5703")),
+  EXPECT_EQ(compare_systems(crs_of_keys({3072, 26910, 4096, 5703}), crs_of_text("EPSG:26910+5703")),
             CrsAgreement::same);
-  EXPECT_EQ(compare_systems(of_keys({3072, 26910, 4096, 5703, 4099, 9003}), crs_of_text("EPSG:26910+5703")),
-            CrsAgreement::different)
+  EXPECT_EQ(
+      compare_systems(crs_of_keys({3072, 26910, 4096, 5703, 4099, 9003}), crs_of_text("EPSG:26910+5703")),
+      CrsAgreement::different)
       << "the key states feet";
-  EXPECT_EQ(compare_systems(of_keys({3072, 26910, 4096, 5703, 4099, 9003}), crs_of_text("EPSG:26910+6360")),
-            CrsAgreement::same);
-  EXPECT_EQ(compare_systems(of_keys({3072, 26910, 4096, 32767, 4099, 9001}), crs_of_text("EPSG:26910+5703")),
-            CrsAgreement::unknown);
+  EXPECT_EQ(
+      compare_systems(crs_of_keys({3072, 26910, 4096, 5703, 4099, 9003}), crs_of_text("EPSG:26910+6360")),
+      CrsAgreement::same);
+  EXPECT_EQ(
+      compare_systems(crs_of_keys({3072, 26910, 4096, 32767, 4099, 9001}), crs_of_text("EPSG:26910+5703")),
+      CrsAgreement::unknown);
   // Heights that were converted are those of the system in metres.
   EXPECT_EQ(compare_systems(with_height_unit(crs_of_text("EPSG:26910+6360"), k_metre),
                             crs_of_text("EPSG:26910+5703")),
@@ -117,14 +115,14 @@ TEST(CompareSystemsTest, heights_differ_by_unit_and_by_datum) {
 TEST(CompareSystemsTest, what_is_not_understood_is_not_compared) {
   const Crs known = crs_of_text("EPSG:25832");
   EXPECT_FALSE(compare_systems(crs_of_wkt("PROJCS[\"damaged"), known));
-  EXPECT_FALSE(compare_systems(known, of_keys({3072, 32767})));
+  EXPECT_FALSE(compare_systems(known, crs_of_keys({3072, 32767})));
   EXPECT_EQ(compare_systems(crs_of_wkt("LOCAL_CS[\"site\",UNIT[\"metre\",1]]"), known),
             CrsAgreement::unknown);
 }
 
 TEST(WholeWktTest, keys_keep_their_heights_and_the_unit_that_they_state) {
   const auto units_of = [](const std::vector<std::uint16_t>& keys) {
-    const AxisUnits units = stated_units(crs_of_wkt(whole_wkt(of_keys(keys))));
+    const AxisUnits units = stated_units(crs_of_wkt(whole_wkt(crs_of_keys(keys))));
     return short_name(units.plane.value_or(LengthUnit{"-"})) + " " +
            short_name(units.heights.value_or(LengthUnit{"-", 2}));
   };
@@ -133,7 +131,7 @@ TEST(WholeWktTest, keys_keep_their_heights_and_the_unit_that_they_state) {
   EXPECT_EQ(units_of({1024, 1, 3072, 26910, 4096, 5703, 4099, 9003}), "m us-ft") << "the key states feet";
   EXPECT_EQ(units_of({1024, 1, 3072, 26910, 4099, 9002}), "m ft");
   EXPECT_EQ(units_of({1024, 1, 3072, 2994, 4096, 5703}), "ft m");
-  EXPECT_EQ(whole_wkt(of_keys({3072, 32767})), "") << "GDAL invents a local system";
+  EXPECT_EQ(whole_wkt(crs_of_keys({3072, 32767})), "") << "GDAL invents a local system";
   EXPECT_EQ(whole_wkt(crs_of_wkt("as it is")), "as it is");
 }
 

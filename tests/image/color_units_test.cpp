@@ -5,6 +5,7 @@
 
 #include "geo/map_unit.h"
 #include "image/color_points.h"
+#include "tests/cloud/crs_of_keys.h"
 
 namespace alidade {
 
@@ -32,11 +33,7 @@ TEST(GpsDateTest, weeks_begin_on_sunday) {
 }
 
 TEST(HeightUnitTest, the_vertical_system_counts_else_the_horizontal_one) {
-  const auto of_wkt = [](const std::string& wkt) {
-    Crs crs;
-    crs.wkt = wkt;
-    return height_unit(crs);
-  };
+  const auto of_wkt = [](const char* wkt) { return height_unit(crs_of_wkt(wkt)); };
   EXPECT_EQ(height_unit(Crs()), "m");
   EXPECT_EQ(of_wkt(R"(PROJCS["x",GEOGCS["y",UNIT["degree",0.0174]],UNIT["metre",1]])"), "m");
   EXPECT_EQ(of_wkt(R"(PROJCS["x",GEOGCS["y",UNIT["degree",0.0174]],UNIT["US survey foot",0.3048]])"), "ft");
@@ -53,19 +50,12 @@ TEST(HeightUnitTest, the_vertical_system_counts_else_the_horizontal_one) {
   // What a vertical part does not say is not that of x and y.
   EXPECT_EQ(of_wkt(R"(COMPD_CS["a",PROJCS["x",UNIT["metre",1]],VERT_CS["h",UNIT["furlong",201.168]]])"), "");
   EXPECT_EQ(of_wkt(R"(COMPD_CS["a",PROJCS["x",UNIT["metre",1]],VERT_CS["h",VERT_DATUM["d",2005]]])"), "");
-  Crs keys;
-  keys.geotiff_keys = {1, 1, 0, 1, 3076, 0, 1, 9003};
-  EXPECT_EQ(height_unit(keys), "ft");
-  keys.geotiff_keys = {1, 1, 0, 2, 3076, 0, 1, 9003, 4099, 0, 1, 9001};
-  EXPECT_EQ(height_unit(keys), "m");
-  for (const std::uint16_t unknown : {9005, 32767}) {
-    keys.geotiff_keys = {1, 1, 0, 2, 3076, 0, 1, 9001, 4099, 0, 1, unknown};
-    EXPECT_EQ(height_unit(keys), "") << unknown;
-  }
-  keys.geotiff_keys = {1, 1, 0, 2, 3076, 0, 1, 9001, 4096, 0, 1, 32767};
-  EXPECT_EQ(height_unit(keys), "");
-  keys.geotiff_keys = {1, 1, 0, 1, 3072, 0, 1, 2229};
-  EXPECT_EQ(height_unit(keys), "");
+  EXPECT_EQ(height_unit(test::crs_of_keys({3076, 9003})), "ft");
+  EXPECT_EQ(height_unit(test::crs_of_keys({3076, 9003, 4099, 9001})), "m");
+  for (const std::uint16_t unknown : {9005, 32767})
+    EXPECT_EQ(height_unit(test::crs_of_keys({3076, 9001, 4099, unknown})), "") << unknown;
+  EXPECT_EQ(height_unit(test::crs_of_keys({3076, 9001, 4096, 32767})), "");
+  EXPECT_EQ(height_unit(test::crs_of_keys({3072, 2229})), "");
 }
 
 }  // namespace

@@ -381,6 +381,16 @@ class RemoteTest(RemoteCase):
             self.assertNotIn(b"0word", content)
             self.assertNotIn(b"sig0nature", content)
         self.assertIn(public, self.run_program("info", "secret.alidade", "--json"))
+        observer = ("--observer=690000,5325000,640", "--anywhere")
+        for words in (("render", address, "--size", "16x16", "--samples", "1", "-o", "secret.png"),
+                      ("visibility", "summary", address, *observer, "-o", "secret.json"),
+                      ("visibility", "raster", address, *observer, "--resolution", "5", "-o", "secret.tif")):
+            self.run_program(*words)
+            with open(os.path.join(self.folder, words[-1]), "rb") as file:
+                content = file.read()
+            self.assertIn(b"site.laz", content, words)
+            self.assertNotIn(b"0word", content, words)
+            self.assertNotIn(b"sig0nature", content, words)
         message = self.query(address.replace("site.laz", "missing.laz"), succeeds=False)
         self.assertIn("missing.laz: cannot read from the server: HTTP status 404", message)
         self.assertNotIn("0word", message)

@@ -39,6 +39,7 @@ TEST_F(RenderEmptyTest, a_camera_that_looks_away_is_named_and_the_exit_code_is_1
                "expected cameras that look at the cloud: they look away from it; are their axes those of "
                "OpenGL"))
       << one.err;
+  EXPECT_TRUE(contains(one.err, "found cameras at x 101, y 201, z 9; a cloud at x ")) << one.err;
   const ProgramResult set = render({"--camera", "model", "-o", "%s.png"});
   EXPECT_EQ(set.exit_code, 1);
   EXPECT_TRUE(contains(set.err, "warning: camera 'c.jpg' sees nothing")) << set.err;

@@ -195,8 +195,9 @@ TEST_F(UnitsTest, convert_keeps_files_as_they_are_and_reproject_brings_heights_t
   EXPECT_EQ(count_of(utm.err, "heights are converted from US survey foot to metre"), 1u) << utm.err;
   EXPECT_NEAR(double(info("utm.las")["bounds"]["max"][2]), 450.5 * k_foot_of_surveys, 0.02);
   for (const char* const option : {"--spacing=1", "--normals"})
-    EXPECT_TRUE(contains(error({"convert", "feet.las", "-o", "x.las", option}),
-                         "x and y are in metre, but heights in US survey foot; expected --reproject SYSTEM"));
+    EXPECT_TRUE(contains(
+        error({"convert", "feet.las", "-o", "x.las", option}),
+        "the unit of x and y is metre, that of heights US survey foot; expected --reproject SYSTEM"));
   EXPECT_EQ(run({"convert", "feet.las", "-o", "y.las", "--spacing=1", "--reproject", "EPSG:2991"}).exit_code,
             0);
 }

@@ -292,6 +292,10 @@ TEST_F(VisibilityTerrainTest, results_of_points_and_other_options_of_points_need
   const Words map = {"ridge.tif", "--observer", "0,0", "-o", "out.tif"};
   expect_error("raster", with(map, {"--terrain", "ridge.tif"}), "a second raster beside ridge.tif");
   expect_error("raster", with(map, {"--ground", "lowest"}), "do not apply to a raster");
+  for (const Words& more : {Words{"--vertical-unit", "ft"}, Words{"--crs", "EPSG:25832"},
+                            Words{"--crop", "0,0,1,1"}, Words{"--columns", "x,y,z"}})
+    expect_error("raster", with(map, more),
+                 "ridge.tif: options that select or convert points do not apply to a raster; expected");
   expect_error("raster", with(map, {"--extent", "100,100,110,110"}),
                "--extent contains no cells of the raster");
 }

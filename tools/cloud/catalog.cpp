@@ -348,8 +348,8 @@ ExitCode run(const CatalogCommand& command) {
   if (unknown > 0 && command.verbosity != Verbosity::quiet)
     say_warning(fmt::format("{} of {} files state no reference system; they have no position on the globe",
                             unknown, rows.size()));
-  say_note(command.verbosity,
-           fmt::format("{} files, {} points in {}", rows.size(), points, command.output.string()));
+  say_note(command.verbosity, fmt::format("{} file{}, {} points in {}", rows.size(),
+                                          rows.size() == 1 ? "" : "s", points, command.output.string()));
   std::set<std::string> hosts;
   for (const FileRow& row : rows)
     if (row.is_url && !is_geopackage) hosts.insert(host_of(row.name));

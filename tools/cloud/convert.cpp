@@ -292,7 +292,7 @@ void check_units(const ConvertCommand& command) {
   const AxisUnits units = axis_units(crs);
   if (!units.plane || !units.heights || *units.plane == *units.heights) return;
   const std::string problem =
-      fmt::format("x and y are in {}, but heights in {}", units.plane->name, units.heights->name);
+      fmt::format("the unit of x and y is {}, that of heights {}", units.plane->name, units.heights->name);
   const std::string way_out = "--reproject SYSTEM, which brings heights to the unit of x and y";
   if (measures) throw file_error(first.name, "--spacing and --normals measure: " + problem, way_out);
   say_warnings(command.verbosity,

@@ -292,16 +292,17 @@ std::string row(const std::string& name, const std::array<std::string, 3>& words
   return row(name, fmt::format("{:>18} {:>18} {:>18}", words[0], words[1], words[2]));
 }
 
-/// Numbers as they are.
-std::array<std::string, 3> plain(const glm::dvec3& value) {
+/// Numbers as they are, zeros without a sign.
+std::array<std::string, 3> plain(glm::dvec3 value) {
+  value += 0.0;
   return {fmt::format("{}", value.x), fmt::format("{}", value.y), fmt::format("{}", value.z)};
 }
 
-/// Coordinates with as many decimals as the lattice has.
+/// Coordinates with the decimals of the lattice.
 std::array<std::string, 3> on_lattice(const glm::dvec3& value, const Lattice& lattice) {
   std::array<std::string, 3> words;
   for (int axis = 0; axis < 3; ++axis) {
-    const std::optional<int> decimals = decimals_of(lattice, axis);
+    const std::optional<int> decimals = shown_decimals(lattice, axis);
     words[static_cast<std::size_t>(axis)] =
         decimals ? fmt::format("{:.{}f}", value[axis], *decimals) : fmt::format("{}", value[axis]);
   }

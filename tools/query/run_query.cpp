@@ -162,7 +162,7 @@ std::unique_ptr<AnswerOutput> open_text(const QueryCommand& command, AnswerForm 
                                         RenumberedAnswers::Ids ids = {}) {
   NumberForm numbers{.digits = command.precision};
   for (int axis = 0; axis < 3 && !command.precision; ++axis)
-    numbers.decimals[static_cast<std::size_t>(axis)] = decimals_of(lattice, axis);
+    numbers.decimals[static_cast<std::size_t>(axis)] = shown_decimals(lattice, axis);
   auto columns = command.occluded ? number_columns<Target>("occluded")
                  : command.count  ? number_columns<Target>("count")
                                   : answer_columns<Target>();

@@ -64,7 +64,8 @@ DepthPlan plan_depth_maps(const DepthRequest& request, const CameraRequest& came
 void warn_of_spheres(const renderer::Scene& scene, const renderer::LoadedCloud& cloud, Verbosity verbosity);
 
 /// Makes them one after the other, then the transforms.json, and says what the maps could not hold. `metadata`
-/// is what the picture of a view would say; `empty` gets the views whose maps hold no depth. Errors: write failures; Cancelled.
+/// is what the picture of a view would say; `empty` gets the views whose maps hold no depth. Errors: write failures;
+/// Cancelled.
 void write_depth_maps(const DepthPlan& plan, const renderer::Scene& scene, const renderer::LoadedCloud* cloud,
                       const std::function<renderer::ImageMetadata(const View&)>& metadata, EmptyViews& empty,
                       Verbosity verbosity);

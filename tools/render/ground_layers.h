@@ -35,8 +35,8 @@ struct GroundLayers {
 
 /// Writes them as cloud-optimised GeoTIFFs (geo/raster_file.h) of the view, an orthophoto's: elevations and
 /// densities as float, with NaN where nothing is seen, intensities as uint16 with 0, classes as uint8 with 255,
-/// counts as uint32. `empty` gets the view if it sees no point; layers of a single value are named. Reads the attributes of the clouds again. Errors: the cloud lacks an attribute; those of
-/// write_raster().
+/// counts as uint32. `empty` gets the view if it sees no point; warns of attributes that all points have alike. Reads
+/// the attributes of the clouds again. Errors: the cloud lacks an attribute; those of write_raster().
 void write_ground_layers(const GroundLayers& wanted, const renderer::Scene& scene,
                          const renderer::LoadedCloud& cloud, const CloudInputs& clouds, const View& view,
                          const std::filesystem::path& output, bool overwrite, EmptyViews& empty,

@@ -84,6 +84,21 @@ renderer::PicturePart parse_part(const std::string& text) {
   return part;
 }
 
+/// Metadata of what was reached, if the end was not settled beforehand.
+std::vector<std::pair<std::string, std::string>> reached_texts(const LongRenderRequest& request,
+                                                               const renderer::RenderStatistics& statistics) {
+  std::vector<std::pair<std::string, std::string>> texts;
+  if (!request.time_limit && !request.target_noise) return texts;
+  texts.emplace_back("alidade:samples_reached",
+                     fmt::format("{} {:.17g} {}", statistics.least_samples, statistics.mean_samples,
+                                 statistics.most_samples));
+  if (statistics.noise) {
+    texts.emplace_back("alidade:noise_reached", fmt::format("{} {}", error_text(statistics.noise->median, 17),
+                                                            error_text(statistics.noise->worst, 17)));
+  }
+  return texts;
+}
+
 }  // namespace
 
 std::filesystem::path written_file(const LongRenderRequest& request, const std::filesystem::path& image) {
@@ -226,20 +241,6 @@ std::optional<image::Film> render_to_file(const LongRenderRequest& request, cons
   for (auto& text : reached_texts(request, statistics)) metadata.further.push_back(std::move(text));
   image_module().write_image(film, scene.output, metadata, overwrite);
   return film;
-}
-
-std::vector<std::pair<std::string, std::string>> reached_texts(const LongRenderRequest& request,
-                                                               const renderer::RenderStatistics& statistics) {
-  std::vector<std::pair<std::string, std::string>> texts;
-  if (!request.time_limit && !request.target_noise) return texts;
-  texts.emplace_back("alidade:samples_reached",
-                     fmt::format("{} {:.17g} {}", statistics.least_samples, statistics.mean_samples,
-                                 statistics.most_samples));
-  if (statistics.noise) {
-    texts.emplace_back("alidade:noise_reached", fmt::format("{} {}", error_text(statistics.noise->median, 17),
-                                                            error_text(statistics.noise->worst, 17)));
-  }
-  return texts;
 }
 
 std::string describe_reached(const LongRenderRequest& request, const renderer::RenderStatistics& statistics) {

@@ -74,10 +74,8 @@ std::optional<image::Film> render_to_file(const LongRenderRequest& request, cons
                                           renderer::ImageMetadata metadata, bool overwrite,
                                           renderer::RenderStatistics& statistics);
 
-/// What was reached, as metadata and for people (with what ended it, if that is not what was asked for), if
-/// the end was not settled beforehand; else nothing.
-std::vector<std::pair<std::string, std::string>> reached_texts(const LongRenderRequest& request,
-                                                               const renderer::RenderStatistics& statistics);
+/// What was reached, for people, with what ended it, if that is not what was asked for; empty if the end was settled
+/// beforehand.
 std::string describe_reached(const LongRenderRequest& request, const renderer::RenderStatistics& statistics);
 
 /// Removes the checkpoint of a picture that has been written.

@@ -13,18 +13,10 @@
 namespace alidade::tools {
 namespace {
 
-/// The shortest text that reads as this number again: 1.0, 0.1, 1e+300, inf.
-std::string real_text(double value) {
-  std::string text = fmt::format("{}", value);
-  if (std::isfinite(value) && text.find_first_of(".e") == std::string::npos) text += ".0";
-  return text;
-}
-
-/// For people: without the last two digits, which of lattice coordinates are rounding, as 428.15000000000003.
-std::string short_real_text(double value) {
-  std::string text = fmt::format("{:.15g}", value);
-  if (std::isfinite(value) && text.find_first_of(".e") == std::string::npos) text += ".0";
-  return text;
+/// Digits of a real number, with a point where they look like a whole one: 1.0, 0.1, 1e+300, inf.
+std::string real_text(std::string digits) {
+  if (digits.find_first_not_of("-0123456789") == std::string::npos) digits += ".0";
+  return digits;
 }
 
 /// The value of a column as it is, without quotes: a blob hexadecimal, nothing for NULL.
@@ -34,7 +26,7 @@ std::string value_text(sqlite3_stmt* statement, int column) {
     case SQLITE_INTEGER:
       return std::to_string(sqlite3_column_int64(statement, column));
     case SQLITE_FLOAT:
-      return real_text(sqlite3_column_double(statement, column));
+      return real_text(fmt::format("{}", sqlite3_column_double(statement, column)));
     case SQLITE_TEXT: {
       const auto* const text = reinterpret_cast<const char*>(sqlite3_column_text(statement, column));
       return text == nullptr ? std::string() : std::string(text, size());
@@ -139,8 +131,10 @@ class TableWriter : public RowWriter {
     std::vector<std::string> cells;
     for (std::size_t i = 0; i < names_.size(); ++i) {
       const int column = static_cast<int>(i), type = sqlite3_column_type(statement, column);
-      std::string text = type == SQLITE_FLOAT ? short_real_text(sqlite3_column_double(statement, column))
-                                              : line_text(value_text(statement, column));
+      // The last two digits of lattice coordinates are rounding, as 428.15000000000003.
+      std::string text = type == SQLITE_FLOAT
+                             ? real_text(fmt::format("{:.15g}", sqlite3_column_double(statement, column)))
+                             : line_text(value_text(statement, column));
       if (type == SQLITE_NULL) text = "NULL";
       if (type == SQLITE_BLOB) text = fmt::format("x'{}'", text);
       if (!has_begun_) {

@@ -9,6 +9,7 @@
 #include <iostream>
 #include <iterator>
 #include <optional>
+#include <ranges>
 #include <string_view>
 #include <utility>
 
@@ -157,11 +158,8 @@ std::string share(std::uint64_t part, std::uint64_t all) {
 /// A statement keeps its lines: they are the user's own.
 void say_rewritten(std::string_view statement) {
   std::string text = "alidade: rewritten as: ";
-  for (std::size_t begin = 0; begin <= statement.size();) {
-    const std::size_t end = std::min(statement.find('\n', begin), statement.size());
-    text += line_text(statement.substr(begin, end - begin)) + "\n";
-    begin = end + 1;
-  }
+  for (const auto line : std::views::split(statement, '\n'))
+    text += line_text({line.begin(), line.end()}) + "\n";
   write_to_stderr(text);
 }
 

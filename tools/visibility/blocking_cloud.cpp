@@ -82,7 +82,12 @@ bool is_raster_alone(const CloudInputs& files) {
 
 /// A terrain without points.
 void load_raster_alone(const VisibilityRequest& request, AcceptedInput accepted, VisibilityCloud& loaded) {
-  const std::filesystem::path& file = request.files.first_name();
+  const CloudInput& input = request.files.inputs.front();
+  const std::filesystem::path& file = input.name;
+  if (input.is_changed() ||
+      (input.view != nullptr && (input.view->height_unit || !input.view->columns.empty())))
+    throw file_error(file, "options that select or convert points do not apply to a raster",
+                     "a raster that gdalwarp crops and reprojects; a unit of heights by gdal_edit.py -units");
   if (accepted == AcceptedInput::points) {
     throw file_error(file, "a raster has no points, which this result requires",
                      "a point cloud, and the raster as --terrain");

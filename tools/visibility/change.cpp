@@ -181,7 +181,8 @@ struct Summaries {
 
 std::string table_of(const char* epoch, const Summaries& all) {
   const auto length = [](const std::optional<double>& value) {
-    return value ? fmt::format("{:.4f}", *value) : "-";
+    const std::string text = value ? fmt::format("{:.4f}", *value) : "-";
+    return text == "-0.0000" ? text.substr(1) : text;
   };
   std::string text =
       fmt::format("{:<18}{:>12}{:>9}{:>14}{:>16}{:>18}{:>20}{:>16}\n", epoch, "points", "share", "area",

@@ -154,7 +154,7 @@ void write_depth(const HorizonCommand& command, const VisibilityCloud& cloud, co
   metadata.render.samples = 1;
   metadata.render.max_bounces = 0;
   metadata.command = picture_command(command.words);
-  for (const CloudFile& file : cloud.cloud.cloud.files) metadata.cloud_files.push_back(file.path.string());
+  for (const CloudFile& file : cloud.cloud.cloud.files) metadata.cloud_files.push_back(kept_name(file.path));
   metadata.cloud_offset = cloud.octree().lattice().offset;
   metadata.crs = cloud.cloud.cloud.crs;
   image_module().write_image(film, output, metadata, command.overwrite);

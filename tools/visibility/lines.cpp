@@ -25,9 +25,9 @@ constexpr double k_light_factor = 1.0 / visibility::k_usual_curvature;
 
 /// Which sight lines were asked for on the command line.
 struct PairRequest {
-  std::filesystem::path pairs, positions;  ///< --pairs, --positions; empty: none
-  std::string places_crs;                  ///< --positions-crs
-  visibility::ObserverDefaults defaults;   ///< --end-height
+  std::filesystem::path pairs, positions;  ///< --pairs, --places; empty: none
+  std::string places_crs;
+  visibility::ObserverDefaults defaults;  ///< --end-height
 };
 
 struct LinesCommand : VisibilityRequest {
@@ -117,7 +117,7 @@ void add_pair_options(const Options& command, PairRequest& request) {
                request.defaults.height, 0.0, 1e6);
 }
 
-/// Errors that need no cloud: nothing asked for, --positions-crs alone.
+/// Errors that need no cloud: nothing asked for, --places-crs alone.
 void check_pair_request(const PairRequest& request) {
   if (request.pairs.empty() && request.positions.empty())
     throw input_error("missing lines of sight", "--pairs FILE or --places FILE");
@@ -127,7 +127,7 @@ void check_pair_request(const PairRequest& request) {
 
 /// Reads positions and pairs and gives them their positions on the cloud. Surfaces need not be measured.
 /// Errors: those of read_pair_table() and load_observers(); names that no position or two have; coordinates
-/// beside --positions; a single position.
+/// beside --places; a single position.
 LineEnds load_line_ends(const PairRequest& request, const VisibilityCloud& cloud, Verbosity verbosity) {
   std::vector<visibility::GivenPair> given;
   if (!request.pairs.empty()) given = visibility::read_pair_table(request.pairs);

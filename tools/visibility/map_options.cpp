@@ -171,7 +171,7 @@ MapMetadata map_metadata(const VisibilityRequest& request, const VisibilityCloud
   const visibility::OccluderOptions& blocks = cloud.occluders->options();
   std::string names;
   for (const std::filesystem::path& file : request.files.names())
-    names += (names.empty() ? "" : "\n") + file.string();
+    names += (names.empty() ? "" : "\n") + kept_name(file);
   return {{"alidade_command", picture_command(request.words)},
           {"alidade_cloud_files", names},
           {"alidade_ground", ground_text(ground)},

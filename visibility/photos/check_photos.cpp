@@ -35,8 +35,14 @@ bool shows_any(const PhotoFrame& frame, const std::vector<PlacedPoint>& points, 
 }
 
 std::string box_text(const Bounds& box) {
-  return fmt::format("x {:.6g} to {:.6g}, y {:.6g} to {:.6g}, z {:.4g} to {:.4g}", box.min.x, box.max.x,
-                     box.min.y, box.max.y, box.min.z, box.max.z);
+  std::string text;
+  for (int axis = 0; axis < 3; ++axis) {
+    const std::string low = fmt::format("{:.10g}", box.min[axis]),
+                      high = fmt::format("{:.10g}", box.max[axis]);
+    text +=
+        fmt::format("{}{} {}", axis > 0 ? ", " : "", "xyz"[axis], low == high ? low : low + " to " + high);
+  }
+  return text;
 }
 
 /// How far a box is from another, and not from its middle; 0 where they overlap.
@@ -104,8 +110,7 @@ std::string likely_reason(const Octree& octree, std::span<const camera::NamedCam
   if (const std::string reason = reason_of_distance(cameras, octree.bounds()); !reason.empty()) return reason;
   if (any_shows(octree, photos, every, max_distance, turned_over))
     return "cameras that look at the cloud: they look away from it; are their axes those of OpenGL instead "
-           "of "
-           "OpenCV?";
+           "of OpenCV?";
   if (any_shows(octree, photos, every, max_distance, inverted))
     return "cameras that look at the cloud: the inverse of their poses do; are these from world to camera "
            "instead of from camera to world?";

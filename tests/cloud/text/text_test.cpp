@@ -215,8 +215,9 @@ TEST(Text, decimal_commas_are_read_where_no_comma_separates) {
     EXPECT_EQ(cloud.lattice.scale, glm::dvec3(0.001));
   }
   EXPECT_EQ(read_text("1,2 3,4 5,6\n").world(0), glm::dvec3(1.2, 3.4, 5.6));
-  // Commas that are followed by blanks separate.
-  EXPECT_EQ(read_text("1, 2, 3\n").world(0), glm::dvec3(1, 2, 3));
+  // Commas beside blanks separate.
+  for (const char* text : {"1, 2, 3\n", "1 ,2 ,3\n", "1 , 2 , 3\n"})
+    EXPECT_EQ(read_text(text).world(0), glm::dvec3(1, 2, 3)) << text;
   // What could be thousands is no decimal comma.
   EXPECT_NE(text_error("x;y;z\n1,5;2,5;3,5\n1.5;2;3\n")
                 .find("line 3: invalid value in the column \"x\"; expected a decimal comma"),
@@ -266,6 +267,8 @@ TEST(Text, units_in_brackets_count) {
   EXPECT_NE(mixed.find("VERT_CS[\"unknown, in US ft\""), std::string::npos);
   EXPECT_TRUE(
       warns(read_text("lon [deg],lat [deg],z [m]\n8,50,100\n"), "degrees of an unknown reference system"));
+  EXPECT_TRUE(warns(read_text("lon [deg],lat [deg],z [us-ft]\n8,50,100\n"),
+                    "z is in US ft, which --vertical-unit states"));
   EXPECT_NE(text_error("x [furlong],y [furlong],z\n1,2,3\n")
                 .find("unknown unit of the column \"x [furlong]\"; expected m, ft or US ft"),
             std::string::npos);

@@ -60,6 +60,22 @@ TEST(WriteTextTest, our_own_reader_gets_back_what_was_written) {
   }
 }
 
+TEST(WriteTextTest, our_own_reader_gets_back_names_with_separators_quotes_and_marks) {
+  PointCloud cloud;
+  cloud.positions = {{1, 2, 3}};
+  const std::vector<std::string> names = {"a,b", "a;b",  "say\"hi\"", "\"\"", "\"a\",\"b\";", "=x",
+                                          "+1",  "-y,z", "a\"b",      "@\"",  "'t",           "it's"};
+  for (const std::string& name : names) {
+    cloud.extra_dimensions.push_back(plain_dimension(name, ScalarType::uint8));
+    cloud.extra_dimensions.back().values = {7};
+  }
+  const std::filesystem::path path = test_folder() / "cloud.csv";
+  write_text(path, cloud);
+  std::vector<std::string> back;
+  for (const ExtraDimension& dimension : read_cloud(path).extra_dimensions) back.push_back(dimension.name);
+  EXPECT_EQ(back, names);
+}
+
 TEST(WriteTextTest, colours_of_8_bits_are_written_as_such) {
   PointCloud cloud;
   cloud.positions = {{0, 0, 0}, {1, 0, 0}};
@@ -129,6 +145,19 @@ TEST(DecimalsTest, are_the_fewest_that_lose_nothing) {
   EXPECT_EQ(decimals(0.003048, 0.0), 6);
   EXPECT_EQ(decimals(1.0 / 3.0, 0.0), 13);
   EXPECT_EQ(decimals(1e-9 / 3.0, 0.0), std::nullopt);
+}
+
+TEST(DecimalsTest, shown_are_those_or_a_thousandth_of_a_step) {
+  const auto decimals = [](double scale, double offset) {
+    return shown_decimals({.scale = glm::dvec3(scale), .offset = glm::dvec3(offset)}, 0);
+  };
+  EXPECT_EQ(decimals(0.01, 0.005), 3);
+  EXPECT_EQ(decimals(1.0 / 1024.0, 0.0), 10) << "exact";
+  constexpr double k_survey_foot = 1200.0 / 3937.0;
+  EXPECT_EQ(decimals(0.01 * k_survey_foot, 0.0), 6);
+  EXPECT_EQ(decimals(0.001 * k_survey_foot, 0.0), 7);
+  EXPECT_EQ(decimals(700.0 * k_survey_foot, 0.0), 1);
+  EXPECT_EQ(decimals(1e-45, 0.0), std::nullopt);
 }
 
 }  // namespace

@@ -1,0 +1,99 @@
+// SPDX-License-Identifier: MIT
+#include <algorithm>
+#include <bit>
+#include <cmath>
+#include <optional>
+#include <vector>
+
+#include "octree/octree.h"
+#include "octree/tree_walk.h"
+
+namespace alidade {
+
+// Files may be damaged: nodes that cannot be are left out.
+static bool is_possible(const TreeView& tree, const Frame& frame) {
+  return frame.node < tree.node_count && frame.level >= k_min_frame_level;
+}
+
+/// Whether all points below a node are at one position, as far as it shows by itself.
+static bool is_one_position(const Node& node, int level) {
+  if (level != k_min_frame_level) return false;
+  for (int slot = 1; slot < k_node_width; ++slot) {
+    if (node.kind[slot] == 0) continue;
+    for (int axis = 0; axis < 3; ++axis)
+      if (node.low[axis][slot] != node.low[axis][0] || node.high[axis][slot] != node.high[axis][0])
+        return false;
+  }
+  return true;
+}
+
+/// Whether few nodes are below one, those of a single position counted once.
+static bool is_small(const TreeView& tree, const Frame& top) {
+  constexpr int k_few_nodes = 8;
+  int count = 0;
+  std::vector<Frame> waiting{top};
+  while (!waiting.empty()) {
+    if (++count > k_few_nodes) return false;
+    const Frame frame = waiting.back();
+    waiting.pop_back();
+    const Node& node = tree.nodes[frame.node];
+    if (is_one_position(node, frame.level)) continue;
+    for (unsigned inner = inner_slots(node); inner != 0; inner &= inner - 1) {
+      const Frame child = child_frame(tree, frame, std::countr_zero(inner));
+      if (is_possible(tree, child)) waiting.push_back(child);
+    }
+  }
+  return true;
+}
+
+/// The only inner child that is not small.
+static std::optional<Frame> only_large_child(const TreeView& tree, const Frame& frame) {
+  std::optional<Frame> large;
+  for (unsigned inner = inner_slots(tree.nodes[frame.node]); inner != 0; inner &= inner - 1) {
+    const Frame child = child_frame(tree, frame, std::countr_zero(inner));
+    if (!is_possible(tree, child) || is_small(tree, child)) continue;
+    if (large) return std::nullopt;
+    large = child;
+  }
+  return large;
+}
+
+static Frame site_of(const TreeView& tree) {
+  // In smaller frames, what floats lose is less than a lattice step; and a site not much smaller gains nothing.
+  constexpr int k_exact_level = 20, k_least_drop = 4;
+  const Frame root = root_frame(tree);
+  if (tree.node_count == 0 || tree.root_level <= k_exact_level) return root;
+  Frame site = root;
+  while (site.depth < k_max_tree_depth) {
+    const std::optional<Frame> child = only_large_child(tree, site);
+    if (!child) break;
+    site = *child;
+  }
+  return site.level + k_least_drop <= root.level ? site : root;
+}
+
+TreeExtent extent_of(const TreeView& tree) {
+  TreeExtent extent;
+  const glm::dvec3 corner = to_world(tree.lattice, tree.base), size = tree.bounds.size();
+  for (int axis = 0; axis < 3; ++axis) {
+    extent.corner[axis] = corner[axis];
+    extent.low[axis] = tree.bounds.min[axis];
+    extent.high[axis] = tree.bounds.max[axis];
+    extent.scale[axis] = static_cast<float>(tree.lattice.scale[axis]);
+    extent.widest_scale = std::max(extent.widest_scale, tree.lattice.scale[axis]);
+    // Positions are sums of the lattice's offset and a product that may be as large.
+    extent.largest_coordinate =
+        std::max(extent.largest_coordinate,
+                 std::fabs(tree.lattice.offset[axis]) +
+                     std::max(std::fabs(tree.bounds.min[axis]), std::fabs(tree.bounds.max[axis])));
+  }
+  extent.frame_width = std::ldexp(extent.widest_scale, tree.root_level);
+  extent.size = size.x + size.y + size.z;
+  const Frame site = site_of(tree);
+  extent.site_corner = site.corner;
+  extent.site_level = site.level;
+  extent.site_width = std::ldexp(extent.widest_scale, site.level);
+  return extent;
+}
+
+}  // namespace alidade
