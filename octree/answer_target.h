@@ -59,12 +59,13 @@ void find_into(const Octree& octree, const Target& target, const Query& query, s
                std::size_t query_index, std::vector<Answer>& answers) {
   if (const auto* const lanes = lanes_for(octree, target, query))
     return lanes->find(octree.view(), target, query, k, query_index, answers);
-  with_tree_target(octree.view(), target, query, query_index, [&](const auto& tree, const auto& asked) {
+  const auto use = [&](const auto& tree, const auto& asked) {
     Nearest neighbors(asked, k);
     tree_query(tree, asked, neighbors);
     const std::vector<Answer> found = neighbors.in_order();
     answers.insert(answers.end(), found.begin(), found.end());
-  });
+  };
+  with_tree_target(octree.view(), target, query, query_index, use, k);
 }
 
 /// Whether targets near each other share work.

@@ -9,6 +9,7 @@
 #include "octree/octree.h"
 #include "octree/path_index.h"
 #include "octree/query.h"
+#include "octree/simd/first_answers.h"
 #include "octree/tree_query.h"
 #include "octree/tree_walk.h"
 
@@ -28,9 +29,9 @@ class OctreeAsTree {
     Leaf leaf{};    ///< otherwise
   };
 
-  /// Of a layered octree only the levels 0 to max_level.
-  explicit OctreeAsTree(const TreeView& view, int max_level = k_all_levels)
-      : view_(view), max_level_(max_level) {}
+  /// Of a layered octree only the levels 0 to max_level; of points at one position, as a rule, only the first k.
+  explicit OctreeAsTree(const TreeView& view, int max_level = k_all_levels, std::size_t k = k_all)
+      : view_(view), max_level_(max_level), k_(k) {}
 
   bool empty() const { return view_.node_count == 0; }
   Node root() const { return {.bounds = view_.bounds, .frame = root_frame(view_)}; }
@@ -51,7 +52,10 @@ class OctreeAsTree {
   void for_each_child(const Node& node, const Visit& visit) const {
     if (!node.inner) return;
     const bool deeper = node.frame.depth < max_level_;
+    const bool skips_equal = k_ != k_all && node.frame.level == k_min_frame_level;
+    const unsigned skipped = skips_equal ? simd::slots_after_k_equal(view_, node.frame, k_) : 0;
     for (int slot = 0; slot < k_node_width; ++slot) {
+      if ((skipped >> slot & 1u) != 0) continue;
       const std::uint8_t kind = view_.nodes[node.frame.node].kind[slot];
       if (is_inner(kind)) {
         if (!deeper) continue;
@@ -68,6 +72,7 @@ class OctreeAsTree {
  private:
   const TreeView& view_;
   int max_level_;
+  std::size_t k_;
 };
 
 using OctreeTree = OctreeAsTree<PointNaming::id>;
@@ -264,15 +269,18 @@ typename TreeTarget<T>::type make_target(const T& target, const QueryOf<T>& quer
 }
 
 /// Calls use(tree, target) with an octree and a target as Algorithm 1 (octree/tree_query.h) takes them for
-/// this query. Points with radii of their own are passed by storage index.
+/// this query. Points with radii of their own are passed by storage index. k: no more answers are of interest.
 template <class Target, class Query, class Use>
 auto with_tree_target(const TreeView& view, const Target& target, const Query& query, std::size_t query_index,
-                      const Use& use) {
+                      const Use& use, std::size_t k = k_all) {
   if constexpr (std::is_same_v<Target, Ray>) {
     if (query.spacing_factor > 0.0)
       return use(OctreeByIndex(view, query.max_level), OwnRadiusTarget(view, target, query, query_index));
   }
-  return use(OctreeTree(view, query.max_level), make_target(target, query, query_index));
+  // Without a filter, those of the lowest ids come first, and they are stored first.
+  const bool takes_all = !has_filter(query) && query.max_level == k_all_levels;
+  return use(OctreeTree(view, query.max_level, takes_all ? k : k_all),
+             make_target(target, query, query_index));
 }
 
 }  // namespace alidade
