@@ -82,7 +82,7 @@ class TreeBuilder : public nlohmann::json_sax<nlohmann::json> {
  private:
   [[noreturn]] void fail(std::size_t byte, std::string problem, std::string expected,
                          std::string found) const {
-    throw Error(document_.name, document_.offset(byte), std::move(problem), std::move(expected),
+    throw Error(document_.name, document_.line_and_column(byte), std::move(problem), std::move(expected),
                 std::move(found));
   }
 
@@ -171,7 +171,7 @@ class TreeBuilder : public nlohmann::json_sax<nlohmann::json> {
     const JsonMember& again = *twice[1];
     fail(again.key_begin,
          "duplicate key " + document_.quote(again.key_begin, again.key_end) + ", first at " +
-             document_.offset(twice[0]->key_begin),
+             document_.line_and_column(twice[0]->key_begin),
          "unique keys", "");
   }
 
@@ -186,7 +186,7 @@ class TreeBuilder : public nlohmann::json_sax<nlohmann::json> {
 
 }  // namespace
 
-std::string JsonDocument::offset(std::size_t byte) const {
+std::string JsonDocument::line_and_column(std::size_t byte) const {
   const auto end = text.begin() + static_cast<std::ptrdiff_t>(std::min(byte, text.size()));
   const auto line = std::count(text.begin(), end, '\n') + 1;
   auto start = end;
@@ -251,7 +251,7 @@ std::string NumberRange::describe() const {
 void JsonNode::fail_at(std::size_t byte, const std::string& problem, const std::string& expected,
                        const std::string& found, const std::string& pointer) const {
   throw Error({.file = document_->name,
-               .location = document_->offset(byte),
+               .location = document_->line_and_column(byte),
                .problem = fmt::format("{} (at {})", problem, pointer.empty() ? "the top" : pointer),
                .expected = expected,
                .found = found});

@@ -41,7 +41,7 @@ struct JsonDocument {
   JsonValue root;
 
   /// "LINE:COLUMN" of a byte, both from 1, columns counted in characters.
-  std::string offset(std::size_t byte) const;
+  std::string line_and_column(std::size_t byte) const;
   /// The text at bytes [begin, end), shortened to one line of at most 40 characters.
   std::string quote(std::size_t begin, std::size_t end) const;
 };
