@@ -13,7 +13,8 @@
 
 namespace alidade {
 
-/// Whether a cell is a number with a decimal comma between digits, which is unambiguous where no comma separates cells.
+/// Whether a cell is a number with a decimal comma between digits, which is unambiguous where no comma
+/// separates cells.
 bool has_decimal_comma(std::string_view cell);
 
 /// The cell, or one in `room` with a point for its decimal comma.

@@ -10,7 +10,7 @@
 #include "base/error.h"
 #include "base/words.h"
 
-// The library's code is compiled in, so that nobody who links Alidade has to link xxHash.
+// The library's code is compiled in, so that programs need not link xxHash.
 #define XXH_INLINE_ALL
 #include <xxhash.h>
 

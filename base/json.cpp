@@ -17,9 +17,9 @@ namespace {
 constexpr std::size_t k_deepest = 64;
 constexpr std::size_t k_longest_quote = 40;
 
-// Builds the tree from the parser's events. The parser does not report offsets of tokens. Since it has checked
-// the grammar up to the token it reports, the offset is found by skipping the characters allowed between
-// tokens.
+// Builds the tree from the parser's events. The parser does not report where tokens begin. Since it has
+// checked the grammar up to the token it reports, the beginning is found by skipping the characters allowed
+// between tokens.
 class TreeBuilder : public nlohmann::json_sax<nlohmann::json> {
  public:
   TreeBuilder(JsonDocument& document, std::span<const std::string_view> unread)
@@ -66,7 +66,7 @@ class TreeBuilder : public nlohmann::json_sax<nlohmann::json> {
            document_.quote(begin, number_end()));
     }
     // "[...] parse error at line 1, column 2: syntax error while parsing value - PROBLEM; expected X" or
-    // "... - PROBLEM; last read: 'TEXT'"; of the first parts we know better.
+    // "... - PROBLEM; last read: 'TEXT'". The parts before " - " are replaced.
     if (const auto dash = problem.find(" - "); dash != std::string::npos) problem.erase(0, dash + 3);
     if (problem.starts_with("invalid string"))
       begin = std::min(std::max(position, begin + 1) - 1, text_.size());
@@ -180,9 +180,27 @@ class TreeBuilder : public nlohmann::json_sax<nlohmann::json> {
   std::span<const std::string_view> unread_;
   std::size_t cursor_ = 0;         // end of the last token
   std::vector<JsonValue*> open_;   // objects and arrays that are not closed yet
-  bool skips_next_ = false;        // the next value stands under an unread key
+  bool skips_next_ = false;        // the next value is that of an unread key
   std::size_t skipped_depth_ = 0;  // objects and arrays open inside such a value
 };
+
+std::string list_of(std::span<const std::string_view> words) {
+  std::string list;
+  for (const std::string_view word : words) list += fmt::format("{}\"{}\"", list.empty() ? "" : ", ", word);
+  return words.size() == 1 ? list : "one of " + list;
+}
+
+// JSON pointer (RFC 6901): ~ and / inside a key are written ~0 and ~1.
+std::string pointer_step(std::string_view key) {
+  std::string step = "/";
+  for (const char c : key) step += c == '~' ? "~0" : c == '/' ? "~1" : std::string(1, c);
+  return step;
+}
+
+std::string did_you_mean(std::string_view word, std::span<const std::string_view> words) {
+  const std::string_view nearest = nearest_word(word, words);
+  return nearest.empty() ? "" : fmt::format(", did you mean \"{}\"?", nearest);
+}
 
 }  // namespace
 
@@ -214,28 +232,6 @@ JsonDocument parse_json(std::string text, std::string name, std::span<const std:
   nlohmann::json::sax_parse(document.text, &builder);
   return document;
 }
-
-namespace {
-
-std::string list_of(std::span<const std::string_view> words) {
-  std::string list;
-  for (const std::string_view word : words) list += fmt::format("{}\"{}\"", list.empty() ? "" : ", ", word);
-  return words.size() == 1 ? list : "one of " + list;
-}
-
-// JSON pointer (RFC 6901): ~ and / inside a key are written ~0 and ~1.
-std::string pointer_step(std::string_view key) {
-  std::string step = "/";
-  for (const char c : key) step += c == '~' ? "~0" : c == '/' ? "~1" : std::string(1, c);
-  return step;
-}
-
-std::string did_you_mean(std::string_view word, std::span<const std::string_view> words) {
-  const std::string_view nearest = nearest_word(word, words);
-  return nearest.empty() ? "" : fmt::format(", did you mean \"{}\"?", nearest);
-}
-
-}  // namespace
 
 bool NumberRange::contains(double value) const {
   return (above_minimum ? value > minimum : value >= minimum) &&

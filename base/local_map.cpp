@@ -20,8 +20,8 @@ namespace {
 
 constexpr std::uintptr_t k_page = 4096;
 
-/// The addresses of a map, as the handler of a signal may read them at any time: ranges are never deleted, but
-/// used again.
+/// The addresses of a map, as the handler of a signal may read them at any time: ranges are never deleted,
+/// but used again.
 struct MapRange {
   std::atomic<std::uintptr_t> begin = 0, end = 0;  ///< end 0: free
   std::atomic<bool> has_failed = false;

@@ -39,8 +39,9 @@ bool is_in_shared_folder(const std::filesystem::path& path) {
   return is_of_others || (status.st_mode & (S_IWGRP | S_IWOTH)) != 0;
 }
 
-/// The file a symbolic link leads to, which need not exist, so that writing keeps the link. Errors: too many links;
-/// `trusts_links` is false and a link is in a folder that others can write, who then choose what is written.
+/// The file a symbolic link leads to, which need not exist, so that writing keeps the link. Errors: too
+/// many links; `trusts_links` is false and a link is in a folder that others can write, who then choose
+/// what is written.
 std::filesystem::path resolve(std::filesystem::path path, bool trusts_links) {
   constexpr int k_most_links = 40;  // as many as Linux follows
   std::error_code error;
@@ -73,8 +74,8 @@ struct TemporaryName {
   }
 };
 
-/// Temporary files that other processes had in a folder when this process first wrote there. A folder is listed
-/// only once, so that writing thousands of frames to it takes no time that grows with their square.
+/// Temporary files that other processes had in a folder when this process first wrote there. A folder is
+/// listed only once, so that writing thousands of frames to it takes no time that grows with their square.
 const std::vector<std::filesystem::path>& temporaries_in(const std::filesystem::path& folder) {
   static std::mutex mutex;
   static std::map<std::filesystem::path, std::vector<std::filesystem::path>> known;
@@ -90,8 +91,8 @@ const std::vector<std::filesystem::path>& temporaries_in(const std::filesystem::
   return found->second;
 }
 
-/// Removes the temporary files of this output that no process has locked: numbers of processes are used again, and on a
-/// shared file system a process of another machine may write the file.
+/// Removes the temporary files of this output that no process has locked: numbers of processes are used
+/// again, and on a shared file system a process of another machine may write the file.
 void remove_stale(const std::filesystem::path& folder, const TemporaryName& like) {
   for (const std::filesystem::path& path : temporaries_in(folder)) {
     const std::string name = path.filename().string();
@@ -173,7 +174,8 @@ int create_temporary(const std::filesystem::path& output, const std::string& nam
     const int descriptor = ::open(temporary.c_str(), O_RDWR | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
     if (descriptor < 0 && errno != EEXIST) fail(name);
     if (descriptor < 0) continue;
-    // Another process may have taken it for stale before it was locked. Where locks are not supported, none does.
+    // Another process may have taken it for stale before it was locked. Where locks are not supported, none
+    // does.
     struct stat status {};
     const bool is_taken = ::flock(descriptor, LOCK_EX | LOCK_NB) != 0 && errno == EWOULDBLOCK;
     if (!is_taken && ::fstat(descriptor, &status) == 0 && status.st_nlink > 0) return descriptor;

@@ -115,8 +115,8 @@ class FaultingMap final : public RemoteMap {
     }
   }
 
-  /// The first failure counts. Requires the registry's mutex. In this order: who sees
-  /// has_failed_ stores zeros, and check() must throw by then.
+  /// The first failure counts. Requires the registry's mutex. In this order: a thread that reads has_failed_
+  /// as true stores zeros, and check() must throw by then.
   void fail_locked(const std::exception_ptr& failure) {
     if (!registry().failures.emplace(this, failure).second) return;
     ++failures_;

@@ -121,9 +121,9 @@ void ScratchCheckpoint::begin() {
   }
 }
 
-/// Returns whether the manifest could be written, which then states 0 rows. That comes first: a kill meanwhile leaves a
-/// checkpoint without rows, and neither a manifest of rows that are gone nor rows without a manifest, which later runs
-/// would take for files of the user.
+/// Returns whether the manifest could be written, which then states 0 rows. That comes first: a kill
+/// meanwhile leaves a checkpoint without rows, and neither a manifest of rows that are gone nor rows without
+/// a manifest, which later runs would take for files of the user.
 bool ScratchCheckpoint::remove_rows() {
   bool is_written = true;
   try {

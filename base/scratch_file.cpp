@@ -183,8 +183,8 @@ void ScratchFile::sync() const {
 std::span<std::byte> ScratchFile::map() {
   if (size_ == 0) return {};
   if (!mapped_) {
-    // The system might have to hold every page of a private map that can be written: it does not map one larger than
-    // memory. Of a shared one, discard_scratch_pages() would remove the bytes.
+    // The system might have to hold every page of a private map that can be written: it does not map one
+    // larger than memory. Of a shared one, discard_scratch_pages() would remove the bytes.
     void* const mapped =
         is_named_ ? ::mmap(nullptr, size_, PROT_READ, MAP_PRIVATE, descriptor_.number(), 0)
                   : ::mmap(nullptr, size_, PROT_READ | PROT_WRITE, MAP_SHARED, descriptor_.number(), 0);
