@@ -203,8 +203,7 @@ Camera orthophoto_camera(const Bounds& bounds, double resolution) {
   if (!(width <= k_max_image_side && height <= k_max_image_side && width * height <= k_max_pixels)) {
     throw input_error("image too large",
                       "at most 65536 pixels in each direction and 2^28 in total: use a coarser "
-                      "resolution or a smaller "
-                      "extent",
+                      "resolution or a smaller extent",
                       fmt::format("{:.0f} x {:.0f}", width, height));
   }
   Camera camera{.width = static_cast<int>(width),

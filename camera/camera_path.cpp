@@ -58,7 +58,7 @@ Knot spline(const Knot (&knots)[4], const double (&times)[4], double time) {
                  times[2]);
 }
 
-/// The way through all knots: a position on it by a parameter that grows from knot to knot.
+/// The way through all knots, by a parameter that grows from knot to knot.
 class Way {
  public:
   explicit Way(std::span<const Camera> keyframes) {
@@ -80,7 +80,7 @@ class Way {
   Knot at(double time) const {
     const auto next = std::upper_bound(times_.begin() + 1, times_.end() - 1, time);
     const auto i = static_cast<std::size_t>(next - times_.begin());
-    // Beyond the ends the way goes on as it came.
+    // Beyond the ends the way continues straight on.
     const std::size_t last = knots_.size() - 1;
     const Knot before = i >= 2 ? knots_[i - 2] : 2.0 * knots_[i - 1] + -1.0 * knots_[i];
     const Knot after = i < last ? knots_[i + 1] : 2.0 * knots_[i] + -1.0 * knots_[i - 1];

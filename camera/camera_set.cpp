@@ -63,7 +63,7 @@ bool is_there(const fs::path& file) {
 }
 
 CameraSet read_colmap_folder(const fs::path& folder) {
-  // Where both kinds stand, the binary ones are the newer.
+  // Where a folder has both kinds, the binary ones are the newer.
   const fs::path cameras = folder / "cameras.bin", images = folder / "images.bin";
   if (is_there(cameras) && is_there(images)) return read_colmap_binary(InputFile(cameras), InputFile(images));
   const fs::path cameras_text = folder / "cameras.txt", images_text = folder / "images.txt";

@@ -6,7 +6,8 @@
 
 #include "base/exact_math.h"
 
-// project() and unproject() of each lens stand together, so that one can be read as the inverse of the other.
+// project() and unproject() of each lens are side by side, so that one can be read as the inverse of the
+// other.
 
 namespace alidade::camera {
 namespace {
@@ -202,8 +203,8 @@ struct LensMap::Unproject {
 
 LensMap::LensMap(const Lens& lens) : lens_(std::visit(Prepare{}, lens)) {}
 
-std::optional<glm::dvec2> LensMap::project(const glm::dvec3& position) const {
-  return std::visit(Project{position}, lens_);
+std::optional<glm::dvec2> LensMap::project(const glm::dvec3& point) const {
+  return std::visit(Project{point}, lens_);
 }
 
 std::optional<LensRay> LensMap::unproject(const glm::dvec2& film) const {

@@ -53,7 +53,7 @@ void read_perspective(const JsonNode& node, Camera& camera) {
     camera = pinhole_from_fov(camera.width, camera.height, fov->number(k_field_of_view), camera.pose);
   } else if (const auto across = fields.find("horizontal_fov")) {
     const JsonFields alone(node, {"horizontal_fov"});
-    // The same camera on its side.
+    // The camera turned on its side, which has this field of view vertically.
     const Camera turned =
         pinhole_from_fov(camera.height, camera.width, across->number(k_field_of_view), camera.pose);
     center(camera, turned.fx, turned.fy);
