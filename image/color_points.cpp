@@ -75,8 +75,8 @@ bool has_color(const AttributeColumns& columns) {
   return std::ranges::any_of(columns.colors, [](const Color16& color) { return color != Color16(0); });
 }
 
-/// Whether half of the points and more have a class that means something: not unclassified and not noise. One class
-/// alone shows nothing.
+/// Whether half of the points or more have a class other than unclassified and noise, and there are several
+/// classes: one alone shows nothing.
 bool is_classified(const AttributeColumns& columns) {
   std::array<std::size_t, 256> counts{};
   for (const std::uint8_t number : columns.classifications) ++counts[number];
@@ -234,7 +234,8 @@ ColoredPoints by_returns(const PointColoring& coloring, const PointValues& value
   return points;
 }
 
-/// Whether an extra dimension says that its bits mean something each, as VisibleBy of 'visibility points' does.
+/// Whether each bit of an extra dimension has a meaning by its description, as in VisibleBy of 'visibility
+/// points'.
 bool has_masks(const AttributeColumns& columns, const std::string& name) {
   const ExtraColumn* const column = find_numbers(columns, name);
   return column != nullptr && column->description.description.starts_with("bit ");

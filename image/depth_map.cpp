@@ -12,7 +12,7 @@
 namespace alidade::image {
 namespace {
 
-/// Magic, version 1.0, length and text, padded with blanks to a multiple of 64 bytes as NumPy asks for.
+/// Magic, version 1.0, length and text, padded with blanks to a multiple of 64 bytes as NumPy requires.
 std::string npy_head(int width, int height) {
   constexpr std::size_t k_before_text = 10, k_alignment = 64;
   std::string text = "{'descr': '<f4', 'fortran_order': False, 'shape': (" + std::to_string(height) + ", " +

@@ -42,7 +42,7 @@ std::string label_of(double value, const Step& step) {
 /// "1 234 567".
 std::string grouped(std::uint64_t count) {
   std::string text = std::to_string(count);
-  for (std::size_t position = text.size(); position > 3; position -= 3) text.insert(position - 3, 1, ' ');
+  for (std::size_t i = text.size(); i > 3; i -= 3) text.insert(i - 3, 1, ' ');
   return text;
 }
 
@@ -102,7 +102,7 @@ class Layouter {
           shown.high > shown.low ? (shown.high - tick.value) / (shown.high - shown.low) : 0.5;
       const int y = top + static_cast<int>(std::lround(below_top * (height - 1)));
       layout_.ticks.push_back({tick.value + scale.origin, y});
-      add_extension(tick.label, label_end, y);
+      add_right_aligned(tick.label, label_end, y);
     }
     y_ = layout_.bar.bottom + digit_height_ / 2 + em_;
   }
@@ -123,11 +123,11 @@ class Layouter {
     for (const Swatch& row : rows) {
       layout_.swatches.push_back({{margin_, y_, margin_ + side, y_ + side}, row.color});
       const int middle = y_ + side / 2;
-      add_extension(row.number, number_end, middle);
+      add_right_aligned(row.number, number_end, middle);
       add_text(row.label, label_x, middle + digit_height_ / 2, em_);
       if (row.count) {
-        add_extension(grouped(*row.count), count_end, middle);
-        add_extension(share_text(*row.count, total), share_end, middle);
+        add_right_aligned(grouped(*row.count), count_end, middle);
+        add_right_aligned(share_text(*row.count, total), share_end, middle);
       }
       y_ += em_ * 8 / 5;
     }
@@ -160,7 +160,7 @@ class Layouter {
   }
 
   /// A text that ends at x, its digits around the row y.
-  void add_extension(const std::string& text, int x, int y) {
+  void add_right_aligned(const std::string& text, int x, int y) {
     add_text(text, x - width_of(text), y + digit_height_ / 2, em_);
   }
 

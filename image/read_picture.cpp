@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// Without fmt: OpenImageIO's headers would put fmt's own functions into this file, and whoever links the
-// library and uses fmt would get OpenImageIO along with them.
+// Without fmt: OpenImageIO's headers would put fmt's own functions into this file, and programs that link the
+// library and use fmt would get OpenImageIO along with them.
 
 #include "image/read_picture.h"
 
@@ -100,7 +100,7 @@ void read_channels(OIIO::ImageInput& input, const Channels& channels, OIIO::Type
                    std::size_t stride, const std::filesystem::path& file) {
   const bool is_read = input.read_image(0, 0, channels.begin, channels.begin + channels.count, type, values,
                                         static_cast<OIIO::stride_t>(stride));
-  // Of TIFF files OpenImageIO reports what is missing, but says that all is well.
+  // For TIFF files OpenImageIO returns success even where it reports that pixels are missing.
   if (!is_read || input.has_error())
     throw file_error(file, "the image has missing pixels: " + image_trouble(input.geterror()));
 }
