@@ -129,8 +129,8 @@ void compare_pair(PairOutcome& outcome, const BatchOptions& options, const std::
   outcome.report = report;
 }
 
-/// Smaller comes first.
-auto position_of(const PairOutcome& outcome) {
+/// Outcomes with smaller keys come first.
+auto sort_key(const PairOutcome& outcome) {
   double badness = 0.0;
   if (outcome.comparison) {
     for (const char* const name : {"flip", "depth_mean"}) {
@@ -192,8 +192,8 @@ std::vector<PairOutcome> compare_pairs(const std::vector<ImagePair>& pairs, cons
   if (trouble) std::rethrow_exception(trouble);
   if (stopped) throw Cancelled();
   std::ranges::stable_sort(outcomes, [](const PairOutcome& a, const PairOutcome& b) {
-    return std::tuple_cat(position_of(a), std::tie(a.pair.name)) <
-           std::tuple_cat(position_of(b), std::tie(b.pair.name));
+    return std::tuple_cat(sort_key(a), std::tie(a.pair.name)) <
+           std::tuple_cat(sort_key(b), std::tie(b.pair.name));
   });
   return outcomes;
 }

@@ -23,9 +23,9 @@ std::uint8_t decide(int set_count, int window, Grows grows) {
   return grows == Grows::yes ? set_count > 0 : set_count == window;
 }
 
-/// Pixels of [position - gap, position + gap] that lie in [0, size).
-int window_size(int position, int size, int gap) {
-  return std::min(position + gap, size - 1) - std::max(position - gap, 0) + 1;
+/// Pixels of [center - gap, center + gap] that lie in [0, size).
+int window_size(int center, int size, int gap) {
+  return std::min(center + gap, size - 1) - std::max(center - gap, 0) + 1;
 }
 
 void along_rows(const std::vector<std::uint8_t>& from, std::vector<std::uint8_t>& to, int width, int gap,

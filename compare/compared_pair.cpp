@@ -99,13 +99,13 @@ std::vector<float> lightness_of(const image::BytePicture& picture) {
   return lightness;
 }
 
-void add_map(ComparisonPictures& pictures, std::optional<DifferenceMap>& position, DifferenceMap map,
+void add_map(ComparisonPictures& pictures, std::optional<DifferenceMap>& into, DifferenceMap map,
              const char* unit) {
   const double low = map.range.low, high = map.range.high;
   if (low < high)
     pictures.histograms.push_back(
         {map.title, unit, low, high, count_values(map.title, map.values, map.mask, low, high, k_bins)});
-  position = std::move(map);
+  into = std::move(map);
 }
 
 }  // namespace
@@ -179,9 +179,9 @@ void add_maps(ComparisonPictures& pictures, const ComparedPair& pair, PairMaps m
   const ImageMask& mask = pair.mask;
   if (pair.have_colors()) {
     const char* const matched = pictures.matched ? ", colours matched" : "";
-    const auto add_color_map = [&](std::optional<DifferenceMap>& position, DifferenceMap map) {
+    const auto add_color_map = [&](std::optional<DifferenceMap>& into, DifferenceMap map) {
       map.title += matched;
-      add_map(pictures, position, std::move(map), "");
+      add_map(pictures, into, std::move(map), "");
     };
     add_color_map(pictures.flip_map, flip_difference(std::move(flip), pair.reference.width, mask));
     add_color_map(pictures.color_map,

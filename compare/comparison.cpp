@@ -133,10 +133,10 @@ class ComparisonRun {
     const Alignment found =
         align(pair_.reference, pair_.test, pair_.mask, {.largest_shift = options_.largest_shift});
     comparison_.alignment = found;
-    constexpr double k_same_position = 0.5;
+    constexpr double k_most_shift = 0.5;
     if (!found.is_certain) {
       remark("cannot determine the shift between the images: too few common edges");
-    } else if (std::hypot(found.shift_x, found.shift_y) > k_same_position) {
+    } else if (std::hypot(found.shift_x, found.shift_y) > k_most_shift) {
       remark(fmt::format(
           "the test is shifted by {:.2f}, {:.2f} pixels relative to the reference; check its camera",
           found.shift_x, found.shift_y));

@@ -215,7 +215,7 @@ double angle_between(const float* one, const float* other) {
 
 NormalMetrics compare_normals(const ComparedImage& reference, const ComparedImage& test,
                               const ImageMask& mask) {
-  // Angles are dear: they are kept for the percentile, which looks at them twice.
+  // Angles are expensive: they are kept for the percentile, which reads them twice.
   std::vector<float> angles(reference.pixels(), -1.0f);
   const auto sums = sum_counted<LayerSums>(reference, mask, [&](std::size_t pixel, LayerSums& row) {
     const float *const from = reference.normals.data() + 3 * pixel, *const to =
@@ -285,7 +285,7 @@ ErrorMetrics error_metrics(const ComparedImage& reference, const ComparedImage& 
                            const ImageMask& mask) {
   require_colors(reference, test, "missing colours");
   const int channels = reference.color_channels == 1 && test.color_channels == 1 ? 1 : 3;
-  // Colours are stored three per pixel; of grey pictures the first says all.
+  // Colours are stored three per pixel, in grey pictures three equal ones.
   const std::size_t step = channels == 1 ? 3 : 1;
   const float* const from = reference.color.data();
   const float* const to = test.color.data();

@@ -43,7 +43,7 @@ HWY_INLINE void filter_row(const float* from, std::ptrdiff_t step, int width, co
   }
 }
 
-/// Both at once from the same row: two filters of blue-yellow.
+/// Applies two filters to one row in one pass, for blue-yellow.
 HWY_INLINE void filter_row_twice(const float* from, std::ptrdiff_t step, int width, const HalfTaps& first,
                                  const HalfTaps& second, float* to_first, float* to_second) {
   const FloatLanes d;

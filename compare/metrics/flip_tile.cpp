@@ -67,7 +67,7 @@ void to_opponent(FlipTile& tile, int picture, const ToneCurve& curve) {
   }
 }
 
-/// Calls work(position in the tile's planes with margin, position in those without) for each row of the tile.
+/// Calls work(offset in the tile's planes with margin, offset in those without) for each row of the tile.
 template <class Work>
 HWY_INLINE void for_each_row(const FlipTile& tile, const Work& work) {
   for (int y = 0; y < tile.height(); ++y)

@@ -141,7 +141,7 @@ class LineFitter {
       sum += residual * residual;
       ++count;
     }
-    // Equal residuals at the limit are all the same to the sum.
+    // Which of the equal residuals at the limit are in the half does not affect the sum.
     return sum + static_cast<double>(half() - count) * limit * limit;
   }
 
@@ -202,7 +202,7 @@ double light(const ComparedImage& image, std::size_t value) {
       image.encoding == ColorEncoding::linear ? code : image::linear_from_srgb_table().at(code));
 }
 
-/// The blocks of which at least a quarter counts.
+/// The blocks in which at least a quarter of the pixels counts.
 std::vector<Block> mean_blocks(const ComparedImage& reference, const ComparedImage& test,
                                const ImageMask& mask) {
   const int side = std::max(1, std::max(reference.width, reference.height) / k_blocks_per_side);

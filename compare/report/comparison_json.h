@@ -39,12 +39,12 @@ struct HowLine {
   std::string name, text;
 };
 
-/// A line for everything that was asked for or found; of colours at least how FLIP was computed.
+/// A line for every setting and finding of the run; of colours at least how FLIP was computed.
 std::vector<HowLine> how_lines(const Comparison& comparison);
 
-// Results for programs: {"metrics": {"rmse", "psnr", "ssim", "flip": {"mean", ...}}, "pass": true} and what
-// docs/compare.md says beside. JSON has no infinity and no NaN: they are the texts "infinity", "-infinity"
-// and "nan".
+// Results for programs: {"metrics": {"rmse", "psnr", "ssim", "flip": {"mean", ...}}, "pass": true} and the
+// further keys in docs/compare.md. JSON has no infinity and no NaN: they are the texts "infinity",
+// "-infinity" and "nan".
 
 /// One comparison, as text with indentation and a line end. `warnings`: thresholds that only warn.
 std::string comparison_json(const Comparison& comparison, const Verdict& verdict,
