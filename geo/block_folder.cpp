@@ -121,7 +121,8 @@ fs::path BlockFolder::path_of(const std::string& key) const {
 }
 
 bool BlockFolder::has_room(std::uint64_t bytes, std::uint64_t block) const {
-  // make_room() removes at least a fifth of all, what is older first: none of these blocks, nor a mark beside them.
+  // make_room() removes at least a fifth of all, what is older first: none of these blocks, nor a mark beside
+  // them.
   return bytes + (bytes / block + 3) * sizeof(BlockHeader) <= cut_bytes();
 }
 

@@ -33,8 +33,8 @@ std::string projection_of(const GdalReference& reference) {
   return name != nullptr ? name : "";
 }
 
-/// x and y of a system without what does not move them in clouds, whose x is always east: the order of axes, and
-/// parameters to other datums.
+/// x and y of a system without what does not affect them in clouds, whose x is always east: the order of
+/// axes, and parameters to other datums.
 GdalReference plane_of(const GdalReference& reference) {
   GdalReference plane(OSRClone(reference.get()));
   OSRStripVertical(plane.get());
@@ -52,7 +52,7 @@ CrsAgreement compare_planes(const GdalReference& a, const GdalReference& b) {
   using enum CrsAgreement;
   const GdalReference one = plane_of(a), other = plane_of(b);
   if (is_same(one, other)) return same;
-  // Some projections have the same parameters.
+  // Some projections have equal parameters.
   if (projection_of(one) != projection_of(other) || !same_definition(version_1_of(one), version_1_of(other)))
     return different;
   // PROJ distinguishes datums by name, and programs write names of their own.

@@ -24,11 +24,11 @@ namespace {
 constexpr int k_no_such_range = 416;
 constexpr const char* k_unstated = "the server does not state which bytes it sent";
 
-/// What servers without ranges sent, in one temporary file of the process. Thread safe.
+/// The answers of servers without ranges, in one temporary file of the process. Thread safe.
 class WholeFiles {
  public:
-  /// Copies a file, so that none of thousands keeps a file handle; returns where. Errors: those of temporary_folder()
-  /// and ScratchFile::append().
+  /// Copies a file, so that none of thousands keeps a file handle; returns where. Errors: those of
+  /// temporary_folder() and ScratchFile::append().
   WholeFile keep(const ScratchFile& whole) {
     constexpr std::uint64_t k_part = 1 << 20;
     const std::scoped_lock lock(mutex_);
@@ -100,7 +100,7 @@ void HttpSource::check_hosts(const HttpAnswer& answer) const {
   if (!hosts_) return;
   for (const std::string& stated : answer.redirections) {
     const std::string_view target = trim(stated);
-    // Without a host in front it is another file of the same one.
+    // Without a host in front it is another file of this host.
     const bool has_host =
         target.starts_with("//") || target.find(':') < std::min(target.find_first_of("/?#"), target.size());
     if (!has_host) continue;

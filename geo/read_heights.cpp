@@ -37,8 +37,8 @@ std::string text_of(const std::array<double, 6>& transform) {
                      transform[4], transform[5]);
 }
 
-/// World x = [0] + [1] column + [2] row, y = [3] + [4] column + [5] row. Errors: not squares north up, or south
-/// up.
+/// World x = [0] + [1] column + [2] row, y = [3] + [4] column + [5] row. Errors: not squares north up, or
+/// south up.
 std::array<double, 6> square_transform(void* dataset, const std::filesystem::path& file) {
   std::array<double, 6> transform{};
   if (GDALGetGeoTransform(dataset, transform.data()) != CE_None) {

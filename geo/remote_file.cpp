@@ -49,12 +49,13 @@ bool is_packed(const std::string& name) {
   return name.substr(0, name.find('?')).ends_with(".json.gz") && !name.starts_with("/vsigzip/");
 }
 
-/// The time of modification, as a part of a version; empty if it is unknown. A compressed file has the time of the
-/// packed file: GDAL gives the time of a compressed file only for the one that it opened last, and 0 for others.
+/// The time of modification, as a part of a version; empty if it is unknown. A compressed file has the
+/// time of the packed file: GDAL gives the time of a compressed file only for the one that it opened last,
+/// and 0 for others.
 std::string time_of(std::string_view path) {
   constexpr std::string_view k_packed = "/vsigzip/";
   while (path.starts_with(k_packed)) path.remove_prefix(k_packed.size());
-  // Of files that were opened GDAL remembers it: no request.
+  // GDAL caches it for files that were opened: no request.
   VSIStatBufL status{};
   const bool is_known = VSIStatExL(std::string(path).c_str(), &status, VSI_STAT_SIZE_FLAG) == 0;
   return is_known ? fmt::format(" {}", status.st_mtime) : "";
@@ -207,7 +208,7 @@ class BlockMemory {
   std::map<Key, std::list<std::pair<Key, Block>>::iterator> blocks_;
 };
 
-/// What the process knows of web servers. It outlives all that is static elsewhere.
+/// The process's files on web servers and their blocks. It outlives all other static objects.
 struct Web {
   explicit Web(const RemoteOptions& chosen) : options(chosen) {
     if (!options.cache.empty()) folder.emplace(options.cache, options.cache_bytes);
@@ -250,7 +251,8 @@ std::shared_ptr<HttpSource> http_source(const std::string& name, const std::stri
     const auto known = web().sources.find(url);
     if (known != web().sources.end() && !known->second->has_changed()) return known->second;
   }
-  // Of a server without ranges, the first bytes are the whole file: of the version in the mark, the folder holds it.
+  // A server without ranges sends the whole file as the first bytes. The folder holds the version in the
+  // mark.
   const std::string mark = url + "\nno ranges";
   std::optional<std::uint64_t> marked;
   if (web().folder)

@@ -50,7 +50,8 @@ std::string text_of(const GdalReference& reference) {
   throw Error({.problem = "the reference system cannot be written as WKT"});
 }
 
-/// Whether z of a system is a height that it defines: by a vertical part, or above the ellipsoid as in EPSG:4979.
+/// Whether z of a system is a height that it defines: by a vertical part, or above the ellipsoid as in
+/// EPSG:4979.
 bool has_heights(const GdalReference& reference) {
   return OSRIsGeocentric(reference.get()) == 0 && OSRGetAxesCount(reference.get()) == 3;
 }

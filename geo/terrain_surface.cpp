@@ -38,7 +38,7 @@ struct Roots {
 };
 
 /// Zeros in [0, length] of the quadratic with this square term and these values at both ends. There is one at
-/// least if the ends do not lie on the same side of 0, whatever the rounding.
+/// least if the ends do not lie on one side of 0, whatever the rounding.
 Roots zeros(double square, double at_begin, double at_end, double length) {
   Roots roots;
   const bool is_crossed = (at_begin <= 0.0 && at_end >= 0.0) || (at_begin >= 0.0 && at_end <= 0.0);
@@ -66,6 +66,10 @@ Roots zeros(double square, double at_begin, double at_end, double length) {
   const auto outside = [length](double root) { return std::max(-root, root - length); };
   roots.add(std::clamp(outside(one) <= outside(other) ? one : other, 0.0, length));
   return roots;
+}
+
+bool is_before(const TerrainHit& hit, const std::optional<TerrainHit>& best) {
+  return !best || std::tuple(hit.t, hit.row, hit.column) < std::tuple(best->t, best->row, best->column);
 }
 
 }  // namespace
@@ -191,10 +195,11 @@ Bounds TerrainSurface::box_of(const Square& square, const Range& range) const {
   return {{north_west.x, south_east.y, range.low}, {south_east.x, north_west.y, range.high}};
 }
 
-/// Calls visit(column, row, stretch) for the patches that the ray passes over or under and that keep(range, stretch)
-/// lets pass, as all squares that hold them, the near ones first, until it returns true. keep() must let a square
-/// pass if it does so for a patch of it, with its stretch and heights within those of the square; it may let fewer
-/// pass as time goes on: still(range, stretch) is asked again when a square's turn has come, and may be cheaper.
+/// Calls visit(column, row, stretch) for the patches that the ray passes over or under, the near ones first,
+/// until visit returns true. Leaves out a patch unless keep(range, stretch) accepts it and all squares that
+/// hold it. keep() must accept a square if it accepts a patch of it, with its stretch and heights within those
+/// of the square; it may accept fewer later: still(range, stretch) is called when a square's turn has come,
+/// and may be cheaper.
 template <class Keep, class Still, class Visit>
 void TerrainSurface::descend(const Walk& walk, const Keep& keep, const Still& still,
                              const Visit& visit) const {
@@ -247,9 +252,9 @@ void TerrainSurface::descend(const Walk& walk, const Keep& keep, const Still& st
   }
 }
 
-/// The same for the patches that the ray may meet up to t = limit, which may sink meanwhile. What it leaves out
-/// meet() would reject: the stretches of a square hold those of its patches, and heights of the ray are compared with
-/// more slack.
+/// Calls visit(column, row, stretch) as descend() for the patches that the ray may meet up to t = limit,
+/// which may decrease meanwhile. meet() would reject those that are left out: the stretches of a square hold
+/// those of its patches, and heights of the ray are compared with more slack.
 template <class Visit>
 void TerrainSurface::for_patches(const Walk& walk, const double& limit, const Visit& visit) const {
   const double slack = slack_ + 0x1p-40 * std::fabs(walk.ray().origin.z);
@@ -299,8 +304,8 @@ double TerrainSurface::horizon_slope(const glm::dvec3& eye, const glm::dvec2& di
   return best;
 }
 
-/// The first hit of a patch that exists. Both patches of an edge compute the same height where the ray crosses
-/// it: so the ray is above or below it for both.
+/// The first hit of a patch that exists. Both patches of an edge compute one height where the ray crosses it:
+/// so the ray is above or below it for both.
 std::optional<TerrainHit> TerrainSurface::meet(const Walk& walk, int column, int row,
                                                const TerrainFilter& counts) const {
   const Range range = patch_range(column, row);
@@ -348,14 +353,6 @@ std::optional<TerrainHit> TerrainSurface::meet(const Walk& walk, int column, int
   }
   return std::nullopt;
 }
-
-namespace {
-
-bool is_before(const TerrainHit& hit, const std::optional<TerrainHit>& best) {
-  return !best || std::tuple(hit.t, hit.row, hit.column) < std::tuple(best->t, best->row, best->column);
-}
-
-}  // namespace
 
 std::optional<TerrainHit> TerrainSurface::closest(const Ray& ray, const TerrainFilter& counts) const {
   const Walk walk(ray, heights_.grid);
