@@ -148,7 +148,7 @@ void PartCheckpoint::flush() noexcept {
 void PartCheckpoint::open() {
   descriptor_ = ::open(options_.file.c_str(), O_RDWR | O_CLOEXEC);
   if (descriptor_ < 0) throw system_error(name(), "cannot write the file");
-  // Held until it is closed: two runs that append to the same file would damage it.
+  // Held until it is closed: two runs that append to one file would damage it.
   if (::flock(descriptor_, LOCK_EX | LOCK_NB) == 0) return;
   if (errno != EWOULDBLOCK) throw system_error(name(), "cannot lock the file");
   throw Error({.file = name(), .problem = "another run is using this checkpoint"});

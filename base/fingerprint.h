@@ -80,8 +80,7 @@ struct FingerprintWords {
   std::string remedy = ", or no --resume";
 };
 
-/// Errors: the first entry that differs, under `file`: "made with seed 1, asked for 2". Long texts are shown
-/// from where they differ.
+/// Errors: the first entry that differs, under `file`. Long texts are shown from where they differ.
 void check_fingerprint(const Fingerprint& made, const Fingerprint& asked, const std::string& file,
                        const FingerprintWords& words = {});
 

@@ -85,7 +85,7 @@ ScratchCheckpoint::ScratchCheckpoint(PartsOptions options, Fingerprint fingerpri
   made_folder_ = std::filesystem::create_directory(folder(), error);
   if (error) throw system_error(name, "cannot create the folder", error.value());
   lock_ = FileDescriptor(name, O_RDONLY | O_DIRECTORY | O_CLOEXEC);
-  // Held until it is closed: two runs that append to the same files would damage them.
+  // Held until it is closed: two runs that append to one set of files would damage them.
   if (::flock(lock_.number(), LOCK_EX | LOCK_NB) != 0) {
     if (errno == EWOULDBLOCK) throw file_error(name, "another run is using this checkpoint");
     throw system_error(name, "cannot lock the folder");

@@ -22,7 +22,7 @@ std::string line_text(std::string_view text);
 /// has a semicolon.
 std::string csv_cell(std::string_view text);
 
-/// JSON in which strings hold such characters as `\u009b`, `\u202e`: the same values.
+/// Equivalent JSON in which strings hold such characters as `\u009b`, `\u202e`.
 std::string plain_json(std::string json);
 
 /// The text of a value of nlohmann::json; bytes that are no UTF-8 become U+FFFD.

@@ -33,7 +33,7 @@ inline std::size_t character_count(std::string_view text) {
 /// Whether a text consists of characters that utf8_character_size() accepts.
 bool is_utf8(std::string_view text);
 
-/// A text with the capital letters of ASCII in lower case.
+/// A text with the capitals of ASCII in lower case.
 inline std::string lower_case(std::string_view text) {
   std::string lower(text);
   for (char& character : lower) {
