@@ -55,7 +55,7 @@ const NamedCamera& camera_called(const CameraSet& set, const std::string& name, 
 /// pinhole cameras; spherical ones, whose axes are x ahead, y left and z up and whose middle looks ahead, as
 /// equirectangular cameras, which cover a circle without a gap if their pixels do to half a pixel. An image
 /// without a pose is in the axes of the file. Empty for visual references, which have no camera, for
-/// cylindrical pictures, of which there is no lens, and for sizes and focal lengths that cameras cannot have.
+/// cylindrical pictures, which no lens describes, and for sizes and focal lengths that cameras cannot have.
 std::optional<Camera> camera_of(const E57Image& image, const E57Picture& picture);
 
 /// Whether a file is an E57 file, by its first bytes; false if it cannot be read.

@@ -40,7 +40,7 @@ Polynomial difference(const Polynomial& a, const Polynomial& b) {
 }
 
 /// The last numbers before the polynomial changes its sign in (0, end], ascending, to the last bit. Double
-/// zeros, where it keeps its sign, are left out. The same bits on every machine.
+/// zeros, where it keeps its sign, are left out. Equal bits on every machine.
 std::vector<double> sign_changes(const Polynomial& polynomial, double end) {
   if (polynomial.size() < 2) return {};
   // Between two sign changes of the derivative the polynomial is monotone.

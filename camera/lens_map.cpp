@@ -67,7 +67,7 @@ Film project_division(double k, const glm::dvec3& at) {
   const double under_root = at.z * at.z - 4.0 * k * side_sq;
   if (!(under_root >= 0.0)) return std::nullopt;
   const double root_of = std::sqrt(under_root);
-  // Two forms of the same number, each where nothing cancels.
+  // Two forms of one number, each where nothing cancels.
   const double scale = at.z > 0.0 ? 2.0 / (at.z + root_of) : (at.z - root_of) / (2.0 * k * side_sq);
   if (!(scale > 0.0) || !std::isfinite(scale)) return std::nullopt;
   if (k > 0.0 && at.z <= 0.0) return std::nullopt;

@@ -50,7 +50,7 @@ struct LensRay {
 };
 
 /// A lens ready for use both ways: from points in the camera's axes to film positions (lens.h) and back.
-/// Results have the same bits on every machine. Cost: of unproject() some tens of operations, with distortion
+/// Results have equal bits on every machine. Cost: of unproject() some tens of operations, with distortion
 /// some hundreds.
 class LensMap {
  public:

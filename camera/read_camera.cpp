@@ -168,7 +168,7 @@ constexpr double k_rotation_tolerance = 1e-6;
 // digits comes back.
 constexpr double k_exact_rotation = 1e-12;
 
-// The text of a file has few digits; the axes that rays are made of shall be orthonormal all the same.
+// The text of a file has few digits; the axes of rays must be orthonormal nevertheless.
 glm::dmat3 checked_rotation(const JsonNode& node, const glm::dmat3& rotation) {
   const double error = error_of_rotation(rotation);
   if (!(error <= k_rotation_tolerance)) {

@@ -111,7 +111,7 @@ class FieldWalk {
   std::string_view rest_;
 };
 
-/// A finite number and nothing else, the same bits on every machine. Errors: as FieldWalk.
+/// A finite number and nothing else, with equal bits on every machine. Errors: as FieldWalk.
 double number_of(std::string_view text, const char* what);
 
 struct ImageFileSize {

@@ -71,7 +71,7 @@ Lens lens_of(int id, std::span<const double> k) {
       return FisheyeLens{
           {.radial = {k[0], k[1], k[4], k[5]}, .p1 = k[2], .p2 = k[3], .prism = {k[6], 0.0, k[7], 0.0}}};
     case 11:
-      // Its p0 is in the place of p2 of all others.
+      // Its p0 corresponds to p2 of all others.
       return FisheyeLens{{.radial = {k[0], k[1], k[2], k[3], k[4], k[5]},
                           .p1 = k[7],
                           .p2 = k[6],
