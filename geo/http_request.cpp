@@ -206,8 +206,8 @@ class Transfer {
     return static_cast<Transfer*>(transfer)->is_given_up_ ? FALSE : TRUE;
   }
 
-  /// Of a body in memory; a longer one goes to a temporary file, even the page of an error, which is not
-  /// recognised before the end.
+  /// Of a body in memory; a longer one goes to a temporary file. At least k_largest_page, since a body may be
+  /// the page of an error.
   std::uint64_t most_bytes_ = 0;
   HttpPart part_ = HttpPart::bytes;
   std::atomic<bool> is_given_up_ = false;

@@ -208,7 +208,7 @@ class BlockMemory {
   std::map<Key, std::list<std::pair<Key, Block>>::iterator> blocks_;
 };
 
-/// The process's files on web servers and their blocks. It outlives all other static objects.
+/// The process's files on web servers and their blocks. Never destroyed: other static objects may read files.
 struct Web {
   explicit Web(const RemoteOptions& chosen) : options(chosen) {
     if (!options.cache.empty()) folder.emplace(options.cache, options.cache_bytes);

@@ -197,9 +197,9 @@ Bounds TerrainSurface::box_of(const Square& square, const Range& range) const {
 
 /// Calls visit(column, row, stretch) for the patches that the ray passes over or under, the near ones first,
 /// until visit returns true. Leaves out a patch unless keep(range, stretch) accepts it and all squares that
-/// hold it. keep() must accept a square if it accepts a patch of it, with its stretch and heights within those
-/// of the square; it may accept fewer later: still(range, stretch) is called when a square's turn has come,
-/// and may be cheaper.
+/// hold it. keep() must accept a square if it accepts a patch of it, with its stretch and heights within
+/// those of the square; it may accept fewer later: still(range, stretch) is called when a square's turn has
+/// come, and may be cheaper.
 template <class Keep, class Still, class Visit>
 void TerrainSurface::descend(const Walk& walk, const Keep& keep, const Still& still,
                              const Visit& visit) const {

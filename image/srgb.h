@@ -11,8 +11,8 @@ namespace alidade::image {
 double exposure_scale(double stops);
 
 /// The 8-bit sRGB code of a linear value (IEC 61966-2-1): the nearest one, 0 below black (and for NaN), 255
-/// above white. Decided by comparing with the exact linear values between two codes, so it is the same on
-/// every machine.
+/// above white. Decided by comparing with the exact linear values between two codes, so it is equal on every
+/// machine.
 std::uint8_t srgb_code(double linear);
 
 /// A curve over 0 .. 1 by straight lines between 65536 equal steps. Exact (to float) at codes of 8 and 16
