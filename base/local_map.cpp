@@ -31,13 +31,13 @@ std::atomic<MapRange*> first_range = nullptr;
 
 class WatchedMap;
 
-/// For all that handlers do not need.
+/// State that the handler of signals does not read.
 struct Registry {
   std::mutex mutex;
   std::set<const WatchedMap*> maps;
   bool has_handler = false;
 };
-/// What was there before the handler of SIGBUS.
+/// The handler of SIGBUS before ours.
 struct sigaction handler_before {};
 
 Registry& registry() {
@@ -77,7 +77,7 @@ class WatchedMap final : public LocalMap {
     {
       const std::scoped_lock lock(registry().mutex);
       registry().maps.erase(this);
-      // First, as handlers in other threads take what is before it for this map.
+      // Before munmap(): a handler in another thread would take later maps in this range for this one.
       range_->end = 0;
       if (range_->has_failed.exchange(false)) --failures_;
     }
@@ -93,7 +93,7 @@ class WatchedMap final : public LocalMap {
   }
   bool has_failed() const { return range_->has_failed; }
 
-  /// Whether the file is there, but has changed. One that was replaced is another.
+  /// Whether the file exists but has changed. One that replaced it is another file.
   bool is_changed() const {
     struct stat now {};
     if (::stat(path_.c_str(), &now) != 0 || now.st_dev != status_.st_dev || now.st_ino != status_.st_ino)

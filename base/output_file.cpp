@@ -59,8 +59,8 @@ std::filesystem::path resolve(std::filesystem::path path, bool trusts_links) {
   return path;
 }
 
-/// What the temporary files of an output begin with, and what they end with; with the numbers between them
-/// they are names that file systems take, however long the output's own is.
+/// Beginning and end of the names of an output's temporary files. With the numbers between them they are
+/// short enough for file systems, however long the output's own name is.
 struct TemporaryName {
   std::string begin, end;
 
@@ -105,10 +105,10 @@ void remove_stale(const std::filesystem::path& folder, const TemporaryName& like
     const bool is_ours = std::sscanf(numbers.c_str(), "%d-%d%n", &process, &attempt, &read) == 2 &&
                          static_cast<std::size_t>(read) == numbers.size() && process > 0;
     if (!is_ours) continue;
-    // NFS locks only what is open for writing.
+    // NFS locks only files that are open for writing.
     const int descriptor = ::open(path.c_str(), O_RDWR | O_CLOEXEC | O_NOFOLLOW | O_NONBLOCK);
     if (descriptor < 0) continue;
-    // Its process has it locked until it has another name.
+    // Its process keeps it locked until it is renamed.
     struct stat locked {
     }, named{};
     if (::flock(descriptor, LOCK_EX | LOCK_NB) == 0 && ::fstat(descriptor, &locked) == 0 &&
@@ -130,7 +130,8 @@ void write_fully(const std::string& name, int descriptor, std::uint64_t offset,
     const ::ssize_t count = ::pwrite(descriptor, bytes.data(), bytes.size(), static_cast<::off_t>(offset));
     if (count < 0 && errno == EINTR) continue;
     if (count < 0 && errno == EFAULT) {
-      // The system does not wait for pages of a remote map. Not all at once: what came first might give way.
+      // System calls do not wait for pages of a remote map. Not all bytes at once: the first might be swapped
+      // out.
       RemoteMap::touch(bytes.first(std::min(bytes.size(), std::size_t{1} << 20)));
       continue;
     }

@@ -106,7 +106,7 @@ ScratchCheckpoint::ScratchCheckpoint(PartsOptions options, Fingerprint fingerpri
 
 void ScratchCheckpoint::begin() {
   try {
-    // Of one that is replaced; if it is damaged, the folder counts as the user's.
+    // From the manifest that is replaced; if that is damaged, the folder counts as the user's.
     InputFile file(folder() / k_manifest);
     made_folder_ |=
         load<std::uint64_t>(read_checkpoint_head(file, k_form, [](const HeaderFields&) {}).data() +
@@ -190,7 +190,7 @@ void ScratchCheckpoint::keep(std::uint64_t rows, std::span<const Kept> files) {
   if (is_corrupt_) return;
   try {
     for (const Kept& kept : files) {
-      // What is left of rows that the disk did not hold would take the room of the manifest.
+      // Partly written rows on a full disk would take the room of the manifest.
       kept.file->cut(kept.bytes);
       kept.file->sync();
     }

@@ -145,7 +145,7 @@ std::string_view nearest_word(std::string_view word, std::span<const std::string
         if (swapped) row[j] = std::min(row[j], before[j - 2] + 1);
       }
     }
-    // A distance as long as the candidate means that nothing of it is left.
+    // A distance as long as the candidate means that no letter of it is in the word.
     if (row.back() < nearest_distance && row.back() < candidate.size()) {
       nearest = candidate;
       nearest_distance = row.back();
