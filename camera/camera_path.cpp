@@ -13,7 +13,7 @@
 namespace alidade::camera {
 namespace {
 
-/// What is interpolated of a camera.
+/// The values of a camera that are interpolated.
 struct Knot {
   glm::dvec3 position{0.0}, forward{0.0}, down{0.0};
   glm::dvec2 focal{0.0}, middle{0.0};
@@ -97,7 +97,7 @@ class Way {
  private:
   std::vector<Knot> knots_;
   std::vector<double> times_;
-  double turning_ = 0.0;  ///< what a turn by a radian counts as, metres
+  double turning_ = 0.0;  ///< metres that a turn by a radian counts as
 };
 
 Camera camera_at(const Knot& knot, const Camera& like) {
@@ -111,7 +111,7 @@ Camera camera_at(const Knot& knot, const Camera& like) {
 }  // namespace
 
 std::vector<Camera> orbit_cameras(std::span<const glm::dvec3> positions, int width, int height, int count) {
-  // What the positions sweep over while they turn.
+  // The cylinder that the positions sweep while they turn.
   constexpr int k_sides = 64;
   Bounds bounds;
   for (const glm::dvec3& position : positions) bounds.grow(position);

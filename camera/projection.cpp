@@ -52,7 +52,7 @@ struct CheckLens {
   }
 };
 
-/// Lenses whose view can end by folding over. The others end where their half or whole sphere does.
+/// Whether a lens can fold over inside its view. The view of others ends with their half or whole sphere.
 bool can_fold(const Lens& lens) {
   return std::holds_alternative<BrownLens>(lens) || std::holds_alternative<FisheyeLens>(lens) ||
          std::holds_alternative<DualLens>(lens) || std::holds_alternative<DivisionLens>(lens);
@@ -83,7 +83,7 @@ void check_fold_towards(const Projection& projection, const glm::dvec2& pixel) {
   const double share = share_seen(projection, pixel), distance = std::hypot(way.x, way.y);
   const std::optional<Ray> last = projection.ray(center + share * way);
   const double angle = last ? angle_off_axis(projection, *last) : 0.0;
-  // A fisheye that has come to the end of the sphere shows nothing beyond its circle.
+  // A fisheye that has reached the end of the sphere shows nothing beyond its circle.
   if (std::holds_alternative<FisheyeLens>(camera.lens) && angle > 179.99) return;
   throw input_error(fmt::format("the distortion folds over at {:.6g} pixels from the principal point, {:.4g} "
                                 "degrees off the axis",

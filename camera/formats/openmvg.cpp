@@ -60,7 +60,7 @@ class Pointers {
   std::map<std::uint64_t, std::string> names_;
 };
 
-/// Of some types the first keys are in a sub-object.
+/// A field of an object, which some types have in the sub-object "value0".
 JsonNode base_field(const JsonNode& data, std::string_view key) {
   if (const auto value = data.find(key)) return *value;
   const auto base = data.find("value0");

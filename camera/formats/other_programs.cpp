@@ -13,7 +13,7 @@ constexpr const char* k_metashape =
     "its export as COLMAP (File > Export > Export Cameras, type Colmap), or transforms.json by "
     "'ns-process-data metashape'";
 
-/// An export that is not read, by words that its first bytes contain.
+/// An export that is not supported, by words that its first bytes contain.
 struct KnownExport {
   std::array<std::string_view, 3> marks;  ///< maybe empty
   const char* name;

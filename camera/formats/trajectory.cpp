@@ -53,7 +53,7 @@ Columns read_header(std::string_view line) {
   for (FieldWalk fields(line); !fields.at_end(); ++index) {
     const std::string_view word = fields.word("column");
     const auto known = std::ranges::find(k_columns, word);
-    if (known == k_columns.end()) continue;  // further columns are the user's
+    if (known == k_columns.end()) continue;  // further columns are ignored
     std::size_t& column = columns[static_cast<std::size_t>(known - k_columns.begin())];
     if (column != k_not_there)
       throw input_error(fmt::format("duplicate column '{}'", word), "unique columns");
