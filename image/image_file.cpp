@@ -53,7 +53,7 @@ void write_rows(const std::string& format, const std::filesystem::path& final_na
 /// How a channel's values are stored.
 enum class ChannelType { half_float, single_float, unsigned_integer };
 
-/// A channel of an EXR file, under the name other programs look for.
+/// A channel of an EXR file, under the name that other programs expect.
 struct Channel {
   std::string name;
   ChannelType type;
@@ -218,7 +218,7 @@ void write_display(const Film& film, const OutputSettings& output, const ImageFa
              });
 }
 
-/// As GeoTIFF.
+/// Writes the film as GeoTIFF.
 void write_on_ground(const Film& film, const OutputSettings& output, const ImageFacts& facts,
                      OutputFile& file) {
   assert(facts.ground);

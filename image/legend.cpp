@@ -70,7 +70,7 @@ std::vector<std::string> notes_of(const ColorKey& key) {
   return notes;
 }
 
-/// Puts one thing below the other.
+/// Lays out the parts of a legend, one below the other.
 class Layouter {
  public:
   Layouter(const Font& font, int font_size)
@@ -159,7 +159,7 @@ class Layouter {
     right_ = std::max(right_, x + font_.measure(text, size).width);
   }
 
-  /// A text that ends at x, its digits around the row y.
+  /// Adds a text that ends at x, with its digits around the row y.
   void add_right_aligned(const std::string& text, int x, int y) {
     add_text(text, x - width_of(text), y + digit_height_ / 2, em_);
   }

@@ -24,7 +24,7 @@ std::string size_text(int width, int height) {
   return std::to_string(width) + " x " + std::to_string(height);
 }
 
-/// What `content` must be: a flat picture, whole, of no more pixels than these and than the file can hold.
+/// Errors: not a flat picture, a cut-out, or more pixels than these or than the file can hold.
 struct PictureLimits {
   std::string content;
   std::uint64_t pixels;
