@@ -38,7 +38,7 @@ PictureFacts facts_of(const ComparedImage& image) {
   return {image.file, image.width, image.height, image.encoding, image.metadata, {}};
 }
 
-/// One comparison on its way. Progress is given in steps of about equal cost, counted in pixels.
+/// One comparison in progress. Reports steps of about equal cost, counted in pixels.
 class ComparisonRun {
  public:
   ComparisonRun(ComparedPair pair, const ComparisonOptions& options, const Progress& progress,
@@ -143,7 +143,7 @@ class ComparisonRun {
     }
   }
 
-  /// From here on the test has matched colours.
+  /// Replaces the colours of the test by matched ones.
   void match_colors() {
     require(pair_.have_colors(), pair_.test, "matching requires colours", "colours in both images");
     comparison_.match = match_color(pair_.reference, pair_.test, pair_.mask, *options_.match);
@@ -181,7 +181,7 @@ class ComparisonRun {
     comparison_.test.ids = std::move(pair_.test.ids);
   }
 
-  /// Of matched colours where they are; empty without colours.
+  /// Of matched colours if there are any; empty without colours.
   std::vector<float>& flip_map() {
     if (!comparison_.color) return no_map_;
     return (comparison_.matched ? *comparison_.matched : *comparison_.color).flip.map;

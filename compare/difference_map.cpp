@@ -280,7 +280,7 @@ class DifferenceDrawer {
 
   const DifferenceMap& map_;
   const image::Font& font_;
-  std::vector<MapCategory> swatches_, rows_;  ///< what there may be; the legend, with shares
+  std::vector<MapCategory> swatches_, rows_;  ///< all possible ones; those of the legend, with shares
   std::vector<image::RoundTick> ticks_;
   int shrink_ = 1, enlarge_ = 1;
   image::PixelBox box_;

@@ -77,7 +77,7 @@ struct ChannelIndices {
   int alpha = -1, depth = -1, depth_sigma = -1, id = -1;
   int color_channels = 0;
 
-  /// What can be compared by itself.
+  /// The layers that can be compared by themselves.
   std::array<int, 9> all() const {
     return {color[0], color[1], color[2], normal[0], normal[1], normal[2], alpha, depth, id};
   }
@@ -125,7 +125,7 @@ void check(const OIIO::ImageSpec& spec, const std::filesystem::path& file) {
 std::vector<std::pair<std::string, std::string>> texts_of(const OIIO::ImageSpec& spec) {
   std::vector<std::pair<std::string, std::string>> texts;
   for (const OIIO::ParamValue& attribute : spec.extra_attribs) {
-    // Profiles and thumbnails are bytes, not something to read.
+    // Profiles and thumbnails are bytes, not texts.
     if (attribute.datasize() > k_longest_text || attribute.type().basetype == OIIO::TypeDesc::PTR) continue;
     texts.emplace_back(attribute.name().string(), attribute.get_string());
   }
@@ -212,7 +212,7 @@ class BandReader {
     runs_ = runs_of(targets_, static_cast<int>(std::clamp<std::size_t>(longest, 1, 16)));
   }
 
-  /// `file_size` in bytes states how many pixels are likely to come.
+  /// `file_size`, bytes, is for an estimate of how many pixels will come.
   void read(std::uint64_t file_size) {
     reserve(file_size);
     for (int top = 0; top < spec_.height; top += rows_) {
@@ -223,7 +223,7 @@ class BandReader {
   }
 
  private:
-  /// Growing takes twice the memory for a while, which only pictures of one colour shall need.
+  /// Growing takes twice the memory for a while, which only pictures of one colour should need.
   void reserve(std::uint64_t file_size) {
     constexpr std::uint64_t k_likely_pixels_per_byte = 64;
     const std::uint64_t likely =

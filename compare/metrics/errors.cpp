@@ -14,7 +14,7 @@
 namespace alidade::compare {
 namespace {
 
-/// Of one row.
+/// Sums of one row.
 template <class Number>
 struct RowErrors {
   DifferenceSums<Number> differences;
@@ -26,7 +26,7 @@ struct RowErrors {
   }
 };
 
-/// What there is to compare: pair(i) gives the test's value less the reference's, as Number.
+/// Metrics of the differences that difference(i) returns: the test's value less the reference's, as Number.
 template <class Number, class Difference>
 struct Errors {
   const Difference& difference;
@@ -41,7 +41,7 @@ struct Errors {
   }
 
   static bool is_finite(Number number) {
-    // Whole numbers always are.
+    // Whole numbers are always finite.
     if constexpr (std::is_floating_point_v<Number>) return std::isfinite(number);
     return true;
   }
@@ -135,7 +135,7 @@ Sums sum_counted(const ComparedImage& image, const ImageMask& mask, const Work& 
   });
 }
 
-/// What all metrics of differences have; `Metrics` has more.
+/// Fills the members that all metrics of differences have.
 template <class Metrics>
 Metrics begin_metrics(const LayerSums& sums, int width) {
   Metrics metrics;

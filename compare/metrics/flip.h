@@ -16,10 +16,10 @@ constexpr double pixels_per_degree(double distance, double monitor_width, double
   return distance * monitor_pixels / monitor_width * std::numbers::pi / 180.0;
 }
 
-/// How HDR-FLIP brings light into the range of a display.
+/// How HDR-FLIP maps light to the range of a display.
 enum class ToneMapper { aces, hable, reinhard };
 
-/// What FLIP takes the reference for.
+/// The range of light that FLIP assumes for the reference.
 enum class FlipRange {
   automatic,  ///< `high` if the reference is linear light, else `display`
   display,    ///< LDR-FLIP: linear light is clamped to 0 .. 1

@@ -157,7 +157,7 @@ class LineFitter {
 
   std::optional<RobustLine> reweighted(const Line& line) {
     // The median of normal residuals' magnitudes is 0.6745 standard deviations. Residuals are relative, so a
-    // hundred thousandth is nothing that anyone sees.
+    // hundred thousandth is invisible.
     constexpr double k_deviations = 2.5, k_least_deviation = 1e-5;
     const double limit = k_deviations * std::max(measure(line) / 0.6745, k_least_deviation);
     const std::optional<Line> all = least_squares([&](std::size_t i) { return residuals_[i] <= limit; });
@@ -278,7 +278,7 @@ void apply_color_match(ComparedImage& image, const ColorMatch& match) {
       values[i] = is_linear ? matched : to_display.at(matched);
     }
   });
-  // They are no codes any more.
+  // The values are not codes any more.
   image.largest_code = 0;
 }
 
