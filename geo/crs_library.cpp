@@ -43,7 +43,7 @@ GdalReference plane_of(const GdalReference& reference) {
     for (std::string_view node = wkt_node(wkt, {key}); !node.empty(); node = wkt_node(wkt, {key}))
       wkt.erase(static_cast<std::size_t>(node.data() - wkt.data()), node.size());
   }
-  // Systems that version 1 does not have stay what they are.
+  // Systems that version 1 of WKT does not support stay as they are.
   if (GdalReference bare = reference_of_wkt(wkt)) return bare;
   return plane;
 }

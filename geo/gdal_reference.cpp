@@ -44,7 +44,7 @@ class TiffBytes {
   std::vector<std::byte> bytes_;
 };
 
-/// The smallest TIFF file, of one pixel, with these GeoTIFF keys: GDAL explains keys only in such a file.
+/// The smallest TIFF file, of one pixel, with these GeoTIFF keys: GDAL interprets keys only in a file.
 /// Source: TIFF 6.0, OGC GeoTIFF 1.1.
 std::vector<std::byte> tiff_with_keys(const Crs& crs) {
   constexpr std::size_t k_entries = 11, k_directory = 8, k_pixel = k_directory + 2 + 12 * k_entries + 4;

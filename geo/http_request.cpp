@@ -149,10 +149,10 @@ class Transfer {
   bool is_done_within(std::chrono::milliseconds time) const {
     return done_future_.wait_for(time) == std::future_status::ready;
   }
-  /// The rest ends as soon as data come.
+  /// The thread ends as soon as data come.
   void give_up() { is_given_up_ = true; }
 
-  // When it is done.
+  // Valid once it is done.
   std::vector<std::byte> body{};
   std::shared_ptr<ScratchFile> whole{};  ///< has all of the body
   bool is_too_long = false;

@@ -59,7 +59,7 @@ class WholeFiles {
 };
 
 WholeFiles& whole_files() {
-  static WholeFiles& files = *new WholeFiles;  // outlives all that is static elsewhere
+  static WholeFiles& files = *new WholeFiles;  // never destroyed: other static objects may read files
   return files;
 }
 
@@ -83,7 +83,7 @@ void HttpSource::check_range(const HttpAnswer& answer, std::uint64_t first, std:
   if (answer.stated_range.empty()) {
     if (is_open_ && answer.size() == last - first + 1 && answer.size() != size_)
       fail(k_unstated, "the header Content-Range", "none");
-    return;  // the whole file, which check_whole() or check_version() makes sure of
+    return;  // the whole file, as check_whole() or check_version() verifies
   }
   if (!answer.range || !answer.range->bytes)
     fail("invalid Content-Range from the server", "bytes FIRST-LAST/SIZE", answer.stated_range);

@@ -24,10 +24,10 @@
 namespace alidade::geo {
 namespace {
 
-/// Closed when it is no longer used; null if GDAL does not read it.
+/// Opens a raster, which is closed when it is no longer used; null if GDAL cannot read it.
 GdalDataset open_raster(const std::filesystem::path& file) {
   GDALAllRegister();
-  // Else a GeoTIFF file would lose its vertical part.
+  // Without this option a GeoTIFF file would lose its vertical part.
   const CPLConfigOptionSetter heights("GTIFF_REPORT_COMPD_CS", "YES", false);
   return GdalDataset(GDALOpenEx(file.c_str(), GDAL_OF_RASTER | GDAL_OF_READONLY, nullptr, nullptr, nullptr));
 }

@@ -44,7 +44,7 @@ std::string web_url(std::string_view name) {
   return name.starts_with("http://") || name.starts_with("https://") ? std::string(name) : "";
 }
 
-/// Whether it is a catalog that is compressed, to be read as if it were not.
+/// Whether a name is that of a compressed catalog, which is decompressed.
 bool is_packed(const std::string& name) {
   return name.substr(0, name.find('?')).ends_with(".json.gz") && !name.starts_with("/vsigzip/");
 }
@@ -84,7 +84,7 @@ std::string gdal_reason() {
        reason.empty() || is_refused ? "an existing file that you may read" : "");
 }
 
-/// What is not set in the environment.
+/// Sets the options of GDAL that the environment does not set.
 void set_defaults() {
   constexpr std::array<std::pair<const char*, const char*>, 8> k_defaults = {{
       {"GDAL_HTTP_MAX_RETRY", "3"},
@@ -102,11 +102,11 @@ void set_defaults() {
 
 class VirtualFile final : public RemoteFile {
  public:
-  /// `name` is what messages call the file.
+  /// `name` is the file's in messages.
   VirtualFile(const std::string& name, const std::string& path) : name_(name) {
     const QuietGdal quiet;
     VSIErrorReset();
-    // The other files of its folder do not matter.
+    // Does not list the other files of its folder.
     constexpr const char* k_list = "GDAL_DISABLE_READDIR_ON_OPEN";
     CPLSetThreadLocalConfigOption(k_list, "EMPTY_DIR");
     handle_.reset(VSIFOpenExL(path.c_str(), "rb", TRUE));
@@ -146,7 +146,7 @@ class VirtualFile final : public RemoteFile {
 class UnpackedFile final : public RemoteFile {
  public:
   UnpackedFile(const std::string& name, RemoteFile& packed)
-      // A number: GDAL remembers what files of a name had in them.
+      // Numbered, since GDAL caches the contents of files by name.
       : packed_(fmt::format("_{}.gz", count_++).c_str()) {
     constexpr std::uint64_t k_largest = std::uint64_t{256} << 20;
     if (packed.size() > k_largest)
@@ -306,7 +306,7 @@ class HttpFile final : public RemoteFile {
   std::uint64_t block_count() const { return (size() + k_block - 1) / k_block; }
   std::string key_of(std::uint64_t block) const { return block_key(*source_, url_, block); }
 
-  /// Readers that go through a file get ever more of it at once.
+  /// Sequential reads fetch more and more at once.
   void look_ahead(std::uint64_t offset, std::uint64_t count) {
     constexpr std::uint64_t k_least = 64 << 10, k_most = 4 << 20;
     ahead_ = offset != 0 && offset == next_ ? std::clamp(2 * ahead_, k_least, k_most) : 0;

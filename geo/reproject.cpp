@@ -42,7 +42,7 @@ GdalReference reference_of_file(const Crs& crs, const std::filesystem::path& fil
 }
 
 std::string text_of(const GdalReference& reference) {
-  // LAS wants the first kind, which does not have all systems.
+  // LAS requires the first kind, which does not support all systems.
   for (const char* const format : {"FORMAT=WKT1", "FORMAT=WKT2"}) {
     std::string wkt = wkt_in_format(reference.get(), format);
     if (!wkt.empty()) return wkt;

@@ -52,17 +52,17 @@ Roots zeros(double square, double at_begin, double at_end, double length) {
     if (!is_crossed) return roots;
     discriminant = 0.0;
   }
-  // Neither of the two loses digits.
+  // Neither of the two roots loses digits.
   const double q = -0.5 * (linear + std::copysign(std::sqrt(discriminant), linear));
   double one = square != 0.0 ? q / square : k_infinity, other = q != 0.0 ? at_begin / q : one;
-  // All of it is zero.
+  // The quadratic is constant.
   if (square == 0.0 && q == 0.0) other = at_begin == 0.0 ? 0.0 : k_infinity;
   if (other < one) std::swap(one, other);
   const auto is_inside = [length](double root) { return root >= 0.0 && root <= length; };
   if (is_inside(one)) roots.add(one);
   if (is_inside(other) && other != one) roots.add(other);
   if (!is_crossed || roots.count > 0) return roots;
-  // Rounding took it over an end.
+  // Rounding moved the root beyond an end.
   const auto outside = [length](double root) { return std::max(-root, root - length); };
   roots.add(std::clamp(outside(one) <= outside(other) ? one : other, 0.0, length));
   return roots;
