@@ -18,7 +18,7 @@ std::string host_of(std::string_view url);
 /// Allows a host for the rest of the process. Errors: it is not as host_of() gives it.
 void allow_host(const std::string& host);
 
-/// Those of allow_host(), and those between commas in the environment variable ALIDADE_ALLOW_HOSTS.
+/// The hosts of allow_host(), and those between commas in the environment variable ALIDADE_ALLOW_HOSTS.
 std::vector<std::string> allowed_hosts();
 
 /// Notes that a catalog has listed a remote file. Thread safe, as all functions here.

@@ -107,18 +107,17 @@ class PageAllocator {
 template <class Value>
 using HugeVector = std::vector<Value, PageAllocator<Value>>;
 
-/// Gives memory back to the system while its contents are used up, in any order and from many threads: a
-/// block goes as soon as its last byte was used. So an array can move into another one without both being
-/// there.
+/// Returns memory to the system while its contents are consumed, in any order and from many threads: a block
+/// as soon as its last byte was used. So an array can move into another one without memory for both.
 class PageRelease {
  public:
   PageRelease() = default;
-  /// The memory must stay allocated while bytes are used up; its contents are lost bit by bit. `block_size`:
-  /// a power of two, at least a page; larger blocks are cheaper and are kept longer.
-  /// `is_scratch`: memory of a scratch file, whose space on the disk goes as well.
+  /// The memory must stay allocated while bytes are used up; its contents are lost block by block.
+  /// `block_size`: a power of two, at least a page; larger blocks are cheaper and are kept longer.
+  /// `is_scratch`: memory of a scratch file, whose disk space is returned as well.
   PageRelease(void* memory, std::size_t byte_count, std::size_t block_size, bool is_scratch = false);
 
-  /// These bytes were used; each byte at most once.
+  /// Marks bytes as used; each byte at most once.
   void use_up(std::size_t first_byte, std::size_t byte_count);
 
  private:

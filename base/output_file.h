@@ -12,9 +12,9 @@ namespace alidade {
 
 /// A file that appears completely or not at all: bytes go to a temporary file in the same folder, and
 /// commit() renames it to its final name. Without commit() the destructor removes the temporary file, and an
-/// earlier file stays as it was. Through a symbolic link its target is written, whether or not it is there; a
-/// link in a folder that others can write requires `overwrite`. What a process that was killed left of the
-/// same output is removed.
+/// earlier file stays as it was. Through a symbolic link its target is written, whether or not it exists; a
+/// link in a folder that others can write requires `overwrite`. Temporary files that killed processes left of
+/// this output are removed.
 class OutputFile {
  public:
   /// Errors: those of check_output(); the folder is not writable.
@@ -60,7 +60,8 @@ void write_fully(const std::string& name, int descriptor, std::uint64_t offset,
 /// others can write.
 void check_output(const std::filesystem::path& path, bool overwrite);
 
-/// The last of these errors, for files that may exist: databases, checkpoints.
+/// Errors: `path` is a symbolic link in a folder that others can write. For files that may exist: databases,
+/// checkpoints.
 void check_links(const std::filesystem::path& path);
 
 }  // namespace alidade

@@ -17,11 +17,11 @@ namespace alidade {
 
 /// Scratch files with names, so that a run that was interrupted or killed can resume with the rows in them.
 /// They lie in a folder of their own, beside a file "manifest" that has the fingerprint of the run, the
-/// number of rows, and of each file the bytes that belong to these and their checksum; what a file has beyond
-/// them is cut off. Rows are only ever appended. To be used by one thread at a time.
+/// number of rows, and of each file the bytes that belong to these and their checksum; further bytes of a
+/// file are cut off. Rows are only ever appended. To be used by one thread at a time.
 class ScratchCheckpoint {
  public:
-  /// `options.file` is the folder, made if it is missing. Without `options.resume` what is in it is replaced.
+  /// `options.file` is the folder, made if it is missing. Without `options.resume` its contents are replaced.
   /// `fingerprint`: all that the rows depend on. Errors: the folder is neither empty nor
   /// is_scratch_checkpoint(), cannot be written, or is in use by another process; the manifest is damaged, or
   /// of another version or run.
@@ -39,7 +39,7 @@ class ScratchCheckpoint {
   /// Throws the error of a checkpoint that no run can resume from.
   [[noreturn]] void fail_as_corrupt(const std::string& problem, const std::string& expected,
                                     const std::string& found);
-  /// Whether one was thrown.
+  /// Whether that error was thrown.
   bool is_corrupt() const { return is_corrupt_; }
 
   struct Kept {
