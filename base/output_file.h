@@ -60,8 +60,8 @@ void write_fully(const std::string& name, int descriptor, std::uint64_t offset,
 /// others can write.
 void check_output(const std::filesystem::path& path, bool overwrite);
 
-/// Errors: `path` is a symbolic link in a folder that others can write. For files that may exist: databases,
-/// checkpoints.
+/// Errors: `path` leads through a symbolic link in a folder that others can write, or through too many. For
+/// files that may exist: databases, checkpoints.
 void check_links(const std::filesystem::path& path);
 
 }  // namespace alidade
