@@ -15,7 +15,7 @@ namespace alidade {
 /// Empty: no such URL, or a host with other characters than hosts have.
 std::string host_of(std::string_view url);
 
-/// Allows a host for the rest of the process. Errors: it is not as host_of() gives it.
+/// Allows a host for the rest of the process. Errors: it is not in the form that host_of() returns.
 void allow_host(const std::string& host);
 
 /// The hosts of allow_host(), and those between commas in the environment variable ALIDADE_ALLOW_HOSTS.

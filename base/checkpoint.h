@@ -47,7 +47,7 @@ class InputFile;
 std::string name_in_checkpoint(const std::filesystem::path& given);
 
 /// How a kind of checkpoint begins: its magic, the byte order and the version of checkpoints, 8 bytes of the
-/// kind, the checksum of the head, further fields of the kind, and the fingerprint of what is computed. The
+/// kind, the checksum of the head, further fields of the kind, and the fingerprint of the computation. The
 /// kinds are runs in parts (above) and pictures under way (renderer/checkpoint.h).
 struct CheckpointForm {
   std::array<char, 8> magic;
@@ -74,7 +74,7 @@ Fingerprint fingerprint_of(const CheckpointForm& form, std::span<const std::byte
 
 struct PartsOptions {
   std::filesystem::path file{};
-  double interval = 60.0;  ///< seconds after which what is finished is written, > 0
+  double interval = 60.0;  ///< seconds after which finished parts are written, > 0
   bool resume = false;     ///< whether to resume from the file if it exists; else it is replaced
   /// Called when writing fails: the run continues, and the parts concerned count as not finished.
   std::function<void(const Error&)> failed{};
@@ -89,7 +89,7 @@ class PartCheckpoint {
   /// a run; another byte order, version or run, naming the first thing that differs; damaged; in use by
   /// another process. Cost: the file is read once. Memory: 64 B per part in it.
   PartCheckpoint(PartsOptions options, Fingerprint fingerprint);
-  /// Writes what is finished and not yet written.
+  /// Writes finished parts that are not yet written.
   ~PartCheckpoint();
   PartCheckpoint(const PartCheckpoint&) = delete;
   PartCheckpoint& operator=(const PartCheckpoint&) = delete;
@@ -109,9 +109,9 @@ class PartCheckpoint {
   /// The answers of a part if it is finished. Errors: reading failed; the file was changed meanwhile.
   std::optional<std::vector<std::byte>> find(std::uint64_t part);
   /// Keeps the answers of a part. Written at once where they are large, or within PartsOptions::interval.
-  /// Errors: writing failed, and what was written of it cannot be taken back.
+  /// Errors: writing failed, and the written part of a record cannot be removed.
   void add(std::uint64_t part, std::span<const std::byte> answers);
-  /// Writes what is finished and not yet written; what cannot be written counts as not finished.
+  /// Writes finished parts that are not yet written; those that cannot be written count as not finished.
   void flush() noexcept;
   /// Removes the file once it is not needed any more.
   void remove();
@@ -198,7 +198,7 @@ class PartReader {
   /// Errors: bytes are left.
   void finish() const { require(bytes_.empty()); }
 
-  /// Errors: what was read makes no sense.
+  /// Errors, unless `holds`: the part has invalid values.
   void require(bool holds) const {
     if (holds) return;
     throw Error(

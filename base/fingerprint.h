@@ -38,12 +38,12 @@ inline std::span<const std::byte> checksum_block(std::span<const std::byte> byte
 /// Cuts bytes that come in pieces into such blocks.
 class ChecksumBlocks {
  public:
-  /// `put` gets every block once it is whole, and in the end the last one.
+  /// Calls `put` with every block once it is complete, and in the end with the last one.
   explicit ChecksumBlocks(std::function<void(std::span<const std::byte>)> put) : put_(std::move(put)) {}
 
   /// Blocks that lie whole in `bytes` are not copied.
   void add(std::span<const std::byte> bytes);
-  /// Ends the last block; what is added next begins another.
+  /// Ends the last block; bytes added next begin another.
   void end();
   /// Of all blocks so far.
   const std::vector<std::uint64_t>& sums() const { return sums_; }

@@ -71,7 +71,7 @@ class InputFile {
   /// Takes bytes in memory for a file called `name`. The bytes must outlive the object.
   InputFile(std::span<const std::byte> bytes, std::string name);
 
-  /// What messages and stored metadata call the file: public_name() of its path.
+  /// Name in messages and stored metadata: public_name() of its path.
   const std::string& name() const { return name_; }
   /// Path as the caller gave it, which opens the file again. It may hold a password.
   const std::string& address() const { return address_; }
@@ -112,7 +112,7 @@ class InputFile {
   std::size_t window_size_ = 0;
 };
 
-/// What scene files and our camera files may have in bytes.
+/// Most bytes of scene files and our camera files.
 inline constexpr std::uintmax_t k_largest_scene_file = 4u << 20;
 
 /// A text file of at most so many bytes. Errors: missing, not a regular file, too large, unreadable.
@@ -171,7 +171,7 @@ class ByteCursor {
 /// before the result counts. Replacing the file by renaming, as OutputFile does, leaves maps as they were.
 ///
 /// Of a file larger than available_memory() the system reads single pages: jumps through it would else push
-/// out what is needed by what lies around it. fetch() is for passes.
+/// out needed pages by their neighbours. fetch() is for sequential passes.
 class MappedFile {
  public:
   /// Maps the file that `file` names. A file in memory is copied. The pages of a remote one arrive when they

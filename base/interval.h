@@ -9,7 +9,7 @@
 
 #include "base/bounds.h"
 
-// Formulas on intervals instead of numbers: what they give for every point of a box.
+// Formulas on intervals instead of numbers: their results hold those of every point of a box.
 //
 // Rounding to nearest never changes an order: a <= b gives round(a op c) <= round(b op c). So when a formula
 // is computed on the ends of intervals with the same operations in the same order as for one point, the

@@ -41,7 +41,7 @@ bool is_in_shared_folder(const std::filesystem::path& path) {
 
 /// The file a symbolic link leads to, which need not exist, so that writing keeps the link. Errors: too
 /// many links; `trusts_links` is false and a link is in a folder that others can write, who then choose
-/// what is written.
+/// which file is written.
 std::filesystem::path resolve(std::filesystem::path path, bool trusts_links) {
   constexpr int k_most_links = 40;  // as many as Linux follows
   std::error_code error;

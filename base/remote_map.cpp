@@ -312,7 +312,7 @@ void fail_all_in_child() {
 
 std::shared_ptr<FaultingMap> find_map(const void* address) {
   const auto* const byte = static_cast<const std::byte*>(address);
-  std::shared_ptr<FaultingMap> map;  // given back without the lock
+  std::shared_ptr<FaultingMap> map;  // destroyed after the lock is released
   const std::scoped_lock lock(registry().mutex);
   const auto after = registry().maps.upper_bound(byte);
   if (after == registry().maps.begin()) return nullptr;

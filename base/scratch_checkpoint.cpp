@@ -58,7 +58,7 @@ bool is_plain_file(const std::filesystem::directory_entry& entry) {
   return std::filesystem::is_regular_file(entry.symlink_status(error));
 }
 
-/// What the manifest states of a file: "BYTES CHECKSUM".
+/// The manifest's entry of a file: "BYTES CHECKSUM".
 std::pair<std::uint64_t, std::uint64_t> stated_content(const FingerprintEntry& entry,
                                                        const std::string& file) {
   std::uint64_t bytes = 0, sum = 0;

@@ -21,11 +21,11 @@ struct NamedCamera {
 /// those of a trajectory as they follow in the file.
 struct CameraSet {
   std::vector<NamedCamera> cameras;
-  std::vector<std::string> warnings;  ///< what was left out or assumed
+  std::vector<std::string> warnings;  ///< omissions and assumptions
 };
 
 struct CameraFileOptions {
-  /// What a trajectory lacks: image size and lens are taken from this camera, its pose is not used.
+  /// For trajectories, which lack them: image size and lens are taken from this camera, its pose is not used.
   std::optional<Camera> lens;
   /// transforms.json: undo `applied_transform` and `applied_scale`, so that cameras are in the world that
   /// was there before the conversion.

@@ -137,7 +137,7 @@ void check_camera(const Camera& camera) {
   check_camera_numbers(camera);
   if (!can_fold(camera.lens)) return;
 
-  // What a lens reaches is a shape around the principal point, so testing the image's border is enough; the
+  // The view of a lens is a shape around the principal point, so testing the image's border is enough; the
   // pixels inside are for principal points outside the image.
   constexpr int k_steps = 64;
   const Projection projection(camera);

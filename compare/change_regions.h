@@ -60,7 +60,7 @@ struct ChangeRegions {
 ChangeRegions change_regions(std::span<const float> map, int width, const ImageMask& mask,
                              const ChangeOptions& options = {});
 
-// From pixels back to points: what was there, and what is there now.
+// From pixels back to points: those that were there, and those that are there now.
 
 /// A point that a region shows.
 struct RegionPoint {

@@ -62,14 +62,14 @@ struct ComparisonOptions {
 
   FlipOptions flip;
 
-  std::optional<ColorModel> match;  ///< colours are fitted, and everything of colours given twice
+  std::optional<ColorModel> match;  ///< fits colours; figures are then computed for matched ones, too
   bool align = false;
   int largest_shift = 64;  ///< pixels
 
   std::optional<ChangeMap> find_changes;  ///< of matched colours where they are
   ChangeOptions changes;
 
-  bool keep_pictures = false;  ///< what reports and maps need
+  bool keep_pictures = false;  ///< for reports and maps
 };
 
 /// Facts about a picture, from its file.

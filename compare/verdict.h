@@ -77,7 +77,7 @@ std::vector<Threshold> parse_thresholds(const std::string& text);
 /// "flip=0.05", as it is read.
 std::string to_text(const Threshold& threshold);
 
-/// A threshold and what was measured.
+/// A threshold and the measured value.
 struct JudgedThreshold {
   Threshold threshold;
   double value = 0.0;

@@ -27,7 +27,7 @@ std::string code_of(const GdalReference& reference, const char* part) {
   return code != nullptr ? code : "";
 }
 
-/// The name that version 1 of WKT gives to a projection; empty for systems without one.
+/// The name of a projection in version 1 of WKT; empty for systems without one.
 std::string projection_of(const GdalReference& reference) {
   const char* const name = OSRGetAttrValue(reference.get(), "PROJECTION", 0);
   return name != nullptr ? name : "";
@@ -90,7 +90,7 @@ std::string whole_wkt(const Crs& crs) {
   const CPLConfigOptionSetter heights("GTIFF_REPORT_COMPD_CS", "YES", false);
   const std::string wkt = wkt_of(crs);
   if (!crs.wkt.empty()) return wkt;
-  // The name that GDAL gives to keys it cannot read.
+  // GDAL's name for keys that it cannot read.
   if (wkt.empty() || wkt.starts_with("LOCAL_CS[")) return "";
   const std::optional<LengthUnit> stated = stated_units(crs).heights;
   return stated ? with_height_unit(crs_of_wkt(wkt), *stated).wkt : wkt;

@@ -29,8 +29,8 @@ struct GroundPosition {
   double grid_north = 0.0;
 };
 
-/// That of the position (x, y) in a reference system. Empty if the system is unknown, local or geocentric, or
-/// has no such position. The convergence comes from the positions 0.0001 degrees (11 m) north and south,
+/// The GroundPosition of (x, y) in a reference system. Empty if the system is unknown, local or geocentric,
+/// or has no such position. The convergence comes from the positions 0.0001 degrees (11 m) north and south,
 /// through PROJ, so it holds for every projection; it is good to 0.00001 degrees. For geographic systems x is
 /// the longitude and the convergence 0.
 std::optional<GroundPosition> ground_position(const Crs& crs, const glm::dvec2& position);

@@ -27,7 +27,7 @@ struct HttpRequest {
   bool (*is_interrupted)() = nullptr;  ///< called while waiting; returns whether to stop
 };
 
-/// What Content-Range states: the first and the last byte, if there are any, and the file's size.
+/// The header Content-Range: the first and the last byte, if there are any, and the file's size.
 struct ContentRange {
   std::optional<std::pair<std::uint64_t, std::uint64_t>> bytes{};
   std::uint64_t size = 0;
@@ -38,9 +38,9 @@ struct HttpAnswer {
   int status = 0;     ///< from 400 on, otherwise 0
   std::string problem;
   std::string stated_range, etag, last_modified;
-  std::vector<std::string> redirections;  ///< what Location states, in their order
+  std::vector<std::string> redirections;  ///< the headers Location, in their order
   std::optional<ContentRange> range;      ///< without one it is the whole file
-  std::optional<std::uint64_t> length;    ///< what Content-Length states
+  std::optional<std::uint64_t> length;    ///< the header Content-Length
   std::vector<std::byte> body;
   std::shared_ptr<ScratchFile> whole;  ///< instead of the body, if it is longer than requested
 

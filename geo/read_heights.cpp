@@ -65,7 +65,7 @@ std::array<double, 6> square_transform(void* dataset, const std::filesystem::pat
   return transform;
 }
 
-/// By the names that programs give units.
+/// The unit of a band, by the names that programs use.
 std::optional<LengthUnit> unit_of_band(void* band) {
   const std::string name = lower_case(GDALGetRasterUnitType(band));
   if (name == "m" || name.starts_with("metre") || name.starts_with("meter")) return k_metre;

@@ -14,7 +14,7 @@ namespace alidade::geo {
 
 struct RemoteOptions {
   bool (*is_interrupted)() = nullptr;  ///< called while waiting; returns whether to stop
-  /// Keeps what is fetched from web servers, for the next time; empty: nowhere. Of servers that state no ETag
+  /// A folder that keeps fetched bytes for later runs; empty: none. Of servers that state no ETag
   /// and no time of modification, nothing is kept.
   std::filesystem::path cache{};
   std::uint64_t cache_bytes = std::uint64_t{1} << 30;  ///< that the folder may take
@@ -33,7 +33,7 @@ struct RemoteOptions {
 /// `hosts` are those of the first for a file.
 std::unique_ptr<RemoteFile> open_remote_file(const std::string& name, const RemoteOptions& options = {});
 
-/// What this process has fetched from servers so far.
+/// Requests and bytes of this process so far.
 struct RemoteTraffic {
   std::uint64_t requests = 0;  ///< also those that were repeated
   std::uint64_t bytes = 0;     ///< of their contents

@@ -165,7 +165,7 @@ ReferenceChange change_reference(const ReferenceRequest& request, const std::fil
                    before = from_centre ? k_metre : stated.value_or(height_unit_of(from));
   change.crs = crs_of_wkt(with_heights_of(to, from));
   if (!to_heights) change.crs = with_height_unit(change.crs, unit);
-  // PROJ converts heights where both systems have them, and else returns what it was given, or metres.
+  // PROJ converts heights where both systems have them, and else returns them unchanged, or in metres.
   const bool follows = from_centre ? to_heights : has_heights(from) && (to_heights || to_centre);
   if (!follows && before != unit) {
     change.height_factor = before.metres / unit.metres;
@@ -173,7 +173,7 @@ ReferenceChange change_reference(const ReferenceRequest& request, const std::fil
         "heights are converted from {} to {}{}", before.name, unit.name,
         stated || from_centre ? "" : ", as if in the unit of x and y; --vertical-unit states another");
   }
-  // Without heights in the wanted system those of a compound one must not go through a grid.
+  // If the wanted system has no heights, those of a compound one must not be transformed by a grid.
   if (!to_heights && !to_centre) OSRStripVertical(from.get());
   if (OSRIsSame(from.get(), to.get()) != 0) return change;
   GdalTransformation transformation = transformation_between(from, to);

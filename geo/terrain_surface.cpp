@@ -97,7 +97,7 @@ class TerrainSurface::Walk {
   }
 
   /// Between two values of one coordinate. Monotonic, rounding included: between values within these it lies
-  /// within. So what is left out with a square would have been left out alone, too.
+  /// within. So a patch that is left out with its square would have been left out alone, too.
   Stretch between(int axis, double low, double high) const {
     const double to_low = low - origin_[axis], to_high = high - origin_[axis];
     if (is_level_[axis]) return to_low > 0.0 || to_high < 0.0 ? Stretch{k_infinity, -k_infinity} : Stretch{};

@@ -30,7 +30,7 @@ struct ColorScale {
   std::string origin_text{};  ///< what the labels' 0 is; empty if it is the value 0
 };
 
-/// What the colours of a cloud mean: for notes, metadata and legends.
+/// The meaning of a cloud's colours, for notes, metadata and legends.
 struct ColorKey {
   PointColor by = PointColor::rgb;
   std::string word = "rgb";  ///< in scene files and on command lines
@@ -61,7 +61,7 @@ std::string scale_text(const ColorKey& key);
 /// alidade:color_range (low and high, 17 significant digits).
 std::vector<std::pair<std::string, std::string>> color_metadata(const ColorKey& key);
 
-/// Errors: a legend has nothing to explain, since the colours are the points' own, or there is no point.
+/// Errors: a legend would be empty, since the colours are the points' own, or there are no points.
 void check_legend(const ColorKey& key);
 
 }  // namespace alidade::image

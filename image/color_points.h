@@ -44,7 +44,7 @@ struct ColorSource {
 
 /// The coloring with `automatic` resolved: rgb if any point has a colour other than black, else
 /// classification if it has several classes and at least half of the points one other than unclassified and
-/// noise, else height; what was taken instead of rgb is added to `warnings`. A cloud without points is shown
+/// noise, else height; a choice other than rgb is added to `warnings`. A cloud without points is shown
 /// by rgb then. Errors: the cloud lacks the attribute, and is not empty; a colour map or range for colours
 /// that are no numbers, or class colours for what is no class.
 PointColoring choose_color(const PointColoring& coloring, const ColorSource& cloud,

@@ -56,7 +56,7 @@ struct DepthLoss {
   DepthLoss& operator+=(const DepthLoss& other);
 };
 
-/// A film's depths in units of 1 / scale metres; infinity, and what is lost, becomes 0. png16: rounded to the
+/// A film's depths in units of 1 / scale metres; infinity and lost depths become 0. png16: rounded to the
 /// nearest whole number, to 1 below that, so that 0 always means no depth. With scale 1 the other formats
 /// keep every bit.
 std::vector<float> depth_values(std::span<const float> depths, DepthFormat format, double scale,

@@ -247,7 +247,7 @@ LegendLayout lay_out_legend(const ColorKey& key, const Font& font, const std::op
 
   const double scale =
       std::min(static_cast<double>(size->x) / usual.width, static_cast<double>(size->y) / usual.height);
-  // Texts do not grow evenly with their font: begin a little above what is expected.
+  // Texts do not grow evenly with their font: begin a little above the expected size.
   int font_size = std::max(k_smallest_font, static_cast<int>(scale * k_legend_font_size) + 2);
   LegendLayout layout = natural(font_size);
   while (font_size > k_smallest_font && !fits(layout, *size)) layout = natural(--font_size);

@@ -12,7 +12,7 @@
 #include "cloud/attributes.h"
 #include "image/color_map.h"
 
-// What gives the points of a cloud their colours, as plain data.
+// How the points of a cloud are coloured, as plain data.
 
 namespace alidade::image {
 
@@ -60,7 +60,7 @@ struct ClassColor {
   std::string name{};  ///< empty: the usual one
 };
 
-/// What gives the points their colours, and by which colours numbers are shown.
+/// The values that points are coloured by, and the colours of numbers.
 struct PointColoring {
   PointColor by = PointColor::automatic;
   std::string attribute{};            ///< its name; only for PointColor::attribute
@@ -70,7 +70,7 @@ struct PointColoring {
   std::vector<ClassColor> classes{};  ///< each class at most once
 };
 
-/// Largest magnitude a value can have to be shown; what is beyond counts as no value, as NaN does.
+/// Largest magnitude of values that are shown; larger ones count as no value, as NaN does.
 inline constexpr double k_largest_value = 1e300;
 
 /// The coloring by a word of k_point_colors, or else by the attribute of that name. Other settings by

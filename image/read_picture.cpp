@@ -80,7 +80,7 @@ OpenPicture open_picture(const std::filesystem::path& file, const PictureBytes& 
   return picture;
 }
 
-/// Which channels to read.
+/// The channels to read.
 struct Channels {
   int begin = 0, count = 1;
 };

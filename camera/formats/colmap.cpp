@@ -146,7 +146,7 @@ class Reader {
     return load<Value>(cursor_.take(sizeof(Value)));
   }
 
-  /// A count of records of at least so many bytes each, which must all fit into what is left of the file.
+  /// A count of records of at least so many bytes each, which must all fit into the rest of the file.
   std::uint64_t take_count(std::size_t smallest_record, const char* what) {
     const std::uint64_t offset = cursor_.offset(), count = take<std::uint64_t>();
     const std::uint64_t left = file_.size() - cursor_.offset();

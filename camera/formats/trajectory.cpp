@@ -17,7 +17,7 @@ constexpr std::array<std::string_view, 12> k_columns{
 constexpr std::size_t k_time = 0, k_position = 1, k_quaternion = 4, k_target = 8, k_name = 11;
 constexpr std::size_t k_not_there = std::size_t(-1);
 
-/// What the remarks above the table must state: nothing about axes is guessed.
+/// Conventions that the remarks above the table must state: axes are never guessed.
 struct Conventions {
   std::optional<AxisConvention> axes;
   std::optional<bool> camera_to_world;

@@ -24,7 +24,7 @@ inline Json json_number(double value) {
   return value;
 }
 
-// What JSON for programs and that of pages have in common.
+// Parts that JSON for programs and that of pages have in common.
 
 /// [{"threshold", "metric", "fails_if": "below" | "above", "limit", "value", "fails"}].
 Json thresholds_json(const Verdict& verdict);
@@ -32,7 +32,7 @@ Json thresholds_json(const Verdict& verdict);
 /// [{"left", "top", "right", "bottom", "pixels", "strongest", "mean", "at": [x, y]}], the largest first.
 Json regions_json(const ChangeRegions& changes);
 
-// How a comparison came to its figures: what was left out, how FLIP looked, what was fitted and found. For
+// How a comparison came to its figures: excluded pixels, settings of FLIP, fits and their results. For
 // those who read a result without the command that made it.
 
 struct HowLine {

@@ -16,8 +16,8 @@ namespace alidade::compare {
 extern const std::string_view k_report_html, k_summary_html, k_style_css, k_page_js, k_tables_js, k_viewer_js,
     k_summary_js;
 
-/// The template with every {{name}} replaced by the value of that name; what is put in is not expanded
-/// again. Requires every name of the template to be given.
+/// The template with every {{name}} replaced by the value of that name; values are not expanded again.
+/// Requires a value for every name of the template.
 std::string fill_page(std::string_view page,
                       const std::vector<std::pair<std::string_view, std::string_view>>& values);
 
