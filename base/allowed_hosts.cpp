@@ -19,7 +19,7 @@ struct Hosts {
 };
 
 Hosts& hosts() {
-  static Hosts& hosts = *new Hosts;  // outlives all that is static elsewhere
+  static Hosts& hosts = *new Hosts;  // never destroyed: other static objects may read files
   return hosts;
 }
 

@@ -48,7 +48,7 @@ inline std::array<glm::dvec3, 8> corners(const Bounds& bounds) {
   return all;
 }
 
-/// Whether two boxes have a position in common, faces included. False if one is empty or a face is not a
+/// Whether two boxes have a point in common, faces included. False if one is empty or a face is not a
 /// number.
 inline bool meet(const Bounds& a, const Bounds& b) {
   return a.min.x <= b.max.x && b.min.x <= a.max.x && a.min.y <= b.max.y && b.min.y <= a.max.y &&

@@ -31,14 +31,13 @@ void store(std::byte* at, const T& value) {
   std::memcpy(at, &value, sizeof(T));
 }
 
-/// The head or a record of a little-endian file: gives fields, and complains about them by their byte. Keeps
+/// The head or a record of a little-endian file. Reads fields; errors name the byte of the field. Keeps
 /// references to bytes and file name.
 class HeaderFields {
  public:
-  /// file_location: where `bytes` begin in the file.
-  HeaderFields(std::span<const std::byte> bytes, const std::string& file_name,
-               std::uint64_t file_location = 0)
-      : bytes_(bytes), file_(file_name), file_offset_(file_location) {}
+  /// file_offset: where `bytes` begin in the file.
+  HeaderFields(std::span<const std::byte> bytes, const std::string& file_name, std::uint64_t file_offset = 0)
+      : bytes_(bytes), file_(file_name), file_offset_(file_offset) {}
 
   /// Requires that the field lies within the bytes.
   template <class T>

@@ -115,7 +115,7 @@ PartCheckpoint::PartCheckpoint(PartsOptions options, Fingerprint fingerprint)
   try {
     open();
     read();
-    // What a killed program left of its last record.
+    // Cuts off the incomplete last record of a killed program.
     if (::ftruncate(descriptor_, static_cast<::off_t>(size_)) != 0)
       throw system_error(name(), "cannot write the file");
   } catch (...) {
@@ -139,7 +139,7 @@ void PartCheckpoint::flush() noexcept {
   try {
     write();
   } catch (const std::exception&) {
-    // The call cannot report this; what is in the file stays.
+    // A noexcept function cannot report this; the records in the file stay.
     pending_.clear();
     pending_entries_.clear();
   }
@@ -148,7 +148,7 @@ void PartCheckpoint::flush() noexcept {
 void PartCheckpoint::open() {
   descriptor_ = ::open(options_.file.c_str(), O_RDWR | O_CLOEXEC);
   if (descriptor_ < 0) throw system_error(name(), "cannot write the file");
-  // Held until it is closed: two runs that append to the same file would damage it.
+  // Held until it is closed: two runs that append to one file would damage it.
   if (::flock(descriptor_, LOCK_EX | LOCK_NB) == 0) return;
   if (errno != EWOULDBLOCK) throw system_error(name(), "cannot lock the file");
   throw Error({.file = name(), .problem = "another run is using this checkpoint"});
@@ -250,7 +250,7 @@ void PartCheckpoint::write() {
       size_ += pending_.size();
       entries_.merge(pending_entries_);
     } catch (const Error& error) {
-      // Behind a torn record nothing could be read.
+      // Records after an incomplete one could not be read.
       if (::ftruncate(descriptor_, static_cast<::off_t>(size_)) != 0) throw;
       if (options_.failed) options_.failed(error);
     }

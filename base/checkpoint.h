@@ -29,9 +29,8 @@
 //       16   8 B                         number of parts
 //       24   8 B                         checksum of the head: of bytes 0 to `head`, this field taken as 0
 //       32   8 B                         bytes of the fingerprint, which follows; both together are the head
-//       40        fingerprint               base/fingerprint.h
-//     head        records                of each 8 B number of the part, 8 B bytes of its answers, 8 B
-//     checksum
+//       40        fingerprint            base/fingerprint.h
+//     head        records                each: 8 B number of the part, 8 B bytes of its answers, 8 B checksum
 //                                        of these, 8 B checksum of the 24 B before, answers
 //
 // Records are only ever appended. A last one that is cut short is what a killed program leaves: the part is
@@ -42,12 +41,13 @@ namespace alidade {
 class HeaderFields;
 class InputFile;
 
-/// What a checkpoint calls a file. Checkpoints go to other machines and people: of an absolute path it keeps the file's name
-/// and a checksum of the folder's, of a URL what public_name() keeps, of any other name all.
+/// The name of a file in a checkpoint. Checkpoints go to other machines and people: of an absolute path they
+/// keep the file's name and a checksum of the folder's, of a URL what public_name() keeps, of any other name
+/// all.
 std::string name_in_checkpoint(const std::filesystem::path& given);
 
 /// How a kind of checkpoint begins: its magic, the byte order and the version of checkpoints, 8 bytes of the
-/// kind, the checksum of the head, further fields of the kind, and the fingerprint of what is computed. The
+/// kind, the checksum of the head, further fields of the kind, and the fingerprint of the computation. The
 /// kinds are runs in parts (above) and pictures under way (renderer/checkpoint.h).
 struct CheckpointForm {
   std::array<char, 8> magic;
@@ -74,22 +74,22 @@ Fingerprint fingerprint_of(const CheckpointForm& form, std::span<const std::byte
 
 struct PartsOptions {
   std::filesystem::path file{};
-  double interval = 60.0;  ///< seconds after which what is finished is written, > 0
-  bool resume = false;     ///< whether to go on from the file if it is there; else it is replaced
-  /// Called when writing fails: the run goes on, and the parts concerned count as not finished.
+  double interval = 60.0;  ///< seconds after which finished parts are written, > 0
+  bool resume = false;     ///< whether to resume from the file if it exists; else it is replaced
+  /// Called when writing fails: the run continues, and the parts concerned count as not finished.
   std::function<void(const Error&)> failed{};
-  /// Whether to stop. Only a ScratchCheckpoint asks, while it compares kept bytes; a PartCheckpoint never does.
+  /// Whether to stop. Only ScratchCheckpoint calls it, while it compares kept bytes.
   std::function<bool()> is_interrupted{};
 };
 
 /// The finished parts of a run. To be used by one thread at a time.
 class PartCheckpoint {
  public:
-  /// Reads what is there. `fingerprint`: all that the answers depend on. Errors: the file is no checkpoint of a
-  /// run; another byte order, version or run, naming the first thing that differs; damaged; in use by another
-  /// process. Cost: the file is read once. Memory: 64 B per part in it.
+  /// Reads the file if it exists. `fingerprint`: all that the answers depend on. Errors: not a checkpoint of
+  /// a run; another byte order, version or run, naming the first thing that differs; damaged; in use by
+  /// another process. Cost: the file is read once. Memory: 64 B per part in it.
   PartCheckpoint(PartsOptions options, Fingerprint fingerprint);
-  /// Writes what is finished and not yet written.
+  /// Writes finished parts that are not yet written.
   ~PartCheckpoint();
   PartCheckpoint(const PartCheckpoint&) = delete;
   PartCheckpoint& operator=(const PartCheckpoint&) = delete;
@@ -109,9 +109,9 @@ class PartCheckpoint {
   /// The answers of a part if it is finished. Errors: reading failed; the file was changed meanwhile.
   std::optional<std::vector<std::byte>> find(std::uint64_t part);
   /// Keeps the answers of a part. Written at once where they are large, or within PartsOptions::interval.
-  /// Errors: writing failed, and what was written of it cannot be taken back.
+  /// Errors: writing failed, and the written part of a record cannot be removed.
   void add(std::uint64_t part, std::span<const std::byte> answers);
-  /// Writes what is finished and not yet written; what cannot be written counts as not finished.
+  /// Writes finished parts that are not yet written; those that cannot be written count as not finished.
   void flush() noexcept;
   /// Removes the file once it is not needed any more.
   void remove();
@@ -162,7 +162,7 @@ class PartWriter {
   std::vector<std::byte> bytes_;
 };
 
-/// Gives them back in the order they were put.
+/// Returns the values of a PartWriter in the order they were put.
 class PartReader {
  public:
   /// `file` is what they come from, for messages. The bytes must outlive the object.
@@ -198,7 +198,7 @@ class PartReader {
   /// Errors: bytes are left.
   void finish() const { require(bytes_.empty()); }
 
-  /// Errors: what was read makes no sense.
+  /// Errors, unless `holds`: the part has invalid values.
   void require(bool holds) const {
     if (holds) return;
     throw Error(
@@ -211,9 +211,9 @@ class PartReader {
   std::uint64_t part_;
 };
 
-/// Goes through the parts of a run in their order: compute(part, writer) answers what is not finished yet,
-/// use(part, reader) takes the answers, be they new or from the file, so that both are taken alike. `parts`
-/// may be null: then nothing is kept.
+/// Goes through the parts of a run in their order: compute(part, writer) computes the answers of a part that
+/// is not finished; use(part, reader) takes the answers, be they new or from the file. `parts` may be null:
+/// then nothing is kept.
 template <class Compute, class Use>
 void run_parts(PartCheckpoint* parts, std::uint64_t count, const Compute& compute, const Use& use) {
   if (parts != nullptr) parts->start(count);

@@ -11,7 +11,7 @@ namespace alidade {
 
 namespace {
 
-/// What to do about names that are no columns, but are often given.
+/// The hint for names that are often given but are not columns.
 std::string hint_for(std::string_view name) {
   const std::string word = lower_case(name);
   for (const char* const angle : {"lon", "lat", "longitude", "latitude", "lng"})

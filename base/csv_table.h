@@ -13,10 +13,11 @@
 
 namespace alidade {
 
-/// Whether a cell is a number with a decimal comma between digits, which is unambiguous where no comma separates cells.
+/// Whether a cell is a number with a decimal comma between digits, which is unambiguous where no comma
+/// separates cells.
 bool has_decimal_comma(std::string_view cell);
 
-/// The cell, or one in `room` with a point for its decimal comma.
+/// The cell; if it has a decimal comma, a copy in `room` with a point instead.
 std::string_view with_point(std::string_view cell, std::string& room);
 
 /// A table as CSV: a header with the names of columns in any order, then rows with a cell for each. Blank
@@ -47,7 +48,7 @@ class CsvTable {
   std::string source() const;
   /// Throws the Error for the line last read.
   [[noreturn]] void fail(std::string problem, std::string expected = {}, std::string found = {}) const;
-  /// The Error of a table that has no rows of `what`.
+  /// The Error of a table without rows of `what`.
   [[noreturn]] void fail_as_empty(const std::string& what) const;
 
  private:

@@ -14,7 +14,7 @@ namespace {
 constexpr double k_seconds_per_day = 86400.0;
 constexpr std::size_t k_most_quoted = 60;
 
-/// A text and what is left of it to read.
+/// A text and its unread rest.
 class Reading {
  public:
   explicit Reading(std::string_view text) : text_(text), rest_(text) {}

@@ -7,7 +7,7 @@
 
 namespace alidade {
 
-/// A moment by the clock of the world, UTC. Leap seconds are not counted.
+/// A moment in UTC. Leap seconds are not counted.
 struct Moment {
   std::chrono::sys_days day{};
   double seconds = 0.0;  ///< since midnight, [0, 86400)
@@ -15,7 +15,7 @@ struct Moment {
   bool operator==(const Moment&) const = default;
 };
 
-/// Years that parse_date_time knows, both inclusive.
+/// Years that parse_date_time() accepts, both inclusive.
 inline constexpr int k_first_year = 1600, k_last_year = 2999;
 
 /// Reads a date and time with its zone, as ISO 8601 and RFC 3339 write it: "2003-10-17T12:30:30-07:00",

@@ -28,7 +28,7 @@ class Error : public std::runtime_error {
   };
 
   explicit Error(Parts parts) : std::runtime_error(compose(parts)), parts_(std::move(parts)) {}
-  /// The same with the parts in their order.
+  /// From the parts, in their order.
   Error(std::string file, std::string location, std::string problem, std::string expected = {},
         std::string found = {})
       : Error(Parts{std::move(file), std::move(location), std::move(problem), std::move(expected),
@@ -85,7 +85,7 @@ inline Error system_error(std::string file, const std::string& problem, int numb
       {.file = std::move(file), .problem = problem + ": " + std::generic_category().message(number)});
 }
 
-/// Thrown out of a long task when its Progress callback asked to stop (base/progress.h).
+/// Thrown out of a long task whose Progress callback returned false (base/progress.h).
 class Cancelled : public std::runtime_error {
  public:
   Cancelled() : std::runtime_error("cancelled") {}

@@ -15,7 +15,7 @@ struct SineCosine {
   double cosine = 1.0;
 };
 
-/// Those of an angle that is larger by 0 to 3 quarter turns.
+/// Sine and cosine of an angle that is larger by 0 to 3 quarter turns.
 inline SineCosine turned_by_quarters(const SineCosine& of, int quarters) {
   switch (quarters) {
     case 0:
@@ -58,10 +58,9 @@ inline SineCosine sine_cosine(double radians) {
 }
 
 // Sine and cosine from multiplications and additions alone. The standard library's may differ in the last bit
-// from machine to machine; these cannot, as long as contraction is off, so scans are the same bytes
-// everywhere.
+// from machine to machine; these cannot, as long as contraction is off, so scans have equal bytes everywhere.
 
-/// Of an angle in radians, |angle| <= 1e5; absolute error below 1e-15 up to |angle| = 100.
+/// Sine and cosine of an angle in radians, |angle| <= 1e5; absolute error below 1e-15 up to |angle| = 100.
 /// Method: subtract the nearest multiple of pi/2 in two parts (Cody and Waite), then the Taylor series on
 /// [-pi/4, pi/4], whose first omitted terms are below 5e-17.
 inline SineCosine sine_cosine_by_quarters(double angle) {
@@ -132,7 +131,7 @@ inline double root(double x, int degree) {
   }
 }
 
-// From operations that IEEE 754 rounds exactly as well, so that filters and exposures are the same bits on
+// From operations that IEEE 754 rounds exactly as well, so that filters and exposures have equal bits on
 // every machine.
 
 /// e^x for x in [-700, 0]. Relative error below 1e-12. Source: Taylor series of x / 1024, squared ten times.

@@ -10,7 +10,7 @@
 #include "base/error.h"
 #include "base/words.h"
 
-// The library's code is compiled in, so that nobody who links Alidade has to link xxHash.
+// The library's code is compiled in, so that programs need not link xxHash.
 #define XXH_INLINE_ALL
 #include <xxhash.h>
 
@@ -54,8 +54,8 @@ namespace {
 
 constexpr std::size_t k_lengths = 8;
 
-/// What a message can show of two values, which differ: of long ones, from the word on that does.
-std::pair<std::string, std::string> telling_parts(const std::string& a, const std::string& b) {
+/// Excerpts of two different values for a message: of long ones, from the first word that differs.
+std::pair<std::string, std::string> differing_parts(const std::string& a, const std::string& b) {
   constexpr std::size_t k_longest = 60, k_part = 40, k_word = 20;
   if (a.size() <= k_longest && b.size() <= k_longest) return {a, b};
   const auto difference = static_cast<std::size_t>(std::ranges::mismatch(a, b).in1 - a.begin());
@@ -80,7 +80,7 @@ void check_fingerprint(const Fingerprint& made, const Fingerprint& asked, const 
                            &now = i < asked.size() ? asked[i] : none;
     if (before == now) continue;
     const bool comparable = before.name == now.name;
-    const auto [made_with, asked_for] = telling_parts(before.value, now.value);
+    const auto [made_with, asked_for] = differing_parts(before.value, now.value);
     throw Error({.file = file,
                  .problem = fmt::format("this {} belongs to another {}: it has {} {}, {} has {}{}",
                                         words.file, words.of, before.name, made_with, words.other,

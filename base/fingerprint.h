@@ -17,7 +17,7 @@ namespace alidade {
 /// not withstand forgers. Source: https://github.com/Cyan4973/xxHash, doc/xxhash_spec.md.
 std::uint64_t checksum(std::span<const std::byte> bytes);
 
-/// Appends the checksum of each array; of one that is not there (null) 0.
+/// Appends the checksum of each array; 0 for a null one.
 void append_checksums(std::initializer_list<std::span<const std::byte>> arrays,
                       std::vector<std::uint64_t>& sums);
 
@@ -38,12 +38,12 @@ inline std::span<const std::byte> checksum_block(std::span<const std::byte> byte
 /// Cuts bytes that come in pieces into such blocks.
 class ChecksumBlocks {
  public:
-  /// `put` gets every block once it is whole, and in the end the last one.
+  /// Calls `put` with every block once it is complete, and in the end with the last one.
   explicit ChecksumBlocks(std::function<void(std::span<const std::byte>)> put) : put_(std::move(put)) {}
 
   /// Blocks that lie whole in `bytes` are not copied.
   void add(std::span<const std::byte> bytes);
-  /// Ends the last block; what is added next begins another.
+  /// Ends the last block; bytes added next begin another.
   void end();
   /// Of all blocks so far.
   const std::vector<std::uint64_t>& sums() const { return sums_; }
@@ -56,32 +56,31 @@ class ChecksumBlocks {
   std::vector<std::uint64_t> sums_;
 };
 
-// What the results of a long task depend on, in words: so that a checkpoint is only gone on from where the
-// result stays the same.
+// What the results of a long task depend on, as text: a run resumes from a checkpoint only where the result
+// stays the same.
 
 /// One thing that results depend on.
 struct FingerprintEntry {
-  std::string name;   ///< as a message calls it: "seed", "sky"
+  std::string name;   ///< in messages: "seed", "sky"
   std::string value;  ///< exact: equal texts are equal things
 
   bool operator==(const FingerprintEntry&) const = default;
 };
 
-/// All that results depend on, in a fixed order: what others follow from comes before them. Numbers are
+/// All that results depend on, in a fixed order: an entry comes before those that follow from it. Numbers are
 /// written so that different ones have different texts.
 using Fingerprint = std::vector<FingerprintEntry>;
 
-/// How messages call what a fingerprint is of.
+/// The words of messages about a fingerprint.
 struct FingerprintWords {
   std::string of = "picture";
-  std::string same = "scene, cloud and options";  ///< what has to be the same
+  std::string same = "scene, cloud and options";  ///< what has to be equal
   std::string file = "checkpoint";                ///< what kind of file has the fingerprint
   std::string other = "this run";                 ///< what it is compared with
   std::string remedy = ", or no --resume";
 };
 
-/// Errors: the first entry that differs, under `file`: "made with seed 1, asked for 2". Long texts are shown
-/// from where they differ.
+/// Errors: the first entry that differs, under `file`. Long texts are shown from where they differ.
 void check_fingerprint(const Fingerprint& made, const Fingerprint& asked, const std::string& file,
                        const FingerprintWords& words = {});
 

@@ -26,7 +26,7 @@ std::size_t whole_pages(std::size_t byte_count) {
 
 constexpr std::uint64_t k_kibibyte = 1024;
 
-/// The number behind a key such as "MemAvailable:" of a file of the system.
+/// The number after a key such as "MemAvailable:" in a file of the system.
 std::optional<std::uint64_t> number_in(const std::string& file, const std::string& wanted) {
   std::ifstream stream(file);
   std::string key, unit;
@@ -36,8 +36,8 @@ std::optional<std::uint64_t> number_in(const std::string& file, const std::strin
   return std::nullopt;
 }
 
-/// What a control group may still take; empty without a limit. Pages of files that were not used for a while count as
-/// free.
+/// Bytes that a control group may still take; empty without a limit. Pages of files that were not used for a
+/// while count as free.
 std::optional<std::uint64_t> left_in_group(const std::string& folder, const char* limit_name,
                                            const char* usage_name, const char* free_key) {
   std::uint64_t limit = 0, usage = 0;
@@ -47,8 +47,8 @@ std::optional<std::uint64_t> left_in_group(const std::string& folder, const char
   return limit - std::min(limit, usage);
 }
 
-/// The least that the control groups around this process may still take: containers and batch systems set their limits
-/// on any of them.
+/// The least of what the control groups around this process may still take: containers and batch systems set
+/// their limits on any of them.
 std::optional<std::uint64_t> left_in_groups() {
   std::optional<std::uint64_t> least;
   std::ifstream groups("/proc/self/cgroup");

@@ -13,22 +13,22 @@
 
 namespace alidade {
 
-/// Bytes that are free without swapping, of the machine and of the control group that limits this process; empty where
-/// the system does not report them.
+/// Bytes that are free without swapping, of the machine and of the control group that limits this process;
+/// empty where the system does not report them.
 std::optional<std::uint64_t> available_memory();
 
-/// Lets a large task fail before it starts. Errors: this many bytes are more than the machine can give at the
-/// moment; `what` they are for is named. Without an answer from the system, nothing is rejected.
+/// Lets a large task fail before it starts. Errors: this many bytes are more than the machine has available;
+/// they name `what` the bytes are for. If the system reports nothing, nothing is rejected.
 void check_memory(std::uint64_t bytes, const char* what);
 
-/// Memory whose contents nobody has set, aligned to at least 64 bytes. From 2 MiB on it is aligned to 2 MiB
-/// and requests huge pages from the system: an index jumps through all of its memory, and with
-/// pages of 4 KiB most of these jumps would miss the table of page addresses as well. Errors: std::bad_alloc.
+/// Uninitialised memory, aligned to at least 64 bytes. From 2 MiB on it is aligned to 2 MiB and requests huge
+/// pages from the system: an index jumps through all of its memory, and with pages of 4 KiB most of these
+/// jumps would miss the table of page addresses as well. Errors: std::bad_alloc.
 void* take_pages(std::size_t byte_count);
-/// The same in a scratch file in `folder` (base/scratch_file.h), which the system keeps in memory as far as there is
-/// room. Less than 2 MiB lie in memory. Errors: those of map_scratch_pages().
+/// Memory in a scratch file in `folder` (base/scratch_file.h), which the system keeps in memory as far as
+/// there is room. Less than 2 MiB is taken from memory. Errors: those of map_scratch_pages().
 void* take_pages(std::size_t byte_count, const std::filesystem::path& folder);
-/// `byte_count` as it was taken.
+/// `byte_count` as given to take_pages().
 void give_back_pages(void* pages, std::size_t byte_count) noexcept;
 
 /// Requests huge pages for memory of another origin, before it is first used.
@@ -107,18 +107,17 @@ class PageAllocator {
 template <class Value>
 using HugeVector = std::vector<Value, PageAllocator<Value>>;
 
-/// Gives memory back to the system while its contents are used up, in any order and from many threads: a
-/// block goes as soon as its last byte was used. So an array can move into another one without both being
-/// there.
+/// Returns memory to the system while its contents are consumed, in any order and from many threads: a block
+/// as soon as its last byte was used. So an array can move into another one without memory for both.
 class PageRelease {
  public:
   PageRelease() = default;
-  /// The memory must stay allocated while bytes are used up; its contents are lost bit by bit. `block_size`:
-  /// a power of two, at least a page; larger blocks are cheaper and are kept longer.
-  /// `is_scratch`: memory of a scratch file, whose space on the disk goes as well.
+  /// The memory must stay allocated while bytes are used up; its contents are lost block by block.
+  /// `block_size`: a power of two, at least a page; larger blocks are cheaper and are kept longer.
+  /// `is_scratch`: memory of a scratch file, whose disk space is returned as well.
   PageRelease(void* memory, std::size_t byte_count, std::size_t block_size, bool is_scratch = false);
 
-  /// These bytes were used; each byte at most once.
+  /// Marks bytes as used; each byte at most once.
   void use_up(std::size_t first_byte, std::size_t byte_count);
 
  private:

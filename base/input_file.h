@@ -15,7 +15,7 @@
 
 namespace alidade {
 
-/// What the system calls an open file by, closed with it; -1: none.
+/// A file descriptor, closed with the object; -1: none.
 class FileDescriptor {
  public:
   FileDescriptor() = default;
@@ -33,26 +33,26 @@ class FileDescriptor {
   int number() const { return number_; }
   bool is_open() const { return number_ >= 0; }
   void close();
-  /// Bytes of the file. Errors: it is not a regular file; they and those above are said of `path`.
+  /// Bytes of the file. Errors, which name `path`: it is not a regular file.
   std::uint64_t size_of_regular(const std::string& path) const;
 
  private:
   int number_ = -1;
 };
 
-/// A file that the system itself does not reach.
+/// A file that the system cannot open itself.
 class RemoteFile {
  public:
   virtual ~RemoteFile() = default;
   virtual std::uint64_t size() const = 0;
-  /// Differs between different contents under one name, as far as the server tells.
+  /// Differs between different contents under one name, as far as the server reports it.
   virtual std::string version() const = 0;
   /// Copies bytes, all of them within the file. Errors: reading failed.
   virtual void read(std::uint64_t offset, std::span<std::byte> into) = 0;
 };
 
-/// Whether a name is that of a remote file: it begins with "https://", "http://", "s3://", "gs://", "az://", or as the
-/// virtual files of GDAL do ("/vsizip/tiles.zip/a.laz").
+/// Whether a name is that of a remote file: it begins with "https://", "http://", "s3://", "gs://", "az://",
+/// or as the virtual files of GDAL do ("/vsizip/tiles.zip/a.laz").
 bool is_remote_name(std::string_view name);
 
 using OpenRemoteFile = std::unique_ptr<RemoteFile> (*)(const std::string& name);
@@ -65,13 +65,13 @@ std::unique_ptr<RemoteFile> open_remote_file(const std::string& name);
 /// on bytes in memory, which is how fuzz tests feed the readers. Not thread safe.
 class InputFile {
  public:
-  /// Opens a file, also a remote one. Errors: it is missing, unreadable or not a regular file; those of the function
-  /// given to set_remote_files().
+  /// Opens a file, also a remote one. Errors: it is missing, unreadable or not a regular file; those of the
+  /// function given to set_remote_files().
   explicit InputFile(const std::filesystem::path& path);
   /// Takes bytes in memory for a file called `name`. The bytes must outlive the object.
   InputFile(std::span<const std::byte> bytes, std::string name);
 
-  /// What messages and stored metadata call the file: public_name() of its path.
+  /// Name in messages and stored metadata: public_name() of its path.
   const std::string& name() const { return name_; }
   /// Path as the caller gave it, which opens the file again. It may hold a password.
   const std::string& address() const { return address_; }
@@ -86,8 +86,8 @@ class InputFile {
   void read_at(std::uint64_t offset, std::span<std::byte> into);
 
   /// The bytes [offset, offset + count), without a copy where possible. Valid until the next call of any
-  /// function but size() and name(). Errors as read_at(). Memory: the largest `count` asked for; ask for a
-  /// mebibyte or so at a time.
+  /// function but size() and name(). Errors as read_at(). Memory: the largest `count` so far; keep to a
+  /// mebibyte or so.
   std::span<const std::byte> view(std::uint64_t offset, std::size_t count);
 
   /// As view(), but at the file's end the bytes that are left, maybe none.
@@ -112,7 +112,7 @@ class InputFile {
   std::size_t window_size_ = 0;
 };
 
-/// What scene files and our camera files may have in bytes.
+/// Most bytes of scene files and our camera files.
 inline constexpr std::uintmax_t k_largest_scene_file = 4u << 20;
 
 /// A text file of at most so many bytes. Errors: missing, not a regular file, too large, unreadable.
@@ -167,11 +167,11 @@ class ByteCursor {
 /// map one file share them. Copies share the map. Read only; safe to use from many threads.
 ///
 /// Touching them cannot fail. If the file gets shorter or its disk fails meanwhile (base/local_map.h), or the
-/// network does (base/remote_map.h), missing bytes are zeros: whoever reads some calls RemoteMap::check() before
-/// the result counts. Replacing the file by renaming, as OutputFile does, leaves maps as they were.
+/// network fails (base/remote_map.h), missing bytes are zeros: code that reads them calls RemoteMap::check()
+/// before the result counts. Replacing the file by renaming, as OutputFile does, leaves maps as they were.
 ///
-/// Of a file larger than available_memory() the system reads single pages: jumps through it would else push out
-/// what is needed by what lies around it. fetch() is for passes.
+/// Of a file larger than available_memory() the system reads single pages: jumps through it would else push
+/// out needed pages by their neighbours. fetch() is for sequential passes.
 class MappedFile {
  public:
   /// Maps the file that `file` names. A file in memory is copied. The pages of a remote one arrive when they

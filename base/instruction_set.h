@@ -6,10 +6,10 @@
 
 namespace alidade {
 
-/// Instruction sets the traversal is compiled for. `best` = the widest this machine has.
+/// Instruction sets that the traversal is compiled for. `best` = the widest of this machine.
 enum class InstructionSet { best, scalar, ssse3, sse4, avx2, avx512 };
 
-/// Those compiled in and usable on this machine, narrowest first; always holds `scalar`.
+/// The sets compiled in and usable on this machine, narrowest first; `scalar` is always one.
 std::vector<InstructionSet> available_instruction_sets();
 
 std::string_view name(InstructionSet instruction_set);

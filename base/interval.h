@@ -9,7 +9,7 @@
 
 #include "base/bounds.h"
 
-// Formulas on intervals instead of numbers: what they give for every point of a box.
+// Formulas on intervals instead of numbers: their results hold those of every point of a box.
 //
 // Rounding to nearest never changes an order: a <= b gives round(a op c) <= round(b op c). So when a formula
 // is computed on the ends of intervals with the same operations in the same order as for one point, the
@@ -49,7 +49,7 @@ inline double greatest_magnitude(const Interval& x) {
   return !(-x.low <= x.high) && !std::isnan(x.high) ? -x.low : x.high;
 }
 
-/// A box seen from a position: per axis, coordinate minus that of `from`.
+/// A box relative to a point: per axis, its coordinates minus that of `from`.
 inline std::array<Interval, 3> relative(const Bounds& box, const glm::dvec3& from) {
   return {Interval{box.min.x - from.x, box.max.x - from.x}, Interval{box.min.y - from.y, box.max.y - from.y},
           Interval{box.min.z - from.z, box.max.z - from.z}};

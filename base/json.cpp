@@ -17,9 +17,9 @@ namespace {
 constexpr std::size_t k_deepest = 64;
 constexpr std::size_t k_longest_quote = 40;
 
-// Builds the tree from the parser's events. The parser does not report offsets of tokens. Since it has checked
-// the grammar up to the token it reports, the offset is found by skipping the characters allowed between
-// tokens.
+// Builds the tree from the parser's events. The parser does not report where tokens begin. Since it has
+// checked the grammar up to the token it reports, the beginning is found by skipping the characters allowed
+// between tokens.
 class TreeBuilder : public nlohmann::json_sax<nlohmann::json> {
  public:
   TreeBuilder(JsonDocument& document, std::span<const std::string_view> unread)
@@ -66,7 +66,7 @@ class TreeBuilder : public nlohmann::json_sax<nlohmann::json> {
            document_.quote(begin, number_end()));
     }
     // "[...] parse error at line 1, column 2: syntax error while parsing value - PROBLEM; expected X" or
-    // "... - PROBLEM; last read: 'TEXT'"; of the first parts we know better.
+    // "... - PROBLEM; last read: 'TEXT'". The parts before " - " are replaced.
     if (const auto dash = problem.find(" - "); dash != std::string::npos) problem.erase(0, dash + 3);
     if (problem.starts_with("invalid string"))
       begin = std::min(std::max(position, begin + 1) - 1, text_.size());
@@ -82,7 +82,7 @@ class TreeBuilder : public nlohmann::json_sax<nlohmann::json> {
  private:
   [[noreturn]] void fail(std::size_t byte, std::string problem, std::string expected,
                          std::string found) const {
-    throw Error(document_.name, document_.offset(byte), std::move(problem), std::move(expected),
+    throw Error(document_.name, document_.line_and_column(byte), std::move(problem), std::move(expected),
                 std::move(found));
   }
 
@@ -171,7 +171,7 @@ class TreeBuilder : public nlohmann::json_sax<nlohmann::json> {
     const JsonMember& again = *twice[1];
     fail(again.key_begin,
          "duplicate key " + document_.quote(again.key_begin, again.key_end) + ", first at " +
-             document_.offset(twice[0]->key_begin),
+             document_.line_and_column(twice[0]->key_begin),
          "unique keys", "");
   }
 
@@ -180,13 +180,31 @@ class TreeBuilder : public nlohmann::json_sax<nlohmann::json> {
   std::span<const std::string_view> unread_;
   std::size_t cursor_ = 0;         // end of the last token
   std::vector<JsonValue*> open_;   // objects and arrays that are not closed yet
-  bool skips_next_ = false;        // the next value stands under an unread key
+  bool skips_next_ = false;        // the next value is that of an unread key
   std::size_t skipped_depth_ = 0;  // objects and arrays open inside such a value
 };
 
+std::string list_of(std::span<const std::string_view> words) {
+  std::string list;
+  for (const std::string_view word : words) list += fmt::format("{}\"{}\"", list.empty() ? "" : ", ", word);
+  return words.size() == 1 ? list : "one of " + list;
+}
+
+// JSON pointer (RFC 6901): ~ and / inside a key are written ~0 and ~1.
+std::string pointer_step(std::string_view key) {
+  std::string step = "/";
+  for (const char c : key) step += c == '~' ? "~0" : c == '/' ? "~1" : std::string(1, c);
+  return step;
+}
+
+std::string did_you_mean(std::string_view word, std::span<const std::string_view> words) {
+  const std::string_view nearest = nearest_word(word, words);
+  return nearest.empty() ? "" : fmt::format(", did you mean \"{}\"?", nearest);
+}
+
 }  // namespace
 
-std::string JsonDocument::offset(std::size_t byte) const {
+std::string JsonDocument::line_and_column(std::size_t byte) const {
   const auto end = text.begin() + static_cast<std::ptrdiff_t>(std::min(byte, text.size()));
   const auto line = std::count(text.begin(), end, '\n') + 1;
   auto start = end;
@@ -215,28 +233,6 @@ JsonDocument parse_json(std::string text, std::string name, std::span<const std:
   return document;
 }
 
-namespace {
-
-std::string list_of(std::span<const std::string_view> words) {
-  std::string list;
-  for (const std::string_view word : words) list += fmt::format("{}\"{}\"", list.empty() ? "" : ", ", word);
-  return words.size() == 1 ? list : "one of " + list;
-}
-
-// JSON pointer (RFC 6901): ~ and / inside a key are written ~0 and ~1.
-std::string pointer_step(std::string_view key) {
-  std::string step = "/";
-  for (const char c : key) step += c == '~' ? "~0" : c == '/' ? "~1" : std::string(1, c);
-  return step;
-}
-
-std::string did_you_mean(std::string_view word, std::span<const std::string_view> words) {
-  const std::string_view nearest = nearest_word(word, words);
-  return nearest.empty() ? "" : fmt::format(", did you mean \"{}\"?", nearest);
-}
-
-}  // namespace
-
 bool NumberRange::contains(double value) const {
   return (above_minimum ? value > minimum : value >= minimum) &&
          (below_maximum ? value < maximum : value <= maximum);
@@ -251,7 +247,7 @@ std::string NumberRange::describe() const {
 void JsonNode::fail_at(std::size_t byte, const std::string& problem, const std::string& expected,
                        const std::string& found, const std::string& pointer) const {
   throw Error({.file = document_->name,
-               .location = document_->offset(byte),
+               .location = document_->line_and_column(byte),
                .problem = fmt::format("{} (at {})", problem, pointer.empty() ? "the top" : pointer),
                .expected = expected,
                .found = found});

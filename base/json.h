@@ -20,7 +20,7 @@ struct JsonValue;
 using JsonArray = std::vector<JsonValue>;
 using JsonObject = std::vector<JsonMember>;
 
-/// One value of a JSON text, with the offset where it begins. Whole numbers from 0 to 2^64-1 are kept exactly.
+/// One value of a JSON text, with its range of bytes there. Whole numbers from 0 to 2^64-1 are kept exactly.
 struct JsonValue {
   std::variant<std::nullptr_t, bool, std::uint64_t, double, std::string, JsonArray, JsonObject> data;
   std::size_t begin = 0;  ///< bytes [begin, end) of the text
@@ -34,14 +34,14 @@ struct JsonMember {
   JsonValue value;
 };
 
-/// A JSON text together with what it says, so that messages can quote it and name line and column.
+/// A JSON text and the values parsed from it, so that messages can quote the text and name line and column.
 struct JsonDocument {
   std::string name;  ///< the file, as messages call it
   std::string text;
   JsonValue root;
 
   /// "LINE:COLUMN" of a byte, both from 1, columns counted in characters.
-  std::string offset(std::size_t byte) const;
+  std::string line_and_column(std::size_t byte) const;
   /// The text at bytes [begin, end), shortened to one line of at most 40 characters.
   std::string quote(std::size_t begin, std::size_t end) const;
 };
@@ -52,7 +52,7 @@ struct JsonDocument {
 /// Cost: linear; memory at most about 100 times the text that is kept.
 JsonDocument parse_json(std::string text, std::string name, std::span<const std::string_view> unread = {});
 
-/// Which numbers are allowed: minimum to maximum, each included unless said otherwise.
+/// Which numbers are allowed: minimum to maximum, both included by default.
 struct NumberRange {
   double minimum = -std::numeric_limits<double>::max();
   double maximum = std::numeric_limits<double>::max();
@@ -63,14 +63,14 @@ struct NumberRange {
   std::string describe() const;  ///< "from 0 to 1", "greater than 0 and at most 10"
 };
 
-/// Coordinates and lengths: beyond any position on or near Earth, and squares stay far from the limits of
-/// double.
+/// Limits of coordinates and lengths: beyond any place on or near Earth, and squares stay far from the limits
+/// of double.
 inline constexpr double k_largest_length = 1e12;
 inline constexpr NumberRange k_coordinate{-k_largest_length, k_largest_length};
 inline constexpr NumberRange k_length{0.0, k_largest_length, true};
 
-/// A value of a document that knows its JSON pointer: every check that fails throws an Error with file, line,
-/// column, pointer, what was expected and found. Cheap to copy; the document must outlive it.
+/// A value of a document with its JSON pointer. A check that fails throws an Error with file, line, column,
+/// pointer, what was expected and what was found. Cheap to copy; the document must outlive it.
 class JsonNode {
  public:
   explicit JsonNode(const JsonDocument& document) : document_(&document), value_(&document.root) {}
@@ -105,7 +105,7 @@ class JsonNode {
   /// The member of that name, if this is an object and has it.
   std::optional<JsonNode> find(std::string_view key) const;
 
-  /// Throws. The offset is this value's; `found` is a quotation of it unless given.
+  /// Throws an Error located at this value; `found` quotes the value unless given.
   [[noreturn]] void fail(const std::string& problem, const std::string& expected,
                          const std::optional<std::string>& found = {}) const;
 
@@ -121,7 +121,7 @@ class JsonNode {
   std::string pointer_;
 };
 
-/// Access to an object whose keys are all known: others are an error that names the nearest known one.
+/// Access to an object with a fixed set of keys: another key is an error that names the nearest of `known`.
 class JsonFields {
  public:
   JsonFields(const JsonNode& node, std::initializer_list<std::string_view> known);

@@ -21,23 +21,24 @@ namespace {
 
 const auto k_page = static_cast<std::uintptr_t>(::sysconf(_SC_PAGESIZE));  // 64 KiB on some ARM systems
 
-/// Where a map lies, as the handler of a signal may read it at any time: entries are never deleted, but used again.
-struct Place {
+/// The addresses of a map, as the handler of a signal may read them at any time: ranges are never deleted,
+/// but used again.
+struct MapRange {
   std::atomic<std::uintptr_t> begin = 0, end = 0;  ///< end 0: free
   std::atomic<bool> has_failed = false;
-  Place* next = nullptr;
+  MapRange* next = nullptr;
 };
-std::atomic<Place*> first_place = nullptr;
+std::atomic<MapRange*> first_range = nullptr;
 
 class WatchedMap;
 
-/// For all that handlers do not need.
+/// State that the handler of signals does not read.
 struct Registry {
   std::mutex mutex;
   std::set<const WatchedMap*> maps;
   bool has_handler = false;
 };
-/// What was there before the handler of SIGBUS.
+/// The handler of SIGBUS before ours.
 struct sigaction handler_before {};
 
 Registry& registry() {
@@ -45,12 +46,12 @@ Registry& registry() {
   return registry;
 }
 
-Place* free_place() {
-  for (Place* place = first_place; place != nullptr; place = place->next)
-    if (place->end == 0) return place;
-  auto* const made = new Place;
-  made->next = first_place;
-  first_place = made;
+MapRange* free_range() {
+  for (MapRange* range = first_range; range != nullptr; range = range->next)
+    if (range->end == 0) return range;
+  auto* const made = new MapRange;
+  made->next = first_range;
+  first_range = made;
   return made;
 }
 
@@ -67,9 +68,9 @@ class WatchedMap final : public LocalMap {
     if (size > available_memory().value_or(size)) ::madvise(map, size, MADV_RANDOM);
     const std::scoped_lock lock(registry().mutex);
     install_handler();
-    place_ = free_place();
-    place_->begin = reinterpret_cast<std::uintptr_t>(map);
-    place_->end = place_->begin + size;
+    range_ = free_range();
+    range_->begin = reinterpret_cast<std::uintptr_t>(map);
+    range_->end = range_->begin + size;
     registry().maps.insert(this);
   }
   ~WatchedMap() override {
@@ -77,9 +78,9 @@ class WatchedMap final : public LocalMap {
     {
       const std::scoped_lock lock(registry().mutex);
       registry().maps.erase(this);
-      // First, as handlers in other threads take what is before it for this map.
-      place_->end = 0;
-      if (place_->has_failed.exchange(false)) --failures_;
+      // Before munmap(): a handler in another thread would take later maps in this range for this one.
+      range_->end = 0;
+      if (range_->has_failed.exchange(false)) --failures_;
     }
     ::munmap(const_cast<std::byte*>(bytes_.data()), bytes_.size());
   }
@@ -91,9 +92,9 @@ class WatchedMap final : public LocalMap {
     const auto* const byte = static_cast<const std::byte*>(address);
     return byte >= bytes_.data() && byte < bytes_.data() + bytes_.size();
   }
-  bool has_failed() const { return place_->has_failed; }
+  bool has_failed() const { return range_->has_failed; }
 
-  /// Whether the file is there, but has changed. One that was replaced is another.
+  /// Whether the file exists but has changed. One that replaced it is another file.
   bool is_changed() const {
     struct stat now {};
     if (::stat(path_.c_str(), &now) != 0 || now.st_dev != status_.st_dev || now.st_ino != status_.st_ino)
@@ -114,13 +115,13 @@ class WatchedMap final : public LocalMap {
   /// Puts zeros where the file has no bytes any more. Only calls what signal handlers may.
   static void on_bus_error(int number, siginfo_t* info, void* context) {
     const auto address = reinterpret_cast<std::uintptr_t>(info->si_addr);
-    for (Place* place = first_place; place != nullptr; place = place->next) {
-      const std::uintptr_t begin = place->begin, end = place->end;
-      // The place may get another map meanwhile.
-      if (address < begin || address >= end || place->begin != begin) continue;
+    for (MapRange* range = first_range; range != nullptr; range = range->next) {
+      const std::uintptr_t begin = range->begin, end = range->end;
+      // Another map may take the range meanwhile.
+      if (address < begin || address >= end || range->begin != begin) continue;
       const int error = errno;
-      // In this order: who sees zeros must find the failure.
-      if (!place->has_failed.exchange(true)) ++failures_;
+      // In this order: a thread that reads zeros must find the failure.
+      if (!range->has_failed.exchange(true)) ++failures_;
       const std::uintptr_t page = address / k_page * k_page;
       const void* const map = ::mmap(reinterpret_cast<void*>(page), end - page, PROT_READ,
                                      MAP_PRIVATE | MAP_ANONYMOUS | MAP_NORESERVE | MAP_FIXED, -1, 0);
@@ -151,7 +152,7 @@ class WatchedMap final : public LocalMap {
   const std::string path_, name_;
   struct stat status_ {};
   std::span<const std::byte> bytes_;
-  Place* place_ = nullptr;
+  MapRange* range_ = nullptr;
 };
 
 }  // namespace

@@ -12,7 +12,7 @@ namespace alidade {
 /// Bits per axis that a key of 64 bits holds.
 constexpr int k_morton_bits = 21;
 
-/// Holds the 96 bits of three whole 32-bit coordinates.
+/// A key of 96 bits, for three whole 32-bit coordinates.
 using WideMortonKey = unsigned __int128;
 
 /// Spreads the low 21 bits of a value to every third bit.

@@ -8,7 +8,7 @@
 
 namespace alidade {
 
-/// What work() returns. An Error of it that names no file gets this one.
+/// Returns work(). An Error of it without a file gets this one.
 template <class Work>
 auto with_file(const std::string& file, const Work& work) -> decltype(work()) {
   try {

@@ -39,8 +39,9 @@ bool is_in_shared_folder(const std::filesystem::path& path) {
   return is_of_others || (status.st_mode & (S_IWGRP | S_IWOTH)) != 0;
 }
 
-/// The file a symbolic link leads to, which need not exist, so that writing keeps the link. Errors: too many links;
-/// `trusts_links` is false and a link is in a folder that others can write, who then choose what is written.
+/// The file a symbolic link leads to, which need not exist, so that writing keeps the link. Errors: too
+/// many links; `trusts_links` is false and a link is in a folder that others can write, who then choose
+/// which file is written.
 std::filesystem::path resolve(std::filesystem::path path, bool trusts_links) {
   constexpr int k_most_links = 40;  // as many as Linux follows
   std::error_code error;
@@ -58,8 +59,8 @@ std::filesystem::path resolve(std::filesystem::path path, bool trusts_links) {
   return path;
 }
 
-/// What the temporary files of an output begin with, and what they end with; with the numbers between them
-/// they are names that file systems take, however long the output's own is.
+/// Beginning and end of the names of an output's temporary files. With the numbers between them they are
+/// short enough for file systems, however long the output's own name is.
 struct TemporaryName {
   std::string begin, end;
 
@@ -73,8 +74,8 @@ struct TemporaryName {
   }
 };
 
-/// Temporary files that other processes had in a folder when this process first wrote there. A folder is listed
-/// only once, so that writing thousands of frames to it takes no time that grows with their square.
+/// Temporary files that other processes had in a folder when this process first wrote there. A folder is
+/// listed only once, so that writing thousands of frames to it takes no time that grows with their square.
 const std::vector<std::filesystem::path>& temporaries_in(const std::filesystem::path& folder) {
   static std::mutex mutex;
   static std::map<std::filesystem::path, std::vector<std::filesystem::path>> known;
@@ -90,8 +91,8 @@ const std::vector<std::filesystem::path>& temporaries_in(const std::filesystem::
   return found->second;
 }
 
-/// Removes the temporary files of this output that no process has locked: numbers of processes are used again, and on a
-/// shared file system a process of another machine may write the file.
+/// Removes the temporary files of this output that no process has locked: numbers of processes are used
+/// again, and on a shared file system a process of another machine may write the file.
 void remove_stale(const std::filesystem::path& folder, const TemporaryName& like) {
   for (const std::filesystem::path& path : temporaries_in(folder)) {
     const std::string name = path.filename().string();
@@ -104,10 +105,10 @@ void remove_stale(const std::filesystem::path& folder, const TemporaryName& like
     const bool is_ours = std::sscanf(numbers.c_str(), "%d-%d%n", &process, &attempt, &read) == 2 &&
                          static_cast<std::size_t>(read) == numbers.size() && process > 0;
     if (!is_ours) continue;
-    // NFS locks only what is open for writing.
+    // NFS locks only files that are open for writing.
     const int descriptor = ::open(path.c_str(), O_RDWR | O_CLOEXEC | O_NOFOLLOW | O_NONBLOCK);
     if (descriptor < 0) continue;
-    // Its process has it locked until it has another name.
+    // Its process keeps it locked until it is renamed.
     struct stat locked {
     }, named{};
     if (::flock(descriptor, LOCK_EX | LOCK_NB) == 0 && ::fstat(descriptor, &locked) == 0 &&
@@ -129,7 +130,8 @@ void write_fully(const std::string& name, int descriptor, std::uint64_t offset,
     const ::ssize_t count = ::pwrite(descriptor, bytes.data(), bytes.size(), static_cast<::off_t>(offset));
     if (count < 0 && errno == EINTR) continue;
     if (count < 0 && errno == EFAULT) {
-      // The system does not wait for pages of a remote map. Not all at once: what came first might give way.
+      // System calls do not wait for pages of a remote map. Not all bytes at once: the first might be swapped
+      // out.
       RemoteMap::touch(bytes.first(std::min(bytes.size(), std::size_t{1} << 20)));
       continue;
     }
@@ -173,7 +175,8 @@ int create_temporary(const std::filesystem::path& output, const std::string& nam
     const int descriptor = ::open(temporary.c_str(), O_RDWR | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
     if (descriptor < 0 && errno != EEXIST) fail(name);
     if (descriptor < 0) continue;
-    // Another process may have taken it for stale before it was locked. Where locks are not supported, none does.
+    // Another process may have taken it for stale before it was locked. Where locks are not supported, none
+    // does.
     struct stat status {};
     const bool is_taken = ::flock(descriptor, LOCK_EX | LOCK_NB) != 0 && errno == EWOULDBLOCK;
     if (!is_taken && ::fstat(descriptor, &status) == 0 && status.st_nlink > 0) return descriptor;

@@ -10,10 +10,11 @@
 
 namespace alidade {
 
-/// A file that appears completely or not at all: bytes go to a temporary file in the same folder, and commit()
-/// renames it to its final name. Without commit() the destructor removes the temporary file, and an earlier
-/// file stays as it was. Through a symbolic link its target is written, whether or not it is there; a link in a folder
-/// that others can write requires `overwrite`. What a process that was killed left of the same output is removed.
+/// A file that appears completely or not at all: bytes go to a temporary file in the same folder, and
+/// commit() renames it to its final name. Without commit() the destructor removes the temporary file, and an
+/// earlier file stays as it was. Through a symbolic link its target is written, whether or not it exists; a
+/// link in a folder that others can write requires `overwrite`. Temporary files that killed processes left of
+/// this output are removed.
 class OutputFile {
  public:
   /// Errors: those of check_output(); the folder is not writable.
@@ -45,19 +46,22 @@ class OutputFile {
   bool committed_ = false;
 };
 
-/// The name of this process's temporary file for an output, in its folder: ".yard.part-4711-0.las". It is short
-/// enough for file systems even if the output's own name has 255 bytes, with room for 8 more.
+/// The name of this process's temporary file for an output, in its folder: ".yard.part-4711-0.las". It is
+/// short enough for file systems even if the output's own name has 255 bytes, with room for 8 more.
 std::filesystem::path temporary_beside(const std::filesystem::path& path, int attempt);
 
-/// Writes all bytes at an offset of an open file. Errors, said of `name`: no space left and other failures.
+/// Writes all bytes at an offset of an open file. Errors, which name `name`: no space left and other
+/// failures.
 void write_fully(const std::string& name, int descriptor, std::uint64_t offset,
                  std::span<const std::byte> bytes);
 
-/// Lets a long task fail before it starts. Errors: `path` is not a regular file, or its folder is missing; unless
-/// `overwrite`, it exists, or is a symbolic link, also a dangling one, in a folder that others can write.
+/// Lets a long task fail before it starts. Errors: `path` is not a regular file, or its folder is
+/// missing; unless `overwrite`, it exists, or is a symbolic link, also a dangling one, in a folder that
+/// others can write.
 void check_output(const std::filesystem::path& path, bool overwrite);
 
-/// The last of these errors, for files that may exist: databases, checkpoints.
+/// Errors: `path` leads through a symbolic link in a folder that others can write, or through too many. For
+/// files that may exist: databases, checkpoints.
 void check_links(const std::filesystem::path& path);
 
 }  // namespace alidade

@@ -66,7 +66,7 @@ void PageFaults::fill(std::span<std::byte> pages, const std::byte* from) {
     std::int64_t placed = from != nullptr ? copy.copy : zeros.zeropage;
     if (placed <= 0) {
       if (errno == EAGAIN) continue;
-      if (errno != EEXIST) std::terminate();  // threads would wait for ever
+      if (errno != EEXIST) std::terminate();  // threads would wait forever
       placed = k_fault_page;                  // it was filled alone before
     }
     pages = pages.subspan(static_cast<std::size_t>(placed));

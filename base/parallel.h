@@ -25,8 +25,8 @@ void in_parallel(Index count, std::type_identity_t<Index> grain, const Work& wor
   });
 }
 
-/// body(0) .. body(count - 1) in parallel, begun in this order: whoever is free takes the next. For work that
-/// uses up memory along the way and should have only a few parts of it in use at a time.
+/// Calls body(0) .. body(count - 1) in parallel, begun in this order: a free thread takes the next. For work
+/// that uses up memory along the way and should have only a few parts of it in use at a time.
 template <class Body>
 void for_each_in_order(std::size_t count, const Body& body) {
   std::atomic<std::size_t> next = 0;
@@ -60,7 +60,8 @@ void at_once(std::size_t first, std::size_t end, const Work& work) {
   }
 }
 
-/// The same, `most` calls at a time, each lot when the one before it has ended.
+/// Calls work(i) for every i in [0, count) as at_once(), `most` calls at a time, each lot when the one before
+/// it has ended.
 template <class Work>
 void in_turns(std::size_t count, std::size_t most, const Work& work) {
   for (std::size_t first = 0; first < count; first += most)
@@ -68,17 +69,17 @@ void in_turns(std::size_t count, std::size_t most, const Work& work) {
 }
 
 /// The progress of work that several threads do at once, on files or on parts of one: the sum of their bytes,
-/// at most `total`. Whoever watches is never called by two threads at once, and after the answer to stop not
-/// again.
+/// at most `total`. `progress` is never called by two threads at once, and not again once it has returned
+/// false.
 class JoinedProgress {
  public:
   /// `progress` must outlive the object, which must outlive the passes.
   JoinedProgress(const Progress& progress, std::uint64_t total) : progress_(progress), total_(total) {}
 
-  /// What to give to a pass over `bytes` bytes, which reports to it one call at a time.
+  /// The callback for a pass over `bytes` bytes, which makes one call at a time.
   Progress pass(std::uint64_t bytes);
 
-  /// So many bytes more, maybe none, are done. Errors: Cancelled, when the answer was to stop.
+  /// Adds bytes that are done, maybe none. Errors: Cancelled, once `progress` has returned false.
   void add(std::uint64_t bytes);
 
  private:

@@ -10,10 +10,10 @@ namespace alidade {
 
 /// Reports the progress of a long task, in units of its own (points, pixels, bytes).
 /// Called a few dozen times per second at most, never by two threads at once. Returning false stops the task,
-/// which then cleans up and throws Cancelled. An empty function means nobody watches.
+/// which then cleans up and throws Cancelled. With an empty function nothing is reported.
 using Progress = std::function<bool(std::uint64_t done, std::uint64_t total)>;
 
-/// Reports to `progress` if there is one; throws Cancelled if it answers false.
+/// Reports to `progress` if there is one; throws Cancelled if it returns false.
 inline void report(const Progress& progress, std::uint64_t done, std::uint64_t total) {
   if (progress && !progress(done, total)) throw Cancelled();
 }

@@ -6,8 +6,8 @@
 
 namespace alidade {
 
-/// The name of a file without what may be secret: of a URL, user and password, and what follows '?' or '#', such as
-/// signatures. Any other name as it is.
+/// The name of a file without possible secrets: of a URL without user and password, and without what follows
+/// '?' or '#', such as signatures. Any other name as it is.
 inline std::string public_name(std::string name) {
   std::size_t begin = name.find("https://");
   if (begin == std::string::npos) begin = name.find("http://");

@@ -30,10 +30,10 @@ inline glm::dvec3 unit_direction(const glm::dvec3& v) {
   return scaled / std::sqrt(scaled.x * scaled.x + scaled.y * scaled.y + scaled.z * scaled.z);
 }
 
-/// A line through the world with a position on it: position(t) = origin + t * direction.
-/// `direction` has length 1, so t is in metres. Queries look at points whose projection falls into the closed
-/// interval [t_min, t_max]; by default that is all of the line, in both directions, as in the paper (section
-/// 2).
+/// A line through the world with an origin on it: position(t) = origin + t * direction.
+/// `direction` has length 1, so t is in metres. Queries test the points whose projection falls into the
+/// closed interval [t_min, t_max]; by default that is all of the line, in both directions, as in the paper
+/// (section 2).
 struct Ray {
   glm::dvec3 origin{0.0};
   glm::dvec3 direction{0.0, 0.0, 1.0};

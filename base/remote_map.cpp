@@ -43,7 +43,7 @@ Registry& registry() {
   return registry;
 }
 
-/// What all maps hold in memory.
+/// Bytes that all maps hold in memory.
 std::atomic<std::uint64_t> arrived_in_all = 0;
 
 class FaultingMap final : public RemoteMap {
@@ -115,8 +115,8 @@ class FaultingMap final : public RemoteMap {
     }
   }
 
-  /// The first failure counts. Requires the registry's mutex. In this order: who sees
-  /// has_failed_ stores zeros, and check() must throw by then.
+  /// The first failure counts. Requires the registry's mutex. In this order: a thread that reads has_failed_
+  /// as true stores zeros, and check() must throw by then.
   void fail_locked(const std::exception_ptr& failure) {
     if (!registry().failures.emplace(this, failure).second) return;
     ++failures_;
@@ -234,7 +234,7 @@ class FaultingMap final : public RemoteMap {
     fail_locked(failure);
   }
 
-  /// Whoever goes through the map gets ever more at once.
+  /// Where a request for the block at `offset` ends. Sequential reads fetch more and more at once.
   std::uint64_t end_of_fault(std::uint64_t offset) {
     constexpr std::uint64_t k_most = std::uint64_t{8} << 20;
     const Block block = block_at(offset);
@@ -244,14 +244,14 @@ class FaultingMap final : public RemoteMap {
     return next_;
   }
 
-  /// Threads that wait for a page would wait for ever if this ended by an exception.
+  /// Threads that wait for a page would wait forever if this ended by an exception.
   void serve() noexcept {
     std::unique_ptr<RemoteFile> file;
     while (const std::byte* const page = faults_.next()) {
       const auto offset = static_cast<std::uint64_t>(page - begin_);
       if (state_at(offset) != Page::missing) {
-        // If it is coming, it wakes the threads itself; if it came between the fault and this message, it has
-        // not.
+        // A page that is coming wakes the threads when it is stored. One that was stored between the fault
+        // and this message has not woken them.
         if (state_at(offset) == Page::there) faults_.wake(begin_ + offset);
         continue;
       }
@@ -288,7 +288,7 @@ class FaultingMap final : public RemoteMap {
   mutable std::shared_mutex blocks_mutex_;
   BlockOf block_of_;
   CheckBlock check_;
-  std::mutex mutex_;  ///< of all that follows
+  std::mutex mutex_;  ///< of all members below
   /// A chunk is made when a page of it is first read: servers may state any size.
   std::unordered_map<std::uint64_t, std::array<Page, k_pages_of_chunk>> states_;
   std::uint64_t next_ = 0, ahead_ = 0;
@@ -312,7 +312,7 @@ void fail_all_in_child() {
 
 std::shared_ptr<FaultingMap> find_map(const void* address) {
   const auto* const byte = static_cast<const std::byte*>(address);
-  std::shared_ptr<FaultingMap> map;  // given back without the lock
+  std::shared_ptr<FaultingMap> map;  // destroyed after the lock is released
   const std::scoped_lock lock(registry().mutex);
   const auto after = registry().maps.upper_bound(byte);
   if (after == registry().maps.begin()) return nullptr;

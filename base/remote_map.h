@@ -21,7 +21,7 @@ namespace alidade {
 ///
 /// Touching memory cannot fail. If the network fails, or what arrives is damaged, or all maps together would
 /// hold too much, the pages that are missing become zeros and the map has failed, for good: check() throws
-/// its Error as long as it lives. So whoever reads the bytes calls check() before the result counts.
+/// its Error as long as it lives. So code that reads the bytes calls check() before the result counts.
 /// OutputFile and standard output call check_all(): while a failed map lives, nothing is written.
 ///
 /// System calls do not wait for pages: they fail on those that no thread has touched. A process that forks
@@ -44,7 +44,7 @@ class RemoteMap {
 
   virtual ~RemoteMap() = default;
   virtual std::span<const std::byte> bytes() const = 0;
-  /// From now on blocks arrive so, and are checked; before, single pages arrive. What has arrived stays
+  /// From now on whole blocks are fetched, and checked; before, single pages. What has arrived stays
   /// unchecked.
   virtual void set_blocks(BlockOf block_of, CheckBlock check) = 0;
   /// Fetches what has not arrived of some bytes, in large requests.
@@ -53,8 +53,8 @@ class RemoteMap {
   /// Reads a byte of each page, so that all have arrived. Costs as much for any memory.
   static void touch(std::span<const std::byte> bytes);
 
-  /// Errors: that of the map an address lies in, if it has failed, also of a file on this machine. Cancelled. Cost:
-  /// nothing while no map has.
+  /// Errors: that of the map an address lies in, if it has failed, also of a file on this machine. Cancelled.
+  /// Cost: nothing while no map has.
   static void check(const void* address) {
     if (failures_ > 0) check_map(address);
     LocalMap::check(address);

@@ -18,12 +18,12 @@ constexpr std::size_t k_most_parts = 128;  ///< files that are open at once
 
 using Take = std::function<void(std::span<const std::byte>)>;
 
-/// So many records at once, at least one.
+/// Records that fit into so many bytes, at least one.
 std::size_t records_in(std::size_t bytes, std::size_t record_bytes) {
   return std::max<std::size_t>(bytes / record_bytes, 1);
 }
 
-/// Where memory holds all records.
+/// Reorders records that all fit into memory.
 void reorder_in_memory(const ScratchFile& records, std::size_t record_bytes,
                        std::span<const std::uint32_t> order, const Take& take) {
   std::vector<std::byte> all(static_cast<std::size_t>(records.size())), piece;
@@ -38,7 +38,7 @@ void reorder_in_memory(const ScratchFile& records, std::size_t record_bytes,
   }
 }
 
-/// Records of one part of the new order, each behind its number there.
+/// Records of one part of the new order, each after its number there.
 class Part {
  public:
   /// `buffer_bytes`: written at once.
@@ -95,7 +95,7 @@ struct PartsToFill {
   }
 };
 
-/// Adds the records to the parts they belong to. `memory`: for where the records of some rows go.
+/// Adds the records to the parts they belong to. `memory`: bytes for the inverse of a part of the order.
 void fill_parts(const PartsToFill& parts, const ScratchFile& records, std::size_t record_bytes,
                 std::span<const std::uint32_t> order, std::size_t memory) {
   const std::size_t rows_at_once = std::max(k_numbers_at_once, memory / sizeof(std::uint32_t));

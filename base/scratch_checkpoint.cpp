@@ -58,7 +58,7 @@ bool is_plain_file(const std::filesystem::directory_entry& entry) {
   return std::filesystem::is_regular_file(entry.symlink_status(error));
 }
 
-/// What the manifest states of a file: "BYTES CHECKSUM".
+/// The manifest's entry of a file: "BYTES CHECKSUM".
 std::pair<std::uint64_t, std::uint64_t> stated_content(const FingerprintEntry& entry,
                                                        const std::string& file) {
   std::uint64_t bytes = 0, sum = 0;
@@ -85,7 +85,7 @@ ScratchCheckpoint::ScratchCheckpoint(PartsOptions options, Fingerprint fingerpri
   made_folder_ = std::filesystem::create_directory(folder(), error);
   if (error) throw system_error(name, "cannot create the folder", error.value());
   lock_ = FileDescriptor(name, O_RDONLY | O_DIRECTORY | O_CLOEXEC);
-  // Held until it is closed: two runs that append to the same files would damage them.
+  // Held until it is closed: two runs that append to one set of files would damage them.
   if (::flock(lock_.number(), LOCK_EX | LOCK_NB) != 0) {
     if (errno == EWOULDBLOCK) throw file_error(name, "another run is using this checkpoint");
     throw system_error(name, "cannot lock the folder");
@@ -106,7 +106,7 @@ ScratchCheckpoint::ScratchCheckpoint(PartsOptions options, Fingerprint fingerpri
 
 void ScratchCheckpoint::begin() {
   try {
-    // Of one that is replaced; if it is damaged, the folder counts as the user's.
+    // From the manifest that is replaced; if that is damaged, the folder counts as the user's.
     InputFile file(folder() / k_manifest);
     made_folder_ |=
         load<std::uint64_t>(read_checkpoint_head(file, k_form, [](const HeaderFields&) {}).data() +
@@ -121,9 +121,9 @@ void ScratchCheckpoint::begin() {
   }
 }
 
-/// Returns whether the manifest could be written, which then states 0 rows. That comes first: a kill meanwhile leaves a
-/// checkpoint without rows, and neither a manifest of rows that are gone nor rows without a manifest, which later runs
-/// would take for files of the user.
+/// Returns whether the manifest could be written, which then states 0 rows. That comes first: a kill
+/// meanwhile leaves a checkpoint without rows, and neither a manifest of rows that are gone nor rows without
+/// a manifest, which later runs would take for files of the user.
 bool ScratchCheckpoint::remove_rows() {
   bool is_written = true;
   try {
@@ -190,7 +190,7 @@ void ScratchCheckpoint::keep(std::uint64_t rows, std::span<const Kept> files) {
   if (is_corrupt_) return;
   try {
     for (const Kept& kept : files) {
-      // What is left of rows that the disk did not hold would take the room of the manifest.
+      // Partly written rows on a full disk would take the room of the manifest.
       kept.file->cut(kept.bytes);
       kept.file->sync();
     }

@@ -34,7 +34,7 @@ int open_scratch(const std::filesystem::path& folder) {
   const int nameless =
       ::open(folder.empty() ? "." : folder.c_str(), O_TMPFILE | O_RDWR | O_CLOEXEC, S_IRUSR | S_IWUSR);
   if (nameless >= 0) return nameless;
-  // Some file systems cannot do that.
+  // Some file systems do not support files without a name.
   std::string name = (folder / ".alidade-XXXXXX").string();
   const int descriptor = ::mkostemp(name.data(), O_CLOEXEC);
   if (descriptor < 0) fail_in(folder, "cannot create a temporary file in this folder");
@@ -51,7 +51,7 @@ int reserve(int descriptor, std::uint64_t offset, std::uint64_t count) {
   return number;
 }
 
-/// For the pages that lie in these bytes as a whole; returns what madvise() does.
+/// Calls madvise() for the pages that lie completely in these bytes, and returns its result.
 int advise(std::span<const std::byte> bytes, int advice) noexcept {
   const auto page = static_cast<std::uintptr_t>(::sysconf(_SC_PAGESIZE));
   const auto begin = (reinterpret_cast<std::uintptr_t>(bytes.data()) + page - 1) / page * page;
@@ -158,7 +158,7 @@ std::uint64_t ScratchFile::sum_of(std::uint64_t offset, std::uint64_t count) con
   return alidade::checksum(bytes);
 }
 
-/// Soon after they were written, as long as the system has them in memory.
+/// Called soon after blocks were written, as long as the system has them in memory.
 void ScratchFile::sum_blocks(const std::function<bool()>& is_interrupted) {
   if (!is_named_) return;
   while (sums_.size() < size_ / k_checksum_block) {
@@ -183,8 +183,8 @@ void ScratchFile::sync() const {
 std::span<std::byte> ScratchFile::map() {
   if (size_ == 0) return {};
   if (!mapped_) {
-    // The system might have to hold every page of a private map that can be written: it does not map one larger than
-    // memory. Of a shared one, discard_scratch_pages() would remove the bytes.
+    // The system might have to hold every page of a private map that can be written: it does not map one
+    // larger than memory. Of a shared one, discard_scratch_pages() would remove the bytes.
     void* const mapped =
         is_named_ ? ::mmap(nullptr, size_, PROT_READ, MAP_PRIVATE, descriptor_.number(), 0)
                   : ::mmap(nullptr, size_, PROT_READ | PROT_WRITE, MAP_SHARED, descriptor_.number(), 0);

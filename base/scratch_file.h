@@ -13,23 +13,23 @@
 
 namespace alidade {
 
-/// Where points lie that memory need not hold.
+/// Where points are kept that memory need not hold.
 struct ScratchSpace {
   std::filesystem::path folder;  ///< of scratch files
   std::uint64_t memory = 0;      ///< bytes to work in
 };
 
-/// The folder for temporary files of commands without an output: TMPDIR, or /tmp. Errors: it is no folder.
+/// The folder for temporary files of commands without an output: TMPDIR, or /tmp. Errors: it is not a folder.
 std::filesystem::path temporary_folder();
 
-/// A file for what memory does not hold, as a rule without a name: removed with the object, also if the program is
-/// killed.
+/// A file for data that memory does not hold, as a rule without a name: removed with the object, also if the
+/// program is killed.
 class ScratchFile {
  public:
-  /// Made when the first bytes come, in this folder.
+  /// A file in this folder, made when the first bytes come.
   explicit ScratchFile(std::filesystem::path folder) : folder_(std::move(folder)) {}
-  /// One with a name, which stays; it is made if it is missing, and cut to its first `kept` bytes. Links are not
-  /// followed. Errors: it has fewer; it cannot be written.
+  /// A file with a name, which stays; it is made if it is missing, and cut to its first `kept` bytes. Links
+  /// are not followed. Errors: it has fewer; it cannot be written.
   ScratchFile(const std::filesystem::path& path, std::uint64_t kept);
   ~ScratchFile();
   ScratchFile(ScratchFile&& other) noexcept;
@@ -48,15 +48,15 @@ class ScratchFile {
   void cut(std::uint64_t kept);
   /// Waits until the bytes are on the disk. Errors: they cannot be written.
   void sync() const;
-  /// Checksum of all bytes of a file with a name, the same however they were appended. Cost: for bytes that this object
-  /// has appended, 1 MiB is read at most; others are read. `is_interrupted`, if given, is called for every MiB of these
-  /// and returns whether to stop. Errors: as read(). Cancelled.
+  /// Checksum of all bytes of a file with a name, however they were appended. Cost: at most 1 MiB is read of
+  /// the bytes that this object has appended, and all others. `is_interrupted`, if given, is called for every
+  /// MiB of these and returns whether to stop. Errors: as read(). Cancelled.
   std::uint64_t checksum(const std::function<bool()>& is_interrupted = {});
 
-  /// All bytes written so far, mapped into memory. Changes go to the file; the map of one with a name is read-only, and
-  /// keeps the bytes that are discarded. The map stays until the object is gone; nothing may be appended any more. On
-  /// file systems that write changed pages elsewhere (Btrfs, ZFS), a full disk then ends the program (SIGBUS). Errors:
-  /// the system cannot map them.
+  /// All bytes written so far, mapped into memory. Changes go to the file; the map of a file with a name is
+  /// read-only, and discarding its bytes does not remove them from the file. The map stays until the object
+  /// is gone; nothing may be appended any more. On file systems that write changed pages elsewhere (Btrfs,
+  /// ZFS), a full disk then ends the program (SIGBUS). Errors: the system cannot map them.
   std::span<std::byte> map();
 
  private:
@@ -73,16 +73,16 @@ class ScratchFile {
   std::byte* mapped_ = nullptr;
 };
 
-/// Memory of a scratch file of its own in this folder, for which disk space is reserved: zeros. `byte_count`: more
-/// than 0. munmap() gives it back, and its space on the disk. Errors: as ScratchFile::append().
+/// Memory of a scratch file of its own in this folder, for which disk space is reserved: zeros. `byte_count`:
+/// more than 0. munmap() returns it, and its space on the disk. Errors: as ScratchFile::append().
 void* map_scratch_pages(std::size_t byte_count, const std::filesystem::path& folder);
 
-/// States that bytes of a mapped scratch file will be read in no order: the system then reads single pages, and nothing
-/// ahead that would push out what is needed next. For what is larger than memory.
+/// Advises the system that bytes of a mapped scratch file will be read at random: it then reads single pages,
+/// and none ahead that would displace those needed next. For files that are larger than memory.
 void expect_random_reads(std::span<const std::byte> bytes) noexcept;
 
-/// Takes bytes of a mapped scratch file out of memory, and off the disk if it has no name, as far as they fill whole
-/// pages and the file system can (ext4, XFS, Btrfs, tmpfs).
+/// Removes bytes of a mapped scratch file from memory, and from the disk if it has no name, as far as they
+/// fill whole pages and the file system supports it (ext4, XFS, Btrfs, tmpfs).
 void discard_scratch_pages(std::span<const std::byte> bytes) noexcept;
 
 }  // namespace alidade

@@ -11,17 +11,17 @@
 namespace alidade {
 namespace {
 
-/// The code in Unicode of what is one character of UTF-8.
+/// The code point of one character of UTF-8.
 unsigned character_code(std::string_view character) {
-  const auto byte = [&](std::size_t position) { return static_cast<unsigned char>(character[position]); };
+  const auto byte = [&](std::size_t i) { return static_cast<unsigned char>(character[i]); };
   if (character.size() == 1) return byte(0);
   unsigned code = byte(0) & (0x7fu >> character.size());
-  for (std::size_t position = 1; position < character.size(); ++position)
-    code = code << 6 | (byte(position) & 0x3fu);
+  for (std::size_t i = 1; i < character.size(); ++i) code = code << 6 | (byte(i) & 0x3fu);
   return code;
 }
 
-/// Whether a character beyond ASCII is obeyed instead of shown: C1, line separators, and the direction of writing.
+/// Whether a terminal obeys a character beyond ASCII instead of showing it: C1, line separators, and the
+/// direction of writing.
 bool is_command(unsigned code) {
   return (code >= 0x80 && code <= 0x9f) || code == 0x061c || code == 0x200e || code == 0x200f ||
          (code >= 0x2028 && code <= 0x202e) || (code >= 0x2066 && code <= 0x2069);
@@ -68,7 +68,8 @@ std::string csv_cell(std::string_view text) {
 }
 
 std::string plain_json(std::string json) {
-  // These are only in strings: JSON is ASCII outside of them, and has escapes for its control characters in them.
+  // These are only in strings: JSON is ASCII outside of them, and has escapes for its control characters in
+  // them.
   if (std::ranges::all_of(json, [](char byte) { return static_cast<unsigned char>(byte) < 0x7f; }))
     return json;
   std::string plain;

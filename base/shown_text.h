@@ -4,26 +4,27 @@
 #include <string>
 #include <string_view>
 
-// Text that comes from files, as it is written for others: names of attributes, files, cameras and reference systems
-// may hold anything. One function for each destination.
+// Escaping of text that comes from files: names of attributes, files, cameras and reference systems may hold
+// anything. One function for each destination.
 //
-// Characters that a terminal, an editor or a page obeys instead of showing them are written as escapes everywhere:
-// control characters of ASCII and of C1, line separators, and those that turn the direction of writing.
+// Characters that a terminal, an editor or a page obeys instead of showing them are written as escapes
+// everywhere: control characters of ASCII and of C1, line separators, and those that turn the direction of
+// writing.
 
 namespace alidade {
 
-/// For a line on a terminal and in messages: `\n`, `\x1b`, `\u009b`, `\u202e`; bytes that are no UTF-8 as `\xff`. Applied
-/// again, it changes nothing.
+/// For a line on a terminal and in messages: `\n`, `\x1b`, `\u009b`, `\u202e`; bytes that are not UTF-8 as
+/// `\xff`. Applied again, it changes nothing.
 std::string line_text(std::string_view text);
 
-/// A cell of CSV that is text and no number: line_text(), behind an apostrophe if spreadsheets would take it for a formula
+/// A cell of CSV that is text: line_text(), after an apostrophe if spreadsheets would take it for a formula
 /// (=, +, -, @ in front, unless it is a number), in quotes if it needs them (RFC 4180) or has a semicolon.
 std::string csv_cell(std::string_view text);
 
-/// JSON in which strings hold such characters as `\u009b`, `\u202e`: the same values.
+/// Equivalent JSON in which strings hold such characters as `\u009b`, `\u202e`.
 std::string plain_json(std::string json);
 
-/// The text of a value of nlohmann::json; bytes that are no UTF-8 become U+FFFD.
+/// The text of a value of nlohmann::json; bytes that are not UTF-8 become U+FFFD.
 template <class Json>
 std::string json_text(const Json& json, int indent = -1) {
   return plain_json(json.dump(indent, ' ', false, Json::error_handler_t::replace));

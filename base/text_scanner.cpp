@@ -29,14 +29,14 @@ void reject_utf16(std::string_view start, const std::string& file) {
 
 /// Offset of the end of the next line; empty if the window does not contain it.
 std::optional<std::size_t> TextScanner::find_end() {
-  const auto position = [&](char character, std::size_t end) {
+  const auto find = [&](char character, std::size_t end) {
     const void* const found =
         used_ < end ? std::memchr(window_.data() + used_, character, end - used_) : nullptr;
     return found ? static_cast<std::size_t>(static_cast<const char*>(found) - window_.data()) : end;
   };
   // A file of carriage returns would otherwise be searched to its end for every line.
-  if (line_feed_ < used_) line_feed_ = position('\n', window_.size());
-  const std::size_t end = position('\r', line_feed_);
+  if (line_feed_ < used_) line_feed_ = find('\n', window_.size());
+  const std::size_t end = find('\r', line_feed_);
   // A "\n" may follow behind the window.
   const bool is_open = end + 1 >= window_.size() && window_offset_ + window_.size() < file_.size();
   if (end == window_.size() || (end < line_feed_ && is_open)) return std::nullopt;

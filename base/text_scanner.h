@@ -12,8 +12,8 @@
 
 namespace alidade {
 
-/// Walks through the lines of a text file, or of the text part of a mixed one, without copying them.
-/// Lines end with "\n", "\r\n" or "\r"; the last one may lack its end. A byte order mark at the start of the file
+/// Walks through the lines of a text file, or of the text part of a mixed one, without copying them. Lines
+/// end with "\n", "\r\n" or "\r"; the last one may lack its end. A byte order mark at the start of the file
 /// is skipped. Memory: one window of a mebibyte. Errors: a longer line; UTF-16.
 class TextScanner {
  public:
@@ -27,12 +27,12 @@ class TextScanner {
   /// of the file.
   bool next_words(std::vector<std::string_view>& words);
 
-  /// Number of the line last given, from 1.
+  /// Number of the line last returned, from 1.
   std::uint64_t line_number() const { return line_number_; }
-  /// Byte after the line last given, its end included.
+  /// Byte after the line last returned, its end included.
   std::uint64_t offset() const { return window_offset_ + used_; }
 
-  /// Throws the Error for the line last given.
+  /// Throws an Error that names the line last returned.
   [[noreturn]] void fail(std::string problem, std::string expected = {}, std::string found = {}) const;
 
  private:
@@ -42,19 +42,20 @@ class TextScanner {
   InputFile& file_;
   std::uint64_t window_offset_;
   std::string_view window_;
-  std::size_t used_ = 0;       ///< bytes of the window already given out
+  std::size_t used_ = 0;       ///< bytes of the window already returned
   std::size_t line_feed_ = 0;  ///< offset of the first "\n" behind them, or the size of the window
   std::uint64_t line_number_;
 };
 
-/// Errors: a file that begins as text of UTF-16 does, with its byte order mark or with 0 in every second byte.
+/// Errors: a file that begins as text in UTF-16 does: with its byte order mark, or with 0 in every second
+/// byte.
 void reject_utf16(std::string_view start, const std::string& file);
 
 /// Most columns of a point table: far beyond any real file, so that a header of nothing but columns is
 /// rejected before anything is done for each of them.
 inline constexpr std::size_t k_most_columns = 4096;
 
-/// Errors: a table with more than k_most_columns, said of the line last given.
+/// Errors: a table with more than k_most_columns; they name the line last returned.
 void require_few_columns(const TextScanner& scanner, std::size_t count);
 
 }  // namespace alidade

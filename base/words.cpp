@@ -10,7 +10,7 @@
 namespace alidade {
 namespace {
 
-/// As its first byte says.
+/// Bytes of a character by its first byte; 0 if none begins so.
 std::size_t stated_size(unsigned char first) {
   return first == 0     ? 0
          : first < 0x80 ? 1
@@ -25,11 +25,11 @@ std::size_t stated_size(unsigned char first) {
 
 std::size_t utf8_character_size(std::string_view text) {
   if (text.empty()) return 0;
-  const auto at = [&](std::size_t position) { return static_cast<unsigned char>(text[position]); };
+  const auto at = [&](std::size_t i) { return static_cast<unsigned char>(text[i]); };
   const std::size_t size = stated_size(at(0));
   if (size == 0 || size > text.size()) return 0;
-  for (std::size_t position = 1; position < size; ++position) {
-    if (!is_continuation(text[position])) return 0;
+  for (std::size_t i = 1; i < size; ++i) {
+    if (!is_continuation(text[i])) return 0;
   }
   const bool is_long = (at(0) == 0xe0 && at(1) < 0xa0) || (at(0) == 0xf0 && at(1) < 0x90);
   const bool is_no_character = (at(0) == 0xed && at(1) >= 0xa0) || (at(0) == 0xf4 && at(1) >= 0x90);
@@ -89,14 +89,14 @@ int written_decimals(std::string_view word) {
 
 void split_words(std::string_view line, std::vector<std::string_view>& words) {
   words.clear();
-  const char* position = line.data();
-  const char* const end = position + line.size();
+  const char* cursor = line.data();
+  const char* const end = cursor + line.size();
   while (true) {
-    while (position != end && is_blank(*position)) ++position;
-    if (position == end) return;
-    const char* const start = position;
-    while (position != end && !is_blank(*position)) ++position;
-    words.emplace_back(start, static_cast<std::size_t>(position - start));
+    while (cursor != end && is_blank(*cursor)) ++cursor;
+    if (cursor == end) return;
+    const char* const start = cursor;
+    while (cursor != end && !is_blank(*cursor)) ++cursor;
+    words.emplace_back(start, static_cast<std::size_t>(cursor - start));
   }
 }
 
@@ -145,7 +145,7 @@ std::string_view nearest_word(std::string_view word, std::span<const std::string
         if (swapped) row[j] = std::min(row[j], before[j - 2] + 1);
       }
     }
-    // A distance as long as the candidate means that nothing of it is left.
+    // A distance as long as the candidate means that no letter of it is in the word.
     if (row.back() < nearest_distance && row.back() < candidate.size()) {
       nearest = candidate;
       nearest_distance = row.back();

@@ -16,11 +16,11 @@
 
 namespace alidade {
 
-/// Bytes of the character that a text begins with: UTF-8 in its shortest form, without halves of UTF-16 and
-/// NUL. 0 if it begins with none.
+/// Bytes of the character that a text begins with: UTF-8 in its shortest form, without surrogates of UTF-16
+/// and NUL. 0 if it begins with none.
 std::size_t utf8_character_size(std::string_view text);
 
-/// Whether a byte is one within a character of UTF-8, not its first.
+/// Whether a byte is within a character of UTF-8, not its first.
 inline bool is_continuation(char byte) {
   return (static_cast<unsigned char>(byte) & 0xc0) == 0x80;
 }
@@ -30,10 +30,10 @@ inline std::size_t character_count(std::string_view text) {
   return text.size() - static_cast<std::size_t>(std::ranges::count_if(text, is_continuation));
 }
 
-/// Whether a text is made of such characters.
+/// Whether a text consists of characters that utf8_character_size() accepts.
 bool is_utf8(std::string_view text);
 
-/// A text with small characters for the capitals of ASCII.
+/// A text with the capitals of ASCII in lower case.
 inline std::string lower_case(std::string_view text) {
   std::string lower(text);
   for (char& character : lower) {
@@ -42,12 +42,12 @@ inline std::string lower_case(std::string_view text) {
   return lower;
 }
 
-/// What a file's name ends in, in small characters: ".csv" of "A.CSV".
+/// The extension of a file's name in lower case: ".csv" of "A.CSV".
 inline std::string file_extension(const std::filesystem::path& file) {
   return lower_case(file.extension().string());
 }
 
-/// Whether a file's name ends in one of these, in small characters or large ones.
+/// Whether a file's name has one of these extensions, given in lower case; the name's own case is ignored.
 inline bool has_extension(const std::filesystem::path& file,
                           std::initializer_list<std::string_view> extensions) {
   return std::ranges::find(extensions, file_extension(file)) != extensions.end();
@@ -68,7 +68,7 @@ std::string_view trim(std::string_view text);
 /// it is not a number. Never depends on the locale. Too large a number is infinite, too small a one is zero.
 std::optional<double> parse_number(std::string_view word);
 
-/// The same for whole numbers without exponent; empty also if it does not fit.
+/// As parse_number() for whole numbers without exponent; empty also if the number does not fit.
 template <class Whole = std::uint64_t>
 std::optional<Whole> parse_count(std::string_view word) {
   Whole value = 0;
@@ -82,17 +82,18 @@ std::optional<Whole> parse_count(std::string_view word) {
 /// "12", -3 for "1e3".
 int written_decimals(std::string_view word);
 
-/// Fills `words` with what stands between blanks, tabs and carriage returns.
+/// Splits a line at blanks, tabs and carriage returns.
 void split_words(std::string_view line, std::vector<std::string_view>& words);
 
-/// Fills `words` with what stands between `separator`s, without blanks and double quotes around it; between
-/// double quotes a separator is part of the word, and a quote that is written twice stays so.
+/// Splits a line at `separator`, and removes blanks and double quotes around the words. Between double quotes
+/// a separator is part of the word, and a quote that is written twice stays so.
 void split_cells(std::string_view line, char separator, std::vector<std::string_view>& words);
 
-/// Text of a file as an error message shows it: line_text() (base/shown_text.h) in quotes, cut after 40 bytes.
+/// Text of a file as an error message shows it: line_text() (base/shown_text.h) in quotes, cut after 40
+/// bytes.
 std::string quote(std::string_view text);
 
-/// The word of `words` that was probably meant, by edit distance (swapped characters count once); empty if none
+/// The word of `words` that was probably meant, by edit distance (swapped letters count once); empty if none
 /// is near.
 std::string_view nearest_word(std::string_view word, std::span<const std::string_view> words);
 

@@ -17,10 +17,11 @@
 namespace alidade::camera {
 namespace {
 
-/// The share of an image that an overview leaves free on both sides together.
+/// The share of an image that an overview leaves empty on both sides together.
 constexpr double k_margin = 0.04;
 
-/// Length 1; scaled first so that neither tiny nor huge vectors lose themselves. Zero stays zero.
+/// Length 1; scaled first so that tiny vectors do not underflow and huge ones do not overflow. Zero stays
+/// zero.
 glm::dvec3 unit(const glm::dvec3& v) {
   const double largest = std::max({std::fabs(v.x), std::fabs(v.y), std::fabs(v.z)});
   return largest > 0.0 ? glm::normalize(v / largest) : v;
@@ -38,7 +39,7 @@ double distance_to_fit(std::span<const double> across, std::span<const double> a
 }
 
 /// How far aside the camera must be at this distance for equal margins on both sides of one film axis.
-double position_to_center(std::span<const double> across, std::span<const double> ahead, double distance) {
+double offset_to_center(std::span<const double> across, std::span<const double> ahead, double distance) {
   double low = *std::min_element(across.begin(), across.end()),
          high = *std::max_element(across.begin(), across.end());
   for (int step = 0; step < 60; ++step) {
@@ -175,8 +176,8 @@ Camera overview_camera(std::span<const glm::dvec3> positions, double radius, int
   if (positions.empty()) add(glm::dvec3(0.0, 0.0, room)), add(glm::dvec3(0.0, 0.0, -room));
   const double distance = std::max(distance_to_fit(right, ahead, (1.0 - k_margin) * camera.cx / camera.fx),
                                    distance_to_fit(down, ahead, (1.0 - k_margin) * camera.cy / camera.fy));
-  camera.pose.position = center + position_to_center(right, ahead, distance) * pose.right +
-                         position_to_center(down, ahead, distance) * pose.down - distance * pose.forward;
+  camera.pose.position = center + offset_to_center(right, ahead, distance) * pose.right +
+                         offset_to_center(down, ahead, distance) * pose.down - distance * pose.forward;
   return camera;
 }
 
@@ -203,8 +204,7 @@ Camera orthophoto_camera(const Bounds& bounds, double resolution) {
   if (!(width <= k_max_image_side && height <= k_max_image_side && width * height <= k_max_pixels)) {
     throw input_error("image too large",
                       "at most 65536 pixels in each direction and 2^28 in total: use a coarser "
-                      "resolution or a smaller "
-                      "extent",
+                      "resolution or a smaller extent",
                       fmt::format("{:.0f} x {:.0f}", width, height));
   }
   Camera camera{.width = static_cast<int>(width),
@@ -227,7 +227,7 @@ double error_of_rotation(const glm::dmat3& rotation) {
   for (int column = 0; column < 3; ++column) {
     for (int row = 0; row < 3; ++row) {
       const double difference = std::fabs(product[column][row] - (column == row ? 1.0 : 0.0));
-      // A difference that is not a number must not pass for a small one.
+      // NaN must not pass for a small difference.
       if (!(difference <= error)) error = difference;
     }
   }

@@ -30,19 +30,19 @@ struct CameraPose {
   glm::dvec3 forward{0.0, 1.0, 0.0};
 };
 
-/// A camera. Pixel (0,0) is top left, its centre at (0.5, 0.5). The lens brings a direction to a film position
-/// (x, y), which is pixel position (cx + fx x, cy + fy y); see camera/lens.h.
+/// A camera. Pixel (0,0) is top left, its centre at (0.5, 0.5). The lens brings a direction to a film
+/// position (x, y), which is (cx + fx x, cy + fy y) in pixels; see camera/lens.h.
 struct Camera {
   int width = 600, height = 400;
   double fx = 0.0, fy = 0.0;  ///< focal lengths in pixels; orthographic: pixels per metre; equirectangular:
                               ///< pixels per radian
-  double cx = 0.0, cy = 0.0;  ///< where the axis meets the film, pixels
+  double cx = 0.0, cy = 0.0;  ///< principal point, where the axis meets the film, in pixels
   CameraPose pose;
   Lens lens = PinholeLens{};
   double near = 0.0;  ///< points at a smaller distance along a ray are not seen
 };
 
-// Largest values that scene files and command lines may ask for, inclusive.
+// Largest image that scene files and command lines may request, inclusive.
 
 inline constexpr int k_max_image_side = 1 << 16;         ///< pixels
 inline constexpr std::uint64_t k_max_pixels = 1u << 28;  ///< width times height
@@ -63,11 +63,11 @@ CameraPose look_at(const glm::dvec3& eye, const glm::dvec3& target, const glm::d
 /// Pinhole from a vertical field of view in degrees, (0, 180); square pixels, principal point in the middle.
 Camera pinhole_from_fov(int width, int height, double vertical_fov, const CameraPose& pose);
 
-/// The same camera for another image size: the vertical field of view is kept, the principal point scales
-/// along; a panorama stays whole.
+/// A camera for another image size: the vertical field of view is kept, the principal point scales along, and
+/// a panorama keeps all directions.
 Camera resized(const Camera& camera, int width, int height);
 
-/// A pinhole at this pose whose image some positions fill; its principal point is where that takes it. Empty if a
+/// A pinhole at this pose whose image some positions fill; its principal point is moved for that. Empty if a
 /// position is not before the camera, or more than 75 degrees off its axis.
 std::optional<Camera> filled_camera(const CameraPose& pose, std::span<const glm::dvec3> positions, int width,
                                     int height);
@@ -76,7 +76,7 @@ std::optional<Camera> filled_camera(const CameraPose& pose, std::span<const glm:
 /// image.
 Camera overview_camera(const Bounds& bounds, int width, int height);
 
-/// The same of some positions instead of a box, and of what lies at most `radius` around them: no more fills the
+/// A view of positions from above, 30 degrees down: they and what lies at most `radius` around them fill the
 /// image. It looks to this azimuth: degrees clockwise from north (+y).
 Camera overview_camera(std::span<const glm::dvec3> positions, double radius, int width, int height,
                        double azimuth = 45.0);
@@ -94,8 +94,8 @@ Camera orthophoto_camera(const Bounds& bounds, double resolution);
 /// How far the columns are from length 1 at right angles: the largest entry of |R^T R - I|.
 double error_of_rotation(const glm::dmat3& rotation);
 
-/// The same matrix with columns of length 1 at right angles; for those whose error is small. The third column
-/// keeps its direction.
+/// A matrix that is nearly a rotation, made one: columns of length 1 at right angles. The third column keeps
+/// its direction.
 glm::dmat3 orthonormal(const glm::dmat3& rotation);
 
 /// Rotation by a quaternion w, x, y, z of any length (Hamilton's convention). Empty if its length is 0, not

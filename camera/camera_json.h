@@ -10,32 +10,32 @@
 
 namespace alidade::camera {
 
-/// What coefficients of lenses may be, in files of any program.
+/// Range of the coefficients of lenses, in files of any program.
 inline constexpr NumberRange k_coefficient{-1e6, 1e6};
 
 /// The value of a key. Errors: there is none.
 JsonNode required(const JsonNode& node, std::string_view key);
 
-/// A map of positions: rotation, in some files with a scale in it, and translation.
+/// A transform of positions: rotation, in some files with a scale in it, and translation.
 struct Transform {
   glm::dmat3 rotation{1.0};
   glm::dvec3 translation{0.0};
 };
 
-/// Its matrix from rows of four numbers; a fourth row is not examined.
+/// A transform from the rows of its matrix, of four numbers each; a fourth row is not examined.
 Transform read_transform(const std::vector<JsonNode>& rows);
 
-/// The camera as a camera file on one line; parse_camera gives back the same camera, bit for bit.
+/// The camera as a camera file on one line; parse_camera() returns an identical camera, bit for bit.
 std::string camera_json(const Camera& camera);
 
 /// Reads a camera file of our own (scenes/schema/camera.schema.json). Errors: Error with file, line:column,
 /// JSON pointer, what was expected and found; unknown keys name the nearest known one.
 Camera read_camera(const std::filesystem::path& file);
 
-/// The same from text; `name` is used in messages.
+/// Reads the text of such a file; `name` is used in messages.
 Camera parse_camera(std::string_view text, const std::filesystem::path& name);
 
-/// The same from a node; its "version" may be left out when it stands inside a scene.
+/// Reads a camera inside a scene or another file, where its "version" may be left out.
 Camera read_camera_node(const JsonNode& node);
 
 }  // namespace alidade::camera

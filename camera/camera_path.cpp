@@ -13,7 +13,7 @@
 namespace alidade::camera {
 namespace {
 
-/// What is interpolated of a camera.
+/// The values of a camera that are interpolated.
 struct Knot {
   glm::dvec3 position{0.0}, forward{0.0}, down{0.0};
   glm::dvec2 focal{0.0}, middle{0.0};
@@ -58,7 +58,7 @@ Knot spline(const Knot (&knots)[4], const double (&times)[4], double time) {
                  times[2]);
 }
 
-/// The way through all knots: a position on it by a parameter that grows from knot to knot.
+/// The way through all knots, by a parameter that grows from knot to knot.
 class Way {
  public:
   explicit Way(std::span<const Camera> keyframes) {
@@ -80,7 +80,7 @@ class Way {
   Knot at(double time) const {
     const auto next = std::upper_bound(times_.begin() + 1, times_.end() - 1, time);
     const auto i = static_cast<std::size_t>(next - times_.begin());
-    // Beyond the ends the way goes on as it came.
+    // Beyond the ends the way continues straight on.
     const std::size_t last = knots_.size() - 1;
     const Knot before = i >= 2 ? knots_[i - 2] : 2.0 * knots_[i - 1] + -1.0 * knots_[i];
     const Knot after = i < last ? knots_[i + 1] : 2.0 * knots_[i] + -1.0 * knots_[i - 1];
@@ -97,7 +97,7 @@ class Way {
  private:
   std::vector<Knot> knots_;
   std::vector<double> times_;
-  double turning_ = 0.0;  ///< what a turn by a radian counts as, metres
+  double turning_ = 0.0;  ///< metres that a turn by a radian counts as
 };
 
 Camera camera_at(const Knot& knot, const Camera& like) {
@@ -111,7 +111,7 @@ Camera camera_at(const Knot& knot, const Camera& like) {
 }  // namespace
 
 std::vector<Camera> orbit_cameras(std::span<const glm::dvec3> positions, int width, int height, int count) {
-  // What the positions sweep over while they turn.
+  // The cylinder that the positions sweep while they turn.
   constexpr int k_sides = 64;
   Bounds bounds;
   for (const glm::dvec3& position : positions) bounds.grow(position);

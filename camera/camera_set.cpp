@@ -14,7 +14,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// What other programs' files hold beside cameras, most of their bytes.
+/// Keys of other programs' files beside those of cameras, which hold most of the bytes.
 constexpr std::array<std::string_view, 4> k_unread{"points", "structure", "control_points", "biases"};
 
 /// Most programs write coefficients of 0 for cameras that do not distort.
@@ -23,7 +23,7 @@ Lens simplest(const Lens& lens) {
   return brown != nullptr && brown->distortion == Distortion{} ? Lens(PinholeLens{}) : lens;
 }
 
-/// Sorts and checks what all formats have in common.
+/// Sorts the cameras, and does the checks that all formats have in common.
 CameraSet finished(CameraSet set, const std::string& file, bool sort) {
   if (set.cameras.empty()) {
     throw Error({.file = file,
@@ -63,7 +63,7 @@ bool is_there(const fs::path& file) {
 }
 
 CameraSet read_colmap_folder(const fs::path& folder) {
-  // Where both kinds stand, the binary ones are the newer.
+  // Where a folder has both kinds, the binary ones are the newer.
   const fs::path cameras = folder / "cameras.bin", images = folder / "images.bin";
   if (is_there(cameras) && is_there(images)) return read_colmap_binary(InputFile(cameras), InputFile(images));
   const fs::path cameras_text = folder / "cameras.txt", images_text = folder / "images.txt";

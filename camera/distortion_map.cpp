@@ -39,11 +39,11 @@ Polynomial difference(const Polynomial& a, const Polynomial& b) {
   return result;
 }
 
-/// The last positions before the polynomial changes its sign in (0, end], ascending, to the last bit. Positions
-/// where it only touches zero are left out. The same bits on every machine.
+/// The last numbers before the polynomial changes its sign in (0, end], ascending, to the last bit. Double
+/// zeros, where it keeps its sign, are left out. Equal bits on every machine.
 std::vector<double> sign_changes(const Polynomial& polynomial, double end) {
   if (polynomial.size() < 2) return {};
-  // Between two positions where the derivative changes its sign the polynomial is monotone.
+  // Between two sign changes of the derivative the polynomial is monotone.
   std::vector<double> borders = sign_changes(derivative(polynomial), end);
   borders.push_back(end);
   std::vector<double> changes;

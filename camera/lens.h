@@ -5,13 +5,13 @@
 #include <string_view>
 #include <variant>
 
-// What lenses do, as plain numbers. A lens turns a direction in the camera's axes, (X, Y, Z) = (right, down,
-// forward), into a position on a film one focal length behind it; the camera's fx, fy, cx, cy turn that
+// Models of lenses, as plain numbers. A lens turns a direction in the camera's axes, (X, Y, Z) = (right,
+// down, forward), into a position on a film one focal length behind it; the camera's fx, fy, cx, cy turn that
 // position into pixels. u = X / Z, v = Y / Z; theta = angle off the axis. Formulas: docs/cameras.md.
 
 namespace alidade::camera {
 
-/// How far a film position is moved. With (x, y) the position on the ideal film and q = x^2 + y^2:
+/// From the position (x, y) on the ideal film to (x', y') on the real one. With q = x^2 + y^2:
 ///   (c, d) = (x, y) (1 + sum radial[i] q^(i+1)) / (1 + sum denominator[i] q^(i+1))
 ///   x' = c + 2 p1 a b + p2 (s + 2 a^2) + prism[0] s + prism[1] s^2
 ///   y' = d + 2 p2 a b + p1 (s + 2 b^2) + prism[2] s + prism[3] s^2,  s = a^2 + b^2,
@@ -73,7 +73,7 @@ struct EquirectangularLens {};
 using Lens = std::variant<PinholeLens, BrownLens, FisheyeLens, FieldOfViewLens, DivisionLens, UnifiedLens,
                           DualLens, OrthographicLens, EquirectangularLens>;
 
-/// The word for each lens in camera files, in the order of the variant.
+/// The name of each lens in camera files, in the order of the variant.
 inline constexpr std::array<std::string_view, std::variant_size_v<Lens>> k_lens_names = {
     "pinhole", "brown", "fisheye", "fov", "division", "unified", "dual", "orthographic", "equirectangular"};
 

@@ -6,7 +6,8 @@
 
 #include "base/exact_math.h"
 
-// project() and unproject() of each lens stand together, so that one can be read as the inverse of the other.
+// project() and unproject() of each lens are side by side, so that one can be read as the inverse of the
+// other.
 
 namespace alidade::camera {
 namespace {
@@ -66,7 +67,7 @@ Film project_division(double k, const glm::dvec3& at) {
   const double under_root = at.z * at.z - 4.0 * k * side_sq;
   if (!(under_root >= 0.0)) return std::nullopt;
   const double root_of = std::sqrt(under_root);
-  // Two forms of the same number, each where nothing cancels.
+  // Two forms of one number, each where nothing cancels.
   const double scale = at.z > 0.0 ? 2.0 / (at.z + root_of) : (at.z - root_of) / (2.0 * k * side_sq);
   if (!(scale > 0.0) || !std::isfinite(scale)) return std::nullopt;
   if (k > 0.0 && at.z <= 0.0) return std::nullopt;
@@ -202,8 +203,8 @@ struct LensMap::Unproject {
 
 LensMap::LensMap(const Lens& lens) : lens_(std::visit(Prepare{}, lens)) {}
 
-std::optional<glm::dvec2> LensMap::project(const glm::dvec3& position) const {
-  return std::visit(Project{position}, lens_);
+std::optional<glm::dvec2> LensMap::project(const glm::dvec3& point) const {
+  return std::visit(Project{point}, lens_);
 }
 
 std::optional<LensRay> LensMap::unproject(const glm::dvec2& film) const {

@@ -11,18 +11,18 @@
 
 namespace alidade::camera {
 
-/// A distortion ready for use both ways. It holds from the middle of the film up to where its radial part
-/// stops growing: beyond that position it folds over, and what lies there would be seen twice.
-/// undistort(distort(position)) is `position` to a few units in the last place.
+/// A distortion ready for use both ways. It holds from the middle of the film up to the radius where its
+/// radial part stops growing: there it folds over, and what lies beyond would be seen twice.
+/// undistort(distort(ideal)) is `ideal` to a few units in the last place.
 class DistortionMap {
  public:
-  /// Positions beyond `largest_radius` of the ideal film do not occur.
+  /// Requires: no position beyond `largest_radius` on the ideal film.
   DistortionMap(const Distortion& distortion, double largest_radius);
 
   /// Position on the real film; empty beyond the fold.
   std::optional<glm::dvec2> distort(const glm::dvec2& ideal) const;
-  /// Position on the ideal film; empty if none before the fold leads there. Method: the radial part by Newton's
-  /// method inside a bracket, then Newton's method in the plane.
+  /// Position on the ideal film; empty if none before the fold leads there. Method: the radial part by
+  /// Newton's method inside a bracket, then Newton's method in the plane.
   std::optional<glm::dvec2> undistort(const glm::dvec2& film) const;
 
  private:
@@ -42,22 +42,23 @@ class DistortionMap {
   double ideal_limit_, film_limit_;  ///< radius where the radial part stops growing, or the largest one
 };
 
-/// What a position on the film sees, in the camera's axes (right, down, forward). The direction has any length.
+/// The ray to a position on the film, in the camera's axes (right, down, forward). The direction has any
+/// length.
 struct LensRay {
   glm::dvec3 origin{0.0};
   glm::dvec3 direction{0.0, 0.0, 1.0};
 };
 
-/// A lens ready for use both ways: positions in the camera's axes to film positions (lens.h) and back. What it
-/// computes has the same bits on every machine. Cost: of unproject() some tens of operations, with distortion
+/// A lens ready for use both ways: from points in the camera's axes to film positions (lens.h) and back.
+/// Results have equal bits on every machine. Cost: of unproject() some tens of operations, with distortion
 /// some hundreds.
 class LensMap {
  public:
   explicit LensMap(const Lens& lens);
 
-  /// Film position of a position in the camera's axes. Empty if the lens does not see it: behind the camera or,
-  /// with distortion, beyond the position where the lens folds over.
-  std::optional<glm::dvec2> project(const glm::dvec3& position) const;
+  /// Film position of a point in the camera's axes. Empty if the lens does not see it: behind the camera or,
+  /// with distortion, beyond the radius where the lens folds over.
+  std::optional<glm::dvec2> project(const glm::dvec3& point) const;
   /// The ray that project() brings to this film position; empty if there is none.
   std::optional<LensRay> unproject(const glm::dvec2& film) const;
 

@@ -52,7 +52,7 @@ struct CheckLens {
   }
 };
 
-/// Lenses whose view can end by folding over. The others end where their half or whole sphere does.
+/// Whether a lens can fold over inside its view. The view of others ends with their half or whole sphere.
 bool can_fold(const Lens& lens) {
   return std::holds_alternative<BrownLens>(lens) || std::holds_alternative<FisheyeLens>(lens) ||
          std::holds_alternative<DualLens>(lens) || std::holds_alternative<DivisionLens>(lens);
@@ -65,32 +65,31 @@ double angle_off_axis(const Projection& projection, const Ray& ray) {
   return std::acos(std::clamp(cosine, -1.0, 1.0)) * 180.0 / std::numbers::pi;
 }
 
-/// How far from the principal point towards `position` the lens has a view, in shares of the way.
-double share_seen(const Projection& projection, const glm::dvec2& position) {
+/// How far from the principal point towards a pixel the lens has a view, as a share of the way.
+double share_seen(const Projection& projection, const glm::dvec2& pixel) {
   const glm::dvec2 center(projection.camera().cx, projection.camera().cy);
   double seen = 0.0, unseen = 1.0;
   for (int step = 0; step < 50; ++step) {
     const double middle = 0.5 * (seen + unseen);
-    (projection.ray(center + middle * (position - center)) ? seen : unseen) = middle;
+    (projection.ray(center + middle * (pixel - center)) ? seen : unseen) = middle;
   }
   return seen;
 }
 
-void check_fold_towards(const Projection& projection, const glm::dvec2& position) {
-  if (projection.ray(position)) return;
+void check_fold_towards(const Projection& projection, const glm::dvec2& pixel) {
+  if (projection.ray(pixel)) return;
   const Camera& camera = projection.camera();
-  const glm::dvec2 center(camera.cx, camera.cy), way = position - center;
-  const double share = share_seen(projection, position), distance = std::hypot(way.x, way.y);
+  const glm::dvec2 center(camera.cx, camera.cy), way = pixel - center;
+  const double share = share_seen(projection, pixel), distance = std::hypot(way.x, way.y);
   const std::optional<Ray> last = projection.ray(center + share * way);
   const double angle = last ? angle_off_axis(projection, *last) : 0.0;
-  // A fisheye that has come to the end of the sphere shows nothing beyond its circle.
+  // A fisheye that has reached the end of the sphere shows nothing beyond its circle.
   if (std::holds_alternative<FisheyeLens>(camera.lens) && angle > 179.99) return;
-  throw input_error(
-      fmt::format("the distortion folds over at {:.6g} pixels from the principal point, {:.4g} "
-                  "degrees off the axis",
-                  share * distance, angle),
-      "a distortion model that is valid over the whole image",
-      fmt::format("an image pixel ({:g}, {:g}) at {:.6g} pixels", position.x, position.y, distance));
+  throw input_error(fmt::format("the distortion folds over at {:.6g} pixels from the principal point, {:.4g} "
+                                "degrees off the axis",
+                                share * distance, angle),
+                    "a distortion model that is valid over the whole image",
+                    fmt::format("an image pixel ({:g}, {:g}) at {:.6g} pixels", pixel.x, pixel.y, distance));
 }
 
 }  // namespace
@@ -138,8 +137,8 @@ void check_camera(const Camera& camera) {
   check_camera_numbers(camera);
   if (!can_fold(camera.lens)) return;
 
-  // What a lens reaches is a shape around the principal point, so looking along the image's border is enough;
-  // the positions inside are for principal points outside the image.
+  // The view of a lens is a shape around the principal point, so testing the image's border is enough; the
+  // pixels inside are for principal points outside the image.
   constexpr int k_steps = 64;
   const Projection projection(camera);
   for (int row = 0; row <= k_steps; ++row) {

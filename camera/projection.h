@@ -33,12 +33,12 @@ class Projection {
   LensMap lens_;
 };
 
-/// Errors: an invalid size; focal lengths not above 0; numbers that are not finite; parameters
-/// outside the lens's range; a distortion that folds over inside the image, with the radius in pixels up to
-/// which it can be inverted. What a lens merely does not see (outside a fisheye's circle) is no error.
+/// Errors: an invalid size; focal lengths not above 0; numbers that are not finite; parameters outside the
+/// lens's range; a distortion that folds over inside the image, with the radius in pixels up to which it can
+/// be inverted. Pixels that a lens merely does not see (outside a fisheye's circle) are no error.
 void check_camera(const Camera& camera);
 
-/// The same without following the lens over the image: a fold is not found.
+/// As check_camera() without following the lens over the image: a fold is not found.
 void check_camera_numbers(const Camera& camera);
 
 }  // namespace alidade::camera

@@ -53,7 +53,7 @@ void read_perspective(const JsonNode& node, Camera& camera) {
     camera = pinhole_from_fov(camera.width, camera.height, fov->number(k_field_of_view), camera.pose);
   } else if (const auto across = fields.find("horizontal_fov")) {
     const JsonFields alone(node, {"horizontal_fov"});
-    // The same camera on its side.
+    // The camera turned on its side, which has this field of view vertically.
     const Camera turned =
         pinhole_from_fov(camera.height, camera.width, across->number(k_field_of_view), camera.pose);
     center(camera, turned.fx, turned.fy);
@@ -128,7 +128,7 @@ DualLens read_dual(const JsonNode& node) {
           .distortion = {.radial = {coefficient(fields, "k1"), coefficient(fields, "k2")}}};
 }
 
-/// Which of k_lens_names a camera's "model" is.
+/// The index of a camera's "model" in k_lens_names.
 std::size_t model_of(const JsonNode& camera) {
   if (const auto model = camera.find("model")) return model->choice(k_lens_names);
   const JsonFields fields(
@@ -136,8 +136,8 @@ std::size_t model_of(const JsonNode& camera) {
   return fields.require("model").choice(k_lens_names);
 }
 
-/// "intrinsics" of a camera of that model: sets its focal lengths, principal point and, without distortion,
-/// lens. Needs its size.
+/// Reads "intrinsics" of a camera of that model: sets its focal lengths, principal point and, without
+/// distortion, lens. Requires its size.
 void read_intrinsics(const JsonNode& node, std::size_t model, Camera& camera) {
   if (is_model<PinholeLens>(model) || is_model<BrownLens>(model)) {
     read_perspective(node, camera);
@@ -152,7 +152,7 @@ void read_intrinsics(const JsonNode& node, std::size_t model, Camera& camera) {
   }
 }
 
-/// "distortion" of a camera of a distorting model.
+/// Reads "distortion" of a camera of a distorting model.
 Lens read_distortion(const JsonNode& node, std::size_t model) {
   if (is_model<BrownLens>(model)) return read_brown(node);
   if (is_model<FisheyeLens>(model)) return read_fisheye(node);
@@ -164,11 +164,11 @@ Lens read_distortion(const JsonNode& node, std::size_t model) {
 }
 
 constexpr double k_rotation_tolerance = 1e-6;
-// Below this a rotation is as good as double makes it, and is taken to the bit: what a program wrote with 17
-// digits comes back.
+// Below this a rotation is as good as double makes it, and is kept to the bit, so that a rotation written
+// with 17 digits is read back unchanged.
 constexpr double k_exact_rotation = 1e-12;
 
-// The text of a file has few digits; the axes that rays are made of shall be orthonormal all the same.
+// The text of a file has few digits; the axes of rays must be orthonormal nevertheless.
 glm::dmat3 checked_rotation(const JsonNode& node, const glm::dmat3& rotation) {
   const double error = error_of_rotation(rotation);
   if (!(error <= k_rotation_tolerance)) {

@@ -65,7 +65,7 @@ void make_room(const std::vector<std::filesystem::path>& reports, const std::vec
   }
 }
 
-/// So many that they fit into memory.
+/// As many pairs at once as fit into memory.
 std::size_t workers_for(const std::vector<ImagePair>& pairs) {
   std::uint64_t workers = std::min({k_most_at_once, std::uint64_t{pairs.size()},
                                     static_cast<std::uint64_t>(tbb::this_task_arena::max_concurrency())});
@@ -129,8 +129,8 @@ void compare_pair(PairOutcome& outcome, const BatchOptions& options, const std::
   outcome.report = report;
 }
 
-/// Smaller comes first.
-auto position_of(const PairOutcome& outcome) {
+/// Outcomes with smaller keys come first.
+auto sort_key(const PairOutcome& outcome) {
   double badness = 0.0;
   if (outcome.comparison) {
     for (const char* const name : {"flip", "depth_mean"}) {
@@ -181,7 +181,8 @@ std::vector<PairOutcome> compare_pairs(const std::vector<ImagePair>& pairs, cons
       try {
         work();
       } catch (...) {
-        // Thrown out of here, it would end the loops of other pairs, which then went on with half their data.
+        // Thrown out of here, it would end the loops of other pairs, which would continue with half their
+        // data.
         const std::lock_guard lock(reporting);
         if (!trouble) trouble = std::current_exception();
         stopped = true;
@@ -192,8 +193,8 @@ std::vector<PairOutcome> compare_pairs(const std::vector<ImagePair>& pairs, cons
   if (trouble) std::rethrow_exception(trouble);
   if (stopped) throw Cancelled();
   std::ranges::stable_sort(outcomes, [](const PairOutcome& a, const PairOutcome& b) {
-    return std::tuple_cat(position_of(a), std::tie(a.pair.name)) <
-           std::tuple_cat(position_of(b), std::tie(b.pair.name));
+    return std::tuple_cat(sort_key(a), std::tie(a.pair.name)) <
+           std::tuple_cat(sort_key(b), std::tie(b.pair.name));
   });
   return outcomes;
 }

@@ -21,14 +21,14 @@ struct BatchOptions {
   std::vector<std::filesystem::path> kept;  ///< files beside the pictures that reports must not replace
 };
 
-/// What became of a pair.
+/// The outcome of a pair.
 struct PairOutcome {
   ImagePair pair;
   std::optional<Comparison> comparison;  ///< without pictures; empty: see `error`
   Verdict verdict, warnings;
   std::string error;             ///< why there is no comparison
-  bool sizes_differ = false;     ///< that was the error
-  std::filesystem::path report;  ///< in the folder of reports; empty: none was asked for
+  bool sizes_differ = false;     ///< that is the error
+  std::filesystem::path report;  ///< in the folder of reports; empty: none was requested
   std::vector<std::pair<std::string, std::string>> thumbnails;  ///< name and address (data_url())
 
   bool pass() const { return error.empty() && verdict.pass(); }
@@ -36,15 +36,15 @@ struct PairOutcome {
 
 /// Compares pairs on all threads; a pair that cannot be compared, also for lack of memory, spoils no other.
 /// The worst comes first: errors, then failures, then passes; among them the largest FLIP (without colours:
-/// the largest mean error of depth), then by name. Progress counts pairs, and is called several times for each
-/// whether to go on. Errors: reports that cannot be written, or would replace a picture or a kept file;
-/// Cancelled. Memory: that of one pair for each thread, but of at most eight pairs and, unless a single one
-/// is larger, of 32 million pixels (about 3 GB) at a time.
+/// the largest mean error of depth), then by name. Progress counts pairs, and is called several times for
+/// each so that it can cancel. Errors: reports that cannot be written, or would replace a picture or a kept
+/// file; Cancelled. Memory: that of one pair for each thread, but of at most eight pairs and, unless a single
+/// one is larger, of 32 million pixels (about 3 GB) at a time.
 std::vector<PairOutcome> compare_pairs(const std::vector<ImagePair>& pairs, const BatchOptions& options,
                                        const Progress& progress = {});
 
 /// The batch as one page, worst first, with small pictures, and with links to the reports of pairs, which are
-/// addressed from the folder of `page`. `reference` and `test` are what people called the two sides.
+/// addressed from the folder of `page`. `reference` and `test` are the names of the two sides for people.
 std::string summary_page(const std::vector<PairOutcome>& outcomes, const std::string& reference,
                          const std::string& test, const std::filesystem::path& page);
 

@@ -23,9 +23,9 @@ std::uint8_t decide(int set_count, int window, Grows grows) {
   return grows == Grows::yes ? set_count > 0 : set_count == window;
 }
 
-/// Pixels of [position - gap, position + gap] that lie in [0, size).
-int window_size(int position, int size, int gap) {
-  return std::min(position + gap, size - 1) - std::max(position - gap, 0) + 1;
+/// Pixels of [center - gap, center + gap] that lie in [0, size).
+int window_size(int center, int size, int gap) {
+  return std::min(center + gap, size - 1) - std::max(center - gap, 0) + 1;
 }
 
 void along_rows(const std::vector<std::uint8_t>& from, std::vector<std::uint8_t>& to, int width, int gap,
@@ -181,7 +181,7 @@ void check_options(const ChangeOptions& options) {
 
 constexpr const char* k_region_name = "Region";
 
-/// Objects of a scene are numbered from the other end; no scene has as many.
+/// Objects of a scene are numbered down from the largest id; no scene has as many.
 constexpr std::uint32_t k_first_object_id = 0xff000000u;
 
 ExtraDimension region_dimension() {
@@ -259,7 +259,7 @@ ChangeRegions change_regions(std::span<const float> map, int width, const ImageM
     sizes.resize(options.most_regions);
   }
 
-  // The counts are done with; instead, the new number of each whole.
+  // The counts are not needed any more; `pixels` now has the new number of each region.
   std::ranges::fill(pixels, 0u);
   for (std::size_t i = 0; i < sizes.size(); ++i) {
     pixels[sizes[i].part] = static_cast<std::uint32_t>(i + 1);

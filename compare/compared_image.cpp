@@ -45,6 +45,52 @@ std::vector<Value> part(const std::vector<Value>& values, int width, const Pixel
   return result;
 }
 
+/// Leaves the pixels for which `stays(pixel)` is true.
+template <typename Stays>
+void keep(ImageMask& mask, std::size_t pixels, const Stays& stays) {
+  if (mask.counts.empty()) mask.counts.assign(pixels, 1);
+  for (std::size_t pixel = 0; pixel < pixels; ++pixel)
+    if (mask.counts[pixel] != 0 && !stays(pixel)) mask.counts[pixel] = 0;
+}
+
+[[noreturn]] void fail_layer(const std::string& wish, const std::string& layer,
+                             const ComparedImage& reference, const ComparedImage& test) {
+  throw Error({.problem = wish + ", but neither image has the layer",
+               .expected = layer + " in " + reference.file.string() + " or " + test.file.string()});
+}
+
+bool has_color(const ComparedImage& image) {
+  return image.color_channels > 0;
+}
+
+bool has_finite_color(const ComparedImage& image, std::size_t pixel) {
+  return !has_color(image) || is_finite(image.color.data() + 3 * pixel);
+}
+
+bool has_sky_layer(const ComparedImage& image) {
+  return !image.ids.empty() || !image.depth.empty();
+}
+
+bool is_sky(const ComparedImage& image, std::size_t pixel) {
+  return image.ids.empty() ? !is_depth(image.depth[pixel]) : image.ids[pixel] == 0;
+}
+
+/// Leaves the pixels that are inside (1) of the rectangles or outside (0), unless there are none.
+void keep_covered(ImageMask& mask, const ComparedImage& image, std::span<const PixelRectangle> rectangles,
+                  std::uint8_t kept) {
+  if (rectangles.empty()) return;
+  std::vector<std::uint8_t> covered(image.pixels(), 0);
+  for (const PixelRectangle& rectangle : rectangles) {
+    const int left = std::clamp(rectangle.left, 0, image.width);
+    const int right = std::clamp(rectangle.right, left, image.width);
+    for (int y = std::max(rectangle.top, 0); y < std::min(rectangle.bottom, image.height); ++y) {
+      const auto row = covered.begin() + static_cast<std::ptrdiff_t>(y) * image.width;
+      std::fill(row + left, row + right, std::uint8_t{1});
+    }
+  }
+  keep(mask, image.pixels(), [&](std::size_t pixel) { return covered[pixel] == kept; });
+}
+
 }  // namespace
 
 ComparedImage in_size(const ComparedImage& image, int width, int height) {
@@ -114,56 +160,6 @@ ComparedImage cropped(const ComparedImage& image, const PixelRectangle& rectangl
   return result;
 }
 
-namespace {
-
-/// Leaves the pixels for which `stays(pixel)` is true.
-template <typename Stays>
-void keep(ImageMask& mask, std::size_t pixels, const Stays& stays) {
-  if (mask.counts.empty()) mask.counts.assign(pixels, 1);
-  for (std::size_t pixel = 0; pixel < pixels; ++pixel)
-    if (mask.counts[pixel] != 0 && !stays(pixel)) mask.counts[pixel] = 0;
-}
-
-[[noreturn]] void fail_layer(const std::string& wish, const std::string& layer,
-                             const ComparedImage& reference, const ComparedImage& test) {
-  throw Error({.problem = wish + ", but neither image has the layer",
-               .expected = layer + " in " + reference.file.string() + " or " + test.file.string()});
-}
-
-bool has_color(const ComparedImage& image) {
-  return image.color_channels > 0;
-}
-
-bool has_finite_color(const ComparedImage& image, std::size_t pixel) {
-  return !has_color(image) || is_finite(image.color.data() + 3 * pixel);
-}
-
-bool tells_sky(const ComparedImage& image) {
-  return !image.ids.empty() || !image.depth.empty();
-}
-
-bool is_sky(const ComparedImage& image, std::size_t pixel) {
-  return image.ids.empty() ? !is_depth(image.depth[pixel]) : image.ids[pixel] == 0;
-}
-
-/// Leaves the pixels that are inside (1) of the rectangles or outside (0), unless there are none.
-void keep_covered(ImageMask& mask, const ComparedImage& image, std::span<const PixelRectangle> rectangles,
-                  std::uint8_t kept) {
-  if (rectangles.empty()) return;
-  std::vector<std::uint8_t> covered(image.pixels(), 0);
-  for (const PixelRectangle& rectangle : rectangles) {
-    const int left = std::clamp(rectangle.left, 0, image.width);
-    const int right = std::clamp(rectangle.right, left, image.width);
-    for (int y = std::max(rectangle.top, 0); y < std::min(rectangle.bottom, image.height); ++y) {
-      const auto row = covered.begin() + static_cast<std::ptrdiff_t>(y) * image.width;
-      std::fill(row + left, row + right, std::uint8_t{1});
-    }
-  }
-  keep(mask, image.pixels(), [&](std::size_t pixel) { return covered[pixel] == kept; });
-}
-
-}  // namespace
-
 std::uint64_t counted_pixels(const ImageMask& mask, std::size_t pixels) {
   if (mask.counts.empty()) return pixels;
   return static_cast<std::uint64_t>(
@@ -201,12 +197,12 @@ void keep_valid_depth(ImageMask& mask, const ComparedImage& reference, const Com
 }
 
 void ignore_sky(ImageMask& mask, const ComparedImage& reference, const ComparedImage& test) {
-  const bool reference_tells = tells_sky(reference), test_tells = tells_sky(test);
-  if (!reference_tells && !test_tells)
+  const bool in_reference = has_sky_layer(reference), in_test = has_sky_layer(test);
+  if (!in_reference && !in_test)
     fail_layer("--ignore-sky requires ids or depth", "ids (channel id) or depth (channel Z)", reference,
                test);
   keep(mask, reference.pixels(), [&](std::size_t pixel) {
-    return (reference_tells && !is_sky(reference, pixel)) || (test_tells && !is_sky(test, pixel));
+    return (in_reference && !is_sky(reference, pixel)) || (in_test && !is_sky(test, pixel));
   });
 }
 

@@ -14,7 +14,7 @@
 
 namespace alidade::compare {
 
-/// What the numbers of an image file mean: files of whole numbers (8, 16 bits) hold sRGB codes, files of
+/// The encoding of an image file's colours: files of whole numbers (8, 16 bits) hold sRGB codes, files of
 /// half or float numbers hold linear light.
 enum class ColorEncoding { display, linear };
 
@@ -29,10 +29,10 @@ struct ComparedImage {
   int largest_code = 0;      ///< of a display image: 255, 65535; 0: not whole numbers (linear, resized)
   std::vector<float> color;  ///< 3 per pixel; display: code / largest code; linear: as stored
   std::vector<float> alpha;  ///< 1 per pixel, not multiplied into display colours
-  std::vector<float> depth;  ///< layer Z, metres; is_depth() states where there is nothing
-  std::vector<float>
-      depth_sigma;             ///< layer depth.sigma, metres: standard deviation of depth; infinite: unknown
-  std::vector<float> normals;  ///< layer N, 3 per pixel; 0 0 0 where there is nothing
+  std::vector<float> depth;  ///< layer Z, metres; where there is nothing, not is_depth()
+  /// Layer depth.sigma, metres: standard deviation of depth; infinite: unknown.
+  std::vector<float> depth_sigma;
+  std::vector<float> normals;      ///< layer N, 3 per pixel; 0 0 0 where there is nothing
   std::vector<std::uint32_t> ids;  ///< layer id: point id + 1; 0 where there is nothing
   std::vector<std::pair<std::string, std::string>> metadata;  ///< of our own pictures and of EXIF, as texts
 
@@ -61,13 +61,13 @@ class SizeMismatch : public Error {
 /// Most pixels of an image that is read: 2^28, 16384 x 16384.
 constexpr std::uint64_t k_most_compared_pixels = std::uint64_t{1} << 28;
 
-/// Reads an image of any format that OpenImageIO knows: the channels R G B, or a single one as grey, A, Z,
-/// N.X N.Y N.Z (also Nx Ny Nz), id, and beside these depth.sigma; others are ignored. EXIF orientation is obeyed, CMYK turned into
-/// RGB, of several images in a file the first is taken. NaN and infinite values stay: the metrics count them.
-/// Whole ids may be stored as floating point, as long as all of them are exact: below 2^24 (half: 2^11).
-/// Memory for pixels is taken as they arrive, whatever size the file claims. Errors: no such file, not a
-/// picture, no pixels or more than k_most_compared_pixels, deep or 3D, pixels missing, ids that are not whole
-/// or not exact, none of the channels above.
+/// Reads an image of any format that OpenImageIO reads: the channels R G B, or a single one as grey, A, Z,
+/// N.X N.Y N.Z (also Nx Ny Nz), id, and beside these depth.sigma; others are ignored. EXIF orientation is
+/// obeyed, CMYK turned into RGB, of several images in a file the first is taken. NaN and infinite values
+/// stay: the metrics count them. Whole ids may be stored as floating point, as long as all of them are exact:
+/// below 2^24 (half: 2^11). Memory for pixels is taken as they arrive, whatever size the file claims. Errors:
+/// no such file, not a picture, no pixels or more than k_most_compared_pixels, deep or 3D, pixels missing,
+/// ids that are not whole or not exact, none of the channels above.
 ComparedImage read_compared_image(const std::filesystem::path& file);
 
 /// Number of pixels that the file claims to have; 0 if it is no picture.
@@ -78,15 +78,15 @@ std::vector<float> linear_color(const ComparedImage& image);
 /// Three sRGB values in 0 .. 1 per pixel; linear light is clamped to 0 .. 1 first (NaN becomes 0).
 std::vector<float> display_color(const ComparedImage& image);
 
-/// Whether a depth is one: finite and above 0. Others say that there is nothing.
+/// Whether a value is a depth: finite and above 0. Other values mean that there is nothing.
 bool is_depth(float depth);
-/// Whether a pixel shows something, as far as the image knows: alpha of at least one half, and a depth.
+/// Whether a pixel shows something: alpha of at least one half, and a depth, as far as the image has them.
 bool shows_surface(const ComparedImage& image, std::size_t pixel);
 
-/// Throws SizeMismatch naming the files and sizes unless width, height and origin are the same.
+/// Throws SizeMismatch naming the files and sizes unless width, height and origin are equal.
 void require_same_size(const ComparedImage& reference, const ComparedImage& test);
 
-/// The same, and Error with this problem unless both images have colours.
+/// As require_same_size(), and throws Error with this problem unless both images have colours.
 void require_colors(const ComparedImage& reference, const ComparedImage& test, const char* problem);
 
 /// Whether all three components of a colour or a normal are finite.
@@ -100,10 +100,10 @@ ComparedImage cropped(const ComparedImage& image, const PixelRectangle& rectangl
 /// The image at another size: colour and alpha through OpenImageIO's resize (its default filter: Lanczos 3
 /// when shrinking, Blackman-Harris when growing), display colours clamped to 0 .. 1, linear ones to no less
 /// than 0 or the least that the image has; NaN and infinity spread over the pixels that the filter reaches.
-/// Depth, its sigma, normals and ids are taken from the nearest pixel, since a mean of two depths or ids is nobody's.
-/// The origin is 0, 0. The same bytes on any number of threads. Errors: a size that is not positive or beyond
-/// k_most_compared_pixels, what OpenImageIO reports. Cost: about a second for 8 million pixels; memory: the
-/// result.
+/// Depth, its sigma, normals and ids are taken from the nearest pixel, since a mean of two depths or ids
+/// belongs to neither surface. The origin is 0, 0. Equal bytes on any number of threads. Errors: a size that
+/// is not positive or beyond k_most_compared_pixels, what OpenImageIO reports. Cost: about a second for 8
+/// million pixels; memory: the result.
 ComparedImage resized(const ComparedImage& image, int width, int height);
 
 /// Which pixels count.
@@ -120,8 +120,7 @@ std::uint64_t counted_pixels(const ImageMask& mask, std::size_t pixels);
 // that has it" are those of the two that have the layer in question. Errors name what is missing.
 
 /// Leaves the pixels that are light in a mask image: above half of the display range in the mean of its
-/// channels. Errors: another width or height than `image` (SizeMismatch), whatever reading gives, an image
-/// without colour.
+/// channels. Errors: another width or height than `image` (SizeMismatch), an image without colour.
 void keep_light(ImageMask& mask, const ComparedImage& mask_image, const ComparedImage& image);
 
 /// Leaves pixels with alpha >= `least` in every picture that has it. Errors: none of them has alpha.
@@ -142,7 +141,7 @@ void ignore_rectangles(ImageMask& mask, const ComparedImage& image,
                        std::span<const PixelRectangle> rectangles);
 
 /// Takes out pixels with a NaN or infinite colour value in either picture; returns how many it took out.
-/// The metrics do the same for themselves.
+/// The metrics leave out such pixels by themselves.
 std::uint64_t keep_finite(ImageMask& mask, const ComparedImage& reference, const ComparedImage& test);
 
 }  // namespace alidade::compare

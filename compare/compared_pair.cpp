@@ -34,7 +34,7 @@ ImageMask mask_of(const ComparedPair& pair, const ComparisonOptions& options) {
   return mask;
 }
 
-/// FLIP takes display pictures as they are.
+/// FLIP uses exposures and tone mappers only for linear light.
 void remark_unused(const FlipOptions& flip, const ComparedImage& reference,
                    std::vector<std::string>& remarks) {
   const bool is_asked =
@@ -68,7 +68,7 @@ std::uint8_t code(float value) {
   return static_cast<std::uint8_t>(std::lround(255.0f * (value > 0.0f ? std::min(value, 1.0f) : 0.0f)));
 }
 
-/// Calls value(pixel, channel), which answers sRGB in 0 .. 1.
+/// Makes a picture of value(pixel, channel), which returns sRGB in 0 .. 1.
 template <typename Value>
 image::BytePicture picture_of(const ComparedImage& image, const Value& value) {
   image::BytePicture picture{image.width, image.height, std::vector<std::uint8_t>(3 * image.pixels())};
@@ -89,7 +89,7 @@ double farthest_depth(const ComparedImage& image) {
 /// Few enough that the 8-bit codes of small differences leave no gaps.
 constexpr std::size_t k_bins = 24;
 
-/// What a screen shows, from black to white: Rec. 709's weights on sRGB values.
+/// Lightness from black to white: Rec. 709's weights on sRGB values.
 std::vector<float> lightness_of(const image::BytePicture& picture) {
   std::vector<float> lightness(picture.bytes.size() / 3);
   for (std::size_t i = 0; i < lightness.size(); ++i) {
@@ -99,13 +99,13 @@ std::vector<float> lightness_of(const image::BytePicture& picture) {
   return lightness;
 }
 
-void add_map(ComparisonPictures& pictures, std::optional<DifferenceMap>& position, DifferenceMap map,
+void add_map(ComparisonPictures& pictures, std::optional<DifferenceMap>& into, DifferenceMap map,
              const char* unit) {
   const double low = map.range.low, high = map.range.high;
   if (low < high)
     pictures.histograms.push_back(
         {map.title, unit, low, high, count_values(map.title, map.values, map.mask, low, high, k_bins)});
-  position = std::move(map);
+  into = std::move(map);
 }
 
 }  // namespace
@@ -179,9 +179,9 @@ void add_maps(ComparisonPictures& pictures, const ComparedPair& pair, PairMaps m
   const ImageMask& mask = pair.mask;
   if (pair.have_colors()) {
     const char* const matched = pictures.matched ? ", colours matched" : "";
-    const auto add_color_map = [&](std::optional<DifferenceMap>& position, DifferenceMap map) {
+    const auto add_color_map = [&](std::optional<DifferenceMap>& into, DifferenceMap map) {
       map.title += matched;
-      add_map(pictures, position, std::move(map), "");
+      add_map(pictures, into, std::move(map), "");
     };
     add_color_map(pictures.flip_map, flip_difference(std::move(flip), pair.reference.width, mask));
     add_color_map(pictures.color_map,

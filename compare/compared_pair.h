@@ -11,7 +11,7 @@
 
 namespace alidade::compare {
 
-/// Two pictures of one size and what counts in them.
+/// Two pictures of one size and the mask of pixels that count.
 struct ComparedPair {
   ComparedImage reference, test;
   ImageMask mask;
@@ -20,9 +20,8 @@ struct ComparedPair {
   bool have_depth() const { return !reference.depth.empty() && !test.depth.empty(); }
 };
 
-/// Reads both, resizes the test, masks and crops as the options say. `remarks` gets what makes them differ
-/// before any pixel is read. Errors: those of compare_files() that concern files, sizes, masks and
-/// crops.
+/// Reads both, then resizes the test, masks and crops by the options. `remarks` gets the differences of
+/// sizes, layers and encodings. Errors: those of compare_files() that concern files, sizes, masks and crops.
 ComparedPair read_compared_pair(const std::filesystem::path& reference, const std::filesystem::path& test,
                                 const ComparisonOptions& options, std::vector<std::string>& remarks);
 
@@ -39,8 +38,8 @@ struct PairMaps {
   std::optional<DifferenceMap> color, depth;
 };
 
-/// Adds maps and histograms of what the pair has; those of `made` are taken. `flip`: map of FLIP, if there
-/// are colours. If the test has matched colours (pictures.matched), titles say so.
+/// Adds maps and histograms of the layers that the pair has, and uses those of `made`. `flip`: map of FLIP,
+/// if there are colours. If the test has matched colours (pictures.matched), titles mention it.
 void add_maps(ComparisonPictures& pictures, const ComparedPair& pair, PairMaps made, std::vector<float> flip);
 
 }  // namespace alidade::compare

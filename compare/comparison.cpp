@@ -38,7 +38,7 @@ PictureFacts facts_of(const ComparedImage& image) {
   return {image.file, image.width, image.height, image.encoding, image.metadata, {}};
 }
 
-/// One comparison on its way. Progress is given in steps of about equal cost, counted in pixels.
+/// One comparison in progress. Reports steps of about equal cost, counted in pixels.
 class ComparisonRun {
  public:
   ComparisonRun(ComparedPair pair, const ComparisonOptions& options, const Progress& progress,
@@ -133,17 +133,17 @@ class ComparisonRun {
     const Alignment found =
         align(pair_.reference, pair_.test, pair_.mask, {.largest_shift = options_.largest_shift});
     comparison_.alignment = found;
-    constexpr double k_same_position = 0.5;
+    constexpr double k_most_shift = 0.5;
     if (!found.is_certain) {
       remark("cannot determine the shift between the images: too few common edges");
-    } else if (std::hypot(found.shift_x, found.shift_y) > k_same_position) {
+    } else if (std::hypot(found.shift_x, found.shift_y) > k_most_shift) {
       remark(fmt::format(
           "the test is shifted by {:.2f}, {:.2f} pixels relative to the reference; check its camera",
           found.shift_x, found.shift_y));
     }
   }
 
-  /// From here on the test has matched colours.
+  /// Replaces the colours of the test by matched ones.
   void match_colors() {
     require(pair_.have_colors(), pair_.test, "matching requires colours", "colours in both images");
     comparison_.match = match_color(pair_.reference, pair_.test, pair_.mask, *options_.match);
@@ -181,7 +181,7 @@ class ComparisonRun {
     comparison_.test.ids = std::move(pair_.test.ids);
   }
 
-  /// Of matched colours where they are; empty without colours.
+  /// Of matched colours if there are any; empty without colours.
   std::vector<float>& flip_map() {
     if (!comparison_.color) return no_map_;
     return (comparison_.matched ? *comparison_.matched : *comparison_.color).flip.map;

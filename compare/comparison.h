@@ -21,7 +21,7 @@
 
 namespace alidade::compare {
 
-/// How often values are met: equal steps from `low` to `high`, values outside of them in the first and last.
+/// How often values occur: equal steps from `low` to `high`, values outside of them in the first and last.
 struct Histogram {
   std::string name;
   std::vector<std::uint64_t> bins;
@@ -39,12 +39,12 @@ struct HistogramPicture {
 Histogram count_values(std::string name, std::span<const float> values, const ImageMask& mask, double low,
                        double high, std::size_t bins = 64);
 
-// The whole run: two files in, one result out. Thresholds, JSON and reports are made of it.
+// The whole run: from two files to one result. Thresholds, JSON and reports are made from it.
 //
 //   const Comparison comparison = compare_files("reference.png", "test.png", {});
 //   const Verdict verdict = judge(comparison, parse_thresholds("flip=0.05,psnr<30"));
 
-/// In which map regions of change are looked for.
+/// The map in which regions of change are searched.
 enum class ChangeMap {
   flip,   ///< what people see, 0 .. 1
   color,  ///< largest difference of the three channels, 0 .. 1
@@ -52,8 +52,8 @@ enum class ChangeMap {
 };
 
 struct ComparisonOptions {
-  // What counts. All of it together: a pixel counts if everything lets it.
-  /// Of both pictures; all positions in the result count from its top left corner.
+  // Which pixels count: those that all of these options leave.
+  /// The part of both pictures to compare; pixels in the result count from its top left corner.
   std::optional<PixelRectangle> crop;
   bool resize_to_reference = false;  ///< otherwise another size is SizeMismatch
   std::filesystem::path mask;        ///< keep_light(); of the size of the reference before cropping
@@ -62,30 +62,28 @@ struct ComparisonOptions {
 
   FlipOptions flip;
 
-  std::optional<ColorModel> match;  ///< colours are fitted, and everything of colours given twice
+  std::optional<ColorModel> match;  ///< fits colours; figures are then computed for matched ones, too
   bool align = false;
   int largest_shift = 64;  ///< pixels
 
   std::optional<ChangeMap> find_changes;  ///< of matched colours where they are
   ChangeOptions changes;
 
-  bool keep_pictures = false;  ///< what reports and maps need
+  bool keep_pictures = false;  ///< for reports and maps
 };
 
-/// What a file says about itself.
+/// Facts about a picture, from its file.
 struct PictureFacts {
   std::filesystem::path file;
   int width = 0, height = 0;  ///< as compared
   ColorEncoding encoding = ColorEncoding::display;
   std::vector<std::pair<std::string, std::string>> metadata;
-  std::vector<std::uint32_t>
-      ids;  ///< the id layer, for points behind regions; kept if changes are looked for
+  std::vector<std::uint32_t> ids;  ///< the id layer, for points behind regions; kept if changes are searched
 };
 
 /// Figures of colours.
 struct ColorFigures {
-  ErrorMetrics
-      stored;  ///< of the values as they are in the files; of display values if only one file is linear
+  ErrorMetrics stored;   ///< of the values in the files; of display values if only one file is linear
   ErrorMetrics linear;   ///< of linear light
   ErrorMetrics display;  ///< of sRGB values in 0 .. 1
   double ssim = 0.0, ms_ssim = 0.0;
@@ -109,7 +107,7 @@ struct Comparison {
   std::uint64_t pixels = 0;    ///< of the compared part
   std::uint64_t counted = 0;   ///< of them, those that masks let count
   std::uint64_t excluded = 0;  ///< of the counted ones, those with NaN or infinite colours, in no figure
-  std::vector<std::string> remarks;  ///< what somebody should know before believing the figures
+  std::vector<std::string> remarks;  ///< what limits the meaning of the figures
 
   std::optional<ColorFigures> color;  ///< both pictures have colours
   LayerMetrics layers;                ///< of the layers that both pictures have
@@ -120,10 +118,10 @@ struct Comparison {
   std::optional<ComparisonPictures> pictures;
 };
 
-/// Compares two files. Errors: those of read_compared_image(); SizeMismatch; masks that ask for layers nobody
-/// has; a crop outside of the picture; nothing in common (one has colours only, the other layers only);
-/// matching, aligning or changes asked for of what is not there. Progress counts steps of the run.
-/// Cost: see docs/compare.md. The same result on any number of threads.
+/// Compares two files. Errors: those of read_compared_image(); SizeMismatch; masks of layers that neither
+/// file has; a crop outside of the picture; nothing in common (one has colours only, the other layers only);
+/// matching, aligning or changes requested of layers that are missing. Progress counts steps of the run.
+/// Cost: see docs/compare.md. Equal results on any number of threads.
 Comparison compare_files(const std::filesystem::path& reference, const std::filesystem::path& test,
                          const ComparisonOptions& options, const Progress& progress = {});
 

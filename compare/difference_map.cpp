@@ -31,7 +31,7 @@ void fill_values(DifferenceMap& map, const Value& value) {
   in_parallel(map.values.size(), 65536, [&](std::size_t i) { map.values[i] = value(i); });
 }
 
-/// What a map's numbers come to: those that count and are finite.
+/// Sums of a map's numbers that count and are finite.
 DifferenceSums<double> sums_of(const DifferenceMap& map) {
   const auto width = static_cast<std::size_t>(map.width);
   return sum_rows<DifferenceSums<double>>(static_cast<std::size_t>(map.height),
@@ -81,88 +81,11 @@ float display_value(const ComparedImage& image, const image::CurveTable& curve, 
   return image.encoding == ColorEncoding::display ? stored : curve.at(stored);
 }
 
-}  // namespace
-
-DifferenceMap color_difference(const ComparedImage& reference, const ComparedImage& test,
-                               const ImageMask& mask) {
-  DifferenceMap map = empty_map(reference, test, mask);
-  assert(reference.color.size() == 3 * reference.pixels() && test.color.size() == 3 * test.pixels());
-  const image::CurveTable& curve = image::srgb_from_linear_table();
-  fill_values(map, [&](std::size_t pixel) {
-    float largest = 0.0f;
-    for (std::size_t i = 3 * pixel; i < 3 * pixel + 3; ++i) {
-      if (!std::isfinite(reference.color[i]) || !std::isfinite(test.color[i])) return k_none;
-      largest =
-          std::max(largest, std::abs(display_value(test, curve, i) - display_value(reference, curve, i)));
-    }
-    return largest;
-  });
-  map.title = "Colour difference";
-  map.label = "largest channel (white = 1)";
-  constexpr double k_percentile = 99.5;
-  const DifferenceSums<double> sums = sums_of(map);
-  map.range = {0.0, std::clamp(percentile_of(map, k_percentile, sums.values), 1.0 / 255.0, 1.0)};
-  add_notes(map, sums, "");
-  return map;
-}
-
-DifferenceMap flip_difference(std::vector<float> flip, int width, const ImageMask& mask) {
-  DifferenceMap map;
-  map.title = "FLIP";
-  map.label = "FLIP (0 = equal, 1 = maximum)";
-  map.width = width;
-  map.height = static_cast<int>(flip.size() / static_cast<std::size_t>(width));
-  map.values = std::move(flip);
-  map.mask = mask;
-  map.range = {0.0, 1.0};
-  add_notes(map, sums_of(map), "");
-  return map;
-}
-
-DifferenceMap depth_difference(const ComparedImage& reference, const ComparedImage& test,
-                               const ImageMask& mask) {
-  DifferenceMap map = empty_map(reference, test, mask);
-  assert(reference.depth.size() == reference.pixels() && test.depth.size() == test.pixels());
-  constexpr float k_infinite = std::numeric_limits<float>::infinity();
-  fill_values(map, [&](std::size_t pixel) {
-    const bool in_reference = is_depth(reference.depth[pixel]), in_test = is_depth(test.depth[pixel]);
-    if (in_reference && in_test) return test.depth[pixel] - reference.depth[pixel];
-    return in_reference ? k_infinite : in_test ? -k_infinite : k_none;
-  });
-  map.title = "Depth difference";
-  map.label = "test - reference (m)";
-  map.colors = DifferenceColors::balance;
-  constexpr double k_percentile = 98.0, k_least_range = 0.001;
-  const DifferenceSums<double> sums = sums_of(map);
-  const double range = std::max(percentile_of(map, k_percentile, sums.values), k_least_range);
-  map.range = {-range, range};
-  if (sums.values > 0) map.notes.push_back(fmt::format("mean {:.4g} m", sums.mean(sums.sum)));
-  add_notes(map, sums, " m");
-  return map;
-}
-
-DifferenceMap depth_agreement(const ComparedImage& reference, const ComparedImage& test,
-                              const ImageMask& mask) {
-  DifferenceMap map = empty_map(reference, test, mask);
-  map.title = "Depth agreement";
-  map.label = "within three standard deviations";
-  map.categories = {{{0, 0, 0}, "nothing in either"},
-                    {{56, 158, 84}, "agrees"},
-                    {{205, 205, 205}, "not scanned"},
-                    {{214, 40, 40}, "differs"}};
-  const DepthAgreement agreement(reference, test);
-  // Agreement has the order of the categories.
-  fill_values(map, [&](std::size_t pixel) { return static_cast<float>(agreement.at(pixel)); });
-  return map;
-}
-
-namespace {
-
 constexpr image::Rgb8 k_paper{255, 255, 255}, k_text{30, 30, 30}, k_note{95, 95, 95}, k_line{60, 60, 60};
 constexpr int k_margin = 24, k_font_size = 18, k_title_size = 24, k_note_size = 14, k_row = 28;
 constexpr int k_bar_width = 24, k_bar_height = 240, k_most_ticks = 7;
 
-/// What a pixel is when it has no number: positions in swatches_of(), before the map's categories.
+/// Kinds of pixels without a number: indices into swatches_of(), before the map's categories.
 enum Absence : std::size_t { k_ignored, k_nothing, k_only_reference, k_only_test, k_absences };
 
 std::vector<MapCategory> swatches_of(const DifferenceMap& map) {
@@ -202,7 +125,8 @@ image::Rgb8 color_at(const DifferenceMap& map, double position) {
                      : image::map_color(image::ColorMap::inferno, position));
 }
 
-double position_of(const DifferenceMap& map, double value) {
+/// Where a value is on the colour scale: 0 at the low end, 1 at the high one.
+double position_on_scale(const DifferenceMap& map, double value) {
   const double extent = map.range.high - map.range.low;
   return extent > 0.0 ? (value - map.range.low) / extent : 0.5;
 }
@@ -235,7 +159,7 @@ std::optional<std::size_t> swatch_of(const DifferenceMap& map, const MapPixel& p
 image::Rgb8 color_of(const DifferenceMap& map, const std::vector<MapCategory>& swatches,
                      const MapPixel& pixel) {
   if (const std::optional<std::size_t> swatch = swatch_of(map, pixel)) return swatches[*swatch].color;
-  return color_at(map, position_of(map, static_cast<double>(pixel.value)));
+  return color_at(map, position_on_scale(map, static_cast<double>(pixel.value)));
 }
 
 class DifferenceDrawer {
@@ -347,7 +271,7 @@ class DifferenceDrawer {
     canvas.frame({left - 1, y - 1, left + k_bar_width + 1, y + k_bar_height + 1}, k_line);
     for (const image::RoundTick& tick : ticks_) {
       const int at =
-          y + static_cast<int>(std::lround((1.0 - position_of(map_, tick.value)) * (k_bar_height - 1)));
+          y + static_cast<int>(std::lround((1.0 - position_on_scale(map_, tick.value)) * (k_bar_height - 1)));
       canvas.fill({left + k_bar_width + 1, at, left + k_bar_width + 7, at + 1}, k_line);
       font_.draw(canvas, left + k_bar_width + 12, at + 6, tick.label, k_font_size, k_text);
     }
@@ -356,13 +280,86 @@ class DifferenceDrawer {
 
   const DifferenceMap& map_;
   const image::Font& font_;
-  std::vector<MapCategory> swatches_, rows_;  ///< what there may be; the legend, with shares
+  std::vector<MapCategory> swatches_, rows_;  ///< all possible ones; those of the legend, with shares
   std::vector<image::RoundTick> ticks_;
   int shrink_ = 1, enlarge_ = 1;
   image::PixelBox box_;
 };
 
 }  // namespace
+
+DifferenceMap color_difference(const ComparedImage& reference, const ComparedImage& test,
+                               const ImageMask& mask) {
+  DifferenceMap map = empty_map(reference, test, mask);
+  assert(reference.color.size() == 3 * reference.pixels() && test.color.size() == 3 * test.pixels());
+  const image::CurveTable& curve = image::srgb_from_linear_table();
+  fill_values(map, [&](std::size_t pixel) {
+    float largest = 0.0f;
+    for (std::size_t i = 3 * pixel; i < 3 * pixel + 3; ++i) {
+      if (!std::isfinite(reference.color[i]) || !std::isfinite(test.color[i])) return k_none;
+      largest =
+          std::max(largest, std::abs(display_value(test, curve, i) - display_value(reference, curve, i)));
+    }
+    return largest;
+  });
+  map.title = "Colour difference";
+  map.label = "largest channel (white = 1)";
+  constexpr double k_percentile = 99.5;
+  const DifferenceSums<double> sums = sums_of(map);
+  map.range = {0.0, std::clamp(percentile_of(map, k_percentile, sums.values), 1.0 / 255.0, 1.0)};
+  add_notes(map, sums, "");
+  return map;
+}
+
+DifferenceMap flip_difference(std::vector<float> flip, int width, const ImageMask& mask) {
+  DifferenceMap map;
+  map.title = "FLIP";
+  map.label = "FLIP (0 = equal, 1 = maximum)";
+  map.width = width;
+  map.height = static_cast<int>(flip.size() / static_cast<std::size_t>(width));
+  map.values = std::move(flip);
+  map.mask = mask;
+  map.range = {0.0, 1.0};
+  add_notes(map, sums_of(map), "");
+  return map;
+}
+
+DifferenceMap depth_difference(const ComparedImage& reference, const ComparedImage& test,
+                               const ImageMask& mask) {
+  DifferenceMap map = empty_map(reference, test, mask);
+  assert(reference.depth.size() == reference.pixels() && test.depth.size() == test.pixels());
+  constexpr float k_infinite = std::numeric_limits<float>::infinity();
+  fill_values(map, [&](std::size_t pixel) {
+    const bool in_reference = is_depth(reference.depth[pixel]), in_test = is_depth(test.depth[pixel]);
+    if (in_reference && in_test) return test.depth[pixel] - reference.depth[pixel];
+    return in_reference ? k_infinite : in_test ? -k_infinite : k_none;
+  });
+  map.title = "Depth difference";
+  map.label = "test - reference (m)";
+  map.colors = DifferenceColors::balance;
+  constexpr double k_percentile = 98.0, k_least_range = 0.001;
+  const DifferenceSums<double> sums = sums_of(map);
+  const double range = std::max(percentile_of(map, k_percentile, sums.values), k_least_range);
+  map.range = {-range, range};
+  if (sums.values > 0) map.notes.push_back(fmt::format("mean {:.4g} m", sums.mean(sums.sum)));
+  add_notes(map, sums, " m");
+  return map;
+}
+
+DifferenceMap depth_agreement(const ComparedImage& reference, const ComparedImage& test,
+                              const ImageMask& mask) {
+  DifferenceMap map = empty_map(reference, test, mask);
+  map.title = "Depth agreement";
+  map.label = "within three standard deviations";
+  map.categories = {{{0, 0, 0}, "nothing in either"},
+                    {{56, 158, 84}, "agrees"},
+                    {{205, 205, 205}, "not scanned"},
+                    {{214, 40, 40}, "differs"}};
+  const DepthAgreement agreement(reference, test);
+  // Agreement has the order of the categories.
+  fill_values(map, [&](std::size_t pixel) { return static_cast<float>(agreement.at(pixel)); });
+  return map;
+}
 
 image::Canvas paint_difference(const DifferenceMap& map) {
   image::Canvas canvas(map.width, map.height, k_paper);

@@ -10,7 +10,7 @@
 #include "image/font.h"
 #include "image/point_color.h"
 
-// Maps of where two pictures differ, to look at.
+// Maps of the differences of two pictures, as pictures.
 
 namespace alidade::compare {
 
@@ -23,19 +23,19 @@ enum class DifferenceColors {
 /// Of pixels that do not count.
 constexpr image::Rgb8 k_excluded_color{150, 150, 158};
 
-/// What pixels of a map without numbers are.
+/// A kind of pixels in a map without numbers.
 struct MapCategory {
   image::Rgb8 color{};
   std::string label;
 };
 
-/// One value per pixel and what it means.
+/// One value per pixel and its meaning.
 struct DifferenceMap {
   std::string title;
   std::string label;  ///< what the numbers are, with their unit
   DifferenceColors colors = DifferenceColors::heat;
   image::ValueRange range{};  ///< values of the first and last colour
-  /// Values are positions in this list, from no change to the strongest; empty: values are numbers.
+  /// Values are indices into this list, from no change to the strongest; empty: values are numbers.
   std::vector<MapCategory> categories{};
   int width = 0, height = 0;
   /// NaN: there is nothing to compare. Infinite: only one picture has something there; plus the reference,
@@ -53,8 +53,8 @@ DifferenceMap color_difference(const ComparedImage& reference, const ComparedIma
 /// FLIP's own map (compare/metrics/flip.h), 0 .. 1.
 DifferenceMap flip_difference(std::vector<float> flip, int width, const ImageMask& mask);
 
-/// Test minus reference of the depth layers, metres: positive is farther away in the test. A depth that is
-/// none (is_depth()) is nothing there. The range is the 98th percentile of the magnitudes, to both sides, at
+/// Test minus reference of the depth layers, metres: positive is farther away in the test. Where a value is
+/// not is_depth(), there is nothing. The range is the 98th percentile of the magnitudes, to both sides, at
 /// least 1 mm; what only one picture has is distinguished. Both pictures must have depth and one size.
 DifferenceMap depth_difference(const ComparedImage& reference, const ComparedImage& test,
                                const ImageMask& mask);
@@ -68,11 +68,12 @@ DifferenceMap depth_agreement(const ComparedImage& reference, const ComparedImag
 image::Canvas paint_difference(const DifferenceMap& map);
 
 /// The map with title and legend, at most `longest_side` pixels long: of larger ones each pixel shows the
-/// strongest value of a square. The same pixels for the same map, font and version of FreeType. Requires
+/// strongest value of a square. Equal pixels for equal map, font and version of FreeType. Requires
 /// longest_side >= 1.
 image::Canvas draw_difference(const DifferenceMap& map, const image::Font& font, int longest_side = 1600);
 
-/// The same as a PNG file, with the font of find_font(). Errors: those of write_png() and find_font().
+/// Writes draw_difference() as PNG, with the font of find_font(). Errors: those of write_png() and
+/// find_font().
 void write_difference(const DifferenceMap& map, const std::filesystem::path& file, bool overwrite);
 
 }  // namespace alidade::compare

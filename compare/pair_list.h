@@ -10,8 +10,8 @@ namespace alidade::compare {
 
 /// Two pictures of a batch.
 struct ImagePair {
-  std::string name;  ///< what people call it: the path inside the folders, or the third column
-  std::filesystem::path reference, test;  ///< empty: there is no counterpart of the other one
+  std::string name;                       ///< for people: the path inside the folders, or the third column
+  std::filesystem::path reference, test;  ///< empty: the other one has no counterpart
 };
 
 /// The pictures of two folders and of the folders in them, recognised by their extension, paired by path and
@@ -26,7 +26,7 @@ std::vector<ImagePair> pairs_of_folders(const std::filesystem::path& reference,
 /// that of the test. Errors name the line: another header, another number of fields, an empty path, a quote
 /// without end.
 std::vector<ImagePair> read_pairs(const std::filesystem::path& file);
-/// The same from a stream of the file's text.
+/// Reads the pairs from a stream with the text of `file`.
 std::vector<ImagePair> read_pairs(std::istream& stream, const std::filesystem::path& file);
 
 }  // namespace alidade::compare

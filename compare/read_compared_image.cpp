@@ -70,46 +70,46 @@ constexpr int k_longest_text = 4096;
   throw Error({.file = file.string(), .problem = problem, .expected = expected, .found = found});
 }
 
-/// Where the layers stand among the channels of a file; -1: not there.
-struct Positions {
+/// The channels of a file that the layers are in, by index; -1: missing.
+struct ChannelIndices {
   std::array<int, 3> color{-1, -1, -1};
   std::array<int, 3> normal{-1, -1, -1};
   int alpha = -1, depth = -1, depth_sigma = -1, id = -1;
   int color_channels = 0;
 
-  /// What can be compared by itself.
+  /// The layers that can be compared by themselves.
   std::array<int, 9> all() const {
     return {color[0], color[1], color[2], normal[0], normal[1], normal[2], alpha, depth, id};
   }
 };
 
 std::array<int, 3> three(const OIIO::ImageSpec& spec, const std::array<const char*, 3>& names) {
-  std::array<int, 3> positions{};
-  for (std::size_t i = 0; i < 3; ++i) positions[i] = spec.channelindex(names[i]);
-  if (std::ranges::find(positions, -1) != positions.end()) return {-1, -1, -1};
-  return positions;
+  std::array<int, 3> indices{};
+  for (std::size_t i = 0; i < 3; ++i) indices[i] = spec.channelindex(names[i]);
+  if (std::ranges::find(indices, -1) != indices.end()) return {-1, -1, -1};
+  return indices;
 }
 
-Positions positions_of(const OIIO::ImageSpec& spec, bool has_named_channels) {
-  Positions positions;
-  positions.alpha = spec.channelindex("A");
-  positions.depth = spec.channelindex("Z");
-  positions.depth_sigma = spec.channelindex("depth.sigma");
-  positions.id = spec.channelindex("id");
-  positions.normal = three(spec, {"N.X", "N.Y", "N.Z"});
-  if (positions.normal[0] < 0) positions.normal = three(spec, {"Nx", "Ny", "Nz"});
-  positions.color = three(spec, {"R", "G", "B"});
-  // Formats without names of their own call their channels as they like.
-  if (positions.color[0] < 0 && !has_named_channels && spec.nchannels >= 3) positions.color = {0, 1, 2};
-  positions.color_channels = positions.color[0] < 0 ? 0 : 3;
-  if (positions.color_channels == 0) {
+ChannelIndices indices_of(const OIIO::ImageSpec& spec, bool has_named_channels) {
+  ChannelIndices indices;
+  indices.alpha = spec.channelindex("A");
+  indices.depth = spec.channelindex("Z");
+  indices.depth_sigma = spec.channelindex("depth.sigma");
+  indices.id = spec.channelindex("id");
+  indices.normal = three(spec, {"N.X", "N.Y", "N.Z"});
+  if (indices.normal[0] < 0) indices.normal = three(spec, {"Nx", "Ny", "Nz"});
+  indices.color = three(spec, {"R", "G", "B"});
+  // In formats without fixed names any three channels are colours.
+  if (indices.color[0] < 0 && !has_named_channels && spec.nchannels >= 3) indices.color = {0, 1, 2};
+  indices.color_channels = indices.color[0] < 0 ? 0 : 3;
+  if (indices.color_channels == 0) {
     const int grey = spec.channelindex("Y") >= 0 || has_named_channels ? spec.channelindex("Y") : 0;
     if (grey >= 0) {
-      positions.color = {grey, grey, grey};
-      positions.color_channels = 1;
+      indices.color = {grey, grey, grey};
+      indices.color_channels = 1;
     }
   }
-  return positions;
+  return indices;
 }
 
 void check(const OIIO::ImageSpec& spec, const std::filesystem::path& file) {
@@ -125,7 +125,7 @@ void check(const OIIO::ImageSpec& spec, const std::filesystem::path& file) {
 std::vector<std::pair<std::string, std::string>> texts_of(const OIIO::ImageSpec& spec) {
   std::vector<std::pair<std::string, std::string>> texts;
   for (const OIIO::ParamValue& attribute : spec.extra_attribs) {
-    // Profiles and thumbnails are bytes, not something to read.
+    // Profiles and thumbnails are bytes, not texts.
     if (attribute.datasize() > k_longest_text || attribute.type().basetype == OIIO::TypeDesc::PTR) continue;
     texts.emplace_back(attribute.name().string(), attribute.get_string());
   }
@@ -139,16 +139,16 @@ struct Target {
   std::size_t components, component;
 };
 
-std::vector<Target> targets_of(const Positions& positions, ComparedImage& image) {
+std::vector<Target> targets_of(const ChannelIndices& indices, ComparedImage& image) {
   std::vector<Target> targets;
   const auto add = [&](int channel, std::vector<float>& layer, std::size_t components, std::size_t i) {
     if (channel >= 0) targets.push_back({channel, &layer, components, i});
   };
-  for (std::size_t i = 0; i < 3; ++i) add(positions.color[i], image.color, 3, i);
-  for (std::size_t i = 0; i < 3; ++i) add(positions.normal[i], image.normals, 3, i);
-  add(positions.alpha, image.alpha, 1, 0);
-  add(positions.depth, image.depth, 1, 0);
-  add(positions.depth_sigma, image.depth_sigma, 1, 0);
+  for (std::size_t i = 0; i < 3; ++i) add(indices.color[i], image.color, 3, i);
+  for (std::size_t i = 0; i < 3; ++i) add(indices.normal[i], image.normals, 3, i);
+  add(indices.alpha, image.alpha, 1, 0);
+  add(indices.depth, image.depth, 1, 0);
+  add(indices.depth_sigma, image.depth_sigma, 1, 0);
   return targets;
 }
 
@@ -175,8 +175,8 @@ std::vector<ChannelRun> runs_of(const std::vector<Target>& targets, int longest)
   return runs;
 }
 
-/// The whole number that a channel of floating point holds. Errors: it holds something else, or so large a
-/// number that its neighbours look the same.
+/// The whole number in a channel of floating point. Errors: another number, or one so large that its
+/// neighbours become equal in the stored type.
 std::uint32_t whole_id(float value, OIIO::TypeDesc stored) {
   const float limit = stored == OIIO::TypeHalf ? 2048.0f : 16777216.0f;
   if (value >= 0.0f && value < limit && value == std::floor(value)) return static_cast<std::uint32_t>(value);
@@ -189,12 +189,12 @@ std::uint32_t whole_id(float value, OIIO::TypeDesc stored) {
 /// Reads bands of rows, and hands their values to the layers of an image.
 class BandReader {
  public:
-  BandReader(OIIO::ImageInput& input, const Positions& positions, ComparedImage& image)
+  BandReader(OIIO::ImageInput& input, const ChannelIndices& indices, ComparedImage& image)
       : input_(input),
         spec_(input.spec()),
         image_(image),
-        targets_(targets_of(positions, image)),
-        id_(positions.id),
+        targets_(targets_of(indices, image)),
+        id_(indices.id),
         width_(static_cast<std::size_t>(spec_.width)) {
     // Both counted in values.
     constexpr std::size_t k_usual = std::size_t{1} << 23, k_most = std::size_t{1} << 25;
@@ -202,8 +202,8 @@ class BandReader {
     const auto fitting_rows = [&](std::size_t values) {
       return static_cast<int>(std::clamp<std::size_t>(values / width_, 1, k_usual));
     };
-    // Bands end where blocks of tiles or of compressed rows do. Wide rows, of which a block would be too
-    // much, are decoded more than once; tiles can only be read as a whole, so their channels come one by one.
+    // Bands end where blocks of tiles or of compressed rows do. Wide rows are decoded more than once, since a
+    // whole block would be too much; tiles can only be read as a whole, so their channels come one by one.
     const int block = spec_.tile_width > 0 ? std::min(spec_.tile_height, spec_.height) : 64;
     rows_ = std::max(block, fitting_rows(k_usual / wanted) / block * block);
     if (spec_.tile_width == 0) rows_ = std::min(rows_, fitting_rows(k_most));
@@ -212,7 +212,7 @@ class BandReader {
     runs_ = runs_of(targets_, static_cast<int>(std::clamp<std::size_t>(longest, 1, 16)));
   }
 
-  /// `file_size` in bytes states how many pixels are likely to come.
+  /// `file_size`, bytes, is for an estimate of how many pixels will come.
   void read(std::uint64_t file_size) {
     reserve(file_size);
     for (int top = 0; top < spec_.height; top += rows_) {
@@ -223,7 +223,7 @@ class BandReader {
   }
 
  private:
-  /// Growing takes twice the memory for a while, which only pictures of one colour shall need.
+  /// Growing takes twice the memory for a while, which only pictures of one colour should need.
   void reserve(std::uint64_t file_size) {
     constexpr std::uint64_t k_likely_pixels_per_byte = 64;
     const std::uint64_t likely =
@@ -270,7 +270,7 @@ class BandReader {
                                                  spec_.y + bottom, 0, 1, run.begin, run.end, type, values)
                              : input_.read_scanlines(0, 0, spec_.y + top, spec_.y + bottom, 0, run.begin,
                                                      run.end, type, values);
-    // Of TIFF files OpenImageIO reports what is missing, but says that all is well.
+    // For TIFF files OpenImageIO returns success even where it reports that pixels are missing.
     if (!is_read || input_.has_error()) {
       throw Error({.problem = "the image has missing pixels: " + image::image_trouble(input_.geterror())});
     }
@@ -303,8 +303,8 @@ ComparedImage read_compared_image(const std::filesystem::path& file) {
   if (!input) fail(file, "cannot read the image: " + image::image_trouble(OIIO::geterror()));
   const OIIO::ImageSpec spec = input->spec();
   check(spec, file);
-  const Positions positions = positions_of(spec, std::string_view(input->format_name()) == "openexr");
-  if (std::ranges::all_of(positions.all(), [](int channel) { return channel < 0; }))
+  const ChannelIndices indices = indices_of(spec, std::string_view(input->format_name()) == "openexr");
+  if (std::ranges::all_of(indices.all(), [](int channel) { return channel < 0; }))
     fail(file, "nothing to compare", "channels R G B, Y, A, Z, N.X N.Y N.Z or id");
 
   ComparedImage image;
@@ -313,13 +313,13 @@ ComparedImage read_compared_image(const std::filesystem::path& file) {
   image.height = spec.height;
   image.origin_x = spec.x - spec.full_x;
   image.origin_y = spec.y - spec.full_y;
-  image.color_channels = positions.color_channels;
-  const OIIO::TypeDesc type = spec.channelformat(std::max(positions.color[0], 0));
+  image.color_channels = indices.color_channels;
+  const OIIO::TypeDesc type = spec.channelformat(std::max(indices.color[0], 0));
   image.encoding = type.is_floating_point() ? ColorEncoding::linear : ColorEncoding::display;
   image.largest_code = largest_code_of(type);
   image.metadata = texts_of(spec);
   try {
-    BandReader(*input, positions, image).read(file_size);
+    BandReader(*input, indices, image).read(file_size);
   } catch (const Error& error) {
     fail(file, error.what());
   }
@@ -332,7 +332,7 @@ std::uint64_t claimed_pixels(const std::filesystem::path& file) {
   if (!std::filesystem::is_regular_file(file, error)) return 0;
   const auto input = OIIO::ImageInput::open(file.string());
   if (!input) {
-    // Asked for, so that it is not taken for somebody else's trouble.
+    // Fetched, so that a later call does not return this error.
     OIIO::geterror();
     return 0;
   }

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Apart from the rest of compare/compared_image.h, since it alone needs OpenImageIO's filters.
+// Apart from compare/compared_image.cpp, since only this needs OpenImageIO's filters.
 #include <OpenImageIO/imagebuf.h>
 #include <OpenImageIO/imagebufalgo.h>
 #include <fmt/format.h>

@@ -24,7 +24,7 @@ Value figure_of(const Comparison& comparison) {
   return (*part.*....*k_members);
 }
 
-/// Of the colours as they are, and of matched ones.
+/// Figures of the colours as they are, and of matched ones.
 template <auto... k_members>
 constexpr auto k_color = figure_of<&Comparison::color, k_members...>;
 template <auto k_figure>

@@ -11,7 +11,7 @@
 
 namespace alidade::compare {
 
-/// Which values of a figure are the good ones.
+/// Which values of a figure are better.
 enum class Better { lower, higher };
 
 // Groups of figures of layers, as tables head them.
@@ -23,15 +23,15 @@ struct MetricPosition {
   int x = 0, y = 0;
 };
 
-/// A figure of a comparison under the name that thresholds, JSON and tables call it by.
+/// A figure of a comparison, under its name in thresholds, JSON and tables.
 struct MetricKind {
   std::string_view name;   ///< "flip", "depth_rmse"
   std::string_view group;  ///< heading in tables
   std::string_view label;  ///< "FLIP, mean"
   std::string_view unit;   ///< "m", "%", or empty
   Better better;
-  std::string_view note;  ///< what it is, for people who do not know it
-  /// Its value; empty where the pictures do not have what it is made of.
+  std::string_view note;  ///< explains it in tables
+  /// Its value; empty where the pictures lack the layers it requires.
   std::optional<double> (*value)(const Comparison& comparison);
   /// Of a largest difference, where it is; null for other figures, empty where nothing differs.
   std::optional<MetricPosition> (*position)(const Comparison& comparison) = nullptr;
@@ -50,10 +50,10 @@ struct Metric {
   std::optional<MetricPosition> position{};
 };
 
-/// "FLIP, mean" of colours, "Depth: RMSE" of others: what it is called outside of tables.
+/// The label outside of tables: "FLIP, mean" of colours, "Depth: RMSE" of others.
 std::string full_label(const MetricKind& kind);
 
-/// What is known of these two pictures, in the order of metric_kinds().
+/// The figures that these two pictures have, in the order of metric_kinds().
 std::vector<Metric> metrics_of(const Comparison& comparison);
 
 /// Which values go beyond a limit. The limit itself never does.
@@ -71,13 +71,13 @@ struct Threshold {
 };
 
 /// "flip=0.05,psnr<30": thresholds between commas, each a name, one of = < > and a number or inf. Errors: an
-/// empty list, an unknown name (with the nearest known one), anything else behind the name, NaN.
+/// empty list, an unknown name (they suggest the nearest known one), anything else behind the name, NaN.
 std::vector<Threshold> parse_thresholds(const std::string& text);
 
 /// "flip=0.05", as it is read.
 std::string to_text(const Threshold& threshold);
 
-/// A threshold and what was measured.
+/// A threshold and the measured value.
 struct JudgedThreshold {
   Threshold threshold;
   double value = 0.0;
@@ -92,7 +92,7 @@ struct Verdict {
 };
 
 /// Judges a comparison; without thresholds it passes. NaN fails: what cannot be measured is not good enough.
-/// Errors: a threshold on what these pictures do not have (no depth layer, alignment not asked for).
+/// Errors: a threshold on a figure that these pictures lack (no depth layer, alignment not requested).
 Verdict judge(const Comparison& comparison, const std::vector<Threshold>& thresholds);
 
 }  // namespace alidade::compare

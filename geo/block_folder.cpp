@@ -22,8 +22,8 @@ namespace alidade::geo {
 namespace fs = std::filesystem;
 namespace {
 
-/// What the file of a block begins with. Both sums are compared when it is read, so that no block is mistaken
-/// for another.
+/// The head of a block's file. Both sums are compared when it is read, so that no block is mistaken for
+/// another.
 struct BlockHeader {
   std::array<char, 8> magic = {'A', 'L', 'B', 'L', 'O', 'C', 'K', '1'};
   std::uint64_t sum_of_key = 0, sum_of_block = 0;
@@ -58,7 +58,7 @@ bool is_block_name(std::string_view name) {
          are_hex_digits(name.substr(0, name.size() - k_extension.size()), k_file_digits);
 }
 
-/// Of a file that is being written.
+/// Whether a name is that of a file that is being written.
 bool is_temporary_name(std::string_view name) {
   const std::size_t end = 1 + k_file_digits + k_extension.size();
   return name.starts_with('.') && name.size() > end && is_block_name(name.substr(1, end - 1)) &&
@@ -121,7 +121,8 @@ fs::path BlockFolder::path_of(const std::string& key) const {
 }
 
 bool BlockFolder::has_room(std::uint64_t bytes, std::uint64_t block) const {
-  // make_room() removes at least a fifth of all, what is older first: none of these blocks, nor a mark beside them.
+  // make_room() removes at least a fifth of all, what is older first: none of these blocks, nor a mark beside
+  // them.
   return bytes + (bytes / block + 3) * sizeof(BlockHeader) <= cut_bytes();
 }
 
@@ -189,7 +190,7 @@ void BlockFolder::make_room() {
     if (!fs::is_regular_file(file.symlink_status(error)) || error) return;
     Entry entry{file.last_write_time(error), 0, file.path()};
     if (error) return;
-    // What a program that was killed has left.
+    // A file that a killed program left.
     if (is_temporary && now - entry.used > std::chrono::hours(1)) fs::remove(file.path(), error);
     entry.bytes = is_temporary ? 0 : file.file_size(error);
     if (is_temporary || error) return;

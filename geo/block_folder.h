@@ -25,8 +25,8 @@ class BlockFolder {
   /// it; it holds something and is not marked.
   BlockFolder(std::filesystem::path folder, std::uint64_t most_bytes);
 
-  /// Whether so many bytes, in blocks of `block` bytes, would all stay when they are kept one after the other, whatever
-  /// else is there.
+  /// Whether so many bytes, in blocks of `block` bytes, would all stay when they are kept one after the
+  /// other, whatever else is there.
   bool has_room(std::uint64_t bytes, std::uint64_t block) const;
   /// Whether there is a block, which may still be damaged.
   bool contains(const std::string& key) const;
@@ -38,12 +38,12 @@ class BlockFolder {
   std::filesystem::path path_of(const std::string& key) const;
   /// Sums up the folder, and removes what has not been used for longest if it is too much.
   void make_room();
-  /// To which make_room() cuts: some less than allowed, so that this is rare.
+  /// The size to which make_room() cuts: less than allowed, so that this is rare.
   std::uint64_t cut_bytes() const { return most_bytes_ / 5 * 4; }
 
   std::filesystem::path folder_;
   std::uint64_t most_bytes_;
-  /// That the blocks take, without what other programs wrote since make_room().
+  /// Of the blocks, without what other programs wrote since make_room().
   std::atomic<std::uint64_t> bytes_ = 0;
   std::atomic<int> temporaries_ = 0;
 };

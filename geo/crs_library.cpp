@@ -27,7 +27,7 @@ std::string code_of(const GdalReference& reference, const char* part) {
   return code != nullptr ? code : "";
 }
 
-/// The name that version 1 of WKT gives to a projection; empty for systems without one.
+/// The name of a projection in version 1 of WKT; empty for systems without one.
 std::string projection_of(const GdalReference& reference) {
   const char* const name = OSRGetAttrValue(reference.get(), "PROJECTION", 0);
   return name != nullptr ? name : "";
@@ -44,7 +44,7 @@ bool is_mirrored(const GdalReference& reference) {
   return false;
 }
 
-/// x and y of a system without what does not move them in clouds, whose x is always east (or west): the order of
+/// x and y of a system without what does not affect them in clouds, whose x is always east (or west): the order of
 /// axes, and parameters to other datums.
 GdalReference plane_of(const GdalReference& reference) {
   GdalReference plane(OSRClone(reference.get()));
@@ -54,7 +54,7 @@ GdalReference plane_of(const GdalReference& reference) {
     for (std::string_view node = wkt_node(wkt, {key}); !node.empty(); node = wkt_node(wkt, {key}))
       wkt.erase(static_cast<std::size_t>(node.data() - wkt.data()), node.size());
   }
-  // Systems that version 1 does not have stay what they are.
+  // Systems that version 1 of WKT does not support stay as they are.
   if (GdalReference bare = reference_of_wkt(wkt)) return bare;
   return plane;
 }
@@ -64,7 +64,7 @@ CrsAgreement compare_planes(const GdalReference& a, const GdalReference& b) {
   const GdalReference one = plane_of(a), other = plane_of(b);
   if (is_mirrored(a) != is_mirrored(b)) return different;
   if (is_same(one, other)) return same;
-  // Some projections have the same parameters.
+  // Some projections have equal parameters.
   if (projection_of(one) != projection_of(other) || !same_definition(version_1_of(one), version_1_of(other)))
     return different;
   // PROJ distinguishes datums by name, and programs write names of their own.
@@ -102,7 +102,7 @@ std::string whole_wkt(const Crs& crs) {
   const CPLConfigOptionSetter heights("GTIFF_REPORT_COMPD_CS", "YES", false);
   const std::string wkt = wkt_of(crs);
   if (!crs.wkt.empty()) return wkt;
-  // The name that GDAL gives to keys it cannot read.
+  // GDAL's name for keys that it cannot read.
   if (wkt.empty() || wkt.starts_with("LOCAL_CS[")) return "";
   const std::optional<LengthUnit> stated = stated_units(crs).heights;
   return stated ? with_height_unit(crs_of_wkt(wkt), *stated).wkt : wkt;

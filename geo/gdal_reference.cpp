@@ -15,7 +15,7 @@
 namespace alidade::geo {
 namespace {
 
-/// Leaves x and y of a system, x before y whatever its axes. Heights do not move a position, and their grids
+/// Leaves x and y of a system, x before y whatever its axes. Heights do not affect x and y, and their grids
 /// may not be installed.
 void make_plane(const GdalReference& reference) {
   OSRStripVertical(reference.get());
@@ -31,7 +31,7 @@ class TiffBytes {
     bytes_.insert(bytes_.end(), bytes.begin(), bytes.end());
   }
 
-  /// An entry of the directory: tag, type (2 text, 3 short, 4 long, 12 double), count, value or its position.
+  /// An entry of the directory: tag, type (2 text, 3 short, 4 long, 12 double), count, value or its offset.
   void entry(std::uint16_t tag, std::uint16_t type, std::size_t count, std::size_t value) {
     add(tag);
     add(type);
@@ -44,7 +44,7 @@ class TiffBytes {
   std::vector<std::byte> bytes_;
 };
 
-/// The smallest TIFF file, of one pixel, with these GeoTIFF keys: GDAL explains keys only in such a file.
+/// The smallest TIFF file, of one pixel, with these GeoTIFF keys: GDAL interprets keys only in a file.
 /// Source: TIFF 6.0, OGC GeoTIFF 1.1.
 std::vector<std::byte> tiff_with_keys(const Crs& crs) {
   constexpr std::size_t k_entries = 11, k_directory = 8, k_pixel = k_directory + 2 + 12 * k_entries + 4;
@@ -78,17 +78,8 @@ std::vector<std::byte> tiff_with_keys(const Crs& crs) {
   return std::move(tiff.bytes());
 }
 
-}  // namespace
-
-std::string expected_system(const std::string& text, const std::string& usual) {
-  const bool is_code = !text.empty() && text.find_first_not_of("0123456789") == std::string::npos;
-  return is_code ? "EPSG:" + text : usual;
-}
-
-namespace {
-
-/// What the user wrote, or the WKT of a file; null for text that says nothing. Errors: GDAL does not
-/// understand it.
+/// The reference system that a user's text or the WKT of a file denotes; null for an empty text. Errors: GDAL
+/// does not understand it.
 GdalReference read_reference(const std::string& text, bool is_wkt, const std::string& whose,
                              const std::string& way_out) {
   if (text.empty()) return nullptr;
@@ -98,11 +89,10 @@ GdalReference read_reference(const std::string& text, bool is_wkt, const std::st
   return reference;
 }
 
-/// The plane part of a reference system, x east and y north; null for one that does not say where on Earth
-/// things are.
+/// The plane part of a reference system, x east and y north; null for one without a relation to the Earth.
 GdalReference plane_part(GdalReference reference) {
   if (!reference || OSRIsLocal(reference.get()) != 0) return nullptr;
-  // So GeoPackage calls what it does not know.
+  // The name of GeoPackage for unknown systems.
   const char* const name = OSRGetName(reference.get());
   if (name != nullptr && std::string_view(name).starts_with("Undefined")) return nullptr;
   make_plane(reference);
@@ -110,6 +100,11 @@ GdalReference plane_part(GdalReference reference) {
 }
 
 }  // namespace
+
+std::string expected_system(const std::string& text, const std::string& usual) {
+  const bool is_code = !text.empty() && text.find_first_not_of("0123456789") == std::string::npos;
+  return is_code ? "EPSG:" + text : usual;
+}
 
 void fail_geotiff(const std::filesystem::path& file, const char* what) {
   const std::string said = CPLGetLastErrorMsg();

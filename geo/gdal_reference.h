@@ -17,11 +17,11 @@
 #include "cloud/crs.h"
 #include "geo/vector_file.h"
 
-// What belongs to GDAL, given back when it is no longer used.
+// Objects of GDAL, released when they are no longer used.
 
 namespace alidade::geo {
 
-/// GDAL says nothing by itself while this lives; what it would have said last is kept.
+/// Keeps GDAL from printing messages while this lives; its last message is kept.
 class QuietGdal {
  public:
   QuietGdal() {
@@ -54,13 +54,14 @@ class GdalMemoryFile {
   std::string name_;
 };
 
-/// What was expected where a reference system is unknown: with the authority for a number alone, else `usual`.
+/// What messages expect instead of an unknown reference system: "EPSG:" with the number for a number alone,
+/// else `usual`.
 std::string expected_system(const std::string& text, const std::string& usual);
 
-/// Throws the Error about a GeoTIFF, with what GDAL said last.
+/// Throws the Error about a GeoTIFF, with GDAL's last message.
 [[noreturn]] void fail_geotiff(const std::filesystem::path& file, const char* what);
 
-/// Something that GDAL made, given back by the function `release` when it is no longer used.
+/// An object that GDAL made, released by the function `release` when it is no longer used.
 template <auto release>
 struct GdalRelease {
   void operator()(void* handle) const { release(handle); }
@@ -72,35 +73,35 @@ using GdalDataset = GdalHandle<GDALClose>;
 using GdalReference = GdalHandle<OSRRelease>;
 using GdalTransformation = GdalHandle<OCTDestroyCoordinateTransformation>;
 
-/// The reference system as WKT: what the file gave, or what its GeoTIFF keys mean, as GDAL reads them. Empty
-/// if it is missing or invalid.
+/// The reference system as WKT: that of the file, or that of its GeoTIFF keys, as GDAL reads them. Empty if
+/// it is missing or invalid.
 std::string wkt_of(const Crs& crs);
 
 /// Null for text that is empty or that GDAL does not understand.
 GdalReference reference_of_wkt(const std::string& wkt);
 
-/// A system as WKT of a kind that GDAL names, such as "FORMAT=WKT1"; empty if it has none of that kind.
+/// A system as WKT in a format of GDAL, such as "FORMAT=WKT1"; empty if it cannot be written so.
 std::string wkt_in_format(OGRSpatialReferenceH reference, const char* format);
 
-/// The plane part of a cloud's system; null if GDAL does not know it or it lies nowhere on Earth.
+/// The plane part of a cloud's system; null if GDAL does not support it or it has no relation to the Earth.
 GdalReference plane_reference(const Crs& crs);
 
 /// Longitude before latitude, WGS 84; null if GDAL's tables are not installed.
 GdalReference globe_reference();
 
-/// Null if there is no way from one to the other.
+/// Null if there is no transformation from one to the other.
 GdalTransformation transformation_between(const GdalReference& from, const GdalReference& to);
 
-/// The way from a file's reference system, `own`, WKT, empty if the file says nothing, to the cloud's; null
-/// if positions stay what they are, because both are the same or none is known. `source` is what an Error
-/// names. Errors: one is known and the other not; one that GDAL does not understand; there is no way.
+/// The transformation from a file's reference system, `own` (WKT, empty if the file has none), to the
+/// cloud's; null if positions need none, because the systems are equal or both missing. Errors name `source`:
+/// only one system is given; GDAL does not understand one; there is no transformation.
 GdalTransformation transformation_to_cloud(const std::string& own, const ObserverReference& reference,
                                            const std::string& source);
 
-/// A position in the other reference system, if it has an image there.
+/// Transforms a position; empty if it has no image in the other system.
 std::optional<glm::dvec2> transformed(glm::dvec2 position, const GdalTransformation& transformation);
 
-/// A position in the cloud's reference system. Errors: it has no image there; they name `source`.
+/// Transforms a position to the cloud's reference system. Errors, which name `source`: it has no image there.
 glm::dvec2 transformed(const glm::dvec2& position, const GdalTransformation& transformation,
                        const std::string& source);
 

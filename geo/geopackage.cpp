@@ -33,8 +33,8 @@ class FixedDate {
   static constexpr const char* k_option = "OGR_CURRENT_DATE";
 };
 
-/// Without a reference system the format has one for plane coordinates that are nowhere on Earth; GDAL takes degrees
-/// instead if it is given none.
+/// The plane reference of a system. For a missing one the format has "undefined Cartesian"; GDAL takes
+/// degrees instead if it is given none.
 GdalReference reference_or_undefined(const Crs& crs) {
   GdalReference reference = plane_reference(crs);
   if (reference) return reference;

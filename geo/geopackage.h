@@ -14,9 +14,10 @@
 #include "cloud/crs.h"
 #include "cloud/select_points.h"
 
-// Vector layers as programs for maps open them.
+// Vector layers that GIS programs open.
 //
-//   geo::write_geopackage("site.gpkg", {{.name = "paths", .columns = {{"name", ColumnType::text}}, .features = ...}},
+//   geo::write_geopackage("site.gpkg",
+//                         {{.name = "paths", .columns = {{"name", ColumnType::text}}, .features = ...}},
 //                         cloud.crs, false);
 
 namespace alidade::geo {
@@ -46,11 +47,11 @@ struct VectorLayer {
   std::vector<LayerFeature> features;
 };
 
-/// Writes a GeoPackage (OGC 12-128) with these layers, x and y in the reference system of a cloud; one that GDAL does
-/// not support, or that has no place on Earth, is left out. The file appears completely or not at all. The same layers
-/// give the same bytes with the same version of GDAL: the date of the last change in it is that of the format's
-/// first version, 2014-02-10. Errors: the name does not end in .gpkg; an existing file without `overwrite`; a full disk
-/// and other write failures. Memory: the encoded file.
+/// Writes a GeoPackage (OGC 12-128) with these layers, x and y in the reference system of a cloud; one that
+/// GDAL does not support, or without a relation to the Earth, is left out. The file appears completely or not
+/// at all. Equal layers give equal bytes with one version of GDAL: the date of the last change in it is that
+/// of the format's first version, 2014-02-10. Errors: the name does not end in .gpkg; an existing file
+/// without `overwrite`; a full disk and other write failures. Memory: the encoded file.
 void write_geopackage(const std::filesystem::path& file, const std::vector<VectorLayer>& layers,
                       const Crs& crs, bool overwrite);
 

@@ -105,7 +105,8 @@ int begin_of_last_answer(char** headers) {
 }
 
 /// A session of GDAL, which keeps connections to servers, for one request at a time: as many as there are
-/// requests at once. A process that forked gets others: on a connection, its answers and its parent's would mix.
+/// requests at once. A process that forked gets others: on one connection its answers and its parent's would
+/// mix.
 class Session {
  public:
   Session() {
@@ -130,8 +131,8 @@ class Session {
   int number_;
 };
 
-/// A request and what comes of it, in a thread of its own: GDAL asks whether to go on only when the answer
-/// has begun.
+/// A request and its answer, in a thread of its own: GDAL calls its progress function only once the
+/// answer has begun.
 class Transfer {
  public:
   static std::shared_ptr<Transfer> start(const HttpRequest& request) {
@@ -148,10 +149,10 @@ class Transfer {
   bool is_done_within(std::chrono::milliseconds time) const {
     return done_future_.wait_for(time) == std::future_status::ready;
   }
-  /// The rest ends as soon as data come.
+  /// The thread ends as soon as data come.
   void give_up() { is_given_up_ = true; }
 
-  // When it is done.
+  // Valid once it is done.
   std::vector<std::byte> body{};
   std::shared_ptr<ScratchFile> whole{};  ///< has all of the body
   bool is_too_long = false;
@@ -205,8 +206,8 @@ class Transfer {
     return static_cast<Transfer*>(transfer)->is_given_up_ ? FALSE : TRUE;
   }
 
-  /// Of a body in memory; a longer one goes to a temporary file. Whether it is the page of an error is not known while
-  /// it comes.
+  /// Of a body in memory; a longer one goes to a temporary file. At least k_largest_page, since a body may be
+  /// the page of an error.
   std::uint64_t most_bytes_ = 0;
   HttpPart part_ = HttpPart::bytes;
   std::atomic<bool> is_given_up_ = false;

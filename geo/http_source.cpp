@@ -24,11 +24,11 @@ namespace {
 constexpr int k_no_such_range = 416;
 constexpr const char* k_unstated = "the server does not state which bytes it sent";
 
-/// What servers without ranges sent, in one temporary file of the process. Thread safe.
+/// The answers of servers without ranges, in one temporary file of the process. Thread safe.
 class WholeFiles {
  public:
-  /// Copies a file, so that none of thousands keeps a file handle; returns where. Errors: those of temporary_folder()
-  /// and ScratchFile::append().
+  /// Copies a file, so that none of thousands keeps a file handle; returns where. Errors: those of
+  /// temporary_folder() and ScratchFile::append().
   WholeFile keep(const ScratchFile& whole) {
     constexpr std::uint64_t k_part = 1 << 20;
     const std::scoped_lock lock(mutex_);
@@ -59,7 +59,7 @@ class WholeFiles {
 };
 
 WholeFiles& whole_files() {
-  static WholeFiles& files = *new WholeFiles;  // outlives all that is static elsewhere
+  static WholeFiles& files = *new WholeFiles;  // never destroyed: other static objects may read files
   return files;
 }
 
@@ -83,7 +83,7 @@ void HttpSource::check_range(const HttpAnswer& answer, std::uint64_t first, std:
   if (answer.stated_range.empty()) {
     if (is_open_ && answer.size() == last - first + 1 && answer.size() != size_)
       fail(k_unstated, "the header Content-Range", "none");
-    return;  // the whole file, which check_whole() or check_version() makes sure of
+    return;  // the whole file, as check_whole() or check_version() verifies
   }
   if (!answer.range || !answer.range->bytes)
     fail("invalid Content-Range from the server", "bytes FIRST-LAST/SIZE", answer.stated_range);
@@ -100,7 +100,7 @@ void HttpSource::check_hosts(const HttpAnswer& answer) const {
   if (!hosts_) return;
   for (const std::string& stated : answer.redirections) {
     const std::string_view target = trim(stated);
-    // Without a host in front it is another file of the same one.
+    // Without a host in front it is another file of this host.
     const bool has_host =
         target.starts_with("//") || target.find(':') < std::min(target.find_first_of("/?#"), target.size());
     if (!has_host) continue;

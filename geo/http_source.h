@@ -17,7 +17,7 @@
 
 namespace alidade::geo {
 
-/// Where a temporary file has what a server without ranges sent.
+/// Where the answer of a server without ranges is in a temporary file.
 struct WholeFile {
   std::shared_ptr<const ScratchFile> file;
   std::uint64_t at = 0;
@@ -34,11 +34,12 @@ struct WholeFile {
 /// GDAL_HTTP_MAX_RETRY times, with pauses that begin at GDAL_HTTP_RETRY_DELAY seconds and double.
 class HttpSource {
  public:
-  /// Requests the first `count` bytes. With `known`, the sum_of_version() of a file without ranges that is kept
-  /// elsewhere, the headers come first, and no bytes if they state this version: some servers state a wrong length or
-  /// ETag there. `name` is what messages call the file; `is_interrupted`, if given, is
-  /// called while waiting and returns whether to stop. With `hosts`, an answer that came from another host than that
-  /// of the URL and these is an error: redirections are followed before they are known, but nothing is taken from there.
+  /// Requests the first `count` bytes. With `known`, the sum_of_version() of a file without ranges that is
+  /// kept elsewhere, the headers come first, and no bytes if they state this version: some servers state a
+  /// wrong length or ETag there. `name` is the file's in messages; `is_interrupted`, if given, is called
+  /// while waiting and returns whether to stop. With `hosts`, an answer that came from another host than
+  /// that of the URL and these is an error: GDAL follows redirections before reporting them, but their
+  /// answers are discarded.
   /// Errors: those of read(); the server cannot be reached, or has no such file.
   HttpSource(std::string name, std::string url, std::size_t count, bool (*is_interrupted)(),
              std::optional<std::vector<std::string>> hosts, std::optional<std::uint64_t> known = {});
@@ -46,18 +47,18 @@ class HttpSource {
   /// No other source of the process has or had it.
   std::uint64_t number() const { return number_; }
   std::uint64_t size() const { return size_; }
-  /// Differs between different contents of the URL. Empty if the server does not tell them apart.
+  /// Differs between different contents of the URL. Empty if the server does not distinguish them.
   const std::string& version() const { return version_; }
   std::uint64_t sum_of_version() const;
   /// Whether the constructor got all of the file, since the server sends no ranges.
   bool has_whole() const { return whole_.has_value(); }
-  /// Hands out the bytes that the constructor fetched: at most `count` at the beginning of the file, or none.
+  /// Moves out the bytes that the constructor fetched: at most `count` at the beginning of the file, or none.
   std::vector<std::byte> take_start() { return std::exchange(start_, {}); }
   /// Whether an answer was of another version: the URL has to be opened again.
   bool has_changed() const { return has_changed_; }
 
-  /// Fetches bytes, all of them within the file. Errors: the network fails; the server sends something else
-  /// or another version. Cancelled.
+  /// Fetches bytes, all of them within the file. Errors: the network fails; the server sends other bytes or
+  /// another version. Cancelled.
   void read(std::uint64_t offset, std::span<std::byte> into);
 
  private:

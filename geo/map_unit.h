@@ -12,16 +12,16 @@ namespace alidade::geo {
 /// those of a cloud without any system.
 std::string height_unit(const Crs& crs);
 
-/// What the coordinates of a map are counted in.
+/// The unit of a map's coordinates.
 enum class MapUnit {
-  unknown,  ///< the cloud has no reference system, or one that does not say it
+  unknown,  ///< the cloud has no reference system, or one that does not state it
   metre,
   foot,
   degree,  ///< no lengths can be measured over them
 };
 
-/// Of x and y; heights of a compound system may be counted in another unit. By axis_units(): what a code means is known
-/// where a CrsLibrary is used.
+/// The unit of x and y, by axis_units(); heights of a compound system may have another. Codes are resolved
+/// only where a CrsLibrary is used.
 MapUnit map_unit(const Crs& crs);
 
 /// "m", "ft", "deg" or "unknown".

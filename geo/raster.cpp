@@ -99,7 +99,7 @@ void check_map_memory(const RasterGrid& grid, int bands) {
   check_memory(k_bytes * static_cast<std::uint64_t>(bands) * grid.size(), "the map");
 }
 
-// Apart from the writing, so that who only checks the name does not load GDAL.
+// Apart from the writing, so that programs that only check the name do not load GDAL.
 
 void check_raster_name(const std::filesystem::path& file) {
   const std::string extension = file_extension(file);

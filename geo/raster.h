@@ -54,18 +54,18 @@ struct Raster {
 /// The cells that cover an area (x and y of it; z does not matter), at least one. Their corners lie on whole
 /// multiples of the cell size, so that maps of one cell size fit on each other. Errors: the area is empty or
 /// not finite; cell_size not above 0 or not finite, or too fine for such large coordinates; more than
-/// k_most_cells cells, whose number is said.
+/// k_most_cells cells, with their number.
 RasterGrid grid_over(const Bounds& area, double cell_size);
 
 /// The area of a grid, to the outer edges of its cells; z is 0.
 Bounds area_of(const RasterGrid& grid);
 
-/// The cells of a grid that hold an area, in x and y; at least one. What of the area lies outside of the grid
-/// does not count. Requires: a cell in the grid.
+/// The cells of a grid that hold an area, in x and y; at least one. The part of the area outside of the grid
+/// is ignored. Requires: a cell in the grid.
 RasterGrid part_over(const RasterGrid& grid, const Bounds& area);
 
-/// The cell that a position lies in; what lies on an edge of two belongs to the one in the east or south, on
-/// the outer edges to the outermost cell. Empty outside of the grid.
+/// The cell that contains a position; one on the edge of two is in the eastern or southern cell, one on the
+/// outer edges in the outermost. Empty outside of the grid.
 std::optional<glm::ivec2> cell_at(const RasterGrid& grid, const glm::dvec2& position);
 
 /// The intersection of two areas, in x and y; may be empty. z is that of `area`.

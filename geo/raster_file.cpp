@@ -51,7 +51,8 @@ void write_rows(void* dataset, const GroundPicture& picture, const FillRows& fil
   }
 }
 
-/// A reference system that GDAL does not understand is left out; the rest is right without it.
+/// Sets transform and reference system. One that GDAL does not understand is left out; the rest is right
+/// without it.
 void georeference(void* dataset, std::array<double, 6> transform, const std::string& wkt,
                   const std::filesystem::path& file) {
   if (GDALSetGeoTransform(dataset, transform.data()) != CE_None)
@@ -59,7 +60,7 @@ void georeference(void* dataset, std::array<double, 6> transform, const std::str
   if (!wkt.empty()) GDALSetProjection(dataset, wkt.c_str());
 }
 
-/// Closes a file in memory and puts its bytes into another.
+/// Closes a file in memory and writes its bytes to another.
 void complete(GdalDataset dataset, const GdalMemoryFile& memory, const std::filesystem::path& file,
               OutputFile& output) {
   dataset.reset();

@@ -24,10 +24,10 @@
 namespace alidade::geo {
 namespace {
 
-/// Closed when it is no longer used; null if GDAL does not read it.
+/// Opens a raster, which is closed when it is no longer used; null if GDAL cannot read it.
 GdalDataset open_raster(const std::filesystem::path& file) {
   GDALAllRegister();
-  // Else a GeoTIFF file would lose its vertical part.
+  // Without this option a GeoTIFF file would lose its vertical part.
   const CPLConfigOptionSetter heights("GTIFF_REPORT_COMPD_CS", "YES", false);
   return GdalDataset(GDALOpenEx(file.c_str(), GDAL_OF_RASTER | GDAL_OF_READONLY, nullptr, nullptr, nullptr));
 }
@@ -37,8 +37,8 @@ std::string text_of(const std::array<double, 6>& transform) {
                      transform[4], transform[5]);
 }
 
-/// World x = [0] + [1] column + [2] row, y = [3] + [4] column + [5] row. Errors: not squares north up, or south
-/// up.
+/// World x = [0] + [1] column + [2] row, y = [3] + [4] column + [5] row. Errors: not squares north up, or
+/// south up.
 std::array<double, 6> square_transform(void* dataset, const std::filesystem::path& file) {
   std::array<double, 6> transform{};
   if (GDALGetGeoTransform(dataset, transform.data()) != CE_None) {
@@ -65,7 +65,7 @@ std::array<double, 6> square_transform(void* dataset, const std::filesystem::pat
   return transform;
 }
 
-/// By the names that programs give units.
+/// The unit of a band, by the names that programs use.
 std::optional<LengthUnit> unit_of_band(void* band) {
   const std::string name = lower_case(GDALGetRasterUnitType(band));
   if (name == "m" || name.starts_with("metre") || name.starts_with("meter")) return k_metre;

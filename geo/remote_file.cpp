@@ -44,17 +44,18 @@ std::string web_url(std::string_view name) {
   return name.starts_with("http://") || name.starts_with("https://") ? std::string(name) : "";
 }
 
-/// Whether it is a catalog that is compressed, to be read as if it were not.
+/// Whether a name is that of a compressed catalog, which is decompressed.
 bool is_packed(const std::string& name) {
   return name.substr(0, name.find('?')).ends_with(".json.gz") && !name.starts_with("/vsigzip/");
 }
 
-/// The time of modification, as a part of a version; empty if it is unknown. A compressed file has the time of the
-/// packed file: GDAL gives the time of a compressed file only for the one that it opened last, and 0 for others.
+/// The time of modification, as a part of a version; empty if it is unknown. A compressed file has the
+/// time of the packed file: GDAL gives the time of a compressed file only for the one that it opened last,
+/// and 0 for others.
 std::string time_of(std::string_view path) {
   constexpr std::string_view k_packed = "/vsigzip/";
   while (path.starts_with(k_packed)) path.remove_prefix(k_packed.size());
-  // Of files that were opened GDAL remembers it: no request.
+  // GDAL caches it for files that were opened: no request.
   VSIStatBufL status{};
   const bool is_known = VSIStatExL(std::string(path).c_str(), &status, VSI_STAT_SIZE_FLAG) == 0;
   return is_known ? fmt::format(" {}", status.st_mtime) : "";
@@ -83,7 +84,7 @@ std::string gdal_reason() {
        reason.empty() || is_refused ? "an existing file that you may read" : "");
 }
 
-/// What is not set in the environment.
+/// Sets the options of GDAL that the environment does not set.
 void set_defaults() {
   constexpr std::array<std::pair<const char*, const char*>, 8> k_defaults = {{
       {"GDAL_HTTP_MAX_RETRY", "3"},
@@ -101,11 +102,11 @@ void set_defaults() {
 
 class VirtualFile final : public RemoteFile {
  public:
-  /// `name` is what messages call the file.
+  /// `name` is the file's in messages.
   VirtualFile(const std::string& name, const std::string& path) : name_(name) {
     const QuietGdal quiet;
     VSIErrorReset();
-    // The other files of its folder do not matter.
+    // Does not list the other files of its folder.
     constexpr const char* k_list = "GDAL_DISABLE_READDIR_ON_OPEN";
     CPLSetThreadLocalConfigOption(k_list, "EMPTY_DIR");
     handle_.reset(VSIFOpenExL(path.c_str(), "rb", TRUE));
@@ -145,7 +146,7 @@ class VirtualFile final : public RemoteFile {
 class UnpackedFile final : public RemoteFile {
  public:
   UnpackedFile(const std::string& name, RemoteFile& packed)
-      // A number: GDAL remembers what files of a name had in them.
+      // Numbered, since GDAL caches the contents of files by name.
       : packed_(fmt::format("_{}.gz", count_++).c_str()) {
     constexpr std::uint64_t k_largest = std::uint64_t{256} << 20;
     if (packed.size() > k_largest)
@@ -207,7 +208,7 @@ class BlockMemory {
   std::map<Key, std::list<std::pair<Key, Block>>::iterator> blocks_;
 };
 
-/// What the process knows of web servers. It outlives all that is static elsewhere.
+/// The process's files on web servers and their blocks. Never destroyed: other static objects may read files.
 struct Web {
   explicit Web(const RemoteOptions& chosen) : options(chosen) {
     if (!options.cache.empty()) folder.emplace(options.cache, options.cache_bytes);
@@ -250,7 +251,8 @@ std::shared_ptr<HttpSource> http_source(const std::string& name, const std::stri
     const auto known = web().sources.find(url);
     if (known != web().sources.end() && !known->second->has_changed()) return known->second;
   }
-  // Of a server without ranges, the first bytes are the whole file: of the version in the mark, the folder holds it.
+  // A server without ranges sends the whole file as the first bytes. The folder holds the version in the
+  // mark.
   const std::string mark = url + "\nno ranges";
   std::optional<std::uint64_t> marked;
   if (web().folder)
@@ -304,7 +306,7 @@ class HttpFile final : public RemoteFile {
   std::uint64_t block_count() const { return (size() + k_block - 1) / k_block; }
   std::string key_of(std::uint64_t block) const { return block_key(*source_, url_, block); }
 
-  /// Readers that go through a file get ever more of it at once.
+  /// Sequential reads fetch more and more at once.
   void look_ahead(std::uint64_t offset, std::uint64_t count) {
     constexpr std::uint64_t k_least = 64 << 10, k_most = 4 << 20;
     ahead_ = offset != 0 && offset == next_ ? std::clamp(2 * ahead_, k_least, k_most) : 0;

@@ -13,8 +13,8 @@
 namespace alidade::geo {
 
 struct RemoteOptions {
-  bool (*is_interrupted)() = nullptr;  ///< asked while waiting whether to stop
-  /// Keeps what is fetched from web servers, for the next time; empty: nowhere. Of servers that state no ETag
+  bool (*is_interrupted)() = nullptr;  ///< called while waiting; returns whether to stop
+  /// A folder that keeps fetched bytes for later runs; empty: none. Of servers that state no ETag
   /// and no time of modification, nothing is kept.
   std::filesystem::path cache{};
   std::uint64_t cache_bytes = std::uint64_t{1} << 30;  ///< that the folder may take
@@ -23,17 +23,17 @@ struct RemoteOptions {
 };
 
 /// Opens a file of a name for which is_remote_name() holds. Of a file on a web server (http, https) only the
-/// ranges that are read are fetched, and kept in memory (at most 64 MiB of all files); what may go wrong
-/// there is in geo/http_source.h. Buckets and archives are reached through GDAL's virtual files, which read ranges,
-/// too: their version is the size and the time of modification as GDAL saw them first, and no cache keeps them. A server
-/// that sends less than 4 kB/s over 30 seconds has failed. GDAL's configuration options (GDAL_HTTP_*, AWS_*,
-/// CPL_VSIL_CURL_*) are taken from the environment. What ends in .json.gz is decompressed. Errors: the file
-/// is missing, the server does not answer, or its answers contradict each other. Cancelled, if is_interrupted
-/// says so. The options, but for `hosts`, are those of the first call in a process; `hosts` are those of the first for a
-/// file.
+/// ranges that are read are fetched, and kept in memory (at most 64 MiB of all files); its errors are in
+/// geo/http_source.h. Buckets and archives are reached through GDAL's virtual files, which read ranges, too:
+/// their version is the size and the time of modification as GDAL saw them first, and no cache keeps them. A
+/// server that sends less than 4 kB/s over 30 seconds has failed. GDAL's configuration options (GDAL_HTTP_*,
+/// AWS_*, CPL_VSIL_CURL_*) are taken from the environment. What ends in .json.gz is decompressed. Errors: the
+/// file is missing, the server does not answer, or its answers contradict each other. Cancelled, if
+/// is_interrupted returns true. The options, but for `hosts`, are those of the first call in a process;
+/// `hosts` are those of the first for a file.
 std::unique_ptr<RemoteFile> open_remote_file(const std::string& name, const RemoteOptions& options = {});
 
-/// What this process has fetched from servers so far.
+/// Requests and bytes of this process so far.
 struct RemoteTraffic {
   std::uint64_t requests = 0;  ///< also those that were repeated
   std::uint64_t bytes = 0;     ///< of their contents

@@ -42,7 +42,7 @@ GdalReference reference_of_file(const Crs& crs, const std::filesystem::path& fil
 }
 
 std::string text_of(const GdalReference& reference) {
-  // LAS wants the first kind, which does not have all systems.
+  // LAS requires the first kind, which does not support all systems.
   for (const char* const format : {"FORMAT=WKT1", "FORMAT=WKT2"}) {
     std::string wkt = wkt_in_format(reference.get(), format);
     if (!wkt.empty()) return wkt;
@@ -50,7 +50,8 @@ std::string text_of(const GdalReference& reference) {
   throw Error({.problem = "the reference system cannot be written as WKT"});
 }
 
-/// Whether z of a system is a height that it defines: by a vertical part, or above the ellipsoid as in EPSG:4979.
+/// Whether z of a system is a height that it defines: by a vertical part, or above the ellipsoid as in
+/// EPSG:4979.
 bool has_heights(const GdalReference& reference) {
   return OSRIsGeocentric(reference.get()) == 0 && OSRGetAxesCount(reference.get()) == 3;
 }
@@ -164,7 +165,7 @@ ReferenceChange change_reference(const ReferenceRequest& request, const std::fil
                    before = from_centre ? k_metre : stated.value_or(height_unit_of(from));
   change.crs = crs_of_wkt(with_heights_of(to, from));
   if (!to_heights) change.crs = with_height_unit(change.crs, unit);
-  // PROJ converts heights where both systems have them, and else returns what it was given, or metres.
+  // PROJ converts heights where both systems have them, and else returns them unchanged, or in metres.
   const bool follows = from_centre ? to_heights : has_heights(from) && (to_heights || to_centre);
   if (!follows && before != unit) {
     change.height_factor = before.metres / unit.metres;
@@ -173,7 +174,7 @@ ReferenceChange change_reference(const ReferenceRequest& request, const std::fil
       change.heights_note += fmt::format(", as if in {}; --vertical-unit states another",
                                          units.plane ? "the unit of x and y" : "metres");
   }
-  // Without heights in the wanted system those of a compound one must not go through a grid.
+  // If the wanted system has no heights, those of a compound one must not be transformed by a grid.
   if (!to_heights && !to_centre) OSRStripVertical(from.get());
   if (OSRIsSame(from.get(), to.get()) != 0) return change;
   GdalTransformation transformation = transformation_between(from, to);

@@ -29,7 +29,7 @@ double wrapped(double degrees) {
   return rest < 0.0 ? rest + 360.0 : rest;
 }
 
-/// A position on the ecliptic of date, radians, and its distance in astronomical units.
+/// Ecliptic coordinates of date, radians, and the distance in astronomical units.
 struct Ecliptic {
   double longitude = 0.0, latitude = 0.0, distance = 0.0;
 };
@@ -61,8 +61,8 @@ glm::dvec3 position_of(const SunObserver& observer) {
           (normal * (1.0 - k_eccentricity_sq) + observer.height) * sine};
 }
 
-/// Refraction at this elevation, degrees: how much higher a body appears than it is. Source: NREL's algorithm,
-/// equation 42, after Saemundsson 1986.
+/// Refraction at this elevation, degrees: how much higher a body appears than it is. Source: NREL's
+/// algorithm, equation 42, after Saemundsson 1986.
 double refraction(double elevation, const SunObserver& observer) {
   // Half the sun's disc and the refraction at the horizon.
   constexpr double k_upper_limb_sets = -(0.26667 + 0.5667);

@@ -22,7 +22,7 @@ struct Sun {
   double angular_diameter = 0.53;    ///< degrees, [0, 180); 0 = parallel light
 };
 
-/// A sun that stands where date and position say. place_sun() makes a Sun of it, once the cloud is known.
+/// A sun by date, time and location. place_sun() makes a Sun of it once the cloud is read.
 struct SunByTime {
   Moment moment;
   std::optional<double> latitude{}, longitude{};  ///< degrees; both or none: those of the cloud
@@ -33,7 +33,7 @@ struct SunByTime {
   double angular_diameter = 0.53;                 ///< as Sun's
 };
 
-/// Where on Earth one stands, and the air there.
+/// The observer's location on Earth, and the air there.
 struct SunObserver {
   double latitude = 0.0;      ///< degrees north, [-90, 90]
   double longitude = 0.0;     ///< degrees east
@@ -42,11 +42,11 @@ struct SunObserver {
   double temperature = 10.0;  ///< of the air, degrees Celsius, above -273
 };
 
-/// Where the middle of the sun's disc stands, as seen by the observer and not from the Earth's centre.
+/// The direction of the middle of the sun's disc, as seen by the observer and not from the Earth's centre.
 struct SunPosition {
   double azimuth = 0.0;              ///< degrees clockwise from true north, [0, 360)
   double elevation = 0.0;            ///< degrees above the horizon, as seen through the air
-  double geometric_elevation = 0.0;  ///< the same without refraction
+  double geometric_elevation = 0.0;  ///< elevation without refraction
 };
 
 /// Within 0.0001 degrees of the published example of NREL's algorithm (Reda and Andreas, Solar Position
@@ -54,9 +54,9 @@ struct SunPosition {
 /// difference (below 0.9 s since 1972) between UTC and the rotation of the Earth. Far from our times the
 /// rotation itself is an estimate, see delta_t(). The Earth's orbit is VSOP87 as libnova has it; precession,
 /// nutation, aberration, sidereal time as in Meeus, Astronomical Algorithms, 1998, chapters 12, 21, 22, 25;
-/// parallax from the observer's position on the WGS 84 ellipsoid; refraction as in NREL's algorithm, none where
-/// the upper limb is below the horizon. `terrestrial_minus_universal`: seconds; delta_t() of the year if
-/// empty. Not from several threads at once: libnova remembers its last answers.
+/// parallax from the observer's location on the WGS 84 ellipsoid; refraction as in NREL's algorithm, none
+/// where the upper limb is below the horizon. `terrestrial_minus_universal`: seconds; delta_t() of the year
+/// if empty. Not thread safe: libnova caches its last results.
 SunPosition sun_position(const Moment& moment, const SunObserver& observer,
                          std::optional<double> terrestrial_minus_universal = {});
 
@@ -77,7 +77,7 @@ inline double air_mass(double elevation) {
 /// pressure / 1013.25). Depths at 610, 550 and 465 nm, for red, green and blue: Rayleigh's scattering as in
 /// Hansen and Travis, Light Scattering in Planetary Atmospheres, 1974, and haze as in Angstrom's formula 0.05
 /// (nm / 1000)^-1.3, which is rather clear air. Below the horizon none. Rounded to 1/10000, so that machines
-/// whose mathematical functions differ in the last bit get the same pictures.
+/// whose mathematical functions differ in the last bit get equal pictures.
 Rgb clear_sky_irradiance(double elevation, double pressure);
 
 /// The map of a scene.
@@ -97,7 +97,7 @@ struct PlacedSun {
   double latitude = 0.0, longitude = 0.0;
 };
 
-/// Where the sun stands. Without latitude and longitude they are those of the scene on its map; with a map
+/// The sun in the sky. Latitude and longitude are by default those of the scene on its map; with a map
 /// azimuths are turned from true north to +y, without one +y is taken for true north. An automatic irradiance
 /// is clear_sky_irradiance(). Rounding lets machines whose mathematical functions differ in the last bit
 /// agree. Errors: neither latitude and longitude nor a map that gives them.

@@ -38,7 +38,7 @@ struct Roots {
 };
 
 /// Zeros in [0, length] of the quadratic with this square term and these values at both ends. There is one at
-/// least if the ends do not lie on the same side of 0, whatever the rounding.
+/// least if the ends do not lie on one side of 0, whatever the rounding.
 Roots zeros(double square, double at_begin, double at_end, double length) {
   Roots roots;
   const bool is_crossed = (at_begin <= 0.0 && at_end >= 0.0) || (at_begin >= 0.0 && at_end <= 0.0);
@@ -52,20 +52,24 @@ Roots zeros(double square, double at_begin, double at_end, double length) {
     if (!is_crossed) return roots;
     discriminant = 0.0;
   }
-  // Neither of the two loses digits.
+  // Neither of the two roots loses digits.
   const double q = -0.5 * (linear + std::copysign(std::sqrt(discriminant), linear));
   double one = square != 0.0 ? q / square : k_infinity, other = q != 0.0 ? at_begin / q : one;
-  // All of it is zero.
+  // The quadratic is constant.
   if (square == 0.0 && q == 0.0) other = at_begin == 0.0 ? 0.0 : k_infinity;
   if (other < one) std::swap(one, other);
   const auto is_inside = [length](double root) { return root >= 0.0 && root <= length; };
   if (is_inside(one)) roots.add(one);
   if (is_inside(other) && other != one) roots.add(other);
   if (!is_crossed || roots.count > 0) return roots;
-  // Rounding took it over an end.
+  // Rounding moved the root beyond an end.
   const auto outside = [length](double root) { return std::max(-root, root - length); };
   roots.add(std::clamp(outside(one) <= outside(other) ? one : other, 0.0, length));
   return roots;
+}
+
+bool is_before(const TerrainHit& hit, const std::optional<TerrainHit>& best) {
+  return !best || std::tuple(hit.t, hit.row, hit.column) < std::tuple(best->t, best->row, best->column);
 }
 
 }  // namespace
@@ -93,7 +97,7 @@ class TerrainSurface::Walk {
   }
 
   /// Between two values of one coordinate. Monotonic, rounding included: between values within these it lies
-  /// within. So what is left out with a square would have been left out alone, too.
+  /// within. So a patch that is left out with its square would have been left out alone, too.
   Stretch between(int axis, double low, double high) const {
     const double to_low = low - origin_[axis], to_high = high - origin_[axis];
     if (is_level_[axis]) return to_low > 0.0 || to_high < 0.0 ? Stretch{k_infinity, -k_infinity} : Stretch{};
@@ -191,10 +195,11 @@ Bounds TerrainSurface::box_of(const Square& square, const Range& range) const {
   return {{north_west.x, south_east.y, range.low}, {south_east.x, north_west.y, range.high}};
 }
 
-/// Calls visit(column, row, stretch) for the patches that the ray passes over or under and that keep(range, stretch)
-/// lets pass, as all squares that hold them, the near ones first, until it returns true. keep() must let a square
-/// pass if it does so for a patch of it, with its stretch and heights within those of the square; it may let fewer
-/// pass as time goes on: still(range, stretch) is asked again when a square's turn has come, and may be cheaper.
+/// Calls visit(column, row, stretch) for the patches that the ray passes over or under, the near ones first,
+/// until visit returns true. Leaves out a patch unless keep(range, stretch) accepts it and all squares that
+/// hold it. keep() must accept a square if it accepts a patch of it, with its stretch and heights within
+/// those of the square; it may accept fewer later: still(range, stretch) is called when a square's turn has
+/// come, and may be cheaper.
 template <class Keep, class Still, class Visit>
 void TerrainSurface::descend(const Walk& walk, const Keep& keep, const Still& still,
                              const Visit& visit) const {
@@ -247,9 +252,9 @@ void TerrainSurface::descend(const Walk& walk, const Keep& keep, const Still& st
   }
 }
 
-/// The same for the patches that the ray may meet up to t = limit, which may sink meanwhile. What it leaves out
-/// meet() would reject: the stretches of a square hold those of its patches, and heights of the ray are compared with
-/// more slack.
+/// Calls visit(column, row, stretch) as descend() for the patches that the ray may meet up to t = limit,
+/// which may decrease meanwhile. meet() would reject those that are left out: the stretches of a square hold
+/// those of its patches, and heights of the ray are compared with more slack.
 template <class Visit>
 void TerrainSurface::for_patches(const Walk& walk, const double& limit, const Visit& visit) const {
   const double slack = slack_ + 0x1p-40 * std::fabs(walk.ray().origin.z);
@@ -299,8 +304,8 @@ double TerrainSurface::horizon_slope(const glm::dvec3& eye, const glm::dvec2& di
   return best;
 }
 
-/// The first hit of a patch that exists. Both patches of an edge compute the same height where the ray crosses
-/// it: so the ray is above or below it for both.
+/// The first hit of a patch that exists. Both patches of an edge compute one height where the ray crosses it:
+/// so the ray is above or below it for both.
 std::optional<TerrainHit> TerrainSurface::meet(const Walk& walk, int column, int row,
                                                const TerrainFilter& counts) const {
   const Range range = patch_range(column, row);
@@ -348,14 +353,6 @@ std::optional<TerrainHit> TerrainSurface::meet(const Walk& walk, int column, int
   }
   return std::nullopt;
 }
-
-namespace {
-
-bool is_before(const TerrainHit& hit, const std::optional<TerrainHit>& best) {
-  return !best || std::tuple(hit.t, hit.row, hit.column) < std::tuple(best->t, best->row, best->column);
-}
-
-}  // namespace
 
 std::optional<TerrainHit> TerrainSurface::closest(const Ray& ray, const TerrainFilter& counts) const {
   const Walk walk(ray, heights_.grid);

@@ -25,15 +25,15 @@ struct TerrainHit {
   bool operator==(const TerrainHit&) const = default;
 };
 
-/// Whether a hit counts. Must answer the same for the same hit, from many threads at once.
+/// Whether a hit counts. Must be a pure function of the hit, which many threads call at once.
 using TerrainFilter = std::function<bool(const TerrainHit&)>;
 
 /// The surface of an elevation raster: the centres of cells have the heights, and the patch between four of
-/// them is bilinear. A patch exists if all four heights are finite; so a raster of one row or column has none.
-/// Rays meet it from above and below alike. Safe to use from many threads.
+/// them is bilinear. A patch exists if all four heights are finite; so a raster of one row or column has
+/// none. Rays meet it from above and below alike. Safe to use from many threads.
 ///
 /// The answer is that of a loop over all patches, bit for bit: least t first, then the northernmost row, then
-/// the westernmost column. Patches share their edges, with the same height for both, so that rays do not slip
+/// the westernmost column. Patches share their edges, with one height for both, so that rays do not slip
 /// through between two of them. t is right to 1e-8 m where the ray does not graze the surface.
 class TerrainSurface {
  public:
@@ -41,19 +41,20 @@ class TerrainSurface {
   /// included. Cost: 10 ns per cell. Requires: as many values as cells.
   explicit TerrainSurface(Raster<float> heights);
 
-  /// The first one with t_min <= t <= t_max that counts; a ray can meet a patch twice. Cost: a ray passes over
-  /// or through what is far from it in a few steps, and takes some 50 ns per patch near it.
+  /// The first one with t_min <= t <= t_max that counts; a ray can meet a patch twice. Cost: a ray passes
+  /// over or through what is far from it in a few steps, and takes some 50 ns per patch near it.
   std::optional<TerrainHit> closest(const Ray& ray, const TerrainFilter& counts = {}) const;
   /// Whether there is one: faster.
   bool occluded(const Ray& ray, const TerrainFilter& counts = {}) const;
   /// The answer to closest() from a loop over all patches, for tests.
   std::optional<TerrainHit> closest_by_brute_force(const Ray& ray, const TerrainFilter& counts = {}) const;
 
-  /// The highest slope, height over horizontal distance, at which the surface is seen from `eye` along a horizontal
-  /// direction of length 1: a line of sight that rises less meets the surface or goes below it, one that rises more is
-  /// free. `least` (at least 0) if nothing is seen above that. At an eye on the surface the slope of the surface itself
-  /// counts. Exact but for rounding: the greatest value of the quadratics of all patches along the direction. Cost:
-  /// some 1 to 3 microseconds; what cannot rise above the highest slope so far is passed over in a few steps.
+  /// The highest slope, height over horizontal distance, at which the surface is seen from `eye` along a
+  /// horizontal direction of length 1: a line of sight that rises less meets the surface or goes below it,
+  /// one that rises more is free. `least` (at least 0) if nothing is seen above that. At an eye on the
+  /// surface the slope of the surface itself counts. Exact but for rounding: the greatest value of the
+  /// quadratics of all patches along the direction. Cost: some 1 to 3 microseconds; what cannot rise above
+  /// the highest slope so far is passed over in a few steps.
   double horizon_slope(const glm::dvec3& eye, const glm::dvec2& direction, double least = 0.0) const;
 
   /// Whether `box` accepts the box (world) of any patch. It must accept every box that holds one that it

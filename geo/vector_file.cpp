@@ -15,7 +15,7 @@ namespace alidade::geo {
 namespace {
 
 GdalDataset open_vector_file(const std::filesystem::path& path, const VectorContent& content) {
-  // Tested here, because GDAL interprets many a text that is not the name of a file as something to read.
+  // Tested here, because GDAL opens many texts that are not names of files.
   std::error_code error;
   if (!std::filesystem::is_regular_file(path, error)) throw file_error(path, "not a file", content.expected);
   RegisterOGRGeoJSON();

@@ -14,7 +14,7 @@
 
 namespace alidade::geo {
 
-/// What a vector file is read as, for messages.
+/// The purpose of a vector file, for messages.
 struct VectorContent {
   std::string content;   ///< "observers"
   std::string expected;  ///< formats and geometries
@@ -47,7 +47,7 @@ struct VectorPath {
   bool is_hole = false;  ///< an inner ring
 };
 
-/// What take() of read_vector_file() is given, while it runs.
+/// The feature that read_vector_file() passes to take(), valid while that runs.
 class VectorFeature {
  public:
   explicit VectorFeature(void* feature) : feature_(feature) {}
@@ -55,31 +55,31 @@ class VectorFeature {
   long long id() const;
   /// The points of a Point or a MultiPoint; empty for every other geometry.
   std::optional<std::vector<VectorPoint>> points() const;
-  /// The paths of line strings and polygons, also of several and of collections of such, arcs as short chords;
-  /// empty for every other geometry.
+  /// The paths of line strings and polygons, also of several and of collections of such, arcs as short
+  /// chords; empty for every other geometry.
   std::optional<std::vector<VectorPath>> paths() const;
   /// "Polygon", or "no geometry".
   std::string geometry_type() const;
-  /// The field of that name, whatever the case of its characters; empty if the layer has none.
+  /// The field of that name, ignoring case; empty if the layer has none.
   std::optional<VectorField> field(std::string_view name) const;
 
  private:
   void* feature_;  ///< OGRFeatureH
 };
 
-/// Which reference system observers, or other things on the ground, are in, and which they are wanted in.
+/// The reference system of observers, or of other features, and the one to transform them to.
 struct ObserverReference {
-  /// What the user says, above what a file says: anything GDAL understands ("EPSG:4326", WKT, PROJ), x east
-  /// and y north whatever its axes; "cloud" for the cloud's own. Empty: what the file says.
+  /// The user's, overriding that of a file: any text that GDAL understands ("EPSG:4326", WKT, PROJ), x east
+  /// and y north whatever its axes; "cloud" for the cloud's own. Empty: that of the file.
   std::string given{};
   Crs cloud{};
-  std::string option = "--observers-crs";  ///< how the user says it, for messages
-  std::string whose = "observers";         ///< what they are, for messages
+  std::string option = "--observers-crs";  ///< the option that states it, for messages
+  std::string whose = "observers";         ///< in messages
 };
 
 /// Reads the polygons of a GeoJSON, GeoPackage or Shapefile, in the cloud's reference system: those of all
-/// features, also multi-polygons and collections of such, arcs as short chords. Heights are passed over. It
-/// is the corners that are transformed: the edges between them are straight in the cloud's system. Errors:
+/// features, also multi-polygons and collections of such, arcs as short chords. Heights are ignored. The
+/// corners are transformed: the edges between them are straight in the cloud's system. Errors:
 /// not such a file, damaged, more than one layer; other geometries than polygons, or none; coordinates that
 /// are no numbers; transformation_to_cloud().
 std::vector<PlanePolygon> read_polygons(const std::filesystem::path& path,

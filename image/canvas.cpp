@@ -12,13 +12,13 @@ Canvas::Canvas(int width, int height, const Rgb8& background) : width_(width), h
   fill({0, 0, width, height}, background);
 }
 
-std::size_t Canvas::position(int x, int y) const {
+std::size_t Canvas::offset(int x, int y) const {
   return 3 * (static_cast<std::size_t>(y) * static_cast<std::size_t>(width_) + static_cast<std::size_t>(x));
 }
 
 Rgb8 Canvas::at(int x, int y) const {
   assert(x >= 0 && x < width_ && y >= 0 && y < height_);
-  const std::size_t first = position(x, y);
+  const std::size_t first = offset(x, y);
   return {bytes_[first], bytes_[first + 1], bytes_[first + 2]};
 }
 
@@ -26,14 +26,14 @@ void Canvas::fill(const PixelBox& box, const Rgb8& color) {
   const int left = std::max(box.left, 0), right = std::min(box.right, width_);
   for (int y = std::max(box.top, 0); y < std::min(box.bottom, height_); ++y) {
     for (int x = left; x < right; ++x)
-      std::ranges::copy(color, bytes_.begin() + static_cast<std::ptrdiff_t>(position(x, y)));
+      std::ranges::copy(color, bytes_.begin() + static_cast<std::ptrdiff_t>(offset(x, y)));
   }
 }
 
 void Canvas::blend(int x, int y, const Rgb8& color, int cover) {
   constexpr int k_full = 255;
   if (x < 0 || x >= width_ || y < 0 || y >= height_) return;
-  std::uint8_t* const pixel = bytes_.data() + position(x, y);
+  std::uint8_t* const pixel = bytes_.data() + offset(x, y);
   for (std::size_t i = 0; i < color.size(); ++i) {
     pixel[i] =
         static_cast<std::uint8_t>((pixel[i] * (k_full - cover) + color[i] * cover + k_full / 2) / k_full);

@@ -20,7 +20,7 @@ struct PixelBox {
   bool operator==(const PixelBox&) const = default;
 };
 
-/// A picture to draw on: legends, maps, reports. Whatever lies outside of it is cut off.
+/// A picture to draw on: legends, maps, reports. What is drawn outside of it is cut off.
 class Canvas {
  public:
   /// Requires sides of at least 1 pixel.
@@ -39,7 +39,7 @@ class Canvas {
   void frame(const PixelBox& box, const Rgb8& color);
 
  private:
-  std::size_t position(int x, int y) const;
+  std::size_t offset(int x, int y) const;  ///< of a pixel's bytes
 
   int width_, height_;
   std::vector<std::uint8_t> bytes_;

@@ -24,16 +24,16 @@ struct ColorScale {
   ColorMap map = ColorMap::viridis;
   ValueRange range{};                       ///< values of the first and last colour
   ValueRange extent{};                      ///< smallest and largest value
-  std::optional<ValueRange> percentiles{};  ///< where the range came from; empty: it was asked for
+  std::optional<ValueRange> percentiles{};  ///< where the range came from; empty: it was given
   /// Tick labels count from here: times are read as seconds since a date.
   double origin = 0.0;
   std::string origin_text{};  ///< what the labels' 0 is; empty if it is the value 0
 };
 
-/// What the colours of a cloud mean: for notes, metadata and legends.
+/// The meaning of a cloud's colours, for notes, metadata and legends.
 struct ColorKey {
   PointColor by = PointColor::rgb;
-  std::string word = "rgb";  ///< as scene files and command lines name it
+  std::string word = "rgb";  ///< in scene files and on command lines
   std::string title{};       ///< for people: "Height"
   std::string unit{};        ///< "m", "ft", "s", "degrees", or empty
   std::optional<ColorScale> scale{};
@@ -52,8 +52,8 @@ std::string title_text(const ColorKey& key);
 /// people read.
 std::string range_text(const ValueRange& range, double origin = 0.0);
 
-/// What a person wants to know about the scale: "599.13 to 611.2 m (percentiles 1 to 99; all 598 to 623 m),
-/// colour map terrain". Values count from the scale's origin, which is then stated as well, as in legends: "0
+/// The scale as a sentence: "599.13 to 611.2 m (percentiles 1 to 99; all 598 to 623 m), colour map terrain".
+/// Values count from the scale's origin, which is then stated as well, as in legends: "0
 /// to 2500 s (...); 0 s = 2024-06-09 20:27:06 GPS time, ...". Empty without a scale.
 std::string scale_text(const ColorKey& key);
 
@@ -61,7 +61,7 @@ std::string scale_text(const ColorKey& key);
 /// alidade:color_range (low and high, 17 significant digits).
 std::vector<std::pair<std::string, std::string>> color_metadata(const ColorKey& key);
 
-/// Errors: a legend has nothing to explain, since the colours are the points' own, or there is no point.
+/// Errors: a legend would be empty, since the colours are the points' own, or there are no points.
 void check_legend(const ColorKey& key);
 
 }  // namespace alidade::image

@@ -18,7 +18,7 @@ namespace {
 
 constexpr std::int64_t k_day = 24 * 60 * 60;
 constexpr std::int64_t k_adjustment = 1'000'000'000;
-/// Within some millions of years on either side nothing overflows.
+/// Millions of years on either side, within which nothing overflows.
 constexpr std::int64_t k_most_seconds = std::int64_t{1} << 46;
 
 std::string time_of_day(std::int64_t second) {
@@ -75,8 +75,8 @@ bool has_color(const AttributeColumns& columns) {
   return std::ranges::any_of(columns.colors, [](const Color16& color) { return color != Color16(0); });
 }
 
-/// Whether half of the points and more have a class that means something: not unclassified and not noise. One class
-/// alone shows nothing.
+/// Whether half of the points or more have a class other than unclassified and noise, and there are several
+/// classes: one alone shows nothing.
 bool is_classified(const AttributeColumns& columns) {
   std::array<std::size_t, 256> counts{};
   for (const std::uint8_t number : columns.classifications) ++counts[number];
@@ -98,7 +98,7 @@ PointColor automatic_color(const AttributeColumns& columns, const std::string& n
   return by;
 }
 
-/// Wishes that would change nothing are mistakes.
+/// Errors: settings that have no effect on this coloring.
 void check_use(const PointColoring& coloring, const std::string& name) {
   const bool no_numbers = coloring.by == PointColor::rgb || coloring.by == PointColor::normal ||
                           coloring.by == PointColor::classification;
@@ -124,7 +124,7 @@ std::string title_of(const std::string& word) {
   return title;
 }
 
-/// The kind of clock in words, and where on it the labels' 0 lies.
+/// The kind of clock in words, and its time at the labels' 0.
 std::string time_origin(double origin, const PointCloud& facts) {
   const bool las = std::ranges::all_of(facts.files, is_las);
   if (std::fabs(origin) < 1e15) {
@@ -139,7 +139,7 @@ std::string time_origin(double origin, const PointCloud& facts) {
   return "";
 }
 
-/// The title, its unit, and how ticks are counted.
+/// Sets the title, its unit, and the origin of ticks.
 void describe(const PointColoring& coloring, const PointCloud& facts, ColorKey& key) {
   key.word = color_word(coloring);
   key.title = title_of(key.word);
@@ -155,7 +155,7 @@ void describe(const PointColoring& coloring, const PointCloud& facts, ColorKey& 
   if (!key.scale->origin_text.empty()) key.scale->origin = origin;
 }
 
-/// color_of(value) for every point that has one.
+/// color_of(value) for every point that has a value.
 template <class ColorOf>
 std::vector<Color16> colors_by(const PointValues& values, const ColorOf& color_of) {
   std::vector<Color16> colors(values.count);
@@ -234,13 +234,14 @@ ColoredPoints by_returns(const PointColoring& coloring, const PointValues& value
   return points;
 }
 
-/// Whether an extra dimension says that its bits mean something each, as VisibleBy of 'visibility points' does.
+/// Whether each bit of an extra dimension has a meaning by its description, as in VisibleBy of 'visibility
+/// points'.
 bool has_masks(const AttributeColumns& columns, const std::string& name) {
   const ExtraColumn* const column = find_numbers(columns, name);
   return column != nullptr && column->description.description.starts_with("bit ");
 }
 
-/// Few whole numbers that are no measurements are shown one by one, unless a map or a range is wanted.
+/// Few whole numbers that are not measurements are shown one by one, unless a map or a range is given.
 ColoredPoints by_attribute(const PointColoring& coloring, const AttributeColumns& columns,
                            const PointValues& values) {
   const bool is_measure = coloring.attribute == "near_infrared" || coloring.attribute == "scan_angle";

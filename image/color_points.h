@@ -23,14 +23,14 @@ std::optional<std::string> gps_date(std::int64_t adjusted_seconds);
 /// Day and time of a GPS week time: "Tuesday 10:12:33"; weeks begin on Sunday. Empty outside [0, 604800).
 std::optional<std::string> gps_weekday(std::int64_t week_seconds);
 
-// Whether a cloud has what its points are to be coloured by.
+// The attributes that points are coloured by, and whether a cloud has them.
 
-/// The attributes this needs; none for height and normal.
+/// The attributes a coloring needs; none for height and normal.
 AttributeSet attributes_for(const PointColoring& coloring);
 
-/// Lets a wrong wish fail before points are read, as far as the beginnings of the files show it. `name` is the
-/// cloud's in messages. Returns the attributes that were seen. Errors: none of the files has the attribute;
-/// the message lists what they have. Those of open_cloud().
+/// Lets an invalid coloring fail before points are read, as far as the heads of the files show it. `name` is
+/// the cloud's in messages. Returns the attributes that were seen. Errors: none of the files has the
+/// attribute; the message lists what they have. Those of open_cloud().
 AttributeSet check_color_of_files(const PointColoring& coloring, const CloudInputs& inputs, Damage damage,
                                   const std::string& name);
 
@@ -42,11 +42,11 @@ struct ColorSource {
   std::string name;  ///< for messages
 };
 
-/// The coloring with `automatic` made out: rgb if any point has a colour other than black, else classification if it
-/// has several classes and at least half of the points one other than unclassified and noise, else height; what was
-/// taken instead of rgb is added to `warnings`. A cloud without points is shown by rgb then. Errors: the cloud lacks the
-/// attribute, and is not empty; a colour map or range for colours that are no numbers, or class colours for what is no
-/// class.
+/// The coloring with `automatic` resolved: rgb if any point has a colour other than black, else
+/// classification if it has several classes and at least half of the points one other than unclassified and
+/// noise, else height; a choice other than rgb is added to `warnings`. A cloud without points is shown
+/// by rgb then. Errors: the cloud lacks the attribute, and is not empty; a colour map or range for colours
+/// that are no numbers, or class colours for what is no class.
 PointColoring choose_color(const PointColoring& coloring, const ColorSource& cloud,
                            std::vector<std::string>& warnings);
 
@@ -58,10 +58,10 @@ struct ColoredPoints {
 
 /// Colours the points of a cloud. `coloring` comes from choose_color(); `columns` has what it needs, in rows
 /// by point id; `heights` are those of all points; `facts` holds reference system, files and the kind of GPS
-/// time, and has no points. Points without a value get k_no_value_color. Rgb is left as it lies, and a
-/// normal's colour is known only where its surface is shaded: for both there are no colours, only the key.
-/// Memory: 6 bytes per point. Cost: up to six passes over the values, in parallel; the result does not depend
-/// on the number of threads.
+/// time, and has no points. Points without a value get k_no_value_color. Rgb stays in the cloud, and the
+/// colour of a normal is computed only where its surface is shaded: for both there are no colours, only the
+/// key. Memory: 6 bytes per point. Cost: up to six passes over the values, in parallel; the result does not
+/// depend on the number of threads.
 ColoredPoints color_points(const PointColoring& coloring, const AttributeColumns& columns,
                            const PointCloud& facts, const PointValues& heights);
 

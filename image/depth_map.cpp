@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Apart from the writing, so that who only requests the format does not load OpenImageIO.
+// Apart from the writing, so that programs that only need the format do not load OpenImageIO.
 #include "image/depth_map.h"
 
 #include <algorithm>
@@ -12,7 +12,7 @@
 namespace alidade::image {
 namespace {
 
-/// Magic, version 1.0, length and text, padded with blanks to a multiple of 64 bytes as NumPy asks for.
+/// Magic, version 1.0, length and text, padded with blanks to a multiple of 64 bytes as NumPy requires.
 std::string npy_head(int width, int height) {
   constexpr std::size_t k_before_text = 10, k_alignment = 64;
   std::string text = "{'descr': '<f4', 'fortran_order': False, 'shape': (" + std::to_string(height) + ", " +

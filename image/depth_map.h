@@ -11,8 +11,8 @@
 #include <string_view>
 #include <vector>
 
-// Depth maps as training and measuring programs read them: one channel, rows from the top, 0 where there is no
-// depth. Formats and what reads them: docs/depth.md.
+// Depth maps as training and measuring programs read them: one channel, rows from the top, 0 where there is
+// no depth. Formats and what reads them: docs/depth.md.
 
 namespace alidade::image {
 
@@ -39,12 +39,12 @@ inline constexpr std::array<NamedDepthFormat, 5> k_depth_formats = {
      {"tiff", DepthFormat::tiff, {".tif", ".tiff"}},
      {"colmap", DepthFormat::colmap, {".bin", ""}}}};
 
-/// What the extension of a name requests, in upper or lower case. Errors: none of the extensions.
+/// The format by the extension of a name, in upper or lower case. Errors: none of the extensions.
 DepthFormat depth_format(const std::filesystem::path& file);
 
 inline constexpr double k_largest_depth_code = 65535.0;  ///< of png16
 
-/// Units per metre unless requested otherwise: 1000 (millimetres) for png16, 1 (metres) for all others.
+/// Units per metre by default: 1000 (millimetres) for png16, 1 (metres) for all others.
 double default_depth_scale(DepthFormat format);
 
 /// Pixels of a film that met a surface and whose depth a map cannot hold.
@@ -56,9 +56,9 @@ struct DepthLoss {
   DepthLoss& operator+=(const DepthLoss& other);
 };
 
-/// A film's depths in units of 1 / scale metres; infinity, and what is lost, becomes 0. png16: rounded to the
-/// nearest whole number, to 1 below that, so that 0 always means no depth. With scale 1 the other formats keep
-/// every bit.
+/// A film's depths in units of 1 / scale metres; infinity and lost depths become 0. png16: rounded to the
+/// nearest whole number, to 1 below that, so that 0 always means no depth. With scale 1 the other formats
+/// keep every bit.
 std::vector<float> depth_values(std::span<const float> depths, DepthFormat format, double scale,
                                 DepthLoss& loss);
 

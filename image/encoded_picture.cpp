@@ -72,8 +72,7 @@ BytePicture shrunk(const BytePicture& picture, int longest_side) {
 }
 
 std::string base64(std::span<const unsigned char> bytes) {
-  constexpr std::string_view k_characters =
-      "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
+  constexpr std::string_view k_digits = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
   std::string text;
   text.reserve((bytes.size() + 2) / 3 * 4);
   for (std::size_t i = 0; i < bytes.size(); i += 3) {
@@ -81,8 +80,8 @@ std::string base64(std::span<const unsigned char> bytes) {
     std::uint32_t three = std::uint32_t{bytes[i]} << 16;
     if (left > 1) three |= std::uint32_t{bytes[i + 1]} << 8;
     if (left > 2) three |= bytes[i + 2];
-    for (std::size_t character = 0; character < 4; ++character)
-      text += character <= left ? k_characters[three >> (18 - 6 * character) & 63] : '=';
+    for (std::size_t digit = 0; digit < 4; ++digit)
+      text += digit <= left ? k_digits[three >> (18 - 6 * digit) & 63] : '=';
   }
   return text;
 }

@@ -21,21 +21,21 @@ Film::Film(int film_width, int film_height) : Film(film_width, film_height, all_
 Film::Film(int film_width, int film_height, std::span<const Layer> layers)
     : width(film_width), height(film_height) {
   constexpr float k_infinity = std::numeric_limits<float>::infinity();
-  const auto asked = [&](Layer layer) { return std::ranges::find(layers, layer) != layers.end(); };
-  if (asked(Layer::color)) {
+  const auto requested = [&](Layer layer) { return std::ranges::find(layers, layer) != layers.end(); };
+  if (requested(Layer::color)) {
     color.assign(count(), Rgb(0.0f));
     alpha.assign(count(), 0.0f);
   }
-  if (asked(Layer::variance)) variance.assign(count(), Rgb(0.0f));
-  if (asked(Layer::depth)) depth.assign(count(), k_infinity);
-  if (asked(Layer::distance)) distance.assign(count(), k_infinity);
-  if (asked(Layer::normal)) normal.assign(count(), glm::vec3(0.0f));
-  if (asked(Layer::position)) position.assign(count(), glm::dvec3(0.0));
-  if (asked(Layer::albedo)) albedo.assign(count(), Rgb(0.0f));
-  if (asked(Layer::id)) id.assign(count(), 0);
-  if (asked(Layer::depth_sigma)) depth_sigma.assign(count(), k_infinity);
-  if (asked(Layer::coverage)) coverage.assign(count(), 0.0f);
-  if (asked(Layer::support)) support.assign(count(), 0);
+  if (requested(Layer::variance)) variance.assign(count(), Rgb(0.0f));
+  if (requested(Layer::depth)) depth.assign(count(), k_infinity);
+  if (requested(Layer::distance)) distance.assign(count(), k_infinity);
+  if (requested(Layer::normal)) normal.assign(count(), glm::vec3(0.0f));
+  if (requested(Layer::position)) position.assign(count(), glm::dvec3(0.0));
+  if (requested(Layer::albedo)) albedo.assign(count(), Rgb(0.0f));
+  if (requested(Layer::id)) id.assign(count(), 0);
+  if (requested(Layer::depth_sigma)) depth_sigma.assign(count(), k_infinity);
+  if (requested(Layer::coverage)) coverage.assign(count(), 0.0f);
+  if (requested(Layer::support)) support.assign(count(), 0);
 }
 
 bool Film::holds(Layer layer) const {

@@ -48,21 +48,21 @@ struct Font::Face {
     if (library != nullptr) FT_Done_FreeType(library);
   }
 
-  /// Calls visit(glyph, position where it begins) for every character, and returns the position behind the
-  /// last.
+  /// Calls visit(glyph, pen) for every character, with the column where it begins, and returns the column
+  /// after the last.
   template <class Visit>
   int for_each_glyph(std::string_view text, int size, const Visit& visit) const {
     assert(size >= 1);
     FT_Set_Pixel_Sizes(face, 0, static_cast<FT_UInt>(size));
     constexpr int k_unit_bits = 6;
-    int position = 0;
+    int pen = 0;
     for (const char32_t character : characters_of(text)) {
       // The light hints keep stems crisp from top to bottom and do not move characters sideways.
       if (FT_Load_Char(face, character, FT_LOAD_RENDER | FT_LOAD_TARGET_LIGHT) != 0) continue;
-      visit(*face->glyph, position);
-      position += static_cast<int>(face->glyph->advance.x >> k_unit_bits);
+      visit(*face->glyph, pen);
+      pen += static_cast<int>(face->glyph->advance.x >> k_unit_bits);
     }
-    return position;
+    return pen;
   }
 };
 
@@ -88,8 +88,8 @@ TextExtent Font::measure(std::string_view text, int size) const {
 
 void Font::draw(Canvas& canvas, int x, int baseline, std::string_view text, int size,
                 const Rgb8& color) const {
-  face_->for_each_glyph(text, size, [&](const FT_GlyphSlotRec_& glyph, int position) {
-    const int left = x + position + glyph.bitmap_left, top = baseline - glyph.bitmap_top;
+  face_->for_each_glyph(text, size, [&](const FT_GlyphSlotRec_& glyph, int pen) {
+    const int left = x + pen + glyph.bitmap_left, top = baseline - glyph.bitmap_top;
     for (int row = 0; row < static_cast<int>(glyph.bitmap.rows); ++row) {
       const unsigned char* const covers = glyph.bitmap.buffer + row * glyph.bitmap.pitch;
       for (int column = 0; column < static_cast<int>(glyph.bitmap.width); ++column)

@@ -15,18 +15,18 @@ std::span<const std::filesystem::path> font_files();
 
 /// The font of legends: the first of these paths that is a file. Errors: none is; the message names the
 /// package that brings one.
-std::filesystem::path find_font(std::span<const std::filesystem::path> positions = font_files());
+std::filesystem::path find_font(std::span<const std::filesystem::path> files = font_files());
 
-/// What a line of text takes, in pixels from the position on the baseline where it begins.
+/// The extent of a line of text, in pixels from its beginning on the baseline.
 struct TextExtent {
-  int width = 0;    ///< to the position where the next character would stand
+  int width = 0;    ///< to where the next character would begin
   int ascent = 0;   ///< of the highest character, up
   int descent = 0;  ///< of the lowest character, down
 };
 
-/// A font, through FreeType. Texts are UTF-8, one line, without kerning; what is no UTF-8 or not in the font
-/// shows as the font's mark for that. The same pixels for the same font, size and version of FreeType. Not
-/// for several threads at a time.
+/// A font, through FreeType. Texts are UTF-8, one line, without kerning; invalid UTF-8 and characters that
+/// the font lacks show as its mark for missing ones. Equal pixels for equal font, size and version of
+/// FreeType. Not thread safe.
 class Font {
  public:
   /// Errors: not a font that FreeType reads.

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// Without fmt: OpenImageIO's headers would put fmt's own functions into this file, and whoever links the
-// library and uses fmt would get OpenImageIO along with them.
+// Without fmt: OpenImageIO's headers would put fmt's own functions into this file, and programs that link the
+// library and use fmt would get OpenImageIO along with them.
 
 #include "image/image_file.h"
 
@@ -53,7 +53,7 @@ void write_rows(const std::string& format, const std::filesystem::path& final_na
 /// How a channel's values are stored.
 enum class ChannelType { half_float, single_float, unsigned_integer };
 
-/// A channel of an EXR file, under the name other programs look for.
+/// A channel of an EXR file, under the name that other programs expect.
 struct Channel {
   std::string name;
   ChannelType type;
@@ -100,7 +100,7 @@ std::size_t put(std::span<std::byte> bytes, std::size_t offset, const Value& val
   return offset + sizeof value;
 }
 
-/// The channels of the layers asked for, in the order of the enumeration Layer.
+/// The channels of the requested layers, in the order of the enumeration Layer.
 std::vector<Channel> exr_channels(const OutputSettings& output) {
   const ChannelType color = output.half ? ChannelType::half_float : ChannelType::single_float;
   struct Group {
@@ -136,8 +136,8 @@ std::vector<Channel> exr_channels(const OutputSettings& output) {
   return bytes;
 }
 
-/// Row `y` of the film as such pixels. `offset`: ImageFacts::position_offset. `bytes` holds width *
-/// pixel_bytes.
+/// Row `y` of the film as pixels of these channels. `offset`: ImageFacts::position_offset. `bytes`: width *
+/// pixel_bytes() of them.
 void pack_row(const Film& film, int y, std::span<const Channel> channels, const glm::dvec3& offset,
               std::span<std::byte> bytes) {
   assert(bytes.size() == pixel_bytes(channels) * static_cast<std::size_t>(film.width));
@@ -153,7 +153,7 @@ void pack_row(const Film& film, int y, std::span<const Channel> channels, const 
       if (channel.type == ChannelType::single_float) {
         byte = put(bytes, byte, value);
       } else {
-        // Brighter than a half can say (a view into the sun): the brightest, since infinity spoils every
+        // Brighter than the largest half (a view into the sun): the largest, since infinity spoils every
         // later filter.
         byte = put(bytes, byte, Imath::half(std::clamp(value, -k_largest_half, k_largest_half)));
       }
@@ -181,7 +181,7 @@ void write_exr(const Film& film, const OutputSettings& output, const ImageFacts&
     if (channel.name == "Z") spec.z_channel = static_cast<int>(i);
   }
   spec.attribute("compression", "zip");
-  // Left out, OpenImageIO writes the time: the same film would not give the same bytes.
+  // Without it OpenImageIO writes the time, and equal films would give different bytes.
   spec.attribute("DateTime", "");
   for (const auto& [key, text] : facts.texts) spec.attribute(key, text);
   write_rows("openexr", output.file, file, spec, [&](int y, std::span<std::byte> bytes) {
@@ -200,7 +200,7 @@ void write_display(const Film& film, const OutputSettings& output, const ImageFa
   spec.attribute("oiio:ColorSpace", "sRGB");
   if (has_alpha) spec.attribute("oiio:UnassociatedAlpha", 1);
   if (format == ImageFormat::jpeg) {
-    // Checked here because libjpeg says it on stderr.
+    // Checked here because libjpeg would print it on stderr.
     if (std::max(film.width, film.height) > k_longest_jpeg_side)
       fail_image(output.file, "JPEG is limited to 65500 pixels");
     spec.attribute("Compression", "jpeg:95");
@@ -218,7 +218,7 @@ void write_display(const Film& film, const OutputSettings& output, const ImageFa
              });
 }
 
-/// As GeoTIFF.
+/// Writes the film as GeoTIFF.
 void write_on_ground(const Film& film, const OutputSettings& output, const ImageFacts& facts,
                      OutputFile& file) {
   assert(facts.ground);
@@ -283,10 +283,10 @@ void write_depth_map(std::span<const float> values, int width, int height, Depth
     return;
   }
   const bool whole = format == DepthFormat::png16;
-  // OpenCV reads zeros from a file with a channel Z alone; what it finds in Y is the same depth.
+  // OpenCV reads zeros from a file with a channel Z alone; it reads the depth from Y.
   const std::size_t channels = format == DepthFormat::exr ? 2 : 1;
   OIIO::ImageSpec spec(width, height, static_cast<int>(channels), whole ? OIIO::TypeUInt16 : OIIO::TypeFloat);
-  // Left out, OpenImageIO writes the time: the same map would not give the same bytes.
+  // Without it OpenImageIO writes the time, and equal maps would give different bytes.
   spec.attribute("DateTime", "");
   if (format != DepthFormat::png16) spec.attribute("compression", "zip");
   if (format == DepthFormat::exr) {

@@ -42,7 +42,7 @@ std::string label_of(double value, const Step& step) {
 /// "1 234 567".
 std::string grouped(std::uint64_t count) {
   std::string text = std::to_string(count);
-  for (std::size_t position = text.size(); position > 3; position -= 3) text.insert(position - 3, 1, ' ');
+  for (std::size_t i = text.size(); i > 3; i -= 3) text.insert(i - 3, 1, ' ');
   return text;
 }
 
@@ -70,7 +70,7 @@ std::vector<std::string> notes_of(const ColorKey& key) {
   return notes;
 }
 
-/// Puts one thing below the other.
+/// Lays out the parts of a legend, one below the other.
 class Layouter {
  public:
   Layouter(const Font& font, int font_size)
@@ -102,7 +102,7 @@ class Layouter {
           shown.high > shown.low ? (shown.high - tick.value) / (shown.high - shown.low) : 0.5;
       const int y = top + static_cast<int>(std::lround(below_top * (height - 1)));
       layout_.ticks.push_back({tick.value + scale.origin, y});
-      add_extension(tick.label, label_end, y);
+      add_right_aligned(tick.label, label_end, y);
     }
     y_ = layout_.bar.bottom + digit_height_ / 2 + em_;
   }
@@ -123,11 +123,11 @@ class Layouter {
     for (const Swatch& row : rows) {
       layout_.swatches.push_back({{margin_, y_, margin_ + side, y_ + side}, row.color});
       const int middle = y_ + side / 2;
-      add_extension(row.number, number_end, middle);
+      add_right_aligned(row.number, number_end, middle);
       add_text(row.label, label_x, middle + digit_height_ / 2, em_);
       if (row.count) {
-        add_extension(grouped(*row.count), count_end, middle);
-        add_extension(share_text(*row.count, total), share_end, middle);
+        add_right_aligned(grouped(*row.count), count_end, middle);
+        add_right_aligned(share_text(*row.count, total), share_end, middle);
       }
       y_ += em_ * 8 / 5;
     }
@@ -159,8 +159,8 @@ class Layouter {
     right_ = std::max(right_, x + font_.measure(text, size).width);
   }
 
-  /// A text that ends at x, its digits around the row y.
-  void add_extension(const std::string& text, int x, int y) {
+  /// Adds a text that ends at x, with its digits around the row y.
+  void add_right_aligned(const std::string& text, int x, int y) {
     add_text(text, x - width_of(text), y + digit_height_ / 2, em_);
   }
 
@@ -247,7 +247,7 @@ LegendLayout lay_out_legend(const ColorKey& key, const Font& font, const std::op
 
   const double scale =
       std::min(static_cast<double>(size->x) / usual.width, static_cast<double>(size->y) / usual.height);
-  // Texts do not grow evenly with their font: begin a little above what is expected.
+  // Texts do not grow evenly with their font: begin a little above the expected size.
   int font_size = std::max(k_smallest_font, static_cast<int>(scale * k_legend_font_size) + 2);
   LegendLayout layout = natural(font_size);
   while (font_size > k_smallest_font && !fits(layout, *size)) layout = natural(--font_size);

@@ -26,8 +26,8 @@ struct RoundTick {
 /// k_largest_value, most >= 2.
 std::vector<RoundTick> round_ticks(const ValueRange& range, int most);
 
-// What the colours of a picture mean, as a small picture for reports: a colour bar with round ticks, or a
-// list of swatches with names, numbers of points and shares. Black on white.
+// Legends: the meaning of a picture's colours as a small picture for reports, a colour bar with round ticks
+// or a list of swatches with names, numbers of points and shares. Black on white.
 
 struct LegendTick {
   double value = 0.0;
@@ -47,7 +47,7 @@ struct LegendText {
   bool is_note = false;
 };
 
-/// Where everything stands, in pixels.
+/// The layout of a legend, in pixels.
 struct LegendLayout {
   int width = 0, height = 0;
   int font_size = 0;
@@ -69,8 +69,8 @@ LegendLayout lay_out_legend(const ColorKey& key, const Font& font,
 /// The legend as a picture.
 Canvas draw_legend(const ColorKey& key, const LegendLayout& layout, const Font& font);
 
-/// Writes the legend as PNG, with the font of find_font(). The file is written completely or not at all. The
-/// same bytes for the same key, size, font and version of FreeType. Errors: those of lay_out_legend(); a name
+/// Writes the legend as PNG, with the font of find_font(). The file is written completely or not at all.
+/// Equal bytes for equal key, size, font and version of FreeType. Errors: those of lay_out_legend(); a name
 /// that does not end in .png; an existing file without `overwrite`; a full disk and other write failures.
 void write_legend(const ColorKey& key, const std::filesystem::path& file,
                   const std::optional<glm::ivec2>& size, bool overwrite);

@@ -4,7 +4,7 @@
 #include "base/error.h"
 #include "base/words.h"
 
-// Apart from the writing, so that who only requests the format does not load OpenImageIO.
+// Apart from the writing, so that programs that only need the format do not load OpenImageIO.
 
 namespace alidade::image {
 

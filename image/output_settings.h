@@ -49,20 +49,21 @@ struct OutputSettings {
   std::filesystem::path file;               ///< .exr, .png, .jpg, .tif; may be empty in a scene file
   std::vector<Layer> layers{Layer::color};  ///< EXR only
   double exposure = 0.0;                    ///< stops: PNG, JPEG and GeoTIFF show color * 2^exposure, sRGB
-  /// The sky that the camera sees gives no light: PNG gets alpha, colours of EXR are premultiplied with theirs.
+  /// The sky that the camera sees gives no light: PNG gets alpha, colours of EXR are premultiplied with
+  /// theirs.
   bool transparent = false;
-  /// PNG and JPEG: what is shown behind the surfaces in place of the sky, display-referred, whatever the exposure.
+  /// PNG and JPEG: colour behind the surfaces instead of the sky, display-referred, whatever the exposure.
   std::optional<Rgb> background{};
   bool half = true;  ///< EXR: colour, normal and albedo as half; all others are always float or uint
 };
 
 enum class ImageFormat { exr, png, jpeg, geotiff };
 
-/// What the name of a picture requests: .exr, .png, .jpg, .jpeg, .tif or .tiff, in upper or lower case; empty
-/// for any other.
+/// The format by the extension of a name: .exr, .png, .jpg, .jpeg, .tif or .tiff, in upper or lower case;
+/// empty for any other.
 std::optional<ImageFormat> image_format(const std::filesystem::path& file);
 
-/// Lets a long render fail before it starts. Errors: the name ends in none of them.
+/// Lets a long render fail before it starts. Errors: a name without any of these extensions.
 void check_image_name(const std::filesystem::path& file);
 
 }  // namespace alidade::image

@@ -12,7 +12,7 @@
 #include "cloud/attributes.h"
 #include "image/color_map.h"
 
-// What gives the points of a cloud their colours, as plain data.
+// How the points of a cloud are coloured, as plain data.
 
 namespace alidade::image {
 
@@ -53,14 +53,14 @@ struct ValueRange {
   bool operator==(const ValueRange&) const = default;
 };
 
-/// A class that is shown otherwise than usual.
+/// A class with another colour or name than the usual ones.
 struct ClassColor {
   std::uint8_t number = 0;
   Color16 color{0};    ///< display-referred
   std::string name{};  ///< empty: the usual one
 };
 
-/// What gives the points their colours, and by which colours numbers are shown.
+/// The values that points are coloured by, and the colours of numbers.
 struct PointColoring {
   PointColor by = PointColor::automatic;
   std::string attribute{};            ///< its name; only for PointColor::attribute
@@ -70,13 +70,14 @@ struct PointColoring {
   std::vector<ClassColor> classes{};  ///< each class at most once
 };
 
-/// Largest magnitude a value can have to be shown; what is beyond counts as no value, as NaN does.
+/// Largest magnitude of values that are shown; larger ones count as no value, as NaN does.
 inline constexpr double k_largest_value = 1e300;
 
-/// What a word of k_point_colors, or else the name of an attribute, requests. The rest as by default.
+/// The coloring by a word of k_point_colors, or else by the attribute of that name. Other settings by
+/// default.
 PointColoring coloring_by(std::string_view word);
 
-/// The word that requests it.
+/// The word of k_point_colors for a coloring, or the name of its attribute.
 std::string color_word(const PointColoring& coloring);
 
 /// "#rrggbb", hexadecimal, display-referred; empty for anything else.
@@ -95,7 +96,7 @@ struct ClassStyle {
 /// All 256 classes: names of LAS 1.4 R15, table 17 (point formats 6 to 10); 8 and 12, reserved there, as in
 /// the formats before; "Reserved N" to 63, "User class N" from 64. Colours are the customary ones: ground
 /// brown, vegetation from light to dark green, buildings red, water blue, wires yellow. Reserved and user
-/// classes have colours of their own; no two of the 256 are equal. `changed` is above all that.
+/// classes have colours of their own; no two of the 256 are equal. `changed` overrides all that.
 std::array<ClassStyle, 256> class_styles(std::span<const ClassColor> changed = {});
 
 }  // namespace alidade::image

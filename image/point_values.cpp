@@ -81,7 +81,7 @@ double from_ordered_bits(std::uint64_t ordered) {
   return std::bit_cast<double>((ordered & k_sign) != 0 ? ordered ^ k_sign : ~ordered);
 }
 
-/// The search for the value of one rank: its leading digits are known.
+/// The search for the value of one rank, by its leading digits.
 struct Search {
   std::uint64_t rank = 0;    ///< among the values that begin with these digits
   std::uint64_t prefix = 0;  ///< the digits found

@@ -45,7 +45,7 @@ const ExtraColumn* find_numbers(const AttributeColumns& columns, std::string_vie
 PointValues values_of(const PointColoring& coloring, const AttributeColumns& columns,
                       const PointValues& heights);
 
-/// What there is in a column of numbers. Values that are NaN count nowhere.
+/// The extent of a column of numbers. NaN values are ignored.
 struct ValueExtent {
   ValueRange range;         ///< smallest and largest; 0 and 0 if there is no value
   std::uint64_t count = 0;  ///< of values

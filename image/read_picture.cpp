@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// Without fmt: OpenImageIO's headers would put fmt's own functions into this file, and whoever links the
-// library and uses fmt would get OpenImageIO along with them.
+// Without fmt: OpenImageIO's headers would put fmt's own functions into this file, and programs that link the
+// library and use fmt would get OpenImageIO along with them.
 
 #include "image/read_picture.h"
 
@@ -24,7 +24,7 @@ std::string size_text(int width, int height) {
   return std::to_string(width) + " x " + std::to_string(height);
 }
 
-/// What `content` must be: a flat picture, whole, of no more pixels than these and than the file can hold.
+/// Errors: not a flat picture, a cut-out, or more pixels than these or than the file can hold.
 struct PictureLimits {
   std::string content;
   std::uint64_t pixels;
@@ -80,7 +80,7 @@ OpenPicture open_picture(const std::filesystem::path& file, const PictureBytes& 
   return picture;
 }
 
-/// Which channels to read.
+/// The channels to read.
 struct Channels {
   int begin = 0, count = 1;
 };
@@ -100,7 +100,7 @@ void read_channels(OIIO::ImageInput& input, const Channels& channels, OIIO::Type
                    std::size_t stride, const std::filesystem::path& file) {
   const bool is_read = input.read_image(0, 0, channels.begin, channels.begin + channels.count, type, values,
                                         static_cast<OIIO::stride_t>(stride));
-  // Of TIFF files OpenImageIO reports what is missing, but says that all is well.
+  // For TIFF files OpenImageIO returns success even where it reports that pixels are missing.
   if (!is_read || input.has_error())
     throw file_error(file, "the image has missing pixels: " + image_trouble(input.geterror()));
 }

@@ -14,8 +14,8 @@
 
 namespace alidade::image {
 
-/// What OpenImageIO has to say about a failure, in one line: its lines, without those that another one
-/// repeats and says more of.
+/// OpenImageIO's message about a failure, in one line: its lines without those that another one repeats and
+/// extends.
 std::string image_trouble(const std::string& said);
 
 /// Size of a picture's file in bytes. Errors: no such file, not a regular file, cannot be read.
@@ -25,17 +25,17 @@ std::uint64_t picture_file_size(const std::filesystem::path& file);
 struct SkyPixels {
   int width = 0, height = 0;
   std::vector<Rgb> values{};
-  std::string warning{};  ///< what was strange about the picture; empty = nothing
+  std::string warning{};  ///< values of the picture that were corrected; empty = none
 };
 
 /// The most pixels a sky picture may have, inclusive: 16384 x 8192. A sky takes 20 bytes for each.
 inline constexpr std::uint64_t k_most_sky_pixels = 1u << 27;
 
-/// Reads a sky from a picture in any format that OpenImageIO knows (EXR, HDR, TIFF, PNG, JPEG, ...): the
-/// channels R, G, B, else the first three, or one as grey; alpha is ignored. Values are taken as
-/// linear, but those of whole-number formats as sRGB. Values that light cannot have are put right and given in
-/// the warning: negative ones and NaN count as 0, infinite ones as 65504 (the largest half), those above 1e9
-/// as 1e9. Errors: no such file, not a picture, deep or 3D, a cut-out (its data window is not the whole), no
+/// Reads a sky from a picture in any format that OpenImageIO reads (EXR, HDR, TIFF, PNG, JPEG, ...): the
+/// channels R, G, B, else the first three, or one as grey; alpha is ignored. Values are taken as linear, but
+/// those of whole-number formats as sRGB. Values that light cannot have are corrected and reported in the
+/// warning: negative ones and NaN count as 0, infinite ones as 65504 (the largest half), those above 1e9 as
+/// 1e9. Errors: no such file, not a picture, deep or 3D, a cut-out (its data window is not the whole), no
 /// pixels or more than k_most_sky_pixels, more than 4096 pixels per byte of the file (no format packs so
 /// many), pixels missing. Memory: 12 bytes per pixel.
 SkyPixels read_sky_image(const std::filesystem::path& file);
@@ -56,14 +56,14 @@ struct PhotoPixels {
 using PictureBytes = std::optional<std::span<const std::byte>>;
 
 /// Size of a photo as its pixels are stored: an orientation in its metadata does not count, as cameras of
-/// photogrammetry do not count it. Errors: no such file; not a picture; deep or 3D; floating-point values, which have
-/// no display; more than 2^28 pixels, or more than 4096 per byte of the file. Cost: that of reading the header. Of a photo
-/// in memory `file` is what messages call it, with the extension of its format.
+/// photogrammetry do not count it. Errors: no such file; not a picture; deep or 3D; floating-point values,
+/// which have no display; more than 2^28 pixels, or more than 4096 per byte of the file. Cost: that of
+/// reading the header. Of a photo in memory `file` is its name in messages, with the extension of its format.
 PictureSize photo_size(const std::filesystem::path& file, const PictureBytes& bytes = {});
 
-/// Reads a photo in any format that OpenImageIO knows (JPEG, PNG, TIFF, ...): the channels R, G, B, else the first
-/// three, or one as grey; alpha is ignored; 16 bits become 8. Errors: those of photo_size(); pixels missing. Memory: 3
-/// bytes per pixel.
+/// Reads a photo in any format that OpenImageIO reads (JPEG, PNG, TIFF, ...): the channels R, G, B, else the
+/// first three, or one as grey; alpha is ignored; 16 bits become 8. Errors: those of photo_size(); pixels
+/// missing. Memory: 3 bytes per pixel.
 PhotoPixels read_photo(const std::filesystem::path& file, const PictureBytes& bytes = {});
 
 }  // namespace alidade::image

@@ -11,7 +11,8 @@
 namespace alidade::image {
 namespace {
 
-/// Values and how many points have them; `fits` turns false as soon as they are too many, or are no categories.
+/// Values and how many points have them; `fits` turns false as soon as they are too many, or not whole
+/// numbers from 0 on.
 struct ValueCounts {
   std::map<double, std::uint64_t> counts{};
   bool fits = true;

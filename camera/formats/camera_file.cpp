@@ -24,10 +24,10 @@ constexpr std::string_view k_blanks = " \t,\r";
 
 // Source of both layouts: ISO/IEC 15948 (PNG), ITU-T T.81 annex B (JPEG). Numbers are big endian.
 
-std::uint64_t number_at(std::span<const std::byte> bytes, std::size_t position, std::size_t count) {
+std::uint64_t number_at(std::span<const std::byte> bytes, std::size_t offset, std::size_t count) {
   std::uint64_t number = 0;
   for (std::size_t i = 0; i < count; ++i)
-    number = number << 8 | std::to_integer<std::uint64_t>(bytes[position + i]);
+    number = number << 8 | std::to_integer<std::uint64_t>(bytes[offset + i]);
   return number;
 }
 
@@ -48,17 +48,17 @@ std::optional<ImageFileSize> jpeg_size(InputFile& file) {
   if (beginning.size() < 2 || number_at(beginning, 0, 2) != 0xFFD8) return std::nullopt;
   // Photos carry thumbnails and profiles before the frame, of some megabytes at most.
   constexpr std::uint64_t k_farthest_frame = 64u << 20;
-  for (std::uint64_t position = 2; position < k_farthest_frame;) {
-    const std::span<const std::byte> bytes = file.view_up_to(position, 9);
+  for (std::uint64_t offset = 2; offset < k_farthest_frame;) {
+    const std::span<const std::byte> bytes = file.view_up_to(offset, 9);
     if (bytes.size() < 9 || number_at(bytes, 0, 1) != 0xFF) return std::nullopt;
     const std::uint64_t marker = number_at(bytes, 1, 1);
     if (is_frame(marker)) return ImageFileSize{number_at(bytes, 7, 2), number_at(bytes, 5, 2)};
     if (marker == 0xFF) {
-      position += 1;  // a filling byte
+      offset += 1;  // a filling byte
     } else if (marker == 0xDA || marker == 0xD9) {
       return std::nullopt;  // the picture or its end, without a frame before
     } else {
-      position += 2 + number_at(bytes, 2, 2);
+      offset += 2 + number_at(bytes, 2, 2);
     }
   }
   return std::nullopt;

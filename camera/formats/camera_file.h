@@ -13,17 +13,17 @@
 #include "camera/camera_set.h"
 #include "camera/projection.h"
 
-// How the readers of camera files are split, and what they share.
+// The readers of camera files, one per format, and what they share.
 
 namespace alidade::camera {
 
 /// Largest camera file, without a COLMAP model's points: 1 GiB.
 inline constexpr std::uintmax_t k_largest_camera_file = std::uintmax_t{1} << 30;
 
-/// Digits that rotations in files may lack.
+/// Error that rotations in files may have, for lack of digits.
 inline constexpr double k_file_rotation_tolerance = 1e-3;
 
-/// Image size from a file that says it in whole pixels. Errors: 0, or larger than pictures may be.
+/// Sets the image size from that of a file, in whole pixels. Errors: 0, or larger than pictures may be.
 void set_size(Camera& camera, std::uint64_t width, std::uint64_t height);
 
 CameraSet read_transforms(const JsonNode& top, const std::filesystem::path& file, bool original_world);
@@ -31,8 +31,8 @@ CameraSet read_opensfm(const JsonNode& top);
 CameraSet read_openmvg(const JsonNode& top);
 CameraSet read_trajectory(std::string_view text, const std::string& name, const std::optional<Camera>& lens);
 
-/// Errors: the first bytes of a file are those of an export of another program that is known and not read; with what to
-/// save instead.
+/// Errors: the first bytes of a file are those of an export that is not supported but known; they name the
+/// format to save instead.
 void reject_known_export(std::string_view start, const std::filesystem::path& file);
 
 /// A COLMAP model: its two files, both binary or both text.
@@ -51,7 +51,7 @@ std::span<const ColmapModel> colmap_models();
 Camera camera_of_colmap(const ColmapModel& model, std::uint64_t width, std::uint64_t height,
                         std::span<const double> parameters);
 
-/// A camera's JSON with the error of `work` located at its position.
+/// Runs `work` and adds file and location of a JSON node to errors without a file.
 template <typename Work>
 auto at_node(const JsonNode& node, const Work& work) {
   try {
@@ -68,7 +68,7 @@ class LineWalk {
   explicit LineWalk(std::string_view text) : text_(text) {}
   /// The next line without its end; false at the end of the text.
   bool next(std::string_view& line);
-  /// Number of the line given last, from 1.
+  /// Number of the line last returned, from 1.
   std::uint64_t number() const { return number_; }
 
  private:
@@ -91,7 +91,7 @@ void at_line(const std::string& file, const LineWalk& lines, const Work& work) {
   }
 }
 
-/// Takes a line apart at blanks, tabs and commas. Errors, without file and position: a field that is missing or
+/// Splits a line at blanks, tabs and commas. Errors, without file and location: a field that is missing or
 /// not what it should be.
 class FieldWalk {
  public:
@@ -108,7 +108,7 @@ class FieldWalk {
   std::string_view rest_;
 };
 
-/// A finite number and nothing else, the same bits on every machine. Errors: as FieldWalk.
+/// A finite number and nothing else, with equal bits on every machine. Errors: as FieldWalk.
 double number_of(std::string_view text, const char* what);
 
 struct ImageFileSize {
@@ -120,7 +120,7 @@ struct ImageFileSize {
 /// damage. Cost: some bytes at the beginning are read; of a JPEG, one small read for each of its segments.
 ImageFileSize image_file_size(const std::filesystem::path& file);
 
-/// The same from an open file.
+/// Size in pixels of a PNG or JPEG file that is open.
 ImageFileSize image_file_size(InputFile& file);
 
 }  // namespace alidade::camera

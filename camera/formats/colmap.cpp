@@ -71,7 +71,7 @@ Lens lens_of(int id, std::span<const double> k) {
       return FisheyeLens{
           {.radial = {k[0], k[1], k[4], k[5]}, .p1 = k[2], .p2 = k[3], .prism = {k[6], 0.0, k[7], 0.0}}};
     case 11:
-      // Its p0 stands where all others have p2.
+      // Its p0 corresponds to p2 of all others.
       return FisheyeLens{{.radial = {k[0], k[1], k[2], k[3], k[4], k[5]},
                           .p1 = k[7],
                           .p2 = k[6],
@@ -87,7 +87,7 @@ Lens lens_of(int id, std::span<const double> k) {
   }
 }
 
-/// What the binary and the text file say about an image of a COLMAP model.
+/// An image of a COLMAP model, as both the binary and the text file have it.
 struct ColmapImage {
   std::uint32_t id = 0;
   std::array<double, 4> quaternion{};   ///< w, x, y, z; world to camera
@@ -96,8 +96,8 @@ struct ColmapImage {
   std::string name;
 };
 
-/// Joins the images of a COLMAP model with their cameras. Errors, without file and position: an id that stands
-/// twice, an image of an absent camera, an invalid rotation or translation, an empty name.
+/// Joins the images of a COLMAP model with their cameras. Errors, without file and location: a duplicate id,
+/// an image of an absent camera, an invalid rotation or translation, an empty name.
 class ColmapImages {
  public:
   void add_camera(std::uint32_t id, const Camera& camera) {
@@ -146,7 +146,7 @@ class Reader {
     return load<Value>(cursor_.take(sizeof(Value)));
   }
 
-  /// A count of records of at least so many bytes each, which must all fit into what is left of the file.
+  /// A count of records of at least so many bytes each, which must all fit into the rest of the file.
   std::uint64_t take_count(std::size_t smallest_record, const char* what) {
     const std::uint64_t offset = cursor_.offset(), count = take<std::uint64_t>();
     const std::uint64_t left = file_.size() - cursor_.offset();
@@ -177,7 +177,7 @@ class Reader {
 
   void skip(std::uint64_t bytes) { cursor_.skip(bytes); }
 
-  /// Tells where the record began in errors of `work` that name no position.
+  /// Adds the byte where the record began to errors of `work` that have no location.
   template <typename Work>
   void record(const Work& work) {
     const std::uint64_t offset = cursor_.offset();

@@ -28,8 +28,8 @@ bool is_possible(const E57Picture& picture, const Camera& camera) {
   return std::abs(camera.cx) <= k_farthest_middle && std::abs(camera.cy) <= k_farthest_middle;
 }
 
-/// Angles of pixels are often rounded in files: a picture whose side covers a circle, or its half, to half a pixel
-/// covers it without a gap at the seam.
+/// Angles of pixels are often rounded in files: a picture whose side covers a circle, or its half, to half a
+/// pixel covers it without a gap at the seam.
 double pixels_per_radian(double pixel, std::uint64_t count, double whole) {
   const double side = static_cast<double>(count);
   return std::abs(pixel * side - whole) < 0.5 * pixel ? side / whole : 1.0 / pixel;

@@ -28,7 +28,7 @@ std::vector<JsonNode> entries(const JsonNode& top, std::string_view key) {
   return list ? list->elements(0, std::size_t(-1)) : std::vector<JsonNode>();
 }
 
-/// Follows the pointers of openMVG's writer: an object stands where it first occurs, later only its id.
+/// Follows the pointers of openMVG's writer: an object is written where it first occurs, later only its id.
 class Pointers {
  public:
   JsonNode object(const JsonNode& value) {
@@ -60,7 +60,7 @@ class Pointers {
   std::map<std::uint64_t, std::string> names_;
 };
 
-/// Of some types the first keys are in a sub-object.
+/// A field of an object, which some types have in the sub-object "value0".
 JsonNode base_field(const JsonNode& data, std::string_view key) {
   if (const auto value = data.find(key)) return *value;
   const auto base = data.find("value0");

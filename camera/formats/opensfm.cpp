@@ -64,7 +64,7 @@ Camera read_camera(const JsonNode& node) {
   set_size(camera, required(node, "width").whole_number(1, k_max_image_side),
            required(node, "height").whole_number(1, k_max_image_side));
   camera.lens = lens_of(node, projection);
-  // Lengths are in units of the longer side, positions count from the middle.
+  // Lengths are in units of the longer side, coordinates count from the middle.
   const double unit = std::max(camera.width, camera.height);
   camera.cx = 0.5 * camera.width;
   camera.cy = 0.5 * camera.height;

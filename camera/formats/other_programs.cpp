@@ -13,7 +13,7 @@ constexpr const char* k_metashape =
     "its export as COLMAP (File > Export > Export Cameras, type Colmap), or transforms.json by "
     "'ns-process-data metashape'";
 
-/// An export that is not read, by words that its first bytes contain.
+/// An export that is not supported, by words that its first bytes contain.
 struct KnownExport {
   std::array<std::string_view, 3> marks;  ///< maybe empty
   const char* name;
@@ -46,7 +46,7 @@ constexpr KnownExport k_exports[] = {
 }  // namespace
 
 void reject_known_export(std::string_view start, const std::filesystem::path& file) {
-  // What is wrong with a file of a format that is read is said by its reader.
+  // Errors in a file of a format that is read are reported by its reader.
   for (const std::string_view own : {"qw", "look_at_x", "\"frames\"", "\"shots\"", "\"sfm_data_version\""})
     if (start.find(own) != start.npos) return;
   for (const KnownExport& known : k_exports) {

@@ -17,7 +17,7 @@ constexpr std::array<std::string_view, 12> k_columns{
 constexpr std::size_t k_time = 0, k_position = 1, k_quaternion = 4, k_target = 8, k_name = 11;
 constexpr std::size_t k_not_there = std::size_t(-1);
 
-/// What the remarks above the table must say: nothing about axes is guessed.
+/// Conventions that the remarks above the table must state: axes are never guessed.
 struct Conventions {
   std::optional<AxisConvention> axes;
   std::optional<bool> camera_to_world;
@@ -41,7 +41,7 @@ void read_remark(std::string_view line, Conventions& conventions) {
 
 using Columns = std::array<std::size_t, k_columns.size()>;
 
-/// Whether the table says what cameras look at, in place of their rotation.
+/// Whether the table has targets that cameras look at, instead of rotations.
 bool has_targets(const Columns& columns) {
   return columns[k_target] != k_not_there;
 }
@@ -49,15 +49,15 @@ bool has_targets(const Columns& columns) {
 Columns read_header(std::string_view line) {
   Columns columns;
   columns.fill(k_not_there);
-  std::size_t position = 0;
-  for (FieldWalk fields(line); !fields.at_end(); ++position) {
+  std::size_t index = 0;
+  for (FieldWalk fields(line); !fields.at_end(); ++index) {
     const std::string_view word = fields.word("column");
     const auto known = std::ranges::find(k_columns, word);
-    if (known == k_columns.end()) continue;  // further columns are the user's
+    if (known == k_columns.end()) continue;  // further columns are ignored
     std::size_t& column = columns[static_cast<std::size_t>(known - k_columns.begin())];
     if (column != k_not_there)
       throw input_error(fmt::format("duplicate column '{}'", word), "unique columns");
-    column = position;
+    column = index;
   }
   const auto require = [&](std::size_t first, std::size_t end) {
     for (std::size_t i = first; i < end; ++i) {

@@ -133,7 +133,7 @@ void set_intrinsics(const FrameFields& fields, const JsonNode& frame, const std:
   camera.fy = focal_length(fields, 'y', h).value_or(camera.fx);
 }
 
-/// Takes a uniform scale out of a rotation. Errors: what is left is no rotation.
+/// Removes a uniform scale from a rotation. Errors: the rest is not a rotation.
 double take_scale(const JsonNode& node, glm::dmat3& linear) {
   const double scale = length_of(linear[0]);
   if (scale > 0.0) linear /= scale;

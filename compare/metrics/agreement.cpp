@@ -27,7 +27,7 @@ bool is_scan(const ComparedImage& image) {
   return !has_depth;
 }
 
-/// Of a pixel where `image` has a depth and the other image has none.
+/// The agreement of a pixel where `image` has a depth and the other image has none.
 Agreement one_sided(const ComparedImage& image, std::size_t pixel, bool other_is_scan) {
   if (std::isinf(sigma_at(image, pixel))) return Agreement::agrees;
   return other_is_scan ? Agreement::not_scanned : Agreement::differs;

@@ -11,7 +11,7 @@
 
 namespace alidade::compare {
 
-/// What two images say about the depth of a pixel.
+/// How the depths of two images agree in a pixel.
 enum class Agreement {
   nothing,      ///< neither has a depth (is_depth())
   agrees,       ///< the depths differ by no more than their errors
@@ -48,7 +48,7 @@ struct AgreementMetrics {
 /// Whether both images have depth, and at least one of them its sigma.
 bool have_agreement(const ComparedImage& reference, const ComparedImage& test);
 
-/// Empty unless have_agreement(). Requires images of equal size. The same on any number of threads.
+/// Empty unless have_agreement(). Requires images of equal size. Equal on any number of threads.
 std::optional<AgreementMetrics> agreement_metrics(const ComparedImage& reference, const ComparedImage& test,
                                                   const ImageMask& mask = {});
 

@@ -14,7 +14,7 @@
 namespace alidade::compare {
 namespace {
 
-/// Of one row.
+/// Sums of one row.
 template <class Number>
 struct RowErrors {
   DifferenceSums<Number> differences;
@@ -26,7 +26,7 @@ struct RowErrors {
   }
 };
 
-/// What there is to compare: pair(i) gives the test's value less the reference's, as Number.
+/// Metrics of the differences that difference(i) returns: the test's value less the reference's, as Number.
 template <class Number, class Difference>
 struct Errors {
   const Difference& difference;
@@ -41,7 +41,7 @@ struct Errors {
   }
 
   static bool is_finite(Number number) {
-    // Whole numbers always are.
+    // Whole numbers are always finite.
     if constexpr (std::is_floating_point_v<Number>) return std::isfinite(number);
     return true;
   }
@@ -135,7 +135,7 @@ Sums sum_counted(const ComparedImage& image, const ImageMask& mask, const Work& 
   });
 }
 
-/// What all metrics of differences have; `Metrics` has more.
+/// Fills the members that all metrics of differences have.
 template <class Metrics>
 Metrics begin_metrics(const LayerSums& sums, int width) {
   Metrics metrics;
@@ -215,7 +215,7 @@ double angle_between(const float* one, const float* other) {
 
 NormalMetrics compare_normals(const ComparedImage& reference, const ComparedImage& test,
                               const ImageMask& mask) {
-  // Angles are dear: they are kept for the percentile, which looks at them twice.
+  // Angles are expensive: they are kept for the percentile, which reads them twice.
   std::vector<float> angles(reference.pixels(), -1.0f);
   const auto sums = sum_counted<LayerSums>(reference, mask, [&](std::size_t pixel, LayerSums& row) {
     const float *const from = reference.normals.data() + 3 * pixel, *const to =
@@ -285,7 +285,7 @@ ErrorMetrics error_metrics(const ComparedImage& reference, const ComparedImage& 
                            const ImageMask& mask) {
   require_colors(reference, test, "missing colours");
   const int channels = reference.color_channels == 1 && test.color_channels == 1 ? 1 : 3;
-  // Colours are stored three per pixel; of grey pictures the first says all.
+  // Colours are stored three per pixel, in grey pictures three equal ones.
   const std::size_t step = channels == 1 ? 3 : 1;
   const float* const from = reference.color.data();
   const float* const to = test.color.data();

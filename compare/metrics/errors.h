@@ -19,19 +19,18 @@ struct ErrorMetrics {
   double rmse = 0.0;
   double max_abs = 0.0;
   int max_x = -1, max_y = -1, max_channel = -1;  ///< where: the first in reading order; -1 if nothing differs
-  double psnr = 0.0;  ///< 20 log10(1 / rmse), dB: for a peak of 1; infinite without any difference
-  double percentile_95 =
-      0.0;  ///< smallest value that at least 95 % of the absolute differences do not exceed
+  double psnr = 0.0;           ///< 20 log10(1 / rmse), dB: for a peak of 1; infinite without any difference
+  double percentile_95 = 0.0;  ///< smallest value that 95 % or more of the absolute differences do not exceed
 };
 
 /// `channels` values per pixel, `width` pixels per row. Requires channels >= 1, width >= 1 and two lists of
-/// equal length, which is that of whole rows. Without values everything is 0 and PSNR NaN. The same bits on
-/// any number of threads. Cost on 2 cores: about 0.03 s per million pixels.
+/// equal length, which is that of whole rows. Without values everything is 0 and PSNR NaN. Equal bits on any
+/// number of threads. Cost on 2 cores: about 0.03 s per million pixels.
 ErrorMetrics error_metrics(std::span<const float> reference, std::span<const float> test, int channels,
                            int width, const ImageMask& mask = {});
 
-/// The same for the colours of two pictures in sRGB values or in linear light, three channels (one if both
-/// are grey). Where both hold whole numbers of one kind and these are compared as stored, differences are
+/// Errors of the colours of two pictures in sRGB values or in linear light, three channels (one if both are
+/// grey). Where both hold whole numbers of one kind and these are compared as stored, differences are
 /// those of the numbers, without a rounding. Errors: sizes differ, a picture without colour.
 ErrorMetrics error_metrics(const ComparedImage& reference, const ComparedImage& test, ColorEncoding encoding,
                            const ImageMask& mask = {});
@@ -80,7 +79,7 @@ struct LayerMetrics {
 };
 
 /// Over the pixels that count. Percentiles: nearest rank, as in ErrorMetrics. Means and percents without
-/// pixels are 0. The same bits on any number of threads. Errors: sizes differ.
+/// pixels are 0. Equal bits on any number of threads. Errors: sizes differ.
 LayerMetrics layer_metrics(const ComparedImage& reference, const ComparedImage& test,
                            const ImageMask& mask = {});
 

@@ -84,7 +84,7 @@ void pool(FlipResult& result, const ImageMask& counted, int width) {
     sum += row_sum;
   }
   result.mean = sum / static_cast<double>(count);
-  // Zeros have no weight, so those that do not count need not be left out.
+  // Zeros have no weight, so excluded pixels need not be left out.
   const auto value_at = [&](std::size_t pixel) { return result.map[pixel]; };
   const FloatCounts counts = count_upper_halves(pixels, value_at);
   const auto quantile = [&](double share) { return weighted_rank(pixels, value_at, counts, share); };

@@ -16,10 +16,10 @@ constexpr double pixels_per_degree(double distance, double monitor_width, double
   return distance * monitor_pixels / monitor_width * std::numbers::pi / 180.0;
 }
 
-/// How HDR-FLIP brings light into the range of a display.
+/// How HDR-FLIP maps light to the range of a display.
 enum class ToneMapper { aces, hable, reinhard };
 
-/// What FLIP takes the reference for.
+/// The range of light that FLIP assumes for the reference.
 enum class FlipRange {
   automatic,  ///< `high` if the reference is linear light, else `display`
   display,    ///< LDR-FLIP: linear light is clamped to 0 .. 1
@@ -40,7 +40,7 @@ struct FlipResult {
   double mean = 0.0;
   double weighted_median = 0.0, weighted_first_quartile = 0.0, weighted_third_quartile = 0.0;
   double min = 0.0, max = 0.0;
-  std::vector<float> map;  ///< one per pixel, 0 .. 1; 0 where the mask says that it does not count
+  std::vector<float> map;  ///< one per pixel, 0 .. 1; 0 where the mask excludes it
   double start_exposure = 0.0, stop_exposure = 0.0;
   int exposures = 0;  ///< 0: LDR-FLIP
 };
@@ -51,7 +51,7 @@ struct FlipResult {
 /// the whole sum.
 ///
 /// The map is symmetric in the pictures for FlipRange::display; otherwise exposures come from the reference.
-/// Borders: filters see the outermost pixels repeated. The same bits on any thread count and instruction set.
+/// Borders: filters see the outermost pixels repeated. Equal bits on any thread count and instruction set.
 /// Source: HPG 2020 paper of FlipFilters; for HDR P. Andersson, J. Nilsson, P. Shirley, T. Akenine-Möller,
 /// "Visualizing Errors in Rendered High Dynamic Range Images", Eurographics 2021; both as their tool 1.6 has
 /// them (within 1e-4). Errors: sizes differ, a picture without colour, options out of their ranges. Cost on 2

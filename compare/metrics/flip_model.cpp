@@ -29,7 +29,7 @@ HalfTaps scaled(const Taps& half, double factor) {
   return result;
 }
 
-/// Without the outer taps that no float notices.
+/// Without the outer taps that do not change a sum of floats.
 HalfTaps trimmed(HalfTaps half) {
   constexpr float k_unnoticed = 1e-10f;
   while (half.size() > 1 && half.back() < k_unnoticed) half.pop_back();

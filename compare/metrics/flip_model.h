@@ -43,7 +43,7 @@ struct FlipColor {
 
 const FlipColor& flip_color();
 
-/// What becomes of linear light before FLIP looks at it: times `scale`, then through the curve
+/// How linear light is mapped before FLIP: times `scale`, then through the curve
 /// (k0 x^2 + k1 x + k2) / (k3 x^2 + k4 x + k5), or divided by 1 + the pixel's luminance, or as it is; then
 /// clamped to 0 .. 1.
 struct ToneCurve {
@@ -96,7 +96,7 @@ class FlipTile {
 namespace simd {
 
 /// FLIP of a tile, compiled for one instruction set. All sets do the same operations in the same order, and
-/// no product is fused with a sum: the map is the same bits on every machine.
+/// no product is fused with a sum: the map has equal bits on every machine.
 struct FlipKernel {
   /// Raises the tile's map to the FLIP values of its pictures at this exposure.
   void (*add_exposure)(FlipTile& tile, const FlipFilters& filters, const ToneCurve& curve);
@@ -123,8 +123,8 @@ ToneCurve tone_curve(ToneMapper mapper, double exposure);
 
 /// The exposures at which the tone mapper brings the brightest and the median pixel of the reference to 0.85,
 /// one per stop between them, at least 2. Source: Eurographics 2021, section 4.2.
-/// The authors' tool finds no end for pictures of which half is black. Here the median is taken of the pixels
-/// with light then; a picture without any light (or no pixel that counts) gives the single exposure 0.
+/// The authors' tool finds no end for pictures that are half black. Here the median is then that of the
+/// pixels with light; a picture without any light (or no pixel that counts) gives the single exposure 0.
 /// Options that fix start, stop or count are obeyed. Errors: start above stop, not finite or beyond 1000
 /// stops, a count below 2 or above k_most_exposures.
 ExposureRange exposure_range(const ComparedImage& reference, const ComparedImage& test, const ImageMask& mask,

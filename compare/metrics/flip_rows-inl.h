@@ -43,7 +43,7 @@ HWY_INLINE void filter_row(const float* from, std::ptrdiff_t step, int width, co
   }
 }
 
-/// Both at once from the same row: two filters of blue-yellow.
+/// Applies two filters to one row in one pass, for blue-yellow.
 HWY_INLINE void filter_row_twice(const float* from, std::ptrdiff_t step, int width, const HalfTaps& first,
                                  const HalfTaps& second, float* to_first, float* to_second) {
   const FloatLanes d;
@@ -108,7 +108,7 @@ HWY_INLINE FloatVector length(FloatVector x, FloatVector y) {
   return hn::Sqrt(hn::Add(hn::Mul(x, x), hn::Mul(y, y)));
 }
 
-/// What feature_row() left, across rows: strength of edges and of points.
+/// Filters the results of feature_row() across rows: strength of edges and of points.
 HWY_INLINE void feature_columns(const float* smooth, const float* edge, const float* point,
                                 std::ptrdiff_t step, int width, const FlipFilters& filters, float* edges,
                                 float* points) {

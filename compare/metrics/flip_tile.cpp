@@ -67,7 +67,7 @@ void to_opponent(FlipTile& tile, int picture, const ToneCurve& curve) {
   }
 }
 
-/// Calls work(position in the tile's planes with margin, position in those without) for each row of the tile.
+/// Calls work(offset in the tile's planes with margin, offset in those without) for each row of the tile.
 template <class Work>
 HWY_INLINE void for_each_row(const FlipTile& tile, const Work& work) {
   for (int y = 0; y < tile.height(); ++y)
@@ -115,7 +115,7 @@ void find_features(FlipTile& tile, int picture, const FlipFilters& filters) {
 HWY_INLINE FloatVector lab_curve(FloatVector value) {
   constexpr float k_knee = 6.0f / 29.0f;
   const auto line = hn::Add(hn::Mul(value, set(1.0f / (3.0f * k_knee * k_knee))), set(4.0f / 29.0f));
-  // The root of what is far below the knee is not used, but must not divide by nothing.
+  // The root of values far below the knee is not used, but must not divide by zero.
   const auto curved = cube_root(hn::Max(value, set(1e-3f)));
   return hn::IfThenElse(hn::Gt(value, set(k_knee * k_knee * k_knee)), curved, line);
 }

@@ -22,8 +22,8 @@ inline const image::CurveTable* curve_of(const ComparedImage& image, ColorEncodi
 }
 
 /// The colours of two pictures as filters read them. Where a pixel does not count, or is not finite in one of
-/// them, both give the same colour (the reference's if it is finite, else the test's, else black): what does
-/// not count makes no difference to its neighbours either.
+/// them, both have one colour (the reference's if it is finite, else the test's, else black), so that
+/// excluded pixels do not affect their neighbours either.
 class PairPixels {
  public:
   /// The pictures must be of equal size, have colour, and outlive this; so must the mask.
@@ -65,7 +65,7 @@ class PairPixels {
 
 // Ranks among many floats without sorting or keeping them. Floats that are not negative are in the order of
 // their bits; so two passes suffice, one over the upper, one over the lower 16 bits. All sums are of whole
-// numbers: the same on any number of threads.
+// numbers: equal on any number of threads.
 //
 // Values come from a function value_at(i), i in [0, count), called from several threads; those with the sign
 // bit set (-1.0f) are left out. None may be NaN.
@@ -169,7 +169,7 @@ float weighted_rank(std::size_t size, const ValueAt& value_at, const FloatCounts
   return value;
 }
 
-// Sums over the rows of a picture, the same on any number of threads.
+// Sums over the rows of a picture, equal on any number of threads.
 
 /// Runs row(y, its sums) for all rows, in parallel, and adds the sums up from the top.
 template <class Sums, class Row>
@@ -187,9 +187,9 @@ struct DifferenceSums {
   std::uint64_t values = 0;
   Number sum = 0, sum_abs = 0, sum_squares = 0;
   Number most = 0;          ///< the largest size
-  std::size_t most_at = 0;  ///< its position, the first in reading order
+  std::size_t most_at = 0;  ///< its index, the first in reading order
 
-  void add(Number difference, std::size_t position) {
+  void add(Number difference, std::size_t index) {
     const Number size = difference < 0 ? -difference : difference;
     ++values;
     sum += difference;
@@ -197,11 +197,11 @@ struct DifferenceSums {
     sum_squares += difference * difference;
     if (size > most) {
       most = size;
-      most_at = position;
+      most_at = index;
     }
   }
 
-  /// What comes later in reading order.
+  /// Adds the sums of pixels that come later in reading order.
   void add(const DifferenceSums& later) {
     values += later.values;
     sum += later.sum;
@@ -220,7 +220,7 @@ struct DifferenceSums {
 };
 
 /// The smallest of the values that are not negative which at least 95 % of them do not exceed; 0 without any.
-/// `values` is how many there are; value_at(i) as in float_ranks.h.
+/// `values` is how many there are; value_at(i) as for count_upper_halves().
 template <class ValueAt>
 double percentile_95(std::size_t size, const ValueAt& value_at, std::uint64_t values) {
   if (values == 0) return 0.0;

@@ -159,7 +159,7 @@ struct Windows {
     return means(sums);
   }
 
-  /// Windows that reach beyond the picture do not count, whatever stands there.
+  /// Windows that reach beyond the picture do not count, whatever the values there.
   void load(Room& room, int left, int top) const {
     room.pairs.clear();
     for (int row = 0; row < room.tile.rows_with_margin(); ++row) {

@@ -22,13 +22,13 @@ struct Similarity {
 /// 13(4), 2004. Equal to scikit-image's structural_similarity with gaussian_weights and without
 /// use_sample_covariance, within 1e-6.
 ///
-/// MS-SSIM: the same at five scales, each half as large: contrast and structure of all, luminance of the
+/// MS-SSIM: SSIM at five scales, each half as large: contrast and structure of all, luminance of the
 /// smallest, to the powers 0.0448, 0.2856, 0.3001, 0.2363 and 0.1333. Factors below 0 count as 0. A smaller
 /// picture has the means of 2 x 2 pixels, beyond an odd border the border again; such a pixel counts if all
 /// it comes from do. NaN if a side is shorter than 161 pixels. Source: Z. Wang, E. P. Simoncelli, A. C.
 /// Bovik, "Multiscale Structural Similarity for Image Quality Assessment", Asilomar 2003.
 ///
-/// The same bits on any number of threads. Errors: sizes differ, a picture without colour. Cost on 2 cores:
+/// Equal bits on any number of threads. Errors: sizes differ, a picture without colour. Cost on 2 cores:
 /// about 0.04 s per million pixels; memory: 24 bytes for each fourth pixel.
 Similarity similarity(const ComparedImage& reference, const ComparedImage& test, const ImageMask& mask = {});
 

@@ -46,16 +46,16 @@ struct OverlapSums {
   }
 };
 
-/// Scores of shifts between two levels of the same size; each is computed once.
+/// Scores of shifts between two levels of one size; each is computed once.
 class ShiftScores {
  public:
   ShiftScores(const GradientLevel& reference, const GradientLevel& test)
       : reference_(reference), test_(test) {}
 
   double at(const Shift& shift) {
-    const auto [position, is_new] = known_.try_emplace(shift, 0.0);
-    if (is_new) position->second = score(shift);
-    return position->second;
+    const auto [known, is_new] = known_.try_emplace(shift, 0.0);
+    if (is_new) known->second = score(shift);
+    return known->second;
   }
 
  private:
@@ -188,7 +188,7 @@ Peak fit_peak(ShiftScores& scores, const Shift& shift) {
   return peak;
 }
 
-/// Score of the best shift that is another than the best one, not just a position on its slope; 0 if there is
+/// Score of the best shift that is another than the best one, not just a shift on its slope; 0 if there is
 /// none.
 double best_rival(const std::vector<Candidate>& candidates) {
   constexpr Reach k_slope{3, 3};
@@ -249,8 +249,8 @@ Alignment align(const ComparedImage& reference, const ComparedImage& test, const
   std::vector<Candidate> candidates;
   Alignment alignment;
   for (int level = levels - 1; level >= 0; --level) {
-    const auto position = static_cast<std::size_t>(level);
-    ShiftScores scores(of_reference[position], of_test[position]);
+    const auto i = static_cast<std::size_t>(level);
+    ShiftScores scores(of_reference[i], of_test[i]);
     const Reach reach = reach_of(reference, options.largest_shift, level);
     if (level == levels - 1) {
       candidates = local_maxima(scores, reach);

@@ -3,23 +3,23 @@
 
 #include "compare/compared_image.h"
 
-// Do the edges of two pictures lie on each other? Tells a camera that is off by some pixels from colours that
-// differ.
+// Whether the edges of two pictures lie on each other: distinguishes a camera that is off by some pixels from
+// colours that differ.
 
 namespace alidade::compare {
 
 struct AlignmentOptions {
-  int largest_shift = 64;  ///< pixels in x and in y, up to which a shift is looked for; 1 .. 4096
+  int largest_shift = 64;  ///< pixels in x and in y, up to which a shift is searched; 1 .. 4096
 };
 
 /// Where the edges of the test lie against those of the reference.
 struct Alignment {
   /// Pixels: what the reference shows at (x, y) the test shows at (x + shift_x, y + shift_y).
   double shift_x = 0.0, shift_y = 0.0;
-  double score = 0.0;            ///< gradient correlation at this shift, -1 .. 1; 1: the same edges
-  double score_unshifted = 0.0;  ///< the same without a shift
+  double score = 0.0;            ///< gradient correlation at this shift, -1 .. 1; 1: equal edges
+  double score_unshifted = 0.0;  ///< gradient correlation without a shift
   /// Whether the shift can be relied on: there are enough edges, in more than one direction, they agree, and
-  /// no other shift within reach does as well. Otherwise the shift says nothing.
+  /// no other shift within reach scores as high. Otherwise the shift is meaningless.
   bool is_certain = false;
 };
 
@@ -32,14 +32,14 @@ struct Alignment {
 /// was scanned are no edges. Pixels without a neighbour that counts take no part.
 ///
 /// The search goes from coarse to fine over a pyramid of halved pictures: all shifts on the coarsest level,
-/// then uphill on each finer one from the best four positions; sub-pixel from the parabola through the peak.
-/// Shifts that leave nothing of both pictures on each other are not tried. Sums are of whole numbers, so they
-/// are the same on any number of threads.
+/// then uphill on each finer one from the best four; sub-pixel from the parabola through the peak. Shifts
+/// without an overlap of both pictures are not tried. Sums are of whole numbers, so they are equal on any
+/// number of threads.
 ///
-/// Both pictures must have colours and the same size. Cost: about a second for 8 million pixels on two cores;
+/// Both pictures must have colours and one size. Cost: about a second for 8 million pixels on two cores;
 /// 16 bytes per pixel. Errors: pictures so long and narrow that so many shifts would take minutes.
 /// Source: V. Argyriou, T. Vlachos, Estimation of sub-pixel motion using gradient cross-correlation,
-/// Electronics Characters 39 (2003).
+/// Electronics Letters 39 (2003).
 Alignment align(const ComparedImage& reference, const ComparedImage& test, const ImageMask& mask,
                 const AlignmentOptions& options = {});
 

@@ -141,7 +141,7 @@ class LineFitter {
       sum += residual * residual;
       ++count;
     }
-    // Equal residuals at the limit are all the same to the sum.
+    // Which of the equal residuals at the limit are in the half does not affect the sum.
     return sum + static_cast<double>(half() - count) * limit * limit;
   }
 
@@ -157,7 +157,7 @@ class LineFitter {
 
   std::optional<RobustLine> reweighted(const Line& line) {
     // The median of normal residuals' magnitudes is 0.6745 standard deviations. Residuals are relative, so a
-    // hundred thousandth is nothing that anyone sees.
+    // hundred thousandth is invisible.
     constexpr double k_deviations = 2.5, k_least_deviation = 1e-5;
     const double limit = k_deviations * std::max(measure(line) / 0.6745, k_least_deviation);
     const std::optional<Line> all = least_squares([&](std::size_t i) { return residuals_[i] <= limit; });
@@ -202,7 +202,7 @@ double light(const ComparedImage& image, std::size_t value) {
       image.encoding == ColorEncoding::linear ? code : image::linear_from_srgb_table().at(code));
 }
 
-/// The blocks of which at least a quarter counts.
+/// The blocks in which at least a quarter of the pixels counts.
 std::vector<Block> mean_blocks(const ComparedImage& reference, const ComparedImage& test,
                                const ImageMask& mask) {
   const int side = std::max(1, std::max(reference.width, reference.height) / k_blocks_per_side);
@@ -278,7 +278,7 @@ void apply_color_match(ComparedImage& image, const ColorMatch& match) {
       values[i] = is_linear ? matched : to_display.at(matched);
     }
   });
-  // They are no codes any more.
+  // The values are not codes any more.
   image.largest_code = 0;
 }
 

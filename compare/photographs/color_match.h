@@ -25,22 +25,22 @@ struct RobustLine {
 /// (y - scale x - offset) / (|y| + m), m the median of |y|, since errors of light grow with it. 64 starts
 /// through one or two pairs chosen by a fixed seed, two concentration steps each (fit the half with the least
 /// residuals), the best eight until nothing changes; then least squares over all pairs within 2.5 standard
-/// deviations, estimated from the median residual. With 40 % of wrong pairs the chance that no start is free of
-/// them is below 1e-12. Empty if there are fewer than 4 pairs, or if x is 0 everywhere (free: of one value)
-/// in the half that fits best. The same for the same pairs in the same order. Cost: some microseconds per
-/// pair. Source: P. J. Rousseeuw, K. Van Driessen, Computing LTS Regression for Large Data Sets, Data Mining
-/// and Knowledge Discovery 12 (2006).
+/// deviations, estimated from the median residual. With 40 % of wrong pairs the chance that no start is free
+/// of them is below 1e-12. Empty if there are fewer than 4 pairs, or if x is 0 everywhere (free: of one
+/// value) in the half that fits best. Equal pairs in equal order give an equal line. Cost: some microseconds
+/// per pair. Source: P. J. Rousseeuw, K. Van Driessen, Computing LTS Regression for Large Data Sets, Data
+/// Mining and Knowledge Discovery 12 (2006).
 std::optional<RobustLine> fit_robust_line(std::span<const FitPair> pairs, LineKind kind);
 
-// A photograph has another exposure and another white balance than a render. What is left when both are
-// fitted reports whether the scene differs or only the camera did.
+// A photograph has another exposure and another white balance than a render. The differences that are left
+// when both are fitted are those of the scene, not of the camera.
 
 enum class ColorModel {
   exposure,  ///< a factor per channel: exposure and white balance
   affine,    ///< a factor and an offset per channel: haze, flare and black level too
 };
 
-/// What the colours of the test are turned into, in linear light: matched = scale * test + offset.
+/// The fitted change of the test's colours, in linear light: matched = scale * test + offset.
 struct ColorMatch {
   glm::dvec3 scale{1.0}, offset{0.0};
   double inliers = 0.0;  ///< share of the blocks that follow the fit, the least of the three channels, 0 .. 1
@@ -54,8 +54,8 @@ struct ColorMatch {
 /// misalignment. The fit is then repeated once over all blocks within 2.5 robust standard deviations, which
 /// are the inliers.
 /// Empty if fewer than 16 blocks are left, or if a channel does not vary enough (black; for affine:
-/// of one value). Both pictures must have colours and the same size. Cost: one pass over the pixels, then
-/// some milliseconds per channel. The same result on any number of threads. Source: P. J. Rousseeuw, K. Van
+/// of one value). Both pictures must have colours and one size. Cost: one pass over the pixels, then some
+/// milliseconds per channel. Equal results on any number of threads. Source: P. J. Rousseeuw, K. Van
 /// Driessen, Computing LTS Regression for Large Data Sets, Data Mining and Knowledge Discovery 12 (2006):
 /// random starts, concentration steps, reweighted least squares.
 std::optional<ColorMatch> match_color(const ComparedImage& reference, const ComparedImage& test,

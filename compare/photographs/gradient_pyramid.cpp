@@ -99,7 +99,7 @@ struct Gradient {
   float length_sq() const { return x * x + y * y; }
 };
 
-/// By central differences; of the outermost pixels there is none.
+/// Gradients by central differences; the outermost pixels have none.
 Gradient gradient_at(const Plane& plane, int x, int y) {
   if (x == 0 || y == 0 || x == plane.width - 1 || y == plane.height - 1) return {k_none, k_none};
   const float* const here = plane.row(y);

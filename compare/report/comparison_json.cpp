@@ -157,7 +157,7 @@ Json color_json(const ColorFigures& color) {
   return json;
 }
 
-/// Figures of layers under the names of thresholds: whatever table has them, they are called the same.
+/// Figures of layers, under the names that thresholds and tables have for them.
 void add_layers(Json& metrics, const Comparison& comparison) {
   for (const Metric& metric : metrics_of(comparison))
     if (metric.kind->group == k_depth_group || metric.kind->group == k_normal_group ||

@@ -24,7 +24,7 @@ inline Json json_number(double value) {
   return value;
 }
 
-// What JSON for programs and that of pages have in common.
+// Parts that JSON for programs and that of pages have in common.
 
 /// [{"threshold", "metric", "fails_if": "below" | "above", "limit", "value", "fails"}].
 Json thresholds_json(const Verdict& verdict);
@@ -32,19 +32,19 @@ Json thresholds_json(const Verdict& verdict);
 /// [{"left", "top", "right", "bottom", "pixels", "strongest", "mean", "at": [x, y]}], the largest first.
 Json regions_json(const ChangeRegions& changes);
 
-// How a comparison came to its figures: what was left out, how FLIP looked, what was fitted and found. For
+// How a comparison came to its figures: excluded pixels, settings of FLIP, fits and their results. For
 // those who read a result without the command that made it.
 
 struct HowLine {
   std::string name, text;
 };
 
-/// A line for everything that was asked for or found; of colours at least how FLIP was computed.
+/// A line for every setting and finding of the run; of colours at least how FLIP was computed.
 std::vector<HowLine> how_lines(const Comparison& comparison);
 
-// Results for programs: {"metrics": {"rmse", "psnr", "ssim", "flip": {"mean", ...}}, "pass": true} and what
-// docs/compare.md says beside. JSON has no infinity and no NaN: they are the texts "infinity", "-infinity"
-// and "nan".
+// Results for programs: {"metrics": {"rmse", "psnr", "ssim", "flip": {"mean", ...}}, "pass": true} and the
+// further keys in docs/compare.md. JSON has no infinity and no NaN: they are the texts "infinity",
+// "-infinity" and "nan".
 
 /// One comparison, as text with indentation and a line end. `warnings`: thresholds that only warn.
 std::string comparison_json(const Comparison& comparison, const Verdict& verdict,

@@ -46,7 +46,7 @@ std::string script_json(std::string_view json) {
     } else {
       shown += json[i];
       if (json[i] != '\\') continue;
-      // The escape of a character that pages obey becomes text.
+      // The escape of a character that browsers interpret becomes text.
       if (json[i + 1] == 'u') shown += '\\';
       shown += json[++i];
     }

@@ -42,7 +42,7 @@ std::string css_color(const image::Rgb8& color) {
   return fmt::format("rgb({},{},{})", color[0], color[1], color[2]);
 }
 
-/// Colours of a map from its lowest value to its highest, as CSS says them.
+/// Colours of a map from its lowest value to its highest, as CSS colours.
 Json colors_of(const DifferenceMap& map) {
   constexpr int k_steps = 33;
   DifferenceMap ramp;

@@ -37,7 +37,7 @@ TEST(JsonDocumentTest, values_have_the_offsets_of_their_text) {
 
 TEST(JsonDocumentTest, offsets_count_characters_not_bytes) {
   const JsonDocument document = parse_json("[\n  \"\xC3\xA4\xC3\xB6\", 7]", "file.json");
-  EXPECT_EQ(document.offset(std::get<JsonArray>(document.root.data).at(1).begin), "2:9");
+  EXPECT_EQ(document.line_and_column(std::get<JsonArray>(document.root.data).at(1).begin), "2:9");
 }
 
 TEST(JsonDocumentTest, whole_numbers_of_64_bits_are_exact) {
