@@ -67,13 +67,13 @@ void SymbolModel::adapt() {
   left_ = cycle_;
 }
 
-void SymbolModelSet::prepare(Offset& offset) {
-  if (offset.model == nullptr) {
-    offset.model = std::make_unique<SymbolModel>(symbols_);
+void SymbolModelSet::prepare(Slot& slot) {
+  if (slot.model == nullptr) {
+    slot.model = std::make_unique<SymbolModel>(symbols_);
   } else {
-    offset.model->reset();
+    slot.model->reset();
   }
-  offset.generation = generation_;
+  slot.generation = generation_;
 }
 
 void ArithmeticEncoder::carry() {

@@ -113,30 +113,30 @@ class SymbolModel {
 class SymbolModelSet {
  public:
   /// Requires what SymbolModel requires of `symbols`.
-  SymbolModelSet(std::size_t contexts, int symbols) : symbols_(symbols), offsets_(contexts) {}
+  SymbolModelSet(std::size_t contexts, int symbols) : symbols_(symbols), slots_(contexts) {}
 
   /// The model of a context, which must be one.
   SymbolModel& operator[](std::size_t context) {
-    Offset& offset = offsets_[context];
-    if (offset.generation != generation_) [[unlikely]]
-      prepare(offset);
-    return *offset.model;
+    Slot& slot = slots_[context];
+    if (slot.generation != generation_) [[unlikely]]
+      prepare(slot);
+    return *slot.model;
   }
 
   /// All models are fresh again.
   void reset() { ++generation_; }
 
  private:
-  struct Offset {
+  struct Slot {
     std::unique_ptr<SymbolModel> model;
-    std::uint64_t generation = 0;  // in which the model was last made fresh
+    std::uint64_t generation = 0;  // in which the model was last reset
   };
 
-  void prepare(Offset& offset);
+  void prepare(Slot& slot);
 
   int symbols_;
   std::uint64_t generation_ = 1;
-  std::vector<Offset> offsets_;
+  std::vector<Slot> slots_;
 };
 
 /// Reads one stream of LAZ's arithmetic coder: numbers in an interval of 32 bits, which is narrowed by the
