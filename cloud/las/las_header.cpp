@@ -11,7 +11,7 @@
 #include "base/words.h"
 #include "cloud/laz/chunk_table.h"
 
-// Byte positions below are those of the public header block: LAS Specification 1.4 R15, table 3.
+// Byte offsets below are those of the public header block: LAS Specification 1.4 R15, table 3.
 
 namespace alidade {
 namespace {
@@ -50,7 +50,7 @@ Bounds read_bounds(const HeaderFields& fields) {
   return bounds;
 }
 
-std::size_t offset_of_count(const LasHeader& header) {
+std::size_t count_field(const LasHeader& header) {
   return header.version_minor >= 4 ? 247 : 107;
 }
 
@@ -68,7 +68,7 @@ void read_point_count(LasHeader& header, const InputFile& file, const HeaderFiel
   }
   if (header.compressed) {
     const std::uint64_t stream_bytes = file.size() - header.points_offset;
-    fields.require(header.point_count <= most_laz_points(stream_bytes), offset_of_count(header),
+    fields.require(header.point_count <= most_laz_points(stream_bytes), count_field(header),
                    "the number of points exceeds the file",
                    fmt::format("at most {} in {} bytes", most_laz_points(stream_bytes), stream_bytes),
                    header.point_count);
@@ -161,7 +161,7 @@ void keep_points_inside(const InputFile& file, LasHeader& header, Damage damage)
   if (header.point_count <= room) return;
   if (damage == Damage::reject) {
     throw DamagedFile({.file = file.name(),
-                       .location = fmt::format("byte {}", offset_of_count(header)),
+                       .location = fmt::format("byte {}", count_field(header)),
                        .problem = "truncated file: it ends before its last point",
                        .expected = fmt::format("{} points of {} bytes at byte {}", header.point_count,
                                                header.point_size, header.points_offset),

@@ -19,8 +19,8 @@ constexpr std::uint16_t k_copc_info_id = 1;
 constexpr std::size_t k_las_name_bytes = 32;
 constexpr int k_longest_undocumented = 255;  ///< bytes that one entry of the extra-bytes record can describe
 
-/// A record's header and where its data stand.
-struct RecordLocation {
+/// A record's header, with offset and size of its data in the file.
+struct RecordHeader {
   std::string user_id;
   std::uint16_t record_id;
   std::string description;
@@ -32,7 +32,7 @@ struct RecordLocation {
 };
 
 /// Reads the header of the record at `offset`; its data must end at `end` or before.
-RecordLocation read_record_header(InputFile& file, std::uint64_t offset, std::uint64_t end, bool extended) {
+RecordHeader read_record_header(InputFile& file, std::uint64_t offset, std::uint64_t end, bool extended) {
   const std::size_t header_size = extended ? k_las_extended_record_head : k_las_record_head;
   const auto fail = [&](std::uint64_t wanted) {
     fail_at_byte(file.name(), offset, "a variable length record exceeds its section",
@@ -41,25 +41,25 @@ RecordLocation read_record_header(InputFile& file, std::uint64_t offset, std::ui
   };
   if (offset > end || end - offset < header_size) fail(header_size);
   const std::byte* const at = file.view(offset, header_size).data();
-  RecordLocation record{.user_id = las_text(at + 2, 16),
-                        .record_id = load<std::uint16_t>(at + 18),
-                        .description = las_text(at + (extended ? 28 : 22), 32),
-                        .offset = offset + header_size,
-                        .size = extended ? load<std::uint64_t>(at + 20) : load<std::uint16_t>(at + 20),
-                        .extended = extended};
+  RecordHeader record{.user_id = las_text(at + 2, 16),
+                      .record_id = load<std::uint16_t>(at + 18),
+                      .description = las_text(at + (extended ? 28 : 22), 32),
+                      .offset = offset + header_size,
+                      .size = extended ? load<std::uint64_t>(at + 20) : load<std::uint16_t>(at + 20),
+                      .extended = extended};
   if (record.size > end - record.offset) fail(record.size);
   return record;
 }
 
 template <class T = std::uint8_t>
-std::vector<T> read_values(InputFile& file, const RecordLocation& record) {
+std::vector<T> read_values(InputFile& file, const RecordHeader& record) {
   std::vector<T> values(static_cast<std::size_t>(record.size / sizeof(T)));
   file.read_at(record.offset, std::as_writable_bytes(std::span(values)));
   return values;
 }
 
 /// The text of a WKT record; empty, with `problem` set, if it is invalid.
-std::string read_wkt(InputFile& file, const RecordLocation& record, bool& problem) {
+std::string read_wkt(InputFile& file, const RecordHeader& record, bool& problem) {
   const std::vector<std::uint8_t> data = read_values(file, record);
   std::string wkt(data.begin(), std::find(data.begin(), data.end(), 0));
   problem = !wkt.empty() && wkt.find('[') == std::string::npos;
@@ -198,7 +198,7 @@ LasRecords read_las_records(InputFile& file, const LasHeader& header, std::vecto
   LasRecords result;
   std::vector<std::uint8_t> extra_bytes_data;
   std::string liblas_wkt;
-  const auto take = [&](const RecordLocation& record) {
+  const auto take = [&](const RecordHeader& record) {
     if (record.is("LASF_Projection", 2112)) {
       bool problem = false;
       std::string wkt = read_wkt(file, record, problem);
@@ -241,13 +241,13 @@ LasRecords read_las_records(InputFile& file, const LasHeader& header, std::vecto
 
   std::uint64_t offset = header.header_size;
   for (std::uint32_t i = 0; i < header.record_count; ++i) {
-    const RecordLocation record = read_record_header(file, offset, header.points_offset, false);
+    const RecordHeader record = read_record_header(file, offset, header.points_offset, false);
     take(record);
     offset = record.offset + record.size;
   }
   offset = header.extended_records_offset;
   for (std::uint32_t i = 0; i < header.extended_record_count; ++i) {
-    std::optional<RecordLocation> record;
+    std::optional<RecordHeader> record;
     try {
       record = read_record_header(file, offset, file.size(), true);
     } catch (const Error& error) {

@@ -21,9 +21,9 @@ namespace {
 
 constexpr std::size_t k_repacked_bytes = 1 << 20;
 
-// Fields of the header: LAS Specification 1.4 R15, table 3.
-constexpr std::size_t k_points_offset = 96, k_record_count = 100, k_point_format = 104;
-constexpr std::size_t k_wave_packets_offset = 227, k_extended_records_offset = 235;
+// Byte offsets of header fields: LAS Specification 1.4 R15, table 3.
+constexpr std::size_t k_points_field = 96, k_record_count_field = 100, k_point_format_field = 104;
+constexpr std::size_t k_wave_packets_field = 227, k_extended_records_field = 235;
 constexpr std::byte k_laz_format_mark{0x80}, k_laz_format_marks{0xc0};
 
 /// A LAS or LAZ file with all that it says about its points.
@@ -58,9 +58,11 @@ struct Source {
     if (!chunks) return extended;
     const std::uint64_t table = chunks->empty() ? header.points_offset + k_laz_table_offset_bytes
                                                 : chunks->back().offset + chunks->back().byte_count;
-    const auto offset = load<std::int64_t>(file.view(header.points_offset, k_laz_table_offset_bytes).data());
-    // A writer that could not go back wrote the offset of the table behind it.
-    const std::uint64_t end = table + encode_chunk_table(*chunks, *packing).size() + (offset == -1 ? 8 : 0);
+    const auto table_offset =
+        load<std::int64_t>(file.view(header.points_offset, k_laz_table_offset_bytes).data());
+    // A writer that could not seek wrote the offset of the table behind the table.
+    const std::uint64_t end =
+        table + encode_chunk_table(*chunks, *packing).size() + (table_offset == -1 ? 8 : 0);
     return std::min(end, extended);
   }
 };
@@ -81,7 +83,7 @@ std::size_t take_out_laszip(std::vector<std::byte>& head, const LasHeader& heade
     head.erase(begin, begin + static_cast<std::ptrdiff_t>(size));
     --count;
   }
-  store(head.data() + k_record_count, count);
+  store(head.data() + k_record_count_field, count);
   return offset;
 }
 
@@ -90,14 +92,14 @@ std::vector<std::byte> make_head(Source& source, const std::optional<LazLayout>&
   std::vector<std::byte> head(source.header.points_offset);
   source.file.read_at(0, head);
   const std::size_t records_end = take_out_laszip(head, source.header);
-  head[k_point_format] &= ~k_laz_format_marks;
+  head[k_point_format_field] &= ~k_laz_format_marks;
   if (packing) {
     const VariableLengthRecord record = laszip_record(*packing);
     std::vector<std::byte> bytes = las_record_head(record, false);
     std::ranges::copy(std::as_bytes(std::span(record.data)), std::back_inserter(bytes));
     head.insert(head.begin() + static_cast<std::ptrdiff_t>(records_end), bytes.begin(), bytes.end());
-    store(head.data() + k_record_count, load<std::uint32_t>(head.data() + k_record_count) + 1);
-    head[k_point_format] |= k_laz_format_mark;
+    store(head.data() + k_record_count_field, load<std::uint32_t>(head.data() + k_record_count_field) + 1);
+    head[k_point_format_field] |= k_laz_format_mark;
   }
   if (head.size() > std::numeric_limits<std::uint32_t>::max()) {
     throw Error({.file = source.file.name(),
@@ -105,7 +107,7 @@ std::vector<std::byte> make_head(Source& source, const std::optional<LazLayout>&
                  .expected = "less than 4 GiB",
                  .found = fmt::format("{} bytes", head.size())});
   }
-  store(head.data() + k_points_offset, static_cast<std::uint32_t>(head.size()));
+  store(head.data() + k_points_field, static_cast<std::uint32_t>(head.size()));
   return head;
 }
 
@@ -162,9 +164,8 @@ void move_offsets(std::vector<std::byte>& head, const LasHeader& header, std::ui
     const auto offset = load<std::uint64_t>(head.data() + field);
     if (offset >= from) store(head.data() + field, offset - from + to);
   };
-  if (header.version_minor >= 3 && header.header_size >= k_wave_packets_offset + 8)
-    move(k_wave_packets_offset);
-  if (header.extended_record_count > 0) move(k_extended_records_offset);
+  if (header.version_minor >= 3 && header.header_size >= k_wave_packets_field + 8) move(k_wave_packets_field);
+  if (header.extended_record_count > 0) move(k_extended_records_field);
 }
 
 }  // namespace
