@@ -26,7 +26,7 @@ constexpr std::size_t k_points_field = 96, k_record_count_field = 100, k_point_f
 constexpr std::size_t k_wave_packets_field = 227, k_extended_records_field = 235;
 constexpr std::byte k_laz_format_mark{0x80}, k_laz_format_marks{0xc0};
 
-/// A LAS or LAZ file with all that it says about its points.
+/// A LAS or LAZ file, with everything that it contains about its points.
 struct Source {
   InputFile file;
   std::vector<std::string> warnings;
@@ -67,7 +67,7 @@ struct Source {
   }
 };
 
-/// Takes the records "laszip encoded" out of header and records; returns the offset behind the last record.
+/// Removes the records "laszip encoded" from header and records; returns the offset behind the last record.
 std::size_t take_out_laszip(std::vector<std::byte>& head, const LasHeader& header) {
   std::uint32_t count = header.record_count;
   std::size_t offset = header.header_size;
@@ -87,7 +87,8 @@ std::size_t take_out_laszip(std::vector<std::byte>& head, const LasHeader& heade
   return offset;
 }
 
-/// Everything before the points as it is to be written, but for the offsets behind the points.
+/// Everything that is written before the points, except that the header's offsets of what follows the points
+/// are those of the source: see move_offsets().
 std::vector<std::byte> make_head(Source& source, const std::optional<LazLayout>& packing) {
   std::vector<std::byte> head(source.header.points_offset);
   source.file.read_at(0, head);
@@ -111,7 +112,7 @@ std::vector<std::byte> make_head(Source& source, const std::optional<LazLayout>&
   return head;
 }
 
-/// Brings unpacked records, which come in any order between two calls for room, into their order.
+/// Sorts unpacked records, which arrive in any order between two calls of make_room(), by their rows.
 class OrderedRecords final : public LazSink {
  public:
   OrderedRecords(RecordWriter& output, std::size_t record_size)
@@ -157,7 +158,7 @@ void copy_points(Source& source, RecordWriter& output, const Progress& progress)
   }
 }
 
-/// Moves the offsets that lie behind the points along with what stands there.
+/// Adapts the header's offsets of what follows the points, which moves from byte `from` to byte `to`.
 void move_offsets(std::vector<std::byte>& head, const LasHeader& header, std::uint64_t from,
                   std::uint64_t to) {
   const auto move = [&](std::size_t field) {
@@ -175,7 +176,7 @@ bool can_repack(const std::filesystem::path& input) {
     InputFile file(input);
     const std::span<const std::byte> start = file.view_up_to(0, k_las_header_size + 6);
     if (start.size() < 4 || las_text(start.data(), 4) != "LASF") return false;
-    // A COPC file begins with a record of its own right behind a 1.4 header.
+    // In a COPC file, the first record behind the 1.4 header is its own.
     return start.size() < k_las_header_size + 6 ||
            las_text(start.data() + k_las_header_size + 2, 4) != "copc";
   } catch (const Error&) {
