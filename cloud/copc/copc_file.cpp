@@ -198,33 +198,6 @@ void find_rows(const std::string& file_name, std::span<const LazChunk> chunks, s
   }
 }
 
-}  // namespace
-
-std::string CopcKey::name() const {
-  return fmt::format("{}-{}-{}-{}", level, x, y, z);
-}
-
-Bounds copc_cube(const CopcInfo& info, const CopcKey& key) {
-  const double side = 2 * info.half_size / static_cast<double>(std::int64_t{1} << key.level);
-  const glm::dvec3 min = info.centre - info.half_size + side * glm::dvec3(key.x, key.y, key.z);
-  return {min, min + side};
-}
-
-CopcHierarchy read_copc_hierarchy(InputFile& file, const CopcInfo& info, std::span<const LazChunk> chunks) {
-  CopcHierarchy hierarchy;
-  {
-    std::map<CopcKey, LazChunk> found = Entries(file).read({info.root_page, info.root_page_size});
-    found.try_emplace(CopcKey{});
-    hierarchy.nodes.reserve(found.size());
-    for (const auto& [key, chunk] : found) hierarchy.nodes.push_back({.key = key, .chunk = chunk});
-  }
-  find_children(hierarchy);
-  find_rows(file.name(), chunks, hierarchy.nodes);
-  return hierarchy;
-}
-
-namespace {
-
 constexpr std::size_t k_start_size = 589;  // header, record header and the record of COPC
 
 [[noreturn]] void not_copc(const std::string& file_name, std::string expected, std::string found) {
@@ -305,6 +278,29 @@ void unpack(const ChosenNodes& part, const LasColumns& columns, const LasColumns
 }
 
 }  // namespace
+
+std::string CopcKey::name() const {
+  return fmt::format("{}-{}-{}-{}", level, x, y, z);
+}
+
+Bounds copc_cube(const CopcInfo& info, const CopcKey& key) {
+  const double side = 2 * info.half_size / static_cast<double>(std::int64_t{1} << key.level);
+  const glm::dvec3 min = info.centre - info.half_size + side * glm::dvec3(key.x, key.y, key.z);
+  return {min, min + side};
+}
+
+CopcHierarchy read_copc_hierarchy(InputFile& file, const CopcInfo& info, std::span<const LazChunk> chunks) {
+  CopcHierarchy hierarchy;
+  {
+    std::map<CopcKey, LazChunk> found = Entries(file).read({info.root_page, info.root_page_size});
+    found.try_emplace(CopcKey{});
+    hierarchy.nodes.reserve(found.size());
+    for (const auto& [key, chunk] : found) hierarchy.nodes.push_back({.key = key, .chunk = chunk});
+  }
+  find_children(hierarchy);
+  find_rows(file.name(), chunks, hierarchy.nodes);
+  return hierarchy;
+}
 
 bool is_copc(std::span<const std::byte> start) {
   return start.size() >= k_start_size && las_text(start.data(), 4) == "LASF" &&
