@@ -82,8 +82,8 @@ class E57Pages {
 class E57Oddities {
  public:
   void add(const std::string& kind, const std::string& clause) {
-    const auto [offset, is_first] = kinds_.try_emplace(kind, Kind{clause});
-    if (!is_first) ++offset->second.more;
+    const auto [entry, is_first] = kinds_.try_emplace(kind, Kind{clause});
+    if (!is_first) ++entry->second.more;
   }
 
   /// Sorted by kind.

@@ -144,7 +144,8 @@ void locate_section(const E57Node& points, E57Pages& pages, E57Scan& scan) {
 
 constexpr std::uint64_t k_blob_header_bytes = 16;
 
-E57Blob read_blob_offset(const E57Node& node, E57Pages& pages) {
+/// Finds the section of a file inside the file and checks that it lies in the file.
+E57Blob locate_blob(const E57Node& node, E57Pages& pages) {
   const std::uint64_t length = node.require_count_attribute("length");
   const std::uint64_t begin =
       pages.offset_of(node.require_count_attribute("fileOffset"), node.where(), "the " + node.name());
@@ -163,9 +164,8 @@ E57Blob read_blob_offset(const E57Node& node, E57Pages& pages) {
 
 std::string extension_of(const E57Blob& blob, E57Pages& pages) {
   constexpr std::string_view k_png = "\x89PNG\r\n\x1a\n", k_jpeg = "\xFF\xD8\xFF";
-  const std::size_t looked_at =
-      blob.length < k_png.size() ? static_cast<std::size_t>(blob.length) : k_png.size();
-  const std::span<const std::byte> bytes = pages.view(blob.offset, looked_at);
+  const std::size_t count = blob.length < k_png.size() ? static_cast<std::size_t>(blob.length) : k_png.size();
+  const std::span<const std::byte> bytes = pages.view(blob.offset, count);
   const std::string_view start(reinterpret_cast<const char*>(bytes.data()), bytes.size());
   return start.starts_with(k_png) ? "png" : start.starts_with(k_jpeg) ? "jpg" : "bin";
 }
@@ -178,9 +178,9 @@ std::optional<E57Picture> read_picture(const E57Node& node, E57Projection projec
   if (!jpeg && !png) return std::nullopt;
   E57Picture picture;
   picture.projection = projection;
-  picture.blob = read_blob_offset(jpeg ? jpeg : png, pages);
+  picture.blob = locate_blob(jpeg ? jpeg : png, pages);
   picture.extension = extension_of(picture.blob, pages);
-  if (const E57Node mask = node.child("imageMask")) picture.mask = read_blob_offset(mask, pages);
+  if (const E57Node mask = node.child("imageMask")) picture.mask = locate_blob(mask, pages);
   picture.width = node.child("imageWidth").count();
   picture.height = node.child("imageHeight").count();
   picture.focal_length = node.child("focalLength").number_or(0.0);
