@@ -18,7 +18,7 @@ namespace {
 
 using Tables = std::array<std::array<std::uint32_t, 256>, 8>;
 
-/// tables[k][b]: what byte b does to the sum when k more bytes follow it.
+/// tables[k][b]: the effect of byte b on the sum if k more bytes follow it.
 constexpr Tables k_tables = [] {
   constexpr std::uint32_t k_reflected_polynomial = 0x82F63B78;
   Tables tables{};
@@ -42,7 +42,7 @@ constexpr std::uint64_t k_window_pages = 32;
 constexpr std::uint64_t k_largest_xml = std::uint64_t{64} << 20;
 constexpr std::ptrdiff_t k_most_nodes = 8'000'000;
 
-/// The bytes of the XML without what writers put behind it.
+/// The text of the XML, without the padding of writers behind it.
 std::string read_xml(E57Pages& pages) {
   const E57Header& header = pages.header();
   if (header.xml_length > k_largest_xml) {
@@ -55,7 +55,7 @@ std::string read_xml(E57Pages& pages) {
     text.append(reinterpret_cast<const char*>(bytes.data()), bytes.size());
   });
   text.resize(text.find_last_not_of(std::string_view(" \t\r\n\0", 5)) + 1);
-  // Every element has a "<", every attribute a "=": this bounds what parsing will take.
+  // Every element has a "<", every attribute a "=": this bounds the memory of the parser.
   const auto nodes = std::ranges::count(text, '<') + std::ranges::count(text, '=');
   if (nodes > k_most_nodes)
     pages.fail("XML", "too many elements", fmt::format("at most {}", k_most_nodes), std::to_string(nodes));
@@ -75,7 +75,8 @@ void parse(const E57Pages& pages, std::string& text, pugi::xml_document& xml) {
   }
 }
 
-/// Two scans in one function would let a small file claim any number of points.
+/// Checks that sections do not overlap: scans that share bytes would let a small file have any number of
+/// points.
 void check_overlap(const E57Pages& pages, const std::vector<E57Scan>& scans) {
   std::vector<std::size_t> order(scans.size());
   std::iota(order.begin(), order.end(), 0);
@@ -90,7 +91,7 @@ void check_overlap(const E57Pages& pages, const std::vector<E57Scan>& scans) {
   }
 }
 
-/// Likewise for pictures, which are written to files one by one.
+/// Checks that the images are not larger than the file, since they are written to files one by one.
 void check_pictures(const E57Pages& pages, const std::vector<E57Image>& images) {
   std::uint64_t left = pages.size();
   for (std::size_t i = 0; i < images.size(); ++i) {
@@ -207,7 +208,7 @@ void E57Pages::visit(std::uint64_t offset, std::uint64_t count,
   }
 }
 
-/// Has the window begin with a page; those of `page_count` that are in it stay.
+/// Makes the window begin with a page; keeps those of the `page_count` pages that it already has.
 void E57Pages::fill(std::uint64_t first_page, std::uint64_t page_count) {
   const std::uint64_t behind = window_page_ + window_.size() / k_e57_payload;
   const bool overlaps = first_page >= window_page_ && first_page < behind;

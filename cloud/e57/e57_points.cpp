@@ -15,7 +15,7 @@ namespace {
 
 struct NamedRole {
   std::string_view name;
-  std::optional<Attribute> attribute;  ///< empty for what positions need
+  std::optional<Attribute> attribute;  ///< empty for fields of positions
 };
 
 /// In the order of E57Role.
@@ -62,14 +62,14 @@ std::size_t role_of(const E57Field& field) {
   return k_e57_role_count;
 }
 
-/// Roles that require each other; the last three follow a first one.
+/// Roles that require each other.
 constexpr std::array<std::array<E57Role, 3>, 4> k_triples = {
     {{E57Role::x, E57Role::y, E57Role::z},
      {E57Role::range, E57Role::azimuth, E57Role::elevation},
      {E57Role::red, E57Role::green, E57Role::blue},
      {E57Role::normal_x, E57Role::normal_y, E57Role::normal_z}}};
 
-/// Flags and what they speak of.
+/// Flags and the roles that they apply to.
 constexpr std::array<std::array<E57Role, 2>, 5> k_flags = {{{E57Role::cartesian_state, E57Role::x},
                                                             {E57Role::spherical_state, E57Role::range},
                                                             {E57Role::intensity_invalid, E57Role::intensity},
@@ -79,14 +79,14 @@ constexpr std::array<std::array<E57Role, 2>, 5> k_flags = {{{E57Role::cartesian_
 constexpr double k_nan = std::numeric_limits<double>::quiet_NaN();
 constexpr double k_largest_angle = 1 << 30;
 
-/// Some writers store states as floats: 0, 1, and 2 for everything else.
+/// The state of a point: 0, 1, or 2 for all other values. Some writers store states as floats.
 int state_of(const E57Points& points, E57Role role, std::size_t i) {
   if (!points.has(role)) return 0;
   const double state = points.value(role, i);
   return std::abs(state) < 0.5 ? 0 : std::abs(state - 1.0) < 0.5 ? 1 : 2;
 }
 
-/// r, azimuth, elevation.
+/// The position of spherical coordinates: see E57PointReader.
 glm::dvec3 from_spherical(double range, double azimuth, double elevation) {
   if (!(std::abs(azimuth) < k_largest_angle && std::abs(elevation) < k_largest_angle))
     return glm::dvec3(k_nan);
@@ -94,7 +94,7 @@ glm::dvec3 from_spherical(double range, double azimuth, double elevation) {
   return {range * e.cosine * a.cosine, range * e.cosine * a.sine, range * e.sine};
 }
 
-/// Sums in a fixed order, so that compilers agree.
+/// A position of a scan in the axes of the file. Sums in a fixed order, so that compilers agree.
 glm::dvec3 to_file(const E57Pose& pose, const glm::dvec3& position) {
   if (!pose.is_rotated) return position + pose.translation;
   glm::dvec3 result;
