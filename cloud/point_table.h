@@ -78,7 +78,7 @@ enum class NameRules { point_format, text };
 /// green, blue and the parts of a normal count only if all three are there. What remains is extra.
 void assign_roles(std::vector<TableColumn>& columns, NameRules rules);
 
-/// Offset of the column with this role, which is not `extra` or `ignored`.
+/// Index of the column with this role, which is not `extra` or `ignored`; empty if there is none.
 std::optional<std::size_t> find_role(std::span<const TableColumn> columns, ColumnRole role);
 
 /// The attributes these columns fill.
@@ -132,11 +132,11 @@ auto with_type(ScalarType type, const Visit& visit) {
 template <class Value>
 inline constexpr bool k_is_wide = std::is_integral_v<Value> && sizeof(Value) == sizeof(std::uint64_t);
 
-/// The cell for the scalar_size(type) bytes at `offset`.
-inline Cell cell_from(const std::byte* offset, ScalarType type, std::endian order) {
+/// The cell for the scalar_size(type) bytes at `bytes`.
+inline Cell cell_from(const std::byte* bytes, ScalarType type, std::endian order) {
   return with_type(type, [&](auto none) {
     using Value = decltype(none);
-    const Value value = load<Value>(offset, order);
+    const Value value = load<Value>(bytes, order);
     return Cell{static_cast<double>(value), k_is_wide<Value> ? static_cast<std::uint64_t>(value) : 0};
   });
 }

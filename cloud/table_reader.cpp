@@ -37,17 +37,17 @@ float to_float(double value) {
   return static_cast<float>(std::copysign(std::numeric_limits<double>::infinity(), value));
 }
 
-void store_as(ScalarType type, const Cell& cell, std::byte* offset) {
+void store_as(ScalarType type, const Cell& cell, std::byte* bytes) {
   with_type(type, [&](auto none) {
     using Value = decltype(none);
     if constexpr (std::is_same_v<Value, double>) {
-      store(offset, cell.number);
+      store(bytes, cell.number);
     } else if constexpr (std::is_same_v<Value, float>) {
-      store(offset, to_float(cell.number));
+      store(bytes, to_float(cell.number));
     } else if constexpr (k_is_wide<Value>) {
-      store(offset, cell.integer);
+      store(bytes, cell.integer);
     } else {
-      store(offset, nearest<Value>(cell.number));
+      store(bytes, nearest<Value>(cell.number));
     }
   });
 }

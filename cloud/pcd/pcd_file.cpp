@@ -55,11 +55,11 @@ using Words = std::vector<std::string_view>;
 /// Most bytes per point that are believed; keeps products of sizes within 64 bits.
 constexpr std::uint64_t k_largest_point = 1 << 20;
 
-std::optional<ScalarType> scalar_type(char character, std::uint64_t size) {
-  constexpr std::string_view k_characters = " UIUIUIUIFF";  // in the order of the types
-  for (std::size_t i = 1; i < k_characters.size(); ++i) {
+std::optional<ScalarType> scalar_type(char kind, std::uint64_t size) {
+  constexpr std::string_view k_kinds = " UIUIUIUIFF";  // in the order of the types
+  for (std::size_t i = 1; i < k_kinds.size(); ++i) {
     const auto type = static_cast<ScalarType>(i);
-    if (k_characters[i] == character && static_cast<std::uint64_t>(scalar_size(type)) == size) return type;
+    if (k_kinds[i] == kind && static_cast<std::uint64_t>(scalar_size(type)) == size) return type;
   }
   return std::nullopt;
 }

@@ -79,17 +79,17 @@ class PixelGrid {
  private:
   /// One direction of the grid.
   struct Cells {
-    Correlation of_slopes, of_offsets;
+    Correlation of_slopes, of_coordinates;
 
-    void add(double cell, double offset, double depth) {
-      of_slopes.add(cell, offset / depth);
-      of_offsets.add(cell, offset);
+    void add(double cell, double coordinate, double depth) {
+      of_slopes.add(cell, coordinate / depth);
+      of_coordinates.add(cell, coordinate);
     }
     /// Cells of a height map are equal steps, those of a camera equal slopes.
     bool is_of_camera() const {
       constexpr double k_fewest_points = 16.0, k_least_correlation = 0.99;
       return of_slopes.count() >= k_fewest_points && of_slopes.value() >= k_least_correlation &&
-             of_slopes.value() > of_offsets.value();
+             of_slopes.value() > of_coordinates.value();
     }
   };
 
@@ -177,21 +177,21 @@ class PcdReader final : public TableReader {
     }
   }
 
-  Cell read_cell(const std::byte* offset, std::size_t column) const {
+  Cell read_cell(const std::byte* bytes, std::size_t column) const {
     const ScalarType type = columns()[column].type;
     if (columns()[column].role == ColumnRole::packed_color)
-      return {0.0, load<std::uint32_t>(offset, std::endian::little)};
-    return cell_from(offset, type, std::endian::little);
+      return {0.0, load<std::uint32_t>(bytes, std::endian::little)};
+    return cell_from(bytes, type, std::endian::little);
   }
 
   void visit_binary(const RowVisitor& visit, const Progress& progress) {
     ByteCursor cursor(input_, header_.data_offset);
     const std::size_t point_size = static_cast<std::size_t>(header_.point_size());
     visit_points(header_.point_count, cursor, visit, progress, [&](std::vector<Cell>& row) {
-      const std::byte* offset = cursor.take(point_size);
+      const std::byte* field = cursor.take(point_size);
       for (std::size_t i = 0; i < row.size(); ++i) {
-        if (columns()[i].role != ColumnRole::ignored) row[i] = read_cell(offset, i);
-        offset += header_.fields[i].size();
+        if (columns()[i].role != ColumnRole::ignored) row[i] = read_cell(field, i);
+        field += header_.fields[i].size();
       }
     });
   }
@@ -201,18 +201,18 @@ class PcdReader final : public TableReader {
   void visit_compressed(const RowVisitor& visit, const Progress& progress) {
     const std::vector<std::byte> data = decompress();
     const std::size_t count = data.empty() ? 0 : static_cast<std::size_t>(header_.point_count);
-    std::vector<const std::byte*> offsets;
+    std::vector<const std::byte*> cursors;  // the next value of each field
     const std::byte* start = data.data();
     for (const PcdField& field : header_.fields) {
-      offsets.push_back(start);
+      cursors.push_back(start);
       start += static_cast<std::size_t>(field.size()) * count;
     }
     std::vector<Cell> row(header_.fields.size());
     for (std::size_t point = 0; point < count; ++point) {
       if (point % k_rows_per_report == 0) report(progress, input_.size() / count * point, input_.size());
       for (std::size_t i = 0; i < row.size(); ++i) {
-        if (columns()[i].role != ColumnRole::ignored) row[i] = read_cell(offsets[i], i);
-        offsets[i] += header_.fields[i].size();
+        if (columns()[i].role != ColumnRole::ignored) row[i] = read_cell(cursors[i], i);
+        cursors[i] += header_.fields[i].size();
       }
       visit(row);
     }
