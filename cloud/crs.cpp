@@ -43,8 +43,7 @@ Definition definition_of(std::string_view wkt) {
          offset = node.find(word, offset + 1)) {
       const std::string_view text = node.substr(offset + word.size() - 1);
       const std::string_view name = text.substr(1, std::min(text.find('"', 1), text.size()) - 1);
-      const std::string key =
-          std::string(word) + (word.starts_with("PARAMETER") ? characters_and_digits(name) : "");
+      const std::string key = std::string(word) + (word.starts_with("PARAMETER") ? alphanumeric(name) : "");
       std::ranges::copy(numbers_of(text), std::back_inserter(definition[key]));
     }
   }
@@ -227,7 +226,7 @@ std::vector<std::string> epsg_codes(const Crs& crs) {
   return codes;
 }
 
-std::string characters_and_digits(std::string_view name) {
+std::string alphanumeric(std::string_view name) {
   std::string kept;
   for (const char c : name) {
     const auto character = static_cast<unsigned char>(c);
@@ -278,7 +277,7 @@ CrsAgreement compare_crs_text(const Crs& a, const Crs& b) {
     const bool is_same = same_definition(a.wkt, b.wkt);
     // Many systems are called "unnamed".
     const bool is_known = has_parameters(definition_of(a.wkt)) && has_parameters(definition_of(b.wkt));
-    if (characters_and_digits(wkt_name(a.wkt)) == characters_and_digits(wkt_name(b.wkt)))
+    if (alphanumeric(wkt_name(a.wkt)) == alphanumeric(wkt_name(b.wkt)))
       return is_same || !is_known ? same : different;
     return is_same ? unknown : different;
   }

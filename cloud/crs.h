@@ -57,8 +57,8 @@ std::vector<std::string> epsg_codes(const Crs& crs);
 /// Name of a system for people: that in its WKT, of compound ones those of the parts, else its EPSG codes.
 std::string crs_name(const Crs& crs);
 
-/// Characters and digits of a name, in lower case: what names of one thing share between programs.
-std::string characters_and_digits(std::string_view name);
+/// The alphanumeric characters of a name, in lower case: programs write one name with different separators.
+std::string alphanumeric(std::string_view name);
 
 /// What is known about two systems being one.
 enum class CrsAgreement { same, unknown, different };
