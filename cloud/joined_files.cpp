@@ -149,8 +149,8 @@ Crs common_crs(const std::vector<CloudSource>& sources) {
 }
 
 bool JoinedRecords::Order::operator()(std::size_t a, std::size_t b) const {
-  const auto key = [this](std::size_t offset) {
-    const VariableLengthRecord& record = (*records)[offset];
+  const auto key = [this](std::size_t index) {
+    const VariableLengthRecord& record = (*records)[index];
     return std::tie(record.record_id, record.user_id, record.description, record.extended, record.data);
   };
   return key(a) < key(b);
@@ -257,22 +257,22 @@ void warn_of_other_crs(std::span<const CloudSource> sources, PointCloud& cloud) 
 }
 
 void warn_of_losses(const CloudReader& reader, std::vector<CloudFile>& files, PointCloud& cloud) {
-  constexpr std::size_t k_most_offsets = 10;
+  constexpr std::size_t k_most_reported = 10;
   const std::vector<LostPoints> lost = reader.lost();
   const std::string file = reader.file().path.string();
   std::uint64_t count = 0;
   for (std::size_t i = 0; i < lost.size(); ++i) {
     count += lost[i].count;
-    if (i >= k_most_offsets) continue;
+    if (i >= k_most_reported) continue;
     const std::string location = lost[i].location.empty() ? "" : ":" + lost[i].location;
     cloud.warnings.push_back(fmt::format("{}{}: {}; {} lost", file, location, lost[i].problem,
                                          lost[i].count == 0   ? std::string("an unknown number of points is")
                                          : lost[i].count == 1 ? std::string("1 point is")
                                                               : fmt::format("{} points are", lost[i].count)));
   }
-  if (lost.size() > k_most_offsets) {
+  if (lost.size() > k_most_reported) {
     cloud.warnings.push_back(fmt::format("{}: corrupt in {} more locations; {} points are lost in total",
-                                         file, lost.size() - k_most_offsets, count));
+                                         file, lost.size() - k_most_reported, count));
   }
   if (!files.empty()) files.front().lost_count = count;
 }

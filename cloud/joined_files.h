@@ -63,7 +63,7 @@ class JoinedRecords {
   explicit JoinedRecords(std::vector<VariableLengthRecord>& records)
       : records_(records), earlier_(Order{&records}) {}
 
-  /// Takes out of the records from offset `first` on, which one file has added, what an earlier file had.
+  /// Removes those of the records from index `first` on, which one file has added, that an earlier file has.
   void join(std::size_t first);
 
  private:
@@ -73,7 +73,7 @@ class JoinedRecords {
   };
 
   std::vector<VariableLengthRecord>& records_;
-  std::set<std::size_t, Order> earlier_;  ///< offsets of the records of the files joined so far
+  std::set<std::size_t, Order> earlier_;  ///< indices of the records of the files joined so far
 };
 
 // What is to be said about files that were joined to one cloud. What many files have in common is one
