@@ -20,7 +20,7 @@ namespace alidade {
 namespace {
 
 constexpr std::size_t k_most_strips = 1 << 16;
-/// An edge is in this many strips on average at most.
+/// Most strips of an edge, on average.
 constexpr std::size_t k_most_strips_per_edge = 4;
 
 /// How far outside a point still counts as on the border, per axis.
@@ -55,7 +55,7 @@ void keep_where(PointCloud& cloud, const Stays& stays, const Progress& progress)
 
 constexpr std::uint64_t k_most = std::numeric_limits<std::uint32_t>::max();
 
-/// What thinning reads and averages.
+/// The columns that thinning reads and averages.
 struct ThinnedColumns {
   Lattice lattice;
   std::span<const LatticePosition> positions;
@@ -78,7 +78,7 @@ class Grid {
   Grid(const ThinnedColumns& cloud, double edge) : lattice_(cloud.lattice), edge_(edge) {
     LatticeExtent extent;
     for (const LatticePosition& position : cloud.positions) extent.grow(position);
-    // The number of a cube never falls when a coordinate grows, so the first and last are those of the box.
+    // Numbers of cubes never decrease with a coordinate, so the first and last are those of the box.
     first_ = cube_of(extent.low);
     const glm::dvec3 count = cube_of(extent.high) - first_;
     for (int axis = 0; axis < 3; ++axis) {
@@ -97,7 +97,7 @@ class Grid {
 
  private:
   glm::dvec3 cube_of(const LatticePosition& position) const {
-    // Of coordinates that are whole edges up to their rounding none shall fall into the cube below.
+    // So that coordinates that are multiples of the edge, up to rounding, are not in the cube below.
     constexpr double k_below = 1e-6;
     const glm::dvec3 world = to_world(lattice_, position);
     return {std::floor(world.x / edge_ + k_below), std::floor(world.y / edge_ + k_below),
@@ -123,8 +123,8 @@ HugeArray<Entry> sorted_entries(const ThinnedColumns& cloud, double edge, const 
   return entries;
 }
 
-/// The row nearest to the mean of the cube's points. Differences are taken times the number of points, in
-/// whole steps, so that equal distances are equal.
+/// The row nearest to the mean of the cube's points. Differences are multiplied by the number of points, so
+/// that they are whole steps and equal distances are equal.
 std::uint32_t nearest_to_mean(const ThinnedColumns& cloud, std::span<const Entry> cube) {
   const glm::i64vec3 origin(cloud.positions[cube.front().row]);
   glm::i64vec3 sum(0);
@@ -153,7 +153,7 @@ std::uint16_t mean(std::span<const Entry> cube, const Value& value) {
   return static_cast<std::uint16_t>((sum + cube.size() / 2) / cube.size());
 }
 
-/// Marks the point that stays for a cube, and gives it the means.
+/// Marks the point of a cube that is kept, and sets its values to the means.
 void choose(const ThinnedColumns& cloud, std::span<const Entry> cube, HugeVector<std::uint8_t>& marks) {
   const std::uint32_t chosen = nearest_to_mean(cloud, cube);
   marks[chosen] = 1;
@@ -183,7 +183,7 @@ void choose_in(const ThinnedColumns& cloud, std::span<const Entry> entries, std:
   }
 }
 
-/// Marks for the rows that stay, whose values become the means.
+/// Marks of the rows that are kept, whose values become the means.
 HugeVector<std::uint8_t> thinned(const ThinnedColumns& cloud, double edge, const ScratchFolder& scratch,
                                  const Progress& progress) {
   if (!(edge > 0.0 && std::isfinite(edge))) {
