@@ -101,7 +101,7 @@ struct LargestColors {
 /// or is a single point, as in headers whose box was never filled in.
 std::optional<Bounds> widened_header_box(const Bounds& stated, const Lattice& lattice);
 
-/// An opened cloud file, of which the header is read and the points are not. One class per format, made by
+/// An opened cloud file: its header is read, its points are not read yet. One class per format, made by
 /// `open_*` below; read_in_pieces.cpp joins them. Not thread safe.
 class CloudReader {
  public:

@@ -81,7 +81,7 @@ CopcHierarchy read_copc_hierarchy(InputFile& file, const CopcInfo& info, std::sp
 /// Whether a file is COPC, by its first 589 bytes or more.
 bool is_copc(std::span<const std::byte> start);
 
-/// An opened COPC file, of which everything but the points is read. Thread safe.
+/// An opened COPC file: everything but the points is read. Thread safe.
 class CopcFile {
  public:
   /// `rests`: whether the file is closed between reads, so that thousands can be in use. `input`, if given,

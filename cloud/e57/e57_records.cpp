@@ -37,7 +37,7 @@ void BitQueue::add(std::span<const std::byte> piece) {
 
 bool BitQueue::restart() {
   if (width_ == 0) return true;
-  // The padding of a byte cannot be told from narrow numbers.
+  // The padding of a byte looks like further numbers if these are narrow.
   const bool is_filling = width_ < 8 && bit_count() < 8;
   if (available(1) > 0 && !is_filling)
     return width_ >= 8 && bit_count() % static_cast<std::uint64_t>(width_) == 0;

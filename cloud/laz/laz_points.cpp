@@ -155,7 +155,7 @@ class LazPoints::Unpacker {
     rows_ += point_count;
   }
 
-  /// Unpacks chunks of which some may be damaged: rows are made for the intact ones.
+  /// Unpacks chunks that may be damaged: rows are made for the intact ones.
   void read_batch_and_sort_out(std::span<const LazChunk> chunks) {
     std::vector<std::vector<std::byte>> unpacked(chunks.size());
     const std::vector<Problem> problems = decode_at_once(
@@ -241,7 +241,7 @@ LazPoints::LazPoints(InputFile& file, const LasHeader& header, const LazLayout& 
   } else if (layout_.chunk_size != 0) {
     in_sequence_ = true;
   } else {
-    // Without the table, nothing in the file tells where a chunk ends.
+    // Without the table, the file does not state where a chunk ends.
     const std::string location = fmt::format("byte {}", header_.points_offset);
     if (damage == Damage::reject) {
       throw DamagedFile({.file = file_.name(),

@@ -117,7 +117,7 @@ class PtxReader final : public TableReader {
     return *count;
   }
 
-  /// Reads the ten lines, of which the first is already in words_.
+  /// Reads the ten lines; the first one is already in words_.
   ScanHeader read_scan_header(TextScanner& scanner) {
     const auto next = [&] {
       if (!scanner.next_words(words_)) fail_early(scanner);
