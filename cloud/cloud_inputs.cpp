@@ -82,8 +82,8 @@ bool is_ptx(std::string_view start) {
   return true;
 }
 
-/// Whether a file begins with text that `is` accepts, without the byte order mark, which all readers of text
-/// skip.
+/// Whether a file begins with text that `is` accepts. Leaves out the byte order mark, as all readers of text
+/// do.
 template <bool (*is)(std::string_view)>
 bool begins(std::span<const std::byte> start) {
   const std::string_view text = text_of(start);

@@ -49,8 +49,7 @@ struct CloudInput {
   std::filesystem::path name;           ///< in messages
   const CloudFormat* format = nullptr;  ///< null: missing, unreadable, empty or unknown, see open_cloud()
   std::optional<std::span<const std::byte>> memory{};  ///< the bytes of a file that is in memory
-  /// Which of its points are wanted, and in which reference system (cloud/input_view.h); null: all,
-  /// unchanged.
+  /// Selects its points and their reference system (cloud/input_view.h); null: all points, unchanged.
   std::shared_ptr<const InputView> view{};
   /// What a catalog states about it (cloud/catalog.h); null: nothing.
   std::shared_ptr<const StatedFile> stated{};
@@ -85,8 +84,7 @@ struct CloudInputs {
   void check_files() const;
 };
 
-/// The clouds that names of files, folders and patterns expand to, in the order of the names, each tested
-/// once:
+/// The clouds that names of files, folders and patterns expand to, in the order of the names:
 /// - a name of one of the formats (CloudFormat::is_named) is that cloud;
 /// - a catalog (is_catalog_name()) is the files that it lists;
 /// - another remote name (is_remote_name()) is one file;

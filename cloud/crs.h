@@ -54,8 +54,8 @@ inline std::string_view wkt_node(std::string_view wkt, std::initializer_list<std
 /// projected and vertical system.
 std::vector<std::string> epsg_codes(const Crs& crs);
 
-/// Name of a system for messages: that in its WKT (of a compound one those of its parts), else its EPSG
-/// codes.
+/// Name of a system for messages: that in its WKT (for a compound one those of its parts), else its codes by
+/// epsg_codes().
 std::string crs_name(const Crs& crs);
 
 /// The alphanumeric characters of a name, in lower case: programs write one name with different separators.

@@ -65,8 +65,7 @@ void keep_every(PointCloud& cloud, std::uint64_t step);
 void reorder_attributes(PointCloud& cloud, std::span<const std::uint32_t> order);
 
 /// Point ids in the whole cloud for the rows of a cloud that was read without the files outside a region
-/// (ReadOptions::region): the rows that the points would have if all files had been read. Ids ascend with
-/// rows.
+/// (ReadOptions::region): the rows that the points would have if all files had been read. Keeps the order.
 class RowIds {
  public:
   /// `files` are PointCloud::files.

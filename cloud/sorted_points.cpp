@@ -260,8 +260,7 @@ class Sorter {
 
   void sort_bucket(std::size_t bucket, Entry* target, std::size_t count) {
     if (count == 0) return;
-    // A bucket too large for the scratch memory has one key (KeyBuckets), rarely a few: it is sorted in
-    // place.
+    // A bucket too large for the scratch memory has one key (KeyBuckets), rarely a few. Sort it in place.
     const bool is_large = count > 8 * std::max(k_bucket_size, positions_.size() / buckets_.count());
     Entry* const collected = is_large ? target : scratch_.local().room_for(count);
     std::size_t filled = 0;

@@ -40,8 +40,8 @@ struct CopcPlan {
 ///
 /// `positions` are those of a scratch file that is mapped into memory; their values are lost. Memory: that of
 /// `scratch`, and 4 B for each point that a grid takes. Disk: 12 to 28 B per point beside the positions.
-/// Cost: about 0.2 s of one thread per million points. Errors: more than 2^31 - 1 points; those of scratch
-/// files.
+/// Cost: about 0.2 s of one thread per million points. Errors: more than 2^31 - 1 points; those of
+/// ScratchFile.
 CopcPlan plan_copc(const Lattice& lattice, const LatticeExtent& extent, std::span<LatticePosition> positions,
                    const ScratchSpace& scratch, std::size_t most_points = 50000);
 

@@ -66,8 +66,8 @@ bool is_laz_name(const std::filesystem::path& path);
 /// Whether a file of this name is written as COPC: it ends in .copc.laz, in upper or lower case.
 bool is_copc_name(const std::filesystem::path& path);
 
-/// Writes a whole cloud: all its attributes, scale, offset, CRS, records, extra dimensions. Point order is
-/// kept.
+/// Writes a whole cloud: all its attributes, scale, offset, CRS, records, extra dimensions. Keeps the order
+/// of the points.
 void write_las(const std::filesystem::path& path, const PointCloud& cloud,
                const LasWriteOptions& options = {});
 

@@ -115,8 +115,7 @@ class LazPoints::Unpacker {
  private:
   using Problem = std::optional<CorruptChunk>;
 
-  /// Unpacks the chunks of a batch, each by take(chunk, records, count, first point). Returns the problem of
-  /// each.
+  /// Unpacks the chunks of a batch, each by take(chunk, records, count, first point). Returns their problems.
   template <class Take>
   std::vector<Problem> decode_at_once(std::span<const LazChunk> chunks, const Take& take) {
     std::vector<Problem> problems(chunks.size());

@@ -62,8 +62,8 @@ void GpsTimeModel::start(std::int64_t first) {
 }
 
 unsigned GpsTimeModel::symbol_of(std::int32_t change, std::int32_t difference) {
-  // Single precision, as in all writers: another quotient would decode to the same times but give other
-  // bytes.
+  // Single precision, as in all writers: other quotients would decode to the same times, but their bytes
+  // would differ.
   const float quotient = std::round(static_cast<float>(change) / static_cast<float>(difference));
   const int factor = static_cast<int>(std::clamp(quotient, -10.0f, 500.0f));
   return static_cast<unsigned>(factor >= 0 ? factor : 500 - factor);

@@ -128,9 +128,8 @@ class MedianPredictor {
   bool replaces_largest_ = true;
 };
 
-/// Codes GPS times of LAZ points, version 2 and later: times are the bits of doubles, taken as integers, and
-/// belong to one of four sequences. In each sequence a multiple of the last difference predicts the next
-/// time.
+/// Codes GPS times of LAZ points, version 2 and later: times are the bits of doubles as integers, and belong
+/// to one of four sequences. In each sequence a multiple of the last difference predicts the next time.
 class GpsTimeModel {
  public:
   enum class Unchanged : unsigned {

@@ -12,8 +12,8 @@
 #include "cloud/attributes.h"
 #include "cloud/damage.h"
 
-// The head of a PLY file, which points and meshes have in common. Source: Turk, The PLY Polygon File Format,
-// 1994.
+// The header of a PLY file, for points and meshes alike.
+// Source: Turk, The PLY Polygon File Format, 1994.
 
 namespace alidade {
 

@@ -50,8 +50,8 @@ class PlyReader final : public TableReader {
 
   std::optional<ValueScaling> stated_colors() const override {
     if (!is_splat_) return std::nullopt;
-    // Source: Kerbl et al., 3D Gaussian Splatting, 2023: colour = 0.5 + constant of spherical harmonics *
-    // f_dc.
+    // Source: Kerbl et al., 3D Gaussian Splatting, 2023:
+    // colour = 0.5 + constant of the spherical harmonics * f_dc.
     constexpr double k_constant = 0.28209479177387814;
     return ValueScaling{.origin = -0.5 / k_constant, .factor = 65535.0 * k_constant, .assumption = {}};
   }

@@ -20,8 +20,8 @@ struct PlyWriteOptions {
 
 /// Writes a cloud as PLY: double x y z, then nx ny nz, red green blue (uchar: colours are rounded to 8 bits),
 /// intensity (ushort) and the other attributes and extra dimensions that are present, under their usual
-/// names; flags as class_flags, scan_channel, scan_direction_flag and edge_of_flight_line. Point order is
-/// kept.
+/// names; flags as class_flags, scan_channel, scan_direction_flag and edge_of_flight_line. Keeps the order of
+/// the points.
 ///
 /// Reading the file onto the cloud's own lattice restores the positions, and all values but colours. Extra
 /// dimensions with a scale are written as scaled values, and 64-bit integers, which PLY lacks, as double;

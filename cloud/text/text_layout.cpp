@@ -192,8 +192,7 @@ Title split_title(std::string_view title) {
   return {std::string(title), ""};
 }
 
-/// A title as it was before csv_cell() (base/shown_text.h): without the mark of formulas, and each quote
-/// once.
+/// The inverse of csv_cell() (base/shown_text.h): without the mark of formulas, and with single quotes.
 std::string plain_title(std::string_view cell) {
   cell = trim(cell);
   const bool is_marked =
