@@ -29,7 +29,7 @@ bool is_catalog_name(std::string_view name);
 
 /// Reads a catalog: the files of its items, in their order. Of each item it reads the href of the asset
 /// "data", or else of the first asset whose roles contain "data", and the properties proj:bbox, pc:count and
-/// pc:encoding. CloudInput::stated is set, unless one of the first two is missing or the box is flat (4
+/// pc:encoding. CloudInput::stated is set, unless proj:bbox or pc:count is missing or the box is flat (4
 /// numbers). The format is that of the encoding, or of the type of the asset; null if it is unknown.
 ///
 /// A relative href is resolved against the catalog's folder and must not leave it. An absolute one is an

@@ -99,7 +99,7 @@ struct CloudInputs {
 /// of folders in a pattern. Hidden files (.name) and index files (.alidade) are left out unless named: by the
 /// first characters, or the extension, of the pattern. Links are followed; a broken link is a file that
 /// cannot be opened, so that its points are not missed silently. The files of one name are sorted by the
-/// bytes of their paths; a file of two names is in the list twice.
+/// bytes of their paths; a file that two names expand to is in the list twice.
 ///
 /// Errors: a folder that has no cloud files or cannot be read; a pattern that matches no file; those of
 /// read_catalog(). A missing or damaged file is not an error here. Cost: reads each folder once, and the
