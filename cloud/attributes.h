@@ -11,7 +11,7 @@
 
 namespace alidade {
 
-/// What a point can carry beside its position. Values are bits of an AttributeSet.
+/// What a point can have beside its position. Values are bits of an AttributeSet.
 enum class Attribute : std::uint32_t {
   color = 1u << 0,
   near_infrared = 1u << 1,
@@ -57,11 +57,11 @@ constexpr AttributeSet operator|(Attribute a, Attribute b) {
   return AttributeSet(a) | AttributeSet(b);
 }
 
-/// Colour over the full 16-bit range: 65535 is full, whatever depth the file used. Display-referred (sRGB).
+/// Colour over the full 16-bit range: 65535 is full, for files of any depth. Display-referred (sRGB).
 using Color16 = glm::u16vec3;
 
-/// Which echo of its pulse a point is, and how many there were; 1-based, up to 15. 0 where a file gives
-/// nothing.
+/// Which return of its pulse a point is, and how many there were; 1-based, up to 15. 0 if the file does not
+/// state it.
 struct ReturnNumbers {
   std::uint8_t number = 0;
   std::uint8_t count = 0;
@@ -74,7 +74,7 @@ struct ReturnNumbers {
 using PointFlags = std::uint8_t;
 
 /// Type of a value of an extra dimension; numbers are those of the LAS 1.4 extra-bytes record (0 =
-/// undocumented bytes, as many as `byte_count` says).
+/// `byte_count` undocumented bytes).
 enum class ScalarType : std::uint8_t {
   bytes = 0,
   uint8 = 1,
@@ -89,13 +89,13 @@ enum class ScalarType : std::uint8_t {
   float64 = 10,
 };
 
-/// Bytes one value takes; 0 for ScalarType::bytes, whose length is a property of the dimension.
+/// Bytes of one value; 0 for ScalarType::bytes, whose length is a property of the dimension.
 constexpr int scalar_size(ScalarType type) {
   constexpr int sizes[] = {0, 1, 1, 2, 2, 4, 4, 8, 8, 4, 8};
   return sizes[static_cast<int>(type)];
 }
 
-/// A column of values that is not one of the standard attributes: LAS extra bytes, or a further PLY property.
+/// A column of values that is not one of the standard attributes: LAS extra bytes, or another PLY property.
 struct ExtraDimension {
   std::string name;         ///< at most 32 bytes in LAS
   std::string description;  ///< at most 32 bytes in LAS
@@ -110,7 +110,7 @@ struct ExtraDimension {
   std::vector<std::uint8_t> values;  ///< byte_count bytes per point, little endian, in point order
 };
 
-/// One of such numbers as they stand, without values. Requires: not ScalarType::bytes.
+/// A dimension of unscaled numbers, without values. Requires a type other than ScalarType::bytes.
 inline ExtraDimension plain_dimension(std::string name, ScalarType type, std::string description = {}) {
   return {.name = std::move(name),
           .description = std::move(description),

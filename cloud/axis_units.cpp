@@ -19,11 +19,11 @@ struct UnitNode {
   LengthUnit unit;
 };
 
-/// The units in a piece of WKT without geographic systems, whose angles have UNIT as well in version 1.
+/// The units in a piece of WKT that has no geographic system, as angles also have UNIT in version 1.
 std::vector<UnitNode> unit_nodes(std::string_view wkt) {
   constexpr std::string_view k_key = "UNIT[";
   std::vector<UnitNode> nodes;
-  // Each character is looked at once, however many of these a file has one within the other.
+  // Each character is read once, even if a file nests many of these nodes.
   for (std::size_t at = wkt.find(k_key), end = 0; at != std::string_view::npos; at = wkt.find(k_key, end)) {
     end = at + k_key.size();
     std::size_t begin = at;
@@ -49,14 +49,14 @@ std::vector<UnitNode> unit_nodes(std::string_view wkt) {
 std::optional<LengthUnit> last_unit(std::string_view wkt) {
   const std::vector<UnitNode> nodes = unit_nodes(wkt);
   if (nodes.empty()) return std::nullopt;
-  // Programs give units names of their own: "Foot_US", "Meter".
+  // Programs have their own names of units: "Foot_US", "Meter".
   LengthUnit unit = nodes.back().unit;
   for (const LengthUnit& known : {k_metre, k_foot, k_survey_foot})
     if (unit == known) unit = known;
   return unit;
 }
 
-/// Where in the WKT heights are: in a vertical system, or in an axis that goes up beside two others.
+/// The part of the WKT on heights: a vertical system, or an axis "up" beside two others.
 std::string_view vertical_node(std::string_view wkt) {
   const std::string_view vertical = wkt_node(wkt, {"VERT_CS[", "VERTCRS[", "VERTICALCRS["});
   if (!vertical.empty()) return vertical;
@@ -99,7 +99,7 @@ std::optional<LengthUnit> unit_of_key(const Crs& crs, std::uint16_t key) {
 
 constexpr std::uint16_t k_plane_units_key = 3076, k_heights_key = 4096, k_height_units_key = 4099;
 
-/// All of a system as WKT; empty if keys are not understood.
+/// All of a system as WKT; empty if its keys are not supported.
 std::string whole_wkt(const Crs& crs) {
   if (!crs.wkt.empty() || crs.empty() || crs_library().wkt == nullptr) return crs.wkt;
   return crs_library().wkt(crs);
@@ -138,7 +138,7 @@ std::string with_unit(std::string name, const LengthUnit& unit) {
 }  // namespace
 
 bool LengthUnit::operator==(const LengthUnit& other) const {
-  // Programs write the US survey foot with as few digits as 0.3048006; from the foot it differs by 2e-6.
+  // Programs write the US survey foot with as few digits as 0.3048006; it differs from the foot by 2e-6.
   constexpr double k_last_digits = 1e-7;
   return std::fabs(metres - other.metres) <= k_last_digits * metres;
 }
@@ -166,7 +166,7 @@ AxisUnits axis_units(const Crs& crs, const std::string& whole_wkt) {
   if (!crs.wkt.empty()) return units;
   const AxisUnits known = units_of_wkt(whole_wkt);
   if (!units.plane) units.plane = known.plane;
-  // Of a system that the file itself defines, a library only guesses the unit.
+  // For a system that the file itself defines, a library can only guess the unit.
   constexpr std::uint16_t k_user_defined = 32767;
   if (!units.heights && geotiff_value(crs, k_heights_key).value_or(k_user_defined) != k_user_defined)
     units.heights = known.heights;

@@ -36,7 +36,7 @@ bool is_web_url(std::string_view name) {
   return name.starts_with("https://") || name.starts_with("http://");
 }
 
-/// What is behind the host of a URL, without parameters.
+/// The path of a URL, without parameters.
 std::string_view path_of(std::string_view url) {
   url = without_query(url.substr(0, url.find('#')));
   return url.substr(std::min(url.find('/', url.find("://") + 3), url.size()));
@@ -78,7 +78,7 @@ class CatalogReader {
   explicit CatalogReader(std::string name) : name_(std::move(name)) {}
 
   std::vector<CloudInput> read(std::string_view text) {
-    // Items are taken one by one: as a whole they would need ten times the memory of their text.
+    // Items are read one by one: all of them would need ten times the memory of their text.
     bool is_feature = false;
     const auto take = [&](int depth, Json::parse_event_t event, Json& value) {
       if (depth > k_deepest) fail("nested too deep", fmt::format("at most {} levels", k_deepest));
@@ -93,7 +93,7 @@ class CatalogReader {
     try {
       root = Json::parse(text, take);
     } catch (const Json::exception&) {
-      // Names line and column; nothing of the items is kept.
+      // Throws an Error with line and column; keeps nothing of the items.
       parse_json(std::string(text), name_, k_items);
       fail("invalid JSON");
     }
@@ -180,7 +180,7 @@ class CatalogReader {
     return file;
   }
 
-  /// Whether a URL is that of a file below the folder of the catalog, which is on the same server.
+  /// Whether a URL is that of a file below the folder of the catalog, on the catalog's server.
   bool lies_below(std::string_view url) const {
     const auto scheme_of = [](std::string_view of) { return lower_case(of.substr(0, of.find(':'))); };
     if (!is_web_url(name_) || scheme_of(url) != scheme_of(name_) || host_of(url) != host_of(name_))

@@ -38,7 +38,7 @@ std::string_view next_line(std::string_view& text) {
   return line;
 }
 
-/// Neither NUL nor any other control character that text does not have.
+/// Whether there is neither NUL nor any other control character that text does not contain.
 bool is_text(std::string_view start) {
   return std::none_of(start.begin(), start.end(), [](char c) {
     const unsigned char byte = static_cast<unsigned char>(c);
@@ -64,7 +64,7 @@ bool is_pcd(std::string_view start) {
   return false;
 }
 
-/// How many numbers a line holds; -1 if it holds anything else.
+/// How many numbers a line has; -1 if it has anything else.
 int count_numbers(std::string_view line) {
   if (line.find_first_not_of("0123456789+-.eE \t") != std::string_view::npos) return -1;
   std::vector<std::string_view> numbers;
@@ -82,8 +82,8 @@ bool is_ptx(std::string_view start) {
   return true;
 }
 
-/// Whether a file begins with text that `is` accepts, without a byte order mark, which every reader of text
-/// skips.
+/// Whether a file begins with text that `is` accepts. Leaves out the byte order mark, as all readers of text
+/// do.
 template <bool (*is)(std::string_view)>
 bool begins(std::span<const std::byte> start) {
   const std::string_view text = text_of(start);
@@ -97,7 +97,7 @@ bool begins_e57(std::span<const std::byte> start) {
   return text_of(start).starts_with("ASTM-E57");
 }
 
-/// The first format that `accepts` takes; null if none does.
+/// The first format for which `accepts` returns true; null if there is none.
 template <class Accepts>
 const CloudFormat* first_format(CloudFormats formats, const Accepts& accepts) {
   const auto found = std::ranges::find_if(formats, accepts);
@@ -110,7 +110,7 @@ const CloudFormat* format_begun_by(std::span<const std::byte> start, CloudFormat
   });
 }
 
-/// What a file is; null if it is missing, empty or nothing that is known.
+/// The format of a file; null if it is missing, empty or of an unknown format.
 const CloudFormat* format_of(const fs::path& path, CloudFormats formats) {
   try {
     InputFile file(path);
@@ -137,7 +137,7 @@ bool is_pattern(const std::string& text) {
   return text.find_first_of("*?[") != std::string::npos;
 }
 
-/// What a folder holds, sorted. Errors: it cannot be read.
+/// The entries of a folder, sorted. Errors: it cannot be read.
 std::vector<fs::path> entries_of(const fs::path& folder) {
   std::vector<fs::path> entries;
   std::error_code error;
@@ -166,8 +166,8 @@ std::vector<fs::path> files_of_folder(const fs::path& folder) {
   return files;
 }
 
-/// Whether a last part of a pattern takes this file, which it matches. A link that leads nowhere is a file:
-/// who opens it says so.
+/// Whether the last part of a pattern takes this file, which it matches. A broken link is a file, which
+/// cannot be opened later.
 bool takes(const std::string& part, const fs::path& file) {
   std::error_code error;
   if (fs::is_directory(file, error)) return false;
@@ -175,7 +175,7 @@ bool takes(const std::string& part, const fs::path& file) {
   return extension_of(file) != "alidade" || extension_of(part) == "alidade";
 }
 
-/// What matches a pattern, folders only where its last part is the name of one.
+/// The names that match a pattern; folders only if its last part is the name of one.
 std::vector<fs::path> matches_of(const fs::path& pattern) {
   std::vector<fs::path> found = {fs::path()};
   for (auto part = pattern.begin(); part != pattern.end(); ++part) {
@@ -188,7 +188,7 @@ std::vector<fs::path> matches_of(const fs::path& pattern) {
         next.push_back(folder / *part);
         continue;
       }
-      // A folder that only some of the matches have is no error.
+      // It is not an error if only some of the matches have the folder.
       if (!is_pattern(text)) continue;
       if (!folder.empty() && !fs::is_directory(folder, error)) continue;
       for (const fs::path& entry : entries_of(folder)) {
@@ -333,7 +333,7 @@ std::unique_ptr<CloudReader> open_stored_cloud(const CloudInput& input, InputFil
 std::unique_ptr<CloudReader> open_cloud(const CloudInput& input, InputFile file, Damage damage) {
   std::unique_ptr<CloudReader> reader = open_stored_cloud(input, std::move(file), damage);
   if (damage == Damage::reject) {
-    // Of an impossible box in the header nothing is known.
+    // An invalid box in the header is ignored.
     const bool has_box = reader->facts().box.has_value();
     check_stated(input, reader->point_count(), has_box ? reader->file().stated_bounds : std::nullopt);
   }

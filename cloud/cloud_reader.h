@@ -20,46 +20,46 @@
 
 namespace alidade {
 
-/// How points are handed over while a cloud is read that memory does not hold, fewer than 2^32 at a time. As
-/// it stands: not at all, they all stay in the cloud.
+/// How the points of a cloud that is larger than memory are handed over in pieces, fewer than 2^32 points at
+/// a time. By default all points stay in the cloud.
 struct CloudPieces {
-  std::uint64_t most_bytes = UINT64_MAX;  ///< of the points of a piece, and of what they need beside
-  std::uint64_t bytes_beside = 0;         ///< per point, for what `take` makes of them
-  /// Takes the points of a cloud, all or some of a file's or of several; it must leave none, and the extra
-  /// dimensions without values. Nothing else of the cloud may change.
+  std::uint64_t most_bytes = UINT64_MAX;  ///< of the points of a piece, including bytes_beside
+  std::uint64_t bytes_beside = 0;         ///< per point, that `take` needs in addition
+  /// Takes the points of a cloud, all or some of those of one or several files. Must leave the cloud without
+  /// points, and its extra dimensions without values, and must not change anything else.
   std::function<void(PointCloud&)> take{};
-  /// Fills `count` rows of the cloud from `first` on, if they were handed over in an earlier run: positions and colours,
-  /// as `take` needs no more of them. Returns whether it did: then a reader need not unpack them. Where it is empty, or
-  /// a reader does not call it, all rows are read.
+  /// Fills positions and colours of `count` rows of the cloud from `first` on, if they were handed over in an
+  /// earlier run; `take` then needs nothing else of them. Returns whether it did: then a reader need not
+  /// unpack them. If it is empty, or a reader does not call it, all rows are read.
   std::function<bool(PointCloud&, std::size_t first, std::size_t count)> recall{};
 };
 
-/// Whether the last rows of a cloud, which have just been made, were recalled.
+/// Recalls the last `count` rows of a cloud, which have just been made; returns whether it did.
 inline bool recalls(const CloudPieces& pieces, PointCloud& cloud, std::size_t count) {
   return pieces.recall && pieces.recall(cloud, cloud.size() - count, count);
 }
 
-/// For how many of `wanted` further points, with these attributes beside those of the cloud, a piece has
-/// room, which is handed over first if it has none; 1 or more, unless `wanted` is 0.
+/// For how many of `wanted` further points, with the attributes `coming` beside those of the cloud, the piece
+/// has room. Hands the piece over first if it is full. At least 1, unless `wanted` is 0.
 std::size_t room_in_piece(PointCloud& cloud, AttributeSet coming, std::uint64_t wanted,
                           const CloudPieces& pieces);
 
 /// Rows of a cloud that a reader fills one by one.
 class RowsToFill {
  public:
-  /// Whether as many rows came as were announced.
+  /// Whether all announced rows have been filled.
   bool complete() const { return next_ == cloud_.size() && left_ == 0; }
 
  protected:
-  /// Rows for `count` points to come, with the columns of `filled`. `pieces` must outlive the object.
+  /// Announces rows for `count` points, with the columns of `filled`. `pieces` must outlive the object.
   RowsToFill(PointCloud& cloud, AttributeSet filled, std::uint64_t count, const CloudPieces& pieces)
       : cloud_(cloud), filled_(filled), pieces_(pieces), next_(cloud.size()), left_(count) {}
 
-  /// Makes rows of zeros for the points to come, as far as a piece has room; to be called once at the start.
+  /// Appends rows of zeros for the next points, as far as a piece has room. Call once at the start.
   void make_rows();
 
-  /// Goes on to the next row and gives it its position. False if the cloud's lattice cannot hold it or more
-  /// rows come than were announced: the file is not what the first pass saw.
+  /// Begins the next row with its position. Returns false if the cloud's lattice cannot hold it, or if there
+  /// are more rows than announced: the file has changed since the first pass.
   bool begin_row(const glm::dvec3& world) {
     const auto position = to_lattice(cloud_.lattice, world);
     if (!position || complete()) return false;
@@ -79,29 +79,29 @@ class RowsToFill {
   std::uint64_t left_;  ///< rows that have not been made yet
 };
 
-/// What a file says about all of its points at once.
+/// What a file states about all of its points.
 struct FileFacts {
   Crs crs{};
   std::string heights_note{};  ///< how heights were converted (HeightChange::note); empty: they were not
-  std::optional<bool> gps_time_is_standard{};  ///< as PointCloud's; empty if the format cannot say
-  std::array<std::uint8_t, 16> project_id{};   ///< as PointCloud's, and so is the next one
-  std::uint16_t file_source_id = 0;
-  /// Box of all points, world coordinates: widened_header_box(). Empty if the header states none, or one that
-  /// cannot be true.
+  std::optional<bool> gps_time_is_standard{};  ///< as in PointCloud; empty if the format has no such mark
+  std::array<std::uint8_t, 16> project_id{};   ///< as in PointCloud
+  std::uint16_t file_source_id = 0;            ///< as in PointCloud
+  /// Box of all points, world coordinates: widened_header_box(). Empty if the header states none, or an
+  /// invalid one.
   std::optional<Bounds> box{};
 };
 
-/// The largest channels of some colours, as the file has them.
+/// The largest channels of some colours, as stored in the file.
 struct LargestColors {
   int color = 0, near_infrared = 0;
 };
 
-/// The box that a header states, made larger by what programs round it by: 8 steps of the lattice, or a
-/// hundred-thousandth of its longest side if that is more. Empty if it is no box, does not lie on the
-/// lattice, or is a single position, as boxes are that nobody filled in.
+/// The box that a header states, enlarged because programs round it: by 8 steps of the lattice, or a
+/// hundred-thousandth of its longest side if that is more. Empty if the box is invalid, exceeds the lattice,
+/// or is a single point, as in headers whose box was never filled in.
 std::optional<Bounds> widened_header_box(const Bounds& stated, const Lattice& lattice);
 
-/// One cloud file, opened and its header understood, points not read yet. One class per format, made by
+/// An opened cloud file: its header is read, its points are not read yet. One class per format, made by
 /// `open_*` below; read_in_pieces.cpp joins them. Not thread safe.
 class CloudReader {
  public:
@@ -113,76 +113,75 @@ class CloudReader {
   /// The files that the points come from: this one, or those an index file was made of.
   virtual std::vector<CloudFile> sources() const { return {file()}; }
 
-  /// Attributes the file has.
+  /// The attributes of the file.
   virtual AttributeSet attributes() const = 0;
 
   /// The file's own lattice (LAS); empty for formats of free coordinates.
   virtual std::optional<Lattice> lattice() const { return std::nullopt; }
 
-  /// Known when the file is open, so that files can be compared before any is read.
+  /// What the header states, so that files can be compared before any is read.
   virtual FileFacts facts() const { return {}; }
 
-  /// How finely its own numbers are rounded for coordinates within these bounds (CoordinateSurvey::resolution); 0 where
-  /// that is not known, or nothing is lost.
+  /// The resolution of the file's own numbers for coordinates within these bounds
+  /// (CoordinateSurvey::resolution); 0 if it is unknown, or if nothing is lost.
   virtual glm::dvec3 resolution(const Bounds&) const { return glm::dvec3(0.0); }
 
-  /// Number of points the file will deliver if known without a pass (LAS), already checked against the file's
-  /// size. With Damage::read_over the most it can be: points that turn out to be lost are fewer rows.
+  /// Number of points that read() will append, if known without a pass (LAS), already checked against the
+  /// file's size. With Damage::read_over an upper bound: lost points have no rows.
   virtual std::optional<std::uint64_t> point_count() const { return std::nullopt; }
 
-  /// How much a pass takes, in bytes, where the points lie in no file that could be measured; 0 for files.
+  /// The work of a pass, in bytes, if the points are not in a file that has a size; 0 for files.
   virtual std::uint64_t work() const { return 0; }
 
-  /// First pass, only for readers without a lattice: others have nothing to find out. `progress` is in bytes,
-  /// or of what work() says.
+  /// First pass, for readers without a lattice only. `progress` is in bytes, or in units of work().
   virtual CoordinateSurvey survey(const Progress&) { return {}; }
 
-  /// Appends the file's points to `cloud`, whose lattice is set and, where lattice() is given, differs from
-  /// it by a whole number of steps. Keeps only `wanted` attributes; columns the file has and the cloud lacks
-  /// are first filled with zeros up to the cloud's size, and columns the cloud has and the file lacks get
-  /// zeros for the new rows. The caller has reserved room. Records, scanner positions and warnings are added
-  /// to `cloud` by this call; facts() and file() by the caller. The call does not depend on the cloud's other
-  /// contents: it may hold the files before this one or be a piece of its own. See cloud/rows.h.
+  /// Appends the file's points to `cloud`, whose lattice is set and, if lattice() is not empty, differs from
+  /// it by a whole number of steps. Keeps only `wanted` attributes; columns that the file has and the cloud
+  /// lacks are first filled with zeros up to the cloud's size, and columns that the cloud has and the file
+  /// lacks get zeros for the new rows. The caller has reserved room. Records, scanner positions and warnings
+  /// are added to `cloud` by this call; facts() and file() by the caller. The call does not depend on the
+  /// cloud's other contents: it may have the files before this one or be a piece of its own. See
+  /// cloud/rows.h.
   void read(PointCloud& cloud, AttributeSet wanted, const Progress& progress) {
     read_in_pieces(cloud, wanted, {}, progress);
   }
 
-  /// The same with a cloud that is emptied on the way: memory for a piece, some 64 MB of records of LAZ (or
-  /// its largest chunk unpacked), and of PCD that is compressed all its points.
+  /// read() with a cloud whose points are handed over in pieces. Memory: a piece; for LAZ some 64 MB of
+  /// records (or its largest chunk unpacked); for compressed PCD all its points.
   virtual void read_in_pieces(PointCloud& cloud, AttributeSet wanted, const CloudPieces& pieces,
                               const Progress& progress) = 0;
 
-  /// The points that are missing from what read() gave, position by position in the order of the file; each
-  /// point once. Final after read(), which adds no warnings about them: the caller does. Always empty with
+  /// The points that the last read() could not read, by their locations in the order of the file; each point
+  /// once. Final after read(), which adds no warnings about them: the caller does. Always empty with
   /// Damage::reject.
   virtual std::vector<LostPoints> lost() const { return {}; }
 
-  /// Colours of points that the last read() has seen and left out; nothing unless a selection does.
+  /// Colours of points that the last read() has read and left out by a selection.
   virtual LargestColors left_out_colors() const { return {}; }
 
-  /// Gives back file handle and buffers (InputFile::rest) until the next call that needs them; called while
+  /// Releases file handle and buffers (InputFile::rest) until the next call that needs them; called while
   /// other files of a large set are read.
   virtual void rest() {}
 };
 
-/// Opens a cloud by its format, as its view wants it. Errors: it cannot be read; it is empty or of no known format;
-/// columns are named of another format than text.
+/// Opens a cloud by its format, as changed by its view. Errors: it cannot be read; it is empty or of an
+/// unknown format; names of columns are given for another format than text.
 std::unique_ptr<CloudReader> open_cloud(const CloudInput& input, InputFile file, Damage damage);
 inline std::unique_ptr<CloudReader> open_cloud(const CloudInput& input, Damage damage = Damage::reject) {
   return open_cloud(input, input.file(), damage);
 }
 
-/// The same without what the view selects and moves.
+/// open_cloud() without the selection and the change of positions of the view.
 std::unique_ptr<CloudReader> open_stored_cloud(const CloudInput& input, InputFile file, Damage damage);
 
-/// One function per format; each throws Error if the content is not of that format. Each lives in
-/// read_<format>.cpp.
+/// One function per format, in read_<format>.cpp. Errors: the content is not of that format.
 std::unique_ptr<CloudReader> open_las(InputFile file, Damage damage = Damage::reject);
 std::unique_ptr<CloudReader> open_ply(InputFile file, Damage damage = Damage::reject);
 std::unique_ptr<CloudReader> open_pcd(InputFile file, Damage damage = Damage::reject);
 std::unique_ptr<CloudReader> open_text(InputFile file,
                                        Damage damage = Damage::reject);  ///< XYZ, CSV with header names, PTS
-/// The same with these names for the columns of a file without titles (cloud/text/text_layout.h).
+/// open_text() with these names for the columns of a file without titles (cloud/text/text_layout.h).
 std::unique_ptr<CloudReader> open_text(InputFile file, Damage damage, std::span<const std::string> columns);
 std::unique_ptr<CloudReader> open_ptx(InputFile file, Damage damage = Damage::reject);
 std::unique_ptr<CloudReader> open_e57(InputFile file, Damage = Damage::reject);

@@ -12,11 +12,11 @@
 
 namespace alidade {
 
-/// A colour of 8 bits per channel. With a factor it represents the Color16 with so many times its values.
+/// A colour of 8 bits per channel. With a factor it represents the Color16 of its values times the factor.
 using Color8 = glm::u8vec3;
 
-/// Colours by point id, wherever they lie: a span of Color16, or of Color8 where all are multiples of one factor, as
-/// files of 8 bits give them (index files).
+/// Colours by point id, in memory of any owner: a span of Color16, or of Color8 if all are multiples of one
+/// factor, as index files store colours of 8 bits.
 class ColorColumn {
  public:
   ColorColumn() = default;
@@ -38,11 +38,11 @@ class ColorColumn {
                                : ColorColumn(shallow().subspan(first, count), factor_);
   }
 
-  /// The colours as they lie in memory; the other span is empty.
+  /// The colours as stored in memory; one of the two spans is empty.
   std::span<const Color16> deep() const { return {deep_, deep_ == nullptr ? 0 : size_}; }
   std::span<const Color8> shallow() const { return {shallow_, shallow_ == nullptr ? 0 : size_}; }
 
-  /// Of Color8; 1 for Color16.
+  /// The factor of Color8; 1 for Color16.
   std::uint16_t factor() const { return factor_; }
 
   class Iterator {

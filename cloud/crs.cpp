@@ -18,7 +18,7 @@ namespace {
 /// The numbers of a definition by WKT keyword, for parameters also by name. Equal keywords share a list.
 using Definition = std::map<std::string, std::vector<double>>;
 
-/// The numbers behind the name that `text` begins with: "Bessel",6377397.155,299.15],...
+/// The numbers behind the name with which `text` begins: "Bessel",6377397.155,299.15],...
 std::vector<double> numbers_of(std::string_view text) {
   std::vector<double> numbers;
   std::size_t offset = text.find('"', 1);
@@ -29,7 +29,7 @@ std::vector<double> numbers_of(std::string_view text) {
     const auto [end, error] = std::from_chars(begin, text.data() + text.size(), number);
     if (error != std::errc()) break;
     numbers.push_back(number);
-    // The loop goes on at the comma behind the number.
+    // The loop continues at the comma behind the number.
     offset += static_cast<std::size_t>(end - begin) - 1;
   }
   return numbers;
@@ -43,8 +43,7 @@ Definition definition_of(std::string_view wkt) {
          offset = node.find(word, offset + 1)) {
       const std::string_view text = node.substr(offset + word.size() - 1);
       const std::string_view name = text.substr(1, std::min(text.find('"', 1), text.size()) - 1);
-      const std::string key =
-          std::string(word) + (word.starts_with("PARAMETER") ? characters_and_digits(name) : "");
+      const std::string key = std::string(word) + (word.starts_with("PARAMETER") ? alphanumeric(name) : "");
       std::ranges::copy(numbers_of(text), std::back_inserter(definition[key]));
     }
   }
@@ -65,7 +64,7 @@ constexpr std::uint16_t k_model_type = 1024, k_geographic_type = 2048, k_project
                         k_vertical_type = 4096;
 constexpr std::uint16_t k_geographic_model = 2, k_geocentric_model = 3;
 
-/// The first value of a GeoTIFF key, of those that are stored in the directory itself, that is accepted.
+/// The first accepted value of a GeoTIFF key, of those that are stored in the directory itself.
 template <class Accepts>
 std::optional<std::uint16_t> value_of_key(const Crs& crs, std::uint16_t key, const Accepts& accepts) {
   for (std::size_t i = 4; i + 3 < crs.geotiff_keys.size(); i += 4) {
@@ -80,8 +79,7 @@ bool has_any(const std::string& text, std::initializer_list<std::string_view> wo
                              [&](std::string_view word) { return text.find(word) != std::string::npos; });
 }
 
-/// Whether WKT of version 2 is that of a geodetic system, as which it counts geographic and geocentric ones,
-/// with such coordinates.
+/// Whether WKT of version 2 is that of a geodetic system (geographic or geocentric) with such coordinates.
 bool is_geodetic(const std::string& wkt, std::string_view coordinates) {
   return (wkt.starts_with("GEODCRS[") || wkt.starts_with("GEODETICCRS[")) &&
          wkt.find(coordinates) != std::string::npos;
@@ -227,7 +225,7 @@ std::vector<std::string> epsg_codes(const Crs& crs) {
   return codes;
 }
 
-std::string characters_and_digits(std::string_view name) {
+std::string alphanumeric(std::string_view name) {
   std::string kept;
   for (const char c : name) {
     const auto character = static_cast<unsigned char>(c);
@@ -244,7 +242,7 @@ std::string crs_name(const Crs& crs) {
     };
     const std::string name = wkt_name(crs.wkt), heights = name_of({"VERT_CS[", "VERTCRS[", "VERTICALCRS["}),
                       plane = name_of({"PROJCS[", "PROJCRS[", "PROJECTEDCRS[", "GEOGCS[", "GEOGCRS["});
-    // Programs call the whole "unknown", or as its first part.
+    // Programs name a compound system "unknown", or like its first part.
     if (!plane.empty() && !heights.empty()) return plane + " + " + heights;
     const bool is_named = !name.empty() && name != "unknown" && name != "unnamed";
     return is_named ? name : "a system without a name";
@@ -276,9 +274,9 @@ CrsAgreement compare_crs_text(const Crs& a, const Crs& b) {
   if (plane_a && plane_b) return plane_a == plane_b ? same : different;
   if (!a.wkt.empty() && !b.wkt.empty()) {
     const bool is_same = same_definition(a.wkt, b.wkt);
-    // Many systems are called "unnamed".
+    // Many systems have the name "unnamed".
     const bool is_known = has_parameters(definition_of(a.wkt)) && has_parameters(definition_of(b.wkt));
-    if (characters_and_digits(wkt_name(a.wkt)) == characters_and_digits(wkt_name(b.wkt)))
+    if (alphanumeric(wkt_name(a.wkt)) == alphanumeric(wkt_name(b.wkt)))
       return is_same || !is_known ? same : different;
     return is_same ? unknown : different;
   }

@@ -14,8 +14,8 @@
 
 namespace alidade {
 
-/// The coordinate reference system as the file gave it. Nothing is interpreted here; what came in goes out.
-/// All empty = the file says nothing.
+/// The coordinate reference system as stated by the file, which is written unchanged. All empty: the file
+/// states none.
 struct Crs {
   std::string wkt;                          ///< OGC WKT, without trailing NUL
   std::vector<std::uint16_t> geotiff_keys;  ///< GeoKeyDirectoryTag: groups of four
@@ -32,8 +32,8 @@ inline Crs crs_of_wkt(std::string wkt) {
   return crs;
 }
 
-/// The piece of a WKT from the first of the keys that is in it, such as "PROJCS[", to the bracket that closes
-/// it; brackets within quotes do not count. Empty if it is missing or does not end. It points into `wkt`.
+/// The part of a WKT from the first of the keys that it contains, such as "PROJCS[", to the bracket that
+/// closes it; brackets within quotes do not count. Empty if it is missing or does not end. A view of `wkt`.
 inline std::string_view wkt_node(std::string_view wkt, std::initializer_list<std::string_view> keys) {
   for (const std::string_view key : keys) {
     const std::size_t begin = wkt.find(key);
@@ -50,48 +50,51 @@ inline std::string_view wkt_node(std::string_view wkt, std::initializer_list<std
   return {};
 }
 
-/// EPSG codes that GeoTIFF keys give directly, as "EPSG:25832" and "vertical EPSG:7837": geographic,
+/// EPSG codes that GeoTIFF keys contain, such as "EPSG:25832" and "vertical EPSG:7837": those of geographic,
 /// projected and vertical system.
 std::vector<std::string> epsg_codes(const Crs& crs);
 
-/// Name of a system for people: that in its WKT, of compound ones those of the parts, else its EPSG codes.
+/// Name of a system for messages: that in its WKT (for a compound one those of its parts), else its codes by
+/// epsg_codes().
 std::string crs_name(const Crs& crs);
 
-/// Characters and digits of a name, in lower case: what names of one thing share between programs.
-std::string characters_and_digits(std::string_view name);
+/// The alphanumeric characters of a name, in lower case: programs write one name with different separators.
+std::string alphanumeric(std::string_view name);
 
-/// What is known about two systems being one.
+/// Whether two systems are the same, as far as known.
 enum class CrsAgreement { same, unknown, different };
 
-/// Compares two systems that are not empty, however they are written: by a CrsLibrary if one is used. Of what it does
-/// not understand, and without one, by the units that they state, by their EPSG codes where both have one, else WKT by
-/// its names, characters and digits alone, and its numbers, and GeoTIFF keys among themselves as they are; nothing is
-/// known of WKT without code beside keys, and of two names for the same numbers (same_definition()). Where a library is
-/// used and does not understand one of them, they are not `different`: `same` or `unknown`.
+/// Compares two systems that are not empty, in any notation, by a CrsLibrary if one is used. Without one, or
+/// if it does not support one of them, compares the stated units, then the EPSG codes if both have one, else
+/// WKT by the alphanumeric characters of its names and by its numbers, and GeoTIFF keys with GeoTIFF keys
+/// value by value. The result is `unknown` for WKT without a code beside keys, and for different names of the
+/// same numbers (same_definition()); and instead of `different` if a library is used that does not support
+/// one of them.
 CrsAgreement compare_crs(const Crs& a, const Crs& b);
 
 /// Whether two projected systems, WKT of version 1, are defined by the same numbers: ellipsoid, prime
 /// meridian, units, and the parameters of the projection. Parameters are compared by the alphanumeric
-/// characters of their names. Programs give systems, datums and projections names of their own, as
-/// "ETRS89 / UTM zone 32N" and "ETRS_1989_UTM_Zone_32N", but share the numbers up to their last digit. Equal
-/// numbers do not make equal systems: datums on one ellipsoid lie up to some metres apart. False for systems
-/// without parameters, or with other ones, as WKT of version 2 beside that of version 1.
+/// characters of their names. Programs have their own names of systems, datums and projections, such as
+/// "ETRS89 / UTM zone 32N" and "ETRS_1989_UTM_Zone_32N", but agree in the numbers up to their last digit.
+/// Equal numbers do not make equal systems: datums on one ellipsoid differ by up to some metres. False for
+/// systems without parameters, or with different ones, such as WKT of version 2 beside that of version 1.
 bool same_definition(const std::string& wkt_a, const std::string& wkt_b);
 
 /// compare_crs() without a library.
 CrsAgreement compare_crs_text(const Crs& a, const Crs& b);
 
-/// What a library that this room does without knows about systems: PROJ (geo/crs_library.h).
+/// Functions of a library of reference systems, on which this folder does not depend: PROJ
+/// (geo/crs_library.h).
 struct CrsLibrary {
-  /// Empty: it does not understand one of them.
+  /// Empty: it does not support one of them.
   std::optional<CrsAgreement> (*compare)(const Crs& a, const Crs& b) = nullptr;
-  /// All of a system as WKT, heights included; empty: it does not understand it.
+  /// All of a system as WKT, heights included; empty: it does not support it.
   std::string (*wkt)(const Crs& crs) = nullptr;
 };
 
-/// To be called before clouds are read, by programs that have such a library.
+/// Sets the library. Call before clouds are read, in programs that have one.
 void use_crs_library(const CrsLibrary& library);
-/// The one that is used; without functions if none is.
+/// The library that is used; without functions if none is.
 const CrsLibrary& crs_library();
 
 /// The first value of a GeoTIFF key that is stored in the directory itself.
@@ -106,10 +109,10 @@ bool is_geographic(const Crs& crs);
 /// GeoTIFF model type of 3.
 bool is_geocentric(const Crs& crs);
 
-/// A sentence if the points cannot lie in the system. Longitude and latitude: horizontal coordinates beyond
-/// 400 (a full circle in gradians, the widest unit of angle in use) are no angles. Geocentric: the middle of
-/// the points is 6300 to 6500 km from the centre of the Earth, whose radius is 6357 to 6378 km. Empty bounds
-/// are never wrong.
+/// A sentence if the points cannot lie in the system; else empty. Longitude and latitude: horizontal
+/// coordinates beyond 400 (a full circle in gradians, the smallest unit of angle in use) are not angles.
+/// Geocentric: the middle of the points must be 6300 to 6500 km from the centre of the Earth, whose radius is
+/// 6357 to 6378 km. Empty bounds are plausible.
 std::optional<std::string> implausible_crs(const Crs& crs, const Bounds& bounds);
 
 }  // namespace alidade

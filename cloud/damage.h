@@ -10,21 +10,20 @@
 
 namespace alidade {
 
-/// What a reader does where a file is damaged behind a header that makes sense.
+/// What a reader does if a file is damaged behind a valid header.
 enum class Damage {
-  reject,     ///< throws DamagedFile at the first position
+  reject,     ///< throws DamagedFile at the first damage
   read_over,  ///< leaves out unreadable points and reports them in CloudReader::lost()
 };
 
-/// Points that a damaged file does not give any more.
+/// Points of a damaged file that cannot be read.
 struct LostPoints {
   std::uint64_t count = 0;  ///< 0 = unknown
   std::string location;     ///< as Error's: "byte 36405", "line 17"; may be empty
-  std::string problem;      ///< what is wrong, one clause in lower case, without full stop
+  std::string problem;      ///< one clause in lower case, without full stop
 };
 
-/// The Error for damage that Damage::read_over would read over. Its message ends with the option that does
-/// so.
+/// The Error for damage that Damage::read_over tolerates. Its message ends with the option for that.
 class DamagedFile : public Error {
  public:
   explicit DamagedFile(Parts parts) : Error(with_hint(std::move(parts))) {}
@@ -34,7 +33,7 @@ class DamagedFile : public Error {
     std::string& last = !parts.found.empty()      ? parts.found
                         : !parts.expected.empty() ? parts.expected
                                                   : parts.problem;
-    // A reader may have thrown it already.
+    // The parts may be those of a DamagedFile that was caught.
     constexpr std::string_view k_hint = "; --partial reads the intact part";
     if (!last.ends_with(k_hint)) last += k_hint;
     return parts;

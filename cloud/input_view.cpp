@@ -22,7 +22,7 @@ bool is_finite(const glm::dvec3& position) {
   return std::isfinite(position.x) && std::isfinite(position.y) && std::isfinite(position.z);
 }
 
-/// Takes the rows out of a piece that a reader goes on filling: its columns stay, without values.
+/// Moves the rows out of a piece that a reader fills further: its columns stay, without values.
 PointCloud take_rows(PointCloud& piece, AttributeSet wanted) {
   PointCloud rows;
   rows.lattice = piece.lattice;
@@ -140,14 +140,14 @@ class ViewReader final : public CloudReader {
                                  }};
     inner_->read_in_pieces(piece, needed, own_pieces, progress);
     own_pieces.take(piece);
-    // What the file says beside its points.
+    // The facts of the file beside its points.
     piece.lattice = cloud.lattice;
     piece.extra_dimensions.clear();
     for (ScannerPosition& scanner : piece.scanner_positions) {
       scanner.position.z *= change_.height_factor;
       if (!change_.move) continue;
       change_.move(std::span(&scanner.position, 1));
-      scanner.axes.reset();  // another system has another north
+      scanner.axes.reset();  // the other system has another north
     }
     append_cloud(cloud, std::move(piece));
     take_over_file();
@@ -174,7 +174,7 @@ class ViewReader final : public CloudReader {
     return lattice;
   }
 
-  /// A box of positions becomes that of the positions afterwards; nothing is known where they move.
+  /// Changes a box of positions to that of the changed positions; empty, as unknown, if they move.
   void stretch(std::optional<Bounds>& box) const {
     if (change_.move) box.reset();
     if (!box || box->empty()) return;
@@ -198,7 +198,8 @@ class ViewReader final : public CloudReader {
     pieces.take(piece);
   }
 
-  /// Half of what the image of a position moves by when it moves by a step; of heights that alone move a hundredth of it.
+  /// Half of the distance by which the image of a position moves if the position moves by a step; of heights
+  /// that are only multiplied a hundredth of it.
   glm::dvec3 resolution_at(const glm::dvec3& position) {
     const glm::dvec3 step = own_lattice().scale;
     std::array<glm::dvec3, 4> images = {position, position + glm::dvec3(step.x, 0, 0),
@@ -215,7 +216,7 @@ class ViewReader final : public CloudReader {
     return 0.5 * glm::dvec3(largest.x, largest.y, (only_heights_ ? k_share : 1.0) * largest.z);
   }
 
-  /// Brings a part of the file onto the cloud's lattice; rows without an image go.
+  /// Moves a part of the file to the cloud's lattice; removes rows without an image.
   void move_rows(PointCloud& part, const Lattice& lattice) const {
     if (change_.height_factor != 1.0) {
       const LatticeShift shift(*this->lattice(), lattice, file_.path.string());
@@ -238,7 +239,7 @@ class ViewReader final : public CloudReader {
 
   void select_rows(PointCloud& part) {
     const PointSelection& selection = view_->selection;
-    // So that rows are counted for the file they come from.
+    // So that rows are counted for their source file.
     part.files = sources_of(part.size());
     const std::size_t before = part.size();
     for (const Color16& color : part.colors)
@@ -273,7 +274,7 @@ class ViewReader final : public CloudReader {
     return *polygons_;
   }
 
-  /// How many of the next rows come from which source.
+  /// The sources of the next rows, with their numbers of rows.
   std::vector<CloudFile> sources_of(std::size_t count) {
     std::vector<CloudFile> files(sources_.size());
     if (files.size() == 1) {
@@ -326,11 +327,11 @@ class ViewReader final : public CloudReader {
 ReferenceChange InputView::change_of(const CloudInput& input, const FileFacts& facts) const {
   ReferenceChange change{.crs = facts.crs};
   if (change_reference) change = change_reference(input.name, facts);
-  // Who moves positions has brought their heights to one unit, too.
+  // A change that moves positions also converts their heights.
   if (!has_one_unit || change.move || change.height_factor != 1.0) return change;
   HeightChange heights = heights_in_plane_unit(change.crs, height_unit, input.name);
   if (heights.factor == 1.0) return change;
-  // By the boxes of a catalog files are left unopened.
+  // Files whose box in a catalog is outside are not opened.
   if (input.stated && !change_reference)
     throw file_error(input.name, "a catalog of files whose heights are not in the unit of x and y",
                      "the files without the catalog, or files that 'alidade convert --reproject' wrote",

@@ -34,8 +34,7 @@ bool has_crs(const CloudSource& source) {
   return !source.facts.crs.empty();
 }
 
-/// The first source that has what all are to share; one without points binds nobody, unless there is no
-/// other.
+/// The first source that has a property which all must share: one with points, if there is any.
 template <class Has>
 const CloudSource* first_that_binds(const std::vector<CloudSource>& sources, const Has& has) {
   const CloudSource* first = nullptr;
@@ -46,7 +45,7 @@ const CloudSource* first_that_binds(const std::vector<CloudSource>& sources, con
   return first;
 }
 
-/// Compares systems with one, each once: tiles mostly share one, and to compare takes a millisecond.
+/// Compares systems with one, each only once: tiles mostly share one, and a comparison takes a millisecond.
 class ComparedSystems {
  public:
   explicit ComparedSystems(const Crs& crs) : crs_(crs) {}
@@ -69,7 +68,7 @@ class ComparedSystems {
                    crs_name(odd.facts.crs));
 }
 
-/// Errors: heights of some files are converted, and others do not state what theirs are.
+/// Errors: heights of some files are converted, and other files do not state a system.
 void check_heights(const std::vector<CloudSource>& sources) {
   const auto converted = std::ranges::find_if(
       sources, [](const CloudSource& source) { return !source.facts.heights_note.empty(); });
@@ -81,6 +80,33 @@ void check_heights(const std::vector<CloudSource>& sources) {
                          " are converted to the unit of x and y",
                      "--crs EPSG:n, which states one");
   }
+}
+
+/// Warns of copies under other names, and of tiles that are given as LAS and as LAZ.
+void warn_of_copies(PointCloud& cloud) {
+  // Files of few points may agree in number and bounds by chance.
+  constexpr std::uint64_t k_few = 1000;
+  std::map<std::array<double, 7>, std::string> known;
+  SomeFiles copies;
+  std::string original;
+  for (const CloudFile& file : cloud.files) {
+    if (!file.stated_bounds || file.point_count < k_few) continue;
+    const auto& [low, high] = *file.stated_bounds;
+    if (low == high) continue;  // the writer left them empty
+    const auto [same, is_new] = known.try_emplace(
+        {low.x, low.y, low.z, high.x, high.y, high.z, static_cast<double>(file.point_count)},
+        file.path.string());
+    std::error_code error;
+    if (is_new || same->second == file.path.string() ||
+        std::filesystem::equivalent(same->second, file.path, error))
+      continue;  // one file under two names: see warn_of_twins()
+    if (copies.count() == 0) original = same->second;
+    copies.add(file.path.string());
+  }
+  if (copies.count() == 0) return;
+  cloud.warnings.push_back(
+      fmt::format("{}: as many points within the same bounds as {}; the points may be repeated",
+                  copies.text(), copies.count() == 1 ? original : "other files"));
 }
 
 }  // namespace
@@ -149,8 +175,8 @@ Crs common_crs(const std::vector<CloudSource>& sources) {
 }
 
 bool JoinedRecords::Order::operator()(std::size_t a, std::size_t b) const {
-  const auto key = [this](std::size_t offset) {
-    const VariableLengthRecord& record = (*records)[offset];
+  const auto key = [this](std::size_t index) {
+    const VariableLengthRecord& record = (*records)[index];
     return std::tie(record.record_id, record.user_id, record.description, record.extended, record.data);
   };
   return key(a) < key(b);
@@ -167,7 +193,7 @@ void JoinedRecords::join(std::size_t first) {
   for (std::size_t i = first; i < kept; ++i) earlier_.insert(i);
 }
 
-// The resolution of floats of the size of the coordinates does not count: far from the origin it is
+// The resolution of floats at the size of the coordinates does not matter: far from the origin it is
 // centimetres.
 void warn_of_rounding(const CloudSource& source, PointCloud& cloud) {
   constexpr double k_matters = 1e-6;
@@ -207,7 +233,7 @@ void warn_of_lattices(std::span<CloudSource> sources, PointCloud& cloud) {
 
 void warn_of_gaps(std::span<const GivenRows> given, AttributeSet present,
                   std::vector<std::string>& warnings) {
-  // By what is missing, in the order of the files.
+  // By missing attributes, in the order of the files.
   std::vector<std::pair<AttributeSet, SomeFiles>> gaps;
   for (const GivenRows& rows : given) {
     AttributeSet missing;
@@ -257,56 +283,25 @@ void warn_of_other_crs(std::span<const CloudSource> sources, PointCloud& cloud) 
 }
 
 void warn_of_losses(const CloudReader& reader, std::vector<CloudFile>& files, PointCloud& cloud) {
-  constexpr std::size_t k_most_offsets = 10;
+  constexpr std::size_t k_most_reported = 10;
   const std::vector<LostPoints> lost = reader.lost();
   const std::string file = reader.file().path.string();
   std::uint64_t count = 0;
   for (std::size_t i = 0; i < lost.size(); ++i) {
     count += lost[i].count;
-    if (i >= k_most_offsets) continue;
+    if (i >= k_most_reported) continue;
     const std::string location = lost[i].location.empty() ? "" : ":" + lost[i].location;
     cloud.warnings.push_back(fmt::format("{}{}: {}; {} lost", file, location, lost[i].problem,
                                          lost[i].count == 0   ? std::string("an unknown number of points is")
                                          : lost[i].count == 1 ? std::string("1 point is")
                                                               : fmt::format("{} points are", lost[i].count)));
   }
-  if (lost.size() > k_most_offsets) {
+  if (lost.size() > k_most_reported) {
     cloud.warnings.push_back(fmt::format("{}: corrupt in {} more locations; {} points are lost in total",
-                                         file, lost.size() - k_most_offsets, count));
+                                         file, lost.size() - k_most_reported, count));
   }
   if (!files.empty()) files.front().lost_count = count;
 }
-
-namespace {
-
-/// Copies under other names, and tiles that are there as LAS and as LAZ.
-void warn_of_copies(PointCloud& cloud) {
-  // That a few points agree in number and bounds means nothing.
-  constexpr std::uint64_t k_few = 1000;
-  std::map<std::array<double, 7>, std::string> known;
-  SomeFiles copies;
-  std::string original;
-  for (const CloudFile& file : cloud.files) {
-    if (!file.stated_bounds || file.point_count < k_few) continue;
-    const auto& [low, high] = *file.stated_bounds;
-    if (low == high) continue;  // the writer left them empty
-    const auto [same, is_new] = known.try_emplace(
-        {low.x, low.y, low.z, high.x, high.y, high.z, static_cast<double>(file.point_count)},
-        file.path.string());
-    std::error_code error;
-    if (is_new || same->second == file.path.string() ||
-        std::filesystem::equivalent(same->second, file.path, error))
-      continue;  // the latter are twins
-    if (copies.count() == 0) original = same->second;
-    copies.add(file.path.string());
-  }
-  if (copies.count() == 0) return;
-  cloud.warnings.push_back(
-      fmt::format("{}: as many points within the same bounds as {}; the points may be repeated",
-                  copies.text(), copies.count() == 1 ? original : "other files"));
-}
-
-}  // namespace
 
 void warn_of_twins(const CloudInputs& inputs, PointCloud& cloud) {
   std::set<std::pair<dev_t, ino_t>> known;

@@ -28,7 +28,7 @@ class SomeFiles {
   std::size_t count_ = 0;
 };
 
-/// A file of a cloud that waits to be read.
+/// A file of a cloud that is still to be read.
 struct CloudSource {
   std::unique_ptr<CloudReader> reader;
   std::uint64_t bytes = 0;  ///< of the file
@@ -37,7 +37,7 @@ struct CloudSource {
   FileFacts facts{};
   CoordinateSurvey survey{};  ///< of files without a lattice
   bool is_skipped = false;    ///< lies outside ReadOptions::region
-  bool is_open = true;        ///< false: what is known is what a catalog states
+  bool is_open = true;        ///< false: only the statements of a catalog are known
   bool is_rounded = false;    ///< by warn_of_lattices()
 
   const std::filesystem::path& path() const { return reader->file().path; }
@@ -46,24 +46,24 @@ struct CloudSource {
   }
 };
 
-/// The lattice of the joined cloud, by the rules at read_cloud(): joined_lattice() of the files that have one. Error: a
-/// file without one lies too far away for it.
+/// The lattice of the joined cloud, by the rules of read_cloud(): joined_lattice() of the files that have
+/// one. Errors: a file without one is too far away for it.
 Lattice common_lattice(const std::vector<CloudSource>& sources);
 
-/// The coordinate reference system of the joined cloud: that of the first file that states one. Error: a file
-/// with points states a different one (compare_crs()); the one that most files do not share is named. Or one states
-/// none where heights of others are converted.
+/// The coordinate reference system of the joined cloud: that of the first file that states one. Errors: a
+/// file with points states a different one (compare_crs()), where the message names a file of the minority; a
+/// file states none although heights of others are converted.
 Crs common_crs(const std::vector<CloudSource>& sources);
 
-/// Keeps one copy of the records that the tiles of a survey repeat. Repetitions within one file stay: they
-/// stood there. Cost: that of sorting all records.
+/// Keeps one copy of the records that the tiles of a survey repeat. Repetitions within one file stay, as in
+/// the file. Cost: that of sorting all records.
 class JoinedRecords {
  public:
-  /// The records must outlive this object, and change only at their end while it lives.
+  /// The records must outlive this object, and may change only at their end during its life.
   explicit JoinedRecords(std::vector<VariableLengthRecord>& records)
       : records_(records), earlier_(Order{&records}) {}
 
-  /// Takes out of the records from offset `first` on, which one file has added, what an earlier file had.
+  /// Removes those of the records from index `first` on, which one file has added, that an earlier file has.
   void join(std::size_t first);
 
  private:
@@ -73,41 +73,42 @@ class JoinedRecords {
   };
 
   std::vector<VariableLengthRecord>& records_;
-  std::set<std::size_t, Order> earlier_;  ///< offsets of the records of the files joined so far
+  std::set<std::size_t, Order> earlier_;  ///< indices of the records of the files joined so far
 };
 
-// What is to be said about files that were joined to one cloud. What many files have in common is one
-// sentence: "a.las and 99 more files: ...". Each function appends to PointCloud::warnings.
+// Warnings about files that were joined to one cloud. What many files have in common is one sentence: "a.las
+// and 99 more files: ...". Each function appends to PointCloud::warnings.
 
-/// What one file gave to the cloud.
+/// The points and attributes that one file added to the cloud.
 struct GivenRows {
   std::string file_name;
   std::uint64_t point_count = 0;
   AttributeSet attributes;
 };
 
-/// Warns of a file without a lattice whose coordinates are rounded coarsely; see read_cloud() for the rule.
+/// Warns of a file without a lattice whose coordinates are rounded coarsely, by the rule of read_cloud().
 void warn_of_rounding(const CloudSource& source, PointCloud& cloud);
 
-/// States how heights were converted (FileFacts::heights_note).
+/// Reports how heights were converted (FileFacts::heights_note).
 void warn_of_heights(std::span<const CloudSource> sources, PointCloud& cloud);
 
 /// Warns of files whose lattice is not on that of the cloud, so that their coordinates are rounded.
 void warn_of_lattices(std::span<CloudSource> sources, PointCloud& cloud);
 
-/// Attributes, of those that the cloud has, that were filled with zeros.
+/// Warns of attributes of the cloud that were filled with zeros.
 void warn_of_gaps(std::span<const GivenRows> given, AttributeSet present, std::vector<std::string>& warnings);
 
-/// Files that state no reference system beside others that do.
+/// Warns of files that state no reference system beside others that do.
 void warn_of_missing_crs(std::span<const CloudSource> sources, PointCloud& cloud);
 
-/// Files that state the reference system in a way that cannot be compared with the cloud's.
+/// Warns of files whose reference system cannot be compared with the cloud's.
 void warn_of_other_crs(std::span<const CloudSource> sources, PointCloud& cloud);
 
-/// What a damaged file does not give any more, which is also counted in the first of `files`, its own.
+/// Warns of points of a damaged file that cannot be read, and counts them in the first of `files`, its own.
 void warn_of_losses(const CloudReader& reader, std::vector<CloudFile>& files, PointCloud& cloud);
 
-/// Files that are given more than once, under whatever names, and LAS files that look like copies of others.
+/// Warns of files that are given more than once, under any names, and of LAS files that look like copies of
+/// others.
 void warn_of_twins(const CloudInputs& inputs, PointCloud& cloud);
 
 }  // namespace alidade

@@ -12,10 +12,10 @@ namespace alidade {
 namespace {
 
 constexpr double k_largest_step = 2147483647.0;
-constexpr int k_finest_exponent = -300;  ///< 1e-300: finer steps would meet the smallest doubles
-constexpr int k_default_exponent = -3;   ///< where the data ask for nothing
+constexpr int k_finest_exponent = -300;  ///< 1e-300: finer steps would reach the smallest doubles
+constexpr int k_default_exponent = -3;   ///< of axes without extent
 
-/// 10^exponent, correctly rounded for the exponents that matter, so that 1e-3 is the double every file says.
+/// 10^exponent, correctly rounded for usual exponents, so that 1e-3 is the double of LAS files.
 double power_of_ten(int exponent) {
   double power = 1.0;
   if (std::abs(exponent) > 22) return std::pow(10.0, exponent);
@@ -73,7 +73,7 @@ Lattice fit_lattice(std::span<const CoordinateSurvey> surveys) {
                    .found = fmt::format("{}", std::max(reach[axis], std::abs(offset)))});
     }
   }
-  // Where nothing lies along an axis, but for rounding, no resolution is wanted: that of a float of 0 is 1e-45.
+  // An axis without extent, except for rounding, needs no resolution: that of a float of 0 is 1e-45.
   const double nothing = 1e-12 * std::max({reach.x, reach.y, reach.z});
   std::array<int, 3> finest{}, wanted{};
   for (int axis = 0; axis < 3; ++axis) {
@@ -92,7 +92,7 @@ Lattice fit_lattice(std::span<const CoordinateSurvey> surveys) {
     }
     if (reach[axis] <= nothing) wanted[axis] = std::max(wanted[axis], k_default_exponent);
   }
-  // Steps of one length make cubes of the octree's nodes: boxes a million times longer than wide prune nothing.
+  // With equal steps the octree's nodes are cubes: boxes a million times longer than wide prune nothing.
   const int common = *std::min_element(wanted.begin(), wanted.end());
   for (int axis = 0; axis < 3; ++axis) lattice.scale[axis] = power_of_ten(std::max(common, finest[axis]));
   return lattice;
@@ -100,7 +100,7 @@ Lattice fit_lattice(std::span<const CoordinateSurvey> surveys) {
 
 std::optional<int> decimals_of(const Lattice& lattice, int axis) {
   constexpr int k_most = 15;
-  // All steps together must not add up to more than a thousandth.
+  // The errors of all steps together must not exceed a thousandth of a step.
   constexpr double k_share = 1e-3 / 4294967296.0;
   double unit = 1.0;
   for (int decimals = 0; decimals <= k_most; ++decimals, unit /= 10.0) {

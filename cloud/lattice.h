@@ -17,7 +17,7 @@ namespace alidade {
 using LatticePosition = glm::ivec3;
 
 /// The grid of all points of a cloud, exactly as in LAS: world = offset + scale * steps.
-/// `scale` is positive on every axis, in the unit of the CRS (metres unless the file says otherwise).
+/// `scale` is positive on every axis, in the unit of the CRS (metres unless the file states another).
 struct Lattice {
   glm::dvec3 scale{0.001};
   glm::dvec3 offset{0.0};
@@ -26,7 +26,7 @@ struct Lattice {
 };
 
 /// Lattice steps -> world. The only code that computes this: every part of Alidade (brute force, index,
-/// writers) sees the same double for the same point. Two roundings per axis, never fused.
+/// writers) has the same double for the same point. Two roundings per axis, never fused.
 inline glm::dvec3 to_world(const Lattice& lattice, const LatticePosition& position) {
   return {lattice.offset.x + lattice.scale.x * position.x, lattice.offset.y + lattice.scale.y * position.y,
           lattice.offset.z + lattice.scale.z * position.z};
@@ -46,11 +46,11 @@ inline std::optional<LatticePosition> to_lattice(const Lattice& lattice, const g
 /// The fewest decimals that write every coordinate of an axis to a thousandth of a step; empty if 15 do not.
 std::optional<int> decimals_of(const Lattice& lattice, int axis);
 
-/// The same for people: where that takes more than 12, as of survey feet in metres, as many as round to a thousandth of a
-/// step; empty if 15 do not even do that.
+/// decimals_of() for messages: if that is more than 12, as for survey feet in metres, the decimals that round
+/// to a thousandth of a step; empty if that takes more than 15.
 std::optional<int> shown_decimals(const Lattice& lattice, int axis);
 
-/// Low and high corner of points in lattice positions; low is above high without points.
+/// Lowest and highest lattice position of points on each axis; low is above high without points.
 struct LatticeExtent {
   LatticePosition low{2147483647}, high{-2147483647 - 1};
 
@@ -66,45 +66,46 @@ struct LatticeExtent {
   }
 };
 
-/// What a first pass over a file without a lattice finds, to choose a lattice.
+/// The result of the first pass over a file without a lattice, from which a lattice is chosen.
 struct CoordinateSurvey {
   Bounds bounds;  ///< of the finite points, world coordinates
   std::uint64_t finite_count = 0;
   std::uint64_t dropped_count = 0;  ///< points with a NaN or infinite coordinate
-  /// How finely the file's own numbers are rounded, per axis: half an ulp of the largest float32, half of the
-  /// last written digit for text (of the number with the most decimals), 0.5 for integers, 0 for float64 in
+  /// The rounding of the file's own numbers, per axis: half an ulp of the largest float32, half of the last
+  /// written digit for text (of the number with the most decimals), 0.5 for integers, 0 for float64 in
   /// binary. Per axis, because float32 northings are rounded to decimetres while heights beside them keep
   /// micrometres.
   glm::dvec3 resolution{0.0};
 };
 
-/// A lattice for points of free coordinates. Scales are powers of ten, whole numbers are the offset. Rounding
-/// to the lattice stays within the files' own resolution wherever 32 bits reach that far; otherwise, and for
-/// resolution 0, the scale is the finest power of ten that 32 bits hold. All axes share one scale if they
-/// can. Errors: coordinates beyond 1e300.
+/// A lattice for points of free coordinates. Scales are powers of ten, offsets are whole numbers. Rounding to
+/// the lattice stays within the files' own resolution if 32 bits suffice; otherwise, and for resolution 0,
+/// the scale is the finest power of ten that 32 bits hold. All axes share one scale if possible. Errors:
+/// coordinates beyond 1e300.
 Lattice fit_lattice(std::span<const CoordinateSurvey> surveys);
 
-/// How positions on one lattice become the same positions on another: factor * position + shift.
+/// Converts positions on one lattice to the same positions on another: factor * position + shift.
 struct LatticeSteps {
   glm::i64vec3 factor{1}, shift{0};
 
   bool operator==(const LatticeSteps&) const = default;
 };
 
-/// Empty if some positions of `from` are not on `to`: on every axis the step of `from` must be a whole number of
-/// those of `to`, and so must the difference of the offsets. A fraction up to 1e-5 steps over all of 32 bits, or of
-/// the offsets up to twice the distance from the larger one to the next double, counts as zero: offsets have no
-/// higher resolution. Where the scale is finer than such doubles, all offsets agree, and world coordinates are
-/// no finer either.
+/// Empty if some positions of `from` are not on `to`: on every axis the step of `from`, and the difference of
+/// the offsets, must be a whole number of steps of `to`. A fraction up to 1e-5 steps over all of 32 bits, or,
+/// of the offsets, up to twice the distance from the larger one to the next double, counts as zero: offsets
+/// have no higher resolution. If the scale is finer than such doubles, all offsets agree, and world
+/// coordinates are no finer either.
 std::optional<LatticeSteps> steps_between(const Lattice& from, const Lattice& to);
 
-/// A lattice for the points of several: the first one if it holds them all exactly, else its offset and on every
-/// axis the finest scale, or a half, a fifth or a tenth of that, if it does. If none does, the finest scale, or 10,
-/// 100, ... of it where 32 bits do not reach over `bounds`. Requires one at least.
+/// A lattice for the points of several lattices: the first one if it holds them all exactly, else its offset
+/// and on every axis the finest scale, or a half, a fifth or a tenth of that, if it does. If none does, the
+/// finest scale, or 10, 100, ... times that if 32 bits do not reach over `bounds`. Requires at least one
+/// lattice.
 Lattice joined_lattice(std::span<const Lattice> lattices, const Bounds& bounds);
 
-/// Brings positions of a file from its lattice onto that of the cloud it is joined to: exactly where steps_between()
-/// finds a way, else to the nearest position.
+/// Converts positions of a file from its lattice to that of the joined cloud: exactly if steps_between() is
+/// not empty, else to the nearest position.
 class LatticeShift {
  public:
   LatticeShift(const Lattice& from, const Lattice& to, std::string file);
@@ -118,7 +119,7 @@ class LatticeShift {
     return shifted;
   }
 
-  /// Whether positions stay what they are.
+  /// Whether positions stay unchanged.
   bool is_none() const { return steps_ == LatticeSteps(); }
 
  private:

@@ -18,19 +18,19 @@
 
 namespace alidade {
 
-/// A LAS variable length record that Alidade does not interpret and hands on unchanged (CRS and extra-bytes
-/// records are not among them: they live in Crs and ExtraDimension).
+/// A LAS variable length record that is not interpreted and is written unchanged (CRS and extra-bytes records
+/// are not among them: they become Crs and ExtraDimension).
 struct VariableLengthRecord {
   std::string user_id;  ///< at most 16 bytes
   std::uint16_t record_id = 0;
   std::string description;  ///< at most 32 bytes
   std::vector<std::uint8_t> data;
-  bool extended = false;  ///< stood after the points (EVLR)
+  bool extended = false;  ///< behind the points in the file (EVLR)
 
   bool operator==(const VariableLengthRecord&) const = default;
 };
 
-/// What was learnt about one input file. Of an index file these are the files it was made of.
+/// Facts about one input file. An index file has those of the files it was built from.
 struct CloudFile {
   std::filesystem::path path;
   std::string format;                   ///< "LAS", "PLY", "PCD", "E57", "XYZ", "CSV", "PTS", "PTX", ...
@@ -38,27 +38,27 @@ struct CloudFile {
   std::optional<int> point_format;      ///< LAS point data record format
   std::uint64_t point_count = 0;        ///< points taken into the cloud
   std::uint64_t dropped_count = 0;      ///< points left out because they have no finite position
-  std::uint64_t skipped_count = 0;      ///< points left unread, all of the file (ReadOptions::region)
+  std::uint64_t skipped_count = 0;      ///< points not read: all of the file, or none (ReadOptions::region)
   std::optional<Bounds> stated_bounds;  ///< box of its points by its header (LAS), which may be wrong
-  std::uint64_t lost_count = 0;      ///< points that a damaged file does not give any more, as far as known
-  std::uint64_t left_out_count = 0;  ///< points that were not selected (cloud/input_view.h)
-  std::string software{};            ///< that wrote it, by its header (LAS); empty if unknown
-  std::string system_identifier{};   ///< of the sensor or the processing, likewise
-  std::string created{};             ///< "2019-05-02", likewise
-  bool is_rounded = false;           ///< whether its lattice is not that of the cloud, nor a part of it
+  std::uint64_t lost_count = 0;         ///< points of a damaged file that cannot be read, as far as known
+  std::uint64_t left_out_count = 0;     ///< points that were not selected (cloud/input_view.h)
+  std::string software{};               ///< that wrote it, by its header (LAS); empty if unknown
+  std::string system_identifier{};      ///< of the sensor or the processing, by its header (LAS)
+  std::string created{};                ///< "2019-05-02", by its header (LAS)
+  bool is_rounded = false;              ///< whether its lattice is not that of the cloud, nor a part of it
 };
 
-/// Which way a depth camera looked: unit vectors at right angles, world axes.
+/// Orientation of a depth camera: unit vectors at right angles, world axes.
 struct DepthCameraAxes {
   glm::dvec3 forward{0.0, 0.0, 1.0};
-  glm::dvec3 down{0.0, 1.0, 0.0};  ///< in its picture
+  glm::dvec3 down{0.0, 1.0, 0.0};  ///< in its image
 
   bool operator==(const DepthCameraAxes&) const = default;
 };
 
-/// Where a scanner stood, by the pose of one of its scans.
+/// The position of a scanner, by the pose of one of its scans.
 struct ScannerPosition {
-  std::string scan;          ///< name of the scan as the file gives it, maybe empty
+  std::string scan;          ///< name of the scan in the file; may be empty
   glm::dvec3 position{0.0};  ///< world coordinates
   std::optional<DepthCameraAxes>
       axes{};  ///< of a depth camera; empty for scanners that scan around themselves
@@ -66,9 +66,8 @@ struct ScannerPosition {
   bool operator==(const ScannerPosition&) const = default;
 };
 
-/// Points and their attributes, column by column. Point id = row; files in the order given.
-/// Every attribute column is either empty (the cloud does not have it) or as long as `positions` was when
-/// read.
+/// Points and their attributes, column by column. Point id = row; files in the given order. Every attribute
+/// column is either empty (the cloud does not have it) or as long as `positions` was when read.
 struct PointCloud {
   Lattice lattice;
   std::vector<LatticePosition> positions;
@@ -95,7 +94,7 @@ struct PointCloud {
       scanner_positions;  ///< of scans with a pose (E57, PTX, PCD), in the files' order
 
   std::vector<CloudFile> files;
-  std::vector<std::string> warnings;  ///< oddities that were read over, one sentence each, naming the file
+  std::vector<std::string> warnings;  ///< on oddities of the files, one sentence each, naming the file
 
   std::size_t size() const { return positions.size(); }
 
@@ -108,22 +107,22 @@ struct PointCloud {
   /// Smallest box around all points, from the points themselves: bounds_of().
   Bounds bounds() const;
 
-  /// Takes rows out of the attribute and position columns: `resize(n)` on every column that is present.
+  /// Calls `resize(count)` on the positions and every attribute column that is present.
   void resize(std::size_t count);
 };
 
 /// Names as `alidade info` prints them, in the order of the bits: "color", "near_infrared", ...
 std::vector<std::string> attribute_names(AttributeSet attributes);
 
-/// A column of values that is not one of the standard attributes, wherever it lies.
+/// A column of values that is not one of the standard attributes, in memory of any owner.
 struct ExtraColumn {
   ExtraDimension description;            ///< its `values` are empty
   std::span<const std::uint8_t> values;  ///< byte_count bytes per point, little endian, in point order
 };
 
-/// The attribute columns of a cloud, wherever they lie: in a PointCloud, or in an index file that is mapped
-/// into memory. Row = point id. A column is empty if the cloud does not have it. Names and meaning are those
-/// of PointCloud.
+/// The attribute columns of a cloud, in memory of any owner: of a PointCloud, or of an index file that is
+/// mapped into memory. Row = point id. A column is empty if the cloud does not have it. Names and meaning are
+/// those of PointCloud.
 struct AttributeColumns {
   ColorColumn colors;
   std::span<const std::uint16_t> near_infrared;
@@ -142,7 +141,7 @@ struct AttributeColumns {
   AttributeSet attributes() const;
 };
 
-/// Points of a cloud, wherever they lie.
+/// The points of a cloud, in memory of any owner.
 struct PointColumns {
   Lattice lattice;
   std::span<const LatticePosition> positions;
@@ -173,7 +172,7 @@ void for_each_column(CloudA& a, CloudB& b, const Visit& visit) {
   visit(Attribute::normal, a.normals, b.normals);
 }
 
-/// The same for the columns of one cloud: visit(attribute, column).
+/// Calls visit(attribute, column) for every column of one cloud but the extra dimensions.
 template <class Cloud, class Visit>
 void for_each_column(Cloud& cloud, const Visit& visit) {
   for_each_column(cloud, cloud, [&](Attribute attribute, auto& column, auto&) { visit(attribute, column); });
@@ -181,10 +180,10 @@ void for_each_column(Cloud& cloud, const Visit& visit) {
 
 /// The columns of a cloud, which must outlive them and keep its size.
 AttributeColumns columns_of(const PointCloud& cloud);
-/// The same with the positions.
+/// The columns of a cloud and its positions, which must outlive them and keep their size.
 PointColumns points_of(const PointCloud& cloud);
 
-/// Whether the fields of a file's points are those of LAS, however they are packed.
+/// Whether the points of a file have the fields of LAS, packed or not.
 inline bool is_las(const CloudFile& file) {
   return file.format == "LAS" || file.format == "LAZ" || file.format == "COPC";
 }

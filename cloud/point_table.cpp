@@ -10,11 +10,11 @@ namespace alidade {
 
 namespace {
 
-/// What is known of a role. Names are plain_name()s, the more usual one first.
+/// Attribute and names of a role. Names are plain_name()s, the more usual one first.
 struct RoleFacts {
   std::optional<Attribute> attribute;
   std::string_view names;
-  std::string_view text_names = {};  ///< those of NameRules::text beside
+  std::string_view text_names = {};  ///< additional ones of NameRules::text
 };
 
 /// In the order of the roles.
@@ -28,7 +28,7 @@ constexpr RoleFacts k_role_facts[] = {
     {Attribute::color, "red r diffusered rf"},
     {Attribute::color, "green g diffusegreen gf"},
     {Attribute::color, "blue b diffuseblue bf"},
-    {Attribute::color, ""},  // packed_color: the format knows
+    {Attribute::color, ""},  // packed_color: assigned by the format
     {Attribute::near_infrared, "nearinfrared infrared nir"},
     {Attribute::intensity, "intensity", "i"},
     {Attribute::classification, "classification class"},
@@ -189,7 +189,7 @@ double meant_number(const ExtraDimension& dimension, const std::uint8_t* at) {
     if (dimension.no_data && is_mark(*dimension.no_data, stored))
       return std::numeric_limits<double>::quiet_NaN();
     const auto number = static_cast<double>(stored);
-    // NaN is no factor and no summand.
+    // A scale or an offset that is not finite is ignored.
     const double scale = std::isfinite(dimension.scale) ? dimension.scale : 1.0;
     const double offset = std::isfinite(dimension.offset) ? dimension.offset : 0.0;
     return scale == 1.0 && offset == 0.0 ? number : offset + scale * number;

@@ -22,7 +22,7 @@
 
 namespace alidade {
 
-/// What a column of a point table (PLY properties, PCD fields, columns of text) is read as.
+/// The meaning of a column of a point table (PLY properties, PCD fields, columns of text).
 enum class ColumnRole : std::uint8_t {
   x,
   y,
@@ -65,29 +65,29 @@ struct Cell {
   std::uint64_t integer = 0;
 };
 
-/// The cell for a word of the line last given. Errors: the word is no number, or, for the 64-bit types, no
-/// whole number that fits.
+/// The cell for a word of the scanner's last line. Errors: the word is not a number or, for the 64-bit types,
+/// not an integer that fits.
 Cell require_cell(const TextScanner& scanner, std::string_view word, ScalarType type);
 
-/// Which names denote coordinates: x, y, z only, or also easting, latitude, height, ... and `i` for
-/// intensity.
+/// Which names have a role: x, y, z only, or also easting, latitude, height, ... and `i` for intensity.
 enum class NameRules { point_format, text };
 
-/// Gives every column that is still `extra` its role by its name. Names are compared without case, `_`, `-`,
-/// `.`, blanks and the prefix `scalar_`. A role goes to one column only, to the more usual of two names; red,
-/// green, blue and the parts of a normal count only if all three are there. What remains is extra.
+/// Assigns roles to columns that are still `extra`, by their names. Names are compared without case, `_`,
+/// `-`, `.`, blanks and the prefix `scalar_`. Each role goes to one column, that of the more usual name; red,
+/// green, blue and the components of a normal get roles only if all three are present. Other columns stay
+/// `extra`.
 void assign_roles(std::vector<TableColumn>& columns, NameRules rules);
 
-/// Offset of the column with this role, which is not `extra` or `ignored`.
+/// Index of the column with this role, which is not `extra` or `ignored`; empty if there is none.
 std::optional<std::size_t> find_role(std::span<const TableColumn> columns, ColumnRole role);
 
-/// The attributes these columns fill.
+/// The attributes that these columns fill.
 AttributeSet attributes_of(std::span<const TableColumn> columns);
 
-/// The attribute a role belongs to; empty for coordinates and ignored columns.
+/// The attribute that a role belongs to; empty for coordinates and ignored columns.
 std::optional<Attribute> attribute_of(ColumnRole role);
 
-/// The value at any address, aligned or not; turned round if the file's order is not the machine's.
+/// The value at any address, aligned or not. Bytes are swapped if `order` is not that of the machine.
 template <class Value>
 Value load(const std::byte* at, std::endian order) {
   if (order == std::endian::native) return load<Value>(at);
@@ -96,8 +96,7 @@ Value load(const std::byte* at, std::endian order) {
   return std::bit_cast<Value>(bytes);
 }
 
-/// Calls visit(Value()) with the C++ type of a type; ScalarType::bytes has none, and nothing is called for
-/// it.
+/// Calls visit(Value()) with the C++ type of a type; does nothing for ScalarType::bytes, which has none.
 template <class Visit>
 auto with_type(ScalarType type, const Visit& visit) {
   using Result = decltype(visit(0.0));
@@ -128,21 +127,21 @@ auto with_type(ScalarType type, const Visit& visit) {
   return Result();
 }
 
-/// Whether a type is one of those that a double does not hold: Cell::integer.
+/// Whether a double cannot hold all values of a type: see Cell::integer.
 template <class Value>
 inline constexpr bool k_is_wide = std::is_integral_v<Value> && sizeof(Value) == sizeof(std::uint64_t);
 
-/// The cell for the scalar_size(type) bytes at `offset`.
-inline Cell cell_from(const std::byte* offset, ScalarType type, std::endian order) {
+/// The cell for the scalar_size(type) bytes at `bytes`.
+inline Cell cell_from(const std::byte* bytes, ScalarType type, std::endian order) {
   return with_type(type, [&](auto none) {
     using Value = decltype(none);
-    const Value value = load<Value>(offset, order);
+    const Value value = load<Value>(bytes, order);
     return Cell{static_cast<double>(value), k_is_wide<Value> ? static_cast<std::uint64_t>(value) : 0};
   });
 }
 
-/// Whether a number is the mark for no value that was widened to 8 bytes (ExtraDimension::no_data): of whole numbers
-/// by their sign, of others to float64. A mark may have digits that the type lacks.
+/// Whether a number is the nodata value (ExtraDimension::no_data), which is widened to 8 bytes: integers to a
+/// signed or unsigned one, others to float64. A nodata value may have digits that the type lacks.
 template <class Number>
 bool is_mark(const std::array<std::uint8_t, 8>& mark, Number number) {
   using Wide = std::conditional_t<std::is_floating_point_v<Number>, double,
@@ -155,10 +154,10 @@ bool is_mark(const std::array<std::uint8_t, 8>& mark, Number number) {
   }
 }
 
-/// What the value of a point in an extra dimension means: NaN if it is marked as none. Requires a type of numbers.
+/// The scaled value of a point in an extra dimension; NaN for the nodata value. Requires a type of numbers.
 double meant_number(const ExtraDimension& dimension, const std::uint8_t* at);
 
-/// Smallest and largest of the values seen. NaN is ignored. Inverted without values.
+/// Smallest and largest of some values. NaN is ignored. Inverted without values.
 struct ColumnRange {
   double min = std::numeric_limits<double>::infinity();
   double max = -std::numeric_limits<double>::infinity();
@@ -167,19 +166,18 @@ struct ColumnRange {
     min = value < min ? value : min;
     max = value > max ? value : max;
   }
-  /// Takes in what another one saw, maybe nothing.
+  /// Includes the values of another range, which may be empty.
   void grow(const ColumnRange& other) {
     min = other.min < min ? other.min : min;
     max = other.max > max ? other.max : max;
   }
 };
 
-/// How a file's values become 0 .. 65535: (value - origin) * factor, rounded, held at the ends; NaN becomes
-/// 0.
+/// How a file's values become 0 .. 65535: (value - origin) * factor, rounded and clamped; NaN becomes 0.
 struct ValueScaling {
   double origin = 0.0;
   double factor = 1.0;
-  std::string assumption;  ///< what was assumed about the values, as a clause; empty where there was no doubt
+  std::string assumption;  ///< about the values, as a clause; empty if nothing had to be assumed
 
   std::uint16_t apply(double value) const {
     const double scaled = (value - origin) * factor + 0.5;
@@ -187,28 +185,29 @@ struct ValueScaling {
   }
 };
 
-/// Colour channels: 8-bit integers times 257. Other types by the largest value of the whole file: floats up
-/// to 1 times 65535, values up to 255 times 257, larger ones as they are.
+/// The scaling of colour channels: 8-bit integers times 257. Other types by the largest value of the whole
+/// file: floats up to 1 times 65535, values up to 255 times 257, larger ones unchanged.
 ValueScaling color_scaling(ScalarType type, const ColumnRange& range);
 
-/// What a format says about its intensities.
+/// The scale of intensities that a format defines.
 enum class IntensityScale {
   free,           ///< nothing
   unit,           ///< 0 to 1 (PTX)
   signed_12_bit,  ///< -2048 to 2047, though many programs write 0 to 255 (PTS and its relatives)
 };
 
-/// Intensities: unsigned 8-bit integers times 257, unsigned 16-bit ones as they are. Other types by the range
-/// of the whole file: floats within 0 .. 1 times 65535; within 0 .. 255 times 257; within 0 .. 65535 as they
-/// are; within -2048 .. 2047 (the scale of PTS files, IntensityScale::signed_12_bit only) linearly from that
-/// interval; anything else linearly from the smallest to the largest value.
+/// The scaling of intensities: unsigned 8-bit integers times 257, unsigned 16-bit ones unchanged. Other types
+/// by the range of the whole file: floats within 0 .. 1 times 65535; within 0 .. 255 times 257; within 0 ..
+/// 65535 unchanged; within -2048 .. 2047 (the scale of PTS files, IntensityScale::signed_12_bit only)
+/// linearly from that interval; anything else linearly from the smallest to the largest value.
 ValueScaling intensity_scaling(ScalarType type, const ColumnRange& range, IntensityScale scale);
 
-/// How finely coordinates of a type are rounded whose largest one is `largest`: CoordinateSurvey::resolution.
+/// CoordinateSurvey::resolution of coordinates of a type, the largest of them being `largest`.
 double type_resolution(ScalarType type, double largest);
 
-/// A clause about axes of float32 coordinates whose steps are more than a fiftieth of the mean spacing of the points in
-/// their box; empty if all steps are smaller. An axis has such coordinates if its resolution is that of the type.
+/// A clause about axes of float32 coordinates whose steps are more than a fiftieth of the mean spacing of the
+/// points in their box; empty if all steps are smaller. An axis has float32 coordinates if its resolution is
+/// that of the type.
 std::optional<std::string> coarse_floats(const CoordinateSurvey& survey);
 
 }  // namespace alidade

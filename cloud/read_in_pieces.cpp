@@ -20,7 +20,7 @@
 namespace alidade {
 namespace {
 
-/// Points of such pieces at once, if that is more than an eighth of all.
+/// Points that are read into pieces at once, or an eighth of all points if that is more.
 constexpr std::uint64_t k_few_points = 1 << 22;
 
 /// Opens the files and marks those outside of the region as skipped.
@@ -28,7 +28,7 @@ std::vector<CloudSource> open_sources(const CloudInputs& inputs, const ReadOptio
   inputs.check_files();
   const Damage damage = options.partial ? Damage::read_over : Damage::reject;
   std::vector<CloudSource> sources(inputs.size());
-  // The first says what holds for the whole cloud, the first with points gives it its lattice.
+  // The facts of the cloud are those of the first file, its lattice is that of the first file with points.
   const auto with_points = std::ranges::find_if(
       inputs.inputs, [](const CloudInput& input) { return !input.stated || input.stated->point_count > 0; });
   const auto first_with_points = static_cast<std::size_t>(with_points - inputs.inputs.begin());
@@ -79,7 +79,7 @@ class Joining {
     }
     records_.join(first_record);
     if (is_colored) {
-      // The depth of a file is that of all its points, whichever are wanted.
+      // The depth of a file is that of all its points, selected or not.
       const LargestColors others = source.reader->left_out_colors();
       ColoredRows& rows = colored_.back();
       rows.end = row_count();
@@ -107,7 +107,7 @@ class Joining {
     source.reader.reset();
   }
 
-  /// What is to be said of all files, and to be done with their colours.
+  /// Adds the warnings about all files; returns how their colours are to be spread.
   ColorSpread finish() {
     measure();
     ColorSpread spread = choose_spread(std::move(colored_), options_.color_depth, cloud_.warnings);
@@ -161,7 +161,7 @@ class Joining {
   const CloudPieces& given_pieces_;
   CloudPieces pieces_{};
   std::uint64_t taken_ = 0;  ///< points handed over
-  Bounds bounds_;            ///< of these
+  Bounds bounds_;            ///< of the points handed over
   AttributeSet attributes_;
   std::string timed_file_;  ///< the first that has GPS times
   JoinedRecords records_{cloud_.records};
@@ -169,7 +169,7 @@ class Joining {
   std::vector<ColoredRows> colored_;
 };
 
-/// Where the files end that are read into pieces at once, from `first` on: at least one.
+/// The end of the lot of files from `first` on, at least one, that are read into pieces at once.
 std::size_t end_of_lot(const std::vector<CloudSource>& sources, std::size_t first,
                        std::uint64_t most_points) {
   std::uint64_t points = sources[first].is_skipped ? 0 : sources[first].point_count();
@@ -198,7 +198,7 @@ std::vector<std::optional<PointCloud>> read_pieces(std::vector<CloudSource>& sou
   return pieces;
 }
 
-/// Errors: there were points, and a selection leaves none of them.
+/// Errors: there are points, and a selection leaves none of them.
 void check_selection(const CloudInputs& inputs, const PiecewiseCloud& whole) {
   if (whole.point_count > 0) return;
   std::uint64_t left_out = 0;
@@ -252,7 +252,7 @@ PiecewiseCloud read_in_pieces(const CloudInputs& inputs, const ReadOptions& opti
     work += source.is_skipped ? 0 : source.has_lattice ? source.work : 2 * source.work;
     bytes += source.is_skipped ? 0 : source.work;
   }
-  // Two passes over a file are shown as one: its bytes are counted once.
+  // Two passes over a file are reported as one: its bytes count once.
   const Progress shown = [&](std::uint64_t done, std::uint64_t total) {
     const double share = total > 0 ? static_cast<double>(done) / static_cast<double>(total) : 1.0;
     return !options.progress ||
@@ -272,7 +272,7 @@ PiecewiseCloud read_in_pieces(const CloudInputs& inputs, const ReadOptions& opti
   cloud.crs = common_crs(sources);
   std::uint64_t point_count = 0;
   for (const CloudSource& source : sources) {
-    // Packed points rarely take less than a byte each; more of them are believed when they are there.
+    // Packed points rarely take less than a byte each; a larger number is accepted once they are unpacked.
     point_count += source.is_skipped ? 0 : std::min(source.point_count(), source.bytes);
   }
   const std::uint64_t most_in_piece = pieces.most_bytes / (sizeof(LatticePosition) + pieces.bytes_beside);

@@ -42,7 +42,7 @@ std::uint64_t bytes_per_point(const PointCloud& cloud, AttributeSet attributes) 
 }
 
 void append_rows(PointCloud& cloud, AttributeSet filled, std::size_t count) {
-  // Touching the memory of so many rows takes as long as unpacking some of them.
+  // Touching the memory of this many rows takes as long as unpacking some of them, so threads share it.
   constexpr std::size_t k_rows_for_threads = 1 << 16;
   const std::size_t size = cloud.size() + count;
   const std::size_t room = std::max(size, cloud.positions.capacity());
@@ -51,7 +51,7 @@ void append_rows(PointCloud& cloud, AttributeSet filled, std::size_t count) {
   for_each_column(cloud, [&](Attribute attribute, auto& column) {
     if (column.empty() && !filled.contains(attribute)) return;
     columns.emplace_back([&column, size, room] {
-      // A column that starts now takes all the room the positions have, so that it is not moved either.
+      // A new column reserves as much room as the positions have, so that it is not moved either.
       if (column.empty()) column.reserve(room);
       column.resize(size);
     });
@@ -103,8 +103,8 @@ std::size_t marked_row(std::span<const std::uint8_t> marks, std::size_t row) {
   return row;
 }
 
-/// Calls move(from, to) for every row that stays, in order; returns how many there are. `next(row)` is the
-/// first row behind `row` that stays.
+/// Calls move(from, to) for every row that is kept, in order; returns their number. `next(row)` is the first
+/// row behind `row` that is kept.
 template <class Next, class Move>
 std::size_t close_up(std::size_t first, std::size_t size, const Next& next, const Move& move) {
   std::size_t to = 0;
@@ -112,7 +112,7 @@ std::size_t close_up(std::size_t first, std::size_t size, const Next& next, cons
   return to;
 }
 
-/// Counts the points of each file again, if the files account for all rows.
+/// Counts the points of each file again, if the files have all rows of the cloud.
 template <class Next>
 void count_points(std::vector<CloudFile>& files, std::size_t size, std::size_t first, const Next& next) {
   std::uint64_t end = 0;

@@ -15,7 +15,7 @@
 namespace alidade {
 namespace {
 
-/// Columns without rows keep the memory that these took.
+/// Releases the memory of columns, which they keep when their rows are removed.
 void give_back_room(PointCloud& cloud) {
   std::vector<LatticePosition>().swap(cloud.positions);
   for_each_column(cloud, []<class Column>(Attribute, Column& column) { Column().swap(column); });
@@ -75,7 +75,7 @@ void ScratchCloud::fail_as_corrupt(const std::string& name, std::uint64_t bytes)
 ScratchFile ScratchCloud::file(const std::string& name, std::size_t value_bytes) const {
   if (!checkpoint_) return ScratchFile(folder_);
   ScratchFile file = checkpoint_->file(name);
-  // Fewer are zeros behind.
+  // A shorter column has zeros behind its end.
   if (file.size() / value_bytes > recalled_) fail_as_corrupt(name, file.size());
   return file;
 }
@@ -88,7 +88,7 @@ ScratchCloud::Column& ScratchCloud::column(std::size_t number, std::size_t value
 }
 
 void ScratchCloud::take(PointCloud& piece) {
-  // Of a piece that was kept in part, the rest is new.
+  // The first rows of the piece may be those of the earlier run.
   const std::size_t known = size_ < recalled_ ? std::min<std::size_t>(piece.size(), recalled_ - size_) : 0;
   if (known < piece.size()) positions_.append(std::as_bytes(std::span(piece.positions).subspan(known)));
   for_each_column(piece, [&](Attribute attribute, const auto& column) {
@@ -118,7 +118,7 @@ bool ScratchCloud::recall(PointCloud& piece, std::size_t first, std::size_t coun
   const auto fill = [&](const ScratchFile& file, auto& values) {
     const std::span<std::byte> bytes = std::as_writable_bytes(std::span(values).subspan(first, count));
     const std::uint64_t begin = row * sizeof values[0];
-    // A column that ends early is zeros behind.
+    // A shorter column has zeros behind its end.
     const std::uint64_t there = file.size() - std::min(begin, file.size());
     file.read(begin, bytes.first(std::min<std::size_t>(bytes.size(), there)));
   };
@@ -129,7 +129,7 @@ bool ScratchCloud::recall(PointCloud& piece, std::size_t first, std::size_t coun
   return true;
 }
 
-/// Into a new file: a checkpoint keeps what was read.
+/// Writes to a new file, as a checkpoint keeps the values that were read.
 template <class Value>
 void ScratchCloud::spread_values(Attribute attribute,
                                  const std::function<void(std::span<Value>, std::uint64_t)>& spread) {

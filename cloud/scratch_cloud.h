@@ -16,31 +16,32 @@
 
 namespace alidade {
 
-/// A cloud that memory need not hold: positions and attribute columns lie in scratch files, which are mapped into
-/// memory.
+/// A cloud that may be larger than memory: positions and attribute columns are in scratch files, which are
+/// mapped into memory.
 class ScratchCloud {
  public:
-  /// Reads what read_cloud() reads: the same points in the same rows with the same values and warnings. Memory: that
-  /// of `scratch`, and some 64 MB for LAZ (CloudReader::read_in_pieces()). Space on the disk: 12 B per point for
-  /// positions, and what the attributes take (PointCloud). With a checkpoint, which must outlive the object, the files
-  /// are its files, and rows that it has are not read again from LAS, LAZ and index files without a selection; other
-  /// files are read again. Errors: as read_cloud(); those of scratch files.
+  /// Reads a cloud with the points, rows, values and warnings of read_cloud(). Memory: that of `scratch`, and
+  /// some 64 MB for LAZ (CloudReader::read_in_pieces()). Disk: 12 B per point for positions, and the size of
+  /// the attributes (PointCloud). With a checkpoint, which must outlive the object, the scratch files are
+  /// those of the checkpoint, and its rows are not read again from LAS, LAZ and index files without a
+  /// selection; other files are read again. Errors: as read_cloud(); those of scratch files.
   ScratchCloud(const CloudInputs& inputs, const ReadOptions& options, const ScratchSpace& scratch,
                ScratchCheckpoint* checkpoint = nullptr);
 
   std::size_t size() const { return static_cast<std::size_t>(size_); }
-  /// Of its scratch files.
+  /// The folder of the scratch files.
   const std::filesystem::path& folder() const { return folder_; }
-  /// Lattice, reference system, records, files, warnings, and extra dimensions without their values; no points.
+  /// Lattice, reference system, records, files, warnings, and extra dimensions without their values; no
+  /// points.
   const PointCloud& facts() const { return facts_; }
-  /// By row. They may be changed, but with a checkpoint they are read-only memory.
+  /// Positions by row. They may be changed, except with a checkpoint, which makes them read-only memory.
   std::span<LatticePosition> positions();
-  /// By row; valid as long as the object.
+  /// Attribute columns by row; valid as long as the object.
   AttributeColumns columns();
-  /// The same with the positions.
+  /// Attribute columns and positions.
   PointColumns points() { return {facts_.lattice, positions(), columns()}; }
-  /// One column, by row, which may be changed as positions() may; empty if the cloud does not have it. Value: that of
-  /// the column in PointCloud.
+  /// One column by row, which may be changed as positions() may; empty if the cloud does not have it. Value
+  /// is the type of the column in PointCloud.
   template <class Value>
   std::span<Value> column_of(Attribute attribute) {
     const std::span<std::byte> bytes = bytes_of(number_of(attribute));
@@ -49,11 +50,12 @@ class ScratchCloud {
   /// Some rows in memory, with the columns that the cloud has.
   PointCloud rows(std::size_t first, std::size_t count);
 
-  /// keep_rows() of cloud/rows.h: the same rows stay. Spans of the cloud become invalid. Space on the disk: that of one
-  /// column of what stays. Requires: no checkpoint. Errors: those of scratch files; when cancelled, the cloud is of no
-  /// use any more. `progress` is in points.
+  /// keep_rows() of cloud/rows.h. Spans of the cloud become invalid. Disk: one column of the kept rows.
+  /// Requires no checkpoint. Errors: those of scratch files; after cancellation, the cloud must not be used
+  /// any more. `progress` is in points.
   void keep_rows(std::span<const std::uint8_t> marks, const Progress& progress = {});
-  /// Adds a column of normals, all zero, if the cloud does not have it. Requires and errors as above.
+  /// Adds a column of normals, all zero, if the cloud does not have it. Requires no checkpoint. Errors: those
+  /// of scratch files.
   void add_normals();
 
  private:
@@ -82,11 +84,11 @@ class ScratchCloud {
   std::uint64_t recalled_;  ///< rows of an earlier run
   ScratchFile positions_;
   std::vector<Column>
-      columns_;  ///< by number of the attribute's bit; extra dimensions from that of theirs on
+      columns_;  ///< by number of the attribute's bit; extra dimensions from that of their bit on
   PointCloud facts_;
 };
 
-/// keep_every() of cloud/rows.h, as ScratchCloud::keep_rows().
+/// keep_every() of cloud/rows.h, by ScratchCloud::keep_rows().
 void keep_every(ScratchCloud& cloud, std::uint64_t step, const Progress& progress = {});
 
 }  // namespace alidade

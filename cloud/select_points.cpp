@@ -20,7 +20,7 @@ namespace alidade {
 namespace {
 
 constexpr std::size_t k_most_strips = 1 << 16;
-/// An edge is in this many strips on average at most.
+/// Most strips of an edge, on average.
 constexpr std::size_t k_most_strips_per_edge = 4;
 
 /// How far outside a point still counts as on the border, per axis.
@@ -43,9 +43,9 @@ void for_parts(std::size_t size, const Progress& progress, const Work& work) {
   }
 }
 
-/// Keeps the points at positions where `stays` returns true; many threads call it.
+/// Keeps the points for whose world position `stays` returns true; many threads call it.
 template <class Stays>
-void keep_positions(PointCloud& cloud, const Stays& stays, const Progress& progress) {
+void keep_where(PointCloud& cloud, const Stays& stays, const Progress& progress) {
   std::vector<std::uint8_t> marks(cloud.size());
   for_parts(cloud.size(), progress, [&](std::size_t begin, std::size_t end) {
     for (std::size_t row = begin; row < end; ++row) marks[row] = stays(cloud.world(row)) ? 1 : 0;
@@ -55,7 +55,7 @@ void keep_positions(PointCloud& cloud, const Stays& stays, const Progress& progr
 
 constexpr std::uint64_t k_most = std::numeric_limits<std::uint32_t>::max();
 
-/// What thinning reads and averages.
+/// The columns that thinning reads and averages.
 struct ThinnedColumns {
   Lattice lattice;
   std::span<const LatticePosition> positions;
@@ -78,7 +78,7 @@ class Grid {
   Grid(const ThinnedColumns& cloud, double edge) : lattice_(cloud.lattice), edge_(edge) {
     LatticeExtent extent;
     for (const LatticePosition& position : cloud.positions) extent.grow(position);
-    // The number of a cube never falls when a coordinate grows, so the first and last are those of the box.
+    // Numbers of cubes never decrease with a coordinate, so the first and last are those of the box.
     first_ = cube_of(extent.low);
     const glm::dvec3 count = cube_of(extent.high) - first_;
     for (int axis = 0; axis < 3; ++axis) {
@@ -97,7 +97,7 @@ class Grid {
 
  private:
   glm::dvec3 cube_of(const LatticePosition& position) const {
-    // Of coordinates that are whole edges up to their rounding none shall fall into the cube below.
+    // So that coordinates that are multiples of the edge, up to rounding, are not in the cube below.
     constexpr double k_below = 1e-6;
     const glm::dvec3 world = to_world(lattice_, position);
     return {std::floor(world.x / edge_ + k_below), std::floor(world.y / edge_ + k_below),
@@ -123,8 +123,8 @@ HugeArray<Entry> sorted_entries(const ThinnedColumns& cloud, double edge, const 
   return entries;
 }
 
-/// The row nearest to the mean of the cube's points. Differences are taken times the number of points, in
-/// whole steps, so that equal distances are equal.
+/// The row nearest to the mean of the cube's points. Differences are multiplied by the number of points, so
+/// that they are whole steps and equal distances are equal.
 std::uint32_t nearest_to_mean(const ThinnedColumns& cloud, std::span<const Entry> cube) {
   const glm::i64vec3 origin(cloud.positions[cube.front().row]);
   glm::i64vec3 sum(0);
@@ -153,7 +153,7 @@ std::uint16_t mean(std::span<const Entry> cube, const Value& value) {
   return static_cast<std::uint16_t>((sum + cube.size() / 2) / cube.size());
 }
 
-/// Marks the point that stays for a cube, and gives it the means.
+/// Marks the point of a cube that is kept, and sets its values to the means.
 void choose(const ThinnedColumns& cloud, std::span<const Entry> cube, HugeVector<std::uint8_t>& marks) {
   const std::uint32_t chosen = nearest_to_mean(cloud, cube);
   marks[chosen] = 1;
@@ -183,7 +183,7 @@ void choose_in(const ThinnedColumns& cloud, std::span<const Entry> entries, std:
   }
 }
 
-/// Marks for the rows that stay, whose values become the means.
+/// Marks of the rows that are kept, whose values become the means.
 HugeVector<std::uint8_t> thinned(const ThinnedColumns& cloud, double edge, const ScratchFolder& scratch,
                                  const Progress& progress) {
   if (!(edge > 0.0 && std::isfinite(edge))) {
@@ -207,7 +207,7 @@ HugeVector<std::uint8_t> thinned(const ThinnedColumns& cloud, double edge, const
 
 }  // namespace
 
-/// The edges of polygons, sorted into strips from south to north, to ask about many positions.
+/// The edges of polygons, sorted into strips from south to north, to test many positions.
 class PolygonStrips {
  public:
   /// Positions up to `border` outside count as on the border. Corners are finite.
@@ -227,14 +227,14 @@ class PolygonStrips {
       }
     }
     strip_count_ = std::clamp<std::size_t>(edges_.size(), 1, k_most_strips);
-    positions_ = strip_positions();
-    // Edges that run from south to north are in all strips: fewer of these then.
-    while (strip_count_ > 1 && positions_.back() > k_most_strips_per_edge * edges_.size()) {
+    begins_ = strip_begins();
+    // Edges that run from south to north are in all strips: with many of them, fewer strips.
+    while (strip_count_ > 1 && begins_.back() > k_most_strips_per_edge * edges_.size()) {
       strip_count_ /= 2;
-      positions_ = strip_positions();
+      begins_ = strip_begins();
     }
-    strip_edges_.resize(positions_.back());
-    std::vector<std::size_t> next = positions_;
+    strip_edges_.resize(begins_.back());
+    std::vector<std::size_t> next = begins_;
     for (std::size_t i = 0; i < edges_.size(); ++i) {
       const auto [south, north] = std::minmax(edges_[i].a.y, edges_[i].b.y);
       for (std::size_t strip = strip_of(south - border_); strip <= strip_of(north + border_); ++strip)
@@ -249,14 +249,14 @@ class PolygonStrips {
     const std::size_t strip = strip_of(position.y);
     bool inside = false;
     std::size_t polygon = 0;
-    for (std::size_t i = positions_[strip]; i < positions_[strip + 1]; ++i) {
+    for (std::size_t i = begins_[strip]; i < begins_[strip + 1]; ++i) {
       const Edge& edge = edges_[strip_edges_[i]];
       if (edge.polygon != polygon) {
         if (inside) return true;
         polygon = edge.polygon;
       }
       if (on_border(edge, position)) return true;
-      // The southern end belongs to an edge and the northern does not, so that a corner is passed once.
+      // An edge includes its southern end and not its northern one, so that a corner counts once.
       if ((edge.a.y <= position.y) == (edge.b.y <= position.y)) continue;
       const double crossing =
           edge.a.x + (position.y - edge.a.y) / (edge.b.y - edge.a.y) * (edge.b.x - edge.a.x);
@@ -273,27 +273,27 @@ class PolygonStrips {
 
   std::size_t strip_of(double y) const {
     const double strip = (y - low_.y) / (high_.y - low_.y) * static_cast<double>(strip_count_);
-    // Also for polygons without height, whose quotient is no number.
+    // Also for polygons without height, whose quotient is NaN.
     if (!(strip > 0.0)) return 0;
     return strip < static_cast<double>(strip_count_) ? static_cast<std::size_t>(strip) : strip_count_ - 1;
   }
 
-  /// Where the edges of each strip begin in `strip_edges_`, and behind the last where they end.
-  std::vector<std::size_t> strip_positions() const {
-    // Edges that begin in a strip and those that have ended before it: what lies between are the strip's.
+  /// The index in `strip_edges_` of each strip's first edge, and behind the last strip that of their end.
+  std::vector<std::size_t> strip_begins() const {
+    // The edges of a strip are those begun in it or before, without those that ended before it.
     std::vector<std::size_t> begun(strip_count_, 0), ended(strip_count_ + 1, 0);
     for (const Edge& edge : edges_) {
       const auto [south, north] = std::minmax(edge.a.y, edge.b.y);
       ++begun[strip_of(south - border_)];
       ++ended[strip_of(north + border_) + 1];
     }
-    std::vector<std::size_t> positions(strip_count_ + 1, 0);
+    std::vector<std::size_t> begins(strip_count_ + 1, 0);
     std::size_t present = 0;
     for (std::size_t strip = 0; strip < strip_count_; ++strip) {
       present += begun[strip] - ended[strip];
-      positions[strip + 1] = positions[strip] + present;
+      begins[strip + 1] = begins[strip] + present;
     }
-    return positions;
+    return begins;
   }
 
   bool on_border(const Edge& edge, const glm::dvec2& position) const {
@@ -310,25 +310,25 @@ class PolygonStrips {
     return beside.x * beside.x + beside.y * beside.y <= border_ * border_;
   }
 
-  std::vector<Edge> edges_;  ///< those of one polygon stand together
+  std::vector<Edge> edges_;  ///< those of one polygon are contiguous
   double border_;
   glm::dvec2 low_, high_;  ///< box of all edges with their border
   std::size_t strip_count_ = 1;
-  std::vector<std::size_t> positions_;    ///< see strip_positions()
+  std::vector<std::size_t> begins_;       ///< see strip_begins()
   std::vector<std::size_t> strip_edges_;  ///< of each strip, in the order of `edges_`
 };
 
 void crop(PointCloud& cloud, const Bounds& box, const Progress& progress) {
   const glm::dvec3 border = border_of(cloud.lattice);
   const Bounds wider{box.min - border, box.max + border};
-  keep_positions(
+  keep_where(
       cloud, [&](const glm::dvec3& position) { return wider.contains(position); }, progress);
 }
 
 void crop(PointCloud& cloud, std::span<const PlanePolygon> polygons, const Progress& progress) {
   const glm::dvec3 border = border_of(cloud.lattice);
   const PolygonStrips strips(polygons, std::max(border.x, border.y));
-  keep_positions(
+  keep_where(
       cloud,
       [&](const glm::dvec3& position) {
         return strips.contains({position.x, position.y});

@@ -19,16 +19,16 @@
 
 namespace alidade {
 
-/// Key ranges of about equal numbers of points, for sorting range by range. A key of which the cloud has very
-/// many points gets a range of its own.
+/// Key ranges of about equal numbers of points, for sorting range by range. A key that very many points of
+/// the cloud have gets a range of its own.
 template <class Key>
 class KeyBuckets {
  public:
-  /// Buckets numbers fit 16 bits with room.
+  /// Numbers of buckets fit well into 16 bits.
   static constexpr std::size_t k_max_count = 4096;
   static constexpr std::size_t k_samples_per_bucket = 16;
 
-  /// `samples`: keys of points taken evenly, k_samples_per_bucket for every bucket that is wanted.
+  /// `samples`: keys of evenly chosen points, k_samples_per_bucket for every wanted bucket.
   explicit KeyBuckets(std::vector<Key> samples) {
     std::ranges::sort(samples);
     std::vector<Key> limits;
@@ -46,7 +46,7 @@ class KeyBuckets {
 
   std::size_t count() const { return count_; }
 
-  /// The buckets of several keys at once, so that the processor searches them side by side.
+  /// The buckets of several keys at once, so that the processor overlaps the searches.
   template <std::size_t width>
   void find(const std::array<Key, width>& keys, std::uint16_t* buckets) const {
     std::array<std::size_t, width> low{};
@@ -62,8 +62,8 @@ class KeyBuckets {
 };
 
 /// Sorts entries by key from `from` into `to`; equal keys keep their order. Uses up `from`. Radix sort from
-/// the highest bit in which keys differ, with insertion sort for the small groups that leaves.
-/// `k_max_digit_bits`: of the first pass; later ones take less, to stay small on the stack.
+/// the highest bit in which keys differ, with insertion sort for small groups. `k_max_digit_bits` is that of
+/// the first pass; later ones use fewer, to stay small on the stack.
 template <class Entry, int k_max_digit_bits = 12>
 void sort_by_key(Entry* from, Entry* to, std::size_t count) {
   using Key = typename Entry::Key;
@@ -110,12 +110,11 @@ void sort_by_key(Entry* from, Entry* to, std::size_t count) {
   }
 }
 
-// Points are sorted in two steps. Chunks of the input, each small enough for the cache, are brought into the
-// order of some thousand key ranges (buckets) of about equal size. Then each bucket is collected from all
-// chunks, sorted in the cache and written to its final position. Both steps are independent work for any number
-// of threads, every point is moved through memory only twice, and the input can be given back while the
-// second step reads it. Rows that are in order stay in order throughout, so equal keys end up in the order
-// of their ids.
+// Points are sorted in two steps. Chunks of the input, each small enough for the cache, are partitioned into
+// some thousand key ranges (buckets) of about equal size. Then each bucket is collected from all chunks,
+// sorted in the cache and written to its final position. Both steps are independent work for any number of
+// threads, every point is moved through memory only twice, and the input can be released while the second
+// step reads it. Both steps are stable, so equal keys are in the order of their ids.
 
 namespace {
 
@@ -123,9 +122,10 @@ constexpr std::size_t k_points_per_task = std::size_t{1} << 16;
 constexpr std::size_t k_max_chunk_size = std::size_t{1} << 18;
 constexpr std::size_t k_min_chunk_size = std::size_t{1} << 12;
 constexpr std::size_t k_bucket_size = std::size_t{1} << 15;
-// Buckets are collected from all chunks at once, so each chunk has a block or two that are used up in part.
+// Buckets are collected from all chunks at once, so each chunk has one or two blocks that are partly used up.
 constexpr std::size_t k_release_block = std::size_t{1} << 16;
-constexpr std::size_t k_scratch_release_block = std::size_t{1} << 21;  ///< a hole in a file costs more
+constexpr std::size_t k_scratch_release_block = std::size_t{1}
+                                                << 21;  ///< larger, as a hole in a file costs more
 
 std::uint32_t steps_from(std::int32_t base, std::int32_t value) {
   return static_cast<std::uint32_t>(value) - static_cast<std::uint32_t>(base);
@@ -136,8 +136,8 @@ class Sorter {
   using Key = typename Entry::Key;
 
  public:
-  /// `given` is the vector behind `positions` if it is to be used up, otherwise null; `scratch` if they lie in a
-  /// scratch file that is to be used up, otherwise null.
+  /// `given` is the vector behind `positions` if it is to be used up, otherwise null; `scratch` if they lie
+  /// in a scratch file that is to be used up, otherwise null.
   Sorter(const KeySpace& space, std::span<const LatticePosition> positions,
          std::vector<LatticePosition>* given, const ScratchSpace* scratch = nullptr)
       : space_(space),
@@ -189,19 +189,20 @@ class Sorter {
   static std::size_t chunk_size(std::size_t count, const ScratchSpace* scratch) {
     const std::size_t usual = std::clamp(std::bit_ceil(count / 64 + 1), k_min_chunk_size, k_max_chunk_size);
     if (!scratch) return usual;
-    // Fewer chunks have longer runs for each bucket, which the disk gives faster. A thread has the entries of a chunk
-    // in its scratch memory and in the file, and the positions.
+    // Fewer chunks have longer runs for each bucket, which are faster to read from disk. A thread has the
+    // entries of a chunk in its scratch memory and in the file, and the positions.
     const std::size_t threads = static_cast<std::size_t>(tbb::this_task_arena::max_concurrency());
     const std::size_t bytes_of_point = 2 * sizeof(Entry) + sizeof(std::uint16_t) + sizeof(LatticePosition);
     return std::clamp(std::bit_floor(scratch->memory / threads / bytes_of_point), usual,
                       std::max(usual, std::bit_ceil(count / threads + 1)));
   }
 
-  /// Narrow entries replace the positions they are made of.
+  /// Whether entries replace the positions that they are made of, as narrow ones do.
   bool in_place() const { return given_ && sizeof(Entry) == sizeof(LatticePosition); }
   bool uses_up_positions() const { return (given_ && !in_place()) || scratch_folder_; }
 
-  /// Memory of the partitioned chunks; only bytes are copied in and out, as it may be that of the positions.
+  /// Memory of the partitioned chunks. Only bytes are copied to and from it, as it may be that of the
+  /// positions.
   std::byte* chunk_bytes(std::size_t first_entry) {
     std::byte* const bytes = in_place() ? reinterpret_cast<std::byte*>(given_->data())
                                         : reinterpret_cast<std::byte*>(chunks_.data());
@@ -259,8 +260,7 @@ class Sorter {
 
   void sort_bucket(std::size_t bucket, Entry* target, std::size_t count) {
     if (count == 0) return;
-    // A bucket that no scratch should grow to has one key (KeyBuckets), or almost never few; then it is
-    // sorted where it stands.
+    // A bucket too large for the scratch memory has one key (KeyBuckets), rarely a few. Sort it in place.
     const bool is_large = count > 8 * std::max(k_bucket_size, positions_.size() / buckets_.count());
     Entry* const collected = is_large ? target : scratch_.local().room_for(count);
     std::size_t filled = 0;
@@ -287,13 +287,13 @@ class Sorter {
   const std::span<const LatticePosition> positions_;
   std::vector<LatticePosition>* const given_;
   ScratchFolder scratch_folder_;
-  PageRelease position_release_;  ///< where the chunks do not lie in their memory
+  PageRelease position_release_;  ///< if the chunks are not in the memory of the positions
   PageRelease chunk_release_;
   const std::size_t chunk_size_;
   const std::size_t chunk_count_;
   const KeyBuckets<Key> buckets_;
   HugeArray<Entry> chunks_;
-  /// Where each bucket's run starts in each chunk, from the chunk's begin; one more ends the last.
+  /// The begin of each bucket's run in each chunk, from the chunk's begin, and the end of the last.
   std::vector<std::uint32_t> run_begin_;
   tbb::enumerable_thread_specific<Scratch> scratch_;
 };
@@ -332,7 +332,7 @@ KeySpace aligned_key_space(const std::vector<LatticePosition>& positions) {
     differing |= steps_from(k_lowest, extent.low[axis]) ^ steps_from(k_lowest, extent.high[axis]);
   KeySpace space{LatticePosition(k_lowest), static_cast<int>(std::bit_width(differing))};
   const std::uint32_t kept = space.extent_bits == 32 ? 0 : ~std::uint32_t{0} << space.extent_bits;
-  // Bits above are the same for all, and so decide nothing.
+  // Bits above are equal in all positions.
   for (int axis = 0; axis < 3; ++axis) {
     const std::uint32_t common = steps_from(k_lowest, extent.low[axis]) & kept;
     space.base[axis] = static_cast<std::int32_t>(common + static_cast<std::uint32_t>(k_lowest));

@@ -17,8 +17,8 @@ namespace alidade {
 /// Lattice steps from the lowest position of a cloud, per axis.
 using Steps = glm::uvec3;
 
-/// A point under way into the octree: Morton key, which holds its position without loss, and row. As large as
-/// the position it replaces; for clouds of at most 2^21 steps per axis.
+/// A point while the octree is built: Morton key, which contains its position without loss, and row. As large
+/// as the position that it replaces; for clouds of at most 2^21 steps per axis.
 struct NarrowEntry {
   using Key = std::uint64_t;
 
@@ -34,7 +34,7 @@ struct NarrowEntry {
 };
 static_assert(sizeof(NarrowEntry) == sizeof(LatticePosition));
 
-/// The same for any cloud.
+/// An entry for clouds of any extent, which is larger than a NarrowEntry.
 struct WideEntry {
   using Key = WideMortonKey;
 
@@ -56,7 +56,7 @@ Steps steps_of(const Entry& entry) {
   return {morton_coordinate(key, 0), morton_coordinate(key, 1), morton_coordinate(key, 2)};
 }
 
-/// Where a cloud's positions lie.
+/// The extent of a cloud's positions.
 struct KeySpace {
   LatticePosition base{0};  ///< lowest lattice position on each axis
   int extent_bits = 0;      ///< bits that hold the largest step count from base; 0 .. 32
@@ -65,11 +65,12 @@ struct KeySpace {
   bool is_narrow() const { return extent_bits <= k_morton_bits; }
 };
 
-/// Cost: one pass, in parallel.
+/// The smallest space of these positions. Cost: one pass, in parallel.
 KeySpace key_space(std::span<const LatticePosition> positions);
 
-/// One in which positions have the order that they have in the space of all positions, and so in any that
-/// this function gives: pieces of a cloud that were sorted apart can be merged. Cost: one pass, in parallel.
+/// A space of these positions in which their order is that in the space of all lattice positions, and so in
+/// all results of this function: pieces of a cloud that are sorted separately can be merged. Cost: one pass,
+/// in parallel.
 KeySpace aligned_key_space(const std::vector<LatticePosition>& positions);
 
 /// Points in (Morton key, id) order.
@@ -84,8 +85,8 @@ class SortedPoints {
   Entry* data() { return entries_.data(); }
   const Entry& operator[](std::size_t i) const { return entries_[i]; }
 
-  /// These entries will not be read again: their memory goes back to the system when all around them is used
-  /// up too. Each entry at most once; from many threads.
+  /// Declares that these entries will not be read again: their memory is released when those around them are
+  /// used up, too. Call at most once per entry; from any thread.
   void use_up(std::size_t begin, std::size_t end) {
     release_.use_up(begin * sizeof(Entry), (end - begin) * sizeof(Entry));
   }
@@ -98,17 +99,18 @@ class SortedPoints {
 
 /// Sorts points by Morton key, then row, in parallel; the result does not depend on the number of threads.
 /// Requires fewer than 2^32 positions, and space.is_narrow() for NarrowEntry. Cost: a few passes over the
-/// points, whatever their distribution. Memory at the peak: two entries per point beside the positions.
+/// points, for any distribution. Memory at the peak: two entries per point beside the positions.
 template <class Entry>
 SortedPoints<Entry> sort_points(const KeySpace& space, const std::vector<LatticePosition>& positions);
 
-/// The same, using up the positions, which are empty afterwards. Memory at the peak, that of the positions
-/// included: one narrow or two wide entries per point.
+/// sort_points() that uses up the positions, which are empty afterwards. Memory at the peak, including the
+/// positions: one narrow or two wide entries per point.
 template <class Entry>
 SortedPoints<Entry> sort_points(const KeySpace& space, std::vector<LatticePosition>&& positions);
 
-/// The same with positions of a scratch file that is mapped into memory, which are used up; all that is large lies in
-/// scratch files. Memory at the peak: that of `scratch`, or 12 MB per thread if that is more, and 1/8 B per point.
+/// sort_points() for positions of a scratch file that is mapped into memory, which are used up; all large
+/// data are in scratch files. Memory at the peak: that of `scratch`, or 12 MB per thread if that is more, and
+/// 1/8 B per point.
 template <class Entry>
 SortedPoints<Entry> sort_points(const KeySpace& space, std::span<LatticePosition> positions,
                                 const ScratchSpace& scratch);

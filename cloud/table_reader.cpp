@@ -21,7 +21,7 @@ namespace {
 
 constexpr ColumnRole k_axes[] = {ColumnRole::x, ColumnRole::y, ColumnRole::z};
 
-/// Nearest value of an integer type, held at its ends; NaN becomes 0.
+/// Nearest value of an integer type, clamped to its range; NaN becomes 0.
 template <class Integer>
 Integer nearest(double value) {
   constexpr double k_low = static_cast<double>(std::numeric_limits<Integer>::min());
@@ -30,24 +30,24 @@ Integer nearest(double value) {
   return value >= k_high ? std::numeric_limits<Integer>::max() : static_cast<Integer>(std::nearbyint(value));
 }
 
-/// Nearest float; too large a number becomes infinite, as in IEEE 754.
+/// Nearest float; numbers that are too large become infinite, as in IEEE 754.
 float to_float(double value) {
   constexpr double k_largest = std::numeric_limits<float>::max();
   if (!(std::abs(value) > k_largest)) return static_cast<float>(value);
   return static_cast<float>(std::copysign(std::numeric_limits<double>::infinity(), value));
 }
 
-void store_as(ScalarType type, const Cell& cell, std::byte* offset) {
+void store_as(ScalarType type, const Cell& cell, std::byte* bytes) {
   with_type(type, [&](auto none) {
     using Value = decltype(none);
     if constexpr (std::is_same_v<Value, double>) {
-      store(offset, cell.number);
+      store(bytes, cell.number);
     } else if constexpr (std::is_same_v<Value, float>) {
-      store(offset, to_float(cell.number));
+      store(bytes, to_float(cell.number));
     } else if constexpr (k_is_wide<Value>) {
-      store(offset, cell.integer);
+      store(bytes, cell.integer);
     } else {
-      store(offset, nearest<Value>(cell.number));
+      store(bytes, nearest<Value>(cell.number));
     }
   });
 }
@@ -62,7 +62,7 @@ class PositionColumns {
         y_(find_role(columns, ColumnRole::y).value()),
         z_(find_role(columns, ColumnRole::z)) {}
 
-  /// Empty if a coordinate is not finite: the point is to be left out.
+  /// The position of a row; empty if a coordinate is not finite, so that the point is left out.
   std::optional<glm::dvec3> position(std::span<const Cell> row) const {
     const glm::dvec3 position(row[x_].number, row[y_].number, z_ ? row[*z_].number : 0.0);
     return is_finite(position) ? std::optional(position) : std::nullopt;
@@ -78,11 +78,11 @@ struct TableScalings {
   ValueScaling colors, near_infrared, intensities;
 };
 
-/// The second pass over the rows of a point table: puts them into the columns of a cloud.
+/// The second pass over the rows of a point table, which fills the columns of a cloud.
 class TableAppender : public RowsToFill {
  public:
-  /// Makes new rows of zeros in `cloud` for the `count` rows to come, as far as a piece has room, and the
-  /// columns that they need: those of `columns` that are in `wanted`. `pieces` must outlive the object.
+  /// Appends rows of zeros to `cloud` for the next `count` rows, as far as a piece has room, with the columns
+  /// that they need: those of `columns` that are in `wanted`. `pieces` must outlive the object.
   TableAppender(PointCloud& cloud, std::span<const TableColumn> columns, AttributeSet wanted,
                 TableScalings scalings, std::uint64_t count, const CloudPieces& pieces)
       : RowsToFill(cloud, attributes_of(columns) & wanted, count, pieces),
@@ -100,7 +100,7 @@ class TableAppender : public RowsToFill {
     make_rows();
   }
 
-  /// Takes the next row; a position that is not finite is left out. False as begin_row().
+  /// Takes the next row; leaves out a position that is not finite. Returns false as begin_row() does.
   bool add(std::span<const Cell> row) {
     const std::optional<glm::dvec3> world = positions_.position(row);
     if (!world) return true;
@@ -185,7 +185,7 @@ class TableAppender : public RowsToFill {
 };
 
 void check_room(const InputFile& input, const AnnouncedRows& rows, Damage damage) {
-  // In text, a value takes two bytes with the blank after it; the very last one may lack that.
+  // In text, a value takes two bytes with the blank behind it, which the last one of the file may lack.
   const std::uint64_t left = input.size() - rows.offset, room = rows.is_text ? (left + 1) / 2 : left;
   if (rows.count == 0 || (rows.smallest_row > 0 && rows.count <= room / rows.smallest_row)) return;
   if (rows.smallest_row > 0 && damage == Damage::read_over) return;
@@ -199,12 +199,12 @@ void check_room(const InputFile& input, const AnnouncedRows& rows, Damage damage
 }
 
 void reject_text_transfer(InputFile& input, std::uint64_t begin, std::optional<std::uint64_t> end) {
-  // Numbers may contain such pairs, in a column of one number at equal distances; but four others and no other line
-  // feed are no accident.
-  constexpr std::size_t k_looked_at = 1 << 20, k_many = 4;
+  // Numbers may contain such pairs, in a column of one number at equal distances; but not four others by
+  // chance without any other line feed.
+  constexpr std::size_t k_tested_bytes = 1 << 20, k_many = 4;
   const std::uint64_t left_over = input.size() - std::min(end.value_or(begin), input.size());
   if (left_over == 0) return;
-  const std::span<const std::byte> bytes = input.view_up_to(begin, k_looked_at);
+  const std::span<const std::byte> bytes = input.view_up_to(begin, k_tested_bytes);
   const std::string_view text(reinterpret_cast<const char*>(bytes.data()), bytes.size());
   std::uint64_t pairs = 0;
   std::unordered_set<std::size_t> distances;

@@ -16,7 +16,7 @@
 
 namespace alidade {
 
-/// How finely the coordinates of a text are written: the most decimals found on each axis.
+/// The resolution of the coordinates of a text: the most decimals on each axis.
 class WrittenResolution {
  public:
   WrittenResolution() = default;
@@ -24,7 +24,7 @@ class WrittenResolution {
       : columns_{find_role(columns, ColumnRole::x), find_role(columns, ColumnRole::y),
                  find_role(columns, ColumnRole::z)} {}
 
-  /// Looks at the word in a column; words of other columns than coordinates cost nothing.
+  /// Takes the word of a column; ignores words of other columns than coordinates.
   void add(std::size_t column, std::string_view word) {
     for (int axis = 0; axis < 3; ++axis) {
       if (columns_[axis] != column) continue;
@@ -33,7 +33,7 @@ class WrittenResolution {
     }
   }
 
-  /// Half of the last written digit, per axis; 0 where nothing was written.
+  /// Half of the last written digit, per axis; 0 without words.
   glm::dvec3 resolution() const {
     glm::dvec3 result(0.0);
     for (int axis = 0; axis < 3; ++axis) {
@@ -47,36 +47,37 @@ class WrittenResolution {
   std::optional<int> decimals_[3];
 };
 
-/// The first pass over the rows of a point table: where the points are and how large the values that need
-/// scaling.
+/// The result of the first pass over the rows of a point table: the extent of the points, and the ranges of
+/// values that need scaling.
 struct TableSurvey : CoordinateSurvey {
   ColumnRange colors{}, near_infrared{}, intensities{};
 };
 
-/// The rows that the header of a file of points announces.
+/// The rows that the header of a file states.
 struct AnnouncedRows {
   std::uint64_t offset = 0;  ///< of the first
   std::uint64_t count = 0;
-  std::uint64_t smallest_row = 0;  ///< values of a row as text, else its bytes, at least
+  std::uint64_t smallest_row = 0;  ///< values of a row of text, else the fewest bytes of a row
   bool is_text = false;
-  const char *name = "points", *value_name = "values";  ///< what the format calls them
+  const char *name = "points", *value_name = "values";  ///< the format's words for rows and values
 };
 
-/// Checks that the file has room for them. Errors: rows without values; more rows than that, which is damage.
+/// Checks that the file has room for the rows. Errors: rows without values; more rows than the file has room
+/// for, which is damage.
 void check_room(const InputFile& input, const AnnouncedRows& rows, Damage damage);
 
-/// Errors: a binary file that was transferred as text, so that a carriage return was put before every line feed of
-/// its points: they begin at `begin`, and bytes are left over behind their `end`, as far as it is known.
+/// Rejects a binary file that was transferred as text, which inserts a carriage return before every line feed
+/// of its points: they begin at `begin`, and there are bytes behind their `end`, if it is known.
 void reject_text_transfer(InputFile& input, std::uint64_t begin, std::optional<std::uint64_t> end);
 
-/// What PLY, PCD and the text formats share: a file is a table of points with free coordinates, its columns
-/// have names or an agreed order. A format sets its columns and visits the rows; survey and read are done
-/// here.
+/// Common base of the readers of PLY, PCD and text: a file is a table of points with free coordinates, whose
+/// columns have names or a defined order. A format sets its columns and visits the rows; this class does
+/// survey and read.
 class TableReader : public CloudReader {
  public:
   const CloudFile& file() const override { return description_; }
   AttributeSet attributes() const override { return attributes_of(columns_); }
-  /// As the coordinates were written in the last pass, or from the types of the columns.
+  /// The resolution of the coordinates written in the last pass, or that of the columns' types.
   glm::dvec3 resolution(const Bounds& bounds) const override;
   CoordinateSurvey survey(const Progress& progress) override;
   void read_in_pieces(PointCloud& cloud, AttributeSet wanted, const CloudPieces& pieces,
@@ -90,24 +91,24 @@ class TableReader : public CloudReader {
 
   TableReader(InputFile input, std::string format, Damage damage);
 
-  /// Sets the columns, whose roles have been assigned; `location` is that of their names in the file. Errors: two
-  /// columns of one name; more than 4096; no x or no y. A missing z is said in the warnings.
+  /// Sets the columns, whose roles have been assigned; `location` is that of their names in the file. Adds a
+  /// warning if z is missing. Errors: two columns of one name; more than 4096 columns; x or y is missing.
   void set_columns(std::vector<TableColumn> columns, const std::string& location);
 
-  /// Shows every row to `visit`, in order. A point without a position has NaN coordinates. An Error means that
-  /// this and the following rows cannot be had.
+  /// Passes every row to `visit`, in order. A point without a position has NaN coordinates. Errors: this row
+  /// and those behind it cannot be read.
   virtual void visit_rows(const RowVisitor& visit, const Progress& progress) = 0;
 
-  /// How many rows the header says there are, if it does.
+  /// The number of rows that the header states; empty if it states none.
   virtual std::optional<std::uint64_t> announced_rows() const { return std::nullopt; }
 
-  /// Says why points were left out, as a clause.
+  /// Why points are left out, as a clause for messages.
   virtual std::string reason_to_drop() const { return "without finite coordinates"; }
 
-  /// How colours are stored, where the file says so.
+  /// The scaling of colours that the file defines; empty if it defines none.
   virtual std::optional<ValueScaling> stated_colors() const { return std::nullopt; }
 
-  /// What the format says about intensities.
+  /// The scale of intensities that the format defines.
   virtual IntensityScale intensity_scale() const { return IntensityScale::free; }
 
   /// Adds a sentence about this file, for the cloud's warnings.
@@ -117,7 +118,7 @@ class TableReader : public CloudReader {
   [[noreturn]] void fail(std::string location, std::string problem, std::string expected = {},
                          std::string found = {}) const;
 
-  /// Calls fill(row) and then `visit` for `count` points; `source` is at the offset that progress names.
+  /// Calls fill(row) and then `visit` for `count` points; progress is the offset of `source`.
   template <class Source, class Fill>
   void visit_points(std::uint64_t count, const Source& source, const RowVisitor& visit,
                     const Progress& progress, const Fill& fill) {
@@ -131,7 +132,7 @@ class TableReader : public CloudReader {
   }
 
   const std::vector<TableColumn>& columns() const { return columns_; }
-  /// With Damage::read_over, counts are not compared with the room in the file: it ends where it ends.
+  /// With Damage::read_over, counts are not checked against the size of the file, which may end early.
   Damage damage() const { return damage_; }
   InputFile input_;
   CloudFile description_;

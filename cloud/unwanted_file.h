@@ -8,15 +8,16 @@
 
 namespace alidade {
 
-/// Why nothing of a file is needed: by what a catalog states, it lies outside of the region, or of the box of a
-/// selection. `no`: it may be needed.
+/// Why no point of a file is needed. By its box in a catalog, it lies outside of the region (`skipped`) or of
+/// the box of a selection (`left_out`). `no`: it may be needed.
 enum class Unwanted { no, skipped, left_out };
 
-/// Files whose lattice depends on all of their points are always needed, and so are damaged ones.
+/// Whether a file is unwanted. Files whose lattice depends on all of their points are always needed, and so
+/// is every file if damage is read over.
 Unwanted what_is_unwanted(const CloudInput& input, const ReadOptions& options);
 
-/// A reader of such a file that does not open it: it gives no points, and the survey says what the catalog states.
-/// Requires a file that is unwanted.
+/// A reader of an unwanted file that does not open it: it has no points, and its survey is that of the
+/// catalog. Requires an unwanted file.
 std::unique_ptr<CloudReader> open_unwanted(const CloudInput& input, Unwanted unwanted);
 
 }  // namespace alidade

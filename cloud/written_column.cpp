@@ -60,21 +60,21 @@ void add_standard(const PointCloud& cloud, int color_bits, std::vector<WrittenCo
   add_column("gps_time", ScalarType::float64, cloud.gps_times);
 }
 
-/// Whether readers take a column of this name for one of the standard ones.
+/// Whether readers identify a column of this name as a standard one.
 bool is_standard_name(const std::string& name) {
   std::vector<TableColumn> columns{{name}};
   assign_roles(columns, NameRules::point_format);
   return columns[0].role != ColumnRole::extra;
 }
 
-/// Names without blanks, each given once, and none that a reader mistakes for a standard column.
+/// Makes unique names without blanks, none of which is that of a standard column.
 class FreeNames {
  public:
   explicit FreeNames(const std::vector<WrittenColumn>& taken) {
     for (const WrittenColumn& column : taken) taken_.insert(column.name);
   }
 
-  /// The name itself if it is free, else with "extra_" before it, else also with a number behind it.
+  /// The name itself if it is free, else with the prefix "extra_", else also with a number behind it.
   std::string take(const std::string& name) {
     std::string free = name.empty() ? "extra" : name;
     for (char& character : free) {
@@ -82,7 +82,7 @@ class FreeNames {
     }
     if (is_standard_name(free) || !taken_.insert(free).second) {
       const std::string longer = "extra_" + free;
-      // Counts on from the last number given, so that a thousand of one name do not try them all.
+      // Continues from the last number of the name, so that a thousand of one name do not try all numbers.
       int& number = last_number_[longer];
       do {
         ++number;

@@ -56,7 +56,7 @@ struct Page {
   std::uint64_t offset, size;
 };
 
-/// What the pages say, checked on its own.
+/// The entries of all pages of the hierarchy, checked one by one.
 class Entries {
  public:
   explicit Entries(InputFile& file) : file_(file) {}
@@ -74,19 +74,19 @@ class Entries {
  private:
   /// Checks a page that the bytes at `from` point to; it is read later.
   void announce(const Page& page, std::uint64_t from) {
-    const std::string said = from == 0 ? "the COPC record" : fmt::format("byte {}", from);
+    const std::string referrer = from == 0 ? "the COPC record" : fmt::format("byte {}", from);
     const bool inside = page.offset <= file_.size() && page.size <= file_.size() - page.offset;
     if (!inside || page.size == 0 || page.size % k_entry_size != 0) {
       fail_at_byte(file_.name(), page.offset,
-                   fmt::format("invalid page of the COPC hierarchy, referenced by {}", said),
+                   fmt::format("invalid page of the COPC hierarchy, referenced by {}", referrer),
                    fmt::format("a multiple of {} bytes inside the file", k_entry_size),
                    std::to_string(page.size));
     }
     if (!offsets_.insert(page.offset).second) {
       fail_at_byte(file_.name(), page.offset, "page of the COPC hierarchy referenced more than once",
-                   "one reference", "a second one from " + said);
+                   "one reference", "a second one from " + referrer);
     }
-    // Pages that overlap could be many more than the file has room for.
+    // Overlapping pages could be far more than the file has room for.
     bytes_ += page.size;
     if (bytes_ > file_.size()) {
       fail_at_byte(file_.name(), page.offset, "the pages of the COPC hierarchy exceed the file",
@@ -143,14 +143,14 @@ class Entries {
   std::map<CopcKey, LazChunk> nodes_;
 };
 
-/// Hangs every node below the smallest cube around it that is a node.
+/// Makes every node a child of the smallest cube around it that is a node.
 void find_children(CopcHierarchy& hierarchy) {
   std::vector<CopcNode>& nodes = hierarchy.nodes;
   std::vector<std::uint32_t> parents(nodes.size());
   for (std::size_t i = 1; i < nodes.size(); ++i) {
     CopcKey key = nodes[i].key;
     auto parent = nodes.end();
-    // The root is a node and around everything.
+    // Ends at the root, which is a node and contains all cubes.
     do {
       key = key.parent();
       parent = std::ranges::lower_bound(nodes, key, {}, &CopcNode::key);
@@ -170,7 +170,7 @@ void find_children(CopcHierarchy& hierarchy) {
   }
 }
 
-/// Gives every node the rows of its chunk.
+/// Sets the rows of every node to those of its chunk.
 void find_rows(const std::string& file_name, std::span<const LazChunk> chunks, std::vector<CopcNode>& nodes) {
   std::vector<CopcNode*> in_file;
   for (CopcNode& node : nodes) {
@@ -197,33 +197,6 @@ void find_rows(const std::string& file_name, std::span<const LazChunk> chunks, s
                  fmt::format("{} nodes with points", chunks.size()), std::to_string(in_file.size()));
   }
 }
-
-}  // namespace
-
-std::string CopcKey::name() const {
-  return fmt::format("{}-{}-{}-{}", level, x, y, z);
-}
-
-Bounds copc_cube(const CopcInfo& info, const CopcKey& key) {
-  const double side = 2 * info.half_size / static_cast<double>(std::int64_t{1} << key.level);
-  const glm::dvec3 min = info.centre - info.half_size + side * glm::dvec3(key.x, key.y, key.z);
-  return {min, min + side};
-}
-
-CopcHierarchy read_copc_hierarchy(InputFile& file, const CopcInfo& info, std::span<const LazChunk> chunks) {
-  CopcHierarchy hierarchy;
-  {
-    std::map<CopcKey, LazChunk> found = Entries(file).read({info.root_page, info.root_page_size});
-    found.try_emplace(CopcKey{});
-    hierarchy.nodes.reserve(found.size());
-    for (const auto& [key, chunk] : found) hierarchy.nodes.push_back({.key = key, .chunk = chunk});
-  }
-  find_children(hierarchy);
-  find_rows(file.name(), chunks, hierarchy.nodes);
-  return hierarchy;
-}
-
-namespace {
 
 constexpr std::size_t k_start_size = 589;  // header, record header and the record of COPC
 
@@ -267,7 +240,7 @@ std::uint64_t point_count_of(const ChosenNodes& part) {
   return count;
 }
 
-/// Unpacks the nodes of one file into rows that the cloud has already, from `first_row` on.
+/// Unpacks the nodes of one file into existing rows of the cloud, from `first_row` on.
 void unpack(const ChosenNodes& part, const LasColumns& columns, const LasColumns::Choice& choice,
             std::size_t first_row, PointCloud& cloud, JoinedProgress& progress) {
   const CopcFile& file = *part.file;
@@ -305,6 +278,29 @@ void unpack(const ChosenNodes& part, const LasColumns& columns, const LasColumns
 }
 
 }  // namespace
+
+std::string CopcKey::name() const {
+  return fmt::format("{}-{}-{}-{}", level, x, y, z);
+}
+
+Bounds copc_cube(const CopcInfo& info, const CopcKey& key) {
+  const double side = 2 * info.half_size / static_cast<double>(std::int64_t{1} << key.level);
+  const glm::dvec3 min = info.centre - info.half_size + side * glm::dvec3(key.x, key.y, key.z);
+  return {min, min + side};
+}
+
+CopcHierarchy read_copc_hierarchy(InputFile& file, const CopcInfo& info, std::span<const LazChunk> chunks) {
+  CopcHierarchy hierarchy;
+  {
+    std::map<CopcKey, LazChunk> found = Entries(file).read({info.root_page, info.root_page_size});
+    found.try_emplace(CopcKey{});
+    hierarchy.nodes.reserve(found.size());
+    for (const auto& [key, chunk] : found) hierarchy.nodes.push_back({.key = key, .chunk = chunk});
+  }
+  find_children(hierarchy);
+  find_rows(file.name(), chunks, hierarchy.nodes);
+  return hierarchy;
+}
 
 bool is_copc(std::span<const std::byte> start) {
   return start.size() >= k_start_size && las_text(start.data(), 4) == "LASF" &&
@@ -345,7 +341,7 @@ Bounds CopcFile::bounds(const CopcNode& node) const {
   Bounds bounds = copc_cube(info_, node.key);
   const int levels_below = k_deepest_copc_level + 1 - node.key.level;
   for (int axis = 0; axis < 3; ++axis) {
-    // A cube's faces are sums of three numbers, each rounded: a few units in the last offset of the largest.
+    // A cube's faces are sums of three numbers, each rounded: the error is a few ulps of the largest.
     const double largest = std::abs(info_.centre[axis]) + 2 * info_.half_size;
     const double rounding = 8 * std::numeric_limits<double>::epsilon() * largest * levels_below;
     if (axis == 2) {

@@ -20,17 +20,17 @@
 
 namespace alidade {
 
-/// What the first record of a COPC file says: the root of an octree of chunks. Source: COPC 1.0.
+/// The first record of a COPC file: the root of an octree of chunks. Source: COPC 1.0.
 struct CopcInfo {
   glm::dvec3 centre{0.0};            ///< of the root, world coordinates
   double half_size = 0.0;            ///< from the centre to each face: the root is a cube
-  double spacing = 0.0;              ///< distance of points aimed at in the root; halved by every level
-  std::uint64_t root_page = 0;       ///< where the hierarchy begins
+  double spacing = 0.0;              ///< intended distance of points in the root; halved by every level
+  std::uint64_t root_page = 0;       ///< byte where the hierarchy begins
   std::uint64_t root_page_size = 0;  ///< bytes
 };
 
-/// Reads the record's data. Errors: another size, numbers that are not finite or not positive, a cube whose
-/// corners are no finite numbers.
+/// Parses the record's data. Errors: another size; sizes that are not positive finite numbers; a cube whose
+/// corners are not finite.
 CopcInfo parse_copc_info(std::span<const std::byte> data, const std::string& file_name, std::uint64_t offset);
 
 inline constexpr int k_deepest_copc_level = 30;
@@ -60,7 +60,7 @@ struct CopcNode {
 /// The octree of a COPC file. Every point of the file belongs to exactly one node.
 struct CopcHierarchy {
   std::vector<CopcNode> nodes;  ///< level by level; the root is the first
-  /// Offsets in `nodes`: one node's children behind the other's. A node is the child of the smallest cube
+  /// Indices of `nodes`, the children of each node contiguous. A node is the child of the smallest cube
   /// around it that is a node: of its parent, unless the file leaves that out.
   std::vector<std::uint32_t> children;
 
@@ -72,23 +72,23 @@ struct CopcHierarchy {
 };
 
 /// Reads all pages of the hierarchy. A root that the file leaves out is added as a node without points, so
-/// that every node is reached from it. `chunks` are those of the file's chunk table: the nodes must have
-/// exactly these, from which follow the rows of their points. Errors: pages or chunks outside the file, pages
-/// that are met twice or take more bytes than the file has, keys that no octree has, two nodes of one key,
-/// nodes that are not the chunks of the file. Memory: about seven times the pages.
+/// that every node can be reached from it. `chunks` are those of the file's chunk table: the nodes must have
+/// exactly these, which define the rows of their points. Errors: pages or chunks outside the file; pages that
+/// are referenced twice or take more bytes than the file has; invalid keys; two nodes of one key; nodes that
+/// do not match the chunks of the file. Memory: about seven times the pages.
 CopcHierarchy read_copc_hierarchy(InputFile& file, const CopcInfo& info, std::span<const LazChunk> chunks);
 
-/// Whether a file that starts so, 589 bytes at least, is COPC.
+/// Whether a file is COPC, by its first 589 bytes or more.
 bool is_copc(std::span<const std::byte> start);
 
-/// A COPC file, opened: everything but its points is read. Thread safe.
+/// An opened COPC file: everything but the points is read. Thread safe.
 class CopcFile {
  public:
-  /// Errors: the file is no COPC 1.0 (LAS 1.4 with points of format 6 to 8, compressed in chunks of different
-  /// sizes, behind a record of COPC); what read_las_header(), parse_laszip_record(), read_chunk_table(),
-  /// parse_copc_info() and read_copc_hierarchy() reject. `rests`: whether the file is closed between reads, so that
-  /// thousands can be in use. `input`, if given, says in which unit heights are wanted (InputView::has_one_unit):
-  /// header, reference system, boxes and points are then those of the stretched cloud. Errors: those of
+  /// `rests`: whether the file is closed between reads, so that thousands can be in use. `input`, if given,
+  /// has the wanted unit of heights (InputView::has_one_unit): header, reference system, boxes and points are
+  /// then those of the scaled cloud. Errors: the file is not COPC 1.0 (LAS 1.4 with points of format 6 to 8,
+  /// compressed in chunks of different sizes, behind a record of COPC); those of read_las_header(),
+  /// parse_laszip_record(), read_chunk_table(), parse_copc_info(), read_copc_hierarchy() and
   /// InputView::change_of().
   explicit CopcFile(InputFile file, bool rests = false, const CloudInput* input = nullptr);
 
@@ -100,13 +100,13 @@ class CopcFile {
   const CopcHierarchy& hierarchy() const { return hierarchy_; }
   const std::vector<std::string>& warnings() const { return warnings_; }
 
-  /// The bytes of a node's chunk, as in the file.
+  /// Reads the bytes of a node's chunk, as in the file.
   void read_chunk(const CopcNode& node, std::vector<std::byte>& bytes) const;
 
-  /// No point of the node or of those below it lies outside: the node's cube, enlarged by a step of the
-  /// lattice on every side, because coordinates are rounded after points are sorted into cubes, and by what
-  /// sums of float64 cost, so that the box of a node lies in that of its parent. Points are held to it when
-  /// they are read (octree/copc_tree.h).
+  /// A box around all points of the node and of those below it: the node's cube, enlarged by a step of the
+  /// lattice on every side, because coordinates are rounded after points are sorted into cubes, and by the
+  /// rounding of float64 sums, so that the box of a node lies in that of its parent. Points outside of it are
+  /// an error when they are read (octree/copc_tree.h).
   Bounds bounds(const CopcNode& node) const;
 
  private:
@@ -125,16 +125,16 @@ class CopcFile {
 /// Some nodes of a COPC file.
 struct ChosenNodes {
   const CopcFile* file = nullptr;
-  std::vector<std::uint32_t> nodes;  ///< offsets in its hierarchy, none twice
+  std::vector<std::uint32_t> nodes;  ///< indices of nodes of its hierarchy, without duplicates
 };
 
-/// Reads the points of these nodes, file by file in the order given, node by node: a part of what
-/// read_cloud() gives. Of the options, region and partial have no meaning; progress is in points. Chunks are
-/// unpacked in parallel (oneTBB); the result does not depend on the number of threads. The lattice is that of all files
-/// (joined_lattice()). Errors: a damaged chunk.
+/// Reads the points of these nodes, in the order of files and nodes: a part of the result of read_cloud().
+/// Ignores the options region and partial; progress is in points. Chunks are unpacked in parallel (oneTBB);
+/// the result does not depend on the number of threads. The lattice is that of all files (joined_lattice()).
+/// Errors: a damaged chunk.
 PointCloud read_copc_nodes(std::span<const ChosenNodes> parts, const ReadOptions& options = {});
 
-/// How many points read_copc_nodes() would read.
+/// The number of points that read_copc_nodes() would read.
 std::uint64_t point_count(std::span<const ChosenNodes> parts);
 
 }  // namespace alidade

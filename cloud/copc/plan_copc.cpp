@@ -34,13 +34,13 @@ CopcInfo root_of(const Lattice& lattice, const LatticeExtent& extent, bool is_em
   const glm::dvec3 size = bounds.size();
   const double step = std::max({lattice.scale.x, lattice.scale.y, lattice.scale.z});
   info.centre = is_empty ? lattice.offset : bounds.center();
-  // A step more than half, so that no point lies on the border.
+  // Half of the size and a step, so that no point lies on the border.
   info.half_size = 0.5 * std::max({size.x, size.y, size.z}) + step;
   info.spacing = 2.0 * info.half_size / (1 << k_grid_bits);
   return info;
 }
 
-/// The points by their cells of the deepest grid, which take the place of the positions.
+/// The points sorted by their cells of the deepest grid, which replace the positions.
 Points sorted_points(const Lattice& lattice, std::span<LatticePosition> positions, const CopcInfo& info,
                      const ScratchSpace& scratch) {
   constexpr std::size_t k_at_once = std::size_t{1} << 14;
@@ -65,8 +65,8 @@ struct Rest {
   std::size_t begin = 0, end = 0;
 };
 
-/// Takes one point of every cell of a cube's grid, in the order of the curve; the others close up at the beginning of
-/// the range, whose end is moved.
+/// Takes one point of every cell of a cube's grid, in the order of the curve. The others move to the
+/// beginning of the range, whose end is adapted.
 std::vector<std::uint32_t> take_grid(Points& points, Rest& rest, int level) {
   NarrowEntry* const all = points.data();
   std::vector<std::uint32_t> taken;
@@ -114,7 +114,7 @@ std::vector<std::uint32_t> CopcPlan::counts() const {
 CopcPlan plan_copc(const Lattice& lattice, const LatticeExtent& extent, std::span<LatticePosition> positions,
                    const ScratchSpace& scratch, std::size_t most_points) {
   const std::size_t count = positions.size();
-  // A node's count has 31 bits, and one node may have to take all.
+  // A node's count has 31 bits, and one node may have all points.
   if (count > std::numeric_limits<std::int32_t>::max())
     throw input_error("too many points for COPC", "at most 2147483647", std::to_string(count));
   CopcPlan plan;
@@ -187,14 +187,14 @@ VariableLengthRecord copc_hierarchy_record(CopcPlan& plan, std::span<const LazCh
   std::map<CopcKey, std::vector<CopcKey>> below;
   for (const auto& [key, nodes] : pages)
     if (key.level > 0) below[page_of(key.parent())].push_back(key);
-  struct Place {
+  struct PageExtent {
     std::uint64_t offset, size;
   };
-  std::map<CopcKey, Place> places;
+  std::map<CopcKey, PageExtent> extents;
   std::uint64_t end = plan.info.root_page;
   for (const auto& [key, nodes] : pages) {
-    places[key] = {end, 32 * (nodes.size() + below[key].size())};
-    end += places[key].size;
+    extents[key] = {end, 32 * (nodes.size() + below[key].size())};
+    end += extents[key].size;
   }
   VariableLengthRecord record{
       .user_id = "copc", .record_id = 1000, .description = "COPC hierarchy", .data = {}, .extended = true};
@@ -203,14 +203,14 @@ VariableLengthRecord copc_hierarchy_record(CopcPlan& plan, std::span<const LazCh
       put_node(record.data, plan.nodes[i].key, chunks[i].offset, chunks[i].byte_count,
                static_cast<std::int32_t>(chunks[i].point_count));
     for (const CopcKey& page : below[key])
-      put_node(record.data, page, places[page].offset, places[page].size, -1);
+      put_node(record.data, page, extents[page].offset, extents[page].size, -1);
   }
   // A root without points.
   if (plan.nodes.empty()) {
     put_node(record.data, CopcKey{}, 0, 0, 0);
-    places[CopcKey{}].size = record.data.size();
+    extents[CopcKey{}].size = record.data.size();
   }
-  plan.info.root_page_size = places[CopcKey{}].size;
+  plan.info.root_page_size = extents[CopcKey{}].size;
   return record;
 }
 

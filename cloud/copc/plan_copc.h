@@ -11,11 +11,12 @@
 #include "cloud/copc/copc_file.h"
 #include "cloud/point_cloud.h"
 
-// What makes a LAZ file a COPC file: the order of its points, its chunks, and two records. Source: COPC 1.0.
+// The parts of a LAZ file that make it COPC: the order of its points, its chunks and two records. Source:
+// COPC 1.0.
 
 namespace alidade {
 
-/// The octree of a file that is to be written. Its nodes are in the order of their chunks: level by level.
+/// The octree of a file to be written. Its nodes are in the order of their chunks: level by level.
 struct CopcPlan {
   struct Node {
     CopcKey key;
@@ -30,14 +31,17 @@ struct CopcPlan {
   std::vector<std::uint32_t> counts() const;
 };
 
-/// Plans the octree of points on a lattice with their order. The root is the cube around all
-/// points, whose extent is given; a node of level L has a grid of 128 cells along each side of its cube. Of more than `most_points` a node
-/// takes one in each cell of the grid that holds points, the middle one along Morton's curve, and its children take
-/// the others; a node of fewer takes all, and so does a node of level 14. So the levels 0 to L are a cloud with a
-/// spacing of about side / (128 * 2^L). The same result on any number of threads.
+/// Plans the octree of points on a lattice, and their order. The root is the cube around `extent`, that of
+/// all points; a node of level L has a grid of 128 cells along each side of its cube. If the nodes above it
+/// leave more than `most_points` points in its cube, a node takes one of them in each cell of the grid, the
+/// middle one along Morton's curve, and its children take the others; otherwise, and on level 14, it takes
+/// all. So the levels 0 to L are a cloud with a spacing of about side / (128 * 2^L). The result is the same
+/// on any number of threads.
 ///
 /// `positions` are those of a scratch file that is mapped into memory; their values are lost. Memory: that of
-/// `scratch`, and 4 B for each point that a grid takes; beside the positions 12 to 28 B per point of disk. Cost: about 0.2 s per million points of one thread. Errors: more than 2^31 - 1 points; those of scratch files.
+/// `scratch`, and 4 B for each point that a grid takes. Disk: 12 to 28 B per point beside the positions.
+/// Cost: about 0.2 s of one thread per million points. Errors: more than 2^31 - 1 points; those of
+/// ScratchFile.
 CopcPlan plan_copc(const Lattice& lattice, const LatticeExtent& extent, std::span<LatticePosition> positions,
                    const ScratchSpace& scratch, std::size_t most_points = 50000);
 
@@ -45,8 +49,8 @@ CopcPlan plan_copc(const Lattice& lattice, const LatticeExtent& extent, std::spa
 VariableLengthRecord copc_info_record(const CopcInfo& info, const Interval& times);
 
 /// The extended record with the hierarchy, whose first page begins at info.root_page of the plan; sets
-/// info.root_page_size. Trees of more than 1024 nodes have a page for each four levels. `chunks`: where those of the
-/// nodes are, in their order.
+/// info.root_page_size. Trees of more than 1024 nodes have a page for each four levels. `chunks` are those of
+/// the nodes, in their order.
 VariableLengthRecord copc_hierarchy_record(CopcPlan& plan, std::span<const LazChunk> chunks);
 
 }  // namespace alidade

@@ -26,13 +26,13 @@ ValueScaling from_range(const Range& range) {
   return {.origin = range[0], .factor = 65535.0 / (range[1] - range[0]), .assumption = {}};
 }
 
-/// Floats that were rounded when limits were written as text do not leave them.
+/// Whether values exceed a range by more than the rounding of limits that are written as text.
 bool goes_beyond(const ColumnRange& values, const Range& range) {
   const double slack = 1e-5 * (range[1] - range[0]);
   return values.min <= values.max && (values.max > range[1] + slack || values.min < range[0] - slack);
 }
 
-/// Top of the scale that integers up to `largest` are on.
+/// The maximum of the scale of integers up to `largest`.
 double full_scale(double largest) {
   if (largest <= 255.0) return 255.0;
   if (largest < 65536.0 && std::has_single_bit(static_cast<std::uint32_t>(largest) + 1)) return largest;
@@ -95,7 +95,7 @@ class Scalings {
       colors_.grow(values);
       return;
     }
-    // Channels on scales of their own would change the hue, so all are widened.
+    // Different scales of the channels would change the hue, so all are widened.
     const auto beyond = std::ranges::find_if(
         ranges, [&](const std::optional<Range>& range) { return goes_beyond(values, *range); });
     if (beyond != ranges.end()) {
@@ -133,7 +133,7 @@ class Scalings {
     scalings_[scan].intensities = from_range(range);
   }
 
-  /// Scales all scans without known limits by the ranges of their values together.
+  /// Scales all scans without limits by the joint ranges of their values.
   void scale_free_ones() {
     const ValueScaling colors = color_scaling(ScalarType::float64, colors_);
     const ValueScaling intensities =
@@ -153,10 +153,10 @@ class Scalings {
   E57Oddities& oddities_;
   std::vector<E57Scaling> scalings_;
   std::vector<std::size_t> free_colors_, free_intensities_;
-  ColumnRange colors_, intensities_;  ///< of the scans in those lists
+  ColumnRange colors_, intensities_;  ///< of the scans in free_colors_, free_intensities_
 };
 
-/// Nearest whole number, held at the ends of the type; NaN becomes 0.
+/// Nearest integer, clamped to the range of the type; NaN becomes 0.
 template <class Integer>
 Integer rounded(double value) {
   constexpr double k_largest = static_cast<double>(std::numeric_limits<Integer>::max());
@@ -164,7 +164,7 @@ Integer rounded(double value) {
   return value >= k_largest ? std::numeric_limits<Integer>::max() : static_cast<Integer>(value + 0.5);
 }
 
-/// Nearest float; what is too large for one becomes 0, as no part of a normal is.
+/// Nearest float; 0 if the value is too large for a float, as no component of a normal is.
 float normal_part(double value) {
   return std::abs(value) <= std::numeric_limits<float>::max() ? static_cast<float>(value) : 0.0f;
 }

@@ -21,43 +21,43 @@ struct E57Scaling {
   ValueScaling intensities;
 };
 
-/// What the first pass met in one scan, without what is flagged as invalid.
+/// Ranges of the values of one scan in the first pass, without those flagged as invalid.
 struct E57Values {
   ColumnRange colors, intensities;
 };
 
-/// Decides for every scan. Each has a scale of its own:
-/// - limits of the scan (colorLimits, intensityLimits), where the largest is above the smallest;
-/// - otherwise of intensities the range that the field itself states; of colours as integers 0 to the next of
-///   255 and 65535, or to the field's maximum if that is one less than a power of two above 255, because
-///   fields state what occurs as often as what can occur; of colours as floats that range where it is 0 to 1,
-///   255 or 65535;
-/// - otherwise what color_scaling() and intensity_scaling() say of all such scans together.
-/// Where values go beyond the range, it is widened to the next of 255 and 65535 that holds them (colours) or
-/// to the values (intensities); but colours between -1 and 2 are held at the ends of 0 to 1, because that
-/// much is what filters leave. What was assumed, widened or held is added to `oddities`.
+/// Determines the scales of every scan, each by the first of these that applies:
+/// - the limits of the scan (colorLimits, intensityLimits), if the largest is above the smallest;
+/// - for intensities, the range that the field itself states; for integer colours, 0 to the next of 255 and
+///   65535, or to the field's maximum if that is one less than a power of two above 255, because fields often
+///   state the values that occur instead of those that can occur; for colours as floats, the range of the
+///   field if it is 0 to 1, 255 or 65535;
+/// - the result of color_scaling() and intensity_scaling() for all remaining scans together.
+/// If values exceed the range, it is widened to the next of 255 and 65535 that holds them (colours) or to the
+/// values (intensities); but colours between -1 and 2 are clamped to 0 to 1, because filters overshoot that
+/// much. All that is assumed, widened or clamped is added to `oddities`.
 std::vector<E57Scaling> e57_scalings(const std::vector<E57Scan>& scans, const std::vector<E57Roles>& roles,
                                      const std::vector<E57Values>& values, AttributeSet wanted,
                                      E57Oddities& oddities);
 
-/// Puts the points of scans into new rows of a cloud. Attributes that a scan lacks stay 0.
+/// Appends the points of scans to a cloud. Attributes that a scan lacks are 0.
 class E57Appender : public RowsToFill {
  public:
-  /// Makes rows of zeros for `count` points to come, as far as a piece has room, and the columns of `filled`.
-  /// `pieces` must outlive the object.
+  /// Appends rows of zeros for the next `count` points, as far as a piece has room, and the columns of
+  /// `filled`. `pieces` must outlive the object.
   E57Appender(PointCloud& cloud, AttributeSet filled, std::uint64_t count, const CloudPieces& pieces)
       : RowsToFill(cloud, filled, count, pieces) {
     make_rows();
   }
 
-  /// How the next scan's values are to be read: its scaling, its pose for normals, and what its time stamps
-  /// count from.
+  /// Sets how values of the next scan are read: its scaling, its pose (for normals), and the origin of its
+  /// time stamps.
   void begin_scan(const E57Scan& scan, const E57Scaling& scaling, double time_origin);
 
-  /// Takes the next points, without those that are left out. False as begin_row().
+  /// Takes the next points, without those that are left out. Returns false as begin_row() does.
   bool add(const E57Points& points);
 
-  /// Values that their flags call invalid and that became 0: colours, intensities, time stamps.
+  /// Numbers of values that are flagged as invalid and became 0: colours, intensities, time stamps.
   const std::array<std::uint64_t, 3>& invalid() const { return invalid_; }
 
  private:

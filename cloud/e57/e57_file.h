@@ -17,7 +17,7 @@
 
 namespace alidade {
 
-/// CRC-32C (Castagnoli): polynomial 0x1EDC6F41, bits reflected, begun with and inverted by 0xFFFFFFFF, as in
+/// CRC-32C (Castagnoli): polynomial 0x1EDC6F41, bits reflected, initial value and final XOR 0xFFFFFFFF, as in
 /// iSCSI (RFC 3720). That of "123456789" is 0xE3069283. Cost: about a nanosecond per byte, by eight tables.
 std::uint32_t crc32c(std::span<const std::byte> bytes);
 
@@ -25,20 +25,21 @@ std::uint32_t crc32c(std::span<const std::byte> bytes);
 inline constexpr std::uint64_t k_e57_page = 1024;
 inline constexpr std::uint64_t k_e57_payload = 1020;
 
-/// What the first 48 bytes of an E57 file say beside its signature.
+/// The header of an E57 file, its first 48 bytes, without the signature.
 struct E57Header {
   std::uint32_t version_major = 1, version_minor = 0;
-  std::uint64_t xml_offset = 0;  ///< byte of the file
+  std::uint64_t xml_offset = 0;  ///< without checksums, as in E57Pages
   std::uint64_t xml_length = 0;  ///< without checksums
 };
 
 /// The bytes of an E57 file without the checksums between them: page after page, each compared with its
-/// CRC-32C when it is read. Offsets in E57 files count the checksums ("physical"), lengths do not; here offsets
-/// are those among the bytes without checksums, unless a name says otherwise. Not thread safe.
+/// CRC-32C when it is read. Offsets in E57 files count the checksums ("physical"), lengths do not; here
+/// offsets do not count them either, except where they are named physical. Not thread safe.
 class E57Pages {
  public:
-  /// Checks the file's header. Errors: it is no E57 file, another version or page size than 1 and 1024, a
-  /// length that is not the file's or no whole number of pages, a damaged first page.
+  /// Checks the file's header. Errors: it is not an E57 file, has another version than 1 or another page size
+  /// than 1024, states another length than the file's, is not a whole number of pages, or its first page is
+  /// damaged.
   explicit E57Pages(InputFile file);
 
   const E57Header& header() const { return header_; }
@@ -48,21 +49,21 @@ class E57Pages {
   /// Bytes with checksums.
   std::uint64_t file_size() const { return file_.size(); }
 
-  /// The offset of a byte of the file. Errors: it belongs to a checksum or lies behind the end; `where` is the
-  /// offset and `what` the subject of the message.
+  /// The offset of a byte of the file. Errors: the byte belongs to a checksum or lies behind the end. `where`
+  /// is the location and `what` the subject of the message.
   std::uint64_t offset_of(std::uint64_t physical, const std::string& where, const std::string& what) const;
 
-  /// The bytes [offset, offset + count), valid until the next call. Errors: they are not all there; a page's
-  /// checksum is wrong, which names the page, counted from 0. Memory: the largest `count` asked for and some
-  /// pages. Cost: who goes forward has each page read and compared once.
+  /// The bytes [offset, offset + count), valid until the next call. Errors: the file ends before; a page has
+  /// a wrong checksum (the message names the page, counted from 0). Memory: the largest `count` requested,
+  /// and some pages. Cost: with ascending offsets, each page is read and checked once.
   std::span<const std::byte> view(std::uint64_t offset, std::size_t count);
 
-  /// Gives `count` bytes from `offset` on to `take`, in pieces, so that a large file inside the file needs
+  /// Passes `count` bytes from `offset` on to `take`, in pieces, so that a large file inside the file needs
   /// little memory. Errors: those of view().
   void visit(std::uint64_t offset, std::uint64_t count,
              const std::function<void(std::span<const std::byte>)>& take);
 
-  /// Gives back file handle and buffer until the next view().
+  /// Releases file handle and buffer until the next view().
   void rest();
 
   [[noreturn]] void fail(std::string where, std::string problem, std::string expected = {},
@@ -77,13 +78,13 @@ class E57Pages {
   std::uint64_t window_page_ = 0;
 };
 
-/// What was read over in a file, as clauses. Hundreds of scans by one program are odd in the same way: the
+/// Harmless oddities of a file, as clauses. Hundreds of scans by one program have the same oddity: the
 /// clauses report the first of each kind, and the number of others.
 class E57Oddities {
  public:
   void add(const std::string& kind, const std::string& clause) {
-    const auto [offset, is_first] = kinds_.try_emplace(kind, Kind{clause});
-    if (!is_first) ++offset->second.more;
+    const auto [entry, is_first] = kinds_.try_emplace(kind, Kind{clause});
+    if (!is_first) ++entry->second.more;
   }
 
   /// Sorted by kind.
@@ -105,7 +106,7 @@ class E57Oddities {
   std::map<std::string, Kind> kinds_;
 };
 
-// What the XML of an E57 file says, as plain data. Standard: ASTM E2807.
+// The XML of an E57 file as plain data. Standard: ASTM E2807.
 
 /// How the values of a field are stored.
 enum class E57FieldKind { integer, scaled_integer, float32, float64, text };
@@ -116,12 +117,12 @@ struct E57Field {
   E57FieldKind kind = E57FieldKind::float64;
   std::int64_t minimum = 0, maximum = 0;  ///< of stored integers
   double scale = 1.0, offset = 0.0;       ///< value = offset + scale * stored integer
-  /// Smallest and largest value, where the file states both as finite numbers and means more than a type:
-  /// integers of 30 bits at most, scaled ones of 62, floats below 1e30.
+  /// Smallest and largest value, where the file states both as finite numbers that are not only limits of a
+  /// type: integers of 30 bits at most, scaled ones of 62, floats below 1e30.
   std::optional<std::array<double, 2>> range{};
 
   bool is_integer() const { return kind == E57FieldKind::integer || kind == E57FieldKind::scaled_integer; }
-  /// Bits of a stored value: 0 if all are equal, 64 at most. Of texts, whose length varies: the fewest.
+  /// Bits of a stored value, 0 (if all are equal) to 64. For texts, whose length varies, the fewest.
   int bits() const;
 };
 
@@ -129,10 +130,10 @@ struct E57Field {
 struct E57Pose {
   glm::dmat3 rotation{1.0};
   glm::dvec3 translation{0.0};
-  bool is_rotated = false;  ///< whether the rotation is another than none
+  bool is_rotated = false;  ///< whether the rotation is not the identity
 };
 
-/// What values mean darkest and brightest.
+/// The values of darkest and brightest.
 using E57Limits = std::optional<std::array<double, 2>>;
 
 struct E57Scan {
@@ -142,7 +143,7 @@ struct E57Scan {
   std::optional<E57Pose> pose{};
   E57Limits intensity_limits{};
   std::array<E57Limits, 3> color_limits{};  ///< red, green, blue
-  std::optional<double> start{};            ///< seconds since the GPS epoch, 1980-01-06; empty if not known
+  std::optional<double> start{};            ///< seconds since the GPS epoch, 1980-01-06; empty if unknown
 
   // Where the records are, in bytes without checksums (E57Pages); 0 without records.
   std::uint64_t begin = 0;  ///< the section's header
@@ -161,13 +162,13 @@ enum class E57Projection { visual, pinhole, spherical, cylindrical };
 /// The word for each projection: "visual reference", "pinhole", ...
 const char* name_of(E57Projection projection);
 
-/// One picture of an image, which may have a visual reference and one of the projections.
+/// One representation of an image, which may have a visual reference and one of the projections.
 struct E57Picture {
   E57Projection projection = E57Projection::visual;
   std::string extension;  ///< "jpg" or "png", by the first bytes; "bin" for anything else
   E57Blob blob;
   std::optional<E57Blob> mask{};                 ///< PNG, 0 = pixel not valid
-  std::uint64_t width = 0, height = 0;           ///< pixels, as the XML says
+  std::uint64_t width = 0, height = 0;           ///< pixels, as stated in the XML
   double focal_length = 0.0;                     ///< metres; pinhole
   double pixel_width = 0.0, pixel_height = 0.0;  ///< metres; spherical: radians; cylindrical: radians, metres
   double principal_x = 0.0, principal_y = 0.0;   ///< pixels; pinhole, cylindrical only y
@@ -188,20 +189,20 @@ struct E57Document {
   E57Oddities oddities;
 };
 
-/// An E57 file whose XML is understood and checked against the file: every section and every image lies
-/// inside it, sections of scans do not overlap, and no scan claims more records than its section could hold.
+/// An E57 file whose XML is parsed and checked against the file: every section and every image lies inside
+/// it, sections of scans do not overlap, and no scan has more records than its section can hold.
 class E57File {
  public:
   /// Errors: those of E57Pages; XML that is damaged, has a document type, is larger than 64 MiB or has more
-  /// than 8 million elements and attributes; what docs/e57.md lists as rejected. They name page, scan, field
-  /// or image. Memory: a constant factor of the XML's size.
+  /// than 8 million elements and attributes; content that docs/e57.md lists as rejected. They name page,
+  /// scan, field or image. Memory: proportional to the size of the XML.
   explicit E57File(InputFile file);
 
   const E57Document& document() const { return document_; }
   E57Pages& pages() { return pages_; }
   const E57Pages& pages() const { return pages_; }
 
-  /// Gives the bytes of a file inside the file to `take`, piece by piece. Errors: a damaged page.
+  /// Passes the bytes of a file inside the file to `take`, piece by piece. Errors: a damaged page.
   void read_blob(const E57Blob& blob, const std::function<void(std::span<const std::byte>)>& take) {
     pages_.visit(blob.offset, blob.length, take);
   }

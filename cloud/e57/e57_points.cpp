@@ -15,7 +15,7 @@ namespace {
 
 struct NamedRole {
   std::string_view name;
-  std::optional<Attribute> attribute;  ///< empty for what positions need
+  std::optional<Attribute> attribute;  ///< empty for fields of positions
 };
 
 /// In the order of E57Role.
@@ -45,13 +45,13 @@ constexpr std::array<NamedRole, k_e57_role_count> k_roles = {{
     {"normalZ", Attribute::normal},
 }};
 
-constexpr std::size_t offset_of(E57Role role) {
+constexpr std::size_t index_of(E57Role role) {
   return static_cast<std::size_t>(role);
 }
 
 /// The role of a field by its name; k_e57_role_count for none.
 std::size_t role_of(const E57Field& field) {
-  constexpr std::size_t k_first_of_extensions = offset_of(E57Role::normal_x);
+  constexpr std::size_t k_first_of_extensions = index_of(E57Role::normal_x);
   if (field.kind == E57FieldKind::text) return k_e57_role_count;
   const std::size_t colon = field.name.rfind(':');
   const bool is_extension = colon != std::string::npos;
@@ -62,14 +62,14 @@ std::size_t role_of(const E57Field& field) {
   return k_e57_role_count;
 }
 
-/// Roles that require each other; the last three follow a first one.
+/// Roles that require each other.
 constexpr std::array<std::array<E57Role, 3>, 4> k_triples = {
     {{E57Role::x, E57Role::y, E57Role::z},
      {E57Role::range, E57Role::azimuth, E57Role::elevation},
      {E57Role::red, E57Role::green, E57Role::blue},
      {E57Role::normal_x, E57Role::normal_y, E57Role::normal_z}}};
 
-/// Flags and what they speak of.
+/// Flags and the roles that they apply to.
 constexpr std::array<std::array<E57Role, 2>, 5> k_flags = {{{E57Role::cartesian_state, E57Role::x},
                                                             {E57Role::spherical_state, E57Role::range},
                                                             {E57Role::intensity_invalid, E57Role::intensity},
@@ -79,14 +79,14 @@ constexpr std::array<std::array<E57Role, 2>, 5> k_flags = {{{E57Role::cartesian_
 constexpr double k_nan = std::numeric_limits<double>::quiet_NaN();
 constexpr double k_largest_angle = 1 << 30;
 
-/// Some writers store states as floats: 0, 1, and 2 for everything else.
+/// The state of a point: 0, 1, or 2 for all other values. Some writers store states as floats.
 int state_of(const E57Points& points, E57Role role, std::size_t i) {
   if (!points.has(role)) return 0;
   const double state = points.value(role, i);
   return std::abs(state) < 0.5 ? 0 : std::abs(state - 1.0) < 0.5 ? 1 : 2;
 }
 
-/// r, azimuth, elevation.
+/// The position of spherical coordinates: see E57PointReader.
 glm::dvec3 from_spherical(double range, double azimuth, double elevation) {
   if (!(std::abs(azimuth) < k_largest_angle && std::abs(elevation) < k_largest_angle))
     return glm::dvec3(k_nan);
@@ -94,13 +94,13 @@ glm::dvec3 from_spherical(double range, double azimuth, double elevation) {
   return {range * e.cosine * a.cosine, range * e.cosine * a.sine, range * e.sine};
 }
 
-/// Sums in a fixed order, so that compilers agree.
-glm::dvec3 to_file(const E57Pose& pose, const glm::dvec3& offset) {
-  if (!pose.is_rotated) return offset + pose.translation;
+/// A position of a scan in the axes of the file. Sums in a fixed order, so that compilers agree.
+glm::dvec3 to_file(const E57Pose& pose, const glm::dvec3& position) {
+  if (!pose.is_rotated) return position + pose.translation;
   glm::dvec3 result;
   for (int axis = 0; axis < 3; ++axis) {
-    result[axis] = pose.rotation[0][axis] * offset.x + pose.rotation[1][axis] * offset.y +
-                   pose.rotation[2][axis] * offset.z + pose.translation[axis];
+    result[axis] = pose.rotation[0][axis] * position.x + pose.rotation[1][axis] * position.y +
+                   pose.rotation[2][axis] * position.z + pose.translation[axis];
   }
   return result;
 }
@@ -122,11 +122,11 @@ E57Roles::E57Roles(const E57Scan& scan) {
   for (const auto& triple : k_triples) {
     const bool complete = std::ranges::all_of(triple, [&](E57Role role) { return has(role); });
     for (const E57Role role : triple) {
-      if (!complete) fields_[offset_of(role)].reset();
+      if (!complete) fields_[index_of(role)].reset();
     }
   }
   for (const auto& [flag, subject] : k_flags) {
-    if (!has(subject)) fields_[offset_of(flag)].reset();
+    if (!has(subject)) fields_[index_of(flag)].reset();
   }
   for (std::size_t i = 0; i < scan.fields.size(); ++i) {
     if (std::ranges::find(fields_, std::optional(i)) == fields_.end()) unread_.push_back(scan.fields[i].name);
@@ -161,9 +161,9 @@ void E57PointReader::visit(E57Pages& pages, const std::string& where, AttributeS
     E57Points points;
     for (std::size_t role = 0; role < k_e57_role_count; ++role) {
       const auto field = roles_.field(static_cast<E57Role>(role));
-      const auto offset = field ? std::ranges::find(fields, *field) : fields.end();
-      if (offset != fields.end())
-        points.columns[role] = columns[static_cast<std::size_t>(offset - fields.begin())].data();
+      const auto found = field ? std::ranges::find(fields, *field) : fields.end();
+      if (found != fields.end())
+        points.columns[role] = columns[static_cast<std::size_t>(found - fields.begin())].data();
     }
     positions.resize(count);
     for (std::size_t i = 0; i < count; ++i) positions[i] = position_of(points, i);
@@ -175,24 +175,24 @@ void E57PointReader::visit(E57Pages& pages, const std::string& where, AttributeS
 glm::dvec3 E57PointReader::position_of(const E57Points& points, std::size_t i) {
   const int cartesian = roles_.has_cartesian() ? state_of(points, E57Role::cartesian_state, i) : 2;
   const int spherical = roles_.has_spherical() ? state_of(points, E57Role::spherical_state, i) : 2;
-  glm::dvec3 offset(k_nan);
+  glm::dvec3 position(k_nan);
   if (cartesian == 0) {
-    offset = {points.value(E57Role::x, i), points.value(E57Role::y, i), points.value(E57Role::z, i)};
+    position = {points.value(E57Role::x, i), points.value(E57Role::y, i), points.value(E57Role::z, i)};
   } else if (spherical == 0) {
-    offset = from_spherical(points.value(E57Role::range, i), points.value(E57Role::azimuth, i),
-                            points.value(E57Role::elevation, i));
+    position = from_spherical(points.value(E57Role::range, i), points.value(E57Role::azimuth, i),
+                              points.value(E57Role::elevation, i));
   } else {
     ++(cartesian == 1 || spherical == 1 ? left_out_.directions : left_out_.unknown);
-    return offset;
+    return position;
   }
-  const glm::dvec3 world = scan_.pose ? to_file(*scan_.pose, offset) : offset;
+  const glm::dvec3 world = scan_.pose ? to_file(*scan_.pose, position) : position;
   if (!is_finite(world)) {
     ++left_out_.not_finite;
     return glm::dvec3(k_nan);
   }
   if (cartesian == 0) {
     met_cartesian_ = true;
-    for (int axis = 0; axis < 3; ++axis) largest_[axis] = std::max(largest_[axis], std::abs(offset[axis]));
+    for (int axis = 0; axis < 3; ++axis) largest_[axis] = std::max(largest_[axis], std::abs(position[axis]));
   } else {
     met_spherical_ = true;
     reach_ = std::max(reach_, std::abs(points.value(E57Role::range, i)));

@@ -17,21 +17,21 @@
 
 namespace alidade {
 
-/// Numbers of one width that arrive as bytes in pieces, cut anywhere: the i-th takes bits i * width and up,
-/// bit k of the stream is bit k mod 8 of byte k / 8. Memory: what was added and not yet taken.
+/// Numbers of one width that arrive as bytes in arbitrary pieces: the i-th takes bits i * width and up, bit k
+/// of the stream is bit k mod 8 of byte k / 8. Memory: the bytes added and not yet taken.
 class BitQueue {
  public:
-  /// Width is 0 to 64 bits. Of width 0 there are always any number of zeros.
+  /// Width is 0 to 64 bits. With width 0, any number of zeros is always available.
   explicit BitQueue(int width) : width_(width) {}
 
   void add(std::span<const std::byte> piece);
-  /// What is added next begins with a new number, in a byte of its own: bits left over from the last one are
-  /// forgotten, and of numbers narrower than a byte all that is left of the last byte. False if more waits
-  /// before such bits, so that they cannot be.
+  /// Makes the next piece begin with a new number, in a byte of its own. Drops the unused bits of the last
+  /// number or, for numbers narrower than a byte, the rest of the last byte. Returns false if whole numbers
+  /// are still waiting before these bits, so that they cannot be padding.
   bool restart();
-  /// Whole numbers to be taken, `most` at most.
+  /// How many whole numbers can be taken, up to `most`.
   std::size_t available(std::size_t most) const;
-  /// Takes the next ones. Requires: as many are available.
+  /// Takes the next numbers. Requires that as many are available.
   void take(std::span<std::uint64_t> numbers);
 
  private:
@@ -43,19 +43,19 @@ class BitQueue {
 };
 
 /// Reads the records of a scan, some thousand at a time. Streams of fields that are not requested are not
-/// decoded. Memory: a block; where streams of one scan run apart, what one is ahead of another.
+/// decoded. Memory: a block, and the bytes by which one stream of the scan is ahead of another.
 class E57Records {
  public:
-  /// Takes columns of values: columns[i] belongs to the i-th field asked for.
+  /// Takes columns of values: columns[i] belongs to the i-th requested field.
   using Visitor = std::function<void(std::span<const std::vector<double>> columns, std::size_t count)>;
 
-  /// `wanted` are fields of the scan, ascending, none of them text; `where` is what messages call the scan.
-  /// The scan is one of an E57File over `pages`.
+  /// `wanted` are fields of the scan, ascending, none of them text; `where` is the scan's name in messages.
+  /// Requires a scan of an E57File over `pages`.
   E57Records(E57Pages& pages, const E57Scan& scan, std::string where, std::span<const std::size_t> wanted);
 
-  /// Passes on all records in order. Errors, with scan and packet, counted from 1: an invalid packet or one
-  /// that leaves the section, another number of streams than the scan has fields, a section that ends before
-  /// all records were read; a damaged page.
+  /// Passes all records to `visitor` in order. Errors, with scan and packet, counted from 1: an invalid
+  /// packet or one that exceeds the section, another number of streams than the scan has fields, a section
+  /// that ends before all records were read; a damaged page.
   void visit(const Visitor& visitor);
 
  private:
@@ -74,10 +74,10 @@ class E57Records {
   std::string where_;
   std::vector<Stream> streams_;
   std::uint64_t offset_;      ///< of the next packet
-  std::uint64_t packet_ = 0;  ///< number of the one last read
+  std::uint64_t packet_ = 0;  ///< number of the last packet, from 1
 };
 
-/// What a field of a scan is read as.
+/// The meaning of a field of a scan.
 enum class E57Role : std::uint8_t {
   x,
   y,
@@ -105,12 +105,12 @@ enum class E57Role : std::uint8_t {
 };
 inline constexpr std::size_t k_e57_role_count = 23;
 
-/// The field of a scan for each role; empty where it has none. Roles that mean something only together
-/// (coordinates, colours, normals) are there together or not at all.
+/// The field of a scan for each role; empty where the scan has none. Of roles that are meaningful only
+/// together (coordinates, colours, normals), all have a field or none has.
 class E57Roles {
  public:
-  /// Names are those of the standard; normals those of its extensions, under any prefix. Fields of texts have
-  /// no role.
+  /// Names are those of the standard; those of normals are of its extensions, under any prefix. Text fields
+  /// have no role.
   explicit E57Roles(const E57Scan& scan);
 
   std::optional<std::size_t> field(E57Role role) const { return fields_[static_cast<std::size_t>(role)]; }
@@ -132,24 +132,24 @@ class E57Roles {
   std::vector<std::string> unread_;
 };
 
-/// Points of a scan that are no points of the cloud.
+/// Numbers of points of a scan that do not become points of the cloud.
 struct E57LeftOut {
   std::uint64_t directions = 0;  ///< only the direction is known (state 1)
   std::uint64_t unknown = 0;     ///< nothing is known (state 2)
-  std::uint64_t not_finite = 0;  ///< a coordinate is no finite number, or an angle beyond 2^30
+  std::uint64_t not_finite = 0;  ///< a coordinate is not a finite number, or an angle is beyond 2^30
 
   std::uint64_t total() const { return directions + unknown + not_finite; }
 };
 
-/// Points of a scan in the axes of the file, some thousand of them.
+/// Some thousand points of a scan, in the axes of the file.
 struct E57Points {
   std::span<const glm::dvec3> positions;                  ///< NaN for points that are left out
   std::array<const double*, k_e57_role_count> columns{};  ///< null where the scan has no such field
 
   bool has(E57Role role) const { return columns[static_cast<std::size_t>(role)] != nullptr; }
-  /// Requires: the scan has the field.
+  /// Requires has(role).
   double value(E57Role role, std::size_t i) const { return columns[static_cast<std::size_t>(role)][i]; }
-  /// Whether a flag is there and set. Some writers store flags as floats; NaN is set.
+  /// Whether the scan has a flag and it is set. Some writers store flags as floats; NaN counts as set.
   bool is_flagged(E57Role flag, std::size_t i) const {
     return has(flag) && !(std::abs(value(flag, i)) < 0.5);
   }
@@ -158,23 +158,23 @@ struct E57Points {
 
 /// Positions of a scan's points: Cartesian ones where they are valid, else those from spherical coordinates,
 ///   x = r cos(elevation) cos(azimuth), y = r cos(elevation) sin(azimuth), z = r sin(elevation),
-/// brought to the axes of the file by the scan's pose. The same bits on every machine.
+/// transformed to the axes of the file by the scan's pose. The result has the same bits on every machine.
 class E57PointReader {
  public:
-  /// Requires: the scan has coordinates of one kind or both.
+  /// Requires a scan with coordinates of one kind or both.
   E57PointReader(const E57Scan& scan, const E57Roles& roles) : scan_(scan), roles_(roles) {}
 
-  /// Shows all points with the fields of `attributes`. Errors: those of E57Records.
+  /// Passes all points, with the fields of `attributes`, to `visitor`. Errors: those of E57Records.
   void visit(E57Pages& pages, const std::string& where, AttributeSet attributes,
              const std::function<void(const E57Points&)>& visitor);
 
-  /// Of the last visit().
+  /// The points left out by the last visit().
   const E57LeftOut& left_out() const { return left_out_; }
 
-  /// The resolution of the points' stored coordinates in the last visit(), per axis of the file: half an ulp of
-  /// the largest float32, half a step of integers, 0 for float64. Where integers are not on a lattice of
+  /// The resolution of the points' stored coordinates in the last visit(), per axis of the file: half an ulp
+  /// of the largest float32, half a step of integers, 0 for float64. Where integers are not on a lattice of
   /// decimal steps around whole numbers (other scales, rotated or spherical scans), a twentieth of a step, so
-  /// that rounding hides none of them. Angles count with the largest distance.
+  /// that rounding keeps them distinct. Angles are multiplied by the largest distance.
   glm::dvec3 resolution() const;
 
  private:

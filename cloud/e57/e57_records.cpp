@@ -27,7 +27,7 @@ constexpr std::size_t k_data_header = 6;
 
 void BitQueue::add(std::span<const std::byte> piece) {
   const std::size_t used = static_cast<std::size_t>(next_bit_ / 8);
-  // Moving what is left only when at least as much was used keeps the cost linear.
+  // The cost is linear, as the rest is moved only when at least as many bytes were used.
   if (used > 0 && used >= bytes_.size() - used) {
     bytes_.erase(bytes_.begin(), bytes_.begin() + static_cast<std::ptrdiff_t>(used));
     next_bit_ %= 8;
@@ -37,7 +37,7 @@ void BitQueue::add(std::span<const std::byte> piece) {
 
 bool BitQueue::restart() {
   if (width_ == 0) return true;
-  // What fills up a byte looks like numbers if they are narrow.
+  // The padding of a byte looks like further numbers if these are narrow.
   const bool is_filling = width_ < 8 && bit_count() < 8;
   if (available(1) > 0 && !is_filling)
     return width_ >= 8 && bit_count() % static_cast<std::uint64_t>(width_) == 0;
@@ -157,7 +157,7 @@ void E57Records::decode(const Stream& stream, std::span<const std::uint64_t> num
     } else if (field.kind == E57FieldKind::float32) {
       values[i] = static_cast<double>(std::bit_cast<float>(static_cast<std::uint32_t>(numbers[i])));
     } else {
-      // Unsigned, because codes above the maximum may leave the range of 64 bits.
+      // Unsigned, because codes above the maximum may exceed 64 bits.
       const auto stored = static_cast<std::int64_t>(static_cast<std::uint64_t>(field.minimum) + numbers[i]);
       values[i] = static_cast<double>(stored) * field.scale + field.offset;
     }

@@ -35,7 +35,7 @@ glm::dmat3 rotation_of(double w, double x, double y, double z) {
 
 constexpr std::uint64_t k_section_header_bytes = 32;
 constexpr int k_deepest_prototype = 8;
-/// Fields carry the names of the structures they are in, which a file has once.
+/// Limits the names of fields, which contain those of all structures around them.
 constexpr std::size_t k_longest_name = 256;
 
 E57Field read_field(const E57Node& node, std::string name) {
@@ -56,7 +56,7 @@ E57Field read_field(const E57Node& node, std::string name) {
       field.scale = node.number_attribute("scale").value_or(1.0);
       field.offset = node.number_attribute("offset").value_or(0.0);
     }
-    // Nothing is measured in more steps than this: wider ranges are those of a type.
+    // No sensor has more steps than this: wider ranges are those of a type.
     const int most_bits = field.kind == E57FieldKind::integer ? 30 : 62;
     if (minimum && maximum && field.bits() <= most_bits) {
       const double a = static_cast<double>(*minimum) * field.scale + field.offset;
@@ -68,7 +68,7 @@ E57Field read_field(const E57Node& node, std::string name) {
     if (!precision.empty() && precision != "single" && precision != "double")
       node.fail("unknown precision", "single or double", quote(precision));
     field.kind = precision == "single" ? E57FieldKind::float32 : E57FieldKind::float64;
-    // Likewise.
+    // As above, larger limits are those of a type.
     constexpr double k_unlimited = 1e30;
     const auto minimum = parse_number(node.element().attribute("minimum").value());
     const auto maximum = parse_number(node.element().attribute("maximum").value());
@@ -82,7 +82,7 @@ E57Field read_field(const E57Node& node, std::string name) {
   return field;
 }
 
-/// The leaves of a prototype in document order. Each leaf has a stream of bytes.
+/// Appends the leaves of a prototype in document order. Each leaf has a stream of bytes.
 void read_fields(const E57Node& parent, const std::string& prefix, int depth, std::vector<E57Field>& fields) {
   if (depth > k_deepest_prototype) parent.fail("too many nested levels", "at most 8 levels");
   for (const pugi::xml_node& element : parent.element().children()) {
@@ -111,7 +111,7 @@ E57Limits read_limits(const E57Node& parent, const std::string& name) {
   return {{low.number_or(0.0), high.number_or(0.0)}};
 }
 
-/// Finds the section of the scan's records and checks that it could hold them.
+/// Finds the section of the scan's records and checks that it can hold them.
 void locate_section(const E57Node& points, E57Pages& pages, E57Scan& scan) {
   const std::string& where = points.where();
   scan.begin = pages.offset_of(points.require_count_attribute("fileOffset"), where, "the section of points");
@@ -132,7 +132,7 @@ void locate_section(const E57Node& points, E57Pages& pages, E57Scan& scan) {
                fmt::format("{} to {}", scan.begin + k_section_header_bytes, scan.end),
                std::to_string(scan.first_packet));
 
-  // A scan of nothing but constants takes no room at all. Nobody means more of it than of one-bit fields.
+  // Records of constants take no bytes at all: they are limited as if they had one bit.
   std::uint64_t bits = 0;
   for (const E57Field& field : scan.fields) bits += static_cast<std::uint64_t>(field.bits());
   const std::uint64_t most = (scan.end - scan.begin) * 8 / std::max<std::uint64_t>(bits, 1);
@@ -144,7 +144,8 @@ void locate_section(const E57Node& points, E57Pages& pages, E57Scan& scan) {
 
 constexpr std::uint64_t k_blob_header_bytes = 16;
 
-E57Blob read_blob_offset(const E57Node& node, E57Pages& pages) {
+/// Finds the section of a file inside the file and checks that it lies in the file.
+E57Blob locate_blob(const E57Node& node, E57Pages& pages) {
   const std::uint64_t length = node.require_count_attribute("length");
   const std::uint64_t begin =
       pages.offset_of(node.require_count_attribute("fileOffset"), node.where(), "the " + node.name());
@@ -155,7 +156,7 @@ E57Blob read_blob_offset(const E57Node& node, E57Pages& pages) {
   const auto id = load<std::uint8_t>(header.data());
   const auto section = load<std::uint64_t>(header.data() + 8);
   if (id != 0) node.fail("wrong section id", "0", std::to_string(id));
-  // Writers differ in whether the section's length counts its header.
+  // Some writers include the header in the section's length, some do not.
   if (length > section)
     node.fail("invalid length", fmt::format("at most {} bytes", section), std::to_string(length));
   return {.offset = begin + k_blob_header_bytes, .length = length};
@@ -163,9 +164,8 @@ E57Blob read_blob_offset(const E57Node& node, E57Pages& pages) {
 
 std::string extension_of(const E57Blob& blob, E57Pages& pages) {
   constexpr std::string_view k_png = "\x89PNG\r\n\x1a\n", k_jpeg = "\xFF\xD8\xFF";
-  const std::size_t looked_at =
-      blob.length < k_png.size() ? static_cast<std::size_t>(blob.length) : k_png.size();
-  const std::span<const std::byte> bytes = pages.view(blob.offset, looked_at);
+  const std::size_t count = blob.length < k_png.size() ? static_cast<std::size_t>(blob.length) : k_png.size();
+  const std::span<const std::byte> bytes = pages.view(blob.offset, count);
   const std::string_view start(reinterpret_cast<const char*>(bytes.data()), bytes.size());
   return start.starts_with(k_png) ? "png" : start.starts_with(k_jpeg) ? "jpg" : "bin";
 }
@@ -178,9 +178,9 @@ std::optional<E57Picture> read_picture(const E57Node& node, E57Projection projec
   if (!jpeg && !png) return std::nullopt;
   E57Picture picture;
   picture.projection = projection;
-  picture.blob = read_blob_offset(jpeg ? jpeg : png, pages);
+  picture.blob = locate_blob(jpeg ? jpeg : png, pages);
   picture.extension = extension_of(picture.blob, pages);
-  if (const E57Node mask = node.child("imageMask")) picture.mask = read_blob_offset(mask, pages);
+  if (const E57Node mask = node.child("imageMask")) picture.mask = locate_blob(mask, pages);
   picture.width = node.child("imageWidth").count();
   picture.height = node.child("imageHeight").count();
   picture.focal_length = node.child("focalLength").number_or(0.0);
@@ -191,7 +191,7 @@ std::optional<E57Picture> read_picture(const E57Node& node, E57Projection projec
   // One writer misspells the radius.
   picture.radius = node.child("radius").number_or(node.child("readius").number_or(0.0));
   if (projection == E57Projection::spherical && picture.width > 0 && picture.height > 0) {
-    // Some writers leave out the pixels of pictures of the whole sphere.
+    // Some writers leave out the sizes of pixels if an image covers the whole sphere.
     if (picture.pixel_width == 0.0)
       picture.pixel_width = 2.0 * std::numbers::pi / static_cast<double>(picture.width);
     if (picture.pixel_height == 0.0)
@@ -311,7 +311,7 @@ E57Scan read_e57_scan(const E57Node& parent, E57Pages& pages, E57Oddities& oddit
     if (!names.insert(field.name).second)
       points.fail("duplicate field name", "unique names", quote(field.name));
   }
-  // Writers leave anything in the offset of a section without records.
+  // Without records, writers store arbitrary offsets of the section.
   if (scan.record_count > 0) locate_section(points, pages, scan);
   return scan;
 }

@@ -10,9 +10,9 @@
 
 namespace alidade {
 
-/// An element of the XML of an E57 file, with what messages need. Missing elements are nodes without an
-/// element, and all their values are empty. Namespaces are ignored, since files with undeclared prefixes are
-/// common.
+/// An element of the XML of an E57 file, with its location for messages. Missing elements are nodes without
+/// an element, and all their values are empty. Namespaces are ignored, since files with undeclared prefixes
+/// are common.
 class E57Node {
  public:
   E57Node(const E57Pages& pages, pugi::xml_node element, std::string where)
@@ -25,24 +25,24 @@ class E57Node {
 
   /// The first child of this name.
   E57Node child(const char* name) const { return {*pages_, element_.child(name), where_}; }
-  /// Another element, reported at the same offset.
+  /// A node for another element, with the location of this one.
   E57Node descend(pugi::xml_node element) const { return {*pages_, element, where_}; }
 
   /// All text of the element, without blanks at its ends.
   std::string text() const;
   /// A number: Float, Integer or ScaledInteger, whose scale and offset are applied. Empty without element or
-  /// text. Errors: no finite number.
+  /// text. Errors: not a finite number.
   std::optional<double> number() const;
   double number_or(double otherwise) const { return number().value_or(otherwise); }
-  /// A whole number from 0 on; 0 without element or text. Errors: something else.
+  /// An integer of at least 0; 0 without element or text. Errors: anything else.
   std::uint64_t count() const;
 
-  /// Attributes; empty if they are not there. Errors: no number of that kind.
+  /// Attributes; empty if missing. Errors: not a number of that kind; a missing required one.
   std::optional<std::int64_t> integer_attribute(const char* name) const;
   std::optional<double> number_attribute(const char* name) const;
   std::uint64_t require_count_attribute(const char* name) const;
 
-  /// Complains about this element.
+  /// Throws an Error about this element.
   [[noreturn]] void fail(std::string problem, std::string expected = {}, std::string found = {}) const;
 
  private:
@@ -51,13 +51,13 @@ class E57Node {
   std::string where_;
 };
 
-/// The pose of a scan or image, empty if it has none; oddities are added to. Errors: an invalid rotation.
+/// The pose of a scan or image; empty if it has none. Adds to `oddities`. Errors: an invalid rotation.
 std::optional<E57Pose> read_e57_pose(const E57Node& parent, E57Oddities& oddities);
 
-/// The scan `parent` describes. Its section is checked by itself, not against others.
+/// The scan that `parent` describes. Its section is checked by itself, not against others.
 E57Scan read_e57_scan(const E57Node& parent, E57Pages& pages, E57Oddities& oddities);
 
-/// The image `parent` describes.
+/// The image that `parent` describes.
 E57Image read_e57_image(const E57Node& parent, E57Pages& pages, E57Oddities& oddities);
 
 }  // namespace alidade

@@ -16,7 +16,7 @@
 namespace alidade {
 namespace {
 
-/// From the GPS epoch, which E57 counts from, to adjusted standard GPS time.
+/// From seconds since the GPS epoch, as in E57, to adjusted standard GPS time.
 constexpr double k_adjusted_gps_time = -1e9;
 
 /// OGC WKT: a keyword in capitals, then an opening bracket.
@@ -142,7 +142,7 @@ class E57Reader final : public CloudReader {
   static std::string where(std::size_t scan) { return fmt::format("scan {}", scan + 1); }
   void warn(const std::string& clause) { warnings_.push_back(file_.pages().name() + ": " + clause); }
 
-  /// Passes the points of one scan to `visitor`. Returns what it was read by.
+  /// Passes the points of one scan to `visitor`. Returns the reader of the scan.
   E57PointReader visit_scan(std::size_t scan, AttributeSet attributes, const Progress& progress,
                             const std::function<void(const E57Points&)>& visitor) {
     const E57Scan& about = scans()[scan];
@@ -176,7 +176,7 @@ class E57Reader final : public CloudReader {
           "time stamps are relative to the start of each scan, which the file does not state for every scan");
   }
 
-  /// Says which attributes are zeros in some scans, because these have none.
+  /// Warns of attributes that are zeros in some scans, because these lack them.
   void warn_of_gaps(AttributeSet kept) {
     std::map<std::string, std::size_t> lacking;
     for (const std::size_t scan : filled_scans_) {
@@ -190,7 +190,7 @@ class E57Reader final : public CloudReader {
     }
   }
 
-  /// Says which points were skipped, and which of the others have values that are flagged as invalid.
+  /// Warns of points that were skipped, and of others whose values are flagged as invalid.
   void warn_of_invalid(const std::array<std::uint64_t, 3>& invalid) {
     const auto warn_of = [&](std::uint64_t count, const char* form) {
       if (count > 0) warn(fmt::format(fmt::runtime(form), count));
@@ -211,7 +211,7 @@ class E57Reader final : public CloudReader {
   std::vector<std::string> warnings_;
   FileFacts facts_;
   std::vector<double> time_origins_;  ///< of each scan
-  // Of the first pass.
+  // Results of the first pass.
   std::vector<E57Values> values_;
   E57LeftOut left_out_;
   std::optional<CoordinateSurvey> survey_;

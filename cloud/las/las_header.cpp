@@ -11,14 +11,14 @@
 #include "base/words.h"
 #include "cloud/laz/chunk_table.h"
 
-// Byte positions below are those of the public header block: LAS Specification 1.4 R15, table 3.
+// Byte offsets below are those of the public header block: LAS Specification 1.4 R15, table 3.
 
 namespace alidade {
 namespace {
 
 constexpr std::size_t k_shortest_header = 227;    // versions 1.0 to 1.2
-constexpr std::uint8_t k_laz_mark = 0x80;         // what is written
-constexpr std::uint8_t k_compressed_bits = 0xc0;  // of the point format: how LASzip marks its files
+constexpr std::uint8_t k_laz_mark = 0x80;         // as it is written
+constexpr std::uint8_t k_compressed_bits = 0xc0;  // of the point format: LASzip's marks of LAZ
 
 Lattice read_lattice(const HeaderFields& fields) {
   Lattice lattice;
@@ -50,7 +50,7 @@ Bounds read_bounds(const HeaderFields& fields) {
   return bounds;
 }
 
-std::size_t offset_of_count(const LasHeader& header) {
+std::size_t count_field(const LasHeader& header) {
   return header.version_minor >= 4 ? 247 : 107;
 }
 
@@ -68,7 +68,7 @@ void read_point_count(LasHeader& header, const InputFile& file, const HeaderFiel
   }
   if (header.compressed) {
     const std::uint64_t stream_bytes = file.size() - header.points_offset;
-    fields.require(header.point_count <= most_laz_points(stream_bytes), offset_of_count(header),
+    fields.require(header.point_count <= most_laz_points(stream_bytes), count_field(header),
                    "the number of points exceeds the file",
                    fmt::format("at most {} in {} bytes", most_laz_points(stream_bytes), stream_bytes),
                    header.point_count);
@@ -77,7 +77,7 @@ void read_point_count(LasHeader& header, const InputFile& file, const HeaderFiel
   keep_points_inside(file, header, damage);
 }
 
-/// That the records behind the points begin there; that they do not is damage.
+/// Checks that the extended records begin behind the points; otherwise the file is damaged.
 void check_extended_offset(const InputFile& file, LasHeader& header, std::vector<std::string>& warnings,
                            Damage damage) {
   if (header.extended_record_count == 0 || header.extended_records_offset >= header.points_end()) return;
@@ -115,7 +115,7 @@ LasHeader read_las_header(InputFile& file, std::vector<std::string>& warnings, D
   fields.require(header.header_size >= smallest && header.header_size <= file.size(), 94,
                  "invalid header size", fmt::format("at least {}, inside the file", smallest),
                  header.header_size);
-  // The fields before version 1.1 and 1.2 are reserved space with any content.
+  // Before versions 1.1 and 1.2 these fields are reserved space with any content.
   if (header.version_minor >= 1) header.file_source_id = fields.get<std::uint16_t>(4);
   if (header.version_minor >= 2) header.global_encoding = fields.get<std::uint16_t>(6);
   std::copy_n(reinterpret_cast<const std::uint8_t*>(bytes + 8), 16, header.project_id.begin());
@@ -146,7 +146,7 @@ LasHeader read_las_header(InputFile& file, std::vector<std::string>& warnings, D
   if (header.version_minor >= 4) {
     header.extended_records_offset = fields.get<std::uint64_t>(235);
     header.extended_record_count = fields.get<std::uint32_t>(243);
-    // They followed the points that are lost.
+    // They followed the lost points.
     if (header.lost_count > 0 && header.extended_record_count > 0) {
       warnings.push_back(fmt::format("{}: the extended records after the points are lost", file.name()));
       header.extended_record_count = 0;
@@ -161,7 +161,7 @@ void keep_points_inside(const InputFile& file, LasHeader& header, Damage damage)
   if (header.point_count <= room) return;
   if (damage == Damage::reject) {
     throw DamagedFile({.file = file.name(),
-                       .location = fmt::format("byte {}", offset_of_count(header)),
+                       .location = fmt::format("byte {}", count_field(header)),
                        .problem = "truncated file: it ends before its last point",
                        .expected = fmt::format("{} points of {} bytes at byte {}", header.point_count,
                                                header.point_size, header.points_offset),

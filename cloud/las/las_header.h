@@ -14,8 +14,8 @@
 
 namespace alidade {
 
-/// Where the fields of a LAS point data record stand, in bytes from its start; -1 = the format does not have
-/// the field. Formats 0-5 ("legacy") and 6-10 begin differently:
+/// Byte offsets of the fields of a LAS point data record; -1 = the format does not have the field. Formats
+/// 0-5 ("legacy") and 6-10 begin differently:
 ///
 ///   byte    0  4  8  12         14               15            16          17         18            20 22
 ///   0-5     x  y  z  intensity  returns + bits   class + bits  scan angle  user data  source id     (gps)
@@ -33,8 +33,8 @@ struct LasPointLayout {
 
 inline constexpr int k_las_point_formats = 11;
 
-/// Layouts of the point data record formats 0 to 10. Wave packets (4, 5, 9, 10) stand last in their records
-/// and are skipped by everyone.
+/// Layouts of the point data record formats 0 to 10. Wave packets (4, 5, 9, 10) are the last field of their
+/// records and are never read.
 inline constexpr std::array<LasPointLayout, k_las_point_formats> k_las_point_layouts = {{
     {.legacy = true, .size = 20, .gps_time = -1, .color = -1, .near_infrared = -1},
     {.legacy = true, .size = 28, .gps_time = 20, .color = -1, .near_infrared = -1},
@@ -56,7 +56,7 @@ inline constexpr std::size_t k_las_header_size = 375;                 ///< of ve
 inline constexpr std::uint16_t k_las_gps_time_is_standard = 1u << 0;  ///< bits of the global encoding
 inline constexpr std::uint16_t k_las_crs_is_wkt = 1u << 4;
 
-/// The public header block of a LAS file, in the terms of version 1.4 whatever the file's version is.
+/// The public header block of a LAS file of any version, in the terms of version 1.4.
 struct LasHeader {
   std::uint16_t file_source_id = 0;
   std::uint16_t global_encoding = 0;
@@ -70,31 +70,30 @@ struct LasHeader {
   std::uint32_t points_offset = 0;  ///< byte of the first point
   std::uint32_t record_count = 0;   ///< variable length records between header and points
   int point_format = 6;
-  bool compressed = false;        ///< LAZ: the record "laszip encoded" says how
+  bool compressed = false;        ///< LAZ, as the record "laszip encoded" describes
   std::uint16_t point_size = 30;  ///< bytes per point, with extra bytes; of LAZ, once unpacked
-  std::uint64_t point_count = 0;  ///< those that are there; of LAZ, that should be
+  std::uint64_t point_count = 0;  ///< points inside the file; of LAZ, as stated
   std::uint64_t lost_count = 0;   ///< announced, but behind the end of the file (Damage::read_over)
   std::array<std::uint64_t, 15> points_by_return{};  ///< not read, only written
   Lattice lattice;
-  Bounds bounds;  ///< as stated, which many files do wrongly; empty if invalid
+  Bounds bounds;  ///< as stated, which is wrong in many files; empty if invalid
   std::uint64_t extended_records_offset = 0;
   std::uint32_t extended_record_count = 0;
 
   const LasPointLayout& layout() const { return k_las_point_layouts[static_cast<std::size_t>(point_format)]; }
-  /// Behind the last byte of the points. Of compressed points only that they cannot end before.
+  /// Behind the last byte of the points; a lower bound of that for compressed points.
   std::uint64_t points_end() const {
     return compressed ? points_offset : points_offset + point_count * point_size;
   }
 };
 
 /// Reads and checks the header: afterwards all fields have meaningful values, and all points lie inside the
-/// file or, compressed, are not more than its bytes could hold. Oddities that do no harm are added to
-/// `warnings`. Errors: not LAS, a version after 1.4, and whatever cannot be true; a file that ends before its
-/// last point is damage.
+/// file or, compressed, are not more than its bytes can hold. Harmless oddities are added to `warnings`.
+/// Errors: not LAS, a version after 1.4, invalid values; a file that ends before its last point is damage.
 LasHeader read_las_header(InputFile& file, std::vector<std::string>& warnings,
                           Damage damage = Damage::reject);
 
-/// Counts the uncompressed points that lie inside the file; that some do not is damage.
+/// Counts the uncompressed points that lie inside the file; points behind its end are damage.
 void keep_points_inside(const InputFile& file, LasHeader& header, Damage damage);
 
 /// The header as 375 bytes of version 1.4. Requires a point format of 6 or more (legacy counts are then 0).
@@ -104,7 +103,7 @@ std::array<std::byte, k_las_header_size> encode_las_header(const LasHeader& head
 std::string las_text(const std::byte* field, std::size_t length);
 /// At most `length` bytes of a text, cut between two UTF-8 characters.
 std::string cut_las_text(const std::string& text, std::size_t length);
-/// Fills a field of fixed length that was zero with cut_las_text().
+/// Writes cut_las_text() into a field of fixed length that is zero.
 void store_las_text(std::byte* field, std::size_t length, const std::string& text);
 
 }  // namespace alidade

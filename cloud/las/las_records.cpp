@@ -19,8 +19,8 @@ constexpr std::uint16_t k_copc_info_id = 1;
 constexpr std::size_t k_las_name_bytes = 32;
 constexpr int k_longest_undocumented = 255;  ///< bytes that one entry of the extra-bytes record can describe
 
-/// A record's header and where its data stand.
-struct RecordLocation {
+/// A record's header, with offset and size of its data in the file.
+struct RecordHeader {
   std::string user_id;
   std::uint16_t record_id;
   std::string description;
@@ -32,7 +32,7 @@ struct RecordLocation {
 };
 
 /// Reads the header of the record at `offset`; its data must end at `end` or before.
-RecordLocation read_record_header(InputFile& file, std::uint64_t offset, std::uint64_t end, bool extended) {
+RecordHeader read_record_header(InputFile& file, std::uint64_t offset, std::uint64_t end, bool extended) {
   const std::size_t header_size = extended ? k_las_extended_record_head : k_las_record_head;
   const auto fail = [&](std::uint64_t wanted) {
     fail_at_byte(file.name(), offset, "a variable length record exceeds its section",
@@ -41,34 +41,34 @@ RecordLocation read_record_header(InputFile& file, std::uint64_t offset, std::ui
   };
   if (offset > end || end - offset < header_size) fail(header_size);
   const std::byte* const at = file.view(offset, header_size).data();
-  RecordLocation record{.user_id = las_text(at + 2, 16),
-                        .record_id = load<std::uint16_t>(at + 18),
-                        .description = las_text(at + (extended ? 28 : 22), 32),
-                        .offset = offset + header_size,
-                        .size = extended ? load<std::uint64_t>(at + 20) : load<std::uint16_t>(at + 20),
-                        .extended = extended};
+  RecordHeader record{.user_id = las_text(at + 2, 16),
+                      .record_id = load<std::uint16_t>(at + 18),
+                      .description = las_text(at + (extended ? 28 : 22), 32),
+                      .offset = offset + header_size,
+                      .size = extended ? load<std::uint64_t>(at + 20) : load<std::uint16_t>(at + 20),
+                      .extended = extended};
   if (record.size > end - record.offset) fail(record.size);
   return record;
 }
 
 template <class T = std::uint8_t>
-std::vector<T> read_values(InputFile& file, const RecordLocation& record) {
+std::vector<T> read_values(InputFile& file, const RecordHeader& record) {
   std::vector<T> values(static_cast<std::size_t>(record.size / sizeof(T)));
   file.read_at(record.offset, std::as_writable_bytes(std::span(values)));
   return values;
 }
 
 /// The text of a WKT record; empty, with `problem` set, if it is invalid.
-std::string read_wkt(InputFile& file, const RecordLocation& record, bool& problem) {
+std::string read_wkt(InputFile& file, const RecordHeader& record, bool& problem) {
   const std::vector<std::uint8_t> data = read_values(file, record);
   std::string wkt(data.begin(), std::find(data.begin(), data.end(), 0));
   problem = !wkt.empty() && wkt.find('[') == std::string::npos;
   return problem ? std::string() : wkt;
 }
 
-/// What is wrong with GeoTIFF keys; empty if nothing is. Source: GeoTIFF 1.0, section 2.4: a head of four
-/// numbers, then four per key: its name, the tag that contains its value (0 = here), the number of values, and
-/// their index (or the value itself).
+/// The problem of GeoTIFF keys; empty if they are valid. Source: GeoTIFF 1.0, section 2.4: a head of four
+/// numbers, then four per key: its name, the tag that contains its value (0 = here), the number of values,
+/// and their index (or the value itself).
 std::string geotiff_problem(const Crs& crs) {
   const std::vector<std::uint16_t>& keys = crs.geotiff_keys;
   if (keys.size() < 4 || keys[0] != 1) return "missing directory header";
@@ -105,7 +105,7 @@ ExtraDimension read_extra_bytes_entry(const std::byte* at) {
     if (dimension.has_scale) dimension.scale = load<double>(at + 112);
     if (dimension.has_offset) dimension.offset = load<double>(at + 136);
   } else if (type <= 30) {
-    // Pairs and triples, which the standard has withdrawn: carried along as bytes.
+    // Pairs and triples, which the standard has withdrawn, are kept as bytes.
     const int values = 1 + (type - 1) / 10;
     dimension.type = ScalarType::bytes;
     dimension.byte_count = values * scalar_size(static_cast<ScalarType>(1 + (type - 1) % 10));
@@ -176,7 +176,7 @@ std::array<std::byte, k_extra_bytes_entry> extra_bytes_entry(const ExtraDimensio
                                                              int byte_count) {
   std::array<std::byte, k_extra_bytes_entry> entry{};
   std::byte* const at = entry.data();
-  unsigned options = static_cast<unsigned>(byte_count);  // what the field means for undocumented bytes
+  unsigned options = static_cast<unsigned>(byte_count);  // the meaning of the field for undocumented bytes
   if (dimension.type != ScalarType::bytes) {
     options =
         (dimension.no_data ? 1u : 0u) | (dimension.has_scale ? 8u : 0u) | (dimension.has_offset ? 16u : 0u);
@@ -198,7 +198,7 @@ LasRecords read_las_records(InputFile& file, const LasHeader& header, std::vecto
   LasRecords result;
   std::vector<std::uint8_t> extra_bytes_data;
   std::string liblas_wkt;
-  const auto take = [&](const RecordLocation& record) {
+  const auto take = [&](const RecordHeader& record) {
     if (record.is("LASF_Projection", 2112)) {
       bool problem = false;
       std::string wkt = read_wkt(file, record, problem);
@@ -228,7 +228,7 @@ LasRecords read_las_records(InputFile& file, const LasHeader& header, std::vecto
       if (first && record.record_id == k_copc_info_id)
         result.copc_info = {record.offset, read_values<std::byte>(file, record)};
     } else {
-      // libLAS wrote WKT before the standard had a record for it. The record is handed on too.
+      // libLAS wrote WKT before the standard had a record for it. The record is kept, too.
       bool problem = false;
       if (record.is("liblas", 2112)) liblas_wkt = read_wkt(file, record, problem);
       result.others.push_back({.user_id = record.user_id,
@@ -241,13 +241,13 @@ LasRecords read_las_records(InputFile& file, const LasHeader& header, std::vecto
 
   std::uint64_t offset = header.header_size;
   for (std::uint32_t i = 0; i < header.record_count; ++i) {
-    const RecordLocation record = read_record_header(file, offset, header.points_offset, false);
+    const RecordHeader record = read_record_header(file, offset, header.points_offset, false);
     take(record);
     offset = record.offset + record.size;
   }
   offset = header.extended_records_offset;
   for (std::uint32_t i = 0; i < header.extended_record_count; ++i) {
-    std::optional<RecordLocation> record;
+    std::optional<RecordHeader> record;
     try {
       record = read_record_header(file, offset, file.size(), true);
     } catch (const Error& error) {
@@ -293,9 +293,9 @@ std::vector<VariableLengthRecord> las_crs_records(const Crs& crs) {
     data.push_back(0);
     records.push_back(projection_record(2112, "OGC WKT", std::move(data)));
   }
-  // The standard wants WKT beside the point formats from 6 on. To turn GeoTIFF keys into WKT takes a register
-  // of reference systems, which Alidade does not have; the keys as they came lose nothing, and readers accept
-  // them.
+  // The standard requires WKT for point formats of 6 and more. Converting GeoTIFF keys to WKT takes a
+  // register of reference systems, which this library does not have; unchanged keys lose nothing, and readers
+  // accept them.
   if (!crs.geotiff_keys.empty()) {
     records.push_back(projection_record(34735, "GeoKeyDirectoryTag", bytes_of(crs.geotiff_keys)));
     if (!crs.geotiff_doubles.empty()) {
@@ -340,7 +340,7 @@ VariableLengthRecord las_extra_bytes_record(std::span<const ExtraDimension> dime
                               .data = {},
                               .extended = false};
   for (const ExtraDimension& dimension : dimensions) {
-    // The length of undocumented bytes is an 8-bit field: longer ones take several entries.
+    // The length of undocumented bytes is an 8-bit field: more bytes take several entries.
     for (int rest = dimension.byte_count; rest > 0; rest -= 255) {
       const auto entry = extra_bytes_entry(dimension, std::min(rest, 255));
       const auto* const first = reinterpret_cast<const std::uint8_t*>(entry.data());

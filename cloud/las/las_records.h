@@ -21,9 +21,9 @@ struct StorageRecord {
   std::vector<std::byte> data;
 };
 
-/// What the variable length records of a LAS file say.
+/// The content of the variable length records of a LAS file.
 struct LasRecords {
-  Crs crs;  ///< its WKT is that of a libLAS record, also in `others`, if there is no other
+  Crs crs;  ///< without another WKT, that of a libLAS record, which is also in `others`
   /// Extra dimensions in the order of their bytes; together they cover all extra bytes of a point. Bytes that
   /// are not described, or not by the first 341 entries, are dimensions "undocumented".
   std::vector<ExtraDimension> extra_dimensions;
@@ -34,28 +34,29 @@ struct LasRecords {
 
 /// Reads the records before and after the points. Records that contradict themselves but do no harm are left
 /// out and reported in `warnings`. Records about the storage of points are not in `others`, because a writer
-/// of the points makes its own. Errors: a record that does not end before the points; two laszip records that
-/// differ. A record behind the points that does not end before the end of the file is damage;
-/// Damage::read_over leaves out it and those behind it, which `warnings` reports. Memory: at most the size of
+/// of the points makes its own. Errors: a record that does not end before the points; two different laszip
+/// records. A record behind the points that does not end before the end of the file is damage;
+/// Damage::read_over leaves out this record and those behind it, with a warning. Memory: at most the size of
 /// the records in the file.
 LasRecords read_las_records(InputFile& file, const LasHeader& header, std::vector<std::string>& warnings,
                             Damage damage = Damage::reject);
 
-/// How the points of a file are packed, by its laszip record; empty if they are not, whatever the header
-/// says: header.compressed follows. Errors: no such record, or one that contradicts itself or the header;
-/// points missing that are not packed, which is damage.
+/// How the points of a file are packed, by its laszip record. Empty if they are not, even if the header marks
+/// them as packed: header.compressed is then reset. Errors: no such record, or one that contradicts itself or
+/// the header; missing points that are not packed, which is damage.
 std::optional<LazLayout> read_packing(const InputFile& file, LasHeader& header, const LasRecords& records,
                                       Damage damage = Damage::reject);
 
-/// CRS as LAS records: WKT, and the GeoTIFF keys if there are any.
+/// The CRS as LAS records: WKT and GeoTIFF keys, as far as it has them.
 std::vector<VariableLengthRecord> las_crs_records(const Crs& crs);
 
-/// Gives dimensions the names that LAS keeps: 32 bytes, and a number at the end where names that differ would become
-/// equal. Returns a clause on those that changed, such as "'long name' becomes 'long_2'"; empty if none did.
+/// Shortens the names of dimensions to the 32 bytes that LAS keeps, with a number at the end where different
+/// names would become equal. Returns a clause on those that changed, such as "'long name' becomes 'long_2'";
+/// empty if none did.
 std::string shorten_names(std::vector<ExtraDimension>& dimensions);
 
-/// The record that describes extra bytes. Requires at least one dimension. Errors: more than 341, the most
-/// that fit.
+/// The record that describes extra bytes. Requires at least one dimension. Errors: more than 341 dimensions,
+/// the most that fit.
 VariableLengthRecord las_extra_bytes_record(std::span<const ExtraDimension> dimensions,
                                             const std::string& file_name);
 
@@ -72,7 +73,7 @@ inline constexpr std::size_t k_extra_bytes_entry = 192;        ///< bytes that d
 /// Most extra dimensions that a record can describe.
 inline constexpr std::size_t k_most_extra_dimensions = k_longest_las_record / k_extra_bytes_entry;
 
-/// Point data records one behind the other, and the first of the rows they go to.
+/// Contiguous point data records, and the first of the rows that they fill.
 struct RecordBlock {
   const std::byte* bytes;
   std::size_t point_size;
@@ -86,22 +87,22 @@ class LasColumns {
   LasColumns(std::string file_name, const LasHeader& header,
              const std::vector<ExtraDimension>& extra_dimensions);
 
-  /// Attributes the records have.
+  /// Attributes of the records.
   AttributeSet attributes() const;
 
-  /// What is kept of the records, and where.
+  /// Which attributes of the records are kept, and in which columns.
   struct Choice {
     AttributeSet kept;
     LatticeShift shift;
     std::vector<std::size_t> extra_columns;
   };
 
-  /// Those of the `wanted` attributes that are there; makes the columns of extra dimensions in `cloud`.
-  /// Errors: the lattices of cloud and file are incompatible.
+  /// Chooses those of the `wanted` attributes that the records have; adds the columns of extra dimensions to
+  /// `cloud`. Errors: the lattices of cloud and file are incompatible.
   Choice choose(AttributeSet wanted, PointCloud& cloud) const;
 
-  /// Puts records into rows that exist. Different rows may be filled by different threads. Errors: a position
-  /// that the cloud's lattice does not reach.
+  /// Fills existing rows from records. Several threads may fill different rows. Errors: a position that the
+  /// cloud's lattice does not reach.
   void take(const RecordBlock& block, const Choice& choice, PointCloud& cloud) const;
 
  private:

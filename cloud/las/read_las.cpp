@@ -19,8 +19,7 @@
 namespace alidade {
 namespace {
 
-/// column[row] = value(point) for all points of a block, where `point` is the address of a record's
-/// `offset`-th byte.
+/// column[row] = value(at) for all points of a block, where `at` points to byte `offset` of the record.
 template <class Column, class Value>
 void fill(const RecordBlock& block, int offset, Column& column, Value value) {
   const std::byte* at = block.bytes + offset;
@@ -41,8 +40,8 @@ constexpr auto k_returns = [](const std::byte* at) -> ReturnNumbers {
   return {.number = static_cast<std::uint8_t>(bits & 15), .count = static_cast<std::uint8_t>(bits >> 4)};
 };
 
-/// Scan direction and edge of flight line from the byte of the returns; synthetic, key point and withheld
-/// from the upper bits of the classification behind it.
+/// Scan direction and edge of flight line are bits of the returns' byte; synthetic, key point and withheld
+/// the upper bits of the classification behind it.
 constexpr auto k_legacy_flags = [](const std::byte* at) -> PointFlags {
   return static_cast<PointFlags>((load<std::uint8_t>(at) & 0xc0) | load<std::uint8_t>(at + 1) >> 5);
 };
@@ -70,7 +69,7 @@ std::optional<std::size_t> find_normal(const std::vector<ExtraDimension>& dimens
   return std::nullopt;
 }
 
-/// Positions, by steps of the cloud's lattice.
+/// Fills positions, in steps of the cloud's lattice.
 void take_positions(const RecordBlock& block, const LatticeShift& shift, PointCloud& cloud) {
   if (shift.is_none()) {
     fill(block, 0, cloud.positions, k_plain<LatticePosition>);
@@ -81,7 +80,7 @@ void take_positions(const RecordBlock& block, const LatticeShift& shift, PointCl
 
 constexpr std::size_t k_block_bytes = 1 << 20;
 
-/// Puts unpacked records into the cloud, which they make longer.
+/// Appends unpacked records to the cloud.
 class CloudRows final : public LazSink {
  public:
   CloudRows(const LasColumns& columns, const LasColumns::Choice& choice, std::size_t point_size,
@@ -89,7 +88,7 @@ class CloudRows final : public LazSink {
       : columns_(columns), choice_(choice), point_size_(point_size), cloud_(cloud), pieces_(pieces) {}
 
   void make_room(std::uint64_t count) override {
-    // As many are coming, whatever there is room for.
+    // All `count` rows are appended, even beyond the room of the piece.
     if (room_in_piece(cloud_, choice_.kept, count, pieces_) < count && cloud_.size() > 0)
       pieces_.take(cloud_);
     shift_ = static_cast<std::int64_t>(cloud_.size()) - static_cast<std::int64_t>(count_);

@@ -21,12 +21,12 @@ namespace {
 
 constexpr std::size_t k_repacked_bytes = 1 << 20;
 
-// Fields of the header: LAS Specification 1.4 R15, table 3.
-constexpr std::size_t k_points_offset = 96, k_record_count = 100, k_point_format = 104;
-constexpr std::size_t k_wave_packets_offset = 227, k_extended_records_offset = 235;
+// Byte offsets of header fields: LAS Specification 1.4 R15, table 3.
+constexpr std::size_t k_points_field = 96, k_record_count_field = 100, k_point_format_field = 104;
+constexpr std::size_t k_wave_packets_field = 227, k_extended_records_field = 235;
 constexpr std::byte k_laz_format_mark{0x80}, k_laz_format_marks{0xc0};
 
-/// A LAS or LAZ file with all that it says about its points.
+/// A LAS or LAZ file, with everything that it contains about its points.
 struct Source {
   InputFile file;
   std::vector<std::string> warnings;
@@ -58,14 +58,16 @@ struct Source {
     if (!chunks) return extended;
     const std::uint64_t table = chunks->empty() ? header.points_offset + k_laz_table_offset_bytes
                                                 : chunks->back().offset + chunks->back().byte_count;
-    const auto offset = load<std::int64_t>(file.view(header.points_offset, k_laz_table_offset_bytes).data());
-    // A writer that could not go back wrote the offset of the table behind it.
-    const std::uint64_t end = table + encode_chunk_table(*chunks, *packing).size() + (offset == -1 ? 8 : 0);
+    const auto table_offset =
+        load<std::int64_t>(file.view(header.points_offset, k_laz_table_offset_bytes).data());
+    // A writer that could not seek wrote the offset of the table behind the table.
+    const std::uint64_t end =
+        table + encode_chunk_table(*chunks, *packing).size() + (table_offset == -1 ? 8 : 0);
     return std::min(end, extended);
   }
 };
 
-/// Takes the records "laszip encoded" out of header and records; returns the offset behind the last record.
+/// Removes the records "laszip encoded" from header and records; returns the offset behind the last record.
 std::size_t take_out_laszip(std::vector<std::byte>& head, const LasHeader& header) {
   std::uint32_t count = header.record_count;
   std::size_t offset = header.header_size;
@@ -81,23 +83,24 @@ std::size_t take_out_laszip(std::vector<std::byte>& head, const LasHeader& heade
     head.erase(begin, begin + static_cast<std::ptrdiff_t>(size));
     --count;
   }
-  store(head.data() + k_record_count, count);
+  store(head.data() + k_record_count_field, count);
   return offset;
 }
 
-/// Everything before the points as it is to be written, but for the offsets behind the points.
+/// Everything that is written before the points, except that the header's offsets of what follows the points
+/// are those of the source: see move_offsets().
 std::vector<std::byte> make_head(Source& source, const std::optional<LazLayout>& packing) {
   std::vector<std::byte> head(source.header.points_offset);
   source.file.read_at(0, head);
   const std::size_t records_end = take_out_laszip(head, source.header);
-  head[k_point_format] &= ~k_laz_format_marks;
+  head[k_point_format_field] &= ~k_laz_format_marks;
   if (packing) {
     const VariableLengthRecord record = laszip_record(*packing);
     std::vector<std::byte> bytes = las_record_head(record, false);
     std::ranges::copy(std::as_bytes(std::span(record.data)), std::back_inserter(bytes));
     head.insert(head.begin() + static_cast<std::ptrdiff_t>(records_end), bytes.begin(), bytes.end());
-    store(head.data() + k_record_count, load<std::uint32_t>(head.data() + k_record_count) + 1);
-    head[k_point_format] |= k_laz_format_mark;
+    store(head.data() + k_record_count_field, load<std::uint32_t>(head.data() + k_record_count_field) + 1);
+    head[k_point_format_field] |= k_laz_format_mark;
   }
   if (head.size() > std::numeric_limits<std::uint32_t>::max()) {
     throw Error({.file = source.file.name(),
@@ -105,11 +108,11 @@ std::vector<std::byte> make_head(Source& source, const std::optional<LazLayout>&
                  .expected = "less than 4 GiB",
                  .found = fmt::format("{} bytes", head.size())});
   }
-  store(head.data() + k_points_offset, static_cast<std::uint32_t>(head.size()));
+  store(head.data() + k_points_field, static_cast<std::uint32_t>(head.size()));
   return head;
 }
 
-/// Brings unpacked records, which come in any order between two calls for room, into their order.
+/// Sorts unpacked records, which arrive in any order between two calls of make_room(), by their rows.
 class OrderedRecords final : public LazSink {
  public:
   OrderedRecords(RecordWriter& output, std::size_t record_size)
@@ -155,16 +158,15 @@ void copy_points(Source& source, RecordWriter& output, const Progress& progress)
   }
 }
 
-/// Moves the offsets that lie behind the points along with what stands there.
+/// Adapts the header's offsets of what follows the points, which moves from byte `from` to byte `to`.
 void move_offsets(std::vector<std::byte>& head, const LasHeader& header, std::uint64_t from,
                   std::uint64_t to) {
   const auto move = [&](std::size_t field) {
     const auto offset = load<std::uint64_t>(head.data() + field);
     if (offset >= from) store(head.data() + field, offset - from + to);
   };
-  if (header.version_minor >= 3 && header.header_size >= k_wave_packets_offset + 8)
-    move(k_wave_packets_offset);
-  if (header.extended_record_count > 0) move(k_extended_records_offset);
+  if (header.version_minor >= 3 && header.header_size >= k_wave_packets_field + 8) move(k_wave_packets_field);
+  if (header.extended_record_count > 0) move(k_extended_records_field);
 }
 
 }  // namespace
@@ -174,7 +176,7 @@ bool can_repack(const std::filesystem::path& input) {
     InputFile file(input);
     const std::span<const std::byte> start = file.view_up_to(0, k_las_header_size + 6);
     if (start.size() < 4 || las_text(start.data(), 4) != "LASF") return false;
-    // A COPC file begins with a record of its own right behind a 1.4 header.
+    // In a COPC file, the first record behind the 1.4 header is its own.
     return start.size() < k_las_header_size + 6 ||
            las_text(start.data() + k_las_header_size + 2, 4) != "copc";
   } catch (const Error&) {

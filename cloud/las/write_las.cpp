@@ -39,7 +39,7 @@ std::uint8_t return_byte(ReturnNumbers returns) {
   return static_cast<std::uint8_t>(std::min<int>(returns.number, 15) | std::min<int>(returns.count, 15) << 4);
 }
 
-/// Puts value(i) for every i of a column's rows [first, first + count) into the records at `at`.
+/// Writes value(column[row]) for the rows [first, first + count) of a column to the records at `at`.
 template <class Column, class Value>
 void put(const Column& column, std::size_t first, std::size_t count, std::byte* at, std::size_t record_size,
          Value value) {
@@ -77,7 +77,7 @@ struct LasWriter::State {
   LasHeader header;
   std::vector<VariableLengthRecord> extended_records;
   bool has_normals = false;
-  std::vector<ExtraDimension> extra_dimensions;  ///< as described in the file; the normals stand last
+  std::vector<ExtraDimension> extra_dimensions;  ///< as described in the file; the normals are the last
   LatticeExtent extent;
   std::vector<std::byte> block;
   std::vector<VariableLengthRecord> records;  ///< of the head, until it is written
@@ -88,7 +88,8 @@ struct LasWriter::State {
   State(const std::filesystem::path& path, const LasWriteOptions& write_options)
       : name(path.string()), file(path, write_options.overwrite), options(write_options) {}
 
-  /// Writes header and records, so that points can follow: `first` before all others, in chunks of `counts` points.
+  /// Writes header and records, so that points can follow, in chunks of `counts` points if that is not empty.
+  /// The record `first` comes before all others.
   void begin(const VariableLengthRecord* first = nullptr, std::vector<std::uint32_t> counts = {}) {
     if (packing) {
       if (first != nullptr) packing->chunk_size = 0;
@@ -122,12 +123,12 @@ struct LasWriter::State {
       encode(batch, first, count);
       count_points(batch, first, count);
       collected ? collected->records.append(block) : points->write(block);
-      // Points that are collected first are half done.
+      // Collecting the points of COPC is half of the work.
       report(options.progress, collected ? header.point_count / 2 : header.point_count, total);
     }
   }
 
-  /// Writes the points that were collected, in the order of the plan.
+  /// Writes the collected points in the order of the plan.
   CopcPlan write_collected() {
     const std::span<std::byte> bytes = collected->positions.map();
     CopcPlan plan =
@@ -174,7 +175,7 @@ struct LasWriter::State {
       const ExtraDimension& dimension = extra_dimensions[i];
       const std::size_t bytes = static_cast<std::size_t>(dimension.byte_count);
       const auto same = [&](const ExtraDimension& other) { return same_meaning(other, dimension); };
-      // Dimensions of one name are distinguished by their offset.
+      // Among dimensions of one name, the one with the same index is the source.
       const auto& given = batch.extra_dimensions;
       const auto source = i < given.size() && same(given[i]) ? given.begin() + static_cast<std::ptrdiff_t>(i)
                                                              : std::find_if(given.begin(), given.end(), same);
@@ -255,7 +256,7 @@ LasWriter::LasWriter(const std::filesystem::path& path, const PointCloud& like, 
   if (!is_copc_name(path)) {
     state_->begin();
   } else {
-    // Other files' octrees are of other points.
+    // COPC records of input files describe octrees of other points.
     std::erase_if(state_->records,
                   [](const VariableLengthRecord& record) { return record.user_id == "copc"; });
     state_->collected.emplace(ScratchSpace{path.parent_path(), options.memory});

@@ -19,25 +19,25 @@ struct LasWriteOptions {
   /// Creation date for the header, given by the caller so that equal input makes equal files: day of the year
   /// (1 = 1 January) and year; 0 = unknown.
   std::uint16_t creation_day = 0, creation_year = 0;
-  std::uint64_t expected_points = 0;  ///< of all pieces, for `progress`; 0: those of the piece are the last
+  std::uint64_t expected_points = 0;  ///< of all pieces, for `progress`; 0: no piece follows the current one
   std::uint64_t memory = std::uint64_t{1} << 30;  ///< bytes to sort in, for COPC
-  /// Gets a sentence, naming the file, if names of extra dimensions are longer than the 32 bytes that LAS keeps; those
-  /// that would become equal get a number.
+  /// Receives a sentence, which names the file, if names of extra dimensions are longer than the 32 bytes
+  /// that LAS keeps; those that would become equal get a number.
   std::function<void(const std::string& warning)> warn{};
 };
 
-/// Writes LAS 1.4 piece by piece in bounded memory, or LAZ where the name says so: is_laz_name(). LAZ is
-/// packed in chunks of 50000 points, in parallel; its bytes do not depend on the number of threads. The file
-/// appears under its name only in finish(): until then it is written beside it and removed again if the
-/// writer is destroyed first.
+/// Writes LAS 1.4 piece by piece in bounded memory, or LAZ by its name: is_laz_name(). LAZ is packed in
+/// chunks of 50000 points, in parallel; its bytes do not depend on the number of threads. The file appears
+/// under its name only in finish(): until then it has another one beside it, and is removed if the writer is
+/// destroyed.
 ///
-/// COPC 1.0 where the name says so: is_copc_name(). Its points have an order of their own (cloud/copc/plan_copc.h),
-/// so all of them lie in scratch files beside the output until finish(): their records, which are written twice where
-/// LasWriteOptions::memory does not hold them, and 12 to 40 B per point.
+/// Writes COPC 1.0 by its name: is_copc_name(). Its points have an order of their own
+/// (cloud/copc/plan_copc.h), so all of them lie in scratch files beside the output until finish(): their
+/// records, which are written twice if LasWriteOptions::memory does not hold them, and 12 to 40 B per point.
 class LasWriter {
  public:
-  /// `like` gives everything but the points: lattice, CRS, records, encoding, and through attributes() and
-  /// its extra dimensions which columns will come (columns of size 0 may be given by `attributes`). Point
+  /// `like` has everything but the points: lattice, CRS, records, encoding and the columns to come, those of
+  /// its attributes(), extra dimensions and `attributes` (for columns that are empty in `like`). The point
   /// format is the smallest of 6, 7, 8 that holds them; normals become extra bytes NormalX/Y/Z (float32).
   /// Errors: the file exists and may not be replaced; the folder cannot be written; extra dimensions that are
   /// too long for the format.
@@ -47,9 +47,8 @@ class LasWriter {
   LasWriter(const LasWriter&) = delete;
   LasWriter& operator=(const LasWriter&) = delete;
 
-  /// Appends all points of `batch`, which has the same lattice; missing columns are written as zeros,
-  /// also extra dimensions whose name, type, scale, offset and "no value" mark are not those of one of
-  /// `like`.
+  /// Appends all points of `batch`, which has the lattice of `like`. Missing columns are written as zeros;
+  /// extra dimensions match if name, type, scale, offset and "no value" mark do.
   void write(const PointCloud& batch);
 
   /// Completes the header (counts, bounds, counts by return), writes EVLRs, moves the file to its name.
@@ -61,14 +60,14 @@ class LasWriter {
   std::unique_ptr<State> state_;
 };
 
-/// Whether a file of this name is written as LAZ: it ends in .laz, in characters of any case.
+/// Whether a file of this name is written as LAZ: it ends in .laz, in upper or lower case.
 bool is_laz_name(const std::filesystem::path& path);
 
-/// Whether it is written as COPC: it ends in .copc.laz.
+/// Whether a file of this name is written as COPC: it ends in .copc.laz, in upper or lower case.
 bool is_copc_name(const std::filesystem::path& path);
 
-/// Writes a whole cloud: all its attributes, scale, offset, CRS, records, extra dimensions. Point order is
-/// kept.
+/// Writes a whole cloud: all its attributes, scale, offset, CRS, records, extra dimensions. Keeps the order
+/// of the points.
 void write_las(const std::filesystem::path& path, const PointCloud& cloud,
                const LasWriteOptions& options = {});
 
@@ -77,27 +76,26 @@ struct RepackOptions {
   Progress progress{};     ///< in bytes of input
 };
 
-/// Whether repack_las() takes a file: LAS or LAZ, but not COPC, whose order of points is described by its
-/// records. By its first bytes; false for a file that cannot be read.
+/// Whether repack_las() accepts a file, by its first bytes: LAS or LAZ, but not COPC, whose records describe
+/// the order of its points. False for a file that cannot be read.
 bool can_repack(const std::filesystem::path& input);
 
 struct RepackedFile {
   std::uint64_t point_count = 0;
-  std::vector<std::string> warnings;  ///< oddities that were read over, one sentence each, naming the file
+  std::vector<std::string> warnings;  ///< on harmless oddities, one sentence each, naming the file
 };
 
-/// Packs a LAS file as LAZ or unpacks it, as the output's name says (is_laz_name()). Nothing else changes:
-/// version, header, variable length records, point format and every byte of the point data records stay what
-/// they are, and what stands between records and points and behind the points does too, extended records and
-/// wave packets among them. What has to differ: the record "laszip encoded" behind the other records, the
-/// mark of LAZ in the point format, the number of records, and the offsets of points, extended records and
-/// wave packets. So LAS packed and unpacked again is the same, byte for byte. LAZ packed again comes out as
-/// LasWriter packs. Of LAZ without a chunk table only extended records are kept of what is behind the points.
+/// Packs a LAS file as LAZ, or unpacks it, by the output's name (is_laz_name()). Keeps version, header,
+/// variable length records, point format, every byte of the point data records, and all bytes between records
+/// and points and behind the points, such as extended records and wave packets. Only these differ: the record
+/// "laszip encoded" behind the other records, the mark of LAZ in the point format, the number of records, and
+/// the offsets of points, extended records and wave packets. LAS that is packed and unpacked again is
+/// identical, byte for byte. LAZ is packed again as LasWriter packs it. Behind the points of LAZ without a
+/// chunk table, only extended records are kept.
 ///
-/// Errors: whatever a reader of the file rejects; COPC; more extra bytes than k_most_laz_extra_bytes; records
-/// too long for offsets of 32 bits; those of OutputFile. Memory: records before the points;
-/// of LAZ 64 MB of unpacked points, or its largest chunk packed and unpacked if that is more;
-/// RecordWriter's.
+/// Errors: those of reading the file; COPC; more extra bytes than k_most_laz_extra_bytes; records too long
+/// for offsets of 32 bits; those of OutputFile. Memory: records before the points; of LAZ 64 MB of unpacked
+/// points, or its largest chunk packed and unpacked if that is more; that of RecordWriter.
 RepackedFile repack_las(const std::filesystem::path& input, const std::filesystem::path& output,
                         const RepackOptions& options = {});
 

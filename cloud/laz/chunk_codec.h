@@ -15,21 +15,21 @@
 
 namespace alidade {
 
-/// Takes `count` point data records of a chunk. The first one is the chunk's point number `first`. Records are
-/// contiguous, and valid only until the call returns.
+/// Takes `count` point data records of a chunk. The first one is the chunk's point number `first`. Records
+/// are contiguous, and valid only until the call returns.
 using TakeRecords = std::function<void(const std::byte* records, std::size_t count, std::uint64_t first)>;
 
-/// Unpacks chunks of whatever compressor, one after another. Keeps its memory between chunks. Not thread
-/// safe: one per thread.
+/// Unpacks chunks of any compressor, one after another. Keeps its memory between chunks. Not thread safe:
+/// one per thread.
 class ChunkDecoder {
  public:
-  /// Of compressor 3, fields of layers that are not wanted are not unpacked and hold anything.
+  /// With compressor 3, fields of layers that are not wanted are not unpacked: their values are undefined.
   ChunkDecoder(const LazLayout& layout, const LazLayers& wanted);
 
-  /// Unpacks the chunk that begins at bytes[0] and holds `point_count` points. Answers how many bytes it
-  /// took: all of them but of pointwise chunks, which end where their last point ends. Errors: CorruptChunk.
-  /// Memory: of pointwise chunks some thousand records; of layered ones all records, but none that could not
-  /// be unpacked.
+  /// Unpacks the chunk that begins at bytes[0] and holds `point_count` points. Returns the number of bytes it
+  /// took: all of a layered chunk; of a pointwise one those up to the end of its last point. Errors:
+  /// CorruptChunk. Memory: some thousand records of a pointwise chunk; all records of a layered one that
+  /// could be unpacked.
   std::size_t decode(std::span<const std::byte> bytes, std::uint64_t point_count, const TakeRecords& take);
 
  private:
@@ -42,7 +42,7 @@ class ChunkDecoder {
   std::uint64_t record_room_ = 0;
 };
 
-/// Packs chunks by the rules of whatever compressor, one after another. Not thread safe: one per thread.
+/// Packs chunks by the rules of any compressor, one after another. Not thread safe: one per thread.
 class ChunkEncoder {
  public:
   /// Requires what LayeredEncoder or PointwiseEncoder requires. Errors: as theirs.
@@ -54,7 +54,7 @@ class ChunkEncoder {
     }
   }
 
-  /// One chunk. Requires a whole number of records, at least one.
+  /// Packs one chunk. Requires a whole number of records, at least one.
   std::vector<std::byte> encode(std::span<const std::byte> records) {
     return layered_ ? layered_->encode(records) : pointwise_->encode(records);
   }

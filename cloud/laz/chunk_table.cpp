@@ -11,9 +11,9 @@
 #include "cloud/laz/layered_codec.h"
 #include "cloud/laz/shared_models.h"
 
-// Source: the chunk table as laszip 2 and 3 write it. The offset of the points holds the offset of the
-// table, -1 if its writer could not go back; then the last eight bytes before extended records or the end of
-// the file hold it.
+// Source: the chunk table as laszip 2 and 3 write it. The eight bytes at the start of the points hold the
+// offset of the table, or -1 if the writer could not seek; then the last eight bytes before the extended
+// records or before the end of the file hold it.
 
 namespace alidade {
 namespace {
@@ -25,7 +25,7 @@ std::uint64_t first_chunk(const LasHeader& header) {
   return header.points_offset + k_laz_table_offset_bytes;
 }
 
-/// Where the table stands; 0 if nobody says.
+/// The offset of the table; 0 if the file does not contain it.
 std::uint64_t find_table(InputFile& file, const LasHeader& header) {
   if (file.size() < first_chunk(header)) return 0;
   std::int64_t offset = load<std::int64_t>(file.view(header.points_offset, k_laz_table_offset_bytes).data());
@@ -44,12 +44,12 @@ std::uint64_t find_table(InputFile& file, const LasHeader& header) {
   return static_cast<std::uint64_t>(offset);
 }
 
-/// Sums of the table against what header and file allow.
+/// Checks the sums of the table against header and file.
 struct TableCheck {
   const InputFile& file;
   const LasHeader& header;
   const LazLayout& layout;
-  std::uint64_t table;  // where it stands
+  std::uint64_t table;  // its offset
   std::uint64_t smallest = smallest_chunk(layout);
   std::uint64_t next_offset = first_chunk(header);
   std::uint64_t points_left = header.point_count;

@@ -27,9 +27,9 @@ struct LazChunk {
 /// Bytes before the first chunk that contain the offset of the chunk table.
 inline constexpr std::size_t k_laz_table_offset_bytes = 8;
 
-/// Most points that so many bytes can encode: whatever the points are, each costs one symbol of 64 or more and
-/// three of 33 (two of compressor 3). No symbol is ever more probable than 1 - (symbols - 1) / 2^15.
-/// That is above 0.007 bit, or fewer than 1200 points per byte; counts beyond 2048 per byte are not believed.
+/// Most points that so many bytes can encode: any point costs one symbol of 64 or more and three of 33 (two
+/// with compressor 3). No symbol is ever more probable than 1 - (symbols - 1) / 2^15. That is above 0.007
+/// bit, or fewer than 1200 points per byte; counts beyond 2048 per byte are rejected.
 constexpr std::uint64_t most_laz_points(std::uint64_t byte_count) {
   constexpr std::uint64_t k_most_per_byte = 2048;
   return byte_count > UINT64_MAX / k_most_per_byte ? UINT64_MAX : byte_count * k_most_per_byte;
@@ -39,24 +39,24 @@ constexpr std::uint64_t most_laz_points(std::uint64_t byte_count) {
 std::uint64_t smallest_chunk(const LazLayout& layout);
 
 /// The chunks as the table of the file lists them, in the order of the file. Their sizes fill the space
-/// between the start of the points and the table, their counts make the header's. Empty, with the reason in
-/// `missing` (one clause), if the file has no table or it is cut off; a file whose table says what cannot be
-/// true is an Error. Requires compressor 2 or 3. Memory: in proportion to the table's part of the file.
+/// between the start of the points and the table, their counts add up to the header's. Empty, with the reason
+/// in `missing` (one clause), if the file has no table or it is truncated. Errors: the table contradicts the
+/// file or the header. Requires compressor 2 or 3. Memory: in proportion to the table's part of the file.
 std::optional<std::vector<LazChunk>> read_chunk_table(InputFile& file, const LasHeader& header,
                                                       const LazLayout& layout, std::string& missing);
 
-/// The chunks of a layered file by the sizes in their own heads, for files without a table.
+/// The chunks of a layered file, found by the sizes in their own heads, for files without a table.
 struct WalkedChunks {
   std::vector<LazChunk> chunks;
   std::optional<Error> problem;  ///< why there are not as many points as the header counts
 };
 
-/// Goes from chunk to chunk until all points of the header are there or a chunk cannot be true. Cost: reads
-/// only the head of every chunk.
+/// Walks from chunk to chunk until all points of the header are found or a chunk is invalid. Cost: reads only
+/// the head of every chunk.
 WalkedChunks walk_layered_chunks(InputFile& file, const LasHeader& header, const LazLayout& layout);
 
 /// The chunk table of a LAZ file, which follows the chunks: how many bytes each takes and, for chunks of
-/// different sizes (LazLayout::chunk_size 0), how many points. Requires the chunks in their order in the file,
+/// different sizes (LazLayout::chunk_size 0), how many points. Requires the chunks in the order of the file,
 /// sizes below 2^32 and less than 2^32 chunks.
 std::vector<std::byte> encode_chunk_table(std::span<const LazChunk> chunks, const LazLayout& layout);
 

@@ -18,7 +18,7 @@ void BitModel::adapt() {
 }
 
 SymbolModel::SymbolModel(int symbols)
-    // So many starts for find() that its loop seldom runs more than once.
+    // Enough starts for find() that its loop rarely runs more than once.
     : shift_(k_precision - std::min(8u, static_cast<std::uint32_t>(std::bit_width(symbols - 1u)) + 1)),
       last_symbol_(static_cast<std::uint32_t>(symbols) - 1) {
   assert(symbols >= 2 && symbols <= 2048);
@@ -67,13 +67,13 @@ void SymbolModel::adapt() {
   left_ = cycle_;
 }
 
-void SymbolModelSet::prepare(Offset& offset) {
-  if (offset.model == nullptr) {
-    offset.model = std::make_unique<SymbolModel>(symbols_);
+void SymbolModelSet::prepare(Slot& slot) {
+  if (slot.model == nullptr) {
+    slot.model = std::make_unique<SymbolModel>(symbols_);
   } else {
-    offset.model->reset();
+    slot.model->reset();
   }
-  offset.generation = generation_;
+  slot.generation = generation_;
 }
 
 void ArithmeticEncoder::carry() {
@@ -84,8 +84,8 @@ void ArithmeticEncoder::carry() {
 }
 
 std::vector<std::byte> ArithmeticEncoder::finish() {
-  // Some number of the interval that needs few bytes; with the zeros behind, a decoder, which reads four
-  // bytes ahead, ends exactly at the end.
+  // A number of the interval that needs few bytes; the zeros behind it make a decoder, which reads four bytes
+  // ahead, end exactly at the end.
   int zeros = 2;
   if (length_ > 2 * k_least_length) {
     add(k_least_length);

@@ -15,12 +15,12 @@
 
 namespace alidade {
 
-/// Adaptive probability of a bit in LAZ streams, for decoder and encoder alike: bits are counted, and from time
-/// to time, first often, then seldom, the counts become the new probability.
+/// Adaptive probability of a bit in LAZ streams, for decoder and encoder alike: bits are counted, and at
+/// growing intervals the counts become the new probability.
 struct BitModel {
   static constexpr int k_precision = 13;  ///< bits of `probability`
 
-  std::uint32_t zeros, total;  ///< counts, `total` up to the last adaptation only
+  std::uint32_t zeros, total;  ///< counts; `total` is that of the last adaptation
   std::uint32_t probability;   ///< of a 0 in units of 2^-13, at least 1, less than 2^13
   std::uint32_t cycle;         ///< bits from one adaptation to the next
   std::uint32_t left;          ///< bits before the next adaptation, at least 1
@@ -46,13 +46,13 @@ struct BitModel {
 };
 
 /// Adaptive probabilities of n symbols 0 to n - 1 in LAZ streams, for decoder and encoder alike: symbols are
-/// counted, and from time to time, first often, then seldom, the counts become new probabilities. Memory, about
-/// 5 bytes per symbol, is taken by the constructor only.
+/// counted, and at growing intervals the counts become new probabilities. Memory: about 5 bytes per symbol,
+/// taken by the constructor only.
 class SymbolModel {
  public:
   static constexpr int k_precision = 15;  ///< bits of probabilities
 
-  /// Requires 2 <= symbols <= 2048. The model is fresh.
+  /// Requires 2 <= symbols <= 2048. The model begins as after reset().
   explicit SymbolModel(int symbols);
 
   /// Forgets all symbols: each is as probable as any other, but for rounding.
@@ -75,7 +75,8 @@ class SymbolModel {
   };
 
   /// The symbol that `value` belongs to in an interval where each unit of probability is `unit` long.
-  /// `guess`: at most value / unit, the nearer the faster. Requires guess < 2^15 and value < 65535 * unit.
+  /// `guess` is a lower bound of value / unit; close bounds are faster. Requires guess < 2^15 and
+  /// value < 65535 * unit.
   Interval find(std::uint32_t guess, std::uint64_t unit, std::uint32_t value) const {
     assert(guess * unit <= value && guess >> k_precision == 0 &&
            value < cumulative_[last_symbol_ + 1] * unit);
@@ -113,48 +114,48 @@ class SymbolModel {
 class SymbolModelSet {
  public:
   /// Requires what SymbolModel requires of `symbols`.
-  SymbolModelSet(std::size_t contexts, int symbols) : symbols_(symbols), offsets_(contexts) {}
+  SymbolModelSet(std::size_t contexts, int symbols) : symbols_(symbols), slots_(contexts) {}
 
-  /// The model of a context, which must be one.
+  /// The model of a context. Requires context < contexts.
   SymbolModel& operator[](std::size_t context) {
-    Offset& offset = offsets_[context];
-    if (offset.generation != generation_) [[unlikely]]
-      prepare(offset);
-    return *offset.model;
+    Slot& slot = slots_[context];
+    if (slot.generation != generation_) [[unlikely]]
+      prepare(slot);
+    return *slot.model;
   }
 
-  /// All models are fresh again.
+  /// Resets all models.
   void reset() { ++generation_; }
 
  private:
-  struct Offset {
+  struct Slot {
     std::unique_ptr<SymbolModel> model;
-    std::uint64_t generation = 0;  // in which the model was last made fresh
+    std::uint64_t generation = 0;  // in which the model was last reset
   };
 
-  void prepare(Offset& offset);
+  void prepare(Slot& slot);
 
   int symbols_;
   std::uint64_t generation_ = 1;
-  std::vector<Offset> offsets_;
+  std::vector<Slot> slots_;
 };
 
 /// Reads one stream of LAZ's arithmetic coder: numbers in an interval of 32 bits, which is narrowed by the
 /// probability of each symbol and widened by a byte whenever it falls below 2^24.
 ///
-/// Takes any bytes. Behind the end it reads zeros; that, and values no encoder writes, are remembered in
-/// failed(), which callers ask once per point. Every value it returns lies in its range all the same.
-/// Cost: constant for bits and raw values; symbols() see SymbolModel. The bytes must outlive the decoder.
+/// Takes any bytes. Behind the end it reads zeros; after that, or after a value that no encoder writes,
+/// failed() returns true. Callers test it once per point; every value lies in its range all the same. Cost:
+/// constant for bits and raw values; for symbols see SymbolModel. The bytes must outlive the decoder.
 ///
-/// The rules of an attribute stand once, as a template on this class or ArithmeticEncoder: both take a value and
-/// return it, but the decoder leaves what it is given unused and returns what the stream says.
+/// The rules of an attribute are written once, as a template on this class or ArithmeticEncoder: both take a
+/// value and return it, but the decoder ignores its argument and returns the value of the stream.
 ///
 /// Source: A. Said, "Introduction to Arithmetic Coding: Theory and Practice", HP Labs report HPL-2004-76.
 class ArithmeticDecoder {
  public:
   static constexpr bool k_decodes = true;
   static constexpr std::uint32_t k_least_length = 1u << 24;
-  static constexpr int k_widest_raw = 19;  ///< more bits are written in two parts
+  static constexpr int k_widest_raw = 19;  ///< wider values are written in two parts
 
   /// A decoder of nothing: it has failed.
   ArithmeticDecoder() = default;
@@ -225,7 +226,7 @@ class ArithmeticDecoder {
     return compressor.decode(*this, prediction, context);
   }
 
-  /// The value in a record: not known before it is decoded.
+  /// The value in a record; a placeholder, as it is unknown before it is decoded.
   template <class T>
   static T value(const std::byte*) {
     return T{};
@@ -235,17 +236,17 @@ class ArithmeticDecoder {
     store(at, value);
   }
 
-  /// Whether anything was read from behind the end or was no value that an encoder writes. Stays true.
+  /// Whether something was read from behind the end, or a value that no encoder writes. Stays true.
   bool failed() const { return failed_; }
 
-  /// Remembers that a value was impossible for reasons the caller knows.
+  /// Marks the stream as failed: the caller has found a value that no encoder writes.
   void fail() { failed_ = true; }
 
   /// Bytes read so far. When the last value of a stream is read, this is exactly the stream's length.
   std::size_t consumed() const { return static_cast<std::size_t>(next_ - begin_); }
 
  private:
-  // Of lengths from 2^31 on, by their upper bits: 2^47 divided by the length or a little less, so that
+  // For lengths of 2^31 and more, by their upper bits: 2^47 divided by the length, or slightly less, so that
   // value * reciprocal / 2^32 is at most value * 2^15 / length.
   static constexpr int k_reciprocal_shift = 22;
   static constexpr std::array<std::uint32_t, 1 << (32 - k_reciprocal_shift)> k_reciprocals = [] {
@@ -349,10 +350,10 @@ class ArithmeticEncoder {
     return load<T>(at);
   }
 
-  /// Records are not changed by encoding them.
+  /// Does nothing: encoding does not change records.
   template <class T>
   static void put(const std::byte*, const T&) {}
-  /// The stream, complete; the encoder is then new. A stream of nothing is 01 00 00 00.
+  /// The complete stream; the encoder can then be used for another one. An empty stream is 01 00 00 00.
   std::vector<std::byte> finish();
 
  private:

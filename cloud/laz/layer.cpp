@@ -17,7 +17,7 @@ bool Layer::needed(std::span<const std::byte> records, std::size_t record_size) 
 
 namespace {
 
-/// A layer of POINT14. Channel is what it has learnt of a scanner channel: beside what ChannelStates requires,
+/// A layer of POINT14. Channel is its state of a scanner channel: beside what ChannelStates requires, it has
 /// the field of the record, and `code(coder, point, value)`, which returns a point's value in the record.
 template <class Channel>
 class PointLayer : public LayerOfPoints<PointLayer<Channel>> {
@@ -39,9 +39,9 @@ class PointLayer : public LayerOfPoints<PointLayer<Channel>> {
   ChannelStates<Channel> channels_;
 };
 
-/// Values that are predicted by the last point of the channel that was of a kind. Rules says which points have
-/// a code, the others have the last value of their channel, which of eight kinds a point is, and which of its
-/// contexts codes the difference.
+/// Values that are predicted by the last point of the same kind in the channel. Rules defines which points
+/// have a code (the others have the last value of their channel), which of eight kinds a point is, and which
+/// of its contexts codes the difference.
 template <class Rules>
 struct PredictedChannel : Rules {
   using Value = typename Rules::Value;
@@ -126,8 +126,8 @@ struct GpsTimeChannel {
   Value last = 0;
 };
 
-/// Values that are few: each is one symbol, whose model the last value of the channel chooses. Rules says what a
-/// value is in the byte of the record, and which model codes it.
+/// Values of a small set: each is one symbol, whose model the last value of the channel selects. Rules
+/// defines the value in the byte of the record, and the model that codes it.
 template <class Rules>
 struct ByteChannel : Rules {
   using Value = std::uint8_t;  // the byte
@@ -165,7 +165,7 @@ struct UserDataRules : WholeByteRules {
   static unsigned model(unsigned last, const LayeredPoint&) { return last / 4; }
 };
 
-/// Flags share their byte with the scanner channel, which is in its middle.
+/// Flags share their byte with the scanner channel, which has the bits in the middle.
 struct FlagsRules {
   static constexpr Layer::Field k_field = {"flags", point14::k_flags, 1};
   static constexpr int k_values = 64;
@@ -189,7 +189,7 @@ class FlagsLayer final : public PointLayer<ByteChannel<FlagsRules>> {
 
 // Layers of RGB14, RGBNIR14, WAVEPACKET14 and BYTE14.
 
-/// `Models` codes values of `size` bytes, as in the record, by the value before.
+/// `Models` codes values of `size` bytes, as in the record, by their previous value.
 template <class Models, std::size_t size>
 class ItemLayer : public LayerOfPoints<ItemLayer<Models, size>> {
  public:

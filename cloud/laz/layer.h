@@ -13,7 +13,7 @@
 #include "cloud/laz/laz_layout.h"
 #include "cloud/laz/shared_models.h"
 
-/// Where the fields of the item POINT14, which all records of formats 6-10 begin with, stand: bytes.
+/// Byte offsets of the fields of the item POINT14, with which all records of formats 6-10 begin.
 namespace alidade::point14 {
 
 inline constexpr std::size_t k_x = 0;
@@ -47,8 +47,7 @@ namespace alidade {
 /// Bytes of the items RGB14 and of what RGBNIR14 adds.
 inline constexpr std::size_t k_color_size = 6, k_near_infrared_size = 2;
 
-/// What the other layers of a layered LAZ chunk use of a point in the first layer, that of returns and
-/// positions.
+/// What the other layers of a layered LAZ chunk use of a point's first layer, that of returns and positions.
 struct LayeredPoint {
   enum Change : std::uint8_t {
     k_number_of_returns = 4,
@@ -67,10 +66,9 @@ struct LayeredPoint {
   bool has(Change change) const { return (changes & change) != 0; }
 };
 
-/// What a layer of POINT14 has learnt, separately for each of the four scanner channels. A channel is opened
-/// by its first point and inherits the last value of the channel before. State has `open(value)`, which
-/// forgets all but a first value, and the value `last`. Memory for a channel is taken when a chunk first has
-/// it.
+/// The state of a layer of POINT14, separately for each of the four scanner channels. A channel is opened by
+/// its first point and inherits the last value of the channel before. State has `open(value)`, which resets
+/// it to a first value, and the value `last`. Memory for a channel is taken by the first chunk that has it.
 template <class State>
 class ChannelStates {
  public:
@@ -117,11 +115,11 @@ class ChannelStates {
   unsigned opened_ = 0;  // bit c: channel c
 };
 
-/// What a layer of RGB14, RGBNIR14, WAVEPACKET14 or BYTE14 has learnt, separately for each scanner channel:
+/// The state of a layer of RGB14, RGBNIR14, WAVEPACKET14 or BYTE14, separately for each scanner channel:
 /// models (with `reset()`) and the last value. Items of version 3 have two historical faults that all files
 /// share and that are kept here: a point whose channel is that of the point before counts as one of channel
 /// 0, and where a channel is met again its models are right but the value predicted from is that of the
-/// channel before. Version 4 is free of both. Memory for a channel is taken when a chunk first has it.
+/// channel before. Version 4 is free of both. Memory for a channel is taken by the first chunk that has it.
 template <class Models, class Value>
 class ItemChannels {
  public:
@@ -145,7 +143,7 @@ class ItemChannels {
   }
 
   Models& models() { return *models_[selected_]; }
-  /// What the value is predicted from; whoever decodes or encodes it puts the new one here.
+  /// The value that predicts the next one. The caller writes each decoded or encoded value here.
   Value& last_value() { return *last_value_; }
 
  private:
@@ -183,11 +181,11 @@ struct LayerBlock {
   std::size_t record_size;
 };
 
-/// One attribute of the points of a layered LAZ chunk, which is a stream of its own. A layer is taken through
-/// a chunk block by block, all points but the first, and is used again for the next chunk.
+/// One attribute of the points of a layered LAZ chunk, which is a stream of its own. A layer passes through a
+/// chunk block by block, all points but the first, and is then reused for the next chunk.
 class Layer {
  public:
-  /// Part of the record that holds the attribute, and what it is called in messages.
+  /// Part of the record that holds the attribute, and the attribute's name in messages.
   struct Field {
     const char* name;
     std::size_t offset, size;  ///< bytes
@@ -200,10 +198,10 @@ class Layer {
 
   const char* name() const { return field_.name; }
 
-  /// Begins a chunk with its first record, which is stored as it is; `channel` is that of its scanner.
+  /// Begins a chunk with its first record, which is stored as it is; `channel` is its scanner channel.
   virtual void start(const std::byte* first_record, unsigned channel) = 0;
 
-  /// Puts the attribute into the records. Errors: what ArithmeticDecoder::failed() says.
+  /// Writes the attribute into the records. Errors: reported by ArithmeticDecoder::failed().
   virtual void decode(ArithmeticDecoder& decoder, const LayerBlock<std::byte>& block) = 0;
 
   virtual void encode(ArithmeticEncoder& encoder, const LayerBlock<const std::byte>& block) = 0;
@@ -218,8 +216,8 @@ class Layer {
   Field field_;
 };
 
-/// A layer whose rules are `template <class Coder, class Byte> void code(Coder&, const LayeredPoint&, Byte*
-/// field)` of Derived, for one point.
+/// A layer whose rules for one point are the member of Derived
+/// `template <class Coder, class Byte> void code(Coder&, const LayeredPoint&, Byte* field)`.
 template <class Derived>
 class LayerOfPoints : public Layer {
  public:
@@ -252,14 +250,14 @@ class LayerOfPoints : public Layer {
 std::vector<std::unique_ptr<Layer>> make_layers(const LazLayout& layout, const LazLayers& wanted);
 
 /// The first layer of POINT14, which every other needs: scanner channel, which attributes change, returns, x
-/// and y. Goes through a chunk block by block, all points but the first.
+/// and y. Passes through a chunk block by block, all points but the first.
 class PositionLayer {
  public:
   /// Begins a chunk. For encoding, all records must stay where they are until the chunk ends.
   void start(const std::byte* first_record);
 
-  /// Fills `points`, and x, y, returns and scanner channel of their records. Flags that share the byte of the
-  /// channel stay.
+  /// Fills `points`, and x, y, returns and scanner channel of their records. The flags in the byte of the
+  /// channel are left as they are.
   void decode(ArithmeticDecoder& decoder, std::span<LayeredPoint> points, std::byte* records,
               std::size_t record_size);
 

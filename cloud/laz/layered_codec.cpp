@@ -35,11 +35,11 @@ std::size_t count_layers(const LazItem& item) {
                   static_cast<unsigned>(item.kind), item.size, item.version));
 }
 
-/// Points that a layered codec takes through one layer before it turns to the next: enough that a layer stays
-/// in registers, few enough that the records stay in the cache.
+/// Points that a layered codec passes through one layer before the next: enough that a layer stays in
+/// registers, few enough that the records stay in the cache.
 constexpr std::size_t k_layered_block = 512;
 
-/// Somewhere in a block a stream has failed.
+/// Thrown when a stream fails at an unknown point of a block.
 struct FailedBlock {};
 
 }  // namespace
@@ -63,7 +63,7 @@ LayeredChunkHead::LayeredChunkHead(const LazLayout& layout)
     : record_size_(layout.record_size()), layer_sizes_(count_layers(layout)) {}
 
 void LayeredChunkHead::read(std::span<const std::byte> bytes) {
-  constexpr std::uint32_t k_smallest_layer = 4;  // what an arithmetic coder writes of nothing
+  constexpr std::uint32_t k_smallest_layer = 4;  // an empty stream of the arithmetic coder
   if (bytes.size() < size())
     throw CorruptChunk(
         fmt::format("truncated chunk: it ends before its layers; expected at least {} bytes, found {}",
@@ -83,7 +83,7 @@ void LayeredChunkHead::read(std::span<const std::byte> bytes) {
   }
 }
 
-/// What takes chunks apart or makes them.
+/// What decoder and encoder of chunks share.
 template <class Coder>
 struct LayeredState {
   LayeredState(const LazLayout& layout, const LazLayers& wanted)
@@ -118,7 +118,7 @@ struct LayeredDecoder::State : LayeredState<ArithmeticDecoder> {
       bytes = bytes.subspan(size);
       return taken;
     };
-    // With one point the stream may be missing; it is never read then.
+    // A chunk of one point may lack the stream, which is then never read.
     const std::span<const std::byte> position_bytes = take(0);
     if (!position_bytes.empty()) position_stream = ArithmeticDecoder(position_bytes);
     positions.start(chunk.data());
@@ -157,7 +157,7 @@ struct LayeredDecoder::State : LayeredState<ArithmeticDecoder> {
     }
   }
 
-  /// Streams remember only that something was wrong: which point it was, is known of a block of one.
+  /// Streams record only that they failed: the point is known in a block of one.
   void check_stream(const ArithmeticDecoder& stream, std::size_t layer, std::size_t first_point,
                     std::size_t count) const {
     if (!stream.failed()) return;
@@ -199,10 +199,10 @@ struct LayeredDecoder::State : LayeredState<ArithmeticDecoder> {
     }
   }
 
-  /// A sound layer ends exactly behind the last point.
+  /// An intact layer ends exactly behind the last point.
   void check_end() const {
     const auto check = [&](const ArithmeticDecoder& stream, std::size_t layer) {
-      // One point reads nothing of a stream but its start.
+      // A chunk of one point reads only the start of a stream.
       check_stream(stream, layer, 0, 1);
       const std::size_t size = head.layer_sizes()[layer];
       if (stream.consumed() != size)

@@ -143,7 +143,7 @@ VariableLengthRecord laszip_record(const LazLayout& layout) {
   const std::span<std::byte> data = std::as_writable_bytes(std::span(record.data));
   std::byte* const at = data.data();
   store(at, layout.compressor);
-  // The version of the rules, as readers know it: 2.2. The coder at byte 2 and the options at byte 8 are 0.
+  // The version of the rules that readers expect is 2.2. The coder at byte 2 and the options at byte 8 are 0.
   store<std::uint8_t>(at + 4, 2);
   store<std::uint8_t>(at + 5, 2);
   store(at + 12, layout.chunk_size == 0 ? UINT32_MAX : layout.chunk_size);

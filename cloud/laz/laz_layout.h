@@ -11,7 +11,7 @@
 
 #include "cloud/point_cloud.h"
 
-// How a LAZ file packs its point data records: what the record "laszip encoded" 22204 of the file says.
+// How a LAZ file packs its point data records: the content of its record "laszip encoded" 22204.
 
 namespace alidade {
 
@@ -58,23 +58,24 @@ struct LazLayout {
 /// Points of a chunk unless a writer decides otherwise.
 inline constexpr std::uint32_t k_laz_chunk_size = 50000;
 
-/// Most extra bytes of a point in LAZ: as many as the 341 descriptions that fit into a LAS file can describe,
-/// at up to 24 bytes each, and some. Every byte has models of its own, up to 7 KB, which are 50 MB in all;
-/// without a limit a small file could take ten times as much of every thread.
+/// Most extra bytes of a point in LAZ: slightly more than the 341 descriptions that fit into a LAS file can
+/// describe, at up to 24 bytes each. Every byte has models of its own, up to 7 KB, which are 50 MB in all;
+/// without a limit a small file could take ten times as much memory in every thread.
 inline constexpr std::size_t k_most_laz_extra_bytes = 8192;
 
-/// Errors: a point has more extra bytes than that. They name `file_name` and, unless it is empty, `offset`.
+/// Errors: a point has more extra bytes than k_most_laz_extra_bytes. They name `file_name` and, unless it is
+/// empty, `location`.
 void check_laz_extra_bytes(const LazLayout& layout, const std::string& file_name, std::string location = {});
 
 /// The packing that is written today for a point data record format: compressor 2 with items of version 2 for
 /// formats 0-5, compressor 3 with items of version 3 for formats 6-10; wave packets of formats 4 and 5 have
-/// version 1. What the record is longer than the format demands are extra bytes. Requires a format of 0 to 10
+/// version 1. Bytes of the record beyond those of the format are extra bytes. Requires a format of 0 to 10
 /// and a record at least as long as the format's, at most 65535 bytes.
 LazLayout standard_laz_layout(int point_format, std::size_t record_size,
                               std::uint32_t chunk_size = k_laz_chunk_size);
 
-/// Which attributes of a layered LAZ chunk are wanted; those the point format lacks mean nothing. x, y,
-/// returns and scanner channel are always decoded, as all others need them. What is left out costs nothing.
+/// Which attributes of a layered LAZ chunk are wanted; those that the point format lacks are ignored. x, y,
+/// returns and scanner channel are always decoded, as all others need them. Attributes left out cost nothing.
 struct LazLayers {
   bool z = true;
   bool classification = true;
@@ -113,11 +114,11 @@ constexpr LazLayers LazLayers::positions() {
   return layers_of({});
 }
 
-/// What a LAZ decoder throws when a chunk cannot have been written by any encoder. It knows neither file nor
-/// offset: whoever reads the file turns it into an Error that names file, chunk and point.
+/// Thrown by LAZ decoders for a chunk that no encoder can have written. Contains neither file nor location:
+/// the reader of the file turns it into an Error that names file, chunk and point.
 struct CorruptChunk : std::runtime_error {
-  /// `problem` is one clause in lower case, without full stop; `point` counts from 0 within the chunk and is
-  /// empty if no point is concerned.
+  /// `problem` is one clause in lower case, without full stop; `in_point` counts from 0 within the chunk and
+  /// is empty if no point is the cause.
   explicit CorruptChunk(const std::string& problem, std::optional<std::uint64_t> in_point = std::nullopt)
       : std::runtime_error(problem), point(in_point) {}
 
@@ -127,11 +128,11 @@ struct CorruptChunk : std::runtime_error {
 inline constexpr const char* k_laszip_user_id = "laszip encoded";
 inline constexpr std::uint16_t k_laszip_record_id = 22204;
 
-/// What the data of a record "laszip encoded" say. The items are checked: they are those of the point format
-/// in their order, cover a record of `point_size` bytes, and have versions of rules that exist; old formats
-/// are pointwise and new ones layered. With compressor none, only the compressor is checked.
-/// Errors: whatever else, and more than k_most_laz_extra_bytes; they name `file_name` and `offset`, that of
-/// the data in the file.
+/// The content of a record "laszip encoded". The items are checked: they are those of the point format in
+/// their order, cover a record of `point_size` bytes, and have versions of rules that exist; formats 0-5 are
+/// pointwise and formats 6-10 layered. With compressor none, only the compressor is checked. Errors: anything
+/// else, and more than k_most_laz_extra_bytes; they name `file_name` and the byte, as the data begin at
+/// `offset` of the file.
 LazLayout parse_laszip_record(std::span<const std::byte> data, const std::string& file_name,
                               std::uint64_t offset, int point_format, std::size_t point_size);
 

@@ -17,14 +17,15 @@ namespace alidade {
 
 namespace {
 
-// Enough chunks that threads rarely wait for the last one, little enough to be of no account as memory.
+// Enough chunks that threads rarely wait for the last one, few enough that their memory does not matter.
 constexpr std::uint64_t k_batch_bytes = 8 << 20;
 constexpr std::uint64_t k_batch_points = 4 << 20;
 constexpr std::uint64_t k_batch_points_sorted_out = 1 << 20;  // these are held unpacked
-constexpr std::uint64_t k_batch_record_bytes = 64 << 20;      // unpacked, which who takes them may hold
+constexpr std::uint64_t k_batch_record_bytes = 64 << 20;      // unpacked, as the sink may hold them
 constexpr const char* k_other_end = "extra bytes after the last point of the chunk";
 
-/// Most bytes a pointwise chunk can take: no field takes four times its size, however unlikely its values.
+/// Most bytes that a pointwise chunk can take: even the least likely values take less than four times the
+/// size of their field.
 std::uint64_t longest_chunk(const LazLayout& layout, std::uint64_t point_count) {
   const std::uint64_t record = 4 * layout.record_size() + 16;
   return point_count > UINT64_MAX / record ? UINT64_MAX : point_count * record;
@@ -32,7 +33,7 @@ std::uint64_t longest_chunk(const LazLayout& layout, std::uint64_t point_count) 
 
 }  // namespace
 
-/// One reading of a LAZ file: see LazPoints::read(). What it is given must outlive it.
+/// One pass over a LAZ file: see LazPoints::read(). The arguments must outlive it.
 class LazPoints::Unpacker {
  public:
   Unpacker(const LazPoints& of, const LazLayers& wanted, LazSink& sink, const Progress& progress)
@@ -43,7 +44,7 @@ class LazPoints::Unpacker {
     progress_.add(of.header_.points_offset);
   }
 
-  /// Unpacks chunks that lie one behind the other.
+  /// Unpacks chunks that are contiguous in the file.
   std::vector<LostPoints> read_chunks(std::span<const LazChunk> chunks) {
     const std::uint64_t most_points =
         std::min(of_.damage_ == Damage::reject ? k_batch_points : k_batch_points_sorted_out,
@@ -87,7 +88,7 @@ class LazPoints::Unpacker {
     return std::move(lost_);
   }
 
-  /// Unpacks pointwise chunks whose ends nobody knows.
+  /// Unpacks pointwise chunks whose ends are unknown.
   std::vector<LostPoints> read_in_sequence() {
     const bool one_stream = of_.layout_.compressor == LazCompressor::pointwise;
     std::uint64_t offset = of_.header_.points_offset + (one_stream ? 0 : k_laz_table_offset_bytes);
@@ -104,7 +105,7 @@ class LazPoints::Unpacker {
       points_done_ += point_count;
       offset += used;
       if (lost_.empty()) continue;
-      // Only this chunk has the offset of the next one.
+      // Where the next chunk begins is known only when this one is unpacked.
       lost_.back().count += of_.header_.point_count - points_done_;
       break;
     }
@@ -114,8 +115,7 @@ class LazPoints::Unpacker {
  private:
   using Problem = std::optional<CorruptChunk>;
 
-  /// Unpacks the chunks of a batch, each by take(chunk, records, count, first point). Returns what is wrong
-  /// with each.
+  /// Unpacks the chunks of a batch, each by take(chunk, records, count, first point). Returns their problems.
   template <class Take>
   std::vector<Problem> decode_at_once(std::span<const LazChunk> chunks, const Take& take) {
     std::vector<Problem> problems(chunks.size());
@@ -139,7 +139,7 @@ class LazPoints::Unpacker {
     return problems;
   }
 
-  /// Unpacks straight into the rows, which there is room for: all rows are needed.
+  /// Unpacks directly into the rows, for which there is room: all of them are needed.
   void read_batch(std::span<const LazChunk> chunks, std::uint64_t point_count) {
     std::vector<std::uint64_t> first_rows(chunks.size(), rows_);
     for (std::size_t i = 1; i < chunks.size(); ++i)
@@ -154,7 +154,7 @@ class LazPoints::Unpacker {
     rows_ += point_count;
   }
 
-  /// The same if some chunks may be damaged: rows are made for those that are not.
+  /// Unpacks chunks that may be damaged: rows are made for the intact ones.
   void read_batch_and_sort_out(std::span<const LazChunk> chunks) {
     std::vector<std::vector<std::byte>> unpacked(chunks.size());
     const std::vector<Problem> problems = decode_at_once(
@@ -175,7 +175,7 @@ class LazPoints::Unpacker {
     }
   }
 
-  /// A chunk whose points nobody should make room for before they are there.
+  /// Unpacks a chunk whose points are too many to make room for before they are unpacked.
   void read_large(std::span<const std::byte> bytes, std::uint64_t point_count, bool ends_there,
                   std::size_t& used) {
     const std::uint64_t rows_before = rows_;
@@ -195,7 +195,7 @@ class LazPoints::Unpacker {
     progress_.add(ends_there ? bytes.size() : used);
   }
 
-  /// Throws for a chunk with `lost` unreadable points, or adds them to those lost.
+  /// Throws for a chunk with `lost` unreadable points, or adds them to `lost_`.
   void meet(const CorruptChunk& problem, std::size_t chunk, std::uint64_t first_point, std::uint64_t lost) {
     std::string location = fmt::format("chunk {}", chunk);
     if (problem.point) location += fmt::format(", point {}", first_point + *problem.point);
@@ -240,7 +240,7 @@ LazPoints::LazPoints(InputFile& file, const LasHeader& header, const LazLayout& 
   } else if (layout_.chunk_size != 0) {
     in_sequence_ = true;
   } else {
-    // Nothing in the file says where a chunk of points ends.
+    // Without the table, the file does not state where a chunk ends.
     const std::string location = fmt::format("byte {}", header_.points_offset);
     if (damage == Damage::reject) {
       throw DamagedFile({.file = file_.name(),

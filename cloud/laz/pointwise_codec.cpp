@@ -45,7 +45,7 @@ class ValueRules {
   std::array<std::byte, size> last_{};
 };
 
-/// An item whose rules stand once for both directions.
+/// An item whose rules are written once for decoding and encoding.
 template <class Rules>
 class ItemOfRules final : public PointwiseItem {
  public:
@@ -55,7 +55,7 @@ class ItemOfRules final : public PointwiseItem {
   void start(const std::byte* first) override { rules_.start(first); }
 
   void decode(ArithmeticDecoder& stream, std::byte* item) override {
-    // A copy that nobody else knows can stay in registers.
+    // A copy that nothing else points to stays in registers.
     ArithmeticDecoder copy = stream;
     rules_.code(copy, item);
     stream = copy;
@@ -100,7 +100,7 @@ std::unique_ptr<PointwiseItem> make_pointwise_item(const LazItem& item) {
                   static_cast<unsigned>(item.kind), item.size, item.version));
 }
 
-constexpr std::size_t k_shortest_stream = 4;  // that of no points
+constexpr std::size_t k_shortest_stream = 4;  // an empty stream
 
 /// The items of a layout in their order. Errors: CorruptChunk, if pointwise streams have no such items.
 std::vector<PlacedItem> make_pointwise_items(const LazLayout& layout) {

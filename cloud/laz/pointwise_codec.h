@@ -12,15 +12,15 @@
 
 namespace alidade {
 
-/// Rules of one item of point data records in pointwise LAZ streams, with the models they have learnt.
+/// Rules of one item of point data records in pointwise LAZ streams, with their models.
 class PointwiseItem {
  public:
   virtual ~PointwiseItem() = default;
 
-  /// Begins a chunk with the item of its first record: all models are fresh.
+  /// Begins a chunk with the item of its first record, and resets all models.
   virtual void start(const std::byte* first) = 0;
 
-  /// Writes the item of the next record to `item`, which need not be behind the last.
+  /// Writes the item of the next record to `item`, which need not be adjacent to the last one.
   virtual void decode(ArithmeticDecoder& stream, std::byte* item) = 0;
 
   virtual void encode(ArithmeticEncoder& stream, const std::byte* item) = 0;
@@ -35,7 +35,7 @@ struct PlacedItem {
 // is, then one stream of the arithmetic coder in which every further record is coded item by item. Records
 // are those of LAS.
 
-/// Decodes chunks, one after the other; memory is taken on first use of an attribute's value, then kept. For
+/// Decodes chunks one after another. Memory is taken on the first use of an attribute's value, then kept. For
 /// one thread at a time.
 ///
 ///     PointwiseDecoder decoder(layout);
@@ -50,13 +50,13 @@ class PointwiseDecoder {
   /// CorruptChunk, if it is too short for one point.
   void start(std::span<const std::byte> chunk);
 
-  /// Decodes the next records of the chunk: requires a whole number of them, and at most as many as the chunk
-  /// has; beyond these the decoder invents points or throws. Errors: CorruptChunk with the point's number in
-  /// the chunk, if the chunk ends early or holds values that no encoder writes; the records from there on are
-  /// then undefined. Cost: linear in the records.
+  /// Decodes the next records of the chunk. Requires a whole number of them, and at most as many as the chunk
+  /// has; beyond these the decoder returns arbitrary points or throws. Errors: CorruptChunk with the point's
+  /// number in the chunk, if the chunk ends early or holds values that no encoder writes; the records from
+  /// there on are then undefined. Cost: linear in the records.
   void decode(std::span<std::byte> records);
 
-  /// Bytes of the chunk read so far: when its last point is decoded, all.
+  /// Bytes of the chunk read so far: all of them once its last point is decoded.
   std::size_t consumed() const { return point_ == 0 ? 0 : record_size_ + stream_.consumed(); }
 
  private:
@@ -75,7 +75,7 @@ class PointwiseEncoder {
   /// Errors: as PointwiseDecoder.
   explicit PointwiseEncoder(const LazLayout& layout);
 
-  /// The chunk of these records: requires a whole number of them, at least one.
+  /// The chunk of these records. Requires a whole number of them, at least one.
   std::vector<std::byte> encode(std::span<const std::byte> records);
 
  private:

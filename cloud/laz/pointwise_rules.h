@@ -31,16 +31,16 @@ struct Point10 {
 };
 static_assert(sizeof(Point10) == 20);
 
-/// What both versions of LAZ item POINT10 have learnt.
+/// Models of both versions of LAZ item POINT10.
 class Point10Models {
  protected:
-  // Bits of the symbol that says what has changed; two others differ from version to version.
+  // Bits of the symbol that lists the changed fields; two others depend on the version.
   static constexpr unsigned k_source = 1, k_user_data = 2, k_scan_angle = 4, k_classification = 8;
 
   Point10Models(int intensity_contexts, int x_contexts, int y_contexts)
       : intensity_(16, intensity_contexts), x_(32, x_contexts), y_(32, y_contexts) {}
 
-  /// All models are fresh; the first record is the last point.
+  /// Resets all models; the first record becomes the last point.
   void start(const std::byte* first) {
     last_ = load<Point10>(first);
     changed_.reset();
@@ -48,7 +48,7 @@ class Point10Models {
     for (IntegerCompressor* compressor : {&intensity_, &source_, &x_, &y_, &z_}) compressor->reset();
   }
 
-  /// Those of the bits above that a point sets.
+  /// Those of the bits above that a point sets, by its differences to the last one.
   unsigned changes_to(const Point10& point) const {
     return (point.classification != last_.classification ? k_classification : 0) |
            (point.scan_angle != last_.scan_angle ? k_scan_angle : 0) |
@@ -70,7 +70,7 @@ class Point10Models {
 
   Point10 last_;
   SymbolModel changed_{64};
-  SymbolModelSet bits_{256, 256};  // by the value before, as the next two
+  SymbolModelSet bits_{256, 256};  // by the previous value, as the next two
   SymbolModelSet classifications_{256, 256};
   SymbolModelSet user_data_{256, 256};
   IntegerCompressor intensity_;
@@ -81,7 +81,7 @@ class Point10Models {
 };
 
 /// Rules of LAZ item POINT10, version 1, of old files: coordinates are predicted from the last three points,
-/// all else from the last.
+/// other fields from the last point.
 class Point10Version1 : Point10Models {
  public:
   Point10Version1() : Point10Models(1, 1, k_last_context + 1) {}
@@ -157,7 +157,7 @@ class Point10Version2 : Point10Models {
 
   void start(const std::byte* first) {
     Point10Models::start(first);
-    // Not those of the first point: that is what all writers do.
+    // Not those of the first point, as in all writers.
     last_intensities_.fill(0);
     last_z_.fill(0);
     x_steps_.fill({});
@@ -346,8 +346,8 @@ class ExtraBytesVersion2 {
   SymbolModelSet differences_;
 };
 
-/// Rules of LAZ items BYTE and RGB12 in version 1, of old files: bytes predicted by themselves; of colours
-/// only those that have changed, which a symbol says, are written.
+/// Rules of LAZ items BYTE and RGB12 in version 1, of old files: each byte is predicted by its last value; of
+/// colours only the changed bytes are written, after a symbol that lists them.
 class BytesVersion1 {
  public:
   enum class Written { all, changed };

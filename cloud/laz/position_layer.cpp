@@ -47,7 +47,7 @@ unsigned return_change(unsigned last, unsigned now) {
   return k_other;
 }
 
-/// What of a record differs from the last one of its channel.
+/// The LayeredPoint::Change bits of a record, against the last one of its channel.
 unsigned changes_of(const std::byte* last, const std::byte* now) {
   using namespace point14;
   const unsigned last_returns = load<std::uint8_t>(last + k_returns);
@@ -87,7 +87,7 @@ void PositionLayer::start(const std::byte* first_record) {
                        .record = first_record});
 }
 
-/// The new returns byte of a point whose last one in the channel is in `channel`.
+/// The returns byte of the next point of a channel.
 template <class Coder>
 [[gnu::always_inline]] inline unsigned PositionLayer::code_returns(Coder& coder, Channel& channel,
                                                                    unsigned changes, unsigned returns) {

@@ -32,7 +32,7 @@ struct RecordWriter::State {
     const std::size_t usual = record_size * (layout.chunk_size > 0 ? layout.chunk_size : k_laz_chunk_size);
     const auto threads = static_cast<std::size_t>(tbb::this_task_arena::max_concurrency());
     batch_bytes = usual * std::max<std::size_t>(std::min(2 * threads, k_most_bytes / usual), 1);
-    // At once, or growing would take up to three times as much; pages that no record reaches are not touched.
+    // Reserved at once, as growing would take up to three times as much; unused pages are never touched.
     batch.reserve(std::min(batch_bytes, k_most_bytes));
   }
 
@@ -69,7 +69,7 @@ RecordWriter::RecordWriter(OutputFile& file, const std::optional<LazLayout>& pac
     : file_(file) {
   if (!packing) return;
   state_ = std::make_unique<State>(file, *packing, std::move(counts));
-  // The offset of the table, which is known at the end.
+  // The offset of the table is known at the end only.
   file.write(std::array<std::byte, 8>{});
 }
 

@@ -62,8 +62,8 @@ void GpsTimeModel::start(std::int64_t first) {
 }
 
 unsigned GpsTimeModel::symbol_of(std::int32_t change, std::int32_t difference) {
-  // Single precision, as in all writers: another quotient would decode to the same times but give other
-  // bytes.
+  // Single precision, as in all writers: other quotients would decode to the same times, but their bytes
+  // would differ.
   const float quotient = std::round(static_cast<float>(change) / static_cast<float>(difference));
   const int factor = static_cast<int>(std::clamp(quotient, -10.0f, 500.0f));
   return static_cast<unsigned>(factor >= 0 ? factor : 500 - factor);
@@ -73,7 +73,7 @@ namespace {
 
 using Bytes = std::array<int, 6>;  // red low, red high, green low, ...
 
-constexpr unsigned k_not_grey = 1 << 6;  // the bits below say which bytes differ
+constexpr unsigned k_not_grey = 1 << 6;  // the bits below it are those of bytes that differ
 
 Bytes bytes_of(const std::byte* color) {
   Bytes bytes;
@@ -81,7 +81,7 @@ Bytes bytes_of(const std::byte* color) {
   return bytes;
 }
 
-// What the low (half 0) or high (1) byte of green and blue probably are, given those before them.
+// Predictions of the low (half 0) or high (1) byte of green and blue, given those before them.
 int predicted_green(const Bytes& previous, const Bytes& color, std::size_t half) {
   return std::clamp(previous[2 + half] + color[half] - previous[half], 0, 255);
 }

@@ -16,11 +16,11 @@ namespace alidade {
 /// modelled and whose lower bits are raw.
 class IntegerCompressor {
  public:
-  /// Requires 1 <= bits <= 32, contexts >= 1. All models are fresh. Memory: up to 40 KB.
+  /// Requires 1 <= bits <= 32, contexts >= 1. Begins as after reset(). Memory: up to 40 KB.
   IntegerCompressor(int bits, int contexts);
 
-  /// The next value: with 32 bits any value, with fewer one of 0 to 2^bits - 1. The prediction may be any
-  /// number; sums wrap at 2^bits. Requires 0 <= context < contexts.
+  /// The next value: any with 32 bits, otherwise 0 to 2^bits - 1. The prediction can be any number; sums wrap
+  /// at 2^bits. Requires 0 <= context < contexts.
   std::int32_t decode(ArithmeticDecoder& decoder, std::int32_t prediction, int context = 0) {
     const unsigned k = decoder.symbol(length_models_[static_cast<std::size_t>(context)]);
     last_k_ = static_cast<int>(k);
@@ -35,7 +35,7 @@ class IntegerCompressor {
   /// The k of the last value decoded or encoded, 0 to bits.
   int last_k() const { return last_k_; }
 
-  /// All models are fresh again.
+  /// Resets all models.
   void reset();
 
  private:
@@ -55,7 +55,7 @@ class IntegerCompressor {
     return static_cast<std::int32_t>(number);
   }
 
-  // Most of these models are never used in a chunk: each is made fresh on first use.
+  // Most of these models are never used in a chunk: each is reset on first use.
   SymbolModel& difference_model(unsigned k) {
     SymbolModel& model = difference_models_[k - 1];
     if ((stale_ >> k & 1) != 0) {
@@ -68,7 +68,7 @@ class IntegerCompressor {
   int bits_;
   std::uint32_t mask_;
   int last_k_ = 0;
-  std::uint64_t stale_ = 0;  // bit k: the model of k has to be made fresh
+  std::uint64_t stale_ = 0;  // bit k: the model of k has to be reset
   BitModel zero_or_one_;
   std::vector<SymbolModel> length_models_;      // by context
   std::vector<SymbolModel> difference_models_;  // of k = 1, 2 ...
@@ -92,13 +92,14 @@ constexpr Whole wrapped_difference(Whole a, Whole b) {
   return static_cast<Whole>(static_cast<Unsigned>(a) - static_cast<Unsigned>(b));
 }
 
-/// Which model of many a number of bits chooses: two neighbours share one, and so do all from `most` on.
+/// The context for a number of bits: two neighbours share one, and so do all from `most` on.
 constexpr int bits_context(int bits, int most) {
   return bits < most ? bits & ~1 : most;
 }
 
-/// Predicts coordinate differences of LAZ points by the median of the last five, roughly: a new difference
-/// replaces the largest or the smallest of the five, by turns, until one falls into the other half.
+/// Predicts coordinate differences of LAZ points by about the median of the last five: a new difference
+/// replaces the largest of the five until one is not below the median, then the smallest until one is not
+/// above it, and so on.
 class MedianPredictor {
  public:
   std::int32_t median() const { return values_[2]; }
@@ -127,22 +128,22 @@ class MedianPredictor {
   bool replaces_largest_ = true;
 };
 
-/// Codes GPS times of LAZ points, version 2 and later: times are the bits of doubles, taken as integers, and
-/// belong to one of four sequences. In each sequence a multiple of the last difference predicts the next time.
+/// Codes GPS times of LAZ points, version 2 and later: times are the bits of doubles as integers, and belong
+/// to one of four sequences. In each sequence a multiple of the last difference predicts the next time.
 class GpsTimeModel {
  public:
   enum class Unchanged : unsigned {
-    never_coded = 0,  ///< POINT14: the first layer says whether a time changes
+    never_coded = 0,  ///< POINT14: the first layer has whether a time changes
     has_code = 1      ///< GPSTIME11
   };
 
   explicit GpsTimeModel(Unchanged unchanged);
 
-  /// All models are fresh; the time before the next is `first`.
+  /// Resets all models; the time before the next one is `first`.
   void start(std::int64_t first);
 
-  /// The next time. A time that changes the sequence as often as there are
-  /// sequences makes the stream a failed one, like any value that no encoder writes.
+  /// The next time. A time that changes the sequence as often as there are sequences marks the stream as
+  /// failed, as any value that no encoder writes does.
   template <class Coder>
   std::int64_t code(Coder& coder, std::int64_t time) {
     if constexpr (Coder::k_decodes) {
@@ -165,10 +166,10 @@ class GpsTimeModel {
   struct Sequence {
     std::int64_t time = 0;
     std::int32_t difference = 0;  // of the last two times; 0 if only one is known
-    int extremes = 0;             // times in a row that were no near multiple of it
+    int extremes = 0;             // times in a row that were not near multiples of it
   };
 
-  // What follows the symbol that says by which multiple of the difference the time has changed.
+  // How a symbol for a multiple of the difference is coded.
   struct Multiple {
     std::int32_t factor;
     int context;
@@ -184,7 +185,7 @@ class GpsTimeModel {
     if (symbol < 510) return {.factor = 500 - factor, .context = 5, .extreme = false};
     return {.factor = -10, .context = 6, .extreme = true};
   }
-  // The symbol for times that differ so much.
+  // The symbol for a change of the time, given the last difference.
   static unsigned symbol_of(std::int32_t change, std::int32_t difference);
 
   static constexpr unsigned k_multiples = 511;
@@ -192,7 +193,7 @@ class GpsTimeModel {
   Sequence& current() { return sequences_[current_]; }
   unsigned unchanged() const { return static_cast<unsigned>(unchanged_); }
 
-  // Both return false if another sequence has become current, from which the time is still to be coded.
+  // Both return false if they only made another sequence current, in which the time is still to be coded.
   template <class Coder>
   bool decode_step(Coder& coder);
   template <class Coder>
@@ -321,11 +322,11 @@ void GpsTimeModel::code_new_sequence(Coder& coder, std::int64_t time) {
 /// did. A colour is the six bytes of a point data record: red, green, blue as u16.
 class ColorModels {
  public:
-  /// All models are fresh again.
+  /// Resets all models.
   void reset();
 
-  /// Replaces the previous colour by the next one, which stands in `record` if it is encoded. False if that
-  /// could be left out: neither does a byte differ, nor is the colour anything but grey. Does not allocate.
+  /// Replaces the previous colour `color` by the next one, which the encoder reads from `record`. Returns
+  /// false if its code could be left out: no byte differs, and the colour is grey. Does not allocate.
   template <class Coder>
   bool code(Coder& coder, std::byte* color, const std::byte* record);
 
@@ -342,11 +343,11 @@ class WavePacketModels {
  public:
   static constexpr std::size_t k_size = 29;
 
-  /// All models are fresh again.
+  /// Resets all models.
   void reset();
 
-  /// Replaces the last wave packet by the next one, which is `packet` if it is encoded. Decoders do not read
-  /// `packet`, which must have k_size bytes for them too. The first use of a context allocates its models.
+  /// Replaces the last wave packet by the next one, which the encoder reads from `packet`. The decoder does
+  /// not read it, but requires k_size bytes there, too. The first use of a context allocates its models.
   template <class Coder>
   void code(Coder& coder, std::byte* last, const std::byte* packet);
 

@@ -42,7 +42,7 @@ bool decode_lzf(std::span<const std::byte> input, std::span<std::byte> output) {
     if (distance > static_cast<std::size_t>(to - output.data()) ||
         length > static_cast<std::size_t>(to_end - to))
       return false;
-    // The two ranges may overlap: a short pattern is repeated by copying what has just been written.
+    // The ranges may overlap: a short pattern repeats because the bytes just written are copied again.
     for (const std::byte* source = to - distance; length > 0; --length) *to++ = *source++;
   }
   return to == to_end;
@@ -52,19 +52,19 @@ namespace {
 
 using Words = std::vector<std::string_view>;
 
-/// Most bytes per point that are believed; keeps products of sizes within 64 bits.
+/// Most bytes per point that are accepted; keeps products of sizes within 64 bits.
 constexpr std::uint64_t k_largest_point = 1 << 20;
 
-std::optional<ScalarType> scalar_type(char character, std::uint64_t size) {
-  constexpr std::string_view k_characters = " UIUIUIUIFF";  // in the order of the types
-  for (std::size_t i = 1; i < k_characters.size(); ++i) {
+std::optional<ScalarType> scalar_type(char kind, std::uint64_t size) {
+  constexpr std::string_view k_kinds = " UIUIUIUIFF";  // in the order of the types
+  for (std::size_t i = 1; i < k_kinds.size(); ++i) {
     const auto type = static_cast<ScalarType>(i);
-    if (k_characters[i] == character && static_cast<std::uint64_t>(scalar_size(type)) == size) return type;
+    if (k_kinds[i] == kind && static_cast<std::uint64_t>(scalar_size(type)) == size) return type;
   }
   return std::nullopt;
 }
 
-/// The header's lines as they were found, before they are brought together.
+/// The values of the header's lines, before they are combined.
 struct Lines {
   std::vector<std::string> fields;
   std::vector<std::uint64_t> sizes, counts;
@@ -77,7 +77,7 @@ std::uint64_t require_count(const TextScanner& scanner, std::string_view word) {
   scanner.fail("invalid value", "an integer, at least 0", quote(word));
 }
 
-/// The values after the keyword: as many as fields.
+/// The values after the keyword, one per field.
 std::vector<std::uint64_t> require_counts(const TextScanner& scanner, const Words& words,
                                           const Lines& lines) {
   if (words.size() - 1 != lines.fields.size())
@@ -96,7 +96,8 @@ PcdFormat require_pcd_format(const TextScanner& scanner, const Words& words) {
                words.size() > 1 ? quote(words[1]) : "nothing");
 }
 
-/// Seven numbers: the position, then the quaternion w, x, y, z. Words that are no numbers are an error.
+/// Seven numbers: the position, then the quaternion w, x, y, z; empty if these are invalid. Errors: words
+/// that are not numbers.
 std::optional<PcdViewpoint> viewpoint_from(const TextScanner& scanner, const Words& words) {
   std::array<double, 7> numbers{};
   for (std::size_t i = 1; i < words.size(); ++i) {

@@ -16,15 +16,14 @@
 
 namespace alidade {
 
-/// Decodes LZF, the compression inside PCD's binary_compressed: a control byte below 32 says how many literal
-/// bytes less one follow; any other is a reference back: length - 2 in its upper three bits (7: a further
-/// byte is added), distance
-/// - 1 in its lower five bits and a byte that follows the length.
+/// Decodes LZF, the compression inside PCD's binary_compressed. A control byte c below 32 precedes c + 1
+/// literal bytes. Any other refers back: its upper three bits are length - 2 (7: the next byte is added), its
+/// lower five bits and the byte behind the length are distance - 1.
 /// Fills `output` from `input`. Returns false unless both are used up exactly and every reference points into
-/// what has been decoded. Cost: linear in the output.
+/// the decoded bytes. Cost: linear in the output.
 bool decode_lzf(std::span<const std::byte> input, std::span<std::byte> output);
 
-/// No LZF stream of n bytes decodes to more than this times n: three bytes give 264 at most.
+/// Most decoded bytes per byte of an LZF stream: three bytes decode to at most 264.
 constexpr std::size_t k_lzf_largest_ratio = 88;
 
 enum class PcdFormat { ascii, binary, binary_compressed };
@@ -37,7 +36,7 @@ struct PcdField {
   std::uint64_t size() const { return count * static_cast<std::uint64_t>(scalar_size(type)); }
 };
 
-/// Where the sensor of a PCD file was.
+/// The pose of the sensor of a PCD file.
 struct PcdViewpoint {
   glm::dvec3 position{0.0};
   glm::dmat3 rotation{1.0};  ///< from the sensor's axes to those of the file
@@ -62,8 +61,8 @@ struct PcdHeader {
 };
 
 /// Reads and checks the header. Errors: anything that is not a PCD header, points without values; more points
-/// than the file has room for are damage. A VIEWPOINT that is not seven finite numbers, or whose quaternion has a
-/// length beyond 1e-100 to 1e100, is invalid; other quaternions are normalized.
+/// than the file has room for are damage. A VIEWPOINT that is not seven finite numbers, or whose quaternion
+/// has a length beyond 1e-100 to 1e100, is invalid; other quaternions are normalized.
 PcdHeader read_pcd_header(InputFile& input, Damage damage = Damage::reject);
 
 }  // namespace alidade

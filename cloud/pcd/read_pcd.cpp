@@ -19,7 +19,7 @@ namespace {
 
 constexpr std::uint64_t k_rows_per_report = 1 << 16;
 
-/// A packed colour as text: a float with these bits, or the number that the bits are.
+/// A packed colour from text: the bits of a float, or an integer.
 std::uint64_t packed_color_from(const Cell& cell, bool is_float) {
   if (is_float) {
     const bool fits = std::abs(cell.number) <= 3.4028234663852886e38;
@@ -30,7 +30,7 @@ std::uint64_t packed_color_from(const Cell& cell, bool is_float) {
          0xffffffff;
 }
 
-/// How well pairs of numbers lie on a line that rises.
+/// How closely pairs of numbers lie on a rising line.
 class Correlation {
  public:
   void add(double x, double y) {
@@ -57,7 +57,7 @@ class PixelGrid {
   explicit PixelGrid(const PcdViewpoint& viewpoint) : viewpoint_(viewpoint) {}
 
   void add(std::uint64_t column, std::uint64_t row, const glm::dvec3& point) {
-    // Some programs write points that were not measured as the camera's own position.
+    // Some programs write the camera's position for pixels without a measurement.
     if (point == viewpoint_.position) return;
     const glm::dvec3 seen = (point - viewpoint_.position) * viewpoint_.rotation;
     if (!(seen.z > 0.0)) {
@@ -79,17 +79,17 @@ class PixelGrid {
  private:
   /// One direction of the grid.
   struct Cells {
-    Correlation of_slopes, of_offsets;
+    Correlation of_slopes, of_coordinates;
 
-    void add(double cell, double offset, double depth) {
-      of_slopes.add(cell, offset / depth);
-      of_offsets.add(cell, offset);
+    void add(double cell, double coordinate, double depth) {
+      of_slopes.add(cell, coordinate / depth);
+      of_coordinates.add(cell, coordinate);
     }
-    /// Cells of a height map are equal steps, those of a camera equal slopes.
+    /// Cells of a height map have equal steps of the coordinate, those of a camera equal steps of the slope.
     bool is_of_camera() const {
       constexpr double k_fewest_points = 16.0, k_least_correlation = 0.99;
       return of_slopes.count() >= k_fewest_points && of_slopes.value() >= k_least_correlation &&
-             of_slopes.value() > of_offsets.value();
+             of_slopes.value() > of_coordinates.value();
     }
   };
 
@@ -110,7 +110,7 @@ class PcdReader final : public TableReader {
       TableColumn column{field.name, field.type, ColumnRole::extra};
       if (field.name == "_" || field.count != 1) column.role = ColumnRole::ignored;
       if (field.name != "_" && field.count != 1) skipped += (skipped.empty() ? "" : ", ") + quote(field.name);
-      // 0xAARRGGBB in four bytes, whatever their type is called.
+      // 0xAARRGGBB in four bytes of any type.
       const bool is_color = field.name == "rgb" || field.name == "rgba";
       if (is_color && field.count == 1 && scalar_size(field.type) == 4 && !has_color) {
         column.role = ColumnRole::packed_color;
@@ -120,7 +120,7 @@ class PcdReader final : public TableReader {
     }
     assign_roles(columns, NameRules::point_format);
     set_columns(std::move(columns), "line " + std::to_string(header_.line_count));
-    // Of a damaged file there may be less than announced.
+    // A damaged file may have fewer points than it states.
     const std::uint64_t point_size = std::max<std::uint64_t>(header_.point_size(), 1);
     if (header_.format == PcdFormat::binary && header_.point_count <= input_.size() / point_size)
       check_end(header_.data_offset, header_.data_offset + header_.point_count * point_size);
@@ -142,7 +142,7 @@ class PcdReader final : public TableReader {
     const auto x = find_role(columns(), ColumnRole::x), y = find_role(columns(), ColumnRole::y),
                z = find_role(columns(), ColumnRole::z);
     if (header_.width < 2 || header_.height < 2 || !z) return visit_stored_rows(visit, progress);
-    // Frames are stored in the axes of their camera or in those of the world; what VIEWPOINT says differs, too.
+    // Frames are in the axes of their camera or in those of the world, with or without VIEWPOINT.
     grids_.emplace_back(PcdViewpoint());
     if (header_.viewpoint) grids_.emplace_back(*header_.viewpoint);
     std::uint64_t cell = 0;
@@ -158,7 +158,7 @@ class PcdReader final : public TableReader {
   }
 
  private:
-  /// The sensor as far as it is known: at the origin, VIEWPOINT is what programs write that know none.
+  /// The sensor; empty if unknown. Programs write a VIEWPOINT at the origin if they have none.
   std::optional<ScannerPosition> find_sensor() const {
     for (const PixelGrid& grid : grids_)
       if (grid.is_camera()) return grid.sensor();
@@ -177,42 +177,41 @@ class PcdReader final : public TableReader {
     }
   }
 
-  Cell read_cell(const std::byte* offset, std::size_t column) const {
+  Cell read_cell(const std::byte* bytes, std::size_t column) const {
     const ScalarType type = columns()[column].type;
     if (columns()[column].role == ColumnRole::packed_color)
-      return {0.0, load<std::uint32_t>(offset, std::endian::little)};
-    return cell_from(offset, type, std::endian::little);
+      return {0.0, load<std::uint32_t>(bytes, std::endian::little)};
+    return cell_from(bytes, type, std::endian::little);
   }
 
   void visit_binary(const RowVisitor& visit, const Progress& progress) {
     ByteCursor cursor(input_, header_.data_offset);
     const std::size_t point_size = static_cast<std::size_t>(header_.point_size());
     visit_points(header_.point_count, cursor, visit, progress, [&](std::vector<Cell>& row) {
-      const std::byte* offset = cursor.take(point_size);
+      const std::byte* field = cursor.take(point_size);
       for (std::size_t i = 0; i < row.size(); ++i) {
-        if (columns()[i].role != ColumnRole::ignored) row[i] = read_cell(offset, i);
-        offset += header_.fields[i].size();
+        if (columns()[i].role != ColumnRole::ignored) row[i] = read_cell(field, i);
+        field += header_.fields[i].size();
       }
     });
   }
 
-  /// Two sizes, then LZF; decoded, all values of the first field come first, then all of the second, and so
-  /// on.
+  /// Reads two sizes, then LZF, which decodes to all values of the first field, then all of the second, ...
   void visit_compressed(const RowVisitor& visit, const Progress& progress) {
     const std::vector<std::byte> data = decompress();
     const std::size_t count = data.empty() ? 0 : static_cast<std::size_t>(header_.point_count);
-    std::vector<const std::byte*> offsets;
+    std::vector<const std::byte*> cursors;  // the next value of each field
     const std::byte* start = data.data();
     for (const PcdField& field : header_.fields) {
-      offsets.push_back(start);
+      cursors.push_back(start);
       start += static_cast<std::size_t>(field.size()) * count;
     }
     std::vector<Cell> row(header_.fields.size());
     for (std::size_t point = 0; point < count; ++point) {
       if (point % k_rows_per_report == 0) report(progress, input_.size() / count * point, input_.size());
       for (std::size_t i = 0; i < row.size(); ++i) {
-        if (columns()[i].role != ColumnRole::ignored) row[i] = read_cell(offsets[i], i);
-        offsets[i] += header_.fields[i].size();
+        if (columns()[i].role != ColumnRole::ignored) row[i] = read_cell(cursors[i], i);
+        cursors[i] += header_.fields[i].size();
       }
       visit(row);
     }
@@ -241,7 +240,7 @@ class PcdReader final : public TableReader {
       reject_text_transfer(input_, header_.data_offset, header_.data_offset + 8 + packed);
       fail("byte " + std::to_string(header_.data_offset + 8), "corrupt compressed points");
     }
-    input_.rest();  // gives back the compressed bytes
+    input_.rest();  // releases the compressed bytes
     return data;
   }
 
@@ -267,8 +266,8 @@ class PcdReader final : public TableReader {
       const TableColumn& column = columns()[i];
       if (column.role == ColumnRole::packed_color) {
         const Cell cell = require_cell(scanner, words_[word], ScalarType::float64);
-        // Most programs write the float, some the number of its bits even where the type is float; the first pass
-        // finds out.
+        // Most programs write the float, some its bits as an integer even if the type is float; the first
+        // pass detects which.
         has_float_colors_ =
             has_float_colors_ || (column.type == ScalarType::float32 &&
                                   words_[word].find_first_of(".eE") != std::string_view::npos);

@@ -12,8 +12,8 @@
 #include "cloud/attributes.h"
 #include "cloud/damage.h"
 
-// The head of a PLY file, which points and meshes have in common. Source: Turk, The PLY Polygon File Format,
-// 1994.
+// The header of a PLY file, for points and meshes alike.
+// Source: Turk, The PLY Polygon File Format, 1994.
 
 namespace alidade {
 
@@ -34,7 +34,7 @@ struct PlyElement {
   std::uint64_t count = 0;
   std::vector<PlyProperty> properties;
 
-  /// Bytes one instance takes in a binary file, at least: lists count as empty ones.
+  /// Fewest bytes of a row in a binary file: with empty lists.
   std::uint64_t smallest_size() const {
     std::uint64_t size = 0;
     for (const PlyProperty& property : properties)
@@ -44,7 +44,7 @@ struct PlyElement {
   bool has_lists() const { return std::ranges::any_of(properties, &PlyProperty::is_list); }
 };
 
-/// What stands between "ply" and "end_header".
+/// The lines between "ply" and "end_header".
 struct PlyHeader {
   PlyFormat format = PlyFormat::ascii;
   std::vector<PlyElement> elements;
@@ -53,7 +53,7 @@ struct PlyHeader {
   std::uint64_t line_count = 0;   ///< lines of the header
 };
 
-/// "binary_little_endian 1.0" and the like.
+/// The value of the line "format", such as "binary_little_endian 1.0".
 std::string ply_version(PlyFormat format);
 
 /// Byte order of a binary format.
@@ -61,8 +61,8 @@ inline std::endian byte_order(PlyFormat format) {
   return format == PlyFormat::binary_big_endian ? std::endian::big : std::endian::little;
 }
 
-/// Reads and checks the header. Errors: anything that is not a PLY 1.0 header, no element "vertex" or two of
-/// them, vertices without properties; more vertices than the file has room for are damage.
+/// Reads and checks the header. Errors: anything that is not a PLY 1.0 header; a missing or duplicate element
+/// "vertex"; vertices without properties. More vertices than the file has room for are damage.
 PlyHeader read_ply_header(InputFile& input, Damage damage);
 
 }  // namespace alidade

@@ -38,8 +38,7 @@ class PlyReader final : public TableReader {
     if (is_splat_)
       warn(
           "the points are Gaussian splats: their colours are those of f_dc; opacity, scales and rotations "
-          "are not "
-          "used, so that each of them is a point");
+          "are not used, so that each of them is a point");
     if (header_.format != PlyFormat::ascii) check_end(header_.data_offset, data_end());
   }
 
@@ -51,7 +50,8 @@ class PlyReader final : public TableReader {
 
   std::optional<ValueScaling> stated_colors() const override {
     if (!is_splat_) return std::nullopt;
-    // Source: Kerbl et al., 3D Gaussian Splatting, 2023: the constant of the spherical harmonics, and one half.
+    // Source: Kerbl et al., 3D Gaussian Splatting, 2023:
+    // colour = 0.5 + constant of the spherical harmonics * f_dc.
     constexpr double k_constant = 0.28209479177387814;
     return ValueScaling{.origin = -0.5 / k_constant, .factor = 65535.0 * k_constant, .assumption = {}};
   }
@@ -73,7 +73,7 @@ class PlyReader final : public TableReader {
 
   const PlyElement& vertex() const { return header_.elements[header_.vertex]; }
 
-  /// Where the last element ends; empty if that depends on lists, or lies behind the end of the file.
+  /// The end of the last element; empty if it depends on lists, or lies behind the end of the file.
   std::optional<std::uint64_t> data_end() const {
     std::uint64_t end = header_.data_offset;
     for (const PlyElement& element : header_.elements) {

@@ -17,7 +17,7 @@ namespace {
 constexpr std::size_t k_points_per_write = 4096;
 
 const char* type_name(ScalarType type) {
-  // In the order of the types; what PLY lacks is written as double.
+  // In the order of the types; types that PLY lacks are written as double.
   static constexpr const char* k_names[] = {"double", "uchar",  "char",   "ushort", "short", "uint",
                                             "int",    "double", "double", "float",  "double"};
   return k_names[static_cast<std::size_t>(type)];

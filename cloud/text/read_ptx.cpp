@@ -14,24 +14,24 @@ namespace alidade {
 
 namespace {
 
-/// More than any file holds; keeps products within 64 bits.
+/// More points than any file has; keeps products within 64 bits.
 constexpr std::uint64_t k_most_points = std::uint64_t{1} << 62;
 
-/// Rows of the matrix that takes a point of the scan, as a row vector (x, y, z, 1), to the world.
+/// Rows of the matrix that transforms a point of the scan, as a row vector (x, y, z, 1), to the world.
 using Transform = std::array<std::array<double, 4>, 4>;
 constexpr Transform k_identity{
     {{1.0, 0.0, 0.0, 0.0}, {0.0, 1.0, 0.0, 0.0}, {0.0, 0.0, 1.0, 0.0}, {0.0, 0.0, 0.0, 1.0}}};
 
 struct ScanHeader {
-  std::uint64_t point_count = 0;  ///< columns times rows, without returns too
+  std::uint64_t point_count = 0;  ///< columns times rows, including cells without a return
   Transform transform{};
   bool was_transposed = false;
 };
 
 /// PTX: for each scan ten lines of header (columns, rows, scanner position, its three axes, the 4 x 4
 /// transform, whose last row is the translation), then a line "x y z [intensity [red green blue]]" for each
-/// cell of the scan's grid, "0 0 0" where nothing came back. Position and axes repeat what the transform says
-/// and are only checked to be numbers. An identity transform is what programs write that know no position.
+/// cell of the scan's grid, "0 0 0" without a return. Position and axes repeat the transform, so only their
+/// syntax is checked. Programs write an identity transform if the position is unknown.
 class PtxReader final : public TableReader {
  public:
   PtxReader(InputFile input, Damage damage) : TableReader(std::move(input), "PTX", damage) {
@@ -117,7 +117,7 @@ class PtxReader final : public TableReader {
     return *count;
   }
 
-  /// Reads the ten lines; the first of them is in words_ already.
+  /// Reads the ten lines; the first one is already in words_.
   ScanHeader read_scan_header(TextScanner& scanner) {
     const auto next = [&] {
       if (!scanner.next_words(words_)) fail_early(scanner);
@@ -146,8 +146,7 @@ class PtxReader final : public TableReader {
     return header;
   }
 
-  /// The last column of the matrix must be 0 0 0 1; where the last row is that instead, the matrix is turned
-  /// round.
+  /// Checks that the last column of the matrix is 0 0 0 1; transposes it if that is its last row instead.
   static void check_transform(const TextScanner& scanner, ScanHeader& header) {
     Transform& m = header.transform;
     if (m[0][3] == 0.0 && m[1][3] == 0.0 && m[2][3] == 0.0 && m[3][3] == 1.0) return;
@@ -166,8 +165,8 @@ class PtxReader final : public TableReader {
                  std::to_string(count) + " words");
   }
 
-  /// Scans of one file may differ in whether they have colours: missing values are 0, others than the first
-  /// scan's are left out.
+  /// Scans of one file may differ in their values: missing ones are 0, those that the first scan lacks are
+  /// left out.
   void parse_row(const TextScanner& scanner, const Transform& m, std::vector<Cell>& row) {
     const std::size_t count = std::min(require_value_count(scanner), row.size());
     std::ranges::fill(row, Cell{});
@@ -182,7 +181,7 @@ class PtxReader final : public TableReader {
   }
 
   std::size_t value_count_ = 3;
-  double scale_ = 1.0;                     ///< smallest length that a transform gives to a unit of its scan
+  double scale_ = 1.0;                     ///< smallest scale factor of the transforms
   std::vector<ScannerPosition> scanners_;  ///< of the last pass
   bool warned_ = false;
 };

@@ -40,7 +40,7 @@ class TextReader final : public TableReader {
     row_.assign(columns().size(), {});
     word_count_ = 0;
     missing_.assign(columns().size(), 0);
-    std::uint64_t announced = 0;  // points that the last count line still promises
+    std::uint64_t announced = 0;  // points of the last count line that are still to come
     while (const auto line = scanner.next_line()) {
       if (scanner.line_number() % k_lines_per_report == 0) report(progress, scanner.offset(), input_.size());
       if (is_comment_or_empty(*line) || scanner.line_number() == layout_.title_line) continue;
@@ -63,14 +63,14 @@ class TextReader final : public TableReader {
   }
 
  private:
-  /// The number in a count line of a PTS file, checked against what is left of the file.
+  /// The number in a count line of a PTS file, checked against the rest of the file.
   std::uint64_t require_block(const TextScanner& scanner) const {
     const auto count = words_.size() == 1 ? parse_count(words_[0]) : std::nullopt;
     if (!count)
       scanner.fail("more points than the count line states",
                    "the count line of a further block or the end of the file",
                    std::to_string(words_.size()) + " words");
-    // A value takes two bytes with the blank after it; the very last one may lack that.
+    // A value takes two bytes with the blank behind it, which the last one of the file may lack.
     const std::uint64_t room = (input_.size() - scanner.offset() + 1) / (2 * columns().size());
     if (*count > room && damage() == Damage::reject)
       scanner.fail("truncated file: too short for the points of the count line",
@@ -89,7 +89,7 @@ class TextReader final : public TableReader {
       row_[i].number = parse_cell(scanner, i, column);
       if (column.role <= ColumnRole::z) is_point = is_point && std::isfinite(row_[i].number);
     }
-    if (!is_point) return;  // counted where it is left out
+    if (!is_point) return;  // it is left out, and counted there
     for (const std::size_t i : without_nan_)
       if (std::isnan(row_[i].number)) ++missing_[i];
   }
@@ -110,7 +110,7 @@ class TextReader final : public TableReader {
     return k_no_value;
   }
 
-  /// Says what became of cells without a number.
+  /// Warns of cells without a number.
   void warn_of_values() {
     if (word_count_ > 0) warn(std::to_string(word_count_) + " invalid numbers were read as NaN");
     for (const std::size_t i : without_nan_) {
@@ -126,7 +126,7 @@ class TextReader final : public TableReader {
   std::vector<std::uint64_t> missing_;    ///< their cells without a value, by column
   bool warned_ = false;
   std::vector<Cell> row_;
-  std::string room_;  ///< for a number whose decimal comma has become a point
+  std::string room_;  ///< for a number whose decimal comma is replaced by a point
 };
 
 }  // namespace

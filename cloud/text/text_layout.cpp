@@ -23,7 +23,7 @@ bool is_number(std::string_view word) {
   return parse_number(word).has_value() || has_decimal_comma(word);
 }
 
-/// What separates the cells of a row or of titles.
+/// The separator of the cells of a row or of titles.
 char separator_of(std::string_view line) {
   const auto has = [&](char separator) {
     bool is_quoted = false;
@@ -34,7 +34,7 @@ char separator_of(std::string_view line) {
   };
   if (has(';')) return ';';
   if (!has(',')) return ' ';
-  // "691000,5 5336000,25 500,0": no comma is followed by a blank, and there are enough numbers between blanks.
+  // Decimal commas, as in "691000,5 5336000,25 500,0": three numbers or more are separated by blanks.
   Words words;
   split_words(line, words);
   return words.size() >= 3 && std::ranges::all_of(words, is_number) ? ' ' : ',';
@@ -52,7 +52,7 @@ bool is_count(std::string_view line) {
   return words.size() == 1 && parse_count(words[0]);
 }
 
-/// Whether a line is a row of values and no titles.
+/// Whether a line is a row of values, not of titles.
 bool is_row(std::string_view line) {
   const Words words = split_row(line, separator_of(line));
   return std::ranges::any_of(words, is_number) && std::ranges::all_of(words, [](std::string_view word) {
@@ -63,7 +63,7 @@ bool is_row(std::string_view line) {
 /// The first points, as numbers; NaN for words that are not numbers.
 struct Sample {
   std::vector<std::vector<double>> rows;
-  std::vector<bool> has_words;  ///< of each column, of words that are neither numbers nor missing values
+  std::vector<bool> has_words;  ///< per column: has words that are neither numbers nor missing values
   bool has_decimal_commas = false;
 
   bool all_in(std::size_t column, double low, double high, bool whole) const {
@@ -96,8 +96,8 @@ struct Sample {
   }
 };
 
-/// The points from the scanner's offset on; count lines of PTS files are passed over. Rows of another width
-/// are left to the reader, which reports their line.
+/// The points from the scanner's offset on, without count lines of PTS files. Ends at a row of another width,
+/// for which the reader reports an error with its line.
 Sample take_sample(TextScanner scanner, char separator, std::size_t& column_count) {
   Sample sample;
   Words words;
@@ -132,8 +132,8 @@ std::vector<TableColumn> unnamed_columns(std::size_t count) {
   return columns;
 }
 
-/// Layouts after x y z: i intensity, c colour, n normal. Of those with as many columns the first that fits is
-/// taken.
+/// Layouts after x y z: i intensity, c colour, n normal. The first one with the right number of columns and
+/// fitting values applies.
 constexpr std::string_view k_layouts[] = {"i",  "n",  "c",  "ic",  "ci",  "in",
                                           "ni", "cn", "nc", "icn", "cin", "cni"};
 
@@ -151,8 +151,7 @@ bool fits(const Sample& sample, std::string_view layout, std::size_t column_coun
   return true;
 }
 
-/// Gives unnamed columns their roles by number and content, and says how they were read unless there was no
-/// choice.
+/// Assigns roles to unnamed columns by number and content, with a remark if there was a choice.
 void assign_by_content(TextLayout& result, const Sample& sample) {
   std::vector<TableColumn>& columns = result.columns;
   const auto give = [&](std::size_t column, ColumnRole role, const char* name) {
@@ -193,7 +192,7 @@ Title split_title(std::string_view title) {
   return {std::string(title), ""};
 }
 
-/// A title as it was before csv_cell() (base/shown_text.h): without the mark of formulas, and each quote once.
+/// The inverse of csv_cell() (base/shown_text.h): without the mark of formulas, and with single quotes.
 std::string plain_title(std::string_view cell) {
   cell = trim(cell);
   const bool is_marked =
@@ -241,7 +240,7 @@ const CoordinateUnit* unit_of(const TextScanner& scanner, const TextLayout& layo
   return known;
 }
 
-/// Feet become the unit of a reference system that says nothing else, so that everything that measures
+/// Makes feet the unit of a reference system that defines only units, so that everything that measures
 /// converts them. Errors: units that are unknown, or differ between x and y.
 void take_coordinate_units(const TextScanner& scanner, std::span<const Title> titles, TextLayout& layout) {
   const auto unit = [&](ColumnRole axis) { return unit_of(scanner, layout, axis, titles); };
@@ -261,12 +260,12 @@ void take_coordinate_units(const TextScanner& scanner, std::span<const Title> ti
       fmt::format(R"(LOCAL_CS["unknown, in {}",LOCAL_DATUM["unknown",0],{},AXIS["x",EAST],AXIS["y",NORTH]])",
                   plane.title, plane.wkt);
   if (z == &plane) return;
-  layout.crs.wkt = fmt::format(
-      R"(COMPD_CS["unknown, in {} with heights in {}",{},VERT_CS["unknown, in {}",VERT_DATUM["unknown",2005],{},AXIS["up",UP]]])",
-      plane.title, z->title, layout.crs.wkt, z->title, z->wkt);
+  layout.crs.wkt = fmt::format(R"(COMPD_CS["unknown, in {} with heights in {}",{},)"
+                               R"(VERT_CS["unknown, in {}",VERT_DATUM["unknown",2005],{},AXIS["up",UP]]])",
+                               plane.title, z->title, layout.crs.wkt, z->title, z->wkt);
 }
 
-/// Leaves times and angles in other units to the user.
+/// Makes times and angles in other units extra dimensions.
 void take_other_units(std::span<const Title> titles, TextLayout& layout) {
   const auto require = [&](ColumnRole role, std::string_view units, const char* meaning) {
     const auto found = find_role(layout.columns, role);
@@ -279,7 +278,7 @@ void take_other_units(std::span<const Title> titles, TextLayout& layout) {
   require(ColumnRole::scan_angle, k_in_degrees.names, "degrees");
 }
 
-/// Gives columns these names and the roles of them. The scanner is where errors are.
+/// Gives columns these names and their roles. The scanner has the location for errors.
 void assign_by_names(const TextScanner& scanner, const Words& words, TextLayout& layout) {
   std::vector<Title> titles;
   layout.columns.clear();
@@ -297,7 +296,7 @@ void assign_by_names(const TextScanner& scanner, const Words& words, TextLayout&
   take_other_units(titles, layout);
 }
 
-/// Columns without numbers cannot be kept.
+/// Leaves out columns without numbers, with a remark.
 void leave_out_words(TextLayout& layout, const Sample& sample) {
   for (std::size_t i = 0; i < layout.columns.size() && !sample.rows.empty(); ++i) {
     TableColumn& column = layout.columns[i];
@@ -307,16 +306,16 @@ void leave_out_words(TextLayout& layout, const Sample& sample) {
   }
 }
 
-/// What precedes the second point.
+/// The lines before the second point.
 struct Preamble {
   std::string comment;                         ///< the last one
   std::string titles;                          ///< the first line of words
   std::string row;                             ///< the first one
-  std::uint64_t row_offset = 0, row_line = 0;  ///< where the row begins
+  std::uint64_t row_offset = 0, row_line = 0;  ///< byte and number of lines before the row
 };
 
-/// Sets data_offset, line_count, has_blocks and title_line of the layout. Errors: a line of words that are no
-/// titles.
+/// Sets data_offset, line_count, has_blocks and title_line of the layout. Errors: a line of words that are
+/// not titles.
 Preamble read_preamble(TextScanner& scanner, std::span<const std::string> names, TextLayout& layout) {
   Preamble preamble;
   bool is_begun = false;

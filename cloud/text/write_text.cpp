@@ -19,7 +19,7 @@
 namespace alidade {
 namespace {
 
-/// 8 if all colours are those of 8 bits, else 16.
+/// 8 if all colours are multiples of 257, as 8-bit colours are, else 16.
 int color_bits(std::size_t point_count, const PointPieces& pieces) {
   const auto is_of_8 = [](const Color16& color) {
     return color.x % 257 == 0 && color.y % 257 == 0 && color.z % 257 == 0;
@@ -39,7 +39,7 @@ std::string header(const std::vector<WrittenColumn>& columns) {
   return text + '\n';
 }
 
-/// A line with the decimals of the coordinates, which come first; NaN is an empty cell.
+/// Appends a line. `decimals` are those of the coordinates, which come first; NaN is an empty cell.
 void append_row(std::string& text, const std::vector<WrittenColumn>& columns,
                 const std::array<std::optional<int>, 3>& decimals, char separator, std::size_t row) {
   for (std::size_t i = 0; i < columns.size(); ++i) {

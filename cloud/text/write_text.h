@@ -11,21 +11,22 @@
 namespace alidade {
 
 struct TextWriteOptions {
-  /// Coordinates alone, with blanks between them and no header (XYZ), in place of all columns with commas
-  /// between them and their names in front (CSV).
+  /// Coordinates alone, with blanks between them and no header (XYZ), instead of all columns with commas
+  /// between them and a header of names (CSV).
   bool coordinates_alone = false;
   bool overwrite = false;
   Progress progress{};  ///< in points
 };
 
-/// Writes a cloud as CSV or XYZ, a line per point in their order. Columns are those of written_columns(), colours
-/// of 8 bits if that loses nothing, else of 16. Coordinates have the decimals of the lattice (decimals_of()),
-/// other numbers as many digits as give the same value again; NaN, which stands for no value, is an empty cell.
-/// Reference system and records are left out. Errors: as OutputFile.
+/// Writes a cloud as CSV or XYZ, a line per point, in their order. Columns are those of written_columns(),
+/// colours of 8 bits if that loses nothing, else of 16. Coordinates have the decimals of the lattice
+/// (decimals_of()), other numbers enough digits to restore the value; NaN, which means no value, is an empty
+/// cell. Reference system and records are left out. Errors: as OutputFile.
 void write_text(const std::filesystem::path& path, const PointCloud& cloud,
                 const TextWriteOptions& options = {});
 
-/// The same for a cloud of so many points that comes in pieces, twice if they have colours, with memory for one of them.
+/// Writes a cloud of `point_count` points that arrives in pieces, with memory for one of them. If they have
+/// colours, CSV requests all pieces twice.
 void write_text(const std::filesystem::path& path, std::size_t point_count, const PointPieces& pieces,
                 const TextWriteOptions& options = {});
 

@@ -97,10 +97,10 @@ std::vector<PointFamily> point_families() {
                             [](Random& r, std::size_t) { return 2147483.0 * r.in_cube(); }));
   families.push_back(family("coarse_lattice", 2000, {glm::dvec3(1.0), glm::dvec3(0)},
                             [](Random& r, std::size_t) { return 20.0 * r.in_cube(); }));
-  families.push_back(family("street", 6000, utm, street));
   families.push_back(family("far_zeros", 6000, utm_zero, [](Random& r, std::size_t i) {
     return i % 2 ? glm::dvec3(0.0) : street(r, i / 2);
   }));
+  families.push_back(family("street", 6000, utm, street));
   return families;
 }
 
