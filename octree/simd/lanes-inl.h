@@ -205,7 +205,7 @@ class OwnRadii {
     return hn::Min(hn::Set(d, greatest_), hn::Mul(hn::Set(d, factor_), spacing));
   }
 
-  /// What LeafTest::Index::outer_sq and LeafTest::inner_sq are for the query's radius.
+  /// What LeafTest::LeafFrame::outer_sq and LeafTest::inner_sq are for the query's radius.
   template <class D, class V>
   static HWY_INLINE V outer_sq(D d, V above, V error) {
     const V outer = hn::Add(above, error);

@@ -50,10 +50,10 @@ class PacketLeafTest {
 
   /// The leaves that follow are below this frame.
   void enter(const Frame& frame) {
-    index_.emplace(setup_, frame.corner, frame.level);
-    error_ = float_above(index_->error);
-    outer_sq_ = index_->outer_sq;
-    sure_above_ = sure_inside(outer_sq_, single_.inner_sq(*index_));
+    frame_.emplace(setup_, frame.corner, frame.level);
+    error_ = float_above(frame_->error);
+    outer_sq_ = frame_->outer_sq;
+    sure_above_ = sure_inside(outer_sq_, single_.inner_sq(*frame_));
   }
 
   /// The first `count` points of a leaf, for the rays that enter its box at t_near before their cuts, in these groups.
@@ -81,7 +81,7 @@ class PacketLeafTest {
       if (rays == 0) continue;
       if (!is_loaded) load(leaf, count);
       is_loaded = true;
-      const PacketGroup group(rays_, index_->corner, first, t, meets);
+      const PacketGroup group(rays_, frame_->corner, first, t, meets);
       if constexpr (any) {
         if (limited) {
           2 * rays <= count ? test_any_in_lanes<true>(group) : test_any<true>(group);
@@ -149,7 +149,7 @@ class PacketLeafTest {
     for (int axis = 0; axis < 3; ++axis)
       for (std::uint32_t i = 0; i < count; i += static_cast<std::uint32_t>(hn::Lanes(d)))
         hn::Store(
-            hn::Mul(load_as_float(d, coordinates + axis * leaf.count + i), hn::Set(d, index_->scale[axis])),
+            hn::Mul(load_as_float(d, coordinates + axis * leaf.count + i), hn::Set(d, frame_->scale[axis])),
             d, points_[axis] + i);
     if constexpr (radii == Radii::own) {
       const auto error = hn::Set(d, error_);
@@ -427,8 +427,8 @@ class PacketLeafTest {
   const Single& single_;
   PacketRays& rays_;
   const float widening_;  ///< of boxes, without what is for rounding
-  // Of the frame.
-  std::optional<typename Single::Index> index_;
+  // Of the frame that the leaves are below.
+  std::optional<typename Single::LeafFrame> frame_;
   float error_ = 0.0f, outer_sq_ = 0.0f, sure_above_ = 0.0f;
   // Of the leaf.
   std::uint32_t count_ = 0;

@@ -113,7 +113,7 @@ class RayStream {
     }
     const SlotOrder order = front_to_back(node, octant_, any_met);
     const std::uint64_t answers_before = answers_;
-    const auto leaf_index = traversed_.leaf_test.index(frame.corner, frame.level);
+    const auto leaf_frame = traversed_.leaf_test.leaf_frame(frame.corner, frame.level);
     for (int index = 0; index < order.count; ++index) {
       const int slot = order.slot[index];
       RayList& rays = met[slot];
@@ -121,7 +121,7 @@ class RayStream {
       if (rays.count == 0) continue;
       if ((slots.leaf >> slot & 1u) != 0) {
         const Leaf leaf = slots.leaf_in(node, frame, slot);
-        test_leaf(leaf, (single >> slot & 1u) != 0 ? 1u : leaf.count, leaf_index, rays);
+        test_leaf(leaf, (single >> slot & 1u) != 0 ? 1u : leaf.count, leaf_frame, rays);
       } else {
         visit_node(slots.child_in(node, frame, slot), rays);
       }
@@ -134,16 +134,16 @@ class RayStream {
   }
 
   void test_leaf(const Leaf& leaf, std::uint32_t count,
-                 const typename LeafTest<measure, any, radii>::Index& index, const RayList& list) {
+                 const typename LeafTest<measure, any, radii>::LeafFrame& frame, const RayList& list) {
     if constexpr (measure != Measure::crossing) {
       if (list.count >= k_min_rays_at_leaf && !traversed_.leaf_test.all_in_double()) {
-        LeafGroupTest<measure, any, radii>(setup_, traversed_.leaf_test, leaf, count, index)
+        LeafGroupTest<measure, any, radii>(setup_, traversed_.leaf_test, leaf, count, frame)
             .visit(batch_, list, answers_);
         return;
       }
     }
     for (std::uint32_t i = 0; i < list.count; ++i)
-      traversed_.leaf_test.visit(batch_[list.rays[i]], leaf, count, index, list.t_near[i]);
+      traversed_.leaf_test.visit(batch_[list.rays[i]], leaf, count, frame, list.t_near[i]);
     ++answers_;
   }
 

@@ -193,14 +193,14 @@ class RayWalk {
     const Slots slots(node);
     const float cut_before = ray_.boxes.t_cut;
     const std::array<std::uint32_t, 3> corner = this->corner();
-    const auto index = traversed.leaf_test.index(corner, at_.level);
+    const auto frame = traversed.leaf_test.leaf_frame(corner, at_.level);
     do {
       const int slot = std::countr_zero(leaves_ | 1u << (k_node_width - 1));
       leaves_ &= leaves_ - 1;
       if (t_near_[slot] > ray_.boxes.t_cut) continue;
       const std::uint32_t count = node.kind[slot];
       const Leaf leaf{slots.first_point(node, slot), count, corner};
-      traversed.leaf_test.visit(ray_, leaf, (single_ >> slot & 1u) != 0 ? 1u : count, index, t_near_[slot]);
+      traversed.leaf_test.visit(ray_, leaf, (single_ >> slot & 1u) != 0 ? 1u : count, frame, t_near_[slot]);
       if (any && ray_.state.found()) return;
     } while (leaves_ != 0);
     if (ray_.boxes.t_cut < cut_before) children_ &= begin_before(t_near_, ray_.boxes.t_cut);
