@@ -102,7 +102,7 @@ class NearestCollector {
  private:
   struct Waiting {
     float low, high;
-    std::uint32_t index;
+    std::uint32_t index;  ///< storage index
     LatticePosition position;
     bool operator<(const Waiting& other) const { return high < other.high; }
   };

@@ -17,12 +17,12 @@
 namespace alidade::simd {
 
 /// Past the last storage index below a node whose frame's level is at most k_exact_frame_level.
-inline std::uint32_t end_index(const TreeView& tree, std::uint32_t index) {
+inline std::uint32_t end_index(const TreeView& tree, std::uint32_t node_index) {
   for (;;) {
-    const Node& node = tree.nodes[index];
+    const Node& node = tree.nodes[node_index];
     const auto inner = static_cast<std::uint32_t>(std::popcount(inner_slots(node)));
     if (inner == 0) return node.first_point + leaf_counts(node).sum();
-    index = node.first_child + inner - 1;
+    node_index = node.first_child + inner - 1;
   }
 }
 

@@ -14,7 +14,7 @@ HWY_BEFORE_NAMESPACE();
 namespace alidade::simd {
 namespace HWY_NAMESPACE {
 
-/// Distances to a ray's line and storage indices on it, for NearestFirst. Bounds are squares of distances for
+/// Distances to a ray's line and lengths along it, for NearestFirst. Bounds are squares of distances for
 /// Measure::distance, otherwise the measure itself, counted from LineFromRoot::shift.
 ///
 /// Everything is relative to the foot of the perpendicular from the corner of a node's frame on the line: with
@@ -234,9 +234,9 @@ void find_by(const TreeView& tree, const Ray& ray, const RayQuery& query, std::s
              std::size_t query_index, std::vector<Hit>& answers) {
   const LineFromRoot line(tree, ray);
   const RayKernel<measure> kernel(tree, line, ray, query, has_filter(query));
-  constexpr bool is_index = measure != Measure::distance;
-  find_first(tree, kernel, RayTarget(ray, query, query_index), query, k, is_index ? line.shift : 0.0,
-             is_index ? line.error : 0.0, answers);
+  constexpr bool is_along_line = measure != Measure::distance;
+  find_first(tree, kernel, RayTarget(ray, query, query_index), query, k, is_along_line ? line.shift : 0.0,
+             is_along_line ? line.error : 0.0, answers);
 }
 
 void find(const TreeView& tree, const Ray& ray, const RayQuery& query, std::size_t k, std::size_t query_index,

@@ -322,8 +322,7 @@ inline SlotOrder front_to_back(const Node& node, unsigned octant, unsigned slots
     for (; at > 0 && keys[at - 1] > key; --at) keys[at] = keys[at - 1];
     keys[at] = key;
   }
-  for (int index = 0; index < order.count; ++index)
-    order.slot[index] = static_cast<std::uint8_t>(keys[index] & 15u);
+  for (int i = 0; i < order.count; ++i) order.slot[i] = static_cast<std::uint8_t>(keys[i] & 15u);
   return order;
 }
 

@@ -55,8 +55,8 @@ class RayStream {
       rays = std::make_unique_for_overwrite<std::uint32_t[]>(k_node_width * room);
       t_near = std::make_unique_for_overwrite<float[]>(k_node_width * room);
     }
-    RayList list(std::size_t index) const {
-      return {rays.get() + index * room, t_near.get() + index * room, 0};
+    RayList list(std::size_t number) const {
+      return {rays.get() + number * room, t_near.get() + number * room, 0};
     }
   };
 
@@ -114,8 +114,8 @@ class RayStream {
     const SlotOrder order = front_to_back(node, octant_, any_met);
     const std::uint64_t answers_before = answers_;
     const auto leaf_frame = traversed_.leaf_test.leaf_frame(frame.corner, frame.level);
-    for (int index = 0; index < order.count; ++index) {
-      const int slot = order.slot[index];
+    for (int i = 0; i < order.count; ++i) {
+      const int slot = order.slot[i];
       RayList& rays = met[slot];
       if (answers_ != answers_before) rays.discard(batch_.boxes);
       if (rays.count == 0) continue;
