@@ -62,7 +62,7 @@ std::string name(IndexSection kind) {
   return "column " + attribute_names(attribute).front();
 }
 
-// Byte positions below are those of docs/index_file.md.
+// Offsets below are those of docs/index_file.md.
 
 namespace {
 
@@ -127,10 +127,10 @@ void read_lattice(const HeaderFields& page, TreeView& tree) {
 
 void read_bounds(const HeaderFields& page, TreeView& tree) {
   for (int axis = 0; axis < 3; ++axis) {
-    const std::size_t min_index = 136 + 8 * axis, max_index = 160 + 8 * axis;
-    const auto min = page.get<double>(min_index), max = page.get<double>(max_index);
+    const std::size_t min_field = 136 + 8 * axis, max_field = 160 + 8 * axis;
+    const auto min = page.get<double>(min_field), max = page.get<double>(max_field);
     if (tree.point_count > 0) {
-      page.require(std::isfinite(min) && std::isfinite(max) && min <= max, min_index, "invalid bounds",
+      page.require(std::isfinite(min) && std::isfinite(max) && min <= max, min_field, "invalid bounds",
                    "finite numbers, the minimum first", fmt::format("{} to {}", min, max));
     }
     tree.bounds.min[axis] = min;
@@ -221,8 +221,8 @@ SectionEntry read_section(const HeaderFields& page, std::size_t number, const In
                fmt::format("{} bytes each", element), entry.element_bytes);
   const std::uint64_t begin =
       align_to_page(header.sections.empty() ? k_index_page : header.sections.back().end());
-  page.require(entry.index == begin, at + 8, fmt::format("wrong offset of {}", name(entry.kind)),
-               fmt::format("byte {}", begin), fmt::format("byte {}", entry.index));
+  page.require(entry.offset == begin, at + 8, fmt::format("wrong offset of {}", name(entry.kind)),
+               fmt::format("byte {}", begin), fmt::format("byte {}", entry.offset));
   // Offsets stay within the file, since every section before this one did.
   const std::uint64_t room = header.file_bytes - std::min(begin, header.file_bytes);
   page.require(entry.bytes <= room, at + 16, fmt::format("{} exceed the file", name(entry.kind)),
@@ -325,7 +325,7 @@ std::array<std::byte, k_index_page> encode_index_header(const IndexHeader& heade
     std::byte* const row = at + k_section_table + i * k_section_entry;
     store(row, entry.kind);
     store(row + 4, entry.element_bytes);
-    store(row + 8, entry.index);
+    store(row + 8, entry.offset);
     store(row + 16, entry.bytes);
     store(row + 24, entry.checksum);
   }
