@@ -164,13 +164,13 @@ Moment read_date_time(const JsonNode& node) {
   }
 }
 
-/// Keys of a sun that is given by its position in the sky, and of one that is given by date and position.
+/// Keys of a sun that is given by its position in the sky, and of one that is given by date and location.
 constexpr std::array<std::string_view, 2> k_by_angles{"azimuth", "elevation"};
-constexpr std::array<std::string_view, 5> k_by_position{"latitude", "longitude", "height", "pressure",
+constexpr std::array<std::string_view, 5> k_by_location{"latitude", "longitude", "height", "pressure",
                                                         "temperature"};
 
 geo::Sun read_sun_by_angles(const JsonFields& fields) {
-  for (const std::string_view key : k_by_position) {
+  for (const std::string_view key : k_by_location) {
     if (const auto found = fields.find(key))
       found->fail("the location of the sun requires a time", "\"date_time\"", "none");
   }

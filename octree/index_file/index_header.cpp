@@ -44,27 +44,7 @@ std::uint32_t column_number(IndexSection kind) {
   return static_cast<std::uint32_t>(kind) - static_cast<std::uint32_t>(IndexSection::first_column);
 }
 
-}  // namespace
-
-std::uint32_t element_bytes(IndexSection kind, bool colors_are_shallow) {
-  if (kind == column_section(Attribute::color) && colors_are_shallow) return 3;
-  constexpr std::array<std::uint32_t, 12> k_columns = {6, 2, 2, 1, 2, 1, 4, 1, 2, 8, 12, 1};
-  for (const auto& section : k_sections)
-    if (section.kind == kind) return section.element_bytes;
-  return column_number(kind) < k_columns.size() ? k_columns[column_number(kind)] : 0;
-}
-
-std::string name(IndexSection kind) {
-  for (const auto& section : k_sections)
-    if (section.kind == kind) return section.name;
-  AttributeSet attribute;
-  attribute.bits = 1u << column_number(kind);
-  return "column " + attribute_names(attribute).front();
-}
-
 // Offsets below are those of docs/index_file.md.
-
-namespace {
 
 constexpr std::array<char, 8> k_magic = {'A', 'L', 'I', 'D', 'A', 'D', 'E', '\0'};
 constexpr std::uint32_t k_byte_order = 0x01020304, k_other_byte_order = 0x04030201;
@@ -257,6 +237,22 @@ void check_sections(const HeaderFields& page, const IndexHeader& header) {
 }
 
 }  // namespace
+
+std::uint32_t element_bytes(IndexSection kind, bool colors_are_shallow) {
+  if (kind == column_section(Attribute::color) && colors_are_shallow) return 3;
+  constexpr std::array<std::uint32_t, 12> k_columns = {6, 2, 2, 1, 2, 1, 4, 1, 2, 8, 12, 1};
+  for (const auto& section : k_sections)
+    if (section.kind == kind) return section.element_bytes;
+  return column_number(kind) < k_columns.size() ? k_columns[column_number(kind)] : 0;
+}
+
+std::string name(IndexSection kind) {
+  for (const auto& section : k_sections)
+    if (section.kind == kind) return section.name;
+  AttributeSet attribute;
+  attribute.bits = 1u << column_number(kind);
+  return "column " + attribute_names(attribute).front();
+}
 
 const SectionEntry* IndexHeader::find(IndexSection kind) const {
   const auto found = std::ranges::find(sections, kind, &SectionEntry::kind);
