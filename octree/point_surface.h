@@ -50,8 +50,8 @@ inline double area_of_point(double spacing) {
 /// Guide, The CLUSTER Procedure).
 Octree with_surfaces(const Octree& octree, const Progress& progress = {});
 
-/// The surface of a point: normals are good to 0.14 degrees, heights to 19 %, thicknesses are rounded up by at
-/// most 41 %. All queries that take discs take these rounded values. Requires surfaces.
+/// The surface of a point: normals are good to 0.14 degrees, heights to 19 %, thicknesses are rounded up by
+/// at most 41 %. All queries that take discs take these rounded values. Requires surfaces.
 PointSurface surface_of(const TreeView& tree, std::uint64_t point_id);
 
 /// This octree, ready for queries of Measure::crossing: its surfaces also in the order of the storage

@@ -59,7 +59,7 @@ static std::optional<Frame> only_large_child(const TreeView& tree, const Frame& 
 }
 
 static Frame site_of(const TreeView& tree) {
-  // In smaller frames, what floats lose is less than a lattice step; and a site not much smaller gains nothing.
+  // In smaller frames floats lose less than a lattice step; and a site not much smaller gains nothing.
   constexpr int k_exact_level = 20, k_least_drop = 4;
   const Frame root = root_frame(tree);
   if (tree.node_count == 0 || tree.root_level <= k_exact_level) return root;

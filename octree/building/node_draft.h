@@ -33,7 +33,7 @@ struct OctreeArrays {
   HugeArray<Node> nodes;
   HugeArray<std::uint16_t> coordinates;
   HugeArray<std::uint32_t> ids;
-  /// By storage index, as long as the cloud, but only the pages from TreeView::first_exact on are ever touched.
+  /// By storage index, as long as the cloud, but only the pages from TreeView::first_exact on are ever used.
   HugeArray<LatticePosition> positions;
 };
 

@@ -158,7 +158,7 @@ TreeView read_tree(const HeaderFields& page) {
   return tree;
 }
 
-/// The one size that a section can have; empty where that is said elsewhere.
+/// The one size that a section can have; empty where that depends on its contents.
 std::optional<std::uint64_t> expected_bytes(const IndexHeader& header, const SectionEntry& section) {
   const std::uint64_t points = header.tree.point_count;
   switch (section.kind) {
