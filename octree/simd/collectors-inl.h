@@ -29,7 +29,7 @@ namespace HWY_NAMESPACE {
 /// What lanes describe the points of a leaf.
 struct TestedPoints {
   std::uint32_t possible = 0;  ///< bit per point: may count
-  std::uint32_t certain = 0;   ///< of these, those that do whatever rounding did; their measure is not known
+  std::uint32_t certain = 0;   ///< of these, those that do whatever rounding did; their measure is unknown
   alignas(64) float low[k_max_leaf_size];  ///< the measure lies between
   alignas(64) float high[k_max_leaf_size];
 };
@@ -175,7 +175,7 @@ class NearestCollector {
     }
   }
 
-  /// Towards room for twice the points asked for: among so many, the k first are found without deciding all.
+  /// Towards room for twice k points: among so many, the k first are found without deciding all.
   /// As points come, since k may be no more than a cap.
   void grow() {
     std::vector<Waiting> more(std::min(2 * room_, 2 * k_ + k_few));

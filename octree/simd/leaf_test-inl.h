@@ -19,15 +19,15 @@ HWY_BEFORE_NAMESPACE();
 namespace alidade::simd {
 namespace HWY_NAMESPACE {
 
-/// A ray from `start` (local t) on, relative to a frame's corner, in floats of four: position,
-/// direction, RayLimits.
+/// A ray from `start` (local t) on, relative to a frame's corner, in floats of four: position, direction,
+/// RayLimits.
 HWY_INLINE void relative_to(const RayUnderWay& ray, double start, const double* corner, float* from,
                             float* along, float* limits) {
   const hn::CappedTag<double, 4> d;
   const hn::Rebind<float, decltype(d)> floats;
   const auto local_t = hn::Set(d, start), t = hn::Set(d, start + ray.state.shift);
   for (std::size_t lane = 0; lane < 4; lane += hn::Lanes(d)) {
-    // The fourth values are what is behind; nobody requests them.
+    // The fourth values are whatever is behind in memory; they are not used.
     const auto direction = hn::LoadU(d, &ray.asked.direction.x + lane);
     const auto position = hn::MulAdd(t, direction, hn::LoadU(d, &ray.asked.origin.x + lane));
     hn::StoreU(hn::DemoteTo(floats, hn::Sub(position, hn::LoadU(d, corner + lane))), floats, from + lane);
@@ -39,9 +39,9 @@ HWY_INLINE void relative_to(const RayUnderWay& ray, double start, const double* 
 
 /// Tests the points of leaves against rays and keeps the best.
 ///
-/// Lanes compute t and distance of every point within `error` of the truth. That decides for nearly all points
-/// whether they can count (most cannot) or certainly do, and bounds of their measure. Only where bounds
-/// overlap, or the edge of a condition is nearer than `error`, is a point decided in double
+/// Lanes compute t and distance of every point within `error` of the truth. That decides for nearly all
+/// points whether they can count (most cannot) or certainly do, and bounds of their measure. Only where
+/// bounds overlap, or the edge of a condition is nearer than `error`, is a point decided in double
 /// (octree/candidate.h). So the answer is the same bits on every machine, at the price of floats.
 template <Measure measure, bool any, Radii radii>
 class LeafTest {
@@ -85,7 +85,7 @@ class LeafTest {
   }
 
   /// The first `count` points of a leaf, whose box the ray's line enters at t_near (local; rounding does not
-  /// matter). For `any`, ray.state.found() reports whether to go on.
+  /// matter). For `any`, ray.state.found() ends the search.
   HWY_INLINE void visit(const RayUnderWay& ray, const Leaf& leaf, std::uint32_t count, const LeafFrame& frame,
                         float t_near) const {
     constexpr std::uint32_t lanes = hn::MaxLanes(PointLanes());
@@ -156,7 +156,8 @@ class LeafTest {
     };
     const auto t_min = hn::Set(d, limits[0]), t_max = hn::Set(d, limits[1]);
     auto low = hn::Sub(t_min, error);
-    // What begins after the cut does not count; a sphere begins at most its radius before its t, and a disc in it.
+    // What begins after the cut does not count; a sphere begins at most its radius before its t, and a disc
+    // in it.
     auto high = hn::Add(hn::Set(d, limits[3]), error);
     const auto reach = hn::Add(hn::Set(d, radius_above_), error);
     if constexpr (measure == Measure::entry) high = hn::Min(hn::Add(high, reach), hn::Add(t_max, error));
@@ -166,7 +167,7 @@ class LeafTest {
     }
     const auto along_x = hn::Set(d, along[0]), along_y = hn::Set(d, along[1]), along_z = hn::Set(d, along[2]);
 
-    // All vectors first, without asking in between: which of them hold a possible point nobody can foresee.
+    // All vectors first, without a branch in between: which hold a possible point cannot be predicted.
     hn::Vec<PointLanes> ts[vectors], distances_sq[vectors];
     std::uint32_t possible = 0;
     const std::uint16_t* coordinates = setup_.tree.coordinates + std::size_t{3} * leaf.first;
@@ -333,7 +334,7 @@ class LeafTest {
   void keep(const RayUnderWay& ray, const Leaf& leaf, std::uint32_t index) const {
     ray.state.best_position = position_of(setup_.tree, leaf, index);
     ray.state.best_index = leaf.first + index;
-    // Asked for with the answer: few points that once were the best are not in the end.
+    // Read with the answer: few points that once were the best are not in the end.
     if (setup_.tree.ids) hwy::Prefetch(setup_.tree.ids + ray.state.best_index);
   }
 

@@ -22,7 +22,7 @@ namespace HWY_NAMESPACE {
 
 /// Many rays of one octant through the tree together, one lane per ray: every node is read once for all rays
 /// that meet it, its boxes are turned into floats once, and so are the points of leaves. Where few are left,
-/// each goes on alone.
+/// each continues alone.
 template <Measure measure, bool any, Radii radii>
 class RayStream {
  public:
@@ -203,7 +203,7 @@ class RayStream {
     }
   }
 
-  /// The same with one lane per ray.
+  /// Fills the lists with one lane per ray.
   void meet_rays_in_lanes(const Faces& faces, const RayList& list, unsigned wanted, RayList* met) const {
     const RayLanes d;
     const RayNumbers n;

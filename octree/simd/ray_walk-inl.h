@@ -50,8 +50,8 @@ struct Traversed {
 };
 
 /// A single ray as it meets boxes. t of the face at grid step q of a frame is q * step * 2^(level - 8) +
-/// corner * step - origin_t, with the frame's corner in lattice steps from the setup's, and `reach` before that for
-/// near faces, behind it for far ones. Radii of the points' own are taken off later.
+/// corner * step - origin_t, with the frame's corner in lattice steps from the setup's, and `reach` before
+/// that for near faces, behind it for far ones. Radii of the points' own are taken off later.
 template <Radii radii>
 struct RayOnGrid {
   float step[3], origin_t[3];
@@ -89,9 +89,9 @@ HWY_INLINE float grid_step_of(int level) {
   return std::bit_cast<float>(static_cast<std::uint32_t>(127 + level - k_min_frame_level) << 23);
 }
 
-/// Slots whose widened box the ray meets between local t = 0 and t_cut, empty slots included, and where it enters
-/// each. corner: of the node's frame, lattice steps. reach: RayOnGrid's for that frame. spacings: of the node's slots; only
-/// for Radii::own.
+/// Slots whose widened box the ray meets between local t = 0 and t_cut, empty slots included, and where it
+/// enters each. corner: of the node's frame, lattice steps. reach: RayOnGrid's for that frame. spacings: of
+/// the node's slots; only for Radii::own.
 template <Radii radii>
 HWY_INLINE unsigned meet_boxes(const RayOnGrid<radii>& ray, float t_cut, const Node& node,
                                const float* corner, int level, const float* reach, const OwnRadii& own_radii,
@@ -130,8 +130,8 @@ HWY_INLINE unsigned meet_boxes(const RayOnGrid<radii>& ray, float t_cut, const N
   return meets;
 }
 
-/// One ray on its way through the tree, nearest nodes first, in steps: look at a node's boxes, test the
-/// leaves among them, go on to the next node.
+/// One ray on its way through the tree, nearest nodes first, in steps: test a node's boxes, test the leaves
+/// among them, go to the next node.
 template <Measure measure, bool any, Radii radii>
 class RayWalk {
  public:
@@ -207,7 +207,7 @@ class RayWalk {
     if (ray_.boxes.t_cut < cut_before) children_ &= begin_before(t_near_, ray_.boxes.t_cut);
   }
 
-  /// To the next node; false at the end of the way.
+  /// To the next node; false at the end of the walk.
   HWY_INLINE bool next_node(const Traversed<measure, any, radii>& traversed) {
     if (any && ray_.state.found()) return false;
     const Node* nodes = traversed.setup.tree.nodes;

@@ -26,8 +26,8 @@ constexpr std::uint32_t number_of(SortKey key) {
 /// Fewer are sorted faster by comparing them.
 constexpr std::size_t k_few_keys = 64;
 
-/// Sorts by the upper halves, digit by digit, the lowest first. Requires: fewer than 2^32 keys; lower halves that
-/// ascend where upper ones are equal, if the order of these matters.
+/// Sorts by the upper halves, digit by digit, the lowest first. Requires: fewer than 2^32 keys; lower halves
+/// that ascend where upper ones are equal, if the order of these matters.
 inline void sort_keys(std::vector<SortKey>& keys) {
   if (keys.size() <= k_few_keys) return std::sort(keys.begin(), keys.end());
   SortKey all = 0, previous = 0;
