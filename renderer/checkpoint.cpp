@@ -86,8 +86,8 @@ std::vector<std::size_t> tiles_by_row(std::vector<std::size_t> tiles) {
   return tiles;
 }
 
-/// Calls use(first, count) for the pixels that some tiles of a row of tiles have in each row of pixels; `first`
-/// counts from the start of the row of tiles.
+/// Calls use(first, count) for the pixels that some tiles of a row of tiles have in each row of pixels;
+/// `first` counts from the start of the row of tiles.
 template <class Use>
 void for_each_run(const TileGrid& grid, std::span<const std::size_t> tiles, const Use& use) {
   if (tiles.empty()) return;
@@ -226,7 +226,7 @@ void read_rest(InputFile& file, std::uint64_t head_bytes, std::uint64_t rest_che
 void check_head(const InputFile& file, const CheckpointHead& head, const PictureFingerprint& fingerprint,
                 int samples, std::span<const std::size_t> tiles, const PictureState& state) {
   check_fingerprint(head.fingerprint, fingerprint, file.name());
-  // The fingerprint says all this as well; what follows must not rely on a text.
+  // The fingerprint has all this as well; what follows must not rely on a text.
   if (head.width != static_cast<std::uint32_t>(state.grid.width()) ||
       head.height != static_cast<std::uint32_t>(state.grid.height()) ||
       (head.with_noise == 1) != state.with_noise || head.samples != static_cast<std::uint32_t>(samples)) {

@@ -71,7 +71,7 @@ class PictureRenderer {
     while (state_.pass_end <= fewest && state_.pass_end < task_.settings.samples);
   }
 
-  /// Without anybody who looks at the picture before its end, one pass is best: each tile as a whole.
+  /// Without previews or limits one pass is best: each tile from its first sample to its last.
   /// Otherwise the number of samples doubles up to a step of 16, so that no tile has more than twice as many
   /// as another.
   int next_pass_end() const {

@@ -34,7 +34,7 @@ std::size_t choice_of(const JsonNode& node, std::initializer_list<std::string_vi
   return node.choice({words.begin(), words.size()});
 }
 
-/// Whether `word` stands instead of a value of another type. Errors: another word.
+/// Whether the value is `word` instead of one of another type. Errors: another word.
 bool is_word(const JsonNode& node, std::string_view word) {
   if (node.is_string()) choice_of(node, {word});
   return node.is_string();
@@ -114,7 +114,7 @@ image::PointColoring read_coloring(const JsonNode& node) {
 
 constexpr NumberRange k_share{0.0, 1.0};
 
-// Objects have no colour of their own, so their materials must say it.
+// Objects have no colour of their own, so their materials must have one.
 std::optional<Rgb> read_albedo(const JsonFields& fields, bool of_cloud) {
   if (!of_cloud) return read_rgb(fields.require("albedo"), k_share);
   if (const auto albedo = fields.find("albedo")) return read_rgb(*albedo, k_share);
@@ -158,7 +158,7 @@ Moment read_date_time(const JsonNode& node) {
     return parse_date_time(node.text());
   } catch (const Error& error) {
     const Error::Parts& parts = error.parts();
-    // An Error of the node itself has its file and position already.
+    // An Error of the node itself has its file and location already.
     if (!parts.file.empty()) throw;
     node.fail(parts.problem, parts.expected, parts.found);
   }

@@ -103,7 +103,7 @@ class World {
 
   /// The nearest surface in front of the ray's origin. Between a sphere of the cloud and an object the
   /// smaller t wins. A ray that leaves a surface never meets that surface from the side it left to: the
-  /// ray_origin says which; inside glass the far wall of the same sphere counts, and inside a glass point no
+  /// ray_origin has it; inside glass the far wall of the same sphere counts, and inside a glass point no
   /// other point is seen. Ray: points before t_min are not met; t_max is ignored.
   std::optional<Intersection> nearest(const Ray& ray, const RayOrigin& ray_origin) const;
 
@@ -111,8 +111,8 @@ class World {
   bool blocked(const Ray& ray, const RayOrigin& ray_origin) const;
 
   /// nearest() and blocked() for many rays, which go through the cloud together: much faster. All of one
-  /// length. `reach`: only what is within so many metres of the origin blocks, of points those whose middle is
-  /// passed there.
+  /// length. `reach`: only what is within so many metres of the origin blocks, of points those whose middle
+  /// is passed there.
   void nearest(std::span<const Ray> rays, std::span<const RayOrigin> ray_origins,
                std::span<std::optional<Intersection>> met) const;
   void blocked(std::span<const Ray> rays, std::span<const RayOrigin> ray_origins,
@@ -138,7 +138,8 @@ class World {
   Intersection nearest_object(const Ray& ray, const RayOrigin& ray_origin) const;
   /// The ray as the cloud is queried with it, for what it meets before t.
   Ray interval(const Ray& ray, double t) const;
-  /// Put what these rays meet of the cloud into `met`, at these numbers, where it is nearer than the hit there.
+  /// Put what these rays meet of the cloud into `met`, at these numbers, where it is nearer than the hit
+  /// there.
   void meet_spheres(std::span<const Ray> rays, std::span<const std::size_t> numbers,
                     std::span<std::optional<Intersection>> met) const;
   void meet_discs(std::span<const Ray> rays, std::span<const SheetOrigin> sheets,
