@@ -52,10 +52,10 @@ struct Noise {
 
 /// The noise of a tile, on the safe side, unknown below two samples; its state must be kept with noise. Where
 /// a few pixels have most of the noise (the edge of a lamp), the sums of the tile mean little, and a test
-/// that is repeated until they are low is misled. So they count as many times as there are pixels that matter,
-/// (sum of variances)^2 / sum of squared variances, against four times for what independent samples would
-/// leave. The luminance's standard deviation is taken as the weighted sum of those of the channels, which is
-/// right for grey noise and else too high. Cost: its pixels.
+/// that is repeated until they are low is misled. So they count as many times as there are pixels that
+/// matter, (sum of variances)^2 / sum of squared variances, against four times for what independent samples
+/// would leave. The luminance's standard deviation is taken as the weighted sum of those of the channels,
+/// which is right for grey noise and else too high. Cost: its pixels.
 Noise tile_noise(const PictureState& state, std::size_t tile);
 
 /// Decides between passes which tiles have low enough noise. All are judged by the same state, so that the

@@ -16,7 +16,7 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 
-/// A moment so many seconds from now; far ones are all the same.
+/// A moment so many seconds from now, at most a year.
 Clock::time_point after(Clock::time_point now, double seconds) {
   constexpr double k_year = 3e7;
   return now + std::chrono::duration_cast<Clock::duration>(

@@ -109,7 +109,7 @@ struct RayList {
                       const hn::Mask<RayLanes>& mask) {
     const RayLanes d;
     const RayNumbers n;
-    // A whole vector at a time: what stands past the count is written over or is padding.
+    // A whole vector at a time: what is past the count is written over or is padding.
     const Compressor compress(d, mask);
     hn::StoreU(compress(numbers), n, rays + count);
     hn::StoreU(compress(t), d, t_near + count);

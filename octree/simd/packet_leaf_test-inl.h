@@ -122,7 +122,7 @@ class PacketLeafTest {
 
  private:
   static constexpr std::size_t k_size = PacketRays::k_size, k_most_lanes = PacketRays::k_most_lanes;
-  /// In place of infinity where sums must stay finite.
+  /// Replaces infinity where sums must stay finite.
   static constexpr float k_none = 1e30f;
   using Numbers = hn::Vec<RayNumbers>;
 

@@ -35,7 +35,7 @@ inline double power_of_two(int exponent) {
   return std::bit_cast<double>(static_cast<std::uint64_t>(1023 + exponent) << 52);
 }
 
-/// In place of infinity where sums must stay finite.
+/// Replaces infinity where sums must stay finite.
 constexpr double k_far = 1e30;
 
 /// Rounds towards +infinity with a little room, for upper limits that must not discard too much. Requires:
