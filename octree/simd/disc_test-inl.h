@@ -24,7 +24,7 @@ struct NearRay {
   V error, outer_sq, radius;
 };
 
-/// Positions between which the ray crosses each of them, if it does.
+/// Bounds of the t at which the ray crosses each of them, if it does.
 struct Crossings {
   hn::Vec<PointLanes> low, high;
 };
