@@ -25,8 +25,8 @@ namespace alidade {
 struct Hit {
   std::uint64_t point_id = 0;  ///< row of the cloud
   glm::dvec3 position{0.0};    ///< of the point, world coordinates
-  double t = 0.0;         ///< of the point's projection on the ray, metres; see Measure::crossing
-  double distance = 0.0;  ///< of the point to the ray's line, metres
+  double t = 0.0;              ///< of the point's projection on the ray, metres; see Measure::crossing
+  double distance = 0.0;       ///< of the point to the ray's line, metres
   /// Where the ray enters the sphere around the point whose radius is the query's (for a cone: the limit at
   /// t), metres; -infinity if the radius is infinite.
   double entry = 0.0;

@@ -13,7 +13,7 @@
 namespace alidade::renderer {
 
 /// The sun prepared for tracing. Its radiance is even over the disc, so a surface that faces it gets pi
-/// sin^2(half the angle) times that: exactly the irradiance the scene requests.
+/// sin^2(half the angle) times that: exactly the irradiance that the scene gives.
 class SunDisc {
  public:
   explicit SunDisc(const geo::Sun& sun) : irradiance_(sun.irradiance) {

@@ -24,7 +24,7 @@ constexpr NumberRange k_light{0.0, 1e9};
 
 /// The name in the node, taken relative to the scene file.
 std::filesystem::path path_beside(const std::filesystem::path& scene_file, const JsonNode& node) {
-  // A server's name lies beside nothing.
+  // Addresses of servers are not relative to the scene file.
   if (node.text().find("://") != std::string::npos) return node.text();
   return (scene_file.parent_path() / node.text()).lexically_normal();
 }

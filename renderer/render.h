@@ -34,8 +34,8 @@ struct PreviewOptions {
 /// A file from which a render that was interrupted or killed resumes, and gives the same bytes.
 struct CheckpointOptions {
   std::filesystem::path file;  ///< replaced completely or not at all; never removed by render()
-  double interval =
-      60.0;  ///< seconds from the end of one to the next, > 0; at least ten times what writing takes
+  /// Seconds from the end of one to the next, > 0; at least ten times what writing takes.
+  double interval = 60.0;
   bool resume = false;    ///< resume from the file; where there is none, start
   std::string picture{};  ///< what the picture is called; a checkpoint of another one is rejected
   /// Called once the render resumes from the file.

@@ -18,15 +18,15 @@
 #include "octree/simd/sort_keys.h"
 #include "octree/tree_walk.h"
 
-// What a search does with the points that lanes could not discard. Lanes describe every point whether it may
-// count, whether it certainly does, and limits of its measure; a *target* (octree/query_targets.h) decides in
-// double. Lanes take measures as floats, counted from a shift near the points.
+// What a search does with the points that lanes could not discard. Lanes find out of every point whether it
+// may count, whether it certainly does, and limits of its measure; a *target* (octree/query_targets.h)
+// decides in double. Lanes take measures as floats, counted from a shift near the points.
 
 HWY_BEFORE_NAMESPACE();
 namespace alidade::simd {
 namespace HWY_NAMESPACE {
 
-/// What lanes describe the points of a leaf.
+/// What lanes find out about the points of a leaf.
 struct TestedPoints {
   std::uint32_t possible = 0;  ///< bit per point: may count
   std::uint32_t certain = 0;   ///< of these, those that do whatever rounding did; their measure is unknown

@@ -15,7 +15,7 @@ HWY_BEFORE_NAMESPACE();
 namespace alidade::simd {
 namespace HWY_NAMESPACE {
 
-/// What lanes describe the children of a node.
+/// What lanes find out about the children of a node.
 struct TestedBoxes {
   unsigned met = 0;     ///< bit per slot: may hold points that count; of empty slots anything
   unsigned inside = 0;  ///< of these, those all of whose points count (used only for counting)

@@ -59,8 +59,8 @@ struct PacketRays {
   };
   Boxes boxes[k_size / k_lanes];
   alignas(64) float along[3][k_size];  ///< direction
-  alignas(
-      64) float start[k_size];  ///< how far along the ray local t = 0 is from the foot of the setup's corner
+  /// How far along the ray local t = 0 is from the foot of the setup's corner.
+  alignas(64) float start[k_size];
   // Of all rays that go through the tree, from the setup's corner, metres, mirrored.
   float origin_min[3], origin_max[3], inverse_min[3], inverse_max[3];
 

@@ -324,7 +324,7 @@ class Tracer {
 
   /// The rays that are to go through the tree; the states of the others hold the answer.
   std::vector<std::uint32_t> start_all(const RayBatch& batch, std::span<const std::uint32_t> numbers) const {
-    // What the processor foresees by itself ends with every page.
+    // The processor's own prefetching ends with every page.
     constexpr std::size_t k_ahead = 12;
     std::vector<std::uint32_t> under_way;
     under_way.reserve(numbers.size() + k_list_padding);
