@@ -55,7 +55,7 @@ struct Path {
 };
 
 /// A path from the outside, checked. Repeated vertices in a row are joined to one. Errors: a coordinate
-/// that is not finite (the message states the vertex), fewer than two different vertices, limits NaN.
+/// that is not finite (the message names the vertex), fewer than two different vertices, limits NaN.
 Path make_path(const std::vector<glm::dvec3>& vertices,
                double t_min = -std::numeric_limits<double>::infinity(),
                double t_max = std::numeric_limits<double>::infinity());

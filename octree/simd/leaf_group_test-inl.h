@@ -237,7 +237,7 @@ class LeafGroupTest {
     const auto none = hn::Set(d, std::numeric_limits<float>::infinity());
     const auto zero = hn::Zero(d);
     // Of the certain points the one that surely begins first leads; of the lows of all possible ones the two
-    // least report whether any other could begin before it ends.
+    // least show whether any other could begin before it ends.
     auto leader_low = none, leader_high = none, lowest = none, second_lowest = none;
     const hn::RebindToUnsigned<RayLanes> n;
     auto leader = hn::Zero(n);
