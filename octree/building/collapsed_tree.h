@@ -24,8 +24,8 @@ class CollapsedTree {
   CollapsedTree(const SortedPoints<Entry>& sorted, const SplitRules& rules, float widening)
       : sorted_(sorted), rules_(rules), widening_(widening) {}
 
-  /// Plans the tree over a range, which becomes cell 0. Ranges for which is_whole(range) is true take one slot
-  /// and are not split. Cost: linear in the points; about 10 B per point until the next call.
+  /// Plans the tree over a range, which becomes cell 0. Ranges for which is_whole(range) is true take one
+  /// slot and are not split. Cost: linear in the points; about 10 B per point until the next call.
   template <class IsWhole>
   void plan(const PointRange& range, const IsWhole& is_whole) {
     cells_.clear();
