@@ -11,9 +11,9 @@
 
 // What every query means, as plain loops in double over world coordinates: the definition, and the oracle of
 // the tests. Same contracts as octree/query.h; cost is linear in the number of points. A cloud has no levels:
-// max_level must be left alone (Error); a filter on the level of a point says the same. For
-// RayQuery::spacing_factor the functions of rays take the spacings of the points, for Measure::crossing their surfaces, too
-// (Errors without them).
+// max_level is an Error; a filter on the level of a point replaces it. For RayQuery::spacing_factor the
+// functions of rays take the spacings of the points, for Measure::crossing their surfaces, too (Errors
+// without them).
 
 namespace alidade::brute_force {
 

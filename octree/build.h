@@ -16,12 +16,11 @@ struct BuildOptions {
   /// levels only.
   /// - adaptive: cells are split until they hold at most leaf_size points; the fastest and smallest.
   /// - fixed: a grid of cells of one size (cell_size). A cell with more than leaf_size points has several
-  /// leaves.
+  ///   leaves.
   /// - layered: every node holds up to leaf_size points, taken evenly (in Morton order) from those in its
-  /// cell that no
-  ///   node above it holds; its children hold the rest. So levels 0 .. n of nodes (TreeView::level_count) are
-  ///   a thinned cloud, about three to seven times as many points per level, and all levels are the cloud.
-  ///   Takes about 2 B per point more.
+  ///   cell that no node above it holds; its children hold the rest. So levels 0 .. n of nodes
+  ///   (TreeView::level_count) are a thinned cloud, about three to seven times as many points per level, and
+  ///   all levels are the cloud. Takes about 2 B per point more.
   Organisation organisation = Organisation::adaptive;
   /// Most points of a leaf. 1 .. 32.
   int leaf_size = 32;
@@ -31,7 +30,7 @@ struct BuildOptions {
   double cell_size = 0.0;
   /// Instruction set of the traversal; answers do not depend on it.
   InstructionSet instruction_set = InstructionSet::best;
-  Progress progress{};  ///< in points; asked before sorting, before packing and at the end only
+  Progress progress{};  ///< in points; called before sorting, before packing and at the end only
 };
 
 /// Builds the octree over a cloud's points, in parallel. The result does not depend on the number of threads.
@@ -46,12 +45,12 @@ struct BuildOptions {
 /// Errors: leaf_size or cell_size out of range; more than 2^32 - 2 points.
 Octree build(const PointCloud& cloud, const BuildOptions& options = {});
 
-/// The same, but takes the positions out of the cloud (cloud.positions is empty afterwards) and sorts in
-/// their memory, so that the build needs little beside what the positions took (2 B per point; 6 to 16 B
-/// above 2^21 lattice steps): the octree holds every position without loss. Attributes stay in the cloud.
+/// build() that takes the positions out of the cloud (cloud.positions is empty afterwards) and sorts in their
+/// memory, so that it needs little beside what the positions took (2 B per point; 6 to 16 B above 2^21
+/// lattice steps): the octree holds every position without loss. Attributes stay in the cloud.
 Octree build(PointCloud&& cloud, const BuildOptions& options = {});
 
-/// The same, for a caller who does not need the order of the input: brings the rows of all attribute columns
+/// build() for a caller who does not need the order of the input: brings the rows of all attribute columns
 /// into the order of the octree, so that point id = row again and no ids are stored: about 7 B per point. As
 /// with a cloud that is given away, cloud.positions is empty afterwards; positions_in_order() gives them
 /// back. Memory: ids and one attribute column at a time beside what the octree takes.

@@ -10,7 +10,7 @@
 
 // How one point is decided, shared by brute force and index: whatever an index discards beforehand, what is
 // left goes through these functions, so answers are the same bits. One `evaluate` per family of targets: the
-// point as an answer if it meets every condition of the query, the filter asked last. Requires: target and
+// point as an answer if it meets every condition of the query, the filter called last. Requires: target and
 // query checked (octree/check_query.h).
 
 namespace alidade {
@@ -18,7 +18,8 @@ namespace alidade {
 /// Which filters of a query are called.
 enum class Filters { all, of_position };
 
-/// The answer if the filters admit it. query_index: number of the target in a batch; radius, disc: of the point.
+/// The answer if the filters admit it. query_index: number of the target in a batch; radius, disc: of the
+/// point.
 template <class Query, class Answer>
 std::optional<Answer> admitted(const Query& query, const Answer& answer, std::size_t query_index,
                                double radius = 0.0, const PointDisc* disc = nullptr,
@@ -50,9 +51,9 @@ inline std::optional<Hit> evaluate(const Ray& ray, const RayQuery& query, double
   if (!(projection.distance <= radius && projection.t >= ray.t_min && projection.t <= ray.t_max)) {
     return std::nullopt;
   }
-  const double entry_position = entry(projection, radius);
-  if (!(entry_position >= query.entry_min)) return std::nullopt;
-  const Hit hit{point_id, position, projection.t, projection.distance, entry_position};
+  const double entered_at = entry(projection, radius);
+  if (!(entered_at >= query.entry_min)) return std::nullopt;
+  const Hit hit{point_id, position, projection.t, projection.distance, entered_at};
   return admitted(query, hit, query_index, radius, nullptr, filters);
 }
 
@@ -69,8 +70,8 @@ inline std::optional<Hit> evaluate_crossing(const Ray& ray, const RayQuery& quer
   const RayProjection projection = project(ray, position);
   const double sphere = surface.exists ? radius : lone_radius(query, radius);
   if (!(projection.distance <= sphere)) return std::nullopt;
-  const double entry_position = entry(projection, sphere);
-  double t = entry_position;
+  const double entered_at = entry(projection, sphere);
+  double t = entered_at;
   PointDisc disc;
   if (surface.exists) {
     disc = point_disc(position, surface, radius);
@@ -80,15 +81,15 @@ inline std::optional<Hit> evaluate_crossing(const Ray& ray, const RayQuery& quer
     if (!(beside * beside <= radius * radius - projection.distance * projection.distance))
       return std::nullopt;
     // Within the sphere, also where that is rounding, so that bounds of entries are bounds of crossings.
-    t = std::max(*crossed, entry_position);
+    t = std::max(*crossed, entered_at);
   }
-  if (!(t >= ray.t_min && t <= ray.t_max && entry_position >= query.entry_min)) return std::nullopt;
+  if (!(t >= ray.t_min && t <= ray.t_max && entered_at >= query.entry_min)) return std::nullopt;
   // Spacings do not follow from the widest radius.
   if (surface.exists && radius < query.radius &&
       is_beyond_edge(disc, ray.origin + t * ray.direction, packed_edge, query.spacing_factor,
                      query.edge_shift))
     return std::nullopt;
-  return admitted(query, Hit{point_id, position, t, projection.distance, entry_position}, query_index, radius,
+  return admitted(query, Hit{point_id, position, t, projection.distance, entered_at}, query_index, radius,
                   surface.exists ? &disc : nullptr, filters);
 }
 
@@ -117,13 +118,13 @@ inline std::optional<Hit> evaluate(const Cone& cone, const ConeQuery& query, con
   if (!(projection.distance <= limit && projection.t >= cone.axis.t_min && projection.t <= cone.axis.t_max)) {
     return std::nullopt;
   }
-  const double entry_position = entry(projection, limit);
-  if (std::isnan(entry_position)) return std::nullopt;
-  const Hit hit{point_id, position, projection.t, projection.distance, entry_position};
+  const double entered_at = entry(projection, limit);
+  if (std::isnan(entered_at)) return std::nullopt;
+  const Hit hit{point_id, position, projection.t, projection.distance, entered_at};
   return admitted(query, hit, query_index);
 }
 
-/// t_min, t_max: the path's. projection: of the position on the path.
+/// t_min, t_max: the path's. projection: of the point on the path.
 inline std::optional<PathHit> evaluate(const PathProjection& projection, double t_min, double t_max,
                                        const PathQuery& query, const glm::dvec3& position,
                                        std::uint64_t point_id, std::size_t query_index = 0) {
@@ -177,7 +178,7 @@ inline double measured(Measure measure, const PathHit& hit) {
   return measure == Measure::distance ? hit.distance : hit.t;
 }
 
-/// Points, boxes and half-spaces know one order only.
+/// Points, boxes and half-spaces order by distance only.
 inline double measured(Measure, const PointHit& hit) {
   return hit.distance;
 }

@@ -16,8 +16,8 @@
 #include "base/error.h"
 #include "octree/query.h"
 
-// The entrance of every query: what is rejected, with what is wrong. Index and brute force ask here before
-// they look at a point. Nothing returned means: good.
+// What every query rejects, and why. Index and brute force call these functions before they read a point.
+// They throw, or return nothing.
 
 namespace alidade {
 
@@ -25,8 +25,8 @@ namespace alidade {
 std::string text_of(const glm::dvec3& v);
 
 /// Errors: k = 0; radius negative or NaN; spacing_factor negative or not finite; entry_min NaN;
-/// Measure::entry with an infinite radius; max_level negative; Measure::crossing with an infinite radius, without
-/// spacing_factor, or with a lone_factor or lone_radius that is negative or NaN.
+/// Measure::entry with an infinite radius; max_level negative; Measure::crossing with an infinite radius,
+/// without spacing_factor, or with a lone_factor or lone_radius that is negative or NaN.
 void check(const RayQuery& query);
 void check(const ConeQuery& query);
 /// Errors beside those of cones and rays: Measure::entry.
@@ -62,7 +62,7 @@ void check_target(const Target& target, const Query& query) {
   check(target);
 }
 
-/// What the query asks of the octree. Errors: max_level for one that has points and is not layered;
+/// What the query requires of the octree. Errors: max_level for one that has points and is not layered;
 /// spacing_factor for one that has points and no spacings; Measure::crossing for one without with_discs().
 void check_against(const Octree& octree, int max_level, double spacing_factor, Measure measure);
 template <class Query>
@@ -72,7 +72,7 @@ void check_against(const Octree& octree, const Query& query) {
   check_against(octree, query.max_level, spacing_factor, measure_of(query));
 }
 
-/// All of it.
+/// Target, query, and what the query requires of the octree.
 template <class Target, class Query>
 void check_target(const Octree& octree, const Target& target, const Query& query) {
   check_target(target, query);
@@ -115,7 +115,7 @@ template <class Work>
 void for_each_range(std::size_t count, std::size_t grain, const Work& work) {
   const std::size_t range_count = (count + grain - 1) / grain;
   std::atomic<std::size_t> first_bad{range_count};
-  std::mutex mutex;  // of the problem, and of whoever lowers first_bad
+  std::mutex mutex;  // of the problem, and of first_bad when it is lowered
   std::exception_ptr problem;
   tbb::parallel_for(std::size_t{0}, range_count, [&](std::size_t r) {
     if (r > first_bad) return;
@@ -131,15 +131,15 @@ void for_each_range(std::size_t count, std::size_t grain, const Work& work) {
   if (problem) std::rethrow_exception(problem);
 }
 
-/// Checks those from `first` to last - 1; the Error names the first that is not good.
+/// Checks the targets from `first` to last - 1; the Error names the first invalid one.
 template <class Target>
 void check_range(std::span<const Target> targets, std::size_t first, std::size_t last) {
   for (std::size_t i = first; i < last; ++i)
     if (!is_certainly_valid(targets[i])) check_numbered(targets, i);
 }
 
-/// The same after checking each range. Errors: in the first range that has any, the first target that is not
-/// good, or else what `work` throws.
+/// for_each_range() that checks each range before its work. Errors: in the first range that has any, the
+/// first invalid target, or else what `work` throws.
 template <class Target, class Work>
 void for_each_range(std::span<const Target> targets, std::size_t grain, const Work& work) {
   for_each_range(targets.size(), grain, [&](std::size_t first, std::size_t last) {

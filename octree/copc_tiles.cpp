@@ -17,13 +17,14 @@ struct CopcTiles::Slot {
   std::mutex opening;  ///< held by the thread that opens the file
   // The rest belongs to mutex_.
   std::shared_ptr<const Tile> tile;
-  std::list<std::uint32_t>::iterator index_in_open;
+  std::list<std::uint32_t>::iterator open_entry;
   bool was_open = false;
 };
 
 CopcTiles::Tile::Tile(const CloudInput& input, const CopcCache::Options& options, bool rests)
     : file(input.file(), rests, &input), cache(file, options), kept_in_all(*options.kept_in_all) {
-  // Measured with small files: most of it are the tables of the decoder. What nodes take is theirs and their slots'.
+  // Measured with small files: most of it are the tables of the decoder. Nodes take their own size and that
+  // of their slots.
   constexpr std::size_t k_file_bytes = 160 << 10, k_node_bytes = 160;
   byte_count = k_file_bytes + k_node_bytes * file.hierarchy().nodes.size();
   kept_in_all += byte_count;
@@ -126,7 +127,7 @@ std::shared_ptr<const CopcTiles::Tile> CopcTiles::join(std::uint32_t number,
   }
   slot.was_open = true;
   open_.push_front(number);
-  slot.index_in_open = open_.begin();
+  slot.open_entry = open_.begin();
   slot.tile = tile;
   return tile;
 }
@@ -135,7 +136,7 @@ std::shared_ptr<const CopcTiles::Tile> CopcTiles::find(std::uint32_t number) con
   const std::lock_guard lock(mutex_);
   Slot& slot = slots_[number];
   if (!slot.tile) return nullptr;
-  open_.splice(open_.begin(), open_, slot.index_in_open);
+  open_.splice(open_.begin(), open_, slot.open_entry);
   return slot.tile;
 }
 

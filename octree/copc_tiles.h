@@ -22,10 +22,11 @@
 
 namespace alidade {
 
-/// COPC files that are one cloud, each opened when somebody enters its box. Thread safe.
+/// COPC files that are one cloud, each opened when a query enters its box. Thread safe.
 ///
-/// A box is what a catalog states (CloudInput::stated); files without a stated box are opened at once. What is open,
-/// points and all, is given up again when it exceeds CopcCache::Options::byte_count, the least recently entered first.
+/// A box is what a catalog states (CloudInput::stated); files without a stated box are opened at once. Files
+/// and their points are dropped again when they exceed CopcCache::Options::byte_count, the least recently
+/// entered first.
 class CopcTiles {
  public:
   /// A file that is open.
@@ -50,11 +51,12 @@ class CopcTiles {
   std::uint64_t point_count() const { return first_rows_.back(); }
   /// That of the first file that has points: the one of the cloud that read_cloud() gives.
   const Lattice& lattice() const { return lattice_; }
-  /// What is to be said of files that were opened at once.
+  /// About files that were opened at once.
   const std::vector<std::string>& warnings() const { return warnings_; }
 
-  /// Opens a file, or finds it open. Errors: those of opening; it is not what a catalog states (check_stated()); its
-  /// lattice is not on that of the first (steps_between()); its reference system differs.
+  /// Opens a file, or finds it open. Errors: those of opening; it is not what a catalog states
+  /// (check_stated()); its lattice is not on that of the first (steps_between()); its reference system
+  /// differs.
   std::shared_ptr<const Tile> tile(std::uint32_t number) const;
 
   /// Boxes around the files that have points: those of level 0 are files, by file_of(), and those of each
@@ -116,9 +118,9 @@ class CopcTiles {
   mutable Work work_;                      ///< without the reads of files that are open
 };
 
-/// Such a cloud as tree_query.h walks it: boxes around files, the files, and in each its CopcTree. Answers equal those
-/// of the loaded cloud bit for bit, provided that no point lies outside of what a catalog states of its file; points
-/// that are read are held to it, a box that is pruned is believed.
+/// Such a cloud as tree_query.h walks it: boxes around files, the files, and in each its CopcTree. Answers
+/// equal those of the loaded cloud bit for bit, provided that no point lies outside of what a catalog states
+/// of its file; points that are read are checked against it, those in a pruned box are not.
 class CopcTilesTree {
  public:
   /// A node of a file's tree, whose `points` also keep the file open; or a box, of this level and number.

@@ -17,7 +17,7 @@ namespace {
 
 struct SortedPoint {
   std::uint64_t key;
-  std::uint32_t index;
+  std::uint32_t index;  ///< in the list that is sorted
 
   bool operator<(const SortedPoint& other) const {
     return key != other.key ? key < other.key : index < other.index;
@@ -80,7 +80,7 @@ struct CopcCache::Slot {
   std::mutex decoding;  ///< held by the thread that decodes the node
   // The rest belongs to mutex_.
   std::shared_ptr<const BoxedPoints> points;
-  std::list<std::uint32_t>::iterator index_in_kept;
+  std::list<std::uint32_t>::iterator kept_entry;
   bool was_met = false;
 };
 
@@ -120,7 +120,7 @@ CopcReads CopcCache::reads() const {
 std::shared_ptr<const BoxedPoints> CopcCache::find(std::uint32_t node) const {
   const std::lock_guard lock(mutex_);
   const Slot& slot = slots_[node];
-  if (slot.points) kept_.splice(kept_.begin(), kept_, slot.index_in_kept);
+  if (slot.points) kept_.splice(kept_.begin(), kept_, slot.kept_entry);
   return slot.points;
 }
 
@@ -137,7 +137,7 @@ void CopcCache::keep(std::uint32_t node, std::shared_ptr<const BoxedPoints> poin
   }
   count_kept(points->byte_count(), 0);
   kept_.push_front(node);
-  slot.index_in_kept = kept_.begin();
+  slot.kept_entry = kept_.begin();
   slot.points = std::move(points);
   while (kept_bytes_ > options_.byte_count && kept_.size() > 1) {
     Slot& oldest = slots_[kept_.back()];
@@ -156,7 +156,7 @@ std::shared_ptr<const BoxedPoints> CopcCache::decode(std::uint32_t number) const
   const Bounds bounds = file_.bounds(node);
   const Lattice& lattice = file_.header().lattice;
   const std::size_t point_size = file_.header().point_size;
-  constexpr std::size_t k_classification_index = 16;  // of formats 6 to 8
+  constexpr std::size_t k_classification_offset = 16;  // of formats 6 to 8
   const auto fail = [&](std::optional<std::uint64_t> row, std::string problem, std::string expected,
                         std::string found) {
     const std::string chunk = fmt::format("COPC node {}", node.key.name());
@@ -186,7 +186,7 @@ std::shared_ptr<const BoxedPoints> CopcCache::decode(std::uint32_t number) const
                       text_of(options_.stated_box->max),
                   text_of(world));
             }
-            const auto point_class = load<std::uint8_t>(records + k_classification_index);
+            const auto point_class = load<std::uint8_t>(records + k_classification_offset);
             if (options_.classes && !options_.classes->test(point_class)) continue;
             positions.push_back(position);
             rows.push_back(static_cast<std::uint32_t>(first + i));

@@ -22,7 +22,7 @@
 namespace alidade {
 
 /// Points sorted along a Morton curve in blocks of 16 with a box around each, boxes around 8 of these, and so
-/// on: what makes the many points of one node quick to ask. Rows are the numbers the points had before.
+/// on, so that queries test few of the many points of a node. Rows are the numbers the points had before.
 class BoxedPoints {
  public:
   static constexpr std::size_t k_block_points = 16;
@@ -64,18 +64,18 @@ struct CopcReads {
 };
 
 /// Points of a COPC file, node by node, decoded when they are requested and kept while there is room. Thread
-/// safe: who requests a node that another thread is decoding waits for it.
+/// safe: a thread that requests a node which another thread is decoding waits for it.
 class CopcCache {
  public:
   struct Options {
     std::size_t byte_count = std::size_t{512} << 20;  ///< most to keep; what is in use may be more
     std::optional<std::bitset<256>> classes{};        ///< only points of these
-    /// What somebody else states that all points lie in; empty: nothing.
+    /// The box that a catalog states for all points; empty: none.
     std::optional<Bounds> stated_box{};
     /// Also counts what is kept; several caches may share it, which it must outlive.
     std::atomic<std::size_t>* kept_in_all = nullptr;
-    /// Asked whenever a node was decoded, by one thread at a time, in points decoded so far and points of the
-    /// file; points that are decoded again count again.
+    /// Called whenever a node was decoded, by one thread at a time, in points decoded so far and points of
+    /// the file; points that are decoded again count again.
     Progress progress{};
   };
 
@@ -85,10 +85,10 @@ class CopcCache {
 
   const CopcFile& file() const { return file_; }
 
-  /// The points of a node of the file's hierarchy; none if it has no chunk. Rows count within the node. Those
-  /// asked for least recently give way to new ones. Errors: the chunk is damaged, or a point lies outside
-  /// CopcFile::bounds() of its node or of Options::stated_box. Cancelled, if the progress function says so. Cost: about 0.2
-  /// microseconds per point if they are not there.
+  /// The points of a node of the file's hierarchy; none if it has no chunk. Rows count within the node. The
+  /// least recently used nodes are dropped for new ones. Errors: the chunk is damaged, or a point lies
+  /// outside CopcFile::bounds() of its node or of Options::stated_box. Cancelled, if the progress function
+  /// returns false. Cost: about 0.2 microseconds per point unless they are kept.
   std::shared_ptr<const BoxedPoints> points(std::uint32_t node) const;
 
   CopcReads reads() const;
@@ -110,12 +110,12 @@ class CopcCache {
   std::unique_ptr<Slot[]> slots_;
   mutable tbb::enumerable_thread_specific<Workshop> workshops_;
   mutable std::mutex mutex_;               ///< of all that follows
-  mutable std::list<std::uint32_t> kept_;  ///< nodes, those asked for last first
+  mutable std::list<std::uint32_t> kept_;  ///< nodes, the most recently used first
   mutable std::size_t kept_bytes_ = 0;
   mutable CopcReads reads_;
 };
 
-/// A COPC file as tree_query.h walks it: an octree on disk, asked where it lies. Its nodes are
+/// A COPC file as tree_query.h walks it: an octree on disk, queried in place. Its nodes are
 /// - cubes: nodes of the file's hierarchy, whose children are cubes and their own points;
 /// - own points of a cube, whose chunk is decoded when this node's children are requested;
 /// - boxes of these points, and blocks of some points.
@@ -128,7 +128,7 @@ class CopcCache {
 ///   tree_query(CopcTree(cache), target, neighbors);
 ///
 /// Answers equal those of the loaded cloud bit for bit, provided that each point lies in the cube of its node
-/// as COPC demands. What is decoded is held to it; a cube that is pruned is believed.
+/// as COPC demands. Decoded points are checked against it; those in a pruned cube are not.
 class CopcTree {
  public:
   enum class Kind : std::uint8_t { cube, own_points, box };
@@ -145,7 +145,8 @@ class CopcTree {
   /// The cache must outlive the tree.
   explicit CopcTree(const CopcCache& cache) : CopcTree(cache, cache.file().header().lattice, 0) {}
 
-  /// As a part of a cloud of this lattice, in which the file's first point is row `first_row`. Errors: LatticeShift's.
+  /// As a part of a cloud of this lattice, in which the file's first point is row `first_row`. Errors: those
+  /// of LatticeShift.
   CopcTree(const CopcCache& cache, const Lattice& lattice, std::uint64_t first_row)
       : cache_(cache),
         hierarchy_(cache.file().hierarchy()),

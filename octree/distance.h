@@ -9,7 +9,7 @@
 #include "octree/targets.h"
 
 // The formulas of the paper (Teuscher et al. 2026, section 3.2), for a point and for all points of a box.
-// This is the only code where they stand: brute force, the index and every outer layer decide with these
+// They are in no other code: brute force, the index and every outer layer decide with these
 // functions, so their answers are the same bits. Floating-point contraction must be off wherever this header
 // is compiled, otherwise a fused multiply-add rounds differently from machine to machine.
 //
@@ -20,7 +20,7 @@ namespace alidade {
 
 /// Where a point lies relative to a ray. All lengths in metres (the unit of the CRS).
 struct RayProjection {
-  double t = 0.0;         ///< position of the orthogonal projection on the ray (eq. 2)
+  double t = 0.0;         ///< of the orthogonal projection on the ray (eq. 2)
   double distance = 0.0;  ///< orthogonal distance to the ray's line (eq. 1)
 };
 
@@ -86,13 +86,13 @@ inline Interval signed_distance(const Plane& plane, const Bounds& box) {
 
 /// The paper's own bound on the distance of a box to a ray (eq. 3): distance of the centre minus half the
 /// diagonal. Never larger than project(ray, box).distance.low by more than rounding; kept because other
-/// indices know spheres rather than boxes, and to measure what the tighter bound gains.
+/// indices have spheres rather than boxes, and to measure what the tighter bound gains.
 ///
 /// Centre and diagonal are not what a point's own distance is computed from, so this one needs an allowance.
 /// With w the sum of |coordinate - origin| over the farther faces and u = 2^-53: the cross product and its
 /// norm err by at most 10 u w for the point and as much for the centre, centre and half diagonal by 4 u w,
 /// the direction's length by 1e-6 half diagonals; squares that underflow hide distances below 1e-153. Where
-/// squares may overflow nothing is known.
+/// squares may overflow, the bound is 0.
 inline double sphere_distance(const Ray& ray, const Bounds& box) {
   const auto [x, y, z] = relative(box, ray.origin);
   const double far = greatest_magnitude(x) + greatest_magnitude(y) + greatest_magnitude(z);

@@ -32,7 +32,8 @@ struct Eigen {
 };
 
 /// Turns a symmetric matrix in the plane of axes p and q so that a[p][q] vanishes, and the vectors with it.
-/// False if it is too small to show in the normal. Both halves of the matrix are kept, since their last bits differ.
+/// False if it is too small to show in the normal. Both halves of the matrix are kept, since their last bits
+/// differ.
 template <int p, int q>
 bool rotate(glm::dmat3& a, glm::dmat3& vectors) {
   constexpr int r = 3 - p - q;
@@ -93,8 +94,8 @@ LocalPlane fit_plane(const simd::Moments& moments) {
   const double flatness = std::clamp((k_thick - ratio) / (k_thick - k_flat), 0.0, 1.0);
   const double support =
       std::min(1.0, (moments.count - k_fewest_points + 1.0) / (k_enough_points - k_fewest_points + 1.0));
-  // A row of points is flat in any direction across it, and so is a cluster that is small beside the reach with a few
-  // points far away. Those all over a disc have a variance of 1/8 each way.
+  // A row of points is flat in any direction across it, and so is a cluster that is small beside the reach
+  // with a few points far away. Those all over a disc have a variance of 1/8 each way.
   constexpr double k_least_share = 0.1, k_least_width = 0.02;
   const double breadth = std::min(1.0, width / std::max(k_least_share * found.values[wide], k_least_width));
   const glm::dvec3 normal = glm::normalize(found.vectors[thin]);

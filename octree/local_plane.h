@@ -25,12 +25,12 @@ struct LocalPlane {
 /// A plane is a surface from this trust on.
 constexpr double k_least_surface_trust = 0.7;
 
-/// Fits a plane to the points within `reach` metres of a position, nearer ones weighing more. Requires reach >
-/// 0. The same bits on every instruction set. Cost: 1 to 10 microseconds, grows with the number of points.
-/// Source: Hoppe et al., Surface Reconstruction from Unorganized Points, 1992.
+/// Fits a plane to the points within `reach` metres of a position, nearer ones weighing more. Requires
+/// reach > 0. The same bits on every instruction set. Cost: 1 to 10 microseconds, grows with the number of
+/// points. Source: Hoppe et al., Surface Reconstruction from Unorganized Points, 1992.
 LocalPlane local_plane(const Octree& octree, const glm::dvec3& position, double reach);
 
-/// The same from sums over some of those points.
+/// local_plane() of some of those points, from their sums.
 LocalPlane plane_of(const simd::Moments& moments, double reach);
 
 }  // namespace alidade

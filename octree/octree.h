@@ -28,7 +28,7 @@ namespace alidade {
 /// Every node has a *frame*: a cell of the octree, 2^level lattice steps wide, level >= 8, whose lower corner
 /// is a multiple of its width. The children's boxes are on the frame's own grid of 256 steps per axis; one
 /// grid step is 2^(level - 8) lattice steps, so boxes are exact at level 8. low and high are inclusive grid
-/// steps. A node does not store its frame: the root's is known, and a child's follows from its parent's
+/// steps. A node does not store its frame: the root's is the tree's, and a child's follows from its parent's
 /// (child_corner).
 ///
 /// Children are not the octants of one split: each bit of the Morton key splits a cell in two halves, and the
@@ -39,17 +39,17 @@ namespace alidade {
 /// At level 8, slots with equal boxes hold points of one position only, in any organisation; the lowest ids
 /// are in the first of them.
 ///
-/// From frames of level 16 (k_exact_frame_level) on, the points below a node stand one after another: those
-/// of its leaves, then those below its inner children in slot order.
+/// From frames of level 16 (k_exact_frame_level) on, the points below a node are contiguous: those of its
+/// leaves, then those below its inner children in slot order.
 struct alignas(64) Node {
   std::uint8_t low[3][16];
   std::uint8_t high[3][16];
   /// 0: empty slot. 1..127: leaf with so many points. 128 + d: inner node whose frame is d levels smaller, d
   /// = 0..7.
   std::uint8_t kind[16];
-  /// Inner children stand one after another in slot order from here.
+  /// The inner children are contiguous from here, in slot order.
   std::uint32_t first_child;
-  /// Points of leaf children stand one after another in slot order from here.
+  /// The points of leaf children are contiguous from here, in slot order.
   std::uint32_t first_point;
   std::uint64_t unused;  ///< 0
 };
@@ -149,8 +149,9 @@ struct TreeExtent {
   float scale[4] = {};               ///< of the lattice
   double widest_scale = 0.0;
   double frame_width = 0.0;  ///< of the root's frame, along the axis of the widest scale
-  /// The *site*: the frame that holds all nodes but a few. Invalid points at 0 0 0, far away from the others, make the root's
-  /// frame millions of metres wide, in which floats are metres apart. The root's frame if most of it is in use.
+  /// The *site*: the frame that holds all nodes but a few. Invalid points at 0 0 0, far away from the others,
+  /// make the root's frame millions of metres wide, in which floats are metres apart. The root's frame if
+  /// most of it is in use.
   std::array<std::uint32_t, 3> site_corner{};  ///< lattice steps from the root's corner
   int site_level = 0;                          ///< it is 2^site_level lattice steps wide
   double site_width = 0.0;                     ///< along the axis of the widest scale
@@ -185,18 +186,18 @@ struct TreeView {
   std::uint32_t first_exact = 0;  ///< meaningless without positions
   /// Spacing of the point at each storage index (octree/spacing.h), and the greatest below each slot of each
   /// node, 0 in empty ones: slot s of node n at 16 n + s. The upper halves of floats, metres. Both null if
-  /// nobody measured them. `spacings` is readable for k_coordinate_padding values past the end.
+  /// not measured. `spacings` is readable for k_coordinate_padding values past the end.
   const std::uint16_t* spacings = nullptr;
   const std::uint16_t* slot_spacings = nullptr;
   int spacing_neighbours = 0;  ///< a spacing is the distance to this neighbour; 0 without spacings
   /// The surface each point lies on (octree/point_surface.h), by point id, packed with lengths in steps of
-  /// surface_unit metres. Null if nobody fitted them.
+  /// surface_unit metres. Null if not fitted.
   const std::uint32_t* surfaces = nullptr;
   double surface_unit = 0.0;
   /// Where the sheet of each point ends (octree/point_surface.h), by point id, packed. Null without surfaces.
   const std::uint8_t* sheet_edges = nullptr;
-  /// Both by storage index, the surfaces readable for k_coordinate_padding values past the end. Null if not asked for
-  /// (with_discs()).
+  /// Surfaces and edges by storage index, the surfaces readable for k_coordinate_padding values past the end.
+  /// Null unless with_discs() made them.
   const std::uint32_t* stored_surfaces = nullptr;
   const std::uint8_t* stored_edges = nullptr;
 
@@ -204,8 +205,8 @@ struct TreeView {
   std::uint32_t exact_count() const { return positions ? point_count - first_exact : 0; }
 };
 
-/// Appends checksums of all that defines the points of a tree. Cost: as fast as memory delivers, about 16 bytes
-/// per point.
+/// Appends checksums of all that defines the points of a tree. Cost: as fast as memory delivers, about 16
+/// bytes per point.
 inline void append_tree_checksums(const TreeView& tree, std::vector<std::uint64_t>& sums) {
   const auto bytes_of = [](const auto* values, std::size_t count) {
     return values == nullptr ? std::span<const std::byte>() : std::as_bytes(std::span(values, count));
@@ -216,7 +217,7 @@ inline void append_tree_checksums(const TreeView& tree, std::vector<std::uint64_
       sums);
 }
 
-/// Everything of a tree's extent. Cost: looks at some hundred nodes at most.
+/// Everything of a tree's extent. Cost: reads some hundred nodes at most.
 TreeExtent extent_of(const TreeView& tree);
 
 constexpr int k_coordinate_padding = 32;
@@ -231,7 +232,7 @@ inline float spacing_of(std::uint16_t bits) {
   return std::bit_cast<float>(std::uint32_t{bits} << 16);
 }
 
-/// Those of a node's slots; null without spacings.
+/// The spacings of a node's slots; null without spacings.
 inline const std::uint16_t* slot_spacings(const TreeView& tree, std::uint32_t node) {
   return tree.slot_spacings ? tree.slot_spacings + std::size_t{k_node_width} * node : nullptr;
 }
@@ -250,7 +251,7 @@ constexpr int coordinate_shift(int level) {
   return level > k_exact_frame_level ? level - k_exact_frame_level : 0;
 }
 
-/// The index over a cloud's points; made by build() (octree/build.h), asked by the functions of
+/// The index over a cloud's points; made by build() (octree/build.h), queried by the functions of
 /// octree/query.h. Immutable, cheap to copy (copies share the arrays), safe to query from many threads.
 class Octree {
  public:
@@ -272,14 +273,14 @@ class Octree {
   /// What keeps the view's arrays alive.
   const std::shared_ptr<const void>& storage() const { return storage_; }
   InstructionSet instruction_set() const { return instruction_set_; }
-  /// The same index (shared arrays), traversed with another instruction set. Errors: not available on this
+  /// This index (shared arrays), traversed with another instruction set. Errors: not available on this
   /// machine.
   Octree with_instruction_set(InstructionSet instruction_set) const {
     Octree octree = *this;
     octree.instruction_set_ = usable(instruction_set);
     return octree;
   }
-  /// The same index with a view of more arrays, which `storage` keeps alive beside those it has.
+  /// This index with a view of more arrays, which `storage` keeps alive beside those it has.
   Octree with_view(const TreeView& view, std::shared_ptr<const void> storage) const {
     Octree octree(view, std::move(storage), instruction_set_);
     octree.scratch_ = scratch_;

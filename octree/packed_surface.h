@@ -19,9 +19,7 @@ struct PointSurface;
 inline glm::uvec2 pack_normal(const glm::dvec3& normal, double steps) {
   const glm::dvec3 n = normal / (std::fabs(normal.x) + std::fabs(normal.y) + std::fabs(normal.z));
   const double sign = n.z < 0.0 ? -1.0 : 1.0;
-  const auto step = [&](double position) {
-    return static_cast<std::uint32_t>((0.5 + 0.5 * position) * steps + 0.5);
-  };
+  const auto step = [&](double side) { return static_cast<std::uint32_t>((0.5 + 0.5 * side) * steps + 0.5); };
   return {step(sign * (n.x + n.y)), step(sign * (n.x - n.y))};
 }
 
@@ -32,15 +30,15 @@ inline glm::dvec3 unpack_normal(const glm::uvec2& packed, double steps) {
   return glm::normalize(glm::dvec3(x, y, 1.0 - std::fabs(x) - std::fabs(y)));
 }
 
-// The surface of a point (octree/point_surface.h) in 32 bits: one that says "exists", 10 + 10 for the normal, sign and 5
-// for the height, 5 for the thickness.
+// The surface of a point (octree/point_surface.h) in 32 bits: one for "exists", 10 + 10 for the normal, sign
+// and 5 for the height, 5 for the thickness.
 
 namespace packed_surface {
 
 constexpr double k_side_steps = 1022.0;
-/// Radians from a normal to the stored one, at most. Both numbers are rounded by at most half a step, e = 1 / k_side_steps
-/// of their range [-1, 1]. So x and y on the octahedron |x| + |y| + |z| = 1 change by at most e together, and z by at most
-/// e: by e sqrt(2) in all, at no less than 1 / sqrt(3) from the origin.
+/// Radians from a normal to the stored one, at most. Both numbers are rounded by at most half a step,
+/// e = 1 / k_side_steps of their range [-1, 1]. So x and y on the octahedron |x| + |y| + |z| = 1 change by at
+/// most e together, and z by at most e: by e sqrt(2) in all, at no less than 1 / sqrt(3) from the origin.
 constexpr double k_normal_error = 2.44948974278318 / k_side_steps;
 constexpr std::uint32_t k_exists = 0x80000000u, k_side_mask = 0x3ffu, k_below = 0x400u, k_length_mask = 31u;
 constexpr int k_first_side = 21, k_second_side = 11, k_height = 5;  ///< the lowest bit of each
@@ -57,8 +55,8 @@ constexpr std::array<double, 32> k_lengths = [] {
   return lengths;
 }();
 
-/// Heights and thicknesses are stored in this unit, metres (TreeView::surface_unit): heights as the nearest length,
-/// thicknesses as the least that is not smaller.
+/// Heights and thicknesses are stored in this unit, metres (TreeView::surface_unit): heights as the nearest
+/// length, thicknesses as the least that is not smaller.
 std::uint32_t pack(const PointSurface& surface, double unit);
 
 }  // namespace packed_surface

@@ -13,8 +13,8 @@
 namespace alidade {
 
 /// Visits every leaf once, in parallel, some hundred in a row by one `worker = make_worker()`, which is
-/// called with one leaf after another in the order of the tree. `progress` is in points, and is called several
-/// times a second, however long a leaf takes.
+/// called with one leaf after another in the order of the tree. `progress` is in points, and is called
+/// several times a second, however long a leaf takes.
 template <class MakeWorker>
 void for_each_leaf_in_parallel(const TreeView& tree, const Progress& progress,
                                const MakeWorker& make_worker) {

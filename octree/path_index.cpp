@@ -9,12 +9,12 @@ namespace {
 
 constexpr std::size_t k_group_size = 4;
 
-// Deep enough for 2^63 groups, of which one child waits per level.
+// Deep enough for 2^63 groups: one child waits per level.
 constexpr int k_stack_size = 64 + 1;
 
 constexpr double k_infinity = std::numeric_limits<double>::infinity();
 
-/// Distances between the positions of two boxes, widened so that they also hold for the distance to a segment
+/// Distances between the points of two boxes, widened so that they also hold for the distance to a segment
 /// as project() computes it. With w the sum of the farthest coordinate differences and u = 2^-53, that errs
 /// by at most 16 u w in the cross product and its norm, 3 u w in the segment's direction, and 8 u w where t
 /// falls on the wrong side of an end; squares that underflow hide distances below 1e-153.
@@ -60,8 +60,10 @@ PathProjection PathIndex::project(const glm::dvec3& point) const {
     double least;
     std::size_t group;
   };
-  const Bounds position{point, point};
-  const auto open = [&](std::size_t g) { return Open{distance_between(position, groups_[g].bounds).low, g}; };
+  const Bounds point_box{point, point};
+  const auto open = [&](std::size_t g) {
+    return Open{distance_between(point_box, groups_[g].bounds).low, g};
+  };
 
   PathProjection nearest;
   Open stack[k_stack_size];

@@ -43,7 +43,7 @@ inline std::vector<Segment> segments_of(const Path& path) {
   return segments;
 }
 
-/// Nearest position of a segment (t from its first vertex) and the distance to it.
+/// The nearest point of a segment (t from its first vertex) and the distance to it.
 inline RayProjection project(const Segment& segment, const glm::dvec3& point) {
   const RayProjection on_line = project(segment.line, point);
   if (on_line.t <= 0.0) return {0.0, distance(segment.line.origin, point)};
@@ -51,7 +51,7 @@ inline RayProjection project(const Segment& segment, const glm::dvec3& point) {
   return on_line;
 }
 
-/// The same for all points of a box: whichever of the three cases above may occur.
+/// project() for all points of a box: whichever of the three cases above may occur.
 inline RayReach project(const Segment& segment, const Bounds& box) {
   const RayReach on_line = project(segment.line, box);
   RayReach reach{{0.0, segment.length()}, {std::numeric_limits<double>::infinity(), 0.0}};
@@ -68,7 +68,7 @@ inline RayReach project(const Segment& segment, const Bounds& box) {
   return reach;
 }
 
-/// Nearest position of a path: the definition. Distance NaN if no segment's can be computed.
+/// The nearest point of a path: the definition. Distance NaN if no segment's can be computed.
 inline PathProjection project(std::span<const Segment> segments, const glm::dvec3& point) {
   PathProjection nearest;
   for (std::size_t i = 0; i < segments.size(); ++i) {
@@ -80,7 +80,7 @@ inline PathProjection project(std::span<const Segment> segments, const glm::dvec
 }
 
 /// The segments of a path under boxes around groups of consecutive ones, so that what is near is found
-/// without asking all: trajectories have many thousand vertices.
+/// without testing all: trajectories have many thousand vertices.
 class PathIndex {
  public:
   /// Requires a checked path. Cost: linear.
@@ -89,9 +89,9 @@ class PathIndex {
   /// Same bits as project(segments_of(path), point). Cost: logarithmic for paths that are no tangle.
   PathProjection project(const glm::dvec3& point) const;
 
-  /// Bounds for the points of a box on the distance to the path and on t of the nearest position, as project()
-  /// gives them. Segments that are farther than `cutoff` are left out; if all are, distance.low is infinite.
-  /// distance.high is unused.
+  /// Bounds for the points of a box on the distance to the path and on t of the nearest point of the path, as
+  /// project() gives them. Segments that are farther than `cutoff` are left out; if all are, distance.low is
+  /// infinite. distance.high is unused.
   RayReach reach(const Bounds& box, double cutoff) const;
 
  private:

@@ -7,8 +7,8 @@
 
 #include "octree/point_surface.h"
 
-// The disc that rays and lines of sight meet in place of a point of a sheet. It lies on the plane of the sheet, within the
-// radius of the point, and is cut off where the sheet ends.
+// The disc that rays and lines of sight meet in place of a point of a sheet. It lies on the plane of the
+// sheet, within the radius of the point, and is cut off where the sheet ends.
 
 namespace alidade {
 
@@ -28,14 +28,14 @@ inline PointDisc point_disc(const glm::dvec3& point, const PointSurface& surface
   return {point, point - surface.height * surface.normal, surface.normal, radius};
 }
 
-/// Where a line meets the disc's plane, metres from its origin along its direction, whatever the disc's width. Empty for
-/// a line in the plane.
+/// Where a line meets the disc's plane, metres from its origin along its direction, whatever the disc's
+/// width. Empty for a line in the plane.
 inline std::optional<double> plane_crossing(const PointDisc& disc, const glm::dvec3& origin,
                                             const glm::dvec3& direction) {
   const double slope = glm::dot(direction, disc.normal);
-  const double position = glm::dot(disc.center - origin, disc.normal) / slope;
-  if (slope == 0.0 || !std::isfinite(position)) return std::nullopt;
-  return position;
+  const double t = glm::dot(disc.center - origin, disc.normal) / slope;
+  if (slope == 0.0 || !std::isfinite(t)) return std::nullopt;
+  return t;
 }
 
 /// Whether a position is within the radius of the point, whether or not the sheet ends before.
@@ -44,8 +44,8 @@ inline bool is_within_radius(const PointDisc& disc, const glm::dvec3& position) 
   return glm::dot(offset, offset) <= disc.radius * disc.radius;
 }
 
-/// Whether a position on the plane lies beyond the edge of the sheet, as it is stored, shifted outwards by so many
-/// spacings. Requires: the radius is `spacings` of the point's spacings.
+/// Whether a position on the plane lies beyond the edge of the sheet, as it is stored, shifted outwards by so
+/// many spacings. Requires: the radius is `spacings` of the point's spacings.
 inline bool is_beyond_edge(const PointDisc& disc, const glm::dvec3& position, std::uint8_t packed_edge,
                            double spacings, double shift = 0.0) {
   if (packed_edge == 0) return false;
@@ -53,8 +53,8 @@ inline bool is_beyond_edge(const PointDisc& disc, const glm::dvec3& position, st
   return glm::dot(position - disc.point, edge.direction) * spacings > (edge.distance + shift) * disc.radius;
 }
 
-/// Whether a disc is part of the surface that a position lies on: the disc's point is near, within `reach` or 3 of its
-/// radii, and its plane passes within `thickness` of the position. Metres.
+/// Whether a disc is part of the surface that a position lies on: the disc's point is near, within `reach` or
+/// 3 of its radii, and its plane passes within `thickness` of the position. Metres.
 inline bool is_part_of_surface(const PointDisc& disc, const glm::dvec3& position, double reach,
                                double thickness) {
   constexpr double k_radii = 3.0;

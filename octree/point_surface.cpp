@@ -23,7 +23,7 @@
 namespace alidade {
 namespace {
 
-// 8 bits: 3 for the distance, of which 0 means none, and 5 for the direction.
+// An edge in 8 bits: 3 for the distance, where 0 means none, and 5 for the direction.
 using simd::k_directions;
 constexpr int k_levels = 7;
 // In spacings.
@@ -72,21 +72,9 @@ const std::array<glm::vec2, k_directions>& float_directions() {
   return all;
 }
 
-}  // namespace
-
-SheetEdge unpack_edge(std::uint8_t packed, const glm::dvec3& normal) {
-  const int level = packed / k_directions;
-  if (level == 0) return {};
-  const Axes axes = axes_across(normal);
-  const glm::dvec2& direction = directions()[packed % k_directions];
-  return {direction.x * axes.first + direction.y * axes.second, k_gap + k_step * (level - 1)};
-}
-
-namespace {
-
 constexpr double k_least_sheet_trust = 0.8;  // of one of two sheets
 
-/// What packed_surface::pack() makes.
+/// Reverses packed_surface::pack().
 PointSurface unpack(std::uint32_t packed, double unit) {
   using namespace packed_surface;
   if ((packed & k_exists) == 0) return {};
@@ -141,7 +129,7 @@ std::optional<Sheets> two_sheets(const PointsNear& points, const LocalPlane& pla
   const double fourth_central = fourth - 4.0 * mean * third + 6.0 * square * second - 3.0 * square * square;
   const double skewness = third_central / (variance * std::sqrt(variance));
   const double kurtosis = fourth_central / (variance * variance);
-  // 1 for two sharp values, 0.56 for an even spread, 0.33 for a bell curve. What looks like two sheets is
+  // 1 for two sharp values, 0.56 for an even spread, 0.33 for a bell curve. Candidates for two sheets are
   // examined closely.
   constexpr double k_two_values = 0.4;
   if (!(skewness * skewness + 1.0 > k_two_values * kurtosis)) return std::nullopt;
@@ -176,13 +164,13 @@ double sheet_limit(double thickness, double length) {
   return k_thicknesses * thickness + k_share * length;
 }
 
-/// Whether a point stands so far off the sheet of its neighbours that it is no part of it.
+/// Whether a point is so far off the sheet of its neighbours that it is no part of it.
 bool off_sheet(const LocalPlane& plane, double reach) {
   return std::fabs(plane.height) > sheet_limit(plane.thickness, reach);
 }
 
 /// The surface of a point off the sheet of its neighbours: that of the others, as on the ground at the foot
-/// of a wall with many more points; or one of its own beside the sheet. None where it stands far off with few
+/// of a wall with many more points; or one of its own beside the sheet. None where it is far off with few
 /// others, like a bird above a field: its distance to its neighbours would make a wide disc of it.
 PointSurface surface_beside(const PointsNear& points, double spacing, const LocalPlane& sheet) {
   constexpr double k_far = 0.5;  // spacings
@@ -269,10 +257,11 @@ FittedSurface fit_surface(Neighbourhood& around, const glm::dvec3& position, dou
   constexpr double k_reaches[] = {k_reach, 1.5, 1.1, 5.0};
   // Near an edge the mean of a sheet's points lies farther inward, in reaches, than it does by chance.
   constexpr double k_centered = 0.1;
-  // Around a lone point, such as a bird or a stray return, points lie much denser than it does itself, and on more than
-  // one sheet; at the border of a dense part of a sheet only denser.
+  // Around a lone point, such as a bird or a stray return, points lie much denser than it does itself, and on
+  // more than one sheet; at the border of a dense part of a sheet only denser.
   constexpr double k_dense = 3.0, k_lone = 5.0, k_thick = 0.1;
-  // Few of some points in the air, such as stray returns, lie near one plane by chance, and the disc would be wide.
+  // Few of some points in the air, such as stray returns, lie near one plane by chance, and the disc would be
+  // wide.
   constexpr double k_sparse = 4.0, k_thin = 0.07;
   if (!(spacing > 0.0 && std::isfinite(spacing))) return {};
   const bool is_sparse = spacing > k_sparse * usual;
@@ -280,13 +269,13 @@ FittedSurface fit_surface(Neighbourhood& around, const glm::dvec3& position, dou
     const double reach = factor * spacing;
     const PointsNear points = around.points(position, reach);
     const LocalPlane fitted = points.plane();
-    // 1 where the sheet goes on as it is within one spacing.
+    // 1 where the sheet continues as it is within one spacing.
     const double density = fitted.count / (k_surface_neighbours * factor * factor);
     const bool is_thick = fitted.thickness > k_thick * spacing;
     if (factor == k_reach && density > k_lone && is_thick) return {};
     if (is_sparse && fitted.thickness > k_thin * spacing) return {};
     if ((density > k_dense && is_thick) || fitted.trust < k_least_surface_trust) continue;
-    // Few points look like two sheets by chance.
+    // Few points pass for two sheets by chance.
     const LocalPlane plane = factor < k_reach ? fitted : choose_sheet(points, fitted);
     if (off_sheet(plane, reach)) return {surface_beside(points, spacing, plane)};
     const bool may_end = factor != k_reach || plane.off_center > k_centered * reach;
@@ -346,6 +335,14 @@ class SurfaceFitter {
 };
 
 }  // namespace
+
+SheetEdge unpack_edge(std::uint8_t packed, const glm::dvec3& normal) {
+  const int level = packed / k_directions;
+  if (level == 0) return {};
+  const Axes axes = axes_across(normal);
+  const glm::dvec2& direction = directions()[packed % k_directions];
+  return {direction.x * axes.first + direction.y * axes.second, k_gap + k_step * (level - 1)};
+}
 
 Octree with_surfaces(const Octree& octree, const Progress& progress) {
   if (octree.size() == 0 || octree.view().surfaces) return octree;

@@ -28,30 +28,34 @@ struct PointSurface {
 /// Spacings to this neighbour are what surfaces are meant to be fitted with.
 constexpr int k_surface_neighbours = 8;
 
-/// Area that a point of a sheet represents, by its spacing: an eighth of the circle through its 8th neighbour, which is
-/// right on average for points scattered at random.
+/// Area that a point of a sheet represents, by its spacing: an eighth of the circle through its 8th
+/// neighbour, which is right on average for points scattered at random.
 inline double area_of_point(double spacing) {
   return std::numbers::pi / k_surface_neighbours * spacing * spacing;
 }
 
-/// The same octree with the surface of every point, as surface_of() returns it. An octree that has surfaces is returned
-/// as it is. `progress` is in points. Requires spacings. Cost: 1 to 2 microseconds of one thread per point, in
-/// parallel; 5 B per point. The edges of sheets are measured as well (edge_of()). Points that stand off the sheet
-/// of their neighbours by more than half their spacing have a surface only with others like them, and points that lie
-/// much thinner than what is around them on more than one sheet have none: the disc of a bird or a stray return would
-/// be wider than any sheet. Points whose spacing is more than 4 times the automatic radius (octree/spacing.h) have one
-/// only where a sheet within 2.5 spacings is thinner than 0.07 of a spacing. How: a plane is fitted
-/// (octree/local_plane.h) to the points within 2.5 spacings; where these are no surface, within 1.5, 1.1 (another
-/// surface is near) and 5 (noise is as large as the spacing). Two sheets are two values of the heights above that
-/// plane: their coefficient of bimodality is near 1 (SAS/STAT User's Guide, The CLUSTER Procedure).
+/// This octree with the surface of every point, as surface_of() returns it. An octree that has surfaces is
+/// returned as it is. `progress` is in points. Requires spacings. Cost: 1 to 2 microseconds of one thread per
+/// point, in parallel; 5 B per point. The edges of sheets are measured as well (edge_of()).
+///
+/// Points that are off the sheet of their neighbours by more than half their spacing have a surface only with
+/// others like them, and points that lie much thinner than what is around them on more than one sheet have
+/// none: the disc of a bird or a stray return would be wider than any sheet. Points whose spacing is more
+/// than 4 times the automatic radius (octree/spacing.h) have one only where a sheet within 2.5 spacings is
+/// thinner than 0.07 of a spacing.
+///
+/// How: a plane is fitted (octree/local_plane.h) to the points within 2.5 spacings; where these are no
+/// surface, within 1.5, 1.1 (another surface is near) and 5 (noise is as large as the spacing). Two sheets
+/// are two values of the heights above that plane: their coefficient of bimodality is near 1 (SAS/STAT User's
+/// Guide, The CLUSTER Procedure).
 Octree with_surfaces(const Octree& octree, const Progress& progress = {});
 
-/// The surface of a point: normals are good to 0.14 degrees, heights to 19 %, thicknesses are rounded up by at
-/// most 41 %. All queries that take discs take these rounded values. Requires surfaces.
+/// The surface of a point: normals are good to 0.14 degrees, heights to 19 %, thicknesses are rounded up by
+/// at most 41 %. All queries that take discs take these rounded values. Requires surfaces.
 PointSurface surface_of(const TreeView& tree, std::uint64_t point_id);
 
-/// The same octree, ready for queries of Measure::crossing: its surfaces also in the order of the storage indices.
-/// Requires surfaces. Cost: as fast as memory delivers; 5 B per point.
+/// This octree, ready for queries of Measure::crossing: its surfaces also in the order of the storage
+/// indices. Requires surfaces. Cost: as fast as memory delivers; 5 B per point.
 Octree with_discs(const Octree& octree);
 
 /// surface_of() the point at a storage index. Requires with_discs().
@@ -67,8 +71,8 @@ struct SheetEdge {
   double distance = std::numeric_limits<double>::infinity();
 };
 
-/// An edge as it is stored: one of 32 directions, and a distance that is good to a tenth of a spacing. normal: that of
-/// the point's surface.
+/// An edge as it is stored: one of 32 directions, and a distance that is good to a tenth of a spacing.
+/// normal: that of the point's surface.
 SheetEdge unpack_edge(std::uint8_t packed, const glm::dvec3& normal);
 
 /// The edge beside a point. Requires surfaces.

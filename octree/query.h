@@ -25,8 +25,8 @@ namespace alidade {
 struct Hit {
   std::uint64_t point_id = 0;  ///< row of the cloud
   glm::dvec3 position{0.0};    ///< of the point, world coordinates
-  double t = 0.0;         ///< position of the point's projection on the ray, metres; see Measure::crossing
-  double distance = 0.0;  ///< of the point to the ray's line, metres
+  double t = 0.0;              ///< of the point's projection on the ray, metres; see Measure::crossing
+  double distance = 0.0;       ///< of the point to the ray's line, metres
   /// Where the ray enters the sphere around the point whose radius is the query's (for a cone: the limit at
   /// t), metres; -infinity if the radius is infinite.
   double entry = 0.0;
@@ -38,7 +38,7 @@ struct Hit {
 struct PointHit {
   std::uint64_t point_id = 0;
   glm::dvec3 position{0.0};
-  /// To the point asked for; of half-spaces: signed distance to the first plane; of boxes: 0. Metres.
+  /// To the point of the query; of half-spaces: signed distance to the first plane; of boxes: 0. Metres.
   double distance = 0.0;
 
   bool operator==(const PointHit&) const = default;
@@ -50,7 +50,7 @@ struct PathHit {
   glm::dvec3 position{0.0};
   /// The nearest one, from vertex `segment` to the next; of equally near ones the first.
   std::size_t segment = 0;
-  double t = 0.0;         ///< position of the nearest point of the path, metres from its first vertex
+  double t = 0.0;         ///< of the nearest point of the path, metres from its first vertex
   double distance = 0.0;  ///< to the nearest point of the path, metres
 
   bool operator==(const PathHit&) const = default;
@@ -77,20 +77,20 @@ struct PathHit {
 // - Batches run in parallel (oneTBB, as many threads as the caller's arena allows) and answer in the order of
 //   the targets. Errors name the number of the target ("ray 17").
 // - Common Errors: k = 0; radius negative or NaN; spacing_factor negative or not finite, or above 0 for an
-//   octree without spacings; Measure::entry with an infinite radius (of rays) or at all
-//   (of paths); Measure::crossing of cones and paths, or without what it needs; max_level negative, or given
-//   for an octree that is not layered; room for answers not as long as the targets. A batch with Errors
-//   leaves its answers half done.
+//   octree without spacings; Measure::entry with an infinite radius (of rays) or at all (of paths);
+//   Measure::crossing of cones and paths, or without what it needs; max_level negative, or given for an
+//   octree that is not layered; room for answers not as long as the targets. A batch with Errors leaves its
+//   answers incomplete.
 
 class Octree;
 
 /// What orders the points along a ray, cone or path.
 enum class Measure {
   distance,  ///< to the line of the ray or to the path
-  t,         ///< position of the projection (the paper's "closest")
+  t,         ///< of the projection (the paper's "closest")
   entry,     ///< where the ray enters the sphere around the point, see Hit::entry; not for paths
-  /// Where the ray crosses the disc of the point's sheet (octree/point_disc.h); of a point without a sheet, where it
-  /// enters a small sphere. Of rays only.
+  /// Where the ray crosses the disc of the point's sheet (octree/point_disc.h); of a point without a sheet,
+  /// where it enters a small sphere. Of rays only.
   crossing,
 };
 
@@ -107,12 +107,13 @@ struct Candidate {
   std::size_t query_index = 0;      ///< number of the target in a batch
 };
 
-/// Says whether a candidate counts: for classes, times, oriented discs. Must give the same answer for the
-/// same candidate whenever asked, in any order and from several threads at once; it may be asked for points
-/// that then are no part of the answer, and not for every point that meets the other conditions.
-/// `closest` of rays calls the filter for every such point before its answer, or for all of them if there is no answer.
-/// It may call it twice for a point, and for one query_index it calls it from one thread at a time. These
-/// two sentences are not about RayQuery::position_filter.
+/// Whether a candidate counts: for classes, times, oriented discs. Must return the same for the same
+/// candidate whenever called, in any order and from several threads at once. It may be called for points that
+/// then are no part of the answer, and not for every point that meets the other conditions.
+///
+/// `closest` of rays calls the filter for every such point before its answer, or for all of them if there is
+/// no answer. It may call it twice for a point, and for one query_index it calls it from one thread at a
+/// time. These two sentences do not apply to RayQuery::position_filter.
 using CandidateFilter = std::function<bool(const Candidate&)>;
 
 constexpr double k_unlimited_radius = std::numeric_limits<double>::infinity();
@@ -128,9 +129,9 @@ struct RayQuery {
   /// it. So spheres close a surface where points are sparse and stay small where they are dense. Needs an
   /// octree with spacings (octree/spacing.h). Order, limits and Hit::entry go by the point's radius.
   double spacing_factor = 0.0;
-  /// At most so many points: the first ones by the measure. `closest` is k = 1 whatever stands here.
+  /// At most so many points: the first ones by the measure. `closest` is k = 1 whatever this is.
   std::size_t k = k_all;
-  /// Only spheres that the ray enters at or after this position (entry >= entry_min). The default admits
+  /// Only spheres that the ray enters at or after this t (entry >= entry_min). The default admits
   /// spheres the ray starts in, whose entry lies before t_min. A renderer sets a small positive value: rays
   /// that leave a surface then never hit it again.
   double entry_min = -std::numeric_limits<double>::infinity();
@@ -138,14 +139,14 @@ struct RayQuery {
   /// a point: TreeView::level_count.
   int max_level = k_all_levels;
   CandidateFilter filter{};
-  /// Called before `filter`, for what depends on where a point is: it must return the same for all points of one
-  /// position, which have equal spacings and surfaces. Of a million such points `closest` and `occluded` then test a few,
-  /// as they do without filters; `filter` alone is called for each.
+  /// Called before `filter`, for what depends on where a point is: it must return the same for all points of
+  /// one position, which have equal spacings and surfaces. Of a million such points `closest` and `occluded`
+  /// then test a few, as they do without filters; `filter` alone is called for each.
   CandidateFilter position_filter{};
-  /// Of Measure::crossing, which takes discs of the points' own radii (spacing_factor above 0) in an octree that is
-  /// ready for it (with_discs()): Hit::t is the position of the crossing, to which the ray's interval applies. The
-  /// radius of the sphere of a point without a sheet is lone_factor times its spacing, at most lone_radius and that of
-  /// a disc.
+  /// Of Measure::crossing, which takes discs of the points' own radii (spacing_factor above 0) in an octree
+  /// that is ready for it (with_discs()): Hit::t is that of the crossing, to which the ray's interval
+  /// applies. The radius of the sphere of a point without a sheet is lone_factor times its spacing, at most
+  /// lone_radius and that of a disc.
   double lone_factor = 0.25;
   double lone_radius = k_unlimited_radius;  ///< metres
   double edge_shift = 0.0;  ///< discs reach so many spacings farther than the edges of their sheets
@@ -177,7 +178,7 @@ struct PointQuery {
   CandidateFilter filter{};
 };
 
-/// What a query orders by; distance if it knows one order only.
+/// What a query orders by; distance if it has one order only.
 template <class Query>
 Measure measure_of(const Query& query) {
   if constexpr (requires { query.measure; }) return query.measure;
@@ -192,7 +193,7 @@ bool has_filter(const Query& query) {
   return static_cast<bool>(query.filter);
 }
 
-/// Answers to a batch: those of target i are answers[i]. One after another in memory.
+/// Answers to a batch: those of target i are answers[i]. Contiguous in memory.
 template <class Answer>
 struct Answers {
   std::vector<Answer> all;

@@ -138,7 +138,7 @@ class AlongTarget : public TargetOn<T> {
       return this->target_.axis;
   }
 
-  /// The limit where it is widest among the points in reach. NaN where nothing is known.
+  /// The limit where it is widest among the points in reach. NaN where it is unknown.
   double widest(const Reach& reach) const {
     if constexpr (std::is_same_v<T, Ray>)
       return this->query_.radius;
@@ -229,7 +229,7 @@ class BoxTarget : public TargetOn<Bounds> {
  public:
   using TargetOn::TargetOn;
 
-  /// Distance: 1 if the boxes have no position in common, otherwise 0.
+  /// Distance: 1 if the boxes have no point in common, otherwise 0.
   Reach reach(const Bounds& box, DistanceBound bound) const {
     bool apart = false;
     for (int axis = 0; axis < 3; ++axis)

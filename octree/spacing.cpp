@@ -98,7 +98,7 @@ class SpacingMeter {
     std::size_t numbers[k_max_leaf_size];
     for (std::uint32_t i = 0; i < leaf.count; ++i) {
       const LatticePosition position = position_of(tree_, leaf, i);
-      // Points of one position mostly stand one after another.
+      // Points of one position are mostly adjacent.
       if (!known_ || position != last_) positions_.push_back(to_world(tree_.lattice, position));
       known_ = true;
       last_ = position;
@@ -136,7 +136,7 @@ std::vector<glm::dvec3> sample_positions(const Octree& octree, std::size_t sampl
   std::uint64_t seen = 0;
   for_each_leaf(tree, [&](const Leaf& leaf) {
     if (leaf.depth > max_level) return;
-    // Points of some levels do not stand one after another; they are counted as they come.
+    // The points of some levels are not contiguous; they are counted as they come.
     const std::uint64_t first = all_levels ? leaf.first : seen;
     for (std::uint64_t number = (first + stride - 1) / stride * stride; number < first + leaf.count;
          number += stride) {
@@ -224,16 +224,16 @@ double sphere_radius(const RayQuery& query, const Hit& hit) {
 
 std::vector<double> spacings_in_order(const TreeView& tree) {
   std::vector<double> spacings(tree.point_count);
-  for (std::uint32_t position = 0; position < tree.point_count; ++position)
-    spacings[point_id(tree, position)] = spacing_at(tree, position);
+  for (std::uint32_t index = 0; index < tree.point_count; ++index)
+    spacings[point_id(tree, index)] = spacing_at(tree, index);
   return spacings;
 }
 
 HugeVector<float> spacings_in_order(const Octree& octree) {
   const TreeView& tree = octree.view();
   HugeVector<float> spacings(tree.point_count, octree.scratch());
-  for (std::uint32_t position = 0; position < tree.point_count; ++position)
-    spacings[point_id(tree, position)] = spacing_of(tree.spacings[position]);
+  for (std::uint32_t index = 0; index < tree.point_count; ++index)
+    spacings[point_id(tree, index)] = spacing_of(tree.spacings[index]);
   return spacings;
 }
 

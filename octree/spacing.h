@@ -29,17 +29,18 @@ struct Spacing {
   std::size_t sample_count = 0;
 };
 
-/// Measures nearest-neighbour spacing at the positions of up to `sample_count` points taken evenly in octree order.
-/// Each position counts once, however many points it has: half of a scan may be invalid points at zero. Points at the
-/// same position are no neighbours of each other. A cloud of fewer than two distinct positions gives zeros.
-/// Deterministic. Cost: microseconds per position. max_level: of the cloud that these levels of a layered octree make.
+/// Measures nearest-neighbour spacing at the positions of up to `sample_count` points taken evenly in octree
+/// order. Each position counts once, however many points it has: half of a scan may be invalid points at
+/// zero. Points at the same position are no neighbours of each other. A cloud of fewer than two distinct
+/// positions gives zeros. Deterministic. Cost: microseconds per position. max_level: of the cloud that these
+/// levels of a layered octree make.
 Spacing measure_spacing(const Octree& octree, std::size_t sample_count = 20000, int max_level = k_all_levels);
 
 /// Sphere radius that closes a scanned surface: the renderer's "radius": "auto". Always > 0: where no
 /// spacing can be measured it is a thousandth of the bounds' diagonal, or 0.01 if that is zero too.
 double automatic_radius(const Octree& octree, int max_level = k_all_levels);
 
-// How far the points of a cloud stand from each other, point by point: what RayQuery::spacing_factor makes
+// How far the points of a cloud are from each other, point by point: what RayQuery::spacing_factor makes
 // radii of.
 //
 //   const Octree octree = with_spacings(build(cloud), 8);
@@ -51,7 +52,7 @@ double automatic_radius(const Octree& octree, int max_level = k_all_levels);
 
 constexpr int k_most_spacing_neighbours = 64;
 
-/// The same octree with the spacing of every point. An octree that has them for this n is returned as it is.
+/// This octree with the spacing of every point. An octree that has them for this n is returned as it is.
 /// `progress` is in points. Cost: 1 to 2 microseconds of one thread per point (n = 8), in parallel; 2 B per
 /// point and 32 B per node. Errors: n below 1 or above k_most_spacing_neighbours.
 Octree with_spacings(const Octree& octree, int neighbours, const Progress& progress = {});
@@ -66,7 +67,7 @@ double sphere_radius(const RayQuery& query, const Hit& hit);
 
 /// The spacings by point id, metres. Requires spacings. Cost: linear.
 std::vector<double> spacings_in_order(const TreeView& tree);
-/// The same numbers, 4 B per point, where Octree::scratch() states.
+/// spacings_in_order() at 4 B per point, in Octree::scratch().
 HugeVector<float> spacings_in_order(const Octree& octree);
 
 /// The greatest spacings below the slots of a node, as TreeView::slot_spacings has them; 0 for empty slots.
@@ -74,9 +75,9 @@ HugeVector<float> spacings_in_order(const Octree& octree);
 /// spacings.
 inline std::array<std::uint16_t, k_node_width> greatest_spacings(const TreeView& tree,
                                                                  const std::uint16_t* slot_spacings,
-                                                                 std::uint32_t index) {
-  const Node& node = tree.nodes[index];
-  std::uint32_t position = node.first_point;
+                                                                 std::uint32_t node_index) {
+  const Node& node = tree.nodes[node_index];
+  std::uint32_t first_point = node.first_point;
   std::uint64_t child = node.first_child;
   std::array<std::uint16_t, k_node_width> greatest{};
   for (int slot = 0; slot < k_node_width; ++slot) {
@@ -86,8 +87,8 @@ inline std::array<std::uint16_t, k_node_width> greatest_spacings(const TreeView&
       const std::uint16_t* below = slot_spacings + k_node_width * child++;
       greatest[slot] = *std::max_element(below, below + k_node_width);
     } else if (is_leaf(kind)) {
-      greatest[slot] = *std::max_element(tree.spacings + position, tree.spacings + position + kind);
-      position += kind;
+      greatest[slot] = *std::max_element(tree.spacings + first_point, tree.spacings + first_point + kind);
+      first_point += kind;
     }
   }
   return greatest;

@@ -21,7 +21,7 @@ struct Cone {
   double limit(double t) const { return radius + slope * t; }
 };
 
-/// The entrance for cones from outside. half_angle in radians, 0 <= half_angle < pi / 2. Errors: as
+/// A cone from the outside, checked. half_angle in radians, 0 <= half_angle < pi / 2. Errors: as
 /// make_ray; radius negative or not finite; half_angle out of range or so large that its tangent is not
 /// finite.
 Cone make_cone(const glm::dvec3& apex, const glm::dvec3& direction, double half_angle, double radius = 0.0,
@@ -33,7 +33,7 @@ struct Plane {
   glm::dvec3 normal{0.0, 0.0, 1.0};
 };
 
-/// The entrance for planes from outside: normalises. Errors: not finite, normal of length zero.
+/// A plane from the outside, checked and normalised. Errors: not finite, normal of length zero.
 Plane make_plane(const glm::dvec3& point, const glm::dvec3& normal);
 
 /// The points on the positive side of every plane (signed distance >= 0): a slab (two opposite planes), a
@@ -45,7 +45,7 @@ struct HalfSpaces {
 /// The slab of `thickness` metres on the positive side of a plane. Errors: thickness negative or not finite.
 HalfSpaces make_slab(const Plane& plane, double thickness);
 
-/// A trajectory: straight segments from vertex to vertex. Positions on it are given by t, the length of the way
+/// A trajectory: straight segments from vertex to vertex. Points on it are given by t, the length of the way
 /// from the first vertex, in metres.
 struct Path {
   std::vector<glm::dvec3> vertices;                         ///< two or more; consecutive ones differ
@@ -54,8 +54,8 @@ struct Path {
   double t_max = std::numeric_limits<double>::infinity();
 };
 
-/// The entrance for paths from outside. Repeated vertices in a row are joined to one. Errors: a coordinate
-/// that is not finite (the message states the vertex), fewer than two different vertices, limits NaN.
+/// A path from the outside, checked. Repeated vertices in a row are joined to one. Errors: a coordinate
+/// that is not finite (the message names the vertex), fewer than two different vertices, limits NaN.
 Path make_path(const std::vector<glm::dvec3>& vertices,
                double t_min = -std::numeric_limits<double>::infinity(),
                double t_max = std::numeric_limits<double>::infinity());

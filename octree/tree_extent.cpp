@@ -10,12 +10,12 @@
 
 namespace alidade {
 
-// Files may be damaged: nodes that cannot be are left out.
+// Files may be damaged: impossible nodes are left out.
 static bool is_possible(const TreeView& tree, const Frame& frame) {
   return frame.node < tree.node_count && frame.level >= k_min_frame_level;
 }
 
-/// Whether all points below a node are at one position, as far as it shows by itself.
+/// Whether all points below a node are at one position, as far as the node itself shows it.
 static bool is_one_position(const Node& node, int level) {
   if (level != k_min_frame_level) return false;
   for (int slot = 1; slot < k_node_width; ++slot) {
@@ -66,7 +66,7 @@ static std::optional<Frame> only_large_child(const TreeView& tree, const Frame& 
 }
 
 static Frame site_of(const TreeView& tree) {
-  // In smaller frames, what floats lose is less than a lattice step; and a site not much smaller gains nothing.
+  // In smaller frames floats lose less than a lattice step; and a site not much smaller gains nothing.
   constexpr int k_exact_level = 20, k_least_drop = 4;
   const Frame root = root_frame(tree);
   if (tree.node_count == 0 || tree.root_level <= k_exact_level) return root;

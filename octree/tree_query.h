@@ -26,11 +26,9 @@
 // out and takes back. To plug in another index, write a small struct with these members:
 // - R-tree: Node = pointer to a page; bounds as stored; children of inner pages; points of leaf pages.
 // - kd-tree: Node = range of the array and its box, halved at the split when children are requested; points
-// of
-//   ranges that are not split any more (or the one at the median).
+//   of ranges that are not split any more (or the one at the median).
 // - COPC, an octree on disk: Node = key of the hierarchy; bounds = its cell; points = those of its chunk,
-// read
-//   when asked for; children = the keys that exist. Inner nodes hold points, too, which is fine.
+//   read when requested; children = the keys that exist. Inner nodes hold points, too, which is fine.
 // Bounds must hold all points at and below the node; they need not be tight. `point_id` is what answers and
 // ties are distinguished by.
 //
@@ -49,7 +47,7 @@ concept SpatialTree = requires(const T& tree, const typename T::Node& node,
   tree.for_each_child(node, child);
 };
 
-/// What is known of all points in a box.
+/// What holds for all points in a box.
 struct Reach {
   double distance = 0.0;  ///< none is nearer to the target
   Interval t;             ///< none projects elsewhere
@@ -118,7 +116,7 @@ class Nearest {
 
   Nearest(const Target& target, std::size_t k) : target_(target), k_(k) {}
 
-  /// Whether the query must go on.
+  /// Whether the query must continue.
   bool insert(const Answer& answer) {
     const auto before = order();
     if (answers_.size() < k_) {

@@ -71,7 +71,7 @@ inline SlotBox slot_box(const TreeView& tree, const Frame& frame, int slot) {
   return box;
 }
 
-/// The same in world coordinates.
+/// slot_box() in world coordinates.
 inline Bounds child_bounds(const TreeView& tree, const Frame& frame, int slot) {
   const SlotBox box = slot_box(tree, frame, slot);
   const auto world = [&](int axis, std::int64_t steps) {
@@ -123,7 +123,7 @@ inline void put_positions(const TreeView& tree, LatticePosition* positions) {
   });
 }
 
-/// The positions of all points by point id: the cloud's positions, for whoever gave them away. Cost: linear,
+/// The positions of all points by point id: the cloud's, after build() took them out of it. Cost: linear,
 /// 12 B per point.
 inline std::vector<LatticePosition> positions_in_order(const TreeView& tree) {
   std::vector<LatticePosition> positions(tree.point_count);

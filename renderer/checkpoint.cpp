@@ -86,8 +86,8 @@ std::vector<std::size_t> tiles_by_row(std::vector<std::size_t> tiles) {
   return tiles;
 }
 
-/// Calls use(first, count) for the pixels that some tiles of a row of tiles have in each row of pixels; `first`
-/// counts from the start of the row of tiles.
+/// Calls use(first, count) for the pixels that some tiles of a row of tiles have in each row of pixels;
+/// `first` counts from the start of the row of tiles.
 template <class Use>
 void for_each_run(const TileGrid& grid, std::span<const std::size_t> tiles, const Use& use) {
   if (tiles.empty()) return;
@@ -157,7 +157,7 @@ std::uint64_t rest_bytes(const PictureState& state, const image::Film& film,
 /// Reads a mebibyte of the file at a time, so that checksums are those of whole blocks.
 class BlockReader {
  public:
-  BlockReader(InputFile& file, std::uint64_t position) : file_(file), position_(position) {}
+  BlockReader(InputFile& file, std::uint64_t offset) : file_(file), offset_(offset) {}
 
   void take(std::span<std::byte> into) {
     while (!into.empty()) {
@@ -178,15 +178,15 @@ class BlockReader {
   void fetch() {
     if (used_ > 0) sums_.push_back(checksum(block_));
     // One byte at least: beyond the file's end this is the error of a file that ends early.
-    const std::uint64_t left = std::max<std::uint64_t>(file_.size() - std::min(position_, file_.size()), 1);
+    const std::uint64_t left = std::max<std::uint64_t>(file_.size() - std::min(offset_, file_.size()), 1);
     block_.resize(static_cast<std::size_t>(std::min<std::uint64_t>(left, k_checksum_block)));
-    file_.read_at(position_, block_);
-    position_ += block_.size();
+    file_.read_at(offset_, block_);
+    offset_ += block_.size();
     used_ = 0;
   }
 
   InputFile& file_;
-  std::uint64_t position_;
+  std::uint64_t offset_;
   std::vector<std::byte> block_;
   std::vector<std::uint64_t> sums_;
   std::size_t used_ = 0;
@@ -226,7 +226,7 @@ void read_rest(InputFile& file, std::uint64_t head_bytes, std::uint64_t rest_che
 void check_head(const InputFile& file, const CheckpointHead& head, const PictureFingerprint& fingerprint,
                 int samples, std::span<const std::size_t> tiles, const PictureState& state) {
   check_fingerprint(head.fingerprint, fingerprint, file.name());
-  // The fingerprint says all this as well; what follows must not rely on a text.
+  // The fingerprint has all this as well; what follows must not rely on a text.
   if (head.width != static_cast<std::uint32_t>(state.grid.width()) ||
       head.height != static_cast<std::uint32_t>(state.grid.height()) ||
       (head.with_noise == 1) != state.with_noise || head.samples != static_cast<std::uint32_t>(samples)) {

@@ -9,7 +9,7 @@
 #include "renderer/picture_state.h"
 #include "renderer/render.h"
 
-// Checkpoints: a picture under way in a file, so that a render which was interrupted or killed goes on and
+// Checkpoints: a picture under way in a file, so that a render which was interrupted or killed resumes and
 // gives the same bytes. Little endian.
 //
 //   byte 0   8 B  "ALIDPART"             magic
@@ -32,9 +32,9 @@
 //                                        squares and earlier means (3 floats each), pixel by pixel
 //                 finished part: per row of tiles, its layers of the pixels' centres, pixel by pixel
 //
-// A checkpoint of a part has only the tiles and pixels of the part, in the same order. A finished part is such
-// a checkpoint with all samples, 0 seconds and the layers of the pixels' centres; its fingerprint ends with
-// what the image says besides its pixels (renderer/merge_parts.h).
+// A checkpoint of a part has only the tiles and pixels of the part, in the same order. A finished part is
+// such a checkpoint with all samples, 0 seconds and the layers of the pixels' centres; its fingerprint ends
+// with the image_entries() (renderer/merge_parts.h).
 
 namespace alidade::renderer {
 
@@ -46,23 +46,23 @@ template <class Part>
 std::string text_of(const Part& part);
 
 /// All that the samples of a picture depend on, in a fixed order: what others follow from comes before them,
-/// such as the cloud before a camera that looks at it. Numbers are written so that different ones have
+/// such as the cloud before a camera that shows it. Numbers are written so that different ones have
 /// different texts.
 using PictureFingerprint = Fingerprint;
 
-/// The fingerprint of what render() would make of these. `cloud` may be null. Cost: a cloud read from an index
-/// file is known by the checksums in it; any other is summed up as fast as memory delivers, about 16 bytes
-/// per point.
+/// The fingerprint of what render() would make of these. `cloud` may be null. Cost: a cloud read from an
+/// index file is identified by the checksums in it; any other is summed up as fast as memory delivers, about
+/// 16 bytes per point.
 PictureFingerprint picture_fingerprint(const Scene& scene, const LoadedCloud* cloud,
                                        const RenderOptions& options);
 
-/// Writes the state; the file is written completely or not at all, an earlier one stays until then. Nobody
-/// may change the state meanwhile. Memory: 2 MiB. Errors: those of OutputFile, above all a full disk.
+/// Writes the state; the file is written completely or not at all, an earlier one stays until then. No
+/// thread may change the state meanwhile. Memory: 2 MiB. Errors: those of OutputFile, above all a full disk.
 void write_checkpoint(const std::filesystem::path& file, const PictureFingerprint& fingerprint, int samples,
                       const PictureState& state, double seconds);
 
 /// Reads a state back. `state` must have been made for the picture that is requested; it is only of use if
-/// nothing is thrown. `samples` is the number per pixel asked for. Errors: not a checkpoint; another byte
+/// nothing is thrown. `samples` is the requested number per pixel. Errors: not a checkpoint; another byte
 /// order, version or picture, naming the first thing that differs; a file cut short, too long or damaged.
 /// Memory: the fingerprint, at most the file's size, and 1 MiB.
 void read_checkpoint(InputFile file, const PictureFingerprint& fingerprint, int samples, PictureState& state);
@@ -72,7 +72,7 @@ void read_checkpoint(InputFile file, const PictureFingerprint& fingerprint, int 
 void write_part(const std::filesystem::path& file, const PictureFingerprint& fingerprint, int samples,
                 const PictureState& state, const image::Film& film, bool overwrite);
 
-/// What a file of a part says about itself.
+/// The head of a file of a part.
 struct PartHead {
   std::string file;
   PicturePart part;
@@ -85,8 +85,8 @@ struct PartHead {
   PictureFingerprint fingerprint{};  ///< "part" left out
 };
 
-/// Reads the head alone. Errors: no checkpoint of a picture; another byte order or version; damaged; cut short
-/// or too long; sizes that no picture has.
+/// Reads the head alone. Errors: no checkpoint of a picture; another byte order or version; damaged; cut
+/// short or too long; sizes that no picture has.
 PartHead read_part_head(const std::filesystem::path& file);
 
 /// Reads a finished part into the state and the film of the whole picture, which have its size and layers.
@@ -96,11 +96,11 @@ void read_part(const PartHead& head, PictureState& state, image::Film& film);
 /// Whether a file begins as checkpoints do, of whatever version. Errors: those of InputFile.
 bool is_checkpoint(const std::filesystem::path& file);
 
-/// What a checkpoint says about itself.
+/// The progress that a checkpoint records.
 struct CheckpointSummary {
   std::string picture;              ///< CheckpointOptions::picture
   std::uint64_t samples_taken = 0;  ///< camera samples
-  double share = 0.0;               ///< the same of all, 0 to 1
+  double share = 0.0;               ///< of all camera samples, 0 to 1
   double seconds = 0.0;             ///< spent
 };
 

@@ -19,7 +19,7 @@ namespace {
 
 /// Where a ray is in the camera's own axes, seen at distance 1 before the camera: its direction there, or
 /// for parallel rays its origin. Empty behind a right angle.
-std::optional<glm::dvec2> position_at_one(const Ray& ray, const camera::CameraPose& pose, bool is_parallel) {
+std::optional<glm::dvec2> point_at_one(const Ray& ray, const camera::CameraPose& pose, bool is_parallel) {
   const glm::dvec3 way = is_parallel ? ray.origin - pose.position : ray.direction;
   const glm::dvec2 beside(glm::dot(way, pose.right), glm::dot(way, pose.down));
   if (is_parallel) return beside;
@@ -29,13 +29,13 @@ std::optional<glm::dvec2> position_at_one(const Ray& ray, const camera::CameraPo
   return beside / ahead;
 }
 
-/// Calls visit(ray) with the ray of each of these positions along the border of the picture, if there is one,
-/// until it answers false. False if it did.
+/// Calls visit(ray) with rays along the border of the picture, empty where there is none, until it returns
+/// false. False if it did.
 template <class Visit>
-bool along_border(const camera::Camera& camera, int positions_per_side, const Visit& visit) {
+bool along_border(const camera::Camera& camera, int rays_per_side, const Visit& visit) {
   const camera::Projection projection(camera);
-  for (int i = 0; i <= positions_per_side; ++i) {
-    const double share = static_cast<double>(i) / positions_per_side;
+  for (int i = 0; i <= rays_per_side; ++i) {
+    const double share = static_cast<double>(i) / rays_per_side;
     const double x = share * camera.width, y = share * camera.height;
     for (const glm::dvec2 film : {glm::dvec2(x, 0.0), glm::dvec2(x, camera.height), glm::dvec2(0.0, y),
                                   glm::dvec2(camera.width, y)}) {
@@ -62,14 +62,14 @@ class ViewCone {
  private:
   /// The widest angle along the border of the image; everything if the lens does not see all of it.
   static double half_angle(const camera::Camera& camera) {
-    constexpr int k_positions_per_side = 32;
+    constexpr int k_rays_per_side = 32;
     double widest = 0.0;
     const auto widen = [&](const std::optional<Ray>& ray) {
       const double cosine = ray ? glm::dot(ray->direction, camera.pose.forward) : 0.0;
       widest = std::max(widest, std::acos(std::clamp(cosine, -1.0, 1.0)));
       return ray.has_value();
     };
-    return along_border(camera, k_positions_per_side, widen) ? widest : std::numbers::pi;
+    return along_border(camera, k_rays_per_side, widen) ? widest : std::numbers::pi;
   }
 
   camera::CameraPose pose_;
@@ -95,7 +95,7 @@ struct CandidateNode {
 }  // namespace
 
 HalfSpaces view_planes(const camera::Camera& camera) {
-  constexpr int k_sides = 16, k_positions_per_side = 64;
+  constexpr int k_sides = 16, k_rays_per_side = 64;
   const bool is_parallel = std::holds_alternative<camera::OrthographicLens>(camera.lens);
   const bool is_straight = is_parallel || std::holds_alternative<camera::PinholeLens>(camera.lens);
   const camera::CameraPose& pose = camera.pose;
@@ -107,13 +107,13 @@ HalfSpaces view_planes(const camera::Camera& camera) {
     sides[static_cast<std::size_t>(side)] = {std::cos(angle), std::sin(angle)};
   }
   const auto widen = [&](const std::optional<Ray>& ray) {
-    const std::optional<glm::dvec2> position = ray ? position_at_one(*ray, pose, is_parallel) : std::nullopt;
-    for (std::size_t side = 0; position && side < k_sides; ++side)
-      reach[side] = std::max(reach[side], glm::dot(*position, sides[side]));
-    return position.has_value();
+    const std::optional<glm::dvec2> point = ray ? point_at_one(*ray, pose, is_parallel) : std::nullopt;
+    for (std::size_t side = 0; point && side < k_sides; ++side)
+      reach[side] = std::max(reach[side], glm::dot(*point, sides[side]));
+    return point.has_value();
   };
-  if (!along_border(camera, k_positions_per_side, widen)) return {};
-  // Between two positions examined, a bent border may reach further; and numbers are rounded.
+  if (!along_border(camera, k_rays_per_side, widen)) return {};
+  // Between two rays a bent border may reach further; and numbers are rounded.
   const double slack = is_straight ? 1e-9 : 0.02;
   HalfSpaces planes;
   for (std::size_t side = 0; side < k_sides; ++side) {

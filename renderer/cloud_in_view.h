@@ -19,7 +19,7 @@ namespace alidade::renderer {
 HalfSpaces view_planes(const camera::Camera& camera);
 
 /// Which nodes of COPC files to show if no more than `most_points` of their points are to be read: from the
-/// roots down always the node whose points stand furthest apart in the picture (the spacing of its level,
+/// roots down always the node whose points are furthest apart in the picture (the spacing of its level,
 /// divided by the distance from the camera to its cube). Nodes that would be too many are left out with those
 /// below them, and so are nodes outside the cone around all that the camera sees. Without a camera, or with
 /// one of parallel rays, it goes level by level. The roots of all files in view are always among them,
@@ -28,7 +28,7 @@ HalfSpaces view_planes(const camera::Camera& camera);
 std::vector<ChosenNodes> nodes_in_view(std::span<const std::unique_ptr<CopcFile>> files,
                                        const camera::Camera* camera, std::uint64_t most_points);
 
-// A first look at clouds that take long to load, if their files are octrees themselves (COPC).
+// Previews of clouds that take long to load, if their files are octrees themselves (COPC).
 
 /// The files of a cloud, opened, if all are COPC and no more than 256; else none. Reads their hierarchies, no
 /// points. Errors: as CopcFile's.

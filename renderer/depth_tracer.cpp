@@ -40,7 +40,7 @@ image::Film DepthTracer::trace(const camera::Camera& camera, image::Layer layer,
           // Threads have tiles of their own: the rays of one are not to be shared out again.
           tbb::task_arena alone(1);
           alone.execute([&] { fill_center_layers(projection, world_, box, film); });
-          // Once per row: whoever watches is not to be called for every tile.
+          // Once per row: the watch is not to be called for every tile.
           if (grid.column_of(tile) + 1 == grid.columns()) done.add(grid.band(grid.row_of(tile)).count());
         }
       },

@@ -13,20 +13,25 @@
 #include "renderer/load_cloud.h"
 #include "renderer/scene.h"
 
-// What rays meet where points are discs of their sheets: Measure::crossing (octree/query.h) says where, and the first
-// crossing is the least t; of equal ones the lowest point id.
+// What rays meet where points are discs of their sheets: Measure::crossing (octree/query.h) defines where,
+// and the first crossing is the least t; of equal ones the lowest point id.
 //
-// Blended: the discs that count beside the first one are those of points within whose radius the first crossing lies, if
-// they belong to its sheet: their normal deviates by at most 32 degrees, and their plane passes within a quarter of the
-// radius plus 4 mm of the crossing. Of them t (where the ray crosses their plane), normal and colour are averaged, weighted
-// by exp(-8 d^2 / r^2) with the distance d of the point from the first crossing and its radius r. Planes that the ray crosses
-// more than r from the first crossing do not count, nor does a mean t outside the limits or a normal that faces away. Rays
-// that leave a sheet meet discs that are not blended: what they find is spread over many of them.
+// Blended: the discs that count beside the first one are those of points within whose radius the first
+// crossing lies, if they belong to its sheet: their normal deviates by at most 32 degrees, and their plane
+// passes within a quarter of the radius plus 4 mm of the crossing. Of them t (where the ray crosses their
+// plane), normal and colour are averaged, weighted by
+//
+//   exp(-8 d^2 / r^2)
+//
+// with the distance d of the point from the first crossing and its radius r. Planes that the ray crosses more
+// than r from the first crossing do not count, nor does a mean t outside the limits or a normal that faces
+// away. Rays that leave a sheet meet discs that are not blended: what they find is spread over many of them.
 
 namespace alidade::renderer {
 
-/// What a ray that leaves a sheet does not meet: the discs of that sheet, which are near (is_part_of_surface()) and whose
-/// normal deviates by at most 32 degrees. A reach of 0: the ray begins in the air.
+/// What a ray that leaves a sheet does not meet: the discs of that sheet, which are near
+/// (is_part_of_surface()) and whose normal deviates by at most 32 degrees. A reach of 0: the ray begins in
+/// the air.
 struct SheetOrigin {
   glm::dvec3 normal{0.0, 0.0, 1.0};
   float reach = 0.0f, thickness = 0.0f;  ///< metres
@@ -36,21 +41,22 @@ struct SheetOrigin {
 struct DiscHit {
   double t = 0.0;              ///< metres
   std::uint64_t point_id = 0;  ///< of the first crossing
-  SheetOrigin sheet{};  ///< for rays that go on from there; its normal shows to the side the ray came from
+  SheetOrigin sheet{};  ///< for rays that leave from there; its normal shows to the side the ray came from
   Color16 color{0};     ///< display value
 };
 
 /// How far a hit is to be trusted.
 struct HitTrust {
-  /// Standard deviation of t from that of the surface that was scanned, metres. It follows from how the planes of the
-  /// sheet differ and how thick it is; from what the ray would meet before if discs and spheres were wider; and, unless
-  /// points of the sheet surround the hit, from what lies behind. Infinite where that is nothing.
+  /// Standard deviation of t from that of the surface that was scanned, metres. It follows from how the
+  /// planes of the sheet differ and how thick it is; from what the ray would meet before if discs and spheres
+  /// were wider; and, unless points of the sheet surround the hit, from what lies behind. Infinite where that
+  /// is nothing.
   double sigma = 0.0;
   std::uint32_t support = 0;  ///< points that the surface there is made of
 };
 
-/// The cloud of a scene as discs. Keeps references to the cloud, which must outlive it and have surfaces. Safe to use from
-/// many threads.
+/// The cloud of a scene as discs. Keeps references to the cloud, which must outlive it and have surfaces.
+/// Safe to use from many threads.
 class DiscCloud {
  public:
   DiscCloud(const LoadedCloud& cloud, bool blends);

@@ -13,8 +13,8 @@
 namespace alidade::renderer {
 namespace {
 
-// Chosen so that fewer than 1 % of the depths of the sample site, at 1e5 to 5e6 points, are wrong by more than 3 standard
-// deviations (docs/fidelity.md).
+// Chosen so that fewer than 1 % of the depths of the sample site, at 1e5 to 5e6 points, are wrong by more
+// than 3 standard deviations (docs/fidelity.md).
 constexpr double k_shift = 1.0;   ///< spacings by which sheets may reach farther than their edges
 constexpr double k_wider = 2.5;   ///< times the radius that discs may have,
 constexpr double k_larger = 4.0;  ///< and spheres
@@ -22,7 +22,7 @@ constexpr double k_amid = 1.1;    ///< spacings within which points of a sheet s
 constexpr double k_apart = 1.2;   ///< standard deviations to what could be met instead
 constexpr int k_most_rims = 32;   ///< one behind another
 
-/// The widest angle at a position of a plane in which no point lies, in radians. offsets: of the points.
+/// The widest angle at a point of a plane in which no other point lies, in radians. offsets: of the others.
 double widest_gap(const glm::dvec3& normal, std::span<const glm::dvec3> offsets) {
   const glm::dvec3 across =
       std::fabs(normal.z) < 0.7 ? glm::dvec3(normal.y, -normal.x, 0.0) : glm::dvec3(0.0, normal.z, -normal.y);

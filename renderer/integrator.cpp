@@ -13,8 +13,8 @@ constexpr int k_first_roulette_vertex = 3;
 /// What a path remembers of the surfaces behind it.
 struct PathState {
   double pdf = 0.0;              ///< of the last direction; 0 when it was specular or the camera's
-  bool scattered = false;        ///< whether there was anything but mirrors and glass
-  glm::dvec3 scattered_at{0.0};  ///< the last such position
+  bool scattered = false;        ///< whether any surface was neither mirror nor glass
+  glm::dvec3 scattered_at{0.0};  ///< on the last such surface
   double scattered_pdf = 0.0;    ///< of the direction chosen there
   double roughness = 0.0;        ///< the largest so far, at most k_diffuse_roughness
 };
@@ -32,7 +32,7 @@ double roughness_of(const Material& material) {
   return metal == nullptr ? k_diffuse_roughness : std::min(metal->roughness, k_diffuse_roughness);
 }
 
-/// A position on a path, with what light scattered there needs.
+/// A vertex of a path, with what light scattered there needs.
 struct Vertex {
   Surface surface;
   Material material;
@@ -63,7 +63,7 @@ float mis_weight(double chance) {
   return static_cast<float>(chance_sq / (1.0 + chance_sq));
 }
 
-/// Rays of many paths that ask for one light each.
+/// Rays of many paths to one light each.
 struct LightRays {
   std::vector<Ray> rays;
   std::vector<RayOrigin> ray_origins;
@@ -97,8 +97,8 @@ void sample_sun(const SunDisc& sun, std::size_t path, const Vertex& vertex, cons
   if (light != Rgb(0.0f)) asked.add(path, vertex, direction, wi, throughput * light);
 }
 
-void ask_sky(const SkyImage& sky, std::size_t path, const Vertex& vertex, const Rgb& throughput,
-             Sampler& sampler, LightRays& asked) {
+void sample_sky(const SkyImage& sky, std::size_t path, const Vertex& vertex, const Rgb& throughput,
+                Sampler& sampler, LightRays& asked) {
   const SkySample chosen = sky.sample(sampler.next_2d());
   if (chosen.pdf == 0.0) return;
   const glm::dvec3 wi = vertex.basis.to_local(chosen.direction);
@@ -109,8 +109,8 @@ void ask_sky(const SkyImage& sky, std::size_t path, const Vertex& vertex, const 
   if (light != Rgb(0.0f)) asked.add(path, vertex, chosen.direction, wi, throughput * light);
 }
 
-void ask_lamp(const Lights& lights, std::size_t path, const Vertex& vertex, const Rgb& throughput,
-              Sampler& sampler, LightRays& asked) {
+void sample_lamp(const Lights& lights, std::size_t path, const Vertex& vertex, const Rgb& throughput,
+                 Sampler& sampler, LightRays& asked) {
   const double u_choice = sampler.next_1d();
   const LightSample lamp = lights.sample(vertex.surface.ray_origin, u_choice, sampler.next_2d());
   const glm::dvec3 wi = vertex.basis.to_local(lamp.direction);
@@ -122,7 +122,7 @@ void ask_lamp(const Lights& lights, std::size_t path, const Vertex& vertex, cons
 }
 
 /// Share that counts of a light found by way of mirrors and glass after scattering: the square of the chance
-/// to find it straight from the scattering position, which fills this share of the hemisphere there.
+/// to find it straight from where light scattered, which fills this share of the hemisphere there.
 float bundled_share(double visible_share, const PathState& state) {
   const double chance = std::min(1.0, visible_share * std::max(1.0, 2.0 * k_pi * state.scattered_pdf));
   return static_cast<float>(chance * chance);
@@ -136,14 +136,14 @@ float lamp_share(const Lights& lights, const Intersection& intersection, const P
   return static_cast<float>(state.pdf / (state.pdf + lights.pdf(intersection.index, state.scattered_at)));
 }
 
-/// The same for the sun.
+/// Share of the sun's light that counts for a ray which met it.
 float sun_share(const SunDisc& sun, const PathState& state) {
   if (!state.scattered) return 1.0f;
   if (state.pdf == 0.0) return bundled_share(sun.solid_angle() / (2.0 * k_pi), state);
   return mis_weight(sun.solid_angle() * state.pdf);
 }
 
-/// The same for the sky of a picture.
+/// Share of the light of a picture's sky that counts for a ray in this direction.
 float sky_share(const SkyImage& sky, const glm::dvec3& direction, const PathState& state) {
   if (!state.scattered) return 1.0f;
   const double sampled = sky.pdf(direction);
@@ -235,9 +235,9 @@ class PathTracer {
     const double u_choice = sampler.next_1d(), u_roulette = sampler.next_1d();
     if (!is_specular(vertex.material)) {
       if (lights_.sun()) sample_sun(*lights_.sun(), path, vertex, way.throughput, sampler, to_sun_);
-      if (lights_.has_spheres()) ask_lamp(lights_, path, vertex, way.throughput, sampler, to_lamps_);
+      if (lights_.has_spheres()) sample_lamp(lights_, path, vertex, way.throughput, sampler, to_lamps_);
       if (lights_.sky_image() != nullptr)
-        ask_sky(*lights_.sky_image(), path, vertex, way.throughput, sampler, to_sky_);
+        sample_sky(*lights_.sky_image(), path, vertex, way.throughput, sampler, to_sky_);
     }
 
     const auto next = sample(vertex.material, vertex.surface.color, vertex.wo, u, u_choice);

@@ -30,12 +30,12 @@ constexpr std::uint32_t k_first_path_dimension = 2;
 constexpr double k_diffuse_roughness = 0.5;
 
 /// Follows light backwards along paths from the camera: at each surface light of sun, sky picture and
-/// emissive spheres is gathered, then a path goes on in a direction its material chooses, at most
+/// emissive spheres is gathered, then a path continues in a direction its material chooses, at most
 /// `max_bounces` + 1 times in all, the last time only to see whether sky or an emissive surface is there.
 /// After a few bounces weak paths end by Russian roulette. The mean over samples is the radiance along the
 /// ray, without bias but for `max_bounces`, the caustics left out in light.h, and this: a path that has been
 /// scattered takes rough metal for at least as rough as the roughest surface before it (a diffuse one counts
-/// as k_diffuse_roughness; each mirror or pane of glass on the way doubles it up to that), in all it asks of
+/// as k_diffuse_roughness; each mirror or pane of glass on the way doubles it up to that), wherever it uses
 /// the material. What is seen through a blur is blurred no less, so that no rare path brings a glint of the
 /// sun as a speckle. Source: Kaplanyan and Dachsbacher, Path Space Regularization for Holistic and Robust
 /// Light Transport, 2013.
@@ -70,7 +70,7 @@ void trace_headlight(const World& world, const Sky& sky, std::span<const CameraP
 /// The colours themselves: for maps and masks.
 void trace_flat(const World& world, std::span<const CameraPath> paths, std::span<PathResult> results);
 
-/// What the camera paths bring back in the mode that the settings ask for. results: as many as paths.
+/// What the camera paths bring back in the mode of the settings. results: as many as paths.
 /// `ao_distance`: see ambient_occlusion_distance().
 void trace_samples(const World& world, const Lights& lights, const RenderSettings& settings,
                    double ao_distance, std::span<const CameraPath> paths, std::span<PathResult> results);

@@ -13,7 +13,7 @@
 namespace alidade::renderer {
 
 /// The sun prepared for tracing. Its radiance is even over the disc, so a surface that faces it gets pi
-/// sin^2(half the angle) times that: exactly the irradiance the scene requests.
+/// sin^2(half the angle) times that: exactly the irradiance that the scene gives.
 class SunDisc {
  public:
   explicit SunDisc(const geo::Sun& sun) : irradiance_(sun.irradiance) {
@@ -72,7 +72,7 @@ class SunDisc {
 // the chance (at most 1) that the scattering direction had of meeting the light straight: its visible_share
 // times the density there over that of an even hemisphere. That leaves out the caustics of all small lights
 // on diffuse surfaces, and keeps lights all around and those seen in sharp metal. Of a sky from a picture the
-// bright spots are such small lights: a position that is sampled k_spot_density times as densely as an even
+// bright spots are such small lights: a direction that is sampled k_spot_density times as densely as an even
 // hemisphere, or less, counts in full, so broad skies lose nothing; beyond it the share falls with the
 // density.
 
@@ -90,7 +90,7 @@ inline constexpr double k_spot_density = 8.0;
 
 class Lights {
  public:
-  /// Errors: a sky from a picture that has not been read, a sun by time that has not been placed.
+  /// Errors: a sky from a picture that has not been read, a sun by time whose position has not been computed.
   explicit Lights(const Scene& scene);
 
   const Sky& sky() const { return *sky_; }

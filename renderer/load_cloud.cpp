@@ -43,8 +43,8 @@ void drop(Column& column) {
   Column().swap(column);
 }
 
-/// Beyond these a point is a stray, far from all but the outermost half percent on either side of an axis: by a
-/// quarter of their diagonal. Within the bounds of the cloud, which is not empty.
+/// Beyond these a point is a stray, far from all but the outermost half percent on either side of an axis: by
+/// a quarter of their diagonal. Within the bounds of the cloud, which is not empty.
 Bounds stray_limits(const Octree& octree) {
   constexpr double k_outermost = 0.005, k_far = 0.25;
   const std::vector<glm::dvec3> samples = sample_positions(octree, k_sample_count);
@@ -63,7 +63,7 @@ Bounds stray_limits(const Octree& octree) {
   return {glm::max(all.min, most.min - margin), glm::min(all.max, most.max + margin)};
 }
 
-/// Takes over what a cloud says about itself.
+/// Takes over the metadata of a cloud.
 void describe(LoadedCloud& loaded, const std::string& name, PointCloud&& cloud, std::uint64_t count) {
   loaded.warnings = std::move(cloud.warnings);
   if (count == 0) loaded.warnings.push_back(name + " has no points");
@@ -80,7 +80,7 @@ void keep_columns(PointCloud& cloud, const image::PointColoring& coloring) {
                 [&](const ExtraDimension& dimension) { return dimension.name != coloring.attribute; });
 }
 
-/// Takes over the colours, and says where there is none to show.
+/// Takes over the colours, and warns of points that have none to show.
 void take(image::ColoredPoints&& points, LoadedCloud& loaded, const std::string& name) {
   loaded.colors = std::move(points.colors);
   loaded.color = std::move(points.key);
@@ -217,7 +217,7 @@ LoadedCloud index_cloud(PointCloud&& cloud, AttributeSet attributes, const Cloud
 
 LoadedCloud load_cloud(const CloudSettings& settings, const CloudInputs& inputs, const Progress& progress,
                        const Progress& measuring) {
-  // Reading counts the work; what follows only asks whether to go on, at the count where reading ended.
+  // Reading counts the work; what follows only checks for cancellation, at the count where reading ended.
   std::uint64_t done = 0, total = 0;
   const Progress reading = [&](std::uint64_t bytes, std::uint64_t all_bytes) {
     done = bytes;
@@ -252,8 +252,8 @@ std::vector<glm::dvec3> visible_positions(const LoadedCloud& cloud) {
   const Bounds limits = stray_limits(octree);
   std::erase_if(positions, [&](const glm::dvec3& position) { return !limits.contains(position); });
   if (octree.size() <= k_sample_count) return positions;
-  // Samples miss the tips of what is thin: the farthest in directions all around are those nearest to positions far
-  // away.
+  // Samples miss the tips of what is thin: the farthest in directions all around are those nearest to
+  // positions far away.
   constexpr int k_directions = 128;
   constexpr double k_golden_degrees = 137.5, k_far = 32.0;
   const PointQuery query{.k = 1,
@@ -286,7 +286,7 @@ Bounds visible_bounds(const LoadedCloud& cloud) {
 std::uint64_t stray_count(const LoadedCloud& cloud) {
   if (cloud.octree.bounds().empty()) return 0;
   const Bounds limits = stray_limits(cloud.octree);
-  // Only what is outside is looked at.
+  // Only what is outside is visited.
   constexpr double k_infinity = std::numeric_limits<double>::infinity();
   Bounds rest{glm::dvec3(-k_infinity), glm::dvec3(k_infinity)};
   std::uint64_t strays = 0;

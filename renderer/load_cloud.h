@@ -21,7 +21,7 @@ namespace alidade::renderer {
 struct LoadedCloud {
   Octree octree;
   std::vector<Color16> colors;  ///< display-referred, one per point id; none for normals
-  ColorColumn mapped_colors{};  ///< the same instead, in an index file's map that octree keeps
+  ColorColumn mapped_colors{};  ///< the colours instead, in an index file's map that octree keeps
   double radius = 0.0;          ///< metres, the one used; the greatest one where each point has its own
   double spacing_factor = 0.0;  ///< above 0: each point has its own, see RayQuery::spacing_factor
   double lone_radius = 0.0;     ///< of discs: spheres of points without a sheet are no wider, metres
@@ -47,17 +47,17 @@ struct LoadedCloud {
 LoadedCloud load_cloud(const CloudSettings& settings, const CloudInputs& inputs,
                        const Progress& progress = {}, const Progress& measuring = {});
 
-/// The same for the files of the settings: clouds of index_and_file_formats().
+/// load_cloud() of the files of the settings: clouds of index_and_file_formats().
 LoadedCloud load_cloud(const CloudSettings& settings, const Progress& progress = {},
                        const Progress& measuring = {});
 
-/// Box around the spheres of the cloud's points but for strays: what overview_camera should show. A stray is farther
-/// from the box of all but the outermost half percent, on either side of each axis, than a quarter of its diagonal.
-/// Empty for a cloud without points.
+/// Box around the spheres of the cloud's points but for strays: what overview_camera should show. A stray is
+/// farther from the box of all but the outermost half percent, on either side of each axis, than a quarter of
+/// its diagonal. Empty for a cloud without points.
 Bounds visible_bounds(const LoadedCloud& cloud);
 
-/// Points that are no strays, some and the outermost in all directions: who sees them sees all. Empty for a cloud
-/// without points.
+/// Points that are no strays, some and the outermost in all directions: a view that shows them shows all.
+/// Empty for a cloud without points.
 std::vector<glm::dvec3> visible_positions(const LoadedCloud& cloud);
 
 std::uint64_t stray_count(const LoadedCloud& cloud);
@@ -69,10 +69,11 @@ std::uint64_t stray_count(const LoadedCloud& cloud);
 LoadedCloud index_cloud(PointCloud&& cloud, AttributeSet attributes, const CloudSettings& settings,
                         const std::string& name, const Progress& progress = {});
 
-/// Errors: discs with one radius for all points, of glass, of some levels, or by other neighbours than the 8th.
+/// Errors: discs with one radius for all points, of glass, of some levels, or by other neighbours than the
+/// 8th.
 void check_shape(const CloudSettings& settings);
 
-/// Chooses the radii of a cloud's points as its settings say: fills radius, spacing_factor and lone_radius,
+/// Chooses the radii of a cloud's points by its settings: fills radius, spacing_factor and lone_radius,
 /// and measures the spacings if radii adapt to the density and the octree has none for so many neighbours;
 /// for discs it fits surfaces, too. `progress` is in points measured. Errors: as check_shape(); a radius,
 /// factor or number of neighbours out of range; adapted radii of only some levels.

@@ -36,9 +36,9 @@ struct Emissive {
 using Material = std::variant<Lambertian, Metal, Dielectric, Emissive>;
 
 // How a surface turns light. Directions are unit vectors that LEAVE the surface, in a frame whose z axis is
-// the outward normal: `wo` towards the viewer, `wi` towards the light. z < 0 is the inside;
-// opaque materials look the same from both sides. `color` is the hit point's linear colour and is in
-// where the material has no albedo of its own.
+// the outward normal: `wo` towards the viewer, `wi` towards the light. z < 0 is the inside; opaque materials
+// look the same from both sides. `color` is the hit point's linear colour and is used where the material has
+// no albedo of its own.
 
 /// A direction a material has chosen.
 struct MaterialSample {

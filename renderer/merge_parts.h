@@ -19,8 +19,8 @@
 
 namespace alidade::renderer {
 
-/// What an image file says besides its pixels, as entries of a fingerprint: its kind, layers, exposure, CRS and
-/// metadata. The camera must be set.
+/// What an image file holds besides its pixels, as entries of a fingerprint: its kind, layers, exposure, CRS
+/// and metadata. The camera must be set.
 Fingerprint image_entries(const image::OutputSettings& output, const ImageMetadata& metadata);
 
 /// A picture and all that write_image() needs.
@@ -32,14 +32,14 @@ struct MergedPicture {
   int parts = 0;
 };
 
-/// Joins the parts of a picture, in any order, for an image file of this name: the film and the facts are those
-/// of one run. The same part may be given again if it has the same samples. The files may be of machines that
+/// Joins the parts of a picture, in any order, for an image file of this name: the film and the facts are
+/// those of one run. A part may be given again if it has the same samples. The files may be of machines that
 /// use other folders for the image; all else that a fingerprint has must be equal.
 ///
-/// Errors: not a part; unfinished; of another picture than the first file, naming the first thing that differs;
-/// twice with other samples; parts that are missing, by number; a picture whose extension does not fit (.exr
-/// for parts of an EXR, else .png, .jpg or .tif); damaged, cut short or too long. Memory: as render(), and the
-/// heads of all parts.
+/// Errors: not a part; unfinished; of another picture than the first file, naming the first thing that
+/// differs; twice with other samples; parts that are missing, by number; a picture whose extension does not
+/// fit (.exr for parts of an EXR, else .png, .jpg or .tif); damaged, cut short or too long. Memory: as
+/// render(), and the heads of all parts.
 MergedPicture merge_parts(std::span<const std::filesystem::path> files, const std::filesystem::path& picture);
 
 }  // namespace alidade::renderer

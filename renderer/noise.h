@@ -21,7 +21,7 @@
 // too low, for what falls at a rate between them. With n between powers of two the same rules give the
 // variance of n samples.
 //
-// The sums are those of a tile: every pixel keeps its own sample variance, and the tile says how much less
+// The sums are those of a tile: every pixel keeps its own sample variance, and the tile gives how much less
 // than sample variance / n the variance of the mean is.
 //
 // How good that is: mean reported variance over that measured between 200 seeds, 8 to 128 samples
@@ -34,35 +34,35 @@
 namespace alidade::renderer {
 
 /// What a pixel's sum of squared differences (SumBand::squares) is to be multiplied with to become the
-/// variance of its mean. At least two samples: of one, nothing can be known.
+/// variance of its mean. At least two samples: one gives no estimate.
 double mean_variance_scale(const LevelSums& levels, std::uint32_t samples);
 
 /// Noise of some pixels.
 struct Noise {
-  double variance = 0.0;   ///< of the luminance of the means, summed over the pixels; infinite if not known
+  double variance = 0.0;   ///< of the luminance of the means, summed over the pixels; infinite if unknown
   double luminance = 0.0;  ///< summed over the pixels
   std::size_t pixels = 0;
 
   Noise& operator+=(const Noise& other);
 
   /// Relative error: the root of the mean variance over the mean luminance, to which `floor` is added so that
-  /// black need not be known exactly.
+  /// black need not be exact.
   double error(double floor) const;
 };
 
 /// The noise of a tile, on the safe side, unknown below two samples; its state must be kept with noise. Where
-/// a few pixels have most of the noise (the edge of a lamp), the sums of the tile mean little, and who asks
-/// again and again until they are low is misled. So they count as many times as there are pixels that matter,
-/// (sum of variances)^2 / sum of squared variances, against four times for what independent samples would
-/// leave. The luminance's standard deviation is taken as the weighted sum of those of the channels, which is
-/// right for grey noise and else too high. Cost: its pixels.
+/// a few pixels have most of the noise (the edge of a lamp), the sums of the tile mean little, and a test
+/// that is repeated until they are low is misled. So they count as many times as there are pixels that
+/// matter, (sum of variances)^2 / sum of squared variances, against four times for what independent samples
+/// would leave. The luminance's standard deviation is taken as the weighted sum of those of the channels,
+/// which is right for grey noise and else too high. Cost: its pixels.
 Noise tile_noise(const PictureState& state, std::size_t tile);
 
 /// Decides between passes which tiles have low enough noise. All are judged by the same state, so that the
 /// answer depends neither on order nor on threads.
 ///
 /// A tile stops when it has k_fewest_samples and its error, and that of it and its neighbours together, are
-/// at most the target. Looking at the neighbours keeps neighbouring tiles alike, and makes the chance small
+/// at most the target. Counting the neighbours keeps neighbouring tiles alike, and makes the chance small
 /// that a tile stops because its few samples happen to agree.
 ///
 /// That chance is the bias of every such rule: samples that are kept back are most often those that would
@@ -77,7 +77,7 @@ class StopRule {
   /// Marks the tiles that may stop.
   void apply(PictureState& state);
 
-  /// Samples per pixel that a tile that goes on is expected to need: noise falls with the root of their
+  /// Samples per pixel that a tile that does not stop is expected to need: noise falls with the root of their
   /// number. At most `most`.
   double expected_samples(const PictureState& state, std::size_t tile, double most) const;
 

@@ -34,8 +34,8 @@ double rounded_angle(double y, double x) {
   return std::round(std::atan2(y, x) * 180.0 / std::numbers::pi);
 }
 
-/// The azimuth, in whole degrees, from the middle of the scanners to that of the points; empty if they are close to
-/// each other, as where scanners stood all around.
+/// The azimuth, in whole degrees, from the middle of the scanners to that of the points; empty if they are
+/// close to each other, as with scanners all around.
 std::optional<double> azimuth_from_scanners(std::span<const ScannerPosition> scanners, const Bounds& points) {
   constexpr double k_least_share = 0.25;  // of half the diagonal
   if (scanners.empty()) return std::nullopt;

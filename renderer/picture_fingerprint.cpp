@@ -163,7 +163,7 @@ template std::string text_of(const std::optional<geo::Sun>&);
 
 PictureFingerprint picture_fingerprint(const Scene& scene, const LoadedCloud* cloud,
                                        const RenderOptions& options) {
-  // Taken apart as the scene is (renderer/picture_fingerprint.cpp): a new setting must be written here, too.
+  // Taken apart as the scene is: a new setting must be written here, too.
   const auto& [samples, max_bounces, seed, mode, ao_distance] = scene.render;
   PictureFingerprint fingerprint{
       {"picture", options.checkpoint ? options.checkpoint->picture : ""},

@@ -13,7 +13,7 @@
 
 namespace alidade::renderer {
 
-/// What an image file says about where it comes from.
+/// Where an image comes from.
 struct ImageMetadata {
   camera::Camera camera;
   RenderSettings render;
@@ -30,15 +30,15 @@ struct ImageMetadata {
 std::vector<std::pair<std::string, std::string>> metadata_texts(const ImageMetadata& metadata);
 
 /// Positions in an image are float, too coarse for coordinates like 5325000. They are therefore stored
-/// relative to this point: the camera's position rounded to 10 km along each axis. It is 0 0 0 for sites around
-/// the origin, and the same for cameras near each other.
+/// relative to this point: the camera's position rounded to 10 km along each axis. It is 0 0 0 for sites
+/// around the origin, and the same for cameras near each other.
 glm::dvec3 position_offset(const camera::Camera& camera);
 
-/// What an image file of this name says: the position on the ground only in a GeoTIFF. Errors then: those of
-/// ground_transform().
+/// What an image file of this name holds besides its pixels; the ground transform only in a GeoTIFF. Errors
+/// then: those of ground_transform().
 image::ImageFacts image_facts(const ImageMetadata& metadata, const image::OutputSettings& output);
 
-/// Writes the film with them. Errors: theirs as well.
+/// Writes the film with its image_facts(). Errors: theirs as well.
 inline void write_image(const image::Film& film, const image::OutputSettings& output,
                         const ImageMetadata& metadata, bool overwrite) {
   image::write_image(film, output, image_facts(metadata, output), overwrite);

@@ -14,8 +14,8 @@
 
 namespace alidade::renderer {
 
-/// Looks after a render while many threads work on its state: progress, previews, checkpoints and the time.
-/// Whichever thread is at hand when something is due does it; the others go on.
+/// Progress, previews, checkpoints and the time of a render while many threads work on its state. Whichever
+/// thread adds samples when one of them is due does it; the others continue.
 class RenderWatch {
  public:
   /// The options and the state must outlive it. `fingerprint` is that of the picture, for checkpoints;
@@ -32,7 +32,7 @@ class RenderWatch {
   /// Whether the time limit has been reached.
   bool time_is_up() const { return options_.time_limit && seconds() >= *options_.time_limit; }
 
-  /// Camera samples there will be in the end, as far as is known.
+  /// An estimate of the camera samples that there will be in the end.
   void expect(std::uint64_t total) { expected_ = total; }
 
   /// Every pixel has a sample: the first preview, and from now on more.
@@ -68,9 +68,9 @@ class RenderWatch {
   std::atomic<bool> stopped_{false};
 };
 
-/// Brings a picture under way to its end, pass by pass, in parallel. `floor`: see noise_floor(). `film` has the
-/// layers of the pixels' centres that are requested. Throws Cancelled if the watch says so; the state is whole
-/// then, too.
+/// Brings a picture under way to its end, pass by pass, in parallel. `floor`: see noise_floor(). `film` has
+/// the layers of the pixels' centres that are requested. Throws Cancelled if the watch does; the state is
+/// intact then, too.
 void render_picture(const RenderTask& task, const RenderOptions& options, double floor, PictureState& state,
                     RenderWatch& watch, image::Film& film);
 

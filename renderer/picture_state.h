@@ -19,13 +19,13 @@ namespace alidade::renderer {
 struct SumBand {
   std::vector<glm::dvec3> mean;
   std::vector<std::uint32_t> met_count;  ///< samples whose first ray met a surface
-  // Only where noise is to be known:
+  // Only with noise:
   std::vector<glm::vec3> squares;  ///< sum of squared differences from the mean (Welford 1962)
   std::vector<glm::vec3> earlier;  ///< the mean when the number of samples was last a power of two
 };
 
 /// Squared differences between the mean of the first 2^(j+1) samples and that of the first 2^j, summed over
-/// the channels and pixels of a tile; j is the position in the array. k_max_samples is 2^24.
+/// the channels and pixels of a tile; j is the index in the array. k_max_samples is 2^24.
 using LevelSums = std::array<double, 24>;
 
 /// How far a tile has come.
@@ -38,8 +38,8 @@ struct TileState {
 /// The tiles of a part, along Morton's curve: paths of neighbouring tiles meet the same part of the cloud.
 std::vector<std::size_t> tiles_of(const TileGrid& grid, PicturePart part);
 
-/// A picture under way, or a part of one: all one must keep to go on with it. Beside the bands about 1 byte per pixel.
-/// Different tiles may be worked on by different threads.
+/// A picture under way, or a part of one: all that a resumed render needs. Memory beside the bands: about 1
+/// byte per pixel. Different tiles may be worked on by different threads.
 struct PictureState {
   TileGrid grid;
   std::vector<std::size_t> order;  ///< tiles_of() what is rendered
@@ -61,13 +61,13 @@ struct PictureState {
 /// not depend on how the samples are dealt out over calls.
 void add_samples(PictureState& state, std::size_t tile, std::span<const PathResult> results);
 
-/// The picture as it stands, colour and alpha only: each pixel the mean of a square of pixels, as small as
+/// The picture so far, colour and alpha only: each pixel the mean of a square of pixels, as small as
 /// keeps width and height at or below `longest_side`. Pixels without samples are black.
 image::Film reduced(const PictureState& state, int longest_side);
 
-/// Turns the sums into the film's colour and alpha, which must be empty, and its variance if that is requested
-/// for (the sums for noise must be there). Each band is freed as soon as it has been read, so that the film
-/// replaces the sums in memory.
+/// Turns the sums into the film's colour and alpha, which must be empty, and its variance if that is
+/// requested (the sums for noise must be there). Each band is freed as soon as it has been read, so that the
+/// film replaces the sums in memory.
 void move_into_film(PictureState& state, bool with_variance, image::Film& film);
 
 }  // namespace alidade::renderer

@@ -24,7 +24,7 @@ constexpr NumberRange k_light{0.0, 1e9};
 
 /// The name in the node, taken relative to the scene file.
 std::filesystem::path path_beside(const std::filesystem::path& scene_file, const JsonNode& node) {
-  // A server's name lies beside nothing.
+  // Addresses of servers are not relative to the scene file.
   if (node.text().find("://") != std::string::npos) return node.text();
   return (scene_file.parent_path() / node.text()).lexically_normal();
 }
@@ -34,7 +34,7 @@ std::size_t choice_of(const JsonNode& node, std::initializer_list<std::string_vi
   return node.choice({words.begin(), words.size()});
 }
 
-/// Whether `word` stands instead of a value of another type. Errors: another word.
+/// Whether the value is `word` instead of one of another type. Errors: another word.
 bool is_word(const JsonNode& node, std::string_view word) {
   if (node.is_string()) choice_of(node, {word});
   return node.is_string();
@@ -114,7 +114,7 @@ image::PointColoring read_coloring(const JsonNode& node) {
 
 constexpr NumberRange k_share{0.0, 1.0};
 
-// Objects have no colour of their own, so their materials must say it.
+// Objects have no colour of their own, so their materials must have one.
 std::optional<Rgb> read_albedo(const JsonFields& fields, bool of_cloud) {
   if (!of_cloud) return read_rgb(fields.require("albedo"), k_share);
   if (const auto albedo = fields.find("albedo")) return read_rgb(*albedo, k_share);
@@ -158,19 +158,19 @@ Moment read_date_time(const JsonNode& node) {
     return parse_date_time(node.text());
   } catch (const Error& error) {
     const Error::Parts& parts = error.parts();
-    // An Error of the node itself has its file and position already.
+    // An Error of the node itself has its file and location already.
     if (!parts.file.empty()) throw;
     node.fail(parts.problem, parts.expected, parts.found);
   }
 }
 
-/// Keys of a sun that is given by its position in the sky, and of one that is given by date and position.
+/// Keys of a sun that is given by its position in the sky, and of one that is given by date and location.
 constexpr std::array<std::string_view, 2> k_by_angles{"azimuth", "elevation"};
-constexpr std::array<std::string_view, 5> k_by_position{"latitude", "longitude", "height", "pressure",
+constexpr std::array<std::string_view, 5> k_by_location{"latitude", "longitude", "height", "pressure",
                                                         "temperature"};
 
 geo::Sun read_sun_by_angles(const JsonFields& fields) {
-  for (const std::string_view key : k_by_position) {
+  for (const std::string_view key : k_by_location) {
     if (const auto found = fields.find(key))
       found->fail("the location of the sun requires a time", "\"date_time\"", "none");
   }

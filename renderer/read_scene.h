@@ -15,7 +15,7 @@ namespace alidade::renderer {
 /// nearest known one.
 Scene read_scene(const std::filesystem::path& file);
 
-/// The same from text; `name` is used in messages and relative paths are taken relative to its folder.
+/// read_scene() from text; `name` is used in messages and relative paths are taken relative to its folder.
 Scene parse_scene(std::string_view text, const std::filesystem::path& name);
 
 }  // namespace alidade::renderer

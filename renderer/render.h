@@ -21,35 +21,35 @@ namespace alidade::renderer {
 /// kind.
 inline constexpr int k_picture_version = 4;
 
-/// A small picture of what there is so far, every now and then.
+/// Small pictures of the unfinished render.
 struct PreviewOptions {
   /// Gets colour and alpha, each pixel the mean of a square of the picture's. Called by one thread at a time,
-  /// while others go on; first when every pixel has a sample, last when the picture is finished. What it
+  /// while others continue; first when every pixel has a sample, last when the picture is finished. What it
   /// throws ends the render.
   std::function<void(const image::Film& preview)> show;
   double interval = 3.0;    ///< seconds from the end of one to the next, >= 0
   int longest_side = 1024;  ///< pixels, >= 1
 };
 
-/// A file from which a render goes on that was interrupted or killed, and gives the same bytes.
+/// A file from which a render that was interrupted or killed resumes, and gives the same bytes.
 struct CheckpointOptions {
   std::filesystem::path file;  ///< replaced completely or not at all; never removed by render()
-  double interval =
-      60.0;  ///< seconds from the end of one to the next, > 0; at least ten times what writing takes
-  bool resume = false;    ///< go on from the file; where there is none, start
+  /// Seconds from the end of one to the next, > 0; at least ten times what writing takes.
+  double interval = 60.0;
+  bool resume = false;    ///< resume from the file; where there is none, start
   std::string picture{};  ///< what the picture is called; a checkpoint of another one is rejected
-  /// Told once the render goes on from the file.
+  /// Called once the render resumes from the file.
   std::function<void()> resumed{};
-  /// Told when a checkpoint cannot be written (a full disk); the render goes on. Without it, that ends the
-  /// render.
+  /// Called when a checkpoint cannot be written (a full disk); the render continues. Without it, that ends
+  /// the render.
   std::function<void(const Error&)> failed{};
 };
 
-/// One of several parts of a picture, for a machine each: of its tiles of about 16 x 16 pixels, numbered along
-/// Morton's curve, every `count`-th from the `number`-th on. Tiles beside each other take about the same time,
-/// so parts that hold every n-th tile take about the same time, too; stripes of sky and of trees do not.
-/// Along the curve they are evenly spread in both directions for any `count`; along rows, a `count` that
-/// divides the number of columns would give stripes.
+/// One of several parts of a picture, for a machine each: of its tiles of about 16 x 16 pixels, numbered
+/// along Morton's curve, every `count`-th from the `number`-th on. Tiles beside each other take about the
+/// same time, so parts that hold every n-th tile take about the same time, too; stripes of sky and of trees
+/// do not. Along the curve they are evenly spread in both directions for any `count`; along rows, a `count`
+/// that divides the number of columns would give stripes.
 struct PicturePart {
   int number = 1;  ///< from 1
   int count = 1;   ///< 1: the whole picture
@@ -89,7 +89,7 @@ struct RenderOptions {
 /// Whether noise is added up along with the picture: for the variance layer or a target.
 bool keeps_noise(const RenderOptions& options);
 
-/// Noise that is left, as relative error of a tile (renderer/noise.h); infinite if not known, of one sample.
+/// Noise that is left, as relative error of a tile (renderer/noise.h); infinite if unknown, of one sample.
 struct ReachedNoise {
   double median = 0.0, worst = 0.0;  ///< over tiles
 };
@@ -106,21 +106,21 @@ struct RenderStatistics {
   std::size_t hurried_tiles = 0;        ///< those of them, or of all, that time kept from having all samples
 };
 
-/// Errors: the camera stands inside the sphere of a point (its number is reported). Parallel rays have no such
-/// position.
+/// Errors: the camera is inside the sphere of a point (its number is reported). Cameras of parallel rays have
+/// no position to check.
 void check_camera_position(const camera::Camera& camera, const Scene& scene, const LoadedCloud& cloud);
 
-/// Path-traces the scene (its camera must be set, and pass check_camera() and check_camera_position()). `cloud`
-/// may be null for scenes of objects alone. Runs on as many threads as the caller's oneTBB arena allows; the
-/// film's bytes do not depend on their number, nor on the instruction set.
+/// Path-traces the scene (its camera must be set, and pass check_camera() and check_camera_position()).
+/// `cloud` may be null for scenes of objects alone. Runs on as many threads as the caller's oneTBB arena
+/// allows; the film's bytes do not depend on their number, nor on the instruction set.
 ///
 /// Memory beside scene and cloud: 28 bytes per pixel, 52 with the sums for noise, then 16 for colour and
-/// alpha and 12 for the variance, which replace the sums; what film.h says for each further layer;
-/// and a few megabytes per thread.
+/// alpha and 12 for the variance, which replace the sums; image/film.h gives those of each further layer; and
+/// a few megabytes per thread.
 ///
-/// Errors: no camera; a model without surfaces; a number outside its range; a part with a time limit or a target, on
-/// which pixels of other parts depend; of checkpoints: damage, another picture, a failed write. Cancelled, if `progress`
-/// says so; the checkpoint then holds all samples taken.
+/// Errors: no camera; a model without surfaces; a number outside its range; a part with a time limit or a
+/// target, on which pixels of other parts depend; of checkpoints: damage, another picture, a failed write.
+/// Cancelled, if `progress` returns false; the checkpoint then holds all samples taken.
 image::Film render(const Scene& scene, const LoadedCloud* cloud, const RenderOptions& options = {},
                    RenderStatistics* statistics = nullptr);
 
@@ -128,12 +128,12 @@ image::Film render(const Scene& scene, const LoadedCloud* cloud, const RenderOpt
 struct PartOutput {
   std::filesystem::path file;
   bool overwrite = false;
-  Fingerprint image{};  ///< what the image says besides its pixels: image_entries()
+  Fingerprint image{};  ///< what the image holds besides its pixels: image_entries()
 };
 
 /// Renders a part as render() does, and writes it to a file for merge_parts(). The bytes depend on nothing
-/// else, as those of pictures. Memory: the sums and the layers of the whole picture. Errors: those of render()
-/// and OutputFile.
+/// else, as those of pictures. Memory: the sums and the layers of the whole picture. Errors: those of
+/// render() and OutputFile.
 void render_part(const Scene& scene, const LoadedCloud* cloud, const RenderOptions& options,
                  const PartOutput& output, RenderStatistics* statistics = nullptr);
 

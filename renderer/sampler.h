@@ -4,7 +4,7 @@
 #include <cstdint>
 #include <glm/vec2.hpp>
 
-// Numbers for Monte Carlo that are a pure function of (seed, pixel, sample, dimension): any thread may ask
+// Numbers for Monte Carlo that are a pure function of (seed, pixel, sample, dimension): any thread may call
 // for any of them in any order. Each dimension (one number or one pair) is its own randomised (0,2)-sequence
 // over the samples of a pixel: the first 2^m samples have exactly one in every elementary box of area 2^-m,
 // so 50 samples spread better than random ones do.

@@ -22,9 +22,9 @@
 #include "mesh/triangle_mesh.h"
 #include "renderer/material.h"
 
-// A scene as plain data: what a scene file says, with defaults filled in and paths made absolute or relative
-// to the working directory. World coordinates are double, z up, in the unit of the cloud's CRS (metres unless
-// the file says otherwise).
+// A scene as plain data: the contents of a scene file, with defaults filled in and paths made absolute or
+// relative to the working directory. World coordinates are double, z up, in the unit of the cloud's CRS
+// (metres unless the file has another).
 
 namespace alidade::renderer {
 
@@ -37,15 +37,14 @@ enum class HitMode {
 /// Which way the surface of a cloud faces where a ray meets a point.
 enum class NormalMode {
   sphere,  ///< outward from the point: exact spheres
-  smooth,  ///< across the plane of the points around: even walls instead of bumps, where the points form a
-           ///< surface
+  smooth,  ///< across the plane of the points around, where they form one: even walls instead of bumps
 };
 
 /// What a point is to a ray.
 enum class PointShape {
   sphere,  ///< the sphere around it: the paper's way
   disc,    ///< the disc of its sheet (octree/point_disc.h), or a small sphere where it has no sheet
-  blend,   ///< the same, with position, normal and colour blended over the discs of one sheet
+  blend,   ///< a disc, with position, normal and colour blended over the discs of one sheet
 };
 
 /// Radii that follow the density of the points: of each point, factor times the distance to its n-th nearest
@@ -89,7 +88,7 @@ struct GroundPlane {
 };
 
 /// Surfaces with colours of their own that are not the scene's to describe, such as the exact site behind a
-/// simulated scan. Opaque, seen from both sides. Safe to ask from many threads.
+/// simulated scan. Opaque, seen from both sides. Safe to query from many threads.
 class Surfaces {
  public:
   struct Hit {
@@ -103,14 +102,14 @@ class Surfaces {
   Surfaces& operator=(const Surfaces&) = delete;
   virtual ~Surfaces() = default;
 
-  /// The first one with t_min <= t <= t_max, where t_min is at least 0. The same answer for the same ray.
+  /// The first one with t_min <= t <= t_max, where t_min is at least 0. Equal answers for equal rays.
   virtual std::optional<Hit> closest(const Ray& ray) const = 0;
   virtual Bounds bounds() const = 0;  ///< world
-  /// For messages and checkpoints: the same name, the same surfaces.
+  /// For messages and checkpoints: equal names mean equal surfaces.
   virtual std::string name() const = 0;
 };
 
-/// A mesh in a file, and where it stands.
+/// A mesh in a file, and where it is placed.
 struct MeshFile {
   std::filesystem::path file;
   MeshPlacement placement;
@@ -141,18 +140,18 @@ struct GradientSky {
 
 class SkyImage;
 
-/// Sky from a picture of everything around, laid out like a panorama: its middle column looks north if it is
+/// Sky from a picture of everything around, laid out like a panorama: its middle column is north if it is
 /// not turned (renderer/sky.h).
 struct ImageSky {
   std::filesystem::path file;
   double scale = 1.0;     ///< radiance is the picture's values times this, [0, 1e9]
-  double rotation = 0.0;  ///< degrees clockwise from north: where the middle column looks, [-360, 360]
+  double rotation = 0.0;  ///< degrees clockwise from north: azimuth of the middle column, [-360, 360]
   std::shared_ptr<const SkyImage> image;  ///< what was read from the file; nothing is rendered without it
 };
 
 using Sky = std::variant<ConstantSky, GradientSky, ImageSky>;
 
-// Largest values that scene files and command lines may ask for, inclusive.
+// Largest values that scene files and command lines may have, inclusive.
 
 inline constexpr int k_max_samples = 1 << 24;  ///< paths per pixel
 inline constexpr int k_max_bounces = 1000;     ///< path vertices after the first

@@ -15,7 +15,7 @@ double luminance(const Rgb& color) {
   return 0.2126 * double{color.r} + 0.7152 * double{color.g} + 0.0722 * double{color.b};
 }
 
-/// The first position whose sum lies above `target`, and how far into its step the target lies, [0, 1).
+/// The first step whose sum lies above `target`, and how far into it the target lies, [0, 1).
 struct Chosen {
   int index = 0;
   double inside = 0.0;
@@ -31,7 +31,7 @@ Chosen choose(const double* sums, int count, double u) {
   return {index, std::clamp(inside, 0.0, 1.0 - 0x1p-32)};
 }
 
-/// A position in [0, 1] whose density goes in a straight line from one value to the other.
+/// A number in [0, 1] whose density goes in a straight line from one value to the other.
 double sample_line(double u, double from, double to) {
   const double end = from + std::sqrt(from * from + u * (to * to - from * from));
   return end > 0.0 ? std::fmin(u * (from + to) / end, 1.0) : u;

@@ -8,8 +8,8 @@
 #include "image/read_picture.h"
 #include "renderer/scene.h"
 
-// A sky from a picture of everything around (lat-long, equirectangular): column x of it looks to azimuth
-// rotation + 360 (x / width - 1/2) degrees, clockwise from north (+y), row y to elevation 180 (1/2 - y /
+// A sky from a picture of everything around (lat-long, equirectangular): column x of it is azimuth
+// rotation + 360 (x / width - 1/2) degrees, clockwise from north (+y), row y is elevation 180 (1/2 - y /
 // height). Without rotation that is the panorama camera's layout, so a panorama rendered here is a sky.
 
 namespace alidade::renderer {
@@ -48,7 +48,7 @@ class SkyImage {
   double pdf(const glm::dvec3& direction) const { return pdf_of(radiance(direction)); }
 
  private:
-  /// A cell, which four middles of pixels bound, and a position in it, [0, 1] from left to right and from top
+  /// A cell, which four middles of pixels bound, and a point in it, [0, 1] from left to right and from top
   /// to bottom. Its left column is that of its number, its rows are the one above and that of its number; the
   /// first and last row of cells reach from the outermost middles to the poles.
   struct Position {
@@ -63,8 +63,8 @@ class SkyImage {
 
   image::SkyPixels pixels_;
   double turns_ = 0.0;  ///< rotation, in turns
-  std::vector<double>
-      sines_;  ///< of the elevation, from the top of the first row of cells to the last one's end
+  /// Of the elevation, from the top of the first row of cells to the last one's end.
+  std::vector<double> sines_;
   std::vector<double> columns_;  ///< sums of mean luminance along each row of cells
   std::vector<double> rows_;     ///< sums of luminance times solid angle over rows of cells
   double total_ = 0.0;           ///< the last of them

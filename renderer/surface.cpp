@@ -16,7 +16,7 @@
 namespace alidade::renderer {
 namespace {
 
-// 32 bits: one that says "known", 7 for trust, 12 + 12 for the normal.
+// A kept normal in 32 bits: one for "computed", 7 for trust, 12 + 12 for the normal.
 constexpr double k_trust_steps = 127.0, k_side_steps = 4094.0;
 
 std::uint32_t pack(const LocalPlane& value) {
@@ -29,23 +29,6 @@ LocalPlane unpack(std::uint32_t packed) {
   return {.normal = unpack_normal({packed >> 12 & 0xfffu, packed & 0xfffu}, k_side_steps),
           .trust = (packed >> 24 & 0x7fu) / k_trust_steps};
 }
-
-}  // namespace
-
-SmoothNormals::SmoothNormals(const Octree& octree) : octree_(&octree), kept_(octree.size()) {}
-
-LocalPlane SmoothNormals::at(std::uint64_t point_id, const glm::dvec3& position, double reach) const {
-  std::atomic<std::uint32_t>& kept = kept_[point_id];
-  std::uint32_t packed = kept.load(std::memory_order_relaxed);
-  if (packed == 0) {
-    // Two threads may both do this; they get the same.
-    packed = pack(local_plane(*octree_, position, reach));
-    kept.store(packed, std::memory_order_relaxed);
-  }
-  return unpack(packed);
-}
-
-namespace {
 
 /// Nothing real reflects all light; an overexposed white point would otherwise light its surroundings for
 /// ever.
@@ -141,6 +124,19 @@ Color16 normal_color(const Ray& ray, const glm::dvec3& normal) {
 
 }  // namespace
 
+SmoothNormals::SmoothNormals(const Octree& octree) : octree_(&octree), kept_(octree.size()) {}
+
+LocalPlane SmoothNormals::at(std::uint64_t point_id, const glm::dvec3& position, double reach) const {
+  std::atomic<std::uint32_t>& kept = kept_[point_id];
+  std::uint32_t packed = kept.load(std::memory_order_relaxed);
+  if (packed == 0) {
+    // Two threads may both do this; they get the same.
+    packed = pack(local_plane(*octree_, position, reach));
+    kept.store(packed, std::memory_order_relaxed);
+  }
+  return unpack(packed);
+}
+
 double smallest_entry(const Bounds& bounds, double radius) {
   double magnitude = 0.0;
   if (!bounds.empty()) {
@@ -172,7 +168,7 @@ World::World(const Scene& scene, const LoadedCloud* cloud) : objects_(&scene.obj
                 .max_level = settings.max_level < k_max_level ? settings.max_level : k_all_levels},
       .material = settings.material,
   };
-  // First looks at a cloud have no surfaces yet.
+  // The cloud of a preview has no surfaces yet.
   if (settings.shape != PointShape::sphere && cloud->octree.view().surfaces != nullptr) {
     discs_.emplace(*cloud, settings.shape == PointShape::blend);
   } else if (settings.normals == NormalMode::smooth &&
@@ -233,7 +229,7 @@ void World::nearest(std::span<const Ray> rays, std::span<const RayOrigin> ray_or
 
 Ray World::interval(const Ray& ray, double t) const {
   if (discs_) return {ray.origin, ray.direction, std::max(cloud_->query.entry_min, ray.t_min), t};
-  // The interval of spheres limits projections, which lie up to a radius behind the position of entry.
+  // The interval of spheres limits projections, which lie up to a radius behind the entry.
   return {ray.origin, ray.direction, std::max(0.0, ray.t_min), t + cloud_->query.radius};
 }
 

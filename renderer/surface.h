@@ -21,7 +21,7 @@
 namespace alidade::renderer {
 
 /// Normals for `"normals": "smooth"`: of a plane through all points within a reach, nearer ones weighing
-/// more. Each is worked out when it is first asked for and kept (4 bytes per point), so a picture pays for
+/// more. Each is computed when it is first used and kept (4 bytes per point), so a picture pays for
 /// what it shows. The answer is a function of the cloud alone: safe and equal from any number of threads.
 class SmoothNormals {
  public:
@@ -33,11 +33,11 @@ class SmoothNormals {
 
  private:
   const Octree* octree_;
-  mutable std::vector<std::atomic<std::uint32_t>> kept_;  ///< packed; 0 = not asked for yet
+  mutable std::vector<std::atomic<std::uint32_t>> kept_;  ///< packed; 0 = not computed yet
 };
 
-/// Sees the rays that a render asks the octree about, in the batches in which it asks: for the closest hit,
-/// or whether there is any. Called from many threads at once.
+/// Receives the rays that a render queries the octree with, in its batches: for the closest hit, or whether
+/// there is any. Called from many threads at once.
 using RayWatch = std::function<void(std::span<const Ray> rays, bool occlusion)>;
 
 // What rays meet: the spheres around the cloud's points, and the scene's objects. Everything here is in
@@ -52,13 +52,13 @@ struct CloudGeometry {
   Material material;
 };
 
-/// Position in Surface::index space that a ray has just left, so that it does not meet it again.
+/// The object or point that a ray has just left, so that the ray does not meet it again.
 struct RayOrigin {
   enum class From { air, object, point } from = From::air;
   std::uint64_t index = 0;  ///< of the object, or point id
   glm::dvec3 center{0.0};   ///< of the point
-  bool inward = false;      ///< the ray goes on inside
-  double radius = 0.0;      ///< of the point's sphere; needed by rays that go on inside
+  bool inward = false;      ///< the ray continues inside
+  double radius = 0.0;      ///< of the point's sphere; needed by rays that continue inside
   SheetOrigin sheet{};      ///< of clouds of discs
 };
 
@@ -73,7 +73,7 @@ struct Intersection {
   SheetOrigin sheet{};
   Color16 color{0};
 
-  /// For rays that leave this position. inward: they go on inside.
+  /// For rays that leave from here. inward: they continue inside.
   RayOrigin leaving(bool inward) const {
     RayOrigin origin{.from = on_cloud ? RayOrigin::From::point : RayOrigin::From::object,
                      .index = index,
@@ -85,7 +85,7 @@ struct Intersection {
   }
 };
 
-/// The hit position, ready for shading.
+/// What shading needs of a hit.
 struct Surface {
   glm::dvec3 position{0.0};
   glm::dvec3 ray_origin{0.0};  ///< where rays leave: `position`, but above the bumps of a smooth surface
@@ -103,23 +103,23 @@ class World {
 
   /// The nearest surface in front of the ray's origin. Between a sphere of the cloud and an object the
   /// smaller t wins. A ray that leaves a surface never meets that surface from the side it left to: the
-  /// ray_origin says which; inside glass the far wall of the same sphere counts, and inside a glass point no
+  /// ray_origin has it; inside glass the far wall of the same sphere counts, and inside a glass point no
   /// other point is seen. Ray: points before t_min are not met; t_max is ignored.
   std::optional<Intersection> nearest(const Ray& ray, const RayOrigin& ray_origin) const;
 
-  /// Whether anything stands between the ray's origin and infinity.
+  /// Whether anything is between the ray's origin and infinity.
   bool blocked(const Ray& ray, const RayOrigin& ray_origin) const;
 
-  /// The same for many rays, which go through the cloud together: much faster. All of one length. `reach`:
-  /// only what stands within so many metres of the origin blocks, of points those whose middle is passed
-  /// there.
+  /// nearest() and blocked() for many rays, which go through the cloud together: much faster. All of one
+  /// length. `reach`: only what is within so many metres of the origin blocks, of points those whose middle
+  /// is passed there.
   void nearest(std::span<const Ray> rays, std::span<const RayOrigin> ray_origins,
                std::span<std::optional<Intersection>> met) const;
   void blocked(std::span<const Ray> rays, std::span<const RayOrigin> ray_origins,
                std::span<std::uint8_t> answers, double reach = std::numeric_limits<double>::infinity()) const;
 
-  /// How far the hits of nearest() by these rays, which begin in the air, are to be trusted: those of objects fully, those
-  /// on spheres to a radius.
+  /// How far the hits of nearest() by these rays, which begin in the air, are to be trusted: those of objects
+  /// fully, those on spheres to a radius.
   void trust(std::span<const Ray> rays, std::span<const std::optional<Intersection>> met,
              std::span<HitTrust> answers) const;
 
@@ -138,7 +138,8 @@ class World {
   Intersection nearest_object(const Ray& ray, const RayOrigin& ray_origin) const;
   /// The ray as the cloud is queried with it, for what it meets before t.
   Ray interval(const Ray& ray, double t) const;
-  /// Put what these rays meet of the cloud into `met`, at these numbers, where it is nearer than what is there.
+  /// Put what these rays meet of the cloud into `met`, at these numbers, where it is nearer than the hit
+  /// there.
   void meet_spheres(std::span<const Ray> rays, std::span<const std::size_t> numbers,
                     std::span<std::optional<Intersection>> met) const;
   void meet_discs(std::span<const Ray> rays, std::span<const SheetOrigin> sheets,

@@ -37,42 +37,7 @@ void fill_pixel(const camera::Camera& camera, const World& world, const Ray& ray
   if (film.holds(image::Layer::albedo)) film.albedo[pixel] = albedo(*surface.material, surface.color);
 }
 
-}  // namespace
-
-std::vector<PathResult> sample_tiles(const RenderTask& task, std::span<const TileSamples> work) {
-  std::size_t count = 0;
-  for (const TileSamples& tile : work) count += tile.count();
-  std::vector<CameraPath> paths;
-  std::vector<std::size_t> positions;
-  paths.reserve(count);
-  positions.reserve(count);
-  std::size_t position = 0;
-  for (const TileSamples& tile : work) {
-    for (int y = tile.box.y_begin; y < tile.box.y_end; ++y) {
-      for (int x = tile.box.x_begin; x < tile.box.x_end; ++x) {
-        for (std::uint32_t sample = tile.first; sample < tile.last; ++sample, ++position) {
-          Sampler sampler(task.settings.seed, static_cast<std::uint32_t>(x), static_cast<std::uint32_t>(y),
-                          sample);
-          const glm::dvec2 in_pixel = sampler.next_2d();
-          const std::optional<Ray> ray = task.projection.ray({x + in_pixel.x, y + in_pixel.y});
-          if (!ray) continue;
-          paths.push_back({*ray, sampler});
-          positions.push_back(position);
-        }
-      }
-    }
-  }
-  std::vector<PathResult> traced(paths.size());
-  trace_samples(task.world, task.lights, task.settings, task.ao_distance, paths, traced);
-  if (traced.size() == count) return traced;
-  std::vector<PathResult> results(count);
-  for (std::size_t i = 0; i < traced.size(); ++i) results[positions[i]] = traced[i];
-  return results;
-}
-
-namespace {
-
-/// What rays through one position of each pixel of a box meet.
+/// What rays through the same point of each pixel of a box meet.
 struct PixelRays {
   /// in_pixel: from the pixel's corner, pixels.
   PixelRays(const camera::Projection& projection, const World& world, const TileBox& box,
@@ -107,6 +72,37 @@ void fill_coverage(const camera::Projection& projection, const World& world, con
 }
 
 }  // namespace
+
+std::vector<PathResult> sample_tiles(const RenderTask& task, std::span<const TileSamples> work) {
+  std::size_t count = 0;
+  for (const TileSamples& tile : work) count += tile.count();
+  std::vector<CameraPath> paths;
+  std::vector<std::size_t> numbers;  // in the results
+  paths.reserve(count);
+  numbers.reserve(count);
+  std::size_t number = 0;
+  for (const TileSamples& tile : work) {
+    for (int y = tile.box.y_begin; y < tile.box.y_end; ++y) {
+      for (int x = tile.box.x_begin; x < tile.box.x_end; ++x) {
+        for (std::uint32_t sample = tile.first; sample < tile.last; ++sample, ++number) {
+          Sampler sampler(task.settings.seed, static_cast<std::uint32_t>(x), static_cast<std::uint32_t>(y),
+                          sample);
+          const glm::dvec2 in_pixel = sampler.next_2d();
+          const std::optional<Ray> ray = task.projection.ray({x + in_pixel.x, y + in_pixel.y});
+          if (!ray) continue;
+          paths.push_back({*ray, sampler});
+          numbers.push_back(number);
+        }
+      }
+    }
+  }
+  std::vector<PathResult> traced(paths.size());
+  trace_samples(task.world, task.lights, task.settings, task.ao_distance, paths, traced);
+  if (traced.size() == count) return traced;
+  std::vector<PathResult> results(count);
+  for (std::size_t i = 0; i < traced.size(); ++i) results[numbers[i]] = traced[i];
+  return results;
+}
 
 void fill_center_layers(const camera::Projection& projection, const World& world, const TileBox& box,
                         image::Film& film) {

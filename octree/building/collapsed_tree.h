@@ -24,8 +24,8 @@ class CollapsedTree {
   CollapsedTree(const SortedPoints<Entry>& sorted, const SplitRules& rules, float widening)
       : sorted_(sorted), rules_(rules), widening_(widening) {}
 
-  /// Plans the tree over a range, whose index is 0. Ranges for which is_whole(range) is true take one slot
-  /// and are not split. Cost: linear in the points; about 10 B per point until the next call.
+  /// Plans the tree over a range, which becomes cell 0. Ranges for which is_whole(range) is true take one
+  /// slot and are not split. Cost: linear in the points; about 10 B per point until the next call.
   template <class IsWhole>
   void plan(const PointRange& range, const IsWhole& is_whole) {
     cells_.clear();
@@ -52,10 +52,10 @@ class CollapsedTree {
   /// The lower half of a cell is the next one.
   struct Cell {
     PointRange points;
-    std::uint32_t upper_half = 0;  ///< index; 0: not split
+    std::uint32_t upper_half = 0;  ///< number of its cell; 0: not split
     bool is_leaf = false;          ///< where it takes one slot
-    /// Of the lower half, where both halves share as many slots as the index says, and in [0] where they are
-    /// the children of one node; 0: one slot less costs no more.
+    /// By the slots that both halves share: those of the lower half, in [0] where the halves are the children
+    /// of one node; 0: one slot less costs no more.
     std::array<std::uint8_t, k_node_width> lower_slots{};
     std::array<float, k_node_width> cost{};  ///< in at most index + 1 slots
     StepBox box;
@@ -118,7 +118,7 @@ class CollapsedTree {
     }
     for (int slots = 2; slots <= k_node_width; ++slots)
       cell.lower_slots[slots % k_node_width] = static_cast<std::uint8_t>(lower_slots[slots - 1]);
-    // The slots of a node are those of all its halves: [0] is kept for it, and for all slots of the node above.
+    // The slots of a node are those of all its halves: [0] is kept for it and for all slots of its parent.
     const float node = area(cell.box) + split[k_node_width - 1];
     cell.is_leaf = rules_.may_be_leaf(cell.points) && leaf_cost(cell) <= node;
     cell.cost[0] = cell.is_leaf ? leaf_cost(cell) : node;

@@ -33,7 +33,7 @@ struct OctreeArrays {
   HugeArray<Node> nodes;
   HugeArray<std::uint16_t> coordinates;
   HugeArray<std::uint32_t> ids;
-  /// By storage index, as long as the cloud, but only the pages from TreeView::first_exact on are ever touched.
+  /// By storage index, as long as the cloud, but only the pages from TreeView::first_exact on are ever used.
   HugeArray<LatticePosition> positions;
 };
 
@@ -42,19 +42,19 @@ class LeafWriter {
  public:
   LeafWriter(OctreeArrays& arrays, const LatticePosition& base) : arrays_(arrays), base_(base) {}
 
-  /// Writes the points of a leaf below a frame, whose storage indices start at `index`. Their box.
+  /// Writes the points of a leaf below a frame, whose storage indices start at `first_point`. Their box.
   template <class Entry>
   StepBox write(const Entry* entries, std::uint32_t count, const Steps& corner, int frame_level,
-                std::uint32_t index) const {
+                std::uint32_t first_point) const {
     StepBox box;
     const int shift = coordinate_shift(frame_level);
-    std::uint16_t* const coordinates = arrays_.coordinates.data() + std::size_t{3} * index;
+    std::uint16_t* const coordinates = arrays_.coordinates.data() + std::size_t{3} * first_point;
     for (std::uint32_t i = 0; i < count; ++i) {
       const Steps steps = steps_of(entries[i]);
       for (int axis = 0; axis < 3; ++axis)
         coordinates[axis * count + i] = static_cast<std::uint16_t>((steps[axis] - corner[axis]) >> shift);
-      arrays_.ids[index + i] = entries[i].id;
-      if (shift > 0) arrays_.positions[index + i] = lattice_position(base_, steps);
+      arrays_.ids[first_point + i] = entries[i].id;
+      if (shift > 0) arrays_.positions[first_point + i] = lattice_position(base_, steps);
       box.grow(steps);
     }
     return box;
@@ -65,10 +65,10 @@ class LeafWriter {
   const LatticePosition base_;
 };
 
-// Which children a node gets: the only code where the organisations differ, but for the samples of a layered
-// one.
+// Which children a node gets: the only code in which the organisations differ, but for the samples of a
+// layered one.
 
-/// Sorted points that stand below one node or in one leaf.
+/// Sorted points below one node or in one leaf.
 struct PointRange {
   std::uint32_t begin = 0, end = 0;
   int bit = -1;  ///< highest bit in which their keys differ; -1 if they have equal positions
@@ -141,13 +141,13 @@ struct SplitRules {
   }
 
   /// Nodes of a layered octree stay above the lowest level, except those of one position: there, equal boxes
-  /// shall mean equal positions (node.h).
+  /// shall mean equal positions (Node in octree/octree.h).
   int lowest_frame_level(const PointRange& range) const {
     return organisation == Organisation::layered && range.bit >= 0 ? k_min_frame_level + 1
                                                                    : k_min_frame_level;
   }
 
-  /// Whether parts of a range can be distinguished by boxes on the grid of this frame, or of any frame at all.
+  /// Whether parts of a range can be distinguished by boxes on the grid of this frame, or of any at all.
   bool is_resolved(const PointRange& range, int frame_level) const {
     return range.level() > frame_level - k_frame_bits || frame_level <= lowest_frame_level(range);
   }
@@ -167,10 +167,11 @@ struct SplitRules {
   }
 };
 
-/// Equal parts, as many as make leaves or as a node has slots; in Morton order, so that at the lowest level only parts of one position can have equal
-/// boxes: where the bit is decided in which the first and the last point of two parts differ, one of the
-/// boxes ends. Where they are not quite equal the smaller ones come first: if only these are leaves, their
-/// points, which take the storage indices before those of inner children, are the first in the order too.
+/// Equal parts, as many as make leaves or as a node has slots; in Morton order, so that at the lowest level
+/// only parts of one position can have equal boxes: where the bit is decided in which the first and the last
+/// point of two parts differ, one of the boxes ends. Where they are not quite equal the smaller ones come
+/// first: if only these are leaves, their points, which take the storage indices before those of inner
+/// children, are the first in the order too.
 template <class Entry>
 ChildList split_by_number(const SortedPoints<Entry>& sorted, const ChildRange& range, const SplitRules& rules,
                           int frame_level) {
@@ -232,7 +233,7 @@ ChildList halve_largest(const SortedPoints<Entry>& sorted, const PointRange& ran
   return children;
 }
 
-/// A node in the making: its children are chosen, their boxes need not be known yet.
+/// A node in the making: its children are chosen, their boxes may be missing yet.
 struct NodeDraft {
   Steps corner{0};
   int level = 0;  ///< of the frame
@@ -259,7 +260,7 @@ struct NodeDraft {
         std::count_if(children.begin(), children.end(), [](const ChildRange& c) { return !c.is_leaf; }));
   }
 
-  /// The node. Requires that all boxes are known; `rules`: those the children were chosen by.
+  /// The node. Requires all boxes; `rules`: those the children were chosen by.
   Node node(const SplitRules& rules) const {
     Node node{};
     node.first_child = first_child;

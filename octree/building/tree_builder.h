@@ -13,7 +13,7 @@
 
 namespace alidade {
 
-/// What is known of a tree beside its arrays.
+/// What a tree has beside its arrays.
 struct TreeSummary {
   StepBox box;
   int level_count = 0;
@@ -28,8 +28,8 @@ struct TreeSummary {
 template <class Entry>
 class TreeBuilder {
  public:
-  /// Uses up the sorted points; there must be some. The arrays but for the nodes must have room for them; those
-  /// lie in `scratch`.
+  /// Uses up the sorted points; there must be some. The arrays but for the nodes must have room for them;
+  /// those lie in `scratch`.
   TreeBuilder(SortedPoints<Entry>& sorted, const SplitRules& rules, const LatticePosition& base,
               OctreeArrays& arrays, const ScratchFolder& scratch = {})
       : sorted_(sorted),
@@ -69,9 +69,9 @@ class TreeBuilder {
   struct Subtree {
     PointRange points;
     int level = 0;
-    int depth = 0;           ///< nodes from the tree's root to this one's
-    std::uint32_t root = 0;  ///< storage index of the root among the nodes of the top
-    std::uint32_t first_index = 0;
+    int depth = 0;                  ///< nodes from the tree's root to this one's
+    std::uint32_t root = 0;         ///< number among the nodes of the top
+    std::uint32_t first_point = 0;  ///< storage index
   };
 
   /// Subtrees that are made in one go, so that many small ones cost no more than few large ones.
@@ -103,7 +103,7 @@ class TreeBuilder {
     return std::exp2(static_cast<float>(bits[k_samples / 2]) / 3.0f - 0.5f) + 1.0f;
   }
 
-  /// Whether the box of the node is known: no subtree is below.
+  /// Whether the node has its box: no subtree is below.
   bool build_top(const CollapsedTree<Entry>& plan, const ChildRange& range, int level, std::uint32_t index,
                  int depth) {
     NodeDraft draft = draft_node(plan, range, level);
@@ -111,7 +111,7 @@ class TreeBuilder {
     if (level > k_exact_frame_level) {
       draft.first_point = exact_begin_ -= count;
     } else {
-      draft.first_point = std::exchange(next_index_, next_index_ + count);
+      draft.first_point = std::exchange(next_point_, next_point_ + count);
     }
     write_leaves(draft);
     for (const ChildRange& child : draft.children)
@@ -128,8 +128,8 @@ class TreeBuilder {
       if (child.is_leaf) continue;
       const int child_level = rules_.child_frame_level(child.points, level);
       if (is_subtree(child.points, child_level)) {
-        subtrees_.push_back({child.points, child_level, depth + 1, child_index, next_index_});
-        next_index_ += child.points.count();
+        subtrees_.push_back({child.points, child_level, depth + 1, child_index, next_point_});
+        next_point_ += child.points.count();
         is_known = false;
       } else {
         is_known &= build_top(plan, child, child_level, child_index, depth + 1);
@@ -165,29 +165,29 @@ class TreeBuilder {
       const Subtree& subtree = subtrees_[i];
       if (is_planned()) plan.plan(subtree.points, [](const PointRange&) { return false; });
       top_boxes_[subtree.root] = build_node(batch, plan, {subtree.points}, subtree.level, i - batch.first,
-                                            subtree.first_index, subtree.depth);
+                                            subtree.first_point, subtree.depth);
       sorted_.use_up(subtree.points.begin, subtree.points.end);
     }
   }
 
   /// Builds the node for a range into batch.nodes[index]; its points take the storage indices from
-  /// first_index on.
+  /// first_point on.
   StepBox build_node(Batch& batch, const CollapsedTree<Entry>& plan, const ChildRange& range, int level,
-                     std::size_t index, std::uint32_t first_index, int depth) {
+                     std::size_t index, std::uint32_t first_point, int depth) {
     NodeDraft draft = draft_node(plan, range, level);
-    draft.first_point = first_index;
+    draft.first_point = first_point;
     write_leaves(draft);
     draft.first_child = static_cast<std::uint32_t>(batch.nodes.size());
     batch.nodes.resize(batch.nodes.size() + draft.inner_count());
     batch.level_count = std::max(batch.level_count, depth);
-    std::uint32_t next = first_index + draft.leaf_point_count();
+    std::uint32_t next_point = first_point + draft.leaf_point_count();
     std::size_t child_index = draft.first_child;
     for (int slot = 0; slot < draft.children.count; ++slot) {
       const ChildRange& child = draft.children[slot];
       if (child.is_leaf) continue;
       draft.boxes[slot] = build_node(batch, plan, child, rules_.child_frame_level(child.points, level),
-                                     child_index++, next, depth + 1);
-      next += child.points.count();
+                                     child_index++, next_point, depth + 1);
+      next_point += child.points.count();
     }
     batch.nodes[index] = draft.node(rules_);
     return draft.box();
@@ -235,13 +235,13 @@ class TreeBuilder {
   }
 
   void write_leaves(NodeDraft& draft) {
-    std::uint32_t index = draft.first_point;
+    std::uint32_t next_point = draft.first_point;
     for (int slot = 0; slot < draft.children.count; ++slot) {
       const ChildRange& child = draft.children[slot];
       if (!child.is_leaf) continue;
       draft.boxes[slot] = writer_.write(sorted_.data() + child.points.begin, child.points.count(),
-                                        draft.corner, draft.level, index);
-      index += child.points.count();
+                                        draft.corner, draft.level, next_point);
+      next_point += child.points.count();
     }
   }
 
@@ -284,7 +284,7 @@ class TreeBuilder {
   const LeafWriter writer_;
   const std::size_t subtree_size_;
   const float widening_;
-  std::uint32_t next_index_ = 0, exact_begin_;
+  std::uint32_t next_point_ = 0, exact_begin_;  ///< storage indices
   std::vector<Node> top_;           ///< children are behind their parents; roots of subtrees are kept free
   std::vector<StepBox> top_boxes_;  ///< of the nodes of the top
   std::vector<Waiting> waiting_;

@@ -58,24 +58,24 @@ std::string leaf_problem(const TreeView& tree, const Node& node, int level) {
   return {};
 }
 
-/// Whether below low frames points stand one after another (octree/octree.h): from the last node on, so that
+/// Whether points below low frames are contiguous (Node in octree/octree.h): from the last node on, so that
 /// children come before parents.
 std::optional<TreeFault> find_scattered_points(const TreeView& tree, const std::vector<Rank>& ranks) {
   std::vector<std::uint32_t> ends(tree.node_count);  // past the last storage index below a node
   for (std::uint32_t index = tree.node_count; index-- > 0;) {
     if (ranks[index].level > k_exact_frame_level) continue;
     const Node& node = tree.nodes[index];
-    std::uint32_t stored = node.first_point + leaf_counts(node).sum();
+    std::uint32_t next_point = node.first_point + leaf_counts(node).sum();
     const auto inner = static_cast<std::uint32_t>(std::popcount(inner_slots(node)));
     for (std::uint32_t child = node.first_child; child < node.first_child + inner; ++child) {
-      if (tree.nodes[child].first_point != stored) {
+      if (tree.nodes[child].first_point != next_point) {
         return TreeFault{Array::nodes, child,
                          fmt::format("its points begin at a wrong storage index; expected {}, found {}",
-                                     stored, tree.nodes[child].first_point)};
+                                     next_point, tree.nodes[child].first_point)};
       }
-      stored = ends[child];
+      next_point = ends[child];
     }
-    ends[index] = stored;
+    ends[index] = next_point;
   }
   return std::nullopt;
 }

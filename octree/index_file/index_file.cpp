@@ -131,7 +131,7 @@ struct IndexFile::State {
   explicit State(const InputFile& file) : sections(file) {
     sections.check(IndexSection::metadata);
     metadata = read_index_metadata(sections.bytes(IndexSection::metadata),
-                                   sections.header().find(IndexSection::metadata)->index, sections.name());
+                                   sections.header().find(IndexSection::metadata)->offset, sections.name());
     check_record_bytes(sections, metadata);
     PointCloud& cloud = metadata.cloud;
     cloud.lattice = sections.header().tree.lattice;
@@ -209,7 +209,7 @@ const TreeView& IndexFile::tree(const Progress& progress) const {
 void IndexFile::verify(const Progress& progress) const {
   const IndexSections& sections = state_->sections;
   for (const SectionEntry& section : header().sections)
-    sections.check(section.kind, part_of(progress, section.index, header().file_bytes));
+    sections.check(section.kind, part_of(progress, section.offset, header().file_bytes));
   sections.check_gaps();
   require_none(sections, find_misplaced_point(tree()));
   if (tree().spacings) require_none(sections, find_bad_slot_spacing(tree()));

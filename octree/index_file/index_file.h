@@ -20,18 +20,17 @@
 #include "octree/index_file/index_header.h"
 #include "octree/octree.h"
 
-// Index files (.alidade): the octree over a cloud with all attributes of its points and all that the cloud's
-// files said about themselves, so that one file replaces the LAS and is queried without building
-// anything. Flat little-endian arrays; docs/index_file.md has them byte by byte.
+// Index files (.alidade): the octree over a cloud with all attributes of its points and the metadata of the
+// cloud's files, so that one file replaces the LAS and is queried without building anything. Flat
+// little-endian arrays; docs/index_file.md has them byte by byte.
 //
 //   save_index("site.alidade", build(cloud), cloud);
 //   const IndexFile index = open_index("site.alidade");
 //   if (std::optional<Hit> hit = closest(index.octree(), ray, {.radius = 0.05}))
 //     use(index.columns().colors[hit->point_id]);
 //
-// A damaged file is an Error, never a crash, however it is used. Who pays for that, and when:
-// - open_index() checks all counts, sizes and storage indices, the first page, and the metadata with their
-//   checksums,
+// A damaged file is an Error, never a crash, however it is used. What that costs, and when:
+// - open_index() checks all counts, sizes and offsets, the first page, and the metadata with their checksums,
 //   and opens a file of any number of points in under 10 ms.
 // - octree() reads nodes and ids once (about 5 bytes per point), in parallel, before the first query:
 //   checksums, links and ids. Queries then end and stay inside the arrays. About a quarter of a second of
@@ -57,8 +56,8 @@ struct SaveIndexOptions {
 void save_index(const std::filesystem::path& path, const Octree& octree, const PointCloud& cloud,
                 const SaveIndexOptions& options = {});
 
-/// The same with attribute columns that lie elsewhere: those of the cloud and the values of its extra dimensions do not
-/// count.
+/// save_index() with attribute columns that lie elsewhere: those of the cloud and the values of its extra
+/// dimensions do not count.
 void save_index(const std::filesystem::path& path, const Octree& octree, const PointCloud& cloud,
                 const AttributeColumns& columns, const SaveIndexOptions& options = {});
 
@@ -69,10 +68,10 @@ class IndexFile {
   explicit IndexFile(const InputFile& file);
 
   const std::string& name() const;
-  /// Number of points, bounds, lattice, and where every section stands.
+  /// Number of points, bounds, lattice, and the section table.
   const IndexHeader& header() const;
-  /// What the cloud's files said: coordinate reference system, files, warnings, extra dimensions without
-  /// values, GPS time; records without their data. It has no points.
+  /// The metadata of the cloud's files: coordinate reference system, files, warnings, extra dimensions
+  /// without values, GPS time; records without their data. It has no points.
   const PointCloud& description() const;
   /// The attribute columns in the map; row = point id. Valid as long as a copy of this object or an octree of
   /// it.
@@ -84,7 +83,7 @@ class IndexFile {
   /// The tree in the map. The first call checks nodes and ids, see above; later ones are free. `progress` is
   /// in bytes checked. Errors: a wrong checksum or link; they name section and byte.
   const TreeView& tree(const Progress& progress = {}) const;
-  /// The same as an octree, which keeps the map alive.
+  /// tree() as an octree, which keeps the map alive.
   Octree octree(const Progress& progress = {}) const {
     return Octree(tree(progress), storage(), usable(InstructionSet::best));
   }
@@ -92,8 +91,8 @@ class IndexFile {
   std::shared_ptr<const void> storage() const;
 
   /// Reads everything: all checksums, that the tree is one and holds each point once inside its boxes, and
-  /// that nothing stands between the sections. `progress` is in bytes. Cost: as fast as the disk delivers, 12
-  /// B of memory per node and 1/4 B per point. Errors: the first damage, with section and byte.
+  /// that the gaps between the sections are zero. `progress` is in bytes. Cost: as fast as the disk delivers,
+  /// 12 B of memory per node and 1/4 B per point. Errors: the first damage, with section and byte.
   void verify(const Progress& progress = {}) const;
 
  private:
@@ -101,9 +100,9 @@ class IndexFile {
   std::shared_ptr<State> state_;
 };
 
-/// Opens an index file. Cost: under 10 ms at any number of points, since only header and metadata are looked
-/// at. Errors: missing or unreadable; not an index file; of another byte order or version; truncated; a
-/// count, size or storage index that does not fit the file; damaged header or metadata. They name the byte.
+/// Opens an index file. Cost: under 10 ms at any number of points, since only header and metadata are read.
+/// Errors: missing or unreadable; not an index file; of another byte order or version; truncated; a count,
+/// size or offset that does not fit the file; damaged header or metadata. They name the byte.
 IndexFile open_index(const std::filesystem::path& path);
 
 /// open_index() and IndexFile::verify().
@@ -115,34 +114,34 @@ extern const CloudFormat k_index_format;
 /// Index files and file_formats().
 CloudFormats index_and_file_formats();
 
-/// A cloud that can be asked: octree, and attributes by point id. The octree of one index file comes straight
+/// A cloud ready for queries: octree, and attributes by point id. The octree of one index file comes straight
 /// from the map; everything else is read and built.
 struct IndexedCloud {
   Octree octree;
-  /// What the files said; it has the attribute columns if they were read, and no positions.
+  /// The metadata of the files; the attribute columns if they were read; no positions.
   PointCloud cloud;
   std::optional<IndexFile> index;         ///< the columns lie in here if it is there
   std::shared_ptr<ScratchCloud> scratch;  ///< or in here
 
-  /// The attribute columns, wherever they lie; valid as long as this object stands unchanged instead.
+  /// The attribute columns, wherever they are; valid as long as this object is neither moved nor changed.
   AttributeColumns columns() const {
     return index ? index->columns() : scratch ? scratch->columns() : columns_of(cloud);
   }
 };
 
 struct IndexCloudOptions {
-  ReadOptions read{};    ///< attributes and colour depth; an index file gives all that it has, as it stands
+  ReadOptions read{};    ///< attributes and colour depth; an index file gives all that it has, unchanged
   BuildOptions build{};  ///< of files that have no octree yet
-  /// For clouds larger than memory: points and octree lie in scratch files, and so does what is measured later.
+  /// For clouds larger than memory: points and octree lie in scratch files, and so does what is measured
+  /// later.
   std::optional<ScratchSpace> scratch{};
 };
 
-/// Loads clouds for queries: a single index file
-/// is mapped and checked (IndexFile::tree), unless its heights are wanted in another unit; anything else goes through
-/// read_cloud() and build().
-/// read.progress is in bytes; while the octree is built it repeats the last numbers. `cloud.files` are the
-/// files that the points come from, also those an index was made of. Errors: as read_cloud(), build() and
-/// open_index(). Memory: for an index file about 1 B per point; with IndexCloudOptions::scratch what ScratchCloud and
+/// Loads clouds for queries: a single index file is mapped and checked (IndexFile::tree), unless its heights
+/// are wanted in another unit; anything else goes through read_cloud() and build(). read.progress is in
+/// bytes; while the octree is built it repeats the last numbers. `cloud.files` are the files that the points
+/// come from, also those an index was made of. Errors: as read_cloud(), build() and open_index(). Memory: for
+/// an index file about 1 B per point; with IndexCloudOptions::scratch what ScratchCloud and
 /// build_in_scratch() take.
 IndexedCloud load_indexed_cloud(const CloudInputs& inputs, const IndexCloudOptions& options = {});
 

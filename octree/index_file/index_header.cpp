@@ -44,27 +44,7 @@ std::uint32_t column_number(IndexSection kind) {
   return static_cast<std::uint32_t>(kind) - static_cast<std::uint32_t>(IndexSection::first_column);
 }
 
-}  // namespace
-
-std::uint32_t element_bytes(IndexSection kind, bool colors_are_shallow) {
-  if (kind == column_section(Attribute::color) && colors_are_shallow) return 3;
-  constexpr std::array<std::uint32_t, 12> k_columns = {6, 2, 2, 1, 2, 1, 4, 1, 2, 8, 12, 1};
-  for (const auto& section : k_sections)
-    if (section.kind == kind) return section.element_bytes;
-  return column_number(kind) < k_columns.size() ? k_columns[column_number(kind)] : 0;
-}
-
-std::string name(IndexSection kind) {
-  for (const auto& section : k_sections)
-    if (section.kind == kind) return section.name;
-  AttributeSet attribute;
-  attribute.bits = 1u << column_number(kind);
-  return "column " + attribute_names(attribute).front();
-}
-
-// Byte positions below are those of docs/index_file.md.
-
-namespace {
+// Offsets below are those of docs/index_file.md.
 
 constexpr std::array<char, 8> k_magic = {'A', 'L', 'I', 'D', 'A', 'D', 'E', '\0'};
 constexpr std::uint32_t k_byte_order = 0x01020304, k_other_byte_order = 0x04030201;
@@ -127,10 +107,10 @@ void read_lattice(const HeaderFields& page, TreeView& tree) {
 
 void read_bounds(const HeaderFields& page, TreeView& tree) {
   for (int axis = 0; axis < 3; ++axis) {
-    const std::size_t min_index = 136 + 8 * axis, max_index = 160 + 8 * axis;
-    const auto min = page.get<double>(min_index), max = page.get<double>(max_index);
+    const std::size_t min_field = 136 + 8 * axis, max_field = 160 + 8 * axis;
+    const auto min = page.get<double>(min_field), max = page.get<double>(max_field);
     if (tree.point_count > 0) {
-      page.require(std::isfinite(min) && std::isfinite(max) && min <= max, min_index, "invalid bounds",
+      page.require(std::isfinite(min) && std::isfinite(max) && min <= max, min_field, "invalid bounds",
                    "finite numbers, the minimum first", fmt::format("{} to {}", min, max));
     }
     tree.bounds.min[axis] = min;
@@ -178,7 +158,7 @@ TreeView read_tree(const HeaderFields& page) {
   return tree;
 }
 
-/// The one size that a section can have; empty where that is said elsewhere.
+/// The one size that a section can have; empty where that depends on its contents.
 std::optional<std::uint64_t> expected_bytes(const IndexHeader& header, const SectionEntry& section) {
   const std::uint64_t points = header.tree.point_count;
   switch (section.kind) {
@@ -221,8 +201,8 @@ SectionEntry read_section(const HeaderFields& page, std::size_t number, const In
                fmt::format("{} bytes each", element), entry.element_bytes);
   const std::uint64_t begin =
       align_to_page(header.sections.empty() ? k_index_page : header.sections.back().end());
-  page.require(entry.index == begin, at + 8, fmt::format("wrong offset of {}", name(entry.kind)),
-               fmt::format("byte {}", begin), fmt::format("byte {}", entry.index));
+  page.require(entry.offset == begin, at + 8, fmt::format("wrong offset of {}", name(entry.kind)),
+               fmt::format("byte {}", begin), fmt::format("byte {}", entry.offset));
   // Offsets stay within the file, since every section before this one did.
   const std::uint64_t room = header.file_bytes - std::min(begin, header.file_bytes);
   page.require(entry.bytes <= room, at + 16, fmt::format("{} exceed the file", name(entry.kind)),
@@ -257,6 +237,22 @@ void check_sections(const HeaderFields& page, const IndexHeader& header) {
 }
 
 }  // namespace
+
+std::uint32_t element_bytes(IndexSection kind, bool colors_are_shallow) {
+  if (kind == column_section(Attribute::color) && colors_are_shallow) return 3;
+  constexpr std::array<std::uint32_t, 12> k_columns = {6, 2, 2, 1, 2, 1, 4, 1, 2, 8, 12, 1};
+  for (const auto& section : k_sections)
+    if (section.kind == kind) return section.element_bytes;
+  return column_number(kind) < k_columns.size() ? k_columns[column_number(kind)] : 0;
+}
+
+std::string name(IndexSection kind) {
+  for (const auto& section : k_sections)
+    if (section.kind == kind) return section.name;
+  AttributeSet attribute;
+  attribute.bits = 1u << column_number(kind);
+  return "column " + attribute_names(attribute).front();
+}
 
 const SectionEntry* IndexHeader::find(IndexSection kind) const {
   const auto found = std::ranges::find(sections, kind, &SectionEntry::kind);
@@ -325,7 +321,7 @@ std::array<std::byte, k_index_page> encode_index_header(const IndexHeader& heade
     std::byte* const row = at + k_section_table + i * k_section_entry;
     store(row, entry.kind);
     store(row + 4, entry.element_bytes);
-    store(row + 8, entry.index);
+    store(row + 8, entry.offset);
     store(row + 16, entry.bytes);
     store(row + 24, entry.checksum);
   }

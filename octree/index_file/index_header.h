@@ -50,15 +50,15 @@ inline constexpr std::size_t k_index_page = 4096;  ///< the header's size, and w
 inline constexpr std::uint32_t k_index_version = 2;
 inline constexpr std::size_t k_most_index_sections = 32;
 
-/// Where a section stands.
+/// A row of the section table.
 struct SectionEntry {
   IndexSection kind = IndexSection::nodes;
   std::uint32_t element_bytes = 1;
-  std::uint64_t index = 0;  ///< byte of the file
+  std::uint64_t offset = 0;  ///< byte of the file
   std::uint64_t bytes = 0;
   std::uint64_t checksum = 0;  ///< of its block checksums; of the section itself for IndexSection::checksums
 
-  std::uint64_t end() const { return index + bytes; }
+  std::uint64_t end() const { return offset + bytes; }
 };
 
 /// The header, field by field.
@@ -70,16 +70,15 @@ struct IndexHeader {
   std::array<std::uint8_t, 16> project_id{};
   std::uint16_t file_source_id = 0;
   std::uint16_t color_factor = 1;  ///< of colours of 8 bits: 256 or 257 (ColorColumn); 1: they have 16 bits
-  std::vector<SectionEntry>
-      sections;  ///< in the order of their kinds, which is that of their storage indices
+  std::vector<SectionEntry> sections;  ///< in the order of their kinds, which is that of their offsets
 
   const SectionEntry* find(IndexSection kind) const;
 };
 
-/// Reads the header of a file from its first page, or from the whole of a shorter file. Every count, size and storage index is checked against the
-/// file's size, the section table for order, gaps and overlaps, and the page against its own checksum. Cost:
-/// constant; nothing behind the first page is read. Errors: name the byte; a file of another byte order
-/// or version is distinguished from a damaged one.
+/// Reads the header of a file from its first page, or from the whole of a shorter file. Every count, size and
+/// offset is checked against the file's size, the section table for order, gaps and overlaps, and the page
+/// against its own checksum. Cost: constant; nothing behind the first page is read. Errors: name the byte; a
+/// file of another byte order or version is distinguished from a damaged one.
 IndexHeader read_index_header(std::span<const std::byte> page, std::uint64_t file_bytes,
                               const std::string& file_name);
 
@@ -89,9 +88,9 @@ std::array<std::byte, k_index_page> encode_index_header(const IndexHeader& heade
 /// Whether a file that starts so claims to be an index file.
 bool is_index_file(std::span<const std::byte> start);
 
-/// First byte from `index` on where a section may begin.
-constexpr std::uint64_t align_to_page(std::uint64_t index) {
-  return (index + k_index_page - 1) / k_index_page * k_index_page;
+/// The first offset from this one on where a section may begin.
+constexpr std::uint64_t align_to_page(std::uint64_t offset) {
+  return (offset + k_index_page - 1) / k_index_page * k_index_page;
 }
 
 }  // namespace alidade

@@ -58,8 +58,8 @@ class Writer {
 
 class Reader {
  public:
-  Reader(std::span<const std::byte> bytes, std::uint64_t index, const std::string& file_name)
-      : bytes_(bytes), index_(index), file_(file_name) {}
+  Reader(std::span<const std::byte> bytes, std::uint64_t offset, const std::string& file_name)
+      : bytes_(bytes), offset_(offset), file_(file_name) {}
 
   template <class T>
   void value(T& value) {
@@ -100,7 +100,7 @@ class Reader {
                const Found& found) const {
     if (holds) return;
     throw Error({.file = file_,
-                 .location = fmt::format("byte {}", index_ + used_ - back),
+                 .location = fmt::format("byte {}", offset_ + used_ - back),
                  .problem = problem,
                  .expected = expected,
                  .found = std::to_string(found)});
@@ -124,7 +124,7 @@ class Reader {
   }
 
   std::span<const std::byte> bytes_;
-  std::uint64_t index_;
+  std::uint64_t offset_;  ///< of the section in the file
   const std::string& file_;
   std::size_t used_ = 0;
 };
@@ -243,9 +243,9 @@ std::vector<std::byte> encode_index_metadata(const PointCloud& cloud) {
   return writer.take();
 }
 
-IndexMetadata read_index_metadata(std::span<const std::byte> section, std::uint64_t index,
+IndexMetadata read_index_metadata(std::span<const std::byte> section, std::uint64_t offset,
                                   const std::string& file_name) {
-  Reader reader(section, index, file_name);
+  Reader reader(section, offset, file_name);
   IndexMetadata metadata;
   visit_metadata(reader, metadata.cloud,
                  [&](std::uint64_t bytes) { metadata.record_bytes.push_back(bytes); });

@@ -18,7 +18,7 @@ constexpr std::uint64_t k_blocks_per_report = 256;
 [[noreturn]] void fail_in(const std::string& file, const SectionEntry& section, std::uint64_t byte,
                           const std::string& problem) {
   throw Error({.file = file,
-               .location = fmt::format("byte {}", section.index + byte),
+               .location = fmt::format("byte {}", section.offset + byte),
                .problem = fmt::format("corrupt section {}: {}", name(section.kind), problem)});
 }
 
@@ -32,13 +32,13 @@ struct ArrivingSection {
   std::vector<std::uint64_t> sums;
 
   std::pair<std::uint64_t, std::uint64_t> block_of(std::uint64_t offset) const {
-    const std::uint64_t begin = entry.index + (offset - entry.index) / k_checksum_block * k_checksum_block;
+    const std::uint64_t begin = entry.offset + (offset - entry.offset) / k_checksum_block * k_checksum_block;
     return {begin, std::min(begin + k_checksum_block, entry.end())};
   }
 
   void check(std::uint64_t offset, std::span<const std::byte> bytes, std::uint64_t point_count,
              const std::string& file) const {
-    const std::uint64_t from = offset - entry.index;
+    const std::uint64_t from = offset - entry.offset;
     const auto block =
         bytes.first(static_cast<std::size_t>(std::min<std::uint64_t>(bytes.size(), entry.bytes - from)));
     if (checksum(block) != sums[static_cast<std::size_t>(from / k_checksum_block)])
@@ -84,7 +84,7 @@ void IndexSections::check_on_arrival(RemoteMap& map) {
   const auto all = std::make_shared<const std::vector<ArrivingSection>>(std::move(sections));
   const auto section_of = [all](std::uint64_t offset) -> const ArrivingSection* {
     for (const ArrivingSection& section : *all)
-      if (offset >= section.entry.index && offset < align_to_page(section.entry.end())) return &section;
+      if (offset >= section.entry.offset && offset < align_to_page(section.entry.end())) return &section;
     return nullptr;
   };
   map.set_blocks(
@@ -105,7 +105,7 @@ void IndexSections::check_on_arrival(RemoteMap& map) {
 std::span<const std::byte> IndexSections::bytes(IndexSection kind) const {
   const SectionEntry* const section = header_.find(kind);
   if (section == nullptr) return {};
-  return map_.bytes().subspan(static_cast<std::size_t>(section->index),
+  return map_.bytes().subspan(static_cast<std::size_t>(section->offset),
                               static_cast<std::size_t>(section->bytes));
 }
 
@@ -164,17 +164,17 @@ void IndexSections::check(IndexSection kind, const Progress& progress, const Loo
 }
 
 void IndexSections::check_gaps() const {
-  std::uint64_t index = k_index_page;
+  std::uint64_t byte = k_index_page;
   for (const SectionEntry& section : header_.sections) {
-    for (; index < section.index; ++index) {
-      if (map_.bytes()[static_cast<std::size_t>(index)] == std::byte{0}) continue;
+    for (; byte < section.offset; ++byte) {
+      if (map_.bytes()[static_cast<std::size_t>(byte)] == std::byte{0}) continue;
       throw Error(
           {.file = map_.name(),
-           .location = fmt::format("byte {}", index),
+           .location = fmt::format("byte {}", byte),
            .problem = fmt::format("the gap before section {} is not zero", alidade::name(section.kind)),
            .expected = "zeros up to the next multiple of 4096"});
     }
-    index = section.end();
+    byte = section.end();
   }
 }
 

@@ -32,7 +32,7 @@ class IndexSections {
 
   /// Empty if there is no such section.
   std::span<const std::byte> bytes(IndexSection kind) const;
-  /// The same as values; they are aligned because sections are.
+  /// bytes() as values; they are aligned because sections are.
   template <class T>
   std::span<const T> values(IndexSection kind) const {
     const std::span<const std::byte> all = bytes(kind);
@@ -46,7 +46,7 @@ class IndexSections {
   /// `progress` is in bytes. Errors: name section and byte of the first bad block; those that `look` throws.
   void check(IndexSection kind, const Progress& progress = {}, const LookAtBlock& look = {}) const;
 
-  /// Errors: something stands between the sections.
+  /// Errors: the gaps between the sections are not zero.
   void check_gaps() const;
 
   /// The Error for something wrong at a byte of a section.
@@ -66,19 +66,19 @@ class IndexSections {
 // The section of an index file with everything that has no fixed size: coordinate reference system, files,
 // warnings, extra dimensions, LAS records. docs/index_file.md has it byte by byte.
 
-/// What a cloud says about itself beside its points, as bytes of the metadata section.
+/// The metadata section of a cloud: what describes it beside its points.
 std::vector<std::byte> encode_index_metadata(const PointCloud& cloud);
 
-/// What the section says.
+/// What the metadata section holds.
 struct IndexMetadata {
   /// CRS, files, warnings and extra dimensions without their values; records without their data.
   PointCloud cloud;
   std::vector<std::uint64_t> record_bytes;  ///< size of each record's data in the section of record data
 };
 
-/// Reads the section. Errors: it ends early, goes on behind its end, or has a value that cannot be; they name
-/// the byte of the file, in which the section begins at `index`. Memory: a constant factor of its size.
-IndexMetadata read_index_metadata(std::span<const std::byte> section, std::uint64_t index,
+/// Reads the metadata section. Errors: truncated; extra bytes; an invalid value. They name the byte of the
+/// file, in which the section begins at `offset`. Memory: a constant factor of its size.
+IndexMetadata read_index_metadata(std::span<const std::byte> section, std::uint64_t offset,
                                   const std::string& file_name);
 
 }  // namespace alidade

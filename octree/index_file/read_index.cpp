@@ -153,7 +153,7 @@ IndexedCloud load_indexed_cloud(const CloudInputs& inputs, const IndexCloudOptio
     loaded.cloud = loaded.index->description();
     return loaded;
   }
-  // Reading counts the work; what follows only asks whether to go on, at the count where reading ended.
+  // Reading counts the work; what follows only checks for cancellation, at the count where reading ended.
   std::uint64_t done = 0, total = 0;
   ReadOptions read = options.read;
   read.progress = [&](std::uint64_t bytes, std::uint64_t all_bytes) {

@@ -36,7 +36,7 @@ class IndexWriter {
     entry_.bytes += bytes.size();
     blocks_.add(bytes);
   }
-  /// The same with bytes of octree or columns.
+  /// add() for bytes of octree or columns, which are reported as written.
   void add_array(std::span<const std::byte> bytes) {
     while (!bytes.empty()) {
       const std::span<const std::byte> piece = bytes.first(std::min(bytes.size(), k_piece));
@@ -45,7 +45,7 @@ class IndexWriter {
       if (options_.written) options_.written(piece);
     }
   }
-  /// The same as Color8. Requires multiples of a factor, 256 or 257.
+  /// Appends colours as Color8. Requires multiples of a factor, 256 or 257.
   void add_shallow(std::span<const Color16> colors) {
     std::vector<Color8> shallow;
     while (!colors.empty()) {
@@ -123,8 +123,8 @@ void check_cloud(const Octree& octree, const PointCloud& cloud, const AttributeC
   }
 }
 
-/// The factor with which Color8 represents them all; 1 if none does. Cost: one pass, in parallel, which ends where
-/// none does.
+/// The factor with which Color8 represents them all; 1 if none does. Cost: one pass, in parallel, which ends
+/// where none does.
 std::uint16_t common_factor(std::span<const Color16> colors) {
   constexpr std::size_t k_block = 1 << 20;
   std::array<std::atomic<bool>, k_color_factors.size()> fails{};

@@ -77,9 +77,9 @@ class Slots {
 };
 
 /// Slots of a node at the lowest level whose points all have equal positions. Boxes are exact there, and ids
-/// rise from point to point and from slot to slot of one position (node.h); so only the first point of the
-/// first such slot can be the answer to `closest` without a filter and with all levels. This is what keeps a
-/// ray through a million equal points from testing each.
+/// rise from point to point and from slot to slot of one position (Node in octree/octree.h); so only the
+/// first point of the first such slot can be the answer to `closest` without a filter and with all levels.
+/// This keeps a ray through a million equal points from testing each.
 struct SamePositions {
   unsigned single = 0;  ///< bit per slot: one position
   unsigned twins = 0;   ///< of these, those at the position of slot 0, without slot 0

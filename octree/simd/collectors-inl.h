@@ -18,18 +18,18 @@
 #include "octree/simd/sort_keys.h"
 #include "octree/tree_walk.h"
 
-// What a search does with the points that lanes could not discard. Lanes describe every point whether it may
-// count, whether it certainly does, and limits of its measure; a *target* (octree/query_targets.h) decides in
-// double. Lanes take measures as floats, counted from a shift near the points.
+// What a search does with the points that lanes could not discard. Lanes find out of every point whether it
+// may count, whether it certainly does, and limits of its measure; a *target* (octree/query_targets.h)
+// decides in double. Lanes take measures as floats, counted from a shift near the points.
 
 HWY_BEFORE_NAMESPACE();
 namespace alidade::simd {
 namespace HWY_NAMESPACE {
 
-/// What lanes describe the points of a leaf.
+/// What lanes find out about the points of a leaf.
 struct TestedPoints {
   std::uint32_t possible = 0;  ///< bit per point: may count
-  std::uint32_t certain = 0;   ///< of these, those that do whatever rounding did; their measure is not known
+  std::uint32_t certain = 0;   ///< of these, those that do whatever rounding did; their measure is unknown
   alignas(64) float low[k_max_leaf_size];  ///< the measure lies between
   alignas(64) float high[k_max_leaf_size];
 };
@@ -102,7 +102,7 @@ class NearestCollector {
  private:
   struct Waiting {
     float low, high;
-    std::uint32_t index;
+    std::uint32_t index;  ///< storage index
     LatticePosition position;
     bool operator<(const Waiting& other) const { return high < other.high; }
   };
@@ -175,7 +175,7 @@ class NearestCollector {
     }
   }
 
-  /// Towards room for twice the points asked for: among so many, the k first are found without deciding all.
+  /// Towards room for twice k points: among so many, the k first are found without deciding all.
   /// As points come, since k may be no more than a cap.
   void grow() {
     std::vector<Waiting> more(std::min(2 * room_, 2 * k_ + k_few));

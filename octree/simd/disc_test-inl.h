@@ -15,7 +15,7 @@ HWY_BEFORE_NAMESPACE();
 namespace alidade::simd {
 namespace HWY_NAMESPACE {
 
-/// Points near a ray, in lanes: where they lie from a position on it, the position of their projection and the square of
+/// Points near a ray, in lanes: their offset from a point of it, the t of their projection and the square of
 /// their distance, each within `error`; `outer` is their radius and the error, or more.
 struct NearRay {
   using V = hn::Vec<PointLanes>;
@@ -24,17 +24,22 @@ struct NearRay {
   V error, outer_sq, radius;
 };
 
-/// Positions between which the ray crosses each of them, if it does.
+/// Bounds of the t at which the ray crosses each of them, if it does.
 struct Crossings {
   hn::Vec<PointLanes> low, high;
 };
 
-/// Where rays cross the discs of points, and enter the spheres of those without a sheet (evaluate_crossing()).
+/// Where rays cross the discs of points, and enter the spheres of those without a sheet
+/// (evaluate_crossing()).
 ///
-/// With the normal m, not yet of length 1, the height h and the direction d: t = (p m - h |m|) / (d m). Components of m err
-/// by less than 2^-21, and so do |m| and d m, within a few roundings; `error` exceeds 2^-18 (|p| + radius). So the
-/// numerator errs by less than 3 error + 2^-20 h, the denominator by less than 2^-19; the budgets are 4 error + 2^-18 h and
-/// 2^-18. Where the ray runs along the plane all is possible that the sphere admits.
+/// With the normal m, not yet of length 1, the height h and the direction d:
+///
+///   t = (p m - h |m|) / (d m)
+///
+/// Components of m err by less than 2^-21, and so do |m| and d m, within a few roundings; `error` exceeds
+/// 2^-18 (|p| + radius). So the numerator errs by less than 3 error + 2^-20 h, the denominator by less than
+/// 2^-19; the budgets are 4 error + 2^-18 h and 2^-18. Where the ray runs along the plane all is possible
+/// that the sphere admits.
 class DiscTest {
  public:
   explicit DiscTest(const QuerySetup& setup)

@@ -10,19 +10,19 @@
 
 #include "octree/tree_walk.h"
 
-// How many points stand below a node, without visiting them: from frames of level k_exact_frame_level on, all
-// points below a node stand one after another, first those of its leaves, then those of its inner children in
-// slot order.
+// How many points are below a node, without visiting them: from frames of level k_exact_frame_level on, all
+// points below a node are contiguous, first those of its leaves, then those of its inner children in slot
+// order.
 
 namespace alidade::simd {
 
 /// Past the last storage index below a node whose frame's level is at most k_exact_frame_level.
-inline std::uint32_t end_index(const TreeView& tree, std::uint32_t index) {
+inline std::uint32_t end_index(const TreeView& tree, std::uint32_t node_index) {
   for (;;) {
-    const Node& node = tree.nodes[index];
+    const Node& node = tree.nodes[node_index];
     const auto inner = static_cast<std::uint32_t>(std::popcount(inner_slots(node)));
     if (inner == 0) return node.first_point + leaf_counts(node).sum();
-    index = node.first_child + inner - 1;
+    node_index = node.first_child + inner - 1;
   }
 }
 
@@ -40,9 +40,9 @@ inline std::uint32_t subtree_count(const TreeView& tree, const Frame& parent, in
 }
 
 /// Which slots of a node need not be visited for the k first points: boxes are exact at the lowest level, so
-/// slots with equal boxes of one lattice position hold points that differ by their ids only, and node.h
-/// promises the lowest ids in the first of them. Once k points are in the slots before, the rest cannot
-/// count. Keeps queries among a million equal points from looking at each. Requires a frame of level
+/// slots with equal boxes of one lattice position hold points that differ by their ids only, the lowest ids
+/// in the first of them (Node in octree/octree.h). Once k points are in the slots before, the rest cannot
+/// count. Keeps queries among a million equal points from testing each. Requires a frame of level
 /// k_min_frame_level.
 inline unsigned slots_after_k_equal(const TreeView& tree, const Frame& frame, std::size_t k) {
   const Node& node = tree.nodes[frame.node];
@@ -55,7 +55,7 @@ inline unsigned slots_after_k_equal(const TreeView& tree, const Frame& frame, st
            node.low[2][a] == node.low[2][b];
   };
   unsigned surplus = 0;
-  // Children are in Morton order, so equal ones stand side by side.
+  // Children are in Morton order, so equal ones are adjacent.
   std::size_t before = 0;
   for (int slot = 1; slot < k_node_width; ++slot) {
     if (!is_one_position(slot) || !is_one_position(slot - 1) || !equal(slot, slot - 1)) {

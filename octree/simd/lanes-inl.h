@@ -36,8 +36,8 @@ HWY_INLINE hn::Vec<D> load_as_float(D d, const T* values) {
 }
 
 #if HWY_TARGET == HWY_AVX3
-/// The bits of a mask register, by an instruction of our choice: gcc 12 may store 16 bits of a mask on the stack and load
-/// 32 as its number.
+/// The bits of a mask register, by an instruction of our choice: gcc 12 may store 16 bits of a mask on the
+/// stack and load 32 as its number.
 template <class Bits>
 HWY_INLINE unsigned in_general_register(Bits mask) {
   unsigned bits;
@@ -69,7 +69,7 @@ HWY_INLINE unsigned mask_bits(D d, const Mask& mask) {
 #endif
 }
 
-/// The same for bytes, up to 32 of them.
+/// mask_bits() for bytes, up to 32 of them.
 template <class D, class Mask>
 HWY_INLINE unsigned byte_mask_bits(D d, const Mask& mask) {
 #if HWY_TARGET == HWY_AVX3
@@ -130,8 +130,8 @@ inline std::uint32_t index_of_lowest_bit(std::uint32_t bits) {
   return static_cast<std::uint32_t>(std::countr_zero(bits));
 }
 
-/// Where points lie relative to a line through the point that x, y, z count from: t along it, and the square of
-/// the distance.
+/// Where points lie relative to a line through the point that x, y, z count from: t along it, and the square
+/// of the distance.
 template <class V>
 struct OnLine {
   V t, distance_sq;
@@ -205,7 +205,7 @@ class OwnRadii {
     return hn::Min(hn::Set(d, greatest_), hn::Mul(hn::Set(d, factor_), spacing));
   }
 
-  /// What LeafTest::Index::outer_sq and LeafTest::inner_sq are for the query's radius.
+  /// What LeafTest::LeafFrame::outer_sq and LeafTest::inner_sq are for the query's radius.
   template <class D, class V>
   static HWY_INLINE V outer_sq(D d, V above, V error) {
     const V outer = hn::Add(above, error);

@@ -11,7 +11,7 @@
 namespace alidade::simd {
 
 /// The lattice steps whose world coordinates lie in a box, counted from the root's corner, both ends
-/// inclusive. Exactly those: to_world() never falls when steps grow, so the ends can be found by asking it.
+/// inclusive. Exactly those: to_world() never falls when steps grow, so the ends can be found by calling it.
 struct LatticeBox {
   std::int64_t low[3], high[3];
 

@@ -109,7 +109,7 @@ struct RayList {
                       const hn::Mask<RayLanes>& mask) {
     const RayLanes d;
     const RayNumbers n;
-    // A whole vector at a time: what stands past the count is written over or is padding.
+    // A whole vector at a time: what is past the count is written over or is padding.
     const Compressor compress(d, mask);
     hn::StoreU(compress(numbers), n, rays + count);
     hn::StoreU(compress(t), d, t_near + count);
@@ -152,17 +152,17 @@ class LeafGroupTest {
 
   /// The first `count` points of a leaf.
   LeafGroupTest(const QuerySetup& setup, const Single& single, const Leaf& leaf, std::uint32_t count,
-                const typename Single::Index& index)
-      : single_(single), leaf_(leaf), count_(count), index_(index) {
+                const typename Single::LeafFrame& frame)
+      : single_(single), leaf_(leaf), count_(count), frame_(frame) {
     const PointLanes d;
     const std::uint16_t* coordinates = setup.tree.coordinates + std::size_t{3} * leaf.first;
     for (int axis = 0; axis < 3; ++axis)
       for (std::uint32_t i = 0; i < count; i += static_cast<std::uint32_t>(hn::Lanes(d)))
         hn::Store(
-            hn::Mul(load_as_float(d, coordinates + axis * leaf.count + i), hn::Set(d, index.scale[axis])), d,
+            hn::Mul(load_as_float(d, coordinates + axis * leaf.count + i), hn::Set(d, frame.scale[axis])), d,
             points_[axis] + i);
     if constexpr (radii == Radii::own) {
-      const auto error = hn::Set(d, float_above(index.error));
+      const auto error = hn::Set(d, float_above(frame.error));
       for (std::uint32_t i = 0; i < count; i += static_cast<std::uint32_t>(hn::Lanes(d))) {
         const auto radius = single.own_radii().above(d, setup.tree.spacings + leaf.first + i);
         hn::Store(OwnRadii::outer_sq(d, radius, error), d, outer_sq_ + i);
@@ -179,7 +179,7 @@ class LeafGroupTest {
  private:
   static constexpr std::size_t k_most_lanes = 16;
 
-  /// From storage indices where they enter the leaf's box, relative to the frame's corner.
+  /// Rays from where they enter the leaf's box, relative to the frame's corner.
   struct Group {
     RayVector x, y, z, direction_x, direction_y, direction_z;
     RayVector t_min, t_max, entry_min, cut;
@@ -208,8 +208,8 @@ class LeafGroupTest {
                    std::uint64_t& answers) const {
     const RayLanes d;
     const std::size_t rows = std::min<std::size_t>(hn::Lanes(d), left);
-    const Group group(batch, rays, t_near, rows, index_.corner);
-    const auto error = hn::Set(d, float_above(index_.error));
+    const Group group(batch, rays, t_near, rows, frame_.corner);
+    const auto error = hn::Set(d, float_above(frame_.error));
     const auto low = hn::Sub(group.t_min, error);
     auto high = hn::Add(group.cut, error);
     if constexpr (measure == Measure::entry)
@@ -237,7 +237,7 @@ class LeafGroupTest {
     const auto none = hn::Set(d, std::numeric_limits<float>::infinity());
     const auto zero = hn::Zero(d);
     // Of the certain points the one that surely begins first leads; of the lows of all possible ones the two
-    // least report whether any other could begin before it ends.
+    // least show whether any other could begin before it ends.
     auto leader_low = none, leader_high = none, lowest = none, second_lowest = none;
     const hn::RebindToUnsigned<RayLanes> n;
     auto leader = hn::Zero(n);
@@ -294,12 +294,12 @@ class LeafGroupTest {
              [&](std::size_t lane) { alone(batch[rays[lane]], t_near[lane]); });
   }
 
-  /// Squares of point i's radius: LeafTest::Index::outer_sq and LeafTest::inner_sq.
+  /// Squares of point i's radius: LeafTest::LeafFrame::outer_sq and LeafTest::inner_sq.
   HWY_INLINE RayVector outer_sq(std::uint32_t i) const {
-    return hn::Set(RayLanes(), radii == Radii::own ? outer_sq_[i] : index_.outer_sq);
+    return hn::Set(RayLanes(), radii == Radii::own ? outer_sq_[i] : frame_.outer_sq);
   }
   HWY_INLINE RayVector inner_sq(std::uint32_t i) const {
-    return hn::Set(RayLanes(), radii == Radii::own ? inner_sq_[i] : single_.inner_sq(index_));
+    return hn::Set(RayLanes(), radii == Radii::own ? inner_sq_[i] : single_.inner_sq(frame_));
   }
 
   template <class Visit>
@@ -309,13 +309,13 @@ class LeafGroupTest {
   }
 
   HWY_NOINLINE void alone(const RayUnderWay& ray, float t_near) const {
-    single_.visit(ray, leaf_, count_, index_, t_near);
+    single_.visit(ray, leaf_, count_, frame_, t_near);
   }
 
   const Single& single_;
   const Leaf leaf_;
   const std::uint32_t count_;
-  const typename Single::Index& index_;
+  const typename Single::LeafFrame& frame_;
   alignas(64) float points_[3][k_max_leaf_size];
   alignas(64) float outer_sq_[k_max_leaf_size], inner_sq_[k_max_leaf_size];  ///< only of Radii::own
 };

@@ -19,18 +19,18 @@ HWY_BEFORE_NAMESPACE();
 namespace alidade::simd {
 namespace HWY_NAMESPACE {
 
-/// A ray from `start` (local t) on, relative to a frame's corner, in floats of four: position,
-/// direction, RayLimits.
+/// A ray from `start` (local t) on, relative to a frame's corner, in floats of four: position, direction,
+/// RayLimits.
 HWY_INLINE void relative_to(const RayUnderWay& ray, double start, const double* corner, float* from,
                             float* along, float* limits) {
   const hn::CappedTag<double, 4> d;
   const hn::Rebind<float, decltype(d)> floats;
   const auto local_t = hn::Set(d, start), t = hn::Set(d, start + ray.state.shift);
   for (std::size_t lane = 0; lane < 4; lane += hn::Lanes(d)) {
-    // The fourth values are what is behind; nobody requests them.
+    // The fourth values are whatever is behind in memory; they are not used.
     const auto direction = hn::LoadU(d, &ray.asked.direction.x + lane);
-    const auto index = hn::MulAdd(t, direction, hn::LoadU(d, &ray.asked.origin.x + lane));
-    hn::StoreU(hn::DemoteTo(floats, hn::Sub(index, hn::LoadU(d, corner + lane))), floats, from + lane);
+    const auto position = hn::MulAdd(t, direction, hn::LoadU(d, &ray.asked.origin.x + lane));
+    hn::StoreU(hn::DemoteTo(floats, hn::Sub(position, hn::LoadU(d, corner + lane))), floats, from + lane);
     hn::StoreU(hn::DemoteTo(floats, direction), floats, along + lane);
     hn::StoreU(hn::DemoteTo(floats, hn::Sub(hn::LoadU(d, &ray.state.limits.t_min + lane), local_t)), floats,
                limits + lane);
@@ -39,9 +39,9 @@ HWY_INLINE void relative_to(const RayUnderWay& ray, double start, const double* 
 
 /// Tests the points of leaves against rays and keeps the best.
 ///
-/// Lanes compute t and distance of every point within `error` of the truth. That decides for nearly all points
-/// whether they can count (most cannot) or certainly do, and bounds of their measure. Only where bounds
-/// overlap, or the edge of a condition is nearer than `error`, is a point decided in double
+/// Lanes compute t and distance of every point within `error` of the truth. That decides for nearly all
+/// points whether they can count (most cannot) or certainly do, and bounds of their measure. Only where
+/// bounds overlap, or the edge of a condition is nearer than `error`, is a point decided in double
 /// (octree/candidate.h). So the answer is the same bits on every machine, at the price of floats.
 template <Measure measure, bool any, Radii radii>
 class LeafTest {
@@ -53,14 +53,14 @@ class LeafTest {
         disc_test_(setup),
         all_in_double_(measure == Measure::crossing || has_filter(setup.query)) {}
 
-  /// Leaves below one frame.
-  struct Index {
+  /// A frame, as the leaves below it need it.
+  struct LeafFrame {
     double corner[4];  ///< of the frame, world
     double error;
     float outer_sq;
     float scale[3];
 
-    Index(const QuerySetup& setup, const std::array<std::uint32_t, 3>& frame_corner, int level) {
+    LeafFrame(const QuerySetup& setup, const std::array<std::uint32_t, 3>& frame_corner, int level) {
       error = setup.leaf_error(level);
       for (int axis = 0; axis < 3; ++axis)
         corner[axis] = setup.tree.extent.corner[axis] + setup.tree.lattice.scale[axis] * frame_corner[axis];
@@ -72,27 +72,27 @@ class LeafTest {
     }
   };
 
-  Index index(const std::array<std::uint32_t, 3>& frame_corner, int level) const {
+  LeafFrame leaf_frame(const std::array<std::uint32_t, 3>& frame_corner, int level) const {
     return {setup_, frame_corner, level};
   }
 
   /// A point certainly counts if its distance squared is not above. For the half chord
   /// h = sqrt(r^2 - distance^2) of the sphere: (r + e)^2 - (x + e)^2 >= r^2 - x^2 >= (r - e)^2 - (x - e)^2
   /// for e <= x + e <= r.
-  float inner_sq(const Index& index) const {
-    const double inner = setup_.query.radius - index.error;
+  float inner_sq(const LeafFrame& frame) const {
+    const double inner = setup_.query.radius - frame.error;
     return inner > 0.0 && !all_in_double_ ? float_below(inner * inner) : -1.0f;
   }
 
   /// The first `count` points of a leaf, whose box the ray's line enters at t_near (local; rounding does not
-  /// matter). For `any`, ray.state.found() reports whether to go on.
-  HWY_INLINE void visit(const RayUnderWay& ray, const Leaf& leaf, std::uint32_t count, const Index& index,
+  /// matter). For `any`, ray.state.found() ends the search.
+  HWY_INLINE void visit(const RayUnderWay& ray, const Leaf& leaf, std::uint32_t count, const LeafFrame& frame,
                         float t_near) const {
     constexpr std::uint32_t lanes = hn::MaxLanes(PointLanes());
     if (count <= lanes) {
-      visit_vectors<1>(ray, leaf, count, index, t_near);
+      visit_vectors<1>(ray, leaf, count, frame, t_near);
     } else {
-      visit_vectors<k_max_leaf_size / lanes>(ray, leaf, count, index, t_near);
+      visit_vectors<k_max_leaf_size / lanes>(ray, leaf, count, frame, t_near);
     }
   }
 
@@ -127,15 +127,15 @@ class LeafTest {
  private:
   template <int vectors>
   HWY_NOINLINE void visit_vectors(const RayUnderWay& ray, const Leaf& leaf, std::uint32_t count,
-                                  const Index& index, float t_near) const {
+                                  const LeafFrame& frame, float t_near) const {
     // Around the point where the ray enters the leaf's box numbers are small, and so are errors.
     const auto start = static_cast<double>(t_near);
     alignas(16) float from[4], along[4], limits[4];
-    relative_to(ray, start, index.corner, from, along, limits);
+    relative_to(ray, start, frame.corner, from, along, limits);
 
     const PointLanes d;
     constexpr int lanes = hn::MaxLanes(PointLanes());
-    const auto error = hn::Set(d, float_above(index.error));
+    const auto error = hn::Set(d, float_above(frame.error));
     hn::Vec<PointLanes> radius[vectors];
     if constexpr (radii == Radii::own) {
       for (int i = 0; i < vectors; ++i)
@@ -144,7 +144,7 @@ class LeafTest {
     const auto outer_sq_of = [&](int i) {
       if constexpr (radii == Radii::own) return OwnRadii::outer_sq(d, radius[i], error);
       (void)i;
-      return hn::Set(d, index.outer_sq);
+      return hn::Set(d, frame.outer_sq);
     };
     const auto inner_sq_of = [&](int i) {
       if constexpr (radii == Radii::own) {
@@ -152,11 +152,12 @@ class LeafTest {
         return hn::Set(d, -1.0f);
       }
       (void)i;
-      return hn::Set(d, this->inner_sq(index));
+      return hn::Set(d, this->inner_sq(frame));
     };
     const auto t_min = hn::Set(d, limits[0]), t_max = hn::Set(d, limits[1]);
     auto low = hn::Sub(t_min, error);
-    // What begins after the cut does not count; a sphere begins at most its radius before its t, and a disc in it.
+    // What begins after the cut does not count; a sphere begins at most its radius before its t, and a disc
+    // in it.
     auto high = hn::Add(hn::Set(d, limits[3]), error);
     const auto reach = hn::Add(hn::Set(d, radius_above_), error);
     if constexpr (measure == Measure::entry) high = hn::Min(hn::Add(high, reach), hn::Add(t_max, error));
@@ -166,13 +167,13 @@ class LeafTest {
     }
     const auto along_x = hn::Set(d, along[0]), along_y = hn::Set(d, along[1]), along_z = hn::Set(d, along[2]);
 
-    // All vectors first, without asking in between: which of them hold a possible point nobody can foresee.
+    // All vectors first, without a branch in between: which hold a possible point cannot be predicted.
     hn::Vec<PointLanes> ts[vectors], distances_sq[vectors];
     std::uint32_t possible = 0;
     const std::uint16_t* coordinates = setup_.tree.coordinates + std::size_t{3} * leaf.first;
     const auto from_start = [&](int axis, int i) {
       return hn::MulSub(load_as_float(d, coordinates + axis * leaf.count + i * lanes),
-                        hn::Set(d, index.scale[axis]), hn::Set(d, from[axis]));
+                        hn::Set(d, frame.scale[axis]), hn::Set(d, from[axis]));
     };
     for (int i = 0; i < vectors; ++i) {
       const auto point =
@@ -333,7 +334,7 @@ class LeafTest {
   void keep(const RayUnderWay& ray, const Leaf& leaf, std::uint32_t index) const {
     ray.state.best_position = position_of(setup_.tree, leaf, index);
     ray.state.best_index = leaf.first + index;
-    // Asked for with the answer: few points that once were the best are not in the end.
+    // Read with the answer: few points that once were the best are not in the end.
     if (setup_.tree.ids) hwy::Prefetch(setup_.tree.ids + ray.state.best_index);
   }
 

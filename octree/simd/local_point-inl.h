@@ -70,8 +70,8 @@ class LocalPoint {
   float scale_[3];
 };
 
-/// How far a point lies outside of boxes on an axis, in lanes; below 0: inside. The boxes are those of a node's slots,
-/// widened by the point's error.
+/// How far a point lies outside of boxes on an axis, in lanes; below 0: inside. The boxes are those of a
+/// node's slots, widened by the point's error.
 struct Gaps {
   hn::Vec<ChildLanes> to_low, from_high;
 };
@@ -80,7 +80,7 @@ HWY_INLINE Gaps gaps_of(const LocalPoint::Local& local, const float* scale, floa
                         int axis, std::size_t lane) {
   const ChildLanes d;
   const float step = scale[axis] * grid_step;
-  // `high` is inclusive: its points stand up to one lattice step below the next grid step.
+  // `high` is inclusive: its points are up to one lattice step below the next grid step.
   return {hn::MulAdd(load_as_float(d, node.low[axis] + lane), hn::Set(d, step),
                      hn::Set(d, -local.point[axis] - local.error)),
           hn::NegMulAdd(load_as_float(d, node.high[axis] + lane), hn::Set(d, step),

@@ -104,8 +104,8 @@ class PointsOfBall {
   PointsOfBall(const TreeView& tree, const Ball& ball)
       : tree_(tree), nodes_(ball.nodes), center_(tree, ball.position, ball.reach) {}
 
-  /// visit(part, x, y, z, closeness): a vector of points and 1 - |p|^2 of each, 0 of those that are not in the
-  /// ball. Its lanes are the columns from part * k_lanes on.
+  /// visit(part, x, y, z, closeness): a vector of points and 1 - |p|^2 of each, 0 of those that are not in
+  /// the ball. Its lanes are the columns from part * k_lanes on.
   template <class Visit>
   HWY_INLINE void for_each(const Visit& visit) const {
     const auto visit_leaves = [&](const Frame& frame, const Slots& slots, unsigned leaves,

@@ -64,11 +64,11 @@ struct Fan {
 };
 
 /// What points around a position add up to, compiled for one instruction set. Unlike in queries, floats are
-/// the answer; so all sets add the same numbers in the same order, in sixteen columns however many lanes there
-/// are, and no product is fused with a sum.
+/// the answer; so all sets add the same numbers in the same order, in sixteen columns however many lanes
+/// there are, and no product is fused with a sum.
 struct LocalSums {
-  /// Replaces `nodes` by those with leaves within reach of a box, in the order of a walk. They serve all balls
-  /// that have their position in the box and at most this reach.
+  /// Replaces `nodes` by those with leaves within reach of a box, in the order of a walk. They serve all
+  /// balls that have their position in the box and at most this reach.
   void (*find_nodes)(const TreeView& tree, const Bounds& box, double reach, std::vector<Frame>& nodes);
   Moments (*around)(const TreeView& tree, const Ball& ball);
   Moments (*of_layer)(const TreeView& tree, const Ball& ball, const Layer& layer);

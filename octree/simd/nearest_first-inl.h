@@ -15,24 +15,24 @@ HWY_BEFORE_NAMESPACE();
 namespace alidade::simd {
 namespace HWY_NAMESPACE {
 
-/// What lanes describe the children of a node.
+/// What lanes find out about the children of a node.
 struct TestedBoxes {
   unsigned met = 0;     ///< bit per slot: may hold points that count; of empty slots anything
-  unsigned inside = 0;  ///< of these, those all of whose points count (asked only for counting)
+  unsigned inside = 0;  ///< of these, those all of whose points count (used only for counting)
   alignas(64) float bound[k_node_width];  ///< no point below is earlier, in the kernel's own measure
 };
 
 /// Algorithm 1 of the paper (octree/tree_query.h) with lanes: all children of a node at once, the nearest
 /// first.
 ///
-/// A *kernel* knows the target:
+/// A *kernel* measures the target:
 /// - at(corner, level) -> Local: the target as seen from a frame's corner, where numbers are small;
 /// - limit(cut): the bound above which nothing counts any more;
 /// - test_boxes(local, node, level, cut, boxes), test_points(local, leaf, count, level, cut, points).
 template <class Kernel, class Collector>
 class NearestFirst {
  public:
-  /// k: of points at one position only the first k are examined; k_all looks at all.
+  /// k: of points at one position only the first k are examined; k_all examines all.
   NearestFirst(const TreeView& tree, const Kernel& kernel, Collector& collector, int max_level, std::size_t k)
       : tree_(tree), kernel_(kernel), collector_(collector), max_level_(max_level), k_(k) {}
 

@@ -25,8 +25,8 @@ namespace HWY_NAMESPACE {
 ///
 /// Positions are relative to the centre of the collected region, whose half width on its widest axis is E.
 /// `error_` exceeds what can go wrong between a float distance and the double one that decides, in units of
-/// 2^-24: coordinates E each for point and target and 2 E for their difference, the norm of three of them 7 E;
-/// squares, sum and root 6 E. The budget is 32 E, and 1e-18 where squares leave the range of floats.
+/// 2^-24: coordinates E each for point and target and 2 E for their difference, the norm of three of them
+/// 7 E; squares, sum and root 6 E. The budget is 32 E, and 1e-18 where squares leave the range of floats.
 class NearestGroup {
  public:
   static constexpr std::size_t k_most_targets = 32;

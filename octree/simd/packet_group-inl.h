@@ -16,7 +16,8 @@ HWY_BEFORE_NAMESPACE();
 namespace alidade::simd {
 namespace HWY_NAMESPACE {
 
-/// f(first) gives doubles of half as many lanes as a vector of rays has, from lane `first` on; all of them as floats.
+/// f(first) gives doubles of half as many lanes as a vector of rays has, from lane `first` on; all of them as
+/// floats.
 template <class F>
 HWY_INLINE RayVector from_doubles(const F& f) {
   const RayLanes d;
@@ -71,8 +72,8 @@ struct PacketGroup {
   }
 };
 
-/// Where a point lies on a ray: t from where the ray enters the leaf; above 0, `inside` is the square of half the chord
-/// of the widened sphere.
+/// Where a point lies on a ray: t from where the ray enters the leaf; above 0, `inside` is the square of half
+/// the chord of the widened sphere.
 struct PointAtRay {
   RayVector t, inside;
 };
@@ -87,8 +88,8 @@ HWY_INLINE PointAtRay point_at_ray(RayVector x, RayVector y, RayVector z, RayVec
                            hn::NegMulAdd(across_y, across_y, hn::NegMulAdd(across_z, across_z, outer)))};
 }
 
-/// PointAtRay::inside of a point that certainly is within its radius is at least this; infinite if no point is certain.
-/// inner_sq: below 0 then. The addition is for the rounding.
+/// PointAtRay::inside of a point that certainly is within its radius is at least this; infinite if no point
+/// is certain. inner_sq: below 0 then. The addition is for the rounding.
 inline float sure_inside(float outer_sq, float inner_sq) {
   if (inner_sq < 0.0f) return std::numeric_limits<float>::infinity();
   return (outer_sq - inner_sq) * k_up + outer_sq * 0x1p-20f;
@@ -128,10 +129,10 @@ struct PacketLimits {
     sure_entry = hn::Add(entry_min, both);
   }
 
-  /// What limits leave of possible and certain points. By entry_min a point is only discarded where the upper bound of
-  /// its entry is known: near the rim (`inside` below `rim`) the lower bound lies far below the entry. With
-  /// a = t - entry_min, the entry t - sqrt(c) of a half chord squared c is before entry_min where a < 0 or a^2 < c: no
-  /// roots.
+  /// What limits leave of possible and certain points. By entry_min a point is only discarded where the upper
+  /// bound of its entry is known: near the rim (`inside` below `rim`) the lower bound lies far below the
+  /// entry. With a = t - entry_min, the entry t - sqrt(c) of a half chord squared c is before entry_min where
+  /// a < 0 or a^2 < c: no roots.
   HWY_INLINE void apply(RayVector t, RayVector inside, RayVector rim, hn::Mask<RayLanes>& is_possible,
                         hn::Mask<RayLanes>& is_sure) const {
     const RayLanes d;

@@ -19,8 +19,8 @@ HWY_BEFORE_NAMESPACE();
 namespace alidade::simd {
 namespace HWY_NAMESPACE {
 
-/// The points that rays of a packet meet as hits, several at a time: the operations of evaluate() (octree/candidate.h)
-/// in their order, so that the numbers are the same bits.
+/// The points that rays of a packet meet as hits, several at a time: the operations of evaluate()
+/// (octree/candidate.h) in their order, so that the numbers are the same bits.
 class PacketHits {
  public:
   template <Radii radii>

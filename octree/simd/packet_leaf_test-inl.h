@@ -16,13 +16,14 @@ HWY_BEFORE_NAMESPACE();
 namespace alidade::simd {
 namespace HWY_NAMESPACE {
 
-/// Tests the points of leaves against the rays of a packet. Errors and the rules by which points are possible or
-/// certain are those of LeafTest, but nothing is decided in double on the way: of each ray the certain point that
-/// leads is kept with bounds of its measure, and the least lower bound of all other possible points. At the end the
-/// leader is the answer unless another point may precede it: then the ray is asked for alone.
+/// Tests the points of leaves against the rays of a packet. Errors and the rules by which points are possible
+/// or certain are those of LeafTest, but nothing is decided in double on the way: of each ray the certain
+/// point that leads is kept with bounds of its measure, and the least lower bound of all other possible
+/// points. At the end the leader is the answer unless another point may precede it: then the ray is traced
+/// alone.
 ///
-/// Bounds of a ray count from `base`, where it entered the last leaf, since differences of points of one leaf or of
-/// neighbouring ones are small; they are widened by the rounding when the base moves.
+/// Bounds of a ray count from `base`, where it entered the last leaf, since differences of points of one leaf
+/// or of neighbouring ones are small; they are widened by the rounding when the base moves.
 template <Measure measure, bool any, Radii radii>
 class PacketLeafTest {
  public:
@@ -50,15 +51,15 @@ class PacketLeafTest {
 
   /// The leaves that follow are below this frame.
   void enter(const Frame& frame) {
-    index_.emplace(setup_, frame.corner, frame.level);
-    error_ = float_above(index_->error);
-    outer_sq_ = index_->outer_sq;
-    sure_above_ = sure_inside(outer_sq_, single_.inner_sq(*index_));
+    frame_.emplace(setup_, frame.corner, frame.level);
+    error_ = float_above(frame_->error);
+    outer_sq_ = frame_->outer_sq;
+    sure_above_ = sure_inside(outer_sq_, single_.inner_sq(*frame_));
   }
 
-  /// The first `count` points of a leaf, for the rays that enter its box at t_near before their cuts, in these groups.
-  /// far: the corner of the box, widened, that is the last one along the rays, from the setup's corner, mirrored; extent:
-  /// no ray is inside the box for longer.
+  /// The first `count` points of a leaf, for the rays that enter its box at t_near before their cuts, in
+  /// these groups. far: the corner of the box, widened, that is the last one along the rays, from the setup's
+  /// corner, mirrored; extent: no ray is inside the box for longer.
   void visit(const Leaf& leaf, std::uint32_t count, unsigned groups, const float* t_near,
              const float (&far)[3], float extent) {
     const RayLanes d;
@@ -74,14 +75,15 @@ class PacketLeafTest {
       const auto ends_behind =
           hn::Gt(hn::Add(t, hn::Set(d, extent + error_)), hn::Load(d, rays_.limit_high + first));
       const bool limited = is_any(hn::And(meets, hn::Or(begins_before, ends_behind)));
-      // A sphere is not entered behind the projection of its centre. So what counts projects behind the limits.
+      // A sphere is not entered behind the projection of its centre. So what counts projects behind the
+      // limits.
       if (limited)
         meets = hn::And(meets, hn::Ge(hn::Add(rays_.last_projection(first, far, widening_), error), low));
       const std::size_t rays = hn::CountTrue(d, meets);
       if (rays == 0) continue;
       if (!is_loaded) load(leaf, count);
       is_loaded = true;
-      const PacketGroup group(rays_, index_->corner, first, t, meets);
+      const PacketGroup group(rays_, frame_->corner, first, t, meets);
       if constexpr (any) {
         if (limited) {
           2 * rays <= count ? test_any_in_lanes<true>(group) : test_any<true>(group);
@@ -112,7 +114,7 @@ class PacketLeafTest {
 
   /// Bit per ray: it has an answer.
   std::uint64_t found() const { return found_ & ~unclear_; }
-  /// Bit per ray: it must be asked for alone.
+  /// Bit per ray: it must be traced alone.
   std::uint64_t unclear() const { return unclear_ | rays_.far_away; }
   /// Of a ray that has an answer: where the point is.
   const Leaf& leaf_of(std::size_t lane) const { return leaves_[found_leaf_[lane]]; }
@@ -120,7 +122,7 @@ class PacketLeafTest {
 
  private:
   static constexpr std::size_t k_size = PacketRays::k_size, k_most_lanes = PacketRays::k_most_lanes;
-  /// Stands for infinity where sums must stay finite.
+  /// Replaces infinity where sums must stay finite.
   static constexpr float k_none = 1e30f;
   using Numbers = hn::Vec<RayNumbers>;
 
@@ -149,7 +151,7 @@ class PacketLeafTest {
     for (int axis = 0; axis < 3; ++axis)
       for (std::uint32_t i = 0; i < count; i += static_cast<std::uint32_t>(hn::Lanes(d)))
         hn::Store(
-            hn::Mul(load_as_float(d, coordinates + axis * leaf.count + i), hn::Set(d, index_->scale[axis])),
+            hn::Mul(load_as_float(d, coordinates + axis * leaf.count + i), hn::Set(d, frame_->scale[axis])),
             d, points_[axis] + i);
     if constexpr (radii == Radii::own) {
       const auto error = hn::Set(d, error_);
@@ -166,8 +168,8 @@ class PacketLeafTest {
     }
   }
 
-  /// The leader and the other points' least bound, from where the rays enter the leaf; measures without the error
-  /// until they are stored.
+  /// The leader and the other points' least bound, from where the rays enter the leaf; measures without the
+  /// error until they are stored.
   struct Best {
     RayVector low, second, high, root, rim;
     Numbers point;
@@ -232,7 +234,7 @@ class PacketLeafTest {
     const RayLanes d;
     const RayNumbers n;
     const auto zero = hn::Zero(d), none = hn::Set(d, k_none);
-    // All points first, without asking in between: which of them are possible nobody can foresee.
+    // All points first, without a branch in between: which of them are possible cannot be predicted.
     alignas(64) float ts[k_max_leaf_size][k_most_lanes], insides[k_max_leaf_size][k_most_lanes];
     std::uint32_t possible = 0;
     for (std::uint32_t i = 0; i < count_; ++i) {
@@ -269,7 +271,7 @@ class PacketLeafTest {
     }
   }
 
-  /// The same with one lane per point, for few rays.
+  /// Tests the points with one lane per point, for few rays.
   template <bool limited>
   HWY_NOINLINE void test_in_lanes(const PacketGroup& group, Best& best) const {
     std::optional<PacketLimitsByRay> limits;
@@ -427,8 +429,8 @@ class PacketLeafTest {
   const Single& single_;
   PacketRays& rays_;
   const float widening_;  ///< of boxes, without what is for rounding
-  // Of the frame.
-  std::optional<typename Single::Index> index_;
+  // Of the frame that the leaves are below.
+  std::optional<typename Single::LeafFrame> frame_;
   float error_ = 0.0f, outer_sq_ = 0.0f, sure_above_ = 0.0f;
   // Of the leaf.
   std::uint32_t count_ = 0;

@@ -34,8 +34,8 @@ HWY_INLINE hn::Vec<hn::Rebind<float, D>> demote_below(D d, hn::Vec<D> value) {
   return hn::Neg(demote_above(d, hn::Neg(value)));
 }
 
-/// Rays of a packet, a column each. All of one octant; numbers marked as mirrored have their signs changed on the axes
-/// along which the rays go down.
+/// Rays of a packet, a column each. All of one octant; numbers marked as mirrored have their signs changed on
+/// the axes along which the rays go down.
 struct PacketRays {
   static constexpr std::size_t k_size = 64, k_lanes = hn::MaxLanes(RayLanes()), k_most_lanes = 16;
 
@@ -51,15 +51,16 @@ struct PacketRays {
   alignas(64) float limit_low[k_size];   ///< not below t_min nor entry_min
   alignas(64) float limit_high[k_size];  ///< not above t_max
   alignas(64) float t_cut[k_size];  ///< nothing that begins after counts; -infinity of rays that are done
-  /// What boxes need of a vector of rays, side by side. t of a face at x is x * inverse - origin_t, all mirrored.
+  /// What boxes need of a vector of rays, side by side. t of a face at x is x * inverse - origin_t, all
+  /// mirrored.
   struct Boxes {
     alignas(64) float inverse[3][k_lanes], origin_t[3][k_lanes];
     alignas(64) float cut[k_lanes];  ///< t_cut of the rays that are active at a node, -infinity of others
   };
   Boxes boxes[k_size / k_lanes];
   alignas(64) float along[3][k_size];  ///< direction
-  alignas(
-      64) float start[k_size];  ///< how far along the ray local t = 0 is from the foot of the setup's corner
+  /// How far along the ray local t = 0 is from the foot of the setup's corner.
+  alignas(64) float start[k_size];
   // Of all rays that go through the tree, from the setup's corner, metres, mirrored.
   float origin_min[3], origin_max[3], inverse_min[3], inverse_max[3];
 
@@ -94,8 +95,8 @@ struct PacketRays {
         groups |= 1u << (lane / hn::Lanes(all));
   }
 
-  /// An upper limit of local t of the points in a box. far: its last corner, widened, from the setup's corner, mirrored;
-  /// widening: by which it is widened beside what covers the rounding.
+  /// An upper limit of local t of the points in a box. far: its last corner, widened, from the setup's
+  /// corner, mirrored; widening: by which it is widened beside what covers the rounding.
   HWY_INLINE RayVector last_projection(std::size_t first, const float (&far)[3], float widening) const {
     const RayLanes d;
     auto t = hn::Neg(hn::Load(d, start + first));

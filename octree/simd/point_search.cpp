@@ -15,8 +15,8 @@ HWY_BEFORE_NAMESPACE();
 namespace alidade::simd {
 namespace HWY_NAMESPACE {
 
-/// Distances to a point, for NearestFirst. Bounds are squares of distances. Boxes are widened by the error of the point
-/// (LocalPoint), so that only the rounding of squares and sums is left, which `limit` allows for.
+/// Distances to a point, for NearestFirst. Bounds are squares of distances. Boxes are widened by the error of
+/// the point (LocalPoint), so that only the rounding of squares and sums is left, which `limit` allows for.
 class PointKernel {
  public:
   using Local = LocalPoint::Local;

@@ -22,12 +22,13 @@ HWY_BEFORE_NAMESPACE();
 namespace alidade::simd {
 namespace HWY_NAMESPACE {
 
-/// Numbers of rays by octant, and in each octant so that rays side by side go much alike: by cells of a coarse grid over
-/// those coordinates of origins and directions that differ most, along a Morton curve. Rays of one cell keep their order.
-/// Cost: some nanoseconds per ray.
+/// Numbers of rays by octant, and in each octant so that rays side by side go much alike: by cells of a
+/// coarse grid over those coordinates of origins and directions that differ most, along a Morton curve. Rays
+/// of one cell keep their order. Cost: some nanoseconds per ray.
 class RayOrder {
  public:
-  /// distance: what rays travel, metres, roughly; a difference of directions counts so much times as one of origins.
+  /// distance: what rays travel, metres, roughly; a difference of directions counts so much times as one of
+  /// origins.
   RayOrder(std::span<const Ray> rays, double distance) : numbers_(rays.size()) {
     // A cell for every few rays: counting goes through all cells.
     constexpr int k_most_bits = 11;

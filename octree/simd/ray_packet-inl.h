@@ -24,12 +24,12 @@ HWY_BEFORE_NAMESPACE();
 namespace alidade::simd {
 namespace HWY_NAMESPACE {
 
-/// Up to 64 rays of one octant through the tree together, for rays that start and go much alike. A node is first
-/// compared with the space between all of its rays, 16 boxes at once, then those boxes that are left with
-/// vectors of rays. Where only a few rays are left, their boxes are in lanes.
+/// Up to 64 rays of one octant through the tree together, for rays that start and go much alike. A node is
+/// first compared with the space between all of its rays, 16 boxes at once, then those boxes that are left
+/// with vectors of rays. Where only a few rays are left, their boxes are in lanes.
 ///
 /// Nothing of a ray is in memory but one column of the packet, in which the leaves leave their results
-/// (PacketLeafTest). Rays that these do not decide are asked for alone.
+/// (PacketLeafTest). Rays that these do not decide are traced alone.
 template <Measure measure, bool any, Radii radii>
 class RayPacket {
  public:
@@ -202,9 +202,9 @@ class RayPacket {
     return met;
   }
 
-  /// The slots whose boxes the space between all rays of the packet meets before the last of the active rays' cuts.
-  /// Fills earliest_. The errors are those of single rays, whose margins suffice: the differences and products are of
-  /// the same numbers or of such that make the interval wider.
+  /// The slots whose boxes the space between all rays of the packet meets before the last of the active rays'
+  /// cuts. Fills earliest_. The errors are those of single rays, whose margins suffice: the differences and
+  /// products are of the same numbers or of such that make the interval wider.
   unsigned meet_all_rays(const Faces& faces) {
     const ChildLanes d;
     unsigned met = 0;

@@ -14,13 +14,13 @@ HWY_BEFORE_NAMESPACE();
 namespace alidade::simd {
 namespace HWY_NAMESPACE {
 
-/// Distances to a ray's line and storage indices on it, for NearestFirst. Bounds are squares of distances for
+/// Distances to a ray's line and lengths along it, for NearestFirst. Bounds are squares of distances for
 /// Measure::distance, otherwise the measure itself, counted from LineFromRoot::shift.
 ///
-/// Everything is relative to the foot of the perpendicular from the corner of a node's frame on the line: with
-/// W the frame's width and D the length of the perpendicular, all numbers stay below 1.8 W + D however far
-/// the ray begins. `error` exceeds what can go wrong between floats and the double numbers that decide, in
-/// units of 2^-24:
+/// Everything is relative to the foot of the perpendicular from the corner of a node's frame on the line:
+/// with W the frame's width and D the length of the perpendicular, all numbers stay below 1.8 W + D however
+/// far the ray begins. `error` exceeds what can go wrong between floats and the double numbers that decide,
+/// in units of 2^-24:
 /// - a coordinate: rounding of scale, foot and their difference, for centres and half sides of boxes twice:
 ///   3 W + 2 D;
 /// - t, a sum of three products with components of the direction, whatever these are: three times 1.8 W + D
@@ -103,7 +103,7 @@ class RayKernel {
         const float step = float_scale_[axis] * grid_step;
         const auto low = load_as_float(d, node.low[axis] + lane),
                    high = load_as_float(d, node.high[axis] + lane);
-        // `high` is inclusive: its points stand up to one lattice step below the next grid step.
+        // `high` is inclusive: its points are up to one lattice step below the next grid step.
         const float last = 0.5f * (step - float_scale_[axis]);
         const auto half_step = hn::Set(d, 0.5f * step);
         center[axis] = hn::MulAdd(hn::Add(low, high), half_step, hn::Set(d, last - local.foot[axis]));
@@ -234,9 +234,9 @@ void find_by(const TreeView& tree, const Ray& ray, const RayQuery& query, std::s
              std::size_t query_index, std::vector<Hit>& answers) {
   const LineFromRoot line(tree, ray);
   const RayKernel<measure> kernel(tree, line, ray, query, has_filter(query));
-  constexpr bool is_index = measure != Measure::distance;
-  find_first(tree, kernel, RayTarget(ray, query, query_index), query, k, is_index ? line.shift : 0.0,
-             is_index ? line.error : 0.0, answers);
+  constexpr bool is_along_line = measure != Measure::distance;
+  find_first(tree, kernel, RayTarget(ray, query, query_index), query, k, is_along_line ? line.shift : 0.0,
+             is_along_line ? line.error : 0.0, answers);
 }
 
 void find(const TreeView& tree, const Ray& ray, const RayQuery& query, std::size_t k, std::size_t query_index,

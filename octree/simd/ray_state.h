@@ -35,7 +35,7 @@ inline double power_of_two(int exponent) {
   return std::bit_cast<double>(static_cast<std::uint64_t>(1023 + exponent) << 52);
 }
 
-/// Stands for infinity where sums must stay finite.
+/// Replaces infinity where sums must stay finite.
 constexpr double k_far = 1e30;
 
 /// Rounds towards +infinity with a little room, for upper limits that must not discard too much. Requires:
@@ -93,19 +93,20 @@ enum class Radii {
 /// the lattice's scale, of 1/d and of their products with corner and grid step at most 4 F (corner and grid
 /// steps together stay below F), of the ray's local origin F + r, of the four sums in t at most 8 F + 7 r,
 /// of the widening 4 r. The sum stays below 13 (F + r); the budget is 16 (F + r). Where points have radii of
-/// their own, theirs replace r in the widening; that is a sum and two products more, and the budget
-/// is 32 (F + r).
+/// their own, theirs replace r in the widening; that is a sum and two products more, and the budget is
+/// 32 (F + r).
 ///
-/// In a tree with a site (TreeExtent) positions are relative to the site's corner. Boxes in the site are widened by
-/// `site_radius`, which has 8 widths of the site in the place of F. So much suffices for rays whose local origin is within 7
-/// widths of its corner along each axis; others are asked for alone, with a setup for the whole tree.
+/// In a tree with a site (TreeExtent) positions are relative to the site's corner. Boxes in the site are
+/// widened by `site_radius`, in which 8 widths of the site replace F. So much suffices for rays whose local
+/// origin is within 7 widths of its corner along each axis; others are traced alone, with a setup for the
+/// whole tree.
 ///
 /// What goes wrong in double comes on top: `double_error` exceeds 2^-48 (W + way) + 4e-12 way,
 /// W the largest coordinate with the lattice's offset and `way` that from a ray's origin to the far end of
 /// the points: cancellation in point - origin and in t, and direction components kept 1e-12 away from zero.
 struct QuerySetup {
-  /// For rays that start not farther away than a few times the extent of the points, and near the site if there is one;
-  /// others get a setup of their own.
+  /// For rays that start not farther away than a few times the extent of the points, and near the site if
+  /// there is one; others get a setup of their own.
   QuerySetup(const TreeView& asked_tree, const RayQuery& asked_query)
       : QuerySetup(asked_tree, asked_query, usual_way(asked_tree, asked_query)) {
     const TreeExtent& extent = tree.extent;
@@ -212,7 +213,7 @@ struct RayLimits {
   double cut;  ///< the best point's measure is not beyond
 };
 
-/// What else is known of a ray on its way, a cache line of it. Lengths are in local t, which counts from
+/// What else describes a ray on its way, a cache line of it. Lengths are in local t, which counts from
 /// where the ray is both inside the root's box and not before its limits by more than the radius, so that
 /// origins far away cost no precision.
 struct alignas(64) RayState {
@@ -322,8 +323,7 @@ inline SlotOrder front_to_back(const Node& node, unsigned octant, unsigned slots
     for (; at > 0 && keys[at - 1] > key; --at) keys[at] = keys[at - 1];
     keys[at] = key;
   }
-  for (int index = 0; index < order.count; ++index)
-    order.slot[index] = static_cast<std::uint8_t>(keys[index] & 15u);
+  for (int i = 0; i < order.count; ++i) order.slot[i] = static_cast<std::uint8_t>(keys[i] & 15u);
   return order;
 }
 

@@ -22,7 +22,7 @@ namespace HWY_NAMESPACE {
 
 /// Many rays of one octant through the tree together, one lane per ray: every node is read once for all rays
 /// that meet it, its boxes are turned into floats once, and so are the points of leaves. Where few are left,
-/// each goes on alone.
+/// each continues alone.
 template <Measure measure, bool any, Radii radii>
 class RayStream {
  public:
@@ -55,8 +55,8 @@ class RayStream {
       rays = std::make_unique_for_overwrite<std::uint32_t[]>(k_node_width * room);
       t_near = std::make_unique_for_overwrite<float[]>(k_node_width * room);
     }
-    RayList list(std::size_t index) const {
-      return {rays.get() + index * room, t_near.get() + index * room, 0};
+    RayList list(std::size_t number) const {
+      return {rays.get() + number * room, t_near.get() + number * room, 0};
     }
   };
 
@@ -113,15 +113,15 @@ class RayStream {
     }
     const SlotOrder order = front_to_back(node, octant_, any_met);
     const std::uint64_t answers_before = answers_;
-    const auto leaf_index = traversed_.leaf_test.index(frame.corner, frame.level);
-    for (int index = 0; index < order.count; ++index) {
-      const int slot = order.slot[index];
+    const auto leaf_frame = traversed_.leaf_test.leaf_frame(frame.corner, frame.level);
+    for (int i = 0; i < order.count; ++i) {
+      const int slot = order.slot[i];
       RayList& rays = met[slot];
       if (answers_ != answers_before) rays.discard(batch_.boxes);
       if (rays.count == 0) continue;
       if ((slots.leaf >> slot & 1u) != 0) {
         const Leaf leaf = slots.leaf_in(node, frame, slot);
-        test_leaf(leaf, (single >> slot & 1u) != 0 ? 1u : leaf.count, leaf_index, rays);
+        test_leaf(leaf, (single >> slot & 1u) != 0 ? 1u : leaf.count, leaf_frame, rays);
       } else {
         visit_node(slots.child_in(node, frame, slot), rays);
       }
@@ -134,16 +134,16 @@ class RayStream {
   }
 
   void test_leaf(const Leaf& leaf, std::uint32_t count,
-                 const typename LeafTest<measure, any, radii>::Index& index, const RayList& list) {
+                 const typename LeafTest<measure, any, radii>::LeafFrame& frame, const RayList& list) {
     if constexpr (measure != Measure::crossing) {
       if (list.count >= k_min_rays_at_leaf && !traversed_.leaf_test.all_in_double()) {
-        LeafGroupTest<measure, any, radii>(setup_, traversed_.leaf_test, leaf, count, index)
+        LeafGroupTest<measure, any, radii>(setup_, traversed_.leaf_test, leaf, count, frame)
             .visit(batch_, list, answers_);
         return;
       }
     }
     for (std::uint32_t i = 0; i < list.count; ++i)
-      traversed_.leaf_test.visit(batch_[list.rays[i]], leaf, count, index, list.t_near[i]);
+      traversed_.leaf_test.visit(batch_[list.rays[i]], leaf, count, frame, list.t_near[i]);
     ++answers_;
   }
 
@@ -203,7 +203,7 @@ class RayStream {
     }
   }
 
-  /// The same with one lane per ray.
+  /// Fills the lists with one lane per ray.
   void meet_rays_in_lanes(const Faces& faces, const RayList& list, unsigned wanted, RayList* met) const {
     const RayLanes d;
     const RayNumbers n;

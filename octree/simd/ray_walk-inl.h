@@ -50,8 +50,8 @@ struct Traversed {
 };
 
 /// A single ray as it meets boxes. t of the face at grid step q of a frame is q * step * 2^(level - 8) +
-/// corner * step - origin_t, with the frame's corner in lattice steps from the setup's, and `reach` before that for
-/// near faces, behind it for far ones. Radii of the points' own are taken off later.
+/// corner * step - origin_t, with the frame's corner in lattice steps from the setup's, and `reach` before
+/// that for near faces, behind it for far ones. Radii of the points' own are taken off later.
 template <Radii radii>
 struct RayOnGrid {
   float step[3], origin_t[3];
@@ -89,9 +89,9 @@ HWY_INLINE float grid_step_of(int level) {
   return std::bit_cast<float>(static_cast<std::uint32_t>(127 + level - k_min_frame_level) << 23);
 }
 
-/// Slots whose widened box the ray meets between local t = 0 and t_cut, empty slots included, and where it enters
-/// each. corner: of the node's frame, lattice steps. reach: RayOnGrid's for that frame. spacings: of the node's slots; only
-/// for Radii::own.
+/// Slots whose widened box the ray meets between local t = 0 and t_cut, empty slots included, and where it
+/// enters each. corner: of the node's frame, lattice steps. reach: RayOnGrid's for that frame. spacings: of
+/// the node's slots; only for Radii::own.
 template <Radii radii>
 HWY_INLINE unsigned meet_boxes(const RayOnGrid<radii>& ray, float t_cut, const Node& node,
                                const float* corner, int level, const float* reach, const OwnRadii& own_radii,
@@ -130,8 +130,8 @@ HWY_INLINE unsigned meet_boxes(const RayOnGrid<radii>& ray, float t_cut, const N
   return meets;
 }
 
-/// One ray on its way through the tree, nearest nodes first, in steps: look at a node's boxes, test the
-/// leaves among them, go on to the next node.
+/// One ray on its way through the tree, nearest nodes first, in steps: test a node's boxes, test the leaves
+/// among them, go to the next node.
 template <Measure measure, bool any, Radii radii>
 class RayWalk {
  public:
@@ -139,22 +139,22 @@ class RayWalk {
       : ray_(ray),
         on_grid_(traversed.setup, ray.boxes),
         reference_(traversed.setup.reference),
-        at_{{traversed.setup.steps_to(from.corner[0], 0), traversed.setup.steps_to(from.corner[1], 1),
-             traversed.setup.steps_to(from.corner[2], 2)},
-            from.node,
-            static_cast<std::uint16_t>(from.level),
-            static_cast<std::uint16_t>(from.depth)} {}
+        frame_{{traversed.setup.steps_to(from.corner[0], 0), traversed.setup.steps_to(from.corner[1], 1),
+                traversed.setup.steps_to(from.corner[2], 2)},
+               from.node,
+               static_cast<std::uint16_t>(from.level),
+               static_cast<std::uint16_t>(from.depth)} {}
 
   /// Whether the ray meets leaves of the node.
   HWY_INLINE bool meet_children(const Traversed<measure, any, radii>& traversed) {
     const TreeView& tree = traversed.setup.tree;
-    const Node& node = tree.nodes[at_.node];
+    const Node& node = tree.nodes[frame_.node];
     const Slots slots(node);
-    unsigned met = meet_boxes(on_grid_, ray_.boxes.t_cut, node, at_.corner, at_.level,
+    unsigned met = meet_boxes(on_grid_, ray_.boxes.t_cut, node, frame_.corner, frame_.level,
                               in_site(traversed.setup) ? on_grid_.reach_in_site : on_grid_.reach,
-                              traversed.leaf_test.own_radii(), slot_spacings(tree, at_.node), t_near_);
+                              traversed.leaf_test.own_radii(), slot_spacings(tree, frame_.node), t_near_);
     single_ = 0;
-    if (at_.level == k_min_frame_level && (traversed.skips_twins || traversed.rejects_twins)) {
+    if (frame_.level == k_min_frame_level && (traversed.skips_twins || traversed.rejects_twins)) {
       const SamePositions same(node);
       if (traversed.skips_twins) {
         met &= ~same.twins;
@@ -166,13 +166,13 @@ class RayWalk {
     }
     leaves_ = met & slots.leaf;
     inner_ = slots.inner;
-    children_ = at_.depth < traversed.max_depth ? met & slots.inner : 0u;
+    children_ = frame_.depth < traversed.max_depth ? met & slots.inner : 0u;
     return leaves_ != 0;
   }
 
   /// Fetches the points of the leaves that the ray meets.
   HWY_INLINE void prefetch_leaves(const Traversed<measure, any, radii>& traversed) const {
-    const Node& node = traversed.setup.tree.nodes[at_.node];
+    const Node& node = traversed.setup.tree.nodes[frame_.node];
     const Slots slots(node);
     for (unsigned leaves = leaves_; leaves != 0; leaves &= leaves - 1) {
       const int slot = std::countr_zero(leaves);
@@ -184,38 +184,39 @@ class RayWalk {
   }
 
   HWY_INLINE void prefetch_node(const Traversed<measure, any, radii>& traversed) const {
-    hwy::Prefetch(traversed.setup.tree.nodes + at_.node);
+    hwy::Prefetch(traversed.setup.tree.nodes + frame_.node);
   }
 
   /// Requires: meet_children() was true.
   HWY_INLINE void test_leaves(const Traversed<measure, any, radii>& traversed) {
-    const Node& node = traversed.setup.tree.nodes[at_.node];
+    const Node& node = traversed.setup.tree.nodes[frame_.node];
     const Slots slots(node);
     const float cut_before = ray_.boxes.t_cut;
     const std::array<std::uint32_t, 3> corner = this->corner();
-    const auto index = traversed.leaf_test.index(corner, at_.level);
+    const auto leaf_frame = traversed.leaf_test.leaf_frame(corner, frame_.level);
     do {
       const int slot = std::countr_zero(leaves_ | 1u << (k_node_width - 1));
       leaves_ &= leaves_ - 1;
       if (t_near_[slot] > ray_.boxes.t_cut) continue;
       const std::uint32_t count = node.kind[slot];
       const Leaf leaf{slots.first_point(node, slot), count, corner};
-      traversed.leaf_test.visit(ray_, leaf, (single_ >> slot & 1u) != 0 ? 1u : count, index, t_near_[slot]);
+      traversed.leaf_test.visit(ray_, leaf, (single_ >> slot & 1u) != 0 ? 1u : count, leaf_frame,
+                                t_near_[slot]);
       if (any && ray_.state.found()) return;
     } while (leaves_ != 0);
     if (ray_.boxes.t_cut < cut_before) children_ &= begin_before(t_near_, ray_.boxes.t_cut);
   }
 
-  /// To the next node; false at the end of the way.
+  /// To the next node; false at the end of the walk.
   HWY_INLINE bool next_node(const Traversed<measure, any, radii>& traversed) {
     if (any && ray_.state.found()) return false;
     const Node* nodes = traversed.setup.tree.nodes;
     if (children_ != 0) {
-      const Node& node = nodes[at_.node];
+      const Node& node = nodes[frame_.node];
       int slot = std::countr_zero(children_);
       children_ &= children_ - 1;
       if (children_ != 0) slot = keep_waiting(slot);
-      at_ = child(at_, node, slot, inner_);
+      frame_ = child(frame_, node, slot, inner_);
       return true;
     }
     // Of floats that are not below 0, and those that are, too.
@@ -225,17 +226,16 @@ class RayWalk {
       if (waiting_count_ == 0) return false;
       chosen = waiting_[--waiting_count_];
     } while (static_cast<std::int32_t>(chosen >> 32) > cut);
-    const Index& parent = way_[chosen >> 8 & 0xff];
+    const FloatFrame& parent = parents_[chosen >> 8 & 0xff];
     const Node& node = nodes[parent.node];
     const int slot = static_cast<int>(chosen & 0xff);
-    at_ = child(parent, node, slot, inner_slots(node));
+    frame_ = child(parent, node, slot, inner_slots(node));
     return true;
   }
 
  private:
-  /// A node, with the corner of its frame as floats, which hold it exactly: it is a multiple of 256 within
-  /// 2^32.
-  struct Index {
+  /// A Frame with its corner as floats, which hold it exactly: it is a multiple of 256 within 2^32.
+  struct FloatFrame {
     float corner[3];  ///< lattice steps from the setup's
     std::uint32_t node;
     std::uint16_t level;
@@ -244,7 +244,7 @@ class RayWalk {
 
   /// From the root's corner.
   std::uint32_t lattice_steps(int axis) const {
-    return reference_[axis] + static_cast<std::uint32_t>(static_cast<std::int64_t>(at_.corner[axis]));
+    return reference_[axis] + static_cast<std::uint32_t>(static_cast<std::int64_t>(frame_.corner[axis]));
   }
   std::array<std::uint32_t, 3> corner() const {
     return {lattice_steps(0), lattice_steps(1), lattice_steps(2)};
@@ -254,22 +254,22 @@ class RayWalk {
   bool in_site(const QuerySetup& setup) const {
     if (!setup.has_site) return true;
     const auto width = static_cast<float>(power_of_two(setup.tree.extent.site_level));
-    const auto within = [&](int axis) { return at_.corner[axis] >= 0.0f && at_.corner[axis] < width; };
-    return at_.level <= setup.tree.extent.site_level && within(0) && within(1) && within(2);
+    const auto within = [&](int axis) { return frame_.corner[axis] >= 0.0f && frame_.corner[axis] < width; };
+    return frame_.level <= setup.tree.extent.site_level && within(0) && within(1) && within(2);
   }
 
   /// inner: of the parent's slots.
-  HWY_INLINE static Index child(const Index& parent, const Node& node, int slot, unsigned inner) {
+  HWY_INLINE static FloatFrame child(const FloatFrame& parent, const Node& node, int slot, unsigned inner) {
     const int drop = node.kind[slot] - k_inner_kind;
     const float grid_step = grid_step_of(parent.level);
-    Index index;
+    FloatFrame below;
     for (int axis = 0; axis < 3; ++axis)
-      index.corner[axis] =
+      below.corner[axis] =
           parent.corner[axis] + static_cast<float>(node.low[axis][slot] & (-256 >> drop)) * grid_step;
-    index.node = node.first_child + static_cast<unsigned>(std::popcount(inner & ((1u << slot) - 1u)));
-    index.level = static_cast<std::uint16_t>(parent.level - drop);
-    index.depth = static_cast<std::uint16_t>(parent.depth + 1);
-    return index;
+    below.node = node.first_child + static_cast<unsigned>(std::popcount(inner & ((1u << slot) - 1u)));
+    below.level = static_cast<std::uint16_t>(parent.level - drop);
+    below.depth = static_cast<std::uint16_t>(parent.depth + 1);
+    return below;
   }
 
   /// A child still to be visited: from high to low 32 bits its t, 24 bits depth of its parent, 8 bits slot.
@@ -277,14 +277,14 @@ class RayWalk {
 
   /// All children but the nearest wait, the farthest first, so that the nearer ones are visited earlier.
   HWY_INLINE int keep_waiting(int slot) {
-    way_[at_.depth] = at_;
+    parents_[frame_.depth] = frame_;
     const int bottom = waiting_count_;
     do {
       int other = std::countr_zero(children_);
       children_ &= children_ - 1;
       if (t_near_[other] < t_near_[slot]) std::swap(slot, other);
       const Waiting farther = Waiting{std::bit_cast<std::uint32_t>(t_near_[other])} << 32 |
-                              Waiting{at_.depth} << 8 | static_cast<unsigned>(other);
+                              Waiting{frame_.depth} << 8 | static_cast<unsigned>(other);
       int at = waiting_count_++;
       for (; at > bottom && waiting_[at - 1] < farther; --at) waiting_[at] = waiting_[at - 1];
       waiting_[at] = farther;
@@ -295,11 +295,11 @@ class RayWalk {
   RayUnderWay ray_;
   RayOnGrid<radii> on_grid_;
   std::array<std::uint32_t, 3> reference_;
-  Index at_;
+  FloatFrame frame_;
   unsigned leaves_, children_, inner_, single_;
   int waiting_count_ = 0;
   alignas(64) float t_near_[k_node_width];
-  Index way_[k_max_tree_depth + 1];  ///< the nodes whose other children wait, by depth
+  FloatFrame parents_[k_max_tree_depth + 1];  ///< of the children that wait, by depth
   Waiting waiting_[k_max_tree_depth * (k_node_width - 1) + 1];
 };
 

@@ -14,8 +14,8 @@ namespace alidade::simd {
 
 /// Ray queries on a tree, compiled for one instruction set. Lanes only discard, and only what double
 /// arithmetic would discard too; what remains is decided by octree/candidate.h. So all sets give the same
-/// bits. Requires: a checked query of measure t, entry or crossing, checked rays with directions of length 1 but for
-/// rounding, a tree that is not empty, no length beyond 1e15.
+/// bits. Requires: a checked query of measure t, entry or crossing, checked rays with directions of length 1
+/// but for rounding, a tree that is not empty, no length beyond 1e15.
 struct Traversal {
   std::optional<Hit> (*closest)(const TreeView& tree, const Ray& ray, const RayQuery& query,
                                 std::size_t query_index);
@@ -38,7 +38,7 @@ constexpr std::size_t k_most_in_turn = 64;
 /// those that `Traversal` does not answer, of points, and of boxes. Lanes only discard what double arithmetic
 /// would discard too; what remains is decided by octree/candidate.h. So all sets give the same bits. World
 /// coordinates grow with lattice steps, so a box in the world is a box of lattice steps, and no test needs a
-/// number that is not whole: nodes are compared byte by byte, points 16 bits at a time, and what stands
+/// number that is not whole: nodes are compared byte by byte, points 16 bits at a time, and what is
 /// wholly inside is not compared at all. Requires: checked query and target; a tree and a target that suit
 /// lanes.
 template <Askable T>
@@ -48,9 +48,9 @@ struct Search {
                std::size_t query_index, std::vector<AnswerOf<T>>& answers);
   std::size_t (*count)(const TreeView& tree, const T& target, const QueryOf<T>& query, std::size_t k,
                        std::size_t query_index);
-  /// Of points, null for other targets: appends the k first points of one target after another, and where those
-  /// of each end. Fast where each target is near the one before. reach: the distance of the k-th point of targets
-  /// near the first one, or 0 if it is not known; becomes that of the last ones. Requires: no filter.
+  /// Of points, null for other targets: appends the k first points of one target after another, and where
+  /// those of each end. Fast where each target is near the one before. reach: the distance of the k-th point
+  /// of targets near the first one, 0 if unknown; becomes that of the last ones. Requires: no filter.
   void (*find_in_turn)(const TreeView& tree, std::span<const T> targets, const QueryOf<T>& query,
                        std::size_t k, double& reach, std::vector<AnswerOf<T>>& answers,
                        std::vector<std::size_t>& ends) = nullptr;

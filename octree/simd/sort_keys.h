@@ -26,8 +26,8 @@ constexpr std::uint32_t number_of(SortKey key) {
 /// Fewer are sorted faster by comparing them.
 constexpr std::size_t k_few_keys = 64;
 
-/// Sorts by the upper halves, digit by digit, the lowest first. Requires: fewer than 2^32 keys; lower halves that
-/// ascend where upper ones are equal, if the order of these matters.
+/// Sorts by the upper halves, digit by digit, the lowest first. Requires: fewer than 2^32 keys; lower halves
+/// that ascend where upper ones are equal, if the order of these matters.
 inline void sort_keys(std::vector<SortKey>& keys) {
   if (keys.size() <= k_few_keys) return std::sort(keys.begin(), keys.end());
   SortKey all = 0, previous = 0;
@@ -45,12 +45,11 @@ inline void sort_keys(std::vector<SortKey>& keys) {
   const SortKey mask = (SortKey{1} << digit_bits) - 1;
   std::vector<SortKey> sorted(keys.size());
   for (int shift = 32; shift < 32 + bits; shift += digit_bits) {
-    std::array<std::uint32_t, std::size_t{1} << k_most_digit_bits> index;
-    std::fill_n(index.begin(), mask + 1, 0u);
-    for (const SortKey key : keys) ++index[key >> shift & mask];
-    std::exclusive_scan(index.begin(), index.begin() + static_cast<std::ptrdiff_t>(mask + 1), index.begin(),
-                        0u);
-    for (const SortKey key : keys) sorted[index[key >> shift & mask]++] = key;
+    std::array<std::uint32_t, std::size_t{1} << k_most_digit_bits> next;  ///< number of a digit's next key
+    std::fill_n(next.begin(), mask + 1, 0u);
+    for (const SortKey key : keys) ++next[key >> shift & mask];
+    std::exclusive_scan(next.begin(), next.begin() + static_cast<std::ptrdiff_t>(mask + 1), next.begin(), 0u);
+    for (const SortKey key : keys) sorted[next[key >> shift & mask]++] = key;
     keys.swap(sorted);
   }
 }

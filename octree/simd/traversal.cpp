@@ -46,8 +46,8 @@ HWY_INLINE Course set_up(const QuerySetup& setup, const RayUnderWay& under_way) 
   const hn::CappedTag<double, 4> d;
   alignas(32) double inverse[4], way[4], enters[4], leaves[4];
   for (std::size_t lane = 0; lane < 4; lane += hn::Lanes(d)) {
-    // Lane 3 holds the next member of the ray; its results are not used. The sign is taken here and nowhere else, so
-    // that -0.0 has the same sign everywhere.
+    // Lane 3 holds the next member of the ray; its results are not used. The sign is taken here and nowhere
+    // else, so that -0.0 has the same sign everywhere.
     const auto origin = hn::LoadU(d, &ray.origin.x + lane), direction = hn::LoadU(d, &ray.direction.x + lane);
     const auto length = hn::Div(hn::Set(d, 1.0), hn::Max(hn::Abs(direction), hn::Set(d, 1e-12)));
     const auto inverses = hn::IfThenElse(hn::Lt(direction, hn::Zero(d)), hn::Neg(length), length);
@@ -198,9 +198,9 @@ class Tracer {
  private:
   using Octants = std::array<std::vector<std::uint32_t>, 8>;
 
-  /// Whether most rays go in nearly the direction of the one before. This decides about speed only: measured with
-  /// campuses of 1 and 10 million points, packets take 0.6 to 0.95 of the stream's time for such rays (primary rays, rays
-  /// to the sun), and up to twice its time for others.
+  /// Whether most rays go in nearly the direction of the one before. This affects speed only: measured with
+  /// campuses of 1 and 10 million points, packets take 0.6 to 0.95 of the stream's time for such rays
+  /// (primary rays, rays to the sun), and up to twice its time for others.
   bool go_alike() const {
     constexpr double k_near = 0.05;
     return holds_for_most_pairs(rays_.size(), [&](std::size_t a, std::size_t b) {
@@ -311,10 +311,10 @@ class Tracer {
   };
 
   /// Whether the rays meet many nodes together: if they are many beside the tree's nodes, or if most start
-  /// near the one before. This decides about speed only: measured with campuses of 1, 10 and 50 million
-  /// points, rays that bounce off neighbouring pixels are 1.4 times faster together, the same rays in random
-  /// order too once there is one for every 128 nodes (measured as 64 nodes of 8 children); blocks of 256 of these are
-  /// 1.15 times slower together.
+  /// near the one before. This affects speed only: measured with campuses of 1, 10 and 50 million points,
+  /// rays that bounce off neighbouring pixels are 1.4 times faster together, the same rays in random order
+  /// too once there is one for every 128 nodes (measured as 64 nodes of 8 children); blocks of 256 of these
+  /// are 1.15 times slower together.
   bool share_nodes() const {
     constexpr std::size_t k_many_rays = 2048;
     if (rays_.size() >= k_many_rays && 128 * rays_.size() >= setup_.tree.node_count) return true;
@@ -324,7 +324,7 @@ class Tracer {
 
   /// The rays that are to go through the tree; the states of the others hold the answer.
   std::vector<std::uint32_t> start_all(const RayBatch& batch, std::span<const std::uint32_t> numbers) const {
-    // What the processor foresees by itself ends with every page.
+    // The processor's own prefetching ends with every page.
     constexpr std::size_t k_ahead = 12;
     std::vector<std::uint32_t> under_way;
     under_way.reserve(numbers.size() + k_list_padding);
@@ -374,7 +374,7 @@ auto with_tracer_of_any(const RayQuery& query, const Use& use) {
                                     : use(TracerTag<Measure::t, true, Radii::shared>());
 }
 
-/// The same for the closest point.
+/// Calls use(TracerTag) for the tracer that suits a query for the closest point.
 template <class Use>
 auto with_tracer_of_closest(const RayQuery& query, const Use& use) {
   if (query.measure == Measure::crossing) return use(TracerTag<Measure::crossing, false, Radii::own>());
