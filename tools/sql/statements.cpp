@@ -9,7 +9,6 @@
 #include <iostream>
 #include <iterator>
 #include <optional>
-#include <ranges>
 #include <string_view>
 #include <utility>
 
@@ -158,8 +157,11 @@ std::string share(std::uint64_t part, std::uint64_t all) {
 /// A statement keeps its lines: they are the user's own.
 void say_rewritten(std::string_view statement) {
   std::string text = "alidade: rewritten as: ";
-  for (const auto line : std::views::split(statement, '\n'))
-    text += line_text({line.begin(), line.end()}) + "\n";
+  for (std::size_t begin = 0; begin <= statement.size();) {
+    const std::size_t end = std::min(statement.find('\n', begin), statement.size());
+    text += line_text(statement.substr(begin, end - begin)) + "\n";
+    begin = end + 1;
+  }
   write_to_stderr(text);
 }
 
