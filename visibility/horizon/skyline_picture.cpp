@@ -25,9 +25,10 @@ constexpr int k_font_size = 17, k_title_size = 20, k_note_size = 15, k_tick = 6,
 struct DistanceScale {
   double near = 1.0, far = 10.0;
 
-  double position(double distance) const { return std::log(distance / near) / std::log(far / near); }
+  /// 0 at `near`, 1 at `far`.
+  double share(double distance) const { return std::log(distance / near) / std::log(far / near); }
   image::Rgb8 color(double distance) const {
-    const glm::dvec3 display = image::map_color(image::ColorMap::viridis, position(distance));
+    const glm::dvec3 display = image::map_color(image::ColorMap::viridis, share(distance));
     const auto byte = [](double value) { return static_cast<std::uint8_t>(std::lround(255.0 * value)); };
     return {byte(display.x), byte(display.y), byte(display.z)};
   }
@@ -279,12 +280,12 @@ void draw_bar(const DistanceScale& scale, const Frame& frame, const std::string&
   const image::PixelBox& bar = frame.bar;
   const double ratio = scale.far / scale.near;
   for (int y = bar.top; y < bar.bottom; ++y) {
-    const double position = static_cast<double>(bar.bottom - 1 - y) / (bar.height() - 1);
-    canvas.fill({bar.left, y, bar.right, y + 1}, scale.color(scale.near * std::pow(ratio, position)));
+    const double share = static_cast<double>(bar.bottom - 1 - y) / (bar.height() - 1);
+    canvas.fill({bar.left, y, bar.right, y + 1}, scale.color(scale.near * std::pow(ratio, share)));
   }
   canvas.frame({bar.left - 1, bar.top - 1, bar.right + 1, bar.bottom + 1}, k_faint_ink);
   for (const double tick : distance_ticks(scale)) {
-    const int y = bar.bottom - 1 - static_cast<int>(std::lround(scale.position(tick) * (bar.height() - 1)));
+    const int y = bar.bottom - 1 - static_cast<int>(std::lround(scale.share(tick) * (bar.height() - 1)));
     canvas.fill({bar.right + 1, y, bar.right + 1 + k_tick, y + 1}, k_faint_ink);
     writer.left(bar.right + 1 + k_tick + 4, y + k_font_size / 3,
                 fmt::format("{:g}{}{}", tick, unit.empty() ? "" : " ", unit), k_font_size, k_ink);

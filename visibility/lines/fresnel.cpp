@@ -71,7 +71,7 @@ void measure_tubes(const Occluders& occluders, const LineCurve& curve, FresnelCl
   int inner = 0, inner_obstructed = 0;
   double cut_off = 0.0;
   for (std::size_t i = 0; i < tubes.size(); ++i) {
-    const bool is_inner = tubes[i].position.share <= k_clear_share;
+    const bool is_inner = tubes[i].tube.share <= k_clear_share;
     if (is_inner && answers[i]) clearance.is_clear = false;
     if (i >= k_tubes) continue;
     inner += is_inner ? 1 : 0;

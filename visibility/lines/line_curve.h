@@ -46,10 +46,10 @@ class LineCurve {
 
   double zone_radius(double t) const;
   /// Requires t in [0, length].
-  glm::dvec3 position(double t, const TubePosition& position = {}) const;
+  glm::dvec3 position(double t, const TubePosition& tube = {}) const;
   /// Where the straight pieces of a line meet, metres along the chord: begin, end and, if it is not straight,
   /// what lies between; empty if nothing is examined.
-  std::vector<double> joints(const TubePosition& position = {}) const;
+  std::vector<double> joints(const TubePosition& tube = {}) const;
 
  private:
   SightEnd from_, to_;
@@ -60,7 +60,7 @@ class LineCurve {
 /// One of the lines of a curve. The curve must outlive it.
 struct CurveLine {
   const LineCurve* curve;
-  TubePosition position{};
+  TubePosition tube{};
 };
 
 /// What blocks a line first and last.
@@ -81,8 +81,8 @@ std::vector<std::optional<CurveCrossings>> crossings(const Occluders& occluders,
 struct LinePoint {
   std::uint64_t point_id = 0;
   glm::dvec3 position{0.0};
-  double t = 0.0;         ///< of the nearest position of the line, metres along the chord
-  double distance = 0.0;  ///< to it, metres
+  double t = 0.0;         ///< where the line is nearest to it, metres along the chord
+  double distance = 0.0;  ///< to the line there, metres
 };
 
 /// The nearest point; of equally near ones the one with the lowest id. Empty: there is none.

@@ -213,17 +213,17 @@ bool write_geojson(const LineTable& table, const RowFileHead& head, const ToLonL
   if (to_lon_lat) on_earth = to_lon_lat(positions);
   if (on_earth) positions = *on_earth;
   JsonListWriter features(file, geojson_head(head, on_earth.has_value()), "features");
-  for (std::size_t line = 0, position = 0; line < table.pairs.size(); ++line) {
+  for (std::size_t line = 0, joint = 0; line < table.pairs.size(); ++line) {
     Row properties = line_row(table, line);
     const LineReport& report = table.reports[line];
     // A line that is blocked at its very start has no visible part.
     bool is_visible = !report.blocker || report.blocker->distance > 0.0;
-    for (; position + 1 < ends[line]; ++position) {
+    for (; joint + 1 < ends[line]; ++joint) {
       properties["visible"] = is_visible;
-      features.add(geojson_feature(std::span(positions).subspan(position, 2), properties));
+      features.add(geojson_feature(std::span(positions).subspan(joint, 2), properties));
       is_visible = false;
     }
-    ++position;
+    ++joint;
   }
   features.finish();
   return on_earth.has_value();

@@ -83,8 +83,8 @@ constexpr std::uint64_t k_bytes_per_cell = 140;
 /// The point that represents a cell so far.
 struct Best {
   PlacementTarget target;
-  double distance = 0.0;       ///< to the cell's middle
-  std::uint64_t position = 0;  ///< in the octree
+  double distance = 0.0;    ///< to the cell's middle
+  std::uint64_t index = 0;  ///< storage index
 };
 
 void check_spacing(const Octree& octree, double spacing) {
@@ -190,7 +190,7 @@ std::vector<PlacementTarget> thin_points(const Octree& octree, double spacing,
   chosen.reserve(cells.size());
   for (const auto& [key, best] : cells) chosen.push_back(best);
   cells = {};
-  std::ranges::sort(chosen, {}, &Best::position);
+  std::ranges::sort(chosen, {}, &Best::index);
   std::vector<PlacementTarget> targets;
   targets.reserve(chosen.size());
   for (const Best& best : chosen) targets.push_back(best.target);

@@ -84,18 +84,18 @@ std::vector<double> all_gains(const Coverage& coverage, const Covered& covered) 
 
 std::vector<Row> rows_of(const Placement& placement, std::span<const Observer> candidates) {
   std::vector<Row> rows;
-  for (const ChosenPosition& position : placement.positions) {
-    const Observer& observer = candidates[position.candidate];
+  for (const ChosenPosition& chosen : placement.positions) {
+    const Observer& observer = candidates[chosen.candidate];
     Row row;
     row["place"] = rows.size() + 1;
-    row["candidate"] = position.candidate;
+    row["candidate"] = chosen.candidate;
     row["name"] = observer.name;
     row["x"] = observer.position.x;
     row["y"] = observer.position.y;
     row["z"] = observer.position.z;
-    row["gain"] = position.gain;
-    row["covered"] = position.covered;
-    row["share"] = position.covered / placement.total;
+    row["gain"] = chosen.gain;
+    row["covered"] = chosen.covered;
+    row["share"] = chosen.covered / placement.total;
     rows.push_back(row);
   }
   return rows;
@@ -142,8 +142,8 @@ bool write_placement(const Placement& placement, std::span<const Observer> candi
                      const RowFileHead& head, const ToLonLat& to_lon_lat, const std::filesystem::path& file,
                      bool overwrite) {
   PositionTable table{.list = "places", .rows = rows_of(placement, candidates), .positions = {}};
-  for (const ChosenPosition& position : placement.positions)
-    table.positions.push_back(candidates[position.candidate].position);
+  for (const ChosenPosition& chosen : placement.positions)
+    table.positions.push_back(candidates[chosen.candidate].position);
   const Row totals{{"total", placement.total}, {"best_possible", placement.best_possible}};
   return write_positions(table, totals, form, head, to_lon_lat, file, overwrite);
 }

@@ -49,10 +49,10 @@ struct ChordRange {
 ChordRange chords_over(const Stretch& stretch, std::int64_t count, double overlap) {
   if (!(stretch.begin <= stretch.end)) return {};
   const auto chords = static_cast<double>(count);
-  const auto position = [chords](double chord) { return std::clamp(chord, 0.0, chords); };
+  const auto clamped = [chords](double chord) { return std::clamp(chord, 0.0, chords); };
   // One more at either end, for the rounding of the shares.
-  return {static_cast<std::int64_t>(position(std::floor((stretch.begin - overlap) * chords) - 1.0)),
-          static_cast<std::int64_t>(position(std::ceil((stretch.end + overlap) * chords) + 1.0))};
+  return {static_cast<std::int64_t>(clamped(std::floor((stretch.begin - overlap) * chords) - 1.0)),
+          static_cast<std::int64_t>(clamped(std::ceil((stretch.end + overlap) * chords) + 1.0))};
 }
 
 }  // namespace

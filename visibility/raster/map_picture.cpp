@@ -278,15 +278,14 @@ class MapDrawer {
     font_.draw(canvas_, left, y + 16, scale.label, k_font_size, k_text);
     y += k_row + 6;
     for (int i = 0; i < k_bar_height; ++i) {
-      const double position = 1.0 - static_cast<double>(i) / (k_bar_height - 1);
-      canvas_.fill({left, y + i, left + k_bar_width, y + i + 1},
-                   to_rgb8(image::map_color(scale.map, position)));
+      const double share = 1.0 - static_cast<double>(i) / (k_bar_height - 1);
+      canvas_.fill({left, y + i, left + k_bar_width, y + i + 1}, to_rgb8(image::map_color(scale.map, share)));
     }
     canvas_.frame({left - 1, y - 1, left + k_bar_width + 1, y + k_bar_height + 1}, k_line);
     const double extent = scale.range.high - scale.range.low;
     for (const image::RoundTick& tick : ticks()) {
-      const double position = extent > 0.0 ? (tick.value - scale.range.low) / extent : 0.5;
-      const int at = y + static_cast<int>(std::lround((1.0 - position) * (k_bar_height - 1)));
+      const double share = extent > 0.0 ? (tick.value - scale.range.low) / extent : 0.5;
+      const int at = y + static_cast<int>(std::lround((1.0 - share) * (k_bar_height - 1)));
       canvas_.fill({left + k_bar_width + 1, at, left + k_bar_width + 7, at + 1}, k_line);
       font_.draw(canvas_, left + k_bar_width + 12, at + 6, tick.label, k_font_size, k_text);
     }

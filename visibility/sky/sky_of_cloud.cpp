@@ -98,20 +98,20 @@ void for_each_point_target(const Occluders& occluders, std::span<const glm::vec3
       });
 }
 
-/// The same for the cells of a map, which are given by their number in it; k_nothing for those without ground.
+/// As for_each_point_target() for the cells of a map, by their number in it; k_nothing for those without ground.
 template <class Answer, class Take>
 void for_each_ground_target(const Occluders& occluders, const Ground& ground, const geo::RasterGrid& grid,
                             double height, const Question& question, const LongWork& work, Answer&& answer,
                             const Take& take) {
   check_that(height >= 0.0 && std::isfinite(height), "height above the ground out of range", "at least 0",
              std::to_string(height));
-  const MapTargets positions(occluders, ground, grid, 1, targets_at_once(question.lines));
+  const MapTargets map(occluders, ground, grid, 1, targets_at_once(question.lines));
   std::uint64_t done = 0;
   report(work.progress, done, grid.size());
   run_parts(
-      work.parts, positions.block_count(),
+      work.parts, map.block_count(),
       [&](std::uint64_t part, PartWriter& writer) {
-        const MapBlock block = positions.block(part);
+        const MapBlock block = map.block(part);
         std::vector<SkyTarget> targets;
         for (const MapTarget& target : block.targets)
           targets.push_back(target_in_open(raised(target.foot, height)));
@@ -131,7 +131,7 @@ void for_each_ground_target(const Occluders& occluders, const Ground& ground, co
         }
       },
       [&](std::uint64_t part, PartReader& reader) {
-        const std::vector<std::size_t> cells = positions.cells(part);
+        const std::vector<std::size_t> cells = map.cells(part);
         Numbers numbers(cells.size());
         for (std::size_t row = 0; row < question.numbers; ++row) {
           reader.take_all(numbers);

@@ -141,9 +141,9 @@ SkyTarget target_on_point(const Occluders& occluders, std::uint64_t point_id, co
   return target;
 }
 
-SkyTarget target_in_open(const SightEnd& position) {
+SkyTarget target_in_open(const SightEnd& end) {
   SkyTarget target;
-  target.front = target.back = position;
+  target.front = target.back = end;
   return target;
 }
 
@@ -164,7 +164,7 @@ void sky_views(const Occluders& occluders, std::span<const SkyTarget> targets, c
 
 void find_open_sides(const Occluders& occluders, int directions, std::span<SkyTarget> targets) {
   std::vector<SkyTarget> asked;
-  std::vector<std::size_t> positions;
+  std::vector<std::size_t> indices;
   for (std::size_t i = 0; i < targets.size(); ++i) {
     SkyTarget& target = targets[i];
     if (!target.has_surface() || target.is_front_open) continue;
@@ -175,11 +175,11 @@ void find_open_sides(const Occluders& occluders, int directions, std::span<SkyTa
     target.is_front_open = target.normal.z >= k_level;
     if (target.is_front_open) continue;
     asked.push_back(target);
-    positions.push_back(i);
+    indices.push_back(i);
   }
   const std::vector<Sides> sides = both_sides(occluders, asked, {.directions = directions});
   for (std::size_t i = 0; i < asked.size(); ++i) {
-    SkyTarget& target = targets[positions[i]];
+    SkyTarget& target = targets[indices[i]];
     if (sides[i].back > sides[i].front) {
       std::swap(target.front, target.back);
       target.normal = -target.normal;

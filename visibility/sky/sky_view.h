@@ -49,7 +49,7 @@ SkyTarget target_on_point(const Occluders& occluders, std::uint64_t point_id, co
                           const std::optional<glm::dvec3>& outward);
 
 /// A position on or above the ground, which looks to all sides.
-SkyTarget target_in_open(const SightEnd& position);
+SkyTarget target_in_open(const SightEnd& end);
 
 /// Whether horizons can replace lines of sight: a terrain alone blocks, whatever its distance. Below a line that meets
 /// it every line of the azimuth meets it or goes below it.
