@@ -15,29 +15,31 @@
 
 namespace alidade::visibility {
 
-// Radii in spacings, if each point has its own: of spheres where all points are spheres, and of spheres among discs.
-// The latter, mostly at edges and in foliage, have few gaps to close; with 0.25 and less, lines pass between the foot
-// of a wall and the ground.
+// Radii in spacings, if each point has its own: of spheres where all points are spheres, and of spheres among
+// discs. The latter, mostly at edges and in foliage, have few gaps to close; with 0.25 and less, lines pass
+// between the foot of a wall and the ground.
 constexpr double k_sphere_share = 0.5, k_lone_share = 0.28;
-// The widest disc and the widest sphere among discs, in automatic radii. Spheres of points with wider spacings shrink
-// again: a bird or a stray return is not larger because its neighbours are far away.
+// The widest disc and the widest sphere among discs, in automatic radii. Spheres of points with wider
+// spacings shrink again: a bird or a stray return is not larger because its neighbours are far away.
 constexpr double k_widest_disc = 16.0, k_widest_lone = 0.35;
 
-/// How far from a disc's plane its sheet still lies, in thicknesses of the sheet, which are standard deviations.
+/// How far from a disc's plane its sheet still lies, in thicknesses of the sheet, which are standard
+/// deviations.
 constexpr double k_sheet_reach = 1.5;
 
-/// Error of the stored plane of a disc at a position of its sheet, metres. Rounding turns the normal. And moments are
-/// sums of floats in units of the reach of a fit, 2.5 spacings, so the variance of heights errs by some 2^-25: a
-/// thickness of 1.7e-4 of the reach, or 4.3e-4 of a spacing, is indistinguishable from 0. Three times that is 1.4e-3 of
-/// a radius. On planes of meshes, plans and elevation models these errors are larger than the noise.
+/// Error of the stored plane of a disc at a position of its sheet, metres. Rounding turns the normal. And
+/// moments are sums of floats in units of the reach of a fit, 2.5 spacings, so the variance of heights
+/// errs by some 2^-25: a thickness of 1.7e-4 of the reach, or 4.3e-4 of a spacing, is indistinguishable
+/// from 0. Three times that is 1.4e-3 of a radius. On planes of meshes, plans and elevation models these
+/// errors are larger than the noise.
 inline double error_of_plane(const PointDisc& disc, const glm::dvec3& position) {
   constexpr double k_unseen_thickness = 1.4e-3;
   return packed_surface::k_normal_error * glm::length(position - disc.point) +
          k_unseen_thickness * disc.radius;
 }
 
-/// Whether a disc is part of the surface that an end lies on. The plane of a disc is uncertain by the thickness of its
-/// sheet and by the error of its stored plane.
+/// Whether a disc is part of the surface that an end lies on. The plane of a disc is uncertain by the
+/// thickness of its sheet and by the error of its stored plane.
 inline bool is_own(const SightEnd& end, const PointDisc& disc, const PointSurface& surface) {
   return end.own_reach > 0.0 &&
          is_part_of_surface(disc, end.position, end.own_reach,
@@ -45,7 +47,8 @@ inline bool is_own(const SightEnd& end, const PointDisc& disc, const PointSurfac
                                       error_of_plane(disc, end.position)}));
 }
 
-/// Whether a disc or sphere of this radius that a line meets this far from an end is of the same thing as the end.
+/// Whether a disc or sphere of this radius that a line meets this far from an end is of the same thing as the
+/// end.
 inline bool is_beside(const SightEnd& end, double distance, double radius) {
   return end.is_lone && distance < k_lone_radii * radius;
 }
@@ -56,8 +59,9 @@ inline bool is_within(const SightEnd& end, const glm::dvec3& point, double radiu
   return glm::dot(offset, offset) <= radius * radius;
 }
 
-/// Whether points are discs with radii of their own, among spheres. If so, the octree finds the crossings
-/// (Measure::crossing). Otherwise it finds points near the line (Measure::t), and crossing() tests their discs.
+/// Whether points are discs with radii of their own, among spheres. If so, the octree finds the
+/// crossings (Measure::crossing). Otherwise it finds points near the line (Measure::t), and
+/// crossing() tests their discs.
 inline bool has_own_discs(const Occluders& occluders) {
   return occluders.has_surfaces() && !occluders.options().radius;
 }
@@ -69,8 +73,8 @@ inline double candidate_radius(const Occluders& occluders, double spacing) {
                   (occluders.has_surfaces() ? k_disc_spacings : k_sphere_share) * spacing);
 }
 
-/// Radius of the disc of a point. radius: candidate_radius(), which OccluderOptions::radius_max does not limit, since
-/// edges and spheres follow from the spacing in it.
+/// Radius of the disc of a point. radius: candidate_radius(), which OccluderOptions::radius_max does not
+/// limit, since edges and spheres follow from the spacing in it.
 inline double disc_of(const Occluders& occluders, double radius) {
   return std::min(radius, occluders.options().radius_max.value_or(radius));
 }
@@ -143,9 +147,9 @@ inline std::optional<double> disc_crossing(const SightLine& line, const PointDis
   return t;
 }
 
-/// Where a point blocks a line, metres from the line's start, whether or not OccluderOptions::counts admits it; empty
-/// if it does not block. All points of one position have the same answer. Requires a candidate of query_of() and
-/// ray_of().
+/// Where a point blocks a line, metres from the line's start, whether or not OccluderOptions::counts
+/// admits it; empty if it does not block. All points of one position have the same answer. Requires a
+/// candidate of query_of() and ray_of().
 inline std::optional<double> position_crossing(const Occluders& occluders, const SightLine& line,
                                                const Candidate& candidate) {
   const OccluderOptions& options = occluders.options();

@@ -20,7 +20,7 @@ namespace {
 
 constexpr double k_full_turn = 360.0;
 
-/// Up to here a position is good to a tenth of a millimetre.
+/// Up to this, doubles resolve a tenth of a millimetre.
 constexpr double k_largest_coordinate = 1e12;
 
 /// Unit vector (east, north) of an azimuth.
@@ -162,7 +162,7 @@ std::vector<Observer> place_observers(std::span<const GivenObserver> given, cons
 std::vector<GivenObserver> observer_grid(const Bounds& extent, double width, const GroundHeight& ground,
                                          const Progress& progress) {
   check_that(width > 0.0 && std::isfinite(width), "invalid observer grid", "a positive width");
-  // A line of points has an extent of no width, and still a cell.
+  // The extent of a line of points has no width, and must have a cell all the same.
   const double columns = std::fmax(1.0, std::ceil((extent.max.x - extent.min.x) / width));
   const double rows = std::fmax(1.0, std::ceil((extent.max.y - extent.min.y) / width));
   check_that(columns * rows <= k_most_grid_observers,
@@ -190,7 +190,7 @@ std::vector<GivenObserver> observer_grid(const Bounds& extent, double width, con
 
 namespace {
 
-/// So far outside, metres, an observer of even the smallest cloud is not strange.
+/// Observers are not remarked on up to this distance outside the cloud, metres, however small it is.
 constexpr double k_never_far = 100.0;
 
 /// Distance to a box, 0 inside.
@@ -203,7 +203,7 @@ double distance_to(const Bounds& box, const glm::dvec3& position) {
   return std::sqrt(sum);
 }
 
-/// Whether there are points near a position in plan, and all of them above it.
+/// Whether there are points near a position in plan, all of them above it.
 bool is_below_all(const Octree& octree, const glm::dvec3& position) {
   constexpr double k_far = std::numeric_limits<double>::infinity(), k_largest_reach = 16.0;
   for (double reach = 1.0; reach <= k_largest_reach; reach *= 2.0) {
@@ -225,8 +225,8 @@ double radius_of(const Occluders& occluders, const PointHit& point) {
   return candidate_radius(occluders, neighbours.back().distance);
 }
 
-/// The sphere or disc of a point that an observer is in, or so near that it hides nearly half of what is around; empty
-/// if it is neither.
+/// Says that an observer is in the sphere of a point, or so near its disc that this hides nearly half of the
+/// view; empty if it is neither.
 std::string remark_on(const Occluders& occluders, const Observer& observer, const PointHit& point) {
   const OccluderOptions& options = occluders.options();
   if (options.counts && !options.counts(point.point_id)) return "";
@@ -240,7 +240,7 @@ std::string remark_on(const Occluders& occluders, const Observer& observer, cons
                        observer.name, point.point_id, point.distance);
   }
   constexpr double k_near = 0.1;  // of the disc around the foot of the perpendicular: 45 % of all directions
-  // That ground hides what is below it is no surprise.
+  // Ground is expected to hide what is below it.
   constexpr double k_steepest_ground = 0.7;
   if (std::fabs(surface.normal.z) > k_steepest_ground && observer.position.z > point.position.z) return "";
   const auto is_near = [&](double height, double along, double radius) {
@@ -258,12 +258,12 @@ std::string remark_on(const Occluders& occluders, const Observer& observer, cons
       observer.name, height, point.point_id, disc.radius);
 }
 
-/// Whether the surface of a terrain is above a position, by more than what an end of a line may lie in it.
+/// Whether a position is below a terrain by more than an end of a line may be.
 bool is_below(const geo::TerrainSurface& terrain, const glm::dvec3& position) {
   return terrain.occluded({position, {0.0, 0.0, 1.0}, k_mesh_contact});
 }
 
-/// Metres along a vertical line to what is there first.
+/// Metres along a vertical line to the first thing on it.
 std::optional<double> first_along(const Occluders& occluders, const SightLine& line) {
   const OccluderOptions& options = occluders.options();
   double first = std::numeric_limits<double>::infinity();
@@ -277,7 +277,7 @@ std::optional<double> first_along(const Occluders& occluders, const SightLine& l
     return position_crossing(occluders, line, candidate).has_value();
   };
   take(closest(occluders.octree(), ray_of(occluders, line), blocking));
-  // What is beside the start is not above it.
+  // Points beside the start are not above it.
   const double beside = occluders.typical_radius();
   if (options.shape != OccluderShape::disc && beside < line.length) {
     RayQuery lone{.radius = beside, .measure = Measure::t, .filter = blocking.filter};
@@ -290,7 +290,7 @@ std::optional<double> first_along(const Occluders& occluders, const SightLine& l
   return std::isinf(first) ? std::nullopt : std::optional(first);
 }
 
-/// z of what is highest at a position.
+/// z of the highest thing at a position.
 std::optional<double> top_at(const Occluders& occluders, const glm::dvec3& position) {
   Bounds all = occluders.octree().bounds();
   const OccluderOptions& options = occluders.options();
@@ -302,14 +302,15 @@ std::optional<double> top_at(const Occluders& occluders, const glm::dvec3& posit
   return depth ? std::optional(start - *depth) : std::nullopt;
 }
 
-/// The observer to give instead of one, with its foot at this z.
+/// The option for the same observer with its foot at this z.
 std::string instead_of(const Observer& observer, double foot) {
   const double height = observer.height > 0.0 ? observer.height : k_usual_observer_height;
   return fmt::format("--observer={:.3f},{:.3f},{:.3f} --observer-height {:g} (in a file: z, height)",
                      observer.position.x, observer.position.y, foot, height);
 }
 
-/// Whether an observer is below something, or not where its foot should be; empty if it is neither.
+/// Says that an observer is below something, or that its foot is not on what is there; empty if it is
+/// neither.
 std::string remark_on_clearance(const Occluders& occluders, const Observer& observer) {
   constexpr double k_off = 1.0;
   const Clearance clearance = clearance_of(occluders, observer.position);
