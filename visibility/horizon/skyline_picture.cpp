@@ -40,7 +40,7 @@ DistanceScale scale_of(const DepthStrip& strip) {
     if (std::isfinite(distance) && distance > 0.0f) seen.push_back(distance);
   if (seen.empty()) return {};
   std::ranges::sort(seen);
-  // A leaf before the eye shall not take half of the colours.
+  // Without the nearest 1 %: a leaf in front of the eye must not take half of the colours.
   const auto at = [&](double share) {
     return static_cast<double>(seen[static_cast<std::size_t>(share * static_cast<double>(seen.size() - 1))]);
   };
@@ -76,7 +76,7 @@ struct Frame {
   }
 };
 
-/// Texts that are not aligned at their left end.
+/// Draws texts with a given left end, middle or right end.
 class Writer {
  public:
   Writer(image::Canvas& canvas, const image::Font& font) : canvas_(canvas), font_(font) {}
@@ -111,7 +111,7 @@ void draw_view(const DepthStrip& strip, const DistanceScale& scale, const image:
   }
 }
 
-/// Row of the horizon in the middle of a column; empty where there is none.
+/// Row of the horizon in the middle of a column; empty if there is none.
 std::optional<double> horizon_row(const DepthStrip& strip, std::span<const HorizonDirection> horizon,
                                   const Frame& frame, int x) {
   const double azimuth =
@@ -149,7 +149,8 @@ void draw_line(const DepthStrip& strip, std::span<const HorizonDirection> horizo
   }
 }
 
-/// Covers the pixels within half a width of a stretch between two positions of the canvas, those at the edge in part.
+/// Covers the pixels within half a width of a stretch between two positions of the canvas;
+/// those at the edge in part.
 void draw_stretch(image::Canvas& canvas, const glm::dvec2& from, const glm::dvec2& to, double width,
                   const std::function<void(int x, int y, double cover)>& paint) {
   const double reach = 0.5 * width + 1.0;
@@ -168,7 +169,7 @@ void draw_stretch(image::Canvas& canvas, const glm::dvec2& from, const glm::dvec
   }
 }
 
-/// Curves first into a mask of their cover, so that stretches that meet do not cover a pixel twice.
+/// Draws a curve by a mask of its cover, so that stretches that meet do not cover a pixel twice.
 void draw_curve(const DepthStrip& strip, const SkylineCurve& curve, const Frame& frame,
                 image::Canvas& canvas) {
   constexpr double k_hidden = 0.3, k_dot = 7.0;
@@ -202,7 +203,7 @@ void draw_curve(const DepthStrip& strip, const SkylineCurve& curve, const Frame&
   }
 }
 
-/// Labels over all curves, bright over what hides the sky.
+/// Draws the labels of a curve, bright over what hides the sky.
 void label_curve(const DepthStrip& strip, const SkylineCurve& curve, const Frame& frame, Writer& writer) {
   constexpr int k_above = 9;
   const auto write = [&](const glm::dvec2& position, int above, const std::string& label,
@@ -228,7 +229,7 @@ void label_curve(const DepthStrip& strip, const SkylineCurve& curve, const Frame
   write(*highest, k_above + (has_names ? k_note_size + 4 : 0), curve.label, curve.color);
 }
 
-/// The narrowest of the steps people like on a compass that gives at most `most` ticks.
+/// The narrowest of the usual steps of a compass that gives at most `most` ticks.
 double compass_step(double range, int most) {
   for (const double step : {0.1, 0.2, 0.5, 1.0, 2.0, 5.0, 10.0, 15.0, 30.0, 45.0})
     if (range / step <= most) return step;

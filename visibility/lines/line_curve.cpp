@@ -23,7 +23,7 @@ struct Piece {
   double lead = 0.0;  ///< metres by which the sight line starts before the piece
 };
 
-/// A sight line is not blocked by spheres that hold its start. So that two pieces do not leave out those
+/// Spheres that hold the start of a sight line do not block it. So that neither of two pieces misses those
 /// around their joint, the second starts before it by the width of the widest.
 Piece inner_piece(const LineCurve& curve, const TubePosition& tube, double t_begin, double t_end,
                   double widest_sphere) {
@@ -95,7 +95,7 @@ CandidateFilter beside(const Occluders& occluders, const Middle& middle) {
   };
 }
 
-/// Straight lines are requested as rays, which is ten times as fast.
+/// The ray of a straight line: queries with rays are ten times as fast as those with paths.
 std::optional<Ray> ray_of(const Middle& middle) {
   return middle.joints.size() == 2 ? std::optional(segment_of(middle.path, 0).line) : std::nullopt;
 }
@@ -206,7 +206,7 @@ std::vector<LinePoint> points_in_zone(const Occluders& occluders, const LineCurv
   if (!(curve.begin() < curve.end())) return {};
   const Middle middle(curve);
   const CandidateFilter filter = beside(occluders, middle);
-  // Wide enough for the whole zone; which of these points lie in it is decided one by one.
+  // Wide enough for the whole zone; within_zone() then tests each point.
   const double radius = curve.zone_radius(0.5 * curve.length());
   if (const std::optional<Ray> ray = ray_of(middle)) {
     return within_zone(
