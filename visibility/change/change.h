@@ -107,8 +107,8 @@ void check_overlap(const Octree& before, const Octree& after);
 /// origins must be those of scanners that scan all around.
 ///
 /// The same bits on any number of threads and any instruction set. Errors: an empty cloud, those of
-/// check_overlap(), options out of range, origins not finite, other occluders. Memory: 13 B per point, and 8
-/// B in summaries_of(); on the disk if the octree has scratch files. Cost: 10 to 40 microseconds of one
+/// check_overlap(), options out of range, origins not finite, other occluders. Memory: 13 B per point, and
+/// 8 B in summaries_of(); on the disk if the octree has scratch files. Cost: 10 to 40 microseconds of one
 /// thread per point; for points without a counterpart a microsecond more per origin.
 Changes find_changes(const Epoch& before, const Epoch& after, const ChangeOptions& options = {});
 

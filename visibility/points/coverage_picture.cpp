@@ -52,7 +52,7 @@ void draw_bars(const Plot& plot, const Placement& placement) {
   for (std::size_t i = 0; i < count; ++i) {
     const ChosenPosition& chosen = placement.positions[i];
     const int left = Plot::column_of(i, count), right = Plot::column_of(i + 1, count);
-    // Bars keep apart where there is room.
+    // A gap between bars if there is room.
     const int gap = right - left > 4 ? (right - left) / 5 : 0;
     const image::PixelBox bar{left + gap, plot.row_of(100.0 * chosen.covered / placement.total), right - gap,
                               k_plot.bottom};
@@ -62,7 +62,7 @@ void draw_bars(const Plot& plot, const Placement& placement) {
   }
 }
 
-/// Below the middles of some bars their number, from 1.
+/// Draws the numbers of some bars, from 1, below their middles.
 void draw_numbers(const Plot& plot, std::size_t count) {
   constexpr int k_most_numbers = 12;
   const double last = static_cast<double>(count);

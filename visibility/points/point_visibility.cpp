@@ -18,8 +18,8 @@
 namespace alidade::visibility {
 namespace {
 
-/// Points asked for at once: enough for all threads, few enough for their lines to stay near. Many lines to
-/// each make fewer of them, so that a part of the work is soon finished.
+/// Points in a batch: enough for all threads, few enough for their lines to be near each other. Fewer if
+/// there are many lines to each, so that a part of the work is soon finished.
 std::size_t batch_size(int sub_rays) {
   constexpr std::size_t k_most = 1 << 17, k_least = 1 << 13;
   return std::max(k_least, k_most / static_cast<std::size_t>(sub_rays));
@@ -36,7 +36,7 @@ std::vector<glm::dvec2> disc_pattern(int count) {
   return pattern;
 }
 
-/// Some vector that is on a unit vector.
+/// Some vector at right angles to a unit vector.
 glm::dvec3 across(const glm::dvec3& normal) {
   return std::fabs(normal.z) < 0.5 ? glm::dvec3(normal.y, -normal.x, 0.0)
                                    : glm::dvec3(0.0, normal.z, -normal.y);
@@ -45,8 +45,8 @@ glm::dvec3 across(const glm::dvec3& normal) {
 /// What an observer sees of the points of a batch, in their order.
 struct BatchAnswers {
   std::vector<std::uint8_t> seen;         ///< 1 or 0
-  std::vector<std::uint32_t> blockers;    ///< empty if they are not asked for
-  std::vector<std::uint8_t> clear_lines;  ///< of those to the disc; empty if they are not asked for
+  std::vector<std::uint32_t> blockers;    ///< empty if not requested
+  std::vector<std::uint8_t> clear_lines;  ///< of those to the disc; empty if not requested
 
   BatchAnswers(std::size_t points, const PointVisibility& all)
       : seen(points),
@@ -70,7 +70,7 @@ struct BatchAnswers {
   }
 };
 
-/// What one observer sees, asked batch by batch.
+/// What one observer sees, batch by batch.
 class View {
  public:
   View(const Occluders& occluders, const Observer& observer, const std::vector<glm::dvec2>& pattern,
@@ -115,7 +115,7 @@ class View {
     });
   }
 
-  /// The lines to the points that are requested, or beside them on their discs.
+  /// Makes the lines to the requested points, or beside them on their discs.
   void make_lines(std::size_t sub_ray) {
     tbb::parallel_for(std::size_t{0}, asked_.size(), [&](std::size_t n) {
       const PlacedPoint& target = asked_[n].target;
@@ -168,7 +168,7 @@ class View {
   const SightEnd eye_;
   const std::vector<glm::dvec2>& pattern_;
   const std::function<bool(const glm::dvec3& position)> in_view_;
-  // Of the batch that is examined.
+  // Of the current batch.
   std::vector<std::uint8_t> is_in_view_;
   std::vector<Asked> asked_;
   std::vector<SightLine> lines_;
@@ -198,7 +198,7 @@ bool has_masks(std::size_t observers) {
   return observers > 1 && observers <= k_most_mask_observers;
 }
 
-/// What an observer has in view beside its field of view; empty: everything.
+/// The further limit of an observer's view (PointVisibilityOptions); empty: none.
 std::function<bool(const glm::dvec3&)> in_view_of(const PointVisibilityOptions& options,
                                                   std::size_t observer) {
   if (!options.in_view) return {};
@@ -256,7 +256,7 @@ PointVisibility point_visibility(const Occluders& occluders, std::span<const Obs
     if (targets_batch != batch) targets = placed_points(tree, batches[batch]);
     targets_batch = batch;
   };
-  // By point id, if anybody wants to know.
+  // By point id, if requested.
   std::vector<std::uint8_t> seen(options.each_observer ? tree.point_count : 0);
   run_parts(
       options.parts, batches.size() * observers.size(),

@@ -23,7 +23,7 @@ struct Stretch {
   double begin = 0.0, end = 1.0;
 };
 
-/// The part that lies over an area; none: it ends before it begins.
+/// The part that lies over an area; if there is none, it ends before it begins.
 Stretch stretch_over(const Bounds& area, const glm::dvec3& from, const glm::dvec3& to) {
   constexpr Stretch k_none{1.0, 0.0};
   Stretch stretch;
@@ -40,12 +40,13 @@ Stretch stretch_over(const Bounds& area, const glm::dvec3& from, const glm::dvec
   return stretch;
 }
 
-/// Chords of a line: the first, and the one behind the last.
+/// Chords of a line: the first, and the one after the last.
 struct ChordRange {
   std::int64_t begin = 0, end = 0;
 };
 
-/// Those of `count` chords that may lie over a stretch of the line; each reaches over its ends by a share.
+/// Those of `count` chords that may lie over a stretch of the line; each extends beyond its ends by
+/// `overlap`.
 ChordRange chords_over(const Stretch& stretch, std::int64_t count, double overlap) {
   if (!(stretch.begin <= stretch.end)) return {};
   const auto chords = static_cast<double>(count);
