@@ -76,120 +76,6 @@ void check_view(const std::string& source, const Observer& observer) {
   }
 }
 
-}  // namespace
-
-FieldOfView::FieldOfView(const Observer& observer) {
-  const double width = azimuth_width(observer.azimuth_min, observer.azimuth_max);
-  all_azimuths_ = width >= k_full_turn;
-  all_elevations_ = observer.elevation_min <= -90.0 && observer.elevation_max >= 90.0;
-  max_distance_sq_ = observer.max_distance * observer.max_distance;
-  is_wide_ = width > 0.5 * k_full_turn;
-  from_ = direction_of(observer.azimuth_min);
-  to_ = direction_of(observer.azimuth_max);
-  low_ = slope_of(observer.elevation_min);
-  high_ = slope_of(observer.elevation_max);
-}
-
-bool FieldOfView::contains(const glm::dvec3& offset) const {
-  const glm::dvec2 across(offset.x, offset.y);
-  if (!all_azimuths_) {
-    const double from = cross(from_, across), to = cross(to_, across);
-    if (is_wide_ ? to < 0.0 && from > 0.0 : from > 0.0 || to < 0.0) return false;
-  }
-  if (all_elevations_) return true;
-  const double run = std::sqrt(across.x * across.x + across.y * across.y);
-  return offset.z * low_.x >= run * low_.y && offset.z * high_.x <= run * high_.y;
-}
-
-bool FieldOfView::reaches(const glm::dvec3& offset) const {
-  return glm::dot(offset, offset) <= max_distance_sq_ && contains(offset);
-}
-
-GivenObserver parse_observer(const std::string& text) {
-  GivenObserver given{.source = "--observer " + text};
-  std::vector<std::string_view> cells;
-  split_cells(text, ',', cells);
-  const auto fail = [&] {
-    throw Error(given.source, {}, "invalid position", "X,Y,Z, or X,Y for a position on the ground");
-  };
-  if (cells.size() != 2 && cells.size() != 3) fail();
-  double numbers[3] = {};
-  for (std::size_t i = 0; i < cells.size(); ++i) {
-    const std::optional<double> number = parse_number(cells[i]);
-    if (!number || !std::isfinite(*number)) fail();
-    numbers[i] = *number;
-  }
-  given.position = {numbers[0], numbers[1]};
-  if (cells.size() == 3) given.z = numbers[2];
-  return given;
-}
-
-std::vector<Observer> place_observers(std::span<const GivenObserver> given, const ObserverDefaults& defaults,
-                                      const GroundHeight& ground) {
-  std::vector<Observer> observers;
-  observers.reserve(given.size());
-  for (const GivenObserver& one : given) {
-    Observer observer;
-    observer.name = one.name.empty() ? fmt::format("observer {}", observers.size() + 1) : one.name;
-    const double usual_height = defaults.height.value_or(one.z ? 0.0 : defaults.height_on_ground);
-    observer.height = one.height.value_or(usual_height);
-    observer.azimuth_min = one.azimuth_min.value_or(defaults.azimuth_min);
-    observer.azimuth_max = one.azimuth_max.value_or(defaults.azimuth_max);
-    observer.elevation_min = one.elevation_min.value_or(defaults.elevation_min);
-    observer.elevation_max = one.elevation_max.value_or(defaults.elevation_max);
-    observer.max_distance = one.max_distance.value_or(defaults.max_distance);
-    check_view(one.source, observer);
-    const std::optional<double> foot = one.z ? one.z : ground(one.position);
-    if (!foot) {
-      reject(one.source, "no ground below the observer", "a position inside the cloud or raster, or a z",
-             fmt::format("{}, {}", one.position.x, one.position.y));
-    }
-    observer.stands_on_ground = !one.z;
-    observer.is_placed = true;
-    observer.position = glm::dvec3(one.position, *foot + observer.height);
-    const glm::dvec3& eye = observer.position;
-    for (const double coordinate : {eye.x, eye.y, eye.z}) {
-      if (std::fabs(coordinate) <= k_largest_coordinate) continue;
-      reject(one.source, "position out of range",
-             fmt::format("coordinates from {} to {}", -k_largest_coordinate, k_largest_coordinate),
-             fmt::format("{}, {}, {}", eye.x, eye.y, eye.z));
-    }
-    observers.push_back(observer);
-  }
-  return observers;
-}
-
-std::vector<GivenObserver> observer_grid(const Bounds& extent, double width, const GroundHeight& ground,
-                                         const Progress& progress) {
-  check_that(width > 0.0 && std::isfinite(width), "invalid observer grid", "a positive width");
-  // The extent of a line of points has no width, and must have a cell all the same.
-  const double columns = std::fmax(1.0, std::ceil((extent.max.x - extent.min.x) / width));
-  const double rows = std::fmax(1.0, std::ceil((extent.max.y - extent.min.y) / width));
-  check_that(columns * rows <= k_most_grid_observers,
-             fmt::format("too many positions in an observer grid of {}", width),
-             fmt::format("at most {:.0f}", k_most_grid_observers),
-             fmt::format("{:.0f} by {:.0f}", columns, rows));
-  const glm::dvec2 corner(extent.center().x - 0.5 * columns * width, extent.center().y - 0.5 * rows * width);
-  std::vector<GivenObserver> observers;
-  const auto total = static_cast<std::uint64_t>(columns * rows);
-  for (std::uint64_t row = 0; row < static_cast<std::uint64_t>(rows); ++row) {
-    for (std::uint64_t column = 0; column < static_cast<std::uint64_t>(columns); ++column) {
-      const glm::dvec2 position(corner.x + (static_cast<double>(column) + 0.5) * width,
-                                corner.y + (static_cast<double>(row) + 0.5) * width);
-      if (!ground(position)) continue;
-      observers.push_back({.source = "--observer-grid",
-                           .name = fmt::format("{}-{}", row + 1, column + 1),
-                           .position = position});
-    }
-    report(progress, (row + 1) * static_cast<std::uint64_t>(columns), total);
-  }
-  if (observers.empty())
-    throw Error({.problem = "the observer grid has no position near points of the cloud"});
-  return observers;
-}
-
-namespace {
-
 /// Observers are not remarked on up to this distance outside the cloud, metres, however small it is.
 constexpr double k_never_far = 100.0;
 
@@ -357,6 +243,116 @@ std::string remark_on(const Occluders& occluders, const Observer& observer) {
 }
 
 }  // namespace
+
+FieldOfView::FieldOfView(const Observer& observer) {
+  const double width = azimuth_width(observer.azimuth_min, observer.azimuth_max);
+  all_azimuths_ = width >= k_full_turn;
+  all_elevations_ = observer.elevation_min <= -90.0 && observer.elevation_max >= 90.0;
+  max_distance_sq_ = observer.max_distance * observer.max_distance;
+  is_wide_ = width > 0.5 * k_full_turn;
+  from_ = direction_of(observer.azimuth_min);
+  to_ = direction_of(observer.azimuth_max);
+  low_ = slope_of(observer.elevation_min);
+  high_ = slope_of(observer.elevation_max);
+}
+
+bool FieldOfView::contains(const glm::dvec3& offset) const {
+  const glm::dvec2 across(offset.x, offset.y);
+  if (!all_azimuths_) {
+    const double from = cross(from_, across), to = cross(to_, across);
+    if (is_wide_ ? to < 0.0 && from > 0.0 : from > 0.0 || to < 0.0) return false;
+  }
+  if (all_elevations_) return true;
+  const double run = std::sqrt(across.x * across.x + across.y * across.y);
+  return offset.z * low_.x >= run * low_.y && offset.z * high_.x <= run * high_.y;
+}
+
+bool FieldOfView::reaches(const glm::dvec3& offset) const {
+  return glm::dot(offset, offset) <= max_distance_sq_ && contains(offset);
+}
+
+GivenObserver parse_observer(const std::string& text) {
+  GivenObserver given{.source = "--observer " + text};
+  std::vector<std::string_view> cells;
+  split_cells(text, ',', cells);
+  const auto fail = [&] {
+    throw Error(given.source, {}, "invalid position", "X,Y,Z, or X,Y for a position on the ground");
+  };
+  if (cells.size() != 2 && cells.size() != 3) fail();
+  double numbers[3] = {};
+  for (std::size_t i = 0; i < cells.size(); ++i) {
+    const std::optional<double> number = parse_number(cells[i]);
+    if (!number || !std::isfinite(*number)) fail();
+    numbers[i] = *number;
+  }
+  given.position = {numbers[0], numbers[1]};
+  if (cells.size() == 3) given.z = numbers[2];
+  return given;
+}
+
+std::vector<Observer> place_observers(std::span<const GivenObserver> given, const ObserverDefaults& defaults,
+                                      const GroundHeight& ground) {
+  std::vector<Observer> observers;
+  observers.reserve(given.size());
+  for (const GivenObserver& one : given) {
+    Observer observer;
+    observer.name = one.name.empty() ? fmt::format("observer {}", observers.size() + 1) : one.name;
+    const double usual_height = defaults.height.value_or(one.z ? 0.0 : defaults.height_on_ground);
+    observer.height = one.height.value_or(usual_height);
+    observer.azimuth_min = one.azimuth_min.value_or(defaults.azimuth_min);
+    observer.azimuth_max = one.azimuth_max.value_or(defaults.azimuth_max);
+    observer.elevation_min = one.elevation_min.value_or(defaults.elevation_min);
+    observer.elevation_max = one.elevation_max.value_or(defaults.elevation_max);
+    observer.max_distance = one.max_distance.value_or(defaults.max_distance);
+    check_view(one.source, observer);
+    const std::optional<double> foot = one.z ? one.z : ground(one.position);
+    if (!foot) {
+      reject(one.source, "no ground below the observer", "a position inside the cloud or raster, or a z",
+             fmt::format("{}, {}", one.position.x, one.position.y));
+    }
+    observer.stands_on_ground = !one.z;
+    observer.is_placed = true;
+    observer.position = glm::dvec3(one.position, *foot + observer.height);
+    const glm::dvec3& eye = observer.position;
+    for (const double coordinate : {eye.x, eye.y, eye.z}) {
+      if (std::fabs(coordinate) <= k_largest_coordinate) continue;
+      reject(one.source, "position out of range",
+             fmt::format("coordinates from {} to {}", -k_largest_coordinate, k_largest_coordinate),
+             fmt::format("{}, {}, {}", eye.x, eye.y, eye.z));
+    }
+    observers.push_back(observer);
+  }
+  return observers;
+}
+
+std::vector<GivenObserver> observer_grid(const Bounds& extent, double width, const GroundHeight& ground,
+                                         const Progress& progress) {
+  check_that(width > 0.0 && std::isfinite(width), "invalid observer grid", "a positive width");
+  // The extent of a line of points has no width, and must have a cell all the same.
+  const double columns = std::fmax(1.0, std::ceil((extent.max.x - extent.min.x) / width));
+  const double rows = std::fmax(1.0, std::ceil((extent.max.y - extent.min.y) / width));
+  check_that(columns * rows <= k_most_grid_observers,
+             fmt::format("too many positions in an observer grid of {}", width),
+             fmt::format("at most {:.0f}", k_most_grid_observers),
+             fmt::format("{:.0f} by {:.0f}", columns, rows));
+  const glm::dvec2 corner(extent.center().x - 0.5 * columns * width, extent.center().y - 0.5 * rows * width);
+  std::vector<GivenObserver> observers;
+  const auto total = static_cast<std::uint64_t>(columns * rows);
+  for (std::uint64_t row = 0; row < static_cast<std::uint64_t>(rows); ++row) {
+    for (std::uint64_t column = 0; column < static_cast<std::uint64_t>(columns); ++column) {
+      const glm::dvec2 position(corner.x + (static_cast<double>(column) + 0.5) * width,
+                                corner.y + (static_cast<double>(row) + 0.5) * width);
+      if (!ground(position)) continue;
+      observers.push_back({.source = "--observer-grid",
+                           .name = fmt::format("{}-{}", row + 1, column + 1),
+                           .position = position});
+    }
+    report(progress, (row + 1) * static_cast<std::uint64_t>(columns), total);
+  }
+  if (observers.empty())
+    throw Error({.problem = "the observer grid has no position near points of the cloud"});
+  return observers;
+}
 
 Clearance clearance_of(const Occluders& occluders, const glm::dvec3& eye) {
   const SightEnd end = end_near_surface(occluders, eye);
