@@ -83,7 +83,7 @@ class Tracer {
   /// Follows an outline from an eastward side, and cuts it where it returns to a corner.
   void trace(const Corner& start, std::vector<Ring>& all) {
     std::vector<Corner> path{start};
-    std::unordered_map<std::uint64_t, std::size_t> places{{key_of(start), 0}};
+    std::unordered_map<std::uint64_t, std::size_t> indices{{key_of(start), 0}};
     Corner at = start;
     int direction = east;
     do {
@@ -93,22 +93,23 @@ class Tracer {
       // Left first: where four cells meet and two opposite ones are marked, an outline follows its own cells.
       int next = (direction + 1) % 4;
       while (!leaves(at, next)) next = (next + 3) % 4;
-      if (next != direction) arrive(at, path, places, all);
+      if (next != direction) arrive(at, path, indices, all);
       direction = next;
     } while (at != start || direction != east);
   }
 
+  /// `indices`: of the corners in the path.
   void arrive(const Corner& at, std::vector<Corner>& path,
-              std::unordered_map<std::uint64_t, std::size_t>& places, std::vector<Ring>& all) {
-    const auto [place, is_new] = places.emplace(key_of(at), path.size());
+              std::unordered_map<std::uint64_t, std::size_t>& indices, std::vector<Ring>& all) {
+    const auto [found, is_new] = indices.emplace(key_of(at), path.size());
     if (is_new) {
       path.push_back(at);
       return;
     }
-    const std::size_t begin = place->second;
+    const std::size_t begin = found->second;
     Ring& ring = all.emplace_back();
     ring.corners.assign(path.begin() + static_cast<std::ptrdiff_t>(begin), path.end());
-    for (std::size_t i = begin + 1; i < path.size(); ++i) places.erase(key_of(path[i]));
+    for (std::size_t i = begin + 1; i < path.size(); ++i) indices.erase(key_of(path[i]));
     path.resize(begin + 1);
     ring.component = component_at(ring.corners[0] + k_left_cells[direction_of(ring)]);
   }

@@ -48,9 +48,9 @@ struct MapBlock {
 /// block.
 class MapTargets {
  public:
-  /// Every cell has `positions_across` x `positions_across` positions, evenly spread, in [1,
-  /// k_most_positions_across]; a single one is the centre. `most_positions`: limit per block; a block
-  /// has at least one cell and at most 2^16, so the blocks do not depend on the machine. The
+  /// Every cell has `positions_across` x `positions_across` positions, evenly spread, in
+  /// [1, k_most_positions_across]; a single one is the centre. `most_positions`: limit per block; a
+  /// block has at least one cell and at most 2^16, so the blocks do not depend on the machine. The
   /// references must outlive this.
   MapTargets(const Occluders& occluders, const Ground& ground, const geo::RasterGrid& grid,
              int positions_across, std::size_t most_positions);

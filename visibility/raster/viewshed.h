@@ -56,7 +56,7 @@ constexpr float k_no_ground = std::numeric_limits<float>::quiet_NaN();
 
 struct Viewshed {
   geo::Raster<float> values;
-  std::uint64_t line_count = 0;  ///< sight lines that were followed, without those of parts that were finished before
+  std::uint64_t line_count = 0;  ///< sight lines followed, without those of parts that were finished before
 };
 
 /// The map of what is seen. An observer looks at a position within its max_distance, along the line of sight,

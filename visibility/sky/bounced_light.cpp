@@ -37,12 +37,12 @@ std::vector<Part> parts_of_sphere() {
   return parts;
 }
 
-/// Whether light from there counts.
+/// Irradiance of a receiver with this normal by the part, per radiance; 0 if the part is behind it.
 double weight_of(const Part& part, const glm::dvec3& normal) {
   return glm::dot(part.direction, normal) > 0.0 ? std::max(0.0, glm::dot(part.integral, normal)) : 0.0;
 }
 
-/// What the weights of the upper and lower half are multiplied with, for a sum of (1 + z) / 2 and (1 - z) / 2.
+/// Factors of the weights of the upper and lower half that make their sums (1 + z) / 2 and (1 - z) / 2.
 std::array<double, 2> scales_of(std::span<const Part> parts, const glm::dvec3& normal) {
   std::array<double, 2> sums{}, scales{};
   for (std::size_t k = 0; k < parts.size(); ++k) sums[k / k_sky_patches] += weight_of(parts[k], normal);
@@ -53,7 +53,7 @@ std::array<double, 2> scales_of(std::span<const Part> parts, const glm::dvec3& n
   return scales;
 }
 
-/// A normal and its opposite are alike, and so are those that differ little.
+/// A normal as numbers that are equal for its opposite and for normals that differ little.
 std::array<std::int64_t, 3> kind_of(const PointSurface& surface) {
   if (!surface.exists) return {};
   const glm::dvec3 n = surface.normal;
@@ -214,7 +214,7 @@ void BouncedLight::add(std::span<const SkyTarget> targets, std::span<Radiation> 
 void BouncedLight::answer_points(std::span<const SkyTarget> targets, std::span<const std::uint64_t> point_ids,
                                  std::span<Radiation> answers) {
   assert(group_of_.empty() && targets.size() == point_ids.size());
-  // A point without a surface receives on the horizontal, but reflects as a sphere: it is not kept.
+  // Points without a surface are not kept: they receive as horizontal surfaces, but reflect as spheres.
   std::vector<std::uint32_t> of_target(targets.size(), k_no_slot);
   std::vector<SkyTarget> alone;
   for (std::size_t i = 0; i < targets.size(); ++i) {
