@@ -84,7 +84,7 @@ void add_stone_ball(Objects& objects, const dvec2& position) {
   objects.push_back({shapes::Sphere{{position.x, position.y, 0.78}, 0.40}, stone});
 }
 
-/// The white sphere surveyors join their stations by, on a pole.
+/// A white sphere on a pole, with which surveyors register their stations.
 void add_target(Objects& objects, const dvec2& position) {
   objects.push_back({rod({position, 0.0}, {position, 1.3}, 0.02, 0.02),
                      {.material = SiteMaterial::metal, .tint = {0.55, 0.55, 0.56}}});
@@ -101,7 +101,7 @@ struct CarFrame {
   dvec3 position(const dvec3& v) const { return origin + direction(v); }
 };
 
-/// One side of the bodywork: through a position, facing along a normal of any length, both in the car's frame.
+/// One side of the bodywork: a point of its plane and a normal of any length, in the car's frame.
 struct Side {
   dvec3 through, normal;
 };
