@@ -23,13 +23,13 @@ struct ExtensionAccess {
 constexpr std::size_t k_function_count = 274;
 inline std::array<const void*, k_function_count> functions{};
 
-template <int place, class Signature>
+template <int index, class Signature>
 struct Function;
-template <int place, class Result, class... Arguments>
-struct Function<place, Result(Arguments...)> {
+template <int index, class Result, class... Arguments>
+struct Function<index, Result(Arguments...)> {
   Result operator()(Arguments... arguments) const {
-    static_assert(place >= 0 && place < static_cast<int>(k_function_count));
-    return reinterpret_cast<Result (*)(Arguments...)>(const_cast<void*>(functions[place]))(arguments...);
+    static_assert(index >= 0 && index < static_cast<int>(k_function_count));
+    return reinterpret_cast<Result (*)(Arguments...)>(const_cast<void*>(functions[index]))(arguments...);
   }
 };
 

@@ -27,13 +27,13 @@ inline CloudLine make_line(DistanceKind kind, const glm::dvec3& position, const 
   return {position, direction, unit};
 }
 
-/// dist_ray or dist_plane of a point, or between what it lies for the points of a box. Where a point's is NaN,
-/// an end is NaN or high is infinite.
-template <class Position>
-auto distance(DistanceKind kind, const CloudLine& line, const Position& position) {
+/// dist_ray or dist_plane of a point, or between what it lies for the points of a box. Where a point's is
+/// NaN, an end is NaN or high is infinite.
+template <class PointOrBox>
+auto distance(DistanceKind kind, const CloudLine& line, const PointOrBox& where) {
   if (kind == DistanceKind::ray)
-    return project(Ray{.origin = line.position, .direction = line.unit}, position).distance;
-  return signed_distance(Plane{line.position, line.unit}, position);
+    return project(Ray{.origin = line.position, .direction = line.unit}, where).distance;
+  return signed_distance(Plane{line.position, line.unit}, where);
 }
 
 enum class Comparison { less, less_equal, equal, greater_equal, greater };

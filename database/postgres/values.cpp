@@ -32,15 +32,15 @@ const char* skip_spaces(const char* text) {
 /// Reads "(1,2,3)", where spaces may stand, up to its end. `text` is what stands between `all` and its end;
 /// error messages name the type and all of the text.
 void read_numbers(const char* text, const char* all, const char* type, std::span<double> numbers) {
-  const char* position = skip_spaces(text);
+  const char* cursor = skip_spaces(text);
   for (std::size_t i = 0; i < numbers.size(); ++i) {
-    if (*position != (i == 0 ? '(' : ',')) reject_text(all, type);
+    if (*cursor != (i == 0 ? '(' : ',')) reject_text(all, type);
     // PostgreSQL's own parser, which only reads, requests text that may be changed.
     char* end = nullptr;
-    numbers[i] = float8in_internal(const_cast<char*>(position + 1), &end, type, all);
-    position = skip_spaces(end);
+    numbers[i] = float8in_internal(const_cast<char*>(cursor + 1), &end, type, all);
+    cursor = skip_spaces(end);
   }
-  if (*position != ')' || *skip_spaces(position + 1) != '\0') reject_text(all, type);
+  if (*cursor != ')' || *skip_spaces(cursor + 1) != '\0') reject_text(all, type);
 }
 
 using Six = std::array<double, 6>;

@@ -34,12 +34,12 @@ class CopyDecoder {
   std::size_t take_head(std::span<const std::byte> bytes);
   std::size_t take_row(std::span<const std::byte> bytes);
 
-  enum class Offset { head, rows, end };
+  enum class Part { head, rows, end };
 
   std::vector<CopyField> fields_;
   TakeRow take_;
-  Offset offset_ = Offset::head;
-  std::vector<std::byte> left_;  ///< of a row that has not come wholly
+  Part part_ = Part::head;
+  std::vector<std::byte> left_;  ///< of an incomplete row
 };
 
 /// Makes rows as COPY ... (FORMAT binary) of PostgreSQL takes them, with the columns of server_columns().

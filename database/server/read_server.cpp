@@ -62,9 +62,9 @@ class RowPlacer {
     if (done_ == order_.count)
       server_.connection().fail("the server sent more rows than it counted", std::to_string(order_.count));
     if (done_ == first_ + room_) make_room();
-    const std::uint64_t offset = order_.is_by_id ? row_by_id(row) : done_ - first_;
-    cloud_.positions[start_ + offset] = position_of(row);
-    values_.put(start_ + offset, row.values, [&] {
+    const std::uint64_t slot = order_.is_by_id ? slot_of(row) : done_ - first_;
+    cloud_.positions[start_ + slot] = position_of(row);
+    values_.put(start_ + slot, row.values, [&] {
       return order_.is_by_id ? fmt::format("id {}", row.id) : fmt::format("row {}", row.number + 1);
     });
     ++done_;
@@ -90,14 +90,15 @@ class RowPlacer {
     is_there_.assign(order_.is_by_id ? room_ : 0, false);
   }
 
-  std::uint64_t row_by_id(const ServerRow& row) {
-    const std::uint64_t offset = static_cast<std::uint64_t>(row.id) - first_;
-    if (offset >= room_ || is_there_[offset]) {
+  /// The slot of the room that a row has by its id.
+  std::uint64_t slot_of(const ServerRow& row) {
+    const std::uint64_t slot = static_cast<std::uint64_t>(row.id) - first_;
+    if (slot >= room_ || is_there_[slot]) {
       server_.connection().fail("ids do not match the rows",
                                 fmt::format("each id below {} once", order_.count), std::to_string(row.id));
     }
-    is_there_[offset] = true;
-    return offset;
+    is_there_[slot] = true;
+    return slot;
   }
 
   LatticePosition position_of(const ServerRow& row) const {
@@ -167,12 +168,12 @@ class ServerCloudReader final : public CloudReader {
   CoordinateSurvey survey(const Progress& progress) override {
     const ServerTable& table = server_.table();
     const ServerWait wait = reporting(progress);
-    const std::string location = " FILTER (WHERE " + table.has_place() + ")";
+    const std::string filter = " FILTER (WHERE " + table.has_position() + ")";
     constexpr const char* k_axes[] = {"x", "y", "z"};
-    std::string sql = "SELECT count(*), count(*)" + location;
+    std::string sql = "SELECT count(*), count(*)" + filter;
     for (const char* const axis : k_axes) {
       const std::string number = table.find(axis)->expression() + "::float8";
-      sql += ", min(" + number + ")" + location + ", max(" + number + ")" + location;
+      sql += ", min(" + number + ")" + filter + ", max(" + number + ")" + filter;
     }
     const ServerRows found = server_.connection().run(sql + " FROM " + table.quoted_name, {}, wait);
     CoordinateSurvey survey;
@@ -252,7 +253,7 @@ class ServerCloudReader final : public CloudReader {
     if (!cloud_row()) return survey_->finite_count;
     const ServerTable& table = server_.table();
     const ServerRows found = server_.connection().run(
-        "SELECT count(*) FROM " + table.quoted_name + " WHERE " + table.has_place(), {}, wait);
+        "SELECT count(*) FROM " + table.quoted_name + " WHERE " + table.has_position(), {}, wait);
     const auto count = static_cast<std::uint64_t>(found.whole(0, 0));
     if (count != cloud_row()->point_count) {
       server_.connection().fail("the number of points differs from NAME_cloud",
@@ -317,15 +318,15 @@ CloudPart read_server_part(const std::string& name, std::span<const PointFilter>
         const auto position = to_lattice(row_of_cloud.lattice, row.world);
         if (!position)
           server.connection().fail("a point lies outside the lattice", {}, {}, fmt::format("id {}", id));
-        const std::size_t offset = part.ids.size();
-        if (offset == part.cloud.size()) {
-          append_rows(part.cloud, kept, std::max<std::size_t>(offset, 4096));
+        const std::size_t index = part.ids.size();
+        if (index == part.cloud.size()) {
+          append_rows(part.cloud, kept, std::max<std::size_t>(index, 4096));
           values.find_columns();
           wait();
         }
         part.ids.push_back(id);
-        part.cloud.positions[offset] = *position;
-        values.put(offset, row.values, [&] { return fmt::format("id {}", id); });
+        part.cloud.positions[index] = *position;
+        values.put(index, row.values, [&] { return fmt::format("id {}", id); });
       },
       wait);
   part.cloud.resize(part.ids.size());

@@ -65,7 +65,7 @@ std::string copy_statement(const ServerTable& table, const RowChoice& choice) {
   for (const char* const axis : {"x", "y", "z"}) sql += table.find(axis)->expression() + "::float8, ";
   sql += choice.has_ids ? table.find("id")->expression() + "::int8" : "0::int8";
   for (const ValueColumn& column : choice.columns) sql += ", " + column.column.expression();
-  sql += " FROM " + table.quoted_name + " WHERE " + table.has_place();
+  sql += " FROM " + table.quoted_name + " WHERE " + table.has_position();
   if (!choice.condition.empty()) sql += " AND (" + choice.condition + ")";
   if (choice.is_sorted) sql += " ORDER BY id";
   return sql + ") TO STDOUT (FORMAT binary)";

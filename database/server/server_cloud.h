@@ -42,7 +42,7 @@ struct ServerTable {
   const NumberColumn* find(std::string_view name) const;
 
   /// Condition for rows with a position: x, y and z finite.
-  std::string has_place() const;
+  std::string has_position() const;
 };
 
 /// Looks the table up, within the transaction that the connection is in. Errors: the name has no table; there
@@ -81,12 +81,12 @@ class CloudValues {
   /// The cloud has other rows now.
   void find_columns();
 
-  /// Fills a row with fields in the order of the columns. Errors: a value out of the attribute's range,
-  /// reported with `offset`().
-  template <class Offset>
-  void put(std::size_t row, std::span<const CopyField> fields, const Offset& offset) {
+  /// Fills a row with fields in the order of the columns. Errors: a value out of the attribute's range;
+  /// location() is where, for the message.
+  template <class Location>
+  void put(std::size_t row, std::span<const CopyField> fields, const Location& location) {
     for (std::size_t i = 0; i < targets_.size(); ++i) {
-      if (!put(targets_[i], row, fields[i])) reject(targets_[i], fields[i], offset());
+      if (!put(targets_[i], row, fields[i])) reject(targets_[i], fields[i], location());
     }
   }
 
@@ -115,7 +115,7 @@ struct RowChoice {
   std::vector<ValueColumn> columns{};
   bool has_ids = false;     ///< the table has whole numbers id
   bool is_sorted = false;   ///< by them
-  std::string condition{};  ///< beside ServerTable::has_place(); empty for none
+  std::string condition{};  ///< beside ServerTable::has_position(); empty for none
 };
 
 /// A row, while it is shown.

@@ -126,9 +126,9 @@ bool ServerRows::is_null(std::size_t row, int column) const {
 }
 
 std::string ServerRows::text(std::size_t row, int column) const {
-  const int offset = static_cast<int>(row);
-  return std::string(server_library().value(result_, offset, column),
-                     static_cast<std::size_t>(server_library().length(result_, offset, column)));
+  const int row_number = static_cast<int>(row);
+  return std::string(server_library().value(result_, row_number, column),
+                     static_cast<std::size_t>(server_library().length(result_, row_number, column)));
 }
 
 double ServerRows::number(std::size_t row, int column) const {

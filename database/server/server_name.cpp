@@ -112,15 +112,15 @@ ServerName::ServerName(std::string_view text) {
     if (decoded(user).find(':') != std::string::npos) reject_password();
     take("user", user);
   }
-  std::string_view location = split(words, '?');
-  const auto [host, port, is_address] = split_host(split(location, '/'));
+  std::string_view server = split(words, '?');
+  const auto [host, port, is_address] = split_host(split(server, '/'));
   if (port) {
     take("port", *port);
     if (!parse_port(parameter("port"))) reject_name("the port is not a number from 1 to 65535");
   }
   if (!is_address) reject_name("invalid server host");
   take("host", host);
-  take("dbname", location);
+  take("dbname", server);
   while (!words.empty()) {
     std::string_view value = split(words, '&');
     const std::string word = decoded(split(value, '='));

@@ -27,9 +27,9 @@ std::string bytes_text(const Values& values) {
 constexpr const char* k_never = "false";
 constexpr double k_infinity = std::numeric_limits<double>::infinity();
 
-/// The largest of some coordinates, none of them NaN.
-double reach(const glm::dvec3& offset) {
-  return std::max({std::abs(offset.x), std::abs(offset.y), std::abs(offset.z)});
+/// The largest absolute coordinate. Requires that none is NaN.
+double reach(const glm::dvec3& position) {
+  return std::max({std::abs(position.x), std::abs(position.y), std::abs(position.z)});
 }
 
 /// Numbers are written such that reading gives the same ones.

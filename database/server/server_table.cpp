@@ -160,7 +160,7 @@ const NumberColumn* ServerTable::find(std::string_view name) const {
   return found == columns.end() ? nullptr : &*found;
 }
 
-std::string ServerTable::has_place() const {
+std::string ServerTable::has_position() const {
   // PostgreSQL puts NaN above all numbers, and NULL is never greater or less.
   return "x > '-Infinity'::float8 AND x < 'Infinity'::float8 AND y > '-Infinity'::float8 AND"
          " y < 'Infinity'::float8 AND z > '-Infinity'::float8 AND z < 'Infinity'::float8";
