@@ -23,7 +23,7 @@ constexpr std::int32_t k_longest = 8;
   throw input_error("the server sent invalid rows", std::move(expected), std::move(found));
 }
 
-/// Numbers travel with the highest byte first.
+/// Appends a number, highest byte first.
 template <class Number>
 void append_number(Number number, std::vector<std::byte>& bytes) {
   const std::size_t at = bytes.size();
@@ -32,7 +32,7 @@ void append_number(Number number, std::vector<std::byte>& bytes) {
   std::ranges::reverse(std::span(bytes).subspan(at));
 }
 
-/// A field: its length and its bytes.
+/// Appends a field: its length and its bytes.
 template <class Number>
 void append_field(Number number, std::vector<std::byte>& bytes) {
   append_number(static_cast<std::int32_t>(sizeof number), bytes);
@@ -88,7 +88,7 @@ void append_value(ServerType type, const ColumnValue& value, std::vector<std::by
 
 }  // namespace
 
-/// How many bytes the head has; 0 if it is not there wholly.
+/// Checks the header and returns its number of bytes; 0 if it is incomplete.
 std::size_t CopyDecoder::take_head(std::span<const std::byte> bytes) {
   if (bytes.size() < k_head) return 0;
   if (std::memcmp(bytes.data(), k_signature.data(), k_signature.size()) != 0)
@@ -158,7 +158,7 @@ std::vector<std::byte> CopyRows::head() {
   std::vector<std::byte> bytes;
   for (const char character : k_signature) bytes.push_back(static_cast<std::byte>(character));
   append_number(std::int32_t{0}, bytes);  // flags
-  append_number(std::int32_t{0}, bytes);  // length of what extends the head
+  append_number(std::int32_t{0}, bytes);  // length of the header extension
   return bytes;
 }
 
