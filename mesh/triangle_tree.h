@@ -30,10 +30,10 @@ using TriangleFilter = std::function<bool(const TriangleHit&)>;
 
 /// Finds the triangles of a mesh that rays meet, from both sides. Safe to use from many threads.
 ///
-/// The answer is that of a loop over all triangles, bit for bit: least t first, then least number. Edges and
-/// vertices belong to all their triangles, so that rays do not slip through between two of them. Triangles are
-/// tested in coordinates relative to the middle of the mesh, so that t is correct to 1e-8 m also with
-/// projected coordinates.
+/// The answer is that of a loop over all triangles, bit for bit: least t first, then least number. Edges
+/// and vertices belong to all their triangles, so that rays do not slip through between two of them.
+/// Triangles are tested in coordinates relative to the middle of the mesh, so that t is correct to 1e-8 m
+/// also with projected coordinates.
 class TriangleTree {
  public:
   /// The tree does not depend on the number of threads. Memory: 28 B per triangle, 40
