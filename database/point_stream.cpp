@@ -62,8 +62,8 @@ void put_block(const PointCloud& piece, const std::vector<ValueBlob>& blobs,
   for (const ValueBlob& blob : blobs) put(blob.values, blob.size);
 }
 
-/// Copies `size` bytes per point to `out`, or k_size unless that is 0, which the compiler does without a
-/// call.
+/// Copies `size` bytes per point to `out`, or k_size unless that is 0, which the
+/// compiler does without a call.
 template <std::size_t k_size>
 void gather(const PickedPoints& points, std::size_t blob, std::size_t size, std::byte* out) {
   if constexpr (k_size != 0) size = k_size;

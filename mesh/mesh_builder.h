@@ -16,8 +16,8 @@ namespace alidade {
 /// Most vertices and triangles of a mesh.
 inline constexpr std::uint64_t k_most_mesh_parts = std::numeric_limits<std::uint32_t>::max();
 
-/// Errors: less than `byte_count` of memory is free. Not checked if the system does not report its free
-/// memory.
+/// Errors: less than `byte_count` of memory is free. Not checked if the system does
+/// not report its free memory.
 void check_free_memory(const std::string& file, std::uint64_t byte_count);
 
 /// Adds a polygon as a fan of triangles. Triangles with a vertex twice, and polygons of one or two vertices,

@@ -30,8 +30,8 @@ struct TriangleMesh {
 /// Checksum of vertices, triangles and colours.
 std::uint64_t checksum(const TriangleMesh& mesh);
 
-/// Placement of a mesh in the world: scaled about the origin of its file, rotated about that origin, then
-/// translated.
+/// Placement of a mesh in the world: scaled about the origin of its file, rotated about
+/// that origin, then translated.
 struct MeshPlacement {
   double scale = 1.0;         ///< (0, 1e12]
   double rotate_z = 0.0;      ///< degrees counterclockwise from above, [-360, 360]

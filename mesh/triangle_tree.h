@@ -41,8 +41,8 @@ class TriangleTree {
   /// triangle, and vertices that exist. `progress` is in triangles. Errors: Cancelled.
   explicit TriangleTree(TriangleMesh mesh, const Progress& progress = {});
 
-  /// The first triangle with t_min <= t <= t_max that counts. Cost: some microseconds for a million
-  /// triangles.
+  /// The first triangle with t_min <= t <= t_max that counts. Cost: some
+  /// microseconds for a million triangles.
   std::optional<TriangleHit> closest(const Ray& ray, const TriangleFilter& counts = {}) const;
   /// Whether there is such a triangle: faster.
   bool occluded(const Ray& ray, const TriangleFilter& counts = {}) const;

@@ -15,8 +15,8 @@ namespace alidade::simulation::courtyard_parts {
 
 using Objects = std::vector<SiteObject>;
 
-/// The rolling ground with lawns, paths and streets. Trees and houses outside the yard are placed on its
-/// height.
+/// The rolling ground with lawns, paths and streets. Trees and houses outside the yard
+/// are placed on its height.
 shapes::Ground ground();
 
 /// Four wings round the yard, with gateway and arcade.
@@ -64,8 +64,8 @@ struct WallPlan {
   bool cornice = true;
 };
 
-/// The wall with niches behind its windows and doors, their stone frames and sills, and a cornice below the
-/// eaves.
+/// The wall with niches behind its windows and doors, their stone frames and sills, and
+/// a cornice below the eaves.
 void add_wall(Objects& objects, const WallPlan& plan);
 
 enum class Ridge { along_x, along_y };

@@ -44,8 +44,8 @@ bool in_core(const Ground& ground, const glm::dvec3& position) {
   return std::fabs(position.x) <= ground.core.x && std::fabs(position.y) <= ground.core.y;
 }
 
-/// Clips the ray's interval to where it can meet the ground: over its rectangle and between its extreme
-/// heights.
+/// Clips the ray's interval to where it can meet the ground: over its rectangle and
+/// between its extreme heights.
 bool clip(const Ground& ground, Ray& ray) {
   const glm::dvec3 reach(ground.half_size.x, ground.half_size.y, amplitude_of(ground));
   for (int axis = 0; axis < 3; ++axis) {

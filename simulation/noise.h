@@ -5,8 +5,8 @@
 #include <cstdint>
 #include <glm/vec3.hpp>
 
-// Pseudo-random numbers as functions of a position or a counter. Integer hashing and exact double operations
-// only.
+// Pseudo-random numbers as functions of a position or a counter. Integer hashing and
+// exact double operations only.
 
 namespace alidade::simulation {
 

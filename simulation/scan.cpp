@@ -33,8 +33,8 @@ struct Beam {
   double seconds = 0.0;     ///< since the scan or flight began
 };
 
-/// The raster of a terrestrial scanner. Beam = column * rows + row; columns follow azimuth, rows elevation
-/// upwards.
+/// The raster of a terrestrial scanner. Beam = column * rows + row; columns follow
+/// azimuth, rows elevation upwards.
 class StationBeams {
  public:
   /// About `steps_per_degree` in both directions; at least one row and column.

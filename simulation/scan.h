@@ -60,8 +60,8 @@ using PointSink = std::function<void(const PointCloud& batch)>;
 /// parameter `like` of LasWriter.
 PointCloud scan_header(const Site& site);
 
-/// The columns of every batch: color, intensity, classification, returns, scan_angle, point_source_id,
-/// gps_time.
+/// The columns of every batch: color, intensity, classification, returns, scan_angle,
+/// point_source_id, gps_time.
 AttributeSet scan_attributes();
 
 /// Scans the site from every station, then along every flight line, and hands exactly `point_count` points to

@@ -91,8 +91,8 @@ struct ConvexSolid {
   Bounds bounds;
 };
 
-/// One wave of the rolling ground: amplitude * sin(dot(frequency, (x, y)) + phase), frequency in radians per
-/// metre.
+/// One wave of the rolling ground: amplitude * sin(dot(frequency, (x, y)) + phase),
+/// frequency in radians per metre.
 struct Wave {
   double amplitude = 0.0;
   glm::dvec2 frequency{0.0};
@@ -106,9 +106,9 @@ struct Patch {
   int face = 0;
 };
 
-/// The height field z = fade(x, y) * sum of waves, over |x| <= half_size.x, |y| <= half_size.y. Inside the
-/// core (|x| <= core.x, |y| <= core.y) the ground is the plane z = 0; outside it the waves fade in over
-/// `fade_width`.
+/// The height field z = fade(x, y) * sum of waves, over |x| <= half_size.x, |y| <= half_size.y.
+/// Inside the core (|x| <= core.x, |y| <= core.y) the ground is the plane z = 0; outside it the waves
+/// fade in over `fade_width`.
 struct Ground {
   glm::dvec2 half_size{60.0, 50.0};
   glm::dvec2 core{30.0, 25.0};

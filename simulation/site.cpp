@@ -35,8 +35,8 @@ struct Nearest {
   std::uint32_t object = 0;
 };
 
-/// Replaces `nearest` by `object` if the ray meets it at a smaller t, or at an equal one and its index is
-/// lower.
+/// Replaces `nearest` by `object` if the ray meets it at a smaller t, or at an equal
+/// one and its index is lower.
 void offer(std::optional<Nearest>& nearest, const SiteObject& object, std::uint32_t index, const Ray& local) {
   Ray shortened = local;
   if (nearest) shortened.t_max = nearest->t;

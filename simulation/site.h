@@ -25,8 +25,7 @@ class ShapeTree {
   explicit ShapeTree(std::span<const Bounds> boxes);
 
   /// Calls visit(item) for every item whose box the ray meets within [t_min, t_max], roughly nearest first,
-  /// and some more. visit returns the new t_max, not larger than before; a value below t_min ends the
-  /// walk.
+  /// and some more. visit returns the new t_max, not larger than before; a value below t_min ends the walk.
   template <typename Visit>
   void walk(const Ray& ray, Visit&& visit) const;
 
@@ -137,9 +136,8 @@ class Site {
   /// `origin` is the world position of the objects' frame.
   Site(std::vector<SiteObject> objects, const glm::dvec3& origin);
 
-  /// The first surface with max(t_min, 0) <= t <= t_max, from either side; nothing behind the ray's
-  /// origin is met. Equal t: the lowest object. Requires a unit direction (make_ray). Cost: about half a
-  /// microsecond.
+  /// The first surface with max(t_min, 0) <= t <= t_max, from either side; nothing behind the ray's origin is
+  /// met. Equal t: the lowest object. Requires a unit direction (make_ray). Cost: about half a microsecond.
   std::optional<SiteHit> closest(const Ray& ray) const;
 
   /// Whether closest() would find a surface; stops at the first one found.

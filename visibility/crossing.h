@@ -23,8 +23,8 @@ constexpr double k_sphere_share = 0.5, k_lone_share = 0.28;
 // spacings shrink again: a bird or a stray return is not larger because its neighbours are far away.
 constexpr double k_widest_disc = 16.0, k_widest_lone = 0.35;
 
-/// How far from a disc's plane its sheet still lies, in thicknesses of the sheet, which are standard
-/// deviations.
+/// How far from a disc's plane its sheet still lies, in thicknesses of the sheet,
+/// which are standard deviations.
 constexpr double k_sheet_reach = 1.5;
 
 /// Error of the stored plane of a disc at a position of its sheet, metres. Rounding turns the normal. And
@@ -47,8 +47,8 @@ inline bool is_own(const SightEnd& end, const PointDisc& disc, const PointSurfac
                                       error_of_plane(disc, end.position)}));
 }
 
-/// Whether a disc or sphere of this radius that a line meets this far from an end is of the same thing as the
-/// end.
+/// Whether a disc or sphere of this radius that a line meets this far from an end is of
+/// the same thing as the end.
 inline bool is_beside(const SightEnd& end, double distance, double radius) {
   return end.is_lone && distance < k_lone_radii * radius;
 }

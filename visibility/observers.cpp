@@ -195,8 +195,8 @@ std::string instead_of(const Observer& observer, double foot) {
                      observer.position.x, observer.position.y, foot, height);
 }
 
-/// Says that an observer is below something, or that its foot is not on what is there; empty if it is
-/// neither.
+/// Says that an observer is below something, or that its foot is not on what is
+/// there; empty if it is neither.
 std::string remark_on_clearance(const Occluders& occluders, const Observer& observer) {
   constexpr double k_off = 1.0;
   const Clearance clearance = clearance_of(occluders, observer.position);

@@ -85,8 +85,8 @@ class LineUnderWay {
     return candidate.t >= cut_ || position_crossing(*occluders_, chord(), candidate).has_value();
   }
 
-  /// Takes a candidate of that ray. Returns whether the query may end: it and the candidates after it do not
-  /// matter.
+  /// Takes a candidate of that ray. Returns whether the query may end: it and the
+  /// candidates after it do not matter.
   bool collect(const Candidate& candidate) {
     if (candidate.t >= cut_) return true;
     const std::optional<double> t = crossing(*occluders_, chord(), candidate);
@@ -152,8 +152,8 @@ void find_blockers(const Occluders& occluders, const ChordLines& lines, std::siz
       return under_way[candidate.query_index].concerns(candidate);
     };
   } else {
-    // Of points at one position the first in the order comes first, and the others are not separate
-    // crossings.
+    // Of points at one position the first in the order comes first, and the others
+    // are not separate crossings.
     query.position_filter = collect;
   }
   std::vector<Ray> rays;

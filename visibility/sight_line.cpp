@@ -263,8 +263,8 @@ SightEnd end_on_point(const Occluders& occluders, std::uint64_t point_id, const 
   if (!surface.exists) return {.position = position, .is_lone = occluders.has_surfaces()};
   const glm::dvec3 way = seen_from - position;
   double rise = glm::dot(way, surface.normal);
-  // Where sight grazes the surface, the error of the normal leaves the side open; the upper one is more
-  // likely.
+  // Where sight grazes the surface, the error of the normal leaves the side open; the
+  // upper one is more likely.
   constexpr double k_grazing = 0.02;
   if (std::fabs(rise) < k_grazing * glm::length(way)) rise = surface.normal.z;
   const double lift = std::copysign(k_lift * surface.thickness, rise);

@@ -60,8 +60,8 @@ struct OccluderOptions {
   /// Number of separate crossings that block a line, >= 1: 1 for solid things, more to see through foliage.
   /// Crossings within a point's diameter of the first of them count as one.
   int transparency = 1;
-  /// Points that may block; empty: all. Called from many threads at once; must return the same for the same
-  /// point.
+  /// Points that may block; empty: all. Called from many threads at once; must return
+  /// the same for the same point.
   std::function<bool(std::uint64_t point_id)> counts{};
   /// Triangles that block as well, at their first crossing whatever the transparency; null: none. The other
   /// options do not apply to them.

@@ -14,8 +14,8 @@ extern "C" {
 #include <utils/float.h>
 }
 
-// The SQL types: input and output as text and bytes, and the functions that make them. Errors are
-// PostgreSQL's.
+// The SQL types: input and output as text and bytes, and the functions that make
+// them. Errors are PostgreSQL's.
 
 namespace alidade::database {
 namespace {

@@ -35,8 +35,8 @@ extern const CloudFormat k_server_format;
 
 struct ServerStoreOptions {
   bool replace = false;  ///< a table of that name that has its NAME_cloud; otherwise it is an Error
-  /// Bytes for points; those of a larger cloud are kept in a file without a name in the folder for such
-  /// files.
+  /// Bytes for points; those of a larger cloud are kept in a file without a name in
+  /// the folder for such files.
   std::uint64_t memory = std::uint64_t{1} << 30;
   Progress progress{};  ///< in points, after all are read
 };

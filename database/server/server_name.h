@@ -12,8 +12,7 @@ namespace alidade::database {
 /// A table of a PostgreSQL server, named as
 ///   postgresql://[USER@][HOST][:PORT]/DATABASE?table=NAME[&schema=NAME][&WORD=VALUE]...
 /// or postgres://... Every part may be percent-encoded; other words than table and schema are parameters of
-/// libpq ("host" may be a folder with a socket). Omitted parts have libpq's defaults (PGHOST and so
-/// on).
+/// libpq ("host" may be a folder with a socket). Omitted parts have libpq's defaults (PGHOST and so on).
 struct ServerName {
   /// Words and values for libpq, as given; of a word that is given twice, the later value counts.
   std::vector<std::pair<std::string, std::string>> parameters;

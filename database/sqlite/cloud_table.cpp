@@ -111,8 +111,8 @@ int connect(sqlite3* database, void* reads, int count, const char* const* words,
       [&](const char* text) { keep_message(message, text); });
 }
 
-/// Not connect() itself: a module with one function for both is an eponymous table, which exists without
-/// CREATE.
+/// Not connect() itself: a module with one function for both is an eponymous table,
+/// which exists without CREATE.
 int create(sqlite3* database, void* reads, int count, const char* const* words, sqlite3_vtab** made,
            char** message) {
   return connect(database, reads, count, words, made, message);

@@ -133,8 +133,8 @@ class CopcChunks final : public ChunkSource {
     return static_cast<std::uint32_t>(behind - first_chunks_.begin() - 1);
   }
 
-  /// Finds the nodes that may have wanted points, in the order of the hierarchy. Returns their number of
-  /// points.
+  /// Finds the nodes that may have wanted points, in the order of the hierarchy.
+  /// Returns their number of points.
   std::uint64_t find_nodes(const PointFilter& filter, std::vector<std::uint32_t>& wanted) const {
     std::uint64_t points = 0;
     std::vector<std::uint32_t> stack{0};

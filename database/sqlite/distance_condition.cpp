@@ -50,8 +50,8 @@ std::string comparison(const TokenList& tokens, std::size_t index, bool is_rever
   return {};
 }
 
-/// The tokens before the name of a coordinate, with the dot; empty if the argument is not a column of that
-/// name.
+/// The tokens before the name of a coordinate, with the dot; empty if the argument is
+/// not a column of that name.
 std::optional<TokenRange> table_of(const TokenList& tokens, TokenRange column, std::string_view name) {
   if (column.begin == column.end) return std::nullopt;
   for (std::size_t i = column.begin; i < column.end; ++i) {

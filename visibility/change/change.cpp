@@ -309,8 +309,8 @@ PointChanges compare_all(const EpochCloud& own, const EpochCloud& other, const C
         const LatticePosition position = position_of(tree, leaf, i);
         Finding finding{ChangeClass::ignored};
         if (own.is_counted(id)) {
-          // A scan may have a million points of one position; they have one finding and mostly follow each
-          // other.
+          // A scan may have a million points of one position; they have one finding and
+          // mostly follow each other.
           if (last != position) of_last = comparison.compare(id, to_world(tree.lattice, position));
           last = position;
           finding = of_last;

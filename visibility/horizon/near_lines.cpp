@@ -75,8 +75,8 @@ NearLines::NearLines(const Occluders& occluders, const SightEnd& eye, const Azim
   }
 }
 
-/// Marks all lines that come within reach of a point: a disc or sphere blocks only lines that pass through
-/// it.
+/// Marks all lines that come within reach of a point: a disc or sphere blocks only
+/// lines that pass through it.
 void NearLines::mark_around(const glm::dvec3& offset, double reach) {
   constexpr double k_slack = 1e-5;  // degrees, far more than the errors of directions
   const double distance = glm::length(offset), run = std::hypot(offset.x, offset.y);

@@ -25,8 +25,8 @@ struct ElevationSteps {
   double elevation(int step) const { return 90.0 * step / per_quarter; }
 };
 
-/// Which lines from an eye may be blocked by points: a table by azimuth and elevation, filled from all points
-/// once.
+/// Which lines from an eye may be blocked by points: a table by azimuth and elevation,
+/// filled from all points once.
 class NearLines {
  public:
   /// Neighbouring elevations share an entry, `steps_together` of them, or more if the table would be larger

@@ -48,8 +48,8 @@ struct FresnelClearance {
   /// tubes that are cut off within one stretch as long as the zone is wide, and where that is, metres along
   /// the chord: near `obstructed` for one wall, smaller for obstacles apart from each other.
   double worst = 0.0, worst_t = 0.0;
-  /// Share of the zone's volume that is cut off in this way: the mean over its cross-sections, weighted by
-  /// area.
+  /// Share of the zone's volume that is cut off in this way: the mean over its
+  /// cross-sections, weighted by area.
   double cut_off = 0.0;
   double inner = 0.0;  ///< share of the tubes within 60 % of the radius that are obstructed
   /// Whether nothing is within 60 % of the radius: no point, and no obstructed tube, including the middle
@@ -63,9 +63,9 @@ struct FresnelClearance {
   std::vector<Obstruction> obstructions{};  ///< by share, the largest first, then by id
 };
 
-/// The first Fresnel zone around a line. Wavelength: metres. Cost: some 10^4 short sight lines. Errors:
-/// wavelength not above 0 or not finite; occluders with a transparency above 1, since every crossing
-/// obstructs.
+/// The first Fresnel zone around a line. Wavelength: metres. Cost: some 10^4 short sight lines.
+/// Errors: wavelength not above 0 or not finite; occluders with a transparency above 1, since
+/// every crossing obstructs.
 FresnelClearance fresnel_clearance(const Occluders& occluders, const SightEnd& from, const SightEnd& to,
                                    const LineOptions& options, double wavelength);
 

@@ -130,10 +130,9 @@ void add_fresnel(Row& row, const LineTable& table, const FresnelClearance& fresn
   add_point(row, table, "fresnel_nearest", fresnel.nearest);
 }
 
-/// A line as a row of named values, in the order of the columns; null if a value does not apply. All rows
-/// of a table have the same names. Lengths, and distances from the first end in `..._at`, are in
-/// the cloud's unit; shares are 0 .. 1; classes are those of the points. See docs/visibility.md for every
-/// column.
+/// A line as a row of named values, in the order of the columns; null if a value does not apply. All rows of
+/// a table have the same names. Lengths, and distances from the first end in `..._at`, are in the cloud's
+/// unit; shares are 0 .. 1; classes are those of the points. See docs/visibility.md for every column.
 Row line_row(const LineTable& table, std::size_t line) {
   const LinePair& pair = table.pairs[line];
   const LineReport& report = table.reports[line];

@@ -28,8 +28,8 @@ struct LinePair {
 
 struct LineReport {
   double length = 0.0;  ///< of the chord, metres
-  /// The first point or triangle that blocks; its distance is metres along the chord. Empty: they see each
-  /// other.
+  /// The first point or triangle that blocks; its distance is metres along the chord.
+  /// Empty: they see each other.
   std::optional<Blocker> blocker{};
   /// The point nearest to the line (nearest_point()); empty if none lies beside it.
   std::optional<LinePoint> nearest{};

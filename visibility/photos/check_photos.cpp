@@ -50,8 +50,8 @@ double gap_between(const Bounds& a, const Bounds& b) {
   return glm::length(glm::max(glm::max(a.min - b.max, b.min - a.max), glm::dvec3(0.0)));
 }
 
-/// Whether any of the points, of which every so many are tested, is in the frame and reach of any changed
-/// camera.
+/// Whether any of the points, of which every so many are tested, is in the frame and
+/// reach of any changed camera.
 template <class Change>
 bool any_shows(const Octree& octree, std::span<const camera::NamedCamera> photos, std::size_t every,
                double max_distance, const Change& change) {

@@ -68,8 +68,8 @@ struct PhotoVisibility {
   std::vector<std::uint32_t> best;
   /// PhotoFrame::ground_sampling_distance() in that photo; NaN if no photo sees the point.
   std::vector<float> sampling;
-  /// The blended() colour of the photos that see the point; black if no photo sees it. Empty without
-  /// read_photo.
+  /// The blended() colour of the photos that see the point; black if no photo sees it.
+  /// Empty without read_photo.
   std::vector<Color16> colors;
   std::vector<PhotoSummary> photos;    ///< one per photo
   std::vector<PhotoOverlap> overlaps;  ///< by points that both see

@@ -45,8 +45,8 @@ struct ChordRange {
   std::int64_t begin = 0, end = 0;
 };
 
-/// Those of `count` chords that may lie over a stretch of the line; each extends beyond its ends by
-/// `overlap`.
+/// Those of `count` chords that may lie over a stretch of the line; each extends
+/// beyond its ends by `overlap`.
 ChordRange chords_over(const Stretch& stretch, std::int64_t count, double overlap) {
   if (!(stretch.begin <= stretch.end)) return {};
   const auto chords = static_cast<double>(count);

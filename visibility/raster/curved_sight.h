@@ -63,8 +63,8 @@ class SightBatch {
   /// Whether each line, in the order of add(), is blocked; valid until the batch changes. Crossings
   /// are counted over all chords of a line. Cost: sight_line.h's per chord; memory: 250 B per chord and line.
   std::span<const std::uint8_t> blocked();
-  /// The first blocker of each line; its distance is from the line's start, along the straight line to within
-  /// k_most_sag.
+  /// The first blocker of each line; its distance is from the line's start, along the straight
+  /// line to within k_most_sag.
   std::span<const std::optional<Blocker>> first_blockers();
 
  private:

@@ -44,8 +44,8 @@ struct MapBlock {
   std::vector<MapTarget> targets;  ///< the positions on scanned ground, in the order of the cells
 };
 
-/// The targets of a map, block by block, so that maps of any size take little memory: 150 B per position of a
-/// block.
+/// The targets of a map, block by block, so that maps of any size take little memory:
+/// 150 B per position of a block.
 class MapTargets {
  public:
   /// Every cell has `positions_across` x `positions_across` positions, evenly spread, in

@@ -65,8 +65,8 @@ class LowestSeen {
     double highest;  ///< in the observer's view
   };
 
-  /// By how much a line is raised at its blocker. Openings of meshes are searched in steps as wide as the
-  /// cloud's.
+  /// By how much a line is raised at its blocker. Openings of meshes are searched in
+  /// steps as wide as the cloud's.
   double step_past(const Blocker& blocker) const {
     if (blocker.is_mesh()) return occluders_.typical_radius();
     const std::uint64_t point_id = blocker.point_id;

@@ -32,8 +32,8 @@ std::optional<glm::dvec3> outward(std::span<const glm::vec3> normals, std::uint6
   return normal;
 }
 
-/// Targets of a block, by the number of lines to each: few enough for a part of a long run that takes
-/// seconds.
+/// Targets of a block, by the number of lines to each: few enough for a part of a
+/// long run that takes seconds.
 std::size_t targets_at_once(std::size_t lines) {
   constexpr std::size_t k_most_lines = 1 << 24, k_least = 1 << 10, k_most = 1 << 14;
   return std::clamp(k_most_lines / std::max<std::size_t>(lines, 1), k_least, k_most);
@@ -99,8 +99,8 @@ void for_each_point_target(const Occluders& occluders, std::span<const glm::vec3
       });
 }
 
-/// As for_each_point_target() for the cells of a map, by their number in it; k_nothing for those without
-/// ground.
+/// As for_each_point_target() for the cells of a map, by their number in it; k_nothing
+/// for those without ground.
 template <class Answer, class Take>
 void for_each_ground_target(const Occluders& occluders, const Ground& ground, const geo::RasterGrid& grid,
                             double height, const Question& question, const LongWork& work, Answer&& answer,

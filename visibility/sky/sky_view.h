@@ -21,10 +21,10 @@ constexpr int k_most_sky_directions = 1 << 20;
 /// Latitude-Longitude Lattices, 2010. Requires 1 <= count <= k_most_sky_directions.
 std::vector<glm::dvec3> even_sky_directions(int count);
 
-/// As even_sky_directions(), but with a density proportional to sin(elevation), so that each represents
-/// 1/count of the light that an even sky sends to a horizontal receiver:
-/// sin^2(elevation) = 1 - (i + 1/2) / count. Source: the projection of the hemisphere onto its base, Nusselt
-/// 1928.
+/// As even_sky_directions(), but with a density proportional to sin(elevation), so that
+/// each represents 1/count of the light that an even sky sends to a horizontal receiver:
+/// sin^2(elevation) = 1 - (i + 1/2) / count. Source: the projection of the hemisphere
+/// onto its base, Nusselt 1928.
 std::vector<glm::dvec3> cosine_sky_directions(int count);
 
 // The share of the sky that is visible from a position, through every gap.

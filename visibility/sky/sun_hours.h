@@ -29,8 +29,8 @@ struct SunHoursOptions {
   double albedo = 0.2;  ///< share of its light that the ground reflects, [0, 1]
   /// 0, or 1: light is reflected by everything that the receivers see (bounced_light.h), with one albedo.
   int bounces = 0;
-  /// A target without a surface receives as a small sphere does, on average: a quarter of the light from all
-  /// directions.
+  /// A target without a surface receives as a small sphere does, on average: a quarter of the
+  /// light from all directions.
   bool is_sphere = false;
 };
 

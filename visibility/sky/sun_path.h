@@ -18,8 +18,8 @@ namespace alidade::visibility {
 
 struct SkylineCurve;
 
-/// Parts of a time range; their borders are midnights of mean solar time, 4 minutes earlier per degree to the
-/// east.
+/// Parts of a time range; their borders are midnights of mean solar time, 4 minutes
+/// earlier per degree to the east.
 enum class SunPeriod { whole, year, month, day };
 
 /// The sun in the middle of a step, and the irradiances by sun and sky.
