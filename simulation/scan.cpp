@@ -333,16 +333,15 @@ PointCloud scan_header(const Site& site) {
   PointCloud cloud;
   cloud.lattice = {glm::dvec3(0.001), site.origin()};
   cloud.gps_time_is_standard = true;
-  cloud.crs.wkt =
-      R"(PROJCS["WGS 84 / UTM zone 32N",GEOGCS["WGS 84",)"
-      R"(DATUM["WGS_1984",SPHEROID["WGS 84",6378137,298.257223563,AUTHORITY["EPSG","7030"]],)"
-      R"(AUTHORITY["EPSG","6326"]],PRIMEM["Greenwich",0,AUTHORITY["EPSG","8901"]],)"
-      R"(UNIT["degree",0.0174532925199433,AUTHORITY["EPSG","9122"]],AUTHORITY["EPSG","4326"]],)"
-      R"(PROJECTION["Transverse_Mercator"],PARAMETER["latitude_of_origin",0],)"
-      R"(PARAMETER["central_meridian",9],PARAMETER["scale_factor",0.9996],)"
-      R"(PARAMETER["false_easting",500000],PARAMETER["false_northing",0],)"
-      R"(UNIT["metre",1,AUTHORITY["EPSG","9001"]],)"
-      R"(AXIS["Easting",EAST],AXIS["Northing",NORTH],AUTHORITY["EPSG","32632"]])";
+  cloud.crs.wkt = R"(PROJCS["WGS 84 / UTM zone 32N",GEOGCS["WGS 84",)"
+                  R"(DATUM["WGS_1984",SPHEROID["WGS 84",6378137,298.257223563,AUTHORITY["EPSG","7030"]],)"
+                  R"(AUTHORITY["EPSG","6326"]],PRIMEM["Greenwich",0,AUTHORITY["EPSG","8901"]],)"
+                  R"(UNIT["degree",0.0174532925199433,AUTHORITY["EPSG","9122"]],AUTHORITY["EPSG","4326"]],)"
+                  R"(PROJECTION["Transverse_Mercator"],PARAMETER["latitude_of_origin",0],)"
+                  R"(PARAMETER["central_meridian",9],PARAMETER["scale_factor",0.9996],)"
+                  R"(PARAMETER["false_easting",500000],PARAMETER["false_northing",0],)"
+                  R"(UNIT["metre",1,AUTHORITY["EPSG","9001"]],)"
+                  R"(AXIS["Easting",EAST],AXIS["Northing",NORTH],AUTHORITY["EPSG","32632"]])";
   return cloud;
 }
 
