@@ -11,8 +11,8 @@
 namespace alidade::visibility {
 namespace {
 
-/// Cosine of the largest angle to the axis in a frame, found along its edges; -2 if the lens has no view
-/// through some of these, or one too wide for a cone to help.
+/// Cosine of an angle to the axis that no direction in a frame exceeds, found along its edges; -2 if the lens
+/// has no view through some of these, or one too wide for a cone to help.
 double cosine_over_frame(const camera::Projection& projection) {
   constexpr int k_steps = 32;
   constexpr double k_widest = 80.0 / 180.0 * std::numbers::pi, k_margin = 1.02, k_unbounded = -2.0;

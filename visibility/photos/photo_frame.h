@@ -38,7 +38,7 @@ class PhotoFrame {
 
  private:
   camera::Projection projection_;
-  /// Cosine of the largest angle to the axis of any direction in the frame; below -1: not known.
+  /// Cosine of an angle to the axis that no direction in the frame exceeds; below -1: unknown.
   double least_cosine_ = -2.0;
 };
 
