@@ -61,9 +61,9 @@ class Crossings {
 
 /// A line whose crossings are being found. The filter of a query for the closest point collects them: it
 /// rejects all candidates until the crossings suffice, then admits the next one, which ends the query.
-class LineUnderWay {
+class OpenLine {
  public:
-  LineUnderWay(const Occluders& occluders, const ChordLines& lines, std::size_t line)
+  OpenLine(const Occluders& occluders, const ChordLines& lines, std::size_t line)
       : occluders_(&occluders), lines_(&lines), line_(line), chord_(lines.begin[line]) {
     has_ended_ = chord_ == lines.begin[line + 1];
     cut_off();
@@ -98,7 +98,7 @@ class LineUnderWay {
   }
 
   /// Continues when all candidates of the ray, or those before the cut, were collected.
-  void go_on() {
+  void advance() {
     if (cut_ < k_none) {
       known_ = cut_;
       cut_ = k_none;
@@ -139,17 +139,17 @@ class LineUnderWay {
 /// Answers some of the lines, [from, to).
 void find_blockers(const Occluders& occluders, const ChordLines& lines, std::size_t from, std::size_t to,
                    std::span<std::optional<Blocker>> blockers) {
-  std::vector<LineUnderWay> under_way;
-  under_way.reserve(to - from);
-  for (std::size_t line = from; line < to; ++line) under_way.emplace_back(occluders, lines, line);
+  std::vector<OpenLine> open_lines;
+  open_lines.reserve(to - from);
+  for (std::size_t line = from; line < to; ++line) open_lines.emplace_back(occluders, lines, line);
   RayQuery query = query_of(occluders);
   const CandidateFilter collect = [&](const Candidate& candidate) {
-    return under_way[candidate.query_index].collect(candidate);
+    return open_lines[candidate.query_index].collect(candidate);
   };
   if (occluders.options().counts) {
     query.filter = collect;
     query.position_filter = [&](const Candidate& candidate) {
-      return under_way[candidate.query_index].concerns(candidate);
+      return open_lines[candidate.query_index].concerns(candidate);
     };
   } else {
     // Of points at one position the first in the order comes first, and the others
@@ -159,19 +159,19 @@ void find_blockers(const Occluders& occluders, const ChordLines& lines, std::siz
   std::vector<Ray> rays;
   std::vector<std::optional<Hit>> ends;
   const auto keep_going = [&] {
-    std::erase_if(under_way, [&](const LineUnderWay& line) {
+    std::erase_if(open_lines, [&](const OpenLine& line) {
       if (line.has_ended()) blockers[line.line()] = line.blocker();
       return line.has_ended();
     });
-    return !under_way.empty();
+    return !open_lines.empty();
   };
   while (keep_going()) {
     occluders.check_given_up();
     rays.clear();
-    for (const LineUnderWay& line : under_way) rays.push_back(line.ray());
+    for (const OpenLine& line : open_lines) rays.push_back(line.ray());
     ends.resize(rays.size());
     closest(occluders.octree(), rays, query, ends);
-    for (LineUnderWay& line : under_way) line.go_on();
+    for (OpenLine& line : open_lines) line.advance();
   }
 }
 

@@ -121,9 +121,10 @@ std::optional<double> in_ground(const geo::TerrainSurface& terrain, const SightL
     return end.mesh_contact > 0.0 && terrain.occluded({top, {0.0, 0.0, -1.0}, 0.0, 2.0 * end.mesh_contact});
   };
   // From below, a line from an end in the air reaches one on the surface only through a hole.
-  const bool goes_on = !line.has_end() || line.to.mesh_contact == 0.0;
-  const bool from_ground = lies_on(line.from), comes_on = line.from.mesh_contact == 0.0;
-  if (!(from_ground && (goes_on || lies_on(line.to))) && !(comes_on && !goes_on && lies_on(line.to)))
+  const bool begins_in_air = line.from.mesh_contact == 0.0;
+  const bool ends_in_air = !line.has_end() || line.to.mesh_contact == 0.0;
+  if (!(lies_on(line.from) && (ends_in_air || lies_on(line.to))) &&
+      !(begins_in_air && !ends_in_air && lies_on(line.to)))
     return {};
   Ray above = ray_between_ends(line);
   above.origin.z += k_mesh_contact;
