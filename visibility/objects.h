@@ -11,8 +11,8 @@
 
 #include "visibility/observers.h"
 
-// What is to be seen from many positions: masts, wind turbines, walls, buildings. An object consists
-// of upright pieces, each with a sample in its middle; who sees the sample sees the piece. Samples
+// Objects to be seen from many positions: masts, wind turbines, walls, buildings. An object consists
+// of upright pieces, each with a sample in its middle; the piece is visible if its sample is. Samples
 // are observers, since a line of sight is the same from either end: a viewshed of them shows from
 // where the object is visible.
 //

@@ -18,7 +18,7 @@ namespace alidade::visibility {
 
 enum class RowForm { csv, json, geojson };
 
-/// By the extension: .csv, .json or .geojson; empty for any other.
+/// The form of a file by its extension, .csv, .json or .geojson; empty for any other.
 std::optional<RowForm> row_form(const std::filesystem::path& file);
 
 /// Metadata of a file. CSV cannot hold it.

@@ -30,7 +30,7 @@ void write_box_tree(sqlite3* database, const std::string& table_name, std::vecto
 /// Queries a table of write_box_tree().
 class BoxTree {
  public:
-  /// Of the cloud `table` of one of the connection's databases.
+  /// Opens the boxes of the cloud `table` of one of the connection's databases.
   BoxTree(sqlite3* database, const std::string& schema, const std::string& table, std::uint64_t chunk_count);
 
   /// The chunks for which `wanted` is true of their box and of the boxes around it; by id. Errors: pages

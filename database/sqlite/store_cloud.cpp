@@ -57,7 +57,7 @@ class ChunkWriter {
     boxes_.insert(boxes_.end(), chunks.boxes.begin(), chunks.boxes.end());
   }
 
-  /// Of the chunks written so far.
+  /// Boxes of the chunks written so far.
   std::vector<Bounds> boxes() && { return std::move(boxes_); }
 
  private:

@@ -29,7 +29,7 @@ double median_of(std::vector<float>& values) {
   return *middle;
 }
 
-/// Of some hundred thousand points at most. If the octree has no spacings, that of points
+/// The median spacing of some hundred thousand points at most. If the octree has no spacings, that of points
 /// spread evenly over the area.
 double median_spacing(const Octree& octree) {
   constexpr std::uint64_t k_enough = 1 << 17, k_neighbours = 8;

@@ -67,8 +67,8 @@ Coverage see_targets(const Occluders& occluders, std::span<const Observer> candi
 /// Some points that represent all: of the counted points of every cubic cell of a grid, the one nearest to
 /// the cell's middle, of equally near ones the one with the lowest id. They are in the order of the octree,
 /// which has neighbours together. `counts`: empty for all. `progress` is in points. Cost: about 100 ns per
-/// point. Memory: 140 B per cell that holds points, of which 32 B stay. Errors: spacing not above 0 or not
-/// finite, or finer than 2^-21 of the cloud's longest side; not enough memory.
+/// point. Memory: 140 B per cell with points, 32 B afterwards. Errors: spacing not above 0 or not finite, or
+/// finer than 2^-21 of the cloud's longest side; not enough memory.
 std::vector<PlacementTarget> thin_points(const Octree& octree, double spacing,
                                          const std::function<bool(std::uint64_t point_id)>& counts = {},
                                          const Progress& progress = {});

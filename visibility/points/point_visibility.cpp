@@ -85,24 +85,24 @@ class View {
 
   void look_at(const std::vector<PlacedPoint>& targets, BatchAnswers& answers) {
     find_in_view(targets);
-    asked_.clear();
+    viewed_.clear();
     for (std::size_t i = 0; i < targets.size(); ++i) {
-      if (is_in_view_[i] != 0) asked_.push_back({targets[i], i});
+      if (is_in_view_[i] != 0) viewed_.push_back({targets[i], i});
     }
-    lines_.resize(asked_.size());
-    blocked_.resize(asked_.size());
+    lines_.resize(viewed_.size());
+    blocked_.resize(viewed_.size());
     make_lines(0);
     if (answers.blockers.empty())
       blocked(occluders_, lines_, blocked_);
     else
-      ask_for_blockers(answers);
-    for (std::size_t n = 0; n < asked_.size(); ++n) answers.seen[asked_[n].number] = blocked_[n] == 0;
-    if (!answers.clear_lines.empty()) ask_for_disc(answers);
+      find_blockers(answers);
+    for (std::size_t n = 0; n < viewed_.size(); ++n) answers.seen[viewed_[n].number] = blocked_[n] == 0;
+    if (!answers.clear_lines.empty()) test_discs(answers);
   }
 
  private:
   /// A target of the batch that is in view, and its number in it.
-  struct Asked {
+  struct Viewed {
     PlacedPoint target;
     std::size_t number;
   };
@@ -117,8 +117,8 @@ class View {
 
   /// Makes the lines to the requested points, or beside them on their discs.
   void make_lines(std::size_t sub_ray) {
-    tbb::parallel_for(std::size_t{0}, asked_.size(), [&](std::size_t n) {
-      const PlacedPoint& target = asked_[n].target;
+    tbb::parallel_for(std::size_t{0}, viewed_.size(), [&](std::size_t n) {
+      const PlacedPoint& target = viewed_[n].target;
       SightEnd end = end_on_point(occluders_, target.point_id, target.position, observer_.position);
       if (sub_ray > 0) shift(end, target, pattern_[sub_ray]);
       lines_[n] = sight_line(eye_, end);
@@ -138,27 +138,27 @@ class View {
     end.own_reach += radius;
   }
 
-  void ask_for_blockers(BatchAnswers& answers) {
+  void find_blockers(BatchAnswers& answers) {
     first_.resize(lines_.size());
     first_blockers(occluders_, lines_, first_);
     for (std::size_t n = 0; n < lines_.size(); ++n) {
       blocked_[n] = first_[n].has_value();
       if (!first_[n]) continue;
-      answers.blockers[asked_[n].number] =
+      answers.blockers[viewed_[n].number] =
           first_[n]->is_mesh() ? k_blocked_by_mesh : static_cast<std::uint32_t>(first_[n]->point_id);
     }
   }
 
-  void ask_for_disc(BatchAnswers& answers) {
-    std::vector<std::uint8_t> clear(asked_.size());
-    for (std::size_t n = 0; n < asked_.size(); ++n) clear[n] = blocked_[n] == 0;
+  void test_discs(BatchAnswers& answers) {
+    std::vector<std::uint8_t> clear(viewed_.size());
+    for (std::size_t n = 0; n < viewed_.size(); ++n) clear[n] = blocked_[n] == 0;
     for (std::size_t sub_ray = 1; sub_ray < pattern_.size(); ++sub_ray) {
       make_lines(sub_ray);
       blocked(occluders_, lines_, blocked_);
-      for (std::size_t n = 0; n < asked_.size(); ++n)
+      for (std::size_t n = 0; n < viewed_.size(); ++n)
         clear[n] = static_cast<std::uint8_t>(clear[n] + (blocked_[n] == 0));
     }
-    for (std::size_t n = 0; n < asked_.size(); ++n) answers.clear_lines[asked_[n].number] = clear[n];
+    for (std::size_t n = 0; n < viewed_.size(); ++n) answers.clear_lines[viewed_[n].number] = clear[n];
   }
 
   const Occluders& occluders_;
@@ -170,7 +170,7 @@ class View {
   const std::function<bool(const glm::dvec3& position)> in_view_;
   // Of the current batch.
   std::vector<std::uint8_t> is_in_view_;
-  std::vector<Asked> asked_;
+  std::vector<Viewed> viewed_;
   std::vector<SightLine> lines_;
   std::vector<std::uint8_t> blocked_;
   std::vector<std::optional<Blocker>> first_;

@@ -95,11 +95,11 @@ void SightBatch::add(const SightEnd& from, const SightEnd& to) {
   const std::int64_t count = curve_.chord_count(distance_between(from.position, to.position));
   // A sphere that a joint lies in would block neither chord: they overlap by more than it is wide.
   const double overlap = 2.0 * std::max(occluders_.typical_radius(), 0.0) / length;
-  const ChordRange asked =
+  const ChordRange needed =
       count == 1 ? ChordRange{0, 1}
                  : chords_over(stretch_over(reach_, from.position, to.position), count, overlap);
   const auto chords = static_cast<double>(count);
-  for (std::int64_t i = asked.begin; i < asked.end; ++i) {
+  for (std::int64_t i = needed.begin; i < needed.end; ++i) {
     const double begin = std::max(0.0, static_cast<double>(i) / chords - overlap),
                  end = std::min(1.0, static_cast<double>(i + 1) / chords + overlap);
     const SightEnd chord_from = i == 0 ? from : chord_end(curve_.position(from.position, to.position, begin));

@@ -304,12 +304,12 @@ void widen(HugeVector<std::uint8_t>& set, const geo::RasterGrid& grid, double re
   widen(set, rows, columns, columns, 1, cells);
 }
 
-GroundSource chosen_source(GroundSource asked, bool is_classified) {
-  check_that(asked != GroundSource::terrain, "a terrain is not the ground of points",
+GroundSource chosen_source(GroundSource requested, bool is_classified) {
+  check_that(requested != GroundSource::terrain, "a terrain is not the ground of points",
              "another source, and Ground::raise_to()");
-  check_that(asked != GroundSource::classified || is_classified, "missing ground class", "points of class 2",
-             "none in the cloud");
-  if (asked != GroundSource::automatic) return asked;
+  check_that(requested != GroundSource::classified || is_classified, "missing ground class",
+             "points of class 2", "none in the cloud");
+  if (requested != GroundSource::automatic) return requested;
   return is_classified ? GroundSource::classified : GroundSource::lowest;
 }
 

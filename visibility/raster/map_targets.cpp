@@ -139,7 +139,7 @@ MapObserver::MapObserver(const Occluders& occluders, const Observer& observer)
       upper_slope_(slope_of(observer.elevation_max)) {}
 
 std::optional<HeightRange> MapObserver::heights_in_view(const glm::dvec3& foot,
-                                                        const HeightRange& asked) const {
+                                                        const HeightRange& tested) const {
   const glm::dvec3 offset = foot - eye_.position;
   const double run_sq = offset.x * offset.x + offset.y * offset.y, run = std::sqrt(run_sq);
   const double reach_sq = max_distance_ * max_distance_ - run_sq;
@@ -148,12 +148,12 @@ std::optional<HeightRange> MapObserver::heights_in_view(const glm::dvec3& foot,
   // A run of 0 times an infinite slope would be NaN.
   const double lowest = std::isinf(lower_slope_) ? lower_slope_ : run * lower_slope_,
                highest = std::isinf(upper_slope_) ? upper_slope_ : run * upper_slope_;
-  HeightRange range{std::max(asked.low, std::max(lowest, -reach) - offset.z),
-                    std::min(asked.high, std::min(highest, reach) - offset.z)};
+  HeightRange range{std::max(tested.low, std::max(lowest, -reach) - offset.z),
+                    std::min(tested.high, std::min(highest, reach) - offset.z)};
   // At limits that depend on rounding, looks_at() decides.
-  if (looks_at(foot + glm::dvec3(0.0, 0.0, asked.low))) {
-    range.low = asked.low;
-    range.high = std::max(range.high, asked.low);
+  if (looks_at(foot + glm::dvec3(0.0, 0.0, tested.low))) {
+    range.low = tested.low;
+    range.high = std::max(range.high, tested.low);
   }
   if (!(range.low <= range.high)) return std::nullopt;
   return range;

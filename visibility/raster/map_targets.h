@@ -84,10 +84,10 @@ class MapObserver {
   /// Whether a position is in its field of view and reach.
   bool looks_at(const glm::dvec3& position) const { return view_.reaches(position - eye_.position); }
 
-  /// The heights in `asked` above `foot` that are between the lower and the upper limit of its field of view
-  /// and not farther away than its max_distance. The lower end is that of `asked` if looks_at() is true for
+  /// The heights in `tested` above `foot` that are between the lower and the upper limit of its field of view
+  /// and not farther away than its max_distance. The lower end is that of `tested` if looks_at() is true for
   /// it. Empty: no height is in view. The same on every machine.
-  std::optional<HeightRange> heights_in_view(const glm::dvec3& foot, const HeightRange& asked) const;
+  std::optional<HeightRange> heights_in_view(const glm::dvec3& foot, const HeightRange& tested) const;
 
  private:
   SightEnd eye_;

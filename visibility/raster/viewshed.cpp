@@ -218,7 +218,7 @@ class SeenCounter {
   std::uint64_t line_count() const { return line_count_; }
 
  private:
-  /// Of a cell.
+  /// The sums of one cell.
   struct Sums {
     bool is_looked_at = false;
     std::size_t last_seen = 0;     ///< number of the object that was seen last, from 1

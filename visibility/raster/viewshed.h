@@ -73,9 +73,9 @@ struct Viewshed {
 /// has the height at which the view begins, if that is seen, and `highest` if nothing in the view is seen.
 /// Cells without such a height are out of range.
 ///
-/// Of objects (visibility/objects.h) `visible` is 1 where any sample is seen, `count` the number of objects
-/// of which one is, `fraction` the share of free lines weighted by the size of the pieces. Pieces that face
-/// away from a cell or are out of reach do not count; cells where none counts are out of range.
+/// For objects (visibility/objects.h) `visible` is 1 where any sample is seen, `count` the number of objects
+/// with such a sample, `fraction` the share of free lines weighted by the size of the pieces. Pieces that
+/// face away from a cell or are out of reach do not count; cells where none counts are out of range.
 ///
 /// Cost: a sight line per pair, 0.5 to 2 microseconds of two cores; for `height` several to some hundred if
 /// much is hidden. Memory: 4 B per cell and some 100 MB, of `height` 4 B per point as well;

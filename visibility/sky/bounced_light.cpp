@@ -169,24 +169,24 @@ void BouncedLight::add(std::span<const SkyTarget> targets, std::span<Radiation> 
   });
   std::vector<double> ground(targets.size(), 0.0);
   std::vector<Met> met;
-  std::vector<std::uint32_t> asked;
+  std::vector<std::uint32_t> in_front;
   std::vector<SightLine> lines;
   std::vector<std::optional<Blocker>> blockers;
   for (std::size_t k = 0; k < parts.size(); ++k) {
     const Part& part = parts[k];
-    asked.clear();
+    in_front.clear();
     for (std::uint32_t i = 0; i < targets.size(); ++i) {
       const bool is_behind = targets[i].has_surface() && !(glm::dot(part.direction, targets[i].normal) > 0.0);
-      if (!is_behind && weight_of(part, normals[i]) > 0.0) asked.push_back(i);
+      if (!is_behind && weight_of(part, normals[i]) > 0.0) in_front.push_back(i);
     }
-    lines.resize(asked.size());
-    blockers.assign(asked.size(), {});
-    in_parallel(asked.size(), 1024, [&](std::size_t i) {
-      lines[i] = sight_ray(targets[asked[i]].front, part.direction, options_.max_distance);
+    lines.resize(in_front.size());
+    blockers.assign(in_front.size(), {});
+    in_parallel(in_front.size(), 1024, [&](std::size_t i) {
+      lines[i] = sight_ray(targets[in_front[i]].front, part.direction, options_.max_distance);
     });
     first_blockers(occluders_, lines, blockers);
-    for (std::size_t i = 0; i < asked.size(); ++i) {
-      const std::uint32_t target = asked[i];
+    for (std::size_t i = 0; i < in_front.size(); ++i) {
+      const std::uint32_t target = in_front[i];
       const double weight = scales[target][k / k_sky_patches] * weight_of(part, normals[target]);
       const std::optional<Blocker>& blocker = blockers[i];
       if (blocker && !blocker->is_mesh())

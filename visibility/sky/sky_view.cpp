@@ -163,7 +163,7 @@ void sky_views(const Occluders& occluders, std::span<const SkyTarget> targets, c
 }
 
 void find_open_sides(const Occluders& occluders, int directions, std::span<SkyTarget> targets) {
-  std::vector<SkyTarget> asked;
+  std::vector<SkyTarget> undecided;
   std::vector<std::size_t> indices;
   for (std::size_t i = 0; i < targets.size(); ++i) {
     SkyTarget& target = targets[i];
@@ -174,11 +174,11 @@ void find_open_sides(const Occluders& occluders, int directions, std::span<SkyTa
     }
     target.is_front_open = target.normal.z >= k_level;
     if (target.is_front_open) continue;
-    asked.push_back(target);
+    undecided.push_back(target);
     indices.push_back(i);
   }
-  const std::vector<Sides> sides = both_sides(occluders, asked, {.directions = directions});
-  for (std::size_t i = 0; i < asked.size(); ++i) {
+  const std::vector<Sides> sides = both_sides(occluders, undecided, {.directions = directions});
+  for (std::size_t i = 0; i < undecided.size(); ++i) {
     SkyTarget& target = targets[indices[i]];
     if (sides[i].back > sides[i].front) {
       std::swap(target.front, target.back);
