@@ -6,6 +6,7 @@
 #include <signal.h>
 #include <sys/mman.h>
 #include <sys/stat.h>
+#include <unistd.h>
 #include <cerrno>
 #include <cstdint>
 #include <mutex>
@@ -18,7 +19,7 @@
 namespace alidade {
 namespace {
 
-constexpr std::uintptr_t k_page = 4096;
+const auto k_page = static_cast<std::uintptr_t>(::sysconf(_SC_PAGESIZE));  // 64 KiB on some ARM systems
 
 /// Where a map lies, as the handler of a signal may read it at any time: entries are never deleted, but used again.
 struct Place {

@@ -157,8 +157,7 @@ class CatalogReader {
     if (is_web_url(href)) {
       const std::string host = host_of(href);
       if (!decoded(href) || host.empty()) fail_item("invalid href", "a URL", quote(href));
-      const std::vector<std::string> allowed = allowed_hosts();
-      if (!lies_below(href) && std::ranges::find(allowed, host) == allowed.end())
+      if (!lies_below(href) && std::ranges::count(allowed_hosts(), host) == 0)
         fail_item(
             "the href leads to " + host + ", which is not allowed",
             fmt::format("files below the catalog, or --allow-host {0} (or ALIDADE_ALLOW_HOSTS={0} in the "

@@ -52,6 +52,7 @@ class ViewReader final : public CloudReader {
     facts_.crs = change_.crs;
     facts_.heights_note = change_.heights_note;
     if (change_.height_factor != 1.0 && (change_.move || !inner_->lattice())) {
+      only_heights_ = !change_.move;
       change_.move = [factor = std::exchange(change_.height_factor, 1.0),
                       move = std::move(change_.move)](std::span<glm::dvec3> positions) {
         for (glm::dvec3& position : positions) position.z *= factor;
@@ -197,7 +198,7 @@ class ViewReader final : public CloudReader {
     pieces.take(piece);
   }
 
-  /// Half of what the image of a position moves by when it moves by a step.
+  /// Half of what the image of a position moves by when it moves by a step; of heights that alone move a hundredth of it.
   glm::dvec3 resolution_at(const glm::dvec3& position) {
     const glm::dvec3 step = own_lattice().scale;
     std::array<glm::dvec3, 4> images = {position, position + glm::dvec3(step.x, 0, 0),
@@ -209,7 +210,9 @@ class ViewReader final : public CloudReader {
       const glm::dvec3 moved = glm::abs(images[static_cast<std::size_t>(axis)] - images[0]);
       if (is_finite(moved)) largest = glm::max(largest, moved);
     }
-    return 0.5 * largest;
+    // Whole feet must not become whole decimetres.
+    constexpr double k_share = 0.01;
+    return 0.5 * glm::dvec3(largest.x, largest.y, (only_heights_ ? k_share : 1.0) * largest.z);
   }
 
   /// Brings a part of the file onto the cloud's lattice; rows without an image go.
@@ -247,13 +250,7 @@ class ViewReader final : public CloudReader {
     if (selection.polygons) crop(part, polygons());
     if (selection.condition && part.size() > 0) {
       std::vector<std::uint8_t> marks(part.size(), 1);
-      try {
-        selection.condition(part, marks);
-      } catch (const Error& error) {
-        Error::Parts parts = error.parts();
-        parts.file = inner_->file().path.string();
-        throw Error(std::move(parts));
-      }
+      with_file(inner_->file().path.string(), [&] { selection.condition(part, marks); });
       keep_rows(part, marks);
     }
     left_out_ += before - part.size();
@@ -318,6 +315,7 @@ class ViewReader final : public CloudReader {
   std::vector<std::uint64_t> left_;  ///< selected points, of each source
   LargestColors largest_;            ///< of all points
   std::uint64_t left_out_ = 0, dropped_ = 0, next_row_ = 0;
+  bool only_heights_ = false;  ///< of a file without a lattice are multiplied, and nothing else moves
   std::optional<CoordinateSurvey> own_survey_;
   std::optional<std::vector<PlanePolygon>> polygons_;
   CloudFile file_;

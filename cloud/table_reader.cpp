@@ -199,17 +199,24 @@ void check_room(const InputFile& input, const AnnouncedRows& rows, Damage damage
 }
 
 void reject_text_transfer(InputFile& input, std::uint64_t begin, std::optional<std::uint64_t> end) {
-  // Numbers may contain such pairs, but four of them and no other line feed are no accident.
+  // Numbers may contain such pairs, in a column of one number at equal distances; but four others and no other line
+  // feed are no accident.
   constexpr std::size_t k_looked_at = 1 << 20, k_many = 4;
   const std::uint64_t left_over = input.size() - std::min(end.value_or(begin), input.size());
   if (left_over == 0) return;
   const std::span<const std::byte> bytes = input.view_up_to(begin, k_looked_at);
   const std::string_view text(reinterpret_cast<const char*>(bytes.data()), bytes.size());
   std::uint64_t pairs = 0;
-  for (std::size_t at = text.find('\n'); at != text.npos; at = text.find('\n', at + 1), ++pairs)
+  std::unordered_set<std::size_t> distances;
+  for (std::size_t at = text.find('\n'), next = 0; at != text.npos; at = next, ++pairs) {
     if (at == 0 || text[at - 1] != '\r') return;
-  const bool explains = end && pairs > 0 && (pairs >= left_over || bytes.size() < input.size() - begin);
-  if (!explains && pairs < k_many) return;
+    next = text.find('\n', at + 1);
+    if (next != text.npos) distances.insert(next - at);
+  }
+  // Each of them moves the end by a byte.
+  const bool is_all = bytes.size() == input.size() - begin;
+  const bool explains = end && pairs > 0 && (is_all ? pairs == left_over : pairs <= left_over);
+  if (!explains && (pairs < k_many || distances.size() == 1)) return;
   fail_at_byte(input.name(), begin, "the binary data were changed by a transfer as text",
                "a copy that was transferred in binary mode", "a carriage return before every line feed");
 }

@@ -33,8 +33,19 @@ std::string projection_of(const GdalReference& reference) {
   return name != nullptr ? name : "";
 }
 
-/// x and y of a system without what does not move them in clouds, whose x is always east: the order of axes, and
-/// parameters to other datums.
+/// Whether an axis counts westwards, as in Krovak's older system (EPSG:5513). (South is a direction of polar systems,
+/// too, which not all programs write.)
+bool is_mirrored(const GdalReference& reference) {
+  for (int axis = 0; axis < 2; ++axis) {
+    OGRAxisOrientation direction = OAO_Other;
+    OSRGetAxis(reference.get(), nullptr, axis, &direction);
+    if (direction == OAO_West) return true;
+  }
+  return false;
+}
+
+/// x and y of a system without what does not move them in clouds, whose x is always east (or west): the order of
+/// axes, and parameters to other datums.
 GdalReference plane_of(const GdalReference& reference) {
   GdalReference plane(OSRClone(reference.get()));
   OSRStripVertical(plane.get());
@@ -51,6 +62,7 @@ GdalReference plane_of(const GdalReference& reference) {
 CrsAgreement compare_planes(const GdalReference& a, const GdalReference& b) {
   using enum CrsAgreement;
   const GdalReference one = plane_of(a), other = plane_of(b);
+  if (is_mirrored(a) != is_mirrored(b)) return different;
   if (is_same(one, other)) return same;
   // Some projections have the same parameters.
   if (projection_of(one) != projection_of(other) || !same_definition(version_1_of(one), version_1_of(other)))

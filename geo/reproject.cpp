@@ -168,9 +168,10 @@ ReferenceChange change_reference(const ReferenceRequest& request, const std::fil
   const bool follows = from_centre ? to_heights : has_heights(from) && (to_heights || to_centre);
   if (!follows && before != unit) {
     change.height_factor = before.metres / unit.metres;
-    change.heights_note = fmt::format(
-        "heights are converted from {} to {}{}", before.name, unit.name,
-        stated || from_centre ? "" : ", as if in the unit of x and y; --vertical-unit states another");
+    change.heights_note = fmt::format("heights are converted from {} to {}", before.name, unit.name);
+    if (!stated && !from_centre)
+      change.heights_note += fmt::format(", as if in {}; --vertical-unit states another",
+                                         units.plane ? "the unit of x and y" : "metres");
   }
   // Without heights in the wanted system those of a compound one must not go through a grid.
   if (!to_heights && !to_centre) OSRStripVertical(from.get());

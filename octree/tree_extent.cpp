@@ -27,13 +27,12 @@ static bool is_one_position(const Node& node, int level) {
   return true;
 }
 
-/// Whether few nodes are below one, those of a single position counted once.
-static bool is_small(const TreeView& tree, const Frame& top) {
-  constexpr int k_few_nodes = 8;
+/// Nodes from one on, up to `most` + 1 of them, those of a single position counted once.
+static int count_nodes(const TreeView& tree, const Frame& top, int most) {
   int count = 0;
   std::vector<Frame> waiting{top};
-  while (!waiting.empty()) {
-    if (++count > k_few_nodes) return false;
+  while (!waiting.empty() && count <= most) {
+    ++count;
     const Frame frame = waiting.back();
     waiting.pop_back();
     const Node& node = tree.nodes[frame.node];
@@ -43,19 +42,27 @@ static bool is_small(const TreeView& tree, const Frame& top) {
       if (is_possible(tree, child)) waiting.push_back(child);
     }
   }
-  return true;
+  return count;
 }
 
-/// The only inner child that is not small.
+/// The inner child beside which there are only a few nodes.
 static std::optional<Frame> only_large_child(const TreeView& tree, const Frame& frame) {
+  constexpr int k_few_nodes = 8;
   std::optional<Frame> large;
+  int others = 0;
   for (unsigned inner = inner_slots(tree.nodes[frame.node]); inner != 0; inner &= inner - 1) {
     const Frame child = child_frame(tree, frame, std::countr_zero(inner));
-    if (!is_possible(tree, child) || is_small(tree, child)) continue;
-    if (large) return std::nullopt;
-    large = child;
+    if (!is_possible(tree, child)) continue;
+    const int count = count_nodes(tree, child, k_few_nodes);
+    if (count <= k_few_nodes) {
+      others += count;
+    } else if (large) {
+      return std::nullopt;
+    } else {
+      large = child;
+    }
   }
-  return large;
+  return others <= k_few_nodes ? large : std::nullopt;
 }
 
 static Frame site_of(const TreeView& tree) {

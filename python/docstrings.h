@@ -148,7 +148,7 @@ inline constexpr const char* k_nearest_doc =
     R"(nearest(rays=None, *, origins=None, directions=None, radius=None, measure='distance', t_min=0.0, t_max=None, where=None, classes=None, max_level=None, workers=-1, k=1)
 --
 
-The first k points of each ray by the measure; parameters as of closest().
+The k points nearest to each ray, or the first ones by another measure; parameters as of closest().
 
 Returns
 -------

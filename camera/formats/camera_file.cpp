@@ -79,8 +79,7 @@ std::filesystem::path existing(const std::filesystem::path& file) {
 
 bool LineWalk::next(std::string_view& line) {
   if (begin_ == text_.size()) return false;
-  if (line_feed_ < begin_) line_feed_ = std::min(text_.find('\n', begin_), text_.size());
-  const std::size_t end = std::min(text_.substr(0, line_feed_).find('\r', begin_), line_feed_);
+  const std::size_t end = std::min(text_.find_first_of("\r\n", begin_), text_.size());
   line = text_.substr(begin_, end - begin_);
   begin_ = end;
   for (const char character : {'\r', '\n'})

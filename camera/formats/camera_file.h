@@ -2,7 +2,6 @@
 #pragma once
 
 #include <fmt/format.h>
-#include <algorithm>
 #include <cstdint>
 #include <filesystem>
 #include <span>
@@ -66,8 +65,7 @@ auto at_node(const JsonNode& node, const Work& work) {
 /// Walks through a text line by line; LF, CR LF and CR end a line, the last one may lack its end.
 class LineWalk {
  public:
-  explicit LineWalk(std::string_view text)
-      : text_(text), line_feed_(std::min(text.find('\n'), text.size())) {}
+  explicit LineWalk(std::string_view text) : text_(text) {}
   /// The next line without its end; false at the end of the text.
   bool next(std::string_view& line);
   /// Number of the line given last, from 1.
@@ -76,7 +74,6 @@ class LineWalk {
  private:
   std::string_view text_;
   std::size_t begin_ = 0;  ///< of the next line
-  std::size_t line_feed_;  ///< offset of the first LF from there on, or the size of the text
   std::uint64_t number_ = 0;
 };
 

@@ -286,7 +286,8 @@ TEST(OneUnitTest, files_without_a_lattice_get_one_for_the_converted_heights) {
   CloudInputs files = clouds(tiles);
   files.inputs[0].view = std::make_shared<const InputView>(view);
   const PointCloud cloud = read_cloud(files);
-  EXPECT_LE(cloud.lattice.scale.z, 0.1 * 0.3048) << "finer than the tenths of feet of the file";
+  EXPECT_LE(cloud.lattice.scale.z, 0.01 * 0.1 * 0.3048) << "much finer than the tenths of feet of the file";
+  EXPECT_NEAR(cloud.world(0).z, 0.3048, 0.5 * cloud.lattice.scale.z + 1e-9);
   EXPECT_NEAR(cloud.world(1).z, 0.762, 0.5 * cloud.lattice.scale.z + 1e-9);
   EXPECT_EQ(units_of(cloud.crs), "m m");
 }

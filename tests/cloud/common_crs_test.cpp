@@ -7,12 +7,14 @@
 
 #include "cloud/crs.h"
 #include "tests/cloud/cloud_test_support.h"
+#include "tests/cloud/crs_of_keys.h"
 #include "tests/cloud/las/las_builder.h"
 
 namespace alidade {
 namespace {
 
 using test::build_las;
+using test::crs_of_keys;
 using test::error_of;
 using test::LasFile;
 using test::warns;
@@ -23,58 +25,50 @@ const char* const k_utm_33 =
     R"(PROJCS["WGS 84 / UTM zone 33N",GEOGCS["WGS 84",AUTHORITY["EPSG","4326"]],AUTHORITY["EPSG","32633"]])";
 const char* const k_esri_32 = R"(PROJCS["WGS_1984_UTM_Zone_32N",GEOGCS["GCS_WGS_1984"]])";
 
-Crs of_wkt(const std::string& wkt) {
-  return {.wkt = wkt, .geotiff_keys = {}, .geotiff_doubles = {}, .geotiff_ascii = {}};
-}
-
-Crs of_keys(std::vector<std::uint16_t> keys) {
-  std::vector<std::uint16_t> directory = {1, 1, 0, static_cast<std::uint16_t>(keys.size() / 2)};
-  for (std::size_t i = 0; i < keys.size(); i += 2)
-    directory.insert(directory.end(), {keys[i], 0, 1, keys[i + 1]});
-  return {.wkt = {}, .geotiff_keys = directory, .geotiff_doubles = {}, .geotiff_ascii = {}};
-}
-
 TEST(CrsNameTest, a_system_is_called_by_its_wkt_else_by_its_codes) {
-  EXPECT_EQ(crs_name(of_wkt(k_utm_32)), "WGS 84 / UTM zone 32N");
-  EXPECT_EQ(crs_name(of_keys({3072, 32632, 4096, 5773})), "EPSG:32632, vertical EPSG:5773");
-  EXPECT_EQ(crs_name(of_keys({3072, 32767})), "GeoTIFF keys without EPSG code");
+  EXPECT_EQ(crs_name(crs_of_wkt(k_utm_32)), "WGS 84 / UTM zone 32N");
+  EXPECT_EQ(crs_name(crs_of_keys({3072, 32632, 4096, 5773})), "EPSG:32632, vertical EPSG:5773");
+  EXPECT_EQ(crs_name(crs_of_keys({3072, 32767})), "GeoTIFF keys without EPSG code");
   EXPECT_EQ(crs_name({}), "none");
   const auto compound = [](const std::string& name) {
     return crs_name(
-        of_wkt("COMPD_CS[\"" + name + R"(",PROJCS["plane",GEOGCS["datum"]],VERT_CS["heights"]])"));
+        crs_of_wkt("COMPD_CS[\"" + name + R"(",PROJCS["plane",GEOGCS["datum"]],VERT_CS["heights"]])"));
   };
   for (const char* const whole : {"", "unknown", "plane", "plane + unknown", "plane + heights"})
     EXPECT_EQ(compound(whole), "plane + heights") << whole;
-  EXPECT_EQ(crs_name(of_wkt("PROJCS[\"unknown\",GEOGCS[\"datum\"]]")), "a system without a name");
+  EXPECT_EQ(crs_name(crs_of_wkt("PROJCS[\"unknown\",GEOGCS[\"datum\"]]")), "a system without a name");
 }
 
 TEST(CompareCrsTest, systems_are_compared_by_their_codes_where_both_have_one) {
   using enum CrsAgreement;
-  EXPECT_EQ(compare_crs(of_wkt(k_utm_32), of_keys({3072, 32632})), same);
-  EXPECT_EQ(compare_crs(of_wkt(k_utm_32), of_keys({3072, 32633})), different);
-  EXPECT_EQ(compare_crs(of_wkt(k_utm_32), of_wkt(k_utm_33)), different);
-  EXPECT_EQ(compare_crs(of_keys({2048, 4326}), of_keys({2048, 4258})), different);
-  EXPECT_EQ(compare_crs(of_keys({3072, 32632, 2048, 4326}), of_keys({3072, 32632})), same);
-  EXPECT_EQ(
-      compare_crs(of_wkt(R"(GEODCRS["ETRS89",CS[ellipsoidal,2],ID["EPSG",4258]])"), of_keys({2048, 4258})),
-      same);
+  EXPECT_EQ(compare_crs(crs_of_wkt(k_utm_32), crs_of_keys({3072, 32632})), same);
+  EXPECT_EQ(compare_crs(crs_of_wkt(k_utm_32), crs_of_keys({3072, 32633})), different);
+  EXPECT_EQ(compare_crs(crs_of_wkt(k_utm_32), crs_of_wkt(k_utm_33)), different);
+  EXPECT_EQ(compare_crs(crs_of_keys({2048, 4326}), crs_of_keys({2048, 4258})), different);
+  EXPECT_EQ(compare_crs(crs_of_keys({3072, 32632, 2048, 4326}), crs_of_keys({3072, 32632})), same);
+  EXPECT_EQ(compare_crs(crs_of_wkt(R"(GEODCRS["ETRS89",CS[ellipsoidal,2],ID["EPSG",4258]])"),
+                        crs_of_keys({2048, 4258})),
+            same);
   const std::string iso = R"(PROJCRS["other words",ID["EPSG",32632]])";
-  EXPECT_EQ(compare_crs(of_wkt(iso), of_wkt(k_utm_32)), same);
-  EXPECT_EQ(compare_crs(of_wkt("COMPD_CS[\"both\"," + std::string(k_utm_32) + "]"), of_wkt(k_utm_32)), same);
+  EXPECT_EQ(compare_crs(crs_of_wkt(iso), crs_of_wkt(k_utm_32)), same);
+  EXPECT_EQ(compare_crs(crs_of_wkt("COMPD_CS[\"both\"," + std::string(k_utm_32) + "]"), crs_of_wkt(k_utm_32)),
+            same);
 }
 
 TEST(CompareCrsTest, heights_of_two_codes_are_different) {
-  EXPECT_EQ(compare_crs(of_keys({3072, 32632, 4096, 5773}), of_keys({3072, 32632, 4096, 7837})),
+  EXPECT_EQ(compare_crs(crs_of_keys({3072, 32632, 4096, 5773}), crs_of_keys({3072, 32632, 4096, 7837})),
             CrsAgreement::different);
-  EXPECT_EQ(compare_crs(of_keys({3072, 32632, 4096, 5773}), of_keys({3072, 32632})), CrsAgreement::same);
+  EXPECT_EQ(compare_crs(crs_of_keys({3072, 32632, 4096, 5773}), crs_of_keys({3072, 32632})),
+            CrsAgreement::same);
 }
 
 TEST(CompareCrsTest, wkt_without_codes_is_compared_by_characters_and_digits_of_its_names) {
   using enum CrsAgreement;
-  EXPECT_EQ(compare_crs(of_wkt(k_esri_32), of_wkt(R"(PROJCS["wgs 1984 UTM zone 32N",DATUM[]])")), same);
-  EXPECT_EQ(compare_crs(of_wkt(k_esri_32), of_wkt(R"(PROJCS["wgs 1984 UTM zone 33N"])")), different);
-  EXPECT_EQ(compare_crs(of_wkt(k_esri_32), of_keys({3072, 32632})), unknown);
-  EXPECT_EQ(compare_crs(of_keys({3072, 32767}), of_keys({3072, 32767, 3076, 9001})), different);
+  EXPECT_EQ(compare_crs(crs_of_wkt(k_esri_32), crs_of_wkt(R"(PROJCS["wgs 1984 UTM zone 32N",DATUM[]])")),
+            same);
+  EXPECT_EQ(compare_crs(crs_of_wkt(k_esri_32), crs_of_wkt(R"(PROJCS["wgs 1984 UTM zone 33N"])")), different);
+  EXPECT_EQ(compare_crs(crs_of_wkt(k_esri_32), crs_of_keys({3072, 32632})), unknown);
+  EXPECT_EQ(compare_crs(crs_of_keys({3072, 32767}), crs_of_keys({3072, 32767, 3076, 9001})), different);
 }
 
 /// UTM zone 32 as GDAL and as ESRI write it, without codes.
@@ -96,30 +90,33 @@ UNIT["Meter",1.0]])";
 
 TEST(CompareCrsTest, one_name_or_code_for_other_units_or_numbers_is_no_agreement) {
   using enum CrsAgreement;
-  EXPECT_EQ(compare_crs(of_wkt(gdal_utm()), of_wkt(gdal_utm("15"))), different) << "meridian";
-  EXPECT_EQ(compare_crs(of_wkt(gdal_utm()), of_wkt(gdal_utm("9", "\"foot\",0.3048"))), different) << "unit";
-  EXPECT_EQ(compare_crs(of_wkt(gdal_utm()), of_wkt(gdal_utm("9", "\"Meter\",1.0"))), same);
-  EXPECT_EQ(compare_crs(of_keys({3072, 2991, 3076, 9001}), of_keys({3072, 2991, 3076, 9002})), different);
+  EXPECT_EQ(compare_crs(crs_of_wkt(gdal_utm()), crs_of_wkt(gdal_utm("15"))), different) << "meridian";
+  EXPECT_EQ(compare_crs(crs_of_wkt(gdal_utm()), crs_of_wkt(gdal_utm("9", "\"foot\",0.3048"))), different)
+      << "unit";
+  EXPECT_EQ(compare_crs(crs_of_wkt(gdal_utm()), crs_of_wkt(gdal_utm("9", "\"Meter\",1.0"))), same);
+  EXPECT_EQ(compare_crs(crs_of_keys({3072, 2991, 3076, 9001}), crs_of_keys({3072, 2991, 3076, 9002})),
+            different);
 }
 
 TEST(CompareCrsTest, two_names_for_the_same_numbers_are_not_known_to_differ) {
   using enum CrsAgreement;
-  EXPECT_EQ(compare_crs(of_wkt(gdal_utm()), of_wkt(k_esri_etrs_32)), unknown);
-  EXPECT_EQ(compare_crs(of_wkt(k_esri_etrs_32), of_wkt("COMPD_CS[\"both\"," + gdal_utm() +
-                                                       ",VERT_CS[\"heights\",UNIT[\"metre\",1]]]")),
+  EXPECT_EQ(compare_crs(crs_of_wkt(gdal_utm()), crs_of_wkt(k_esri_etrs_32)), unknown);
+  EXPECT_EQ(compare_crs(crs_of_wkt(k_esri_etrs_32), crs_of_wkt("COMPD_CS[\"both\"," + gdal_utm() +
+                                                               ",VERT_CS[\"heights\",UNIT[\"metre\",1]]]")),
             unknown);
-  EXPECT_EQ(compare_crs(of_wkt(k_esri_etrs_32), of_wkt("COMPD_CS[\"both\"," + gdal_utm() +
-                                                       ",VERT_CS[\"heights\",UNIT[\"foot\",0.3048]]]")),
-            different)
+  EXPECT_EQ(
+      compare_crs(crs_of_wkt(k_esri_etrs_32), crs_of_wkt("COMPD_CS[\"both\"," + gdal_utm() +
+                                                         ",VERT_CS[\"heights\",UNIT[\"foot\",0.3048]]]")),
+      different)
       << "heights of the first are in metres";
-  EXPECT_EQ(compare_crs(of_wkt(gdal_utm("15")), of_wkt(k_esri_etrs_32)), different) << "meridian";
-  EXPECT_EQ(compare_crs(of_wkt(gdal_utm("9", "\"foot\",0.3048")), of_wkt(k_esri_etrs_32)), different);
+  EXPECT_EQ(compare_crs(crs_of_wkt(gdal_utm("15")), crs_of_wkt(k_esri_etrs_32)), different) << "meridian";
+  EXPECT_EQ(compare_crs(crs_of_wkt(gdal_utm("9", "\"foot\",0.3048")), crs_of_wkt(k_esri_etrs_32)), different);
   std::string bessel = gdal_utm();
   bessel.replace(bessel.find("6378137,298.257222101"), 21, "6377397.155,299.1528128");
-  EXPECT_EQ(compare_crs(of_wkt(bessel), of_wkt(k_esri_etrs_32)), different) << "ellipsoid";
+  EXPECT_EQ(compare_crs(crs_of_wkt(bessel), crs_of_wkt(k_esri_etrs_32)), different) << "ellipsoid";
   std::string more = gdal_utm();
   more.insert(more.find("UNIT[\"metre"), "PARAMETER[\"azimuth\",0],");
-  EXPECT_EQ(compare_crs(of_wkt(more), of_wkt(k_esri_etrs_32)), different) << "one parameter more";
+  EXPECT_EQ(compare_crs(crs_of_wkt(more), crs_of_wkt(k_esri_etrs_32)), different) << "one parameter more";
 }
 
 TEST(CompareCrsTest, every_beginning_of_a_wkt_is_compared_without_trouble) {
@@ -127,15 +124,15 @@ TEST(CompareCrsTest, every_beginning_of_a_wkt_is_compared_without_trouble) {
   for (std::size_t length = 1; length < whole.size(); ++length) {
     // Of exactly this length, so that the address sanitizer sees every byte read beyond it.
     const std::string part(whole, 0, length);
-    EXPECT_NE(compare_crs(of_wkt(part), of_wkt(k_esri_etrs_32)), CrsAgreement::unknown) << length;
-    compare_crs(of_wkt(part + "]"), of_wkt(k_esri_etrs_32));
+    EXPECT_NE(compare_crs(crs_of_wkt(part), crs_of_wkt(k_esri_etrs_32)), CrsAgreement::unknown) << length;
+    compare_crs(crs_of_wkt(part + "]"), crs_of_wkt(k_esri_etrs_32));
   }
 }
 
 TEST(CompareCrsTest, damaged_wkt_is_no_trouble) {
   for (const char* const wkt : {"PROJCS[", "PROJCS[\"", "PROJCS[AUTHORITY[\"EPSG\"", "PROJCS[]]]]",
                                 "PROJCS[ID[\"EPSG\",99999999999999999999]]", "[[[[\"EPSG\""})
-    EXPECT_NO_THROW(compare_crs(of_wkt(wkt), of_wkt(k_utm_32))) << wkt;
+    EXPECT_NO_THROW(compare_crs(crs_of_wkt(wkt), crs_of_wkt(k_utm_32))) << wkt;
 }
 
 /// One point, and a WKT record if it is not empty.

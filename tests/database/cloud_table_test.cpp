@@ -239,7 +239,8 @@ TEST_F(CloudTableTest, what_needs_a_ray_is_an_error_without_one) {
            "SELECT id FROM points WHERE t > 0", "SELECT id FROM points WHERE ox = 1",
            "SELECT p.id FROM points p JOIN points q ON p.ox = q.ox", "SELECT id FROM points(1, 2, 3)"}) {
     const std::string error = error_of(*database_, statement);
-    EXPECT_NE(error.find("FROM TABLE(ox, oy, oz, dx, dy, dz)"), std::string::npos) << statement << "\n" << error;
+    EXPECT_NE(error.find("FROM TABLE(ox, oy, oz, dx, dy, dz)"), std::string::npos) << statement << "\n"
+                                                                                   << error;
   }
   // There SQLite (3.40) hands over no arguments.
   EXPECT_TRUE(error_of(*database_, "SELECT count(p.id) FROM (SELECT 5 AS far) o RIGHT JOIN points(" + ray +

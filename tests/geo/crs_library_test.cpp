@@ -49,6 +49,9 @@ TEST(CompareSystemsTest, other_systems_are_different_however_they_are_written) {
             CrsAgreement::different);
   // Other projections with the same parameters.
   EXPECT_EQ(compare_systems(crs_of_text("ESRI:54009"), crs_of_text("ESRI:54012")), CrsAgreement::different);
+  // South and west, and east and north.
+  EXPECT_EQ(compare_systems(crs_of_text("EPSG:5513"), crs_of_text("EPSG:5514")), CrsAgreement::different);
+  EXPECT_EQ(compare_systems(crs_of_text("EPSG:3413"), written("EPSG:3413", "FORMAT=WKT1_ESRI")), CrsAgreement::same);
   const char* const codes[] = {"EPSG:25832", "EPSG:25833", "EPSG:32632", "EPSG:2991", "EPSG:2994",
                                "EPSG:26910", "EPSG:3740",  "EPSG:4326",  "EPSG:4978"};
   for (const char* const a : codes)

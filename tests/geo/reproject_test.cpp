@@ -128,6 +128,9 @@ TEST(ReprojectTest, heights_alone_change_on_the_lattice) {
   EXPECT_EQ(change_reference({.wanted = "EPSG:26910"}, "site.las", facts_of("EPSG:2994")).heights_note,
             "heights are converted from foot to metre, as if in the unit of x and y; --vertical-unit states "
             "another");
+  EXPECT_EQ(change_reference({.wanted = "EPSG:2994"}, "site.las", facts_of("EPSG:4326")).heights_note,
+            "heights are converted from metre to foot, as if in metres; --vertical-unit states "
+            "another");
   EXPECT_EQ(change_reference({.wanted = "EPSG:26910"}, "site.las", facts_of("EPSG:2991")).heights_note, "");
 }
 

@@ -12,7 +12,7 @@
 
 namespace alidade::test {
 
-/// Goes through an octree and checks what holds for every one: node.h and octree.h say it.
+/// Goes through an octree and checks what octree.h says of every one.
 class TreeCheck {
  public:
   TreeCheck(const TreeView& tree, const PointCloud& cloud, int leaf_size)

@@ -248,6 +248,20 @@ void expect_nearly_all(const Share& share, const Body& body, const Writing& writ
       << body.name << ", " << writing.text() << ": " << share.right << " of " << share.all;
 }
 
+/// Expects that nearly all is right that look(body, writing, written, occluders, share) finds, for a few writings.
+template <class Look>
+void expect_in_few_writings(const Look& look) {
+  for (const Body& body : bodies()) {
+    for (const Writing& writing : k_few_writings) {
+      const WrittenBody written(body, writing);
+      const Occluders occluders(build(written.cloud), {});
+      Share share;
+      look(body, writing, written, occluders, share);
+      expect_nearly_all(share, body, writing);
+    }
+  }
+}
+
 TEST(ConvexBodies, show_their_points_to_every_observer_outside) {
   for (const Body& body : bodies()) {
     const std::vector<View> views = views_of(body);
@@ -283,21 +297,16 @@ TEST(ConvexBodies, of_a_plane_with_whole_coordinates_show_all_points) {
 }
 
 TEST(ConvexBodies, show_their_points_to_photos) {
-  for (const Body& body : bodies()) {
+  expect_in_few_writings([](const Body& body, const Writing& writing, const WrittenBody& written,
+                            const Occluders& occluders, Share& share) {
     const View view = views_of(body)[3];
-    for (const Writing& writing : k_few_writings) {
-      const WrittenBody written(body, writing);
-      const Occluders occluders(build(written.cloud), {});
-      const std::vector<camera::NamedCamera> photos{
-          {"photo", camera::pinhole_from_fov(400, 400, 60.0,
-                                             camera::look_at(written.world(view.eye), written.middle))}};
-      const PhotoVisibility seen = photo_visibility(occluders, photos, {});
-      Share share;
-      for (std::size_t id = 0; id < body.positions.size(); ++id)
-        if (is_above_noise(view.slopes[id], writing)) share.add(seen.counts[id] == 1);
-      expect_nearly_all(share, body, writing);
-    }
-  }
+    const std::vector<camera::NamedCamera> photos{
+        {"photo",
+         camera::pinhole_from_fov(400, 400, 60.0, camera::look_at(written.world(view.eye), written.middle))}};
+    const PhotoVisibility seen = photo_visibility(occluders, photos, {});
+    for (std::size_t id = 0; id < view.slopes.size(); ++id)
+      if (is_above_noise(view.slopes[id], writing)) share.add(seen.counts[id] == 1);
+  });
 }
 
 /// Whether a point is away from the edges of a cube.
@@ -314,23 +323,18 @@ bool is_amid(const Body& body, std::size_t id) {
 TEST(ConvexBodies, get_light_from_all_of_the_sky_before_them) {
   constexpr int k_directions = 32;
   const std::vector<glm::dvec3> directions = even_sky_directions(k_directions);
-  for (const Body& body : bodies()) {
-    const std::vector<glm::vec3> normals(body.normals.begin(), body.normals.end());
-    for (const Writing& writing : k_few_writings) {
-      const WrittenBody written(body, writing);
-      const Occluders occluders(build(written.cloud), {});
-      const std::vector<float> views = point_sky_views(occluders, normals, {.directions = k_directions});
-      Share share;
-      for (std::size_t id = 0; id < views.size(); ++id) {
-        if (!is_amid(body, id)) continue;
-        double expected = 0.0;
-        for (const glm::dvec3& direction : directions)
-          expected += 2.0 / k_directions * std::max(0.0, glm::dot(direction, body.normals[id]));
-        share.add(std::fabs(static_cast<double>(views[id]) - expected) < 0.03);
-      }
-      expect_nearly_all(share, body, writing);
-    }
-  }
+  expect_in_few_writings(
+      [&](const Body& body, const Writing&, const WrittenBody&, const Occluders& occluders, Share& share) {
+        const std::vector<glm::vec3> normals(body.normals.begin(), body.normals.end());
+        const std::vector<float> views = point_sky_views(occluders, normals, {.directions = k_directions});
+        for (std::size_t id = 0; id < views.size(); ++id) {
+          if (!is_amid(body, id)) continue;
+          double expected = 0.0;
+          for (const glm::dvec3& direction : directions)
+            expected += 2.0 / k_directions * std::max(0.0, glm::dot(direction, body.normals[id]));
+          share.add(std::fabs(static_cast<double>(views[id]) - expected) < 0.03);
+        }
+      });
 }
 
 TEST(ConvexBodies, get_all_hours_of_the_sun_before_them) {
@@ -343,45 +347,35 @@ TEST(ConvexBodies, get_all_hours_of_the_sun_before_them) {
     return glm::dvec3(std::sin(azimuth) * std::cos(elevation), std::cos(azimuth) * std::cos(elevation),
                       std::sin(elevation));
   };
-  for (const Body& body : bodies()) {
-    const std::vector<glm::vec3> normals(body.normals.begin(), body.normals.end());
-    for (const Writing& writing : k_few_writings) {
-      const WrittenBody written(body, writing);
-      const Occluders occluders(build(written.cloud), {});
-      const std::vector<Radiation> found = point_sun_hours(occluders, normals, light, {});
-      Share share;
-      for (std::size_t id = 0; id < found.size(); ++id) {
-        double hours = 0.0, flattest = 1.0;
-        for (const SunStep& step : steps) {
-          const double slope = glm::dot(direction_of(step), body.normals[id]);
-          flattest = std::min(flattest, std::fabs(slope));
-          if (slope > 0.0) hours += step.hours;
+  expect_in_few_writings(
+      [&](const Body& body, const Writing&, const WrittenBody&, const Occluders& occluders, Share& share) {
+        const std::vector<glm::vec3> normals(body.normals.begin(), body.normals.end());
+        const std::vector<Radiation> found = point_sun_hours(occluders, normals, light, {});
+        for (std::size_t id = 0; id < found.size(); ++id) {
+          double hours = 0.0, flattest = 1.0;
+          for (const SunStep& step : steps) {
+            const double slope = glm::dot(direction_of(step), body.normals[id]);
+            flattest = std::min(flattest, std::fabs(slope));
+            if (slope > 0.0) hours += step.hours;
+          }
+          // Where the sun grazes a side it is before it or behind.
+          if (is_amid(body, id) && flattest > 0.1) share.add(std::fabs(found[id].hours - hours) < 1e-3);
         }
-        // Where the sun grazes a side it is before it or behind.
-        if (is_amid(body, id) && flattest > 0.1) share.add(std::fabs(found[id].hours - hours) < 1e-3);
-      }
-      expect_nearly_all(share, body, writing);
-    }
-  }
+      });
 }
 
 TEST(ConvexBodies, do_not_block_lines_to_positions_on_them) {
-  for (const Body& body : bodies()) {
+  expect_in_few_writings([](const Body& body, const Writing& writing, const WrittenBody& written,
+                            const Occluders& occluders, Share& share) {
     const View view = views_of(body)[4];
-    for (const Writing& writing : k_few_writings) {
-      const WrittenBody written(body, writing);
-      const Occluders occluders(build(written.cloud), {});
-      std::vector<LinePair> pairs;
-      for (std::size_t id = 0; id < body.positions.size(); id += 3) {
-        if (!is_above_noise(view.slopes[id], writing)) continue;
-        pairs.push_back({.from = {written.world(view.eye)},
-                         .to = end_near_surface(occluders, written.world(body.positions[id]))});
-      }
-      Share share;
-      for (const LineReport& report : report_lines(occluders, pairs, {})) share.add(!report.blocker);
-      expect_nearly_all(share, body, writing);
+    std::vector<LinePair> pairs;
+    for (std::size_t id = 0; id < body.positions.size(); id += 3) {
+      if (!is_above_noise(view.slopes[id], writing)) continue;
+      pairs.push_back({.from = {written.world(view.eye)},
+                       .to = end_near_surface(occluders, written.world(body.positions[id]))});
     }
-  }
+    for (const LineReport& report : report_lines(occluders, pairs, {})) share.add(!report.blocker);
+  });
 }
 
 TEST(ConvexBodies, that_are_planes_are_seen_in_all_cells_of_a_map) {

@@ -11,6 +11,7 @@
 
 #include "base/error.h"
 #include "geo/earth.h"
+#include "tests/cloud/crs_of_keys.h"
 #include "tests/visibility/wall_cloud.h"
 
 namespace alidade::test {
@@ -58,17 +59,9 @@ class LineFilesTest : public ::testing::Test {
   bool was_placed = false;
 };
 
-Crs system_of(const std::string& wkt) {
-  Crs crs;
-  crs.wkt = wkt;
-  return crs;
-}
-
 /// A projected system by its EPSG number.
 Crs projected(std::uint16_t number) {
-  Crs crs;
-  crs.geotiff_keys = {1, 1, 0, 2, 1024, 0, 1, 1, 3072, 0, 1, number};
-  return crs;
+  return crs_of_keys({1024, 1, 3072, number});
 }
 
 std::vector<std::string> lines_of(const std::string& text) {
@@ -199,13 +192,13 @@ TEST_F(LineFilesTest, a_mesh_has_a_position_but_neither_id_nor_class) {
 TEST(LonLat, unknown_and_local_systems_are_empty) {
   const std::vector<glm::dvec3> position = {{0, 0, 0}};
   EXPECT_FALSE(lon_lat({}, position));
-  EXPECT_FALSE(lon_lat(system_of("LOCAL_CS[\"here\",UNIT[\"metre\",1]]"), position));
-  EXPECT_FALSE(lon_lat(system_of("nonsense"), position));
+  EXPECT_FALSE(lon_lat(crs_of_wkt("LOCAL_CS[\"here\",UNIT[\"metre\",1]]"), position));
+  EXPECT_FALSE(lon_lat(crs_of_wkt("nonsense"), position));
 }
 
 TEST(LonLat, metres_of_a_unit) {
   EXPECT_EQ(metres_per_unit({}), 1.0);
-  EXPECT_FALSE(metres_per_unit(system_of("nonsense")));
+  EXPECT_FALSE(metres_per_unit(crs_of_wkt("nonsense")));
   EXPECT_EQ(metres_per_unit(projected(32632)), 1.0);
   EXPECT_NEAR(*metres_per_unit(projected(2229)), 0.3048006, 1e-7);
   Crs degrees;

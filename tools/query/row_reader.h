@@ -24,9 +24,9 @@ struct TargetRows {
   }
 };
 
-/// Reads rows of numbers from CSV with a header of column names in any order, from JSON lines
-/// (parse_json_row.h), or from the command line (in the kind's order). CSV and JSON are distinguished by the
-/// first character of the text. Lines are understood in parallel. Memory: some mebibytes.
+/// Reads rows of numbers from CSV with a header of column names in any order, from JSON lines, or from the
+/// command line (in the kind's order). CSV and JSON are distinguished by the first character of the text. Lines
+/// are parsed in parallel. Memory: some mebibytes.
 class RowReader {
  public:
   /// Reads the first lines. Errors: the source's; the text is empty, or its header is wrong.

@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "base/error.h"
+#include "base/name_errors.h"
 #include "camera/camera_json.h"
 #include "geo/geopackage.h"
 #include "tools/camera_file.h"
@@ -66,13 +66,8 @@ PhotoReader find_photos(const PhotosCommand& command, std::span<const camera::Na
 /// check_photos(), with the file of the cameras in its errors.
 void check_cameras(const PhotosCommand& command, const Octree& octree,
                    std::span<const camera::NamedCamera> cameras) {
-  try {
-    visibility::check_photos(octree, cameras, command.max_distance);
-  } catch (const Error& error) {
-    Error::Parts parts = error.parts();
-    parts.file = command.cameras.string();
-    throw Error(parts);
-  }
+  with_file(command.cameras.string(),
+            [&] { visibility::check_photos(octree, cameras, command.max_distance); });
 }
 
 /// What the lines depend on beside the cloud and the positions: lenses and poses, as camera files write them.

@@ -319,6 +319,22 @@ TEST(Ply, binary_data_that_were_transferred_as_text_are_an_error) {
   }
 }
 
+TEST(Ply, a_column_of_carriage_returns_and_line_feeds_is_a_column) {
+  for (const bool has_faces : {false, true}) {
+    std::string text =
+        "ply\nformat binary_little_endian 1.0\nelement vertex 6\nproperty float x\nproperty float "
+        "y\nproperty float z\nproperty ushort intensity\n";
+    if (has_faces) text += "element face 1\nproperty list uchar int vertex_indices\n";
+    text += "end_header\n";
+    for (int i = 0; i < 6; ++i) {
+      for (int axis = 0; axis < 3; ++axis) append(text, static_cast<float>(i));
+      text += "\r\n";
+    }
+    text += has_faces ? std::string("\1\0\0\0\0", 5) : std::string(3, '\0');
+    EXPECT_EQ(read_ply(text).intensities, std::vector<std::uint16_t>(6, 0x0a0d));
+  }
+}
+
 TEST(Ply, a_file_without_points_or_without_z_reads) {
   const PointCloud empty = read_ply(
       "ply\nformat binary_little_endian 1.0\nelement vertex 0\nproperty float x\nproperty float y\nproperty "

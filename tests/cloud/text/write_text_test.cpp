@@ -156,7 +156,7 @@ TEST(DecimalsTest, shown_are_those_or_a_thousandth_of_a_step) {
   constexpr double k_survey_foot = 1200.0 / 3937.0;
   EXPECT_EQ(decimals(0.01 * k_survey_foot, 0.0), 6);
   EXPECT_EQ(decimals(0.001 * k_survey_foot, 0.0), 7);
-  EXPECT_EQ(decimals(700.0 * k_survey_foot, 0.0), 1);
+  EXPECT_EQ(decimals(k_survey_foot, 0.0), 4);
   EXPECT_EQ(decimals(1e-45, 0.0), std::nullopt);
 }
 
