@@ -12,9 +12,9 @@ namespace alidade::database {
 
 enum class DistanceKind : std::int64_t { ray = 1, plane = 2 };
 
-/// The line of dist_ray, or the plane of dist_plane with its normal: the values of the SQL types cloud_ray and
-/// cloud_plane, byte for byte. The given numbers are kept beside the unit vector, so that the text of a value
-/// is read as the same value.
+/// The line of dist_ray, or the plane of dist_plane with its normal: the values of the SQL types cloud_ray
+/// and cloud_plane, byte for byte. The given numbers are kept beside the unit vector, so that the text of a
+/// value is read as the same value.
 struct CloudLine {
   glm::dvec3 position, direction;
   glm::dvec3 unit;  ///< direction with length 1
