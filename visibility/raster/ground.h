@@ -23,9 +23,9 @@ namespace alidade::visibility {
 enum class GroundSource {
   automatic,   ///< by class if the cloud has points of class 2, otherwise lowest points
   classified,  ///< points of the ASPRS classes 2, ground, 9, water, and 11, road surface
-  lowest,   ///< the lowest point of each cell: a roof or a crown if no ground was scanned
-  highest,  ///< the highest point of each cell: roofs and crowns, as in a digital surface model
-  terrain,  ///< not of points: the heights of an elevation raster
+  lowest,      ///< the lowest point of each cell: a roof or a crown if no ground was scanned
+  highest,     ///< the highest point of each cell: roofs and crowns, as in a digital surface model
+  terrain,     ///< not of points: the heights of an elevation raster
 };
 
 struct GroundOptions {
