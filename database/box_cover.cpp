@@ -9,14 +9,14 @@ namespace {
 
 /// Slices of the bounds before neighbours are joined.
 constexpr int k_slices = 64;
-/// Halvings until a face is where the condition begins to hold: to 1/1000 of the box.
+/// Halvings that find where along a box the condition begins to hold: to 1/1000 of the box.
 constexpr int k_halvings = 10;
-/// What joining two boxes may add to the share of the bounds that is covered, as a part of theirs.
+/// Largest growth of the covered share of the bounds by joining two boxes, relative to that of the boxes.
 constexpr double k_free_growth = 0.05;
 
 using MayHold = std::function<bool(const Bounds&)>;
 
-/// Moves a face inwards over what cannot hold. `side`: min or max of an axis.
+/// Moves a face inwards over the part where the condition cannot hold. `side`: min or max of an axis.
 void move_face(const MayHold& may_hold, Bounds& box, int axis, bool is_max) {
   double outside = is_max ? box.min[axis] : box.max[axis];
   for (int i = 0; i < k_halvings; ++i) {
@@ -45,7 +45,7 @@ Bounds joined(const Bounds& a, const Bounds& b) {
   return both;
 }
 
-/// Joins neighbours, those first that grow least, down to `count` and on while they hardly grow.
+/// Joins neighbours down to `count` boxes, those first that grow least, then further while they hardly grow.
 void join_neighbours(std::vector<Bounds>& boxes, const Bounds& bounds, std::size_t count) {
   while (boxes.size() > 1) {
     std::size_t best = 0;
@@ -98,7 +98,7 @@ BoxCover cover(const MayHold& may_hold, const Bounds& bounds, std::size_t count)
     join_neighbours(boxes, bounds, count);
     double sum = 0.0;
     for (const Bounds& box : boxes) sum += volume_share(box, bounds);
-    // Of covers that are about as large, the one of fewer boxes.
+    // Of covers of about the same size, the one with fewer boxes.
     if (sum * (1.0 + k_free_growth) < least ||
         (sum < least * (1.0 + k_free_growth) && boxes.size() < best.boxes.size())) {
       least = sum;

@@ -15,11 +15,11 @@ struct BoxCover {
   std::vector<Bounds> boxes{};
 };
 
-/// The part of the volume of `bounds` that a box in them has; where they have no thickness, of their area or length.
+/// The share of a box in the volume of `bounds`, or in their area or length if they have no thickness.
 double volume_share(const Bounds& box, const Bounds& bounds);
 
-/// At most `count` boxes that hold every point of `bounds` for which a condition holds: what an engine needs
-/// that prunes by the least and greatest coordinate and not by distances. `may_hold` is false only for a box
+/// At most `count` boxes that hold every point of `bounds` for which a condition holds, for engines
+/// that prune by the least and greatest coordinate and not by distances. `may_hold` is false only for a box
 /// without such a point (database/point_filter.h). A diagonal ray gets a staircase of boxes, an axis-parallel
 /// one a single box. The axis is that of the smallest cover. Requires finite bounds and a count of at
 /// least 1. Cost: some 20,000 calls of `may_hold`.

@@ -12,20 +12,20 @@ bool meets(const Interval& limits, double value) {
   return limits.low <= value && value <= limits.high;
 }
 
-/// Ends that overflowed to NaN rule nothing out.
+/// Ends that overflowed to NaN exclude nothing.
 bool meets(const Interval& limits, const Interval& reach) {
   return limits.low <= limits.high && !(reach.high < limits.low) && !(reach.low > limits.high);
 }
 
-/// The conditions on distances, of a point or of those in a box.
-template <class Position>
-bool meets_distances(const PointFilter& filter, const Position& position) {
+/// Whether the distances of a point, or of some point in a box, meet the conditions.
+template <class PointOrBox>
+bool meets_distances(const PointFilter& filter, const PointOrBox& where) {
   const auto meets_line = [&](const LineCondition& line) {
-    const auto at = project(line.ray, position);
+    const auto at = project(line.ray, where);
     return meets(line.distance, at.distance) && meets(line.t, at.t);
   };
   const auto meets_plane = [&](const PlaneCondition& plane) {
-    return meets(plane.distance, signed_distance(plane.plane, position));
+    return meets(plane.distance, signed_distance(plane.plane, where));
   };
   return std::ranges::all_of(filter.lines, meets_line) && std::ranges::all_of(filter.planes, meets_plane);
 }

@@ -16,12 +16,12 @@ namespace alidade::database {
 /// Some points of a cloud in a database.
 struct CloudPart {
   PointCloud cloud;                ///< by their ids
-  std::vector<std::uint64_t> ids;  ///< of each row, the number it has in the whole cloud
+  std::vector<std::uint64_t> ids;  ///< of each row, its number in the whole cloud
   AttributeSet attributes{};       ///< of the whole cloud
   std::uint64_t chunks_read = 0, chunk_count = 0;
 };
 
-/// dist_ray and position along the ray of a point (octree/distance.h: project), each in a closed interval.
+/// dist_ray and t of a point (octree/distance.h: project), each in a closed interval.
 struct LineCondition {
   Ray ray;
   Interval distance{};
@@ -34,8 +34,8 @@ struct PlaneCondition {
   Interval distance{};
 };
 
-/// What a WHERE clause demands of points, as far as chunks of points can be tested for it. All of it must
-/// hold. No point is within a limit that is not a number.
+/// The conditions of a WHERE clause for which chunks of points can be tested. All of them must
+/// hold. No point is within a limit that is NaN.
 struct PointFilter {
   std::vector<LineCondition> lines{};
   std::vector<PlaneCondition> planes{};
@@ -44,11 +44,11 @@ struct PointFilter {
              glm::dvec3(std::numeric_limits<double>::infinity())};
 };
 
-/// Whether it holds for a point of finite coordinates.
+/// Whether a filter holds for a point. Requires finite coordinates.
 bool holds(const PointFilter& filter, const glm::dvec3& point);
 
-/// False only if it holds for no point of the box, to the last bit: the paper's pruning of chunks by bounds
-/// of a distance over their boxes (section 4.2), with the bounds of base/interval.h.
+/// False only if a filter holds for no point of the box, to the last bit: the paper's pruning of chunks by
+/// bounds of a distance over their boxes (section 4.2), with the bounds of base/interval.h.
 bool may_hold(const PointFilter& filter, const Bounds& box);
 
 }  // namespace alidade::database

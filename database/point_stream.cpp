@@ -15,7 +15,7 @@
 namespace alidade::database {
 namespace {
 
-/// Where a position lies along the Morton curve.
+/// Key of a position on the Morton curve.
 WideMortonKey morton_key_of(const LatticePosition& position) {
   constexpr std::uint32_t k_lowest = 0x80000000u;
   return wide_morton_key(static_cast<std::uint32_t>(position.x) ^ k_lowest,
@@ -23,8 +23,8 @@ WideMortonKey morton_key_of(const LatticePosition& position) {
                          static_cast<std::uint32_t>(position.z) ^ k_lowest);
 }
 
-/// The rows of a cloud along that curve, which is the same for all clouds; rows at one position as they were.
-/// Requires fewer than 2^32. Memory at the peak: 36 bytes per row.
+/// The rows of a cloud along that curve, which is the same for all clouds; rows at one position keep their
+/// order. Requires fewer than 2^32. Memory at the peak: 36 bytes per row.
 std::vector<std::uint32_t> morton_order(const std::vector<LatticePosition>& positions) {
   if (positions.empty()) return {};
   std::vector<std::uint32_t> order;
@@ -47,29 +47,30 @@ std::size_t record_size(const std::vector<ValueBlob>& blobs) {
   return size;
 }
 
-/// The columns of these rows, one behind the other.
+/// Writes the columns of these rows to `out`, one after another.
 void put_block(const PointCloud& piece, const std::vector<ValueBlob>& blobs,
-               std::span<const std::uint32_t> rows, std::byte* offset) {
+               std::span<const std::uint32_t> rows, std::byte* out) {
   const auto put = [&](const std::byte* values, std::size_t size) {
     for (const std::uint32_t row : rows) {
-      std::memcpy(offset, values + row * size, size);
-      offset += size;
+      std::memcpy(out, values + row * size, size);
+      out += size;
     }
   };
   put(reinterpret_cast<const std::byte*>(piece.positions.data()), sizeof(LatticePosition));
-  std::memcpy(offset, rows.data(), rows.size_bytes());
-  offset += rows.size_bytes();
+  std::memcpy(out, rows.data(), rows.size_bytes());
+  out += rows.size_bytes();
   for (const ValueBlob& blob : blobs) put(blob.values, blob.size);
 }
 
-/// Copies `size` bytes per point, or k_size unless that is 0, which the compiler then does without a call.
+/// Copies `size` bytes per point to `out`, or k_size unless that is 0, which the
+/// compiler does without a call.
 template <std::size_t k_size>
-void gather(const PickedPoints& points, std::size_t blob, std::size_t size, std::byte* offset) {
+void gather(const PickedPoints& points, std::size_t blob, std::size_t size, std::byte* out) {
   if constexpr (k_size != 0) size = k_size;
   for (const auto& [block, row] : points.picks) {
     if (const std::byte* const values = block->blobs[blob].values)
-      std::memcpy(offset, values + row * size, size);
-    offset += size;
+      std::memcpy(out, values + row * size, size);
+    out += size;
   }
 }
 
@@ -82,14 +83,14 @@ auto gatherer(std::size_t size) {
                      : gather<0>;
 }
 
-/// Spreads values of the rows concerned, `count` to a point.
+/// Spreads the colour values of the rows concerned, `count` per point.
 void spread_values(const ColorSpread& spread, const PickedPoints& points, std::size_t count,
                    std::vector<std::byte>& bytes) {
-  std::byte* offset = bytes.data();
+  std::byte* at = bytes.data();
   for (const auto& [block, row] : points.picks) {
     const bool is_concerned = spread.concerns(block->id(row));
-    for (std::size_t i = 0; i < count; ++i, offset += sizeof(std::uint16_t)) {
-      if (is_concerned) store(offset, ColorSpread::spread(load<std::uint16_t>(offset)));
+    for (std::size_t i = 0; i < count; ++i, at += sizeof(std::uint16_t)) {
+      if (is_concerned) store(at, ColorSpread::spread(load<std::uint16_t>(at)));
     }
   }
 }
@@ -183,8 +184,8 @@ void PointStream::load_block(Run& run) {
   block->memory.resize(count * record);
   file_.read(run.offset + first * record, block->memory);
   block->first_id = run.first_id;
-  const std::byte* offset = block->memory.data();
-  const auto take = [&](std::size_t size) { return std::exchange(offset, offset + size * count); };
+  const std::byte* cursor = block->memory.data();
+  const auto take = [&](std::size_t size) { return std::exchange(cursor, cursor + size * count); };
   block->positions = reinterpret_cast<const LatticePosition*>(take(sizeof(LatticePosition)));
   block->rows = reinterpret_cast<const std::uint32_t*>(take(sizeof(std::uint32_t)));
   block->blobs = blobs_;
@@ -200,7 +201,7 @@ void PointStream::load_block(Run& run) {
   run.is_noted = false;
 }
 
-/// Picks points of a run as long as none of the others, whose first is `limit`, comes before them.
+/// Picks points of a run that are before `limit`, the first point of all other runs.
 void PointStream::pick_from(Run& run, const std::optional<Head>& limit, std::size_t number, std::size_t count,
                             PickedPoints& picked) {
   while (picked.picks.size() < count) {

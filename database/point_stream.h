@@ -26,7 +26,7 @@ namespace alidade::database {
 struct ValueBlob {
   const std::byte* values = nullptr;
   std::size_t size = 0;    ///< bytes per point
-  std::size_t number = 0;  ///< of the attribute's bit; of extra dimensions theirs, behind all bits
+  std::size_t number = 0;  ///< of the attribute's bit; of extra dimensions theirs, after all bits
 
   bool is(Attribute attribute) const { return number == number_of(attribute); }
   static constexpr std::size_t number_of(Attribute attribute) {
@@ -34,72 +34,71 @@ struct ValueBlob {
   }
 };
 
-/// All blobs but the first, which holds ids; in the order of stored_columns(). The columns must outlive them. Colours of
-/// 8 bits have no values.
+/// All blobs but the first, which holds ids; in the order of stored_columns(). The columns must outlive them.
+/// Colours of 8 bits have no values.
 std::vector<ValueBlob> value_blobs(const AttributeColumns& columns);
 
 /// Some points of a cloud, in columns.
 struct PointBlock {
   const LatticePosition* positions = nullptr;
   std::uint64_t first_id = 0;
-  const std::uint32_t* rows = nullptr;  ///< the id of a point is first_id + its row; null: + its offset
+  const std::uint32_t* rows = nullptr;  ///< the id of a point is first_id + its row; null: + its index
   std::vector<ValueBlob> blobs{};       ///< those without values represent zeros
-  std::vector<std::byte> memory{};      ///< where all that lies, if it is the block's own
+  std::vector<std::byte> memory{};      ///< of the columns, if it is the block's own
 
-  std::uint64_t id(std::uint32_t offset) const {
-    return first_id + (rows == nullptr ? offset : rows[offset]);
-  }
+  std::uint64_t id(std::uint32_t index) const { return first_id + (rows == nullptr ? index : rows[index]); }
 };
 
 /// Points of several blocks, in some order.
 struct PickedPoints {
   struct Pick {
     const PointBlock* block;
-    std::uint32_t offset;  ///< in the block
+    std::uint32_t index;  ///< in the block
   };
   std::vector<Pick> picks;
   std::vector<std::shared_ptr<const PointBlock>> blocks;  ///< that the picks point to
 };
 
-/// Brings points along a Morton curve that come in pieces, of which memory holds one: pieces are sorted, put
-/// into a file without a name, and merged. Points of one position come by id. The order depends on the points
-/// alone, neither on the pieces nor on the number of threads.
+/// Sorts points that come in pieces along a Morton curve, with one piece in memory: pieces are sorted,
+/// written to a file without a name, and merged. Points of one position are in the order of their ids. The
+/// order does not depend on the pieces or the number of threads.
 class PointStream {
  public:
-  /// What a point of a piece takes of memory beside its columns.
+  /// Memory per point of a piece, beside its columns.
   static constexpr std::uint64_t k_bytes_beside = 36;
 
-  /// `folder`: for the file.
+  /// `folder`: where the file is made.
   explicit PointStream(std::filesystem::path folder) : file_(std::move(folder)) {}
 
-  /// Takes the points of a piece (CloudPieces), fewer than 2^32, whose ids follow those of the pieces before.
+  /// Adds the points of a piece (CloudPieces), fewer than 2^32, whose ids follow those of the pieces before.
   /// Errors: ScratchFile's.
   void add(PointCloud& piece);
 
-  /// Takes the last piece. If it is the only one, it stays where it is and must outlive the object.
+  /// Adds the last piece. If it is the only one, it is not copied and must outlive the object.
   void finish(const PointCloud& last);
 
   std::uint64_t size() const { return size_; }
 
-  /// The blobs that some piece has: their sizes and numbers, in the order of the numbers.
+  /// The sizes and numbers of all blobs that any piece has, in the order of the numbers.
   const std::vector<ValueBlob>& blobs() const { return blobs_; }
 
-  /// The next points, up to `count`; none at the end. After finish(). Blobs of their blocks are those of
-  /// blobs(). Memory: of each piece two blocks of 1024 points.
+  /// The next points, up to `count`; none at the end. Requires finish(). The blobs of their blocks are those
+  /// of blobs(). Memory: two blocks of 1024 points per piece.
   PickedPoints next(std::size_t count);
 
  private:
   /// A sorted piece in the file: blocks of k_block_points, the last one maybe shorter; of each the positions,
   /// the rows, then the blobs.
   struct Run {
-    std::uint64_t first_id = 0, count = 0, offset = 0;
+    std::uint64_t first_id = 0, count = 0;
+    std::uint64_t offset = 0;  ///< of the first block in the file
     std::vector<ValueBlob> blobs;
-    // Where merging is.
+    // The state of merging.
     std::uint64_t next_block = 0;
     std::shared_ptr<const PointBlock> block{};
     std::vector<WideMortonKey> keys{};  ///< of the block's points
     std::uint32_t at = 0;
-    bool is_noted = false;  ///< its block, among those of the points picked now
+    bool is_noted = false;  ///< whether its block is among those of the current picks
   };
   struct Head {
     WideMortonKey key;
@@ -125,14 +124,14 @@ class PointStream {
   std::size_t next_ = 0;
 };
 
-/// Points of some chunks that follow each other, as they are stored.
+/// Points of consecutive chunks in their stored form.
 struct EncodedChunks {
   std::vector<LatticePosition> positions;
   std::vector<std::vector<std::byte>> blobs;  ///< the ids, then those of PointStream::blobs()
   std::vector<Bounds> boxes;                  ///< of each chunk
 };
 
-/// How points become chunks.
+/// The encoding of points as chunks.
 struct ChunkEncoding {
   std::uint32_t chunk_points = 1024;
   Lattice lattice{};
@@ -143,16 +142,16 @@ struct ChunkEncoding {
 /// Cost: linear.
 EncodedChunks encode(const ChunkEncoding& encoding, const PickedPoints& points);
 
-/// What was stored of cloud files.
+/// Facts about cloud files that were stored.
 struct StoredFiles {
   std::uint64_t point_count = 0;
   std::vector<std::string> warnings;  ///< PointCloud::warnings
   std::vector<CloudFile> files;       ///< likewise
 };
 
-/// A cloud along the Morton curve, on its way into a database.
+/// A cloud along the Morton curve, to be written to a database.
 struct OrderedCloud {
-  /// Reads cloud files; `memory`: bytes for points. Those of a larger cloud wait in a file in `folder`.
+  /// Reads cloud files; `memory`: bytes for points. Those of a larger cloud are kept in a file in `folder`.
   OrderedCloud(const std::filesystem::path& folder, const CloudInputs& inputs, const ReadOptions& reading,
                std::uint64_t memory);
   /// The cloud must outlive it.
@@ -161,7 +160,7 @@ struct OrderedCloud {
   OrderedCloud(const std::filesystem::path& folder, const PointCloud& facts, std::uint64_t point_count,
                const PointPieces& pieces);
 
-  /// stored_columns() of those that some piece had.
+  /// stored_columns() of all attributes that any piece has.
   std::vector<StoredColumn> columns() const;
   ChunkEncoding encoding(std::uint32_t chunk_points) const;
   StoredFiles stored() && {

@@ -20,18 +20,18 @@ namespace {
 const std::set<std::string> k_taken = {"id",   "x",    "y",    "z",    "_chunk",  "ctid",
                                        "cmin", "cmax", "xmin", "xmax", "tableoid"};
 
-/// PostgreSQL keeps so many bytes of a name.
+/// Bytes of a name that PostgreSQL keeps.
 constexpr std::size_t k_most_bytes = 63;
 
-/// At most so many bytes of a name, and no part of a character (UTF-8).
+/// The first bytes of a name, at most so many, without a part of a character (UTF-8).
 std::string cut(const std::string& name, std::size_t most) {
   if (name.size() <= most) return name;
   while (most > 0 && (static_cast<unsigned char>(name[most]) & 0xc0) == 0x80) --most;
   return name.substr(0, most);
 }
 
-/// What every database, script and terminal takes for the same characters: control characters and bytes that
-/// are no UTF-8 become '_'. SQL ends names at a byte of 0.
+/// A name that is the same in every database, script and terminal: control characters and bytes that
+/// are not UTF-8 become '_'. SQL ends names at a byte of 0.
 std::string readable(const std::string& name) {
   std::string text;
   for (std::string_view rest(name.c_str()); !rest.empty();) {
@@ -46,12 +46,12 @@ std::string readable(const std::string& name) {
   return text;
 }
 
-/// The name that a column gets, which is then taken.
+/// A name for a column that is not taken yet; it is taken then.
 std::string free_name(const std::string& wanted, std::set<std::string>& taken) {
   const std::string given = readable(wanted);
   const std::string plain = given.empty() ? "unnamed" : cut(given, k_most_bytes);
   std::string name = plain;
-  // SQL takes names for equal that differ in ASCII capitals only.
+  // In SQL, names are equal that differ only in the case of ASCII letters.
   for (int number = 2; !taken.insert(lower_case(name)).second; ++number) {
     const std::string end = fmt::format("_{}", number);
     name = cut(plain, k_most_bytes - end.size()) + end;
@@ -59,7 +59,7 @@ std::string free_name(const std::string& wanted, std::set<std::string>& taken) {
   return name;
 }
 
-/// NaN means no factor and no summand.
+/// `otherwise` if the number is not given or not finite.
 double finite_or(bool is_given, double number, double otherwise) {
   return is_given && std::isfinite(number) ? number : otherwise;
 }

@@ -14,46 +14,47 @@
 
 namespace alidade::database {
 
-/// What a column of a cloud's table is, beside x, y, z, and where its values lie in a pointcloud table: in
-/// blob `blob` of every chunk, `size` bytes per point, of which the column's number is those at `offset`.
+/// A column of a cloud's table, beside x, y, z, and where its values are in a pointcloud table: blob `blob`
+/// of every chunk has `size` bytes per point; the column's number begins at their byte `byte`.
 struct StoredColumn {
   std::string name;
   int blob = 0;
   int size = 0;  ///< bytes per point of the blob
-  int byte = 0;  ///< of the first of these bytes, within a point
+  int byte = 0;  ///< of the column's number, within these
   ScalarType type = ScalarType::uint8;
   double scale = 1.0, offset = 0.0;  ///< value = offset + scale * number, unless 1 and 0
-  /// The number that means no value: NULL. As ExtraDimension's: widened to 8 bytes.
+  /// The number that marks missing values, NULL in SQL. Widened to 8 bytes, as in ExtraDimension.
   std::optional<std::array<std::uint8_t, 8>> no_data{};
 };
 
-/// What columns a standard attribute becomes; all in one blob, one behind the other, as in PointCloud.
+/// The columns of a standard attribute, all in one blob, one after another, as in PointCloud.
 struct AttributeParts {
   ScalarType type = ScalarType::uint8;
   std::vector<const char*> names{};
 };
 
-/// Requires another one than Attribute::extra_dimensions.
+/// Requires any attribute but Attribute::extra_dimensions.
 AttributeParts attribute_parts(Attribute attribute);
 
 /// Columns that hold all attributes of a cloud, blob by blob: id, then those that `info` names in its order
 /// (color as red, green, blue), then the extra dimensions. A name that SQL cannot distinguish from an earlier
-/// one or from one of PostgreSQL's own gets a number behind it; of long ones, 63 bytes are kept, as
-/// PostgreSQL does; control characters and what is no UTF-8 become '_'.
+/// one or from one of PostgreSQL's own gets a number appended; long ones are cut to 63 bytes, as in
+/// PostgreSQL; control characters and bytes that are not UTF-8 become '_'.
 std::vector<StoredColumn> stored_columns(const PointCloud& cloud);
-/// The same of a cloud with these attributes and extra dimensions.
+/// As stored_columns() of a cloud with these attributes and extra dimensions.
 std::vector<StoredColumn> stored_columns(AttributeSet attributes, std::vector<ExtraDimension> dimensions);
 
-/// The name of a column that only queries along a line have, such as "dist", beside those of a cloud: an attribute of that
-/// name keeps it, and the column is "ray_dist".
+/// The name of a column that only queries along a line have, such as "dist", beside those of a cloud: an
+/// attribute of that name keeps it, and the column is "ray_dist".
 std::string line_column(const std::vector<StoredColumn>& columns, std::string name);
 
-/// What SQL sees of a number in a blob: nothing (NULL) where it is the mark for no value; a whole number, the
-/// second kind for those beyond the first; a real number, as all of a column with scale or offset are; bytes.
+/// The value of a number in a blob for SQL: nothing (NULL) if it marks a missing value; an
+/// integer, unsigned only if it exceeds the signed one; a real number, as all values of a column
+/// with scale or offset; or bytes.
 using ColumnValue =
     std::variant<std::monostate, std::int64_t, std::uint64_t, double, std::span<const std::byte>>;
 
-/// The value whose number is at `at`, or which are column.size bytes there.
+/// The value of the number, or of the column.size bytes, at `at`.
 ColumnValue stored_value(const StoredColumn& column, const std::byte* at);
 
 }  // namespace alidade::database

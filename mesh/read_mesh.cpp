@@ -22,7 +22,7 @@ namespace {
 
 constexpr double k_largest_coordinate = 1e12;
 
-/// Bytes that new memory may take; empty if the system does not say.
+/// Bytes of free memory; empty if the system does not report it.
 std::optional<std::uint64_t> free_memory() {
   std::ifstream file("/proc/meminfo");
   std::string word;
@@ -50,7 +50,7 @@ void place(const std::string& file, const MeshPlacement& placement, TriangleMesh
   }
 }
 
-/// The square of twice the area is 0 where the sides are too short for doubles, too.
+/// False also if the square of twice the area underflows to 0.
 bool has_area(const TriangleMesh& mesh, const TriangleMesh::Triangle& triangle) {
   const glm::dvec3& a = mesh.vertices[triangle[0]];
   const glm::dvec3 cross = glm::cross(mesh.vertices[triangle[1]] - a, mesh.vertices[triangle[2]] - a);

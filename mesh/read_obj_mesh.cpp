@@ -39,14 +39,14 @@ float require_share(const TextScanner& scanner, const Words& words, std::size_t 
   return static_cast<float>(std::isnan(value) ? 0.0 : std::clamp(value, 0.0, 1.0));
 }
 
-/// What follows the keyword of a line; names may hold blanks.
+/// The rest of a line after the keyword, as a name, which may have blanks.
 std::string rest_of(const Words& words) {
   const char* const begin = words.size() > 1 ? words[1].data() : nullptr;
   if (begin == nullptr) return {};
   return {begin, words.back().data() + words.back().size()};
 }
 
-/// Adds the diffuse colours of a file.
+/// Adds the diffuse colours of an MTL file.
 void read_materials(const std::filesystem::path& path, Materials& materials) {
   InputFile file(path);
   TextScanner scanner(file);
@@ -67,7 +67,7 @@ class ObjReader {
       : file_(file), scanner_(file), left_out_(left_out), progress_(progress) {}
 
   TriangleMesh read() {
-    // Lines take about as many bytes as what they say.
+    // The data of a line takes about as many bytes as its text.
     check_free_memory(file_.name(), file_.size());
     Words words;
     for (std::uint64_t line = 0; scanner_.next_words(words); ++line) {
@@ -93,7 +93,7 @@ class ObjReader {
     const glm::dvec3 vertex{require_number(scanner_, words, 1), require_number(scanner_, words, 2),
                             require_number(scanner_, words, 3)};
     if (!is_finite(vertex)) scanner_.fail(fmt::format("vertex {} is not finite", mesh_.vertices.size() + 1));
-    // A fourth value alone is a weight; three more are a colour.
+    // One more value is a weight; three more are a colour.
     if (words.size() >= 7) {
       mesh_.vertex_colors.resize(mesh_.vertices.size(), k_no_color);
       Rgb color;
@@ -142,7 +142,7 @@ class ObjReader {
     const auto found = materials_.find(material);
     color_.reset();
     if (found != materials_.end()) color_ = found->second;
-    // Triangles with a colour of their own do not show those of vertices.
+    // Colours of triangles hide those of vertices.
     else if (!mesh_.triangle_colors.empty())
       color_ = k_no_color;
   }

@@ -19,7 +19,7 @@ namespace {
 
 constexpr std::uint64_t k_rows_per_report = 1 << 14;
 
-/// Rows of a text.
+/// Rows of an ascii file.
 class TextRows {
  public:
   TextRows(InputFile& file, const PlyHeader& header)
@@ -34,7 +34,7 @@ class TextRows {
     if (next_ >= words_.size()) scanner_.fail("too few values");
     return require_cell(scanner_, words_[next_++], type).number;
   }
-  /// How many values a list can have.
+  /// Largest number of values of a list.
   std::uint64_t room(ScalarType /*type*/) const { return words_.size() - next_; }
   [[noreturn]] void fail(const std::string& problem, const std::string& expected,
                          const std::string& found) const {
@@ -74,7 +74,7 @@ class BinaryRows {
   std::uint64_t row_ = 0;
 };
 
-/// What a property is to a mesh.
+/// The meaning of a property.
 enum class Part { x, y, z, red, green, blue, polygon, other };
 
 Part part_of(const PlyProperty& property, bool is_vertex) {
@@ -122,7 +122,7 @@ class PlyMeshReader {
   TriangleMesh read() {
     header_.format == PlyFormat::ascii ? read_elements(TextRows(file_, header_))
                                        : read_elements(BinaryRows(file_, header_));
-    // Of several elements named face some may lack colours.
+    // If there are several elements named face, some may lack colours.
     if (!mesh_.triangle_colors.empty()) mesh_.triangle_colors.resize(mesh_.triangles.size(), Rgb(0.5f));
     return std::move(mesh_);
   }
@@ -151,7 +151,7 @@ class PlyMeshReader {
   void read_elements(Rows rows) {
     for (const PlyElement& element : header_.elements) {
       const bool is_vertex = &element == &vertex(), is_face = element.name == "face";
-      // Without properties there are no bytes to read, but maybe a huge count.
+      // An element without properties has no bytes to read, but its count may be huge.
       if (element.properties.empty()) continue;
       if (is_vertex || is_face)
         read_element(rows, element, is_vertex);

@@ -17,21 +17,21 @@ namespace alidade {
 
 /// Triangles and their colours.
 struct TriangleMesh {
-  /// Numbers of three vertices.
+  /// Indices of three vertices.
   using Triangle = std::array<std::uint32_t, 3>;
 
   std::vector<glm::dvec3> vertices;  ///< finite
   std::vector<Triangle> triangles;
   std::vector<Rgb> vertex_colors;    ///< linear, 0 to 1; as many as vertices, or none
-  std::vector<Rgb> triangle_colors;  ///< the same of triangles, which go before those of vertices
+  std::vector<Rgb> triangle_colors;  ///< as many as triangles, or none; used instead of those of vertices
   std::vector<std::string> warnings;
 };
 
-/// Of vertices, triangles and colours: different for different meshes, but for rare coincidences.
+/// Checksum of vertices, triangles and colours.
 std::uint64_t checksum(const TriangleMesh& mesh);
 
-/// How a mesh is put into the world: scaled about the origin of its file, turned about that origin, then
-/// moved.
+/// Placement of a mesh in the world: scaled about the origin of its file, rotated about
+/// that origin, then translated.
 struct MeshPlacement {
   double scale = 1.0;         ///< (0, 1e12]
   double rotate_z = 0.0;      ///< degrees counterclockwise from above, [-360, 360]
@@ -46,9 +46,9 @@ struct MeshPlacement {
 /// the file's coordinates times `placement`.
 ///
 /// Triangles without area are left out, and counted in a warning. `progress` is in bytes. Errors: unknown
-/// extension; malformed or truncated file; no triangles; a vertex that is not finite or further than 1e12 from
-/// the origin; numbers of vertices that do not exist; more than 2^32 - 1 vertices or triangles; more memory
-/// than is free. Memory: 24 B per vertex and 12 B per triangle, and 12 B for each colour.
+/// extension; malformed or truncated file; no triangles; a vertex that is not finite or further than 1e12
+/// from the origin; indices of vertices that do not exist; more than 2^32 - 1 vertices or triangles; not
+/// enough memory. Memory: 24 B per vertex and 12 B per triangle, and 12 B for each colour.
 TriangleMesh read_mesh(const std::filesystem::path& file, const MeshPlacement& placement = {},
                        const Progress& progress = {});
 

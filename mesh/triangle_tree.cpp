@@ -19,7 +19,7 @@ namespace {
 /// Triangles of a leaf.
 constexpr std::uint32_t k_block = 4;
 
-/// Ranges halve, and there are fewer than 2^32 triangles.
+/// Each level halves the ranges, and there are fewer than 2^32 triangles.
 constexpr int k_most_levels = 32;
 
 constexpr double k_infinity = std::numeric_limits<double>::infinity();
@@ -31,7 +31,7 @@ struct Stretch {
   double begin = -k_infinity, end = k_infinity;
 };
 
-/// The next float that is not on the wrong side of the value.
+/// The value as a float, rounded towards `towards`, which is infinite.
 float rounded(double value, float towards) {
   const auto nearest = static_cast<float>(value);
   const bool is_outside = towards < 0.0f ? nearest <= value : nearest >= value;
@@ -40,14 +40,14 @@ float rounded(double value, float towards) {
 
 }  // namespace
 
-/// A ray on its way through the tree, from the middle of the mesh.
+/// The state of a ray on its walk through the tree, in coordinates from the middle of the mesh.
 class TriangleTree::Walk {
  public:
   Walk(const Ray& ray, const glm::dvec3& origin)
       : t_min(ray.t_min), t_max(ray.t_max), origin_(origin), direction_(ray.direction) {
     for (int axis = 0; axis < 3; ++axis) {
       if (std::fabs(direction_[axis]) > std::fabs(direction_[z_])) z_ = axis;
-      // The inverse of less would be infinite.
+      // The inverse of smaller numbers would be infinite.
       is_level_[axis] = std::fabs(direction_[axis]) < 1e-290;
       inverse_[axis] = is_level_[axis] ? 0.0 : 1.0 / direction_[axis];
     }
@@ -56,8 +56,9 @@ class TriangleTree::Walk {
     shear_ = glm::dvec3(direction_[x_], direction_[y_], 1.0) / direction_[z_];
   }
 
-  /// Monotonic, rounding included: that of a box within another lies within that of the other. So what is left
-  /// out with a node would have been left out alone, too.
+  /// The stretch within a box. Monotonic, including rounding: the stretch within a box that is
+  /// inside another lies in that of the other. So a triangle that is skipped with a node would also
+  /// have been skipped by itself.
   template <class Vector>
   Stretch within(const Vector& low, const Vector& high) const {
     Stretch stretch;
@@ -74,7 +75,7 @@ class TriangleTree::Walk {
     return stretch;
   }
 
-  /// The same of a node's box and the interval that is left.
+  /// The stretch within a node's box and the remaining interval of the ray.
   Stretch left_within(const Box& box) const {
     const Stretch stretch = within(box[0], box[1]);
     return {std::max(stretch.begin, t_min), std::min(stretch.end, t_max)};
@@ -99,7 +100,7 @@ class TriangleTree::Walk {
   double t_min, t_max;
 
  private:
-  /// Seen along the ray: x and y to its sides, z in units of t.
+  /// A vertex in coordinates along the ray: x and y across it, z in units of t.
   glm::dvec3 sheared(const glm::dvec3& vertex) const {
     const glm::dvec3 offset = vertex - origin_;
     return {offset[x_] - shear_.x * offset[z_], offset[y_] - shear_.y * offset[z_], shear_.z * offset[z_]};
@@ -110,7 +111,7 @@ class TriangleTree::Walk {
   int x_ = 0, y_ = 0, z_ = 0;
 };
 
-/// Sorts triangles: each range of blocks is cut in the middle along its longest side.
+/// Builds the tree: sorts triangles, and cuts each range of blocks in the middle along its longest side.
 class TriangleTree::Build {
  public:
   Build(TriangleTree& tree, const Progress& progress)
@@ -126,7 +127,7 @@ class TriangleTree::Build {
   void run() {
     const auto blocks = static_cast<std::uint32_t>((std::uint64_t{items_.size()} + k_block - 1) / k_block);
     tree_.nodes_.resize(blocks);
-    // The first one is the second half of nothing, and holds the box of all.
+    // Block 0 begins no second half: the first box of its node is that of all triangles.
     tree_.nodes_[0].boxes[0] = build_task(0, blocks);
     std::vector<TriangleMesh::Triangle> sorted(items_.size());
     tree_.numbers_.resize(items_.size());
@@ -164,7 +165,7 @@ class TriangleTree::Build {
     return {glm::min(halves[0][0], halves[1][0]), glm::max(halves[0][1], halves[1][1])};
   }
 
-  /// The same; a range that is not divided among threads counts as done then.
+  /// As build(); reports progress if the range is not divided among threads.
   Box build_task(std::uint32_t begin, std::uint32_t end) {
     const Box box = build(begin, end);
     if (end - begin <= k_blocks_of_a_task) progress_.add(first_of(end) - first_of(begin));
@@ -213,7 +214,7 @@ TriangleTree::TriangleTree(TriangleMesh mesh, const Progress& progress)
     for (const std::uint32_t vertex : triangle) bounds_.grow(vertices_[vertex]);
   middle_ = bounds_.center();
   for (glm::dvec3& vertex : vertices_) vertex -= middle_;
-  // A flat box at a corner must not lose rays to the rounding of its sides.
+  // Rays must not miss a flat box at a corner because its sides are rounded.
   slack_ = 0x1p-40 * length_of(bounds_.size());
   Build(*this, progress).run();
 }
@@ -222,10 +223,10 @@ TriangleTree::Walk TriangleTree::walk_of(const Ray& ray) const {
   return {ray, ray.origin - middle_};
 }
 
-/// Without normal and colour. t is held in the triangle's own box, from which rounding would take it where the
-/// ray grazes the plane.
-std::optional<TriangleHit> TriangleTree::meet(const Walk& walk, std::uint32_t place) const {
-  const TriangleMesh::Triangle& triangle = triangles_[place];
+/// A hit without normal. t is clamped to the triangle's own box, which rounding may leave if
+/// the ray grazes the plane.
+std::optional<TriangleHit> TriangleTree::meet(const Walk& walk, std::uint32_t slot) const {
+  const TriangleMesh::Triangle& triangle = triangles_[slot];
   const glm::dvec3 &a = vertices_[triangle[0]], &b = vertices_[triangle[1]], &c = vertices_[triangle[2]];
   const auto met = walk.meet(a, b, c);
   if (!met) return std::nullopt;
@@ -233,13 +234,13 @@ std::optional<TriangleHit> TriangleTree::meet(const Walk& walk, std::uint32_t pl
       walk.within(glm::min(a, glm::min(b, c)) - slack_, glm::max(a, glm::max(b, c)) + slack_);
   const double t = std::min(std::max(met->first, stretch.begin), stretch.end);
   if (!(stretch.begin <= stretch.end && t >= walk.t_min && t <= walk.t_max)) return std::nullopt;
-  return TriangleHit{.t = t, .triangle = numbers_[place], .vertices = triangle, .weights = met->second};
+  return TriangleHit{.t = t, .triangle = numbers_[slot], .vertices = triangle, .weights = met->second};
 }
 
-/// The same, if it counts.
-std::optional<TriangleHit> TriangleTree::meet(const Walk& walk, std::uint32_t place, const Ray& ray,
+/// As meet(); empty if `counts` does not admit the hit.
+std::optional<TriangleHit> TriangleTree::meet(const Walk& walk, std::uint32_t slot, const Ray& ray,
                                               const TriangleFilter& counts) const {
-  std::optional<TriangleHit> hit = meet(walk, place);
+  std::optional<TriangleHit> hit = meet(walk, slot);
   if (hit && counts && !counts(finished(ray, *hit))) hit.reset();
   return hit;
 }
@@ -247,7 +248,7 @@ std::optional<TriangleHit> TriangleTree::meet(const Walk& walk, std::uint32_t pl
 TriangleHit TriangleTree::finished(const Ray& ray, TriangleHit hit) const {
   const glm::dvec3& a = vertices_[hit.vertices[0]];
   const glm::dvec3 normal = glm::cross(vertices_[hit.vertices[1]] - a, vertices_[hit.vertices[2]] - a);
-  // Far from the origin a sliver may have lost its area in coordinates from the middle.
+  // In coordinates from the middle, a sliver far from the origin may have lost its area to rounding.
   hit.normal = normal == glm::dvec3(0.0) ? -ray.direction : unit_direction(normal);
   if (glm::dot(hit.normal, ray.direction) > 0.0) hit.normal = -hit.normal;
   return hit;
@@ -266,7 +267,7 @@ void TriangleTree::for_blocks(Walk& walk, const Visit& visit) const {
   waiting[count++] = {0, static_cast<std::uint32_t>(nodes_.size()), all.begin};
   while (count > 0) {
     Range range = waiting[--count];
-    // Equal ones may have a smaller number.
+    // Triangles at an equal t may have a smaller number.
     bool goes_on = range.entry <= walk.t_max;
     while (goes_on && range.end - range.begin > 1) {
       const std::uint32_t middle = range.begin + (range.end - range.begin) / 2;
@@ -282,16 +283,16 @@ void TriangleTree::for_blocks(Walk& walk, const Visit& visit) const {
     if (!goes_on) continue;
     const std::uint64_t begin = std::uint64_t{range.begin} * k_block;
     const std::uint64_t end = std::min<std::uint64_t>(begin + k_block, triangles_.size());
-    for (std::uint64_t place = begin; place < end; ++place)
-      if (visit(static_cast<std::uint32_t>(place))) return;
+    for (std::uint64_t slot = begin; slot < end; ++slot)
+      if (visit(static_cast<std::uint32_t>(slot))) return;
   }
 }
 
 std::optional<TriangleHit> TriangleTree::closest(const Ray& ray, const TriangleFilter& counts) const {
   Walk walk = walk_of(ray);
   std::optional<TriangleHit> best;
-  for_blocks(walk, [&](std::uint32_t place) {
-    const auto hit = meet(walk, place, ray, counts);
+  for_blocks(walk, [&](std::uint32_t slot) {
+    const auto hit = meet(walk, slot, ray, counts);
     if (hit && (!best || std::pair(hit->t, hit->triangle) < std::pair(best->t, best->triangle))) {
       best = hit;
       walk.t_max = hit->t;
@@ -305,7 +306,7 @@ std::optional<TriangleHit> TriangleTree::closest(const Ray& ray, const TriangleF
 bool TriangleTree::occluded(const Ray& ray, const TriangleFilter& counts) const {
   Walk walk = walk_of(ray);
   bool is_met = false;
-  for_blocks(walk, [&](std::uint32_t place) { return is_met = meet(walk, place, ray, counts).has_value(); });
+  for_blocks(walk, [&](std::uint32_t slot) { return is_met = meet(walk, slot, ray, counts).has_value(); });
   return is_met;
 }
 
@@ -313,8 +314,8 @@ std::optional<TriangleHit> TriangleTree::closest_by_brute_force(const Ray& ray,
                                                                 const TriangleFilter& counts) const {
   const Walk walk = walk_of(ray);
   std::optional<TriangleHit> best;
-  for (std::uint32_t place = 0; place < triangle_count(); ++place) {
-    const auto hit = meet(walk, place, ray, counts);
+  for (std::uint32_t slot = 0; slot < triangle_count(); ++slot) {
+    const auto hit = meet(walk, slot, ray, counts);
     if (hit && (!best || std::pair(hit->t, hit->triangle) < std::pair(best->t, best->triangle))) best = hit;
   }
   if (best) best = finished(ray, *best);

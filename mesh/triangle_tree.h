@@ -20,35 +20,37 @@ struct TriangleHit {
   std::uint32_t triangle = 0;         ///< number in the mesh
   TriangleMesh::Triangle vertices{};  ///< of the triangle
   std::array<double, 3> weights{};    ///< of its vertices, which sum to 1 (barycentric coordinates)
-  glm::dvec3 normal{0.0, 0.0, 1.0};   ///< unit, towards the side the ray came from
+  glm::dvec3 normal{0.0, 0.0, 1.0};   ///< of length 1, towards the side the ray came from
 
   bool operator==(const TriangleHit&) const = default;
 };
 
-/// Whether a hit counts. Must answer the same for the same hit, from many threads at once.
+/// Whether a hit counts. Called from many threads at once; must return the same for the same hit.
 using TriangleFilter = std::function<bool(const TriangleHit&)>;
 
 /// Finds the triangles of a mesh that rays meet, from both sides. Safe to use from many threads.
 ///
-/// The answer is that of a loop over all triangles, bit for bit: least t first, then least number. Edges and
-/// vertices belong to all their triangles, so that rays do not slip through between two of them. Triangles are
-/// met in coordinates from the middle of the mesh: with projected coordinates, too, t is right to 1e-8 m.
+/// The answer is that of a loop over all triangles, bit for bit: least t first, then least number. Edges
+/// and vertices belong to all their triangles, so that rays do not slip through between two of them.
+/// Triangles are tested in coordinates relative to the middle of the mesh, so that t is correct to 1e-8 m
+/// also with projected coordinates.
 class TriangleTree {
  public:
-  /// Takes over vertices and triangles. Deterministic, on any number of threads. Memory: 28 B per triangle, 40
+  /// The tree does not depend on the number of threads. Memory: 28 B per triangle, 40
   /// B more while it is built. Cost: 0.5 microseconds of one thread per triangle. Requires: at least one
   /// triangle, and vertices that exist. `progress` is in triangles. Errors: Cancelled.
   explicit TriangleTree(TriangleMesh mesh, const Progress& progress = {});
 
-  /// The first one with t_min <= t <= t_max that counts. Cost: some microseconds for a million triangles.
+  /// The first triangle with t_min <= t <= t_max that counts. Cost: some
+  /// microseconds for a million triangles.
   std::optional<TriangleHit> closest(const Ray& ray, const TriangleFilter& counts = {}) const;
-  /// Whether there is one: faster.
+  /// Whether there is such a triangle: faster.
   bool occluded(const Ray& ray, const TriangleFilter& counts = {}) const;
-  /// The answer to closest() from a loop over all triangles, for tests.
+  /// closest() by a loop over all triangles, for tests.
   std::optional<TriangleHit> closest_by_brute_force(const Ray& ray, const TriangleFilter& counts = {}) const;
 
-  /// Whether `triangle` accepts the corners (world) of any triangle. Those in boxes (world) that `box` does not
-  /// accept are left out: it must accept every box that holds a triangle that `triangle` accepts.
+  /// Whether `triangle` accepts the corners (world) of any triangle. Triangles in boxes (world) that `box`
+  /// does not accept are skipped: it must accept every box with a triangle that `triangle` accepts.
   bool any(const std::function<bool(const Bounds&)>& box,
            const std::function<bool(const std::array<glm::dvec3, 3>&)>& triangle) const;
 
@@ -67,19 +69,19 @@ class TriangleTree {
   class Build;
 
   Walk walk_of(const Ray& ray) const;
-  std::optional<TriangleHit> meet(const Walk& walk, std::uint32_t place) const;
-  std::optional<TriangleHit> meet(const Walk& walk, std::uint32_t place, const Ray& ray,
+  std::optional<TriangleHit> meet(const Walk& walk, std::uint32_t slot) const;
+  std::optional<TriangleHit> meet(const Walk& walk, std::uint32_t slot, const Ray& ray,
                                   const TriangleFilter& counts) const;
   TriangleHit finished(const Ray& ray, TriangleHit hit) const;
   template <class Visit>
   void for_blocks(Walk& walk, const Visit& visit) const;
 
   glm::dvec3 middle_{0.0};
-  double slack_ = 0.0;  ///< by which boxes of triangles are larger, metres
+  double slack_ = 0.0;  ///< margin of the boxes of triangles, metres
   Bounds bounds_;
   std::vector<glm::dvec3> vertices_;               ///< from the middle
   std::vector<TriangleMesh::Triangle> triangles_;  ///< in the order of the tree
-  std::vector<std::uint32_t> numbers_;             ///< in the mesh
+  std::vector<std::uint32_t> numbers_;             ///< in the mesh, by slot
   std::vector<Node> nodes_;                        ///< by the block their second half begins with
   std::vector<Rgb> vertex_colors_, triangle_colors_;
 };

@@ -84,36 +84,13 @@ void add_stone_ball(Objects& objects, const dvec2& position) {
   objects.push_back({shapes::Sphere{{position.x, position.y, 0.78}, 0.40}, stone});
 }
 
-/// The white sphere surveyors join their stations by, on a pole.
+/// A white sphere on a pole, with which surveyors register their stations.
 void add_target(Objects& objects, const dvec2& position) {
   objects.push_back({rod({position, 0.0}, {position, 1.3}, 0.02, 0.02),
                      {.material = SiteMaterial::metal, .tint = {0.55, 0.55, 0.56}}});
   objects.push_back(
       {shapes::Sphere{{position, 1.4}, 0.1}, {.material = SiteMaterial::target, .tint = dvec3(0.95)}});
 }
-
-}  // namespace
-
-void add_furniture(Objects& objects) {
-  add_fountain(objects, {0.0, -0.5});
-  constexpr double k_diagonal = 0.70710678118654752;
-  for (const dvec2 direction : {dvec2(1, 1), dvec2(-1, 1), dvec2(-1, -1), dvec2(1, -1)})
-    add_bench(objects, dvec2(0.0, -0.5) + 6.0 * (k_diagonal * direction), -k_diagonal * direction);
-  add_bench(objects, {-23.6, 2.0}, {1.0, 0.0});
-  for (const dvec2 position : {dvec2(-8.6, -13.0), dvec2(1.6, -13.0), dvec2(-8.0, 13.9), dvec2(8.0, 13.9),
-                               dvec2(-30.0, -31.2), dvec2(2.0, -31.2), dvec2(34.0, -31.2)})
-    add_lamp_post(objects, position);
-  for (const dvec2 position : {dvec2(-23.5, -11.6), dvec2(-22.9, -12.2), dvec2(-23.7, -12.5)})
-    add_barrel(objects, position);
-  for (const double x : {-7.9, -2.1}) {
-    add_stone_ball(objects, {x, -16.8});
-    add_stone_ball(objects, {x, -26.8});
-  }
-  for (const dvec2 position : {dvec2(5.6, 10.4), dvec2(-17.5, 0.5), dvec2(9.0, -6.0), dvec2(20.5, 1.6)})
-    add_target(objects, position);
-}
-
-namespace {
 
 /// A car's own frame: x ahead, y to the left, z up from the road.
 struct CarFrame {
@@ -124,7 +101,7 @@ struct CarFrame {
   dvec3 position(const dvec3& v) const { return origin + direction(v); }
 };
 
-/// One side of the bodywork: through a position, facing along a normal of any length, both in the car's frame.
+/// One side of the bodywork: a point of its plane and a normal of any length, in the car's frame.
 struct Side {
   dvec3 through, normal;
 };
@@ -204,6 +181,25 @@ void add_car(Objects& objects, const dvec3& position, const dvec2& forward, cons
 
 }  // namespace
 
+void add_furniture(Objects& objects) {
+  add_fountain(objects, {0.0, -0.5});
+  constexpr double k_diagonal = 0.70710678118654752;
+  for (const dvec2 direction : {dvec2(1, 1), dvec2(-1, 1), dvec2(-1, -1), dvec2(1, -1)})
+    add_bench(objects, dvec2(0.0, -0.5) + 6.0 * (k_diagonal * direction), -k_diagonal * direction);
+  add_bench(objects, {-23.6, 2.0}, {1.0, 0.0});
+  for (const dvec2 position : {dvec2(-8.6, -13.0), dvec2(1.6, -13.0), dvec2(-8.0, 13.9), dvec2(8.0, 13.9),
+                               dvec2(-30.0, -31.2), dvec2(2.0, -31.2), dvec2(34.0, -31.2)})
+    add_lamp_post(objects, position);
+  for (const dvec2 position : {dvec2(-23.5, -11.6), dvec2(-22.9, -12.2), dvec2(-23.7, -12.5)})
+    add_barrel(objects, position);
+  for (const double x : {-7.9, -2.1}) {
+    add_stone_ball(objects, {x, -16.8});
+    add_stone_ball(objects, {x, -26.8});
+  }
+  for (const dvec2 position : {dvec2(5.6, 10.4), dvec2(-17.5, 0.5), dvec2(9.0, -6.0), dvec2(20.5, 1.6)})
+    add_target(objects, position);
+}
+
 void add_cars(Objects& objects, const shapes::Ground& ground) {
   add_car(objects, {11.6, -9.0, 0.0}, {-0.6, 0.8}, {0.66, 0.12, 0.11});
   add_car(objects, {14.8, -3.4, 0.0}, {-0.28, -0.96}, {0.17, 0.30, 0.52});
@@ -252,11 +248,8 @@ shapes::Ground ground() {
 }  // namespace alidade::simulation::courtyard_parts
 
 namespace alidade::simulation {
-namespace {
 
 const glm::dvec3 k_origin(690000.0, 5325000.0, 600.0);
-
-}  // namespace
 
 Site courtyard() {
   using namespace courtyard_parts;

@@ -10,10 +10,10 @@
 
 namespace alidade::simulation {
 
-/// The sample site: a courtyard between four wings, in UTM-like coordinates. Always the same, down to the
-/// last leaf. Its own frame has its zero at world (690000, 5325000, 600): x east, y north, the yard's paving
-/// at z = 0; the land beyond the buildings rolls by up to a metre. All of it lies within |x| <= 62, |y|
-/// <= 54.
+/// The sample site: a courtyard between four wings, in UTM-like coordinates. It is always the same, down
+/// to the last leaf. Its own frame has its origin at world (690000, 5325000, 600): x east, y north, the
+/// yard's paving at z = 0; the ground beyond the buildings varies by up to a metre. All of it lies
+/// within |x| <= 62, |y| <= 54.
 ///
 ///      y                          garden, trees
 ///      26 ┌─────────────────────────────────────────────────┐
@@ -33,9 +33,9 @@ namespace alidade::simulation {
 ///     -45   houses across the street
 ///   x:   -33   -24.5         -5   0                  24.5  33
 ///
-/// A view to show: from (23, -15.2, 6.8) to (-5, 2.5, 1.2), vertical field of view 56 degrees, picture 3:2,
-/// the sun at azimuth 150, elevation 40: over cars and fountain to arcade and main house. Cost: about a tenth
-/// of a second.
+/// A view to show: from (23, -15.2, 6.8) to (-5, 2.5, 1.2), vertical field of view 56 degrees, picture
+/// 3:2, the sun at azimuth 150, elevation 40: over cars and fountain to arcade and main house. Cost:
+/// about a tenth of a second.
 Site courtyard();
 
 struct GenerateOptions {
@@ -48,9 +48,9 @@ struct GenerateOptions {
 /// The stations and flight lines of the sample scan of courtyard().
 ScanOptions courtyard_scan(std::uint64_t point_count, std::uint64_t seed);
 
-/// Scans courtyard() into a LAS 1.4 file, in bounded memory. The same bytes for the same count and seed,
-/// everywhere. Errors: the file exists or cannot be written. Throws Cancelled if asked to stop; the file then
-/// does not appear.
+/// Scans courtyard() into a LAS 1.4 file, in bounded memory. The same count and seed give the same bytes on
+/// every machine. Errors: the file exists or cannot be written. Throws Cancelled if `progress` ends the
+/// scan; there is no file then.
 void generate_courtyard(const std::filesystem::path& path, const GenerateOptions& options = {});
 
 }  // namespace alidade::simulation

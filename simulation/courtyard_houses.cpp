@@ -6,8 +6,8 @@
 
 #include "simulation/courtyard_parts.h"
 
-// Each wall is given from left to right as one is before it, so the outside lies on the right hand of
-// left -> right.
+// Each wall is given from left to right as seen from outside, so the outside is to the right of the direction
+// from left to right.
 
 namespace alidade::simulation::courtyard_parts {
 
@@ -29,7 +29,7 @@ struct WindowRow {
   double from, to;
 };
 
-/// At each height, the rows one after another.
+/// All rows of windows at each height.
 Openings windows(std::initializer_list<double> bottoms, const dvec2& size,
                  std::initializer_list<WindowRow> rows) {
   Openings openings;
@@ -45,15 +45,15 @@ Openings operator+(Openings first, const Openings& second) {
   return first;
 }
 
-/// From `base` up to `top`; what else a wall has is set afterwards.
+/// A plain wall from `base` up to `top`.
 WallPlan wall(const dvec2& left, const dvec2& right, double base, double top, const dvec3& tint,
               Openings openings = {}) {
   return {
       .left = left, .right = right, .base = base, .top = top, .tint = tint, .openings = std::move(openings)};
 }
 
-/// A dormer on a roof slope that falls to the south: its front is at `position`, the roof behind it swallows
-/// the rest.
+/// A dormer on a roof slope that falls to the south: its front is at `position`, the rest is partly
+/// inside the roof behind it.
 void add_dormer(Objects& objects, const dvec2& position, double bottom) {
   constexpr double k_half = 0.85, k_height = 1.5, k_depth = 3.0;
   const double left = position.x - k_half, right = position.x + k_half, eaves = bottom + k_height;

@@ -8,15 +8,15 @@
 #include "simulation/shapes.h"
 #include "simulation/site.h"
 
-// What courtyard() is put together from. Positions in the site's own frame: metres, x east, y north, the
+// The parts of courtyard(). Positions are in the site's own frame: metres, x east, y north, the
 // yard's paving at z = 0.
 
 namespace alidade::simulation::courtyard_parts {
 
 using Objects = std::vector<SiteObject>;
 
-/// The rolling ground with everything that lies on it. Trees and houses outside the yard ask it where to
-/// stand.
+/// The rolling ground with lawns, paths and streets. Trees and houses outside the yard
+/// are placed on its height.
 shapes::Ground ground();
 
 /// Four wings round the yard, with gateway and arcade.
@@ -36,7 +36,7 @@ constexpr glm::dvec3 k_up(0.0, 0.0, 1.0);
 shapes::Box upright_box(const glm::dvec3& min, const glm::dvec3& max);
 /// Box turned about the vertical: its own x axis points along `forward` (level, length 1), z up.
 shapes::Box turned_box(const glm::dvec3& center, const glm::dvec2& forward, const glm::dvec3& half_size);
-/// Post, pipe or branch between two positions.
+/// A post, pipe or branch between two points.
 shapes::Frustum rod(const glm::dvec3& from, const glm::dvec3& to, double from_radius, double to_radius);
 
 // courtyard_walls.cpp
@@ -64,14 +64,13 @@ struct WallPlan {
   bool cornice = true;
 };
 
-/// The wall with niches behind its windows and doors, their stone frames and sills, and a cornice below the
-/// eaves.
+/// The wall with niches behind its windows and doors, their stone frames and sills, and
+/// a cornice below the eaves.
 void add_wall(Objects& objects, const WallPlan& plan);
 
 enum class Ridge { along_x, along_y };
 
-/// A gable roof over a rectangle, with gutters and ridge tiles. Gable walls are
-/// closed at both ends.
+/// A gable roof over a rectangle, with gutters and ridge tiles. Gable walls are closed at both ends.
 struct RoofPlan {
   glm::dvec2 min{0.0}, max{1.0};  ///< of the walls below
   Ridge run = Ridge::along_x;

@@ -12,19 +12,19 @@ using glm::dvec3;
 
 namespace {
 
-/// A row of numbers from a seed.
+/// A sequence of pseudo-random numbers.
 class Dice {
  public:
   explicit Dice(std::uint64_t seed) : seed_(mix_bits(seed)) {}
   double between(double low, double high) { return low + (high - low) * unit_of(hash_of(seed_, counter_++)); }
   std::uint32_t bits() { return static_cast<std::uint32_t>(hash_of(seed_, counter_++) >> 32); }
-  /// Evenly over the directions.
+  /// A direction, evenly distributed.
   dvec3 direction() {
     while (true) {
       const double x = between(-1, 1), y = between(-1, 1), z = between(-1, 1);
-      const dvec3 position(x, y, z);
-      const double length_sq = glm::dot(position, position);
-      if (length_sq <= 1.0 && length_sq > 1e-4) return glm::normalize(position);
+      const dvec3 in_cube(x, y, z);
+      const double length_sq = glm::dot(in_cube, in_cube);
+      if (length_sq <= 1.0 && length_sq > 1e-4) return glm::normalize(in_cube);
     }
   }
 
@@ -41,18 +41,18 @@ struct TreePlan {
   std::uint32_t seed = 1;
 };
 
-/// A trunk, some branches, and a crown of leaves in clumps, so that beams find their way between them.
+/// A trunk, some branches, and a crown of leaves in clumps with gaps for beams between them.
 void add_tree(Objects& objects, const TreePlan& plan, const shapes::Ground& ground) {
   Dice dice(plan.seed);
   const dvec3 foot(plan.position, shapes::height_at(ground, plan.position).height);
   const dvec3 crown = foot + dvec3(0, 0, 0.62 * plan.height);
   const dvec3 crown_radii(plan.crown_radius, plan.crown_radius, 0.36 * plan.height);
 
-  // One draw per statement: the order of evaluation within one is the compiler's choice.
+  // One draw per statement, since the order of evaluation within a statement is not defined.
   const double lean_x = dice.between(-0.2, 0.2);
   const double lean_y = dice.between(-0.2, 0.2);
   const dvec3 fork = foot + dvec3(lean_x, lean_y, 0.36 * plan.height);
-  // Radii in those of the trunk.
+  // Radii in units of the trunk's radius.
   const auto add_wood = [&](const dvec3& from, const dvec3& to, double from_radius, double to_radius) {
     const Finish bark{.material = SiteMaterial::bark, .tint = {0.40, 0.335, 0.27}, .seed = dice.bits()};
     objects.push_back({rod(from, to, from_radius * plan.trunk_radius, to_radius * plan.trunk_radius), bark});

@@ -24,8 +24,8 @@ std::uint32_t seed_of(const dvec3& position) {
 struct WallFrame {
   dvec3 corner, along, outward;
 
-  /// A box that covers [u_min, u_max] x [z_min, z_max] and reaches from `behind` to `front` of the wall's
-  /// face.
+  /// A box that covers [u_min, u_max] x [z_min, z_max] and reaches from `behind` to
+  /// `front` of the wall's face.
   shapes::Box box(double u_min, double u_max, double z_min, double z_max, double behind, double front) const {
     const dvec3 face = corner + 0.5 * (u_min + u_max) * along;
     const dvec3 center = dvec3(face.x, face.y, 0.5 * (z_min + z_max)) + 0.5 * (front - behind) * outward;

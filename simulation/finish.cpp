@@ -7,7 +7,7 @@
 
 #include "simulation/noise.h"
 
-// What the colours of a site are put together from. Only +, -, *, / and floor, see finish.h.
+// The patterns of the colours of a site. Only +, -, *, / and floor, see finish.h.
 
 namespace alidade::simulation {
 namespace {
@@ -17,8 +17,8 @@ using glm::dvec3;
 
 /// Eases from 0 at `low` to 1 at `high`.
 double step_between(double low, double high, double x) {
-  const double position = std::clamp((x - low) / (high - low), 0.0, 1.0);
-  return position * position * (3.0 - 2.0 * position);
+  const double share = std::clamp((x - low) / (high - low), 0.0, 1.0);
+  return share * share * (3.0 - 2.0 * share);
 }
 
 dvec3 blend(const dvec3& from, const dvec3& to, double share) {
@@ -34,10 +34,9 @@ double fraction(double x) {
   return x - std::floor(x);
 }
 
-/// Rows of stones, each row shifted by half a stone: brightness of one stone and how much of the position is
-/// joint.
+/// A position on rows of stones, each row shifted by half a stone.
 struct Stone {
-  double shade = 0.0;  ///< -1 .. 1, the same all over a stone
+  double shade = 0.0;  ///< brightness of the stone, -1 .. 1
   double joint = 0.0;  ///< 0 on the stone, 1 in the joint
 };
 
@@ -108,7 +107,7 @@ dvec3 plaster(const Finish& finish, const dvec2& uv, const dvec3& position) {
     return blend(dvec3(0.56, 0.53, 0.49) * (1.0 + 0.06 * stone.shade + 0.05 * weather),
                  dvec3(0.42, 0.40, 0.37), 0.6 * stone.joint);
   }
-  // Splashing rain leaves the lowest metre above the plinth a little darker.
+  // The lowest metre above the plinth is a little darker, from splashing rain.
   const double damp = finish.size.y > 0.0 ? 1.0 - step_between(0.0, 1.2, height + 0.4 * weather) : 0.0;
   return finish.tint * (1.0 + 0.045 * weather) * (1.0 - 0.10 * damp);
 }
@@ -173,8 +172,8 @@ dvec3 door(const Finish& finish, const shapes::SurfacePoint& surface, const dvec
          (1.0 + 0.08 * blotches({position.x, position.y, 0.2 * position.z}, 0.05, finish.seed));
 }
 
-/// Fibres along the longest side would need the shape; fine noise stretched upwards does for posts, slats and
-/// trunks alike.
+/// Fibres along the longest side would depend on the shape; fine noise stretched upwards is good enough
+/// for posts, slats and trunks.
 dvec3 fibrous(const Finish& finish, const dvec3& position, double strength) {
   const double fibre = blotches({position.x, position.y, 0.15 * position.z}, 0.045, finish.seed);
   return finish.tint * (1.0 + strength * (0.7 * fibre + 0.3 * blotches(position, 0.5, finish.seed + 1)));

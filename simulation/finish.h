@@ -9,8 +9,7 @@
 
 namespace alidade::simulation {
 
-/// What a surface of a site is made of. Decides the pattern of its colour, its class and how strongly it
-/// answers a laser.
+/// The material of a surface of a site. Defines the pattern of its colour, its class and its reflectance.
 enum class SiteMaterial : std::uint8_t {
   terrain,  ///< the site's ground: a Pavement by its face
   plaster,  ///< house wall; `size.y` is the height of the darker plinth
@@ -33,19 +32,19 @@ enum class SiteMaterial : std::uint8_t {
   target,  ///< white reference sphere of surveyors
 };
 
-/// Faces of the terrain (shapes::Patch::face): what lies on the ground.
+/// Faces of the terrain (shapes::Patch::face): the surface of the ground.
 enum class Pavement : int { grass, cobble, slab, gravel, asphalt, road_marking, soil };
 
-/// How one shape of a site looks.
+/// The appearance of one shape of a site.
 struct Finish {
   SiteMaterial material = SiteMaterial::stone;
   glm::dvec3 tint{0.5};    ///< base colour, display-referred (sRGB), 0 .. 1
   glm::dvec2 size{0.0};    ///< see SiteMaterial
-  std::uint32_t seed = 0;  ///< distinguishes like shapes
+  std::uint32_t seed = 0;  ///< distinguishes similar shapes
 };
 
 /// Colour at one position, display-referred (sRGB), 0 .. 1. Made from hash noise with +, -, *, / and floor
-/// only, so it is the same bits on every machine.
+/// only, so that it has the same bits on every machine.
 glm::dvec3 color_of(const Finish& finish, const shapes::SurfacePoint& surface, const glm::dvec3& position);
 
 /// ASPRS class: 1 unclassified, 2 ground, 3 low and 5 high vegetation, 6 building, 9 water, 11 road surface;
@@ -53,8 +52,8 @@ glm::dvec3 color_of(const Finish& finish, const shapes::SurfacePoint& surface, c
 std::uint8_t classification_of(const Finish& finish, const shapes::SurfacePoint& surface,
                                const glm::dvec3& position);
 
-/// Share of a near-infrared laser's light that the position sends back, 0 .. 1: from its colour, higher for
-/// leaves and grass.
+/// Share of a near-infrared laser's light that a surface reflects, 0 .. 1: from its colour,
+/// higher for leaves and grass.
 double reflectance_of(SiteMaterial material, const glm::dvec3& color);
 
 }  // namespace alidade::simulation

@@ -44,8 +44,8 @@ bool in_core(const Ground& ground, const glm::dvec3& position) {
   return std::fabs(position.x) <= ground.core.x && std::fabs(position.y) <= ground.core.y;
 }
 
-/// Cuts the ray's interval down to where it can meet the ground: over its rectangle and between its extreme
-/// heights.
+/// Clips the ray's interval to where it can meet the ground: over its rectangle and
+/// between its extreme heights.
 bool clip(const Ground& ground, Ray& ray) {
   const glm::dvec3 reach(ground.half_size.x, ground.half_size.y, amplitude_of(ground));
   for (int axis = 0; axis < 3; ++axis) {
@@ -94,7 +94,7 @@ std::optional<double> intersect_ground(const Ground& ground, const Ray& whole_ra
 
   if (ray.direction.z != 0.0 && in_core(ground, ray.position(ray.t_min))) {
     const double level = -ray.origin.z / ray.direction.z;
-    // The core is convex: between two positions over it the ground is the plane.
+    // The core is convex: between two points over it the ground is the plane.
     if (level >= ray.t_min && in_core(ground, ray.position(level))) {
       if (level <= ray.t_max) return level;
       return std::nullopt;
@@ -112,8 +112,8 @@ std::optional<double> intersect_ground(const Ground& ground, const Ray& whole_ra
     if (gap < 0.0) gap = -gap, closing = -closing;
     if (gap <= k_close_enough) return t;
     if (bend == 0.0 && closing >= 0.0) return std::nullopt;
-    // gap + closing * s - bend / 2 * s^2 is the least the gap can be after s more metres; its root is a free
-    // step.
+    // gap + closing * s - bend / 2 * s^2 is a lower bound of the gap after s more metres; up to
+    // its root the ray is free.
     const double root = std::sqrt(closing * closing + 2.0 * bend * gap);
     const double step = closing < 0.0 ? 2.0 * gap / (root - closing) : (closing + root) / bend;
     if (!(t + step > t)) return t;

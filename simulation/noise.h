@@ -5,13 +5,12 @@
 #include <cstdint>
 #include <glm/vec3.hpp>
 
-// Numbers that look random but belong to a position or a counter. Integer hashing and exact double operations
-// only.
+// Pseudo-random numbers as functions of a position or a counter. Integer hashing and
+// exact double operations only.
 
 namespace alidade::simulation {
 
-/// Spreads 64 bits over 64 bits, one to one. The finisher of the SplitMix64 generator (Steele, Lea, Flood
-/// 2014).
+/// A bijective hash of 64 bits: the finisher of the SplitMix64 generator (Steele, Lea, Flood 2014).
 inline std::uint64_t mix_bits(std::uint64_t value) {
   value += 0x9e3779b97f4a7c15u;
   value = (value ^ (value >> 30)) * 0xbf58476d1ce4e5b9u;
@@ -39,7 +38,7 @@ inline double cell_noise(double x, double y, std::uint32_t seed) {
       mix_bits(cell_of(x) * 0x8cb92ba72f3d8dd7u ^ mix_bits(cell_of(y) + (std::uint64_t{seed} << 32))));
 }
 
-/// Smooth noise in [0, 1): random values at integer positions, eased between them.
+/// Smooth noise in [0, 1): random values at integer coordinates, eased between them.
 inline double smooth_noise(const glm::dvec3& position, std::uint32_t seed) {
   const double x = position.x - std::floor(position.x), y = position.y - std::floor(position.y),
                z = position.z - std::floor(position.z);

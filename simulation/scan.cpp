@@ -24,20 +24,20 @@ constexpr double radians(double degrees) {
   return degrees * (std::numbers::pi / 180.0);
 }
 
-// Where the beams of a scan go: beam number -> ray. Nothing here looks at the site.
+// The beams of a scan: beam number -> ray, without regard to the site.
 
 /// One emitted beam.
 struct Beam {
   Ray ray;                  ///< world, within the scanner's range
-  float scan_angle = 0.0f;  ///< degrees: from straight down, as LAS has it
+  float scan_angle = 0.0f;  ///< degrees from straight down, as in LAS
   double seconds = 0.0;     ///< since the scan or flight began
 };
 
-/// The raster of a terrestrial scanner. Beam = column * rows + row; columns follow azimuth, rows elevation
-/// upwards.
+/// The raster of a terrestrial scanner. Beam = column * rows + row; columns follow
+/// azimuth, rows elevation upwards.
 class StationBeams {
  public:
-  /// About as many steps per degree in both directions; at least one of each.
+  /// About `steps_per_degree` in both directions; at least one row and column.
   StationBeams(const TerrestrialScanner& scanner, double steps_per_degree) : scanner_(scanner) {
     const double height = scanner.elevation_max - scanner.elevation_min;
     columns_ = static_cast<std::uint64_t>(std::max(1.0, std::floor(360.0 * steps_per_degree + 0.5)));
@@ -71,17 +71,17 @@ class StationBeams {
   std::vector<SineCosine> rows_;  ///< of the elevation of each row
 };
 
-/// `count` beams spread evenly over flight lines: as many on each as the strip it covers is long and wide, in
+/// `count` beams spread evenly over flight lines: a number on each in proportion to the area of its strip, in
 /// sweeps as far apart as the beams of a sweep.
 class FlightBeams {
  public:
-  /// `ground_height` is the level the strips are reckoned on; `pass` shifts the sweeps so that a second pass
-  /// falls between the first's. Errors: a line without length; a line not above the ground; pitch
-  /// or field of view out of their limits.
+  /// `ground_height` is the level on which the strips are measured; `pass` shifts the sweeps so that those of
+  /// a second pass are between those of the first. Errors: a line without length; a line not above the
+  /// ground; pitch or field of view out of range.
   FlightBeams(const DroneScanner& scanner, const std::vector<FlightLine>& lines, double ground_height,
               std::uint64_t count, int pass)
       : scanner_(scanner), count_(count) {
-    constexpr double k_golden = 0.6180339887498949;  // multiples of it never come close to each other
+    constexpr double k_golden = 0.6180339887498949;  // multiples of it are never close to each other
     constexpr double k_turn_seconds = 12.0;
     shift_ = k_golden * pass;
     std::vector<double> areas;
@@ -167,7 +167,7 @@ class FlightBeams {
 };
 
 constexpr std::uint64_t k_beams_per_batch = 32768;
-/// Batches under way at once; more than threads, so that none waits. Bounds the memory.
+/// Batches that are processed at once; more than threads, so that none waits. Bounds the memory.
 constexpr std::size_t k_batches_under_way = 16;
 
 /// Nearly normal deviate, variance 1, within +-4.9: the sum of eight 16-bit uniform numbers, which doubles
@@ -186,7 +186,7 @@ std::uint16_t to_16_bits(double share) {
   return static_cast<std::uint16_t>(std::floor(std::clamp(share, 0.0, 1.0) * 65535.0 + 0.5));
 }
 
-/// What the beams of a batch share.
+/// Values that all beams of a batch share.
 struct Emission {
   std::uint64_t seed = 0;
   std::uint64_t pass = 0;  ///< separates the noise of one scan from that of another
@@ -205,7 +205,7 @@ void measure(const Site& site, const Emission& emission, const Beam& beam, std::
     throw Error(
         {.problem = "a scanned point exceeds the range of the 1 mm lattice around the site's origin"});
   const double facing = std::fabs(glm::dot(hit->normal, beam.ray.direction));
-  constexpr double k_half_range = 40.0;  // metres over which the answer falls to a half
+  constexpr double k_half_range = 40.0;  // metres over which the returned signal falls to a half
   const double echo =
       reflectance_of(hit->material, hit->color) * (0.25 + 0.75 * facing) / (1.0 + hit->t / k_half_range);
 
@@ -226,7 +226,7 @@ void reserve(PointCloud& batch, std::size_t count) {
   });
 }
 
-/// Hands batches on until all points asked for are there.
+/// Passes batches to the sink until it has all requested points.
 struct Delivery {
   const ScanOptions& options;
   const PointSink& sink;
@@ -247,13 +247,13 @@ struct Delivery {
   }
 };
 
-/// Sends beams 0 .. count-1 in parallel batches, which reach the delivery in order. `beam_of(index)` gives
+/// Sends beams 0 .. count-1 in parallel batches, which reach the delivery in order. `beam_of(index)` returns
 /// the beam and its source.
 template <typename BeamOf>
 void send_beams(const Site& site, const PointCloud& header, const Emission& emission, std::uint64_t count,
                 const BeamOf& beam_of, Delivery& delivery) {
-  /// What became of a batch. Exceptions travel along and leave behind the pipeline, which loses what is under
-  /// way in it when one passes through.
+  /// The result of a batch. Exceptions are part of it, and are thrown again after the pipeline: one thrown
+  /// inside would lose the batches in process.
   struct Traced {
     PointCloud points;
     std::exception_ptr failure;
@@ -333,12 +333,15 @@ PointCloud scan_header(const Site& site) {
   PointCloud cloud;
   cloud.lattice = {glm::dvec3(0.001), site.origin()};
   cloud.gps_time_is_standard = true;
-  cloud.crs.wkt =
-      R"(PROJCS["WGS 84 / UTM zone 32N",GEOGCS["WGS 84",DATUM["WGS_1984",SPHEROID["WGS 84",6378137,298.257223563,AUTHORITY["EPSG","7030"]],)"
-      R"(AUTHORITY["EPSG","6326"]],PRIMEM["Greenwich",0,AUTHORITY["EPSG","8901"]],UNIT["degree",0.0174532925199433,AUTHORITY["EPSG","9122"]],)"
-      R"(AUTHORITY["EPSG","4326"]],PROJECTION["Transverse_Mercator"],PARAMETER["latitude_of_origin",0],PARAMETER["central_meridian",9],)"
-      R"(PARAMETER["scale_factor",0.9996],PARAMETER["false_easting",500000],PARAMETER["false_northing",0],UNIT["metre",1,AUTHORITY["EPSG","9001"]],)"
-      R"(AXIS["Easting",EAST],AXIS["Northing",NORTH],AUTHORITY["EPSG","32632"]])";
+  cloud.crs.wkt = R"(PROJCS["WGS 84 / UTM zone 32N",GEOGCS["WGS 84",)"
+                  R"(DATUM["WGS_1984",SPHEROID["WGS 84",6378137,298.257223563,AUTHORITY["EPSG","7030"]],)"
+                  R"(AUTHORITY["EPSG","6326"]],PRIMEM["Greenwich",0,AUTHORITY["EPSG","8901"]],)"
+                  R"(UNIT["degree",0.0174532925199433,AUTHORITY["EPSG","9122"]],AUTHORITY["EPSG","4326"]],)"
+                  R"(PROJECTION["Transverse_Mercator"],PARAMETER["latitude_of_origin",0],)"
+                  R"(PARAMETER["central_meridian",9],PARAMETER["scale_factor",0.9996],)"
+                  R"(PARAMETER["false_easting",500000],PARAMETER["false_northing",0],)"
+                  R"(UNIT["metre",1,AUTHORITY["EPSG","9001"]],)"
+                  R"(AXIS["Easting",EAST],AXIS["Northing",NORTH],AUTHORITY["EPSG","32632"]])";
   return cloud;
 }
 
@@ -373,7 +376,7 @@ void scan(const Site& site, const ScanOptions& options, const PointSink& sink, c
   constexpr int k_most_passes = 1000;
   double sent = 0.0, met = 0.0;
   for (int pass = 0; delivery.missing() > 0; ++pass) {
-    // Every beam is expected to meet the site until experience says otherwise.
+    // Until a beam has met the site, every beam is expected to.
     const double share_met = met > 0.0 ? met / sent : 1.0;
     auto count = static_cast<std::uint64_t>(std::ceil(static_cast<double>(delivery.missing()) / share_met));
     constexpr std::uint64_t k_second_try = 100000;

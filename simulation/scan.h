@@ -12,13 +12,13 @@
 
 namespace alidade::simulation {
 
-/// Where a terrestrial scanner stands: centre of its mirror, world coordinates.
+/// The position of a terrestrial scanner: the centre of its mirror, world coordinates.
 struct Station {
   glm::dvec3 position{0.0};
 };
 
 /// A terrestrial laser scanner: the mirror turns about a level axis while the head turns about the vertical
-/// one, so beams form a raster of equal steps in azimuth (columns, all round) and elevation (rows).
+/// one, so beams form a raster of equal steps in azimuth (columns, full circle) and elevation (rows).
 struct TerrestrialScanner {
   double elevation_min = -60.0;  ///< degrees; below it the tripod hides the ground
   double elevation_max = 90.0;   ///< degrees
@@ -43,7 +43,7 @@ struct DroneScanner {
 };
 
 struct ScanOptions {
-  std::uint64_t point_count = 2'000'000;  ///< exactly as many points come out
+  std::uint64_t point_count = 2'000'000;  ///< the exact number of points of the scan
   std::uint64_t seed = 1;                 ///< of the range noise
   std::vector<Station> stations;
   std::vector<FlightLine> flight_lines;  ///< REQUIRED: at least one, over the site
@@ -52,37 +52,36 @@ struct ScanOptions {
   DroneScanner drone;
 };
 
-/// Takes the next points of a scan. `batch` is on the scan's lattice and is only valid during the call.
+/// Called with the next points of a scan. `batch` is on the scan's lattice and is only valid during the call.
 using PointSink = std::function<void(const PointCloud& batch)>;
 
-/// A cloud without points that carries what all batches of a scan share: the lattice (1 mm, offset = the
-/// site's origin, which must be whole metres) and the CRS (WGS 84 / UTM zone 32N). What LasWriter wants as
-/// `like`.
+/// A cloud without points that has the values that all batches of a scan share: the lattice (1 mm,
+/// offset = the site's origin, which must be whole metres) and the CRS (WGS 84 / UTM zone 32N). For
+/// parameter `like` of LasWriter.
 PointCloud scan_header(const Site& site);
 
-/// The columns every batch has: color, intensity, classification, returns, scan_angle, point_source_id,
-/// gps_time.
+/// The columns of every batch: color, intensity, classification, returns, scan_angle,
+/// point_source_id, gps_time.
 AttributeSet scan_attributes();
 
 /// Scans the site from every station, then along every flight line, and hands exactly `point_count` points to
 /// `sink`, in batches of some ten thousand in a fixed order, from one thread at a time. Traces in parallel
 /// (oneTBB). The points are the same on any number of threads and on any machine.
 ///
-/// How the number comes out exact without cutting anything off: a coarse survey of each station gives the
-/// share of its beams that meet something; from it one angular step for all stations is chosen that gives
-/// about terrestrial_share of the points. The flight then sends as many beams as points are missing, spread
-/// evenly over its lines; beams that miss the site are made up for by further passes, each as large as the
-/// share of hits so far lets expect. (Surplus points are left out only if the stations alone should give more
-/// than point_count, which takes a share of nearly 1 or a handful of points, and behind such further passes;
-/// courtyard() needs none.)
+/// The number is exact, and normally no points are dropped: a coarse survey of each station gives the share
+/// of its beams that meet something; from it one angular step for all stations is chosen that gives about
+/// terrestrial_share of the points. The flight then sends as many beams as points are missing, spread evenly
+/// over its lines; further passes replace beams that miss the site, each as large as the share of hits so far
+/// suggests. (Surplus points are left out only if the stations alone give more than point_count, with a share
+/// of nearly 1 or a handful of points, and after such further passes; courtyard() needs none.)
 ///
-/// Each point lies on its beam, off the surface by the range noise (a sum of eight uniform numbers, so never
-/// beyond 5 standard deviations), rounded to the lattice. point_source_id counts stations, then lines, from
-/// 1; gps_time increases.
+/// Each point lies on its beam, off the surface by the range noise (a sum of eight uniform numbers, so
+/// never beyond 5 standard deviations), rounded to the lattice. point_source_id counts stations, then
+/// lines, from 1; gps_time increases.
 ///
 /// Errors: no flight line, or one that is not level above the origin; a flight that meets nothing; a point
-/// outside the lattice. Throws Cancelled if asked to stop. Cost: about a microsecond per point on two cores;
-/// memory: some 20 MB.
+/// outside the lattice. Throws Cancelled if `progress` ends the scan. Cost: about a microsecond per point on
+/// two cores; memory: some 20 MB.
 void scan(const Site& site, const ScanOptions& options, const PointSink& sink, const Progress& progress = {});
 
 }  // namespace alidade::simulation

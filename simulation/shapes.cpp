@@ -16,14 +16,14 @@ bool within(const Ray& ray, double t) {
   return t >= ray.t_min && t <= ray.t_max;
 }
 
-/// The smaller of two ordered positions that lies in the ray's interval.
+/// The smaller of near <= far that lies in the ray's interval.
 std::optional<double> first_within(const Ray& ray, double near, double far) {
   if (within(ray, near)) return near;
   if (within(ray, far)) return far;
   return std::nullopt;
 }
 
-/// The same of the ends of a chord.
+/// The nearer end of a chord that lies in the ray's interval.
 std::optional<double> chord_within(const Ray& ray, double middle, double half_chord_sq) {
   if (half_chord_sq < 0.0) return std::nullopt;
   const double half_chord = std::sqrt(half_chord_sq);
@@ -68,7 +68,7 @@ std::optional<double> cross_plane(const glm::dvec3& position, const glm::dvec3& 
 }
 
 std::optional<double> intersect_shape(const Sphere& sphere, const Ray& ray) {
-  // By way of the perpendicular, which does not cancel however far the sphere is.
+  // From the perpendicular, which has no cancellation however far the sphere is.
   const glm::dvec3 to_center = sphere.center - ray.origin;
   const double middle = glm::dot(to_center, ray.direction);
   const glm::dvec3 perpendicular = to_center - middle * ray.direction;
@@ -97,14 +97,14 @@ std::optional<double> intersect_shape(const Frustum& frustum, const Ray& ray) {
   const double discriminant = b * b - a * c;
   if (discriminant < 0.0) return std::nullopt;
   if (a == 0.0 && b == 0.0) return std::nullopt;  // along the mantle of a cylinder
-  // The root that does not cancel first, the other from the product of both.
+  // First the root without cancellation, then the other from the product of both.
   const double q = -(b + std::copysign(std::sqrt(discriminant), b));
   double near = q != 0.0 ? c / q : 0.0;
   double far = a != 0.0 ? q / a : near;
   if (near > far) std::swap(near, far);
   for (const double t : {near, far}) {
-    const double position = height + t * climb;
-    if (!within(ray, t) || position < 0.0 || position > frustum.length) continue;
+    const double along = height + t * climb;
+    if (!within(ray, t) || along < 0.0 || along > frustum.length) continue;
     if (glm::dot(from_base + t * ray.direction, frustum.keep) < 0.0) continue;
     return t;
   }
@@ -153,7 +153,7 @@ std::optional<double> intersect_shape(const Panel& panel, const Ray& ray) {
   return t;
 }
 
-/// Across the polygon, not of length 1.
+/// At right angles to the polygon, not of length 1.
 glm::dvec3 area_vector(const Polygon& polygon) {
   return glm::cross(polygon.corners[1] - polygon.corners[0], polygon.corners[2] - polygon.corners[0]);
 }

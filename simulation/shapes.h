@@ -22,14 +22,14 @@ struct Sphere {
   double radius = 1.0;
 };
 
-/// With axes along x, y, z.
+/// An ellipsoid with axes along x, y, z.
 struct Ellipsoid {
   glm::dvec3 center{0.0};
   glm::dvec3 radii{1.0};
 };
 
-/// The mantle of a cone or cylinder along `axis` (length 1), open at both ends. Where `keep` is not zero only
-/// the half with dot(position - base, keep) >= 0 exists: the vault of a passage, for instance.
+/// The mantle of a cone or cylinder along `axis` (length 1), open at both ends. If `keep` is not zero, only
+/// the half with dot(position - base, keep) >= 0: the vault of a passage, for instance.
 struct Frustum {
   glm::dvec3 base{0.0};
   glm::dvec3 axis{0.0, 0.0, 1.0};
@@ -91,8 +91,8 @@ struct ConvexSolid {
   Bounds bounds;
 };
 
-/// One wave of the rolling ground: amplitude * sin(dot(frequency, (x, y)) + phase), frequency in radians per
-/// metre.
+/// One wave of the rolling ground: amplitude * sin(dot(frequency, (x, y)) + phase),
+/// frequency in radians per metre.
 struct Wave {
   double amplitude = 0.0;
   glm::dvec2 frequency{0.0};
@@ -106,9 +106,9 @@ struct Patch {
   int face = 0;
 };
 
-/// The height field z = fade(x, y) * sum of waves, over |x| <= half_size.x, |y| <= half_size.y. Inside the
-/// core (|x| <= core.x, |y| <= core.y) the ground is the plane z = 0; outside it the waves fade in over
-/// `fade_width`.
+/// The height field z = fade(x, y) * sum of waves, over |x| <= half_size.x, |y| <= half_size.y.
+/// Inside the core (|x| <= core.x, |y| <= core.y) the ground is the plane z = 0; outside it the waves
+/// fade in over `fade_width`.
 struct Ground {
   glm::dvec2 half_size{60.0, 50.0};
   glm::dvec2 core{30.0, 25.0};
@@ -131,7 +131,7 @@ using Shape = std::variant<Sphere, Ellipsoid, Frustum, Disc, Box, Niche, Panel, 
 /// inside meets them from within.
 std::optional<double> intersect(const Shape& shape, const Ray& ray);
 
-/// What a shape says about a point on it.
+/// Properties of a shape at a point on it.
 struct SurfacePoint {
   glm::dvec3 normal{0.0, 0.0, 1.0};  ///< length 1, outward for solids, to the open side for a niche
   /// Metres on the surface. Box and niche: from the lower corner along the face's two axes; panel: u, v;
@@ -145,15 +145,15 @@ struct SurfacePoint {
 /// `position` lies on the surface up to rounding, as intersect() gives it.
 SurfacePoint surface_at(const Shape& shape, const glm::dvec3& position);
 
-/// Encloses the shape.
+/// A box that encloses the shape.
 Bounds bounds_of(const Shape& shape);
 
 /// Largest |height| the ground can reach.
 double amplitude_of(const Ground& ground);
 
-/// intersect() for the rolling ground. Where the ray comes down over the level core the answer is the
-/// plane's; elsewhere |z - height| <= 1e-12 m holds at the answer, and no earlier crossing is left out: each
-/// step is as far as the bound on the ground's curvature proves to be free.
+/// intersect() for the rolling ground. Over the level core the answer is that of the
+/// plane; elsewhere |z - height| <= 1e-12 m holds at the answer, and no earlier crossing is missed: no
+/// step is longer than the bound on the ground's curvature proves to be free.
 std::optional<double> intersect_ground(const Ground& ground, const Ray& ray);
 
 }  // namespace alidade::simulation::shapes

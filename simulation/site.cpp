@@ -18,7 +18,7 @@ double half_area(const Bounds& bounds) {
   return size.x * size.y + size.y * size.z + size.z * size.x;
 }
 
-/// A float beyond `value` in the direction of `limit`, with room for the rounding of the walk.
+/// A float beyond `value` in the direction of `limit`, with a margin for the rounding of the walk.
 float rounded_outwards(double value, float limit) {
   const double margin = 1e-9 + std::fabs(value) * 1e-12;
   const double beyond = limit > 0.0f ? value + margin : value - margin;
@@ -35,7 +35,8 @@ struct Nearest {
   std::uint32_t object = 0;
 };
 
-/// Takes `object` if it is met before `nearest`, or at the same position and is before it in the list.
+/// Replaces `nearest` by `object` if the ray meets it at a smaller t, or at an equal
+/// one and its index is lower.
 void offer(std::optional<Nearest>& nearest, const SiteObject& object, std::uint32_t index, const Ray& local) {
   Ray shortened = local;
   if (nearest) shortened.t_max = nearest->t;
@@ -74,8 +75,8 @@ struct ShapeTree::Builder {
     return bounds;
   }
 
-  /// Sorts the items of a node into two parts; where the second begins. Deep down, and where all centres are
-  /// equal, halves.
+  /// Sorts the items of a node into two parts and returns where the second begins. Halves if the node is deep
+  /// or all centres are equal.
   std::size_t split(std::size_t begin, std::size_t end, int depth) {
     Bounds centers;
     for (std::size_t i = begin; i < end; ++i) centers.grow(boxes[items[i]].center());
@@ -92,13 +93,13 @@ struct ShapeTree::Builder {
                        });
       return middle;
     };
-    // 2^32 items at most: halving from here on stays within k_deepest.
+    // There are at most 2^32 items: halves from here on keep within k_deepest.
     constexpr int k_depth_for_halves = k_deepest - 32;
     if (!(size[axis] > 0.0) || depth >= k_depth_for_halves) return halves();
 
     const auto bin_of = [&](std::uint32_t item) {
-      const double position = (boxes[item].center()[axis] - centers.min[axis]) / size[axis] * k_bin_count;
-      return std::min(static_cast<int>(position), k_bin_count - 1);
+      const double bin = (boxes[item].center()[axis] - centers.min[axis]) / size[axis] * k_bin_count;
+      return std::min(static_cast<int>(bin), k_bin_count - 1);
     };
     std::array<Bounds, k_bin_count> bins;
     std::array<std::size_t, k_bin_count> counts{};

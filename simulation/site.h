@@ -16,8 +16,8 @@
 
 namespace alidade::simulation {
 
-/// A bounding-volume hierarchy over boxes: finds those that a ray may meet, nearest first. Knows nothing of
-/// shapes. Built by the surface area heuristic; immutable.
+/// A bounding-volume hierarchy over boxes: finds those that a ray may meet, nearest first. Independent of the
+/// shapes in the boxes. Built by the surface area heuristic; immutable.
 class ShapeTree {
  public:
   ShapeTree() = default;
@@ -25,8 +25,7 @@ class ShapeTree {
   explicit ShapeTree(std::span<const Bounds> boxes);
 
   /// Calls visit(item) for every item whose box the ray meets within [t_min, t_max], roughly nearest first,
-  /// and some more. visit returns the t_max to go on with, not larger than before; below t_min it ends the
-  /// walk.
+  /// and some more. visit returns the new t_max, not larger than before; a value below t_min ends the walk.
   template <typename Visit>
   void walk(const Ray& ray, Visit&& visit) const;
 
@@ -126,7 +125,7 @@ struct SiteHit {
   bool operator==(const SiteHit&) const = default;
 };
 
-/// A site made of exact surfaces: the ground truth for scans, images and visibility. Immutable; safe to ask
+/// A site made of exact surfaces: the ground truth for scans, images and visibility. Immutable; safe to use
 /// from many threads.
 ///
 ///   const Site site = courtyard();
@@ -137,12 +136,11 @@ class Site {
   /// `origin` is the world position of the objects' frame.
   Site(std::vector<SiteObject> objects, const glm::dvec3& origin);
 
-  /// The first surface with max(t_min, 0) <= t <= t_max, from either side: nothing lies behind a ray's
-  /// origin. Equal t: the lowest object. Requires a unit direction (make_ray). Cost: about half a
-  /// microsecond.
+  /// The first surface with max(t_min, 0) <= t <= t_max, from either side; nothing behind the ray's origin is
+  /// met. Equal t: the lowest object. Requires a unit direction (make_ray). Cost: about half a microsecond.
   std::optional<SiteHit> closest(const Ray& ray) const;
 
-  /// Whether closest() would answer; stops at the first surface found.
+  /// Whether closest() would find a surface; stops at the first one found.
   bool occluded(const Ray& ray) const;
 
   const glm::dvec3& origin() const { return origin_; }
@@ -154,13 +152,13 @@ class Site {
   glm::dvec3 origin_;
   Bounds bounds_;
   ShapeTree tree_;
-  std::vector<std::uint32_t> tree_objects_;  ///< objects that are items of the tree
+  std::vector<std::uint32_t> tree_objects_;  ///< objects in the tree, by item
   std::vector<std::uint32_t> grounds_;       ///< objects so large that a tree does not help; tried last
 };
 
 namespace brute_force {
 
-/// The same answers by plain loops over all objects: the definition, and the oracle of the tests.
+/// Site::closest() and Site::occluded() by loops over all objects: their definition, for tests.
 std::optional<SiteHit> closest(const Site& site, const Ray& ray);
 bool occluded(const Site& site, const Ray& ray);
 

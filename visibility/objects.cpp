@@ -118,7 +118,7 @@ class Sampler {
     return static_cast<std::size_t>(std::fmax(1.0, pieces));
   }
 
-  /// Whether there is any length between the corners.
+  /// Returns false if the corners have no distance in plan.
   bool add_edge(const ObjectPart& part, const GivenObserver& from, const GivenObserver& to, double side) {
     const glm::dvec2 way = to.position - from.position;
     const double length = glm::length(way);
@@ -189,7 +189,7 @@ double solid_angle(const ObjectPiece& piece, const glm::dvec3& middle, const glm
   glm::dvec2 normal = piece.normal;
   if (normal == glm::dvec2(0.0)) {
     const double run = glm::length(glm::dvec2(way));
-    // From straight above or below no side is seen.
+    // Sides are not visible from straight above or below.
     if (!(run > 0.0)) return 0.0;
     normal = glm::dvec2(way) / run;
   }

@@ -11,13 +11,14 @@
 
 #include "visibility/observers.h"
 
-// What is to be seen from many positions: masts, wind turbines, walls, buildings. An object consists of upright
-// pieces, each with a sample in its middle; who sees the sample sees the piece. Samples are observers, since a
-// line of sight is the same from either end: a viewshed of them shows from where the object is visible.
+// Objects to be seen from many positions: masts, wind turbines, walls, buildings. An object consists
+// of upright pieces, each with a sample in its middle; the piece is visible if its sample is. Samples
+// are observers, since a line of sight is the same from either end: a viewshed of them shows from
+// where the object is visible.
 //
 //   const SampledObjects mast = sample_objects(given, {.spacing = 5.0}, ground);
-//   const Viewshed seen = viewshed(occluders, ground, mast.samples, grid,
-//                                  {.mode = ViewshedMode::size, .target_height = 2.0, .pieces = mast.pieces});
+//   const ViewshedOptions options{.mode = ViewshedMode::size, .target_height = 2.0, .pieces = mast.pieces};
+//   const Viewshed seen = viewshed(occluders, ground, mast.samples, grid, options);
 
 namespace alidade::visibility {
 
@@ -27,14 +28,14 @@ enum class ObjectShape {
   outline,  ///< walls around an area, visible from outside
 };
 
-/// Where an object stands, or a part of it.
+/// The footprint of an object, or of a part of it.
 struct ObjectPart {
   std::size_t object = 0;  ///< number of the object, from 0, in order
   ObjectShape shape = ObjectShape::segment;
   std::size_t begin = 0, end = 0;  ///< corners of GivenObjects
 };
 
-/// Objects as somebody wrote them.
+/// Objects as given by the user or a file.
 struct GivenObjects {
   /// `z` is of the foot, `height` of the object above it; views and distances do not apply.
   std::vector<GivenObserver> corners;
@@ -45,8 +46,8 @@ struct GivenObjects {
   void add_segment(const GivenObserver& corner);
 };
 
-/// Reads "X,Y,Z0,Z1": a vertical segment from Z0 up to Z1. Errors: anything else, numbers that are not finite,
-/// a top that is not above the foot.
+/// Reads "X,Y,Z0,Z1": a vertical segment from Z0 up to Z1. Errors: anything else, numbers that are not
+/// finite, a top that is not above the foot.
 GivenObserver parse_object(const std::string& text);
 
 /// What a sample represents.
@@ -65,13 +66,13 @@ struct ObjectPiece {
 /// plane triangle, 1983.
 double solid_angle(const ObjectPiece& piece, const glm::dvec3& middle, const glm::dvec3& eye);
 
-/// Whether anybody at `eye` could see the outside of a piece, with nothing between.
+/// Whether the outside of a piece faces `eye`.
 bool faces(const ObjectPiece& piece, const glm::dvec3& middle, const glm::dvec3& eye);
 
 struct SampleOptions {
   double spacing = 1.0;  ///< no piece is higher, or of a wall wider, than this; in the unit of the cloud, > 0
   double width = 0.0;    ///< of vertical segments, which turn it towards the eye; >= 0
-  double max_distance = std::numeric_limits<double>::infinity();  ///< farther away nobody sees them
+  double max_distance = std::numeric_limits<double>::infinity();  ///< not visible from farther away
 };
 
 struct SampledObjects {
@@ -82,10 +83,10 @@ struct SampledObjects {
 
 constexpr std::size_t k_most_object_samples = 1'000'000;
 
-/// Divides objects into equal pieces. Walls stand between the corners, on the straight line between two feet
-/// with a z, else on the ground below each piece. Nameless objects are called "object N", from 1. Errors,
-/// naming the source: a height that is missing or not above 0; a coordinate that is not finite or beyond 1e12;
-/// no ground below a foot without z; a wall without length; options out of range; more than
+/// Divides objects into equal pieces. The foot of a wall is the straight line between two corners if both
+/// have a z, else the ground below each piece. Objects without a name are called "object N", from 1. Errors,
+/// naming the source: a height that is missing or not above 0; a coordinate that is not finite or beyond
+/// 1e12; no ground below a foot without z; a wall without length; options out of range; more than
 /// k_most_object_samples samples. Also: segments without a width beside walls.
 SampledObjects sample_objects(const GivenObjects& given, const SampleOptions& options,
                               const GroundHeight& ground);

@@ -20,7 +20,7 @@ namespace {
 
 constexpr double k_full_turn = 360.0;
 
-/// Up to here a position is good to a tenth of a millimetre.
+/// Up to this, doubles resolve a tenth of a millimetre.
 constexpr double k_largest_coordinate = 1e12;
 
 /// Unit vector (east, north) of an azimuth.
@@ -74,6 +74,172 @@ void check_view(const std::string& source, const Observer& observer) {
     reject(source, "elevations out of order", "the lower elevation first",
            fmt::format("{} to {}", observer.elevation_min, observer.elevation_max));
   }
+}
+
+/// Observers are not remarked on up to this distance outside the cloud, metres, however small it is.
+constexpr double k_never_far = 100.0;
+
+/// Distance to a box, 0 inside.
+double distance_to(const Bounds& box, const glm::dvec3& position) {
+  double sum = 0.0;
+  for (int axis = 0; axis < 3; ++axis) {
+    const double outside = std::max({box.min[axis] - position[axis], position[axis] - box.max[axis], 0.0});
+    sum += outside * outside;
+  }
+  return std::sqrt(sum);
+}
+
+/// Whether there are points near a position in plan, all of them above it.
+bool is_below_all(const Octree& octree, const glm::dvec3& position) {
+  constexpr double k_far = std::numeric_limits<double>::infinity(), k_largest_reach = 16.0;
+  for (double reach = 1.0; reach <= k_largest_reach; reach *= 2.0) {
+    Bounds column{.min = {position.x - reach, position.y - reach, -k_far},
+                  .max = {position.x + reach, position.y + reach, position.z}};
+    if (count(octree, column, {.k = 1}) > 0) return false;
+    column.max.z = k_far;
+    if (count(octree, column, {.k = 1}) > 0) return true;
+  }
+  return false;
+}
+
+/// As candidate_radius().
+double radius_of(const Occluders& occluders, const PointHit& point) {
+  if (occluders.options().radius) return *occluders.options().radius;
+  // A point's spacing is the distance to its 8th neighbour.
+  constexpr std::size_t k_with_neighbours = 9;
+  const auto neighbours = find(occluders.octree(), point.position, {.k = k_with_neighbours});
+  return candidate_radius(occluders, neighbours.back().distance);
+}
+
+/// Says that an observer is in the sphere of a point, or so near its disc that this hides nearly half of the
+/// view; empty if it is neither.
+std::string remark_on(const Occluders& occluders, const Observer& observer, const PointHit& point) {
+  const OccluderOptions& options = occluders.options();
+  if (options.counts && !options.counts(point.point_id)) return "";
+  const PointSurface surface = occluders.has_surfaces() ? occluders.surface(point.point_id) : PointSurface();
+  if (!surface.exists) {
+    const bool is_sphere = !occluders.has_surfaces() || options.shape != OccluderShape::disc;
+    if (!is_sphere || point.distance > occluders.largest_radius()) return "";
+    const double radius = radius_of(occluders, point);
+    if (point.distance >= (options.radius ? radius : sphere_of(occluders, radius))) return "";
+    return fmt::format("{} is inside point {}, {:.3g} from its centre; that point does not block its view",
+                       observer.name, point.point_id, point.distance);
+  }
+  constexpr double k_near = 0.1;  // of the disc around the foot of the perpendicular: 45 % of all directions
+  // Ground is expected to hide what is below it.
+  constexpr double k_steepest_ground = 0.7;
+  if (std::fabs(surface.normal.z) > k_steepest_ground && observer.position.z > point.position.z) return "";
+  const auto is_near = [&](double height, double along, double radius) {
+    return height <= k_near * (radius - along);
+  };
+  PointDisc disc = point_disc(point.position, surface, 0.0);
+  const double height = std::fabs(glm::dot(observer.position - disc.center, disc.normal));
+  const double along = std::sqrt(std::max(0.0, point.distance * point.distance - height * height));
+  if (!is_near(height, along, occluders.largest_radius())) return "";
+  disc.radius = disc_of(occluders, radius_of(occluders, point));
+  if (!is_near(height, along, disc.radius)) return "";
+  return fmt::format(
+      "{} is {:.3g} from the disc of point {}, whose radius is {:.3g}: it hides nearly half of the view; "
+      "move the observer, or set --radius-max",
+      observer.name, height, point.point_id, disc.radius);
+}
+
+/// Whether a position is below a terrain by more than an end of a line may be.
+bool is_below(const geo::TerrainSurface& terrain, const glm::dvec3& position) {
+  return terrain.occluded({position, {0.0, 0.0, 1.0}, k_mesh_contact});
+}
+
+/// Metres along a vertical line to the first thing on it.
+std::optional<double> first_along(const Occluders& occluders, const SightLine& line) {
+  const OccluderOptions& options = occluders.options();
+  double first = std::numeric_limits<double>::infinity();
+  const auto take = [&first](const auto& hit) {
+    if (hit) first = std::min(first, std::max(hit->t, 0.0));
+  };
+  RayQuery blocking = query_of(occluders);
+  if (options.counts)
+    blocking.filter = [&](const Candidate& point) { return is_counted(occluders, point.point_id); };
+  blocking.position_filter = [&](const Candidate& candidate) {
+    return position_crossing(occluders, line, candidate).has_value();
+  };
+  take(closest(occluders.octree(), ray_of(occluders, line), blocking));
+  // Points beside the start are not above it.
+  const double beside = occluders.typical_radius();
+  if (options.shape != OccluderShape::disc && beside < line.length) {
+    RayQuery lone{.radius = beside, .measure = Measure::t, .filter = blocking.filter};
+    lone.position_filter = [&](const Candidate& point) { return !occluders.surface(point.point_id).exists; };
+    take(closest(occluders.octree(), Ray{line.from.position, line.direction, beside, line.length}, lone));
+  }
+  const Ray ray{line.from.position, line.direction, k_mesh_contact, line.length};
+  if (options.mesh != nullptr) take(options.mesh->closest(ray));
+  if (options.terrain != nullptr) take(options.terrain->closest(ray));
+  return std::isinf(first) ? std::nullopt : std::optional(first);
+}
+
+/// z of the highest thing at a position.
+std::optional<double> top_at(const Occluders& occluders, const glm::dvec3& position) {
+  Bounds all = occluders.octree().bounds();
+  const OccluderOptions& options = occluders.options();
+  if (options.mesh != nullptr) all.grow(options.mesh->bounds());
+  if (options.terrain != nullptr) all.grow(options.terrain->bounds());
+  const double start = all.max.z + 1.0 + occluders.largest_radius();
+  const auto depth =
+      first_along(occluders, sight_ray(chord_end({position.x, position.y, start}), {0, 0, -1}));
+  return depth ? std::optional(start - *depth) : std::nullopt;
+}
+
+/// The option for the same observer with its foot at this z.
+std::string instead_of(const Observer& observer, double foot) {
+  const double height = observer.height > 0.0 ? observer.height : k_usual_observer_height;
+  return fmt::format("--observer={:.3f},{:.3f},{:.3f} --observer-height {:g} (in a file: z, height)",
+                     observer.position.x, observer.position.y, foot, height);
+}
+
+/// Says that an observer is below something, or that its foot is not on what is
+/// there; empty if it is neither.
+std::string remark_on_clearance(const Occluders& occluders, const Observer& observer) {
+  constexpr double k_off = 1.0;
+  const Clearance clearance = clearance_of(occluders, observer.position);
+  std::string remark;
+  if (clearance.above) {
+    remark = fmt::format("{} has something {:.2f} above its eye, which hides the sky", observer.name,
+                         *clearance.above);
+    if (const auto top = top_at(occluders, observer.position))
+      remark += fmt::format("; to look from its top, type {}", instead_of(observer, *top));
+  }
+  const bool has_foot = observer.stands_on_ground || observer.height > 0.0;
+  const double off = clearance.below.value_or(0.0) - observer.height;
+  if (!clearance.below || !has_foot || std::fabs(off) <= k_off) return remark;
+  return fmt::format("{}{}the foot of {} is {:.2f} {} what is there; to stand on that, type {}", remark,
+                     remark.empty() ? "" : "; ", observer.name, std::fabs(off), off > 0.0 ? "above" : "below",
+                     instead_of(observer, observer.position.z - *clearance.below));
+}
+
+std::string remark_on(const Occluders& occluders, const Observer& observer) {
+  const auto& terrain = occluders.options().terrain;
+  const bool has_points = occluders.octree().size() > 0;
+  const char* const all = has_points ? "cloud" : "raster";
+  Bounds box = occluders.octree().bounds();
+  if (terrain != nullptr) box.grow(terrain->bounds());
+  const double outside = distance_to(box, observer.position);
+  if (outside > observer.max_distance) {
+    return fmt::format("{} sees nothing: the {} is {:.6g} away, beyond the maximum distance {:.6g}",
+                       observer.name, all, outside, observer.max_distance);
+  }
+  if (outside > std::max(glm::length(box.size()), k_never_far))
+    return fmt::format("{} is {:.6g} outside the {}; check its reference system", observer.name, outside,
+                       all);
+  if (terrain != nullptr && is_below(*terrain, observer.position))
+    return fmt::format("{} is below the surface of the raster", observer.name);
+  if (!has_points) return observer.is_placed ? remark_on_clearance(occluders, observer) : "";
+  if (!observer.stands_on_ground && is_below_all(occluders.octree(), observer.position))
+    return fmt::format("{} is below all points near it", observer.name);
+  constexpr std::size_t k_near_points = 16;
+  for (const PointHit& point : find(occluders.octree(), observer.position, {.k = k_near_points})) {
+    std::string remark = remark_on(occluders, observer, point);
+    if (!remark.empty()) return remark;
+  }
+  return observer.is_placed ? remark_on_clearance(occluders, observer) : "";
 }
 
 }  // namespace
@@ -162,7 +328,7 @@ std::vector<Observer> place_observers(std::span<const GivenObserver> given, cons
 std::vector<GivenObserver> observer_grid(const Bounds& extent, double width, const GroundHeight& ground,
                                          const Progress& progress) {
   check_that(width > 0.0 && std::isfinite(width), "invalid observer grid", "a positive width");
-  // A line of points has an extent of no width, and still a cell.
+  // The extent of a line of points has no width, and must have a cell all the same.
   const double columns = std::fmax(1.0, std::ceil((extent.max.x - extent.min.x) / width));
   const double rows = std::fmax(1.0, std::ceil((extent.max.y - extent.min.y) / width));
   check_that(columns * rows <= k_most_grid_observers,
@@ -187,175 +353,6 @@ std::vector<GivenObserver> observer_grid(const Bounds& extent, double width, con
     throw Error({.problem = "the observer grid has no position near points of the cloud"});
   return observers;
 }
-
-namespace {
-
-/// So far outside, metres, an observer of even the smallest cloud is not strange.
-constexpr double k_never_far = 100.0;
-
-/// Distance to a box, 0 inside.
-double distance_to(const Bounds& box, const glm::dvec3& position) {
-  double sum = 0.0;
-  for (int axis = 0; axis < 3; ++axis) {
-    const double outside = std::max({box.min[axis] - position[axis], position[axis] - box.max[axis], 0.0});
-    sum += outside * outside;
-  }
-  return std::sqrt(sum);
-}
-
-/// Whether there are points near a position in plan, and all of them above it.
-bool is_below_all(const Octree& octree, const glm::dvec3& position) {
-  constexpr double k_far = std::numeric_limits<double>::infinity(), k_largest_reach = 16.0;
-  for (double reach = 1.0; reach <= k_largest_reach; reach *= 2.0) {
-    Bounds column{.min = {position.x - reach, position.y - reach, -k_far},
-                  .max = {position.x + reach, position.y + reach, position.z}};
-    if (count(octree, column, {.k = 1}) > 0) return false;
-    column.max.z = k_far;
-    if (count(octree, column, {.k = 1}) > 0) return true;
-  }
-  return false;
-}
-
-/// As candidate_radius().
-double radius_of(const Occluders& occluders, const PointHit& point) {
-  if (occluders.options().radius) return *occluders.options().radius;
-  // A point's spacing is the distance to its 8th neighbour.
-  constexpr std::size_t k_with_neighbours = 9;
-  const auto neighbours = find(occluders.octree(), point.position, {.k = k_with_neighbours});
-  return candidate_radius(occluders, neighbours.back().distance);
-}
-
-/// The sphere or disc of a point that an observer is in, or so near that it hides nearly half of what is around; empty
-/// if it is neither.
-std::string remark_on(const Occluders& occluders, const Observer& observer, const PointHit& point) {
-  const OccluderOptions& options = occluders.options();
-  if (options.counts && !options.counts(point.point_id)) return "";
-  const PointSurface surface = occluders.has_surfaces() ? occluders.surface(point.point_id) : PointSurface();
-  if (!surface.exists) {
-    const bool is_sphere = !occluders.has_surfaces() || options.shape != OccluderShape::disc;
-    if (!is_sphere || point.distance > occluders.largest_radius()) return "";
-    const double radius = radius_of(occluders, point);
-    if (point.distance >= (options.radius ? radius : sphere_of(occluders, radius))) return "";
-    return fmt::format("{} is inside point {}, {:.3g} from its centre; that point does not block its view",
-                       observer.name, point.point_id, point.distance);
-  }
-  constexpr double k_near = 0.1;  // of the disc around the foot of the perpendicular: 45 % of all directions
-  // That ground hides what is below it is no surprise.
-  constexpr double k_steepest_ground = 0.7;
-  if (std::fabs(surface.normal.z) > k_steepest_ground && observer.position.z > point.position.z) return "";
-  const auto is_near = [&](double height, double along, double radius) {
-    return height <= k_near * (radius - along);
-  };
-  PointDisc disc = point_disc(point.position, surface, 0.0);
-  const double height = std::fabs(glm::dot(observer.position - disc.center, disc.normal));
-  const double along = std::sqrt(std::max(0.0, point.distance * point.distance - height * height));
-  if (!is_near(height, along, occluders.largest_radius())) return "";
-  disc.radius = disc_of(occluders, radius_of(occluders, point));
-  if (!is_near(height, along, disc.radius)) return "";
-  return fmt::format(
-      "{} is {:.3g} from the disc of point {}, whose radius is {:.3g}: it hides nearly half of the view; "
-      "move the observer, or set --radius-max",
-      observer.name, height, point.point_id, disc.radius);
-}
-
-/// Whether the surface of a terrain is above a position, by more than what an end of a line may lie in it.
-bool is_below(const geo::TerrainSurface& terrain, const glm::dvec3& position) {
-  return terrain.occluded({position, {0.0, 0.0, 1.0}, k_mesh_contact});
-}
-
-/// Metres along a vertical line to what is there first.
-std::optional<double> first_along(const Occluders& occluders, const SightLine& line) {
-  const OccluderOptions& options = occluders.options();
-  double first = std::numeric_limits<double>::infinity();
-  const auto take = [&first](const auto& hit) {
-    if (hit) first = std::min(first, std::max(hit->t, 0.0));
-  };
-  RayQuery blocking = query_of(occluders);
-  if (options.counts)
-    blocking.filter = [&](const Candidate& point) { return is_counted(occluders, point.point_id); };
-  blocking.position_filter = [&](const Candidate& candidate) {
-    return position_crossing(occluders, line, candidate).has_value();
-  };
-  take(closest(occluders.octree(), ray_of(occluders, line), blocking));
-  // What is beside the start is not above it.
-  const double beside = occluders.typical_radius();
-  if (options.shape != OccluderShape::disc && beside < line.length) {
-    RayQuery lone{.radius = beside, .measure = Measure::t, .filter = blocking.filter};
-    lone.position_filter = [&](const Candidate& point) { return !occluders.surface(point.point_id).exists; };
-    take(closest(occluders.octree(), Ray{line.from.position, line.direction, beside, line.length}, lone));
-  }
-  const Ray ray{line.from.position, line.direction, k_mesh_contact, line.length};
-  if (options.mesh != nullptr) take(options.mesh->closest(ray));
-  if (options.terrain != nullptr) take(options.terrain->closest(ray));
-  return std::isinf(first) ? std::nullopt : std::optional(first);
-}
-
-/// z of what is highest at a position.
-std::optional<double> top_at(const Occluders& occluders, const glm::dvec3& position) {
-  Bounds all = occluders.octree().bounds();
-  const OccluderOptions& options = occluders.options();
-  if (options.mesh != nullptr) all.grow(options.mesh->bounds());
-  if (options.terrain != nullptr) all.grow(options.terrain->bounds());
-  const double start = all.max.z + 1.0 + occluders.largest_radius();
-  const auto depth =
-      first_along(occluders, sight_ray(chord_end({position.x, position.y, start}), {0, 0, -1}));
-  return depth ? std::optional(start - *depth) : std::nullopt;
-}
-
-/// The observer to give instead of one, with its foot at this z.
-std::string instead_of(const Observer& observer, double foot) {
-  const double height = observer.height > 0.0 ? observer.height : k_usual_observer_height;
-  return fmt::format("--observer={:.3f},{:.3f},{:.3f} --observer-height {:g} (in a file: z, height)",
-                     observer.position.x, observer.position.y, foot, height);
-}
-
-/// Whether an observer is below something, or not where its foot should be; empty if it is neither.
-std::string remark_on_clearance(const Occluders& occluders, const Observer& observer) {
-  constexpr double k_off = 1.0;
-  const Clearance clearance = clearance_of(occluders, observer.position);
-  std::string remark;
-  if (clearance.above) {
-    remark = fmt::format("{} has something {:.2f} above its eye, which hides the sky", observer.name,
-                         *clearance.above);
-    if (const auto top = top_at(occluders, observer.position))
-      remark += fmt::format("; to look from its top, type {}", instead_of(observer, *top));
-  }
-  const bool has_foot = observer.stands_on_ground || observer.height > 0.0;
-  const double off = clearance.below.value_or(0.0) - observer.height;
-  if (!clearance.below || !has_foot || std::fabs(off) <= k_off) return remark;
-  return fmt::format("{}{}the foot of {} is {:.2f} {} what is there; to stand on that, type {}", remark,
-                     remark.empty() ? "" : "; ", observer.name, std::fabs(off), off > 0.0 ? "above" : "below",
-                     instead_of(observer, observer.position.z - *clearance.below));
-}
-
-std::string remark_on(const Occluders& occluders, const Observer& observer) {
-  const auto& terrain = occluders.options().terrain;
-  const bool has_points = occluders.octree().size() > 0;
-  const char* const all = has_points ? "cloud" : "raster";
-  Bounds box = occluders.octree().bounds();
-  if (terrain != nullptr) box.grow(terrain->bounds());
-  const double outside = distance_to(box, observer.position);
-  if (outside > observer.max_distance) {
-    return fmt::format("{} sees nothing: the {} is {:.6g} away, beyond the maximum distance {:.6g}",
-                       observer.name, all, outside, observer.max_distance);
-  }
-  if (outside > std::max(glm::length(box.size()), k_never_far))
-    return fmt::format("{} is {:.6g} outside the {}; check its reference system", observer.name, outside,
-                       all);
-  if (terrain != nullptr && is_below(*terrain, observer.position))
-    return fmt::format("{} is below the surface of the raster", observer.name);
-  if (!has_points) return observer.is_placed ? remark_on_clearance(occluders, observer) : "";
-  if (!observer.stands_on_ground && is_below_all(occluders.octree(), observer.position))
-    return fmt::format("{} is below all points near it", observer.name);
-  constexpr std::size_t k_near_points = 16;
-  for (const PointHit& point : find(occluders.octree(), observer.position, {.k = k_near_points})) {
-    std::string remark = remark_on(occluders, observer, point);
-    if (!remark.empty()) return remark;
-  }
-  return observer.is_placed ? remark_on_clearance(occluders, observer) : "";
-}
-
-}  // namespace
 
 Clearance clearance_of(const Occluders& occluders, const glm::dvec3& eye) {
   const SightEnd end = end_near_surface(occluders, eye);

@@ -16,7 +16,7 @@
 
 namespace alidade::visibility {
 
-/// Who looks, from where, and which way.
+/// An eye with its field of view.
 struct Observer {
   /// The eye, world coordinates: its height above the ground or the mast's foot is in z already.
   glm::dvec3 position{0.0};
@@ -24,17 +24,18 @@ struct Observer {
   double height = 0.0;
   bool stands_on_ground = false;  ///< the foot was put on the ground, its z was not given
   bool is_placed = false;         ///< by place_observers(): neither a camera nor an object
-  std::string name;               ///< never empty: "observer 3" if nobody gave one
-  /// Field of view, degrees, limits inclusive. Azimuth clockwise from north (+y), from the first limit to the
-  /// second: 350 to 10 looks north. A range of 360 or more is all round. Elevation up from the horizontal.
+  std::string name;               ///< never empty: "observer 3" if none was given
+  /// Field of view, degrees, limits inclusive. Azimuth clockwise from north (+y), from the first
+  /// limit to the second: 350 to 10 looks north. A range of 360 or more is the full circle.
+  /// Elevation up from the horizontal.
   double azimuth_min = 0.0, azimuth_max = 360.0;
   double elevation_min = -90.0, elevation_max = 90.0;
   /// Nothing farther is seen; metres along the line of sight, inclusive.
   double max_distance = std::numeric_limits<double>::infinity();
 };
 
-/// The field of view of an observer and how far it reaches, to be asked for many directions. The same answers
-/// on every machine.
+/// The field of view and reach of an observer, prepared for tests of many directions. Answers are the same on
+/// every machine.
 class FieldOfView {
  public:
   explicit FieldOfView(const Observer& observer);
@@ -42,23 +43,23 @@ class FieldOfView {
   /// Whether the direction `offset` (target minus eye, of any length) lies inside. Straight up and down have
   /// every azimuth; a zero offset is inside.
   bool contains(const glm::dvec3& offset) const;
-  /// The same for one that is not beyond max_distance either.
+  /// As contains(), and not farther away than max_distance.
   bool reaches(const glm::dvec3& offset) const;
 
-  /// Whether everything is.
+  /// Whether contains() is true for every direction.
   bool is_everything() const { return all_azimuths_ && all_elevations_; }
 
  private:
   bool all_azimuths_ = true, all_elevations_ = true;
   double max_distance_sq_ = std::numeric_limits<double>::infinity();
-  bool is_wide_ = false;                       ///< more than half round
+  bool is_wide_ = false;                       ///< more than half of the circle
   glm::dvec2 from_{0.0, 1.0}, to_{0.0, 1.0};   ///< directions of the azimuth limits
   glm::dvec2 low_{1.0, 0.0}, high_{1.0, 0.0};  ///< cosine and sine of the elevation limits
 };
 
-/// An observer as somebody wrote it: what was not said is empty.
+/// An observer as given by the user or a file: what was not given is empty.
 struct GivenObserver {
-  std::string source{};  ///< where it was written, for messages: "observers.csv:3"
+  std::string source{};  ///< where it was given, for messages: "observers.csv:3"
   std::string name{};
   glm::dvec2 position{0.0};
   std::optional<double> z{};  ///< of the foot; empty: the ground
@@ -69,7 +70,7 @@ struct GivenObserver {
 /// The observer height of gdal_viewshed (-oz), metres.
 constexpr double k_usual_observer_height = 2.0;
 
-/// What holds for observers that do not say it themselves.
+/// Values for observers that do not give their own.
 struct ObserverDefaults {
   /// Height of the eye above the foot; empty: 0 for an observer with a z, height_on_ground for others.
   std::optional<double> height{};
@@ -84,26 +85,27 @@ using GroundHeight = std::function<std::optional<double>(const glm::dvec2& posit
 /// Reads "X,Y,Z" or "X,Y". Errors: anything else, numbers that are not finite.
 GivenObserver parse_observer(const std::string& text);
 
-/// Gives every observer its position: z as given or that of the ground, plus the height; what is empty comes
-/// from `defaults`. Nameless ones are called "observer N", from 1. `ground` is called only for those without
-/// z. Errors, naming the source: a number that is not finite (max_distance may be infinite), a coordinate
-/// beyond 1e12, a height or distance below 0, elevations outside [-90, 90] or upside down, azimuths outside
-/// [-360, 720], equal, or going backwards by a turn or more; no ground below an observer without z.
+/// Gives every observer its position: z as given or that of the ground, plus the height; what is empty
+/// comes from `defaults`. Observers without a name are called "observer N", from 1. `ground` is called only
+/// for those without z. Errors, naming the source: a number that is not finite (max_distance may be
+/// infinite), a coordinate beyond 1e12, a height or distance below 0, elevations outside [-90, 90] or in
+/// the wrong order, azimuths outside [-360, 720], equal, or going backwards by a turn or more; no ground
+/// below an observer without z.
 std::vector<Observer> place_observers(std::span<const GivenObserver> given, const ObserverDefaults& defaults,
                                       const GroundHeight& ground);
 
-/// A grid has at most so many positions.
+/// Most positions of an observer grid.
 constexpr double k_most_grid_observers = 1e6;
 
-/// Candidates for observers: the middles of square cells of this width that cover the extent and share its
-/// middle, row by row from the south-west, where there is ground to be on; named "ROW-COLUMN" from 1.
-/// `progress` is in cells. Errors: `width` not above 0 and finite; more than k_most_grid_observers cells; no
-/// ground anywhere.
+/// Candidates for observers: the middles of square cells of this width, where they have ground. The
+/// cells cover the extent and share its middle. Row by row from the south-west; named "ROW-COLUMN", from
+/// 1. `progress` is in cells. Errors: `width` not above 0 and finite; more than k_most_grid_observers
+/// cells; no ground anywhere.
 std::vector<GivenObserver> observer_grid(const Bounds& extent, double width, const GroundHeight& ground,
                                          const Progress& progress = {});
 
-/// What a vertical line through an eye meets, metres from the eye: what blocks sight, or a point without a surface within
-/// the typical radius of the line, since lines pass through crowns that are above an eye.
+/// What a vertical line through an eye meets, metres from the eye: what blocks sight, or a point without a
+/// surface within the typical radius of the line, since lines may pass through crowns that are above an eye.
 struct Clearance {
   std::optional<double> below{};  ///< 0 for an eye on a surface; empty: nothing is below
   std::optional<double> above{};  ///< the surface that the eye is on left out; empty: nothing is overhead
@@ -112,14 +114,18 @@ struct Clearance {
 /// Cost: some microseconds.
 Clearance clearance_of(const Occluders& occluders, const glm::dvec3& eye);
 
-/// What is strange about observers, a sentence each, in their order: one that is farther outside the cloud and
-/// the terrain than these are long, and than 100 metres; one that cannot reach them within its max_distance;
-/// one below the terrain; one below all points near it (within a square of half side 1, or the first of 2, 4,
-/// 8 and 16 that holds points): in the ground, if it was not put on it; one inside the sphere of a point, which
-/// then does not block its view; one so near the disc of a point that this hides nearly half of the view, as in
-/// scans whose discs are metres wide; and of observers that were placed, one with anything overhead, and one whose
-/// foot, if it has one, is more than 1 above or below what is there (clearance_of()), with the observer to give
-/// instead. Of the points, the 16 nearest are looked at.
+/// Remarks on observers that are likely mistakes, a sentence each, in their order:
+/// - farther outside the cloud and the terrain than these are long, and than 100 metres;
+/// - unable to reach them within its max_distance;
+/// - below the terrain;
+/// - below all points near it (within a square of half side 1, or the first of 2, 4, 8 and 16 that holds
+///   points), unless it was put on the ground;
+/// - inside the sphere of a point, which then does not block its view;
+/// - so near the disc of a point that it hides nearly half of the view, as in scans whose discs are metres
+///   wide;
+/// - if it was placed: with anything overhead, or with a foot more than 1 above or below what is there
+///   (clearance_of()). The remark has the observer to give instead.
+/// Of the points, the 16 nearest are tested.
 /// Cost: some ten microseconds of one thread each. Errors: Cancelled, by OccluderOptions::is_given_up.
 std::vector<std::string> observer_remarks(const Occluders& occluders, std::span<const Observer> observers);
 

@@ -10,7 +10,7 @@
 #include "cloud/lattice.h"
 #include "octree/tree_walk.h"
 
-// The points of a cloud in blocks of neighbours in space, as batches of lines want them.
+// The points of a cloud in blocks of neighbours in space, for batches of lines.
 
 namespace alidade::visibility {
 
@@ -21,8 +21,8 @@ struct PlacedPoint {
   std::uint64_t point_id = 0;
 };
 
-/// All leaves in the order of the octree, each in one block of `size` points and at most a leaf more. The same
-/// blocks for the same tree. Cost: linear in the leaves; so is the memory.
+/// All leaves in the order of the octree, in blocks that end with the leaf that fills `size` points. They
+/// depend on nothing but the tree and `size`. Cost and memory: linear in the leaves.
 inline std::vector<std::vector<Leaf>> leaf_blocks(const TreeView& tree, std::size_t size) {
   std::vector<std::vector<Leaf>> blocks;
   std::size_t points = size;

@@ -16,7 +16,7 @@ namespace {
 constexpr std::string_view k_form =
     "x,y[,z][,name][,height][,azimuth_min][,azimuth_max][,elevation_min][,elevation_max][,max_distance]";
 
-/// What a column means: x, y and name by themselves, the others by their position in k_observer_fields.
+/// Meanings of columns: these, or an index in k_observer_fields.
 constexpr std::size_t k_x = k_observer_fields.size(), k_y = k_x + 1, k_name = k_x + 2;
 
 std::optional<std::size_t> meaning_of(std::string_view name) {
@@ -31,7 +31,7 @@ std::optional<std::size_t> meaning_of(std::string_view name) {
 
 double number_in(const CsvTable& table, std::string_view cell, std::string_view column) {
   const std::optional<double> number = parse_number(cell);
-  // Only a distance may be infinite, which check is made where observers get their position.
+  // Only a distance may be infinite; place_observers() checks that.
   if (!number || std::isnan(*number))
     table.fail(fmt::format("invalid {}", column), "a number", cell.empty() ? "nothing" : quote(cell));
   return *number;
@@ -56,7 +56,7 @@ GivenObserver read_row(const CsvTable& table) {
 
 constexpr const char* k_expected = "CSV, GeoJSON, GeoPackage or Shapefile with points";
 
-/// Takes the attributes that are known.
+/// Takes the attributes that observers have.
 void read_attributes(const geo::VectorFeature& feature, GivenObserver& observer) {
   if (const auto name = feature.field("name"); name && name->is_set) observer.name = name->text;
   for (const ObserverField& known : k_observer_fields) {
@@ -71,7 +71,7 @@ void read_attributes(const geo::VectorFeature& feature, GivenObserver& observer)
   }
 }
 
-/// The same at a point of its feature.
+/// An observer moved to a point of its feature.
 GivenObserver moved_to(const geo::VectorPoint& point, GivenObserver given) {
   if (!std::isfinite(point.position.x) || !std::isfinite(point.position.y))
     throw Error({.file = given.source, .problem = "point without coordinates", .expected = "finite numbers"});
@@ -108,7 +108,7 @@ void add_feature(const geo::VectorFeature& feature, const std::filesystem::path&
   }
   const std::size_t number = objects.count();
   for (const geo::VectorPath& line : *paths) {
-    // Nobody outside sees into a courtyard.
+    // The walls of a courtyard are not visible from outside.
     if (line.points.empty() || line.is_hole) continue;
     ObjectPart part{.object = number, .shape = ObjectShape::wall, .begin = objects.corners.size()};
     if (line.is_ring) part.shape = ObjectShape::outline;

@@ -16,7 +16,7 @@ namespace {
 
 constexpr double k_none = std::numeric_limits<double>::infinity();
 
-/// Where a point blocks a line, and how much of the line it takes.
+/// Where a point blocks a line, and the length of the line that counts as one crossing with it.
 struct Crossing {
   Blocker blocker;
   double diameter;
@@ -27,10 +27,10 @@ bool comes_before(const Crossing& one, const Crossing& other) {
          std::tie(other.blocker.distance, other.blocker.point_id);
 }
 
-/// What is found of one line.
+/// The crossings of one line that are found.
 class Crossings {
  public:
-  /// Keeps, of the crossings of one point, that which comes first.
+  /// Of the crossings of one point, keeps the first.
   void add(const Crossing& crossing) {
     const auto same = std::ranges::find(found_, crossing.blocker.point_id,
                                         [](const Crossing& other) { return other.blocker.point_id; });
@@ -41,7 +41,7 @@ class Crossings {
     found_.insert(std::ranges::upper_bound(found_, crossing, comes_before), crossing);
   }
 
-  /// The crossing that makes the k-th separate one among them.
+  /// The k-th separate crossing.
   std::optional<Blocker> separate(int k) const {
     int count = 0;
     double end = -k_none;
@@ -59,11 +59,11 @@ class Crossings {
   std::vector<Crossing> found_;  ///< in their order
 };
 
-/// A line on its way through the points. Crossings are collected by a filter of a query for the closest point: it
-/// rejects them all until they suffice, and admits whatever comes after that, which ends the query.
-class LineUnderWay {
+/// A line whose crossings are being found. The filter of a query for the closest point collects them: it
+/// rejects all candidates until the crossings suffice, then admits the next one, which ends the query.
+class OpenLine {
  public:
-  LineUnderWay(const Occluders& occluders, const ChordLines& lines, std::size_t line)
+  OpenLine(const Occluders& occluders, const ChordLines& lines, std::size_t line)
       : occluders_(&occluders), lines_(&lines), line_(line), chord_(lines.begin[line]) {
     has_ended_ = chord_ == lines.begin[line + 1];
     cut_off();
@@ -73,36 +73,37 @@ class LineUnderWay {
   bool has_ended() const { return has_ended_; }
   std::optional<Blocker> blocker() const { return crossings_.separate(occluders_->options().transparency); }
 
-  /// The part of a chord that is asked next.
+  /// The part of a chord that is queried next.
   Ray ray() const {
     Ray ray = ray_of(*occluders_, chord());
     ray.t_min = std::max(ray.t_min, known_);
     return ray;
   }
 
-  /// Whether a candidate of that ray is one for collect(), if it counts.
+  /// Whether collect() needs a candidate of that ray, if it counts.
   bool concerns(const Candidate& candidate) const {
     return candidate.t >= cut_ || position_crossing(*occluders_, chord(), candidate).has_value();
   }
 
-  /// Whether the query may end at a candidate of that ray: it and what comes after it do not matter.
+  /// Takes a candidate of that ray. Returns whether the query may end: it and the
+  /// candidates after it do not matter.
   bool collect(const Candidate& candidate) {
     if (candidate.t >= cut_) return true;
-    const std::optional<double> position = crossing(*occluders_, chord(), candidate);
-    if (!position) return false;
-    crossings_.add({{candidate.point_id, candidate.position, start() + *position},
-                    2.0 * width_of(*occluders_, candidate)});
+    const std::optional<double> t = crossing(*occluders_, chord(), candidate);
+    if (!t) return false;
+    crossings_.add(
+        {{candidate.point_id, candidate.position, start() + *t}, 2.0 * width_of(*occluders_, candidate)});
     cut_off();
     return false;
   }
 
-  /// All candidates of the ray, or those before the cut, were collected.
-  void go_on() {
+  /// Continues when all candidates of the ray, or those before the cut, were collected.
+  void advance() {
     if (cut_ < k_none) {
       known_ = cut_;
       cut_ = k_none;
       cut_off();
-      // A crossing that was found late may have put off the last one that matters.
+      // A crossing that was found late may have moved the last one that matters farther away.
       if (cut_ > known_) return;
     }
     known_ = -k_none;
@@ -118,7 +119,7 @@ class LineUnderWay {
   const SightLine& chord() const { return lines_->chords[chord_]; }
   double start() const { return lines_->starts[chord_]; }
 
-  /// From where on crossings come after the last one that matters.
+  /// Sets where crossings come after the last one that matters.
   void cut_off() {
     if (has_ended_) return;
     const std::optional<Blocker> last = blocker();
@@ -138,38 +139,39 @@ class LineUnderWay {
 /// Answers some of the lines, [from, to).
 void find_blockers(const Occluders& occluders, const ChordLines& lines, std::size_t from, std::size_t to,
                    std::span<std::optional<Blocker>> blockers) {
-  std::vector<LineUnderWay> under_way;
-  under_way.reserve(to - from);
-  for (std::size_t line = from; line < to; ++line) under_way.emplace_back(occluders, lines, line);
+  std::vector<OpenLine> open_lines;
+  open_lines.reserve(to - from);
+  for (std::size_t line = from; line < to; ++line) open_lines.emplace_back(occluders, lines, line);
   RayQuery query = query_of(occluders);
   const CandidateFilter collect = [&](const Candidate& candidate) {
-    return under_way[candidate.query_index].collect(candidate);
+    return open_lines[candidate.query_index].collect(candidate);
   };
   if (occluders.options().counts) {
     query.filter = collect;
     query.position_filter = [&](const Candidate& candidate) {
-      return under_way[candidate.query_index].concerns(candidate);
+      return open_lines[candidate.query_index].concerns(candidate);
     };
   } else {
-    // Of points at one position the first in the order comes first, and the others are no crossings of their own.
+    // Of points at one position the first in the order comes first, and the others
+    // are not separate crossings.
     query.position_filter = collect;
   }
   std::vector<Ray> rays;
   std::vector<std::optional<Hit>> ends;
   const auto keep_going = [&] {
-    std::erase_if(under_way, [&](const LineUnderWay& line) {
+    std::erase_if(open_lines, [&](const OpenLine& line) {
       if (line.has_ended()) blockers[line.line()] = line.blocker();
       return line.has_ended();
     });
-    return !under_way.empty();
+    return !open_lines.empty();
   };
   while (keep_going()) {
     occluders.check_given_up();
     rays.clear();
-    for (const LineUnderWay& line : under_way) rays.push_back(line.ray());
+    for (const OpenLine& line : open_lines) rays.push_back(line.ray());
     ends.resize(rays.size());
     closest(occluders.octree(), rays, query, ends);
-    for (LineUnderWay& line : under_way) line.go_on();
+    for (OpenLine& line : open_lines) line.advance();
   }
 }
 
@@ -177,7 +179,7 @@ void find_blockers(const Occluders& occluders, const ChordLines& lines, std::siz
 
 void find_separate_blockers(const Occluders& occluders, const ChordLines& lines,
                             std::span<std::optional<Blocker>> blockers) {
-  constexpr std::size_t k_chords_at_once = 1 << 14;  // whose crossings are in memory together
+  constexpr std::size_t k_chords_at_once = 1 << 14;  // their crossings are in memory together
   for (std::size_t from = 0, to = 0; from < blockers.size(); from = to) {
     while (to < blockers.size() && lines.begin[to] - lines.begin[from] < k_chords_at_once) ++to;
     find_blockers(occluders, lines, from, to, blockers);

@@ -10,7 +10,7 @@
 
 namespace alidade::visibility {
 
-/// The crossing with points that makes the k-th separate one of each line, k being the transparency; empty: seen.
+/// The k-th separate crossing of each line with points, k being the transparency; empty: seen.
 /// Requires: as many blockers as lines. Cost: two to three times that of the first crossings.
 void find_separate_blockers(const Occluders& occluders, const ChordLines& lines,
                             std::span<std::optional<Blocker>> blockers);

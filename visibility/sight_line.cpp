@@ -53,9 +53,10 @@ double own_reach(const Occluders& occluders) {
                                     : k_typical * occluders.typical_radius();
 }
 
-/// How thick the surface of an end is around its sheet. At least a diagonal of the lattice: it and the discs around it are
-/// rounded by half of one each, all the same way where few steps lie across the surface, so that no thickness shows it.
-/// And doubles round coordinates, of UTM for example, several times on the way here.
+/// Thickness of the surface of an end around its sheet. At least a diagonal of the lattice: the point and
+/// those around it are rounded by up to half of one each, all in the same direction where few steps lie
+/// across the surface, so that the fitted thickness does not show it. And doubles have rounded coordinates,
+/// of UTM for example, several times before.
 double own_thickness(const Occluders& occluders, const PointSurface& surface, const glm::dvec3& position) {
   constexpr double k_thicknesses = 3.0, k_roundings = 8.0 * std::numeric_limits<double>::epsilon();
   const double diagonal = glm::length(occluders.octree().lattice().scale);
@@ -77,13 +78,13 @@ Ray ray_between_ends(const SightLine& line) {
   return {line.from.position, line.direction, 0.0, line.length};
 }
 
-/// Whether a line keeps to a surface, as near as this, from where it meets it to an end that lies on the plane
-/// there. Triangles are as flat as that plane.
+/// Whether a line remains within this distance of a surface, from where it meets it to an end that lies on
+/// the plane there. Triangles are that plane.
 bool keeps_to(const TriangleTree&, const Ray&, double) {
   return true;
 }
 bool keeps_to(const geo::TerrainSurface& terrain, const Ray& between, double distance) {
-  // Lines so far above and below must stay on their sides.
+  // Lines this far above and below must not cross the surface.
   for (const double side : {-distance, distance}) {
     Ray beside = between;
     beside.origin.z += side;
@@ -92,7 +93,8 @@ bool keeps_to(const geo::TerrainSurface& terrain, const Ray& between, double dis
   return true;
 }
 
-/// Whether a crossing with a surface blocks: neither end lies on it. Both must outlive what is returned.
+/// A filter of crossings with a surface: those block that neither end lies on. Both must
+/// outlive what is returned.
 template <class Surface>
 auto crossings_that_block(const Surface& surface, const SightLine& line) {
   return [&surface, &line](const auto& hit) {
@@ -106,21 +108,23 @@ auto crossings_that_block(const Surface& surface, const SightLine& line) {
   };
 }
 
-/// Where a line that has an end on the surface is in the ground.
+/// Where a line with an end on the surface is in the ground, metres from its start.
 std::optional<double> in_ground(const TriangleTree&, const SightLine&) {
   return {};
 }
-/// An end lies on the upper side of a terrain. A line that dives there and leaves at the terrain's edge, or ends on it
-/// again, meets it nowhere but at its ends; as far above as counts as on it, it does.
+/// An end lies on the upper side of a terrain. A line that goes into the ground there and leaves it at the
+/// terrain's edge, or ends on the terrain again, meets it only at its ends. The line raised by
+/// k_mesh_contact meets it between.
 std::optional<double> in_ground(const geo::TerrainSurface& terrain, const SightLine& line) {
   const auto lies_on = [&](const SightEnd& end) {
     const glm::dvec3 top = end.position + glm::dvec3(0.0, 0.0, end.mesh_contact);
     return end.mesh_contact > 0.0 && terrain.occluded({top, {0.0, 0.0, -1.0}, 0.0, 2.0 * end.mesh_contact});
   };
-  // A line from an end in the air comes to one on the surface from below through a hole alone.
-  const bool goes_on = !line.has_end() || line.to.mesh_contact == 0.0;
-  const bool from_ground = lies_on(line.from), comes_on = line.from.mesh_contact == 0.0;
-  if (!(from_ground && (goes_on || lies_on(line.to))) && !(comes_on && !goes_on && lies_on(line.to)))
+  // From below, a line from an end in the air reaches one on the surface only through a hole.
+  const bool begins_in_air = line.from.mesh_contact == 0.0;
+  const bool ends_in_air = !line.has_end() || line.to.mesh_contact == 0.0;
+  if (!(lies_on(line.from) && (ends_in_air || lies_on(line.to))) &&
+      !(begins_in_air && !ends_in_air && lies_on(line.to)))
     return {};
   Ray above = ray_between_ends(line);
   above.origin.z += k_mesh_contact;
@@ -139,7 +143,7 @@ bool has_surfaces_beside(const OccluderOptions& options) {
   return options.mesh != nullptr || options.terrain != nullptr;
 }
 
-/// Replaces what of the cloud blocks lines where such a surface does so before.
+/// Replaces the blockers of lines that such a surface blocks before.
 template <class Surface>
 void put_before(const Surface& surface, const ChordLines& lines, std::span<std::optional<Blocker>> blockers) {
   in_parallel(blockers.size(), k_grain, [&](std::size_t line) {
@@ -182,7 +186,8 @@ Blocker blocker_of(const Occluders& occluders, const SightLine& line, const Hit&
   return {hit.point_id, hit.position, distance};
 }
 
-/// Calls work(some lines, their answers) for one part after another, until that is given up.
+/// Calls work(some lines, their answers) for one part after another. Errors: Cancelled, by
+/// OccluderOptions::is_given_up.
 template <class Answer, class Work>
 void in_parts(const Occluders& occluders, std::span<const SightLine> lines, std::span<Answer> answers,
               const Work& work) {
@@ -207,7 +212,7 @@ void first_points(const Occluders& occluders, std::span<const SightLine> all,
   });
 }
 
-/// The same for lines of chords.
+/// As first_points() of straight lines, for lines of chords.
 void first_points(const Occluders& occluders, const ChordLines& lines,
                   std::span<std::optional<Blocker>> blockers) {
   std::vector<std::optional<Blocker>> of_chords(lines.chords.size());
@@ -248,7 +253,7 @@ SightLine sight_ray(const SightEnd& from, const glm::dvec3& direction, double le
   }
   const Ray ray = make_ray(from.position, direction);
   SightLine line{from, chord_end({}), ray.direction, length};
-  // Nothing is known about where it ends.
+  // No surface of its own is known at its end.
   if (std::isfinite(length)) line.to.position = ray.position(length);
   return line;
 }
@@ -259,7 +264,8 @@ SightEnd end_on_point(const Occluders& occluders, std::uint64_t point_id, const 
   if (!surface.exists) return {.position = position, .is_lone = occluders.has_surfaces()};
   const glm::dvec3 way = seen_from - position;
   double rise = glm::dot(way, surface.normal);
-  // Where sight grazes the surface, the error of the normal hides the side; the upper one is the likelier.
+  // Where sight grazes the surface, the error of the normal leaves the side open; the
+  // upper one is more likely.
   constexpr double k_grazing = 0.02;
   if (std::fabs(rise) < k_grazing * glm::length(way)) rise = surface.normal.z;
   const double lift = std::copysign(k_lift * surface.thickness, rise);

@@ -20,7 +20,7 @@
 
 namespace alidade::visibility {
 
-/// Direction of the i-th of directions that spread evenly around a middle, in turns, [0, 1): each is turned by
+/// The i-th of directions that are spread evenly around a middle, in turns, [0, 1): each is turned by
 /// the golden angle, (3 - sqrt 5) / 2 of a turn, from the one before. Source: Vogel, A better way to
 /// construct the sunflower head, 1979.
 inline double golden_turns(int i) {
@@ -29,11 +29,11 @@ inline double golden_turns(int i) {
   return turns - std::floor(turns);
 }
 
-/// Raised by whoever changes the answers of sight lines; checkpoints are checked against it.
+/// To be raised with each change of the answers of sight lines; checkpoints of other versions are rejected.
 constexpr int k_answers_version = 9;
 
 // What blocks sight. A point of a surface is a disc: it blocks a line that crosses the plane of its sheet
-// (octree/point_surface.h) within a radius of the point. So a surface is as thick as it is, and lines that
+// (octree/point_surface.h) within a radius of the point. So surfaces keep their thickness, and lines that
 // graze flat ground pass over it; spheres would make every surface thicker by their radius. A point without
 // a surface (foliage, wires) is a sphere, which blocks a line that passes it within a radius. Discs that
 // would reach beyond the edge of their sheet (octree/point_surface.h) are cut off there. A mesh beside the
@@ -49,47 +49,49 @@ enum class OccluderShape {
 struct OccluderOptions {
   OccluderShape shape = OccluderShape::automatic;
   /// Metres, of all points, > 0. Empty: each point has its own, by its spacing, the distance to its 8th
-  /// neighbour: 0.92 of it for a disc, which leaves 0.1 % of a surface open, at most 16 times what the
-  /// renderer's automatic radius would be; 0.28 of it for a sphere among discs, and where that exceeds w = 0.35
-  /// automatic radii, w^2 divided by it: a stray return is no larger for having its neighbours far away; where all are
-  /// spheres, 0.5 of it, at most that automatic radius. Given and widest discs are not cut off at edges.
+  /// neighbour: 0.92 of it for a disc, which leaves 0.1 % of a surface open, at most 16 times the
+  /// renderer's automatic radius; 0.28 of it for a sphere among discs, and where that exceeds w = 0.35
+  /// automatic radii, w^2 divided by it: a stray return is not larger because its neighbours are far away;
+  /// 0.5 of it if all are spheres, at most that automatic radius. Discs of a given radius and of the
+  /// largest are not cut off at edges.
   std::optional<double> radius{};
   /// Cuts discs and spheres down to this radius: metres, > 0. Empty: as above. Not together with `radius`.
   std::optional<double> radius_max{};
-  /// So many separate crossings block, >= 1: 1 for solid things, more to see through foliage. Crossings
-  /// within a point's diameter of the first of them are one.
+  /// Number of separate crossings that block a line, >= 1: 1 for solid things, more to see through foliage.
+  /// Crossings within a point's diameter of the first of them count as one.
   int transparency = 1;
-  /// Points that may block; empty: all. Must answer the same for the same point, from many threads at once.
+  /// Points that may block; empty: all. Called from many threads at once; must return
+  /// the same for the same point.
   std::function<bool(std::uint64_t point_id)> counts{};
   /// Triangles that block as well, at their first crossing whatever the transparency; null: none. The other
   /// options do not apply to them.
   std::shared_ptr<const TriangleTree> mesh{};
   /// A terrain that blocks in the same way; null: none.
   std::shared_ptr<const geo::TerrainSurface> terrain{};
-  /// Called, from many threads at once, before every some ten thousand lines that are answered, which then ends with
-  /// Cancelled if it returns true; empty: never.
+  /// Called from many threads at once, every some ten thousand lines; if it returns true, the call that
+  /// answers them ends with Cancelled. Empty: never.
   std::function<bool()> is_given_up{};
 };
 
-/// The cloud as what blocks sight. Safe to use from many threads.
+/// The cloud, mesh and terrain that block sight. Safe to use from many threads.
 class Occluders {
  public:
-  /// Measures spacings (of 8 neighbours) and fits surfaces where the octree lacks them and they are needed.
-  /// `progress` is in points, the spacings' first, then the surfaces'. Errors: radius, radius_max or transparency out
-  /// of range, or both radii. Memory: 7 B per point. Cost: 2 to 5 microseconds of one thread per point, in parallel;
-  /// nothing for an octree that has them.
+  /// Measures spacings (of 8 neighbours) and fits surfaces if they are needed and the octree lacks them.
+  /// `progress` is in points, the spacings' first, then the surfaces'. Errors: radius, radius_max or
+  /// transparency out of range, or both radii. Memory: 7 B per point. Cost: 2 to 5 microseconds of one thread
+  /// per point, in parallel; nothing for an octree that has them.
   Occluders(const Octree& octree, const OccluderOptions& options, const Progress& progress = {});
 
-  /// With what was measured.
+  /// With the spacings and surfaces that were measured.
   const Octree& octree() const { return octree_; }
   const OccluderOptions& options() const { return options_; }
   /// Errors: Cancelled, by OccluderOptions::is_given_up.
   void check_given_up() const {
     if (options_.is_given_up && options_.is_given_up()) throw Cancelled();
   }
-  /// That of all points, or the renderer's automatic one, metres.
+  /// The given radius of all points, or the renderer's automatic one, metres.
   double typical_radius() const { return typical_radius_; }
-  /// No disc or sphere is wider, metres; OccluderOptions::radius_max apart.
+  /// The largest radius of any disc or sphere, metres, without OccluderOptions::radius_max.
   double largest_radius() const { return largest_radius_; }
   bool has_surfaces() const { return options_.shape != OccluderShape::sphere; }
   /// The surface of a point; none where all are spheres.
@@ -103,35 +105,36 @@ class Occluders {
   double typical_radius_ = 0.0, largest_radius_ = 0.0;
 };
 
-// Whether one sees from here to there, through the points of a cloud.
+// Whether a point is visible from another through the points of a cloud.
 //
 //   const Occluders occluders(octree, {});
 //   const SightEnd tree = end_on_point(occluders, id, position, eye);
 //   if (std::optional<Blocker> blocker = first_blocker(occluders, sight_line({eye}, tree))) ...
 //
 // A line is blocked by discs whose plane it crosses, and by spheres whose middle it passes, in its closed
-// interval from end to end, and by triangles of the mesh and by the terrain where it meets them there. What an
-// end itself lies on does not block it: discs whose middle is near it and whose plane passes through it
-// (SightEnd), spheres that it lies in, triangles whose plane passes within k_mesh_contact of it, and the terrain
-// if the plane that touches it at the crossing does so and the line keeps to it, within k_mesh_contact in
-// height, from there to the end. Such an end is on the terrain's upper side: below it by more than that a line is
-// blocked.
+// interval from end to end, and by triangles of the mesh and by the terrain where it meets them there. What
+// an end itself lies on does not block it: discs whose middle is near it and whose plane passes through it
+// (SightEnd), spheres that it lies in, triangles whose plane passes within k_mesh_contact of it, and the
+// terrain if the plane that touches it at the crossing does so and the line remains within k_mesh_contact of
+// its height from there to the end. Such an end is on the terrain's upper side: a line that is below it by
+// more than that is blocked.
 
-/// An end lies on a triangle or terrain if its plane passes nearer than this: metres. Coordinates of ends may be
-/// rounded to millimetres.
+/// An end lies on a triangle or terrain if its plane passes nearer than this: metres. Coordinates of ends may
+/// be rounded to millimetres.
 constexpr double k_mesh_contact = 0.001;
 
-/// How near to a lone end nothing blocks, in radii of the disc or of what would be one: some 1.8 spacings.
+/// Nothing nearer to a lone end than this blocks, in radii that the points have or would have as
+/// discs: some 1.8 spacings.
 constexpr double k_lone_radii = 2.0;
 
 /// One end of a sight line.
 struct SightEnd {
   glm::dvec3 position{0.0};
-  /// Discs with their point within own_reach (metres), or 3 of their radii if these are more, whose plane
-  /// passes within own_thickness (metres), or k_sheet_reach of their own sheet, or what planes are stored to
-  /// (error_of_plane()), of the position are the surface that the end lies on. 0: a position in the air.
+  /// The surface that the end lies on consists of discs whose point is within own_reach (metres), or within 3
+  /// of their radii if that is more, and whose plane is within own_thickness (metres), k_sheet_reach of their
+  /// own sheet, or error_of_plane(), whichever is most. 0: an end in the air.
   double own_reach = 0.0, own_thickness = 0.0;
-  /// Whether it is a point without a surface among discs, as in foliage or at an edge: what a line meets within
+  /// A point without a surface among discs, as in foliage or at an edge: what a line meets within
   /// k_lone_radii of it is of the same thing.
   bool is_lone = false;
   /// The end lies on triangles and terrain whose plane passes nearer than this, metres. 0: where chords of a
@@ -139,7 +142,7 @@ struct SightEnd {
   double mesh_contact = k_mesh_contact;
 };
 
-/// Where chords of a line meet, in the air.
+/// An end in the air where chords of a line meet.
 inline SightEnd chord_end(const glm::dvec3& position) {
   return {.position = position, .mesh_contact = 0.0};
 }
@@ -153,25 +156,25 @@ struct SightLine {
   bool has_end() const { return length < std::numeric_limits<double>::infinity(); }
 };
 
-/// Errors: ends not finite. Ends at one position are a line of length 0, which nothing blocks.
+/// Errors: ends not finite. If both ends are at one position, the line has length 0, and nothing blocks it.
 SightLine sight_line(const SightEnd& from, const SightEnd& to);
 
-/// Everything in one direction, up to a length in metres. Errors: as make_ray; length negative or NaN.
+/// A line in one direction, up to a length in metres. Errors: as make_ray(); length negative or NaN.
 SightLine sight_ray(const SightEnd& from, const glm::dvec3& direction,
                     double length = std::numeric_limits<double>::infinity());
 
 /// A point of the cloud as an end: on its sheet, lifted by the sheet's thickness towards the side that
 /// `seen_from` is on; where the line grazes the sheet by less than 0.02 (1.1 degrees), upwards. Its own
-/// surface are the discs whose planes pass within 3 thicknesses, and without noise within what the lattice and the
-/// arithmetic leave, so that an exact plane does not hide itself, and whose points are near: within 3 of their
-/// radii or, where each has its own, 4 of the typical one. A point without a surface stands where it is.
-/// Requires: point_id has this position.
+/// surface consists of the discs whose planes pass within 3 thicknesses, without noise within the precision
+/// of the lattice and the arithmetic, so that an exact plane does not hide itself, and whose points are near:
+/// within 3 of their radii or, if each has its own, 4 of the typical one. A point without a surface keeps its
+/// position. Requires: point_id has this position.
 SightEnd end_on_point(const Occluders& occluders, std::uint64_t point_id, const glm::dvec3& position,
                       const glm::dvec3& seen_from);
 
-/// A position on or a little above the ground or a roof as an end: the surface of the nearest point, as far as
-/// it passes near the position, is its own. Where no point is within the typical radius, or the
-/// nearest has no surface, a position in the air. Cost: a microsecond.
+/// A position on or a little above the ground or a roof as an end: the surface of the nearest point, as far
+/// as it passes near the position, is its own. If no point is within the typical radius, or the nearest has
+/// no surface, an end in the air. Cost: a microsecond.
 SightEnd end_near_surface(const Occluders& occluders, const glm::dvec3& position);
 
 /// Blocker::point_id of a mesh or terrain; no point has it.
@@ -189,31 +192,31 @@ struct Blocker {
   bool operator==(const Blocker&) const = default;
 };
 
-/// The first point that blocks, in the order of where the line crosses discs and enters spheres (with a given radius,
-/// and where all are spheres, of where it passes the points), then by point id; with a transparency of k, the one that
-/// makes the k-th separate crossing. The first crossing of the mesh or terrain instead if its distance is smaller.
-/// Empty: seen.
+/// The first point that blocks, in the order of where the line crosses discs and enters spheres (with a given
+/// radius, and where all are spheres, of where it passes the points), then by point id; with a transparency
+/// of k, the one that makes the k-th separate crossing. The first crossing of the mesh or terrain instead if
+/// its distance is smaller. Empty: seen.
 std::optional<Blocker> first_blocker(const Occluders& occluders, const SightLine& line);
 
-/// Many lines at once, in parallel; the same answers on any number of threads and any instruction set. Lines
-/// that lie near each other should follow each other. Answers as many as lines. Cost: 0.3 to some
-/// microseconds of one thread per line, and as many for a mesh or terrain.
+/// first_blocker() of many lines, in parallel, with the same answers on any number of threads and any
+/// instruction set. Lines that lie near each other should follow each other. Cost: 0.3 to some microseconds
+/// of one thread per line, and as many for a mesh or terrain. Errors: not as many answers as lines.
 void first_blockers(const Occluders& occluders, std::span<const SightLine> lines,
                     std::span<std::optional<Blocker>> blockers);
 
-/// Whether there is such a blocker, 1 or 0: faster.
+/// Whether lines have a first_blocker(), 1 or 0: faster.
 void blocked(const Occluders& occluders, std::span<const SightLine> lines, std::span<std::uint8_t> answers);
 
-/// Lines that are made of straight chords, one after another, which may overlap.
+/// Lines of straight chords, one after another, which may overlap.
 struct ChordLines {
   std::span<const SightLine> chords;
   std::span<const double> starts;      ///< metres from the start of its line to that of each chord
   std::span<const std::size_t> begin;  ///< first chord of each line, and the end
 };
 
-/// What blocks such lines, as sight_line.h has it for straight ones. Crossings are counted over all chords of
-/// a line, those of one point with two chords as one. Blocker::distance is from the line's start. Cost: that
-/// of the chords; with a transparency above 1 two to three times as much. Errors: not as many answers as lines.
+/// first_blocker() of lines of chords. Crossings are counted over all chords of a line, those of one point
+/// with two chords as one. Blocker::distance is from the line's start. Cost: that of the chords; with a
+/// transparency above 1 two to three times as much. Errors: not as many answers as lines.
 void first_blockers(const Occluders& occluders, const ChordLines& lines,
                     std::span<std::optional<Blocker>> blockers);
 

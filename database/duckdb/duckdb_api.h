@@ -5,31 +5,32 @@
 #include <cstddef>
 #include <cstdint>
 
-// The part of DuckDB's C interface for extensions, version 1.2.0, that the extension uses. Later versions keep it: a
-// table in which every function has a fixed index. Handles are opaque pointers.
+// The part of DuckDB's C interface for extensions, version 1.2.0, that the extension uses. Later versions
+// keep it: a table in which every function has a fixed index. Handles are opaque pointers.
 
 namespace alidade::duckdb {
 
 using Handle = void*;
 
-/// What DuckDB hands to an extension that it loads.
+/// The functions that DuckDB passes to an extension when it loads it.
 struct ExtensionAccess {
   void (*set_error)(Handle info, const char* message);
   Handle* (*database)(Handle info);
   const void* (*functions)(Handle info, const char* version);
 };
 
-/// The beginning of DuckDB's table, copied when the extension is loaded: DuckDB's own ends then.
+/// The beginning of DuckDB's table, copied when the extension is loaded, since
+/// DuckDB's own is valid only then.
 constexpr std::size_t k_function_count = 274;
 inline std::array<const void*, k_function_count> functions{};
 
-template <int place, class Signature>
+template <int index, class Signature>
 struct Function;
-template <int place, class Result, class... Arguments>
-struct Function<place, Result(Arguments...)> {
+template <int index, class Result, class... Arguments>
+struct Function<index, Result(Arguments...)> {
   Result operator()(Arguments... arguments) const {
-    static_assert(place >= 0 && place < static_cast<int>(k_function_count));
-    return reinterpret_cast<Result (*)(Arguments...)>(const_cast<void*>(functions[place]))(arguments...);
+    static_assert(index >= 0 && index < static_cast<int>(k_function_count));
+    return reinterpret_cast<Result (*)(Arguments...)>(const_cast<void*>(functions[index]))(arguments...);
   }
 };
 

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: MIT
 // DuckDB's extension: cloud files as table functions, pruned as `alidade sql` prunes them.
 //   alidade_points(file)
-//   alidade_ray(file, ox,oy,oz, dx,dy,dz, radius)                   dist_ray <= radius; columns dist and t beside the cloud's
-//   alidade_plane(file, px,py,pz, nx,ny,nz, least, largest)         dist_plane in the interval; column dist
-// DuckDB hands no conditions to table functions of this interface (1.5), so what prunes are their arguments.
+//   alidade_ray(file, ox,oy,oz, dx,dy,dz, radius)            dist_ray <= radius; also columns dist and t
+//   alidade_plane(file, px,py,pz, nx,ny,nz, least, largest)  dist_plane in the interval; also column dist
+// DuckDB passes no conditions to table functions of this interface (1.5), so only their arguments prune.
 #include <array>
 #include <cmath>
 #include <cstring>
@@ -35,12 +35,12 @@ enum class Kind { points, ray, plane };
 struct TableFunction {
   const char* name;
   Kind kind;
-  Index numbers;  ///< behind the file's name
+  Index numbers;  ///< after the file's name
 };
 constexpr std::array<TableFunction, 3> k_functions = {
     {{"alidade_points", Kind::points, 0}, {"alidade_ray", Kind::ray, 7}, {"alidade_plane", Kind::plane, 8}}};
 
-/// A cloud that several scans read.
+/// A cloud shared by scans.
 struct SharedCloud {
   explicit SharedCloud(const std::filesystem::path& file) : files(std::span(&file, 1), FileTables{}) {}
 
@@ -48,8 +48,8 @@ struct SharedCloud {
   std::mutex mutex;  ///< of its source
 };
 
-/// The cloud of a name. That of the last statement stays open, so that the next one need not read it again, while the
-/// name means the same files.
+/// The cloud of a name. That of the last statement remains open, so that the next one need not read it again
+/// if the files are unchanged.
 std::shared_ptr<SharedCloud> cloud_of(const std::string& name) {
   static std::mutex mutex;
   static std::vector<std::filesystem::path> last_names;
@@ -83,7 +83,7 @@ struct Call {
 /// One scan.
 struct Scan {
   std::optional<PointCursor> cursor;
-  std::vector<Index> columns;  ///< those that are wanted; DuckDB has numbers beyond the last for none
+  std::vector<Index> columns;  ///< those requested; numbers beyond the last mean none
 };
 
 template <class T>
@@ -91,7 +91,7 @@ void destroy(void* object) {
   delete static_cast<T*>(object);
 }
 
-/// DuckDB's callbacks let no exception pass.
+/// Runs a callback of DuckDB, through which no exception may pass.
 template <class Work, class Fail>
 void guarded(Handle info, const Fail& fail, const Work& work) {
   try {
@@ -252,7 +252,7 @@ bool register_function(Handle connection, const TableFunction& described) {
 
 bool load(Handle info, const ExtensionAccess& access) {
   const void* const table = access.functions(info, "v1.2.0");
-  if (table == nullptr) return false;  // DuckDB has said why
+  if (table == nullptr) return false;  // DuckDB has reported the error
   static std::once_flag is_copied;
   std::call_once(is_copied, [&] { std::memcpy(functions.data(), table, sizeof functions); });
   Handle connection = nullptr;
@@ -267,7 +267,7 @@ bool load(Handle info, const ExtensionAccess& access) {
 }  // namespace
 }  // namespace alidade::duckdb
 
-/// What DuckDB calls.
+/// The entry point for DuckDB.
 extern "C" __attribute__((visibility("default"))) bool alidade_init_c_api(
     void* info, const alidade::duckdb::ExtensionAccess* access) {
   return alidade::duckdb::load(info, *access);

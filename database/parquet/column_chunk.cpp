@@ -38,14 +38,15 @@ Bytes plain_bytes(std::span<const Value> values) {
   return {bytes.begin(), bytes.end()};
 }
 
-/// The different values, and for each value the number of its equal among these.
+/// The distinct values, and for each value its index in these.
 template <class Value>
 struct Dictionary {
-  std::vector<Value> values;  ///< by their bits, so that numbers of near values are near
+  std::vector<Value> values;  ///< sorted by their bits, so that indices of near values are near
   std::vector<std::uint32_t> numbers;
 };
 
-/// Empty if more than half of the values differ. Values are equal that have the same bits.
+/// Makes a dictionary; empty if more than half of the values are distinct. Values
+/// are equal if their bits are.
 template <class Value>
 std::optional<Dictionary<Value>> find_dictionary(std::span<const Value> values) {
   using Bits = std::conditional_t<sizeof(Value) == 4, std::uint32_t, std::uint64_t>;
@@ -80,7 +81,7 @@ std::optional<Dictionary<Value>> find_dictionary(std::span<const Value> values) 
   return dictionary;
 }
 
-/// Encoded values, and the same compressed.
+/// Encoded values, and their compressed form.
 struct Packed {
   PageEncoding encoding;
   Bytes raw, small;
@@ -95,7 +96,7 @@ Packed packed_numbers(std::span<const std::uint32_t> numbers, int width, const B
   return {PageEncoding::dictionary, std::move(bytes)};
 }
 
-/// The bytes of a dictionary's numbers. Whole bytes per number often compress to less than fewer bits.
+/// The bytes of a dictionary's indices. Whole bytes per index often compress better than fewer bits.
 template <class Value>
 Packed smallest_numbers(const Dictionary<Value>& dictionary, const Bytes& levels) {
   const int width = std::max(1, static_cast<int>(std::bit_width(dictionary.values.size() - 1)));
@@ -152,7 +153,7 @@ std::optional<std::array<Bytes, 2>> range_of(std::span<const Value> values) {
     greatest = std::max(greatest, value);
   }
   if constexpr (std::floating_point<Value>) {
-    // Zeros of both signs may be among the values; the specification demands these.
+    // There may be zeros of both signs; the specification requires these limits.
     if (least == Value{0}) least = -Value{0};
     if (greatest == Value{0}) greatest = Value{0};
   }
@@ -160,7 +161,7 @@ std::optional<std::array<Bytes, 2>> range_of(std::span<const Value> values) {
                     plain_bytes(std::span<const Value>(&greatest, 1))};
 }
 
-/// As a data page begins with them: their length, then bits. None if there are no levels.
+/// Levels as a data page begins with them: their length, then bits. Empty if there are no levels.
 Bytes level_bytes(std::span<const std::uint32_t> levels) {
   if (levels.empty()) return {};
   Bytes bytes(sizeof(std::uint32_t));

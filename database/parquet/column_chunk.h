@@ -11,7 +11,7 @@
 
 namespace alidade::database {
 
-/// What Parquet calls the types and the encodings; the numbers are those of its specification.
+/// Types and encodings of Parquet, with the numbers of its specification.
 enum class PhysicalType : std::int32_t {
   int32 = 1,
   int64 = 2,
@@ -22,19 +22,19 @@ enum class PhysicalType : std::int32_t {
 };
 enum class PageEncoding : std::int32_t { plain = 0, runs = 3, deltas = 5, dictionary = 8 };
 
-/// The values of one column in one row group: maybe a dictionary page, then a data page.
+/// The values of one column in one row group: an optional dictionary page, then a data page.
 struct ColumnChunk {
   Bytes pages{};
   PageEncoding encoding = PageEncoding::plain;  ///< of the data page
   bool is_compressed = false;                   ///< by Zstandard
-  std::uint64_t uncompressed_size = 0;          ///< of the pages, with their heads
+  std::uint64_t uncompressed_size = 0;          ///< of the pages, including their headers
   std::uint64_t dictionary_size = 0;            ///< in `pages`; 0: there is none
   std::uint64_t null_count = 0;
   /// Least and greatest value as plain bytes; empty without values, with NaN, and for byte strings.
   std::optional<std::array<Bytes, 2>> range{};
 };
 
-/// Encodes numbers in whichever way takes the fewest bytes. `levels`: of every row 1, or 0 where it has no
+/// Encodes numbers in the way that takes the fewest bytes. `levels`: for each row 1, or 0 if it has no
 /// value; empty if all rows have one. Cost: a few passes, each compressed: some 40 ns per value.
 template <class Value>
 ColumnChunk number_chunk(std::span<const Value> values, std::span<const std::uint32_t> levels);
@@ -45,7 +45,7 @@ extern template ColumnChunk number_chunk(std::span<const std::uint64_t>, std::sp
 extern template ColumnChunk number_chunk(std::span<const float>, std::span<const std::uint32_t>);
 extern template ColumnChunk number_chunk(std::span<const double>, std::span<const std::uint32_t>);
 
-/// Stores byte strings, one in every row, that are encoded as plain values already.
+/// Stores byte strings, one per row, that are already encoded as plain values.
 ColumnChunk byte_chunk(Bytes plain, std::size_t row_count);
 
 }  // namespace alidade::database

@@ -9,7 +9,7 @@
 namespace alidade::database {
 namespace {
 
-/// Eight numbers of a packed group, or a run that is worth its header.
+/// Numbers of a packed group, and the shortest run that is worth its header.
 constexpr std::size_t k_group = 8;
 
 void append_literals(std::span<const std::uint32_t> numbers, int width, Bytes& bytes) {

@@ -7,7 +7,7 @@
 #include <span>
 #include <vector>
 
-// How Parquet packs whole numbers. Source: the specification of the Apache Parquet format, "Encodings".
+// Parquet's encodings of integers. Source: the specification of the Apache Parquet format, "Encodings".
 
 namespace alidade::database {
 
@@ -47,7 +47,8 @@ void append_packed(std::span<const Unsigned> numbers, int width, Bytes& bytes) {
   for (; used > 0; used -= 8, buffer >>= 8) bytes.push_back(static_cast<std::byte>(buffer & 0xff));
 }
 
-/// The hybrid of runs and packed groups of eight (RLE), without its length. `width`: bits per number, 1 to 32.
+/// The hybrid of runs and packed groups of eight (RLE), without its length. `width`:
+/// bits per number, 1 to 32.
 void append_runs(std::span<const std::uint32_t> numbers, int width, Bytes& bytes);
 
 /// DELTA_BINARY_PACKED, in blocks of 128 numbers of 4 or 8 bytes: signed ones as their bits.

@@ -18,7 +18,7 @@
 namespace alidade::database {
 namespace {
 
-/// The number in a file for one in a cloud: Parquet has whole numbers of 32 and 64 bits.
+/// The type in a file for one in a cloud: Parquet has integers of 32 and 64 bits.
 template <class Number>
 using FileNumber =
     std::conditional_t<std::floating_point<Number> || sizeof(Number) == 8, Number,
@@ -31,8 +31,8 @@ constexpr PhysicalType physical_type() {
   return is_wide ? PhysicalType::int64 : PhysicalType::int32;
 }
 
-/// The number as the file has it. All zeros are written without a sign: DataFusion takes zeros of different signs
-/// for different numbers, unlike SQLite, PostgreSQL and DuckDB.
+/// A number for the file. All zeros are written without a sign: to DataFusion zeros of different signs
+/// are different numbers, unlike in SQLite, PostgreSQL and DuckDB.
 template <class Number, class Given>
 Number written(Given number) {
   if constexpr (std::floating_point<Number>) return static_cast<Number>(number) + Number{0};
@@ -89,7 +89,7 @@ ColumnChunk encode_coordinates(const EncodedChunks& rows, const Lattice& lattice
   return chunk_of_all(values);
 }
 
-/// Points as WKB, each behind its length as plain byte strings are.
+/// Points as WKB, each after its length, as plain byte strings.
 ColumnChunk encode_geometry(const EncodedChunks& rows, const Lattice& lattice) {
   constexpr std::uint32_t k_point_z = 1001;
   constexpr std::uint8_t k_little_endian = 1;
@@ -106,7 +106,7 @@ ColumnChunk encode_geometry(const EncodedChunks& rows, const Lattice& lattice) {
   return byte_chunk(std::move(plain), rows.positions.size());
 }
 
-/// Values that are not the numbers as they stand.
+/// Encodes values that are not the stored numbers.
 template <class Number>
 ColumnChunk encode_meant(const StoredColumn& column, const std::byte* at, std::size_t count,
                          bool may_be_null) {
@@ -167,7 +167,7 @@ void write_schema_element(const FileColumn& column, ThriftWriter& writer) {
     writer.int32(3, column.may_be_null ? k_optional : k_required);
     writer.text(4, column.name);
     if (column.integer_bits == 0) return;
-    // Twice: readers know the older statement, the newer one, or both.
+    // Both forms: readers support the older one, the newer one, or both.
     const int step = std::countr_zero(static_cast<unsigned>(column.integer_bits)) - 3;
     writer.int32(6, (column.is_signed ? k_int_8 : k_uint_8) + step);
     writer.structure(10, [&] {

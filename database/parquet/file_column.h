@@ -12,7 +12,7 @@
 
 namespace alidade::database {
 
-/// A column of a Parquet file, and which values of a cloud it has.
+/// A column of a Parquet file, and the values of a cloud in it.
 struct FileColumn {
   enum class Content { id, coordinate, attribute, geometry };
 
@@ -27,9 +27,9 @@ struct FileColumn {
   bool may_be_null = false;
 };
 
-/// The columns of the tables that `alidade sql load` makes, under their names: id, x, y, z, then the others
-/// of `stored`. A number with scale or offset becomes the value it means, as double; where it is the mark
-/// for no value, the row is null. `geometry`: adds a last column of WKB points, called geometry, or geometry_ if
+/// The columns of the tables that `alidade sql load` makes, under their names: id, x, y, z, then the
+/// others of `stored`. A number with scale or offset becomes its value, as double; a mark for missing
+/// values becomes null. `geometry`: adds a last column of WKB points, called geometry, or geometry_ if
 /// an attribute has that name.
 std::vector<FileColumn> file_columns(const std::vector<StoredColumn>& stored, bool geometry);
 

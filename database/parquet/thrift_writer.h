@@ -11,8 +11,8 @@
 
 namespace alidade::database {
 
-/// Writes structures in the compact protocol of Apache Thrift, in which Parquet states its metadata. Fields of
-/// a structure are written by rising ids.
+/// Writes structures in the compact protocol of Apache Thrift, which Parquet uses for its metadata. Fields of
+/// a structure must be written in ascending order of ids.
 class ThriftWriter {
  public:
   enum class Kind : std::uint8_t {
@@ -45,14 +45,14 @@ class ThriftWriter {
   }
   void text(int id, std::string_view value) { binary(id, std::as_bytes(std::span(value))); }
 
-  /// `fill()` writes the fields.
+  /// A structure as a field; `fill()` writes its fields.
   template <class Fill>
   void structure(int id, const Fill& fill) {
     begin_field(id, Kind::structure);
     structure(fill);
   }
 
-  /// One that is not a field: the outermost one, or an element of a list.
+  /// A structure that is not a field: the outermost one, or an element of a list.
   template <class Fill>
   void structure(const Fill& fill) {
     const int outer = std::exchange(last_id_, 0);
@@ -61,7 +61,7 @@ class ThriftWriter {
     last_id_ = outer;
   }
 
-  /// `count` elements of that kind follow.
+  /// Begins a list; `count` elements of that kind must follow.
   void list(int id, Kind kind, std::size_t count) {
     begin_field(id, Kind::list);
     constexpr std::size_t k_short = 15;
@@ -75,7 +75,7 @@ class ThriftWriter {
   }
   void element(std::int32_t value) { append_varint(zigzag(value), bytes_); }
   void element(std::string_view value) { put(std::as_bytes(std::span(value))); }
-  /// Elements that another writer wrote.
+  /// Adds elements that another writer wrote.
   void elements(const Bytes& written) { bytes_.insert(bytes_.end(), written.begin(), written.end()); }
 
   const Bytes& bytes() const { return bytes_; }

@@ -23,11 +23,11 @@ namespace {
 
 using Kind = ThriftWriter::Kind;
 
-/// At the beginning and the end of a file.
+/// The beginning and the end of a file.
 constexpr std::string_view k_magic = "PAR1";
 constexpr std::size_t k_most_group_bytes = std::size_t{32} << 20;
 
-/// Some rows, and what becomes of them.
+/// Some rows, and their encoded columns.
 struct RowGroup {
   PickedPoints picked{};
   std::size_t row_count = 0;
@@ -35,7 +35,7 @@ struct RowGroup {
   std::vector<ColumnChunk> chunks{};
 };
 
-/// What a row takes while it is encoded.
+/// Memory per row while it is encoded.
 std::size_t row_bytes(const ChunkEncoding& encoding, std::size_t column_count) {
   return std::accumulate(encoding.blobs.begin(), encoding.blobs.end(),
                          sizeof(LatticePosition) + sizeof(std::uint64_t) + column_count,
@@ -67,8 +67,8 @@ class ParquetFile {
     const auto threads = static_cast<std::size_t>(tbb::this_task_arena::max_concurrency());
     const std::size_t at_once = std::clamp<std::size_t>(2 * k_most_group_bytes / (rows * row_size), 1,
                                                         std::min<std::size_t>(threads + 1, 16));
-    // Owned here, since the pipeline forgets what it holds when it is cancelled. They end in their order, so
-    // the one whose slot is reused has been written.
+    // Owned here, since the pipeline drops its contents when it is cancelled. Groups are finished in their
+    // order, so a group that is used again has been written.
     std::vector<RowGroup> groups(at_once);
     std::size_t begun = 0;
     tbb::parallel_pipeline(
@@ -170,7 +170,7 @@ class ParquetFile {
   void write_metadata(ThriftWriter& footer) const {
     const Crs& crs = cloud_.whole.rest.crs;
     std::string projjson = crs.empty() || !options_.projjson ? "" : options_.projjson(crs);
-    // Readers reject a footer for bytes that are no UTF-8.
+    // Readers reject a footer with bytes that are not UTF-8.
     if (!is_utf8(projjson)) projjson.clear();
     std::vector<std::pair<std::string, std::string>> entries;
     const std::string& system = projjson.empty() ? crs.wkt : projjson;

@@ -16,12 +16,12 @@ bool at_most(double a, double b) {
   return std::isnan(b) || a <= b;
 }
 
-/// Requires that something lies below: not -infinity.
+/// The next smaller number. Requires a value above -infinity.
 double next_below(double value) {
   return std::isnan(value) ? k_infinity : std::nextafter(value, -k_infinity);
 }
 
-/// Requires that something lies above: not NaN.
+/// The next greater number in PostgreSQL's order. Requires a value other than NaN.
 double next_above(double value) {
   return value == k_infinity ? k_nan : std::nextafter(value, k_infinity);
 }
@@ -78,8 +78,8 @@ Bounds box_of(const glm::dvec3& point) {
 }
 
 bool may_hold(const CloudLimit& limit, const Bounds& box) {
-  // Distances that are not numbers come only of infinite ends and of what overflows. They keep a limit whose
-  // end is NaN, which says more than an end at infinity where only one end of a plane's reach is no number.
+  // Distances are NaN only for infinite ends and after overflow. Such points keep a limit whose
+  // end is NaN, which is tighter than an end at infinity if only one end of a plane's reach is NaN.
   const auto end = [](double value) { return std::isnan(value) ? k_infinity : value; };
   const Interval limits{end(limit.least), end(limit.largest)};
   const CloudLine& line = limit.line;

@@ -12,9 +12,9 @@ namespace alidade::database {
 
 enum class DistanceKind : std::int64_t { ray = 1, plane = 2 };
 
-/// What a distance is measured from: the line of dist_ray, or the plane of dist_plane with its normal. The
-/// values of the SQL types cloud_ray and cloud_plane, byte for byte. Numbers as they were given are kept
-/// beside what was made of them: as text they come back as the same value.
+/// The line of dist_ray, or the plane of dist_plane with its normal: the values of the SQL types cloud_ray
+/// and cloud_plane, byte for byte. The given numbers are kept beside the unit vector, so that the text of a
+/// value is read as the same value.
 struct CloudLine {
   glm::dvec3 position, direction;
   glm::dvec3 unit;  ///< direction with length 1
@@ -27,13 +27,13 @@ inline CloudLine make_line(DistanceKind kind, const glm::dvec3& position, const 
   return {position, direction, unit};
 }
 
-/// dist_ray or dist_plane of a point, or between what it lies for the points of a box. Where a point's is NaN,
-/// an end is NaN or high is infinite.
-template <class Position>
-auto distance(DistanceKind kind, const CloudLine& line, const Position& position) {
+/// dist_ray or dist_plane of a point, or its interval over the points of a box. If that of any point is
+/// NaN, an end is NaN or high is infinite.
+template <class PointOrBox>
+auto distance(DistanceKind kind, const CloudLine& line, const PointOrBox& where) {
   if (kind == DistanceKind::ray)
-    return project(Ray{.origin = line.position, .direction = line.unit}, position).distance;
-  return signed_distance(Plane{line.position, line.unit}, position);
+    return project(Ray{.origin = line.position, .direction = line.unit}, where).distance;
+  return signed_distance(Plane{line.position, line.unit}, where);
 }
 
 enum class Comparison { less, less_equal, equal, greater_equal, greater };
@@ -42,30 +42,30 @@ enum class Comparison { less, less_equal, equal, greater_equal, greater };
 /// ordered as PostgreSQL orders them: NaN equals itself and is above all others.
 struct CloudLimit {
   CloudLine line;
-  double least, largest;  ///< inclusive; nothing keeps the limit if least is above largest
+  double least, largest;  ///< inclusive; no distance keeps the limit if least is above largest
   DistanceKind kind;
 };
 
-/// The limit that distances keep of which `distance comparison value` is true, to the last bit.
+/// The limit that is equivalent to `distance comparison value`, to the last bit.
 CloudLimit make_limit(DistanceKind kind, const CloudLine& line, Comparison comparison, double value);
 
-/// Whether a point keeps it.
+/// Whether a point keeps a limit.
 bool holds(const CloudLimit& limit, const glm::dvec3& point);
 
-/// False only if no point of the box keeps it. A box without limits holds points without a position, too.
+/// False only if no point of the box keeps the limit. An unbounded box also holds points without a position.
 bool may_hold(const CloudLimit& limit, const Bounds& box);
 
-/// False only if all points of the box keep it.
+/// False only if all points of the box keep the limit.
 bool may_break(const CloudLimit& limit, const Bounds& box);
 
 /// Whether all faces are finite.
 bool is_finite(const Bounds& box);
 
-/// The box of a point; without limits if a coordinate is not finite.
+/// The box of a point; unbounded if a coordinate is not finite.
 Bounds box_of(const glm::dvec3& point);
 
-/// Number of the cell of 2^-20 units in which a coordinate lies. Coordinates farther away than 2^43 units lie
-/// in the first and last; what is not a number lies in the last.
+/// Number of the cell of 2^-20 units in which a coordinate lies. Coordinates farther away than 2^43 units are
+/// in the first and last cells, NaN is in the last.
 inline std::uint64_t morton_cell(double coordinate) {
   const double cell = std::floor(coordinate * 0x1p20);
   if (!(cell < 0x1p63)) return ~std::uint64_t{0};
@@ -82,7 +82,8 @@ inline int compare_numbers(double a, double b) {
 /// Order along the z-order curve of cells (base/morton.h, without making keys, which would have 192 bits),
 /// within a cell by x, y and z. Zero only for equal coordinates.
 inline int compare_morton(const glm::dvec3& a, const glm::dvec3& b) {
-  // The axis with the highest bit in which the cells differ decides; of several the last, as in the key.
+  // The axis with the highest bit in which the cells differ decides; of several such
+  // axes the last, as in the key.
   std::uint64_t highest = 0, first = 0, second = 0;
   for (int axis = 0; axis < 3; ++axis) {
     const std::uint64_t from = morton_cell(a[axis]), to = morton_cell(b[axis]), difference = from ^ to;
@@ -98,10 +99,10 @@ inline int compare_morton(const glm::dvec3& a, const glm::dvec3& b) {
   return 0;
 }
 
-/// Estimates which share of all points keeps a limit, from the distances of a sample, in ascending order (NaN
-/// last): between the sample's distances the share grows linearly. Near a ray the sample is too thin to
-/// count: below the distance of its eighth point the share grows as the cross-section of the cylinder does,
-/// with the square. In [0, 1]. Requires a sample.
+/// Estimates the share of all points that keep a limit, in [0, 1], from the distances of a sample, in
+/// ascending order (NaN last): between the sample's distances the share grows linearly. Near a ray the sample
+/// is too thin to count: below the distance of its eighth point the share grows with the square of the
+/// distance, as the cross-section of the cylinder. Requires a sample.
 double estimated_share(const CloudLimit& limit, std::span<const double> distances);
 
 }  // namespace alidade::database

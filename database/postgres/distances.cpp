@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// The distances, and whether a point keeps a limit.
+// The SQL functions of distances, and of whether a point keeps a limit.
 #include "database/postgres/postgres_api.h"
 
 #include "database/postgres/cloud_limit.h"

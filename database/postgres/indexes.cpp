@@ -54,7 +54,7 @@ Bounds box_in(const BrinValues& range) {
   return {vector(0), vector(3)};
 }
 
-/// Grows the range's box; answers whether that changed it.
+/// Grows the range's box; returns whether that changed it.
 bool grow(BrinValues& range, const Bounds& by) {
   const bool is_first = range.bv_allnulls;
   Bounds box = is_first ? Bounds{} : box_in(range);
@@ -88,13 +88,13 @@ Bounds joined(Bounds a, const Bounds& b) {
   return a;
 }
 
-/// Half the sum of the sides. Not the volume: boxes around walls and ground have none.
+/// Half the sum of the sides. Not the volume, which is 0 for boxes around walls and ground.
 double size_of(const Bounds& box) {
   const glm::dvec3 sides = box.size();
   return sides.x + sides.y + sides.z;
 }
 
-/// Doubled centre along an axis; of a box without limits, zero.
+/// Doubled centre along an axis; zero if the box is unbounded.
 double center_of(const Bounds& box, int axis) {
   const double center = box.min[axis] + box.max[axis];
   return std::isnan(center) ? 0.0 : center;
@@ -110,7 +110,7 @@ int longest_axis_of_centers(const GistEntryVector& entries) {
   return sides.x >= sides.y && sides.x >= sides.z ? 0 : sides.y >= sides.z ? 1 : 2;
 }
 
-/// Below what the distances of all points of a box do not lie.
+/// A lower bound of the distances of all points of a box.
 double least_distance(DistanceKind kind, const CloudLine& line, const Bounds& box) {
   constexpr double k_anything = -std::numeric_limits<double>::infinity();
   if (!is_finite(box)) return k_anything;
@@ -204,13 +204,13 @@ ALIDADE_SQL_FUNCTION(alidade_gist_penalty) {
   PG_RETURN_POINTER(PG_GETARG_POINTER(2));
 }
 
-/// Halves the entries by their centres along the axis where these lie farthest apart.
+/// Halves the entries by their centres along the axis of the largest spread.
 ALIDADE_SQL_FUNCTION(alidade_gist_split) {
   const auto& entries = *reinterpret_cast<GistEntryVector*>(PG_GETARG_POINTER(0));
   auto& split = *reinterpret_cast<GIST_SPLITVEC*>(PG_GETARG_POINTER(1));
   const int axis = longest_axis_of_centers(entries), count = entries.n - FirstOffsetNumber;
-  // With several columns PostgreSQL itself moves entries from one side to the other, so each has room for
-  // all.
+  // In indexes of several columns PostgreSQL moves entries from one side to the other, so each side has room
+  // for all.
   const std::size_t bytes = sizeof(OffsetNumber) * static_cast<std::size_t>(count + 1);
   auto* const order = static_cast<OffsetNumber*>(palloc(bytes));
   for (int i = 0; i < count; ++i) order[i] = static_cast<OffsetNumber>(FirstOffsetNumber + i);

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: MIT
-// How the paper's SQL becomes conditions and orders that indexes know. At planning time
+// Rewrites the paper's SQL into conditions and orders that indexes support. At planning time
 //   dist_ray(A, x,y,z)       becomes  cloud_point(x,y,z) <-> cloud_ray(A)
 //   dist_ray(A, x,y,z) <= r  becomes  cloud_point(x,y,z) <@ cloud_limit(cloud_ray(A), '<=', r)
-// which mean the same, to the last bit; an index on cloud_point(x,y,z) answers both.
+// with the same result, to the last bit; an index on cloud_point(x,y,z) supports both.
 #include "database/postgres/postgres_api.h"
 
 extern "C" {
@@ -35,12 +35,13 @@ Oid operator_in(Oid schema, const char* name, Oid left, Oid right) {
                          ObjectIdGetDatum(right), ObjectIdGetDatum(schema));
 }
 
-/// What the extension brought, where it lies now. Its parts may have been renamed: then nothing is found, and
-/// statements stay as they are, as they do where the user may not execute a part. The schema's USAGE right is
-/// not asked for: who reads a view or keeps a CHECK that names its functions needs none.
+/// The functions, types and operators of the extension, in its current schema. If they were renamed,
+/// they are not found, and statements are not changed; neither if the user has no right to execute
+/// them. The USAGE right on the schema is not checked: it is not needed for views and CHECK
+/// constraints that use its functions.
 class OwnParts {
  public:
-  /// The extension lies where this function of it does.
+  /// `function`: one of the extension's, whose schema is searched.
   explicit OwnParts(Oid function) : schema_(get_func_namespace(function)) {}
 
   template <class... Types>
@@ -73,7 +74,7 @@ Node* operation(Oid symbol, Oid result, Node* left, Node* right) {
   return reinterpret_cast<Node*>(made);
 }
 
-/// The ninefold call as an operation on a point and a line; null if it has to stay.
+/// The call with nine arguments as an operation on a point and a line; null if it cannot be changed.
 Node* simplify_distance(const SupportRequestSimplify& request, const char* line_name) {
   const FuncExpr& written = *request.fcall;
   const OwnParts parts(written.funcid);
@@ -91,8 +92,8 @@ Node* simplify_distance(const SupportRequestSimplify& request, const char* line_
                                                  -1, InvalidOid, COERCE_IMPLICIT_CAST));
 }
 
-/// The operation that simplify_distance made; null if the node is not one. Casts that are functions, and
-/// domains, change or check the value: they stay.
+/// The operation that simplify_distance() made; null if the node is not one. Casts by functions, and to
+/// domains, are not skipped: they change or check the value.
 OpExpr* as_distance(Node* node) {
   while (IsA(node, RelabelType)) node = reinterpret_cast<Node*>(reinterpret_cast<RelabelType*>(node)->arg);
   if (!IsA(node, OpExpr)) return nullptr;
@@ -107,7 +108,7 @@ struct Symbol {
   const char* commuted;
 };
 
-/// What a comparison's function does, by the function of PostgreSQL that it is.
+/// The comparison of a function of PostgreSQL; null if it is not one.
 const Symbol* symbol_of(Oid function) {
   static constexpr Symbol k_symbols[] = {{float8lt, "<", ">"},
                                          {float8le, "<=", ">="},
@@ -124,14 +125,14 @@ Node* as_double(Node* node) {
   return applyRelabelType(node, FLOAT8OID, -1, InvalidOid, COERCE_IMPLICIT_CAST, -1, true);
 }
 
-/// The same comparison of doubles, which is in PostgreSQL's own operator families: stored distances are found
-/// by an index on them, and joined by merging or hashing.
+/// The comparison as one of doubles, which is in PostgreSQL's own operator families: stored distances can be
+/// found by an index on them, and joined by merging or hashing.
 Node* compare_doubles(const Symbol& symbol, Node* left, Node* right) {
   const Oid known = operator_in(PG_CATALOG_NAMESPACE, symbol.written, FLOAT8OID, FLOAT8OID);
   return operation(known, BOOLOID, as_double(left), as_double(right));
 }
 
-/// A comparison with a distance as a limit that a point keeps; null if it has to stay.
+/// A comparison with a distance as a limit that a point keeps; null if it cannot be changed.
 Node* simplify_comparison(const SupportRequestSimplify& request) {
   const FuncExpr& written = *request.fcall;
   const Symbol* const symbol = symbol_of(written.funcid);

@@ -11,7 +11,7 @@
 
 // PostgreSQL's headers redefine names of the standard library (snprintf), so those it uses come first.
 
-// Version 15 marks what a module exports only on Windows.
+// PostgreSQL 15 marks exported symbols only on Windows.
 #define PGDLLEXPORT __attribute__((visibility("default")))
 extern "C" {
 #include <postgres.h>
@@ -20,8 +20,8 @@ extern "C" {
 }
 
 /// Starts the definition of a function that SQL calls: ALIDADE_SQL_FUNCTION(name) { ... PG_RETURN_...; }
-/// Errors of PostgreSQL leave it by longjmp, so no object on its frame may need a destructor where something
-/// of PostgreSQL's is called.
+/// Errors of PostgreSQL leave it by longjmp, so no object in its frame may need a destructor while
+/// PostgreSQL is called.
 #define ALIDADE_SQL_FUNCTION(name)          \
   extern "C" {                              \
   PGDLLEXPORT Datum name(PG_FUNCTION_ARGS); \
@@ -29,7 +29,7 @@ extern "C" {
   }                                         \
   Datum name([[maybe_unused]] FunctionCallInfo fcinfo)
 
-/// Defines one that answers the value of an expression: ALIDADE_SQL_ANSWER(name, BoolGetDatum(...));
+/// Defines one that returns the value of an expression: ALIDADE_SQL_ANSWER(name, BoolGetDatum(...));
 #define ALIDADE_SQL_ANSWER(name, ...) \
   ALIDADE_SQL_FUNCTION(name) {        \
     return __VA_ARGS__;               \
@@ -38,8 +38,8 @@ extern "C" {
 
 namespace alidade::database {
 
-/// Runs work that may throw and calls nothing of PostgreSQL's. What it throws becomes an error of SQL, once
-/// all of C++ has left the stack.
+/// Runs work that may throw and does not call PostgreSQL. An exception becomes an error of SQL after
+/// all C++ objects have been destroyed.
 template <class Work>
 auto guarded(const Work& work) -> decltype(work()) {
   static_assert(std::is_trivially_destructible_v<decltype(work())>);
@@ -52,14 +52,14 @@ auto guarded(const Work& work) -> decltype(work()) {
   ereport(ERROR, (errcode(ERRCODE_INVALID_PARAMETER_VALUE), errmsg("%s", message)));
 }
 
-/// What a function of SQL is in C.
+/// The C function of a function of SQL.
 inline PGFunction address_of(Oid function) {
   FmgrInfo info;
   fmgr_info(function, &info);
   return info.fn_addr;
 }
 
-/// An argument of a type of ours, which PostgreSQL passes by reference.
+/// An argument of one of the extension's types, which PostgreSQL passes by reference.
 template <class Value>
 const Value& value_of(Datum datum) {
   return *reinterpret_cast<const Value*>(DatumGetPointer(datum));
@@ -71,7 +71,7 @@ const Value& argument(FunctionCallInfo fcinfo, int number) {
   return value_of<Value>(PG_GETARG_DATUM(number));
 }
 
-/// A value of a type of ours as PostgreSQL wants it, in the current memory context.
+/// A value of one of the extension's types for PostgreSQL, in the current memory context.
 template <class Value>
 Datum datum_of(const Value& value) {
   static_assert(std::is_trivially_copyable_v<Value>);

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
-// How many rows the planner may expect: the histogram that ANALYZE keeps for an index on cloud_point(x,y,z)
-// is a sample of the table's points, about a hundred of them, evenly spaced in Morton order.
+// Estimates of the number of rows for the planner: the histogram that ANALYZE keeps for an
+// index on cloud_point(x,y,z) is a sample of the table's points, about a hundred of them,
+// evenly spaced in Morton order.
 #include <algorithm>
 #include <string_view>
 
@@ -18,10 +19,11 @@ extern "C" {
 namespace alidade::database {
 namespace {
 
-/// Without statistics, or for limits not known before the statement runs: a thin cylinder or slab.
+/// Share without statistics, or for limits that are unknown at planning time: a thin cylinder or slab.
 constexpr double k_unknown_share = 0.001;
 
-/// Of a limit not known yet. One side of a plane has as much as PostgreSQL expects of any inequality.
+/// Share of a limit that is unknown at planning time. One side of a plane has PostgreSQL's
+/// default for inequalities.
 double unknown_share(const Node* limit) {
   if (!IsA(limit, FuncExpr)) return k_unknown_share;
   const auto& made = *reinterpret_cast<const FuncExpr*>(limit);
@@ -72,7 +74,7 @@ Datum selectivity(FunctionCallInfo fcinfo, bool keeps) {
   const Oid symbol = PG_GETARG_OID(1);
   const PGFunction decides = address_of(get_opcode(symbol));
   const bool is_own = decides == alidade_keeps_limit || decides == alidade_breaks_limit;
-  // Superusers can give any operator this estimate.
+  // Superusers can use this estimate for any operator.
   if (!is_own) PG_RETURN_FLOAT8(k_unknown_share);
   bool is_left = false;
   if (get_restriction_variable(root, arguments, PG_GETARG_INT32(3), &column, &other, &is_left)) {

@@ -14,7 +14,8 @@ extern "C" {
 #include <utils/float.h>
 }
 
-// The types of SQL: their texts, their bytes, and the functions that make them. Errors are PostgreSQL's.
+// The SQL types: input and output as text and bytes, and the functions that make
+// them. Errors are PostgreSQL's.
 
 namespace alidade::database {
 namespace {
@@ -29,18 +30,18 @@ const char* skip_spaces(const char* text) {
                   errmsg("invalid input syntax for type %s: \"%s\"", type, all)));
 }
 
-/// Reads "(1,2,3)", where spaces may stand, up to its end. `text` is what stands between `all` and its end;
-/// error messages name the type and all of the text.
+/// Reads "(1,2,3)", with optional spaces, up to the end of the text. `text`: the part of `all` to read;
+/// error messages have the type and all of the text.
 void read_numbers(const char* text, const char* all, const char* type, std::span<double> numbers) {
-  const char* position = skip_spaces(text);
+  const char* cursor = skip_spaces(text);
   for (std::size_t i = 0; i < numbers.size(); ++i) {
-    if (*position != (i == 0 ? '(' : ',')) reject_text(all, type);
-    // PostgreSQL's own parser, which only reads, requests text that may be changed.
+    if (*cursor != (i == 0 ? '(' : ',')) reject_text(all, type);
+    // PostgreSQL's own parser has a parameter of type char*, but only reads.
     char* end = nullptr;
-    numbers[i] = float8in_internal(const_cast<char*>(position + 1), &end, type, all);
-    position = skip_spaces(end);
+    numbers[i] = float8in_internal(const_cast<char*>(cursor + 1), &end, type, all);
+    cursor = skip_spaces(end);
   }
-  if (*position != ')' || *skip_spaces(position + 1) != '\0') reject_text(all, type);
+  if (*cursor != ')' || *skip_spaces(cursor + 1) != '\0') reject_text(all, type);
 }
 
 using Six = std::array<double, 6>;
@@ -50,7 +51,7 @@ Six numbers_of(const CloudLine& line) {
           line.direction.x, line.direction.y, line.direction.z};
 }
 
-/// The first six.
+/// The first six numbers.
 template <class Numbers>
 CloudLine line_of(DistanceKind kind, const Numbers& n) {
   return guarded([&] { return make_line(kind, {n[0], n[1], n[2]}, {n[3], n[4], n[5]}); });
@@ -81,7 +82,7 @@ CloudLimit limit_of(DistanceKind kind, const std::array<double, 8>& n) {
   return {.line = line_of(kind, n), .least = n[6], .largest = n[7], .kind = kind};
 }
 
-/// Numbers as exact as the setting extra_float_digits requests, which by default is exactly.
+/// Numbers with the precision of the setting extra_float_digits, by default exact.
 template <class Numbers>
 Datum text_of(const char* prefix, const Numbers& numbers) {
   StringInfoData written;

@@ -23,7 +23,7 @@ constexpr std::int32_t k_longest = 8;
   throw input_error("the server sent invalid rows", std::move(expected), std::move(found));
 }
 
-/// Numbers travel with the highest byte first.
+/// Appends a number, highest byte first.
 template <class Number>
 void append_number(Number number, std::vector<std::byte>& bytes) {
   const std::size_t at = bytes.size();
@@ -32,15 +32,15 @@ void append_number(Number number, std::vector<std::byte>& bytes) {
   std::ranges::reverse(std::span(bytes).subspan(at));
 }
 
-/// A field: its length and its bytes.
+/// Appends a field: its length and its bytes.
 template <class Number>
 void append_field(Number number, std::vector<std::byte>& bytes) {
   append_number(static_cast<std::int32_t>(sizeof number), bytes);
   append_number(number, bytes);
 }
 
-/// numeric: digits to the base of 10,000 without zeros at the end, the power of the first one, sign, offsets
-/// behind the point.
+/// numeric: digits to the base of 10,000 without zeros at the end, the power of the first one,
+/// sign, number of decimals.
 void append_numeric(std::uint64_t number, std::vector<std::byte>& bytes) {
   constexpr std::uint64_t k_base = 10000;
   std::vector<std::int16_t> digits;  // lowest first
@@ -88,7 +88,7 @@ void append_value(ServerType type, const ColumnValue& value, std::vector<std::by
 
 }  // namespace
 
-/// How many bytes the head has; 0 if it is not there wholly.
+/// Checks the header and returns its number of bytes; 0 if it is incomplete.
 std::size_t CopyDecoder::take_head(std::span<const std::byte> bytes) {
   if (bytes.size() < k_head) return 0;
   if (std::memcmp(bytes.data(), k_signature.data(), k_signature.size()) != 0)
@@ -96,11 +96,11 @@ std::size_t CopyDecoder::take_head(std::span<const std::byte> bytes) {
   const auto flags = load<std::int32_t>(bytes.data() + k_signature.size(), std::endian::big);
   const auto more = load<std::int32_t>(bytes.data() + k_signature.size() + sizeof flags, std::endian::big);
   if (flags != 0 || more != 0) reject_rows("a header without flags", "");
-  offset_ = Offset::rows;
+  part_ = Part::rows;
   return k_head;
 }
 
-/// How many bytes the next row has, which is handed over; 0 if it is not there wholly.
+/// Passes the next row on and returns its number of bytes; 0 if the row is not complete.
 std::size_t CopyDecoder::take_row(std::span<const std::byte> bytes) {
   std::size_t at = 0;
   const auto has = [&](std::size_t count) { return bytes.size() - at >= count; };
@@ -108,7 +108,7 @@ std::size_t CopyDecoder::take_row(std::span<const std::byte> bytes) {
   const auto count = load<std::int16_t>(bytes.data(), std::endian::big);
   at += sizeof count;
   if (count == -1) {
-    offset_ = Offset::end;
+    part_ = Part::end;
     return at;
   }
   if (count < 0 || static_cast<std::size_t>(count) != fields_.size())
@@ -135,18 +135,18 @@ void CopyDecoder::add(std::span<const std::byte> bytes) {
     bytes = left_;
   }
   while (!bytes.empty()) {
-    if (offset_ == Offset::end)
+    if (part_ == Part::end)
       reject_rows("no data after the last row", std::to_string(bytes.size()) + " bytes");
-    const std::size_t taken = offset_ == Offset::head ? take_head(bytes) : take_row(bytes);
+    const std::size_t taken = part_ == Part::head ? take_head(bytes) : take_row(bytes);
     if (taken == 0) break;
     bytes = bytes.subspan(taken);
   }
-  // The rest may lie in what it replaces.
+  // `bytes` may be a part of left_.
   left_ = std::vector<std::byte>(bytes.begin(), bytes.end());
 }
 
 void CopyDecoder::finish() const {
-  if (offset_ != Offset::end) reject_rows("an end marker", "");
+  if (part_ != Part::end) reject_rows("an end marker", "");
 }
 
 CopyRows::CopyRows(std::vector<StoredColumn> columns, const Lattice& lattice)
@@ -158,7 +158,7 @@ std::vector<std::byte> CopyRows::head() {
   std::vector<std::byte> bytes;
   for (const char character : k_signature) bytes.push_back(static_cast<std::byte>(character));
   append_number(std::int32_t{0}, bytes);  // flags
-  append_number(std::int32_t{0}, bytes);  // length of what extends the head
+  append_number(std::int32_t{0}, bytes);  // length of the header extension
   return bytes;
 }
 

@@ -16,9 +16,9 @@ namespace alidade::database {
 /// A value of a row, highest byte first; without bytes: NULL.
 using CopyField = std::span<const std::byte>;
 
-/// Takes what COPY ... TO STDOUT (FORMAT binary) sends, cut anywhere, and gives its rows. Only for values of
-/// at most 8 bytes. Errors: it is not that, or another number of fields. Source: PostgreSQL 15 documentation,
-/// COPY, "Binary Format".
+/// Decodes the data of COPY ... TO STDOUT (FORMAT binary), in pieces of any size, into rows. Only for
+/// values of at most 8 bytes. Errors: other data, or another number of fields. Source: PostgreSQL 15
+/// documentation, COPY, "Binary Format".
 class CopyDecoder {
  public:
   using TakeRow = std::function<void(std::span<const CopyField>)>;
@@ -27,22 +27,22 @@ class CopyDecoder {
 
   void add(std::span<const std::byte> bytes);
 
-  /// Errors: the end has not come.
+  /// Errors: the end is missing.
   void finish() const;
 
  private:
   std::size_t take_head(std::span<const std::byte> bytes);
   std::size_t take_row(std::span<const std::byte> bytes);
 
-  enum class Offset { head, rows, end };
+  enum class Part { head, rows, end };
 
   std::vector<CopyField> fields_;
   TakeRow take_;
-  Offset offset_ = Offset::head;
-  std::vector<std::byte> left_;  ///< of a row that has not come wholly
+  Part part_ = Part::head;
+  std::vector<std::byte> left_;  ///< of an incomplete row
 };
 
-/// Makes rows as COPY ... (FORMAT binary) of PostgreSQL takes them, with the columns of server_columns().
+/// Encodes rows for COPY ... FROM STDIN (FORMAT binary), with the columns of server_columns().
 /// Source: PostgreSQL 15 documentation, COPY, "Binary Format".
 class CopyRows {
  public:
@@ -51,14 +51,15 @@ class CopyRows {
 
   const std::vector<StoredColumn>& columns() const { return columns_; }
 
-  /// The text before the first row and behind the last.
+  /// The bytes before the first row and after the last.
   static std::vector<std::byte> head();
   static std::vector<std::byte> tail();
 
   /// Adds a row for the i-th of the points to `bytes`.
   void append(const EncodedChunks& points, std::size_t i, std::vector<std::byte>& bytes) const;
 
-  /// Gives the next `count` points of a cloud to `write` as a whole COPY, piece by piece; answers their box.
+  /// Writes the next `count` points of a cloud with `write` as a complete COPY, piece by
+  /// piece; returns their box.
   Bounds copy(OrderedCloud& cloud, std::uint64_t count,
               const std::function<void(std::span<const std::byte> bytes, std::size_t points)>& write) const;
 

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Stands for read_server.cpp and store_on_server.cpp where libpq's header was not
-// found.
+// Replaces read_server.cpp and store_on_server.cpp if libpq's header was not found.
 #include "base/error.h"
 #include "cloud/cloud_reader.h"
 #include "database/server/server_clouds.h"

@@ -17,10 +17,10 @@ namespace {
 
 constexpr std::size_t k_most_filters = 64;
 
-/// The condition for the server; none if it cannot help.
+/// The condition for the server; empty if it would not help.
 std::string condition(ServerConnection& connection, std::span<const PointFilter> any_of) {
   if (any_of.size() > k_most_filters) return {};
-  // The functions' schema need not be on the search path; all conditions are met where there are none.
+  // The schema of the functions need not be on the search path. Without the extension all rows are read.
   const ServerRows schema = connection.run(
       "SELECT quote_ident(n.nspname) FROM pg_catalog.pg_extension e"
       " JOIN pg_catalog.pg_namespace n ON n.oid = e.extnamespace WHERE e.extname = 'alidade_pg'");
@@ -33,13 +33,13 @@ std::string condition(ServerConnection& connection, std::span<const PointFilter>
 
 constexpr const char* k_id = "id";
 
-/// How the rows of a table become rows of a cloud.
+/// Order of the rows of a table in a cloud.
 struct RowOrder {
   std::uint64_t count = 0;
   bool is_by_id = false;  ///< ids are 0, 1, ... each once: rows may come in any order within a piece
 };
 
-/// Puts rows into a cloud, piece by piece.
+/// Copies rows into a cloud, piece by piece.
 class RowPlacer {
  public:
   RowPlacer(ServerCloud& server, PointCloud& cloud, AttributeSet kept, std::vector<ValueColumn> columns,
@@ -55,16 +55,16 @@ class RowPlacer {
     make_room();
   }
 
-  /// Whether all rows have room at once.
+  /// Whether the first piece has room for all rows.
   bool is_one_piece() const { return room_ == order_.count; }
 
   void take(const ServerRow& row) {
     if (done_ == order_.count)
       server_.connection().fail("the server sent more rows than it counted", std::to_string(order_.count));
     if (done_ == first_ + room_) make_room();
-    const std::uint64_t offset = order_.is_by_id ? row_by_id(row) : done_ - first_;
-    cloud_.positions[start_ + offset] = position_of(row);
-    values_.put(start_ + offset, row.values, [&] {
+    const std::uint64_t slot = order_.is_by_id ? slot_of(row) : done_ - first_;
+    cloud_.positions[start_ + slot] = position_of(row);
+    values_.put(start_ + slot, row.values, [&] {
       return order_.is_by_id ? fmt::format("id {}", row.id) : fmt::format("row {}", row.number + 1);
     });
     ++done_;
@@ -90,14 +90,15 @@ class RowPlacer {
     is_there_.assign(order_.is_by_id ? room_ : 0, false);
   }
 
-  std::uint64_t row_by_id(const ServerRow& row) {
-    const std::uint64_t offset = static_cast<std::uint64_t>(row.id) - first_;
-    if (offset >= room_ || is_there_[offset]) {
+  /// The slot of a row in the piece, by its id.
+  std::uint64_t slot_of(const ServerRow& row) {
+    const std::uint64_t slot = static_cast<std::uint64_t>(row.id) - first_;
+    if (slot >= room_ || is_there_[slot]) {
       server_.connection().fail("ids do not match the rows",
                                 fmt::format("each id below {} once", order_.count), std::to_string(row.id));
     }
-    is_there_[offset] = true;
-    return offset;
+    is_there_[slot] = true;
+    return slot;
   }
 
   LatticePosition position_of(const ServerRow& row) const {
@@ -127,7 +128,7 @@ class ServerCloudReader final : public CloudReader {
   explicit ServerCloudReader(const std::string& name) : server_(ServerName(name)) {
     about_.path = server_.connection().name();
     about_.format = "PostgreSQL";
-    // Until the survey is done, ids are taken for row numbers.
+    // Until the survey, ids are assumed to be row numbers.
     columns_ = value_columns(server_.table(), has_whole_ids());
     if (!cloud_row()) return;
     about_.version = std::to_string(k_cloud_row_version);
@@ -155,7 +156,7 @@ class ServerCloudReader final : public CloudReader {
     return cloud_row() ? std::optional(cloud_row()->point_count) : std::nullopt;
   }
 
-  /// Shown as bytes, about those that travel.
+  /// Bytes to be transferred, about.
   std::uint64_t work() const override {
     constexpr double k_least_rows = 1.0, k_most_rows = 1e12;
     const double rows =
@@ -167,12 +168,12 @@ class ServerCloudReader final : public CloudReader {
   CoordinateSurvey survey(const Progress& progress) override {
     const ServerTable& table = server_.table();
     const ServerWait wait = reporting(progress);
-    const std::string location = " FILTER (WHERE " + table.has_place() + ")";
+    const std::string filter = " FILTER (WHERE " + table.has_position() + ")";
     constexpr const char* k_axes[] = {"x", "y", "z"};
-    std::string sql = "SELECT count(*), count(*)" + location;
+    std::string sql = "SELECT count(*), count(*)" + filter;
     for (const char* const axis : k_axes) {
       const std::string number = table.find(axis)->expression() + "::float8";
-      sql += ", min(" + number + ")" + location + ", max(" + number + ")" + location;
+      sql += ", min(" + number + ")" + filter + ", max(" + number + ")" + filter;
     }
     const ServerRows found = server_.connection().run(sql + " FROM " + table.quoted_name, {}, wait);
     CoordinateSurvey survey;
@@ -201,7 +202,7 @@ class ServerCloudReader final : public CloudReader {
     const AttributeSet kept = attributes() & wanted;
     RowChoice choice{.columns = kept_columns(columns_, kept), .has_ids = ids_are_numbers_};
     RowPlacer placer(server_, cloud, kept, choice.columns, order, pieces);
-    // What has room at once is sorted here, by being put where it belongs.
+    // Rows that fit in one piece are sorted here, by their slots.
     choice.is_sorted = ids_are_numbers_ && !(order.is_by_id && placer.is_one_piece());
 
     const std::uint64_t all = work();
@@ -235,7 +236,7 @@ class ServerCloudReader final : public CloudReader {
     return [this, &progress] { report(progress, 0, work()); };
   }
 
-  /// Without NAME_cloud: whether ids are 0, 1, ... each once.
+  /// For tables without NAME_cloud: whether ids are 0, 1, ... each once.
   bool are_row_numbers(std::uint64_t rows, const ServerWait& wait) {
     if (!has_whole_ids() || rows == 0) return false;
     const std::string from = " FROM " + server_.table().quoted_name;
@@ -247,12 +248,12 @@ class ServerCloudReader final : public CloudReader {
     return server_.connection().run("SELECT count(DISTINCT id)" + from, {}, wait).whole(0, 0) == last + 1;
   }
 
-  /// What NAME_cloud says is believed, and memory taken for it, when the rows are there.
+  /// Memory is taken for the number of rows in NAME_cloud only if the table has so many.
   std::uint64_t count_rows(const ServerWait& wait) {
     if (!cloud_row()) return survey_->finite_count;
     const ServerTable& table = server_.table();
     const ServerRows found = server_.connection().run(
-        "SELECT count(*) FROM " + table.quoted_name + " WHERE " + table.has_place(), {}, wait);
+        "SELECT count(*) FROM " + table.quoted_name + " WHERE " + table.has_position(), {}, wait);
     const auto count = static_cast<std::uint64_t>(found.whole(0, 0));
     if (count != cloud_row()->point_count) {
       server_.connection().fail("the number of points differs from NAME_cloud",
@@ -317,15 +318,15 @@ CloudPart read_server_part(const std::string& name, std::span<const PointFilter>
         const auto position = to_lattice(row_of_cloud.lattice, row.world);
         if (!position)
           server.connection().fail("a point lies outside the lattice", {}, {}, fmt::format("id {}", id));
-        const std::size_t offset = part.ids.size();
-        if (offset == part.cloud.size()) {
-          append_rows(part.cloud, kept, std::max<std::size_t>(offset, 4096));
+        const std::size_t index = part.ids.size();
+        if (index == part.cloud.size()) {
+          append_rows(part.cloud, kept, std::max<std::size_t>(index, 4096));
           values.find_columns();
           wait();
         }
         part.ids.push_back(id);
-        part.cloud.positions[offset] = *position;
-        values.put(offset, row.values, [&] { return fmt::format("id {}", id); });
+        part.cloud.positions[index] = *position;
+        values.put(index, row.values, [&] { return fmt::format("id {}", id); });
       },
       wait);
   part.cloud.resize(part.ids.size());

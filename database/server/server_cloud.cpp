@@ -19,7 +19,7 @@ bool is_real(ScalarType type) {
   return type == ScalarType::float32 || type == ScalarType::float64;
 }
 
-/// The largest value of an attribute of whole numbers.
+/// The largest value of an integer attribute.
 double largest(Attribute attribute, ScalarType type) {
   constexpr double k_most_returns = 15.0;
   if (attribute == Attribute::returns) return k_most_returns;
@@ -46,7 +46,7 @@ void store_whole(ScalarType type, std::int64_t value, std::byte* at) {
   with_type(type, [&](auto none) { store(at, static_cast<decltype(none)>(value)); });
 }
 
-/// The value that a column sends, in the number's type.
+/// The value of a field, in the type of its column.
 template <class Number>
 Number sent(const NumberColumn& column, CopyField field) {
   if (field.size() != static_cast<std::size_t>(scalar_size(column.type))) {
@@ -65,7 +65,7 @@ std::string copy_statement(const ServerTable& table, const RowChoice& choice) {
   for (const char* const axis : {"x", "y", "z"}) sql += table.find(axis)->expression() + "::float8, ";
   sql += choice.has_ids ? table.find("id")->expression() + "::int8" : "0::int8";
   for (const ValueColumn& column : choice.columns) sql += ", " + column.column.expression();
-  sql += " FROM " + table.quoted_name + " WHERE " + table.has_place();
+  sql += " FROM " + table.quoted_name + " WHERE " + table.has_position();
   if (!choice.condition.empty()) sql += " AND (" + choice.condition + ")";
   if (choice.is_sorted) sql += " ORDER BY id";
   return sql + ") TO STDOUT (FORMAT binary)";
@@ -192,8 +192,8 @@ ServerCloud::ServerCloud(const ServerName& name) : connection_(name), table_(beg
 
 ServerTable ServerCloud::begin(ServerConnection& connection, const ServerName& name) {
   connection.run("BEGIN ISOLATION LEVEL REPEATABLE READ READ ONLY");
-  // Numbers in texts are those of the table to the last bit; rows come in one order; sorting leaves the disk
-  // alone for longer; conditions on many rays are not compiled, which takes longer than asking them.
+  // Numbers as text keep all bits; rows have one order; sorting uses more memory before the disk; conditions
+  // on many rays are not compiled, which takes longer than evaluating them.
   connection.run(
       "SELECT set_config('extra_float_digits', '3', true), set_config('synchronize_seqscans', 'off', true),"
       " set_config('work_mem', '256MB', true), set_config('jit', 'off', true)");

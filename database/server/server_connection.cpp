@@ -25,8 +25,8 @@ constexpr const char* k_file = "libpq.so.5";
                     "the package libpq5 or an equivalent", reason != nullptr ? reason : k_file);
 }
 
-/// PostgreSQL's client library, which is loaded when a server is first asked: with what it brings along,
-/// that takes longer than the work of many commands. It stays loaded. Errors: it is not there.
+/// PostgreSQL's client library, which is loaded at the first use of a server: with its dependencies,
+/// that takes longer than the work of many commands. It remains loaded. Errors: it is missing.
 class ServerLibrary {
   template <class Function>
   Function find(const char* name) const {
@@ -79,7 +79,7 @@ const ServerLibrary& server_library() {
   return library;
 }
 
-/// One line, without what stands around it.
+/// A text as one line, without blanks at its ends.
 std::string one_line(const char* text) {
   std::string line;
   for (const char character : std::string_view(text == nullptr ? "" : text)) {
@@ -93,7 +93,7 @@ std::string one_line(const char* text) {
   return line;
 }
 
-/// The server's words about a statement that failed.
+/// The server's message about a statement that failed.
 std::string words_of(const PGresult* result) {
   const ServerLibrary& library = server_library();
   std::string text = one_line(library.result_error_field(result, PG_DIAG_MESSAGE_PRIMARY));
@@ -101,7 +101,7 @@ std::string words_of(const PGresult* result) {
   return detail.empty() ? text : text + "; " + detail;
 }
 
-/// 0 if there is none.
+/// The number of a text; 0 if there is none.
 template <class Number>
 Number number_in(const std::string& word) {
   Number value = 0;
@@ -126,9 +126,9 @@ bool ServerRows::is_null(std::size_t row, int column) const {
 }
 
 std::string ServerRows::text(std::size_t row, int column) const {
-  const int offset = static_cast<int>(row);
-  return std::string(server_library().value(result_, offset, column),
-                     static_cast<std::size_t>(server_library().length(result_, offset, column)));
+  const int row_number = static_cast<int>(row);
+  return std::string(server_library().value(result_, row_number, column),
+                     static_cast<std::size_t>(server_library().length(result_, row_number, column)));
 }
 
 double ServerRows::number(std::size_t row, int column) const {
@@ -147,7 +147,7 @@ ServerConnection::ServerConnection(const ServerName& name) : name_(name.shown())
     words.push_back(word.c_str());
     values.push_back(value.c_str());
   }
-  // Whatever the name says: all texts are UTF-8.
+  // All texts are UTF-8, also if the name has another encoding.
   words.push_back("client_encoding");
   values.push_back("UTF8");
   words.push_back(nullptr);
@@ -234,7 +234,7 @@ ServerRows ServerConnection::result(int wanted, const ServerWait& wait) {
   fail("the server reports an error: " + words);
 }
 
-/// Takes what is behind a result: nothing, or that the statement failed after all.
+/// Reads the end of a statement after its result. Errors: the statement failed after all.
 void ServerConnection::finish_statement(const ServerWait& wait) {
   const ServerLibrary& library = server_library();
   for (wait_while_busy(wait); PGresult* const answer = library.get_result(connection_);
@@ -295,7 +295,7 @@ void ServerConnection::put(std::span<const std::byte> bytes, const ServerWait& w
     else
       bytes = bytes.subspan(count);
   }
-  // What the server does not take at once, libpq would keep in memory.
+  // Otherwise libpq would keep in memory what the server does not accept at once.
   flush(wait);
 }
 

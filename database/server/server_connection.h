@@ -16,7 +16,7 @@ namespace alidade::database {
 /// Called some times per second while a server works; what it throws ends the wait.
 using ServerWait = std::function<void()>;
 
-/// The rows that a statement answers, as text.
+/// The rows of a statement's result, as text.
 class ServerRows {
  public:
   explicit ServerRows(pg_result* result) : result_(result) {}
@@ -26,9 +26,9 @@ class ServerRows {
 
   std::size_t size() const;
   bool is_null(std::size_t row, int column) const;
-  /// Empty if there is none.
+  /// A value as text; empty for NULL.
   std::string text(std::size_t row, int column) const;
-  /// 0 if there is none.
+  /// A value as a number; 0 for NULL.
   double number(std::size_t row, int column) const;
   std::int64_t whole(std::size_t row, int column) const;
 
@@ -36,22 +36,22 @@ class ServerRows {
   pg_result* result_;
 };
 
-/// A session on a server. If it ends inside a transaction, nothing of that stays; a statement that is under
-/// way is cancelled. Not thread safe. Errors of all functions: the server's own words, under the name of the
+/// A session on a server. If it ends inside a transaction, that is rolled back; a running statement
+/// is cancelled. Not thread safe. Errors of all functions: the server's message, with the name of the
 /// table; the connection is lost.
 class ServerConnection {
  public:
-  /// Waits 10 s for the server, unless the name says otherwise. Errors: no server, wrong database or user.
+  /// Waits 10 s for the server, unless the name has another time. Errors: no server, wrong database or user.
   explicit ServerConnection(const ServerName& name);
   ~ServerConnection();
   ServerConnection(const ServerConnection&) = delete;
   ServerConnection& operator=(const ServerConnection&) = delete;
 
-  /// Runs one statement with texts for $1, $2, ...
+  /// Runs one statement with these texts for $1, $2, ...
   ServerRows run(const std::string& sql, std::span<const std::string> values = {},
                  const ServerWait& wait = {});
 
-  /// Runs COPY ... TO STDOUT; `take` gets its bytes piece by piece.
+  /// Runs COPY ... TO STDOUT; calls `take` with its bytes, piece by piece.
   void copy_out(const std::string& sql, const std::function<void(std::span<const std::byte>)>& take,
                 const ServerWait& wait = {});
 
@@ -60,9 +60,9 @@ class ServerConnection {
   void put(std::span<const std::byte> bytes, const ServerWait& wait = {});
   void end_copy_in(const ServerWait& wait = {});
 
-  /// What messages call the table.
+  /// The name of the table, for messages.
   const std::string& name() const { return name_; }
-  /// Throws an Error that names the table.
+  /// Throws an Error with the name of the table.
   [[noreturn]] void fail(std::string problem, std::string expected = {}, std::string found = {},
                          std::string location = {}) const;
 

@@ -55,13 +55,13 @@ std::string encoded(std::string_view text) {
   return result;
 }
 
-/// "password" and "sslpassword", and what newer versions may call so.
+/// Whether a parameter is secret: "password", "sslpassword", and similar ones of newer versions.
 bool is_secret(const std::string& word) {
   const std::string lower = lower_case(word);
   return lower.find("password") != std::string::npos || lower.find("secret") != std::string::npos;
 }
 
-/// What is in front of the first of these marks; the rest, without it, stays in `text`.
+/// Removes the part before the first of these marks from `text`, with the mark, and returns it.
 std::string_view split(std::string_view& text, char mark) {
   const std::size_t end = std::min(text.find(mark), text.size());
   const std::string_view front = text.substr(0, end);
@@ -103,8 +103,7 @@ ServerName::ServerName(std::string_view text) {
     if (!value.empty()) parameters.emplace_back(word, decoded(value));
   };
   std::string_view words = text;
-  // A password may hold any mark, so what is in front of the last @ counts; a name that holds an @ elsewhere
-  // has it encoded.
+  // A password may have any mark, so it ends at the last @; an @ elsewhere in a name must be encoded.
   const std::size_t at = text.rfind('@', text.find("?"));
   if (at != std::string_view::npos) {
     const std::string user(words.substr(0, at));
@@ -112,20 +111,20 @@ ServerName::ServerName(std::string_view text) {
     if (decoded(user).find(':') != std::string::npos) reject_password();
     take("user", user);
   }
-  std::string_view location = split(words, '?');
-  const auto [host, port, is_address] = split_host(split(location, '/'));
+  std::string_view server = split(words, '?');
+  const auto [host, port, is_address] = split_host(split(server, '/'));
   if (port) {
     take("port", *port);
     if (!parse_port(parameter("port"))) reject_name("the port is not a number from 1 to 65535");
   }
   if (!is_address) reject_name("invalid server host");
   take("host", host);
-  take("dbname", location);
+  take("dbname", server);
   while (!words.empty()) {
     std::string_view value = split(words, '&');
     const std::string word = decoded(split(value, '='));
     if (is_secret(word)) reject_password();
-    // A part of a password that has marks in it is no word, and must not be repeated either.
+    // This may be a part of a password with marks in it, which must not be in a message.
     if (word.empty() || word.find_first_not_of("abcdefghijklmnopqrstuvwxyz_") != std::string::npos)
       reject_name("the server name has a parameter that is not WORD=VALUE");
     if (word == "table")

@@ -16,7 +16,7 @@ namespace {
 constexpr const char* k_type_names[] = {"smallint",         "integer",     "bigint", "real",
                                         "double precision", "numeric(20)", "bytea"};
 
-/// Bytes as PostgreSQL reads them.
+/// Bytes as a literal of PostgreSQL.
 template <class Values>
 std::string bytes_text(const Values& values) {
   std::string text = "'\\x";
@@ -27,12 +27,12 @@ std::string bytes_text(const Values& values) {
 constexpr const char* k_never = "false";
 constexpr double k_infinity = std::numeric_limits<double>::infinity();
 
-/// The largest of some coordinates, none of them NaN.
-double reach(const glm::dvec3& offset) {
-  return std::max({std::abs(offset.x), std::abs(offset.y), std::abs(offset.z)});
+/// The largest absolute coordinate. Requires that none is NaN.
+double reach(const glm::dvec3& position) {
+  return std::max({std::abs(position.x), std::abs(position.y), std::abs(position.z)});
 }
 
-/// Numbers are written such that reading gives the same ones.
+/// A number as text that is read as the same number.
 std::string number(double value) {
   return fmt::format("'{}'::float8", value);
 }
@@ -46,8 +46,8 @@ std::string call(const char* function, const glm::dvec3& origin, const glm::dvec
   return text + "x,y,z)";
 }
 
-/// Adds the limits that say something about what is `least` or more. Infinite limits of the wrong side
-/// exclude every point.
+/// Adds the limits on a value that is always at least `least`, if they exclude anything. Infinite limits of
+/// the wrong side exclude every point.
 void add_limits(const std::string& value, const Interval& limits, double size, double least,
                 std::vector<std::string>& all) {
   if (!(limits.low <= limits.high) || limits.low == k_infinity || limits.high == -k_infinity) {
@@ -78,7 +78,7 @@ std::string condition(const PointFilter& filter) {
     const Interval side{filter.box.min[axis], filter.box.max[axis]};
     const double size = std::max(std::isfinite(side.low) ? std::abs(side.low) : 0.0,
                                  std::isfinite(side.high) ? std::abs(side.high) : 0.0);
-    // The plane through the coordinates' origin: its distances are the coordinates.
+    // Distances to the plane through the origin are the coordinates.
     add_limits(call("dist_plane", glm::dvec3(0.0), normal), side, size, -k_infinity, all);
   }
   return all.empty() ? "true" : fmt::format("({})", fmt::join(all, " AND "));

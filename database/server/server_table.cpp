@@ -17,7 +17,7 @@ namespace {
 
 constexpr std::int64_t k_numeric = 1700;
 
-/// PostgreSQL's numbers of its types, which are the same everywhere, and what SQL calls them.
+/// PostgreSQL's numbers of its types, which are the same everywhere, and their names in SQL.
 constexpr struct NumberType {
   std::int64_t number;
   ScalarType type;
@@ -26,7 +26,7 @@ constexpr struct NumberType {
                       {20, ScalarType::int64, "int8"},      {700, ScalarType::float32, "float4"},
                       {701, ScalarType::float64, "float8"}, {k_numeric, ScalarType::float64, "float8"}};
 
-/// A list of names for a message, which is not endless.
+/// A list of names for a message, of limited length.
 std::string listed(const std::vector<std::string>& names) {
   constexpr std::size_t k_most = 12;
   const std::size_t count = std::min(names.size(), k_most);
@@ -60,7 +60,7 @@ ServerRows find_relation(ServerConnection& connection, const ServerName& name) {
 }
 
 void read_columns(ServerConnection& connection, const std::string& number, ServerTable& table) {
-  // Domains are read as what they are on.
+  // Domains are read as their base types.
   const ServerRows rows = connection.run(
       "SELECT a.attname, COALESCE(NULLIF(t.typbasetype, 0), t.oid)::int8, NOT a.attnotnull"
       " FROM pg_catalog.pg_attribute a JOIN pg_catalog.pg_type t ON t.oid = a.atttypid"
@@ -151,7 +151,7 @@ CloudRow read_cloud_row(ServerConnection& connection, const std::string& schema,
 }  // namespace
 
 std::string NumberColumn::expression() const {
-  // A domain's value goes as that of the type below it.
+  // The value of a domain is sent as that of its base type.
   return sql_name(name) + "::" + std::ranges::find(k_number_types, type, &NumberType::type)->name;
 }
 
@@ -160,7 +160,7 @@ const NumberColumn* ServerTable::find(std::string_view name) const {
   return found == columns.end() ? nullptr : &*found;
 }
 
-std::string ServerTable::has_place() const {
+std::string ServerTable::has_position() const {
   // PostgreSQL puts NaN above all numbers, and NULL is never greater or less.
   return "x > '-Infinity'::float8 AND x < 'Infinity'::float8 AND y > '-Infinity'::float8 AND"
          " y < 'Infinity'::float8 AND z > '-Infinity'::float8 AND z < 'Infinity'::float8";

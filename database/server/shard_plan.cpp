@@ -21,14 +21,14 @@ namespace alidade::database {
 namespace {
 
 [[noreturn]] void reject_shard(std::string_view text, std::string problem) {
-  // What is in front of an @ may be a password, which must not be in a message.
+  // The part before an @ may be a password, which must not be in a message.
   const std::size_t at = text.rfind('@');
   const std::string found(at == std::string_view::npos ? text : text.substr(at));
   throw input_error(std::move(problem), "HOST/DATABASE or HOST:PORT/DATABASE",
                     (at == std::string_view::npos ? "" : "...") + found);
 }
 
-/// Neither what programs take for an option or a setting, nor what terminals take for a command.
+/// Whether a name is neither an option or setting for programs nor a command for terminals.
 bool is_plain(std::string_view name) {
   const auto is_strange = [](char character) {
     return static_cast<unsigned char>(character) <= 0x20 || character == 0x7f || character == '=';
@@ -36,15 +36,15 @@ bool is_plain(std::string_view name) {
   return !name.empty() && name.front() != '-' && std::ranges::none_of(name, is_strange);
 }
 
-// What servers are to do. Scripts are for psql, and run completely or not at all.
+// The scripts for servers. They are for psql, and run completely or not at all.
 
-/// What every script begins with: an error ends it, and nothing that it did stays. Whatever the client's
-/// settings say, names and texts end where they end here.
+/// The beginning of every script: an error ends and rolls it back. Names and texts do not depend
+/// on the client's settings.
 constexpr const char* k_script_head =
     "\\set ON_ERROR_STOP on\n\\set QUIET on\n\\encoding UTF8\nSET standard_conforming_strings = on;\n"
     "SET client_min_messages = warning;\nBEGIN;\n";
 
-/// Numbers are written such that reading gives the same ones.
+/// A CHECK of a box; its numbers are read as the same ones.
 std::string box_check(const Bounds& box) {
   std::string text;
   for (int axis = 0; axis < 3; ++axis) {
@@ -54,7 +54,7 @@ std::string box_check(const Bounds& box) {
   return text;
 }
 
-/// `word` as a shell takes it for a word, whatever is in it.
+/// `word` quoted for a shell, whatever its characters.
 std::string shell_word(const std::string& word) {
   const auto is_plain = [](unsigned char character) {
     return std::isalnum(character) != 0 || character == '_' || character == '-' || character == '.' ||
@@ -77,7 +77,7 @@ std::string shard_name(std::size_t shard) {
   return fmt::format("shard_{}", shard + 1);
 }
 
-/// Makes the table of a shard whose points are in a box, from the file of its rows.
+/// The script that makes the table of a shard whose points are in a box, from the file of its rows.
 std::string shard_script(const std::string& table, const std::vector<StoredColumn>& columns,
                          std::size_t shard, const Bounds& box) {
   const std::string name = sql_name(table);
@@ -95,8 +95,7 @@ std::string shard_script(const std::string& table, const std::vector<StoredColum
       server_index(name));
 }
 
-/// Makes the table over all shards, whose points are in these boxes, and what says of them all what rows
-/// cannot.
+/// The script that makes the table over all shards, whose points are in these boxes, and its NAME_cloud.
 std::string coordinator_script(const std::string& table, const std::vector<StoredColumn>& columns,
                                std::span<const Shard> shards, std::span<const Bounds> boxes,
                                const CloudRow& cloud) {
@@ -111,8 +110,8 @@ std::string coordinator_script(const std::string& table, const std::vector<Store
       k_script_head, sql_name(table), server_columns(columns));
   for (std::size_t i = 0; i < shards.size(); ++i) {
     const std::string name = sql_name(table + "_" + shard_name(i));
-    // extensions: conditions on distances are for the shard. async_capable: shards work at the same time.
-    // use_remote_estimate: shards say what a query will cost them.
+    // extensions: shards evaluate conditions on distances. async_capable: shards work at the same time.
+    // use_remote_estimate: shards estimate the cost of queries.
     text += fmt::format(
         "CREATE SERVER {0} FOREIGN DATA WRAPPER postgres_fdw OPTIONS (host {1}, port '{2}', dbname {3},\n"
         "  extensions 'alidade_pg', async_capable 'true', use_remote_estimate 'true', fetch_size '10000');\n"
@@ -127,7 +126,7 @@ std::string coordinator_script(const std::string& table, const std::vector<Store
   return text + fmt::format("{};\n{};\nCOMMIT;\n", cloud_row_table(beside), cloud_row_insert(beside, cloud));
 }
 
-/// What to type.
+/// The text of README.txt: the commands to type.
 std::string plan_readme(const std::string& table, std::span<const Shard> shards,
                         std::span<const Bounds> boxes) {
   std::string text =
@@ -166,7 +165,7 @@ void write_text(const std::filesystem::path& path, const std::string& text) {
   file.commit();
 }
 
-/// Writes the next `count` rows, those of a shard, and returns their box.
+/// Writes the next `count` rows, those of one shard, and returns their box.
 Bounds write_rows(const std::filesystem::path& path, OrderedCloud& cloud, const CopyRows& rows,
                   std::uint64_t count, const std::function<void(std::size_t)>& report_progress) {
   OutputFile file(path, false);

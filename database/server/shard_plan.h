@@ -11,7 +11,7 @@
 
 namespace alidade::database {
 
-/// A database of a PostgreSQL server that holds a part of a cloud.
+/// A database of a PostgreSQL server for a part of a cloud.
 struct Shard {
   std::string host;  ///< name or address
   int port = 5432;
@@ -25,21 +25,21 @@ struct Shard {
 Shard parse_shard(std::string_view text);
 
 struct ShardPlanOptions {
-  std::string table = "points";  ///< what SQL calls the cloud, and its part on every shard
-  /// Bytes for points; those of a larger cloud wait in a file without a name beside the folder.
+  std::string table = "points";  ///< name in SQL of the cloud, and of its part on every shard
+  /// Bytes for points; those of a larger cloud are kept in a file without a name beside the folder.
   std::uint64_t memory = std::uint64_t{1} << 30;
-  Progress progress{};  ///< in points, once all are read
+  Progress progress{};  ///< in points, after all are read
 };
 
-/// Writes a folder with all that puts a cloud on several PostgreSQL servers, which have the extension
+/// Writes a folder with files that store a cloud on several PostgreSQL servers, which have the extension
 /// alidade_pg: for shard i, from 1 on, its part of the points along a Morton curve (shard_i.copy), all parts
-/// equally large but for one point, and what makes its table (shard_i.sql); what makes the table over all of
-/// them for a server that asks the shards through postgres_fdw (coordinator.sql); and README.txt, which tells
-/// what to type. Every part states its box as a CHECK. The folder is written completely or not at all.
+/// of equal size up to one point, and the script of its table (shard_i.sql); the script of the table over all
+/// shards for a server that queries them through postgres_fdw (coordinator.sql); and README.txt with
+/// the commands to type. Every part has its box as a CHECK. The folder is written completely or not at all.
 ///
 /// Errors: the folder exists or cannot be written; fewer points than shards; too many columns for PostgreSQL;
 /// a table's name that is empty, longer than 40 bytes or has control characters; those of reading. Cancelled.
-/// Memory: ShardPlanOptions::memory, and what CloudReader::read_in_pieces() says.
+/// Memory: ShardPlanOptions::memory, and that of CloudReader::read_in_pieces().
 StoredFiles write_shard_plan(const std::filesystem::path& folder, const CloudInputs& inputs,
                              const ReadOptions& reading, std::span<const Shard> shards,
                              const ShardPlanOptions& options = {});

@@ -15,7 +15,7 @@
 namespace alidade::database {
 namespace {
 
-/// The names of what belongs to a cloud, quoted.
+/// The quoted names of the objects of a cloud.
 struct CloudTables {
   std::string schema, points, cloud;
 };
@@ -29,7 +29,7 @@ bool has_relation(ServerConnection& connection, const std::string& schema, const
   return found.size() > 0;
 }
 
-/// Errors: something of that name is there that may not be replaced.
+/// Errors: an object of such a name exists that must not be replaced.
 CloudTables check_tables(ServerConnection& connection, const ServerName& name, bool replace) {
   std::string schema = name.schema;
   if (schema.empty()) schema = connection.run("SELECT current_schema()").text(0, 0);
@@ -48,7 +48,7 @@ CloudTables check_tables(ServerConnection& connection, const ServerName& name, b
           .cloud = sql_name(schema) + "." + sql_name(name.table + "_cloud")};
 }
 
-/// Within a transaction.
+/// Stores a cloud within a transaction.
 void store(ServerConnection& connection, const ServerName& name, OrderedCloud& cloud,
            const ServerStoreOptions& options) {
   std::uint64_t done = 0;
@@ -56,7 +56,7 @@ void store(ServerConnection& connection, const ServerName& name, OrderedCloud& c
   const CopyRows rows(cloud.columns(), cloud.whole.rest.lattice);
   check_column_count(rows.columns());
   connection.run("CREATE EXTENSION IF NOT EXISTS alidade_pg");
-  // Somebody may have made a table meanwhile.
+  // Another session may have made a table meanwhile.
   const CloudTables tables = check_tables(connection, name, options.replace);
   if (options.replace)
     connection.run("DROP TABLE IF EXISTS " + tables.points + ", " + tables.cloud, {}, wait);

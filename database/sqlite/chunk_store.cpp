@@ -26,7 +26,7 @@ std::uint64_t pages_of(std::uint64_t boxes) {
   return (boxes + k_fan_out - 1) / k_fan_out;
 }
 
-/// False also for what is no box.
+/// False also for invalid boxes.
 bool lies_inside(const Bounds& box, const Bounds& around) {
   for (int axis = 0; axis < 3; ++axis) {
     if (!(around.min[axis] <= box.min[axis] && box.min[axis] <= box.max[axis] &&
@@ -144,12 +144,12 @@ void ChunkStore::reject(std::uint64_t chunk, std::string problem, std::string ex
 std::vector<ChunkLocation> ChunkStore::chunks(const PointFilter& filter, std::optional<std::uint64_t> only) {
   const auto wanted = [&](const Bounds& box) { return may_hold(filter, box); };
   if (!only) return boxes_.chunks(wanted);
-  const std::optional<ChunkLocation> offset = boxes_.chunk(*only);
-  return offset && wanted(offset->box) ? std::vector{*offset} : std::vector<ChunkLocation>();
+  const std::optional<ChunkLocation> location = boxes_.chunk(*only);
+  return location && wanted(location->box) ? std::vector{*location} : std::vector<ChunkLocation>();
 }
 
-std::shared_ptr<StoredChunk> ChunkStore::read(const ChunkLocation& offset) {
-  const std::uint64_t id = offset.id;
+std::shared_ptr<StoredChunk> ChunkStore::read(const ChunkLocation& location) {
+  const std::uint64_t id = location.id;
   positions_.bind(1, static_cast<std::int64_t>(id));
   if (!positions_.step()) {
     positions_.reset();
@@ -174,8 +174,8 @@ std::shared_ptr<StoredChunk> ChunkStore::read(const ChunkLocation& offset) {
   }
   LatticeExtent extent;
   for (const LatticePosition& position : chunk->positions) extent.grow(position);
-  if (!chunk->positions.empty() &&
-      (to_world(lattice_, extent.low) != offset.box.min || to_world(lattice_, extent.high) != offset.box.max))
+  if (!chunk->positions.empty() && (to_world(lattice_, extent.low) != location.box.min ||
+                                    to_world(lattice_, extent.high) != location.box.max))
     reject(id, "the points do not match their box", "the bounds of the points", "");
   return chunk;
 }
@@ -191,7 +191,7 @@ const std::byte* ChunkStore::bytes(StoredChunk& chunk, const StoredColumn& colum
     chunk.blobs[blob].emplace(stored.begin(), stored.end());
     values_.reset();
   }
-  // Each time, since columns may disagree about the blob they share.
+  // Checked at each call, since columns may disagree about the size of the blob they share.
   if (chunk.blobs[blob]->size() != size * chunk.positions.size()) {
     reject(chunk.id, fmt::format("wrong size of the values of {}", column.name),
            fmt::format("{} bytes for each of {} points", size, chunk.positions.size()),

@@ -15,29 +15,30 @@
 #include "database/sqlite/cloud_schema.h"
 #include "database/sqlite/connection.h"
 
-// The boxes of a cloud's chunks, and boxes around 64 of these, and so on: what SQLite's own R*Tree would be,
-// but exact (that keeps floats) and asked without a function that only programs linked with SQLite can give
-// it. Chunks follow a Morton curve, so neighbours in number are neighbours in space. A page is the row with
-// the id level * 2^32 + number and has the boxes of 64 chunks (level 0) or pages below, the last page of a
-// level maybe fewer: least x, y, z, greatest x, y, z as float64 each. The topmost level has one page.
+// A tree of boxes: the boxes of a cloud's chunks, boxes around 64 of these, and so on. Unlike SQLite's own
+// R*Tree, it is exact (that stores floats) and is queried without a function that only programs linked
+// with SQLite can register. Chunks follow a Morton curve, so neighbours in number are neighbours in space.
+// A page is the row with the id level * 2^32 + number and has the boxes of 64 chunks (level 0) or pages
+// below, or fewer in the last page of a level: least x, y, z, greatest x, y, z as float64 each. The
+// topmost level has one page.
 
 namespace alidade::database {
 
 /// Writes the pages for the boxes of all chunks, in the order of their ids, into a table (id, boxes).
 void write_box_tree(sqlite3* database, const std::string& table_name, std::vector<Bounds> boxes);
 
-/// Asks such a table.
+/// Queries a table of write_box_tree().
 class BoxTree {
  public:
-  /// Of the cloud `table` of one of the connection's databases.
+  /// Opens the boxes of the cloud `table` of one of the connection's databases.
   BoxTree(sqlite3* database, const std::string& schema, const std::string& table, std::uint64_t chunk_count);
 
-  /// The chunks for whose box, and the boxes around it, `wanted` is true; by id. Errors: pages that are
-  /// missing or of another size; invalid boxes, or boxes not inside that of their page. Cost: the pages that
-  /// it has to look at.
+  /// The chunks for which `wanted` is true of their box and of the boxes around it; by id. Errors: pages
+  /// that are missing or of another size; invalid boxes, or boxes not inside that of their page. Cost:
+  /// the pages that are tested.
   std::vector<ChunkLocation> chunks(const std::function<bool(const Bounds&)>& wanted);
 
-  /// The chunk of this id, if there is one. Errors: as those of the others. Cost: one page.
+  /// The chunk of this id, if there is one. Errors: as chunks(). Cost: one page.
   std::optional<ChunkLocation> chunk(std::uint64_t id);
 
  private:
@@ -50,15 +51,15 @@ class BoxTree {
   Statement page_;
 };
 
-/// The chunks of one cloud. Errors: SQLite's, and chunks that are not there, too short or not in their box,
+/// The chunks of one cloud. Errors: SQLite's; chunks that are missing, too short or not in their box,
 /// with their number.
 class ChunkStore final : public ChunkSource {
  public:
-  /// What it is given must outlive it.
+  /// The arguments must outlive it.
   ChunkStore(sqlite3* database, const std::string& schema, const std::string& table,
              const CloudSchema& cloud);
 
-  /// By id. Cost: as BoxTree's.
+  /// By id. Cost: as BoxTree::chunks().
   std::vector<ChunkLocation> chunks(const PointFilter& filter, std::optional<std::uint64_t> only) override;
   std::shared_ptr<StoredChunk> read(const ChunkLocation& location) override;
   const std::byte* bytes(StoredChunk& chunk, const StoredColumn& column, std::size_t row) override;

@@ -17,7 +17,7 @@ const char* const k_parts[] = {"cloud", "column", "chunk", "value", "bounds"};
 
 static_assert(std::endian::native == std::endian::little, "numbers in blobs are copied as they are");
 
-/// Whether a row of NAME_column can be: the number lies within the bytes of a point.
+/// Whether a row of NAME_column is valid: the number lies within the bytes of a point.
 bool is_possible(const StoredColumn& column) {
   const int type = static_cast<int>(column.type);
   if (type < static_cast<int>(ScalarType::bytes) || type > static_cast<int>(ScalarType::float64))
@@ -33,7 +33,7 @@ std::span<const std::byte> bytes_of(const Values& values) {
   return std::as_bytes(std::span(values));
 }
 
-/// Whole values only.
+/// The values of a blob; an incomplete one at the end is dropped.
 template <class Values>
 void take_bytes(std::span<const std::byte> bytes, Values& values) {
   values.resize(bytes.size() / sizeof values[0]);
@@ -78,7 +78,7 @@ class Described {
                fmt::format("scale {}, offset {}", cloud.lattice.scale[axis], cloud.lattice.offset[axis]));
       }
     }
-    // Chunks have a point or more, and their numbers 32 bits.
+    // Every chunk has a point, and its number 32 bits.
     const std::int64_t points = row.whole(7), chunks = row.whole(8);
     if (row.type(7) != SQLITE_INTEGER || row.type(8) != SQLITE_INTEGER || chunks < 0 || chunks > UINT32_MAX ||
         points < chunks || points > chunks * k_most_chunk_points) {
@@ -100,8 +100,8 @@ class Described {
         "column", "SELECT name, blob, size, place, type, scale, \"offset\", no_data FROM ", " ORDER BY id");
     while (entry.step()) {
       // Numbers that are too large are invalid.
-      const auto small = [&](int offset, std::int64_t most) {
-        const std::int64_t number = entry.whole(offset);
+      const auto small = [&](int index, std::int64_t most) {
+        const std::int64_t number = entry.whole(index);
         return static_cast<int>(number >= 0 && number <= most ? number : -1);
       };
       StoredColumn column{.name = entry.text(0),
@@ -117,7 +117,7 @@ class Described {
           reject("column", "invalid nodata value of column " + column.name, "8 bytes", "");
         std::memcpy(column.no_data->data(), mark.data(), mark.size());
       }
-      const auto is_number = [&](int offset) { return entry.type(offset) == SQLITE_FLOAT; };
+      const auto is_number = [&](int index) { return entry.type(index) == SQLITE_FLOAT; };
       if (entry.type(0) != SQLITE_TEXT || column.name.empty())
         reject("column", "column without a name", "", "");
       if (!is_possible(column) || !is_number(5) || !is_number(6))

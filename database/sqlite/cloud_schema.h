@@ -11,10 +11,10 @@
 
 struct sqlite3;
 
-// A cloud in SQLite. A table of the module pointcloud, named NAME, is on five ordinary tables:
+// A cloud in SQLite. A table NAME of the module pointcloud reads five ordinary tables:
 //
-//   NAME_cloud   one row: format version, lattice, counts, reference system, how GPS times count
-//   NAME_column  what the columns are (StoredColumn), in their order
+//   NAME_cloud   one row: format version, lattice, counts, reference system, kind of GPS times
+//   NAME_column  the columns (StoredColumn), in their order
 //   NAME_chunk   positions of chunks of points in Morton order: 3 int32 lattice steps per point
 //   NAME_value   the other values: blob `blob` of chunk `chunk` has the id blob * 2^32 + chunk
 //   NAME_bounds  boxes of the chunks (database/sqlite/chunk_store.h)
@@ -31,22 +31,22 @@ struct CloudSchema {
   std::uint64_t point_count = 0;
   std::uint64_t chunk_count = 0;
   Crs crs;
-  bool gps_time_is_standard = false;  ///< as PointCloud's
+  bool gps_time_is_standard = false;  ///< PointCloud::gps_time_is_standard
   std::vector<StoredColumn> columns;
 };
 
-/// Makes the tables below `table`, but for the module's own. Errors: SQLite's.
+/// Makes the ordinary tables of `table`. Errors: SQLite's.
 void create_cloud_tables(sqlite3* database, const std::string& schema, const std::string& table,
                          const CloudSchema& cloud);
 
-/// Reads what create_cloud_tables() wrote. Errors: the tables are missing, are not a cloud's, of another
-/// version, or say what cannot be.
+/// Reads the schema that create_cloud_tables() wrote. Errors: the tables are missing, are not a cloud's, of
+/// another version, or have invalid values.
 CloudSchema read_cloud_schema(sqlite3* database, const std::string& schema, const std::string& table);
 
-/// Removes the tables, those that are there, or what else has their names.
+/// Removes those of the tables that exist, or whatever else has their names.
 void drop_cloud_tables(sqlite3* database, const std::string& schema, const std::string& table);
 
-/// Gives the tables the names that those of a cloud `name` have. Errors: SQLite's.
+/// Renames the tables to those of a cloud `name`. Errors: SQLite's.
 void rename_cloud_tables(sqlite3* database, const std::string& schema, const std::string& table,
                          const std::string& name);
 

@@ -22,7 +22,7 @@ struct Table {
   std::unique_ptr<FileCloud> files;  ///< null: the cloud is in the database
   CloudSchema cloud;
   TableColumns columns;
-  ScanReads* reads;  ///< those of the connection, or null
+  ScanReads* reads;  ///< of the connection, or null
 
   Table(sqlite3* connection, std::string schema_name, std::string table_name,
         std::unique_ptr<FileCloud> cloud_files, ScanReads* all_reads)
@@ -37,7 +37,7 @@ struct Table {
 
 struct Cursor {
   sqlite3_vtab_cursor base{};         // SQLite's part, which must be first
-  std::unique_ptr<ChunkStore> store;  ///< null: the source is that of all scans
+  std::unique_ptr<ChunkStore> store;  ///< null: all scans share one source
   ChunkSource& source;
   Arguments arguments;
   std::optional<PointCursor> points;
@@ -66,9 +66,9 @@ Cursor& cursor_of(sqlite3_vtab_cursor* base) {
   return *reinterpret_cast<Cursor*>(base);
 }
 
-void keep_message(char** offset, const char* message) {
-  sqlite3_free(*offset);
-  *offset = sqlite3_mprintf("%s", message);
+void keep_message(char** kept, const char* message) {
+  sqlite3_free(*kept);
+  *kept = sqlite3_mprintf("%s", message);
 }
 
 /// Runs a callback of a table, whose message it keeps.
@@ -77,7 +77,7 @@ int table_guarded(sqlite3_vtab* base, const Work& work) {
   return guarded(work, [&](const char* message) { keep_message(&base->zErrMsg, message); });
 }
 
-/// Makes a table known to SQLite. `columns`: what messages call those who say which columns there are.
+/// Declares a table to SQLite. `columns`: the origin of the columns, for messages.
 void declare(std::unique_ptr<Table> table, const std::string& columns, sqlite3_vtab** made) {
   sqlite3* const database = table->database;
   const int count = table->columns.size(), most = sqlite3_limit(database, SQLITE_LIMIT_COLUMN, -1);
@@ -92,8 +92,8 @@ void declare(std::unique_ptr<Table> table, const std::string& columns, sqlite3_v
         result,
         {.file = file_of(database, table->schema), .location = columns, .problem = sqlite3_errmsg(database)});
   }
-  // Of a cloud in the database, tables are read and nothing else is done, whatever a file says. Other files are read
-  // only for the statement of a user, not for a view or trigger.
+  // A table over a cloud in the database only reads tables, whatever the file contains. Other files
+  // are read only for a statement of the user, not for a view or trigger.
   sqlite3_vtab_config(database, table->files ? SQLITE_VTAB_DIRECTONLY : SQLITE_VTAB_INNOCUOUS);
   *made = &table.release()->base;
 }
@@ -111,7 +111,8 @@ int connect(sqlite3* database, void* reads, int count, const char* const* words,
       [&](const char* text) { keep_message(message, text); });
 }
 
-/// Apart from connect(): a module for which both are one is a table itself, without being made.
+/// Not connect() itself: a module with one function for both is an eponymous table,
+/// which exists without CREATE.
 int create(sqlite3* database, void* reads, int count, const char* const* words, sqlite3_vtab** made,
            char** message) {
   return connect(database, reads, count, words, made, message);
@@ -131,8 +132,8 @@ std::string literal_text(std::string_view literal) {
   return text;
 }
 
-/// Who opens a database must not thereby open files that its author chose: error unless a table over files is
-/// one of this connection alone.
+/// Opening a database must not open files that its author chose: error unless a table over files belongs
+/// to this connection alone.
 void check_owner(sqlite3* database, const std::string& schema, const std::string& table, bool is_new) {
   if (schema == "temp") return;
   // A database in memory may come from elsewhere, too (sqlite3_deserialize()).
@@ -292,7 +293,7 @@ int find_function(sqlite3_vtab*, int count, const char* name,
   return SQLITE_INDEX_CONSTRAINT_FUNCTION;
 }
 
-/// The tables that only this module may write, where SQLite is set to be strict.
+/// Shadow tables: only this module may write them if SQLite's defensive mode is on.
 int is_shadow(const char* name) {
   for (const char* const part : {"cloud", "column", "chunk", "value", "bounds"}) {
     if (sqlite3_stricmp(name, part) == 0) return 1;
@@ -321,7 +322,7 @@ const sqlite3_module k_module = [] {
   return module;
 }();
 
-/// Tables over files, which have nothing in the database.
+/// Tables over files, without any data in the database.
 const sqlite3_module k_file_module = [] {
   sqlite3_module module = k_module;
   module.xCreate = create_files;

@@ -6,7 +6,7 @@
 namespace alidade::database {
 namespace {
 
-/// Waits a moment for who holds the file. 0 if it has waited long enough.
+/// Waits a moment for the holder of a lock. Returns 0 if it has waited long enough.
 int wait_for_others(void* is_given_up, int waits_before) {
   constexpr int k_milliseconds = 10, k_most_waits = 1000;
   const auto& stop = *static_cast<const std::function<bool()>*>(is_given_up);
@@ -18,7 +18,7 @@ int wait_for_others(void* is_given_up, int waits_before) {
 }  // namespace
 
 void Connection::set_up(const std::filesystem::path& file, int flags, const char* vfs) {
-  // Names such as ":memory:" are those of files here.
+  // Names such as ":memory:" are names of files here.
   const std::filesystem::path path = file.empty() ? ":memory:" : file.is_absolute() ? file : "." / file;
   int result = sqlite3_open_v2(path.c_str(), &database_, flags | SQLITE_OPEN_NOMUTEX, vfs);
   if (result == SQLITE_OK) result = add_functions(database_);
@@ -26,9 +26,9 @@ void Connection::set_up(const std::filesystem::path& file, int flags, const char
   if (result == SQLITE_OK) result = add_file_tables(database_, &files_);
   if (result != SQLITE_OK)
     throw file_error(file, database_ == nullptr ? sqlite3_errstr(result) : sqlite3_errmsg(database_));
-  // What others put into a file, such as views and triggers, may do nothing but ask.
+  // Views and triggers that others have put into a file may only query.
   sqlite3_db_config(database_, SQLITE_DBCONFIG_TRUSTED_SCHEMA, 0, nullptr);
-  // A misspelt "name" would else be text, which is above every number.
+  // Otherwise a misspelt "name" would be text, which is above every number.
   sqlite3_db_config(database_, SQLITE_DBCONFIG_DQS_DML, 0, nullptr);
   sqlite3_busy_handler(database_, wait_for_others, &is_given_up_);
 }
@@ -39,7 +39,7 @@ Connection::Connection(const std::filesystem::path& file, Mode mode, std::functi
                     : mode == Mode::write ? SQLITE_OPEN_READWRITE
                                           : SQLITE_OPEN_READWRITE | SQLITE_OPEN_CREATE;
   try {
-    // On network file systems SQLite's locks would meet that of create_temporary().
+    // On network file systems SQLite's locks would conflict with that of create_temporary().
     set_up(file, flags, mode == Mode::create ? "unix-none" : nullptr);
     if (mode == Mode::read) sqlite3_db_config(database_, SQLITE_DBCONFIG_DEFENSIVE, 1, nullptr);
     // Opening reads nothing; a file that is not a database fails here.

@@ -16,13 +16,13 @@
 
 namespace alidade::database {
 
-/// What scans of clouds have read.
+/// Counts of what scans of clouds have read.
 struct ScanReads {
-  std::uint64_t scans = 0;        ///< a table in a join is scanned once for each row before it
-  std::uint64_t chunks = 0;       ///< that the clouds have, summed over the scans
+  std::uint64_t scans = 0;        ///< in a join, a table is scanned once for each row before it
+  std::uint64_t chunks = 0;       ///< of the clouds, summed over the scans
   std::uint64_t chunks_read = 0;  ///< of these
   std::uint64_t points_read = 0;  ///< in these
-  std::uint64_t rows_given = 0;   ///< points that SQLite got to see
+  std::uint64_t rows_given = 0;   ///< points that were passed to SQLite
 
   ScanReads& operator+=(const ScanReads& other) {
     scans += other.scans;
@@ -34,21 +34,21 @@ struct ScanReads {
   }
 };
 
-/// How tables over files are made.
+/// Options of tables over files.
 struct FileTables {
   ReadOptions reading{};
   std::function<bool()> is_given_up{};                          ///< ends scans that read files, if true
-  std::function<void(const std::vector<std::string>&)> warn{};  ///< gets PointCloud::warnings
-  ScanReads* reads = nullptr;                                   ///< to which scans add what they read
+  std::function<void(const std::vector<std::string>&)> warn{};  ///< called with PointCloud::warnings
+  ScanReads* reads = nullptr;                                   ///< scans add what they read
 };
 
-/// The file of one of a connection's databases, as messages name it.
+/// The file of one of a connection's databases, for messages.
 inline std::string file_of(sqlite3* database, const std::string& schema = "main") {
   const char* const file = sqlite3_db_filename(database, schema.c_str());
   return file == nullptr ? "" : file;
 }
 
-/// An Error for which SQLite has a code.
+/// An Error with a result code of SQLite.
 class SqliteError : public Error {
  public:
   SqliteError(int code, Parts parts) : Error(std::move(parts)), code_(code) {}
@@ -58,20 +58,20 @@ class SqliteError : public Error {
   int code_;
 };
 
-/// Throws the Error about tables of a cloud that say what cannot be.
+/// Throws the Error about tables of a cloud with invalid values.
 [[noreturn]] inline void reject_stored(Error::Parts parts) {
   throw SqliteError(SQLITE_CORRUPT_VTAB, std::move(parts));
 }
 
-/// What a statement may read.
+/// The tables that a statement may read.
 enum class Readable {
   everything,
-  /// No virtual tables and no views: the tables of a cloud could be made such that reading them reads the
-  /// cloud again.
+  /// No virtual tables and no views: otherwise a crafted file could make reading the tables of a
+  /// cloud read the cloud again.
   plain_tables,
 };
 
-/// A prepared statement of SQLite. Parameters and columns are counted as SQLite does: from 1 and from 0.
+/// A prepared statement of SQLite. As in SQLite, parameters are counted from 1, columns from 0.
 /// Errors of all members: SQLite's message, with the name of the database file.
 class Statement {
  public:
@@ -97,7 +97,7 @@ class Statement {
         sqlite3_bind_text64(statement_, index, text.data(), text.size(), SQLITE_TRANSIENT, SQLITE_UTF8));
   }
 
-  /// The bytes must stay until the next step(). Null bytes are NULL.
+  /// The bytes must remain valid until the next step(). A null pointer is NULL.
   Statement& bind(int index, std::span<const std::byte> bytes) {
     return check(sqlite3_bind_blob64(statement_, index, bytes.data(), bytes.size(), SQLITE_STATIC));
   }
@@ -115,7 +115,7 @@ class Statement {
     reset();
   }
 
-  /// The same with these for all parameters.
+  /// Binds all parameters, then run().
   template <class... Values>
   void run_with(const Values&... values) {
     int index = 0;
@@ -134,7 +134,7 @@ class Statement {
     return start == nullptr ? std::string() : std::string(reinterpret_cast<const char*>(start));
   }
 
-  /// Until the next step().
+  /// Valid until the next step().
   std::span<const std::byte> bytes(int column) const {
     const void* const start = sqlite3_column_blob(statement_, column);
     return {static_cast<const std::byte*>(start),
@@ -148,7 +148,7 @@ class Statement {
   }
   [[noreturn]] void fail() const {
     const std::string file = file_of(database_, schema_), message = sqlite3_errmsg(database_);
-    // A cloud's own messages begin with it.
+    // Messages of clouds begin with the name of the file.
     throw SqliteError(sqlite3_errcode(database_),
                       {.file = message.starts_with(file + ":") ? "" : file, .problem = message});
   }
@@ -163,29 +163,29 @@ inline void run(sqlite3* database, const std::string& sql) {
   Statement(database, sql).run();
 }
 
-/// A connection to an SQLite file, or to cloud files, with the functions and table modules of Alidade. For one
-/// thread at a time.
+/// A connection to an SQLite file, or to cloud files, with the functions and table modules of Alidade.
+/// For one thread at a time.
 class Connection {
  public:
   enum class Mode { read, write, create };
 
-  /// While others write, each statement waits for them for up to 10 s, or until `is_given_up` says so.
-  /// A file that is created has no other readers, and nothing in it is locked. Errors: the file cannot be opened, or is
-  /// no database.
+  /// While others write, each statement waits for them for up to 10 s, or until `is_given_up` returns true.
+  /// A file that is created has no other readers and is not locked. Errors: the file cannot be opened, or is
+  /// not a database.
   Connection(const std::filesystem::path& file, Mode mode, std::function<bool()> is_given_up = {});
-  /// A database in memory with the table `points` over cloud files. Of `files`, reading and warnings count
-  /// until it is made; `reads` does not count. Errors: those of FileCloud (database/sqlite/file_cloud.h).
+  /// A database in memory with the table `points` over cloud files. Of `files`, `reading` and `warn` are used
+  /// only until it is made; `reads` is not used. Errors: those of FileCloud (database/sqlite/file_cloud.h).
   Connection(std::span<const std::filesystem::path> clouds, FileTables files);
   ~Connection() { sqlite3_close(database_); }
   Connection(const Connection&) = delete;
   Connection& operator=(const Connection&) = delete;
 
   sqlite3* get() const { return database_; }
-  /// By all scans of clouds that have ended.
+  /// Of all scans of clouds that have ended.
   const ScanReads& reads() const { return reads_; }
 
  private:
-  /// No file: a database in memory.
+  /// An empty `file` is a database in memory.
   void set_up(const std::filesystem::path& file, int flags, const char* vfs = nullptr);
 
   ScanReads reads_;

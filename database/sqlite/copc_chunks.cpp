@@ -20,7 +20,7 @@ constexpr std::size_t k_chunk_points = BoxedPoints::k_block_points * BoxedPoints
 constexpr std::size_t k_cache_bytes = std::size_t{512} << 20;
 constexpr std::size_t k_attribute_bytes = std::size_t{256} << 20;
 
-/// More than CopcCache takes for a point.
+/// Upper bound of the memory that CopcCache takes per point.
 constexpr std::uint64_t k_bytes_per_point = 20;
 
 class CopcChunks final : public ChunkSource {
@@ -126,13 +126,15 @@ class CopcChunks final : public ChunkSource {
     return (node + 1 < first_chunks_.size() ? first_chunks_[node + 1] : chunk_count_) - first_chunks_[node];
   }
 
-  /// The last node that begins with it or before is the only one with chunks.
+  /// The node of a chunk: the last one with a first chunk not above it, since nodes without
+  /// chunks begin with the next.
   std::uint32_t node_of(std::uint64_t chunk) const {
     const auto behind = std::ranges::upper_bound(first_chunks_, chunk);
     return static_cast<std::uint32_t>(behind - first_chunks_.begin() - 1);
   }
 
-  /// Nodes with points that may be wanted, in the order of the hierarchy. How many points they have.
+  /// Finds the nodes that may have wanted points, in the order of the hierarchy.
+  /// Returns their number of points.
   std::uint64_t find_nodes(const PointFilter& filter, std::vector<std::uint32_t>& wanted) const {
     std::uint64_t points = 0;
     std::vector<std::uint32_t> stack{0};
@@ -149,7 +151,7 @@ class CopcChunks final : public ChunkSource {
     return points;
   }
 
-  /// The chunks below some boxes of a level that may have wanted points.
+  /// Finds the chunks below some boxes of a level that may have wanted points.
   void visit(const BoxedPoints& points, const PointFilter& filter, int level, std::size_t begin,
              std::size_t end, std::uint64_t first_chunk, std::vector<ChunkLocation>& found) const {
     const Lattice& lattice = file_.header().lattice;
@@ -180,7 +182,7 @@ class CopcChunks final : public ChunkSource {
     return read_copc_nodes(std::span(&chosen, 1), options);
   }
 
-  /// Which depth the colours of the file have.
+  /// The depth of the colours of the file.
   const ColorSpread& spread() {
     if (spread_) return *spread_;
     constexpr std::size_t k_nodes_at_once = 16;
@@ -197,7 +199,7 @@ class CopcChunks final : public ChunkSource {
     return spread_.emplace(choose_spread(std::move(rows), ColorDepth::automatic, ignored));
   }
 
-  /// Those of all points of a node, by their rows in it.
+  /// Attributes of all points of a node, by their rows in it.
   std::shared_ptr<const PointCloud> attributes_of(std::uint32_t node) {
     const auto found = std::ranges::find(attributes_, node, &NodeAttributes::node);
     if (found != attributes_.end()) {
@@ -223,7 +225,7 @@ class CopcChunks final : public ChunkSource {
   std::vector<std::uint64_t> first_chunks_;  ///< of the nodes
   std::uint64_t chunk_count_ = 0;
   std::optional<ColorSpread> spread_;
-  std::list<NodeAttributes> attributes_;  ///< those used last first
+  std::list<NodeAttributes> attributes_;  ///< the last used first
   std::size_t attribute_bytes_ = 0;
 };
 

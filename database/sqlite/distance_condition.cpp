@@ -10,20 +10,20 @@ namespace {
 
 constexpr std::size_t k_ray_arguments = 6, k_arguments = 9;
 
-/// Whether the tokens give the same value each time within a row: no function is called.
+/// Whether the tokens have the same value each time within a row: no function is called.
 bool is_steady(const TokenList& tokens, TokenRange range) {
   for (std::size_t i = range.begin; i < range.end; ++i) {
     // These words call functions of their name.
     if (tokens.is_one_of(i, {"like", "glob", "match", "regexp"})) return false;
     if (tokens.is_name(i) && tokens.is_sign(i + 1, "(")) return false;
-    // These signs call functions, too, and what they return for text that is not JSON is an error.
+    // These signs call functions, too, which fail for text that is not JSON.
     if (tokens.is_sign(i, "->") || tokens.is_sign(i, "->>")) return false;
   }
   return true;
 }
 
-/// The end of what binds closer than any comparison: a literal, parameter, column or parentheses, with signs
-/// in front; nothing if there is something else.
+/// The end of an operand that binds closer than any comparison: a literal, parameter, column or parentheses,
+/// with signs before it; empty if there is something else.
 std::optional<std::size_t> operand_end(const TokenList& tokens, std::size_t begin) {
   std::size_t i = begin;
   while (tokens.is_sign(i, "-") || tokens.is_sign(i, "+")) ++i;
@@ -40,7 +40,7 @@ std::optional<std::size_t> operand_end(const TokenList& tokens, std::size_t begi
   return i;
 }
 
-/// The comparison's sign as it reads with the distance in front; empty if the comparison sets no limit.
+/// The comparison's sign with the distance on the left; empty if the comparison sets no limit.
 std::string comparison(const TokenList& tokens, std::size_t index, bool is_reversed) {
   constexpr std::array<std::array<std::string_view, 2>, 6> k_signs = {
       {{"<", ">"}, {"<=", ">="}, {">", "<"}, {">=", "<="}, {"=", "="}, {"==", "="}}};
@@ -50,7 +50,8 @@ std::string comparison(const TokenList& tokens, std::size_t index, bool is_rever
   return {};
 }
 
-/// What is in front of the name of a coordinate, with the dot; nothing if it is no column of that name.
+/// The tokens before the name of a coordinate, with the dot; empty if the argument is
+/// not a column of that name.
 std::optional<TokenRange> table_of(const TokenList& tokens, TokenRange column, std::string_view name) {
   if (column.begin == column.end) return std::nullopt;
   for (std::size_t i = column.begin; i < column.end; ++i) {

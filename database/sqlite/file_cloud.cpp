@@ -21,7 +21,7 @@ FileCloud::FileCloud(std::span<const std::filesystem::path> names, const FileTab
 
 FileCloud::FileState FileCloud::state_of(const std::filesystem::path& file) {
   struct stat status {};
-  // What is missing has the state of no file.
+  // A missing file has the default state.
   if (is_remote_name(file.string()) || ::stat(file.c_str(), &status) != 0) return {.name = file};
   return {.name = file,
           .device = status.st_dev,

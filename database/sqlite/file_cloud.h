@@ -14,25 +14,25 @@
 
 namespace alidade::database {
 
-/// What a table over cloud files has. For one thread at a time.
+/// The cloud of a table over files. For one thread at a time.
 class FileCloud {
  public:
-  /// Names of files, folders and patterns (resolve_clouds()), taken together as one cloud: a single COPC file with
-  /// points is read where it lies (copc_chunks()), unless with ReadOptions::partial; everything else is loaded
-  /// (octree_chunks()). Heights are in the unit of x and y (in_one_unit()). Errors: those of resolve_clouds() and of
-  /// these; a file changes while it is read. Cancelled.
+  /// Opens files, folders and patterns (resolve_clouds()) as one cloud: a single COPC file with points
+  /// by copc_chunks(), unless with ReadOptions::partial; everything else by octree_chunks(). Heights
+  /// are in the unit of x and y (in_one_unit()). Errors: those of these functions; a file changes
+  /// while it is read. Cancelled.
   FileCloud(std::span<const std::filesystem::path> names, const FileTables& how);
 
   const CloudSchema& schema() const { return chunks_.schema; }
   const std::vector<std::string>& warnings() const { return chunks_.warnings; }
   ChunkSource& source() const { return *chunks_.source; }
 
-  /// Error if a file is not the one that was opened, by its size, modification time and number in the file
-  /// system. Remote files are not looked at. Cost: a system call per file.
+  /// Error if a file is not the one that was opened, by its size, modification time and inode number. Remote
+  /// files are not checked. Cost: a system call per file.
   void check_unchanged() const;
 
  private:
-  /// What tells a file from another one of its name.
+  /// Identifies a file and its version.
   struct FileState {
     std::filesystem::path name;
     std::uint64_t device = 0, number = 0, size = 0;

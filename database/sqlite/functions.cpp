@@ -15,7 +15,7 @@ constexpr std::byte k_mark[k_head - 1] = {std::byte{'a'}, std::byte{'l'}, std::b
 
 using Values = std::span<sqlite3_value* const>;
 
-/// A function of SQL; `name` is what its errors begin with.
+/// A function of SQL; its errors begin with `name`.
 struct SqlFunction {
   const char* name;
   int arguments;
@@ -63,7 +63,7 @@ void limit(sqlite3_context* context, Values values, const char* name) {
   if (given) {
     limit.numbers = *given;
   } else {
-    // What a ray is compared with does not make one of it.
+    // The ray is checked also if a limit is NULL.
     const auto ray = numbers<6>(values.first(6), name);
     if (!ray) return;
     std::ranges::copy(*ray, limit.numbers.begin());
@@ -129,12 +129,12 @@ DistanceLimit decode_distance_limit(std::span<const std::byte> bytes) {
 
 void add(const DistanceLimit& limit, PointFilter& filter) {
   const auto& n = limit.numbers;
-  const glm::dvec3 offset(n[0], n[1], n[2]), direction(n[3], n[4], n[5]);
+  const glm::dvec3 origin(n[0], n[1], n[2]), direction(n[3], n[4], n[5]);
   const Interval distance{n[6], n[7]};
   if (limit.kind == DistanceLimit::Kind::ray)
-    filter.lines.push_back({.ray = make_ray(offset, direction), .distance = distance});
+    filter.lines.push_back({.ray = make_ray(origin, direction), .distance = distance});
   else if (limit.kind == DistanceLimit::Kind::plane)
-    filter.planes.push_back({.plane = make_plane(offset, direction), .distance = distance});
+    filter.planes.push_back({.plane = make_plane(origin, direction), .distance = distance});
 }
 
 void in_chunk(sqlite3_context* context, int, sqlite3_value** values) {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// What the stock sqlite3 shell, Python and Alidade's own program load: .load ./libalidade_sqlite
+// The loadable extension for the sqlite3 shell, Python and Alidade's own program: .load ./libalidade_sqlite
 #include <sqlite3ext.h>
 
 #include "database/sqlite/functions.h"
@@ -9,7 +9,7 @@ SQLITE_EXTENSION_INIT1
 extern "C" __attribute__((visibility("default"))) int sqlite3_alidadesqlite_init(
     sqlite3* database, char** message, const sqlite3_api_routines* routines) {
   SQLITE_EXTENSION_INIT2(routines);
-  constexpr int k_oldest = 3038000;  // the oldest that was tried
+  constexpr int k_oldest = 3038000;  // the oldest that was tested
   if (sqlite3_libversion_number() < k_oldest) {
     *message = sqlite3_mprintf("alidade requires SQLite 3.38 or later, not %s", sqlite3_libversion());
     return SQLITE_ERROR;

@@ -15,7 +15,7 @@
 namespace alidade::database {
 namespace {
 
-/// child_bounds() of all leaves of a node together, at the cost of one; empty if it has none.
+/// The union of child_bounds() of all leaves of a node, at the cost of one; empty if it has none.
 Bounds leaf_bounds(const TreeView& tree, const Frame& frame) {
   SlotBox all;
   all.low.fill(std::numeric_limits<std::int64_t>::max());
@@ -70,7 +70,7 @@ class OctreeChunks final : public ChunkSource {
       const std::uint32_t number = stack.back();
       stack.pop_back();
       take(number);
-      // The first child comes off the stack first.
+      // In reverse, so that the first child is taken from the stack first.
       const Node& node = tree_.nodes[number];
       const unsigned slots = inner_slots(node);
       std::uint32_t child = node.first_child + static_cast<std::uint32_t>(std::popcount(slots));
@@ -127,7 +127,7 @@ class OctreeChunks final : public ChunkSource {
   }
 
  private:
-  /// The blobs that do not lie in the octree as SQL sees them: ids, and colours of 8 bits.
+  /// The blobs that the octree does not hold in the form that SQL needs: ids, and colours of 8 bits.
   static constexpr std::size_t k_made_blobs = 2;
 
   /// The colour of a point of the chunk as Color16.
@@ -142,10 +142,10 @@ class OctreeChunks final : public ChunkSource {
     return made;
   }
 
-  /// Errors: the index file is remote, and a part of it that was read could not be fetched.
+  /// Errors: a part of a remote index file could not be fetched.
   void check_arrived() const { RemoteMap::check(tree_.coordinates); }
 
-  /// Children come after their parents.
+  /// Computes the frames of all nodes; children come after their parents.
   void note_frames() {
     if (tree_.node_count == 0) return;
     frames_.resize(tree_.node_count);

@@ -9,27 +9,28 @@
 
 #include "database/sqlite/sql_tokens.h"
 
-// The parts of a statement that every engine reads as SQLite does: rewrite_statement.h.
+// The parts of SQL that all engines parse as SQLite does, for rewrite_statement.h.
 
 namespace alidade::database {
 
-/// Signs of other dialects that SQLite does not have: casts, structs, powers.
+/// Characters of operators in other dialects that SQLite does not have: casts, structs, powers.
 inline constexpr std::string_view k_foreign_signs = ":{}^#!@";
 
-/// Why engines may cut a statement into other tokens than SQLite does, so that a condition may be part of a text or
-/// comment; empty if they cannot.
+/// Why other engines may cut a statement into other tokens than SQLite does, so that a condition may be part
+/// of a text or comment; empty if they do not.
 std::string foreign_tokens(std::string_view sql, const TokenList& tokens);
 
-/// A number with signs and parentheses around it; nothing for other expressions, which engines calculate differently.
+/// The value of a number with signs and parentheses; empty for other expressions, which
+/// engines evaluate differently.
 std::optional<double> constant(const TokenList& tokens, TokenRange range);
 
-/// The shortest digits that give the same number again, with an exponent: without one, several engines read a
-/// literal as a decimal number.
+/// The shortest digits that are read as the same number, with an exponent: without one, several engines read
+/// a literal as a decimal number.
 std::string literal(double number);
 
-/// dist_ray or dist_plane (octree/distance.h: project() and signed_distance()) in the same order of operations, of the
-/// columns of these names. Lengths in the unit of the coordinates; `direction`: the ray's or the normal, of length 1.
-/// Products with 0 are left out: they change no sum of finite numbers.
+/// dist_ray or dist_plane (octree/distance.h: project() and signed_distance()) in the same order of
+/// operations, of the columns of these names. Lengths in the unit of the coordinates; `direction`: the ray's
+/// or the normal, of length 1. Products with 0 are omitted: they do not change sums of finite numbers.
 std::string distance_expression(bool is_ray, const std::array<std::string, 3>& coordinates,
                                 const glm::dvec3& origin, const glm::dvec3& direction);
 

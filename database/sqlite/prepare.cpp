@@ -12,7 +12,7 @@
 namespace alidade::database {
 namespace {
 
-/// Why a statement is left alone, whatever its conditions are; empty if there is no such reason.
+/// Why a statement is not changed, whatever its conditions are; empty if it may be changed.
 std::string reason_to_leave(const TokenList& tokens) {
   if (!tokens.is_sound()) return "it cannot be parsed";
   std::size_t first = 0;
@@ -33,10 +33,10 @@ std::string reason_to_leave(const TokenList& tokens) {
   return {};
 }
 
-/// A join whose ON is read.
+/// The join of an ON.
 struct Join {
   bool is_left = false;
-  std::string table;  ///< what the joined table is called, as it stands there; empty if that is not clear
+  std::string table;  ///< name of the joined table as written; empty if unclear
 };
 
 class Pruner {
@@ -53,7 +53,7 @@ class Pruner {
   }
 
  private:
-  /// Plain parameters get numbers.
+  /// Copies the tokens; plain parameters get numbers.
   void copy_tokens() {
     int count = 0;
     for (std::size_t i = 0; i < tokens_.size(); ++i) {
@@ -65,14 +65,14 @@ class Pruner {
   std::string range_text(TokenRange range) const {
     std::string text;
     for (std::size_t i = range.begin; i < range.end; ++i) {
-      // Of comments and line breaks between tokens a blank is left.
+      // Comments and line breaks between tokens become a blank.
       if (i > range.begin && tokens_[i].begin > tokens_[i - 1].end) text += ' ';
       text += texts_[i];
     }
     return text;
   }
 
-  /// Looks for ON and WHERE outside parentheses.
+  /// Finds ON and WHERE outside parentheses.
   void read_clauses() {
     Join join;
     for (std::size_t i = 0; i < tokens_.size();) {
@@ -86,10 +86,10 @@ class Pruner {
     }
   }
 
-  Join read_join(std::size_t offset) const {
+  Join read_join(std::size_t token) const {
     Join join;
-    join.is_left = offset > 0 && tokens_.is_one_of(offset - 1, {"left", "outer"});
-    std::size_t i = offset + 1;
+    join.is_left = token > 0 && tokens_.is_one_of(token - 1, {"left", "outer"});
+    std::size_t i = token + 1;
     if (!tokens_.is_name(i)) return join;
     while (tokens_.is_sign(i + 1, ".") && tokens_.is_name(i + 2)) i += 2;
     join.table = tokens_.text(i++);
@@ -99,7 +99,7 @@ class Pruner {
     return join;
   }
 
-  /// Conditions between AND and OR. The offset behind them.
+  /// Reads conditions between AND and OR. Returns the index of the token after them.
   std::size_t conditions(std::size_t i, const Join& join, int depth) {
     i = condition(i, join, depth);
     while (tokens_.is_one_of(i, {"and", "or"})) i = condition(i + 1, join, depth);
@@ -132,7 +132,7 @@ class Pruner {
   void add_limit(const DistanceCondition& condition, const Join& join) {
     std::string table = range_text(condition.table);
     if (join.is_left) {
-      // A limit on a table that keeps its rows must not take any away.
+      // A limit must not remove rows of the table whose rows a LEFT JOIN keeps.
       const bool is_joined = condition.table.begin == condition.table.end ||
                              (condition.table.end - condition.table.begin == 2 &&
                               plain_name(tokens_.text(condition.table.begin)) == plain_name(join.table));
@@ -172,7 +172,7 @@ class Pruner {
 
   std::string_view sql_;
   TokenList tokens_;
-  std::vector<std::string> texts_;  ///< of the tokens, and what is put before and behind them
+  std::vector<std::string> texts_;  ///< of the tokens, with what is added before and after them
   bool has_limits_ = false;
   std::string reason_;
 };
@@ -190,8 +190,8 @@ Parsed parse(sqlite3* database, std::string_view sql) {
   return {StatementHandle(made), static_cast<std::size_t>(tail - sql.data()), result};
 }
 
-/// Sees what a statement that is being prepared uses, by way of names and views, too, and for which limits
-/// are of no use.
+/// Watches what a statement that is being prepared uses, including through names and views, and finds
+/// whether limits are of use.
 class UseWatch {
  public:
   explicit UseWatch(sqlite3* database) : database_(database) {
@@ -201,16 +201,16 @@ class UseWatch {
   UseWatch(const UseWatch&) = delete;
   UseWatch& operator=(const UseWatch&) = delete;
 
-  /// Why limits are of no use; empty if they are.
+  /// Why limits are of no use; empty if they are of use.
   const std::string& reason() const { return reason_; }
 
  private:
   static int notice(void* self, int action, const char*, const char* name, const char*, const char* view) {
     std::string& reason = static_cast<UseWatch*>(self)->reason_;
-    // The x, y, z of a view may be anything.
+    // x, y, z of a view may be any expressions.
     if (action == SQLITE_READ && view != nullptr && sqlite3_stricmp(name, "_chunk") == 0)
       reason = "it queries a view with a column _chunk";
-    // A limit would draw another number than the condition that it represents.
+    // A limit would get another random number than the condition that it repeats.
     if (action == SQLITE_FUNCTION &&
         (sqlite3_stricmp(name, "random") == 0 || sqlite3_stricmp(name, "randomblob") == 0))
       reason = "it calls random or randomblob, which are volatile";

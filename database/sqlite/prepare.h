@@ -8,32 +8,32 @@
 
 #include "database/sqlite/sqlite_api.h"
 
-// SQLite shows a table only conditions on its columns, so it cannot prune by the paper's
+// SQLite passes only conditions on columns to a virtual table, so the paper's statement
 //   SELECT * FROM points WHERE dist_ray(A, x,y,z) <= R
-// as it stands. As
+// cannot prune. Rewritten as
 //   SELECT * FROM points WHERE (dist_ray(A, x,y,z) <= R AND in_chunk(_chunk, try_ray_limit(A, 0, R)))
 // it can (database/sqlite/functions.h), and the rows are the same: in_chunk() is 1 for every point, or NULL
-// where the condition is not true anyway.
+// if the condition is not true anyway.
 
 namespace alidade::database {
 
 struct PrunedStatement {
-  std::string text;    ///< the statement with limits; empty if it was left as it is
-  std::string reason;  ///< why it, or some condition in it, was left as it is; empty if there is none
+  std::string text;    ///< the statement with limits; empty if it was not changed
+  std::string reason;  ///< why it, or some condition in it, was not changed; empty if there is none
 };
 
 /// Adds limits to the conditions on dist_ray and dist_plane of one statement that SQLite understands. They
 /// may be in WHERE and ON, below AND, OR, NOT and parentheses, as
 ///   dist_ray(ox,oy,oz, dx,dy,dz, x,y,z) <= R    and with <, =, ==, >, >=, or with R in front
 ///   dist_ray(...) BETWEEN A AND B
-/// with x, y, z columns of one table (p.x, p.y, p.z), R a number, parameter, column or something in
-/// parentheses.
+/// with x, y, z columns of one table (p.x, p.y, p.z), R a number, parameter, column or
+/// something in parentheses.
 ///
-/// Left as it is, because the rows might not stay the same: a statement with more than one SELECT, with
-/// VALUES or WITH, NATURAL, USING, RIGHT or FULL joins, or parameters of which only some are plain question
-/// marks (plain ones get numbers, since limits repeat them); a condition with function calls in its ray or R,
-/// which may answer something else each time; a condition in ON of LEFT JOIN on any but the joined table.
-/// Names are not looked up: if SQLite finds no _chunk, or one of a view, the text is of no use.
+/// Not changed, because the rows might change: a statement with more than one SELECT, with VALUES or WITH,
+/// NATURAL, USING, RIGHT or FULL joins, or with both plain question marks and other parameters (plain ones
+/// get numbers, since limits repeat them); a condition with function calls in its ray or R, which may return
+/// another value each time; a condition in ON of LEFT JOIN on any but the joined table. Names are not
+/// resolved: if SQLite finds no _chunk, or one of a view, the text is of no use.
 PrunedStatement prune_statement(std::string_view sql);
 
 struct FinalizeStatement {
@@ -44,19 +44,19 @@ using StatementHandle = std::unique_ptr<sqlite3_stmt, FinalizeStatement>;
 /// A statement ready to run.
 struct Prepared {
   StatementHandle statement{};  ///< empty if there were only blanks and comments
-  std::size_t size = 0;         ///< bytes of the text that it took, with its semicolon
-  std::string pruned{};  ///< what runs instead of the text (rewrite_statement.h); empty if it is as given
-  std::string reason{};  ///< why it, or some condition in it, is as given; empty if there is none
+  std::size_t size = 0;         ///< bytes of the statement in the text, with its semicolon
+  std::string pruned{};  ///< the statement that runs instead (prune_statement()); empty if it was not changed
+  std::string reason{};  ///< why it, or some condition in it, was not changed; empty if there is none
 };
 
-/// Prepares the statement of a text that begins at that byte; where conditions on dist_ray and dist_plane can
-/// leave chunks unread without changing the answer, such that they do. Rows, values, names of columns,
-/// parameters and errors are those of the text, with these exceptions: rows whose order the text leaves open
-/// may come in another one, and a condition that gives errors, but has no limit, is evaluated on other rows,
-/// since SQLite may then ask the conditions of a statement in another order. One that calls random() or
-/// randomblob(), a view included, is as given. Takes away an authorizer that the connection may have.
+/// Prepares the statement that begins at byte `begin` of a text, such that conditions on dist_ray and
+/// dist_plane skip chunks if that does not change the answer. Rows, values, names of columns, parameters and
+/// errors are those of the text, with these exceptions: rows whose order the text leaves open may have
+/// another order, and a condition that gives errors, but has no limit, may be evaluated on other rows, since
+/// SQLite may evaluate the conditions of a statement in another order. A statement that calls random() or
+/// randomblob(), also in a view, is not changed. Removes an authorizer that the connection may have.
 ///
-/// Errors: what SQLite does not understand, with `file` (what the text is called) and line and column in it.
+/// Errors: those of SQLite's parser, with `file` (the name of the text) and line and column in it.
 Prepared prepare(sqlite3* database, std::string_view sql, std::size_t begin = 0,
                  const std::string& file = "statement");
 

@@ -75,7 +75,7 @@ class Rewriter {
     return ray;
   }
 
-  /// The columns x, y, z as they are written. Other engines distinguish the capitals of quoted names.
+  /// The columns x, y, z as written, since other engines distinguish upper and lower case in quoted names.
   std::array<std::string, 3> coordinates_of(const std::vector<TokenRange>& arguments) const {
     std::array<std::string, 3> names;
     for (std::size_t axis = 0; axis < names.size(); ++axis) {
@@ -109,7 +109,7 @@ class Rewriter {
     }
   }
 
-  /// Also finds the table and the condition.
+  /// Why a statement is not changed; empty if it may be. Finds the table and the condition.
   std::string reason_to_leave() {
     if (!options_.bounds || options_.bounds->empty()) return "the bounds of the points are not given";
     std::size_t first = tokens_.is_word(0, "explain") ? 1 : 0;
@@ -138,7 +138,7 @@ class Rewriter {
     return condition_.begin == condition_.end ? "its condition is empty" : "";
   }
 
-  /// A table, a file's name or a function that reads one, with the name it is given; the token behind.
+  /// Reads a table, a file's name or a function that reads one, with its alias. Returns the token after it.
   std::optional<std::size_t> read_table(std::size_t i) {
     table_.begin = i;
     if (tokens_.is_name(i)) {
@@ -162,7 +162,7 @@ class Rewriter {
     if (reason_.empty()) reason_ = std::move(reason);
   }
 
-  /// Conditions between OR; moves `i` behind them. Empty: no box can be left out.
+  /// Reads conditions between OR and moves `i` past them. Empty: no box can be left out.
   MayHold any_of(std::size_t& i, int depth) {
     std::vector<MayHold> parts{all_of(i, depth)};
     while (tokens_.is_word(i, "or")) parts.push_back(all_of(++i, depth));
@@ -173,7 +173,7 @@ class Rewriter {
     };
   }
 
-  /// Conditions between AND.
+  /// Reads conditions between AND.
   MayHold all_of(std::size_t& i, int depth) {
     std::vector<MayHold> parts;
     const auto add = [&](MayHold part) {
@@ -237,7 +237,7 @@ class Rewriter {
     return [filter = std::move(filter)](const Bounds& box) { return may_hold(filter, box); };
   }
 
-  /// x, y and z of a box; of faces that two boxes share, the latter has the points.
+  /// The condition on x, y and z of a box; points on a face that two boxes share belong to the latter.
   std::string box_condition(const BoxCover& cover, std::size_t number) const {
     const Bounds& box = cover.boxes[number];
     const Bounds& bounds = *options_.bounds;
@@ -267,7 +267,7 @@ class Rewriter {
       conditions.push_back(box_condition(boxes, i));
       share_ += volume_share(boxes.boxes[i], *options_.bounds);
     }
-    // Conditions on the whole of the bounds are of no use.
+    // Conditions on nearly all of the bounds are of no use.
     constexpr double k_nearly_all = 0.999;
     if (share_ > k_nearly_all) return note("its condition may hold anywhere within the bounds");
     box_count_ = conditions.size();
@@ -284,7 +284,7 @@ class Rewriter {
     behind_[condition_.end - 1] = ")";
   }
 
-  /// The table becomes one scan per box.
+  /// Replaces the table by one scan per box.
   void scan_each(const std::vector<std::string>& conditions) {
     const std::string table = range_text(table_);
     std::string scans;
@@ -314,8 +314,8 @@ class Rewriter {
   std::string_view sql_;
   TokenList tokens_;
   const RewriteOptions& options_;
-  std::vector<std::string> texts_, behind_;  ///< what the tokens become, and what follows them
-  std::vector<bool> is_dropped_;             ///< tokens that are gone
+  std::vector<std::string> texts_, behind_;  ///< of the tokens, and what is added after them
+  std::vector<bool> is_dropped_;             ///< tokens that are left out
   TokenRange table_, condition_;
   std::string table_name_;
   std::string reason_;

@@ -16,7 +16,7 @@ PointCursor::PointCursor(ChunkSource& source, const CloudSchema& cloud, ScanFilt
     if (order_ != RowOrder::stored) {
       const RayReach reach = project(filter_.lines.front().ray, location.box);
       least = order_ == RowOrder::t ? reach.t.low : reach.distance.low;
-      // Where numbers overflow nothing is known.
+      // NaN from overflow: unknown.
       if (!(least >= -std::numeric_limits<double>::max())) least = -std::numeric_limits<double>::infinity();
     }
     chunks_.push_back({least, location});
@@ -77,7 +77,7 @@ void PointCursor::next_in_order() {
 
 namespace {
 
-// A plan's text is two characters for each value that the scan gets: what it limits, and how.
+// A plan's text has two characters for each value that the scan gets: what it limits, and how.
 constexpr char k_first_argument = 'A';  // to 'F'
 constexpr char k_axes[] = "xyz";
 constexpr char k_distance = 'd', k_t = 't', k_limit = 'w', k_chunk = 'c', k_row = 'r';
@@ -91,8 +91,8 @@ char comparison(unsigned char op) {
   return op == SQLITE_INDEX_CONSTRAINT_EQ ? k_equal : '\0';
 }
 
-/// What a limited column is called in a plan; 0 if a limit on it is of no use.
-char character(const TableColumns& columns, int column, bool has_ray) {
+/// The sign of a limited column in a plan; 0 if a limit on it is of no use.
+char sign_of(const TableColumns& columns, int column, bool has_ray) {
   if (column < 0) return 0;
   const ColumnKind kind = columns.kind(column);
   if (kind == ColumnKind::axis) return k_axes[columns.axis(column)];
@@ -113,7 +113,7 @@ RowOrder order_of(const TableColumns& columns, const sqlite3_index_info& info, b
 bool narrow(Interval& limits, char how, sqlite3_value* value) {
   const int type = sqlite3_value_type(value);
   if (type == SQLITE_NULL) return false;
-  // Comparing with text is SQLite's affair, and so is an integer that no double holds.
+  // Comparisons with text are left to SQLite, and so are those with integers that no double holds.
   if (type != SQLITE_INTEGER && type != SQLITE_FLOAT) return true;
   constexpr sqlite3_int64 k_exact = sqlite3_int64{1} << 53;
   if (type == SQLITE_INTEGER) {
@@ -130,7 +130,7 @@ bool narrow(Interval& limits, char how, sqlite3_value* value) {
 bool narrow(std::optional<std::uint64_t>& only, char what, sqlite3_value* value) {
   const int type = sqlite3_value_type(value);
   if (type == SQLITE_NULL) return false;
-  if (type != SQLITE_INTEGER && type != SQLITE_FLOAT) return true;  // SQLite's affair
+  if (type != SQLITE_INTEGER && type != SQLITE_FLOAT) return true;  // left to SQLite
   constexpr double k_end = 9223372036854775808.0;
   const double about = sqlite3_value_double(value);
   if (!(about >= 0.0)) return false;
@@ -147,29 +147,29 @@ std::optional<ScanFilter> none() {
   return std::nullopt;
 }
 
-/// Where the six arguments stand among the constraints.
+/// The constraints of the six arguments.
 struct GivenArguments {
-  std::array<int, 6> offsets;  ///< -1 for those that are not given
+  std::array<int, 6> constraints;  ///< their indices; -1 for those that are not given
   bool is_complete = true, are_usable = true;
 
   GivenArguments(const TableColumns& columns, const sqlite3_index_info& info) {
-    offsets.fill(-1);
+    constraints.fill(-1);
     for (int i = 0; i < info.nConstraint; ++i) {
       const auto& constraint = info.aConstraint[i];
       if (constraint.iColumn < 0 || constraint.op != SQLITE_INDEX_CONSTRAINT_EQ ||
           columns.kind(constraint.iColumn) != TableColumns::Kind::argument)
         continue;
-      int& offset = offsets[columns.argument(constraint.iColumn)];
-      if (offset < 0 || constraint.usable) offset = i;
+      int& index = constraints[columns.argument(constraint.iColumn)];
+      if (index < 0 || constraint.usable) index = i;
     }
-    for (const int offset : offsets) {
-      is_complete &= offset >= 0;
-      are_usable &= offset < 0 || info.aConstraint[offset].usable;
+    for (const int index : constraints) {
+      is_complete &= index >= 0;
+      are_usable &= index < 0 || info.aConstraint[index].usable;
     }
   }
 };
 
-/// Whether a condition is on what only the form with a ray has.
+/// Whether a condition is on a column that only the form with a ray has.
 bool needs_ray(const TableColumns& columns, int column) {
   if (column < 0) return false;
   const ColumnKind kind = columns.kind(column);
@@ -214,11 +214,11 @@ int choose_plan(const TableColumns& columns, std::uint64_t point_count, sqlite3_
   };
   const bool has_ray = given.is_complete;
   for (std::size_t i = 0; has_ray && i < 6; ++i)
-    use(given.offsets[i], static_cast<char>(k_first_argument + static_cast<char>(i)), k_equal, true);
+    use(given.constraints[i], static_cast<char>(k_first_argument + static_cast<char>(i)), k_equal, true);
   double share = 1.0, cost = 100.0;
   for (int i = 0; i < info.nConstraint; ++i) {
     const auto& constraint = info.aConstraint[i];
-    // Such rows are errors: another plan may do without.
+    // Such rows are errors: a plan without them is better.
     if (!has_ray && needs_ray(columns, constraint.iColumn)) cost = 1e30;
     if (!constraint.usable) continue;
     const bool is_row = constraint.iColumn < 0;
@@ -234,7 +234,7 @@ int choose_plan(const TableColumns& columns, std::uint64_t point_count, sqlite3_
       share *= 0.01;
       continue;
     }
-    const char what = character(columns, constraint.iColumn, has_ray), how = comparison(constraint.op);
+    const char what = sign_of(columns, constraint.iColumn, has_ray), how = comparison(constraint.op);
     if (what == 0 || how == 0) continue;
     use(i, what, how, false);
     share *= how == k_equal ? 0.001 : what == k_distance && how == k_most ? 0.01 : 0.5;
@@ -290,7 +290,7 @@ std::optional<ScanFilter> plan_filter(const char* plan, std::span<sqlite3_value*
       filter.box.max[axis] = side.high;
     }
   }
-  // Where one of them is an error, the rows for which it is one must be met.
+  // If one of them is an error, the rows with the error must be visited.
   if (std::ranges::none_of(limits,
                            [](const auto& limit) { return limit.kind == DistanceLimit::Kind::none; })) {
     if (has_null_limit) return none();

@@ -20,35 +20,35 @@
 
 namespace alidade::database {
 
-/// In which order rows come.
+/// Order of the rows.
 enum class RowOrder {
   stored,    ///< by chunk, within it along the Morton curve
-  t,         ///< by the position on the line of the filter's first condition
+  t,         ///< by t along the line of the filter's first condition
   distance,  ///< by the distance to it
 };
 
-/// What a scan gives.
+/// The rows of a scan.
 struct ScanFilter {
   PointFilter points{};  ///< the points for which it holds
   std::optional<std::uint64_t> only_chunk{};
 };
 
-/// One scan of a cloud: the points for which a filter holds. Chunks are read when their first point may come,
-/// so that the nearest few cost little. Memory: a chunk, or in another order than stored all chunks read so
-/// far. Errors: those of the source.
+/// One scan of a cloud: the points for which a filter holds. A chunk is not read before its first point may
+/// be next, so that the nearest few points cost little. Memory: a chunk, or in another order than `stored`
+/// all chunks read so far. Errors: those of the source.
 class PointCursor {
  public:
-  /// What it is given must outlive it. An order that is not `stored` needs a line in the filter.
+  /// The arguments must outlive it. Requires a line in the filter unless the order is `stored`.
   PointCursor(ChunkSource& source, const CloudSchema& cloud, ScanFilter filter, RowOrder order);
 
   bool at_end() const { return chunk_ == nullptr; }
   void next();
 
-  // Of the point it is at.
+  // Of the current point.
   glm::dvec3 position() const { return to_world(cloud_.lattice, chunk_->positions[row_]); }
   StoredChunk& chunk() const { return *chunk_; }
   std::size_t row() const { return row_; }
-  /// Where it lies on the first line of the filter; none without a line.
+  /// Its projection on the first line of the filter; empty without a line.
   std::optional<RayProjection> projection() const;
 
   const ScanReads& reads() const { return reads_; }
@@ -85,7 +85,7 @@ class PointCursor {
   ScanReads reads_;
 };
 
-// How a scan of a cloud's table is planned: which conditions SQLite hands over, and what filter they make.
+// The plan of a scan of a cloud's table: the conditions that SQLite passes, and the filter that they make.
 
 /// The columns of a cloud's table by their numbers: the first stored one (id), x, y, z, the other stored
 /// ones; hidden ox, oy, oz, dx, dy, dz, _chunk, dist, t, under the names of line_column().
@@ -105,9 +105,9 @@ class TableColumns {
   int axis(int column) const { return column - 1; }
   std::size_t argument(int column) const { return static_cast<std::size_t>(column - first_hidden()); }
 
-  /// How many there are.
+  /// Number of columns.
   int size() const { return first_hidden() + k_hidden; }
-  /// CREATE TABLE with all of them.
+  /// CREATE TABLE with all columns.
   std::string declaration() const;
 
  private:
@@ -116,23 +116,24 @@ class TableColumns {
   const std::vector<StoredColumn>& stored_;
 };
 
-/// How the form with a ray is written.
+/// The form with a ray, for messages.
 inline constexpr const char* k_ray_form = "FROM TABLE(ox, oy, oz, dx, dy, dz)";
 
-/// A row id is a chunk and the row in it.
+/// A row id is the number of a chunk and, in the lowest bits, of the row in it.
 inline constexpr int k_row_bits = 20;
 
 /// Origin and direction of the form table(ox, oy, oz, dx, dy, dz), if it was used.
 using Arguments = std::optional<std::array<double, 6>>;
 
-/// Says in `info` what a scan uses: conditions become the plan's text, which plan_filter() reads, and its
-/// number is the RowOrder. Answers SQLite's code; SQLITE_CONSTRAINT where arguments come from a table that is
-/// not read before. Fewer arguments than six are conditions on columns that only a ray has. Errors: a
-/// seventh.
+/// Sets in `info` what a scan uses: conditions become the plan's text, which plan_filter() reads, and
+/// the plan's number is the RowOrder. Returns SQLite's code; SQLITE_CONSTRAINT if arguments come from
+/// a table that is not read before. Fewer arguments than six are conditions on columns that only a
+/// ray has. Errors: a seventh.
 int choose_plan(const TableColumns& columns, std::uint64_t point_count, sqlite3_index_info& info);
 
-/// The filter of a scan, and its arguments; empty if no row can be an answer. Limits are closed: SQLite
-/// checks each row once more. Errors: arguments that are no ray; what is no limit for in_chunk().
+/// The filter of a scan, and its arguments; empty if no row can be an answer. Limits are
+/// closed: SQLite checks each row once more. Errors: arguments that are not a ray; a value that
+/// is not a limit for in_chunk().
 std::optional<ScanFilter> plan_filter(const char* plan, std::span<sqlite3_value* const> values,
                                       Arguments& arguments);
 

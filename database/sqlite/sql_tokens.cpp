@@ -44,7 +44,7 @@ class Scanner {
   }
 
  private:
-  /// The character `ahead` bytes on; 0 behind the end.
+  /// The byte `ahead` bytes after the current one; 0 after the end.
   char peek(std::size_t ahead = 0) const { return at_ + ahead < sql_.size() ? sql_[at_ + ahead] : '\0'; }
 
   template <class Test>
@@ -57,13 +57,13 @@ class Scanner {
       if (is_space(peek())) {
         ++at_;
       } else if (sql_.substr(at_).starts_with(k_byte_order_mark)) {
-        // Files of other systems begin with it, and so do their parts once they are joined. To SQLite it is
-        // blank where a token would begin, and a character in a name.
+        // Files of other systems begin with a byte order mark, which remains inside when files are joined. To
+        // SQLite it is a blank where a token would begin, and a character in a name.
         at_ += k_byte_order_mark.size();
       } else if (peek() == '-' && peek(1) == '-') {
         at_ = std::min(sql_.find('\n', at_), sql_.size());
       } else if (peek() == '/' && peek(1) == '*') {
-        // A comment that does not end goes to the end of the text.
+        // A comment without an end extends to the end of the text.
         const std::size_t end = sql_.find("*/", at_ + 2);
         at_ = end == std::string_view::npos ? sql_.size() : end + 2;
       } else {
@@ -93,7 +93,7 @@ class Scanner {
     return sign();
   }
 
-  /// A quote within is written twice.
+  /// A quote within is doubled.
   SqlTokenKind quoted(char quote, SqlTokenKind kind) {
     for (++at_; at_ < sql_.size(); ++at_) {
       if (sql_[at_] != quote) continue;
@@ -138,7 +138,7 @@ class Scanner {
     return SqlTokenKind::wrong;
   }
 
-  /// SQLite lets names of parameters hold :: and end with something in parentheses, as Tcl writes them.
+  /// In SQLite, names of parameters may have :: and end with something in parentheses, as in Tcl.
   SqlTokenKind named_parameter() {
     ++at_;
     std::size_t characters = 0;

@@ -6,8 +6,8 @@
 #include <string_view>
 #include <vector>
 
-// SQL cut into the tokens that SQLite sees: https://www.sqlite.org/lang_keywords.html states its quotes,
-// lang_comment.html, lang_expr.html its literals and parameters.
+// SQL cut into tokens as SQLite does. Source: https://www.sqlite.org/lang_keywords.html (quotes),
+// lang_comment.html, lang_expr.html (literals and parameters).
 
 namespace alidade::database {
 
@@ -19,7 +19,7 @@ enum class SqlTokenKind {
   number,       ///< 12, 0x0c, .5e-3
   parameter,    ///< ?, ?12, :name, @name, $name
   sign,         ///< an operator, parenthesis, comma, dot or semicolon
-  wrong         ///< what SQLite takes for no token
+  wrong         ///< not a token of SQLite
 };
 
 /// Bytes [begin, end) of a statement.
@@ -34,8 +34,8 @@ std::vector<SqlToken> sql_tokens(std::string_view sql);
 /// Line and column of a byte, counted from 1: "2:14".
 std::string text_location(std::string_view text, std::size_t byte);
 
-/// A name as SQL compares it: without its quotes, ASCII characters small. `text` is that of a word or quoted
-/// name.
+/// A name as SQL compares it: without its quotes, ASCII letters in lower case. `text` is that
+/// of a word or quoted name.
 std::string plain_name(std::string_view text);
 
 /// Tokens [begin, end) of a list.
@@ -43,10 +43,10 @@ struct TokenRange {
   std::size_t begin = 0, end = 0;
 };
 
-/// A statement's tokens, asked by index. Behind the last one nothing is a word or sign.
+/// A statement's tokens, by index. Beyond the last one nothing is a word or sign.
 class TokenList {
  public:
-  /// The text must outlive it. `foreign_signs`: characters that are no tokens of SQLite but signs here.
+  /// The text must outlive it. `foreign_signs`: characters that are signs here but not tokens of SQLite.
   explicit TokenList(std::string_view sql, std::string_view foreign_signs = {});
 
   std::size_t size() const { return tokens_.size(); }
@@ -60,20 +60,20 @@ class TokenList {
     return is(index, SqlTokenKind::sign) && text(index) == sign;
   }
 
-  /// `word` in small characters. Behind a dot is a name, whatever it is.
+  /// `word`: in lower case. After a dot any word is a name.
   bool is_word(std::size_t index, std::string_view word) const;
   bool is_one_of(std::size_t index, std::initializer_list<std::string_view> words) const;
-  /// A name, quoted or not; keywords are names here too.
+  /// Whether it is a name, quoted or not, or a keyword.
   bool is_name(std::size_t index) const {
     return is(index, SqlTokenKind::word) || is(index, SqlTokenKind::quoted_name);
   }
 
-  /// Whether there is no wrong token and every parenthesis has its other.
+  /// Whether there is no wrong token and parentheses are balanced.
   bool is_sound() const { return is_sound_; }
-  /// The closing parenthesis to the opening one there. Requires is_sound().
+  /// The closing parenthesis of an opening one. Requires is_sound().
   std::size_t closing(std::size_t opening) const { return closing_[opening]; }
 
-  /// What stands between commas within parentheses. Requires is_sound().
+  /// The arguments between commas within parentheses. Requires is_sound().
   std::vector<TokenRange> arguments(std::size_t opening) const;
 
  private:

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
-// SQLite as the program links it, or, inside the loadable module, as whoever loads the module hands it over.
+// The SQLite that the program is linked with or, in the loadable module, that of the program that loads it.
 
 #ifdef ALIDADE_SQLITE_MODULE
 #include <sqlite3ext.h>

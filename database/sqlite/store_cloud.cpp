@@ -25,7 +25,7 @@ namespace {
 
 constexpr const char* k_schema = "main";
 
-/// Writes chunk after chunk into the tables of a cloud (database/sqlite/cloud_schema.h).
+/// Writes chunks into the tables of a cloud (database/sqlite/cloud_schema.h).
 class ChunkWriter {
  public:
   ChunkWriter(sqlite3* database, const std::string& table, const ChunkEncoding& encoding)
@@ -45,7 +45,7 @@ class ChunkWriter {
       chunk_.run_with(static_cast<std::int64_t>(first + chunk), static_cast<std::int64_t>(positions.size()),
                       std::as_bytes(positions));
     }
-    // Blob by blob, since those of one number are beside each other.
+    // Blob by blob, since rows with the same blob number are neighbours in the table.
     for (std::size_t blob = 0; blob < chunks.blobs.size(); ++blob) {
       const std::size_t size = count == 0 ? 0 : chunks.blobs[blob].size() / count;
       for (std::size_t chunk = 0; chunk < chunks.boxes.size(); ++chunk) {
@@ -57,7 +57,7 @@ class ChunkWriter {
     boxes_.insert(boxes_.end(), chunks.boxes.begin(), chunks.boxes.end());
   }
 
-  /// Of the chunks written so far.
+  /// Boxes of the chunks written so far.
   std::vector<Bounds> boxes() && { return std::move(boxes_); }
 
  private:
@@ -66,9 +66,9 @@ class ChunkWriter {
   std::vector<Bounds> boxes_;
 };
 
-/// Whether there is one to replace. Errors: there is a table of that name that may not be replaced.
+/// Whether there is a cloud to replace. Errors: there is a table of that name that must not be replaced.
 bool check_table(sqlite3* database, const StoreOptions& options) {
-  // Whether it is a table of the module: its own tables only show that as long as they are whole.
+  // A table of the module is recognised by its SQL, since its ordinary tables may be damaged.
   Statement found(database,
                   "SELECT type = 'table' AND sql LIKE 'CREATE VIRTUAL TABLE % USING pointcloud%'"
                   " FROM main.sqlite_schema WHERE lower(name) = lower(?) ORDER BY 1 DESC");
@@ -78,7 +78,8 @@ bool check_table(sqlite3* database, const StoreOptions& options) {
                    options.replace ? "a cloud" : "another name, or --overwrite");
 }
 
-/// Also one that cannot be read: SQLite drops what it can open, so it gets something to open.
+/// Drops a cloud, also one that cannot be read: SQLite only drops tables that it can open, so the ordinary
+/// tables are replaced first.
 void drop_cloud(sqlite3* database, const std::string& table) {
   drop_cloud_tables(database, k_schema, table);
   CloudSchema empty;
@@ -89,11 +90,11 @@ void drop_cloud(sqlite3* database, const std::string& table) {
 
 void write_chunks(PointStream& points, const ChunkEncoding& encoding, ChunkWriter& writer,
                   const Progress& progress) {
-  // Points that are under way together.
+  // Points that are processed together.
   constexpr std::uint32_t k_about = 1 << 15;
   const std::size_t group =
       std::size_t{std::max(1u, k_about / encoding.chunk_points)} * encoding.chunk_points;
-  // More are not written faster, and each takes some megabytes.
+  // More groups are not faster, and each takes some megabytes.
   constexpr int k_most_groups = 16;
   const auto groups_at_once =
       static_cast<std::size_t>(std::min(2 * tbb::this_task_arena::max_concurrency() + 1, k_most_groups));
@@ -101,8 +102,8 @@ void write_chunks(PointStream& points, const ChunkEncoding& encoding, ChunkWrite
     PickedPoints picked;
     EncodedChunks chunks;
   };
-  // Owned here, since the pipeline forgets what it holds when it is cancelled. They end in their order, so
-  // the one whose offset is taken has been written.
+  // Owned here, since the pipeline drops its contents when it is cancelled. Groups are finished in their
+  // order, so a group that is used again has been written.
   std::vector<Group> groups(groups_at_once);
   std::size_t begun = 0;
   std::uint64_t done = 0;
@@ -124,7 +125,7 @@ void write_chunks(PointStream& points, const ChunkEncoding& encoding, ChunkWrite
       }));
 }
 
-/// Inside a transaction, which ends when it returns, and is undone if it throws.
+/// Stores a cloud in a transaction, which is committed on return and rolled back by an exception.
 void store(sqlite3* database, OrderedCloud& cloud, const StoreOptions& options) {
   PointStream& points = cloud.points;
   const PointCloud& whole = cloud.whole.rest;
@@ -151,10 +152,9 @@ void store_in(const std::filesystem::path& file, Connection::Mode mode, OrderedC
   const Connection connection(file, mode);
   sqlite3* const database = connection.get();
   if (mode == Connection::Mode::create) {
-    // Blobs of a chunk take a power of two of bytes and a few more: on small pages there is much room beside
-    // them.
+    // Blobs of a chunk take a power of two of bytes and a few more: small pages would have much unused space.
     run(database, "PRAGMA page_size = 65536");
-    // Nobody sees this file before it is whole.
+    // The file has no other users until it is complete.
     Statement(database, "PRAGMA journal_mode = OFF").step();
     run(database, "PRAGMA synchronous = OFF");
   }
@@ -168,7 +168,7 @@ void store_in(const std::filesystem::path& file, Connection::Mode mode, OrderedC
   }
 }
 
-/// Of a file, or a folder.
+/// Flushes a file or folder.
 void flush_to_disk(const std::filesystem::path& path) {
   const int descriptor = ::open(path.c_str(), O_RDONLY | O_CLOEXEC);
   const bool is_flushed = descriptor >= 0 && ::fsync(descriptor) == 0;
@@ -176,7 +176,7 @@ void flush_to_disk(const std::filesystem::path& path) {
   if (!is_flushed) throw file_error(path, "cannot write to the disk");
 }
 
-/// Gives a whole file its name. Error: there is a file of that name by now.
+/// Gives a complete file its name. Error: a file of that name exists by now.
 void give_name(const std::filesystem::path& beside, const std::filesystem::path& file) {
   flush_to_disk(beside);
   if (::renameat2(AT_FDCWD, beside.c_str(), AT_FDCWD, file.c_str(), RENAME_NOREPLACE) != 0) {

@@ -24,7 +24,7 @@ namespace {
 
 constexpr std::string_view k_table_word = "?table=";
 
-/// A name, cut apart.
+/// The parts of a name.
 struct SqliteCloudName {
   std::string file, table;
 
@@ -36,10 +36,10 @@ struct SqliteCloudName {
   }
 };
 
-/// The columns of one blob, by their offsets.
+/// The columns of one blob, in the order of their bytes.
 struct StoredBlob {
   std::vector<const StoredColumn*> columns;
-  std::optional<Attribute> attribute{};  ///< none: an extra dimension, or something else
+  std::optional<Attribute> attribute{};  ///< empty: an extra dimension, or something else
 };
 
 bool is_attribute(const StoredBlob& blob, Attribute attribute) {
@@ -57,14 +57,15 @@ bool is_attribute(const StoredBlob& blob, Attribute attribute) {
   return true;
 }
 
-/// Parts of a blob cannot be distinguished, unless they are those of an attribute.
+/// Whether a blob is an extra dimension: it has a single column, since several are only distinguished if they
+/// are those of an attribute.
 bool is_dimension(const StoredBlob& blob) {
   const StoredColumn& column = *blob.columns.front();
   return blob.columns.size() == 1 && column.byte == 0 &&
          (column.type == ScalarType::bytes || column.size == scalar_size(column.type));
 }
 
-/// All blobs but that of the ids, with columns that mean something.
+/// All blobs but that of the ids, without those of unknown meaning.
 std::vector<StoredBlob> blobs_of(const std::vector<StoredColumn>& columns) {
   std::vector<StoredBlob> blobs;
   for (std::size_t i = 1; i < columns.size(); ++i) {
@@ -93,7 +94,7 @@ ExtraDimension dimension_of(const StoredColumn& column) {
   return dimension;
 }
 
-/// The table's name, which may be left out where there is but one cloud.
+/// The table's name, which may be omitted if there is only one cloud.
 std::string table_of(sqlite3* database, const SqliteCloudName& name) {
   Statement found(database,
                   "SELECT name FROM main.sqlite_schema WHERE type = 'table' AND"
@@ -139,7 +140,7 @@ class StoredCloud {
   std::uint64_t file_bytes() const { return file_bytes_; }
   ChunkStore chunks() const { return {connection_.get(), k_schema, table_, schema_}; }
 
-  /// Of PointCloud.
+  /// Attributes that the cloud has as a PointCloud.
   AttributeSet attributes() const {
     AttributeSet all;
     for (const StoredBlob& blob : blobs_) {
@@ -148,7 +149,7 @@ class StoredCloud {
     return dimensions_.empty() ? all : all | Attribute::extra_dimensions;
   }
 
-  /// Of all points, as the boxes of the chunks say; empty if there are none.
+  /// Bounds of all points, from the boxes of the chunks; empty if there are none.
   Bounds bounds() const {
     Bounds box;
     BoxTree(connection_.get(), k_schema, table_, schema_.chunk_count).chunks([&](const Bounds& part) {
@@ -161,7 +162,7 @@ class StoredCloud {
   /// Copies attributes of stored points into rows of a cloud.
   class Columns {
    public:
-    /// The attributes `kept`, of those that attributes() has; all columns of the cloud are there. `first_row`
+    /// `kept`: of attributes(). Requires that the cloud has columns for all of them. `first_row`
     /// is the cloud's row for row 0.
     Columns(const StoredCloud& stored, PointCloud& cloud, AttributeSet kept, std::size_t first_row) {
       for_each_column(cloud, [&](Attribute attribute, auto& column) {
@@ -196,7 +197,7 @@ class StoredCloud {
     std::vector<Target> targets_;
   };
 
-  /// The number of a point. Errors: ChunkStore's; there is no such number.
+  /// The id of a point. Errors: ChunkStore's; an id that is not below the number of points.
   std::uint64_t id(ChunkStore& store, StoredChunk& chunk, std::size_t i) const {
     const auto number = load<std::uint64_t>(store.bytes(chunk, schema_.columns.front(), i));
     if (number >= schema_.point_count) {
@@ -241,7 +242,7 @@ std::vector<ChunkLocation> wanted_chunks(ChunkStore& store, std::span<const Poin
   return chunks;
 }
 
-/// Brings the rows into the order of their ids.
+/// Sorts the rows by their ids.
 void sort_by_id(CloudPart& part, const StoredCloud& stored) {
   std::vector<std::uint32_t> order(part.ids.size());
   std::iota(order.begin(), order.end(), 0u);
@@ -305,7 +306,7 @@ class SqliteCloudReader final : public CloudReader {
   }
 
  private:
-  /// Rows [first, first + count) of the table, which are rows from `target` on of the cloud.
+  /// Rows [first, first + count) of the table, for the cloud's rows from `target` on.
   struct Rows {
     std::uint64_t first;
     std::size_t count, target;
@@ -313,7 +314,7 @@ class SqliteCloudReader final : public CloudReader {
 
   const CloudSchema& schema() const { return stored_.schema(); }
 
-  /// Chunks lie along a curve, not in the order of rows: each piece is a pass over all of them.
+  /// Chunks follow a curve, not the order of rows: each piece is a pass over all of them.
   void take_rows(PointCloud& cloud, AttributeSet kept, const Rows& rows,
                  const std::function<void(double share)>& report_progress) {
     const LatticeShift shift(schema().lattice, cloud.lattice, stored_.file());
@@ -322,9 +323,9 @@ class SqliteCloudReader final : public CloudReader {
     std::vector<bool> is_there(rows.count);
     std::uint64_t points = 0;
     std::size_t taken = 0;
-    for (const ChunkLocation& offset : store.chunks({}, std::nullopt)) {
-      const std::uint64_t id = offset.id;
-      const std::shared_ptr<StoredChunk> chunk = store.read(offset);
+    for (const ChunkLocation& location : store.chunks({}, std::nullopt)) {
+      const std::uint64_t id = location.id;
+      const std::shared_ptr<StoredChunk> chunk = store.read(location);
       for (std::size_t i = 0; i < chunk->positions.size(); ++i) {
         const std::uint64_t row = stored_.id(store, *chunk, i) - rows.first;
         if (row >= rows.count) continue;
@@ -360,10 +361,10 @@ CloudPart read_cloud_part(const std::string& name, std::span<const PointFilter> 
   part.chunk_count = stored.schema().chunk_count;
   const std::vector<ChunkLocation> chunks = wanted_chunks(store, any_of);
   const AttributeSet kept = part.attributes & attributes;
-  for (const ChunkLocation& offset : chunks) {
-    const std::shared_ptr<StoredChunk> chunk = store.read(offset);
+  for (const ChunkLocation& location : chunks) {
+    const std::shared_ptr<StoredChunk> chunk = store.read(location);
     const std::size_t first = part.ids.size(), count = chunk->positions.size();
-    // Rows are made ahead, as many as there are, since columns are moved when they grow.
+    // The number of rows is doubled, since columns are copied when they grow.
     if (first + count > part.cloud.size()) append_rows(part.cloud, kept, std::max(first, count));
     const StoredCloud::Columns columns(stored, part.cloud, kept, first);
     for (std::size_t i = 0; i < count; ++i) {

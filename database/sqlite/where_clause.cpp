@@ -43,7 +43,7 @@ struct Cursor {
   std::size_t row = 0;
 };
 
-/// The name of the hidden column with the number of a row: one that no attribute has.
+/// A name for the hidden column with the number of a row that no attribute has.
 std::string row_column(const std::vector<CloudColumn>& columns) {
   std::string name = "_row";
   const auto is_name = [&](const CloudColumn& column) { return lower_case(column.like.name) == name; };
@@ -66,7 +66,7 @@ int connect(sqlite3* database, void* rows, int, const char* const*, sqlite3_vtab
         table->rows = static_cast<const Rows*>(rows);
         std::vector<std::string> names;
         for (const CloudColumn& column : table->rows->columns) names.push_back(sql_name(column.like.name));
-        // Without rowid: in a condition it would be the number of a row among those of its block.
+        // WITHOUT ROWID, since in a condition rowid would be the number of a row within its block.
         const std::string row = row_column(table->rows->columns);
         const int result = sqlite3_declare_vtab(
             database, fmt::format("CREATE TABLE point({},{} INTEGER HIDDEN, PRIMARY KEY({})) WITHOUT ROWID",
@@ -125,7 +125,7 @@ int column(sqlite3_vtab_cursor* base, sqlite3_context* context, int number) {
 
 const sqlite3_module k_module = [] {
   sqlite3_module module{};
-  // Without xCreate a table is there without being made.
+  // Without xCreate the table exists without CREATE.
   module.xConnect = connect;
   module.xBestIndex = best_index;
   module.xDisconnect = disconnect;
@@ -138,13 +138,13 @@ const sqlite3_module k_module = [] {
   return module;
 }();
 
-/// A connection to a database in memory without tables, or with one of these rows.
+/// A connection to a database in memory without tables, or with a table of some rows.
 class Evaluation {
  public:
   explicit Evaluation(const Rows* rows, const std::function<bool()>* is_given_up = nullptr) {
     const int result =
         sqlite3_open_v2(":memory:", &database_, SQLITE_OPEN_READWRITE | SQLITE_OPEN_MEMORY, nullptr);
-    // Else a name between double quotes that no column has would be a text.
+    // Otherwise a name in double quotes that is not a column would be a text.
     sqlite3_db_config(database_, SQLITE_DBCONFIG_DQS_DML, 0, nullptr);
     if (result != SQLITE_OK || add_functions(database_) != SQLITE_OK ||
         (rows != nullptr && sqlite3_create_module_v2(database_, "point", &k_module, const_cast<Rows*>(rows),
@@ -176,8 +176,8 @@ class Evaluation {
       {.problem = fmt::format("invalid condition '{}': {}", text, message), .expected = std::move(expected)});
 }
 
-/// Errors: the text has a parameter, or answers another time might differ: of a random number, the clock, the time zone
-/// of the machine, or what was asked before.
+/// Errors: the text has a parameter, or its value may differ next time: it depends on a random number, the
+/// clock, the time zone of the machine, or earlier statements.
 void reject_changing(const std::string& text) {
   constexpr const char* k_remedy =
       "a condition on values of the points, which always holds for the same ones "
@@ -186,7 +186,7 @@ void reject_changing(const std::string& text) {
                                               "last_insert_rowid"};
   constexpr std::string_view k_dates[] = {"date",      "time",     "datetime", "julianday",
                                           "unixepoch", "strftime", "timediff"};
-  // "subsec" in place of a time is the present one.
+  // "subsec" instead of a time is the current time.
   constexpr std::string_view k_variable[] = {"'now'", "'subsec'", "'subsecond'", "'localtime'", "'utc'"};
   const TokenList tokens(text);
   for (std::size_t i = 0; i < tokens.size(); ++i) {
@@ -201,7 +201,7 @@ void reject_changing(const std::string& text) {
     if (is_clock || calls_one_of(k_functions))
       reject(text, word + " changes from one time to the next", k_remedy);
     if (!calls_one_of(k_dates) || !tokens.is_sound()) continue;
-    // Without a time these are about the present one.
+    // Without a time these use the current one.
     const std::vector<TokenRange> arguments = tokens.arguments(i + 1);
     const std::size_t least = plain_name(word) == "strftime" ? 2 : 1;
     const std::size_t closing = tokens.closing(i + 1);
@@ -220,7 +220,7 @@ void reject_changing(const std::string& text) {
 WhereClause::WhereClause(std::string text) : text_(std::move(text)) {
   reject_changing(text_);
   const Evaluation evaluation(nullptr);
-  // A parenthesis of the text must not end the one around it.
+  // A parenthesis in the text must not close the one around the text.
   const std::string alone = "SELECT 1 WHERE " + text_;
   sqlite3_stmt* statement = nullptr;
   const char* tail = nullptr;

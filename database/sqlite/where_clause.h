@@ -10,24 +10,24 @@
 
 namespace alidade::database {
 
-/// A condition on the attributes of points, in the SQL of SQLite: what may follow WHERE, such as
+/// A condition on the attributes of points in SQLite's SQL, as after WHERE, such as
 /// "classification = 2 AND intensity > 100", "z BETWEEN 3 AND 5" or "return_number IN (1, 2)".
-/// Columns are those of a cloud's table: x, y, z, and stored_columns() but for the number of the point
+/// Columns are those of a cloud's table: x, y, z, and stored_columns() except for the number of the point
 /// (database/stored_column.h). Functions include dist_ray() and dist_plane() (database/sqlite/functions.h).
 /// A condition that is NULL does not hold.
 class WhereClause {
  public:
-  /// Errors: no condition by SQLite's grammar; more than one statement; a parameter; what may differ from one time to the
-  /// next: random(), the present time, the time zone of the machine. Columns are not looked up: they are not known before
-  /// a cloud is.
+  /// Errors: not a condition by SQLite's grammar; more than one statement; a parameter; values that may
+  /// differ each time: random(), the current time, the time zone of the machine. Columns are not resolved:
+  /// they are not known without a cloud.
   explicit WhereClause(std::string text);
 
   const std::string& text() const { return text_; }
 
-  /// Sets the marks of rows for which it does not hold to 0: one mark per row. Errors: a column that the cloud
-  /// lacks, with those it has; those of SQLite when it evaluates. Cancelled, if `is_given_up` returns true, which
-  /// several threads call, also while SQLite evaluates one row. Cost: some 0.2 us per row, shared by the
-  /// threads of the task arena (oneTBB).
+  /// Sets the marks of rows for which it does not hold to 0: one mark per row. Errors: a column that the
+  /// cloud lacks, with a list of its columns; those of SQLite's evaluation. Cancelled, if `is_given_up`
+  /// returns true, which is called by several threads, also while SQLite evaluates one row. Cost: some 0.2 us
+  /// per row, shared by the threads of the task arena (oneTBB).
   void mark(const PointCloud& cloud, std::span<std::uint8_t> marks,
             const std::function<bool()>& is_given_up = {}) const;
 

@@ -24,7 +24,7 @@ TEST(M3c2, a_surface_is_the_mean_of_its_points_in_the_cylinder) {
   const auto surface = nearest_surface(octree_of(points), {{0, 0, 0}, {0, 0, 1}, 0.1, 0.4, 0.1}, 0.0);
   ASSERT_TRUE(surface);
   EXPECT_EQ(surface->count, 3u);
-  EXPECT_NEAR(surface->position, 0.03, 1e-9);
+  EXPECT_NEAR(surface->t, 0.03, 1e-9);
   EXPECT_NEAR(surface->deviation, std::sqrt(0.0007), 1e-9) << "of a sample: divided by n - 1";
   EXPECT_NEAR(surface->middle.x, 0.05, 1e-9);
 }
@@ -34,8 +34,8 @@ TEST(M3c2, of_several_surfaces_the_nearest_counts) {
   for (const double z : {0.100, 0.102, -0.201, -0.199}) points.emplace_back(0.0, 0.0, z);
   const Octree octree = octree_of(points);
   const Cylinder cylinder{{0, 0, 0}, {0, 0, 1}, 0.1, 0.4, 0.02};
-  EXPECT_NEAR(nearest_surface(octree, cylinder, 0.0)->position, 0.101, 1e-9);
-  EXPECT_NEAR(nearest_surface(octree, cylinder, -0.1)->position, -0.2, 1e-9);
+  EXPECT_NEAR(nearest_surface(octree, cylinder, 0.0)->t, 0.101, 1e-9);
+  EXPECT_NEAR(nearest_surface(octree, cylinder, -0.1)->t, -0.2, 1e-9);
   EXPECT_EQ(nearest_surface(octree, cylinder, 0.0, [&](std::uint64_t id) { return id > 1; })->count, 2u);
 }
 

@@ -25,17 +25,17 @@ namespace {
 constexpr float k_none = std::numeric_limits<float>::quiet_NaN();
 /// Radius of a cylinder in spacings: it holds some 32 points.
 constexpr double k_cylinder_spacings = 2.0;
-/// Most that may be between a surface and what it is taken for when it has moved, in radii of the cylinder.
+/// Largest distance to a surface that counts as the same one after it has moved, in radii of the cylinder.
 constexpr double k_distance_radii = 3.0;
-/// Points of one surface keep within so many radii of its mean, or so many thicknesses of the point's sheet.
+/// Points of one surface lie within so many radii of its mean, or so many thicknesses of the point's sheet.
 constexpr double k_window_radii = 1.0 / 6.0, k_window_thicknesses = 3.0;
-/// Points of both surfaces lie around the same middle but for so many radii. Where one epoch has points on one side
-/// only, as at the hole below a scanner, an error of the normal would be taken for a distance.
+/// The means of both surfaces may be so many radii apart across the axis. Where one epoch has points on one
+/// side only, as at the hole below a scanner, an error of the normal would be taken for a distance.
 constexpr double k_most_aside = 0.4;
 /// Cosine between normals of one surface: 45 degrees.
 constexpr double k_least_parallel = 0.70710678118654752;
 
-/// One epoch with what is queried of it.
+/// One epoch with the queries that comparisons need.
 class EpochCloud {
  public:
   explicit EpochCloud(const Epoch& epoch)
@@ -48,7 +48,8 @@ class EpochCloud {
   const CountedPoints& counts() const { return occluders().options().counts; }
   bool is_counted(std::uint64_t id) const { return !counts() || counts()(id); }
   std::span<const glm::dvec3> origins() const { return epoch_.origins; }
-  /// Metres; limited, since that of a lone point may be the length of the site, and that of a few points is infinite.
+  /// Metres; limited, since that of a single point may be the length of the site, and that of
+  /// a few points is infinite.
   double spacing(std::uint64_t id) const { return std::min<double>(spacings_[id], largest_spacing_); }
   bool has_spacing(std::uint64_t id) const { return std::isfinite(spacings_[id]); }
 
@@ -62,21 +63,21 @@ class EpochCloud {
     return find(octree(), position, query);
   }
 
-  /// Whether a point counts and is on a surface with this normal.
+  /// Whether a point counts and is on a surface that is parallel within 45 degrees.
   bool is_parallel(std::uint64_t id, const glm::dvec3& normal) const {
     if (!is_counted(id)) return false;
     const PointSurface other = surface(id);
     return other.exists && std::fabs(glm::dot(other.normal, normal)) >= k_least_parallel;
   }
 
-  /// The surface in a cylinder: of parallel points.
+  /// The surface of the parallel points in a cylinder.
   std::optional<CylinderSurface> surface_in(const Cylinder& cylinder) const {
     return nearest_surface(octree(), cylinder, 0.0,
                            [&](std::uint64_t id) { return is_parallel(id, cylinder.axis); });
   }
 
-  /// 1 if the normal of a point shows to the nearest scanner that sees it, -1 if it shows away; without scanners
-  /// whether it shows upwards.
+  /// 1 if the normal of a point points to the nearest scanner that sees it, or upwards if no scanner is
+  /// known; -1 if it points the other way.
   double side_of(std::uint64_t id, const glm::dvec3& position, const glm::dvec3& normal) const {
     const auto side_towards = [&](const glm::dvec3& way) { return glm::dot(way, normal) < 0.0 ? -1.0 : 1.0; };
     if (origins().empty()) return side_towards({0.0, 0.0, 1.0});
@@ -88,7 +89,7 @@ class EpochCloud {
     std::ranges::stable_sort(by_distance, {}, [&](const glm::dvec3& origin) {
       return glm::dot(origin - position, origin - position);
     });
-    // What blocks within some spacings is of the same surface.
+    // A blocker within some spacings is of the same surface.
     constexpr double k_own_spacings = 3.0;
     const auto is_seen_from = [&](const glm::dvec3& origin) {
       const SightLine line = sight_line({origin}, end_on_point(occluders(), id, position, origin));
@@ -127,7 +128,7 @@ struct Finding {
   bool has_normal = true, has_wider_normal = false;
 };
 
-/// What a line of sight of the other epoch says of a position.
+/// What a line of sight of the other epoch shows about a position.
 enum class Sight { unknown, hidden, met, passed };
 
 /// Compares points of one epoch with the other.
@@ -137,7 +138,7 @@ class Comparison {
   Comparison(const EpochCloud& own, const EpochCloud& other, const ChangeOptions& options, int sign)
       : own_(own), other_(other), options_(options), sign_(sign) {}
 
-  /// Of a point that counts.
+  /// Requires a point that counts.
   Finding compare(std::uint64_t id, const glm::dvec3& position) const {
     const ComparedPoint point = measured(id, position);
     Finding finding = by_distance(point);
@@ -148,9 +149,9 @@ class Comparison {
   }
 
  private:
-  /// Fills the surface.
+  /// Sets `surface` and `has_wider_normal`.
   void find_surface(ComparedPoint& point) const {
-    // Fewer than these lower the trust in a plane by their number alone.
+    // Fewer points lower the trust in a plane by their number alone.
     constexpr double k_enough_points = 9.0;
     point.surface = own_.surface(point.id);
     if (!options_.normal_radius) return;
@@ -176,8 +177,8 @@ class Comparison {
     return point;
   }
 
-  /// Steps 1 and 2 of find_changes(). Without a distance: not_measured if the other epoch has points within reach, in
-  /// the cylinder if there is one; else unmatched.
+  /// Steps 1 and 2 of find_changes(). Without a distance: not_measured if the other epoch has points within
+  /// reach, in the cylinder if there is one; else unmatched.
   Finding by_distance(const ComparedPoint& point) const {
     Finding finding = by_surfaces(point);
     if (std::isnan(finding.distance) && point.nearest == 0.0) {
@@ -198,7 +199,7 @@ class Comparison {
     if (other->count < k_least_cylinder_points) return {ChangeClass::not_measured};
     const std::optional<CylinderSurface> own = own_.surface_in(cylinder);
     if (!own || own->count < k_least_cylinder_points) return {ChangeClass::not_measured};
-    const double offset = other->position - own->position;
+    const double offset = other->t - own->t;
     if (glm::length(other->middle - own->middle - offset * cylinder.axis) > k_most_aside * point.radius)
       return {ChangeClass::not_measured};
     const double level = detection_level(*own, *other, options_.registration_error);
@@ -207,7 +208,7 @@ class Comparison {
             static_cast<float>(sign_ * side * offset), static_cast<float>(level)};
   }
 
-  /// Steps 3 and 4. `found`: by by_distance().
+  /// Steps 3 and 4. `found`: the class from by_distance().
   ChangeClass without_distance(const ComparedPoint& point, ChangeClass found) const {
     const ChangeClass kind = is_near(point) ? ChangeClass::same : by_sight(point);
     if (point.is_same_if_near) return kind;
@@ -216,8 +217,8 @@ class Comparison {
     return is_open ? ChangeClass::not_measured : kind;
   }
 
-  /// Step 3: whether the other epoch has a point here. One on a surface must be on the same as the point, if that has
-  /// one.
+  /// Step 3: whether the other epoch has a point here. One on a surface must be on the same as
+  /// the point, if that has one.
   bool is_near(const ComparedPoint& point) const {
     constexpr std::size_t k_neighbours = 8;
     if (point.nearest > point.near_limit) return false;
@@ -268,8 +269,8 @@ class Comparison {
            other_.is_parallel(blocker.point_id, point.surface.normal);
   }
 
-  /// Whether a line ends on the side of a surface that was scanned. Where there are no points, as below a scanner,
-  /// lines pass through the ground and end on surfaces from behind.
+  /// Whether a line ends on the side of a surface that was scanned. Where there are no points, as below a
+  /// scanner, lines pass through the ground and end on surfaces from behind.
   bool is_front(const Blocker& blocker, const glm::dvec3& direction) const {
     const PointSurface surface = other_.surface(blocker.point_id);
     return !surface.exists || other_.side_of(blocker.point_id, blocker.position, surface.normal) *
@@ -277,9 +278,10 @@ class Comparison {
                                   0.0;
   }
 
-  /// Whether lines to where one at this distance is blocked are as dense at the point as its surface is wide.
+  /// Whether points at this distance from the scanner are dense enough for one of its beams to
+  /// have met the point's surface.
   bool is_aimed(const ComparedPoint& point, double distance, const Blocker& blocker) const {
-    // A surface is fitted to points within 2.5 spacings; a lone point has its neighbours.
+    // A surface is fitted to points within 2.5 spacings; a point without one reaches to its neighbours.
     constexpr double k_width_of_surface = 5.0, k_width_of_lone = 1.6;
     const double between = other_.spacing(blocker.point_id) * distance / blocker.distance;
     return between <= (point.surface.exists ? k_width_of_surface : k_width_of_lone) * point.spacing;
@@ -307,7 +309,8 @@ PointChanges compare_all(const EpochCloud& own, const EpochCloud& other, const C
         const LatticePosition position = position_of(tree, leaf, i);
         Finding finding{ChangeClass::ignored};
         if (own.is_counted(id)) {
-          // Points of one position, of which a scan may have a million, have one finding and mostly follow each other.
+          // A scan may have a million points of one position; they have one finding and
+          // mostly follow each other.
           if (last != position) of_last = comparison.compare(id, to_world(tree.lattice, position));
           last = position;
           finding = of_last;
@@ -374,7 +377,7 @@ void check_overlap(const Octree& before_cloud, const Octree& after_cloud) {
     return fmt::format("{:.2f},{:.2f},{:.2f} to {:.2f},{:.2f},{:.2f}", box.min.x, box.min.y, box.min.z,
                        box.max.x, box.max.y, box.max.z);
   };
-  // Flat ground that has moved has a little room in between.
+  // Bounds of flat ground do not overlap if it has moved vertically.
   constexpr double k_room = 0.1;
   const glm::dvec3 size = glm::max(before.size(), after.size());
   const double room = k_room * std::max({size.x, size.y, size.z});

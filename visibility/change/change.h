@@ -11,26 +11,27 @@
 #include "base/progress.h"
 #include "visibility/sight_line.h"
 
-// What has changed between two scans of one site, point by point: a point whose counterpart is missing in the other
-// epoch is gone or new only if lines of sight of that epoch pass through its position; otherwise that epoch never saw
-// the position.
+// What has changed between two scans of one site, point by point: a point whose counterpart is missing in the
+// other epoch is gone or new only if lines of sight of that epoch pass through its position; otherwise that
+// epoch never saw the position.
 //
 //   const Occluders before(build(old_cloud), {}), after(build(new_cloud), {});
-//   const Changes changes = find_changes({before, old_origins}, {after, new_origins}, {.registration_error = 0.005});
+//   const ChangeOptions options{.registration_error = 0.005};
+//   const Changes changes = find_changes({before, old_origins}, {after, new_origins}, options);
 //   if (changes.before.classes[id] == ChangeClass::gone) ...
 
 namespace alidade::visibility {
 
-/// What the other epoch says of a point.
+/// What the other epoch shows about a point.
 enum class ChangeClass : std::uint8_t {
-  /// It has the surface: the distance is within the level of detection; where no radius is given, also points that are
-  /// as near as those of one scan are to each other.
+  /// It has the surface: the distance is within the level of detection. If no radius is given, also points
+  /// that are as near as those of one scan are to each other.
   same = 0,
   moved = 1,       ///< it has the surface at a significant distance along the normal
   gone = 2,        ///< of BEFORE: lines of sight of AFTER pass through the position
   appeared = 3,    ///< "new", of AFTER: lines of sight of BEFORE pass through the position
   never_seen = 4,  ///< none of its lines of sight passed or met the position: hidden, or out of range
-  unmatched = 5,   ///< it has no surface here, and where it was measured from is unknown
+  unmatched = 5,   ///< it has no surface here, and its origins are unknown
   ignored = 6,     ///< the point does not count (OccluderOptions::counts)
   /// The other epoch has points here, but their distance is unknown; PointChanges counts the reasons.
   not_measured = 7,
@@ -48,11 +49,11 @@ struct Epoch {
 
 struct ChangeOptions {
   double registration_error = 0.0;  ///< standard deviation of the offset between the clouds, metres, >= 0
-  /// Of the sphere whose points define the normal, metres, > 0. Empty, and where the sphere holds too few points for a
-  /// plane: the surfaces of octree/point_surface.h, 2.5 spacings of the point.
+  /// Radius of the sphere whose points define the normal, metres, > 0. Empty, and if the sphere has too few
+  /// points for a plane: the surfaces of octree/point_surface.h, 2.5 spacings of the point.
   std::optional<double> normal_radius{};
-  /// Of the cylinder, metres, > 0. Empty: twice the spacing (to the 8th neighbour) of the point or, if it is more,
-  /// of the nearest point of the other epoch.
+  /// Radius of the cylinder, metres, > 0. Empty: twice the spacing (to the 8th neighbour) of the point or, if
+  /// it is more, of the nearest point of the other epoch.
   std::optional<double> cylinder_radius{};
   /// A surface within this along the normal has moved, one farther away is another one: metres, > 0. Empty: 3
   /// radii of the cylinder.
@@ -61,14 +62,14 @@ struct ChangeOptions {
   Progress progress{};                                         ///< in points of both clouds
 };
 
-/// Of one epoch, by point id.
+/// The findings of one epoch, by point id.
 struct PointChanges {
   HugeVector<ChangeClass> classes;
   /// M3C2 distance from BEFORE to AFTER along the normal, metres. Normals point to the scanner, upwards if no
-  /// origin is known: material that comes is positive. NaN for points without a surface or a counterpart.
+  /// origin is known: added material is positive. NaN for points without a surface or a counterpart.
   HugeVector<float> distances;
-  HugeVector<float> detection_levels;  ///< LoD95, metres; NaN where the distance is
-  // Why points are not_measured; together as many as have that class.
+  HugeVector<float> detection_levels;  ///< LoD95, metres; NaN if the distance is NaN
+  // Numbers of points by the reason why they are not_measured; they add up to that class.
   std::uint64_t without_normal = 0;  ///< their neighbours do not lie on a plane
   std::uint64_t too_few_points = 0;  ///< in their cylinder, of one of the epochs, around the same middle
   /// Points whose sphere of ChangeOptions::normal_radius holds too few points for a normal.
@@ -84,30 +85,31 @@ void check_overlap(const Octree& before, const Octree& after);
 
 /// Compares both epochs. Each point is tested in this order:
 ///
-/// 1. Its cylinder holds surfaces of both epochs, k_least_cylinder_points points of each around about the same middle:
-///    the M3C2 distance (m3c2.h) is insignificant, `same`, or not, `moved`. Points count whose own surfaces are
-///    parallel to that of the point within 45 degrees; those of one surface lie within a sixth of the cylinder's
-///    radius, or 3 thicknesses, of its mean.
+/// 1. Its cylinder holds surfaces of both epochs, k_least_cylinder_points points of each around about the
+///    same middle: the M3C2 distance (m3c2.h) is insignificant, `same`, or not, `moved`. Points count whose
+///    own surfaces are parallel to that of the point within 45 degrees; those of one surface lie within a
+///    sixth of the cylinder's radius, or 3 thicknesses, of its mean.
 /// 2. A point of the other epoch has exactly the same position: `same`, at distance 0.
-/// 3. A point of the other epoch is within the larger of both spacings, on the same plane if both points have surfaces:
-///    `same`. That decides for foliage and wires, which have no normal, and for edges.
-/// 4. Lines from the other epoch's origins through the point, to the first surface of that epoch. Beyond the point:
-///    the line passes, `gone` or `appeared`, if it ends on the side of a surface that was scanned, and points there
-///    are dense enough for a beam to have met the point's surface. At the point, or beyond it on its plane, where a
-///    line grazes it: `same`. Before the point: hidden. Nothing there, or out of range: unknown. One line that passes
-///    decides; if none passes or meets the point, `never_seen`.
+/// 3. A point of the other epoch is within the larger of both spacings, on the same plane if both points have
+///    surfaces: `same`. This step decides for foliage and wires, which have no normal, and for edges.
+/// 4. Lines from the other epoch's origins through the point, to the first surface of that epoch. Beyond the
+///    point: the line passes, `gone` or `appeared`, if it ends on the side of a surface that was scanned, and
+///    points there are dense enough for a beam to have met the point's surface. At the point, or beyond it on
+///    its plane, where a line grazes it: `same`. Before the point: hidden. Nothing there, or out of range:
+///    unknown. One line that passes decides; if none passes or meets the point, `never_seen`.
 ///
-/// Steps 3 and 4 measure no distance: to them a movement by less than a spacing is `same`. So where a radius is given, of
-/// normals or cylinders, and where an epoch has too few points for a spacing, they find `not_measured` instead, as they
-/// do instead of `unmatched` if the other epoch has points in the cylinder, or near a point without a normal.
+/// Steps 3 and 4 do not measure a distance: for them a movement by less than a spacing is `same`. So they
+/// find `not_measured` instead if a radius of normals or cylinders is given, or if an epoch has too few
+/// points for a spacing. They also find `not_measured` instead of `unmatched` if the other epoch has points
+/// in the cylinder, or near a point without a normal.
 ///
-/// That a line of sight is free in the cloud of its epoch is taken as proof that the scanner saw along it, so origins
-/// must be those of scanners that scan all around.
+/// A line of sight that is free in the cloud of its epoch is taken as proof that the scanner saw along it, so
+/// origins must be those of scanners that scan all around.
 ///
-/// The same bits on any number of threads and any instruction set. Errors: an empty cloud, those of check_overlap(),
-/// options out of range, origins not finite, other occluders. Memory: 13 B per point, and 8 B in summaries_of(); on the
-/// disk if the octree has scratch files. Cost: 10 to 40 microseconds of one thread per point; for points without a
-/// counterpart a microsecond more per origin.
+/// The same bits on any number of threads and any instruction set. Errors: an empty cloud, those of
+/// check_overlap(), options out of range, origins not finite, other occluders. Memory: 13 B per point, and
+/// 8 B in summaries_of(); on the disk if the octree has scratch files. Cost: 10 to 40 microseconds of one
+/// thread per point; for points without a counterpart a microsecond more per origin.
 Changes find_changes(const Epoch& before, const Epoch& after, const ChangeOptions& options = {});
 
 /// The points of one class of one epoch.
@@ -116,7 +118,7 @@ struct ChangeSummary {
   std::uint64_t measured = 0;  ///< of these with a distance
   /// Square metres: for each point an 8th of the circle through its 8th neighbour.
   double area = 0.0;
-  // Of the points that have a distance, metres; empty if none has.
+  // Of the points with a distance, metres; empty if there are none.
   std::optional<double> median_distance{}, median_absolute_distance{}, median_detection_level{};
 };
 

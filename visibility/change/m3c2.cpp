@@ -10,10 +10,10 @@
 namespace alidade::visibility {
 namespace {
 
-/// Those in order of t that lie within the window around a position.
-std::span<const Hit> around(std::span<const Hit> hits, double position, double window) {
-  const auto begin = std::ranges::lower_bound(hits, position - window, {}, &Hit::t);
-  const auto end = std::ranges::upper_bound(hits, position + window, {}, &Hit::t);
+/// The hits within a window around t. Requires hits in order of t.
+std::span<const Hit> around(std::span<const Hit> hits, double t, double window) {
+  const auto begin = std::ranges::lower_bound(hits, t - window, {}, &Hit::t);
+  const auto end = std::ranges::upper_bound(hits, t + window, {}, &Hit::t);
   return {begin, end};
 }
 
@@ -32,26 +32,24 @@ double deviation_of(std::span<const Hit> hits, double mean) {
 
 }  // namespace
 
-std::optional<CylinderSurface> nearest_surface(const Octree& octree, const Cylinder& cylinder,
-                                               double position, const CountedPoints& counts) {
+std::optional<CylinderSurface> nearest_surface(const Octree& octree, const Cylinder& cylinder, double t,
+                                               const CountedPoints& counts) {
   constexpr int k_most_steps = 8;
   RayQuery query{.radius = cylinder.radius, .measure = Measure::t};
   if (counts) query.filter = [&counts](const Candidate& point) { return counts(point.point_id); };
   const Ray axis{cylinder.center, cylinder.axis, -cylinder.half_length, cylinder.half_length};
   const std::vector<Hit> all = find(octree, axis, query);
   if (all.empty()) return std::nullopt;
-  double mean = std::ranges::min_element(all, {}, [position](const Hit& hit) {
-                  return std::fabs(hit.t - position);
-                })->t;
+  double mean = std::ranges::min_element(all, {}, [t](const Hit& hit) { return std::fabs(hit.t - t); })->t;
   std::span<const Hit> surface;
   for (int step = 0; step < k_most_steps; ++step) {
     const std::span<const Hit> next = around(all, mean, cylinder.window);
-    // A mean far from all points of two halves.
+    // The mean of two halves may be far from all points.
     if (next.empty() || (next.data() == surface.data() && next.size() == surface.size())) break;
     surface = next;
     mean = mean_of(surface);
   }
-  // Relative to the point, since coordinates of maps have few digits left behind the point.
+  // Relative to the centre, since sums of map coordinates would lose digits.
   glm::dvec3 sum(0.0);
   for (const Hit& hit : surface) sum += hit.position - cylinder.center;
   return CylinderSurface{surface.size(), mean, deviation_of(surface, mean),

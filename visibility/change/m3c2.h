@@ -8,19 +8,19 @@
 
 #include "octree/octree.h"
 
-// The distance between two surfaces that are known as points, along a normal, and how large it must be to be no
-// effect of noise: M3C2 (Lague, Brodu, Leroux 2013, Accurate 3D comparison of complex topography with terrestrial
-// laser scanner, ISPRS Journal 82). Each surface is the mean of its points in a cylinder around the normal. Unlike
+// The distance between two surfaces of points along a normal, and how large it must be not to be an effect of
+// noise: M3C2 (Lague, Brodu, Leroux 2013, Accurate 3D comparison of complex topography with terrestrial laser
+// scanner, ISPRS Journal 82). Each surface is the mean of its points in a cylinder around the normal. Unlike
 // there, a cylinder that holds several surfaces gives the mean of one of them.
 
 namespace alidade::visibility {
 
 /// A cylinder around the normal of a point.
 struct Cylinder {
-  glm::dvec3 center{0.0};          ///< the point; position 0 on the axis
+  glm::dvec3 center{0.0};          ///< the point; t = 0 on the axis
   glm::dvec3 axis{0.0, 0.0, 1.0};  ///< the normal, of length 1
   double radius = 0.0;             ///< metres, > 0
-  double half_length = 0.0;        ///< reaches so far to both sides of the point, metres
+  double half_length = 0.0;        ///< to either side of the point, metres
   /// Points of one surface lie within this of its mean, metres along the axis, > 0.
   double window = 0.0;
 };
@@ -28,7 +28,7 @@ struct Cylinder {
 /// A surface in a cylinder.
 struct CylinderSurface {
   std::size_t count = 0;   ///< points of the surface, at least 1
-  double position = 0.0;   ///< their mean along the axis, metres
+  double t = 0.0;          ///< their mean along the axis, metres
   double deviation = 0.0;  ///< their standard deviation along the axis, metres; 0 for a single point
   glm::dvec3 middle{0.0};  ///< their mean, world coordinates
 };
@@ -36,14 +36,13 @@ struct CylinderSurface {
 /// Points that count; empty: all.
 using CountedPoints = std::function<bool(std::uint64_t point_id)>;
 
-/// The surface nearest to a position on the axis: the mean of the points within the window around the point
-/// nearest to that position, then of those around this mean, until it rests (at most 8 times). Empty: the
-/// cylinder holds no point. The same bits on any machine. Cost: some microseconds, grows with the points in the
-/// cylinder.
-std::optional<CylinderSurface> nearest_surface(const Octree& octree, const Cylinder& cylinder,
-                                               double position, const CountedPoints& counts = {});
+/// The surface nearest to t on the axis: the mean of the points within the window around the point nearest to
+/// t, then of those around this mean, until it no longer changes (at most 8 times). Empty: the cylinder holds
+/// no point. The same bits on any machine. Cost: some microseconds, grows with the points in the cylinder.
+std::optional<CylinderSurface> nearest_surface(const Octree& octree, const Cylinder& cylinder, double t,
+                                               const CountedPoints& counts = {});
 
-/// Fewer points than these give no level of detection that can be trusted.
+/// Levels of detection of fewer points are not reliable.
 constexpr std::size_t k_least_cylinder_points = 4;
 
 /// The level of detection with a confidence of 95 % (LoD95): 1.96 (sqrt(s1^2 / n1 + s2^2 / n2) + registration

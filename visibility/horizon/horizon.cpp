@@ -26,7 +26,7 @@ void check_range(bool holds, const char* what, std::string expected, double foun
   check_that(holds, fmt::format("{} out of range", what), std::move(expected), fmt::format("{}", found));
 }
 
-/// How many steps of this size fill a range of degrees.
+/// Number of steps of this size in a range of degrees.
 int whole_steps(const char* what, double range, double step, double least, double most) {
   constexpr double k_slack = 1e-6;
   const double steps = range / step;
@@ -44,12 +44,12 @@ class SightFan {
         bottom_(sine_cosine_of_degrees(bottom)),
         top_(sine_cosine_of_degrees(top)) {}
 
-  /// Whether surely none of them meets a triangle that the eye does not lie on.
+  /// True only if none of them meets a triangle that the eye does not lie on.
   bool is_free(const TriangleTree& mesh) const {
     return !mesh.any([this](const Bounds& box) { return may_reach(box); },
                      [this](const std::array<glm::dvec3, 3>& corners) { return may_reach(corners); });
   }
-  /// The same of the boxes of a terrain's patches.
+  /// True only if none of them meets the box of a patch of the terrain.
   bool is_free(const geo::TerrainSurface& terrain) const {
     return !terrain.any([this](const Bounds& box) { return may_reach(box); });
   }
@@ -59,7 +59,7 @@ class SightFan {
   struct Position {
     double run, aside, rise;
 
-    /// Far more than what rounding makes of it.
+    /// Far more than the error of rounding.
     double slack() const { return 1e-6 * (1.0 + std::fabs(run) + std::fabs(aside) + std::fabs(rise)); }
   };
 
@@ -68,7 +68,8 @@ class SightFan {
     return {offset.x * along_.x + offset.y * along_.y, offset.x * along_.y - offset.y * along_.x, offset.z};
   }
 
-  /// Whether the convex hull of positions may reach into the fan: no face of the wedge around it parts them.
+  /// Whether the convex hull of positions may reach into the fan: no face of the wedge around the fan
+  /// separates them.
   bool may_reach(std::span<const Position> hull) const {
     bool is_behind = true, is_left = true, is_right = true, is_above = true, is_below = true;
     for (const Position& one : hull) {
@@ -90,7 +91,7 @@ class SightFan {
     return may_reach(hull);
   }
 
-  /// By what the vertical plane of the fan cuts from the triangle.
+  /// Tests the section of the triangle with the vertical plane of the fan.
   bool may_reach(const std::array<glm::dvec3, 3>& corners) const {
     if (is_own(corners)) return false;
     std::array<Position, 6> cut;
@@ -105,7 +106,7 @@ class SightFan {
     return count > 0 && may_reach(std::span(cut).first(count));
   }
 
-  /// Whether the eye surely lies on it.
+  /// True only if the eye lies on the triangle.
   bool is_own(const std::array<glm::dvec3, 3>& corners) const {
     const glm::dvec3 normal = glm::cross(corners[1] - corners[0], corners[2] - corners[0]);
     return std::fabs(glm::dot(eye_.position - corners[0], normal)) <
@@ -130,7 +131,7 @@ struct AzimuthSearch {
 
   /// Number of the highest blocked elevation in [low, high].
   std::optional<int> highest(int low, int high) const {
-    // Wider fans would let hardly any sky pass.
+    // Wider fans are hardly ever free.
     constexpr double k_widest_fan = 23.0;  // degrees
     const bool is_narrow = steps.elevation(high) - steps.elevation(low) <= k_widest_fan;
     if (is_narrow && is_free(low, high)) return {};
@@ -144,7 +145,7 @@ struct AzimuthSearch {
     return sight_ray(eye, geo::compass_direction(azimuth, steps.elevation(step)), max_distance);
   }
 
-  /// Whether surely nothing blocks any line at these elevations.
+  /// True only if nothing blocks any line at these elevations.
   bool is_free(int low, int high) const {
     if (!near.are_free(number, low, high)) return false;
     const SightFan fan(eye, azimuth, steps.elevation(low), steps.elevation(high));
@@ -165,7 +166,7 @@ struct AzimuthSearch {
   }
 };
 
-// Objects keep the order in which they are written here.
+// Members keep the order in which they are inserted.
 using Json = nlohmann::ordered_json;
 
 Json point_geometry(const glm::dvec3& position) {
@@ -195,7 +196,7 @@ std::vector<HorizonDirection> horizon(const Occluders& occluders, const SightEnd
   if (width <= 0.0) width += k_turn;
   check_range(std::fabs(from) <= 2.0 * k_turn && width > 0.0, "azimuth", "-720 to 720", from);
 
-  // Limits on a multiple of a step count as on it.
+  // Limits this near to a multiple of a step count as equal to it.
   constexpr double k_slack = 1e-9;
   const auto step_below = [&](double degrees, double range, int count) {
     return static_cast<int>(std::floor(degrees / range * count + k_slack));
@@ -270,7 +271,7 @@ std::string horizon_geojson(std::span<const HorizonDirection> horizon, const Hor
                             const std::optional<std::vector<glm::dvec3>>& on_globe) {
   const std::vector<glm::dvec3> positions = on_globe ? *on_globe : horizon_positions(horizon, facts);
   assert(positions.size() == horizon_positions(horizon, facts).size());
-  // One feature per line: for people, and for programs that look at differences.
+  // One feature per line, for readers and for diff.
   std::string text = "{\"type\": \"FeatureCollection\",\n";
   if (!on_globe) text += "\"coordinate_system\": \"x and y of the cloud, not longitude and latitude\",\n";
   text += "\"features\": [\n";

@@ -23,7 +23,7 @@ int entries(const ElevationSteps& elevations, int steps_per_entry) {
 
 }  // namespace
 
-/// How far each point reaches that can block lines from an eye at all.
+/// The reaches of the points that can block lines from an eye.
 class NearLines::Reaches {
  public:
   Reaches(const Occluders& occluders, const SightEnd& eye) : occluders_(occluders), eye_(eye) {}
@@ -67,7 +67,7 @@ NearLines::NearLines(const Occluders& occluders, const SightEnd& eye, const Azim
     const std::vector<PlacedPoint> points = placed_points(tree, leaves);
     in_parallel(points.size(), k_grain, [&](std::size_t i) {
       const std::optional<double> reach = reaches.of(points[i]);
-      // Points of one position mostly follow each other, and mark the same.
+      // Points of one position mostly follow each other, and mark the same lines.
       const bool is_marked =
           i > 0 && points[i - 1].position == points[i].position && reaches.of(points[i - 1]).has_value();
       if (reach && !is_marked) mark_around(points[i].position - eye.position, *reach);
@@ -75,9 +75,10 @@ NearLines::NearLines(const Occluders& occluders, const SightEnd& eye, const Azim
   }
 }
 
-/// Marks all lines that come within reach of a position. What blocks a line holds a position of it.
+/// Marks all lines that come within reach of a point: a disc or sphere blocks only
+/// lines that pass through it.
 void NearLines::mark_around(const glm::dvec3& offset, double reach) {
-  constexpr double k_slack = 1e-5;  // degrees, far more than what rounding makes of directions
+  constexpr double k_slack = 1e-5;  // degrees, far more than the errors of directions
   const double distance = glm::length(offset), run = std::hypot(offset.x, offset.y);
   const double elevation = k_degrees * std::atan2(offset.z, run);
   const double half_width = distance > reach ? k_degrees * std::asin(reach / distance) + k_slack : 180.0;

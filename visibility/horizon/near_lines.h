@@ -9,11 +9,12 @@
 
 namespace alidade::visibility {
 
-/// Azimuths by their number: azimuth(i) = 360 i / per_turn, clockwise from north. `count` of them from `first` on.
+/// Azimuths by their number: azimuth(i) = 360 i / per_turn, clockwise from north. `count` of them from
+/// `first` on.
 struct AzimuthSteps {
   int per_turn = 1, first = 0, count = 0;
 
-  /// Of the i-th of them: degrees, [0, 360).
+  /// Degrees, [0, 360). i: from 0, in [0, count).
   double azimuth(int i) const { return 360.0 * (((first + i) % per_turn + per_turn) % per_turn) / per_turn; }
 };
 
@@ -24,15 +25,16 @@ struct ElevationSteps {
   double elevation(int step) const { return 90.0 * step / per_quarter; }
 };
 
-/// Which lines from an eye may be blocked by points: a table by azimuth and elevation, filled from all points once.
+/// Which lines from an eye may be blocked by points: a table by azimuth and elevation,
+/// filled from all points once.
 class NearLines {
  public:
-  /// Neighbouring elevations share an entry, `steps_together` of them or, where the table would be larger than 64 MB,
-  /// more. Cost: 100 ns of one thread per point, in parallel.
+  /// Neighbouring elevations share an entry, `steps_together` of them, or more if the table would be larger
+  /// than 64 MB. Cost: 100 ns of one thread per point, in parallel.
   NearLines(const Occluders& occluders, const SightEnd& eye, const AzimuthSteps& azimuths,
             const ElevationSteps& elevations, int steps_together);
 
-  /// Whether surely no point blocks any line of the i-th azimuth between two elevations, inclusive.
+  /// True only if no point blocks any line of the i-th azimuth between two elevations, inclusive.
   bool are_free(int azimuth, int low, int high) const;
 
  private:

@@ -13,8 +13,8 @@
 namespace alidade::visibility {
 namespace {
 
-/// Sends a line through every pixel, some rows at once: towards direction(x, y). take(pixel, blocker) gets the
-/// first blockers of those that are blocked.
+/// Sends a line through every pixel, towards direction(x, y), some rows at once. Calls take(pixel, blocker)
+/// with the first blocker of each line that is blocked.
 template <class Direction, class Take>
 void look_through(const Occluders& occluders, const SightEnd& eye, double max_distance, int width, int height,
                   int rows_at_once, const Progress& progress, const Direction& direction, const Take& take) {

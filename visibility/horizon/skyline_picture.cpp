@@ -25,9 +25,10 @@ constexpr int k_font_size = 17, k_title_size = 20, k_note_size = 15, k_tick = 6,
 struct DistanceScale {
   double near = 1.0, far = 10.0;
 
-  double position(double distance) const { return std::log(distance / near) / std::log(far / near); }
+  /// 0 at `near`, 1 at `far`.
+  double share(double distance) const { return std::log(distance / near) / std::log(far / near); }
   image::Rgb8 color(double distance) const {
-    const glm::dvec3 display = image::map_color(image::ColorMap::viridis, position(distance));
+    const glm::dvec3 display = image::map_color(image::ColorMap::viridis, share(distance));
     const auto byte = [](double value) { return static_cast<std::uint8_t>(std::lround(255.0 * value)); };
     return {byte(display.x), byte(display.y), byte(display.z)};
   }
@@ -39,7 +40,7 @@ DistanceScale scale_of(const DepthStrip& strip) {
     if (std::isfinite(distance) && distance > 0.0f) seen.push_back(distance);
   if (seen.empty()) return {};
   std::ranges::sort(seen);
-  // A leaf before the eye shall not take half of the colours.
+  // Without the nearest 1 %: a leaf in front of the eye must not take half of the colours.
   const auto at = [&](double share) {
     return static_cast<double>(seen[static_cast<std::size_t>(share * static_cast<double>(seen.size() - 1))]);
   };
@@ -75,7 +76,7 @@ struct Frame {
   }
 };
 
-/// Texts that are not aligned at their left end.
+/// Draws texts with a given left end, middle or right end.
 class Writer {
  public:
   Writer(image::Canvas& canvas, const image::Font& font) : canvas_(canvas), font_(font) {}
@@ -110,7 +111,7 @@ void draw_view(const DepthStrip& strip, const DistanceScale& scale, const image:
   }
 }
 
-/// Row of the horizon in the middle of a column; empty where there is none.
+/// Row of the horizon in the middle of a column; empty if there is none.
 std::optional<double> horizon_row(const DepthStrip& strip, std::span<const HorizonDirection> horizon,
                                   const Frame& frame, int x) {
   const double azimuth =
@@ -148,7 +149,8 @@ void draw_line(const DepthStrip& strip, std::span<const HorizonDirection> horizo
   }
 }
 
-/// Covers the pixels within half a width of a stretch between two positions of the canvas, those at the edge in part.
+/// Covers the pixels within half a width of a stretch between two positions of the canvas;
+/// those at the edge in part.
 void draw_stretch(image::Canvas& canvas, const glm::dvec2& from, const glm::dvec2& to, double width,
                   const std::function<void(int x, int y, double cover)>& paint) {
   const double reach = 0.5 * width + 1.0;
@@ -167,7 +169,7 @@ void draw_stretch(image::Canvas& canvas, const glm::dvec2& from, const glm::dvec
   }
 }
 
-/// Curves first into a mask of their cover, so that stretches that meet do not cover a pixel twice.
+/// Draws a curve by a mask of its cover, so that stretches that meet do not cover a pixel twice.
 void draw_curve(const DepthStrip& strip, const SkylineCurve& curve, const Frame& frame,
                 image::Canvas& canvas) {
   constexpr double k_hidden = 0.3, k_dot = 7.0;
@@ -201,7 +203,7 @@ void draw_curve(const DepthStrip& strip, const SkylineCurve& curve, const Frame&
   }
 }
 
-/// Labels over all curves, bright over what hides the sky.
+/// Draws the labels of a curve, bright over what hides the sky.
 void label_curve(const DepthStrip& strip, const SkylineCurve& curve, const Frame& frame, Writer& writer) {
   constexpr int k_above = 9;
   const auto write = [&](const glm::dvec2& position, int above, const std::string& label,
@@ -227,7 +229,7 @@ void label_curve(const DepthStrip& strip, const SkylineCurve& curve, const Frame
   write(*highest, k_above + (has_names ? k_note_size + 4 : 0), curve.label, curve.color);
 }
 
-/// The narrowest of the steps people like on a compass that gives at most `most` ticks.
+/// The narrowest of the usual steps of a compass that gives at most `most` ticks.
 double compass_step(double range, int most) {
   for (const double step : {0.1, 0.2, 0.5, 1.0, 2.0, 5.0, 10.0, 15.0, 30.0, 45.0})
     if (range / step <= most) return step;
@@ -279,12 +281,12 @@ void draw_bar(const DistanceScale& scale, const Frame& frame, const std::string&
   const image::PixelBox& bar = frame.bar;
   const double ratio = scale.far / scale.near;
   for (int y = bar.top; y < bar.bottom; ++y) {
-    const double position = static_cast<double>(bar.bottom - 1 - y) / (bar.height() - 1);
-    canvas.fill({bar.left, y, bar.right, y + 1}, scale.color(scale.near * std::pow(ratio, position)));
+    const double share = static_cast<double>(bar.bottom - 1 - y) / (bar.height() - 1);
+    canvas.fill({bar.left, y, bar.right, y + 1}, scale.color(scale.near * std::pow(ratio, share)));
   }
   canvas.frame({bar.left - 1, bar.top - 1, bar.right + 1, bar.bottom + 1}, k_faint_ink);
   for (const double tick : distance_ticks(scale)) {
-    const int y = bar.bottom - 1 - static_cast<int>(std::lround(scale.position(tick) * (bar.height() - 1)));
+    const int y = bar.bottom - 1 - static_cast<int>(std::lround(scale.share(tick) * (bar.height() - 1)));
     canvas.fill({bar.right + 1, y, bar.right + 1 + k_tick, y + 1}, k_faint_ink);
     writer.left(bar.right + 1 + k_tick + 4, y + k_font_size / 3,
                 fmt::format("{:g}{}{}", tick, unit.empty() ? "" : " ", unit), k_font_size, k_ink);

@@ -16,7 +16,7 @@ namespace {
 
 constexpr int k_tubes = k_most_obstructions, k_rim_tubes = 64;
 
-/// The tubes that fill the zone, from the inside out, then those that only the verdict requests.
+/// The tubes that fill the zone, from the inside out, then those for FresnelClearance::is_clear alone.
 std::vector<CurveLine> tubes_of(const LineCurve& curve) {
   std::vector<CurveLine> tubes;
   for (int i = 0; i < k_tubes; ++i)
@@ -32,7 +32,7 @@ double volume_before(double share) {
   return share * share * (3.0 - 2.0 * share);
 }
 
-/// Where a tube is cut off, metres along the chord.
+/// The part of a tube that is cut off, metres along the chord.
 struct Stretch {
   double begin, end;
 };
@@ -41,7 +41,7 @@ struct Stretch {
 std::pair<int, double> most_at_once(const std::vector<Stretch>& stretches, double width) {
   std::vector<std::pair<double, int>> changes;
   for (const Stretch& stretch : stretches) {
-    // Where both happen at one position, the one that begins comes first.
+    // At equal t, a stretch that begins comes before one that ends.
     changes.push_back({stretch.begin, -1});
     changes.push_back({stretch.end + width, 1});
   }
@@ -71,7 +71,7 @@ void measure_tubes(const Occluders& occluders, const LineCurve& curve, FresnelCl
   int inner = 0, inner_obstructed = 0;
   double cut_off = 0.0;
   for (std::size_t i = 0; i < tubes.size(); ++i) {
-    const bool is_inner = tubes[i].position.share <= k_clear_share;
+    const bool is_inner = tubes[i].tube.share <= k_clear_share;
     if (is_inner && answers[i]) clearance.is_clear = false;
     if (i >= k_tubes) continue;
     inner += is_inner ? 1 : 0;
@@ -95,7 +95,7 @@ void measure_points(const Occluders& occluders, const LineCurve& curve, FresnelC
   const std::vector<LinePoint> points = points_in_zone(occluders, curve);
   clearance.points = points.size();
   for (const LinePoint& point : points) {
-    // On the rim of a zone that has no width there, a point is as far as can be.
+    // The zone has no width at its ends: points there count as on its rim.
     const double radius = curve.zone_radius(point.t), share = radius > 0.0 ? point.distance / radius : 1.0;
     const bool is_nearer = !clearance.nearest || share < clearance.nearest_share ||
                            (share == clearance.nearest_share && point.point_id < clearance.nearest->point_id);

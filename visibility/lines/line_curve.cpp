@@ -23,25 +23,25 @@ struct Piece {
   double lead = 0.0;  ///< metres by which the sight line starts before the piece
 };
 
-/// A sight line is not blocked by spheres that hold its start. So that two pieces do not leave out those
+/// Spheres that hold the start of a sight line do not block it. So that neither of two pieces misses those
 /// around their joint, the second starts before it by the width of the widest.
-Piece inner_piece(const LineCurve& curve, const TubePosition& position, double t_begin, double t_end,
+Piece inner_piece(const LineCurve& curve, const TubePosition& tube, double t_begin, double t_end,
                   double widest_sphere) {
-  const glm::dvec3 begin = curve.position(t_begin, position), end = curve.position(t_end, position);
+  const glm::dvec3 begin = curve.position(t_begin, tube), end = curve.position(t_end, tube);
   Piece piece{sight_line(chord_end(begin), chord_end(end)), t_begin, t_end};
   if (t_begin > curve.begin()) {
     piece.lead = std::min(widest_sphere, piece.line.length);
     piece.line.from.position = begin - piece.lead * piece.line.direction;
     piece.line.length += piece.lead;
   }
-  // What the nearer end of the whole line lies on does not block; the position of `to` serves for nothing else.
+  // What the nearer end of the whole line lies on does not block. Nothing else depends on `to`.
   piece.line.to = t_begin + t_end < curve.length() ? curve.from() : curve.to();
   return piece;
 }
 
 void add_pieces(const CurveLine& line, double widest_sphere, std::vector<Piece>& pieces) {
   const LineCurve& curve = *line.curve;
-  const std::vector<double> joints = curve.joints(line.position);
+  const std::vector<double> joints = curve.joints(line.tube);
   if (joints.size() == 2) {
     SightEnd from = curve.from(), to = curve.to();
     from.position = curve.position(joints[0]);
@@ -50,15 +50,16 @@ void add_pieces(const CurveLine& line, double widest_sphere, std::vector<Piece>&
     return;
   }
   for (std::size_t i = 0; i + 1 < joints.size(); ++i)
-    pieces.push_back(inner_piece(curve, line.position, joints[i], joints[i + 1], widest_sphere));
+    pieces.push_back(inner_piece(curve, line.tube, joints[i], joints[i + 1], widest_sphere));
 }
 
-double position_of(const Piece& piece, const Blocker& blocker) {
+/// Where a piece is blocked, along the chord of the whole line.
+double t_of(const Piece& piece, const Blocker& blocker) {
   const double share = (blocker.distance - piece.lead) / (piece.line.length - piece.lead);
   return std::clamp(piece.t_begin + share * (piece.t_end - piece.t_begin), piece.t_begin, piece.t_end);
 }
 
-/// The middle line as what queries ask with.
+/// The middle line as the path of queries.
 struct Middle {
   const LineCurve& curve;
   std::vector<double> joints;
@@ -70,8 +71,8 @@ struct Middle {
     path = make_path(vertices);
   }
 
-  /// Along the chord, for a position along the path.
-  double chord_position(std::size_t segment, double path_t) const {
+  /// t along the chord from t along the path.
+  double chord_t(std::size_t segment, double path_t) const {
     const double begin = path.vertex_t[segment], length = path.vertex_t[segment + 1] - begin;
     return joints[segment] + (path_t - begin) / length * (joints[segment + 1] - joints[segment]);
   }
@@ -83,7 +84,7 @@ bool may_block(const Occluders& occluders, std::uint64_t point_id) {
   return options.shape != OccluderShape::disc || occluders.surface(point_id).exists;
 }
 
-/// What lies nearest to an end of the path lies beside no position between its ends.
+/// Leaves out points whose nearest point of the path is one of its ends: they are not beside it.
 CandidateFilter beside(const Occluders& occluders, const Middle& middle) {
   return [&occluders, &middle](const Candidate& point) {
     if (!(point.t > 0.0 && point.t < middle.path.vertex_t.back())) return false;
@@ -94,17 +95,17 @@ CandidateFilter beside(const Occluders& occluders, const Middle& middle) {
   };
 }
 
-/// Straight lines are requested as rays, which is ten times as fast.
+/// The ray of a straight line: queries with rays are ten times as fast as those with paths.
 std::optional<Ray> ray_of(const Middle& middle) {
   return middle.joints.size() == 2 ? std::optional(segment_of(middle.path, 0).line) : std::nullopt;
 }
 
 LinePoint line_point(const Middle& middle, const Hit& hit) {
-  return {hit.point_id, hit.position, middle.chord_position(0, hit.t), hit.distance};
+  return {hit.point_id, hit.position, middle.chord_t(0, hit.t), hit.distance};
 }
 
 LinePoint line_point(const Middle& middle, const PathHit& hit) {
-  return {hit.point_id, hit.position, middle.chord_position(hit.segment, hit.t), hit.distance};
+  return {hit.point_id, hit.position, middle.chord_t(hit.segment, hit.t), hit.distance};
 }
 
 /// Those of the hits that lie in the zone.
@@ -149,10 +150,10 @@ glm::dvec3 LineCurve::position(double t, const TubePosition& tube) const {
   return position + tube.share * zone_radius(t) * (around.cosine * across_ + around.sine * up_);
 }
 
-std::vector<double> LineCurve::joints(const TubePosition& position) const {
+std::vector<double> LineCurve::joints(const TubePosition& tube) const {
   if (!(begin_ < end_)) return {};
   std::vector<double> joints{begin_};
-  if (std::isfinite(earth_radius_) || position.share > 0.0) {
+  if (std::isfinite(earth_radius_) || tube.share > 0.0) {
     // Equal steps of the angle that an ellipse is drawn by: dense where it bends.
     for (int i = 1; i < k_pieces; ++i) {
       const double t = 0.5 * length_ * (1.0 - sine_cosine_of_turns(0.5 * i / k_pieces).cosine);
@@ -179,7 +180,7 @@ std::vector<std::optional<CurveCrossings>> crossings(const Occluders& occluders,
   for (std::size_t line = 0, i = 0; line < lines.size(); ++line) {
     for (; i < ends[line]; ++i) {
       if (!blockers[i]) continue;
-      const double t = position_of(pieces[i], *blockers[i]);
+      const double t = t_of(pieces[i], *blockers[i]);
       if (!answers[line]) answers[line] = CurveCrossings{{blockers[i]->point_id, blockers[i]->position, t}};
       answers[line]->last_t = t;
     }
@@ -205,7 +206,7 @@ std::vector<LinePoint> points_in_zone(const Occluders& occluders, const LineCurv
   if (!(curve.begin() < curve.end())) return {};
   const Middle middle(curve);
   const CandidateFilter filter = beside(occluders, middle);
-  // Wide enough for the whole zone; which of these points lie in it is decided one by one.
+  // Wide enough for the whole zone; within_zone() then tests each point.
   const double radius = curve.zone_radius(0.5 * curve.length());
   if (const std::optional<Ray> ray = ray_of(middle)) {
     return within_zone(

@@ -12,14 +12,14 @@
 
 namespace alidade::visibility {
 
-/// What the lines of a task have in common.
+/// Options of all lines of a task.
 struct LineOptions {
-  /// So much of a line at either end is not examined: masts and tripods were scanned, too. Metres. Above 0
-  /// it replaces the surface that an end lies on: what an end's own is does not matter then.
+  /// Length at either end of a line that is not examined, since masts and tripods were scanned, too. Metres.
+  /// If it is above 0, it replaces the surface that an end lies on: SightEnd::own_reach does not apply then.
   double end_margin = 0.0;
-  /// A line sinks below the chord between its ends by t (length - t) / (2 radius), as if it were the ground
-  /// that rises. Metres; infinite: straight. For radio 4/3 of the Earth's radius, which takes in how air
-  /// bends the waves. Source: ITU-R P.310, "effective radius of the Earth".
+  /// A line sinks below the chord between its ends by t (length - t) / (2 radius), which has the same effect
+  /// as ground that rises. Metres; infinite: straight. For radio 4/3 of the Earth's radius, which includes
+  /// refraction by the air. Source: ITU-R P.310, "effective radius of the Earth".
   double earth_radius = std::numeric_limits<double>::infinity();
 };
 
@@ -29,9 +29,9 @@ struct TubePosition {
   double turns = 0.0;  ///< direction around the line, in whole turns
 };
 
-/// The line between two ends, and the lines around it from end to end that fill a zone: t metres from the
-/// first end it is 2 middle_radius sqrt(t (length - t)) / length wide, so it is an ellipsoid (when bent: one
-/// that sags).
+/// The line between two ends, and the lines around it from end to end that fill a zone, whose radius t
+/// metres from the first end is 2 middle_radius sqrt(t (length - t)) / length: an ellipsoid (if the
+/// line is bent, one that sags).
 class LineCurve {
  public:
   /// Errors: ends not finite.
@@ -46,10 +46,10 @@ class LineCurve {
 
   double zone_radius(double t) const;
   /// Requires t in [0, length].
-  glm::dvec3 position(double t, const TubePosition& position = {}) const;
+  glm::dvec3 position(double t, const TubePosition& tube = {}) const;
   /// Where the straight pieces of a line meet, metres along the chord: begin, end and, if it is not straight,
   /// what lies between; empty if nothing is examined.
-  std::vector<double> joints(const TubePosition& position = {}) const;
+  std::vector<double> joints(const TubePosition& tube = {}) const;
 
  private:
   SightEnd from_, to_;
@@ -60,7 +60,7 @@ class LineCurve {
 /// One of the lines of a curve. The curve must outlive it.
 struct CurveLine {
   const LineCurve* curve;
-  TubePosition position{};
+  TubePosition tube{};
 };
 
 /// What blocks a line first and last.
@@ -69,9 +69,9 @@ struct CurveCrossings {
   double last_t = 0.0;  ///< the first crossing of the last piece that is blocked, metres along the chord
 };
 
-/// Asks for many lines at once, in parallel. What ends lie on does not block, as with sight lines.
-/// Answers as many as lines; empty: free all along. A bent line is blocked if one of its 24 pieces is, so
-/// crossings (OccluderOptions::transparency) are counted in each piece by itself.
+/// The crossings of many lines, in parallel, one result per line; empty: free all along. What ends lie on
+/// does not block, as with sight lines. A bent line is blocked if one of its 24 pieces is, so crossings
+/// (OccluderOptions::transparency) are counted in each piece by itself.
 std::vector<std::optional<CurveCrossings>> crossings(const Occluders& occluders,
                                                      std::span<const CurveLine> lines);
 
@@ -81,8 +81,8 @@ std::vector<std::optional<CurveCrossings>> crossings(const Occluders& occluders,
 struct LinePoint {
   std::uint64_t point_id = 0;
   glm::dvec3 position{0.0};
-  double t = 0.0;         ///< of the nearest position of the line, metres along the chord
-  double distance = 0.0;  ///< to it, metres
+  double t = 0.0;         ///< where the line is nearest to it, metres along the chord
+  double distance = 0.0;  ///< to the line there, metres
 };
 
 /// The nearest point; of equally near ones the one with the lowest id. Empty: there is none.

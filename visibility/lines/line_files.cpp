@@ -17,7 +17,7 @@ namespace {
 constexpr std::string_view k_form =
     "from,to, or from_x,from_y,to_x,to_y[,from_z][,to_z][,from_height][,to_height][,from][,to]";
 
-/// What a column is of each end; the first end's columns are before the second's.
+/// The columns of an end; the first end's columns are before the second's.
 enum Column { name_column, x_column, y_column, z_column, height_column, k_end_columns };
 constexpr std::array<std::string_view, 2 * k_end_columns> k_columns{
     "from", "from_x", "from_y", "from_z", "from_height", "to", "to_x", "to_y", "to_z", "to_height"};
@@ -130,10 +130,9 @@ void add_fresnel(Row& row, const LineTable& table, const FresnelClearance& fresn
   add_point(row, table, "fresnel_nearest", fresnel.nearest);
 }
 
-/// A line as a row of named values, in the order of the columns; null where there is nothing to say. All rows
-/// of a table have the same names. Lengths and positions along the line from its first end, in `..._at`, are in
-/// the cloud's unit; shares are 0 .. 1; classes are those of the points. See docs/visibility.md for every
-/// column.
+/// A line as a row of named values, in the order of the columns; null if a value does not apply. All rows of
+/// a table have the same names. Lengths, and distances from the first end in `..._at`, are in the cloud's
+/// unit; shares are 0 .. 1; classes are those of the points. See docs/visibility.md for every column.
 Row line_row(const LineTable& table, std::size_t line) {
   const LinePair& pair = table.pairs[line];
   const LineReport& report = table.reports[line];
@@ -158,8 +157,8 @@ Row line_row(const LineTable& table, std::size_t line) {
   return row;
 }
 
-/// What obstructs the Fresnel zone of a line: `points` by their share of it, and `classes`; of a line without
-/// a zone empty.
+/// What obstructs the Fresnel zone of a line: `points` by their share of it, and `classes`; empty if it has
+/// no zone.
 Row line_obstructions(const LineTable& table, std::size_t line) {
   const std::optional<FresnelClearance>& fresnel = table.reports[line].fresnel;
   Row points = Row::array(), classes = Row::array();
@@ -189,7 +188,7 @@ void write_json(const LineTable& table, const RowFileHead& head, OutputFile& fil
   lines.finish();
 }
 
-/// Where a line is cut: its first end, where it is blocked if that lies between, its second end.
+/// The first end of a line, where it is blocked if that is between the ends, and its second end.
 std::vector<glm::dvec3> joints_of(const LineTable& table, std::size_t line) {
   const glm::dvec3 from = table.pairs[line].from.position, to = table.pairs[line].to.position;
   const LineReport& report = table.reports[line];
@@ -213,17 +212,17 @@ bool write_geojson(const LineTable& table, const RowFileHead& head, const ToLonL
   if (to_lon_lat) on_earth = to_lon_lat(positions);
   if (on_earth) positions = *on_earth;
   JsonListWriter features(file, geojson_head(head, on_earth.has_value()), "features");
-  for (std::size_t line = 0, position = 0; line < table.pairs.size(); ++line) {
+  for (std::size_t line = 0, joint = 0; line < table.pairs.size(); ++line) {
     Row properties = line_row(table, line);
     const LineReport& report = table.reports[line];
     // A line that is blocked at its very start has no visible part.
     bool is_visible = !report.blocker || report.blocker->distance > 0.0;
-    for (; position + 1 < ends[line]; ++position) {
+    for (; joint + 1 < ends[line]; ++joint) {
       properties["visible"] = is_visible;
-      features.add(geojson_feature(std::span(positions).subspan(position, 2), properties));
+      features.add(geojson_feature(std::span(positions).subspan(joint, 2), properties));
       is_visible = false;
     }
-    ++position;
+    ++joint;
   }
   features.finish();
   return on_earth.has_value();

@@ -12,21 +12,21 @@
 
 namespace alidade::visibility {
 
-/// Two ends of a sight line as somebody wrote them.
+/// Two ends of a sight line as a file gives them.
 struct GivenPair {
   GivenObserver from, to;
-  bool has_positions = false;  ///< otherwise only the names are known
+  bool has_positions = false;  ///< otherwise only names
 };
 
 /// Reads pairs from CSV: a header with the names of the columns in any order, then a row each: `from` and
-/// `to` are names; `from_x`, `from_y`, `to_x`, `to_y` positions in the cloud's coordinates, `from_z` and `to_z`
-/// what they are on (empty: the ground), `from_height` and `to_height` how far above it they are. Either
-/// the names or the positions must be there. Blank lines are skipped. Errors, naming the line: an unknown or
-/// repeated column; a position without its other coordinates; a cell that is not a finite number; an empty name
-/// where there is no position; too many or too few cells; no row at all.
+/// `to` are names; `from_x`, `from_y`, `to_x`, `to_y` positions in the cloud's coordinates, `from_z` and
+/// `to_z` what they are on (empty: the ground), `from_height` and `to_height` their height above it. Either
+/// names or positions are required. Blank lines are skipped. Errors, naming the line: an unknown or repeated
+/// column; a position without its other coordinates; a cell that is not a finite number; an empty name where
+/// there is no position; too many or too few cells; no row at all.
 std::vector<GivenPair> read_pair_table(const std::filesystem::path& path);
 
-/// What goes into files that report on sight lines.
+/// The contents of files that report on sight lines.
 struct LineTable {
   std::vector<LinePair> pairs;
   std::vector<LineReport> reports;                ///< one per pair
@@ -35,13 +35,13 @@ struct LineTable {
 };
 
 /// Writes the reports; the file is written completely or not at all.
-/// - CSV: a header and a row per line, the values of line_row() (line_row.h).
-/// - JSON: an object with the `lines`, each with the same names and, if there is a Fresnel zone, its
-///   `obstructions`.
-/// - GeoJSON: a LineString per line, or two for one that is blocked: `visible` to where it is, the rest not;
-///   the values of line_row() are the properties of both. Coordinates are longitude, latitude and the cloud's
-///   z; without `to_lon_lat`, or where it cannot, those of the cloud, which no map knows where to put:
-///   answers false then.
+/// - CSV: a header and a row per line, with the columns of docs/visibility.md.
+/// - JSON: an object with the `lines`, each with the same names and, if there is a Fresnel
+///   zone, its `obstructions`.
+/// - GeoJSON: a LineString per line, or two for one that is blocked: `visible` up to the blocker, the rest
+///   not; the columns are the properties of both. Coordinates are longitude, latitude and the cloud's z;
+///   without `to_lon_lat`, or if it returns nothing, those of the cloud, which maps cannot show: the
+///   function returns false then.
 /// Errors: an existing file without `overwrite`; a full disk and other write failures. Requires a line.
 bool write_lines(const LineTable& table, RowForm form, const RowFileHead& head, const ToLonLat& to_lon_lat,
                  const std::filesystem::path& file, bool overwrite);

@@ -12,8 +12,8 @@ namespace {
 
 constexpr std::size_t k_obstruction_bytes = 16;
 
-// The values of a report go one after another into a part and come back: pass_...() visits them, one of these
-// writes or reads each.
+// The values of a report are written to a part and read from it one after another: pass_...() visits them
+// with one of these classes, which writes or reads each.
 
 struct Putting {
   PartWriter& writer;
@@ -95,10 +95,10 @@ void pass_report(auto& way, auto& report) {
   if (way.has(report.fresnel)) pass_fresnel(way, *report.fresnel);
 }
 
-/// With a Fresnel zone each takes as long as many without.
+/// A pair with a Fresnel zone takes as long as many without.
 constexpr std::size_t k_pairs_at_once = 4096, k_links_at_once = 8;
 
-/// What blocks the lines and what comes nearest to them, of pairs [begin, end).
+/// Finds what blocks the lines and what comes nearest to them, of pairs [begin, end).
 void report_middles(const Occluders& occluders, std::span<const LinePair> pairs, const LineOptions& options,
                     std::span<LineReport> reports) {
   std::vector<LineCurve> curves;

@@ -18,7 +18,7 @@ namespace {
 
 constexpr std::size_t k_points_checked = 1 << 17;
 
-/// Whether the photo has any of these points, or of every so many of them, in its frame and reach.
+/// Whether any point is in the photo's frame and reach; every `every`-th point is tested.
 bool shows_any(const PhotoFrame& frame, const std::vector<PlacedPoint>& points, std::size_t every,
                double max_distance) {
   std::atomic<bool> is_found = false;
@@ -45,12 +45,12 @@ std::string box_text(const Bounds& box) {
   return text;
 }
 
-/// How far a box is from another, and not from its middle; 0 where they overlap.
+/// Distance between the faces of two boxes; 0 if they overlap.
 double gap_between(const Bounds& a, const Bounds& b) {
   return glm::length(glm::max(glm::max(a.min - b.max, b.min - a.max), glm::dvec3(0.0)));
 }
 
-/// Whether any of the cameras, changed, has any of every so many points in its frame and reach.
+/// Whether any point is in the frame and reach of any changed camera; every `every`-th point is tested.
 template <class Change>
 bool any_shows(const Octree& octree, std::span<const camera::NamedCamera> photos, std::size_t every,
                double max_distance, const Change& change) {
@@ -67,14 +67,14 @@ camera::Camera unchanged(const camera::Camera& camera) {
   return camera;
 }
 
-/// With the y and z axes the other way round.
+/// A camera with the y and z axes reversed.
 camera::Camera turned_over(camera::Camera camera) {
   camera.pose.down = -camera.pose.down;
   camera.pose.forward = -camera.pose.forward;
   return camera;
 }
 
-/// With the inverse pose.
+/// A camera with the inverse pose.
 camera::Camera inverted(camera::Camera camera) {
   const camera::CameraPose pose = camera.pose;
   camera.pose = {.position = {-glm::dot(pose.right, pose.position), -glm::dot(pose.down, pose.position),
@@ -85,7 +85,7 @@ camera::Camera inverted(camera::Camera camera) {
   return camera;
 }
 
-/// Why cameras far from a cloud may not see it, and what to do about it; empty: they are not far.
+/// Why cameras far from a cloud may not see it, and the remedy; empty: they are not far.
 std::string reason_of_distance(const Bounds& cameras, const Bounds& cloud) {
   const double far = 10.0 * glm::length(cloud.max - cloud.min) + 1000.0;
   if (gap_between(cameras, cloud) <= far) return "";

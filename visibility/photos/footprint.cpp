@@ -16,7 +16,8 @@ using Corner = glm::ivec2;
 // Directions along the sides of cells; the next one is to the left.
 enum Direction { east, north, west, south };
 constexpr Corner k_steps[] = {{1, 0}, {0, -1}, {-1, 0}, {0, 1}};
-// The cell to the left of a side that leaves a corner in each direction; to the right is that of the direction before.
+// The cell to the left of a side that leaves a corner, by direction; the cell to its right is
+// that of the direction before.
 constexpr Corner k_left_cells[] = {{0, -1}, {-1, -1}, {-1, 0}, {0, 0}};
 
 /// A closed line along sides of cells, with marked cells to its left.
@@ -57,7 +58,7 @@ class Tracer {
            !is_marked(corner + k_left_cells[(direction + 3) % 4]);
   }
 
-  /// Numbers the cells that hang together, from 1.
+  /// Numbers the connected components of cells, from 1.
   void label() {
     std::vector<Corner> open;
     for (int row = 0; row < grid_.rows; ++row) {
@@ -79,35 +80,36 @@ class Tracer {
   }
   std::uint32_t& component_at(const Corner& cell) { return components_[grid_.index(cell.x, cell.y)]; }
 
-  /// Follows an outline from an eastward side, and cuts it where it comes back to a corner.
+  /// Follows an outline from an eastward side, and cuts it where it returns to a corner.
   void trace(const Corner& start, std::vector<Ring>& all) {
     std::vector<Corner> path{start};
-    std::unordered_map<std::uint64_t, std::size_t> places{{key_of(start), 0}};
+    std::unordered_map<std::uint64_t, std::size_t> indices{{key_of(start), 0}};
     Corner at = start;
     int direction = east;
     do {
       const Corner cell = at + k_left_cells[direction];
       if (direction == east) is_traced_[grid_.index(cell.x, cell.y)] = 1;
       at += k_steps[direction];
-      // Left first: where four cells meet and two opposite ones are marked, an outline keeps to its own cells.
+      // Left first: where four cells meet and two opposite ones are marked, an outline follows its own cells.
       int next = (direction + 1) % 4;
       while (!leaves(at, next)) next = (next + 3) % 4;
-      if (next != direction) arrive(at, path, places, all);
+      if (next != direction) arrive(at, path, indices, all);
       direction = next;
     } while (at != start || direction != east);
   }
 
+  /// `indices`: of the corners in the path.
   void arrive(const Corner& at, std::vector<Corner>& path,
-              std::unordered_map<std::uint64_t, std::size_t>& places, std::vector<Ring>& all) {
-    const auto [place, is_new] = places.emplace(key_of(at), path.size());
+              std::unordered_map<std::uint64_t, std::size_t>& indices, std::vector<Ring>& all) {
+    const auto [found, is_new] = indices.emplace(key_of(at), path.size());
     if (is_new) {
       path.push_back(at);
       return;
     }
-    const std::size_t begin = place->second;
+    const std::size_t begin = found->second;
     Ring& ring = all.emplace_back();
     ring.corners.assign(path.begin() + static_cast<std::ptrdiff_t>(begin), path.end());
-    for (std::size_t i = begin + 1; i < path.size(); ++i) places.erase(key_of(path[i]));
+    for (std::size_t i = begin + 1; i < path.size(); ++i) indices.erase(key_of(path[i]));
     path.resize(begin + 1);
     ring.component = component_at(ring.corners[0] + k_left_cells[direction_of(ring)]);
   }

@@ -11,8 +11,8 @@
 namespace alidade::visibility {
 namespace {
 
-/// Cosine that bounds the angles off the axis over a frame, found along its edges; -2 where the lens has no view
-/// through some of these, or a wide one, for which a cone is no help.
+/// Cosine of an angle to the axis that no direction in a frame exceeds, found along its edges; -2 if the lens
+/// has no view through some of these, or one too wide for a cone to help.
 double cosine_over_frame(const camera::Projection& projection) {
   constexpr int k_steps = 32;
   constexpr double k_widest = 80.0 / 180.0 * std::numbers::pi, k_margin = 1.02, k_unbounded = -2.0;
@@ -60,7 +60,7 @@ PhotoFrame::PhotoFrame(const camera::Camera& camera)
 
 std::optional<glm::dvec2> PhotoFrame::film_position(const glm::dvec3& world) const {
   const camera::Camera& camera = projection_.camera();
-  // Most points of a large site are far outside of a photo: the cone around the frame is quick to test.
+  // Most points of a large site are far outside of a photo, and the cone around the frame is quick to test.
   if (least_cosine_ >= 0.0) {
     const glm::dvec3 offset = world - camera.pose.position;
     const double ahead = glm::dot(offset, camera.pose.forward);

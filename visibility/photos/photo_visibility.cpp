@@ -29,7 +29,8 @@ double median_of(std::vector<float>& values) {
   return *middle;
 }
 
-/// Of some hundred thousand points at most. Without spacings that of points which are spread evenly over the area.
+/// The median spacing of some hundred thousand points at most. If the octree has no spacings, that of points
+/// spread evenly over the area.
 double median_spacing(const Octree& octree) {
   constexpr std::uint64_t k_enough = 1 << 17, k_neighbours = 8;
   const TreeView& tree = octree.view();
@@ -54,7 +55,7 @@ struct BlockView {
   bool is_empty() const { return sampling.empty(); }
 };
 
-/// Collects what the photos see, one after the other.
+/// Collects the views of the photos, one after another.
 class Collector {
  public:
   Collector(const Occluders& occluders, std::span<const camera::NamedCamera> photos,
@@ -141,7 +142,7 @@ class Collector {
     return blocks;
   }
 
-  /// No two threads have the same point.
+  /// No two threads may call this with the same point.
   void add_point(std::size_t photo, const PlacedPoint& point, const image::PhotoPixels& pixels,
                  BlockView& view) {
     const PhotoFrame& frame = frames_[photo];
@@ -177,7 +178,7 @@ class Collector {
   std::vector<SeenSet> sets_;
   std::vector<ColorViews> views_;
   geo::RasterGrid grid_;
-  std::vector<std::uint8_t> cells_;  ///< of the photo at hand
+  std::vector<std::uint8_t> cells_;  ///< of the current photo
   PhotoVisibility result_;
 };
 

@@ -19,7 +19,7 @@
 #include "visibility/photos/overlap.h"
 #include "visibility/sight_line.h"
 
-// Which photos see which points of a cloud, how finely, and in which colour.
+// Which photos see which points of a cloud, at which resolution, and in which colour.
 //
 //   const CameraSet set = camera::read_cameras("sparse/0");
 //   const Occluders occluders(octree, {});
@@ -28,47 +28,48 @@
 
 namespace alidade::visibility {
 
-/// Photos as observers: their positions and names, with a view to all sides.
+/// Photos as observers with their positions and names and all directions in view.
 std::vector<Observer> photo_observers(std::span<const camera::NamedCamera> photos,
                                       double max_distance = std::numeric_limits<double>::infinity());
 
-/// Lets a run fail before it starts. Errors: no photo; an orthographic camera, which has no position; no photo with any
-/// point of the cloud in its frame and reach, with a guess why: exchanged coordinates, degrees, another reference
-/// system, or other axes of the cameras. Cost: photos are tested until one has a point.
+/// Checks photos before a run. Errors: no photo; an orthographic camera, which has no position; no photo with
+/// any point of the cloud in its frame and reach, with a guess at the reason: exchanged coordinates, degrees,
+/// another reference system, or other axes of the cameras. Cost: photos are tested until one has a point.
 void check_photos(const Octree& octree, std::span<const camera::NamedCamera> photos,
                   double max_distance = std::numeric_limits<double>::infinity());
 
 struct PhotoVisibilityOptions {
   double max_distance = std::numeric_limits<double>::infinity();  ///< no photo sees farther
-  /// Returns the pixels of the photo of that index, of the size of its camera, for PhotoVisibility::colors; called in
-  /// their order, for photos that see a point. Empty: no colours. May throw.
+  /// Returns the pixels of the photo of that index, of the size of its camera, for PhotoVisibility::colors;
+  /// called in the order of the photos, for those that see a point. Empty: no colours. May throw.
   std::function<image::PhotoPixels(std::size_t photo)> read_photo{};
   std::optional<double> footprint_cell{};  ///< width of the cells of footprints; empty: footprint_cell()
   bool with_footprints = false;            ///< whether to make outlines
-  PartCheckpoint* parts = nullptr;  ///< as PointVisibilityOptions has it, also for progress, in sight lines
+  PartCheckpoint* parts = nullptr;  ///< as PointVisibilityOptions::parts; its progress is in sight lines
   Progress progress{};
 };
 
-/// What one photo sees. Medians are those of the points it sees, 0 without any.
+/// What one photo sees. Medians are over the points it sees; 0 if there are none.
 struct PhotoSummary {
   std::uint64_t points = 0;
   double median_sampling = 0.0;  ///< ground sampling distance
   double median_distance = 0.0;
   double largest_overlap = 0.0;  ///< largest share of its points that another photo sees
-  /// Outline of the map's cells with a point it sees; see outline(). Empty unless asked for.
+  /// Outline of the map's cells with a point it sees; see outline(). Empty unless with_footprints is set.
   std::vector<PlanePolygon> footprint{};
 };
 
 /// Columns are by point id.
 struct PhotoVisibility {
-  /// Photos that see the point: it is in the frame (PhotoFrame) and within max_distance, and nothing blocks the
-  /// line from the camera to it (point_visibility()).
+  /// Photos that see the point: it is in the frame (PhotoFrame) and within max_distance, and nothing blocks
+  /// the line from the camera to it (point_visibility()).
   std::vector<std::uint32_t> counts;
-  /// The one that shows it most finely, from 1, the first of equals; 0: none.
+  /// Number, from 1, of the photo with the smallest ground sampling distance, the first of equals; 0: none.
   std::vector<std::uint32_t> best;
   /// PhotoFrame::ground_sampling_distance() in that photo; NaN if no photo sees the point.
   std::vector<float> sampling;
-  /// The blended() colour of the photos that see the point; black if no photo sees it. Empty without read_photo.
+  /// The blended() colour of the photos that see the point; black if no photo sees it.
+  /// Empty without read_photo.
   std::vector<Color16> colors;
   std::vector<PhotoSummary> photos;    ///< one per photo
   std::vector<PhotoOverlap> overlaps;  ///< by points that both see
@@ -77,7 +78,7 @@ struct PhotoVisibility {
 
 /// What all photos see together.
 struct PhotoTotals {
-  std::array<std::uint64_t, 4> points_by_count{};  ///< points that 0, 1, 2, and 3 or more photos see
+  std::array<std::uint64_t, 4> points_by_count{};  ///< points seen by 0, 1, 2, and 3 or more photos
   std::uint64_t photos_without_points = 0;
   double median_sampling = 0.0;  ///< of the points that any photo sees, in their best ones; 0 without any
   double median_overlap =
@@ -85,14 +86,14 @@ struct PhotoTotals {
 };
 PhotoTotals totals(const PhotoVisibility& seen);
 
-/// Lets a run fail before it starts. Errors: more memory than there is for the columns.
+/// Checks the memory before a run. Errors: not enough memory for the columns.
 void check_photo_memory(std::uint64_t points, const PhotoVisibilityOptions& options);
 
-/// Looks from all photos at all points that they have in their frames. The same answer on any number of threads and any
-/// instruction set. Cost: sight_line.h's per line, some 10 ns per point and photo outside of the frame and 1
-/// microsecond inside. Memory: 13 B per point and 46 B for colours, some bits per point and photo that sees it, 1
-/// photo, 5 B per cell of footprints. Errors: those of check_photos(), check_photo_memory(), grid_over(), run_parts(),
-/// and of read_photo.
+/// Sends a line of sight from each photo to each point in its frame. The same answer on any number of threads
+/// and any instruction set. Cost: sight_line.h's per line, some 10 ns per point and photo outside of the
+/// frame and 1 microsecond inside. Memory: 13 B per point and 46 B for colours, some bits per point and photo
+/// that sees it, 1 photo, 5 B per cell of footprints. Errors: those of check_photos(), check_photo_memory(),
+/// grid_over(), run_parts(), and of read_photo.
 PhotoVisibility photo_visibility(const Occluders& occluders, std::span<const camera::NamedCamera> photos,
                                  const PhotoVisibilityOptions& options);
 

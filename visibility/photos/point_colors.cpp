@@ -10,7 +10,7 @@ namespace {
 /// 8 bits to 16.
 constexpr double k_to_16_bits = 257.0;
 
-/// A value of one channel and how much it weighs.
+/// A value of one channel and its weight.
 struct WeightedValue {
   double value = 0.0, weight = 0.0;
 };
@@ -45,7 +45,7 @@ std::vector<double> balanced_weights(std::span<const ColorView> views) {
   for (const ColorView& view : views) weights.push_back(view.weight);
   for (std::size_t i = 1; i < weights.size(); ++i) rest += weights[i];
   if (weights.size() > 2) weights[0] = std::min(weights[0], k_most_of_rest * rest);
-  // Views that are all edge-on weigh nothing, and so the same.
+  // If all views are edge-on, all weights are 0: they become equal.
   if (!(weights[0] > 0.0)) std::ranges::fill(weights, 1.0);
   return weights;
 }

@@ -15,7 +15,7 @@
 
 namespace alidade::visibility {
 
-/// So many views of a point, the finest ones, make its colour.
+/// Largest number of views, the finest ones, that make the colour of a point.
 constexpr std::size_t k_color_views = 5;
 
 /// What a photo shows of a point.
@@ -27,16 +27,17 @@ struct ColorView {
 /// The finest views of a point, by weight.
 using ColorViews = std::array<ColorView, k_color_views>;
 
-/// The colour at a position of a photo, interpolated between the centres of its pixels. Beyond the outermost centres
-/// that of these. Requires a position inside the photo.
+/// The colour at a position of a photo, interpolated between the centres of its pixels. Beyond the outermost
+/// centres that of these. Requires a position inside the photo.
 std::array<std::uint8_t, 3> color_at(const image::PhotoPixels& photo, const glm::dvec2& film_position);
 
-/// Keeps a view if it is among the finest; of equals those that came first.
+/// Keeps a view if it is among the finest; of equal ones, those that were added first.
 void add_view(const ColorView& view, ColorViews& views);
 
-/// The weighted median of the views, channel by channel. Of two views it is their weighted mean, of one its colour. A
-/// view weighs at most 0.9 times what the others weigh together: of three views or more, none alone decides, so that a
-/// wrong one (something in front of the camera, a reflection) does not show where the others agree. Requires a view.
+/// The weighted median of the views, channel by channel. Of two views it is their weighted mean, of one its
+/// colour. A view weighs at most 0.9 times the sum of the others: of three views or more, none alone
+/// decides, so that a wrong one (something in front of the camera, a reflection) does not show if the
+/// others agree. Requires a view.
 Color16 blended(const ColorViews& views);
 
 }  // namespace alidade::visibility

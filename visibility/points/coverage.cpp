@@ -19,14 +19,14 @@ namespace {
 
 constexpr std::size_t k_lines_at_once = 1 << 18;
 
-/// Some of the targets, those that lie within reach and view, and the lines to these.
+/// The targets within reach and view, and the lines to them.
 struct Views {
   std::vector<std::size_t> targets;
   std::vector<SightLine> lines;
 };
 
 /// A block of the targets. `ends`: where the lines to them end; empty if they end on the points themselves,
-/// which depends on who looks.
+/// since those ends depend on the observer.
 struct TargetBlock {
   std::span<const PlacementTarget> targets;
   std::span<const SightEnd> ends;
@@ -62,7 +62,7 @@ Views views_of(const Occluders& occluders, const Observer& observer, const Targe
   return views;
 }
 
-/// A bit for each target, as Coverage::row() has them.
+/// A bit for each target, in the layout of Coverage::row().
 std::vector<std::uint64_t> seen_by(const Occluders& occluders, const Observer& observer,
                                    const TargetBlock& block) {
   const Views views = views_of(occluders, observer, block);
@@ -77,14 +77,14 @@ std::vector<std::uint64_t> seen_by(const Occluders& occluders, const Observer& o
 }
 
 constexpr int k_cell_bits = 21;
-/// While the points are chosen: a node of the map with its share of the table, and a copy.
+/// Memory while points are chosen: a node of the map with its share of the table, and a copy.
 constexpr std::uint64_t k_bytes_per_cell = 140;
 
 /// The point that represents a cell so far.
 struct Best {
   PlacementTarget target;
-  double distance = 0.0;       ///< to the cell's middle
-  std::uint64_t position = 0;  ///< in the octree
+  double distance = 0.0;    ///< to the cell's middle
+  std::uint64_t index = 0;  ///< storage index
 };
 
 void check_spacing(const Octree& octree, double spacing) {
@@ -126,7 +126,7 @@ Coverage see_targets(const Occluders& occluders, std::span<const Observer> candi
     const std::size_t first = part % blocks * k_lines_at_once;
     return targets.subspan(first, std::min(k_lines_at_once, targets.size() - first));
   };
-  // Of each block, from when it is first examined.
+  // Of each block, filled when it is first examined.
   std::vector<std::vector<SightEnd>> ends(blocks);
   std::uint64_t done = 0;
   run_parts(
@@ -156,7 +156,7 @@ std::vector<PlacementTarget> thin_points(const Octree& octree, double spacing,
   const TreeView& tree = octree.view();
   const glm::dvec3 corner = octree.bounds().min;
   std::unordered_map<std::uint64_t, Best> cells;
-  // There are as many again when it is looked next.
+  // The memory is checked each time the number of cells has doubled.
   std::size_t next_check = 1 << 20;
   constexpr std::uint64_t k_points_per_report = 1 << 20;
   std::uint64_t done = 0;
@@ -190,7 +190,7 @@ std::vector<PlacementTarget> thin_points(const Octree& octree, double spacing,
   chosen.reserve(cells.size());
   for (const auto& [key, best] : cells) chosen.push_back(best);
   cells = {};
-  std::ranges::sort(chosen, {}, &Best::position);
+  std::ranges::sort(chosen, {}, &Best::index);
   std::vector<PlacementTarget> targets;
   targets.reserve(chosen.size());
   for (const Best& best : chosen) targets.push_back(best.target);

@@ -16,14 +16,14 @@
 
 namespace alidade::visibility {
 
-/// Lets a run fail before it starts. Errors: more memory than there is for a Coverage and what see_targets()
-/// takes; the message names the amount.
+/// Checks the memory before a run. Errors: not enough memory for a Coverage and see_targets();
+/// the message has the amount.
 void check_coverage(std::size_t candidates, std::size_t targets);
 
 /// Which candidates see which targets: a bit for each pair.
 class Coverage {
  public:
-  /// Nobody sees anything yet. Errors: those of check_coverage().
+  /// Without any bit set. Errors: those of check_coverage().
   Coverage(std::size_t candidates, std::size_t targets);
 
   std::size_t candidates() const { return candidates_; }
@@ -34,12 +34,11 @@ class Coverage {
   void set(std::size_t candidate, std::size_t target) {
     words_[candidate * row_words_ + target / 64] |= std::uint64_t{1} << (target % 64);
   }
-  /// Words of a candidate from `first` on, as row() has them. Requires that no bit behind the last target is
-  /// set.
+  /// Sets the words of row() from `first` on. Requires that no bit after the last target is set.
   void set_words(std::size_t candidate, std::size_t first, std::span<const std::uint64_t> words) {
     std::ranges::copy(words, words_.begin() + static_cast<std::ptrdiff_t>(candidate * row_words_ + first));
   }
-  /// Target i is bit i % 64 of word i / 64; bits behind the last target are 0.
+  /// Target i is bit i % 64 of word i / 64; bits after the last target are 0.
   std::span<const std::uint64_t> row(std::size_t candidate) const {
     return std::span(words_).subspan(candidate * row_words_, row_words_);
   }
@@ -49,28 +48,27 @@ class Coverage {
   std::vector<std::uint64_t> words_;
 };
 
-/// A position to be seen.
+/// A point to be seen.
 struct PlacementTarget {
   std::uint64_t point_id = 0;
   glm::dvec3 position{0.0};  ///< of the point
 };
 
-/// Asks for a sight line from every candidate to every target in its field of view and reach. A target with
-/// `height` 0 is the point itself on its surface, as end_on_point() has it; else a position so many metres
-/// straight above it. Candidates that are on a surface see over it (end_near_surface()). `progress` is in
-/// sight lines. The same on any number of threads. Cost: candidates times targets, up to a microsecond each;
-/// fast if targets near each other follow each other. Memory: a bit per pair, and 40 B per target. `parts`
-/// keeps what is finished (a bit per line) unless it is null. Errors: those of Coverage; height negative or
-/// not finite.
+/// Follows a sight line from every candidate to every target in its field of view and reach. With a `height`
+/// of 0 lines end on the points (end_on_point()); else so many metres straight above them. Candidates that
+/// are on a surface see over it (end_near_surface()). `progress` is in sight lines. The same on any number of
+/// threads. Cost: candidates times targets, up to a microsecond each; fast if targets near each other follow
+/// each other. Memory: a bit per pair, and 40 B per target. Finished blocks, with a bit per line, are kept in
+/// `parts` unless it is null. Errors: those of Coverage; height negative or not finite.
 Coverage see_targets(const Occluders& occluders, std::span<const Observer> candidates,
                      std::span<const PlacementTarget> targets, double height, const Progress& progress = {},
                      PartCheckpoint* parts = nullptr);
 
-/// Some points that represent all: of every cubic cell of a grid that holds points that count, the one
-/// nearest to the cell's middle, of equally near ones the one with the lowest id. In the order of the octree,
-/// which has neighbours together. `counts`: empty for all. `progress` is in points. Cost: about 100 ns per point. Memory: 140 B per
-/// cell that holds points, of which 32 B stay. Errors: spacing not above 0 or not finite, or finer than 2^-21
-/// of the cloud's longest side; more memory than there is.
+/// Some points that represent all: of the counted points of every cubic cell of a grid, the one nearest to
+/// the cell's middle, of equally near ones the one with the lowest id. They are in the order of the octree,
+/// which has neighbours together. `counts`: empty for all. `progress` is in points. Cost: about 100 ns per
+/// point. Memory: 140 B per cell with points, 32 B afterwards. Errors: spacing not above 0 or not finite, or
+/// finer than 2^-21 of the cloud's longest side; not enough memory.
 std::vector<PlacementTarget> thin_points(const Octree& octree, double spacing,
                                          const std::function<bool(std::uint64_t point_id)>& counts = {},
                                          const Progress& progress = {});

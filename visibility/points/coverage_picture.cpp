@@ -50,19 +50,19 @@ void draw_percent_axis(const Plot& plot) {
 void draw_bars(const Plot& plot, const Placement& placement) {
   const std::size_t count = placement.positions.size();
   for (std::size_t i = 0; i < count; ++i) {
-    const ChosenPosition& position = placement.positions[i];
+    const ChosenPosition& chosen = placement.positions[i];
     const int left = Plot::column_of(i, count), right = Plot::column_of(i + 1, count);
-    // Bars keep apart where there is room.
+    // A gap between bars if there is room.
     const int gap = right - left > 4 ? (right - left) / 5 : 0;
-    const image::PixelBox bar{left + gap, plot.row_of(100.0 * position.covered / placement.total),
-                              right - gap, k_plot.bottom};
-    const int seam = plot.row_of(100.0 * (position.covered - position.gain) / placement.total);
+    const image::PixelBox bar{left + gap, plot.row_of(100.0 * chosen.covered / placement.total), right - gap,
+                              k_plot.bottom};
+    const int seam = plot.row_of(100.0 * (chosen.covered - chosen.gain) / placement.total);
     plot.canvas.fill(bar, k_before);
     plot.canvas.fill({bar.left, bar.top, bar.right, seam}, k_gain);
   }
 }
 
-/// Below the middles of some bars their number, from 1.
+/// Draws the numbers of some bars, from 1, below their middles.
 void draw_numbers(const Plot& plot, std::size_t count) {
   constexpr int k_most_numbers = 12;
   const double last = static_cast<double>(count);

@@ -25,8 +25,8 @@ void check(const Coverage& coverage, std::size_t count, std::span<const double> 
     check_that(false, "invalid target weight", "at least 0", std::to_string(*wrong));
 }
 
-/// What somebody sees already, and what a further candidate would add. Sums run over the targets in their
-/// order: rounding never makes a sum of fewer terms larger, so gains fall as computed, too.
+/// The targets seen by the chosen candidates, and the gain of a further one. Sums run over the targets in
+/// their order: rounding never makes a sum of fewer terms larger, so computed gains do not grow, either.
 class Covered {
  public:
   Covered(const Coverage& coverage, std::span<const double> weights)
@@ -59,7 +59,7 @@ class Covered {
   std::vector<std::uint64_t> words_;
 };
 
-/// A candidate with a gain that was true when so many were chosen.
+/// A candidate with its gain at the time when so many were chosen.
 struct Offer {
   double gain;
   std::size_t candidate;
@@ -84,18 +84,18 @@ std::vector<double> all_gains(const Coverage& coverage, const Covered& covered) 
 
 std::vector<Row> rows_of(const Placement& placement, std::span<const Observer> candidates) {
   std::vector<Row> rows;
-  for (const ChosenPosition& position : placement.positions) {
-    const Observer& observer = candidates[position.candidate];
+  for (const ChosenPosition& chosen : placement.positions) {
+    const Observer& observer = candidates[chosen.candidate];
     Row row;
     row["place"] = rows.size() + 1;
-    row["candidate"] = position.candidate;
+    row["candidate"] = chosen.candidate;
     row["name"] = observer.name;
     row["x"] = observer.position.x;
     row["y"] = observer.position.y;
     row["z"] = observer.position.z;
-    row["gain"] = position.gain;
-    row["covered"] = position.covered;
-    row["share"] = position.covered / placement.total;
+    row["gain"] = chosen.gain;
+    row["covered"] = chosen.covered;
+    row["share"] = chosen.covered / placement.total;
     rows.push_back(row);
   }
   return rows;
@@ -113,8 +113,8 @@ Placement choose_places(const Coverage& coverage, std::size_t count, std::span<c
   std::priority_queue<Offer> offers;
   for (std::size_t i = 0; i < alone.size(); ++i) offers.push({alone[i], i, 0});
   double sum = 0.0;
-  // Nobody covers more than everything, or than what is covered at any time and what as many candidates as
-  // asked for would add to that without seeing the same.
+  // No choice covers more than all targets, or than what is covered at any time plus the largest gains of as
+  // many candidates as requested, as if these saw no target twice.
   double bound = std::min(placement.total, sum_of_largest(alone, count));
   std::size_t next_bound = 1;
   while (placement.positions.size() < count && !offers.empty()) {
@@ -128,7 +128,7 @@ Placement choose_places(const Coverage& coverage, std::size_t count, std::span<c
     covered.add(offer.candidate);
     sum += offer.gain;
     placement.positions.push_back({offer.candidate, offer.gain, sum});
-    // Weighing all candidates takes a pass over the bits, so not after each.
+    // Not after each choice, since the gains of all candidates take a pass over the bits.
     if (placement.positions.size() != next_bound) continue;
     bound = std::min(bound, sum + sum_of_largest(all_gains(coverage, covered), count));
     next_bound *= 2;
@@ -142,8 +142,8 @@ bool write_placement(const Placement& placement, std::span<const Observer> candi
                      const RowFileHead& head, const ToLonLat& to_lon_lat, const std::filesystem::path& file,
                      bool overwrite) {
   PositionTable table{.list = "places", .rows = rows_of(placement, candidates), .positions = {}};
-  for (const ChosenPosition& position : placement.positions)
-    table.positions.push_back(candidates[position.candidate].position);
+  for (const ChosenPosition& chosen : placement.positions)
+    table.positions.push_back(candidates[chosen.candidate].position);
   const Row totals{{"total", placement.total}, {"best_possible", placement.best_possible}};
   return write_positions(table, totals, form, head, to_lon_lat, file, overwrite);
 }

@@ -18,8 +18,8 @@
 namespace alidade::visibility {
 namespace {
 
-/// Points asked for at once: enough for all threads, few enough for their lines to stay near. Many lines to
-/// each make fewer of them, so that a part of the work is soon finished.
+/// Points in a batch: enough for all threads, few enough for their lines to be near each other. Fewer if
+/// there are many lines to each, so that a part of the work is soon finished.
 std::size_t batch_size(int sub_rays) {
   constexpr std::size_t k_most = 1 << 17, k_least = 1 << 13;
   return std::max(k_least, k_most / static_cast<std::size_t>(sub_rays));
@@ -36,7 +36,7 @@ std::vector<glm::dvec2> disc_pattern(int count) {
   return pattern;
 }
 
-/// Some vector that is on a unit vector.
+/// Some vector at right angles to a unit vector.
 glm::dvec3 across(const glm::dvec3& normal) {
   return std::fabs(normal.z) < 0.5 ? glm::dvec3(normal.y, -normal.x, 0.0)
                                    : glm::dvec3(0.0, normal.z, -normal.y);
@@ -45,8 +45,8 @@ glm::dvec3 across(const glm::dvec3& normal) {
 /// What an observer sees of the points of a batch, in their order.
 struct BatchAnswers {
   std::vector<std::uint8_t> seen;         ///< 1 or 0
-  std::vector<std::uint32_t> blockers;    ///< empty if they are not asked for
-  std::vector<std::uint8_t> clear_lines;  ///< of those to the disc; empty if they are not asked for
+  std::vector<std::uint32_t> blockers;    ///< empty if not requested
+  std::vector<std::uint8_t> clear_lines;  ///< of those to the disc; empty if not requested
 
   BatchAnswers(std::size_t points, const PointVisibility& all)
       : seen(points),
@@ -70,7 +70,7 @@ struct BatchAnswers {
   }
 };
 
-/// What one observer sees, asked batch by batch.
+/// What one observer sees, batch by batch.
 class View {
  public:
   View(const Occluders& occluders, const Observer& observer, const std::vector<glm::dvec2>& pattern,
@@ -85,24 +85,24 @@ class View {
 
   void look_at(const std::vector<PlacedPoint>& targets, BatchAnswers& answers) {
     find_in_view(targets);
-    asked_.clear();
+    viewed_.clear();
     for (std::size_t i = 0; i < targets.size(); ++i) {
-      if (is_in_view_[i] != 0) asked_.push_back({targets[i], i});
+      if (is_in_view_[i] != 0) viewed_.push_back({targets[i], i});
     }
-    lines_.resize(asked_.size());
-    blocked_.resize(asked_.size());
+    lines_.resize(viewed_.size());
+    blocked_.resize(viewed_.size());
     make_lines(0);
     if (answers.blockers.empty())
       blocked(occluders_, lines_, blocked_);
     else
-      ask_for_blockers(answers);
-    for (std::size_t n = 0; n < asked_.size(); ++n) answers.seen[asked_[n].number] = blocked_[n] == 0;
-    if (!answers.clear_lines.empty()) ask_for_disc(answers);
+      find_blockers(answers);
+    for (std::size_t n = 0; n < viewed_.size(); ++n) answers.seen[viewed_[n].number] = blocked_[n] == 0;
+    if (!answers.clear_lines.empty()) test_discs(answers);
   }
 
  private:
   /// A target of the batch that is in view, and its number in it.
-  struct Asked {
+  struct Viewed {
     PlacedPoint target;
     std::size_t number;
   };
@@ -115,10 +115,10 @@ class View {
     });
   }
 
-  /// The lines to the points that are requested, or beside them on their discs.
+  /// Makes the lines to the requested points, or beside them on their discs.
   void make_lines(std::size_t sub_ray) {
-    tbb::parallel_for(std::size_t{0}, asked_.size(), [&](std::size_t n) {
-      const PlacedPoint& target = asked_[n].target;
+    tbb::parallel_for(std::size_t{0}, viewed_.size(), [&](std::size_t n) {
+      const PlacedPoint& target = viewed_[n].target;
       SightEnd end = end_on_point(occluders_, target.point_id, target.position, observer_.position);
       if (sub_ray > 0) shift(end, target, pattern_[sub_ray]);
       lines_[n] = sight_line(eye_, end);
@@ -138,27 +138,27 @@ class View {
     end.own_reach += radius;
   }
 
-  void ask_for_blockers(BatchAnswers& answers) {
+  void find_blockers(BatchAnswers& answers) {
     first_.resize(lines_.size());
     first_blockers(occluders_, lines_, first_);
     for (std::size_t n = 0; n < lines_.size(); ++n) {
       blocked_[n] = first_[n].has_value();
       if (!first_[n]) continue;
-      answers.blockers[asked_[n].number] =
+      answers.blockers[viewed_[n].number] =
           first_[n]->is_mesh() ? k_blocked_by_mesh : static_cast<std::uint32_t>(first_[n]->point_id);
     }
   }
 
-  void ask_for_disc(BatchAnswers& answers) {
-    std::vector<std::uint8_t> clear(asked_.size());
-    for (std::size_t n = 0; n < asked_.size(); ++n) clear[n] = blocked_[n] == 0;
+  void test_discs(BatchAnswers& answers) {
+    std::vector<std::uint8_t> clear(viewed_.size());
+    for (std::size_t n = 0; n < viewed_.size(); ++n) clear[n] = blocked_[n] == 0;
     for (std::size_t sub_ray = 1; sub_ray < pattern_.size(); ++sub_ray) {
       make_lines(sub_ray);
       blocked(occluders_, lines_, blocked_);
-      for (std::size_t n = 0; n < asked_.size(); ++n)
+      for (std::size_t n = 0; n < viewed_.size(); ++n)
         clear[n] = static_cast<std::uint8_t>(clear[n] + (blocked_[n] == 0));
     }
-    for (std::size_t n = 0; n < asked_.size(); ++n) answers.clear_lines[asked_[n].number] = clear[n];
+    for (std::size_t n = 0; n < viewed_.size(); ++n) answers.clear_lines[viewed_[n].number] = clear[n];
   }
 
   const Occluders& occluders_;
@@ -168,9 +168,9 @@ class View {
   const SightEnd eye_;
   const std::vector<glm::dvec2>& pattern_;
   const std::function<bool(const glm::dvec3& position)> in_view_;
-  // Of the batch that is examined.
+  // Of the current batch.
   std::vector<std::uint8_t> is_in_view_;
-  std::vector<Asked> asked_;
+  std::vector<Viewed> viewed_;
   std::vector<SightLine> lines_;
   std::vector<std::uint8_t> blocked_;
   std::vector<std::optional<Blocker>> first_;
@@ -198,7 +198,7 @@ bool has_masks(std::size_t observers) {
   return observers > 1 && observers <= k_most_mask_observers;
 }
 
-/// What an observer has in view beside its field of view; empty: everything.
+/// The further limit of an observer's view (PointVisibilityOptions); empty: none.
 std::function<bool(const glm::dvec3&)> in_view_of(const PointVisibilityOptions& options,
                                                   std::size_t observer) {
   if (!options.in_view) return {};
@@ -256,7 +256,7 @@ PointVisibility point_visibility(const Occluders& occluders, std::span<const Obs
     if (targets_batch != batch) targets = placed_points(tree, batches[batch]);
     targets_batch = batch;
   };
-  // By point id, if anybody wants to know.
+  // By point id, if requested.
   std::vector<std::uint8_t> seen(options.each_observer ? tree.point_count : 0);
   run_parts(
       options.parts, batches.size() * observers.size(),

@@ -63,7 +63,7 @@ Spread spread_of(std::vector<Weighted>& values) {
   return spread;
 }
 
-/// Around everything that can be seen.
+/// The bounds of everything that can be seen.
 Bounds box_of(const OccluderOptions& blocks, const Octree& octree) {
   Bounds box = octree.bounds();
   if (blocks.mesh != nullptr) box.grow(blocks.mesh->bounds());
@@ -82,7 +82,7 @@ double way_out(const Bounds& box, const glm::dvec3& from, const glm::dvec3& dire
   return end;
 }
 
-/// Measures what one observer after the other sees.
+/// Measures what observers see, one after another.
 class Summarizer {
  public:
   Summarizer(const Occluders& occluders, const SummaryOptions& options)
@@ -169,7 +169,7 @@ class Summarizer {
     return sum;
   }
 
-  /// How far one sees in a direction.
+  /// The length of the view in a direction.
   struct Reach {
     double length;
     bool is_blocked;
@@ -196,7 +196,8 @@ class Summarizer {
     const int azimuths = azimuths_per_turn(options_.step);
     std::vector<glm::dvec3> directions;
     for (int i = 0; i < azimuths; ++i) {
-      // In the middle of its sector, so that a field of view has as many as its width.
+      // In the middle of its sector, so that the number of radials in a field of view is
+      // proportional to its width.
       const glm::dvec3 direction = geo::compass_direction((i + 0.5) * options_.step, 0.0);
       if (field.contains(direction)) directions.push_back(direction);
     }
@@ -235,7 +236,7 @@ class Summarizer {
   const Occluders& occluders_;
   const SummaryOptions& options_;
   const Octree octree_;  ///< with spacings
-  const double widest_;  ///< no spacing counts more, as no disc is wider
+  const double widest_;  ///< larger spacings count as this, since no disc is wider
   const std::vector<std::vector<Leaf>> blocks_;
   const Bounds box_;
 };

@@ -15,31 +15,32 @@
 #include "visibility/sight_line.h"
 #include "visibility/sky/sky_view.h"
 
-// What each observer sees, in numbers that can be compared: the metrics of viewsheds and isovists.
+// Comparable numbers of what each observer sees: the metrics of viewsheds and isovists.
 //
 //   const std::vector<ObserverSummary> all = summarize(occluders, observers, {.classes = classes});
 //   if (all[0].sky.cosine_weighted > 0.5) ...
 //
-// Sources: extent, depth and its deviation, visible ground, relief and diversity are those of Tabrizian et al.,
-// Modeling restorative potential of urban environments by coupling viewscape analysis of lidar data with experiments in
-// immersive virtual environments, 2020, and of the R package viewscape, there of the cells of a raster, here of the
-// surface of the points. Isovists: Benedikt, To take hold of space: isovists and isovist fields, 1979; Davis and
-// Benedikt, Computational models of space, 1979.
+// Sources: extent, depth and its deviation, visible ground, relief and diversity are those of Tabrizian et
+// al., Modeling restorative potential of urban environments by coupling viewscape analysis of lidar data with
+// experiments in immersive virtual environments, 2020, and of the R package viewscape: there of the cells of
+// a raster, here of the surface of the points. Isovists: Benedikt, To take hold of space: isovists and
+// isovist fields, 1979; Davis and Benedikt, Computational models of space, 1979.
 
 namespace alidade::visibility {
 
 struct SummaryOptions {
   std::span<const std::uint8_t> classes{};  ///< by point id; empty: the cloud has none
-  /// Ends of the bands of distance, metres, ascending, > 0: the first begins at 0, one more is beyond the last.
+  /// Ends of the bands of distance, metres, ascending, > 0: the first band begins at 0, one
+  /// more is beyond the last end.
   std::vector<double> bands{10.0, 100.0, 1000.0};
-  double step = 1.0;      ///< degrees between the azimuths of isovist and horizon, as HorizonOptions has it
+  double step = 1.0;      ///< degrees between the azimuths of isovist and horizon, as HorizonOptions::step
   int directions = 4096;  ///< lines to the sky, and as many downwards, in [1, k_most_sky_directions]
   PartCheckpoint* parts = nullptr;  ///< where finished parts of point_visibility() are kept; null: nowhere
   Progress progress{};              ///< in sight lines to points
 };
 
-/// The distances of some things. Weighted by area, so that near surfaces, which have more points, do not
-/// count more.
+/// A distribution of distances, weighted by area, so that near surfaces, which have more
+/// points, do not count more.
 struct Spread {
   double min = 0.0, median = 0.0, mean = 0.0, max = 0.0, deviation = 0.0;
 };
@@ -48,8 +49,8 @@ struct BandSummary {
   double visible = 0.0, all = 0.0;  ///< area of what is visible, and of all in view
 };
 
-/// The part of the horizontal plane through the eye that is visible. A radial that nothing blocks ends at max_distance,
-/// or where it leaves the box around cloud, mesh, terrain and eye.
+/// The part of the horizontal plane through the eye that is visible. A radial that nothing blocks ends at
+/// max_distance, or where it leaves the box around cloud, mesh, terrain and eye.
 struct Isovist {
   double area = 0.0;
   double mean = 0.0, max = 0.0, deviation = 0.0;  ///< of the lengths of the radials
@@ -68,22 +69,23 @@ struct ObserverSummary {
   std::optional<Isovist> isovist;   ///< empty if the horizontal lies outside the field of view
   double volume = 0.0;              ///< visible part of that box, up to max_distance
   std::optional<Spread> horizon;    ///< elevations in degrees, to 0.1, azimuths without horizon left out
-  SkyShares sky;                    ///< all round, whatever the field of view
+  SkyShares sky;                    ///< in all directions, whatever the field of view
 
   double ground_area() const;
 };
 
-/// Summarizes what each observer sees. The area of a point is pi s^2 / 8, with s the distance to its 8th neighbour: for
-/// points scattered evenly by chance the circle holds 8 others on average. On a regular grid this is a fifth too small,
-/// and at an edge of the surface up to twice too large. Cost: point_visibility()'s, and per observer some
-/// 10^5 to 10^6 lines for horizon, isovist and sky. Memory: 17 B per point and 16 B per visible point.
-/// Errors: those of point_visibility(), horizon() and sky_shares(); bands out of order.
+/// Summarizes what each observer sees. The area of a point is pi s^2 / 8, with s the distance to its 8th
+/// neighbour: the circle holds 8 others on average if points are distributed at random. On a regular grid
+/// the area is a fifth too small, and at an edge of the surface up to twice too large. Cost:
+/// point_visibility()'s, and per observer some 10^5 to 10^6 lines for horizon, isovist and sky. Memory:
+/// 17 B per point and 16 B per visible point. Errors: those of point_visibility(), horizon() and
+/// sky_shares(); bands out of order.
 std::vector<ObserverSummary> summarize(const Occluders& occluders, std::span<const Observer> observers,
                                        const SummaryOptions& options);
 
-/// Writes a row for each observer: `name`, `x`, `y`, `z` of the eye, and the numbers of docs/visibility.md. Cells
-/// without a value are empty. CSV, JSON with the list `observers`, or GeoJSON with points. Coordinates, answer
-/// and Errors as write_positions(). Requires as many observers as summaries.
+/// Writes a row for each observer: `name`, `x`, `y`, `z` of the eye, and the numbers of docs/visibility.md.
+/// Cells without a value are empty. CSV, JSON with the list `observers`, or GeoJSON with points. Coordinates,
+/// returned value and Errors as write_positions(). Requires as many observers as summaries.
 bool write_summaries(std::span<const ObserverSummary> summaries, std::span<const Observer> observers,
                      const SummaryOptions& options, RowForm form, const RowFileHead& head,
                      const ToLonLat& to_lon_lat, const std::filesystem::path& file, bool overwrite);

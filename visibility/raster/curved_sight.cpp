@@ -23,7 +23,7 @@ struct Stretch {
   double begin = 0.0, end = 1.0;
 };
 
-/// The part that lies over an area; none: it ends before it begins.
+/// The part that lies over an area; if there is none, it ends before it begins.
 Stretch stretch_over(const Bounds& area, const glm::dvec3& from, const glm::dvec3& to) {
   constexpr Stretch k_none{1.0, 0.0};
   Stretch stretch;
@@ -40,19 +40,20 @@ Stretch stretch_over(const Bounds& area, const glm::dvec3& from, const glm::dvec
   return stretch;
 }
 
-/// Chords of a line: the first, and the one behind the last.
+/// Chords of a line: the first, and the one after the last.
 struct ChordRange {
   std::int64_t begin = 0, end = 0;
 };
 
-/// Those of `count` chords that may lie over a stretch of the line; each reaches over its ends by a share.
+/// Those of `count` chords that may lie over a stretch of the line; each extends
+/// beyond its ends by `overlap`.
 ChordRange chords_over(const Stretch& stretch, std::int64_t count, double overlap) {
   if (!(stretch.begin <= stretch.end)) return {};
   const auto chords = static_cast<double>(count);
-  const auto position = [chords](double chord) { return std::clamp(chord, 0.0, chords); };
+  const auto clamped = [chords](double chord) { return std::clamp(chord, 0.0, chords); };
   // One more at either end, for the rounding of the shares.
-  return {static_cast<std::int64_t>(position(std::floor((stretch.begin - overlap) * chords) - 1.0)),
-          static_cast<std::int64_t>(position(std::ceil((stretch.end + overlap) * chords) + 1.0))};
+  return {static_cast<std::int64_t>(clamped(std::floor((stretch.begin - overlap) * chords) - 1.0)),
+          static_cast<std::int64_t>(clamped(std::ceil((stretch.end + overlap) * chords) + 1.0))};
 }
 
 }  // namespace
@@ -94,11 +95,11 @@ void SightBatch::add(const SightEnd& from, const SightEnd& to) {
   const std::int64_t count = curve_.chord_count(distance_between(from.position, to.position));
   // A sphere that a joint lies in would block neither chord: they overlap by more than it is wide.
   const double overlap = 2.0 * std::max(occluders_.typical_radius(), 0.0) / length;
-  const ChordRange asked =
+  const ChordRange needed =
       count == 1 ? ChordRange{0, 1}
                  : chords_over(stretch_over(reach_, from.position, to.position), count, overlap);
   const auto chords = static_cast<double>(count);
-  for (std::int64_t i = asked.begin; i < asked.end; ++i) {
+  for (std::int64_t i = needed.begin; i < needed.end; ++i) {
     const double begin = std::max(0.0, static_cast<double>(i) / chords - overlap),
                  end = std::min(1.0, static_cast<double>(i + 1) / chords + overlap);
     const SightEnd chord_from = i == 0 ? from : chord_end(curve_.position(from.position, to.position, begin));

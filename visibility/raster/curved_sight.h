@@ -11,11 +11,11 @@
 #include "geo/earth.h"
 #include "visibility/sight_line.h"
 
-// Sight over the round Earth. A map is flat, so that what lies at the distance d stands too high in it, by
-// d^2 / (2 R) less what refraction bends the light down: c d^2 / (2 R). The points stay where they are; the
+// Sight over the round Earth. A map is flat, so that things at the distance d are too high in it, by
+// d^2 / (2 R) less the bend of light by refraction: c d^2 / (2 R). The points remain where they are; the
 // line of sight is bent instead. A straight line in true space is, on the map, the parabola between the two
 // ends that hangs below their chord by k s (d - s), with k = c / (2 R) and s from one end: at most k d^2 / 4.
-// It is followed by chords of which none is farther from it than k_most_sag.
+// It is approximated by chords within k_most_sag.
 // Sources: gdal_viewshed, option -cc; r.viewshed, flags -c and -r.
 
 namespace alidade::visibility {
@@ -24,7 +24,7 @@ namespace alidade::visibility {
 constexpr double k_usual_curvature = 0.85714;
 constexpr double k_most_sag = 0.005;  ///< metres; chords of light are at most 545 m long
 
-/// How lines of sight are bent.
+/// The bend of lines of sight.
 class SightCurve {
  public:
   /// Straight.
@@ -34,9 +34,9 @@ class SightCurve {
   SightCurve(double coefficient, double unit);
 
   double coefficient() const { return coefficient_; }
-  /// How far too high a position at this distance along the ground lies, in units of the cloud.
+  /// How much too high things at this distance along the ground are, in units of the cloud.
   double drop(double distance) const { return per_square_ * distance * distance; }
-  /// Chords that a line over this distance along the ground is made of; finite.
+  /// Number of chords of a line over this distance along the ground; finite.
   std::int64_t chord_count(double distance) const;
   /// The position at a share [0, 1] of the way.
   glm::dvec3 position(const glm::dvec3& from, const glm::dvec3& to, double share) const;
@@ -47,24 +47,24 @@ class SightCurve {
   double longest_chord_ = 0.0;  ///< 0: no limit
 };
 
-/// Lines of sight to be answered together, each bent into one or more chords. Chords over land where there
-/// are no points are left out, since nothing blocks there: so lines to an observer far away cost little.
+/// A batch of lines of sight, each bent into one or more chords. Chords over land without points are left
+/// out, since nothing blocks there: so lines to an observer far away cost little.
 class SightBatch {
  public:
   SightBatch(const Occluders& occluders, const SightCurve& curve);
 
   std::size_t size() const { return begin_.size() - 1; }
-  /// Chords of all lines, what the work and memory go with.
+  /// Chords of all lines, to which work and memory are proportional.
   std::size_t chord_count() const { return chords_.size(); }
   /// Errors: ends not finite, or so far apart that their distance is not.
   void add(const SightEnd& from, const SightEnd& to);
   void clear();
 
-  /// Whether each line, in the order of add(), is blocked; as long as the batch stays unchanged. Crossings
+  /// Whether each line, in the order of add(), is blocked; valid until the batch changes. Crossings
   /// are counted over all chords of a line. Cost: sight_line.h's per chord; memory: 250 B per chord and line.
   std::span<const std::uint8_t> blocked();
-  /// The first blocker of each line; its distance is from the line's start, along the straight line to within
-  /// the sag.
+  /// The first blocker of each line; its distance is from the line's start, along the straight
+  /// line to within k_most_sag.
   std::span<const std::optional<Blocker>> first_blockers();
 
  private:

@@ -24,7 +24,7 @@ std::optional<double> Ground::at(const glm::dvec2& position) const {
 
 bool Ground::is_scanned(const glm::dvec2& position) const {
   if (terrain_ != nullptr && terrain_->is_scanned(position)) return true;
-  // What lies on the grid's outer edge belongs to its outermost cells, as the ground does.
+  // The grid's outer edge belongs to its outermost cells, as it does in at().
   const geo::RasterGrid& grid = heights_.grid;
   const double margin = std::min(reach_, grid.cell_size);
   const glm::dvec2 corner = grid.south_east();

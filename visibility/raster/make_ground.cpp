@@ -18,16 +18,16 @@ namespace {
 
 constexpr std::uint8_t k_ground_class = 2;  // of ASPRS
 
-/// Whether points of a class lie on the ground: ground, water, road surface. Where ground was classified,
-/// roads and water are mostly classes of their own, and would be holes in it.
+/// Whether points of a class lie on the ground: ground, water, road surface. In classified clouds roads and
+/// water are mostly classes of their own, and would be holes in the ground.
 constexpr bool is_on_ground(std::uint8_t point_class) {
   constexpr std::uint8_t k_water = 9, k_road = 11;
   return point_class == k_ground_class || point_class == k_water || point_class == k_road;
 }
 
-/// A height that was measured somewhere in a cell.
+/// A height measured somewhere in a cell.
 struct GroundSample {
-  glm::vec2 offset{0.0f};  ///< of the position from the middle of the cell
+  glm::vec2 offset{0.0f};  ///< from the middle of the cell
   double height = 0.0;     ///< NaN if nothing was measured
 
   bool exists() const { return height == height; }
@@ -82,7 +82,7 @@ struct TwoLowest {
   }
 };
 
-/// Calls visit(column, row) for the cells around one, as far as there are any.
+/// Calls visit(column, row) for the cells around one that are in the grid.
 template <class Visit>
 void for_each_neighbour(const geo::RasterGrid& grid, int column, int row, const Visit& visit) {
   for (int y = std::max(row - 1, 0); y <= std::min(row + 1, grid.rows - 1); ++y) {
@@ -92,7 +92,7 @@ void for_each_neighbour(const geo::RasterGrid& grid, int column, int row, const 
   }
 }
 
-/// Whether another low point is not much higher than the cell's lowest.
+/// Whether another low point of the cell or around it is not much higher than its lowest.
 bool has_company(const geo::Raster<TwoLowest>& lowest, int column, int row) {
   const double most = 1.0 + lowest.grid.cell_size;
   const TwoLowest& cell = lowest.at(column, row);
@@ -103,8 +103,8 @@ bool has_company(const geo::Raster<TwoLowest>& lowest, int column, int row) {
   return found;
 }
 
-/// Slope of the ground around a cell: least squares over the differences to the cells around it. Zero where
-/// these do not decide it.
+/// Slope of the ground around a cell: least squares over the differences to the cells around it. Zero if
+/// these do not determine it.
 glm::dvec2 slope_around(const geo::Raster<GroundSample>& samples, int column, int row) {
   const geo::RasterGrid& grid = samples.grid;
   const GroundSample& here = samples.at(column, row);
@@ -121,8 +121,8 @@ glm::dvec2 slope_around(const geo::Raster<GroundSample>& samples, int column, in
     xz += dx * dz;
     yz += dy * dz;
   });
-  // Neighbours on one line, or close by, say nothing about the slope across it but noise: they must be spread
-  // by half a cell in every direction.
+  // Neighbours on one line, or near it, determine the slope across it only by noise: they must be spread by
+  // half a cell in every direction.
   constexpr double k_least_spread = 0.25;
   const double determinant = xx * yy - xy * xy, spread = xx + yy;
   if (!(spread > 0.0 && determinant >= k_least_spread * grid.cell_size * grid.cell_size * spread))
@@ -130,7 +130,7 @@ glm::dvec2 slope_around(const geo::Raster<GroundSample>& samples, int column, in
   return {(yy * xz - xy * yz) / determinant, (xx * yz - xy * xz) / determinant};
 }
 
-/// Of every cell the mean of its points of classes on the ground.
+/// For every cell, the mean of its points of classes on the ground.
 GroundSamples mean_of_class(const Octree& octree, std::span<const std::uint8_t> classifications,
                             const geo::RasterGrid& grid, const Progress& progress) {
   struct Sum {
@@ -160,7 +160,7 @@ GroundSamples mean_of_class(const Octree& octree, std::span<const std::uint8_t> 
   return result;
 }
 
-/// Of every cell the lowest point that is not an outlier; with a sign of -1 the highest.
+/// For every cell, the lowest point that is not an outlier; with a sign of -1 the highest.
 GroundSamples lowest_points(const Octree& octree, const geo::RasterGrid& grid, double sign,
                             const Progress& progress) {
   geo::Raster<TwoLowest> lowest(grid, {}, octree.scratch());
@@ -180,8 +180,8 @@ GroundSamples lowest_points(const Octree& octree, const geo::RasterGrid& grid, d
   return result;
 }
 
-/// Heights in the middles of cells; NaN where nothing was measured. Steeper slopes than `steepest` are steps, such as
-/// the edge of a roof.
+/// Heights in the middles of cells; NaN where nothing was measured. Steeper slopes than `steepest` are steps,
+/// such as the edge of a roof.
 geo::Raster<double> heights_in_middles(const geo::Raster<GroundSample>& samples, double steepest,
                                        const ScratchFolder& scratch) {
   geo::Raster<double> heights(samples.grid, k_nan, scratch);
@@ -197,7 +197,7 @@ geo::Raster<double> heights_in_middles(const geo::Raster<GroundSample>& samples,
   return heights;
 }
 
-// The membrane over the gaps.
+// fill_gaps(): the membrane over the gaps.
 
 struct Level {
   geo::Raster<double> heights;
@@ -210,7 +210,7 @@ struct Level {
   }
 };
 
-/// Half as many cells each way; a cell is known if one of its four is.
+/// A level with half as many columns and rows; a cell is known if one of its four is.
 Level coarser(const Level& fine) {
   geo::RasterGrid grid = fine.heights.grid;
   grid.columns = (grid.columns + 1) / 2;
@@ -238,13 +238,13 @@ Level coarser(const Level& fine) {
   return level;
 }
 
-/// Unknown cells from the level above: bilinear between the middles of its cells.
+/// Fills unknown cells from the level above, bilinear between the middles of its cells.
 void start_from(const Level& coarse, Level& fine) {
   tbb::parallel_for(0, fine.rows(), [&](int row) {
     for (int column = 0; column < fine.columns(); ++column) {
       const std::size_t i = fine.heights.grid.index(column, row);
       if (fine.known[i]) continue;
-      // The middle of a cell stands a quarter of the larger cell from that cell's middle.
+      // The middle of a cell is a quarter of the larger cell away from that cell's middle.
       const int x = column / 2, y = row / 2;
       const int beside = column % 2 == 0 ? x - 1 : x + 1, above = row % 2 == 0 ? y - 1 : y + 1;
       fine.heights.values[i] = 0.5625 * coarse.value(x, y) + 0.1875 * coarse.value(beside, y) +
@@ -253,13 +253,13 @@ void start_from(const Level& coarse, Level& fine) {
   });
 }
 
-/// Every unknown cell of a colour becomes the mean of its four neighbours, which are of the other.
+/// Sets every unknown cell of one colour to the mean of its four neighbours, which are of the other colour.
 void sweep(Level& level, int color) {
   tbb::parallel_for(0, level.rows(), [&](int row) {
     for (int column = (row + color) % 2; column < level.columns(); column += 2) {
       const std::size_t i = level.heights.grid.index(column, row);
       if (level.known[i]) continue;
-      // Beyond the edge everything is as on it: the cell itself does not count.
+      // The surface is flat across the edge of the grid: neighbours outside of it do not count.
       double sum = 0.0;
       int count = 0;
       const auto take = [&](int x, int y) {
@@ -276,7 +276,7 @@ void sweep(Level& level, int color) {
   });
 }
 
-/// Cells within so many cells of one that is set, along rows or columns.
+/// Sets the cells within so many cells of one that is set, along rows or columns.
 void widen(HugeVector<std::uint8_t>& set, std::size_t count, std::size_t stride, std::size_t lines,
            std::size_t line_stride, int cells) {
   std::vector<std::uint8_t> line(count);
@@ -304,12 +304,12 @@ void widen(HugeVector<std::uint8_t>& set, const geo::RasterGrid& grid, double re
   widen(set, rows, columns, columns, 1, cells);
 }
 
-GroundSource chosen_source(GroundSource asked, bool is_classified) {
-  check_that(asked != GroundSource::terrain, "a terrain is not the ground of points",
+GroundSource chosen_source(GroundSource requested, bool is_classified) {
+  check_that(requested != GroundSource::terrain, "a terrain is not the ground of points",
              "another source, and Ground::raise_to()");
-  check_that(asked != GroundSource::classified || is_classified, "missing ground class", "points of class 2",
-             "none in the cloud");
-  if (asked != GroundSource::automatic) return asked;
+  check_that(requested != GroundSource::classified || is_classified, "missing ground class",
+             "points of class 2", "none in the cloud");
+  if (requested != GroundSource::automatic) return requested;
   return is_classified ? GroundSource::classified : GroundSource::lowest;
 }
 

@@ -13,7 +13,7 @@ namespace alidade::visibility {
 
 Relief::Relief(const Ground& ground, double step) : ground_(ground), step_(step) {
   constexpr int k_samples = 50;
-  // Nine slopes in ten shall not look steeper than this.
+  // Nine slopes in ten must not look steeper than this.
   constexpr double k_steep = 0.5, k_most = 8.0, k_share = 0.9;
   const geo::RasterGrid& grid = ground.heights().grid;
   const glm::dvec2 size = grid.south_east() - grid.north_west;
@@ -58,13 +58,13 @@ image::Rgb8 to_rgb8(const glm::dvec3& display) {
 }
 
 image::Rgb8 shaded(const image::Rgb8& color, double light) {
-  // Shade darkens less than it would on bare land, so that colours are still distinguished.
+  // Shade is limited, so that colours remain distinguishable.
   constexpr double k_least = 0.35;
   const double factor = (k_least + (1.0 - k_least) * light) / 255.0;
   return to_rgb8({factor * color[0], factor * color[1], factor * color[2]});
 }
 
-/// Where things stand.
+/// The parts of the picture, in pixels.
 struct MapLayout {
   image::PixelBox map;
   double cells_per_pixel = 1.0;
@@ -202,7 +202,7 @@ class MapDrawer {
     }
   }
 
-  /// Characters with a halo, so that they are read on any ground.
+  /// Draws text with a halo, legible on any ground.
   void haloed(int x, int baseline, const std::string& text, int size) {
     for (const auto& [dx, dy] :
          {std::pair(-1, 0), {1, 0}, {0, -1}, {0, 1}, {-1, -1}, {1, 1}, {-1, 1}, {1, -1}})
@@ -278,15 +278,14 @@ class MapDrawer {
     font_.draw(canvas_, left, y + 16, scale.label, k_font_size, k_text);
     y += k_row + 6;
     for (int i = 0; i < k_bar_height; ++i) {
-      const double position = 1.0 - static_cast<double>(i) / (k_bar_height - 1);
-      canvas_.fill({left, y + i, left + k_bar_width, y + i + 1},
-                   to_rgb8(image::map_color(scale.map, position)));
+      const double share = 1.0 - static_cast<double>(i) / (k_bar_height - 1);
+      canvas_.fill({left, y + i, left + k_bar_width, y + i + 1}, to_rgb8(image::map_color(scale.map, share)));
     }
     canvas_.frame({left - 1, y - 1, left + k_bar_width + 1, y + k_bar_height + 1}, k_line);
     const double extent = scale.range.high - scale.range.low;
     for (const image::RoundTick& tick : ticks()) {
-      const double position = extent > 0.0 ? (tick.value - scale.range.low) / extent : 0.5;
-      const int at = y + static_cast<int>(std::lround((1.0 - position) * (k_bar_height - 1)));
+      const double share = extent > 0.0 ? (tick.value - scale.range.low) / extent : 0.5;
+      const int at = y + static_cast<int>(std::lround((1.0 - share) * (k_bar_height - 1)));
       canvas_.fill({left + k_bar_width + 1, at, left + k_bar_width + 7, at + 1}, k_line);
       font_.draw(canvas_, left + k_bar_width + 12, at + 6, tick.label, k_font_size, k_text);
     }

@@ -16,16 +16,16 @@
 
 namespace alidade::visibility {
 
-/// Shading of the ground by a light in the north-west, 45 degrees high: what makes a map of heights look like
-/// land. Heights are drawn up where the land is flat.
+/// Shading of the ground by a light in the north-west, 45 degrees high. Heights are
+/// exaggerated if the land is flat.
 class Relief {
  public:
-  /// `step`: slopes are taken over twice this length, about a pixel of the picture. Cost: about 10 000
-  /// heights.
+  /// `step`: slopes are differences over twice this length, about a pixel of the picture. Cost: that of about
+  /// 10 000 heights.
   Relief(const Ground& ground, double step);
 
-  /// Brightness of a position: 1 where it is level, from 0 in the shade to about 1.4 towards the light; 1 where
-  /// there is no ground around it.
+  /// Brightness at a position: 1 if it is level or has no ground around it, from 0 in the shade to
+  /// about 1.4 towards the light.
   double light(const glm::dvec2& position) const;
 
  private:
@@ -36,17 +36,17 @@ class Relief {
   double exaggeration_ = 1.0;
 };
 
-// A map as a picture to look at: values as colours over the shaded relief of the ground, north up, with the
+// A map as a picture: values as colours over the shaded relief of the ground, north up, with the
 // observers, a scale bar and a legend.
 
-/// What one value means.
+/// The colour and meaning of one value.
 struct MapSwatch {
   float value = 0.0f;
   image::Rgb8 color{};
   std::string label;
 };
 
-/// Values that have no swatch, as colours from low to high.
+/// The colours of values without a swatch, from low to high.
 struct MapScale {
   image::ColorMap map = image::ColorMap::viridis;
   image::ValueRange range{};
@@ -54,7 +54,7 @@ struct MapScale {
   int most_ticks = 7;
 };
 
-/// A named place.
+/// A position with a name.
 struct MapMark {
   glm::dvec2 position{0.0};
   std::string name{};  ///< empty: only the mark
@@ -70,14 +70,14 @@ struct MapPicture {
   std::vector<std::string> notes{};
 };
 
-/// Draws the map, the longer side of its grid about `longest_side` pixels long (whole pixels per cell where
-/// there are more pixels than cells). The legend names those swatches that occur, with their share of the
-/// cells that have a value. The same pixels for the same map, font and version of FreeType. Requires
+/// Draws the map, the longer side of its grid about `longest_side` pixels long (whole pixels per cell if
+/// there are more pixels than cells). The legend names the swatches that occur, with their share of the
+/// cells with a value. The same pixels for the same map, font and version of FreeType. Requires
 /// longest_side >= 1.
 image::Canvas draw_map(const MapPicture& picture, const Ground& ground, const image::Font& font,
                        int longest_side = 1000);
 
-/// The same as a PNG file. Errors: those of write_png() and find_font().
+/// Writes the picture of draw_map() as PNG. Errors: those of write_png() and find_font().
 void write_map_picture(const MapPicture& picture, const Ground& ground, const std::filesystem::path& file,
                        bool overwrite);
 

@@ -15,7 +15,7 @@
 namespace alidade::visibility {
 namespace {
 
-/// Levels of the widest block that has not too many positions.
+/// Levels of the widest block with at most `most_positions`.
 int levels_of_block(int positions_across, std::size_t most_positions) {
   const auto per_cell =
       static_cast<std::size_t>(positions_across) * static_cast<std::size_t>(positions_across);
@@ -28,7 +28,7 @@ std::size_t blocks_along(int cells, int levels) {
   return (static_cast<std::size_t>(cells) + (std::size_t{1} << levels) - 1) >> levels;
 }
 
-/// Every second bit of a number, from its lowest: one coordinate of a position on the Z curve.
+/// Every second bit of a number, from its lowest: one coordinate of a cell on the Z curve.
 int every_second_bit(std::uint32_t number) {
   constexpr int k_most_bits = 16;
   int coordinate = 0;
@@ -68,7 +68,7 @@ SightEnd end_on_ground(const Occluders& occluders, const glm::dvec3& position) {
     const glm::dvec2 way = glm::dvec2(position) - glm::dvec2(center);
     const double sheet = center.z - (way.x * surface.normal.x + way.y * surface.normal.y) / surface.normal.z;
     if (std::fabs(sheet - position.z) > occluders.typical_radius()) continue;
-    // What a point of this sheet has as its own surface, the position has too.
+    // The own surface of the position is that of the points of this sheet.
     const SightEnd on_point = end_on_point(occluders, hit.point_id, hit.position, hit.position);
     if (!end) {
       const double height = std::max(position.z, sheet - surface.thickness) + surface.thickness;
@@ -120,7 +120,7 @@ MapBlock MapTargets::block(std::size_t number) const {
         (glm::dvec2(part % across, part / across) + 0.5) / static_cast<double>(positions_across_) -
         glm::dvec2(0.5);
     const glm::dvec2 position = middle + share * grid_.cell_size;
-    // What is visible on unscanned ground is unknown.
+    // Visibility on unscanned ground is unknown.
     const std::optional<double> height = ground_.is_scanned(position) ? ground_.at(position) : std::nullopt;
     if (height) found[i] = MapTarget{cell, end_on_ground(occluders_, {position.x, position.y, *height})};
   });
@@ -139,21 +139,21 @@ MapObserver::MapObserver(const Occluders& occluders, const Observer& observer)
       upper_slope_(slope_of(observer.elevation_max)) {}
 
 std::optional<HeightRange> MapObserver::heights_in_view(const glm::dvec3& foot,
-                                                        const HeightRange& asked) const {
+                                                        const HeightRange& tested) const {
   const glm::dvec3 offset = foot - eye_.position;
   const double run_sq = offset.x * offset.x + offset.y * offset.y, run = std::sqrt(run_sq);
   const double reach_sq = max_distance_ * max_distance_ - run_sq;
   if (!azimuths_.contains({offset.x, offset.y, 0.0}) || reach_sq < 0.0) return std::nullopt;
   const double reach = std::sqrt(reach_sq);
-  // No way along the ground times an infinite slope would be no number.
+  // A run of 0 times an infinite slope would be NaN.
   const double lowest = std::isinf(lower_slope_) ? lower_slope_ : run * lower_slope_,
                highest = std::isinf(upper_slope_) ? upper_slope_ : run * upper_slope_;
-  HeightRange range{std::max(asked.low, std::max(lowest, -reach) - offset.z),
-                    std::min(asked.high, std::min(highest, reach) - offset.z)};
-  // What a rounding decides is decided as for the lowest position alone.
-  if (looks_at(foot + glm::dvec3(0.0, 0.0, asked.low))) {
-    range.low = asked.low;
-    range.high = std::max(range.high, asked.low);
+  HeightRange range{std::max(tested.low, std::max(lowest, -reach) - offset.z),
+                    std::min(tested.high, std::min(highest, reach) - offset.z)};
+  // At limits that depend on rounding, looks_at() decides.
+  if (looks_at(foot + glm::dvec3(0.0, 0.0, tested.low))) {
+    range.low = tested.low;
+    range.high = std::max(range.high, tested.low);
   }
   if (!(range.low <= range.high)) return std::nullopt;
   return range;

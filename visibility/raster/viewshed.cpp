@@ -18,14 +18,14 @@ namespace alidade::visibility {
 namespace {
 
 constexpr double k_finest = 0.01;  // of a height, in the unit of the cloud
-/// Bent lines are made of many chords, which all stay in memory.
+/// Bent lines consist of many chords, which are all in memory.
 constexpr std::size_t k_chords_at_once = 1 << 16;
 
-/// Finds for positions on the ground the lowest height above them that is seen, as viewshed.h defines it.
+/// Finds the lowest height above positions on the ground that is seen, as viewshed.h defines it.
 class LowestSeen {
  public:
-  /// The references must outlive this. Memory: 4 B per point, unless all have one radius; with an octree in scratch
-  /// files on the disk. Errors: more than there is.
+  /// The references must outlive this. Memory: 4 B per point, unless all have one radius; with an octree in
+  /// scratch files on the disk. Errors: not enough memory.
   LowestSeen(const Occluders& occluders, const ViewshedOptions& options)
       : occluders_(occluders),
         options_(options),
@@ -37,8 +37,8 @@ class LowestSeen {
     spacings_ = spacings_in_order(octree);
   }
 
-  /// Lowers `heights`, one per target, where this observer sees something lower. Those it does not look at
-  /// stay as they are; the others become `highest` at most.
+  /// Lowers `heights`, one per target, if this observer sees something lower. Those of targets that it does
+  /// not look at remain as they are; the others become `highest` at most.
   void look(const MapObserver& observer, std::span<const MapTarget> targets, std::span<double> heights) {
     searches_.clear();
     seen_.clear();
@@ -48,7 +48,7 @@ class LowestSeen {
       if (!range) continue;
       heights[i] = std::min(heights[i], options_.highest);
       if (range->low >= heights[i]) continue;
-      // What is seen at once has nothing below it to halve into.
+      // If the lowest height is seen, there is no interval to halve.
       searches_.push_back({i, range->low, range->low, range->high});
     }
     climb(observer, targets, heights);
@@ -61,12 +61,12 @@ class LowestSeen {
   struct Search {
     std::size_t target;
     double blocked;  ///< highest that is not seen
-    double tried;    ///< to look at next
-    double highest;  ///< that the observer looks at
+    double tried;    ///< to be tried next
+    double highest;  ///< in the observer's view
   };
 
-  /// By which a line that this blocks is raised at the blocker. Openings of meshes are looked for in steps as
-  /// wide as the cloud's.
+  /// By how much a line is raised at its blocker. Openings of meshes are searched in
+  /// steps as wide as the cloud's.
   double step_past(const Blocker& blocker) const {
     if (blocker.is_mesh()) return occluders_.typical_radius();
     const std::uint64_t point_id = blocker.point_id;
@@ -74,7 +74,8 @@ class LowestSeen {
     return occluders_.surface(point_id).exists ? radius : sphere_of(occluders_, radius);
   }
 
-  /// Fills the batch with lines to what the searches from `begin` on try next; the end of those.
+  /// Fills the batch with lines to the heights that the searches from `begin` on try next; returns
+  /// the end of these searches.
   std::size_t aim(const MapObserver& observer, std::span<const MapTarget> targets, std::size_t begin) {
     batch_.clear();
     std::size_t end = begin;
@@ -111,7 +112,7 @@ class LowestSeen {
           }
           search.tried += std::max(k_finest, step_past(*blocker) * std::max(magnified, 1.0));
           search.tried = std::min(search.tried, search.highest);
-          // Higher than what another observer sees, it does not matter.
+          // Heights above the lowest one that another observer sees do not matter.
           if (search.tried > search.blocked && search.tried < lowest) searches_[left++] = search;
         }
       }
@@ -148,7 +149,7 @@ class LowestSeen {
   ViewshedOptions options_;
   HugeVector<float> spacings_;  ///< by point id; empty if all points have one radius
   SightBatch batch_;
-  bool is_terrain_alone_;  ///< then what is higher than what is seen is seen, too
+  bool is_terrain_alone_;  ///< then everything above a height that is seen is seen, too
   std::vector<Search> searches_, seen_;
   std::uint64_t line_count_ = 0;
 };
@@ -177,26 +178,26 @@ void check(std::span<const Observer> observers, const ViewshedOptions& options) 
              "no solid angle of objects without a width", "a width");
 }
 
-/// Says how far the whole map is, in pairs of observer and position.
+/// Reports the progress of the map, in pairs of observer and position.
 struct PairCounter {
   const Progress& progress;
   std::uint64_t total, done = 0;
 
-  /// In the midst of a block; positions without ground are not among them.
+  /// Within a block; positions without ground do not count.
   void add(std::uint64_t pairs) { report(progress, done += pairs, total); }
   /// At the end of a block.
   void set(std::uint64_t pairs) { report(progress, done = pairs, total); }
 };
 
-/// Of a block: enough for all threads, few enough for little memory and for a part of a long run that is done
-/// within seconds.
+/// Largest number of positions of a block: enough for all threads, few enough for little memory and for a
+/// part of a long run that takes seconds.
 std::size_t most_positions(std::size_t observers, ViewshedMode mode) {
   constexpr std::size_t k_most_lines = 1 << 24, k_lines_per_height = 16, k_least = 1 << 10, k_most = 1 << 18;
   const std::size_t lines = mode == ViewshedMode::height ? k_lines_per_height : 1;
   return std::clamp(k_most_lines / lines / observers, k_least, k_most);
 }
 
-/// Sums up what is seen from or of the cells of a block, observer by observer.
+/// Sums what is seen from or of the cells of a block, observer by observer.
 class SeenCounter {
  public:
   SeenCounter(const Occluders& occluders, const ViewshedOptions& options)
@@ -217,7 +218,7 @@ class SeenCounter {
   std::uint64_t line_count() const { return line_count_; }
 
  private:
-  /// Of a cell.
+  /// The sums of one cell.
   struct Sums {
     bool is_looked_at = false;
     std::size_t last_seen = 0;     ///< number of the object that was seen last, from 1
@@ -233,7 +234,7 @@ class SeenCounter {
     const ObjectPiece* piece = options_.pieces.empty() ? nullptr : &options_.pieces[number];
     const std::size_t object = piece != nullptr ? piece->object : number;
     const Sums& sums = sums_[target.cell];
-    // Who is seen already need not be seen again.
+    // Cells that are already seen need no further line.
     if (options_.mode == ViewshedMode::visible && sums.last_seen > 0) return;
     if (options_.mode == ViewshedMode::count && sums.last_seen == object + 1) return;
     const SightEnd end = raised(target.foot, options_.target_height);

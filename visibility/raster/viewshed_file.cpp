@@ -16,7 +16,7 @@ bool has_value(float value) {
   return value != k_out_of_range && !std::isnan(value);
 }
 
-/// The largest byte that does not apply else.
+/// The largest byte that has no other meaning.
 std::uint8_t free_byte(const SeenValues& values) {
   for (int byte = 255;; --byte) {
     if (byte != values.visible && byte != values.invisible && byte != values.out_of_range)
@@ -87,7 +87,7 @@ std::string title_of_objects(ViewshedMode mode, std::size_t objects) {
   }
 }
 
-/// Unit of the values; empty: none, or not known.
+/// Unit of the values; empty: none, or unknown.
 std::string unit_of(const ViewshedOptions& options, const std::string& length_unit) {
   if (options.mode == ViewshedMode::angle) return "sr";
   if (options.mode == ViewshedMode::height) return length_unit;

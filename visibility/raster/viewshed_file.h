@@ -12,11 +12,11 @@
 #include "visibility/raster/map_picture.h"
 #include "visibility/raster/viewshed.h"
 
-// Viewsheds as they are written: numbers for programs, a picture for people.
+// Viewsheds in files: as rasters and as pictures.
 
 namespace alidade::visibility {
 
-/// What is in a map of ViewshedMode::visible; the values of gdal_viewshed (-vv, -iv, -ov).
+/// Values of a map of ViewshedMode::visible, as those of gdal_viewshed (-vv, -iv, -ov).
 struct SeenValues {
   std::uint8_t visible = 255, invisible = 0;
   std::optional<std::uint8_t> out_of_range = 0;  ///< empty: no data
@@ -33,23 +33,24 @@ struct ViewshedBand {
   geo::RasterBand band() const;
 };
 
-/// `visible` as bytes, `count` as 16-bit numbers (32-bit from 65535 observers on), the others as float. No
-/// data, for cells without ground and, but with SeenValues::out_of_range, those out of range: the largest
-/// number of the type (of bytes: the largest that does not apply else), -9999 of float. `options` are those of
-/// the viewshed; `observer_count` may be that of objects; `length_unit` is that of the cloud.
+/// `visible` as bytes, `count` as 16-bit numbers (32-bit from 65535 observers on), the others as
+/// float. The no-data value, for cells without ground and, unless SeenValues::out_of_range is set,
+/// cells out of range: the largest number of the type (of bytes: the largest that has no other
+/// meaning), -9999 of float. `options` are those of the viewshed; `observer_count` may be that of
+/// objects; `length_unit` is that of the cloud.
 ViewshedBand viewshed_band(const Viewshed& viewshed, const ViewshedOptions& options,
                            const SeenValues& seen_values, std::size_t observer_count,
                            const std::string& length_unit);
 
-/// The map for people; seen cells are bright, hidden ones dark. `options` are those of the viewshed; marked are
-/// `observers`, which may be one for each object.
+/// The picture of a viewshed; seen cells are bright, hidden ones dark. `options` are those of the viewshed;
+/// `observers` are marked, one for each object if there are objects.
 MapPicture viewshed_picture(const Viewshed& viewshed, const ViewshedOptions& options,
                             std::span<const Observer> observers, const std::string& length_unit);
 
-/// How much is seen, of `height` at the target height.
+/// The seen share of a map; for ViewshedMode::height, at the target height.
 struct SeenShare {
   double percent = 0.0;       ///< of the cells that an observer looks at
-  std::uint64_t without = 0;  ///< cells without ground, or that nobody looks at
+  std::uint64_t without = 0;  ///< cells without ground, or that no observer looks at
 };
 SeenShare seen_share(const Viewshed& viewshed, const ViewshedOptions& options);
 

@@ -37,12 +37,12 @@ std::vector<Part> parts_of_sphere() {
   return parts;
 }
 
-/// Whether light from there counts.
+/// Irradiance of a receiver with this normal by the part, per radiance; 0 if the part is behind it.
 double weight_of(const Part& part, const glm::dvec3& normal) {
   return glm::dot(part.direction, normal) > 0.0 ? std::max(0.0, glm::dot(part.integral, normal)) : 0.0;
 }
 
-/// What the weights of the upper and lower half are multiplied with, for a sum of (1 + z) / 2 and (1 - z) / 2.
+/// Factors of the weights of the upper and lower half that make their sums (1 + z) / 2 and (1 - z) / 2.
 std::array<double, 2> scales_of(std::span<const Part> parts, const glm::dvec3& normal) {
   std::array<double, 2> sums{}, scales{};
   for (std::size_t k = 0; k < parts.size(); ++k) sums[k / k_sky_patches] += weight_of(parts[k], normal);
@@ -53,7 +53,7 @@ std::array<double, 2> scales_of(std::span<const Part> parts, const glm::dvec3& n
   return scales;
 }
 
-/// A normal and its opposite are alike, and so are those that differ little.
+/// A normal as numbers that are equal for its opposite and for normals that differ little.
 std::array<std::int64_t, 3> kind_of(const PointSurface& surface) {
   if (!surface.exists) return {};
   const glm::dvec3 n = surface.normal;
@@ -169,24 +169,24 @@ void BouncedLight::add(std::span<const SkyTarget> targets, std::span<Radiation> 
   });
   std::vector<double> ground(targets.size(), 0.0);
   std::vector<Met> met;
-  std::vector<std::uint32_t> asked;
+  std::vector<std::uint32_t> in_front;
   std::vector<SightLine> lines;
   std::vector<std::optional<Blocker>> blockers;
   for (std::size_t k = 0; k < parts.size(); ++k) {
     const Part& part = parts[k];
-    asked.clear();
+    in_front.clear();
     for (std::uint32_t i = 0; i < targets.size(); ++i) {
       const bool is_behind = targets[i].has_surface() && !(glm::dot(part.direction, targets[i].normal) > 0.0);
-      if (!is_behind && weight_of(part, normals[i]) > 0.0) asked.push_back(i);
+      if (!is_behind && weight_of(part, normals[i]) > 0.0) in_front.push_back(i);
     }
-    lines.resize(asked.size());
-    blockers.assign(asked.size(), {});
-    in_parallel(asked.size(), 1024, [&](std::size_t i) {
-      lines[i] = sight_ray(targets[asked[i]].front, part.direction, options_.max_distance);
+    lines.resize(in_front.size());
+    blockers.assign(in_front.size(), {});
+    in_parallel(in_front.size(), 1024, [&](std::size_t i) {
+      lines[i] = sight_ray(targets[in_front[i]].front, part.direction, options_.max_distance);
     });
     first_blockers(occluders_, lines, blockers);
-    for (std::size_t i = 0; i < asked.size(); ++i) {
-      const std::uint32_t target = asked[i];
+    for (std::size_t i = 0; i < in_front.size(); ++i) {
+      const std::uint32_t target = in_front[i];
       const double weight = scales[target][k / k_sky_patches] * weight_of(part, normals[target]);
       const std::optional<Blocker>& blocker = blockers[i];
       if (blocker && !blocker->is_mesh())
@@ -214,7 +214,7 @@ void BouncedLight::add(std::span<const SkyTarget> targets, std::span<Radiation> 
 void BouncedLight::answer_points(std::span<const SkyTarget> targets, std::span<const std::uint64_t> point_ids,
                                  std::span<Radiation> answers) {
   assert(group_of_.empty() && targets.size() == point_ids.size());
-  // A point without a surface receives on the horizontal, but reflects as a sphere: it is not kept.
+  // Points without a surface are not kept: they receive as horizontal surfaces, but reflect as spheres.
   std::vector<std::uint32_t> of_target(targets.size(), k_no_slot);
   std::vector<SkyTarget> alone;
   for (std::size_t i = 0; i < targets.size(); ++i) {

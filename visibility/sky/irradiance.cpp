@@ -11,7 +11,8 @@
 namespace alidade::visibility {
 namespace {
 
-/// Of clean dry air, per air mass. Source: Kasten 1996, as in Rigollier et al. 2000, equations 11 and 12.
+/// Optical thickness of clean dry air, per air mass. Source: Kasten 1996, as in Rigollier et al.
+/// 2000, equations 11 and 12.
 double rayleigh_thickness(double mass) {
   constexpr double k_low_sun = 20.0;
   if (mass > k_low_sun) return 1.0 / (10.4 + 0.718 * mass);

@@ -32,7 +32,8 @@ std::optional<glm::dvec3> outward(std::span<const glm::vec3> normals, std::uint6
   return normal;
 }
 
-/// Of a block, with so many lines each: few enough for a part of a long run that is done within seconds.
+/// Targets of a block, by the number of lines to each: few enough for a part of a
+/// long run that takes seconds.
 std::size_t targets_at_once(std::size_t lines) {
   constexpr std::size_t k_most_lines = 1 << 24, k_least = 1 << 10, k_most = 1 << 14;
   return std::clamp(k_most_lines / std::max<std::size_t>(lines, 1), k_least, k_most);
@@ -45,7 +46,7 @@ struct Question {
   SkyReceiver receiver = SkyReceiver::surface;
 };
 
-/// Numbers of each target of a part, one row of as many as there are targets after another.
+/// Numbers of the targets of a part, row after row with one number per target.
 using Numbers = std::vector<float>;
 
 /// The numbers of a radiation, in the order of their rows.
@@ -62,8 +63,8 @@ glm::dvec3 ground_normal(const Ground& ground, const glm::dvec3& foot, double ce
   return glm::normalize(glm::dvec3(-slope({0.5 * cell_size, 0.0}), -slope({0.0, 0.5 * cell_size}), 1.0));
 }
 
-/// Answers all points, a block at a time: answer(targets, point ids) gives its numbers, take(point id, row, number)
-/// gets them.
+/// Computes the numbers of all points, a block at a time: calls answer(targets, point ids), which returns
+/// them, and take(point id, row, number) with each.
 template <class Answer, class Take>
 void for_each_point_target(const Occluders& occluders, std::span<const glm::vec3> normals,
                            const Question& question, const LongWork& work, Answer&& answer,
@@ -98,20 +99,21 @@ void for_each_point_target(const Occluders& occluders, std::span<const glm::vec3
       });
 }
 
-/// The same for the cells of a map, which are given by their number in it; k_nothing for those without ground.
+/// As for_each_point_target() for the cells of a map, by their number in it; k_nothing
+/// for those without ground.
 template <class Answer, class Take>
 void for_each_ground_target(const Occluders& occluders, const Ground& ground, const geo::RasterGrid& grid,
                             double height, const Question& question, const LongWork& work, Answer&& answer,
                             const Take& take) {
   check_that(height >= 0.0 && std::isfinite(height), "height above the ground out of range", "at least 0",
              std::to_string(height));
-  const MapTargets positions(occluders, ground, grid, 1, targets_at_once(question.lines));
+  const MapTargets map(occluders, ground, grid, 1, targets_at_once(question.lines));
   std::uint64_t done = 0;
   report(work.progress, done, grid.size());
   run_parts(
-      work.parts, positions.block_count(),
+      work.parts, map.block_count(),
       [&](std::uint64_t part, PartWriter& writer) {
-        const MapBlock block = positions.block(part);
+        const MapBlock block = map.block(part);
         std::vector<SkyTarget> targets;
         for (const MapTarget& target : block.targets)
           targets.push_back(target_in_open(raised(target.foot, height)));
@@ -131,7 +133,7 @@ void for_each_ground_target(const Occluders& occluders, const Ground& ground, co
         }
       },
       [&](std::uint64_t part, PartReader& reader) {
-        const std::vector<std::size_t> cells = positions.cells(part);
+        const std::vector<std::size_t> cells = map.cells(part);
         Numbers numbers(cells.size());
         for (std::size_t row = 0; row < question.numbers; ++row) {
           reader.take_all(numbers);
@@ -141,7 +143,7 @@ void for_each_ground_target(const Occluders& occluders, const Ground& ground, co
       });
 }
 
-/// Answers with the sky-view factor of each target.
+/// An `answer` that returns the sky-view factor of each target.
 auto sky_answer(const Occluders& occluders, const SkyViewOptions& options) {
   return [&](std::span<SkyTarget> targets, std::span<const std::uint64_t>) {
     Numbers of_block(targets.size());
@@ -150,7 +152,8 @@ auto sky_answer(const Occluders& occluders, const SkyViewOptions& options) {
   };
 }
 
-/// Answers with the fields of each period, row by row; looks for the open sides in so many directions first.
+/// An `answer` that returns the fields of each period, row by row; finds the open sides with
+/// so many directions first.
 class SunAnswer {
  public:
   /// `cell`: of BouncedLight. The references must outlive the object.
@@ -180,7 +183,7 @@ class SunAnswer {
     if (!bounced_) return sun_hours(occluders_, targets, light_, options_, answers);
     SunHoursOptions direct = options_;
     direct.bounces = 0;
-    // What points receive on their surfaces is also what they reflect.
+    // The irradiance of points on their own surfaces is also what BouncedLight needs of them.
     if (!point_ids.empty() && options_.receiver == SkyReceiver::surface && !options_.normal)
       bounced_->answer_points(targets, point_ids, answers);
     else

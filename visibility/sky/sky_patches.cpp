@@ -19,8 +19,8 @@ constexpr double k_row_height = 12.0;  // degrees
 constexpr std::array k_patches_of_row = {30, 30, 24, 24, 18, 12, 6};
 constexpr int k_rows = static_cast<int>(k_patches_of_row.size());
 
-/// For clearnesses below `end`: for each of the parameters a to e the factors of 1, zenith angle, brightness, and
-/// brightness times zenith angle; c and d of the first row enter equations of their own.
+/// The row for clearnesses below `end`: for each of the parameters a to e the factors of 1, zenith angle,
+/// brightness, and brightness times zenith angle; c and d of the first row have equations of their own.
 struct PerezRow {
   double end;
   std::array<std::array<double, 4>, 5> factors;
@@ -97,7 +97,7 @@ std::array<double, 5> perez_parameters(double clearness, double brightness, doub
   return parameters;
 }
 
-/// A patch with what does not depend on the sun.
+/// A patch with the values that do not depend on the sun.
 struct Patch {
   glm::dvec3 middle{0.0};
   double horizontal = 0.0;  ///< irradiance of the horizontal per radiance, sr
@@ -123,7 +123,7 @@ glm::dvec3 direction_integral(const SkyCell& cell) {
                    east = sine_cosine_of_degrees(cell.azimuth_max),
                    low = sine_cosine_of_degrees(cell.elevation_min),
                    high = sine_cosine_of_degrees(cell.elevation_max);
-  // Of cos^2 and of sin cos over the elevations.
+  // Integrals of cos^2 and of sin cos over the elevations.
   const double flat = 0.5 * ((cell.elevation_max - cell.elevation_min) * k_degree + high.sine * high.cosine -
                              low.sine * low.cosine),
                steep = 0.5 * (high.sine * high.sine - low.sine * low.sine);
@@ -170,7 +170,7 @@ std::array<double, k_sky_patches> sky_radiances(const SkyState& state) {
     radiances[i] = std::max(by_height * by_sun, 0.0);
     horizontal += radiances[i] * patches[i].horizontal;
   }
-  // A sky that is dark everywhere has no shape: then it is even.
+  // A sky that is dark everywhere has no distribution: it becomes even.
   if (!(horizontal > 0.0)) radiances.fill(1.0);
   const double scale = state.diffuse_horizontal / (horizontal > 0.0 ? horizontal : std::numbers::pi);
   for (double& radiance : radiances) radiance = std::round(radiance * scale * 1e6) / 1e6;

@@ -4,23 +4,24 @@
 #include <array>
 #include <glm/vec3.hpp>
 
-// The sky as 145 patches of even radiance, as Tregenza divided it for measurements and Robinson and Stone took it for
-// radiation: rows of 12 degrees with 30, 30, 24, 24, 18, 12 and 6 patches, the first patch of a row with its middle in
-// the north, and a cap of 6 degrees around the zenith. Sources: Tregenza, Subdivision of the Sky Hemisphere for
-// Luminance Measurements, 1987, table 1; Robinson and Stone, Irradiation Modelling Made Simple: the Cumulative Sky
-// Approach and its Applications, 2004.
+// The sky as 145 patches of even radiance, as Tregenza divided it for measurements and Robinson and Stone
+// used it for radiation: rows of 12 degrees with 30, 30, 24, 24, 18, 12 and 6 patches, the middle of the
+// first patch of a row in the north, and a cap of 6 degrees around the zenith. Sources: Tregenza, Subdivision
+// of the Sky Hemisphere for Luminance Measurements, 1987, table 1; Robinson and Stone, Irradiation Modelling
+// Made Simple: the Cumulative Sky Approach and its Applications, 2004.
 
 namespace alidade::visibility {
 
 constexpr int k_sky_patches = 145;
 
-/// A part of the sky between two azimuths and two elevations, degrees; azimuths as those of SunStep, min < max.
+/// A part of the sky between two azimuths and two elevations, degrees; azimuths as those of SunStep,
+/// min < max.
 struct SkyCell {
   double azimuth_min = 0.0, azimuth_max = 360.0, elevation_min = 0.0, elevation_max = 90.0;
 };
 
-/// The integral of the direction over the solid angle of a cell: times its radiance and the normal of a receiver that
-/// faces all of it, the irradiance of that receiver.
+/// The integral of the direction over the solid angle of a cell. Its product with the cell's radiance and the
+/// normal of a receiver that faces all of the cell is the irradiance of that receiver.
 glm::dvec3 direction_integral(const SkyCell& cell);
 
 /// Requires 0 <= patch < k_sky_patches; the last one is the cap.
@@ -37,12 +38,13 @@ struct SkyState {
   double extraterrestrial = 1367.0;       ///< extraterrestrial_irradiance(), W/m2
 };
 
-/// Radiance of every patch, W/m2/sr: that of the all-weather sky in the middle of the patch, scaled so that all patches
-/// give the horizontal its diffuse irradiance. Clearness and brightness: Perez, Ineichen, Seals, Michalsky, Stewart,
-/// Modeling Daylight Availability and Irradiance Components From Direct and Global Irradiance, 1990, equations 1 and 2;
-/// distribution: Perez, Seals, Michalsky, All-Weather Model for Sky Luminance Distribution, 1993, equations 1 and 6 to
-/// 8 and table 1. As Radiance's gendaymtx does, the sun stays 3 degrees from the zenith, and the brightness of skies of
-/// middle clearness is at least 0.2. Rounded to 1e-6.
+/// Radiance of every patch, W/m2/sr: that of the all-weather sky in the middle of the patch, scaled so
+/// that all patches give the horizontal its diffuse irradiance. Clearness and brightness: Perez, Ineichen,
+/// Seals, Michalsky, Stewart, Modeling Daylight Availability and Irradiance Components From Direct and
+/// Global Irradiance, 1990, equations 1 and 2; distribution: Perez, Seals, Michalsky, All-Weather Model
+/// for Sky Luminance Distribution, 1993, equations 1 and 6 to 8 and table 1. As in Radiance's gendaymtx,
+/// the sun is at least 3 degrees from the zenith, and the brightness of skies of middle clearness is at
+/// least 0.2. Rounded to 1e-6.
 std::array<double, k_sky_patches> sky_radiances(const SkyState& state);
 
 }  // namespace alidade::visibility

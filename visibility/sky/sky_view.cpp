@@ -29,7 +29,7 @@ constexpr std::size_t k_targets_at_once = 1024;
 /// The cosine of 20 degrees: the lower side of a surface this level sees less than 3 % of the sky.
 constexpr double k_level = 0.93969262078590838;
 
-/// What a target sees on each of its sides.
+/// What a target sees from each of its sides.
 struct Sides {
   double front = 0.0, back = 0.0;
 };
@@ -77,7 +77,7 @@ std::vector<Sides> both_sides(const Occluders& occluders, std::span<const SkyTar
   return sides;
 }
 
-/// The same integral above the horizons of even azimuths.
+/// The sky-view factor as an integral above the horizons of even azimuths.
 double view_above_horizons(const geo::TerrainSurface& terrain, const SkyTarget& target,
                            const SkyViewOptions& options) {
   const glm::dvec3 up(0.0, 0.0, 1.0), surface = target.has_surface() ? target.normal : up;
@@ -133,7 +133,7 @@ SkyTarget target_on_point(const Occluders& occluders, std::uint64_t point_id, co
     target.normal = turned ? -surface.normal : surface.normal;
     target.is_front_open = outward.has_value();
   }
-  // Far enough away to be clear of the sheet, near enough to lose no digits.
+  // Far enough away to be outside of the sheet, near enough to lose no digits.
   const glm::dvec3 aside = surface.exists ? target.normal : glm::dvec3(0.0, 0.0, 1.0);
   constexpr double k_aside = 1000.0;
   target.front = end_on_point(occluders, point_id, position, position + k_aside * aside);
@@ -141,9 +141,9 @@ SkyTarget target_on_point(const Occluders& occluders, std::uint64_t point_id, co
   return target;
 }
 
-SkyTarget target_in_open(const SightEnd& position) {
+SkyTarget target_in_open(const SightEnd& end) {
   SkyTarget target;
-  target.front = target.back = position;
+  target.front = target.back = end;
   return target;
 }
 
@@ -163,8 +163,8 @@ void sky_views(const Occluders& occluders, std::span<const SkyTarget> targets, c
 }
 
 void find_open_sides(const Occluders& occluders, int directions, std::span<SkyTarget> targets) {
-  std::vector<SkyTarget> asked;
-  std::vector<std::size_t> positions;
+  std::vector<SkyTarget> undecided;
+  std::vector<std::size_t> indices;
   for (std::size_t i = 0; i < targets.size(); ++i) {
     SkyTarget& target = targets[i];
     if (!target.has_surface() || target.is_front_open) continue;
@@ -174,12 +174,12 @@ void find_open_sides(const Occluders& occluders, int directions, std::span<SkyTa
     }
     target.is_front_open = target.normal.z >= k_level;
     if (target.is_front_open) continue;
-    asked.push_back(target);
-    positions.push_back(i);
+    undecided.push_back(target);
+    indices.push_back(i);
   }
-  const std::vector<Sides> sides = both_sides(occluders, asked, {.directions = directions});
-  for (std::size_t i = 0; i < asked.size(); ++i) {
-    SkyTarget& target = targets[positions[i]];
+  const std::vector<Sides> sides = both_sides(occluders, undecided, {.directions = directions});
+  for (std::size_t i = 0; i < undecided.size(); ++i) {
+    SkyTarget& target = targets[indices[i]];
     if (sides[i].back > sides[i].front) {
       std::swap(target.front, target.back);
       target.normal = -target.normal;

@@ -21,47 +21,47 @@ constexpr int k_most_sky_directions = 1 << 20;
 /// Latitude-Longitude Lattices, 2010. Requires 1 <= count <= k_most_sky_directions.
 std::vector<glm::dvec3> even_sky_directions(int count);
 
-/// The same with a density that goes with sin(elevation), so that each represents 1/count of the light that
-/// an even sky sends to a horizontal receiver: sin^2(elevation) = 1 - (i + 1/2) / count. Source: the
-/// projection of the hemisphere onto its base, Nusselt 1928.
+/// As even_sky_directions(), but with a density proportional to sin(elevation), so that
+/// each represents 1/count of the light that an even sky sends to a horizontal receiver:
+/// sin^2(elevation) = 1 - (i + 1/2) / count. Source: the projection of the hemisphere
+/// onto its base, Nusselt 1928.
 std::vector<glm::dvec3> cosine_sky_directions(int count);
 
-// How much of the sky a position sees, through every gap that is there.
+// The share of the sky that is visible from a position, through every gap.
 //
 //   std::vector<SkyTarget> targets{target_on_point(occluders, id, position, {})};
 //   std::vector<float> views(1);
 //   sky_views(occluders, targets, {}, views);
 
-/// A position that looks at the sky.
+/// A position from which the sky is seen.
 struct SkyTarget {
-  /// Where its lines start: those towards the side of its surface that `normal` points to, and the others.
+  /// Where its lines start: those on the side of its surface that `normal` points to, and the others.
   SightEnd front, back;
-  glm::dvec3 normal{0.0};  ///< unit; zero: it lies on no surface and sees to all sides
+  glm::dvec3 normal{0.0};  ///< of length 1; zero: it is on no surface and sees in all directions
   bool is_front_open =
       false;  ///< whether the front is known to be the outside, so that the back sees nothing
 
   bool has_surface() const { return normal != glm::dvec3(0.0); }
 };
 
-/// A point of the cloud. `outward`, if given, says which side of its surface is the outside: the one on which
-/// it lies (not zero, of any length).
+/// A point of the cloud. `outward`, if given, points to the outside of its surface (not zero, of any length).
 SkyTarget target_on_point(const Occluders& occluders, std::uint64_t point_id, const glm::dvec3& position,
                           const std::optional<glm::dvec3>& outward);
 
-/// A position on or above the ground, which looks to all sides.
-SkyTarget target_in_open(const SightEnd& position);
+/// A position on or above the ground, which sees in all directions.
+SkyTarget target_in_open(const SightEnd& end);
 
-/// Whether horizons can replace lines of sight: a terrain alone blocks, whatever its distance. Below a line that meets
-/// it every line of the azimuth meets it or goes below it.
+/// Whether horizons can replace lines of sight: nothing but a terrain blocks, at any distance. In an azimuth,
+/// every line below one that meets a terrain meets it or is below it.
 bool has_horizons(const Occluders& occluders, double max_distance);
 
-/// The slope above which light from an azimuth (a horizontal direction of length 1) comes from before a surface with
-/// this normal, z >= 0; infinite: none does.
+/// The slope above which light from an azimuth (a horizontal direction of length 1) comes from the front of a
+/// surface with this normal, z >= 0; infinite: none does.
 double facing_slope(const glm::dvec3& normal, const glm::dvec2& direction);
 
 enum class SkyReceiver {
   horizontal,  ///< faces up: light from straight above counts most
-  surface,     ///< faces where the surface does; of a target without a surface, up
+  surface,     ///< faces as the surface; up if the target has none
 };
 
 struct SkyViewOptions {
@@ -70,33 +70,35 @@ struct SkyViewOptions {
   double max_distance = std::numeric_limits<double>::infinity();  ///< nothing farther blocks; metres
 };
 
-/// Sky-view factor of every target: 1/pi times the integral, over the solid angle of the sky that it sees, of
-/// the cosine to the receiver's normal, where that is above 0. 1: all of the sky, face up; an open wall has
-/// 1/2, an open slope of inclination b (1 + cos b) / 2. Sky are the directions above the horizontal; a
-/// surface shuts the half behind it, also for a horizontal receiver. Which half that is: the one that
-/// SkyTarget::is_front_open says; else the value is that of the side which sees more. So both sides of a
-/// wall that was scanned on both count rightly, and the inside of a house whose roof was scanned loses.
+/// Sky-view factor of every target: 1/pi times the integral, over the solid angle of the sky that it
+/// sees, of the cosine to the receiver's normal, where that is above 0. 1: all of the sky, face up; an
+/// open wall has 1/2, an open slope of inclination b (1 + cos b) / 2. The sky consists of the directions
+/// above the horizontal; a surface hides the half behind it, also from a horizontal receiver. If
+/// SkyTarget::is_front_open is set, that is the half at the back; else the value is that of the side
+/// that sees more. So both sides of a wall that was scanned on both are correct, and of a scanned roof
+/// the inside does not count.
 ///
-/// Quadrature: `directions` lines; for horizontal receivers in cosine_sky_directions(), equally weighted,
-/// else in even_sky_directions() with the cosine as weight. Of 128 lines the error between walls is 0.01
-/// (standard deviation over street canyons of all widths and directions, 0.03 at most); it halves with 2.5
-/// times as many. Lines start at the target's own ends, see sight_line.h. Sources: Johnson and Watson, The
-/// Determination of View-Factors in Urban Canyons, 1984; for slopes Dozier and Frew, Rapid Calculation of
-/// Terrain Parameters for Radiation Modeling From Digital Elevation Data, 1990. Errors: options out of range;
-/// as many views as targets. Cost: a line per target and direction, in parallel; fast if neighbours among the
-/// targets are neighbours in space, in batches of 10^4 to 10^5. With has_horizons(): a horizon in each of `directions`
-/// even azimuths instead, and the integral above it: the error is that of the azimuths alone.
+/// Quadrature: `directions` lines; for horizontal receivers in cosine_sky_directions(), equally
+/// weighted, else in even_sky_directions() with the cosine as weight. Of 128 lines the error between
+/// walls is 0.01 (standard deviation over street canyons of all widths and directions, 0.03 at most); it
+/// halves with 2.5 times as many. Lines start at the target's ends (sight_line.h). Sources: Johnson and
+/// Watson, The Determination of View-Factors in Urban Canyons, 1984; for slopes Dozier and Frew, Rapid
+/// Calculation of Terrain Parameters for Radiation Modeling From Digital Elevation Data, 1990. Errors:
+/// options out of range. Requires as many views as targets. Cost: a line per target and direction, in
+/// parallel; fast if neighbours among the targets are neighbours in space, in batches of 10^4 to 10^5.
+/// With has_horizons(): a horizon in each of `directions` even azimuths instead, and the integral above
+/// it: the error is that of the azimuths alone.
 void sky_views(const Occluders& occluders, std::span<const SkyTarget> targets, const SkyViewOptions& options,
                std::span<float> views);
 
-/// Turns every target that does not know its outside so that its front is the side with the larger sky-view
-/// factor (SkyReceiver::surface, of `directions` lines); at equal values, and of surfaces that lie within 20
-/// degrees of the horizontal, the one that faces up. The single sheet of a lone wall that was scanned from
-/// one side sees as much sky on either: only normals decide.
+/// Turns every target without is_front_open so that its front is the side with the larger sky-view
+/// factor (SkyReceiver::surface, of `directions` lines), or at equal values, and for surfaces within 20
+/// degrees of the horizontal, the side that faces up. For a wall that stands alone and was scanned from
+/// one side, both sides see as much sky: only normals can decide.
 void find_open_sides(const Occluders& occluders, int directions, std::span<SkyTarget> targets);
 
-/// Both shares of the sky that a position sees, gaps below its horizon line counting too: of `directions` lines
-/// each. Errors: as sky_views.
+/// Both shares of the sky that an eye sees, including gaps below its horizon line, with `directions` lines
+/// each. Errors: as sky_views().
 SkyShares sky_shares(const Occluders& occluders, const SightEnd& eye, int directions,
                      double max_distance = std::numeric_limits<double>::infinity());
 

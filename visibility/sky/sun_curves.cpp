@@ -47,7 +47,7 @@ glm::dvec2 position_of(const SunStep& step) {
   return {step.azimuth, step.elevation};
 }
 
-/// Where the sun is at an hour, if it is up.
+/// Azimuth and elevation of the sun at an hour, if it is up.
 std::optional<glm::dvec2> position_at(const SunSchedule& schedule, const std::chrono::year_month_day& date,
                                       int hour) {
   constexpr double k_around = 0.05;  // hours; the step is longer than that, so that there is one

@@ -35,29 +35,29 @@ struct Sums {
 
 void add_bins(const Occluders& occluders, std::span<const SkyTarget> targets, const SunLight& light,
               const SunHoursOptions& options, std::span<Sums> sums) {
-  std::vector<std::uint32_t> asked;
+  std::vector<std::uint32_t> in_front;
   std::vector<SightLine> lines;
   std::vector<std::uint8_t> is_blocked;
   const auto periods = static_cast<std::size_t>(light.periods);
   for (const LightBin& bin : light.bins) {
-    asked.clear();
+    in_front.clear();
     for (std::uint32_t i = 0; i < targets.size(); ++i) {
       const bool is_behind = targets[i].has_surface() && !(glm::dot(bin.direction, targets[i].normal) > 0.0);
       if (!is_behind && (!options.normal || glm::dot(bin.direction, *options.normal) > 0.0))
-        asked.push_back(i);
+        in_front.push_back(i);
     }
-    if (asked.empty()) continue;
-    lines.resize(asked.size());
-    is_blocked.resize(asked.size());
-    in_parallel(asked.size(), 1024, [&](std::size_t i) {
-      lines[i] = sight_ray(targets[asked[i]].front, bin.direction, options.max_distance);
+    if (in_front.empty()) continue;
+    lines.resize(in_front.size());
+    is_blocked.resize(in_front.size());
+    in_parallel(in_front.size(), 1024, [&](std::size_t i) {
+      lines[i] = sight_ray(targets[in_front[i]].front, bin.direction, options.max_distance);
     });
     blocked(occluders, lines, is_blocked);
-    for (std::size_t i = 0; i < asked.size(); ++i) {
+    for (std::size_t i = 0; i < in_front.size(); ++i) {
       if (is_blocked[i] != 0) continue;
-      const glm::dvec3 normal = receiver_normal(targets[asked[i]], options);
+      const glm::dvec3 normal = receiver_normal(targets[in_front[i]], options);
       for (const LightBin::Share& share : bin.shares) {
-        Sums& sum = sums[asked[i] * periods + static_cast<std::size_t>(share.period)];
+        Sums& sum = sums[in_front[i] * periods + static_cast<std::size_t>(share.period)];
         if (options.is_sphere)
           sum.add_to_sphere(share.sums);
         else

@@ -59,7 +59,7 @@ std::vector<LightBin> sun_bins(std::span<const SunStep> steps, double degrees) {
     std::size_t bin = bins.size();
     if (degrees > 0.0) {
       const double row = std::floor(step.elevation / degrees);
-      // As many columns as keep the bins in the middle of the row as wide as high.
+      // So many columns that the bins in the middle of the row are as wide as high.
       const double breadth = sine_cosine_of_degrees(std::fmin((row + 0.5) * degrees, 90.0)).cosine;
       const double columns = std::fmax(1.0, std::floor(360.0 * breadth / degrees + 0.5));
       const double column = std::floor(step.azimuth / 360.0 * columns);
@@ -88,7 +88,7 @@ void add_sky_bins(const SkyEnergies& energies, std::vector<LightBin>& bins) {
   }
 }
 
-/// Light at an elevation, before it is sorted.
+/// Light at an elevation, not yet sorted.
 struct SlopedLight {
   double slope;
   LightSums sums;
@@ -102,7 +102,7 @@ double slope_of(double elevation) {
   return rise.sine / rise.cosine;
 }
 
-/// Sectors of about so many degrees.
+/// Number of sectors of about so many degrees.
 int sectors_of(double degrees) {
   return static_cast<int>(std::fmax(1.0, std::floor(360.0 / degrees + 0.5)));
 }
@@ -131,7 +131,8 @@ void add_sky_fans(const SkyEnergies& energies, double degrees, FanLights& fans) 
       }
     }
   };
-  // A cell belongs to the patch that its middle is in: what it takes from the next is given back to that.
+  // A cell belongs to the patch that its middle is in: the share that it takes from the next
+  // patch is returned to that.
   std::array<double, k_sky_patches> shares{};
   for_cells([&](double azimuth, double elevation, const SkyCell& cell) {
     const int patch = sky_patch_at(azimuth, elevation);
@@ -171,7 +172,7 @@ std::vector<LightFan> sorted_fans(FanLights& lights) {
 
 glm::dvec3 line_into_patch(int patch) {
   const SkyCell cell = sky_patch(patch);
-  // By shares of what the cell gives the horizontal.
+  // Shares of the irradiance that the cell gives the horizontal.
   const double low = sine_cosine_of_degrees(cell.elevation_min).sine,
                high = sine_cosine_of_degrees(cell.elevation_max).sine, share = golden_turns(patch);
   const double sine = std::sqrt(low * low + share * (high * high - low * low));

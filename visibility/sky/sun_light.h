@@ -8,12 +8,12 @@
 
 #include "visibility/sky/sun_path.h"
 
-// The light of a time range by where it comes from, ready for many receivers.
+// The light of a time range by direction, prepared for many receivers.
 
 namespace alidade::visibility {
 
-/// Sums over time. An energy's product with the normal of a receiver is what the receiver gets, Wh/m2; exact as long as
-/// it faces all of the light.
+/// Sums over time. The product of an energy and the normal of a receiver is what the receiver gets, Wh/m2;
+/// exact if it faces all of the light.
 struct LightSums {
   double hours = 0.0;                  ///< of direct sun
   glm::dvec3 beam{0.0}, diffuse{0.0};  ///< of the sun's disc, of the sky, Wh/m2
@@ -36,7 +36,7 @@ struct LightBin {
   std::vector<Share> shares;  ///< periods in order
 };
 
-/// Light from about one azimuth, at all elevations: of it a horizon leaves what is above.
+/// Light from about one azimuth, at all elevations; a horizon hides the part below it.
 struct LightFan {
   glm::dvec2 direction{0.0, 1.0};  ///< horizontal, of length 1
   struct Share {
@@ -48,7 +48,7 @@ struct LightFan {
 };
 
 struct LightOptions {
-  /// Degrees by which directions are grouped; 0: each step of the sun stands alone.
+  /// Degrees by which directions are grouped; 0: each step of the sun is a bin of its own.
   double bin = 0.0;
   bool has_sky = true;       ///< whether the sky gives light, or the sun's disc alone
   bool by_horizons = false;  ///< fans instead of bins
@@ -60,24 +60,26 @@ struct SunLight {
   std::vector<LightBin> bins;  ///< of one kind
   std::vector<LightFan> fans;  ///< or of the other
   std::vector<LightSums>
-      open;  ///< of each period, all of it: the z of energies is what open level ground gets
+      open;  ///< of each period, without obstructions: the z of energies is what open level ground gets
 };
 
-/// Direction of the line of sight that represents a patch of the sky (sky_patches.h): its elevations differ along a
-/// row, so that a level edge shades as much of the row as it covers. Requires 0 <= patch < k_sky_patches.
+/// Direction of the line of sight that represents a patch of the sky (sky_patches.h): its elevations differ
+/// along a row, so that a level edge shades as much of the row as it covers. Requires
+/// 0 <= patch < k_sky_patches.
 glm::dvec3 line_into_patch(int patch);
 
 /// Sorts steps of the sun, and the sky above them, by direction.
 ///
-/// Bins are as wide in elevation and, at the horizon, azimuth as `options.bin` (wider further up, so that all are about
-/// as large). A bin's edges of light and shade are those of its middle: a shadow comes or goes wrong by at most half a
-/// bin in some of its steps, late in as many as early. A year's steps, 10 minutes apart, lie in some 1000 bins of 3
-/// degrees. Fans are as wide in azimuth; elevations stay exact.
+/// Bins are as wide in elevation and, at the horizon, azimuth as `options.bin` (wider further up, so that all
+/// are about as large). Light and shade of a bin are those of its middle: a shadow is wrong by at most half a
+/// bin in some of its steps, late in as many as early. The steps of a year, 10 minutes apart, fill some 1000
+/// bins of 3 degrees. Fans are as wide in azimuth; their elevations are exact.
 ///
-/// The sky is the cumulative sky of sky_patches.h: the radiances of each patch are summed over the steps. 145 lines go
-/// to it, line_into_patch(); in fans it lies in cells of a degree of elevation, `options.bin` wide, at most 2 degrees. Patches, lines
-/// and cells keep the integral of direction over solid angle: open level ground gets exactly the diffuse energy of the
-/// steps. Requires: periods of steps in [0, periods). Errors: options.bin not in [0, 30].
+/// The sky is the cumulative sky of sky_patches.h: the radiances of each patch are summed over the steps.
+/// Bins of the sky are the 145 directions of line_into_patch(); fans have cells of a degree of elevation,
+/// `options.bin` wide, at most 2 degrees. Patches, lines and cells preserve the integral of direction over
+/// solid angle: open level ground gets exactly the diffuse energy of the steps. Requires: periods of steps in
+/// [0, periods). Errors: options.bin not in [0, 30].
 SunLight sun_light(std::span<const SunStep> steps, int periods, const LightOptions& options);
 
 }  // namespace alidade::visibility

@@ -37,14 +37,14 @@ Moment later(const Moment& from, double seconds) {
   return {from.day + std::chrono::days(static_cast<int>(days)), total - days * k_seconds_per_day};
 }
 
-/// 1 is the begin of 1 January.
+/// 1 is the beginning of 1 January.
 double day_of_year(const Moment& moment) {
   const std::chrono::year_month_day date(moment.day);
   const std::chrono::sys_days first(date.year() / std::chrono::January / 1);
   return static_cast<double>((moment.day - first).count()) + 1.0 + moment.seconds / k_seconds_per_day;
 }
 
-/// Counts the periods, from any on.
+/// Number of a period; consecutive periods have consecutive numbers.
 int period_number(const SunSchedule& schedule, const Moment& moment) {
   const Moment local = later(moment, std::round(schedule.longitude / 360.0 * k_seconds_per_day));
   const std::chrono::year_month_day date(local.day);
@@ -84,10 +84,10 @@ void set_irradiance(const SunSchedule& schedule, const Moment& moment, SunStep& 
 /// Gives the steps with sun of an hour of a weather file the energy of all steps of that hour.
 class WholeHours {
  public:
-  /// Both must outlive the object; `weather` may be null: then nothing happens.
+  /// Both must outlive the object. `weather` may be null: then the object does nothing.
   WholeHours(const Weather* weather, std::vector<SunStep>& steps) : weather_(weather), steps_(steps) {}
 
-  /// Comes to a step, before it is added to the steps if the sun is up.
+  /// To be called with each step before it is added to the steps, also if the sun is not up.
   void enter(const Moment& middle, double hours, bool is_up) {
     if (weather_ == nullptr) return;
     if (const std::int64_t number = weather_->hour_number(middle); number != number_) {

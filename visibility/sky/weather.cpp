@@ -38,7 +38,7 @@ std::string text_of_slot(std::size_t slot) {
 
 }  // namespace
 
-/// Walks through the lines of a file.
+/// Reads the lines of a file one after another.
 class Weather::Reader {
  public:
   Reader(InputFile& file, Weather& weather) : scanner_(file), weather_(weather) {}
@@ -95,7 +95,7 @@ class Weather::Reader {
     return *value;
   }
 
-  /// An irradiance of a row; a missing one of an EPW file is 0, as its users take it.
+  /// An irradiance of a row; a missing one of an EPW file is 0, as in EnergyPlus.
   double irradiance(std::size_t column, const char* what, bool& is_missing) const {
     constexpr double k_missing = 9999.0;
     if (form_ == Form::epw && column < cells_.size()) {
@@ -220,7 +220,7 @@ class Weather::Reader {
     diffuse_ = column_of("Gd(h)");
   }
 
-  /// Where the row belongs.
+  /// The hour of the row, as slot_of().
   std::size_t read_slot() const {
     const auto slot = [this](std::string_view month, std::string_view day, unsigned hour) {
       const auto found = slot_of(whole(month, "month", 1, 12), whole(day, "day", 1, 31), hour);
