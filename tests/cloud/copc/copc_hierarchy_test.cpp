@@ -233,7 +233,7 @@ TEST(CopcHierarchyTest, every_flipped_bit_of_pages_and_record_is_an_error_or_har
   EXPECT_GT(rejected, 10);
   rejected = read = 0;
   for (std::size_t offset = sample.pages_offset; offset < sample.bytes.size(); ++offset) flip(offset);
-  // A node's key may become that of another cube; no number of points, place or size of a chunk may change.
+  // A node's key may become that of another cube; no number of points, offset or size of a chunk may change.
   EXPECT_GE(rejected, 16 * static_cast<int>(sample.keys.size()));
 }
 

@@ -69,11 +69,11 @@ TEST(SymbolModelSetTest, models_are_kept_apart_and_all_fresh_behind_a_reset) {
   for (int i = 0; i < 5; ++i) models[7].count(3);
   EXPECT_LT(models[7].cumulative(3), 24576u);
   EXPECT_EQ(models[8].cumulative(3), 24576u);
-  const SymbolModel* const offset = &models[7];
+  const SymbolModel* const before = &models[7];
   models.reset();
   EXPECT_EQ(models[7].cumulative(3), 24576u);
   EXPECT_EQ(models[7].left(), 5u);
-  EXPECT_EQ(&models[7], offset);
+  EXPECT_EQ(&models[7], before);
 }
 
 TEST(ArithmeticCoderTest, symbols_have_the_known_bytes) {

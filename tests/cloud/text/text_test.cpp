@@ -38,7 +38,7 @@ TEST(TextScanner, written_decimals_count_digits_after_the_point_and_the_exponent
   EXPECT_EQ(written_decimals("1e3"), -3);
 }
 
-TEST(TextScanner, lines_of_any_extension_with_and_without_mark_and_longer_than_the_window) {
+TEST(TextScanner, lines_with_any_line_end_with_and_without_mark_and_longer_than_the_window) {
   // 70000 lines of 16 bytes exceed the window of a mebibyte, and one of them straddles its end.
   std::string text =
       "\xEF\xBB\xBF"
