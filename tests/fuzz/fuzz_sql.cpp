@@ -88,8 +88,8 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   for (const char* const open :
        {"limit", "concat", "json", "now", "current", "time", "date", "over", "total", "rowid"}) {
     const std::string_view word(open);
-    const auto same_character = [](char a, char b) { return (a | 0x20) == b; };
-    if (std::search(whole.begin(), whole.end(), word.begin(), word.end(), same_character) != whole.end())
+    const auto same_letter = [](char a, char b) { return (a | 0x20) == b; };
+    if (std::search(whole.begin(), whole.end(), word.begin(), word.end(), same_letter) != whole.end())
       return 0;
   }
   if (pruned.empty() || whole.find(';') != std::string_view::npos) return 0;
