@@ -15,10 +15,10 @@ namespace alidade::test {
 using namespace geo;
 using namespace visibility;
 
-/// Level ground, 60 x 60 around the origin, with whatever is put onto it.
-class Position {
+/// Level ground, 60 x 60 around the origin, and what a test adds to it.
+class Field {
  public:
-  explicit Position(double noise = 0.0) {
+  explicit Field(double noise = 0.0) {
     cloud_.lattice.scale = glm::dvec3(0.0001);
     sheet({-30, -30, 0}, {60, 0, 0}, {0, 60, 0}, 2, noise);
   }
