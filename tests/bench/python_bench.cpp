@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: MIT
-// What a million rays cost from NumPy, and the same rays in C++: in one process, on one index file that both map.
-//   python_bench --benchmark_filter=/1000000/ --benchmark_repetitions=9 --benchmark_enable_random_interleaving=true
+// What a million rays cost from NumPy, and the same rays in C++: in one process, on one index file that both
+// map.
+//   python_bench --benchmark_filter=/1000000/ --benchmark_repetitions=9
+//       --benchmark_enable_random_interleaving=true
 #include <benchmark/benchmark.h>
 #include <fmt/format.h>
 #include <pybind11/embed.h>

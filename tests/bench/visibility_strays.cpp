@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// visibility_strays: how many points of scans of the courtyard are reported wrongly because of points without support:
-// stray returns, birds, wires, foliage. Prints a table in Markdown.
+// visibility_strays: how many points of scans of the courtyard are reported wrongly because of points without
+// support: stray returns, birds, wires, foliage. Prints a table in Markdown.
 #include <fmt/format.h>
 
 #include <algorithm>

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// Any text as a statement: with limits beside its conditions it has the rows that it has without, and it is written as plain
-// SQL or is an error.
+// Any text as a statement: with limits beside its conditions it has the rows that it has without, and
+// rewriting it gives plain SQL or an error.
 #include <algorithm>
 #include <cstddef>
 #include <cstdint>

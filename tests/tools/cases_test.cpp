@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-// The folder of small inputs that once gave wrong answers in silence, run as a whole: a row for each, with what is right.
+// Runs the folder of small inputs that once gave wrong answers in silence: a row for each, with the right
+// answer.
 #include "tests/tools/program_words.h"
 #include "tests/tools/run_program.h"
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// Names that files give to attributes, observers and themselves reach nobody as commands: no terminal, no spreadsheet, no
-// page, no line of their own.
+// Names of attributes, observers and files never act as commands: not to a terminal, in a spreadsheet or in a
+// page, and they never start a line of their own.
 #include "base/shown_text.h"
 #include "base/words.h"
 #include "cloud/las/write_las.h"
@@ -10,7 +10,8 @@
 namespace alidade::test {
 namespace {
 
-/// A formula, the cursor's escape, a line end with a line of its own, C1, a turned direction, a comma and a quote.
+/// A formula, an escape sequence, a line end with a line of its own, a C1 control, a right-to-left override,
+/// a comma and a quote.
 const std::string k_name = "=\x1b[2J\nINJ\xc2\x9b\u202e,\"q";
 
 /// Whether a text has nothing but characters that are shown, line ends, and no line that a name has begun.

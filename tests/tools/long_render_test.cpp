@@ -68,8 +68,8 @@ class LongRenderTest : public ProgramTest {
     return false;
   }
 
-  /// Starts the words again and again until the program has been killed so often, and has resumed at least once; then
-  /// lets it end. Whenever it ends before, its picture must be the expected one, too.
+  /// Starts the program again and again until it has been killed so often, and has resumed at least once;
+  /// then lets it end. Whenever it ends before, its picture must be the expected one, too.
   void kill_and_resume(const Words& words, const std::string& picture, const std::string& expected,
                        int kills) {
     Random random(picture);

@@ -164,8 +164,8 @@ struct Jumble {
   }
 };
 
-/// Where a line meets the first triangle on whose plane none of its ends lies: a loop over all triangles, again
-/// behind each of those.
+/// Where a line meets the first triangle on whose plane none of its ends lies: a loop over all triangles,
+/// repeated behind each of those.
 std::optional<double> first_triangle(const TriangleTree& tree, const SightLine& line) {
   constexpr double k_infinity = std::numeric_limits<double>::infinity();
   Ray ray{line.from.position, line.direction, 0.0, line.length};

@@ -120,8 +120,8 @@ TEST(ViewshedObjects, the_solid_angle_of_a_free_strip_is_that_of_its_rectangle) 
   const SampledObjects objects = sampled({mast(0.3, 0, 9)}, 0.5, 2.0);
   for_cells(seen(field, objects, ViewshedMode::angle), [](float value, const glm::dvec2& cell) {
     const double d = std::hypot(cell.x - 0.3, cell.y);
-    // Parts below and above the eye, each a quarter of a rectangle twice as high; the eye is above the noise of
-    // the ground by a lift.
+    // Parts below and above the eye, each a quarter of a rectangle twice as high; a lift puts the eye above
+    // the noise of the ground.
     const auto part = [d](double height) {
       return 2.0 * std::atan(height / (d * std::sqrt(1.0 + height * height + d * d)));
     };

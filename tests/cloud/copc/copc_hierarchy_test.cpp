@@ -190,7 +190,8 @@ TEST(CopcHierarchyTest, entries_that_cannot_be_true_are_errors) {
   EXPECT_TRUE(contains(error_of([&] { open(twice.bytes); }), "expected one with points, found "));
 }
 
-/// What holds of every hierarchy that is not an error: all points of the file once, in chunks that lie in it, and a tree.
+/// What holds for every hierarchy that is not an error: it is a tree with all points of the file once, in
+/// chunks inside the file.
 void expect_sound(const CopcFile& file, std::size_t bytes) {
   const CopcHierarchy& hierarchy = file.hierarchy();
   std::uint64_t points = 0;
@@ -228,7 +229,8 @@ TEST(CopcHierarchyTest, every_flipped_bit_of_pages_and_record_is_an_error_or_har
     sample.bytes[offset] ^= bit;
   };
   for (std::size_t offset = sample.info_offset; offset < sample.info_offset + 160; ++offset) flip(offset);
-  // What is behind the record's numbers means nothing, and some bits of a centre or a spacing are others of such.
+  // The bytes after the record's numbers are unused, and some flipped bits of a centre or a spacing give
+  // another valid one.
   EXPECT_GT(read, 100);
   EXPECT_GT(rejected, 10);
   rejected = read = 0;

@@ -70,7 +70,8 @@ TEST(TextScanner, lines_end_with_line_feeds_carriage_returns_or_both) {
   for (const char* text :
        {"a\n\nb c", "a\r\rb c", "a\r\n\r\nb c", "a\n\nb c\n", "a\r\rb c\r", "a\r\n\nb c\r\n", "a\n\rb c"})
     EXPECT_EQ(lines_of(text), expected) << text;
-  // A carriage return as the last byte of a window of a mebibyte and a little more may have its line feed behind it.
+  // A window is a mebibyte and a little more. A carriage return may be its last byte, and its line feed the
+  // first byte of the next window.
   for (const std::size_t before : {0u, 1u, 2u, 3u, 4u}) {
     const std::string first(before, 'f'), second((1 << 20) - 1, 'x');
     for (const char* end : {"\r\n", "\r", "\n"})
