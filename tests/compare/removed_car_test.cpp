@@ -96,7 +96,7 @@ void expect_the_car(const ChangeRegions& changes) {
   const ChangeRegion& region = changes.regions[0];
   EXPECT_GT(region.pixels, 1500u);
   EXPECT_LT(region.pixels, 3000u);
-  // Where the car stood in the picture.
+  // The region contains the pixel at which the camera saw the car.
   EXPECT_LT(region.left, 165);
   EXPECT_GT(region.right, 165);
   EXPECT_LT(region.top, 190);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Points of one position, of which a scan may have a million: invalid returns at zero, or everything scanned
+// Points of one position. A scan may have a million of them: invalid returns at zero, or everything scanned
 // twice.
 #include <gtest/gtest.h>
 
@@ -49,7 +49,7 @@ PointCloud site_with_clusters(std::size_t points_of_cluster) {
   return cloud;
 }
 
-/// Lines from the scanner, which stands in a cluster, from anywhere and between clusters.
+/// Lines from the scanner, which is in a cluster, from anywhere and between clusters.
 std::vector<SightLine> lines_of(const Occluders& occluders, const PointCloud& cloud, std::size_t count) {
   Random random("lines");
   std::vector<SightLine> lines;
