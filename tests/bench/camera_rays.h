@@ -9,7 +9,7 @@
 #include "base/ray.h"
 #include "octree/query.h"
 
-// The rays a renderer asks, without a renderer.
+// The rays that a renderer casts, without a renderer.
 
 namespace alidade::bench {
 

@@ -212,7 +212,7 @@ class CatalogedTilesTest : public CatalogTest {
 
   static std::string name_of(int i) { return "tile_" + std::to_string(i) + ".las"; }
 
-  /// As it is, but for the last tile's number of points and the x from which it goes on.
+  /// The true catalog, but for the last tile's number of points and least x.
   CloudInputs resolve(int last_count = 70, double last_x = 19.9) const {
     std::string items;
     for (int i = 0; i < 3; ++i) {

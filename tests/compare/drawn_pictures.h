@@ -11,8 +11,8 @@ namespace alidade::test {
 
 using namespace compare;
 
-/// A picture of so many pixels whose values are what `color(x, y)` says: three numbers. It may be called
-/// anywhere.
+/// A picture of so many pixels with the values of `color(x, y)`: three numbers. `color` may be called on any
+/// thread.
 template <typename Color>
 ComparedImage draw_picture(int width, int height, ColorEncoding encoding, const Color& color) {
   ComparedImage image;

@@ -89,7 +89,7 @@ TEST_F(FileTableTest, columns_and_rows_are_those_of_the_loaded_table) {
   }
 }
 
-/// For files of the format that a name says.
+/// For files of the format that the parameter names.
 class RandomStatementTest : public FileTableTest, public ::testing::WithParamInterface<const char*> {};
 
 TEST_P(RandomStatementTest, the_answer_is_that_of_the_loaded_table) {

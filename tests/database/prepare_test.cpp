@@ -162,7 +162,7 @@ TEST_F(PrepareTest, text_for_numbers_and_wrong_counts_are_errors) {
   EXPECT_NE(error_of("SELECT id FROM points WHERE dist_ray(2,3, 0,0,1, x,y,z) <= 1")
                 .find("wrong number of arguments"),
             std::string::npos);
-  // A number is less than any text, SQLite says.
+  // In SQLite a number is less than any text.
   EXPECT_EQ(ask("SELECT id FROM points WHERE dist_ray(1,2,3, 0,0,1, x,y,z) <= '1'").size(), 5000u);
 }
 

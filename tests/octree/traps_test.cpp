@@ -161,7 +161,7 @@ TEST_P(Trap, a_point_does_not_hide_itself) {
   EXPECT_TRUE(is_seen(2));
 }
 
-// Coordinates as maps have them, embree 45: float32 knows half metres there.
+// Coordinates as maps have them, embree 45: float32 resolves half metres there.
 TEST_P(Trap, millimetres_count_at_utm_coordinates) {
   const glm::dvec3 utm(690000.0, 5325000.0, 600.0);
   const PointCloud cloud = make_cloud({utm, utm + glm::dvec3(0, 0.002, 0)}, {glm::dvec3(0.001), utm});

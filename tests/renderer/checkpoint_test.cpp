@@ -133,7 +133,7 @@ TEST_F(CheckpointTest, is_written_while_the_render_continues) {
   };
   const Film film = render(scene, nullptr, often);
   EXPECT_TRUE(seen);
-  // What is left goes on, too.
+  // The checkpoint that is left can be resumed, too.
   expect_same(render(scene, nullptr, options(true)), film);
 }
 

@@ -225,8 +225,8 @@ TEST(Path, metal_seen_in_metal_is_as_sharp_as_without_it) {
 }
 
 TEST(Path, lights_behind_glass_are_as_bright_in_sharp_metal_as_in_a_mirror) {
-  // Straight down on a metal plane: it shows the sun and a lamp behind a ball of index 1,
-  // which bends and reflects nothing.
+  // Straight down on a metal plane: it shows the sun and a lamp behind a ball of index 1, which bends and
+  // reflects nothing.
   for (const bool sun : {false, true}) {
     Film films[2];
     for (int sharp = 0; sharp < 2; ++sharp) {

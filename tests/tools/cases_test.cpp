@@ -13,7 +13,7 @@ struct Step {
   const char* output = "";  ///< the file that stdout goes to, if any
 };
 
-/// An input, and what the last of some commands says of it.
+/// An input, and what the last of some commands prints about it.
 struct Case {
   const char* name;  ///< of the input
   std::vector<Step> steps;

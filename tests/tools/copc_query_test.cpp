@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// COPC files asked where they lie.
+// Queries of COPC files in place.
 #include <algorithm>
 #include <cstring>
 #include <fstream>

@@ -122,7 +122,7 @@ TEST_F(HostileNamesTest, of_files_in_a_catalog_are_addresses_and_strings) {
   const std::string catalog = plain_file("site.catalog.json");
   EXPECT_TRUE(contains(catalog, "\"id\":\"a\\u001b[2J\\nINJ\\u202e.las\"")) << catalog;
   EXPECT_TRUE(contains(catalog, "\"href\":\"a%1B%5B2J%0AINJ%E2%80%AE.las\"")) << catalog;
-  // An href with a control character leads nowhere, and says so in one line.
+  // An href with a control character is an error in one line.
   EXPECT_TRUE(
       contains(said({"info", "site.catalog.json"}, 2), "item 1: the href leaves the catalog's folder"));
 }

@@ -41,7 +41,7 @@ class LongRenderTest : public ProgramTest {
     ASSERT_TRUE(std::filesystem::exists(folder / name)) << "ended too early, or hangs";
   }
 
-  /// Runs the program in a shell that limits the size of files, in KiB; what it says goes to the file "said".
+  /// Runs the program in a shell that limits the size of files, in KiB; its messages go to the file "said".
   int run_with_small_files(int limit, const std::string& words) const {
     const std::string command = fmt::format("cd '{}' && ulimit -f {} && '{}' {} 2> said", folder.string(),
                                             limit, program_file().string(), words);

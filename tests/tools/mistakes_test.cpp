@@ -260,7 +260,7 @@ const std::vector<Mistake> k_mistakes = {
     {{"manual"}, {"missing FOLDER", "expected alidade manual [OPTIONS] FOLDER"}},
 };
 
-/// The folder of somebody's first hour.
+/// The folder of a newcomer's first hour.
 class MistakesTest : public ProgramTest {
  protected:
   void SetUp() override {

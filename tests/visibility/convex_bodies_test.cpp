@@ -198,7 +198,7 @@ bool passes_edge(const Body& body, const glm::dvec3& from, const glm::dvec3& to)
 double clear_slope(const Body& body, std::size_t id, const glm::dvec3& eye) {
   const double slope = glm::dot(glm::normalize(eye - body.positions[id]), body.normals[id]);
   if (!body.has_inside) return std::fabs(slope);
-  // From there on a point's normal says which side is seen.
+  // From there on a point's normal decides which side is seen.
   constexpr double k_grazing = 0.02;
   return slope < k_grazing || passes_edge(body, body.positions[id], eye) ? 0.0 : slope;
 }

@@ -65,7 +65,8 @@ class Field {
   std::optional<Ground> ground_;
 };
 
-/// How far discs of the points above may stand over the edge of what they were taken from, and end before it.
+/// How far the discs of these points may extend beyond the edge of the surface they were taken from, and how
+/// far before it they may end.
 inline constexpr double k_edge = 0.5, k_before_edge = 0.2;
 
 inline Observer at(double x, double y, double z) {

@@ -73,7 +73,7 @@ Raster<float> heights_of(const Profile& profile) {
   return heights;
 }
 
-/// How an answer is asked for.
+/// What an answer depends on beside the heights.
 struct Settings {
   double observer_height, target_height, curvature = k_usual_curvature;
 };

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// How viewsheds are computed: memory, threads, interruption, bad wishes.
+// How viewsheds are computed: memory, threads, interruption, invalid options.
 #include <gtest/gtest.h>
 #include <tbb/task_arena.h>
 

@@ -75,7 +75,7 @@ TEST(CopcHierarchyTest, boxes_hold_those_of_their_children) {
 TEST(CopcHierarchyTest,
      a_node_without_parent_hangs_below_the_smallest_cube_around_it_and_no_others_are_made) {
   CopcSample sample = build_copc(500);
-  // The root's entry stands somewhere in the page; its chunk becomes that of a deep node without relatives.
+  // The root's entry is somewhere in the page; its chunk becomes that of a deep node without relatives.
   for (std::size_t offset = sample.pages_offset; offset < sample.bytes.size(); offset += 32) {
     std::int32_t level = 0;
     std::memcpy(&level, sample.bytes.data() + offset, 4);
