@@ -28,7 +28,7 @@ using namespace py::literals;
 
 constexpr std::size_t k_rays = 1'000'000;
 
-/// The same rays as an array (n, 6), and as C++ prepares them.
+/// Rays as an array (n, 6), and as C++ prepares them.
 struct RayPair {
   /// The set is repeated until there are k_rays. What lies before t_min is the surface that a ray leaves.
   RayPair(const std::vector<Ray>& set, double t_min) : array({k_rays, std::size_t{6}}) {

@@ -345,7 +345,7 @@ TEST(Crossing, a_ray_at_the_edge_of_a_disc_meets_it_and_one_beside_does_not) {
       EXPECT_TRUE(closest(octree, through, entered));
       entered.entry_min = std::nextafter(2.0 - radius, 2.0);
       EXPECT_FALSE(closest(octree, through, entered));
-      // The same of the positions that are in the spheres.
+      // The limit is closed for positions in the spheres, too.
       std::vector<PointSphere> held;
       find_enclosing(octree, {1.0 + radius, 0.5, 0.0}, query, held);
       EXPECT_EQ(held.size(), 1u);

@@ -54,9 +54,9 @@ class ProgramTest : public ::testing::Test {
   void TearDown() override;
 
   ProgramResult run(const std::vector<std::string>& words, const std::filesystem::path& standard_output = {});
-  /// The same on a disk that is full when a file has so many bytes: what the program says must be shorter.
+  /// run() on a disk that is full when a file has so many bytes. The messages of the program must be shorter.
   ProgramResult run_on_full_disk(const std::vector<std::string>& words, std::uint64_t largest_file);
-  /// The same with `input` on stdin.
+  /// run() with `input` on stdin.
   ProgramResult run_with_input(const std::vector<std::string>& words, const std::string& input);
 
   /// Writes a file into the folder.

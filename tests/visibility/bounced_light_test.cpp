@@ -63,7 +63,7 @@ double beside_rectangle(double a, double b, double c) {
   return (std::atan(1.0 / y) - y / root * std::atan(1.0 / root)) / (2.0 * k_pi);
 }
 
-/// The same for a rectangle that it faces, whose corner is c away on its normal.
+/// Form factor from a small receiver to a rectangle that it faces, whose corner is c away on its normal.
 double before_rectangle(double a, double b, double c) {
   const double x = a / c, y = b / c, with_x = std::sqrt(1.0 + x * x), with_y = std::sqrt(1.0 + y * y);
   return (x / with_x * std::atan(y / with_x) + y / with_y * std::atan(x / with_y)) / (2.0 * k_pi);
