@@ -1,6 +1,6 @@
-// SPDX-License-Identifier: MIT Holds all that every library defines. It is linked with link-time
-// optimisation, which finds types and functions of one name that differ from file to file. The program prints
-// that there are no such names.
+// SPDX-License-Identifier: MIT
+// Holds all that every library defines. It is linked with link-time optimisation, which finds types and
+// functions of one name that differ from file to file. The program prints that there are no such names.
 #include <cstdio>
 
 int main() {

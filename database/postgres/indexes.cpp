@@ -1,5 +1,6 @@
-// SPDX-License-Identifier: MIT Indexes: the order of points for btree, boxes of points for BRIN (the paper's
-// chunk statistics, section 4.2) and GiST.
+// SPDX-License-Identifier: MIT
+// Indexes: the order of points for btree, boxes of points for BRIN (the paper's chunk statistics, section 4.2)
+// and GiST.
 #include <algorithm>
 #include <limits>
 

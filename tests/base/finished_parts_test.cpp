@@ -13,7 +13,7 @@ namespace {
 constexpr std::uint64_t k_count = 5;
 
 /// A run of five parts; the answers of part i are i + 1 numbers.
-class PartialResultTest : public ::testing::Test {
+class PartCheckpointTest : public ::testing::Test {
  protected:
   void SetUp() override {
     file_ = std::filesystem::temp_directory_path() /
@@ -70,7 +70,7 @@ class PartialResultTest : public ::testing::Test {
   int computed_ = 0;
 };
 
-TEST_F(PartialResultTest, file_belongs_to_one_run_at_a_time) {
+TEST_F(PartCheckpointTest, file_belongs_to_one_run_at_a_time) {
   write_three();
   const std::string before = read();
   {
@@ -82,7 +82,7 @@ TEST_F(PartialResultTest, file_belongs_to_one_run_at_a_time) {
   EXPECT_EQ(next.finished(), 3u);
 }
 
-TEST_F(PartialResultTest, run_that_was_cut_off_computes_the_others_only_and_answers_the_same) {
+TEST_F(PartCheckpointTest, run_that_was_cut_off_computes_the_others_only_and_answers_the_same) {
   const std::vector<int> whole = run(nullptr);
   EXPECT_EQ(whole.size(), 15u);
   write_three();
@@ -98,7 +98,7 @@ TEST_F(PartialResultTest, run_that_was_cut_off_computes_the_others_only_and_answ
   EXPECT_FALSE(std::filesystem::exists(file_));
 }
 
-TEST_F(PartialResultTest, without_resume_the_file_begins_again) {
+TEST_F(PartCheckpointTest, without_resume_the_file_begins_again) {
   write_three();
   PartCheckpoint parts(options(false), {{"command", "another"}});
   EXPECT_FALSE(parts.is_kept());
@@ -106,7 +106,7 @@ TEST_F(PartialResultTest, without_resume_the_file_begins_again) {
   EXPECT_EQ(computed_, 10);
 }
 
-TEST_F(PartialResultTest, cut_anywhere_in_the_records_it_resumes_from_the_intact_ones) {
+TEST_F(PartCheckpointTest, cut_anywhere_in_the_records_it_resumes_from_the_intact_ones) {
   const std::vector<int> whole = run(nullptr);
   write_three();
   const std::string content = read();
@@ -132,20 +132,20 @@ TEST_F(PartialResultTest, cut_anywhere_in_the_records_it_resumes_from_the_intact
   }
 }
 
-TEST_F(PartialResultTest, every_damaged_byte_is_an_error_that_names_file_and_position) {
+TEST_F(PartCheckpointTest, every_damaged_byte_is_an_error_that_names_file_and_offset) {
   write_three();
   const std::string content = read();
-  for (std::size_t position = 0; position < content.size(); ++position) {
+  for (std::size_t offset = 0; offset < content.size(); ++offset) {
     std::string damaged = content;
-    damaged[position] = static_cast<char>(damaged[position] ^ 4);
+    damaged[offset] = static_cast<char>(damaged[offset] ^ 4);
     write(damaged);
     const std::string message = message_of_resuming(fingerprint());
-    EXPECT_EQ(message.find(file_.string() + ":byte "), 0u) << position << ": " << message;
+    EXPECT_EQ(message.find(file_.string() + ":byte "), 0u) << offset << ": " << message;
     EXPECT_EQ(read(), damaged);
   }
 }
 
-TEST_F(PartialResultTest, another_run_is_rejected_and_the_difference_is_reported) {
+TEST_F(PartCheckpointTest, another_run_is_rejected_and_the_difference_is_reported) {
   write_three();
   const std::string message = message_of_resuming({{"command", "count"}, {"--step", "3"}});
   EXPECT_NE(
@@ -158,13 +158,13 @@ TEST_F(PartialResultTest, another_run_is_rejected_and_the_difference_is_reported
   EXPECT_FALSE(is_parts_file(file_));
 }
 
-TEST_F(PartialResultTest, another_number_of_parts_is_an_error) {
+TEST_F(PartCheckpointTest, another_number_of_parts_is_an_error) {
   write_three();
   PartCheckpoint parts(options(true), fingerprint());
   EXPECT_THROW(parts.start(k_count + 1), Error);
 }
 
-TEST_F(PartialResultTest, answers_of_another_length_are_an_error) {
+TEST_F(PartCheckpointTest, answers_of_another_length_are_an_error) {
   const std::vector<std::byte> bytes(12);
   PartReader reader(bytes, "file", 7);
   EXPECT_EQ(reader.take<int>(), 0);
@@ -181,7 +181,7 @@ TEST_F(PartialResultTest, answers_of_another_length_are_an_error) {
   }
 }
 
-TEST_F(PartialResultTest, position_that_cannot_be_written_is_an_error_at_the_start) {
+TEST_F(PartCheckpointTest, file_that_cannot_be_written_is_an_error_at_the_start) {
   PartsOptions absent = options(false);
   absent.file = file_ / "absent" / "parts";
   PartCheckpoint parts(absent, fingerprint());

@@ -20,7 +20,7 @@ std::string text(std::span<const std::byte> bytes) {
   return {reinterpret_cast<const char*>(bytes.data()), bytes.size()};
 }
 
-/// The same ten bytes as a file on disk and in memory.
+/// Ten bytes, as a file on disk and in memory.
 class InputFileTest : public ::testing::TestWithParam<bool> {
  protected:
   InputFile open() {

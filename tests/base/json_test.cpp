@@ -35,7 +35,7 @@ TEST(JsonDocumentTest, values_have_the_offsets_of_their_text) {
   EXPECT_EQ(document.root.end, text.size());
 }
 
-TEST(JsonDocumentTest, offsets_count_characters_not_bytes) {
+TEST(JsonDocumentTest, columns_count_characters_not_bytes) {
   const JsonDocument document = parse_json("[\n  \"\xC3\xA4\xC3\xB6\", 7]", "file.json");
   EXPECT_EQ(document.line_and_column(std::get<JsonArray>(document.root.data).at(1).begin), "2:9");
 }
@@ -52,7 +52,7 @@ TEST(JsonDocumentTest, a_byte_order_mark_is_skipped) {
 
 TEST(JsonDocumentTest, what_is_not_json_is_an_error_with_line_and_column) {
   struct Case {
-    std::string text, offset;
+    std::string text, location;
   };
   const std::vector<Case> cases{
       {"", "1:1"},
@@ -84,7 +84,7 @@ TEST(JsonDocumentTest, what_is_not_json_is_an_error_with_line_and_column) {
   for (const Case& each : cases) {
     const Error::Parts parts = error_of(each.text);
     EXPECT_EQ(parts.file, "file.json") << each.text;
-    EXPECT_EQ(parts.location, each.offset) << each.text << ": " << parts.problem;
+    EXPECT_EQ(parts.location, each.location) << each.text << ": " << parts.problem;
     EXPECT_TRUE(parts.problem.starts_with("invalid JSON: ")) << parts.problem;
     EXPECT_EQ(parts.problem.find("exception"), std::string::npos) << parts.problem;
   }

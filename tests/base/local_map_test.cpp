@@ -81,7 +81,7 @@ TEST_F(LocalMapTest, of_a_file_that_was_cut_gives_zeros_and_an_error) {
   EXPECT_FALSE(std::filesystem::exists(output));
   map.reset();
   OutputFile(output, false).commit();
-  // Another map at the place of the first has not failed.
+  // Another map at the address of the first has not failed.
   map = open();
   RemoteMap::check(map->bytes().data());
 }

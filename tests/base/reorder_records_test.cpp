@@ -43,7 +43,8 @@ void expect_order(std::size_t count, std::uint64_t memory) {
 }
 
 TEST(ReorderRecords, come_in_the_new_order_whatever_the_memory) {
-  // All at once; in parts of 52,428 records; in parts of 3,276, with the rows in three lots; in 367 parts of 409.
+  // All at once; in parts of 52,428 records; in parts of 3,276, with the rows in three lots; in 367 parts of
+  // 409.
   for (const std::uint64_t memory : {1 << 24, 1 << 19, 1 << 15, 1 << 12}) expect_order(150'000, memory);
 }
 

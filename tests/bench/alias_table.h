@@ -34,8 +34,8 @@ class AliasTable {
 
   std::uint32_t draw(std::uint64_t bits) const {
     const auto slot = static_cast<std::uint32_t>((bits >> 32) * slots_.size() >> 32);
-    const float position = static_cast<float>(static_cast<std::uint32_t>(bits) >> 8) * 0x1p-24f;
-    return position < slots_[slot].share ? slot : slots_[slot].other;
+    const float fraction = static_cast<float>(static_cast<std::uint32_t>(bits) >> 8) * 0x1p-24f;
+    return fraction < slots_[slot].share ? slot : slots_[slot].other;
   }
 
  private:

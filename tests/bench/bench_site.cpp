@@ -63,14 +63,14 @@ BenchSite make_site(std::size_t point_count) {
   std::vector<Ray> primary = primary_rays(layout);
   std::vector<std::optional<Hit>> hits(primary.size());
   closest(site.octree, primary, site.query(), hits);
-  const std::vector<SpherePosition> positions = hit_positions(primary, hits);
-  std::vector<Ray> bounces = bounce_rays(positions, 1);
+  const std::vector<BounceOrigin> origins = bounce_origins(primary, hits);
+  std::vector<Ray> bounces = bounce_rays(origins, 1);
   std::vector<Ray> mixed = shuffled(bounces, 2);
   const glm::dvec3 to_sun = glm::normalize(glm::dvec3(0.5, -0.5, 0.3));
   site.ray_sets = {{{"P", std::move(primary)},
                     {"S", std::move(bounces)},
                     {"S_shuffled", std::move(mixed)},
-                    {"A_sun", parallel_rays(positions, to_sun)},
+                    {"A_sun", parallel_rays(origins, to_sun)},
                     {"A_vis", segments(layout, site.cloud, site.radius)}}};
   return site;
 }

@@ -20,7 +20,7 @@ struct RaySet {
 inline constexpr std::array k_closest_sets{"P", "S", "S_shuffled"};
 inline constexpr std::array k_occluded_sets{"P", "S", "S_shuffled", "A_sun", "A_vis"};
 
-/// The campus at one size, with the rays every benchmark asks:
+/// The campus at one size, with the rays that every benchmark casts:
 /// - P: primary. Three cameras, 600 x 400 pixels each, in pixel order; two at eye height, one on a roof.
 /// - S: one bounce from every hit of P, spread by the cosine around the sphere's normal, in pixel order.
 /// - S_shuffled: the same in random order.

@@ -31,36 +31,35 @@ std::vector<Ray> camera_rays(const glm::dvec3& eye, const glm::dvec3& target) {
   return rays;
 }
 
-std::vector<SpherePosition> hit_positions(std::span<const Ray> rays,
-                                          std::span<const std::optional<Hit>> hits) {
-  std::vector<SpherePosition> positions;
+std::vector<BounceOrigin> bounce_origins(std::span<const Ray> rays,
+                                         std::span<const std::optional<Hit>> hits) {
+  std::vector<BounceOrigin> origins;
   for (std::size_t i = 0; i < rays.size(); ++i) {
     if (!hits[i]) continue;
     const glm::dvec3 position = rays[i].position(hits[i]->entry);
-    positions.push_back({position, glm::normalize(position - hits[i]->position)});
+    origins.push_back({position, glm::normalize(position - hits[i]->position)});
   }
-  return positions;
+  return origins;
 }
 
-std::vector<Ray> bounce_rays(std::span<const SpherePosition> positions, std::uint64_t seed) {
+std::vector<Ray> bounce_rays(std::span<const BounceOrigin> origins, std::uint64_t seed) {
   std::mt19937_64 random(seed);
   std::vector<Ray> rays;
-  rays.reserve(positions.size());
-  for (const SpherePosition& position : positions) {
+  rays.reserve(origins.size());
+  for (const BounceOrigin& origin : origins) {
     // A point of the unit sphere added to the normal is spread by the cosine.
     const double z = 2.0 * unit_of(random()) - 1.0, angle = 2.0 * std::numbers::pi * unit_of(random());
     const double ring = std::sqrt(1.0 - z * z);
     const glm::dvec3 spread(ring * std::cos(angle), ring * std::sin(angle), z);
-    rays.push_back(make_ray(position.position, 1.0001 * position.normal + spread, 0.0));
+    rays.push_back(make_ray(origin.position, 1.0001 * origin.normal + spread, 0.0));
   }
   return rays;
 }
 
-std::vector<Ray> parallel_rays(std::span<const SpherePosition> positions, const glm::dvec3& direction) {
+std::vector<Ray> parallel_rays(std::span<const BounceOrigin> origins, const glm::dvec3& direction) {
   std::vector<Ray> rays;
-  for (const SpherePosition& position : positions) {
-    if (glm::dot(position.normal, direction) > 0.0)
-      rays.push_back(make_ray(position.position, direction, 0.0));
+  for (const BounceOrigin& origin : origins) {
+    if (glm::dot(origin.normal, direction) > 0.0) rays.push_back(make_ray(origin.position, direction, 0.0));
   }
   return rays;
 }

@@ -9,7 +9,7 @@
 #include "base/ray.h"
 #include "octree/query.h"
 
-// The rays a renderer asks, without a renderer.
+// The rays that a renderer casts, without a renderer.
 
 namespace alidade::bench {
 
@@ -17,18 +17,19 @@ namespace alidade::bench {
 /// at t = 0.
 std::vector<Ray> camera_rays(const glm::dvec3& eye, const glm::dvec3& target);
 
-/// Where each ray's hit lies, for those that hit: the rays of the next bounce leave from there.
-struct SpherePosition {
+/// A point on the sphere of a hit, and the outward normal there: rays of the next bounce leave from it.
+struct BounceOrigin {
   glm::dvec3 position, normal;
 };
-std::vector<SpherePosition> hit_positions(std::span<const Ray> rays,
-                                          std::span<const std::optional<Hit>> hits);
 
-/// One ray from each position, its direction spread by the cosine around the normal.
-std::vector<Ray> bounce_rays(std::span<const SpherePosition> positions, std::uint64_t seed);
+/// Those of the rays that hit, in their order.
+std::vector<BounceOrigin> bounce_origins(std::span<const Ray> rays, std::span<const std::optional<Hit>> hits);
 
-/// Parallel rays, one from each position that faces `direction`: a renderer casts no others.
-std::vector<Ray> parallel_rays(std::span<const SpherePosition> positions, const glm::dvec3& direction);
+/// One ray from each origin, its direction spread by the cosine around the normal.
+std::vector<Ray> bounce_rays(std::span<const BounceOrigin> origins, std::uint64_t seed);
+
+/// Parallel rays, one from each origin that faces `direction`: a renderer casts no others.
+std::vector<Ray> parallel_rays(std::span<const BounceOrigin> origins, const glm::dvec3& direction);
 
 /// In random order.
 std::vector<Ray> shuffled(std::vector<Ray> rays, std::uint64_t seed);

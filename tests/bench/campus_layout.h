@@ -30,8 +30,8 @@ struct Pole {
   double height, radius;
 };
 
-/// What stands where on the site: 40 buildings, 300 trees, 120 lamp posts, ten scanner stations. Always the
-/// same.
+/// The objects of the site: 40 buildings, 300 trees, 120 lamp posts, ten scanner stations. They are the same
+/// on every run.
 struct CampusLayout {
   std::vector<Building> buildings;
   std::vector<Crown> crowns;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// change_truth [POINTS...]: classes of change between two simulated scans of the courtyard against those of exact
-// lines through both states of the site. Prints tables in Markdown.
+// change_truth [POINTS...]: classes of change between two simulated scans of the courtyard against those of
+// exact lines through both states of the site. Prints tables in Markdown.
 #include <fmt/format.h>
 
 #include <algorithm>

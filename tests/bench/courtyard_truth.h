@@ -34,8 +34,8 @@ inline PointCloud courtyard_points(std::uint64_t count) {
   return cloud;
 }
 
-/// Per point, whether an eye sees the surface that it was measured on: the first one in its direction is not before it,
-/// or passes within the noise of the point.
+/// Per point, whether an eye sees the surface that it was measured on: the first surface in its direction is
+/// not in front of it, or passes within the noise of the point.
 inline std::vector<std::uint8_t> seen_in_truth(const PointCloud& cloud, const glm::dvec3& eye) {
   constexpr double k_noise = 0.02;  // metres across the surface
   std::vector<std::uint8_t> seen(cloud.size());

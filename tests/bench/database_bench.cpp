@@ -119,7 +119,7 @@ std::uint64_t count_rows(sqlite3_stmt* statement) {
 
 void ask(benchmark::State& state, const Files& files, const std::string& sql, bool is_pruned) {
   const Connection connection(files.database(), Connection::Mode::read);
-  // As a prompt that has been asked before.
+  // Run once before it is timed, so that caches are filled.
   count_rows(prepare(connection.get(), sql).statement.get());
   const ScanReads before = connection.reads();
   std::uint64_t rows = 0;

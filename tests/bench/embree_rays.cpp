@@ -55,7 +55,7 @@ const EmbreeSpheres& embree_spheres(const BenchSite& site) {
   return *scene;
 }
 
-/// Flushes denormal floats to zero while it lives, as Embree's manual asks.
+/// Flushes denormal floats to zero while it lives, as Embree's manual recommends.
 class FlushDenormals {
  public:
 #if defined(__x86_64__)

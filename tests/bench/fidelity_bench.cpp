@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// fidelity_bench FOLDER: renders scans of the courtyard and the courtyard itself, prints how far they are apart as tables
-// in Markdown, and writes contact sheets into the folder.
+// fidelity_bench FOLDER: renders scans of the courtyard and the courtyard itself, prints their differences as
+// tables in Markdown, and writes contact sheets into the folder.
 #include <fmt/format.h>
 
 #include <cstdio>

@@ -122,11 +122,11 @@ class MadeFile {
     empty.version_minor = format >= 6 ? 4 : 2;
     empty.point_format = format;
     Bytes las = test::build_las(empty);
-    constexpr std::size_t k_count_position = 107, k_long_count_position = 247;
+    constexpr std::size_t k_count_offset = 107, k_long_count_offset = 247;
     if (format >= 6)
-      store(las.data() + k_long_count_position, std::uint64_t{k_points});
+      store(las.data() + k_long_count_offset, std::uint64_t{k_points});
     else
-      store(las.data() + k_count_position, std::uint32_t{k_points});
+      store(las.data() + k_count_offset, std::uint32_t{k_points});
     const Bytes records = scan_records(format, k_points);
     las.insert(las.end(), records.begin(), records.end());
     const std::filesystem::path plain = std::filesystem::path(path_).replace_extension(".las");

@@ -18,7 +18,7 @@
 namespace alidade::bench {
 namespace {
 
-/// Both questions under one name each: `one` says whether a ray hit, `many` fills answers.
+/// Both queries under one name each: `one` returns whether a ray hits, `many` fills answers.
 struct Closest {
   using Answer = std::optional<Hit>;
   static bool one(const Octree& octree, const Ray& ray, const RayQuery& query) {
@@ -83,7 +83,7 @@ void ask_batch(benchmark::State& state, std::int64_t points, const std::string& 
   report_rays(state, rays.size(), count_hits<typename Question::Answer>(answers));
 }
 
-/// As a program asks that has only so many rays in hand.
+/// Like a program that has only so many rays at a time.
 template <class Question>
 void ask_blocks(benchmark::State& state, std::int64_t points, const std::string& set, std::size_t block) {
   const BenchSite& site = bench_site(static_cast<std::size_t>(points));

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: MIT
-// What a million rays cost from NumPy, and the same rays in C++: in one process, on one index file that both map.
-//   python_bench --benchmark_filter=/1000000/ --benchmark_repetitions=9 --benchmark_enable_random_interleaving=true
+// What a million rays cost from NumPy, and the same rays in C++: in one process, on one index file that both
+// map.
+//   python_bench --benchmark_filter=/1000000/ --benchmark_repetitions=9
+//       --benchmark_enable_random_interleaving=true
 #include <benchmark/benchmark.h>
 #include <fmt/format.h>
 #include <pybind11/embed.h>
@@ -26,7 +28,7 @@ using namespace py::literals;
 
 constexpr std::size_t k_rays = 1'000'000;
 
-/// The same rays as an array (n, 6), and as C++ prepares them.
+/// Rays as an array (n, 6), and as C++ prepares them.
 struct RayPair {
   /// The set is repeated until there are k_rays. What lies before t_min is the surface that a ray leaves.
   RayPair(const std::vector<Ray>& set, double t_min) : array({k_rays, std::size_t{6}}) {

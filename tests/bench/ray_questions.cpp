@@ -45,7 +45,7 @@ std::vector<Ray> site_rays(const BenchSite& site) {
   return rays;
 }
 
-/// Asks one ray after the other for its list.
+/// Queries the lists of the rays one after the other.
 void find_each(benchmark::State& state, const Octree& octree, const std::vector<Ray>& rays,
                const RayQuery& query) {
   std::size_t found = 0;

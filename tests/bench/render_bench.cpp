@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: MIT
-// render_bench CLOUD CAMERA.json [SAMPLES [sphere|smooth]]: renders the cloud as `alidade render --cloud
-// CLOUD
-// --camera CAMERA.json --size 600x400` does, and asks the rays of that picture again, in the same batches:
-// the bare octree, and Embree. Prints rows of a table in Markdown.
+// render_bench CLOUD CAMERA.json [SAMPLES [sphere|smooth]]: renders the cloud like
+//   alidade render --cloud CLOUD --camera CAMERA.json --size 600x400
+// and then casts the rays of that picture again, in the same batches, on the bare octree and with Embree.
+// Prints rows of a table in Markdown.
 #include <tbb/parallel_for.h>
 #include <tbb/task_arena.h>
 
@@ -48,7 +48,7 @@ struct Measured {
   std::size_t met = 0;
 };
 
-/// Every batch by one thread, as the renderer asks them.
+/// Every batch by one thread, as in the renderer.
 template <class Ask>
 Measured measure(std::span<const Batch> batches, const Ask& ask) {
   std::atomic<std::size_t> met{0};

@@ -51,7 +51,7 @@ inline void report_rays(benchmark::State& state, std::size_t rays, std::size_t h
   state.counters["hit_share"] = static_cast<double>(hits) / static_cast<double>(rays);
 }
 
-/// The same for questions whose answers are lists.
+/// Adds the figures of one pass of queries whose answers are lists.
 inline void report_queries(benchmark::State& state, std::size_t queries, std::size_t found) {
   const auto passes = static_cast<double>(state.iterations()), count = static_cast<double>(queries);
   state.counters["queries"] = benchmark::Counter(passes * count, benchmark::Counter::kIsRate);

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// viewshed_truth: maps of what an observer sees of an elevation raster, by any program, against exact lines of sight over
-// its bilinear surface.
+// viewshed_truth: maps of what an observer sees of an elevation raster, by any program, against exact lines
+// of sight over its bilinear surface.
 //   viewshed_truth town|hills|elevation DEM.tif              writes a raster of viewshed_terrain_test.cpp
 //   viewshed_truth DEM.tif COLUMN ROW EYE_HEIGHT MAP.tif...  prints a row of a table in Markdown for each map
 #include <fmt/format.h>

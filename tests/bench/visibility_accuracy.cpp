@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 // visibility_accuracy: how often sight lines through points are right, beside a depth buffer and hidden point
 // removal, on clouds sampled from exact surfaces. Prints a table in Markdown. The two others are given the
-// parameters that suit each view best, which in practice nobody knows.
+// parameters that suit each view best, which in practice are unknown.
 #include <libqhull_r/qhull_ra.h>
 
 #include <algorithm>

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// visibility_strays: how many points of scans of the courtyard are reported wrongly because of points without support:
-// stray returns, birds, wires, foliage. Prints a table in Markdown.
+// visibility_strays: how many points of scans of the courtyard are reported wrongly because of points without
+// support: stray returns, birds, wires, foliage. Prints a table in Markdown.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -121,7 +121,7 @@ void print_rows(double density) {
       const auto count = static_cast<std::size_t>(std::ceil(share * static_cast<double>(scan.size())));
       const PointCloud cloud = with_things(scan, kind, count, 1.0 / std::sqrt(density));
       const Occluders occluders(build(cloud), {});
-      std::size_t wrong = 0, mended = 0, all = 0;
+      std::size_t wrong = 0, corrected = 0, all = 0;
       for (std::size_t i = 0; i < observers.size(); ++i) {
         const std::vector<std::uint32_t> past = seen_past(cloud, scan, kind, observers[i]);
         const PointVisibility found = point_visibility(occluders, {&observers[i], 1}, {});
@@ -129,14 +129,14 @@ void print_rows(double density) {
         for (std::size_t id = 0; id < scan.size(); ++id) {
           const bool seen = truth[i][id] != 0 && past[id] != 0;
           if ((found.counts[id] != 0) == (before[i].counts[id] != 0)) continue;
-          ((found.counts[id] != 0) == seen ? mended : wrong) += 1;
+          ((found.counts[id] != 0) == seen ? corrected : wrong) += 1;
         }
       }
       const auto percent = [&](std::size_t part) {
         return 100.0 * static_cast<double>(part) / static_cast<double>(all);
       };
       fmt::print("| {:g} | {} | {:g} | {} | {:.3f} | {:.3f} |\n", density, kind.name, 1000.0 * share, count,
-                 percent(wrong), percent(mended));
+                 percent(wrong), percent(corrected));
       std::fflush(stdout);
     }
   }

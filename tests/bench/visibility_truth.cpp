@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// visibility_truth: which points of scans of the courtyard five observers see, by lines of sight through the points, against
-// lines of sight through the exact surfaces. Prints a table in Markdown.
+// visibility_truth: which points of scans of the courtyard five observers see, by lines of sight through the
+// points, against lines of sight through the exact surfaces. Prints a table in Markdown.
 #include <fmt/format.h>
 
 #include <array>

@@ -84,7 +84,8 @@ TEST(Camera, resizing_keeps_the_vertical_field_of_view) {
 
 TEST(Camera, a_resized_panorama_keeps_its_whole_sphere) {
   const Camera narrow = resized(panorama_camera({1, 2, 3}, 400, 200), 100, 300);
-  // The middle of the picture looks north, its sides south, a quarter of it east; the rows run from zenith to nadir.
+  // The middle of the picture looks north, its sides south, a quarter of it east; the rows run from zenith to
+  // nadir.
   const std::pair<glm::dvec2, glm::dvec3> expected[] = {
       {{50, 150}, {0, 1, 0}},   {{75, 150}, {1, 0, 0}}, {{25, 150}, {-1, 0, 0}}, {{0, 150}, {0, -1, 0}},
       {{100, 150}, {0, -1, 0}}, {{50, 0}, {0, 0, 1}},   {{50, 300}, {0, 0, -1}}};
@@ -106,7 +107,8 @@ TEST(Camera, the_ground_of_a_turned_picture_is_where_its_pixels_look) {
                                .forward = {0, 0, -1}},
                       .lens = OrthographicLens{}};
   const std::array<double, 6> transform = ground_transform(turned);
-  // GDAL: x = [0] + [1] column + [2] row, y = [3] + [4] column + [5] row. The axis is 2 m and 3 m from the corner.
+  // GDAL: x = [0] + [1] column + [2] row, y = [3] + [4] column + [5] row. The axis is 2 m and 3 m from the
+  // corner.
   const std::array<double, 6> expected = {100 - 2 * 0.6 - 3 * 0.8, 0.15, 0.4,
                                           200 - 2 * 0.8 + 3 * 0.6, 0.2,  -0.3};
   for (std::size_t i = 0; i < 6; ++i) EXPECT_NEAR(transform[i], expected[i], 1e-12) << i;

@@ -186,12 +186,12 @@ TEST(Colmap, counts_beyond_the_file_are_errors_before_memory_is_taken) {
                "images.bin:byte 0: the number of images exceeds the file");
   std::string observations = model.images();
   // The count of observations of the first image follows its name "b.jpg".
-  const std::size_t position = 8 + 4 + 7 * 8 + 4 + 6;
-  observations[position + 7] = '\x7f';
+  const std::size_t offset = 8 + 4 + 7 * 8 + 4 + 6;
+  observations[offset + 7] = '\x7f';
   expect_error([&] { read(model.cameras(), observations); }, "the number of observations exceeds the file");
 }
 
-TEST(Colmap, damaged_models_are_errors_with_their_position) {
+TEST(Colmap, damaged_models_are_errors_with_their_location) {
   const auto with = [](const std::function<void(ColmapBuilder&)>& change) {
     return [change] {
       ColmapBuilder model = small_model();

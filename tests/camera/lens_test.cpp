@@ -270,7 +270,7 @@ long double growth_of_area(const Distortion& lens, long double x, long double y)
          (4 * k_step * k_step);
 }
 
-// Newton's method comes back with wrong derivatives, too; where a lens folds only the right ones say.
+// Newton's method converges with wrong derivatives, too; only the right ones show where a lens folds.
 TEST(Lens, the_film_ends_where_a_patch_of_it_loses_its_area) {
   Random random;
   for (int part = 0; part < 8; ++part) {
@@ -297,7 +297,7 @@ TEST(Lens, the_film_ends_where_a_patch_of_it_loses_its_area) {
   }
 }
 
-// What lies beyond the fold would come to stand inside the image again.
+// What lies beyond the fold would appear inside the image again.
 TEST(Lens, nothing_is_projected_from_beyond_the_fold) {
   const LensMap map(BrownLens{{.radial = {-0.5}}});
   const double turning = 1.0 / std::sqrt(1.5);

@@ -187,7 +187,7 @@ TEST(ReadCameraTest, invalid_rotations_are_errors) {
   EXPECT_TRUE(has(pose_error(""), "ambiguous pose"));
 }
 
-TEST(ReadCameraTest, impossible_views_are_errors_at_their_position) {
+TEST(ReadCameraTest, impossible_views_are_errors_at_their_location) {
   const std::string same = pose_error(R"("look_at": {"eye": [1, 1, 1], "target": [1, 1, 1]})");
   EXPECT_NE(same.find("(at /pose/look_at)"), std::string::npos) << same;
   EXPECT_NE(pose_error(R"("look_at": {"eye": [1, 1, 1], "target": [1, 1, 9]})").find("parallel"),

@@ -182,7 +182,7 @@ TEST(HeightUnitTest, unknown_and_contradictory_units_are_errors_that_name_the_re
             "another system, found none");
 }
 
-/// Three points at heights 1, 2.5 and 100, and a header that says so.
+/// Three points at heights 1, 2.5 and 100, and a header with these bounds.
 Bytes tile(const std::string& wkt, double offset = 0.0) {
   LasFile file;
   file.point_format = 0;

@@ -106,7 +106,7 @@ TEST_F(CatalogTest, urls_are_files_below_the_catalog_or_of_hosts_that_are_allowe
   EXPECT_TRUE(error_at(local, "https://other.org/a.laz").ends_with(remedy))
       << error_at(local, "https://other.org/a.laz");
   EXPECT_TRUE(error_at(remote, "https://other.org/a.laz").ends_with(remedy));
-  // What is above or beside the folder, by whatever spelling, is not below it; nor is another port, or no encryption.
+  // What is above or beside the folder, in any spelling, is not below it; nor is another port, or http.
   for (const char* const href :
        {"https://example.org/a.laz", "https://example.org/site/../a.laz",
         "https://example.org/site/%2e%2e/a.laz", "https://example.org/sites/a.laz",
@@ -212,7 +212,7 @@ class CatalogedTilesTest : public CatalogTest {
 
   static std::string name_of(int i) { return "tile_" + std::to_string(i) + ".las"; }
 
-  /// As it is, but for the last tile's number of points and the x from which it goes on.
+  /// The true catalog, but for the last tile's number of points and least x.
   CloudInputs resolve(int last_count = 70, double last_x = 19.9) const {
     std::string items;
     for (int i = 0; i < 3; ++i) {

@@ -77,11 +77,11 @@ bool same_bits(const std::vector<T>& a, const std::vector<T>& b) {
   return a.size() == b.size() && (a.empty() || std::memcmp(a.data(), b.data(), a.size() * sizeof(T)) == 0);
 }
 
-/// What a test of one case says.
+/// The message of a skipped test of one case.
 inline const std::string k_no_shared_data = absent("../shared/data");
 
-/// A file of ../shared/data beside the repository; empty if it is not there: skip the test then and say
-/// k_no_shared_data, or absent() with the number of cases.
+/// A file of ../shared/data beside the repository. Empty if it is not there: skip the test then with
+/// k_no_shared_data, or with absent() and the number of cases.
 inline std::filesystem::path shared_data(const std::string& name) {
   const std::filesystem::path path = std::filesystem::path(ALIDADE_SHARED_DATA) / name;
   return std::filesystem::exists(path) ? path : std::filesystem::path();

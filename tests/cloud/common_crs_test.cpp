@@ -62,7 +62,7 @@ TEST(CompareCrsTest, heights_of_two_codes_are_different) {
             CrsAgreement::same);
 }
 
-TEST(CompareCrsTest, wkt_without_codes_is_compared_by_alphanumeric_characters_of_its_names) {
+TEST(CompareCrsTest, wkt_without_codes_is_compared_by_letters_and_digits_of_its_names) {
   using enum CrsAgreement;
   EXPECT_EQ(compare_crs(crs_of_wkt(k_esri_32), crs_of_wkt(R"(PROJCS["wgs 1984 UTM zone 32N",DATUM[]])")),
             same);

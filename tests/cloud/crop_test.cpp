@@ -96,7 +96,7 @@ TEST(CropTest, limits_that_round_apart_from_the_positions_still_hold_them) {
   PointCloud cloud;
   cloud.lattice = {.scale = glm::dvec3(0.001), .offset = {690000.0, 5325000.0, 0.0}};
   for (int i = 0; i < 10000; ++i) cloud.positions.emplace_back(i, -i, i);
-  // Each position as somebody would write it, in decimals.
+  // Each position as it would be typed, in decimals.
   for (int i = 0; i < 10000; i += 37) {
     const double x = (690000000 + i) / 1000.0, y = (5325000000 - i) / 1000.0, z = i / 1000.0;
     PointCloud one = cloud;

@@ -32,7 +32,7 @@ inline PointCloud read_alone(Opener open, InputFile file, AttributeSet wanted = 
   return cloud;
 }
 
-/// The same from bytes in memory.
+/// Reads one file from bytes in memory with one reader.
 inline PointCloud read_alone(Opener open, std::string_view text, AttributeSet wanted = AttributeSet::all()) {
   return read_alone(open, InputFile(std::as_bytes(std::span(text)), "memory"), wanted);
 }

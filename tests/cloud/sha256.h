@@ -60,14 +60,14 @@ inline std::string sha256(std::span<const std::byte> bytes) {
     const std::array<std::uint32_t, 8> added = {a, b, c, d, e, f, g, h};
     for (std::size_t i = 0; i < 8; ++i) state[i] += added[i];
   };
-  std::size_t position = 0;
-  for (; position + 64 <= bytes.size(); position += 64) add_block(bytes.data() + position);
-  std::vector<std::byte> end(bytes.begin() + static_cast<std::ptrdiff_t>(position), bytes.end());
+  std::size_t offset = 0;
+  for (; offset + 64 <= bytes.size(); offset += 64) add_block(bytes.data() + offset);
+  std::vector<std::byte> end(bytes.begin() + static_cast<std::ptrdiff_t>(offset), bytes.end());
   end.push_back(std::byte{0x80});
   while (end.size() % 64 != 56) end.push_back(std::byte{0});
   for (int shift = 56; shift >= 0; shift -= 8)
     end.push_back(static_cast<std::byte>(std::uint64_t{bytes.size()} * 8 >> shift));
-  for (position = 0; position < end.size(); position += 64) add_block(end.data() + position);
+  for (offset = 0; offset < end.size(); offset += 64) add_block(end.data() + offset);
 
   std::string text;
   for (const std::uint32_t word : state) {

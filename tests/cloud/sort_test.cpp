@@ -93,7 +93,7 @@ TEST(SortedPoints, stand_in_order_however_they_are_distributed) {
   });
   sorted("already in order", [&](int i) { return LatticePosition(i, 0, 0); });
   sorted("in opposite order", [&](int i) { return LatticePosition(-i, -i, 0); });
-  // What the evenly spaced samples see says nothing about the others.
+  // The evenly spaced samples are not representative of the others.
   sorted("hidden from the samples", [&](int i) {
     return i % (k_count / 144) == 0 ? LatticePosition(i, 0, 0)
                                     : LatticePosition(below(100), below(100), 1 << 20);

@@ -266,7 +266,8 @@ TEST(TilesTest, what_is_missing_in_many_files_is_reported_once) {
             (std::vector<std::string>{"tile_1 and 4 more files: no gps_time; using 0"}));
 }
 
-/// A tile of points on a row from x = first to x = first + 9, y = z = 0, one per unit; its header says so.
+/// A tile of points on a row from x = first to x = first + 9, y = z = 0, one per unit. Its header has the
+/// bounds `low` and `high` in x.
 Bytes tile_of_box(int first, int low, int high) {
   LasFile file;
   file.point_format = 0;

@@ -15,8 +15,8 @@ using namespace compare;
 
 namespace {
 
-/// Blots as seen by a camera that is off, with other colours: where `reference` shows something at a position,
-/// this shows it `x`, `y` pixels farther right and down.
+/// Blots as seen by a camera that is off, with other colours: what `reference` shows, `shift_x` pixels
+/// farther right and `shift_y` pixels farther down.
 ComparedImage shifted_blots(double shift_x, double shift_y, double contrast = 1.0, double base = 0.0) {
   return draw_picture(360, 240, ColorEncoding::display, [&](int x, int y) {
     const double value = base + contrast * blots(x - shift_x, y - shift_y);
@@ -51,7 +51,8 @@ TEST(Alignment, shifts_are_found_to_a_tenth_of_a_pixel) {
   }
 }
 
-/// Blots that are four times as long as wide, along a diagonal: their peak has slopes that run across both axes.
+/// Blots that are four times as long as wide, along a diagonal: the slopes of their peak run across both
+/// axes.
 ComparedImage slanted_blots(double shift_x, double shift_y) {
   return draw_picture(360, 240, ColorEncoding::display, [&](int x, int y) {
     const double along = (x - shift_x) + (y - shift_y), across = (x - shift_x) - (y - shift_y);

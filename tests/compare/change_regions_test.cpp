@@ -207,11 +207,11 @@ std::vector<std::uint64_t> flooded_sizes(const std::vector<std::uint8_t>& change
   return sizes;
 }
 
-/// The closing as its definition says.
+/// The closing by its definition.
 std::vector<std::uint8_t> closed_slowly(const std::vector<std::uint8_t>& set, int width, int gap) {
   const int height = static_cast<int>(set.size()) / width;
-  const auto window = [&](const std::vector<std::uint8_t>& from, int position, bool any) {
-    const int x = position % width, y = position / width;
+  const auto window = [&](const std::vector<std::uint8_t>& from, int pixel, bool any) {
+    const int x = pixel % width, y = pixel / width;
     for (int v = std::max(y - gap, 0); v <= std::min(y + gap, height - 1); ++v) {
       for (int u = std::max(x - gap, 0); u <= std::min(x + gap, width - 1); ++u) {
         if ((from[static_cast<std::size_t>(v * width + u)] != 0) == any) return any;

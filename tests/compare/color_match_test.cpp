@@ -27,7 +27,7 @@ ComparedImage scene() {
   return draw_picture(300, 200, ColorEncoding::linear, light_at);
 }
 
-/// The same by a camera of other colours: scene = scale * this + offset.
+/// scene() by a camera of other colours: scene = scale * this + offset.
 ComparedImage by_another_camera(const glm::dvec3& scale, const glm::dvec3& offset) {
   return draw_picture(300, 200, ColorEncoding::linear, [&](int x, int y) {
     std::array<double, 3> light = light_at(x, y);

@@ -397,7 +397,7 @@ TEST_F(BatchTest, can_be_stopped_in_the_midst_of_a_pair) {
   EXPECT_TRUE(std::filesystem::is_empty(folder / "none"));
 }
 
-TEST_F(BatchTest, no_report_takes_the_position_of_a_picture_or_of_a_kept_file) {
+TEST_F(BatchTest, no_report_replaces_a_picture_or_a_kept_file) {
   BatchOptions wishes = options(".");
   wishes.overwrite = true;
   wishes.kept = {folder / "whole/../pair3.html"};

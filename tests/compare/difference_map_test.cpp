@@ -133,7 +133,7 @@ TEST(DifferenceMap, of_large_pictures_shows_the_strongest_value_of_each_square) 
   };
   for (const int longest_side : {400, 200, 100}) {
     const Canvas canvas = draw_difference(map, font, longest_side);
-    // The map without its frame; beside it stands the legend.
+    // The map without its frame; the legend is beside it.
     const PixelBox box{24, 64, 24 + longest_side, 64 + longest_side * 3 / 4};
     EXPECT_TRUE(has_yellow(canvas, box)) << longest_side;
   }

@@ -11,8 +11,7 @@ namespace alidade::test {
 
 using namespace compare;
 
-/// A picture of so many pixels whose values are what `color(x, y)` says: three numbers. It may be called
-/// anywhere.
+/// A picture of so many pixels with the values of `color(x, y)`, three numbers each.
 template <typename Color>
 ComparedImage draw_picture(int width, int height, ColorEncoding encoding, const Color& color) {
   ComparedImage image;

@@ -97,8 +97,8 @@ TEST(LayerMetrics, numbers_that_are_no_depth_normal_or_alpha_are_counted) {
   EXPECT_EQ(metrics.alpha->max_x, 3);
 }
 
-// Rows are summed up in blocks of 16: the largest stands below the first block, the first of two equal ones
-// counts.
+// Rows are summed up in blocks of 16: the largest difference is below the first block, and the first of two
+// equal ones counts.
 TEST(LayerMetrics, figures_of_many_rows_are_those_of_all_of_them) {
   ComparedImage reference = layers_only(3), test = layers_only(3);
   reference.height = test.height = 40;

@@ -10,8 +10,8 @@
 
 #include "compare/compared_image.h"
 
-// FLIP as its papers say it, in double, with whole two-dimensional filters and the C library's functions: an
-// oracle for compare/metrics/flip.h that shares no code with it.
+// FLIP as its papers define it, in double, with whole two-dimensional filters and the C library's functions:
+// an oracle for compare/metrics/flip.h that shares no code with it.
 
 namespace alidade::test {
 

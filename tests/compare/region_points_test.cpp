@@ -36,7 +36,7 @@ TEST(RegionPoints, objects_of_a_scene_are_left_out) {
 TEST(RegionPoints, ids_of_another_cloud_are_errors) {
   EXPECT_THROW(region_points(std::vector<std::uint32_t>{21}, changes_of({1}), 20), Error);
   EXPECT_EQ(region_points(std::vector<std::uint32_t>{20}, changes_of({1}), 20).size(), 1u);
-  // Where nothing changed nobody asks.
+  // Ids where nothing changed are not used.
   EXPECT_TRUE(region_points(std::vector<std::uint32_t>{21}, changes_of({0}), 20).empty());
 }
 

@@ -25,7 +25,7 @@ using namespace simulation;
 namespace {
 
 constexpr std::uint8_t k_car_class = 64;
-/// Where the car stands that drives away, in the site's frame; about 4.4 m long.
+/// The middle of the car that drives away, in the site's frame. The car is about 4.4 m long.
 constexpr glm::dvec3 k_car_position(11.6, -9.0, 0.7);
 
 /// The courtyard without that car.
@@ -96,7 +96,7 @@ void expect_the_car(const ChangeRegions& changes) {
   const ChangeRegion& region = changes.regions[0];
   EXPECT_GT(region.pixels, 1500u);
   EXPECT_LT(region.pixels, 3000u);
-  // Where the camera sees the car's position.
+  // The region contains the pixel at which the camera saw the car.
   EXPECT_LT(region.left, 165);
   EXPECT_GT(region.right, 165);
   EXPECT_LT(region.top, 190);
@@ -113,7 +113,7 @@ void expect_the_car(const ChangeRegions& changes) {
   const glm::dvec3 position = scans.site.origin() + k_car_position;
   // The rest are its lamps and mirrors, and what is seen beside it within a pixel.
   for (std::size_t i = 0; i < car.size(); ++i) ASSERT_LT(glm::length(car.world(i) - position), 4.5);
-  // What stands there now is what was below and behind it.
+  // The points there now are those of what was below and behind it.
   const PointCloud now = points_of_regions(after, region_points(scans.test.ids, changes, after.size()));
   EXPECT_GT(now.size(), 100u);
   EXPECT_EQ(share_of_car(now), 0.0);

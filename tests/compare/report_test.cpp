@@ -130,18 +130,18 @@ TEST_F(ReportTest, the_divider_follows_keys_the_slider_and_the_mouse) {
   expect_quiet(page);
 }
 
-TEST_F(ReportTest, arrows_move_a_zoomed_picture_and_characters_go_through_the_regions) {
+TEST_F(ReportTest, arrows_move_a_zoomed_picture_and_letters_go_through_the_regions) {
   Chromium page(folder, 1280, 900);
   page.open(write_report());
-  const std::string location = "document.getElementById('scene').style.transform";
-  const auto whole = page.evaluate(location);
+  const std::string transform = "document.getElementById('scene').style.transform";
+  const auto whole = page.evaluate(transform);
   page.press("ArrowDown");
-  EXPECT_EQ(page.evaluate(location), whole) << "all of it is seen";
+  EXPECT_EQ(page.evaluate(transform), whole) << "all of it is seen";
   page.press("+");
   page.press("+");
-  EXPECT_GT(number(page, "new DOMMatrix(" + location + ").a"), 1.5);
-  const auto x = [&] { return number(page, "new DOMMatrix(" + location + ").e"); };
-  const auto y = [&] { return number(page, "new DOMMatrix(" + location + ").f"); };
+  EXPECT_GT(number(page, "new DOMMatrix(" + transform + ").a"), 1.5);
+  const auto x = [&] { return number(page, "new DOMMatrix(" + transform + ").e"); };
+  const auto y = [&] { return number(page, "new DOMMatrix(" + transform + ").f"); };
   const double left = x(), top = y(), split = divider(page);
   page.press("ArrowRight");
   page.press("ArrowUp");
@@ -149,7 +149,7 @@ TEST_F(ReportTest, arrows_move_a_zoomed_picture_and_characters_go_through_the_re
   EXPECT_NEAR(y(), top + 40.0, 0.5);
   EXPECT_EQ(divider(page), split);
   page.press("0");
-  EXPECT_EQ(number(page, "new DOMMatrix(" + location + ").a"), 1.0);
+  EXPECT_EQ(number(page, "new DOMMatrix(" + transform + ").a"), 1.0);
   const std::string current =
       "document.querySelector('#regions [aria-current=true]').textContent.slice(0, 2)";
   page.press("n");

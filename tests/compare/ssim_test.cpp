@@ -33,8 +33,8 @@ struct PlainMeans {
   double similarity = 0.0, contrast = 0.0;
 };
 
-/// SSIM as the paper says it: whole windows of 11 x 11, and variances as means of squared distances from the
-/// mean.
+/// SSIM as the paper defines it: whole windows of 11 x 11, and variances as means of squared distances from
+/// the mean.
 PlainMeans plain_ssim(const Plane& one, const Plane& other) {
   PlainMeans means;
   double weights = 0.0;

@@ -280,45 +280,45 @@ TEST_F(CloudTableTest, a_row_is_found_by_its_rowid) {
 }
 
 TEST_F(CloudTableTest, bad_input_is_an_error_and_null_matches_nothing) {
-  const std::string location = "690050, 5325050, 400";
+  const std::string origin = "690050, 5325050, 400";
   const auto says = [&](const std::string& sql, const std::string& part) {
     const std::string error = error_of(*database_, sql);
     EXPECT_NE(error.find(part), std::string::npos) << sql << "\n" << error;
   };
-  says("SELECT dist_ray(" + location + ", 0, 0, 0, x, y, z) FROM points",
+  says("SELECT dist_ray(" + origin + ", 0, 0, 0, x, y, z) FROM points",
        "dist_ray: the ray direction is zero");
-  says("SELECT dist_plane(" + location + ", 0, 0, 0, x, y, z) FROM points", "dist_plane: ");
-  says("SELECT dist_ray(" + location + ", 1e999, 0, 0, x, y, z) FROM points", "direction is not finite");
+  says("SELECT dist_plane(" + origin + ", 0, 0, 0, x, y, z) FROM points", "dist_plane: ");
+  says("SELECT dist_ray(" + origin + ", 1e999, 0, 0, x, y, z) FROM points", "direction is not finite");
   says("SELECT dist_ray(1e999, 0, 0, 1, 0, 0, x, y, z) FROM points", "origin is not finite");
   says("SELECT dist_plane(1e999, 0, 0, 1, 0, 0, x, y, z) FROM points", "point of a plane is not finite");
-  says("SELECT dist_plane(" + location + ", 0, -1e999, 0, x, y, z) FROM points",
+  says("SELECT dist_plane(" + origin + ", 0, -1e999, 0, x, y, z) FROM points",
        "normal of a plane is not finite");
   EXPECT_EQ(
-      numbers(*database_, "SELECT dist_ray(" + location + ", 1, 0, 0, 1, NULL, 1) IS NULL AND dist_plane(" +
-                              location + ", 1, 0, 0, NULL, 1, 1) IS NULL"),
+      numbers(*database_, "SELECT dist_ray(" + origin + ", 1, 0, 0, 1, NULL, 1) IS NULL AND dist_plane(" +
+                              origin + ", 1, 0, 0, NULL, 1, 1) IS NULL"),
       std::vector<double>{1});
-  says("SELECT dist_ray(" + location + ", 1, 0, '0', x, y, z) FROM points",
+  says("SELECT dist_ray(" + origin + ", 1, 0, '0', x, y, z) FROM points",
        "invalid argument 6; expected a number");
-  says("SELECT dist_ray(" + location + ", 1, 0, x, y, z) FROM points", "wrong number of arguments");
-  says("SELECT id FROM points(" + location + ", 0, 0, 0)", "the ray direction is zero");
-  says("SELECT id FROM points(" + location + ", 1, 'east', 0)", "invalid argument 5; expected a number");
+  says("SELECT dist_ray(" + origin + ", 1, 0, x, y, z) FROM points", "wrong number of arguments");
+  says("SELECT id FROM points(" + origin + ", 0, 0, 0)", "the ray direction is zero");
+  says("SELECT id FROM points(" + origin + ", 1, 'east', 0)", "invalid argument 5; expected a number");
   says("SELECT id FROM points WHERE in_chunk(_chunk, 'all')", "not a limit");
-  says("SELECT id FROM points WHERE in_chunk(_chunk, ray_limit(" + location + ", 0, 0, 0, 0, 1))",
+  says("SELECT id FROM points WHERE in_chunk(_chunk, ray_limit(" + origin + ", 0, 0, 0, 0, 1))",
        "the ray direction is zero");
   says("INSERT INTO points(id) VALUES(1)", "may not be modified");
   says("CREATE VIRTUAL TABLE temp.more USING pointcloud(1)", "no arguments");
   says("CREATE VIRTUAL TABLE temp.more USING pointcloud", "more_cloud");
   for (const std::string& none : std::vector<std::string>{
-           "points WHERE dist_ray(" + location + ", 1, 0, 0, x, y, z) <= NULL",
-           "points WHERE dist_ray(NULL, 0, 0, 1, 0, 0, x, y, z) <= 1", "points(" + location + ", 1, 0, NULL)",
-           "points(" + location + ", 1, 0, 0) WHERE dist <= NULL",
-           "points(" + location + ", 1, 0, 0) WHERE dist <= -1",
-           "points(" + location + ", 1, 0, 0) WHERE dist BETWEEN 2 AND 1", "points WHERE x < NULL",
-           "points WHERE in_chunk(_chunk, ray_limit(" + location + ", 1, 0, 0, 0, NULL))"}) {
+           "points WHERE dist_ray(" + origin + ", 1, 0, 0, x, y, z) <= NULL",
+           "points WHERE dist_ray(NULL, 0, 0, 1, 0, 0, x, y, z) <= 1", "points(" + origin + ", 1, 0, NULL)",
+           "points(" + origin + ", 1, 0, 0) WHERE dist <= NULL",
+           "points(" + origin + ", 1, 0, 0) WHERE dist <= -1",
+           "points(" + origin + ", 1, 0, 0) WHERE dist BETWEEN 2 AND 1", "points WHERE x < NULL",
+           "points WHERE in_chunk(_chunk, ray_limit(" + origin + ", 1, 0, 0, 0, NULL))"}) {
     EXPECT_TRUE(ids(none).empty()) << none;
   }
   // Text is larger than every number, also where there is a plan.
-  EXPECT_EQ(ids("points(" + location + ", 1, 0, 0) WHERE dist < 'far'").size(), 20000u);
+  EXPECT_EQ(ids("points(" + origin + ", 1, 0, 0) WHERE dist < 'far'").size(), 20000u);
 }
 
 }  // namespace

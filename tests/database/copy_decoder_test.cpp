@@ -71,9 +71,9 @@ TEST(CopyDecoder, what_is_no_rows_is_rejected) {
     EXPECT_NE(error_of(whole.substr(0, size)), "") << size;
   EXPECT_NE(error_of(whole + "x"), "");
   EXPECT_NE(error_of("PGCOPX" + whole.substr(6)), "");
-  const auto changed = [&](std::size_t position, char character) {
+  const auto changed = [&](std::size_t offset, char character) {
     std::string text = whole;
-    text[position] = character;
+    text[offset] = character;
     return error_of(text);
   };
   EXPECT_NE(changed(14, 1).find("flags"), std::string::npos);
@@ -108,10 +108,10 @@ TEST(CloudValues, columns_become_attributes_and_dimensions) {
   values.find_columns();
   const Bytes real = bytes_of({"\100\0\0\0\0\0\0\0", 8}), whole = bytes_of({"\0\3", 2}),
               large = bytes_of({"\1\0", 2});
-  const auto position = [] { return std::string("row 7"); };
+  const auto location = [] { return std::string("row 7"); };
   const CopyField row[] = {real, real, whole, whole, whole}, none[5] = {};
-  values.put(0, row, position);
-  values.put(1, none, position);
+  values.put(0, row, location);
+  values.put(1, none, location);
   EXPECT_EQ(cloud.gps_times[0], 2.0);
   EXPECT_TRUE(std::isnan(cloud.gps_times[1]));
   EXPECT_EQ(cloud.classifications, (std::vector<std::uint8_t>{3, 0}));
@@ -124,7 +124,7 @@ TEST(CloudValues, columns_become_attributes_and_dimensions) {
 
   const auto error_of_row = [&](std::span<const CopyField> fields) {
     try {
-      values.put(0, fields, position);
+      values.put(0, fields, location);
     } catch (const Error& error) {
       return std::string(error.what());
     }
@@ -162,7 +162,7 @@ TEST(FilterCondition, limits_are_widened_and_infinite_ones_left_out) {
   }
 }
 
-TEST(CloudRow, texts_cannot_leave_their_position) {
+TEST(CloudRow, texts_cannot_leave_their_quotes) {
   CloudRow row;
   row.crs.wkt = "it's";
   row.crs.geotiff_ascii = "a'|";
@@ -170,7 +170,7 @@ TEST(CloudRow, texts_cannot_leave_their_position) {
                 .find("NULL, NULL, NULL, 'it''s', '\\x'::bytea, '\\x'::bytea, '\\x61277c'::bytea, false)"),
             std::string::npos)
       << cloud_row_insert("\"t\"", row);
-  // Not UTF-8, or not the shortest of it, or with a NUL, or half of a character of UTF-16.
+  // Not UTF-8, not its shortest form, with a NUL, or one half of a surrogate pair of UTF-16.
   for (const std::string& wkt : {std::string("\377"), std::string("\300\257"), std::string("a\0b", 3),
                                  std::string("\355\240\200"), std::string("\303")}) {
     row.crs.wkt = wkt;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Tables over files where they lie: what they answer, and what they refuse.
+// Tables over files in place: what they answer, and what they reject.
 #include <fstream>
 #include <iterator>
 
@@ -89,7 +89,7 @@ TEST_F(FileTableTest, columns_and_rows_are_those_of_the_loaded_table) {
   }
 }
 
-/// For files of the format that a name says.
+/// For files of the format that the parameter names.
 class RandomStatementTest : public FileTableTest, public ::testing::WithParamInterface<const char*> {};
 
 TEST_P(RandomStatementTest, the_answer_is_that_of_the_loaded_table) {
@@ -106,7 +106,7 @@ TEST_P(RandomStatementTest, the_answer_is_that_of_the_loaded_table) {
   while (compared < 200) {
     const RandomStatement wanted = random_statement(random);
     SCOPED_TRACE(wanted.text);
-    // Views do not reach files, chunks have other numbers, and which row stands for a group is open.
+    // Views do not reach files, chunks have other numbers, and which row represents a group is undefined.
     const bool is_open = wanted.text.find("GROUP BY") != std::string::npos ||
                          wanted.text.find("moved") != std::string::npos ||
                          wanted.text.find("showing") != std::string::npos ||

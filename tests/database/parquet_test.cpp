@@ -219,8 +219,8 @@ TEST_F(WriteParquetTest, a_file_appears_completely_or_not_at_all) {
   }
 }
 
-/// Reads the compact protocol of Apache Thrift: numbers, texts and lists of a structure by the way of field ids and
-/// list indices that leads to them, such as "4/1/2" for field 2 of the second element of field 4.
+/// Reads the compact protocol of Apache Thrift: numbers, texts and lists of a structure by a path of field
+/// ids and list indices, such as "4/1/2" for field 2 of the second element of field 4.
 class ThriftReader {
  public:
   explicit ThriftReader(std::string_view bytes) : bytes_(bytes) { take_structure(""); }

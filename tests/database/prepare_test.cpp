@@ -162,11 +162,11 @@ TEST_F(PrepareTest, text_for_numbers_and_wrong_counts_are_errors) {
   EXPECT_NE(error_of("SELECT id FROM points WHERE dist_ray(2,3, 0,0,1, x,y,z) <= 1")
                 .find("wrong number of arguments"),
             std::string::npos);
-  // A number is less than any text, SQLite says.
+  // In SQLite a number is less than any text.
   EXPECT_EQ(ask("SELECT id FROM points WHERE dist_ray(1,2,3, 0,0,1, x,y,z) <= '1'").size(), 5000u);
 }
 
-TEST_F(PrepareTest, errors_name_the_position_in_the_statement) {
+TEST_F(PrepareTest, errors_name_line_and_column_of_the_statement) {
   EXPECT_EQ(error_of("SELECT id,\n  \u00e4, idd FROM points"),
             "statement:2:3: no such column: \u00e4; expected one of id, x, y, z, red, green, blue, "
             "classification, return_number, return_count, gps_time, Height (points)");

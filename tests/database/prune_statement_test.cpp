@@ -143,8 +143,8 @@ TEST(SqlTokens, are_those_of_sqlite) {
   const auto kinds = [](std::string_view sql) {
     std::string text;
     for (const SqlToken& token : sql_tokens(sql)) {
-      constexpr std::string_view k_characters = "wqtbnps!";
-      text += k_characters[static_cast<std::size_t>(token.kind)];
+      constexpr std::string_view k_letters = "wqtbnps!";
+      text += k_letters[static_cast<std::size_t>(token.kind)];
       text += sql.substr(token.begin, token.end - token.begin);
       text += ' ';
     }

@@ -9,8 +9,8 @@
 
 namespace alidade::test {
 
-/// A SELECT over clouds `points` and `odd "cloud` and add_statement_tables(), with conditions on dist_ray and dist_plane in many positions
-/// and spellings. Some may be pruned and some not.
+/// A SELECT over clouds `points` and `odd "cloud` and add_statement_tables(), with conditions on dist_ray and
+/// dist_plane in many clauses and spellings. Some may be pruned and some not.
 struct RandomStatement {
   std::string text;
   int parameters = 0;       ///< what to bind: numbers 1, 2, ...

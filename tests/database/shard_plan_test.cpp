@@ -200,7 +200,7 @@ TEST_F(ShardPlanTest, parts_are_equally_large_and_hold_each_point_once) {
   EXPECT_EQ(std::set(ids.begin(), ids.end()).size(), 100u);
 }
 
-TEST_F(ShardPlanTest, names_cannot_leave_their_position_in_a_script) {
+TEST_F(ShardPlanTest, names_cannot_leave_their_quotes_in_a_script) {
   plan(folder_, line(10), {.table = "a\"b'; DROP TABLE c; --"});
   EXPECT_NE(text_of(folder_ / "shard_1.sql").find("CREATE TABLE \"a\"\"b'; DROP TABLE c; --\"("),
             std::string::npos);

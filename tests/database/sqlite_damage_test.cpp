@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Databases that are not what they say: an error that names file, table and chunk.
+// Databases that contradict themselves: an error that names file, table and chunk.
 #include "tests/database/sqlite_fixture.h"
 
 namespace alidade::test {

@@ -189,7 +189,7 @@ TEST_F(StoreCloudTest, the_same_cloud_gives_the_same_file) {
   EXPECT_TRUE(bytes(file_) == bytes(folder_ / "again.db"));
 }
 
-/// Files whose points lie among each other, partly in the same positions: LAS with colours of 8 bits and
+/// Files whose points lie among each other, some of them at equal positions: LAS with colours of 8 bits and
 /// GeoTIFF keys, a text with a column of its own, an index file.
 CloudInputs site_files(const std::filesystem::path& folder, PointCloud cloud) {
   for (Color16& color : cloud.colors) color = {color.x % 256, color.y % 256, 7};

@@ -10,9 +10,9 @@
 
 #include "tests/docs/document.h"
 
-// A block ```sh is run, in the order of the page, from the top of a copy of what a reader has after `./dev
-// demo`: the sources, what it builds and output/courtyard.las (with fewer points). A block ```sh no-run may only
-// hold what cannot be run inside a test. A block ```cpp FILE must be a copy of that file.
+// A block ```sh is run, in the order of the page, from the top of a copy of what a reader has after
+// `./dev demo`: the sources, what it builds and output/courtyard.las (with fewer points). A block ```sh
+// no-run may only hold what cannot be run inside a test. A block ```cpp FILE must be a copy of that file.
 
 namespace alidade::test {
 namespace {

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// Any bytes as a COPC file that is queried without loading it: an Error, or all points of all nodes, each once
-// and at its position in the loaded cloud.
+// Any bytes as a COPC file that is queried without loading it: an Error, or all points of all nodes, each
+// once and at its position in the loaded cloud.
 #include <cstdint>
 #include <cstdlib>
 #include <limits>

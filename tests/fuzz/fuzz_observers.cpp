@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Any bytes as a CSV of observers: an Error, or observers at finite positions whose field of view can be asked.
+// Any bytes as a CSV of observers: an Error, or observers at finite positions with a usable field of view.
 #include <cmath>
 #include <cstddef>
 #include <cstdint>

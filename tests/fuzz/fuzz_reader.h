@@ -42,7 +42,7 @@ void fuzz_opened(const Open& open, const std::uint8_t* data, std::size_t size, s
   }
 }
 
-/// The same by a function of cloud_reader.h, with and without reading over damage.
+/// fuzz_opened() by a function of cloud_reader.h, with and without reading over damage.
 inline void fuzz_damaged(std::unique_ptr<CloudReader> (*open)(InputFile, Damage), const std::uint8_t* data,
                          std::size_t size, std::size_t largest_ratio) {
   for (const Damage damage : {Damage::reject, Damage::read_over}) {

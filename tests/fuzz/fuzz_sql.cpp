@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// Any text as a statement: with limits beside its conditions it has the rows that it has without, and it is written as plain
-// SQL or is an error.
+// Any text as a statement: with limits beside its conditions it has the rows that it has without, and
+// rewriting it gives plain SQL or an error.
 #include <algorithm>
 #include <cstddef>
 #include <cstdint>
@@ -88,8 +88,8 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   for (const char* const open :
        {"limit", "concat", "json", "now", "current", "time", "date", "over", "total", "rowid"}) {
     const std::string_view word(open);
-    const auto same_character = [](char a, char b) { return (a | 0x20) == b; };
-    if (std::search(whole.begin(), whole.end(), word.begin(), word.end(), same_character) != whole.end())
+    const auto same_letter = [](char a, char b) { return (a | 0x20) == b; };
+    if (std::search(whole.begin(), whole.end(), word.begin(), word.end(), same_letter) != whole.end())
       return 0;
   }
   if (pruned.empty() || whole.find(';') != std::string_view::npos) return 0;

@@ -44,7 +44,7 @@ class BlockFolderTest : public ::testing::Test {
 TEST_F(BlockFolderTest, removes_what_was_not_used_for_longest) {
   BlockFolder blocks(folder_, 10 * (k_block + k_head));
   keep_old(blocks, 10);
-  // Both are used again, one of them by a reader that finds it damaged: that is no use.
+  // Both are used again, one of them by a reader that finds it damaged, which does not count as a use.
   EXPECT_TRUE(blocks.find("old 0", k_block));
   EXPECT_TRUE(blocks.find("old 2", k_block));
   EXPECT_FALSE(blocks.find("old 3", k_block + 1));

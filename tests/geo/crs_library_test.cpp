@@ -81,7 +81,7 @@ TEST(CompareSystemsTest, names_of_datums_alone_do_not_make_systems_different) {
       compare_systems(regional, oregon("NAD83_High_Accuracy_Reference_Network", "298.2572221010002", code)),
       CrsAgreement::same);
   EXPECT_EQ(compare_systems(regional, crs_of_text("EPSG:2994")), CrsAgreement::same);
-  // Without a code nobody knows.
+  // Without a code it is unknown.
   EXPECT_EQ(compare_systems(oregon("somebody's datum", "298.257222101", ""), crs_of_text("EPSG:2994")),
             CrsAgreement::unknown);
   EXPECT_EQ(compare_systems(oregon("somebody's datum", "299.1528128", ""), crs_of_text("EPSG:2994")),

@@ -110,7 +110,7 @@ TEST(PlaceSun, stands_by_grid_north_in_a_map_and_by_true_north_without_one) {
   EXPECT_EQ(without.sun.azimuth, without.true_azimuth);
   EXPECT_EQ(without.true_azimuth, on_map.true_azimuth);
   EXPECT_EQ(without.sun.elevation, on_map.sun.elevation);
-  // A position of its own moves the sun, but the map is still turned as it is.
+  // Coordinates of its own move the sun, but the map keeps its grid north.
   by_time.longitude = 0.0;
   const PlacedSun elsewhere = place_sun(by_time, map);
   EXPECT_EQ(elsewhere.grid_north, on_map.grid_north);

@@ -52,7 +52,7 @@ TEST(RasterGridTest, edges_belong_to_the_east_and_south_and_outer_edges_to_the_o
   EXPECT_EQ(cell_at(grid, {std::numeric_limits<double>::quiet_NaN(), 0}), std::nullopt);
 }
 
-TEST(RasterGridTest, a_position_is_a_map_of_one_cell) {
+TEST(RasterGridTest, a_single_position_is_a_map_of_one_cell) {
   const RasterGrid grid = grid_over(area(7, 7, 7, 7), 2.0);
   EXPECT_EQ(grid.size(), 1u);
   EXPECT_TRUE(cell_at(grid, {7, 7}));

@@ -114,19 +114,19 @@ TEST(SunPosition, does_not_rise_in_the_polar_night_nor_set_at_midsummer) {
 
 TEST(SunPosition, air_lifts_the_setting_sun_by_its_own_size) {
   // At the horizon refraction is 34 arc minutes (0.567 degrees) in standard air; overhead it is zero.
-  SunObserver position{.latitude = 0.0, .longitude = 0.0, .pressure = 1010.0, .temperature = 10.0};
+  SunObserver equator{.latitude = 0.0, .longitude = 0.0, .pressure = 1010.0, .temperature = 10.0};
   Moment moment = parse_date_time("2024-03-20T17:00Z");
   SunPosition sunset;
   for (; moment.seconds < 86400.0; moment.seconds += 1.0) {
-    sunset = sun_position(moment, position);
+    sunset = sun_position(moment, equator);
     if (sunset.elevation < 0.0) break;
   }
   EXPECT_NEAR(sunset.elevation - sunset.geometric_elevation, 0.567, 0.05);
-  position.pressure = 0.0;
-  const SunPosition airless = sun_position(moment, position);
+  equator.pressure = 0.0;
+  const SunPosition airless = sun_position(moment, equator);
   EXPECT_EQ(airless.elevation, airless.geometric_elevation);
-  position.pressure = 1010.0;
-  const SunPosition noon = at("2024-03-20T12:07Z", position);
+  equator.pressure = 1010.0;
+  const SunPosition noon = at("2024-03-20T12:07Z", equator);
   EXPECT_NEAR(noon.elevation, noon.geometric_elevation, 2e-3);
 }
 

@@ -31,8 +31,8 @@ class GoldenTest : public ProgramTest {
     ASSERT_EQ(result.exit_code, 0) << result.err;
   }
 
-  /// Also leaves a camera beside it: camera and radius by default depend on which points are sampled, and so on the order
-  /// of the octree.
+  /// Puts a camera beside the scan: the default camera and radius depend on which points are sampled, and so
+  /// on the order of the octree.
   void scan_courtyard() {
     fs::copy_file(k_sources / "scenes/courtyard.camera.json", folder / "camera.json");
     const ProgramResult result =

@@ -47,7 +47,7 @@ TEST(HeightUnitTest, the_vertical_system_counts_else_the_horizontal_one) {
   EXPECT_EQ(of_wkt(R"(GEOGCS["y",UNIT["degree",0.0174]])"), "m");
   EXPECT_EQ(of_wkt(R"(LOCAL_CS["y",UNIT["furlong",201.168]])"), "");
   EXPECT_EQ(of_wkt("UNIT[\"met"), "");
-  // What a vertical part does not say is not that of x and y.
+  // A vertical part without a known unit does not take that of x and y.
   EXPECT_EQ(of_wkt(R"(COMPD_CS["a",PROJCS["x",UNIT["metre",1]],VERT_CS["h",UNIT["furlong",201.168]]])"), "");
   EXPECT_EQ(of_wkt(R"(COMPD_CS["a",PROJCS["x",UNIT["metre",1]],VERT_CS["h",VERT_DATUM["d",2005]]])"), "");
   EXPECT_EQ(height_unit(test::crs_of_keys({3076, 9003})), "ft");

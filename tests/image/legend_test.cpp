@@ -64,9 +64,9 @@ TEST(RoundTicksTest, one_value_has_one_tick) {
 }
 
 TEST(FindFontTest, a_missing_font_is_an_error_that_names_the_package) {
-  const std::vector<fs::path> positions = {"/nowhere/a.ttf", "/nowhere/b.ttf"};
+  const std::vector<fs::path> files = {"/nowhere/a.ttf", "/nowhere/b.ttf"};
   try {
-    find_font(positions);
+    find_font(files);
     FAIL() << "no error";
   } catch (const Error& error) {
     EXPECT_EQ(
@@ -201,8 +201,8 @@ TEST_F(LegendTest, rows_of_the_bar_have_the_colours_of_their_values) {
   const Canvas canvas = draw_legend(key, layout, font_);
   ASSERT_GT(layout.bar.height(), 200);
   for (int y = layout.bar.top; y < layout.bar.bottom; ++y) {
-    const double position = (layout.bar.bottom - 1.0 - y) / (layout.bar.height() - 1.0);
-    const Rgb8 expected = rounded(to_color16(map_color(ColorMap::viridis, position)));
+    const double share = (layout.bar.bottom - 1.0 - y) / (layout.bar.height() - 1.0);
+    const Rgb8 expected = rounded(to_color16(map_color(ColorMap::viridis, share)));
     EXPECT_EQ(canvas.at(layout.bar.left, y), expected);
     EXPECT_EQ(canvas.at(layout.bar.right - 1, y), expected);
   }
@@ -253,9 +253,9 @@ TEST_F(LegendTest, swatches_are_one_below_the_other_with_names_counts_and_shares
   for (std::size_t i = 0; i < layout.swatches.size(); ++i) {
     const LegendSwatch& swatch = layout.swatches[i];
     EXPECT_EQ(swatch.color, i < 3 ? key.swatches[i].color : k_no_value_color);
-    for (const glm::ivec2 position : {glm::ivec2(swatch.box.left, swatch.box.top),
-                                      glm::ivec2(swatch.box.right - 1, swatch.box.bottom - 1)})
-      EXPECT_EQ(canvas.at(position.x, position.y), rounded(swatch.color));
+    for (const glm::ivec2 pixel : {glm::ivec2(swatch.box.left, swatch.box.top),
+                                   glm::ivec2(swatch.box.right - 1, swatch.box.bottom - 1)})
+      EXPECT_EQ(canvas.at(pixel.x, pixel.y), rounded(swatch.color));
     EXPECT_TRUE(is_dark(canvas.at(swatch.box.left - 1, swatch.box.top)));
     const int end_above = i > 0 ? layout.swatches[i - 1].box.bottom : 0;
     EXPECT_GT(swatch.box.top, end_above + 1);

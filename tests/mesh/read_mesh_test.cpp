@@ -203,7 +203,7 @@ TEST_F(ReadMeshTest, malformed_ply_files_are_errors) {
             std::string::npos);
   EXPECT_EQ(error("a.ply", "ply\nformat ascii 1.0\nelement vertex 1\nproperty float x\nend_header\n1\n"),
             "a.ply: vertices without coordinates; expected the properties x, y and z");
-  // A count without bytes behind it does not keep anyone busy.
+  // A count without bytes after it costs no time.
   EXPECT_EQ(
       error("a.ply",
             "ply\nformat ascii 1.0\nelement other 18446744073709551615\nelement vertex 1\nproperty float x\n"

@@ -244,7 +244,8 @@ TEST(TriangleTreeTest, rays_along_an_axis_meet_what_is_in_their_way_and_nothing_
 }
 
 TEST(TriangleTreeTest, a_ray_in_the_plane_of_a_gable_passes_by_beside_it) {
-  // Seen along the ray the gable is a line that leads to it: on which side of its edges the ray passes is rounding.
+  // Seen along the ray the gable is a line that leads to it: rounding decides on which side of its edges the
+  // ray passes.
   Numbers numbers;
   for (int i = 0; i < 2000; ++i) {
     const glm::dvec3 along = glm::normalize(glm::dvec3(numbers.next(), numbers.next(), 0.0));

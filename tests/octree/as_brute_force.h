@@ -13,14 +13,14 @@
 
 namespace alidade::test {
 
-/// How many cases were answered, to see that a test asked something.
+/// How many cases were answered, to check that a test queried something.
 struct Tally {
   std::size_t answers = 0;  ///< points
   std::size_t empty = 0;    ///< cases without any
   std::size_t cases = 0;
 };
 
-/// Asks one case in every way there is.
+/// Queries one case in every way.
 template <class Target, class Query>
 void expect_as_brute_force(const PointCloud& cloud, const Octree& octree, const QueryCase<Target, Query>& c,
                            Tally& tally) {
@@ -38,8 +38,8 @@ void expect_as_brute_force(const PointCloud& cloud, const Octree& octree, const 
   ++tally.cases;
 }
 
-/// Asks cases around every point family of octrees in every organisation with every instruction set, in turn.
-/// make_cases(cloud, count, random) as in query_families.h.
+/// Queries cases around every point family in octrees of every organisation with every instruction set, in
+/// turn. make_cases(cloud, count, random) as in query_families.h.
 template <class MakeCases>
 Tally expect_as_brute_force_on_every_family(std::size_t cases_per_family, const MakeCases& make_cases) {
   Tally tally;

@@ -15,8 +15,8 @@
 #include "tests/cloud/copc/copc_builder.h"
 #include "tests/support/same_hits.h"
 
-// Answers from many COPC files that are opened when they are entered, against brute force over the cloud that they are
-// together.
+// Answers from many COPC files, each opened when a query enters it, against brute force over the cloud of all
+// of them.
 
 namespace alidade {
 namespace {

@@ -14,7 +14,7 @@
 #include "tests/cloud/copc/copc_builder.h"
 #include "tests/support/same_hits.h"
 
-// Answers from a COPC file where it lies against brute force over the cloud that is read from it.
+// Answers from a COPC file in place against brute force over the cloud that is read from it.
 
 namespace alidade {
 namespace {

@@ -32,7 +32,8 @@ using test::same_hits;
 
 constexpr int k_neighbours = 8;
 
-/// The octree with any surfaces, equal ones at equal positions: three in four points have one, half of them an edge.
+/// The octree with random surfaces, equal ones at equal positions: three in four points have one, half of
+/// them an edge.
 Octree with_random_surfaces(const Octree& octree) {
   struct Arrays {
     std::shared_ptr<const void> octree;
@@ -193,7 +194,8 @@ TEST_P(CrossingVsBruteForce, batches_are_the_same_bits_whatever_the_filter) {
   EXPECT_GT(hit_count, 1000u);
 }
 
-/// Rays whose interval is the crossing alone, of planes that many discs share, too: no rounding of lanes may lose it.
+/// Rays whose interval is the crossing alone, also of planes that many discs share: no rounding in a lane may
+/// lose it.
 TEST_P(CrossingVsBruteForce, an_interval_that_is_the_crossing_alone_holds_it) {
   BuildOptions options;
   options.instruction_set = GetParam();
@@ -343,7 +345,7 @@ TEST(Crossing, a_ray_at_the_edge_of_a_disc_meets_it_and_one_beside_does_not) {
       EXPECT_TRUE(closest(octree, through, entered));
       entered.entry_min = std::nextafter(2.0 - radius, 2.0);
       EXPECT_FALSE(closest(octree, through, entered));
-      // The same of the positions that are in the spheres.
+      // The limit is closed for positions in the spheres, too.
       std::vector<PointSphere> held;
       find_enclosing(octree, {1.0 + radius, 0.5, 0.0}, query, held);
       EXPECT_EQ(held.size(), 1u);
@@ -359,7 +361,8 @@ TEST(Crossing, sheets_end_where_they_do_however_wide_discs_are_and_farther_on_re
     for (int y = -20; y <= 20; ++y) points.emplace_back(0.1 * x, 0.1 * y, 0.0);
   const PointCloud cloud = test::make_cloud(points, {glm::dvec3(1e-3), glm::dvec3(0)});
   const Octree octree = with_discs(with_surfaces(with_spacings(build(cloud), k_neighbours)));
-  // Points at the rim have their 8th neighbours 0.2 m away, and their edges half a step of the grid beside them.
+  // Points at the rim have their 8th neighbours 0.2 m away, and their edges half a step of the grid beside
+  // them.
   for (const double factor : {0.92, 1.3}) {
     RayQuery query{.radius = 10.0, .measure = Measure::crossing, .spacing_factor = factor};
     const auto is_met = [&](double x) {

@@ -72,8 +72,8 @@ TEST(Moments, are_those_of_the_points_within_reach) {
         const auto expected = sums_in_double(family.cloud, asked);
         const simd::Moments found = simd::local_sums(asked_octree.octree.instruction_set())
                                         .around(asked_octree.octree.view(), {asked.position, asked.reach});
-        // Floats resolve positions within a frame to 2^-24 of its width. In units of the reach that may be
-        // more.
+        // Floats resolve positions within a frame to 2^-24 of its width, which may be more in units of the
+        // reach.
         const TreeView& tree = asked_octree.octree.view();
         const double frame = std::ldexp(glm::length(tree.lattice.scale), tree.root_level);
         const double error = expected[1] * (1e-5 + 1e-6 * frame / asked.reach);

@@ -95,8 +95,8 @@ TEST(NearTargets, distances_whose_squares_vanish_are_decided_by_id) {
   }
 }
 
-/// Points are collected up to a reach, 1.15 times the distances found before: here 1.15, by the first target alone.
-/// Of two points a little farther than that from the second target, the nearer one is not collected.
+/// Points are collected up to a reach, 1.15 times the distances found before: here 1.15, by the first target
+/// alone. Of two points a little farther than that from the second target, the nearer one is not collected.
 TEST(NearTargets, points_beyond_what_was_collected_are_found) {
   const std::vector<glm::dvec3> targets = {{-100, 0, 0}, {0, 0, 0}, {4, 0, 0}, {4, 0.1, 0}, {4, 0.2, 0}};
   const PointCloud cloud = make_cloud({{-101, 0, 0}, {1.15 + 4e-7, 0, 0}, {-1.15 - 2e-7, 0, 0}, {4, 1, 0}},

@@ -8,7 +8,8 @@
 namespace alidade {
 namespace {
 
-/// On the plane z = 5, a quarter of a metre below its point, which the sheet ends 0.5 spacings beside, towards +x.
+/// On the plane z = 5, a quarter of a metre below its point. The sheet ends 0.5 spacings beside the point,
+/// towards +x.
 const PointSurface k_surface{
     .exists = true, .normal = glm::dvec3(0, 0, 1), .height = 0.25, .thickness = 0.01};
 const PointDisc k_disc = point_disc({1.0, 2.0, 5.25}, k_surface, 0.5);

@@ -17,8 +17,8 @@ namespace {
 
 using test::Random;
 
-/// Rays of nearly one direction: from one position (a camera), from anywhere, or from the points themselves (to the
-/// sun), some of them with limits.
+/// Rays of nearly one direction: from one position (a camera), from anywhere, or from the points themselves
+/// (to the sun), some of them with limits.
 std::vector<Ray> alike_rays(const PointCloud& cloud, std::size_t count, Random& random) {
   std::vector<Ray> rays;
   const Bounds bounds = cloud.bounds();

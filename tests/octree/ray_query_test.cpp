@@ -280,7 +280,8 @@ TEST(RayQuery, a_batch_on_an_empty_octree_answers_nothing) {
 }
 
 TEST(RayQuery, many_points_at_few_positions_keep_the_lowest_id) {
-  // So many that whole subtrees have equal positions, on a lattice fine enough that keys do not hold positions.
+  // So many that all points of some subtrees have one position, on a lattice so fine that keys do not hold
+  // positions.
   Random random;
   std::vector<glm::dvec3> positions;
   for (int i = 0; i < 40000; ++i)

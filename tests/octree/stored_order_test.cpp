@@ -37,16 +37,16 @@ TEST(StoredOrder, brings_every_attribute_to_its_point_and_needs_no_ids) {
     ASSERT_EQ(stored.size(), positions.size());
     ASSERT_EQ(cloud.colors.size(), positions.size());
     std::vector<int> seen(positions.size());
-    for (std::uint32_t position = 0; position < stored.size(); ++position) {
-      ASSERT_EQ(point_id(octree.view(), position), position);
-      const auto from = static_cast<std::uint32_t>(cloud.gps_times[position]);
+    for (std::uint32_t index = 0; index < stored.size(); ++index) {
+      ASSERT_EQ(point_id(octree.view(), index), index);
+      const auto from = static_cast<std::uint32_t>(cloud.gps_times[index]);
       ASSERT_LT(from, positions.size());
       ++seen[from];
-      ASSERT_EQ(stored[position], positions[from]);
-      ASSERT_EQ(cloud.colors[position], Color16(from, 1, 2));
-      ASSERT_EQ(cloud.returns[position].number + 256 * cloud.returns[position].count, static_cast<int>(from));
+      ASSERT_EQ(stored[index], positions[from]);
+      ASSERT_EQ(cloud.colors[index], Color16(from, 1, 2));
+      ASSERT_EQ(cloud.returns[index].number + 256 * cloud.returns[index].count, static_cast<int>(from));
       std::uint32_t value;
-      std::memcpy(&value, cloud.extra_dimensions[0].values.data() + std::size_t{4} * position, 4);
+      std::memcpy(&value, cloud.extra_dimensions[0].values.data() + std::size_t{4} * index, 4);
       ASSERT_EQ(value, from);
     }
     EXPECT_EQ(seen, std::vector<int>(positions.size(), 1));

@@ -99,9 +99,9 @@ TEST_P(Trap, vertical_and_axis_parallel_rays_lose_nothing) {
 }
 
 // ospray 207
-TEST_P(Trap, positions_beyond_32_bit_byte_offsets_are_read_where_they_are) {
-  // A small octree whose only leaf begins at position 1.5 billion, 9 GB into its coordinates. Only the leaf's
-  // own page is ever touched.
+TEST_P(Trap, coordinates_beyond_32_bit_byte_offsets_are_read_where_they_are) {
+  // A small octree whose only leaf begins at storage index 1.5 billion, 9 GB into its coordinates. Only the
+  // leaf's own page is ever touched.
   const PointCloud cloud = three_points();
   const Octree small = build_here(cloud);
   ASSERT_EQ(small.view().node_count, 1u);
@@ -161,7 +161,7 @@ TEST_P(Trap, a_point_does_not_hide_itself) {
   EXPECT_TRUE(is_seen(2));
 }
 
-// Coordinates as maps have them, embree 45: float32 knows half metres there.
+// Coordinates as maps have them, embree 45: float32 resolves half metres there.
 TEST_P(Trap, millimetres_count_at_utm_coordinates) {
   const glm::dvec3 utm(690000.0, 5325000.0, 600.0);
   const PointCloud cloud = make_cloud({utm, utm + glm::dvec3(0, 0.002, 0)}, {glm::dvec3(0.001), utm});

@@ -12,7 +12,7 @@
 
 namespace alidade::test {
 
-/// Goes through an octree and checks what octree.h says of every one.
+/// Visits all nodes of an octree and checks what octree.h promises of every one.
 class TreeCheck {
  public:
   TreeCheck(const TreeView& tree, const PointCloud& cloud, int leaf_size)
@@ -21,7 +21,7 @@ class TreeCheck {
         leaf_size_(leaf_size),
         seen_(cloud.size()),
         visited_(tree.node_count),
-        position_(cloud.size()) {}
+        index_(cloud.size()) {}
 
   void run() {
     ASSERT_EQ(tree_.point_count, cloud_.size());
@@ -74,7 +74,7 @@ class TreeCheck {
     EXPECT_FALSE(all.empty());
     if (frame.level <= k_exact_frame_level) {
       for (std::size_t i = 0; i < all.size(); ++i)
-        EXPECT_EQ(position_[all[i]], position_[all[0]] + i) << "points of a subtree stand one after another";
+        EXPECT_EQ(index_[all[i]], index_[all[0]] + i) << "points of a subtree are stored one after another";
     }
     return all;
   }
@@ -91,7 +91,7 @@ class TreeCheck {
       const auto id = static_cast<std::uint32_t>(point_id(tree_, leaf.first + i));
       EXPECT_LT(id, cloud_.size());
       ++seen_[id];
-      position_[id] = leaf.first + i;
+      index_[id] = leaf.first + i;
       EXPECT_EQ(position_of(tree_, leaf, i), cloud_.positions[id]) << "without loss";
       for (int axis = 0; axis < 3; ++axis) {
         EXPECT_EQ(tree_.coordinates[3 * leaf.first + axis * leaf.count + i],
@@ -146,7 +146,7 @@ class TreeCheck {
   const PointCloud& cloud_;
   const int leaf_size_;
   std::vector<int> seen_, visited_;
-  std::vector<std::uint32_t> position_;  ///< by id
+  std::vector<std::uint32_t> index_;  ///< storage index by id
   int deepest_ = 0;
   std::uint32_t exact_count_ = 0;
 };

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// What renderer/disc_tracer.h states about sheets and trust, computed by plain loops over all points. disc_tracer_test.cpp
-// has the first crossing, and t and colour of blended ones.
+// What renderer/disc_tracer.h states about sheets and trust, computed by plain loops over all points.
+// disc_tracer_test.cpp has the first crossing, and t and colour of blended ones.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -26,7 +26,8 @@ using test::Random;
 
 constexpr double k_infinity = std::numeric_limits<double>::infinity();
 
-// Sums are added in the order of storage indices, as the renderer does; another order may differ by so much, relatively.
+// Sums are added in the order of storage indices, as the renderer does. This is the relative difference that
+// another order may make.
 constexpr double k_tolerance = 1e-12;
 
 // The sheet of a crossing, and how its discs weigh.
@@ -61,7 +62,8 @@ double above(const Disc& disc, const glm::dvec3& position) {
   return glm::dot(position - (disc.point - disc.height * disc.normal), disc.normal);
 }
 
-/// The discs of the sheet that has this normal where a ray meets it, by points within `factor` of their spacings.
+/// The discs of the sheet that has this normal where a ray meets it, by points within `factor` of their
+/// spacings.
 std::vector<Disc> sheet_at(const PlainPoints& points, const glm::dvec3& met, const glm::dvec3& normal,
                            double factor) {
   std::vector<Disc> sheet;

@@ -133,7 +133,7 @@ TEST_F(CheckpointTest, is_written_while_the_render_continues) {
   };
   const Film film = render(scene, nullptr, often);
   EXPECT_TRUE(seen);
-  // What is left goes on, too.
+  // The checkpoint that is left can be resumed, too.
   expect_same(render(scene, nullptr, options(true)), film);
 }
 
@@ -307,13 +307,12 @@ TEST_F(CheckpointTest, with_any_bit_flipped_is_an_error) {
   std::vector<std::byte> content = bytes();
   const PictureFingerprint fingerprint = picture_fingerprint(scene, nullptr, options(false));
   test::Random random;
-  for (std::size_t position = 0; position < content.size();
-       position += position < 200 ? 1 : 1 + random.below(50)) {
+  for (std::size_t offset = 0; offset < content.size(); offset += offset < 200 ? 1 : 1 + random.below(50)) {
     const auto flip = static_cast<std::byte>(1u << random.below(8));
-    content[position] ^= flip;
+    content[offset] ^= flip;
     PictureState state(14, 14, true);
-    EXPECT_THROW(read_checkpoint(InputFile(content, "flipped"), fingerprint, 5, state), Error) << position;
-    content[position] ^= flip;
+    EXPECT_THROW(read_checkpoint(InputFile(content, "flipped"), fingerprint, 5, state), Error) << offset;
+    content[offset] ^= flip;
   }
 }
 
@@ -321,9 +320,9 @@ TEST_F(CheckpointTest, of_another_kind_version_or_byte_order_is_detected) {
   const Scene scene = mixed_scene();
   render_in_part(scene, nullptr, options(false), 0);
   const std::vector<std::byte> whole = bytes();
-  const auto message_of = [&](std::size_t position, std::uint32_t value) {
+  const auto message_of = [&](std::size_t offset, std::uint32_t value) {
     std::vector<std::byte> content = whole;
-    test::put(content, position, value);
+    test::put(content, offset, value);
     test::seal_checkpoint(content);
     std::ofstream(file_, std::ios::binary)
         .write(reinterpret_cast<const char*>(content.data()), static_cast<std::streamsize>(content.size()));

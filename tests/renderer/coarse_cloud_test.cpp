@@ -80,9 +80,9 @@ TEST(NodesInView, nodes_that_a_camera_does_not_see_are_left_out) {
     const CopcNode& node = files[0].hierarchy().nodes[number];
     bool is_seen = false;
     for (std::uint64_t row = node.first_row; row < node.first_row + node.chunk.point_count; ++row) {
-      const auto position =
+      const auto film =
           project_to_film(camera, to_world(all.lattice, all.positions[static_cast<std::size_t>(row)]));
-      is_seen |= position && position->x >= 0 && position->x <= 200 && position->y >= 0 && position->y <= 100;
+      is_seen |= film && film->x >= 0 && film->x <= 200 && film->y >= 0 && film->y <= 100;
     }
     EXPECT_TRUE(!is_seen || chosen.contains(number)) << node.key.name();
     seen += is_seen ? 1 : 0;

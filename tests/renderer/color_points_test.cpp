@@ -42,8 +42,8 @@ std::string error_of(const PointCloud& cloud, const PointColoring& coloring) {
   return "no error";
 }
 
-Color16 shade(ColorMap map, double position) {
-  return to_color16(map_color(map, position));
+Color16 shade(ColorMap map, double share) {
+  return to_color16(map_color(map, share));
 }
 
 TEST(ColorPoints, heights_go_from_the_first_to_the_last_colour_of_the_range) {

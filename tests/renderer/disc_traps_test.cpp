@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// Clouds without surfaces, and cameras and radii that do not fit the cloud: pictures have finite colours, and layers have
-// the values that image/film.h states.
+// Clouds without surfaces, and cameras and radii that do not fit the cloud: pictures have finite colours, and
+// layers have the values that image/film.h states.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -167,7 +167,8 @@ const MeshTrap k_mesh_traps[] = {
      "element face 1\nproperty list uchar int vertex_index\nend_header\n0 0 0\n1 0 0\n0 1 0\n3 0 1 7\n",
      "a face names a vertex that does not exist"},
     {"a_line_beside_a_triangle.obj", "v -2 0 -2\nv 2 0 -2\nv 0 0 2\nv 4 0 -2\nf 1 2 4\nf 1 2 3\n"},
-    // Squares of their sides leave the range of doubles, and their corners are one in coordinates of a larger mesh.
+    // Squares of their sides leave the range of doubles, and their corners coincide in the coordinates of a
+    // larger mesh.
     {"needles.obj", "v -2 0 -2\nv 2 0 -2\nv 0 1e-200 -2\nv 0 0 2\nf 1 2 3\nf 3 2 4\nf 1 3 4\n"},
     {"a_speck_far_away.obj",
      "v 1e11 0 0\nv 1e11 1e-9 0\nv 1e11 0 1e-9\nv -2 0 -2\nv 2 0 -2\nv 0 0 2\nf 1 2 3\nf 4 5 6\n"},

@@ -149,7 +149,7 @@ TEST_F(GeotiffTest, keys_of_any_kind_give_a_reference_system_or_nothing) {
   with_wkt.wkt = "as it was";
   EXPECT_EQ(wkt_of(with_wkt), "as it was");
   EXPECT_EQ(epsg_of(wkt_of(utm_32()).c_str()), "32632");
-  // Counts and positions that lie.
+  // Counts and indices beyond what is there.
   for (const std::vector<std::uint16_t>& keys : {std::vector<std::uint16_t>{1},
                                                  {1, 1, 0, 65535},
                                                  {1, 1, 0, 1, 3072, 34736, 200, 65535},
@@ -168,7 +168,7 @@ TEST_F(GeotiffTest, a_camera_from_above_may_be_turned) {
   turned.cx = 10.0;
   turned.cy = 20.0;
   const std::array<double, 6> transform = ground_transform(turned);
-  // The camera's position is at pixel position (10, 20).
+  // The camera is above pixel (10, 20).
   EXPECT_NEAR(transform[0] + 10.0 * transform[1] + 20.0 * transform[2], turned.pose.position.x, 1e-9);
   EXPECT_NEAR(transform[3] + 10.0 * transform[4] + 20.0 * transform[5], turned.pose.position.y, 1e-9);
   EXPECT_DOUBLE_EQ(transform[1], 0.3);

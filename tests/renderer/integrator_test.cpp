@@ -159,8 +159,8 @@ TEST(Sunlight, on_metal_is_the_integral_over_the_disc) {
     constexpr int k_steps = 200000;
     for (int i = 0; i < k_steps; ++i) {
       // Midpoint rule; steps grow away from the axis, where a sharp reflection has all its light.
-      const double position = (i + 0.5) / k_steps, depth = height * position * position * position;
-      const double step = 3.0 * height * position * position / k_steps;
+      const double u = (i + 0.5) / k_steps, depth = height * u * u * u;
+      const double step = 3.0 * height * u * u / k_steps;
       answer += 3.0 / (k_pi * sine * sine) * 2.0 * k_pi * step *
                 eval(metal, Rgb(1.0f), {0, 0, 1}, {std::sqrt(depth * (2.0 - depth)), 0.0, 1.0 - depth}).r;
     }
@@ -225,8 +225,8 @@ TEST(Path, metal_seen_in_metal_is_as_sharp_as_without_it) {
 }
 
 TEST(Path, lights_behind_glass_are_as_bright_in_sharp_metal_as_in_a_mirror) {
-  // Straight down on a metal plane: it shows the sun and a lamp behind a ball of index 1,
-  // which bends and reflects nothing.
+  // Straight down on a metal plane: it shows the sun and a lamp behind a ball of index 1, which bends and
+  // reflects nothing.
   for (const bool sun : {false, true}) {
     Film films[2];
     for (int sharp = 0; sharp < 2; ++sharp) {

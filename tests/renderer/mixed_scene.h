@@ -29,7 +29,8 @@ inline Scene mixed_scene(PointShape shape = PointShape::sphere) {
   return scene;
 }
 
-/// Points anywhere for spheres; for discs a floor that ends at a wall, and points without a sheet before them.
+/// Points anywhere for spheres; for discs a floor that ends at a wall, and points without a sheet in front of
+/// them.
 inline std::vector<glm::dvec3> mixed_points(PointShape shape) {
   Random random("mixed cloud");
   std::vector<glm::dvec3> positions;

@@ -147,7 +147,7 @@ TEST(PictureState, preview_is_the_mean_of_squares_of_pixels) {
   EXPECT_EQ(same.width, 50);
   EXPECT_EQ(same.height, 20);
   EXPECT_EQ(same.color[same.index(49, 19)], Rgb(49, 19, 1));
-  // 20 pixels ask for squares of 3: 17 x 7, the last ones narrower.
+  // 20 pixels require squares of 3: 17 x 7, the last ones narrower.
   const Film small = reduced(state, 20);
   EXPECT_EQ(small.width, 17);
   EXPECT_EQ(small.height, 7);

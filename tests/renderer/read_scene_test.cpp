@@ -153,7 +153,7 @@ TEST(ReadSceneTest, absolute_paths_stay) {
   EXPECT_EQ(scene.cloud->files.at(0), "/data/a.las");
 }
 
-TEST(ReadSceneTest, an_unknown_key_names_position_pointer_and_the_nearest_known_key) {
+TEST(ReadSceneTest, an_unknown_key_names_location_pointer_and_the_nearest_known_key) {
   const Error::Parts parts =
       scene_error(with(R"("objects": [ { "type": "sphere", "centre": [0, 0, 0], "radius": 1 } ])"));
   EXPECT_EQ(parts.file, "scenes/yard.json");
@@ -167,9 +167,9 @@ TEST(ReadSceneTest, pointers_escape_slash_and_tilde) {
   EXPECT_EQ(scene_error(with(R"("a/b~c": 1)")).problem, "unknown key (at /a~1b~0c)");
 }
 
-TEST(ReadSceneTest, every_mistake_is_named_at_its_position) {
+TEST(ReadSceneTest, every_mistake_is_named_at_its_location) {
   struct Case {
-    std::string text, position, message;
+    std::string text, location, message;
   };
   const std::vector<Case> cases{
       {"[]", "1:1", "wrong type (at the top); expected an object, found an array of 0 values"},
@@ -255,7 +255,7 @@ TEST(ReadSceneTest, every_mistake_is_named_at_its_position) {
   };
   for (const Case& each : cases) {
     const Error::Parts parts = scene_error(each.text);
-    EXPECT_EQ(parts.location, each.position) << each.text;
+    EXPECT_EQ(parts.location, each.location) << each.text;
     EXPECT_NE(std::string(Error(parts).what()).find(each.message), std::string::npos) << Error(parts).what();
   }
 }

@@ -32,10 +32,10 @@ TEST(Sampling, disc_is_filled_evenly) {
   constexpr int k_side = 400;
   int inner = 0, right = 0;
   for (int i = 0; i < k_side * k_side; ++i) {
-    const glm::dvec2 position = sample_disc({(i % k_side + 0.5) / k_side, (i / k_side + 0.5) / k_side});
-    ASSERT_LE(glm::length(position), 1.0);
-    inner += glm::length(position) < 0.5;
-    right += position.x > 0.5;
+    const glm::dvec2 point = sample_disc({(i % k_side + 0.5) / k_side, (i / k_side + 0.5) / k_side});
+    ASSERT_LE(glm::length(point), 1.0);
+    inner += glm::length(point) < 0.5;
+    right += point.x > 0.5;
   }
   EXPECT_NEAR(inner / double{k_side * k_side}, 0.25, 0.003);
   // Segment beyond x = 1/2: (pi / 3 - sqrt(3) / 4) / pi.

@@ -161,15 +161,15 @@ void expect_agreement(const SchemaValidator& validator, const Sample& sample) {
 }
 
 /// Pointers of all values of a document.
-std::vector<Json::json_pointer> positions(const Json& document) {
+std::vector<Json::json_pointer> pointers(const Json& document) {
   std::vector<Json::json_pointer> all;
   const std::function<void(const Json&, const Json::json_pointer&)> visit =
-      [&](const Json& value, const Json::json_pointer& position) {
-        all.push_back(position);
+      [&](const Json& value, const Json::json_pointer& pointer) {
+        all.push_back(pointer);
         if (value.is_object()) {
-          for (const auto& [key, member] : value.items()) visit(member, position / key);
+          for (const auto& [key, member] : value.items()) visit(member, pointer / key);
         }
-        for (std::size_t i = 0; value.is_array() && i < value.size(); ++i) visit(value[i], position / i);
+        for (std::size_t i = 0; value.is_array() && i < value.size(); ++i) visit(value[i], pointer / i);
       };
   visit(document, Json::json_pointer());
   return all;
@@ -189,10 +189,10 @@ TEST_F(SceneSchemaTest, reader_and_schema_accept_documents_that_use_every_key) {
     EXPECT_TRUE(read(sample).description) << Error(read(sample).error).what();
   }
   for (const auto& [id, document] : validator_.documents()) {
-    for (const auto& position : positions(document)) {
-      if (position.empty() || position.back() != "properties") continue;
-      for (const auto& [key, property] : document.at(position).items()) {
-        EXPECT_TRUE(used.contains(&document.at(position / key))) << id << position.to_string() << "/" << key;
+    for (const auto& pointer : pointers(document)) {
+      if (pointer.empty() || pointer.back() != "properties") continue;
+      for (const auto& [key, property] : document.at(pointer).items()) {
+        EXPECT_TRUE(used.contains(&document.at(pointer / key))) << id << pointer.to_string() << "/" << key;
       }
     }
   }
@@ -213,15 +213,15 @@ std::set<std::string> quoted_words(const std::string& text) {
   return words;
 }
 
-// The message about an unknown key lists the keys the reader knows at this position.
+// The message about an unknown key lists the keys that the reader accepts in this object.
 TEST_F(SceneSchemaTest, reader_accepts_exactly_the_keys_of_the_schema) {
   for (const Sample& sample : samples()) {
     const auto applied = validator_.validate(sample.schema, sample.document).value();
-    for (const auto& position : positions(sample.document)) {
-      if (!sample.document.at(position).is_object()) continue;
+    for (const auto& pointer : pointers(sample.document)) {
+      if (!sample.document.at(pointer).is_object()) continue;
       std::set<std::string> here, all;  // of the alternative that holds, of all alternatives
       for (const auto& each : applied) {
-        if (each.position != position) continue;
+        if (each.pointer != pointer) continue;
         add_keys(*each.schema, here);
         add_keys(*each.schema, all);
         if (!each.schema->contains("oneOf")) continue;
@@ -229,14 +229,14 @@ TEST_F(SceneSchemaTest, reader_accepts_exactly_the_keys_of_the_schema) {
           add_keys(validator_.resolved(alternative), all);
       }
       Sample changed = sample;
-      changed.document[position]["qqqqqqqqqqqq"] = 1;
+      changed.document[pointer]["qqqqqqqqqqqq"] = 1;
       const Error::Parts error = read(changed).error;
       ASSERT_TRUE(error.problem.starts_with("unknown key (at ")) << error.problem;
       const std::set<std::string> known = quoted_words(error.expected);
       for (const std::string& key : known)
-        EXPECT_TRUE(all.contains(key)) << position.to_string() << ": " << key;
+        EXPECT_TRUE(all.contains(key)) << pointer.to_string() << ": " << key;
       for (const std::string& key : here)
-        EXPECT_TRUE(known.contains(key)) << position.to_string() << ": " << key;
+        EXPECT_TRUE(known.contains(key)) << pointer.to_string() << ": " << key;
     }
   }
 }
@@ -249,24 +249,24 @@ TEST_F(SceneSchemaTest, leaving_a_key_out_means_the_default_in_the_schema) {
   for (const Sample& sample : samples()) {
     const auto applied = validator_.validate(sample.schema, sample.document).value();
     for (const auto& each : applied) {
-      if (each.position.empty() || !each.schema->contains("default")) continue;
+      if (each.pointer.empty() || !each.schema->contains("default")) continue;
       ++count;
       Sample left_out = sample, written_out = sample;
-      left_out.document.at(each.position.parent_pointer()).erase(each.position.back());
-      written_out.document[each.position] = each.schema->at("default");
-      EXPECT_TRUE(validator_.validate(sample.schema, written_out.document)) << each.position.to_string();
+      left_out.document.at(each.pointer.parent_pointer()).erase(each.pointer.back());
+      written_out.document[each.pointer] = each.schema->at("default");
+      EXPECT_TRUE(validator_.validate(sample.schema, written_out.document)) << each.pointer.to_string();
       ASSERT_TRUE(read(left_out).description) << Error(read(left_out).error).what();
-      EXPECT_EQ(read(left_out).description, read(written_out).description) << each.position.to_string();
+      EXPECT_EQ(read(left_out).description, read(written_out).description) << each.pointer.to_string();
     }
-    for (const auto& position : positions(sample.document)) {
-      if (position.empty() || !sample.document.at(position.parent_pointer()).is_object()) continue;
+    for (const auto& pointer : pointers(sample.document)) {
+      if (pointer.empty() || !sample.document.at(pointer.parent_pointer()).is_object()) continue;
       Sample left_out = sample;
-      left_out.document.at(position.parent_pointer()).erase(position.back());
-      if (!read(left_out).description || without_default.contains(position.back())) continue;
+      left_out.document.at(pointer.parent_pointer()).erase(pointer.back());
+      if (!read(left_out).description || without_default.contains(pointer.back())) continue;
       const bool has_default = std::ranges::any_of(applied, [&](const auto& each) {
-        return each.position == position && each.schema->contains("default");
+        return each.pointer == pointer && each.schema->contains("default");
       });
-      EXPECT_TRUE(has_default) << position.to_string() << " is optional but the schema has no default";
+      EXPECT_TRUE(has_default) << pointer.to_string() << " is optional but the schema has no default";
     }
   }
   EXPECT_GT(count, 30);
@@ -290,7 +290,7 @@ TEST_F(SceneSchemaTest, reader_and_schema_agree_at_the_limits_of_every_number) {
         probes.push_back(std::nextafter(at.get<double>(), INFINITY));
         for (const Json& probe : probes) {
           Sample changed = sample;
-          changed.document[each.position] = probe;
+          changed.document[each.pointer] = probe;
           expect_agreement(validator_, changed);
         }
       }
@@ -310,21 +310,21 @@ TEST_F(SceneSchemaTest, reader_and_schema_agree_on_small_changes_everywhere) {
     {"file": "a"}, {"file": "a", "files": ["a"]}, {"vertical_fov": 1}, {"vertical_fov": 1, "fx": 1}])");
   int count = 0;
   for (const Sample& sample : samples()) {
-    for (const auto& position : positions(sample.document)) {
+    for (const auto& pointer : pointers(sample.document)) {
       std::vector<Sample> changes;
       for (const Json& replacement : replacements) {
         changes.push_back(sample);
-        changes.back().document[position] = replacement;
+        changes.back().document[pointer] = replacement;
       }
-      if (!position.empty()) {
-        Json& parent = changes.emplace_back(sample).document.at(position.parent_pointer());
+      if (!pointer.empty()) {
+        Json& parent = changes.emplace_back(sample).document.at(pointer.parent_pointer());
         if (parent.is_object())
-          parent.erase(position.back());
+          parent.erase(pointer.back());
         else
           parent.erase(parent.size() - 1);
       }
-      if (sample.document.at(position).is_array()) {
-        Json& array = changes.emplace_back(sample).document.at(position);
+      if (sample.document.at(pointer).is_array()) {
+        Json& array = changes.emplace_back(sample).document.at(pointer);
         array.push_back(array.front());
       }
       count += static_cast<int>(changes.size());
@@ -379,18 +379,18 @@ TEST_F(SceneSchemaTest, the_manuals_examples_are_valid_and_read) {
 TEST_F(SceneSchemaTest, the_manual_explains_every_key_and_word_of_the_schemas) {
   const std::string manual = manual_text("scene_format.md") + manual_text("cameras.md");
   for (const auto& [id, document] : validator_.documents()) {
-    for (const auto& position : positions(document)) {
-      if (position.empty()) continue;
+    for (const auto& pointer : pointers(document)) {
+      if (pointer.empty()) continue;
       std::vector<std::string> words;
-      if (position.back() == "properties") {
-        for (const auto& [key, property] : document.at(position).items()) words.push_back(key);
+      if (pointer.back() == "properties") {
+        for (const auto& [key, property] : document.at(pointer).items()) words.push_back(key);
       }
-      if (position.back() == "enum") {
-        for (const Json& word : document.at(position))
+      if (pointer.back() == "enum") {
+        for (const Json& word : document.at(pointer))
           words.push_back(word.is_string() ? word.get<std::string>() : word.dump());
       }
-      if (position.back() == "const" && document.at(position).is_string())
-        words.push_back(document.at(position));
+      if (pointer.back() == "const" && document.at(pointer).is_string())
+        words.push_back(document.at(pointer));
       for (const std::string& word : words) {
         const bool explained = manual.find("`" + word + "`") != std::string::npos ||
                                manual.find("`\"" + word + "\"`") != std::string::npos;

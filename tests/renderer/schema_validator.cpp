@@ -90,15 +90,15 @@ std::optional<std::vector<SchemaValidator::Applied>> SchemaValidator::validate(c
   return applied;
 }
 
-bool SchemaValidator::holds(const Json& schema, const Json& value, const Json::json_pointer& position,
+bool SchemaValidator::holds(const Json& schema, const Json& value, const Json::json_pointer& pointer,
                             std::vector<Applied>& applied) const {
   static const std::set<std::string> annotations{"$schema", "$id",         "$defs",
                                                  "title",   "description", "default"};
-  applied.push_back({position, &schema});
+  applied.push_back({pointer, &schema});
   for (const auto& [keyword, rule] : schema.items()) {
     if (annotations.contains(keyword)) continue;
     if (keyword == "$ref") {
-      if (!holds(target(rule, schema), value, position, applied)) return false;
+      if (!holds(target(rule, schema), value, pointer, applied)) return false;
     } else if (keyword == "type") {
       if (!is_type(value, rule)) return false;
     } else if (keyword == "const") {
@@ -125,11 +125,11 @@ bool SchemaValidator::holds(const Json& schema, const Json& value, const Json::j
       if (value.is_array() && rule == true && has_duplicates(value)) return false;
     } else if (keyword == "items") {
       for (std::size_t i = 0; value.is_array() && i < value.size(); ++i) {
-        if (!holds(rule, value[i], position / i, applied)) return false;
+        if (!holds(rule, value[i], pointer / i, applied)) return false;
       }
     } else if (keyword == "properties") {
       for (const auto& [key, property] : rule.items()) {
-        if (value.is_object() && value.contains(key) && !holds(property, value[key], position / key, applied))
+        if (value.is_object() && value.contains(key) && !holds(property, value[key], pointer / key, applied))
           return false;
       }
     } else if (keyword == "additionalProperties") {
@@ -152,7 +152,7 @@ bool SchemaValidator::holds(const Json& schema, const Json& value, const Json::j
       int count = 0;
       for (const Json& alternative : rule) {
         std::vector<Applied> below;
-        if (!holds(alternative, value, position, below)) continue;
+        if (!holds(alternative, value, pointer, below)) continue;
         ++count;
         applied.insert(applied.end(), below.begin(), below.end());
       }

@@ -21,7 +21,7 @@ class SchemaValidator {
 
   /// A schema that holds for a value of a valid document.
   struct Applied {
-    Json::json_pointer position;
+    Json::json_pointer pointer;
     const Json* schema;
   };
 
@@ -34,7 +34,7 @@ class SchemaValidator {
   const std::map<std::string, Json>& documents() const { return documents_; }
 
  private:
-  bool holds(const Json& schema, const Json& value, const Json::json_pointer& position,
+  bool holds(const Json& schema, const Json& value, const Json::json_pointer& pointer,
              std::vector<Applied>& applied) const;
   const Json& target(const std::string& reference, const Json& from) const;
 

@@ -291,7 +291,7 @@ TEST(SkyImageLight, of_one_bright_pixel_is_that_of_a_sun_there) {
     const double mean = test::image_mean(by_sun).mean;
     EXPECT_GT(mean, 0.03);
     EXPECT_NEAR(test::image_mean(by_sky).mean, mean, 0.01 * mean) << rotation;
-    // Shadows fall in the same positions.
+    // Shadows cover the same pixels.
     int different = 0;
     for (std::size_t i = 0; i < by_sun.color.size(); ++i)
       different += std::fabs(by_sun.color[i].r - by_sky.color[i].r) > 0.1 * mean ? 1 : 0;

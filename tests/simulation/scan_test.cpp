@@ -153,7 +153,7 @@ TEST(Scan, LeavesAShadowBehindTheWall) {
 TEST(Scan, DensityFallsAsARasterOfEqualAnglesMust) {
   const Site site = field_with_wall();
   const PointCloud cloud = collect(site, field_options(site, 1500000));
-  // On level ground a beam's position is height / tan(depression), so a ring between distances a and b holds
+  // A beam meets level ground at distance height / tan(depression), so a ring between distances a and b holds
   // columns * (atan(height / a) - atan(height / b)) / step points.
   const auto ring = [&](double from, double to) {
     double count = 0;

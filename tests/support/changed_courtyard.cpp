@@ -63,8 +63,8 @@ SiteObject box(const glm::dvec3& low, const glm::dvec3& high) {
   return {shapes::Box{.center = 0.5 * (low + high), .half_size = 0.5 * (high - low)}, {}};
 }
 
-/// The exact point of a scan: where its beam meets the site. Empty for a few: rounded to the lattice, they turn the
-/// beam past an edge.
+/// The exact point of a scan: where its beam meets the site. Empty for a few that rounding to the lattice has
+/// moved past an edge.
 std::optional<SiteHit> exact_point(const SiteState& own, const glm::dvec3& point, std::uint16_t station) {
   constexpr double k_noise = 0.02;  // metres along the beam
   const glm::dvec3& eye = own.stations.at(station - 1u);
@@ -82,8 +82,8 @@ std::optional<Ray> beam(const glm::dvec3& station, const glm::dvec3& position, d
   return make_ray(station, way, 0.3, length);
 }
 
-/// Smallest angle under which a station sees a position, divided by the distance: radians of a beam's step become
-/// metres on the surface if divided by it. 0 if no station sees it.
+/// Smallest angle under which a station sees a position, divided by the distance: radians of a beam's step
+/// become metres on the surface if divided by it. 0 if no station sees it.
 double seen_density(const SiteState& state, const glm::dvec3& position, const glm::dvec3& normal) {
   double most = 0.0;
   for (const glm::dvec3& station : state.stations) {

@@ -22,7 +22,7 @@ namespace alidade::test {
 /// in float.
 class EmbreeSpheres {
  public:
-  /// Sphere i stands around the point with row order[i], or row i where no order is given. Spheres that are
+  /// Sphere i is around the point with row order[i], or row i where no order is given. Spheres that are
   /// neighbours in `order` should be neighbours in space: random order costs Embree up to 8 % (Morton order
   /// is its best case).
   EmbreeSpheres(const PointCloud& cloud, double radius, const glm::dvec3& origin = glm::dvec3(0.0),

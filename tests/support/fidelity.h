@@ -9,8 +9,8 @@
 #include "renderer/load_cloud.h"
 #include "tools/render/site_surfaces.h"
 
-// How far pictures of a scan are from pictures of the site that was scanned: the same camera, integrator and random
-// numbers, and only the answers to rays differ.
+// Measures how far pictures of a scan are from pictures of the site that was scanned: camera, integrator and
+// random numbers are equal, and only the answers to rays differ.
 
 namespace alidade::test {
 
@@ -26,8 +26,8 @@ struct ScanQuality {
 /// A scan of the courtyard with colours.
 PointCloud courtyard_cloud(const ScanQuality& quality);
 
-/// The views that fidelity is measured in, 3:2: the whole yard, benches and a lamp from eye level, and the roofs from
-/// a drone.
+/// The views that fidelity is measured in, 3:2: the whole yard, benches and a lamp from eye level, and the
+/// roofs from a drone.
 struct FidelityView {
   const char* name;
   camera::Camera camera;
@@ -37,8 +37,8 @@ std::vector<FidelityView> fidelity_views(int width);
 /// The scene of the courtyard (scenes/courtyard.json) without a cloud or a camera.
 renderer::Scene courtyard_light();
 
-/// A picture of the site or of a scan: colour, depth, normals, positions, and sigma of the depth. `scene` has a camera.
-/// seconds: of rendering all but sigma.
+/// A picture of the site or of a scan: colour, depth, normals, positions, and sigma of the depth. `scene` has
+/// a camera. seconds: of rendering all but sigma.
 image::Film exact_picture(renderer::Scene scene);
 image::Film picture_of(renderer::Scene scene, const renderer::LoadedCloud& cloud, double* seconds = nullptr);
 
@@ -48,11 +48,11 @@ struct Fidelity {
   double far_off = 0.0;                        ///< share of differences above 10 cm
   double surprises = 0.0;                      ///< share of differences above 3 sigma of the picture
   double sigma_median = 0.0;                   ///< metres
-  // The same over interior pixels: neither they nor the eight around them are beside a jump of the true depth.
+  // Over interior pixels only: neither they nor the eight around them are beside a jump of the true depth.
   double interior_p95 = 0.0;   ///< metres
   double normal_median = 0.0;  ///< angle between normals, degrees
-  /// How much thicker silhouettes are than in truth, metres: the area, at its own depth, that is more than half a metre
-  /// nearer than the truth, over the length of the true silhouettes. To be read as a ratio.
+  /// How much thicker silhouettes are than in truth, metres: the area, at its own depth, that is more than
+  /// half a metre nearer than the truth, over the length of the true silhouettes. To be read as a ratio.
   double grown = 0.0;
   /// Share of the true surface where the picture has nothing, or something more than half a metre behind.
   double holes = 0.0;

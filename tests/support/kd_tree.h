@@ -37,11 +37,11 @@ class KdTree {
   template <class Visit>
   void for_each_child(const Node& node, const Visit& visit) const {
     const std::size_t at = middle(node.begin, node.end);
-    const double position = cloud_.world(ids_[at])[node.axis];
+    const double coordinate = cloud_.world(ids_[at])[node.axis];
     Node below{node.begin, at, (node.axis + 1) % 3, node.bounds};
     Node above{at + 1, node.end, (node.axis + 1) % 3, node.bounds};
-    below.bounds.max[node.axis] = position;
-    above.bounds.min[node.axis] = position;
+    below.bounds.max[node.axis] = coordinate;
+    above.bounds.min[node.axis] = coordinate;
     if (below.begin < below.end) visit(below);
     if (above.begin < above.end) visit(above);
   }

@@ -91,9 +91,9 @@ Ray exact_line(const KnownScene& scene, std::size_t id, const glm::dvec3& observ
 bool passes_edge(const KnownScene& scene, const Ray& line, const Candidate& candidate) {
   const glm::dvec3& middle = scene.exact[candidate.point_id];
   const glm::dvec3& normal = scene.normals[candidate.point_id];
-  const double position = glm::dot(middle - line.origin, normal) / glm::dot(line.direction, normal);
-  if (!(position > 0.0 && line.t_max - position > candidate.radius)) return false;
-  return glm::length(line.position(position) - middle) <= candidate.radius;
+  const double t = glm::dot(middle - line.origin, normal) / glm::dot(line.direction, normal);
+  if (!(t > 0.0 && line.t_max - t > candidate.radius)) return false;
+  return glm::length(line.position(t) - middle) <= candidate.radius;
 }
 
 }  // namespace

@@ -49,10 +49,10 @@ std::vector<std::uint8_t> truth(const KnownScene& scene, const glm::dvec3& obser
 std::vector<std::uint8_t> near_boundary(const KnownScene& scene, const Octree& octree,
                                         const std::vector<std::uint8_t>& truth);
 
-/// The same, and points whose free line of sight passes an edge of something else within two radii of that
-/// one's discs: it crosses the exact plane of a point so near to the point. Behind such an edge the boundary
-/// of the visible part is as wide as the lines spread. Only every `step`-th point is tested, since the queries
-/// are slow; all others count as near a boundary.
+/// Those of near_boundary, and points whose free line of sight passes an edge of something else within two
+/// radii of that one's discs: it crosses the exact plane of a point so near to the point. Behind such an edge
+/// the boundary of the visible part is as wide as the lines spread. Only every `step`-th point is tested,
+/// since the queries are slow; all others count as near a boundary.
 std::vector<std::uint8_t> near_boundary_or_edge(const KnownScene& scene, const Octree& octree,
                                                 const std::vector<std::uint8_t>& truth,
                                                 const glm::dvec3& observer, std::size_t step);

@@ -9,12 +9,11 @@ namespace {
 const glm::dvec3 k_utm{690000.0, 5325000.0, 600.0};
 constexpr double k_pi = 3.14159265358979323846;
 
-template <class Position>
-PointFamily family(const std::string& name, std::size_t count, const Lattice& lattice,
-                   const Position& position) {
+template <class Draw>
+PointFamily family(const std::string& name, std::size_t count, const Lattice& lattice, const Draw& draw) {
   Random random(name);
   std::vector<glm::dvec3> positions;
-  for (std::size_t i = 0; i < count; ++i) positions.push_back(position(random, i));
+  for (std::size_t i = 0; i < count; ++i) positions.push_back(draw(random, i));
   return {name, make_cloud(positions, lattice)};
 }
 

@@ -16,9 +16,9 @@ struct PointFamily {
 };
 
 /// All families; sizes are small enough for brute force. Among them: uniform, grid, sphere shell, line, flat,
-/// all equal, many points at few positions, two far clusters, a site
-/// far from invalid points at 0 0 0, huge offset with small spread, one point, no
-/// point, anisotropic and very fine lattices, extents up to the whole 32-bit range.
+/// all equal, many points at few positions, two far clusters, a site far from invalid points at 0 0 0, huge
+/// offset with small spread, one point, no point, anisotropic and very fine lattices, extents up to the whole
+/// 32-bit range.
 std::vector<PointFamily> point_families();
 
 /// A cloud from world positions on a lattice.

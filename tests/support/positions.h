@@ -8,7 +8,7 @@
 
 namespace alidade::test {
 
-/// Where to aim at in a cloud, and the lengths that matter in it.
+/// Random positions in and around a cloud, and random lengths between nothing and more than the cloud.
 class Positions {
  public:
   Positions(const PointCloud& cloud, Random& random)

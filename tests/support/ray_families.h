@@ -9,7 +9,7 @@
 
 namespace alidade::test {
 
-/// A ray with the conditions to ask it with.
+/// A ray with the conditions of its query.
 struct RayCase {
   Ray ray;
   RayQuery query;

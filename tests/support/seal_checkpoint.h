@@ -5,8 +5,8 @@
 
 #include "tests/support/seal_index.h"
 
-// Checkpoints that were tampered with, made to look untouched, as seal_index.h does it. Positions are those of
-// renderer/checkpoint.h.
+// Gives checkpoints that were tampered with right checksums, for the reason in seal_index.h. Offsets are
+// those of renderer/checkpoint.h.
 
 namespace alidade::test {
 

@@ -10,8 +10,8 @@
 
 #include "base/fingerprint.h"
 
-// Gives index files that were tampered with right checksums. Without this a checksum would catch every change,
-// and the other checks would never be tested. Offsets are those of docs/index_file.md.
+// Gives index files that were tampered with right checksums. Without this a checksum would catch every
+// change, and the other checks would never be tested. Offsets are those of docs/index_file.md.
 
 namespace alidade::test {
 

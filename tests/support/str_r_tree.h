@@ -10,8 +10,9 @@
 
 namespace alidade::test {
 
-/// An R-tree packed by sort-tile-recurse (Leutenegger et al. 1997), small enough to read: what another index
-/// needs to be asked by octree/tree_query.h. Pages of one level stand one after another; leaves first.
+/// An R-tree packed by sort-tile-recurse (Leutenegger et al. 1997), small enough to read: it shows what
+/// another index needs for octree/tree_query.h. Pages of one level are stored one after another, leaves
+/// first.
 class StrRTree {
  public:
   /// Number of a page.

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-// The folder of small inputs that once gave wrong answers in silence, run as a whole: a row for each, with what is right.
+// Runs the folder of small inputs that once gave wrong answers in silence: a row for each, with the right
+// answer.
 #include "tests/tools/program_words.h"
 #include "tests/tools/run_program.h"
 
@@ -12,7 +13,7 @@ struct Step {
   const char* output = "";  ///< the file that stdout goes to, if any
 };
 
-/// An input, and what the last of some commands says of it.
+/// An input, and what the last of some commands prints about it.
 struct Case {
   const char* name;  ///< of the input
   std::vector<Step> steps;

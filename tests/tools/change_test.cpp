@@ -72,7 +72,7 @@ class ChangeProgramTest : public ProgramTest {
   }
 
   PointCloud output(const std::string& name) { return read_cloud(folder / name); }
-  /// What the program says of its failure.
+  /// The error message of the failing program.
   std::string error(const Words& words) {
     const ProgramResult result = run(words);
     EXPECT_EQ(result.exit_code, 2) << result.err;

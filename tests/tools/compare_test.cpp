@@ -146,9 +146,9 @@ TEST_F(CompareTest, points_behind_changes_of_depth_are_written) {
   for (int i = 0; i < 1600; ++i) {
     const int x = i % 40, y = i / 40;
     const bool is_block = x >= 15 && x < 25 && y >= 15 && y < 25;
-    const std::string location = std::to_string(x) + " " + std::to_string(y) + " ";
-    with_block += location + (is_block ? "3\n" : "0\n");
-    without_block += location + "0\n";
+    const std::string xy = std::to_string(x) + " " + std::to_string(y) + " ";
+    with_block += xy + (is_block ? "3\n" : "0\n");
+    without_block += xy + "0\n";
   }
   write("before.xyz", with_block);
   write("after.xyz", without_block);

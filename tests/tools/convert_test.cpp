@@ -183,7 +183,7 @@ TEST_F(ConvertTest, an_index_file_becomes_a_las_file_again) {
 TEST_F(ConvertTest, crop_gives_the_same_points_of_an_index_file_whose_border_it_touches) {
   PointCloud cloud;
   cloud.lattice = {.scale = glm::dvec3(0.01), .offset = glm::dvec3(0.0)};
-  // As steps of 0.01 the position is a rounding above the 0.35 that somebody writes.
+  // 35 steps of 0.01 round to a number just above 0.35.
   cloud.positions = {{35, 0, 0}, {45, 10, 10}};
   ASSERT_GT(cloud.world(0).x, 0.35);
   write_las(folder / "survey.las", cloud);
@@ -219,7 +219,7 @@ TEST_F(ConvertTest, crop_takes_polygons_in_another_reference_system) {
         [690003.7,5324990],[690004.5,5324990],[690004.5,5325010],[690003.7,5325010],[690003.7,5324990]]]}})");
   EXPECT_EQ(converted("a.las", {"--crop", "area.geojson", "--crop-crs", "cloud"}).size(), 2u);
   EXPECT_EQ(converted("b.las", {"--crop", "area.geojson", "--crop-crs", "EPSG:25832"}).size(), 2u);
-  // GeoJSON that says nothing is in degrees, where there is no such position.
+  // GeoJSON without a reference system is in degrees, where there is no such position.
   expect_error({"convert", "survey.las", "-o", "c.las", "--crop", "area.geojson"}, "area.geojson");
   write("degrees.geojson",
         R"({"type":"Feature","properties":{},"geometry":{"type":"Polygon","coordinates":[[

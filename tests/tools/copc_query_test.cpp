@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// COPC files asked where they lie.
+// Queries of COPC files in place.
 #include <algorithm>
 #include <cstring>
 #include <fstream>
@@ -35,7 +35,7 @@ class CopcQueryTest : public ProgramTest {
     return run(words);
   }
 
-  /// The same answers in position and loaded, byte for byte; and some.
+  /// Expects answers, and that those from the file in place and from the loaded cloud are the same bytes.
   void expect_same(const Words& words) {
     Words loaded = words;
     loaded.push_back("--load");

@@ -89,7 +89,7 @@ TEST_F(E57ProgramTest, scanner_positions_are_kept_by_index_files) {
 TEST_F(E57ProgramTest, images_are_extracted_with_cameras_that_render_reads) {
   const ProgramResult result = run({"info", "--extract-images", "pictures", "site.e57"});
   ASSERT_EQ(result.exit_code, 0) << result.err;
-  // Nothing leaves the folder, whatever names say.
+  // Nothing is written outside the folder, whatever the names.
   EXPECT_EQ(read("pictures/_.._up_north..jpg"), k_jpeg);
   EXPECT_EQ(read("pictures/_.._up_north._2.jpg"), k_jpeg);
   const Json images = Json::parse(read("pictures/images.json"));

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// Names that files give to attributes, observers and themselves reach nobody as commands: no terminal, no spreadsheet, no
-// page, no line of their own.
+// Names of attributes, observers and files never act as commands: not to a terminal, in a spreadsheet or in a
+// page, and they never start a line of their own.
 #include "base/shown_text.h"
 #include "base/words.h"
 #include "cloud/las/write_las.h"
@@ -10,7 +10,8 @@
 namespace alidade::test {
 namespace {
 
-/// A formula, the cursor's escape, a line end with a line of its own, C1, a turned direction, a comma and a quote.
+/// A formula, an escape sequence, a line end with a line of its own, a C1 control, a right-to-left override,
+/// a comma and a quote.
 const std::string k_name = "=\x1b[2J\nINJ\xc2\x9b\u202e,\"q";
 
 /// Whether a text has nothing but characters that are shown, line ends, and no line that a name has begun.
@@ -121,7 +122,7 @@ TEST_F(HostileNamesTest, of_files_in_a_catalog_are_addresses_and_strings) {
   const std::string catalog = plain_file("site.catalog.json");
   EXPECT_TRUE(contains(catalog, "\"id\":\"a\\u001b[2J\\nINJ\\u202e.las\"")) << catalog;
   EXPECT_TRUE(contains(catalog, "\"href\":\"a%1B%5B2J%0AINJ%E2%80%AE.las\"")) << catalog;
-  // An href with a control character leads nowhere, and says so in one line.
+  // An href with a control character is an error in one line.
   EXPECT_TRUE(
       contains(said({"info", "site.catalog.json"}, 2), "item 1: the href leaves the catalog's folder"));
 }

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-// Index files of clouds that memory need not hold, made in runs that are killed, interrupted, or fill the disk.
+// Index files of clouds that memory need not hold, made in runs that are killed, interrupted, or fill the
+// disk.
 #include <fmt/format.h>
 #include <signal.h>
 

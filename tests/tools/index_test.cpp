@@ -34,9 +34,9 @@ class IndexTest : public ProgramTest {
   }
 
   /// Adds one to a byte of a file.
-  void damage(const std::string& name, std::size_t position) {
+  void damage(const std::string& name, std::size_t offset) {
     std::string content = read(name);
-    ++content.at(position);
+    ++content.at(offset);
     write(name, content);
   }
 };
@@ -171,11 +171,11 @@ TEST_F(IndexTest, verify_finds_damage_and_names_section_and_byte) {
   result = run({"render", "--cloud", "site.alidade", "-o", "out.png", "--size", "8x8", "--samples", "1"});
   EXPECT_EQ(result.exit_code, 2);
   EXPECT_TRUE(contains(result.err, "corrupt section nodes")) << result.err;
-  for (const std::size_t position : {std::size_t{0}, std::size_t{50}, size / 2, size - 1}) {
+  for (const std::size_t offset : {std::size_t{0}, std::size_t{50}, size / 2, size - 1}) {
     ASSERT_EQ(run({"index", "site.las", "-o", "site.alidade", "-q", "--overwrite"}).exit_code, 0);
-    damage("site.alidade", position);
+    damage("site.alidade", offset);
     result = run({"info", "--verify", "site.alidade"});
-    EXPECT_EQ(result.exit_code, 2) << position;
+    EXPECT_EQ(result.exit_code, 2) << offset;
     EXPECT_TRUE(contains(result.err, "alidade: error: site.alidade")) << result.err;
   }
 }

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// What `alidade info` says of files that other programs wrote, traps included.
+// What `alidade info` prints about files that other programs wrote, traps included.
 #include <nlohmann/json.hpp>
 
 #include "tests/support/absent_data.h"

@@ -41,7 +41,7 @@ class LongRenderTest : public ProgramTest {
     ASSERT_TRUE(std::filesystem::exists(folder / name)) << "ended too early, or hangs";
   }
 
-  /// Runs the program in a shell that limits the size of files, in KiB; what it says goes to the file "said".
+  /// Runs the program in a shell that limits the size of files, in KiB; its messages go to the file "said".
   int run_with_small_files(int limit, const std::string& words) const {
     const std::string command = fmt::format("cd '{}' && ulimit -f {} && '{}' {} 2> said", folder.string(),
                                             limit, program_file().string(), words);
@@ -68,8 +68,8 @@ class LongRenderTest : public ProgramTest {
     return false;
   }
 
-  /// Starts the words again and again until the program has been killed so often, and has resumed at least once; then
-  /// lets it end. Whenever it ends before, its picture must be the expected one, too.
+  /// Starts the program again and again until it has been killed so often, and has resumed at least once;
+  /// then lets it end. Whenever it ends before, its picture must be the expected one, too.
   void kill_and_resume(const Words& words, const std::string& picture, const std::string& expected,
                        int kills) {
     Random random(picture);

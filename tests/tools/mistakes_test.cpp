@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// What a newcomer does wrong, and what the program replies: what was found, what was expected and what to type.
+// Mistakes of newcomers, and what the program replies: what was found, what was expected and what to type.
 #include "tests/tools/program_words.h"
 #include "tests/tools/run_program.h"
 
@@ -260,7 +260,7 @@ const std::vector<Mistake> k_mistakes = {
     {{"manual"}, {"missing FOLDER", "expected alidade manual [OPTIONS] FOLDER"}},
 };
 
-/// The folder of somebody's first hour.
+/// The folder of a newcomer's first hour.
 class MistakesTest : public ProgramTest {
  protected:
   void SetUp() override {

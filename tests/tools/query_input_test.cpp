@@ -239,7 +239,7 @@ TEST_F(QueryInputTest, line_without_end_is_rejected) {
 }
 
 TEST_F(QueryInputTest, targets_across_blocks_of_the_text_are_read_once) {
-  // Lines of all lengths, so that they fall across the positions where the text is cut.
+  // Lines of all lengths, so that some straddle the ends of blocks.
   std::string text = k_header;
   for (int i = 0; i < 60000; ++i) text += fmt::format("{},0,0,1,0,{:.{}f}\n", -i, 0.0, 1 + i % 40);
   write("targets", text);

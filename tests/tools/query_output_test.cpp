@@ -47,7 +47,7 @@ class QueryOutputTest : public ProgramTest {
           "x,y,z,intensity,red,green,blue,Depth\n"
           "0,0,0,10,0,0,65535,0.5\n1,0,0,11,1,2,3,1.5\n2,0.5,0,12,4,5,6,2.5\n");
   }
-  /// More answers than a pipe holds, on their way into one that nobody reads yet.
+  /// More answers than a pipe holds, on their way into one that is not read yet.
   Program answer_into(const std::filesystem::path& pipe) {
     write_tiny();
     EXPECT_EQ(::mkfifo(pipe.c_str(), 0600), 0);

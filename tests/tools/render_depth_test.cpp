@@ -206,7 +206,7 @@ TEST_F(RenderDepthTest, transforms_get_the_depth_of_each_frame_and_keep_all_else
   transforms_["frames"][0]["depth_file_path"] = "depth/images_b.png";
   transforms_["frames"][1]["depth_file_path"] = "depth/images_a.png";
   EXPECT_EQ(read("transforms_depth.json"), transforms_.dump(2) + "\n");
-  // The result is itself a file of cameras, and an interrupted set goes on.
+  // The result is itself a file of cameras, and an interrupted set can be resumed.
   std::filesystem::remove(folder / "depth/images_b.png");
   std::filesystem::remove(folder / "transforms_depth.json");
   write("depth/images_a.png", "there already");

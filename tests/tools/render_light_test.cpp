@@ -162,7 +162,7 @@ TEST_F(RenderLightTest, quick_modes_need_no_light_and_are_named_in_messages) {
     EXPECT_NE(pixels("out.png"), last);
     last = pixels("out.png");
   }
-  // The path mode does need a position for its sun.
+  // The path mode requires latitude and longitude for its sun.
   EXPECT_EQ(render({"dark.json", "-o", "out.png"}).exit_code, 2);
 }
 

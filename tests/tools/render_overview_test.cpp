@@ -39,7 +39,8 @@ class RenderOverviewTest : public ProgramTest {
     write_las(folder / name, cloud);
   }
 
-  /// A frame of 60 x 40 pixels of a slanted wall before a depth camera, the upper half red and the lower half blue.
+  /// A frame of 60 x 40 pixels of a slanted wall before a depth camera, the upper half red and the lower half
+  /// blue.
   void write_frame(const std::string& name) {
     std::string text =
         "VERSION 0.7\nFIELDS x y z rgb\nSIZE 4 4 4 4\nTYPE F F F U\nWIDTH 60\nHEIGHT 40\n"
@@ -111,7 +112,8 @@ TEST_F(RenderOverviewTest, a_frame_of_a_depth_camera_is_shown_as_the_camera_saw_
 }
 
 TEST_F(RenderOverviewTest, scans_are_shown_from_the_side_where_their_scanner_stood) {
-  // A wall from west to east that slopes up to the north, with a scanner in the north; its south-west corner is red.
+  // A wall from west to east that slopes up to the north, with a scanner in the north; its south-west corner
+  // is red.
   std::string text = "20\n20\n0 9 0\n1 0 0\n0 1 0\n0 0 1\n1 0 0 0\n0 1 0 0\n0 0 1 0\n0 9 0 1\n";
   for (int cell = 0; cell < 400; ++cell) {
     const double x = 0.1 * (cell % 20 - 9.5), y = 0.1 * (cell / 20 - 9.5);

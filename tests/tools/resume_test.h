@@ -51,8 +51,8 @@ class ResumeTest : public ProgramTest {
     EXPECT_TRUE(contains(result.err, "saved to state; the same command with --resume")) << result.err;
   }
 
-  /// Runs a command whole; then kills it again and again soon after its checkpoint has grown, goes on from
-  /// that, and compares all its files.
+  /// Runs a command without interruption; then kills it again and again soon after its checkpoint has grown,
+  /// resumes it, and compares all its files.
   void kill_and_resume(const Words& command, const Words& outputs, int kills) {
     Words whole = command, cut = with(command, k_keep);
     for (std::size_t i = 0; i + 1 < outputs.size(); i += 2) {

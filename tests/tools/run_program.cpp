@@ -43,7 +43,7 @@ void redirect(const std::filesystem::path& path, int flags, int descriptor) {
 Program::Program(const std::vector<std::string>& words, const std::filesystem::path& folder,
                  const std::filesystem::path& standard_output, const std::filesystem::path& standard_input,
                  const std::filesystem::path& standard_error, std::optional<std::uint64_t> largest_file) {
-  // What the program says is kept outside its folder, whose files the tests list.
+  // The program's messages are kept outside its folder, whose files the tests list.
   out_ = folder.string() + ".out";
   err_ = folder.string() + ".err";
   keep_out_ = !standard_output.empty();

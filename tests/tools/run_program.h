@@ -19,13 +19,13 @@ struct ProgramResult {
   std::string out, err;
 };
 
-/// The built program at work. It is killed if this object goes away first, and ends with SIGXCPU when it
+/// The running program. It is killed if this object goes away first, and ends with SIGXCPU when it
 /// takes 30 seconds of processor time (300 under a sanitizer).
 class Program {
  public:
   /// Starts `alidade WORDS...` in `folder`; stdout goes to `standard_output` if one is given, stdin is
-  /// `standard_input` or else empty, stderr goes to `standard_error` if one is given. No file
-  /// can have more bytes than `largest_file`, as on a full disk.
+  /// `standard_input` or else empty, stderr goes to `standard_error` if one is given. No file can have more
+  /// bytes than `largest_file`, as on a full disk.
   Program(const std::vector<std::string>& words, const std::filesystem::path& folder,
           const std::filesystem::path& standard_output = {},
           const std::filesystem::path& standard_input = "/dev/null",
@@ -54,9 +54,9 @@ class ProgramTest : public ::testing::Test {
   void TearDown() override;
 
   ProgramResult run(const std::vector<std::string>& words, const std::filesystem::path& standard_output = {});
-  /// The same on a disk that is full when a file has so many bytes: what the program says must be shorter.
+  /// run() on a disk that is full when a file has so many bytes. The messages of the program must be shorter.
   ProgramResult run_on_full_disk(const std::vector<std::string>& words, std::uint64_t largest_file);
-  /// The same with `input` on stdin.
+  /// run() with `input` on stdin.
   ProgramResult run_with_input(const std::vector<std::string>& words, const std::string& input);
 
   /// Writes a file into the folder.

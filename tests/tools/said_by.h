@@ -7,7 +7,7 @@
 
 namespace alidade::test {
 
-/// What another program says on stdout, started by a shell in a folder; empty if it fails or is not there.
+/// What another program prints to stdout, started by a shell in a folder; empty if it fails or is not there.
 inline std::string said_by(const std::string& command, const std::filesystem::path& folder) {
   const std::string line = "cd '" + folder.string() + "' && " + command + " 2> /dev/null";
   std::FILE* const pipe = ::popen(line.c_str(), "r");

@@ -110,7 +110,7 @@ TEST_F(SqlPromptTest, statements_are_typed_edited_and_called_back) {
     EXPECT_TRUE(terminal.edits(".mode csv\n", k_prompt));
     EXPECT_TRUE(terminal.edits(".tables\n", "points,cloud"));
     EXPECT_TRUE(terminal.edits(".schema POINTS\n", "points,x,REAL"));
-    // A keyboard that does not send UTF-8 loses its characters, and no key behind them.
+    // Characters that are not UTF-8 are dropped, and no key after them.
     EXPECT_TRUE(terminal.edits("SELECT 4000 + 26, '\xe9';\n", "4026"));
     EXPECT_TRUE(terminal.edits("SELECT '\xa9' || 4027 || '\xff';\n", "\ufffd4027\ufffd\r\n"));
     EXPECT_TRUE(terminal.edits("/* not run\n", "...> "));

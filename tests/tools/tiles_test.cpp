@@ -41,7 +41,7 @@ class TilesProgramTest : public ProgramTest {
     write(name, read(name).substr(0, read(name).size() - bytes));
   }
 
-  /// What a query says of the tiles, which must be what it says of all points; stderr of the former.
+  /// Expects the answers of a query of the tiles to be those of all points; returns stderr of the former.
   std::string same_answers(const Words& targets) {
     Words of_tiles = {"query", "tiles/"}, of_all = {"query", "all.alidade", "-q"};
     of_tiles.insert(of_tiles.end(), targets.begin(), targets.end());

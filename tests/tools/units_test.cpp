@@ -64,8 +64,8 @@ class UnitsTest : public ProgramTest {
     write_las(folder / name, cloud, {.overwrite = true});
   }
 
-  /// Runs `words` on both files and expects the same output, byte for byte, and one sentence on heights. OUT.csv is
-  /// where they write, if not to the terminal.
+  /// Runs `words` on both files and expects the same output, byte for byte, and one sentence on heights.
+  /// OUT.csv is where they write, if not to the terminal.
   void expect_as_in_metres(Words words) {
     ProgramResult results[2];
     for (int i = 0; i < 2; ++i) {

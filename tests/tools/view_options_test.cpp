@@ -134,12 +134,12 @@ TEST_F(ViewOptionsTest, selecting_nothing_and_wrong_conditions_are_errors) {
 TEST_F(ViewOptionsTest, degrees_become_metres_of_the_zone_they_lie_in) {
   // 20 columns of 1e-5 degrees of longitude at 48 degrees north: 0.7455 m each.
   write_floor("degrees.las", 1e-5, {11.5, 48.0, 500}, k_degrees);
-  const ProgramResult refused = run({"render", "degrees.las", "--size", "16x16", "-o", "no.png"});
-  EXPECT_EQ(refused.exit_code, 2);
-  EXPECT_TRUE(contains(refused.err,
+  const ProgramResult result = run({"render", "degrees.las", "--size", "16x16", "-o", "no.png"});
+  EXPECT_EQ(result.exit_code, 2);
+  EXPECT_TRUE(contains(result.err,
                        "degrees.las: geographic coordinates (degrees) are not supported; expected a "
                        "projected reference system: --reproject auto"))
-      << refused.err;
+      << result.err;
   const PointCloud metres = written({"convert", "degrees.las", "--reproject", "auto"}, "metres.las");
   ASSERT_EQ(metres.size(), 400u);
   EXPECT_NE(metres.crs.wkt.find("UTM zone 32N"), std::string::npos) << metres.crs.wkt;

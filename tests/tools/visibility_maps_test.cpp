@@ -68,7 +68,7 @@ class VisibilityMapsTest : public ProgramTest {
     return map_info(folder / name);
   }
 
-  /// The same with a command that must fail before surfaces are measured, and write nothing.
+  /// Runs a command that must fail before surfaces are measured, and write nothing.
   void expect_rejected_early(const std::string& command, const Words& more, const std::string& message) {
     Words words{"visibility", command, "field.las"};
     words.insert(words.end(), more.begin(), more.end());

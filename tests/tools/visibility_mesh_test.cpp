@@ -34,7 +34,7 @@ class VisibilityMeshTest : public WallSiteTest {
     return result;
   }
 
-  /// The number behind a word of what a command says, without and with the screen.
+  /// The number after `before` in the messages of a command, without and with the screen.
   std::array<double, 2> said(const std::string& command, const Words& words, const std::string& before) {
     std::array<double, 2> numbers{};
     for (std::size_t i = 0; i < 2; ++i) {

@@ -18,8 +18,8 @@
 namespace alidade::test {
 namespace {
 
-/// The wall site with a COLMAP model of two cameras, west and east of the wall and towards it, and their photos, a red
-/// and a green one.
+/// The wall site with a COLMAP model of two cameras, west and east of the wall and towards it, and their
+/// photos, a red and a green one.
 class VisibilityPhotosTest : public WallSiteTest {
  protected:
   void SetUp() override {
@@ -212,7 +212,8 @@ std::string encoded_photo(const char* format, int width, int height,
   return photo;
 }
 
-/// A floor and the wall across it in one E57 file, with a red photo west of the wall and a green panorama east of it.
+/// A floor and the wall across it in one E57 file, with a red photo west of the wall and a green panorama
+/// east of it.
 class VisibilityE57PhotosTest : public ProgramTest {
  protected:
   void SetUp() override {

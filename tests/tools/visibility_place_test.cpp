@@ -11,7 +11,7 @@ using Json = nlohmann::json;
 
 class VisibilityPlaceTest : public WallSiteTest {
  protected:
-  ProgramResult position(std::vector<std::string> words) {
+  ProgramResult run_place(std::vector<std::string> words) {
     words.insert(words.begin(), {"visibility", "place", "site.csv", "-q"});
     return run(words);
   }
@@ -46,7 +46,7 @@ TEST_F(VisibilityPlaceTest, csv_has_the_curve_and_geojson_is_read_as_positions) 
   for (const char* const output : {"best.csv", "best.geojson"}) {
     std::vector<std::string> with = words;
     with.insert(with.end(), {"-o", output});
-    ASSERT_EQ(position(with).exit_code, 0);
+    ASSERT_EQ(run_place(with).exit_code, 0);
   }
   const std::string csv = read("best.csv");
   EXPECT_EQ(csv.substr(0, csv.find('\n')), "place,candidate,name,x,y,z,gain,covered,share");
@@ -64,7 +64,7 @@ TEST_F(VisibilityPlaceTest, classes_heights_and_weights_choose_what_is_to_be_see
     std::vector<std::string> words = {"--observers", "candidates.csv", "--count",    "1",
                                       "-o",          "b.json",         "--overwrite"};
     words.insert(words.end(), more.begin(), more.end());
-    const ProgramResult result = position(words);
+    const ProgramResult result = run_place(words);
     EXPECT_EQ(result.exit_code, 0) << result.err;
     return Json::parse(read("b.json"))["total"].get<double>();
   };
@@ -80,7 +80,7 @@ TEST_F(VisibilityPlaceTest, classes_heights_and_weights_choose_what_is_to_be_see
 
 TEST_F(VisibilityPlaceTest, nobody_who_sees_anything_is_the_answer_no) {
   write("blind.csv", "x,y,z,max_distance\n-3,0,1,0.1\n");
-  const ProgramResult result = position({"--observers", "blind.csv", "--count", "1", "-o", "b.csv"});
+  const ProgramResult result = run_place({"--observers", "blind.csv", "--count", "1", "-o", "b.csv"});
   EXPECT_EQ(result.exit_code, 1);
   EXPECT_NE(result.err.find("no candidate sees any target with a positive weight; writing nothing"),
             std::string::npos)
@@ -95,7 +95,7 @@ TEST_F(VisibilityPlaceTest, what_cannot_be_done_is_an_error) {
   const auto fails_with = [&](const std::vector<std::string>& more, const std::string& part) {
     std::vector<std::string> words = usual;
     words.insert(words.end(), more.begin(), more.end());
-    const ProgramResult result = position(words);
+    const ProgramResult result = run_place(words);
     EXPECT_EQ(result.exit_code, 2) << part;
     EXPECT_NE(result.err.find(part), std::string::npos) << result.err;
   };
@@ -107,7 +107,7 @@ TEST_F(VisibilityPlaceTest, what_cannot_be_done_is_an_error) {
   fails_with({"--target-classes", "40"}, "site.csv: the cloud has no points of the target classes");
   fails_with({"--target-spacing", "1e-6"}, "target spacing too small for the extent of the cloud");
   fails_with({"--count", "0"}, "--count");
-  const ProgramResult nobody = position({"--count", "1", "-o", "b.csv"});
+  const ProgramResult nobody = run_place({"--count", "1", "-o", "b.csv"});
   EXPECT_EQ(nobody.exit_code, 2);
   EXPECT_NE(nobody.err.find("--observer-grid"), std::string::npos) << nobody.err;
   const ProgramResult plain = run({"visibility", "place", "plain.xyz", "-q", "--observer", "100,200,7",

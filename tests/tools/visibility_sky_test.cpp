@@ -81,9 +81,9 @@ TEST_F(SkyTest, horizon_writes_geojson_skyline_and_panorama) {
 }
 
 TEST_F(SkyTest, horizon_is_that_of_one_position_with_files_that_name_their_kind) {
-  const Words position{"--observer", "-3,0.03,1"};
+  const Words observer{"--observer", "-3,0.03,1"};
   const auto with = [&](Words words) {
-    words.insert(words.end(), position.begin(), position.end());
+    words.insert(words.end(), observer.begin(), observer.end());
     return visibility("horizon", words);
   };
   EXPECT_TRUE(contains(with({"--observer", "1,1,1"}).err, "expected one observer, found 2"));

@@ -55,15 +55,15 @@ SunHoursOptions facing(const glm::dvec3& normal, double albedo = 1.0) {
   return {.normal = normal, .albedo = albedo, .bounces = 1};
 }
 
-/// Form factor from a small receiver to a rectangle a high and b wide at a right angle to it, whose lower corner is c
-/// away in the direction of its normal. Howell, A Catalog of Radiation Heat Transfer Configuration
-/// Factors.
+/// Form factor from a small receiver to a rectangle a high and b wide at a right angle to it, whose lower
+/// corner is c away in the direction of its normal. Howell, A Catalog of Radiation Heat Transfer
+/// Configuration Factors.
 double beside_rectangle(double a, double b, double c) {
   const double x = a / b, y = c / b, root = std::hypot(x, y);
   return (std::atan(1.0 / y) - y / root * std::atan(1.0 / root)) / (2.0 * k_pi);
 }
 
-/// The same for a rectangle that it faces, whose corner is c away on its normal.
+/// Form factor from a small receiver to a rectangle that it faces, whose corner is c away on its normal.
 double before_rectangle(double a, double b, double c) {
   const double x = a / c, y = b / c, with_x = std::sqrt(1.0 + x * x), with_y = std::sqrt(1.0 + y * y);
   return (x / with_x * std::atan(y / with_x) + y / with_y * std::atan(x / with_y)) / (2.0 * k_pi);
@@ -120,9 +120,9 @@ Points street() {
   return points;
 }
 
-/// Reflected light in the middle of its floor, per albedo: the sky that each strip of the endless walls sees, (1 - sin
-/// a) / 2 with the elevation a of the other wall, times the form factor of the strip, half the difference of the sines
-/// of its angles from the zenith (Hottel's crossed strings).
+/// Reflected light in the middle of the street's floor, per albedo: the sky that each strip of the endless
+/// walls sees, (1 - sin a) / 2 with the elevation a of the other wall, times the form factor of the strip,
+/// half the difference of the sines of its angles from the zenith (Hottel's crossed strings).
 double on_floor_of_street() {
   constexpr int k_strips = 100000;
   double sum = 0.0;

@@ -185,8 +185,8 @@ TEST(Change, ground_below_a_scanner_is_never_seen_and_not_gone) {
   Points with_hole;
   for (const glm::dvec3& point : all)
     if (glm::length(point) > 1.2) with_hole.push_back(point);
-  // The second scanner looks across the hole: its lines go on below the ground and leave it again on the slope, which
-  // the third scanner sees.
+  // The second scanner looks across the hole: its lines continue below the ground and leave it again on the
+  // slope, which the third scanner sees.
   const std::vector<glm::dvec3> scanners{{0, 0, 1.7}, {0, -4.5, 1.7}, {0, 8, 3}};
   const Changes changes = changes_of(Scan(all, scanners), Scan(with_hole, scanners));
   EXPECT_EQ(share(changes.before, ChangeClass::gone), 0.0);

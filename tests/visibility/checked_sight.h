@@ -28,8 +28,8 @@ inline std::optional<Blocker> blocker_of(const Occluders& occluders, const Sight
   return blocker;
 }
 
-/// A direction of a horizon of this length (metres) with a resolution of a quarter degree has the highest blocked line
-/// and what blocks it.
+/// Expects that a direction of a horizon of this length (metres) with a resolution of a quarter degree has
+/// the highest blocked line and what blocks it.
 inline void expect_highest_blocked(const HorizonDirection& direction, const Occluders& occluders,
                                    const SightEnd& eye,
                                    double length = std::numeric_limits<double>::infinity()) {

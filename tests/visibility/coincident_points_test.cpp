@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-// Points of one position, of which a scan may have a million: invalid returns at zero, or everything scanned twice.
+// Points of one position. A scan may have a million of them: invalid returns at zero, or everything scanned
+// twice.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -30,8 +31,8 @@ void add(PointCloud& cloud, const glm::dvec3& position) {
   cloud.positions.emplace_back(glm::round(position / cloud.lattice.scale));
 }
 
-/// Ground, a wall and a bush, and clusters of equal points: at zero in the air, on the ground, in the bush and on the
-/// wall.
+/// Ground, a wall and a bush, and clusters of equal points: at zero in the air, on the ground, in the bush
+/// and on the wall.
 PointCloud site_with_clusters(std::size_t points_of_cluster) {
   Random random("clusters");
   PointCloud cloud;
@@ -48,7 +49,7 @@ PointCloud site_with_clusters(std::size_t points_of_cluster) {
   return cloud;
 }
 
-/// Lines from the scanner, which stands in a cluster, from anywhere and between clusters.
+/// Lines from the scanner, which is in a cluster, from anywhere and between clusters.
 std::vector<SightLine> lines_of(const Occluders& occluders, const PointCloud& cloud, std::size_t count) {
   Random random("lines");
   std::vector<SightLine> lines;
@@ -125,7 +126,7 @@ TEST(CoincidentPoints, block_as_a_look_at_every_point_finds) {
   EXPECT_LT(blocked_count, 7 * line_count / 8);
 }
 
-/// How often it is asked whether a point counts, by the sky views of all points and by lines from the scanner.
+/// How often the filter is called per line, by the sky views of all points and by lines from the scanner.
 std::uint64_t calls_per_line(const PointCloud& cloud) {
   std::atomic<std::uint64_t> calls = 0;
   const Occluders occluders(build(cloud), {.counts = [&](std::uint64_t) {

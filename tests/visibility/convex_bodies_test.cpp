@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// Nothing on a convex body hides its own visible side, however exactly its points lie on it: as sampled from meshes, plans
-// and elevation models, or scanned.
+// Nothing on a convex body hides its own visible side, however exactly its points lie on it: as sampled from
+// meshes, plans and elevation models, or scanned.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -57,7 +57,8 @@ std::vector<Writing> writings() {
 const Writing k_few_writings[] = {
     {}, {.decimals = 3}, {.decimals = 2, .noise = 0.01}, {.noise = 1e-3, .is_far = true}};
 
-/// Points of a convex body around the origin and the directions out of it. Lengths in distances between neighbours.
+/// Points of a convex body around the origin and the directions out of it. Lengths in distances between
+/// neighbours.
 struct Body {
   std::string name;
   std::vector<glm::dvec3> positions{}, normals{};
@@ -173,7 +174,7 @@ struct WrittenBody {
   PointCloud cloud;
 };
 
-/// Whether a line passes an edge of a cube within two points' distance: points do not show better where it is.
+/// Whether a line passes an edge of a cube within two points' distance: points do not locate the edge better.
 bool passes_edge(const Body& body, const glm::dvec3& from, const glm::dvec3& to) {
   if (body.half_side == 0.0) return false;
   const double length = std::min(glm::length(to - from), 4.0 * body.size);
@@ -192,11 +193,12 @@ bool passes_edge(const Body& body, const glm::dvec3& from, const glm::dvec3& to)
   return false;
 }
 
-/// Sine of the angle at which an eye looks at a point; 0: not from outside, or so that points do not show whether.
+/// Sine of the angle at which an eye looks at a point. 0 if it does not look from outside, or if the points
+/// do not show whether it does.
 double clear_slope(const Body& body, std::size_t id, const glm::dvec3& eye) {
   const double slope = glm::dot(glm::normalize(eye - body.positions[id]), body.normals[id]);
   if (!body.has_inside) return std::fabs(slope);
-  // From there on a point's normal says which side is seen.
+  // From there on a point's normal decides which side is seen.
   constexpr double k_grazing = 0.02;
   return slope < k_grazing || passes_edge(body, body.positions[id], eye) ? 0.0 : slope;
 }
@@ -248,7 +250,8 @@ void expect_nearly_all(const Share& share, const Body& body, const Writing& writ
       << body.name << ", " << writing.text() << ": " << share.right << " of " << share.all;
 }
 
-/// Expects that nearly all is right that look(body, writing, written, occluders, share) finds, for a few writings.
+/// Expects that nearly all is right that look(body, writing, written, occluders, share) finds, for a few
+/// writings.
 template <class Look>
 void expect_in_few_writings(const Look& look) {
   for (const Body& body : bodies()) {

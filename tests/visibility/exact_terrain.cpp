@@ -113,7 +113,8 @@ double exact_horizon(const Raster<float>& heights, const glm::dvec3& eye, double
   double steepest = -std::numeric_limits<double>::infinity();
   for (const Piece& piece : pieces_of(heights, eye, eye + reach * along)) {
     if (!std::isfinite(piece.middle_height)) continue;
-    // With d the distance, from the piece's heights above the eye a + b d + c d^2: the tangent a / d + b + c d.
+    // With d the distance, from the piece's heights above the eye a + b d + c d^2: the tangent
+    // a / d + b + c d.
     const double begin = reach * piece.begin, length = reach * (piece.end - piece.begin);
     const Quadratic rise(piece.begin_height - eye.z, piece.middle_height - eye.z, piece.end_height - eye.z);
     const double c = rise.square / (length * length), b = rise.linear / length - 2.0 * c * begin,

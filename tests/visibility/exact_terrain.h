@@ -9,9 +9,9 @@
 #include "geo/raster.h"
 #include "visibility/sight_line.h"
 
-// Lines over the bilinear surface of an elevation raster, computed in another way than by the program: piece by
-// piece between two edges of patches, where the surface along the line is a quadratic, which three of its heights
-// give. Cells without height are holes. In double precision; for tests.
+// Lines over the bilinear surface of an elevation raster, computed in another way than by the program: piece
+// by piece between two edges of patches, where the surface along the line is a quadratic through three of its
+// heights. Cells without height are holes. In double precision; for tests.
 
 namespace alidade::test {
 
@@ -24,12 +24,12 @@ struct Clearance {
 /// Of a line over the surface. Through a hole it comes below the surface without crossing it.
 Clearance clearance_of(const geo::Raster<float>& heights, const glm::dvec3& eye, const glm::dvec3& target);
 
-/// Elevation of the horizon of an eye in an azimuth (degrees clockwise from north), degrees above the horizontal; -90
-/// where there is no surface. Requires an eye on or above the surface.
+/// Elevation of the horizon of an eye in an azimuth (degrees clockwise from north), degrees above the
+/// horizontal; -90 where there is no surface. Requires an eye on or above the surface.
 double exact_horizon(const geo::Raster<float>& heights, const glm::dvec3& eye, double azimuth);
 
-/// 1/pi times the integral of sin(elevation) over the sky above the exact horizon: the mean of cos^2 of it, or of 0
-/// where it is lower, over so many even azimuths.
+/// 1/pi times the integral of sin(elevation) over the sky above the exact horizon: the mean of cos^2 of the
+/// horizon's elevation, or of 0 where it is lower, over so many even azimuths.
 double exact_sky_view(const geo::Raster<float>& heights, const glm::dvec3& eye, int azimuths);
 
 /// The elevations of r.viewshed's test data; empty where the shared data are absent.

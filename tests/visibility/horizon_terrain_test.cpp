@@ -62,8 +62,8 @@ struct Differences {
 };
 
 /// Of an eye over a raster: no horizon is above the exact one or more than the resolution below it. On the
-/// surface, lines that are less than a millimetre below it count as lying on it: the horizon is at least that of an
-/// eye so much higher.
+/// surface, lines that are less than a millimetre below it count as lying on it: the horizon is at least that
+/// of an eye so much higher.
 void expect_exact(const Raster<float>& heights, const glm::dvec3& eye, bool is_on_surface,
                   Differences& differences) {
   const Occluders occluders = occluders_of(heights);

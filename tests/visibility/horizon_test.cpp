@@ -83,7 +83,7 @@ TEST(Horizon, of_a_cone_is_that_of_its_silhouette) {
       continue;
     }
     if (off > half_width - 0.5) continue;
-    // The highest of the rays (H - k rho(d)) / d over all positions d along the azimuth.
+    // The highest of the rays (H - k rho(d)) / d over all distances d along the azimuth.
     const double tangent =
         k_height / k_distance *
         (std::cos(off * k_degree) - std::sin(off * k_degree) * std::sqrt(1.0 - k_share * k_share) / k_share);

@@ -43,7 +43,7 @@ inline geo::Raster<float> town(int size, Random& random) {
   return heights;
 }
 
-/// The same with streets in place of the holes.
+/// A town() with streets in place of the holes.
 inline geo::Raster<float> whole_town(const geo::Raster<float>& town) {
   geo::Raster<float> whole = town;
   std::ranges::replace_if(

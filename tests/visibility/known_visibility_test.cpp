@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// What sight lines through points say, against the exact surfaces the points were sampled from.
+// Sight lines through points against the exact surfaces that the points were sampled from.
 #include <gtest/gtest.h>
 
 #include "octree/build.h"

@@ -190,10 +190,10 @@ TEST_F(LineFilesTest, a_mesh_has_a_position_but_neither_id_nor_class) {
 }
 
 TEST(LonLat, unknown_and_local_systems_are_empty) {
-  const std::vector<glm::dvec3> position = {{0, 0, 0}};
-  EXPECT_FALSE(lon_lat({}, position));
-  EXPECT_FALSE(lon_lat(crs_of_wkt("LOCAL_CS[\"here\",UNIT[\"metre\",1]]"), position));
-  EXPECT_FALSE(lon_lat(crs_of_wkt("nonsense"), position));
+  const std::vector<glm::dvec3> origin = {{0, 0, 0}};
+  EXPECT_FALSE(lon_lat({}, origin));
+  EXPECT_FALSE(lon_lat(crs_of_wkt("LOCAL_CS[\"here\",UNIT[\"metre\",1]]"), origin));
+  EXPECT_FALSE(lon_lat(crs_of_wkt("nonsense"), origin));
 }
 
 TEST(LonLat, metres_of_a_unit) {

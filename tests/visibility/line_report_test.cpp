@@ -48,7 +48,7 @@ TEST(LineReport, a_line_over_the_wall_is_free_and_its_clearance_is_reported) {
   EXPECT_FALSE(line.fresnel);
 }
 
-TEST(LineReport, points_abreast_of_no_position_between_the_ends_take_no_clearance) {
+TEST(LineReport, points_beyond_the_ends_do_not_reduce_the_clearance) {
   const Occluders occluders = wall().occluders();
   EXPECT_FALSE(report_one(occluders, {{31, 0, 2.2}}, {{100, 0, 2.2}}).nearest);
   EXPECT_FALSE(report_one(occluders, {{0, 0, 2.2}}, {{29, 0, 2.2}}).nearest);

@@ -60,7 +60,8 @@ Points hills(const char* seed, double lift) {
   return points;
 }
 
-/// Mean along an axis of the points in a cylinder, their variance, and their number, by the formulas of the paper.
+/// Mean along an axis of the points in a cylinder, their variance, and their number, by the formulas of the
+/// paper.
 struct PlainSurface {
   double mean = 0.0, variance = 0.0, count = 0.0;
 };

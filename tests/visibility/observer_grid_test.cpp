@@ -47,8 +47,8 @@ TEST(ObserverGrid, leaves_out_positions_without_ground) {
 }
 
 TEST(ObserverGrid, of_a_single_position_has_one_cell) {
-  const Bounds position{.min = {1, 2, 3}, .max = {1, 2, 3}};
-  const auto grid = observer_grid(position, 5.0, slope);
+  const Bounds single{.min = {1, 2, 3}, .max = {1, 2, 3}};
+  const auto grid = observer_grid(single, 5.0, slope);
   ASSERT_EQ(grid.size(), 1u);
   EXPECT_EQ(grid[0].position, glm::dvec2(1, 2));
 }

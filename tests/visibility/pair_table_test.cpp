@@ -64,18 +64,17 @@ TEST(PairTable, errors_name_the_line) {
   EXPECT_TRUE(problem_of("from\na\n").starts_with(":line 1: missing columns"));
   EXPECT_TRUE(problem_of("from,to,from_x,from_y\na,b,1,2\n").starts_with(":line 1: missing columns"));
   EXPECT_TRUE(problem_of("from,to,from_z\na,b,1\n").starts_with(":line 1: missing columns"));
-  const std::string positions = "from_x,from_y,to_x,to_y\n";
-  EXPECT_EQ(problem_of(positions + "1,2,3,4\n"), "");
-  EXPECT_TRUE(problem_of(positions + "1,2,3\n").starts_with(":line 2: too few columns"));
-  EXPECT_TRUE(problem_of(positions + "1,2,3,4,5\n").starts_with(":line 2: too many columns"));
+  const std::string header = "from_x,from_y,to_x,to_y\n";
+  EXPECT_EQ(problem_of(header + "1,2,3,4\n"), "");
+  EXPECT_TRUE(problem_of(header + "1,2,3\n").starts_with(":line 2: too few columns"));
+  EXPECT_TRUE(problem_of(header + "1,2,3,4,5\n").starts_with(":line 2: too many columns"));
   EXPECT_TRUE(
-      problem_of(positions + "\n1,2,x,4\n").starts_with(":line 3: invalid to_x; expected a finite number"));
+      problem_of(header + "\n1,2,x,4\n").starts_with(":line 3: invalid to_x; expected a finite number"));
+  EXPECT_TRUE(problem_of(header + "1,2,,4\n").starts_with(":line 2: invalid to_x; expected a finite number"));
   EXPECT_TRUE(
-      problem_of(positions + "1,2,,4\n").starts_with(":line 2: invalid to_x; expected a finite number"));
+      problem_of(header + "1,nan,3,4\n").starts_with(":line 2: invalid from_y; expected a finite number"));
   EXPECT_TRUE(
-      problem_of(positions + "1,nan,3,4\n").starts_with(":line 2: invalid from_y; expected a finite number"));
-  EXPECT_TRUE(
-      problem_of(positions + "1,inf,3,4\n").starts_with(":line 2: invalid from_y; expected a finite number"));
+      problem_of(header + "1,inf,3,4\n").starts_with(":line 2: invalid from_y; expected a finite number"));
   EXPECT_TRUE(problem_of("from,to\na,\n").starts_with(":line 2: missing endpoint name"));
 }
 

@@ -22,7 +22,7 @@ class ReadObserversTest : public VectorFileTest {
   std::string problem_of(const fs::path& path, const ObserverReference& reference = {}) const {
     return problem_in([&] { read(path, reference); });
   }
-  /// Expects the problem to begin with the file's name and `position`, and to hold `part`.
+  /// Expects the problem to begin with the file's name and `location`, and to contain `part`.
   void expect_problem(const std::string& name, const std::string& text, const std::string& location,
                       const std::string& part) const {
     const fs::path path = write(name, text);

@@ -75,7 +75,8 @@ Lines lines_through(const Occluders& occluders, const PointCloud& cloud, int cou
   return lines;
 }
 
-/// The definition: all that blocks the chords, the first crossing of each point, then those behind the one before.
+/// The definition: all that blocks the chords, the first crossing of each point, then those behind the one
+/// before.
 std::optional<Blocker> separate_blocker(const Occluders& occluders, const PointCloud& cloud,
                                         const std::vector<double>& spacings, const Lines& lines,
                                         std::size_t line) {

@@ -164,8 +164,8 @@ struct Jumble {
   }
 };
 
-/// Where a line meets the first triangle on whose plane none of its ends lies: a loop over all triangles, again
-/// behind each of those.
+/// Where a line meets the first triangle on whose plane none of its ends lies: a loop over all triangles,
+/// repeated behind each of those.
 std::optional<double> first_triangle(const TriangleTree& tree, const SightLine& line) {
   constexpr double k_infinity = std::numeric_limits<double>::infinity();
   Ray ray{line.from.position, line.direction, 0.0, line.length};
@@ -341,14 +341,14 @@ TEST(SightMesh, line_reports_name_it_and_come_back_from_their_bytes) {
 }
 
 TEST(SightMesh, the_lowest_seen_height_behind_it_is_on_the_line_over_its_edge) {
-  Position position;
+  Field field;
   TriangleMesh mesh;
   add_rectangle(mesh, {0, -30, 0}, {0, 60, 0}, {0, 0, 3});
   OccluderOptions options;
   options.mesh = tree_of(std::move(mesh));
-  const Occluders occluders(position.occluders().octree(), options);
+  const Occluders occluders(field.occluders().octree(), options);
   const Observer eye = at(-10, 0, 1.5);
-  const Viewshed seen = viewshed(occluders, position.ground(), {&eye, 1}, Position::grid(),
+  const Viewshed seen = viewshed(occluders, field.ground(), {&eye, 1}, Field::grid(),
                                  {.mode = ViewshedMode::height, .highest = 50.0});
   int hidden = 0;
   for_cells(seen, [&](float value, const glm::dvec2& cell) {
@@ -358,7 +358,7 @@ TEST(SightMesh, the_lowest_seen_height_behind_it_is_on_the_line_over_its_edge) {
   });
   EXPECT_GT(hidden, 100);
   // Without it all of the ground is seen.
-  const Viewshed open = position.seen({&eye, 1});
+  const Viewshed open = field.seen({&eye, 1});
   EXPECT_GT(std::ranges::count(open.values.values, 1.0f), 600);
 }
 

@@ -23,7 +23,8 @@ namespace {
 
 constexpr float k_hole = std::numeric_limits<float>::quiet_NaN();
 
-/// Flat ground at `ground`, 100 x 100 around the origin in cells of 1, with a ridge along x = 0.5 of this height.
+/// Flat ground at `ground`, 100 x 100 around the origin in cells of 1, with a ridge along x = 0.5 of this
+/// height.
 std::shared_ptr<const TerrainSurface> ridge(double height, double ground = 0.0) {
   Raster<float> heights({{-50, 50}, 1.0, 100, 100}, static_cast<float>(ground));
   for (int row = 0; row < 100; ++row) heights.at(50, row) = static_cast<float>(height);

@@ -65,7 +65,7 @@ TEST(ViewshedPictureTest, every_value_has_a_colour_and_the_scale_ends_at_the_lar
   EXPECT_EQ(count.scale->range, (ValueRange{1.0, 7.0}));
   EXPECT_EQ(count.marks.at(0).name, "tower");
   EXPECT_FALSE(viewshed_picture(viewshed(), {}, {&observer, 1}, "m").scale);
-  // What is not seen up to the highest position is no height.
+  // A cell that is not seen up to `highest` does not extend the scale.
   const MapPicture height =
       viewshed_picture(viewshed(), {.mode = ViewshedMode::height, .highest = 7.0}, {&observer, 1}, "m");
   EXPECT_EQ(height.scale->range, (ValueRange{0.0, 1.0}));

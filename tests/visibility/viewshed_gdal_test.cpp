@@ -30,8 +30,8 @@ const std::filesystem::path k_file =
 // - An eye of height 0 is in the surface. On a ridge it grazes both flanks, so that neighbours are seen from
 //   a little above them on ("all_visible", and cells beside the eye in general).
 // - A flank that begins at the eye's foot is the eye's own surface, and one that ends at the target's foot
-//   the target's own. A hill one cell wide between the two has no other surface, so it hides nothing ("row_1",
-//   cell 4; "simple_height", columns 0 and 1). From a metre above the ground this does not happen.
+//   the target's own. A hill one cell wide between the two has no other surface, so it hides nothing
+//   ("row_1", cell 4; "simple_height", columns 0 and 1). From a metre above the ground this does not happen.
 // Elsewhere both agree to within what discs stand over a sharp edge.
 
 /// Lowest heights seen on a small grid of the tests of gdal_viewshed, as ground of points. The eye is a hair

@@ -37,29 +37,28 @@ SampledObjects house(double x, double half, double height) {
   return sample_objects(given, {}, {});
 }
 
-Viewshed seen(Position& position, const SampledObjects& objects, ViewshedMode mode) {
-  return position.seen(
-      objects.samples,
-      {.mode = mode, .target_height = k_eye, .pieces = objects.pieces, .positions_across = 1});
+Viewshed seen(Field& field, const SampledObjects& objects, ViewshedMode mode) {
+  return field.seen(objects.samples,
+                    {.mode = mode, .target_height = k_eye, .pieces = objects.pieces, .positions_across = 1});
 }
 
 TEST(ViewshedObjects, on_level_ground_all_of_a_mast_is_seen) {
-  Position position;
+  Field field;
   const SampledObjects objects = sampled({mast(3, 2, 12)}, 0.5);
-  for_cells(seen(position, objects, ViewshedMode::fraction),
+  for_cells(seen(field, objects, ViewshedMode::fraction),
             [](float value, const glm::dvec2& cell) { EXPECT_EQ(value, 1.0f) << cell.x << " " << cell.y; });
-  for_cells(seen(position, objects, ViewshedMode::size),
+  for_cells(seen(field, objects, ViewshedMode::size),
             [](float value, const glm::dvec2&) { EXPECT_EQ(value, 12.0f); });
 }
 
 TEST(ViewshedObjects, a_wall_hides_the_lower_part_of_a_mast) {
   constexpr double k_wall = 3.0, k_height = 20.0, k_behind = 10.0;
-  Position position;
-  position.wall(0, -30, 30, 0, k_wall);
+  Field field;
+  field.wall(0, -30, 30, 0, k_wall);
   const SampledObjects objects = sampled({mast(k_behind, 0, k_height)}, 0.25);
-  const Viewshed lengths = seen(position, objects, ViewshedMode::size),
-                 shares = seen(position, objects, ViewshedMode::fraction),
-                 any = seen(position, objects, ViewshedMode::visible);
+  const Viewshed lengths = seen(field, objects, ViewshedMode::size),
+                 shares = seen(field, objects, ViewshedMode::fraction),
+                 any = seen(field, objects, ViewshedMode::visible);
   int checked = 0;
   for_cells(lengths, [&](float value, const glm::dvec2& cell) {
     if (std::fabs(cell.y) > 14) return;
@@ -83,12 +82,12 @@ TEST(ViewshedObjects, a_wall_hides_the_lower_part_of_a_mast) {
 }
 
 TEST(ViewshedObjects, objects_are_counted_once_each) {
-  Position position;
-  position.wall(0, -30, 30, 0, 8);
+  Field field;
+  field.wall(0, -30, 30, 0, 8);
   // Two are behind the wall, and one of these is higher.
   const SampledObjects objects =
       sampled({mast(-20, 0, 4), mast(-20, 5, 4), mast(10, 0, 4), mast(10, 5, 60)}, 1.0);
-  const Viewshed counts = seen(position, objects, ViewshedMode::count);
+  const Viewshed counts = seen(field, objects, ViewshedMode::count);
   for_cells(counts, [](float value, const glm::dvec2& cell) {
     if (cell.x < -3) {
       EXPECT_EQ(value, 3.0f) << cell.x << " " << cell.y;
@@ -100,10 +99,10 @@ TEST(ViewshedObjects, objects_are_counted_once_each) {
 }
 
 TEST(ViewshedObjects, of_a_house_the_walls_count_that_face_the_cell) {
-  Position position;
+  Field field;
   const SampledObjects objects = house(0, 4, 6);
-  const Viewshed areas = seen(position, objects, ViewshedMode::size),
-                 shares = seen(position, objects, ViewshedMode::fraction);
+  const Viewshed areas = seen(field, objects, ViewshedMode::size),
+                 shares = seen(field, objects, ViewshedMode::fraction);
   for_cells(areas, [](float value, const glm::dvec2& cell) {
     const bool beside_x = std::fabs(cell.x) > 4, beside_y = std::fabs(cell.y) > 4;
     const float walls = beside_x && beside_y ? 2.0f : 1.0f;
@@ -117,12 +116,12 @@ TEST(ViewshedObjects, of_a_house_the_walls_count_that_face_the_cell) {
 }
 
 TEST(ViewshedObjects, the_solid_angle_of_a_free_strip_is_that_of_its_rectangle) {
-  Position position;
+  Field field;
   const SampledObjects objects = sampled({mast(0.3, 0, 9)}, 0.5, 2.0);
-  for_cells(seen(position, objects, ViewshedMode::angle), [](float value, const glm::dvec2& cell) {
+  for_cells(seen(field, objects, ViewshedMode::angle), [](float value, const glm::dvec2& cell) {
     const double d = std::hypot(cell.x - 0.3, cell.y);
-    // Parts below and above the eye, each a quarter of a rectangle twice as high; the eye is above the noise of
-    // the ground by a lift.
+    // Parts below and above the eye, each a quarter of a rectangle twice as high; a lift puts the eye above
+    // the noise of the ground.
     const auto part = [d](double height) {
       return 2.0 * std::atan(height / (d * std::sqrt(1.0 + height * height + d * d)));
     };
@@ -131,11 +130,11 @@ TEST(ViewshedObjects, the_solid_angle_of_a_free_strip_is_that_of_its_rectangle) 
 }
 
 TEST(ViewshedObjects, out_of_reach_is_out_of_range) {
-  Position position;
+  Field field;
   GivenObjects given;
   given.add_segment(mast(0, 0, 4));
   const SampledObjects objects = sample_objects(given, {.max_distance = 10.0}, {});
-  for_cells(seen(position, objects, ViewshedMode::fraction), [](float value, const glm::dvec2& cell) {
+  for_cells(seen(field, objects, ViewshedMode::fraction), [](float value, const glm::dvec2& cell) {
     const double d = std::hypot(cell.x, cell.y);
     if (d < 9.5) {
       EXPECT_EQ(value, 1.0f);
@@ -147,20 +146,20 @@ TEST(ViewshedObjects, out_of_reach_is_out_of_range) {
 }
 
 TEST(ViewshedObjects, maps_that_do_not_fit_are_errors) {
-  Position position;
+  Field field;
   const SampledObjects objects = sampled({mast(0, 0, 4)}, 1.0);
-  EXPECT_THROW(seen(position, objects, ViewshedMode::height), Error);
-  EXPECT_THROW(seen(position, objects, ViewshedMode::angle), Error) << "no width";
-  EXPECT_THROW(position.seen(objects.samples, {.mode = ViewshedMode::size}), Error) << "no objects";
+  EXPECT_THROW(seen(field, objects, ViewshedMode::height), Error);
+  EXPECT_THROW(seen(field, objects, ViewshedMode::angle), Error) << "no width";
+  EXPECT_THROW(field.seen(objects.samples, {.mode = ViewshedMode::size}), Error) << "no objects";
   const std::span<const ObjectPiece> few(objects.pieces.data(), 1);
-  EXPECT_THROW(position.seen(objects.samples, {.mode = ViewshedMode::size, .pieces = few}), Error);
+  EXPECT_THROW(field.seen(objects.samples, {.mode = ViewshedMode::size, .pieces = few}), Error);
 }
 
 TEST(ViewshedObjects, bands_have_the_unit_of_their_values) {
-  Position position;
+  Field field;
   const SampledObjects line = sampled({mast(0, 0, 4)}, 1.0), strip = sampled({mast(0, 0, 4)}, 1.0, 2.0);
   const auto unit = [&](const SampledObjects& objects, ViewshedMode mode) {
-    return viewshed_band(seen(position, objects, mode), {.mode = mode, .pieces = objects.pieces}, {}, 1, "m")
+    return viewshed_band(seen(field, objects, mode), {.mode = mode, .pieces = objects.pieces}, {}, 1, "m")
         .unit;
   };
   EXPECT_EQ(unit(line, ViewshedMode::size), "m");
@@ -169,8 +168,7 @@ TEST(ViewshedObjects, bands_have_the_unit_of_their_values) {
   EXPECT_EQ(unit(line, ViewshedMode::fraction), "");
   const Observer marked = at(0, 0, 4);
   const ViewshedOptions options{.mode = ViewshedMode::angle, .pieces = strip.pieces};
-  const MapPicture picture =
-      viewshed_picture(seen(position, strip, options.mode), options, {&marked, 1}, "m");
+  const MapPicture picture = viewshed_picture(seen(field, strip, options.mode), options, {&marked, 1}, "m");
   EXPECT_EQ(picture.title, "Solid angle of one object");
   ASSERT_TRUE(picture.scale);
 }

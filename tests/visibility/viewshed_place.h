@@ -15,10 +15,10 @@ namespace alidade::test {
 using namespace geo;
 using namespace visibility;
 
-/// Level ground, 60 x 60 around the origin, with whatever is put onto it.
-class Position {
+/// Level ground, 60 x 60 around the origin, and what a test adds to it.
+class Field {
  public:
-  explicit Position(double noise = 0.0) {
+  explicit Field(double noise = 0.0) {
     cloud_.lattice.scale = glm::dvec3(0.0001);
     sheet({-30, -30, 0}, {60, 0, 0}, {0, 60, 0}, 2, noise);
   }
@@ -65,7 +65,8 @@ class Position {
   std::optional<Ground> ground_;
 };
 
-/// How far discs of the points above may stand over the edge of what they were taken from, and end before it.
+/// How far the discs of these points may extend beyond the edge of the surface they were taken from, and how
+/// far before it they may end.
 inline constexpr double k_edge = 0.5, k_before_edge = 0.2;
 
 inline Observer at(double x, double y, double z) {

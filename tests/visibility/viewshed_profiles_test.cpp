@@ -73,7 +73,7 @@ Raster<float> heights_of(const Profile& profile) {
   return heights;
 }
 
-/// How an answer is asked for.
+/// What an answer depends on beside the heights.
 struct Settings {
   double observer_height, target_height, curvature = k_usual_curvature;
 };
@@ -124,8 +124,8 @@ TEST(ViewshedProfiles, all_fifteen_have_their_derived_answers) {
 }
 
 TEST(ViewshedProfiles, without_the_heights_asked_for_those_of_other_programs_fail_here_too) {
-  // As published for gdal_viewshed and r.viewshed with nothing but their input: this shows that the profiles are
-  // the benchmark's. A target on the ground and one of 30 m behind the same hill have opposite answers.
+  // As published for gdal_viewshed and r.viewshed with nothing but their input: this shows that the profiles
+  // are the benchmark's. A target on the ground and one of 30 m behind the same hill have opposite answers.
   std::string gdal, grass;
   for (std::size_t i = 0; i < k_profiles.size(); ++i) {
     const Raster<float> heights = heights_of(k_profiles[i]);

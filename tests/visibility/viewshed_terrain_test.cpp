@@ -91,7 +91,7 @@ Agreement compare(const Raster<float>& map, const Raster<float>& heights, const 
   return agreement;
 }
 
-/// Our map of these heights agrees with the exact one; the agreement.
+/// Expects our map of these heights to agree with the exact one; returns the agreement.
 Agreement expect_exact(const Raster<float>& heights, const glm::dvec2& cell, double eye_height,
                        double target_height) {
   const Observer observer = observer_over(heights, cell, eye_height);
@@ -106,7 +106,8 @@ Agreement expect_exact(const Raster<float>& heights, const glm::dvec2& cell, dou
   return agreement;
 }
 
-/// The same beside gdal_viewshed, from the centre of a cell to the ground.
+/// Expects our map to agree with the exact one better than that of gdal_viewshed, from the centre of a cell to
+/// the ground.
 void expect_better_than_gdal(const std::string& name, const Raster<float>& heights, const glm::ivec2& cell,
                              double eye_height) {
   const double ours = expect_exact(heights, cell, eye_height, 0.0).intersection_over_union();

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 // Whole weather files as their publishers write them: full heads, all columns, months of different years.
-// Sources: EnergyPlus, Auxiliary Programs, EPW data dictionary; Wilcox and Marion, Users Manual for TMY3 Data Sets,
-// 2008; European Commission, PVGIS user manual, typical meteorological year.
+// Sources: EnergyPlus, Auxiliary Programs, EPW data dictionary; Wilcox and Marion, Users Manual for TMY3 Data
+// Sets, 2008; European Commission, PVGIS user manual, typical meteorological year.
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 

@@ -43,10 +43,10 @@ inline CopcSample build_copc(std::size_t count, std::size_t node_points = 40, st
   std::map<CopcKey, std::vector<LasPoint>> nodes;
   for (LasPoint& point : random_las_points(7, count, 0, seed)) {
     // Two sheets and some dust, so that parts of the cube are empty.
-    const auto offset = [&] { return static_cast<std::int32_t>(engine() % 128000) - 64000; };
-    point.x = offset();
-    point.y = offset();
-    point.z = engine() % 10 == 0 ? offset() : static_cast<std::int32_t>(engine() % 3000) - 20000;
+    const auto coordinate = [&] { return static_cast<std::int32_t>(engine() % 128000) - 64000; };
+    point.x = coordinate();
+    point.y = coordinate();
+    point.z = engine() % 10 == 0 ? coordinate() : static_cast<std::int32_t>(engine() % 3000) - 20000;
     CopcKey key;
     while (nodes[key].size() >= node_points) {
       const int level = key.level + 1;

@@ -75,7 +75,7 @@ TEST(CopcHierarchyTest, boxes_hold_those_of_their_children) {
 TEST(CopcHierarchyTest,
      a_node_without_parent_hangs_below_the_smallest_cube_around_it_and_no_others_are_made) {
   CopcSample sample = build_copc(500);
-  // The root's entry stands somewhere in the page; its chunk becomes that of a deep node without relatives.
+  // The root's entry is somewhere in the page; its chunk becomes that of a deep node without relatives.
   for (std::size_t offset = sample.pages_offset; offset < sample.bytes.size(); offset += 32) {
     std::int32_t level = 0;
     std::memcpy(&level, sample.bytes.data() + offset, 4);
@@ -190,7 +190,8 @@ TEST(CopcHierarchyTest, entries_that_cannot_be_true_are_errors) {
   EXPECT_TRUE(contains(error_of([&] { open(twice.bytes); }), "expected one with points, found "));
 }
 
-/// What holds of every hierarchy that is not an error: all points of the file once, in chunks that lie in it, and a tree.
+/// What holds for every hierarchy that is not an error: it is a tree with all points of the file once, in
+/// chunks inside the file.
 void expect_sound(const CopcFile& file, std::size_t bytes) {
   const CopcHierarchy& hierarchy = file.hierarchy();
   std::uint64_t points = 0;
@@ -228,12 +229,13 @@ TEST(CopcHierarchyTest, every_flipped_bit_of_pages_and_record_is_an_error_or_har
     sample.bytes[offset] ^= bit;
   };
   for (std::size_t offset = sample.info_offset; offset < sample.info_offset + 160; ++offset) flip(offset);
-  // What is behind the record's numbers means nothing, and some bits of a centre or a spacing are others of such.
+  // The bytes after the record's numbers are unused, and some flipped bits of a centre or a spacing give
+  // another valid one.
   EXPECT_GT(read, 100);
   EXPECT_GT(rejected, 10);
   rejected = read = 0;
   for (std::size_t offset = sample.pages_offset; offset < sample.bytes.size(); ++offset) flip(offset);
-  // A node's key may become that of another cube; no number of points, place or size of a chunk may change.
+  // A node's key may become that of another cube; no number of points, offset or size of a chunk may change.
   EXPECT_GE(rejected, 16 * static_cast<int>(sample.keys.size()));
 }
 

@@ -145,7 +145,8 @@ TEST(WriteCopc, upper_levels_are_a_thinned_cloud) {
 }
 
 TEST(WriteCopc, a_node_takes_the_middle_point_of_each_cell) {
-  // The root begins a step before the first point, so that a cell of its grid holds the points 4 n - 1 to 4 n + 2.
+  // The root begins a step before the first point, so that a cell of its grid holds the points 4 n - 1 to
+  // 4 n + 2.
   PointCloud cloud;
   for (int i = 0; i < 511; ++i) cloud.positions.emplace_back(i, 0, 0);
   const CopcPlan plan = planned(cloud, 20);

@@ -121,7 +121,7 @@ class E57Builder {
     add_scan(facts, columns, packets_of(columns, piece), columns.empty() ? 0 : columns[0].numbers.size());
   }
 
-  /// The same with packets and record count as they come.
+  /// A scan with these packets and record count, whatever the columns hold.
   void add_scan(const std::string& facts, const std::vector<E57Column>& columns,
                 const std::vector<std::string>& packets, std::uint64_t record_count) {
     std::string prototype;

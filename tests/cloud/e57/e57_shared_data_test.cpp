@@ -92,7 +92,7 @@ TEST(E57SharedFiles, a_damaged_page_is_named) {
   EXPECT_NE(error.find("corrupt_crc.e57:page 33: corrupt page: wrong checksum"), std::string::npos) << error;
 }
 
-/// Damage of every kind to a sample is an Error, or hits bytes that nobody reads.
+/// Damage of every kind to a sample is an Error, or hits bytes that are not read.
 void expect_rejection(const std::string& name) {
   const std::filesystem::path path = shared_data("e57/" + name);
   if (path.empty()) GTEST_SKIP() << k_no_shared_data;

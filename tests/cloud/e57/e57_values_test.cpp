@@ -193,7 +193,7 @@ TEST(E57Intensity, scans_without_values_leave_the_scale_of_the_others_alone) {
   EXPECT_TRUE(warns(cloud, "assuming that intensities range from 0 to 1"));
 }
 
-TEST(E57Invalid, points_without_a_offset_are_left_out_and_counted) {
+TEST(E57Invalid, points_without_a_position_are_left_out_and_counted) {
   E57Builder builder;
   const double nan = std::numeric_limits<double>::quiet_NaN();
   builder.add_scan(

@@ -48,7 +48,7 @@ TEST(SymbolModelTest, find_is_the_largest_symbol_that_does_not_begin_above_the_v
         model.count(std::min(random(), random()) % static_cast<unsigned>(symbols) / (1 + i % 3));
       if (round % 10 != 9) continue;
       unsigned expected = 0;
-      // The last symbol's part goes on above 2^15.
+      // The last symbol's part extends above 2^15.
       const std::uint32_t unit = 1 + random() % 100000;
       for (std::uint32_t quotient = 0; quotient < (1 << 15) + 64; ++quotient) {
         while (expected < model.last_symbol() && model.cumulative(expected + 1) <= quotient) ++expected;
@@ -69,11 +69,11 @@ TEST(SymbolModelSetTest, models_are_kept_apart_and_all_fresh_behind_a_reset) {
   for (int i = 0; i < 5; ++i) models[7].count(3);
   EXPECT_LT(models[7].cumulative(3), 24576u);
   EXPECT_EQ(models[8].cumulative(3), 24576u);
-  const SymbolModel* const offset = &models[7];
+  const SymbolModel* const before = &models[7];
   models.reset();
   EXPECT_EQ(models[7].cumulative(3), 24576u);
   EXPECT_EQ(models[7].left(), 5u);
-  EXPECT_EQ(&models[7], offset);
+  EXPECT_EQ(&models[7], before);
 }
 
 TEST(ArithmeticCoderTest, symbols_have_the_known_bytes) {

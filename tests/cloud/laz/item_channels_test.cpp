@@ -42,7 +42,7 @@ std::vector<Use> uses_of(int version, const std::vector<std::uint8_t>& channels)
 
 TEST(ItemChannels,
      version_3_takes_points_that_keep_their_channel_for_channel_0_and_predicts_from_the_one_before) {
-  // Points 1 to 5 use models of channel 1 (new), 0, 0, 2 (new), 0; the value of point 2 goes to the offset of
+  // Points 1 to 5 use models of channel 1 (new), 0, 0, 2 (new), 0; the value of point 2 goes to the slot of
   // channel 1, so that point 3 is predicted from point 0.
   EXPECT_EQ(uses_of(3, {0, 1, 1, 0, 2, 2}), (std::vector<Use>{{0, 0}, {0, 1}, {1, 0}, {0, 3}, {2, 4}}));
 }

@@ -111,25 +111,25 @@ INSTANTIATE_TEST_SUITE_P(, LayeredSampleTest,
 
 // ---- selective decoding
 
-struct Offset {
+struct LayerField {
   bool LazLayers::*layer;
   std::size_t at, size;
 };
 
 constexpr std::size_t k_extra = 2;
 // Of format 10. The byte of flags is shared with the scanner channel.
-constexpr std::array<Offset, 12> k_offsets = {{{&LazLayers::z, point14::k_z, 4},
-                                               {&LazLayers::classification, point14::k_classification, 1},
-                                               {&LazLayers::flags, point14::k_flags, 1},
-                                               {&LazLayers::intensity, point14::k_intensity, 2},
-                                               {&LazLayers::scan_angle, point14::k_scan_angle, 2},
-                                               {&LazLayers::user_data, point14::k_user_data, 1},
-                                               {&LazLayers::point_source, point14::k_point_source, 2},
-                                               {&LazLayers::gps_time, point14::k_gps_time, 8},
-                                               {&LazLayers::color, 30, 6},
-                                               {&LazLayers::near_infrared, 36, 2},
-                                               {&LazLayers::wave_packet, 38, 29},
-                                               {&LazLayers::extra_bytes, 67, k_extra}}};
+constexpr std::array<LayerField, 12> k_fields = {{{&LazLayers::z, point14::k_z, 4},
+                                                  {&LazLayers::classification, point14::k_classification, 1},
+                                                  {&LazLayers::flags, point14::k_flags, 1},
+                                                  {&LazLayers::intensity, point14::k_intensity, 2},
+                                                  {&LazLayers::scan_angle, point14::k_scan_angle, 2},
+                                                  {&LazLayers::user_data, point14::k_user_data, 1},
+                                                  {&LazLayers::point_source, point14::k_point_source, 2},
+                                                  {&LazLayers::gps_time, point14::k_gps_time, 8},
+                                                  {&LazLayers::color, 30, 6},
+                                                  {&LazLayers::near_infrared, 36, 2},
+                                                  {&LazLayers::wave_packet, 38, 29},
+                                                  {&LazLayers::extra_bytes, 67, k_extra}}};
 
 TEST(LayeredDecoder, attributes_not_wanted_are_those_of_the_first_record_for_every_subset) {
   Random random;
@@ -138,17 +138,17 @@ TEST(LayeredDecoder, attributes_not_wanted_are_those_of_the_first_record_for_eve
   const std::size_t size = layout.record_size(), points = 20;
   const Bytes records = random_records(random, kind, points);
   const Bytes chunk = LayeredEncoder(layout).encode(records);
-  for (unsigned subset = 0; subset < 1u << k_offsets.size(); ++subset) {
+  for (unsigned subset = 0; subset < 1u << k_fields.size(); ++subset) {
     LazLayers wanted;
     Bytes expected = records;
-    for (std::size_t offset = 0; offset < k_offsets.size(); ++offset) {
-      wanted.*k_offsets[offset].layer = (subset >> offset & 1) != 0;
-      if ((subset >> offset & 1) != 0) continue;
+    for (std::size_t field = 0; field < k_fields.size(); ++field) {
+      wanted.*k_fields[field].layer = (subset >> field & 1) != 0;
+      if ((subset >> field & 1) != 0) continue;
       for (std::size_t i = 1; i < points; ++i) {
         std::byte* const record = expected.data() + i * size;
         const unsigned channel = point14::channel(record);
-        std::copy_n(records.begin() + static_cast<std::ptrdiff_t>(k_offsets[offset].at),
-                    k_offsets[offset].size, record + k_offsets[offset].at);
+        std::copy_n(records.begin() + static_cast<std::ptrdiff_t>(k_fields[field].at), k_fields[field].size,
+                    record + k_fields[field].at);
         point14::put_channel(record, channel);
       }
     }

@@ -22,8 +22,8 @@
 namespace alidade::test {
 
 enum class TableLocation {
-  at_start,  ///< before the chunks stands where the table is
-  at_end,    ///< -1 stands there, and the offset behind the table
+  at_start,  ///< the offset of the table is before the chunks
+  at_end,    ///< -1 is before the chunks, the offset follows the table
   unknown,   ///< as a writer that was interrupted leaves it; there is no table
 };
 

@@ -54,8 +54,8 @@ std::optional<std::size_t> points_read(std::span<const std::byte> bytes, bool pa
   }
 }
 
-/// Reads a file in both ways: an Error or a cloud, never anything else. Whoever reads the intact part reads all that is
-/// read without damage, too. Answers whether the file as a whole gave a cloud.
+/// Reads a file in both ways: an Error or a cloud, never anything else. The intact part of a file without
+/// damage is the whole. Returns whether the file as a whole gave a cloud.
 bool reads(std::span<const std::byte> bytes) {
   const std::optional<std::size_t> some = points_read(bytes, true), all = points_read(bytes, false);
   if (all) EXPECT_EQ(some, all);

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// What is packed here is unpacked by laz-perf, which npm delivers: another program by other people. Skips,
-// and says so, without node, npm or a way to them.
+// What is packed here is unpacked by laz-perf, which npm delivers: another program by other people. Skipped
+// with a message without node, npm or a network.
 #include <gtest/gtest.h>
 
 #include <cstdlib>

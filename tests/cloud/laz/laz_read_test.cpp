@@ -6,7 +6,7 @@
 #include "tests/cloud/cloud_test_support.h"
 #include "tests/cloud/laz/laz_builder.h"
 
-// Clouds from LAZ against those from the LAS file that says the same.
+// Clouds from LAZ against those from the LAS file with the same content.
 
 namespace alidade {
 namespace {

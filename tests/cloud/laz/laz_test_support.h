@@ -8,7 +8,7 @@
 #include <string_view>
 #include <vector>
 
-// What tests of the folder octree/cloud/laz share.
+// What the tests of LAZ share.
 
 namespace alidade::test {
 

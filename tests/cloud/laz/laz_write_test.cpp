@@ -54,7 +54,7 @@ TEST(LazWriteTest, what_is_read_from_laz_is_what_is_read_from_las) {
   }
 }
 
-TEST(LazWriteTest, the_extension_of_the_name_decides_in_characters_of_any_case) {
+TEST(LazWriteTest, the_extension_of_the_name_decides_in_lower_and_upper_case) {
   EXPECT_TRUE(is_laz_name("a.laz"));
   EXPECT_TRUE(is_laz_name("a/b.c.LaZ"));
   EXPECT_FALSE(is_laz_name("a.las"));

@@ -171,7 +171,7 @@ TEST_P(PointwiseCodecTest, damaged_bytes_anywhere_are_rejected_or_give_other_poi
     for (const unsigned flipped : {0x01u, 0x80u, static_cast<unsigned>(random.below(255)) + 1}) {
       Bytes damaged = chunk;
       damaged[at] ^= static_cast<std::byte>(flipped);
-      // The last bytes of a stream only say where it ends.
+      // The last bytes of a stream only mark its end.
       const bool harmless = !is_rejected(decoder, damaged, found) && found == records;
       EXPECT_TRUE(!harmless || at + 4 >= chunk.size()) << "byte " << at;
     }

@@ -214,7 +214,7 @@ TEST(Pcd, headers_without_count_or_width_read) {
       2u);
 }
 
-TEST(Pcd, errors_name_file_offset_expectation_and_finding) {
+TEST(Pcd, errors_name_file_location_expectation_and_finding) {
   const auto expect = [](const std::string& text, const char* message) {
     EXPECT_NE(pcd_error(text).find(message), std::string::npos) << pcd_error(text) << "\nfor\n"
                                                                 << text.substr(0, 300);
@@ -289,14 +289,14 @@ std::string organised_header(int width, int height, const std::string& viewpoint
          "DATA ascii\n";
 }
 
-/// Points on the rays of the pixels of a camera of 8 x 6 pixels, with the first two unmeasured; `place(right, down,
-/// forward)` puts them into the axes of the file.
-template <class Place>
-std::string frame(const std::string& viewpoint, const Place& place) {
+/// Points on the rays of the pixels of a camera of 8 x 6 pixels, the first two of them unmeasured.
+/// `in_axes(right, down, forward)` puts them into the axes of the file.
+template <class InAxes>
+std::string frame(const std::string& viewpoint, const InAxes& in_axes) {
   std::string text = organised_header(8, 6, viewpoint) + "nan nan nan\n";
   for (int cell = 1; cell < 48; ++cell) {
     const double depth = cell == 1 ? 0.0 : 2.0 + 0.3 * (cell % 5);
-    const glm::dvec3 point = place(depth * (cell % 8 - 3.1) / 7.0, depth * (cell / 8 - 2.4) / 7.0, depth);
+    const glm::dvec3 point = in_axes(depth * (cell % 8 - 3.1) / 7.0, depth * (cell / 8 - 2.4) / 7.0, depth);
     text += std::to_string(point.x) + " " + std::to_string(point.y) + " " + std::to_string(point.z) + "\n";
   }
   return text;

@@ -13,7 +13,7 @@ std::string ply_error(std::string_view text) {
   return reading_error(open_ply, text);
 }
 
-TEST(PlyMalformed, errors_name_file_offset_expectation_and_finding) {
+TEST(PlyMalformed, errors_name_file_location_expectation_and_finding) {
   const std::string start = "ply\nformat ascii 1.0\n";
   const std::string xyz = "property float x\nproperty float y\nproperty float z\n";
   const auto expect = [](const std::string& text, const char* message) {

@@ -38,7 +38,7 @@ TEST(TextScanner, written_decimals_count_digits_after_the_point_and_the_exponent
   EXPECT_EQ(written_decimals("1e3"), -3);
 }
 
-TEST(TextScanner, lines_of_any_extension_with_and_without_mark_and_longer_than_the_window) {
+TEST(TextScanner, lines_with_any_line_end_with_and_without_mark_and_longer_than_the_window) {
   // 70000 lines of 16 bytes exceed the window of a mebibyte, and one of them straddles its end.
   std::string text =
       "\xEF\xBB\xBF"
@@ -70,7 +70,8 @@ TEST(TextScanner, lines_end_with_line_feeds_carriage_returns_or_both) {
   for (const char* text :
        {"a\n\nb c", "a\r\rb c", "a\r\n\r\nb c", "a\n\nb c\n", "a\r\rb c\r", "a\r\n\nb c\r\n", "a\n\rb c"})
     EXPECT_EQ(lines_of(text), expected) << text;
-  // A carriage return as the last byte of a window of a mebibyte and a little more may have its line feed behind it.
+  // A window is a mebibyte and a little more. A carriage return may be its last byte, and its line feed the
+  // first byte of the next window.
   for (const std::size_t before : {0u, 1u, 2u, 3u, 4u}) {
     const std::string first(before, 'f'), second((1 << 20) - 1, 'x');
     for (const char* end : {"\r\n", "\r", "\n"})

@@ -86,7 +86,7 @@ TEST(WriteTextTest, colours_of_8_bits_are_written_as_such) {
             "x,y,z,red,green,blue\n0.000,0.000,0.000,258,514,65535\n0.001,0.000,0.000,0,257,0\n");
 }
 
-/// An extra dimension of these values, some of which are none.
+/// An extra dimension of these values, some of them nodata.
 template <class Value, class Mark>
 ExtraDimension marked(const std::string& name, ScalarType type, Mark mark, const std::vector<Value>& values) {
   ExtraDimension dimension = plain_dimension(name, type);

@@ -56,7 +56,7 @@ inline std::size_t in_node(const Bytes& file, std::size_t node, std::size_t fiel
 inline constexpr std::size_t k_kind = offsetof(Node, kind), k_first_child = offsetof(Node, first_child),
                              k_first_point = offsetof(Node, first_point);
 
-/// Does with a file what programs do: asks it, and looks up attributes by the ids of the answers.
+/// Uses a file as programs do: queries it, and looks up attributes by the ids of the answers.
 inline void use(const IndexFile& index) {
   const Octree octree = index.octree();
   const AttributeColumns& columns = index.columns();

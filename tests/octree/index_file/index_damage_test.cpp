@@ -25,7 +25,7 @@ TEST(IndexDamage, a_sound_file_is_not_rejected) {
   Bytes file = sound_file();
   EXPECT_FALSE(is_rejected(file));
   EXPECT_FALSE(is_rejected_when_verified(file));
-  // And sealing it again changes nothing, so that tests with seals test what they say.
+  // Sealing it again changes nothing, so that tests that seal a file test only their own change.
   test::seal(file);
   EXPECT_EQ(file, sound_file());
 }

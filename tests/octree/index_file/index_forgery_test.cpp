@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-// Index files that were tampered with and given right checksums: the checks other than checksums must suffice.
+// Index files that were tampered with and given right checksums: the checks other than checksums must
+// suffice.
 #include <gtest/gtest.h>
 
 #include <bit>

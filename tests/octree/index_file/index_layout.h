@@ -20,16 +20,16 @@ namespace alidade::test {
 using Bytes = std::vector<std::byte>;
 
 template <class T>
-T at(const Bytes& file, std::uint64_t index) {
+T at(const Bytes& file, std::uint64_t offset) {
   T value;
-  EXPECT_LE(index + sizeof(T), file.size());
-  std::memcpy(&value, file.data() + index, sizeof value);
+  EXPECT_LE(offset + sizeof(T), file.size());
+  std::memcpy(&value, file.data() + offset, sizeof value);
   return value;
 }
 
 struct Section {
   std::uint32_t element;
-  std::uint64_t index, bytes, checksum;
+  std::uint64_t offset, bytes, checksum;
 };
 
 inline std::map<std::uint32_t, Section> sections_of(const Bytes& file) {

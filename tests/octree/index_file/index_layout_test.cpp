@@ -44,15 +44,15 @@ TEST(IndexLayout, header_is_as_documented) {
     EXPECT_EQ((at<std::array<std::uint8_t, 16>>(file, 184)), cloud.project_id);
     EXPECT_EQ(at<std::uint16_t>(file, 200), 513);
     const std::uint64_t table_end = 256 + 32 * std::uint64_t{at<std::uint32_t>(file, 20)};
-    for (std::uint64_t index = 202; index < 4096; ++index) {
-      if (index < 256 || index >= table_end) {
-        ASSERT_EQ(file[index], std::byte{0}) << index;
+    for (std::uint64_t offset = 202; offset < 4096; ++offset) {
+      if (offset < 256 || offset >= table_end) {
+        ASSERT_EQ(file[offset], std::byte{0}) << offset;
       }
     }
   });
 }
 
-TEST(IndexLayout, sections_stand_in_their_indices_with_their_checksums) {
+TEST(IndexLayout, sections_are_at_their_offsets_with_their_checksums) {
   for_each_file([](const Bytes& file, const PointCloud& cloud, const Octree& octree) {
     const auto sections = sections_of(file);
     const std::uint64_t points = cloud.size();
@@ -70,24 +70,24 @@ TEST(IndexLayout, sections_stand_in_their_indices_with_their_checksums) {
       EXPECT_EQ(sections.at(kind).element, element.first) << kind;
       EXPECT_EQ(sections.at(kind).bytes, element.first * element.second) << kind;
     }
-    std::uint64_t end = 4096, checksum = sections.at(34).index;
+    std::uint64_t end = 4096, checksum = sections.at(34).offset;
     for (const auto& [kind, section] : sections) {
-      EXPECT_EQ(section.index, (end + 4095) / 4096 * 4096) << kind;
-      for (; end < section.index; ++end) ASSERT_EQ(file[end], std::byte{0}) << end;
-      end = section.index + section.bytes;
+      EXPECT_EQ(section.offset, (end + 4095) / 4096 * 4096) << kind;
+      for (; end < section.offset; ++end) ASSERT_EQ(file[end], std::byte{0}) << end;
+      end = section.offset + section.bytes;
       if (kind == 34) {
-        EXPECT_EQ(XXH3_64bits(file.data() + section.index, section.bytes), section.checksum);
+        EXPECT_EQ(XXH3_64bits(file.data() + section.offset, section.bytes), section.checksum);
         break;
       }
       const std::uint64_t run = checksum;
-      for (std::uint64_t block = section.index; block < end; block += 1048576, checksum += 8) {
+      for (std::uint64_t block = section.offset; block < end; block += 1048576, checksum += 8) {
         EXPECT_EQ(at<std::uint64_t>(file, checksum),
                   XXH3_64bits(file.data() + block, std::min<std::uint64_t>(1048576, end - block)));
       }
       EXPECT_EQ(XXH3_64bits(file.data() + run, checksum - run), section.checksum) << kind;
     }
     EXPECT_EQ(end, file.size());
-    EXPECT_EQ(checksum, sections.at(34).index + sections.at(34).bytes);
+    EXPECT_EQ(checksum, sections.at(34).offset + sections.at(34).bytes);
   });
 }
 
@@ -103,8 +103,8 @@ TEST(IndexLayout, sections_longer_than_a_block_have_a_checksum_for_each) {
   for (const auto& [kind, section] : sections) {
     if (kind == 34) break;
     if (kind == 3) {
-      EXPECT_EQ(at<std::uint64_t>(file, sections.at(34).index + 8 * (blocks + 1)),
-                XXH3_64bits(file.data() + section.index + 1048576, section.bytes - 1048576));
+      EXPECT_EQ(at<std::uint64_t>(file, sections.at(34).offset + 8 * (blocks + 1)),
+                XXH3_64bits(file.data() + section.offset + 1048576, section.bytes - 1048576));
     }
     blocks += (section.bytes + 1048575) / 1048576;
   }
@@ -124,8 +124,8 @@ class NodeReader {
 
  private:
   void visit(std::uint32_t number, int level, const glm::i64vec3& corner) {
-    const std::uint64_t node = sections_.at(1).index + 128 * std::uint64_t{number};
-    std::uint32_t child = at<std::uint32_t>(file_, node + 112), index = at<std::uint32_t>(file_, node + 116);
+    const std::uint64_t node = sections_.at(1).offset + 128 * std::uint64_t{number};
+    std::uint32_t child = at<std::uint32_t>(file_, node + 112), first = at<std::uint32_t>(file_, node + 116);
     for (int slot = 0; slot < 16; ++slot) {
       const int kind = at<std::uint8_t>(file_, node + 96 + slot);
       if (kind >= 128) {
@@ -137,24 +137,25 @@ class NodeReader {
         }
         visit(child++, level - d, inner);
       } else if (kind > 0) {
-        read_leaf(node, slot, level, corner, index, static_cast<std::uint32_t>(kind));
-        index += static_cast<std::uint32_t>(kind);
+        read_leaf(node, slot, level, corner, first, static_cast<std::uint32_t>(kind));
+        first += static_cast<std::uint32_t>(kind);
       }
     }
   }
 
-  void read_leaf(std::uint64_t node, int slot, int level, const glm::i64vec3& corner, std::uint32_t index,
+  void read_leaf(std::uint64_t node, int slot, int level, const glm::i64vec3& corner, std::uint32_t first,
                  std::uint32_t count) {
     const glm::i64vec3 base(at<glm::ivec3>(file_, 120));
     const std::uint32_t exact = at<std::uint32_t>(file_, 132);
     for (std::uint32_t i = 0; i < count; ++i) {
       glm::i64vec3 steps;
       for (std::uint32_t axis = 0; axis < 3; ++axis)
-        steps[axis] = at<std::uint16_t>(file_, sections_.at(2).index + 2 * (3ull * index + axis * count + i));
+        steps[axis] =
+            at<std::uint16_t>(file_, sections_.at(2).offset + 2 * (3ull * first + axis * count + i));
       if (level > 16) {
-        ASSERT_GE(index, exact);
+        ASSERT_GE(first, exact);
         const glm::i64vec3 position(
-            at<glm::ivec3>(file_, sections_.at(4).index + 12 * (std::uint64_t{index} + i - exact)));
+            at<glm::ivec3>(file_, sections_.at(4).offset + 12 * (std::uint64_t{first} + i - exact)));
         for (int axis = 0; axis < 3; ++axis)
           EXPECT_EQ(steps[axis], (position[axis] - base[axis] - corner[axis]) >> (level - 16));
         steps = position - base - corner;
@@ -164,7 +165,7 @@ class NodeReader {
         EXPECT_GE(grid, at<std::uint8_t>(file_, node + 16 * axis + slot));
         EXPECT_LE(grid, at<std::uint8_t>(file_, node + 48 + 16 * axis + slot));
       }
-      EXPECT_TRUE(positions_.emplace(index + i, base + corner + steps).second) << "twice: " << index + i;
+      EXPECT_TRUE(positions_.emplace(first + i, base + corner + steps).second) << "twice: " << first + i;
     }
   }
 
@@ -178,7 +179,7 @@ TEST(IndexLayout, nodes_coordinates_and_ids_are_the_positions_of_the_cloud) {
     const auto positions = NodeReader(file).positions();
     ASSERT_EQ(positions.size(), cloud.size());
     if (cloud.size() == 0) return;
-    const std::uint64_t ids = sections_of(file).at(3).index;
+    const std::uint64_t ids = sections_of(file).at(3).offset;
     for (const auto& [index, position] : positions) {
       const auto id = at<std::uint32_t>(file, ids + 4 * std::uint64_t{index});
       ASSERT_LT(id, cloud.size());
@@ -195,12 +196,12 @@ TEST(IndexLayout, columns_are_the_attributes_by_row) {
     for_each_column(cloud, cloud, [&](Attribute, const auto& column, const auto&) {
       const Section& section = sections.at(kind++);
       ASSERT_EQ(section.bytes, column.size() * sizeof column[0]);
-      EXPECT_EQ(std::memcmp(file.data() + section.index, column.data(), section.bytes), 0) << kind - 1;
+      EXPECT_EQ(std::memcmp(file.data() + section.offset, column.data(), section.bytes), 0) << kind - 1;
     });
-    std::uint64_t index = sections.at(27).index;
+    std::uint64_t offset = sections.at(27).offset;
     for (const ExtraDimension& dimension : cloud.extra_dimensions) {
-      EXPECT_EQ(std::memcmp(file.data() + index, dimension.values.data(), dimension.values.size()), 0);
-      index += dimension.values.size();
+      EXPECT_EQ(std::memcmp(file.data() + offset, dimension.values.data(), dimension.values.size()), 0);
+      offset += dimension.values.size();
     }
   });
 }

@@ -21,12 +21,12 @@ using test::sections_of;
 /// Reads the metadata value by value.
 class MetadataReader {
  public:
-  MetadataReader(const Bytes& file, std::uint64_t index) : file_(file), index_(index) {}
+  MetadataReader(const Bytes& file, std::uint64_t offset) : file_(file), offset_(offset) {}
 
   template <class T>
   T next() {
-    const T value = at<T>(file_, index_);
-    index_ += sizeof(T);
+    const T value = at<T>(file_, offset_);
+    offset_ += sizeof(T);
     return value;
   }
   template <class T>
@@ -39,17 +39,17 @@ class MetadataReader {
     const std::vector<char> characters = list<char>();
     return {characters.begin(), characters.end()};
   }
-  std::uint64_t index() const { return index_; }
+  std::uint64_t offset() const { return offset_; }
 
  private:
   const Bytes& file_;
-  std::uint64_t index_;
+  std::uint64_t offset_;
 };
 
 TEST(IndexMetadata, are_as_documented) {
   for_each_file([](const Bytes& file, const PointCloud& cloud, const Octree&) {
     const auto sections = sections_of(file);
-    MetadataReader reader(file, sections.at(32).index);
+    MetadataReader reader(file, sections.at(32).offset);
     EXPECT_EQ(reader.text(), cloud.crs.wkt);
     EXPECT_EQ(reader.list<std::uint16_t>(), cloud.crs.geotiff_keys);
     EXPECT_EQ(reader.list<double>(), cloud.crs.geotiff_doubles);
@@ -79,7 +79,7 @@ TEST(IndexMetadata, are_as_documented) {
       EXPECT_EQ((reader.next<std::array<std::uint8_t, 8>>()),
                 dimension.no_data.value_or(std::array<std::uint8_t, 8>{}));
     }
-    std::uint64_t data = sections.at(33).index;
+    std::uint64_t data = sections.at(33).offset;
     ASSERT_EQ(reader.next<std::uint64_t>(), cloud.records.size());
     for (const VariableLengthRecord& record : cloud.records) {
       EXPECT_EQ(reader.text(), record.user_id);
@@ -103,8 +103,8 @@ TEST(IndexMetadata, are_as_documented) {
       EXPECT_EQ(reader.next<double>(), cloud.scanner_positions[1].axes->forward[axis]);
     for (int axis = 0; axis < 3; ++axis)
       EXPECT_EQ(reader.next<double>(), cloud.scanner_positions[1].axes->down[axis]);
-    EXPECT_EQ(reader.index(), sections.at(32).index + sections.at(32).bytes);
-    EXPECT_EQ(data, sections.at(33).index + sections.at(33).bytes);
+    EXPECT_EQ(reader.offset(), sections.at(32).offset + sections.at(32).bytes);
+    EXPECT_EQ(data, sections.at(33).offset + sections.at(33).bytes);
   });
 }
 
@@ -199,10 +199,10 @@ TEST(IndexPage, tables_cover_every_byte_once) {
     } else if (in_table && !line.starts_with("|--")) {
       std::istringstream words(line);
       std::string bar, type;
-      std::uint64_t index = 0;
-      words >> bar >> index >> bar >> type;
-      EXPECT_EQ(index, next) << line;
-      next = index + width(type);
+      std::uint64_t offset = 0;
+      words >> bar >> offset >> bar >> type;
+      EXPECT_EQ(offset, next) << line;
+      next = offset + width(type);
     }
   }
   EXPECT_EQ(ends, (std::vector<std::uint64_t>{4096, 32, 128}));

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-// Index files with right checksums and sound links whose contents contradict each other: only verify() finds that.
+// Index files with right checksums and sound links whose contents contradict each other: only verify() finds
+// that.
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-// Index files that arrive as they are touched: the same answers, and no answer that is wrong when the network fails.
+// Index files that arrive as they are touched: answers equal those of local files, and are never wrong when
+// the network fails.
 #include <gtest/gtest.h>
 
 #include <sys/resource.h>
