@@ -272,7 +272,7 @@ TEST(PhotoVisibility, a_cloud_that_is_in_no_frame_is_an_error_that_guesses_why) 
   expect(problem_with({-2, 10, 1.5}, {-10, 10, 1}), "they look away from it; are their axes those of OpenGL");
   expect(problem_with({690000, 5325000, 600}, {690000, 5325010, 600}), "theirs is another one");
   expect(problem_with({2, 10, 1.5}, {10, 10, 1}, 0.5), "a larger --max-distance");
-  expect(problem_with({-2, 10, 1.5}, {-10, 10, 1}), "x -2 to -2, y 10 to 10");
+  expect(problem_with({-2, 10, 1.5}, {-10, 10, 1}), "cameras at x -2, y 10, z 1.5; a cloud at x 0 to 20");
   expect(problem_with({-10, 50, 1.5}, {-10, 50.5, 100}), "in its reference system and scale");
   EXPECT_EQ(problem_with({2, 10, 1.5}, {10, 10, 1}), "no error");
 
