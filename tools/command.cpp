@@ -17,7 +17,7 @@
 namespace alidade::tools {
 namespace {
 
-/// Those of pictures, beside k_silent_options.
+/// Options of pictures that cannot change the picture itself, beside k_silent_options.
 constexpr std::array<std::string_view, 11> k_picture_options = {
     "legend",      "legend-size", "preview",    "preview-interval", "depth", "depth-format",
     "depth-scale", "depth-along", "depth-mask", "transforms-out",   "part"};
@@ -33,12 +33,12 @@ bool is_silent_flag(std::string_view word) {
   return word.size() > 1 && word[0] == '-' && word.find_first_not_of("qv", 1) == std::string_view::npos;
 }
 
-/// Options that cannot, whose value is the next word.
+/// Options that cannot change the picture, with the value in the next word.
 bool is_silent_option(std::string_view word) {
   return word == "-o" || names_one_of(word, k_silent_options) || names_one_of(word, k_picture_options);
 }
 
-/// The same with the value in the word.
+/// Options that cannot change the picture, with the value in the word itself.
 bool holds_silent_option(std::string_view word) {
   if (word.starts_with("-o") && word.size() > 2) return true;
   const std::size_t end = word.find('=');

@@ -94,7 +94,7 @@ void say_note(Verbosity verbosity, std::string_view text) {
 
 void write_to_stdout(std::string_view text) {
   RemoteMap::check_all();
-  // Not by stdio, which goes on waiting for the reader whatever signal has come.
+  // Not by stdio, which continues to wait for the reader after a signal.
   while (!text.empty()) {
     if (interrupted()) throw Cancelled();
     const ::ssize_t count = ::write(STDOUT_FILENO, text.data(), text.size());

@@ -13,8 +13,8 @@ namespace {
 
 constexpr std::size_t k_width = 100, k_column = 30;
 
-/// Appends words to lines that begin at a column, from the second line on after blanks. `at`: where the
-/// current line has got to.
+/// Appends words to lines that begin at a column, from the second line on after blanks. `at`: length of the
+/// current line so far.
 void wrap(std::string& text, std::size_t at, std::size_t column, std::string_view words) {
   for (std::size_t begin = 0; begin < words.size();) {
     const std::size_t end = std::min(words.find(' ', begin), words.size());

@@ -6,8 +6,8 @@
 #include <span>
 #include <string_view>
 
-// What commands have in common of options that cannot change what they compute: how they run, what they say, and where
-// they write.
+// Options, common to several commands, that cannot change what they compute: how they run, what they print,
+// and where they write.
 
 namespace alidade::tools {
 
