@@ -14,8 +14,8 @@
 
 namespace alidade::tools {
 
-/// Declares --mesh, which may be given again; its files go behind `files`. `purpose`: what triangles are for, the
-/// end of its help text.
+/// Declares --mesh, which may be given again; appends its files to `files`. `purpose`: the use of the
+/// triangles, the end of the help text.
 void add_mesh_option(const Options& command, const std::string& purpose,
                      std::vector<std::filesystem::path>& files);
 
