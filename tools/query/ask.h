@@ -25,8 +25,8 @@
 
 namespace alidade::tools {
 
-/// How many targets to ask at once, so that threads have work, answers stay few enough to hold, and a batch
-/// ends soon: between batches progress is reported and the program can be interrupted.
+/// The number of targets in a batch, so that threads have work, answers fit into memory, and a batch ends
+/// soon: between batches progress is reported and the program can be interrupted.
 class BatchSize {
  public:
   /// Targets of the next batch.
@@ -54,7 +54,7 @@ class BatchSize {
   std::size_t targets_ = 32;
 };
 
-/// Asks one tree many batches of targets by Algorithm 1, in parallel, and counts its steps.
+/// Queries one tree with batches of targets by Algorithm 1, in parallel, and counts its steps.
 template <class Target, SpatialTree Tree>
 class TreeAsker {
  public:
@@ -105,8 +105,9 @@ class TreeAsker {
   tbb::enumerable_thread_specific<QueryStatistics> statistics_;
 };
 
-/// TreeAsker over COPC files. Where targets meet several remote files it opens these ahead, many at once, and reads what
-/// they need if that is all that they meet: one request after another would mostly wait for servers.
+/// TreeAsker over COPC files. If targets meet several remote files, it opens these ahead, many at once, and
+/// reads their points, too, if all points that a target meets are needed: one request after another would
+/// mostly wait for servers.
 template <class Target>
 class TilesAsker {
  public:
@@ -178,7 +179,7 @@ class TilesAsker {
             const auto tile = tiles_.tile(meetings[at].file);
             Counter all(k_all);
             if (needs_all) tree_query(*tile->tree, make_target(targets[meetings[at].target], query_, 0), all);
-          } catch (...) {  // whoever asks in earnest meets it again, in the order of the targets
+          } catch (...) {  // the query itself meets the error again, in the order of the targets
             return;
           }
         }
@@ -192,8 +193,8 @@ class TilesAsker {
   bool reads_ahead_;
 };
 
-/// Asks one octree: by the functions of octree/query.h, or, if work is to be explained, as TreeAsker. Has the
-/// same functions, and the same answers.
+/// Queries one octree: by the functions of octree/query.h, or, if work is to be explained, as TreeAsker, with
+/// equal answers.
 template <class Target>
 class Asker {
  public:

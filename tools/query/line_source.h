@@ -21,8 +21,8 @@ struct LineBlock {
   std::string_view line(std::size_t i) const;
 };
 
-/// A text that targets are read from, line by line and once: a file, a pipe, standard input, or what was
-/// given on the command line. Memory: two mebibytes. Not thread safe.
+/// A text that targets are read from, line by line and once: a file, a pipe, standard input, or values on the
+/// command line. Memory: two mebibytes. Not thread safe.
 class LineSource {
  public:
   /// Opens a file, or standard input for "-". Errors: it cannot be opened.

@@ -24,9 +24,10 @@ struct TargetRows {
   }
 };
 
-/// Reads rows of numbers from CSV with a header of column names in any order, from JSON lines
-/// (parse_json_row.h), or from the command line (in the kind's order). CSV and JSON are distinguished by the
-/// first character of the text. Lines are understood in parallel. Memory: some mebibytes.
+/// Reads rows of numbers from CSV with a header of column names in any order, from JSON lines (objects with
+/// column names as keys, or arrays in the kind's order), or from the command line (in the kind's order). CSV
+/// and JSON are distinguished by the first character of the text. Lines are parsed in parallel. Memory: some
+/// mebibytes.
 class RowReader {
  public:
   /// Reads the first lines. Errors: the source's; the text is empty, or its header is wrong.
@@ -56,7 +57,7 @@ class RowReader {
   Form form_ = Form::in_order;
   std::vector<std::size_t> column_of_cell_;  ///< of CSV
   LineBlock block_;
-  std::size_t used_ = 0;  ///< lines of the block that are no rows
+  std::size_t used_ = 0;  ///< lines of the block before its first row
   bool has_block_ = false;
 };
 

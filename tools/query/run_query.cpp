@@ -14,7 +14,7 @@
 namespace alidade::tools {
 namespace {
 
-/// What --explain says: the work of a run in all and for each target.
+/// The table of --explain: the work of a run in all and for each target.
 std::string explain_table(const QueryStatistics& statistics, const TargetKind& kind, std::uint64_t targets,
                           std::uint64_t answers) {
   std::string text = fmt::format("{:<22}{:>16}{:>16}\n", "", "in all", fmt::format("per {}", kind.name));
@@ -41,7 +41,7 @@ bool only_numbers(const QueryCommand& command) {
   return command.count || command.occluded;
 }
 
-/// Conditions as the library takes them, but for the filter, which needs the cloud.
+/// The query of the library, without the filter, which needs the cloud.
 template <class Target>
 typename QueryFamily<Target>::Query conditions(const QueryCommand& command) {
   typename QueryFamily<Target>::Query query;
@@ -120,7 +120,7 @@ IndexedCloud load(const QueryCommand& command, bool all_attributes, const std::o
   return cloud;
 }
 
-/// Of a cloud in a database, what the targets need.
+/// The part of the cloud that the targets need, or all of it if that is unknown.
 template <class Target>
 QueriedCloud load_needed(const QueryCommand& command, AnswerForm form) {
   const bool all_attributes = form == AnswerForm::las;
@@ -146,7 +146,7 @@ CandidateFilter class_filter(const QueryCommand& command, const IndexedCloud& cl
   if (!command.classes || cloud.octree.size() == 0) return {};
   const std::span<const std::uint8_t> classifications = cloud.columns().classifications;
   if (classifications.empty()) {
-    // Files with classes make those of files without 0, even if nothing of them was read.
+    // Points of files without classes have class 0 beside files with classes, even if none of these was read.
     if (RowIds(cloud.cloud.files).skipped_files() > 0)
       return [is_wanted = command.classes->test(0)](const Candidate&) { return is_wanted; };
     reject_classes(command);
@@ -180,8 +180,8 @@ RenumberedAnswers::Ids ids_of(const QueriedCloud& cloud) {
   return ids.skipped_files() == 0 ? RenumberedAnswers::Ids() : RenumberedAnswers::Ids(std::move(ids));
 }
 
-/// Writes the answers of a batch, in the order of the targets; states how many there were. No more than
-/// `limit` of each target are held at once, but for a single target that has more.
+/// Writes the answers of a batch, in the order of the targets; returns their number. No more than `limit` of
+/// each target are held at once, but for a single target that has more.
 template <class Target, class AnyAsker>
 std::size_t answer_batch(AnyAsker& asker, const TargetBatch<Target>& batch, std::size_t limit,
                          AnswerOutput& output) {
@@ -213,7 +213,7 @@ std::size_t count_batch(AnyAsker& asker, const TargetBatch<Target>& batch, bool 
   return counts.size();
 }
 
-/// How many targets there will be, from the share of the text they was in; 0 if that is not known.
+/// The expected number of targets, if so many took this share of their text; 0 if the share is not known.
 std::uint64_t expected_targets(std::uint64_t targets, double share) {
   if (share == 0.0) return 0;
   return std::max(targets, static_cast<std::uint64_t>(static_cast<double>(targets) / share));
@@ -223,14 +223,14 @@ struct Tally {
   std::uint64_t targets = 0, rows = 0;
 };
 
-/// Asks for all targets and writes their answers.
+/// Reads and queries all targets and writes their answers.
 template <class Target, class AnyAsker>
 Tally answer_all_targets(TargetReader<Target>& reader, AnyAsker& asker, const QueryCommand& command,
                          AnswerOutput& output, const Progress& progress) {
   Tally tally;
   BatchSize size;
   TargetBatch<Target> batch;
-  // Work is counted once: a target whose work is counted is never asked twice.
+  // Work is counted once: a target whose work is counted is never queried twice.
   while (reader.next(command.explain ? std::min(size.targets(), k_explained_batch) : size.targets(), batch)) {
     const auto begin = Clock::now();
     const std::size_t rows =
@@ -246,7 +246,7 @@ Tally answer_all_targets(TargetReader<Target>& reader, AnyAsker& asker, const Qu
   return tally;
 }
 
-/// Asks all targets, says how far it is, and ends the output. Answers the work as a table.
+/// answer_all_targets() with a progress line; then ends the output. Returns the work as a table.
 template <class Target, class AnyAsker>
 std::string run_targets(TargetReader<Target>& reader, AnyAsker& asker, const QueryCommand& command,
                         AnswerOutput& output) {
@@ -264,7 +264,7 @@ std::string run_targets(TargetReader<Target>& reader, AnyAsker& asker, const Que
   return explain_table(asker.statistics(), kind, tally.targets, tally.rows);
 }
 
-/// Lets mistakes in the first targets show before the cloud is loaded, unless they come through a pipe.
+/// Reports mistakes in the first targets before the cloud is loaded, unless they come through a pipe.
 template <class Target>
 void check_first_targets(const QueryCommand& command) {
   constexpr std::size_t k_few = 1000;

@@ -12,12 +12,12 @@
 
 namespace alidade::tools {
 
-/// The families of targets; a run asks with one of them.
+/// The families of targets; all targets of a run are of one family.
 enum class TargetFamily { rays, lines, cones, path, planes, boxes, points };
 constexpr std::size_t k_target_families = 7;
 
-// What `alidade query` can ask with, and how a target is written: as a row of numbers with named columns,
-// alike in CSV, in JSON lines and on the command line.
+// The targets of `alidade query` and how they are written: as rows of numbers with named columns, alike in
+// CSV, in JSON lines and on the command line.
 
 /// What a number in a column may be. Whatever is required, NaN never is.
 enum class ValueRule {
@@ -77,7 +77,7 @@ const TargetKind& target_kind() {
                                                         : points);
 }
 
-/// A line of a text, with what is needed to say where something in it is wrong.
+/// A line of a text, with its location for errors.
 struct TextLine {
   std::string_view source;  ///< what messages call the text: a file, or an option of the command line
   bool is_command_line = false;
@@ -94,8 +94,8 @@ struct TextLine {
 void check_value(const TextLine& line, std::size_t offset, const TargetColumn& column, double value,
                  std::string_view found);
 
-/// Errors, once all values are good: a required one was not given (NaN), a direction has length zero.
-/// offsets: where in the line each column's value stands.
+/// Errors, once all values are valid: a required one was not given (NaN), a direction has length zero.
+/// `offsets`: the offset in the line of each column's value.
 void check_row(const TextLine& line, const TargetKind& kind, std::span<const double> row,
                std::span<const std::size_t> offsets);
 

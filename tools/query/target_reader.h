@@ -10,7 +10,7 @@
 
 namespace alidade::tools {
 
-/// Some targets, and what answers call each of them.
+/// Some targets and their ids in answers.
 template <class Target>
 struct TargetBatch {
   std::vector<Target> targets;
@@ -41,7 +41,7 @@ class TargetReader {
  private:
   void take_row(std::size_t i, TargetBatch<Target>& batch);
   void end_group(TargetBatch<Target>& batch);
-  /// What make() gives; its errors get the position.
+  /// Returns what make() returns; adds the line to its errors.
   template <class Make>
   auto placed(std::uint64_t line, const Make& make) const;
 
