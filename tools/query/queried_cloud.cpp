@@ -122,7 +122,7 @@ bool can_be_looked_through(const QueryCommand& command) {
 
 }  // namespace
 
-bool asks_in_place(const QueryCommand& command, AnswerForm form) {
+bool queries_in_place(const QueryCommand& command, AnswerForm form) {
   if (command.is_loaded || command.partial || command.max_level || form == AnswerForm::las) return false;
   if (command.files.only(k_copc_format) != nullptr) return true;
   return std::ranges::all_of(command.files.inputs, [](const CloudInput& input) {

@@ -16,7 +16,7 @@ namespace alidade::tools {
 
 /// Whether the run reads COPC in place: a single file, or files of a catalog that states their boxes, if only
 /// positions and classes are needed, without --load. Errors: the file cannot be opened.
-bool asks_in_place(const QueryCommand& command, AnswerForm form);
+bool queries_in_place(const QueryCommand& command, AnswerForm form);
 
 /// The COPC files of the command, with the points of its classes only. Reading them ends when the program is
 /// interrupted. Errors: CopcTiles'.

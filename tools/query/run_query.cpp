@@ -299,7 +299,7 @@ ExitCode run_with(const QueryCommand& command) {
   check_first_targets<Target>(command);
   TargetReader<Target> reader(open_targets(command), {command.t_min, command.t_max});
   std::string table;
-  if (asks_in_place(command, form)) {
+  if (queries_in_place(command, form)) {
     const std::unique_ptr<CopcTiles> tiles = open_copc(command);
     say_warnings(command.verbosity, tiles->warnings());
     const std::unique_ptr<AnswerOutput> output = open_text<Target>(command, form, tiles->lattice());
