@@ -90,7 +90,7 @@ Bounds target_bounds(const glm::dvec3& position, double radius, const Bounds&) {
 constexpr std::size_t k_batch = 4096;
 
 /// A first pass through the targets gives up beyond so many.
-constexpr std::uint64_t k_most_looked_through = 1'000'000;
+constexpr std::uint64_t k_most_surveyed = 1'000'000;
 
 /// Of more targets, one box around all is the filter.
 constexpr std::size_t k_most_filters = 4096;
@@ -112,7 +112,7 @@ database::PointFilter filter_of(const Target& target, double radius, const Bound
 
 /// Whether targets can be read twice, and the distance of their answers is limited.
 template <class Target>
-bool can_be_looked_through(const QueryCommand& command) {
+bool can_be_surveyed(const QueryCommand& command) {
   constexpr bool needs_radius =
       std::is_same_v<Target, Ray> || std::is_same_v<Target, Path> || std::is_same_v<Target, glm::dvec3>;
   std::error_code error;
@@ -156,14 +156,14 @@ std::string copc_table(const CopcTiles& tiles) {
 template <class Target>
 std::optional<Bounds> query_region(const QueryCommand& command, AnswerForm form) {
   if (command.files.size() < 2 || std::is_same_v<Target, HalfSpaces> || command.partial ||
-      command.max_level || form == AnswerForm::las || !can_be_looked_through<Target>(command))
+      command.max_level || form == AnswerForm::las || !can_be_surveyed<Target>(command))
     return std::nullopt;
   const Bounds within = stated_box(command.files);
   TargetReader<Target> reader(open_targets(command), {command.t_min, command.t_max});
   TargetBatch<Target> batch;
   Bounds region;
   for (std::uint64_t count = 0; reader.next(k_batch, batch); count += batch.targets.size()) {
-    if (count > k_most_looked_through) return std::nullopt;
+    if (count > k_most_surveyed) return std::nullopt;
     for (const Target& target : batch.targets)
       region.grow(target_bounds(target, command.radius.value_or(0.0), within));
     if (region.contains(within.min) && region.contains(within.max)) return std::nullopt;
@@ -181,7 +181,7 @@ template std::optional<Bounds> query_region<glm::dvec3>(const QueryCommand&, Ans
 template <class Target>
 QueryPart read_query_part(const QueryCommand& command, AttributeSet attributes, const Progress& progress) {
   if (command.files.size() != 1 || command.partial || command.max_level ||
-      !has_parts(command.files.inputs.front()) || !can_be_looked_through<Target>(command))
+      !has_parts(command.files.inputs.front()) || !can_be_surveyed<Target>(command))
     return std::nullopt;
   const Bounds within = stated_size(command.files).box;
   TargetReader<Target> reader(open_targets(command), {command.t_min, command.t_max});
@@ -191,7 +191,7 @@ QueryPart read_query_part(const QueryCommand& command, AttributeSet attributes, 
   std::uint64_t count = 0;
   while (reader.next(k_most_filters, batch)) {
     count += batch.targets.size();
-    if (count > k_most_looked_through) return std::nullopt;
+    if (count > k_most_surveyed) return std::nullopt;
     for (const Target& target : batch.targets) {
       const double radius = command.radius.value_or(0.0);
       if (count <= k_most_filters) filters.push_back(filter_of(target, radius, within));
