@@ -43,7 +43,7 @@ class TargetReader {
   void end_group(TargetBatch<Target>& batch);
   /// Returns what make() returns; adds the line to its errors.
   template <class Make>
-  auto placed(std::uint64_t line, const Make& make) const;
+  auto at_line(std::uint64_t line, const Make& make) const;
 
   RowReader rows_;
   DefaultInterval interval_;
