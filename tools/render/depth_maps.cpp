@@ -60,7 +60,7 @@ void check_names(const DepthPlan& plan, std::span<const fs::path> inputs, std::s
   }
 }
 
-/// The metadata of a picture without what says how light was computed.
+/// The metadata of a picture without the settings of light.
 std::vector<std::pair<std::string, std::string>> texts_of(const renderer::ImageMetadata& metadata,
                                                           const DepthPlan& plan) {
   auto texts = renderer::metadata_texts(metadata);

@@ -15,8 +15,8 @@ struct DepthTransforms {
   std::string text;  ///< of the input
 };
 
-/// Reads the input. Errors: it is no transforms.json; the output would be in another folder though photographs
-/// have names relative to the file's.
+/// Reads the input. Errors: it is not a transforms.json; the output would be in another folder, but names of
+/// photographs are relative to the input's.
 DepthTransforms read_depth_transforms(const std::filesystem::path& input,
                                       const std::filesystem::path& output);
 
