@@ -18,10 +18,10 @@
 namespace alidade::tools {
 namespace {
 
-/// Whose defaults hold for what is not said.
+/// The program whose defaults apply.
 enum class DefaultSet { gdal, grass };
 
-/// What was asked of `alidade visibility raster`.
+/// The command line of `alidade visibility raster`.
 struct RasterCommand : VisibilityRequest {
   ObserverOptions observers;
   ObjectOptions objects;
@@ -91,7 +91,7 @@ void add_sight(const Options& raster, RasterCommand& command) {
       [&command](const std::string& text) { command.curvature = 1.0 - parse_number(text, 0.0, 1.0); });
 }
 
-/// The values of the chosen set, but for those that were given.
+/// The given values, others from the chosen set of defaults.
 visibility::SeenValues seen_values_of(const RasterCommand& command) {
   visibility::SeenValues values;
   if (command.like == DefaultSet::grass) values = {.visible = 1, .invisible = 0, .out_of_range = {}};
@@ -103,7 +103,7 @@ visibility::SeenValues seen_values_of(const RasterCommand& command) {
 
 constexpr const char* k_mode_words[] = {"visible", "count", "height", "fraction", "size", "solid-angle"};
 
-/// Errors: options that mean nothing for the mode, or nothing together.
+/// Errors: options that do not apply to the mode, or exclude each other.
 void check_values(const RasterCommand& command) {
   const visibility::ViewshedMode mode = command.mode();
   const auto check = [mode](bool is_given, const std::string& option, visibility::ViewshedMode of) {
@@ -127,7 +127,7 @@ void check_values(const RasterCommand& command) {
     throw Error({.problem = "--highest does not exceed --target-height"});
 }
 
-/// Errors: observers and objects, or options and a mode that need the other of them.
+/// Errors: both observers and objects; options or a mode that require the other of these.
 void check_objects(const RasterCommand& command) {
   const ObserverOptions& observers = command.observers;
   const visibility::ViewshedMode mode = command.mode();
@@ -174,7 +174,7 @@ visibility::ViewshedOptions options_of(const RasterCommand& command, const Cloud
   // With objects the eyes are above the cells.
   options.target_height = command.objects.any() ? defaults.height.value_or(defaults.height_on_ground)
                                                 : command.map.target_height.value_or(0.0);
-  // Sight bent as asked for, or as the chosen set has it where the cloud's unit is known.
+  // The given curvature, else that of the chosen defaults if the cloud's unit is known.
   const bool usual = command.like == DefaultSet::gdal && unit.metres;
   options.curve = visibility::SightCurve(
       command.curvature.value_or(usual ? visibility::k_usual_curvature : 0.0), unit.metres.value_or(1.0));
@@ -184,7 +184,7 @@ visibility::ViewshedOptions options_of(const RasterCommand& command, const Cloud
   return options;
 }
 
-/// How it is looked, for people and for the map's metadata.
+/// The settings of sight, for people and for the map's metadata.
 std::string sight_text(const RasterCommand& command, const visibility::ViewshedOptions& options) {
   const visibility::ObserverDefaults& defaults = command.observers.defaults;
   std::string text =
@@ -212,7 +212,7 @@ std::string sight_text(const RasterCommand& command, const visibility::ViewshedO
   return text;
 }
 
-/// What this map says beside what all maps say.
+/// Adds the observers, or objects, to the metadata of all maps.
 void add_observers(std::span<const visibility::Observer> observers, const std::string& kind,
                    MapMetadata& metadata) {
   constexpr std::size_t k_most_observers = 100;

@@ -21,11 +21,11 @@ void load_row_writer(const std::filesystem::path& file);
 using WriteRows =
     std::function<bool(visibility::RowForm, const visibility::RowFileHead&, const visibility::ToLonLat&)>;
 
-/// Has the output of a command written, and says if it has the coordinates of the cloud. The module is loaded
-/// when longitudes are first asked for. Errors: those of `write`.
+/// Writes the output of a command, and warns if it has the coordinates of the cloud. The module is loaded
+/// when the first longitude is needed. Errors: those of `write`.
 void write_rows(const VisibilityRequest& request, const PointCloud& cloud, const WriteRows& write);
 
-/// That a GeoJSON file has the coordinates of the cloud.
+/// Warns that a GeoJSON file has the coordinates of the cloud.
 void warn_of_cloud_coordinates(const std::filesystem::path& file);
 
 }  // namespace alidade::tools

@@ -16,13 +16,13 @@
 #include "visibility/sky/sun_path.h"
 #include "visibility/sky/weather.h"
 
-// `visibility sun` in three parts: what was asked for and the path of the sun, maps and points, observers.
+// `visibility sun` in three parts: options and the path of the sun, maps and points, observers.
 
 namespace alidade::tools {
 
 /// A date as people give it for sunshine: a whole day, or a moment.
 struct SunDate {
-  Moment moment;  ///< of a day: its begin in UTC, whatever the position
+  Moment moment;  ///< of a day: its begin in UTC, whatever the location
   bool is_day = false;
 };
 
@@ -63,18 +63,19 @@ struct SunSky {
 /// Declares the options of the sun.
 void add_sun_request(const Options& sun, SunCommand& command);
 
-/// The sun over a site, with progress. `targets`: how many receivers there are, if they are few; then every step counts
-/// alone up to 10^7 lines of sight. Errors: as place_schedule(), sun_steps(), sun_periods(), Weather.
+/// The sun over a site; shows progress. `targets`: the number of receivers, if they are few: every step is
+/// then computed exactly, without bins, up to 10^7 lines of sight. Errors: as place_schedule(), sun_steps(),
+/// sun_periods(), Weather.
 std::unique_ptr<SunSky> sun_of(const SunCommand& command, const VisibilityCloud& cloud,
                                std::optional<std::size_t> targets = {});
 
-/// Says where and how long the sun is up, and what open ground gets.
+/// Prints where and how long the sun is up, and the energy on open ground.
 void say_sun(const SunCommand& command, const SunSky& sun);
 
-/// How the sun was followed, for the metadata of a map.
+/// The settings and steps of the sun, for the metadata of a map.
 MapMetadata sun_metadata(const SunCommand& command, const SunSky& sun);
 
-/// What `answers` depend on beside the site.
+/// Adds what answers depend on beside the site.
 void add_to_fingerprint(const SunSky& sun, Fingerprint& fingerprint);
 
 /// A number of a radiation that goes into files.

@@ -20,7 +20,7 @@ Moment midnight(const Moment& utc, double longitude) {
   return {utc.day + std::chrono::days(static_cast<int>(days)), seconds - days * k_seconds_per_day};
 }
 
-/// Reads "2026-06-21", a day, or "2026-06-21T10:00Z", a moment with its zone (a blank may represent the T).
+/// Reads "2026-06-21", a day, or "2026-06-21T10:00Z", a moment with its zone (a blank may replace the T).
 /// Errors: UsageError for anything else.
 SunDate parse_sun_date(const std::string& text) {
   constexpr std::size_t k_date_length = 10;
@@ -28,7 +28,7 @@ SunDate parse_sun_date(const std::string& text) {
   try {
     return {parse_date_time(text + "T00:00Z"), true};
   } catch (const Error&) {
-    // What was added to a day is nothing that the user wrote.
+    // The message of the parser would contain the time that was appended here.
     throw UsageError("invalid date; expected a date such as 2026-06-21, found '" + text + "'");
   }
 }
@@ -149,7 +149,7 @@ std::string model_text(const SunSky& sun) {
       schedule.air.height);
 }
 
-/// Of all periods, on open level ground, kWh/m2.
+/// The energy of all periods on open level ground, kWh/m2.
 visibility::LightSums open_energy(const SunSky& sun) {
   visibility::LightSums all;
   for (const visibility::LightSums& period : sun.light.open) all += period;
