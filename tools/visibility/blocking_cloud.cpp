@@ -45,10 +45,10 @@ BlockingMesh load_blocking_mesh(const std::vector<std::filesystem::path>& files,
 
 BlockingTerrain terrain_of(geo::HeightRaster raster, const std::filesystem::path& file, Verbosity verbosity) {
   const geo::RasterGrid grid = raster.heights.grid;
-  const double place[] = {grid.north_west.x, grid.north_west.y, grid.cell_size,
-                          static_cast<double>(grid.columns), static_cast<double>(grid.rows)};
+  const double layout[] = {grid.north_west.x, grid.north_west.y, grid.cell_size,
+                           static_cast<double>(grid.columns), static_cast<double>(grid.rows)};
   const std::uint64_t sums[] = {checksum(std::as_bytes(std::span(raster.heights.values))),
-                                checksum(std::as_bytes(std::span(place)))};
+                                checksum(std::as_bytes(std::span(layout)))};
   auto surface = std::make_shared<const geo::TerrainSurface>(std::move(raster.heights));
   if (surface->patch_count() == 0) {
     throw file_error(file, "the raster has no surface", "heights in 2 x 2 neighbouring cells",
