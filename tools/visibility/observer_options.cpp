@@ -71,7 +71,7 @@ std::vector<visibility::GivenObserver> read_given(const ObserverOptions& options
 
 /// Errors: an observer is so far away from the cloud that its coordinates are probably wrong; with a probable
 /// reason.
-void check_places(std::span<const visibility::GivenObserver> given, const Bounds& area) {
+void check_far_observers(std::span<const visibility::GivenObserver> given, const Bounds& area) {
   if (area.empty()) return;
   const glm::dvec2 low(area.min), high(area.max);
   const double far = 10.0 * glm::length(high - low) + 1000.0;
@@ -168,7 +168,7 @@ std::vector<visibility::Observer> load_observers(const ObserverOptions& options,
   std::vector<visibility::GivenObserver> given = read_given(options, cloud.cloud.cloud.crs);
   const bool needs_ground =
       options.grid || std::ranges::any_of(given, [](const visibility::GivenObserver& one) { return !one.z; });
-  if (!options.anywhere) check_places(given, cloud.area());
+  if (!options.anywhere) check_far_observers(given, cloud.area());
   std::optional<visibility::Ground> own_ground;
   if (needs_ground && !ground) own_ground = find_ground(cloud, {}, verbosity);
   const visibility::GroundHeight height_at =
