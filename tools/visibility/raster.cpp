@@ -253,14 +253,14 @@ visibility::Viewshed look(const VisibilityCloud& cloud, const visibility::Ground
 }
 
 /// The observers, or the samples of the objects.
-struct Looked {
+struct Viewpoints {
   std::vector<visibility::Observer> observers;
   std::vector<visibility::ObjectPiece> pieces;  ///< empty: observers
   std::vector<visibility::Observer> named;      ///< the observers, or one for each object
 };
 
-Looked load_looked(const RasterCommand& command, const VisibilityCloud& cloud,
-                   const visibility::Ground& ground) {
+Viewpoints load_viewpoints(const RasterCommand& command, const VisibilityCloud& cloud,
+                           const visibility::Ground& ground) {
   const visibility::GroundHeight height_at = [&](const glm::dvec2& position) { return ground.at(position); };
   if (command.objects.any()) {
     visibility::SampledObjects objects =
@@ -288,10 +288,10 @@ ExitCode run(const RasterCommand& given) {
   const CloudUnit unit = cloud_unit(crs);
   visibility::ViewshedOptions options = options_of(command, unit);
   const visibility::Ground ground = find_map_ground(command.map, *cloud, verbosity);
-  const Looked looked = load_looked(command, *cloud, ground);
-  const std::vector<visibility::Observer>& observers = looked.observers;
+  const Viewpoints viewpoints = load_viewpoints(command, *cloud, ground);
+  const std::vector<visibility::Observer>& observers = viewpoints.observers;
   const std::string kind = command.objects.any() ? "object" : "observer";
-  options.pieces = looked.pieces;
+  options.pieces = viewpoints.pieces;
   const geo::RasterGrid grid =
       map_grid(command.map, visibility::area_in_reach(map_area(command.map, *cloud), observers, kind), ground,
                1, unit.name, verbosity);
@@ -301,21 +301,21 @@ ExitCode run(const RasterCommand& given) {
       command.checkpoint,
       [&] { return fingerprint_of(command.checkpoint, *cloud, observers, grid, options); }, verbosity);
   measure_occluders(*cloud, command.occluders, verbosity);
-  say_observer_remarks(looked.named, *cloud, verbosity);
+  say_observer_remarks(viewpoints.named, *cloud, verbosity);
 
   const auto start = std::chrono::steady_clock::now();
   const visibility::Viewshed seen = look(*cloud, ground, observers, grid, options, long_run);
   const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   const visibility::ViewshedBand band =
-      visibility::viewshed_band(seen, options, seen_values_of(command), looked.named.size(), unit.name);
+      visibility::viewshed_band(seen, options, seen_values_of(command), viewpoints.named.size(), unit.name);
   geo::RasterContents contents{
       .grid = grid, .bands = {band.band()}, .crs = crs, .metadata = map_metadata(command, *cloud, ground)};
   contents.metadata.emplace_back("alidade_mode", k_mode_words[static_cast<std::size_t>(options.mode)]);
   contents.metadata.emplace_back("alidade_sight", sight);
-  add_observers(looked.named, kind, contents.metadata);
+  add_observers(viewpoints.named, kind, contents.metadata);
   image_module().write_raster(command.output, contents, command.overwrite);
   if (!command.map.preview.empty()) {
-    image_module().write_map_picture(visibility::viewshed_picture(seen, options, looked.named, unit.name),
+    image_module().write_map_picture(visibility::viewshed_picture(seen, options, viewpoints.named, unit.name),
                                      ground, command.map.preview, command.overwrite);
   }
   long_run.finish();
