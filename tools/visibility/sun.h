@@ -29,7 +29,7 @@ struct SunDate {
 struct SunCommand : SkyRequest {
   std::optional<SunDate> from, to;
   double step_minutes = 10.0;
-  std::optional<glm::dvec2> position;  ///< latitude, longitude
+  std::optional<glm::dvec2> location;  ///< latitude, longitude
   visibility::ClearAir air;
   std::optional<std::array<double, 12>> monthly_turbidity;
   std::filesystem::path weather;  ///< empty: a clear sky

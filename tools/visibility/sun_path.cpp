@@ -47,7 +47,7 @@ Moment end_of(const SunDate& date, double longitude) {
 }
 
 /// "LAT,LON".
-glm::dvec2 parse_position(const std::string& text) {
+glm::dvec2 parse_location(const std::string& text) {
   const std::size_t comma = text.find(',');
   if (comma == std::string::npos)
     throw UsageError("invalid value; expected two numbers separated by a comma, found '" + text + "'");
@@ -93,7 +93,7 @@ void add_time(const Options& sun, SunCommand& command) {
       "--place", "LAT,LON",
       "location in degrees, WGS 84 (default: the centre of the cloud by its reference system, else that of "
       "--weather)",
-      command.position, parse_position);
+      command.location, parse_location);
   group.value(
       "--bin", "DEGREES|exact",
       "group sun positions into bins of this size (default: exact for up to 1000 positions; for more, 1 "
@@ -206,16 +206,16 @@ std::unique_ptr<SunSky> sun_of(const SunCommand& command, const VisibilityCloud&
   constexpr double k_usual_bin = 3.0, k_usual_fan = 1.0;
   auto sun = std::make_unique<SunSky>();
   visibility::SunSchedule& schedule = sun->schedule;
-  std::optional<glm::dvec2> position = command.position;
+  std::optional<glm::dvec2> location = command.location;
   if (!command.weather.empty()) {
     InputFile file(command.weather);
     sun->weather.emplace(file);
     schedule.weather = &*sun->weather;
-    if (cloud.cloud.cloud.crs.empty() && !position)
-      position = glm::dvec2(sun->weather->latitude(), sun->weather->longitude());
+    if (cloud.cloud.cloud.crs.empty() && !location)
+      location = glm::dvec2(sun->weather->latitude(), sun->weather->longitude());
   }
   sun->is_map_known = image_module().place_schedule(cloud.cloud.cloud.crs, glm::dvec2(cloud.area().center()),
-                                                    position, schedule);
+                                                    location, schedule);
   schedule.from = begin_of(*command.from, schedule.longitude);
   schedule.to = end_of(command.to.value_or(*command.from), schedule.longitude);
   schedule.step_minutes = command.step_minutes;
