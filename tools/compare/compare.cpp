@@ -82,7 +82,7 @@ std::string comparison_text(const compare::Comparison& comparison, const compare
   return text + (verdict.pass() ? "pass\n" : "FAIL\n");
 }
 
-/// A line per pair, worst first, and one that sums up.
+/// A line per pair, worst first, and one for all pairs.
 std::string batch_text(const std::vector<compare::PairOutcome>& outcomes) {
   std::string text = fmt::format("{:<5} {:>10} {:>10} {:>10}  pair\n", "", "flip", "ssim", "psnr");
   std::size_t failed = 0;
@@ -111,7 +111,7 @@ ExitCode exit_code(const CompareRequest& request, bool pass, bool warned) {
   return request.idiff_codes && warned ? ExitCode::no : ExitCode::done;
 }
 
-/// That of the worst pair.
+/// The exit code of the worst pair.
 ExitCode exit_code(const CompareRequest& request, const std::vector<compare::PairOutcome>& outcomes) {
   bool pass = true, warned = false, only_sizes = true, any_error = false;
   for (const compare::PairOutcome& outcome : outcomes) {
