@@ -46,7 +46,7 @@ void catch_interrupts() {
   struct sigaction ignored = {};
   ignored.sa_handler = SIG_IGN;
   sigaction(SIGXFSZ, &ignored, nullptr);
-  // So is writing to a reader that has gone away.
+  // So is writing to a pipe whose reader has closed it.
   sigaction(SIGPIPE, &ignored, nullptr);
 }
 

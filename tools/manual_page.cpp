@@ -166,7 +166,7 @@ std::string help_text(const CommandEntry& command) {
 }
 
 std::string manual_page(const CommandEntry& command, const std::string& version) {
-  // That of the version, as in the changelog: builds of one source are the same bytes.
+  // The date of the version, as in the changelog: builds of one source have equal bytes.
   constexpr const char* k_date = "2026-11-27";
   std::string title = page_name(command);
   std::ranges::transform(title, title.begin(),

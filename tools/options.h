@@ -281,7 +281,7 @@ inline const std::string k_database_help =
     "; or a table of a database: site.db?table=NAME or postgresql://HOST/DATABASE?table=NAME";
 
 /// Declares the option, or the operand, that takes the files of a cloud; folders and patterns are expanded
-/// (resolve_clouds()) while the command line is read. `view`: which of their points are wanted
+/// (resolve_clouds()) while the command line is read. `view`: which of their points are selected
 /// (tools/view_options.h). Errors then: those of resolve_clouds().
 Option add_cloud_files(const Options& command, const std::string& name, const std::string& kind,
                        const std::string& help, CloudInputs& clouds,

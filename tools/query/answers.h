@@ -49,7 +49,7 @@ struct NumberForm {
   std::optional<int> digits{};                   ///< of others; empty: as many as give the same number again
 };
 
-/// Rows of answers that are made when they are wanted, from several threads at once.
+/// Rows of answers that are made when they are written, from several threads at once.
 struct AnswerRows {
   std::size_t size = 0;
   /// Fills `rows` with the rows [first, first + rows.size()).
@@ -91,7 +91,7 @@ std::unique_ptr<AnswerOutput> answers_as_las(const std::filesystem::path& file, 
                                              const IndexedCloud& cloud,
                                              std::vector<AnswerDimension> dimensions, Verbosity verbosity);
 
-// What the answers of each family look like.
+// The columns and dimensions of the answers of each family.
 
 /// Columns of found points as text.
 template <class Target>

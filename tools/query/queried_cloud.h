@@ -25,10 +25,10 @@ std::unique_ptr<CopcTiles> open_copc(const QueryCommand& command);
 /// What --explain adds for COPC: files opened, chunks and points decoded, and what share of all that is.
 std::string copc_table(const CopcTiles& tiles);
 
-/// A box outside of which no point answers, from a first pass through the targets and from the headers of the
-/// files; empty if it is unknown: for one file, for half-spaces, without a radius, for targets that come
-/// through a pipe or are more than a million, and where the answer also depends on points outside of the box
-/// (levels, colours in LAS). Errors: those of targets, and of opening files.
+/// A box that contains all points that can answer, from a first pass through the targets and from the headers
+/// of the files; empty if it is unknown: for one file, for half-spaces, without a radius, for targets that
+/// come through a pipe or are more than a million, and where the answer also depends on points outside of the
+/// box (levels, colours in LAS). Errors: those of targets, and of opening files.
 template <class Target>
 std::optional<Bounds> query_region(const QueryCommand& command, AnswerForm form);
 

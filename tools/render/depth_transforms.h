@@ -20,8 +20,8 @@ struct DepthTransforms {
 DepthTransforms read_depth_transforms(const std::filesystem::path& input,
                                       const std::filesystem::path& output);
 
-/// Writes the output: every frame gets `depth_file_path`, relative to the output's folder; all other keys stay
-/// with their values and in their order. `files[i]` is the depth map of `views[i]`; the views are all frames.
+/// Writes the output: every frame gets `depth_file_path`, relative to the output's folder; all other keys and
+/// their values stay, in their order. `files[i]` is the depth map of `views[i]`; the views are all frames.
 /// The file is written completely or not at all. Errors: it exists and `overwrite` is false; write failures.
 void write_depth_transforms(const DepthTransforms& transforms, std::span<const View> views,
                             std::span<const std::filesystem::path> files, bool overwrite);

@@ -35,7 +35,7 @@ void add_long_render_options(const Options& render, LongRenderRequest& request);
 /// Which existing files may be replaced. A file at the checkpoint's name must be a checkpoint even then.
 struct Replaceable {
   bool any = false;
-  bool earlier_preview = false;  ///< a picture whose metadata says that it is a preview
+  bool earlier_preview = false;  ///< a picture whose metadata marks it as a preview
 };
 
 /// Lets a render fail before it starts. `outputs` and `inputs`: the pictures and all that is read. Errors: a

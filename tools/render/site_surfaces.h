@@ -10,7 +10,7 @@
 
 namespace alidade::tools {
 
-/// The exact surfaces of a site, of which a scan is a sample, as part of a scene. Cost: about half a
+/// The exact surfaces of a site, instead of a scan of them, as part of a scene. Cost: about half a
 /// microsecond per ray.
 class SiteSurfaces final : public renderer::Surfaces {
  public:

@@ -61,9 +61,9 @@ struct SqlRun {
 
 /// Runs all statements of a text and prints their rows; runs none if one of them is invalid. `file`: the name
 /// of the text in messages. Conditions on dist_ray and dist_plane leave chunks unread
-/// (database/sqlite/prepare.h). Errors: a statement that is not read-only, has a parameter without value, or is invalid
-/// for SQLite; a parameter that no statement has; SQLite's. Cancelled, also while it waits for another
-/// process that writes.
+/// (database/sqlite/prepare.h). Errors: a statement that is not read-only, has a parameter without value, or
+/// is invalid for SQLite; a parameter that no statement has; SQLite's. Cancelled, also while it waits for
+/// another process that writes.
 void run_statements(const database::Connection& connection, const std::string& text, const std::string& file,
                     SqlRun run);
 

@@ -125,9 +125,9 @@ void check_pair_request(const PairRequest& request) {
     throw input_error("--places-crs requires --places", "--places FILE");
 }
 
-/// Reads positions and pairs, and places the ends on the cloud. Surfaces need not be measured. Errors: those
-/// of read_pair_table() and load_observers(); names of no position, or of two; coordinates beside --places; a
-/// single position.
+/// Reads positions and pairs, and computes the ends of the lines over the cloud. Surfaces need not be
+/// measured. Errors: those of read_pair_table() and load_observers(); names of no position, or of two;
+/// coordinates beside --places; a single position.
 LineEnds load_line_ends(const PairRequest& request, const VisibilityCloud& cloud, Verbosity verbosity) {
   std::vector<visibility::GivenPair> given;
   if (!request.pairs.empty()) given = visibility::read_pair_table(request.pairs);

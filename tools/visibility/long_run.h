@@ -36,10 +36,11 @@ void add_to_fingerprint(const geo::RasterGrid& grid, Fingerprint& fingerprint);
 /// Adds other numbers, which messages call `name`.
 void add_to_fingerprint(const std::string& name, std::span<const double> numbers, Fingerprint& fingerprint);
 
-/// A run that keeps what is finished, if that is wanted.
+/// A run with a checkpoint of its finished parts, if one is requested.
 ///
 ///   LongRun run(command.checkpoint, [&] { return run_fingerprint(...); }, verbosity);
-///   run.work("looking", "sight lines", [&](const Progress& progress, PartCheckpoint* parts) { return ...; });
+///   run.work("looking", "sight lines",
+///            [&](const Progress& progress, PartCheckpoint* parts) { return ...; });
 ///   ... write ...
 ///   run.finish();
 class LongRun {

@@ -40,11 +40,11 @@ void add_target_height(const Options& command, std::optional<double>& height);
 /// What can be wrong before a cloud is loaded. Errors: no observers are given; their file cannot be opened.
 void check_given(const ObserverOptions& options);
 
-/// Reads the observers, in the cloud's reference system, and places them; say_observer_remarks() prints their
-/// positions once occluders are measured. Those of the command line come first, then the file's, then the
-/// grid's. `ground` gives the height of observers without z; if it is empty, the cloud's ground is computed
-/// if needed. Errors: no observers; those of read_observers(), observer_grid(), place_observers() and
-/// make_ground().
+/// Reads the observers, in the cloud's reference system, and computes their positions, which
+/// say_observer_remarks() prints once occluders are measured. Those of the command line come first, then the
+/// file's, then the grid's. `ground` gives the height of observers without z; if it is empty, the cloud's
+/// ground is computed if needed. Errors: no observers; those of read_observers(), observer_grid(),
+/// place_observers() and make_ground().
 std::vector<visibility::Observer> load_observers(const ObserverOptions& options, const VisibilityCloud& cloud,
                                                  Verbosity verbosity,
                                                  const visibility::GroundHeight& ground = {});
