@@ -26,7 +26,7 @@ namespace py = pybind11;
 
 using Shape = std::vector<py::ssize_t>;
 
-/// Numbers of any kind as doubles, one after the other; copied only if they are not.
+/// Numbers of any kind as consecutive doubles; copied only if they are not.
 using Doubles = py::array_t<double, py::array::c_style | py::array::forcecast>;
 
 /// One of the named tuples of alidade/_answers.py.
@@ -85,8 +85,8 @@ void watch_interruption();
 /// thread only.
 bool is_interrupted();
 
-/// Raises what Ctrl-C raises in Python, after Cancelled was thrown. Errors: nothing is raised: Ctrl-C came
-/// before, or its handler ignored it.
+/// Raises what Ctrl-C raises in Python, after Cancelled was thrown. Errors: no exception is pending: Ctrl-C
+/// came before, or its handler ignored it.
 [[noreturn]] void raise_interruption();
 
 /// on_threads() without the GIL. Raises Ctrl-C if that ended a wait for a server.

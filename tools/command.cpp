@@ -65,7 +65,7 @@ std::string explain_unknown_word(std::span<const std::string> words, const std::
   if (words.empty() || words[0].starts_with("-")) return {};
   const Command* const chosen = find_command(commands, words[0]);
   if (chosen == nullptr) {
-    // A command of a group is easily named without it.
+    // A command is easily typed without its group.
     for (const Command& group : commands)
       if (find_command(group.parts, words[0]) != nullptr)
         return fmt::format("unknown command '{}'; did you mean '{} {}'?", words[0], group.options.name(),
@@ -107,8 +107,8 @@ ExitCode say_usage_error(const std::string& text, std::span<const std::string> w
   return ExitCode::failed;
 }
 
-/// Errors: a word, or what is behind its '=', names a table on a server in a way that might hold a password,
-/// which no message may repeat.
+/// Errors: a word, or the text behind its '=', names a table on a server in a way that might contain a
+/// password, which no message may repeat.
 void check_server_names(const CommandLine& words) {
   for (const std::string& word : words) {
     const std::size_t equals = word.starts_with("--") ? word.find('=') : std::string::npos;
@@ -117,7 +117,7 @@ void check_server_names(const CommandLine& words) {
   }
 }
 
-/// Runs the one of these commands, or of their parts, that was chosen.
+/// Runs the chosen one of these commands or of their parts.
 ExitCode run_chosen(const std::vector<Command>& commands, const CommandLine& words) {
   const auto is_chosen = [](const Command& command) { return command.options.chosen(); };
   const Command& command = *std::ranges::find_if(commands, is_chosen);

@@ -12,9 +12,9 @@
 #include "tools/options.h"
 #include "tools/threads.h"
 
-// A sub-command is one function: it declares its options on the program and returns what to do when it is
-// chosen. Work is done by the libraries; a command only reads options, calls, and prints. Bad input is thrown
-// as Error.
+// A sub-command is one function: it declares its options on the program and returns the function that runs
+// it. The libraries do the work; a command only reads options, calls the libraries, and prints. Invalid input
+// is thrown as Error.
 
 namespace alidade::tools {
 
@@ -29,7 +29,7 @@ struct Command {
   std::vector<Command> parts{};
 };
 
-/// A command that is `run(*request)`, on as many threads as the request wants, otherwise on enough_threads().
+/// A command that calls `run(*request)`, on the requested number of threads, by default on enough_threads().
 template <class Request>
 Command command_of(const Options& options, const std::shared_ptr<Request>& request,
                    ExitCode (*run)(const Request&)) {

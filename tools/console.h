@@ -28,7 +28,7 @@ enum class ExitCode {
 /// Writing into a pipe without a reader becomes a failed write instead of a signal.
 void catch_interrupts();
 
-/// Ends the program as that signal would have, which is what a shell expects of the middle of a pipeline.
+/// Ends the program as SIGPIPE would have, which a shell expects in the middle of a pipeline.
 [[noreturn]] void end_by_broken_pipe();
 
 /// Whether one of these signals has been received.
@@ -49,7 +49,7 @@ void say_error(std::string_view text);
 /// "alidade: warning: TEXT".
 void say_warning(std::string_view text);
 
-/// "alidade: TEXT": what was assumed or measured on the user's behalf.
+/// "alidade: TEXT": an assumption or a measurement on the user's behalf.
 void say_note(std::string_view text);
 
 /// How much the program prints on stderr beside errors.
@@ -75,7 +75,7 @@ void write_to_stdout(std::string_view text);
 ///   line.finish();
 class ProgressLine {
  public:
-  /// `unit` is what the task counts in, as it is behind a rate: "points", "camera rays".
+  /// `unit`: of the task's count, as written behind a rate: "points", "camera rays".
   ProgressLine(std::string task, std::string unit, Verbosity verbosity);
   /// Ends a line that was left in the middle.
   ~ProgressLine();
@@ -108,7 +108,7 @@ class ProgressLine {
   Clock::time_point start_, last_shown_;
 };
 
-/// What work(progress) returns, with a ProgressLine around it.
+/// Returns what work(progress) returns; shows its progress as a ProgressLine.
 template <class Work>
 auto with_progress(std::string task, std::string unit, Verbosity verbosity, const Work& work) {
   ProgressLine line(std::move(task), std::move(unit), verbosity);

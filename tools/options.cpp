@@ -22,7 +22,7 @@ namespace {
 /// CLI11's heading of options without one.
 constexpr std::string_view k_first_heading = "Options";
 
-/// What reads a value, naming the option in its errors.
+/// A function that reads a value as `take` does, and names the option in its errors.
 Options::Take naming(const std::string& names, Options::Take take) {
   return [names, take = std::move(take)](const std::string& text) {
     try {

@@ -73,7 +73,7 @@ struct OptionalValue<std::optional<Value>> {
   using type = Value;
 };
 
-/// What an option stores: Value, for a target that is a Value or an optional one.
+/// The type that an option stores: Value, for a target that is a Value or an optional Value.
 template <class Target>
 using ValueOf = typename OptionalValue<Target>::type;
 
@@ -122,7 +122,7 @@ class Options {
   /// Makes one of the sub-commands required.
   Options require_command() const;
 
-  /// Replaces the text of the manual's end, where a part of it is computed.
+  /// Replaces the end of the manual, for a text that is partly computed.
   void manual(const std::string& text) const;
 
   /// An option with a value. Given more than once, its last value holds.
@@ -211,7 +211,7 @@ class Options {
   /// Whether this command is on the command line.
   bool chosen() const;
 
-  /// Every option and operand of the command, as it is called in full, with the words given to it.
+  /// The full name of every option and operand of the command, with the words given to it.
   std::vector<std::pair<std::string, std::vector<std::string>>> given() const;
 
   /// The command as its manual describes it.
@@ -261,7 +261,7 @@ void add_verbosity(const Options& command, Verbosity& verbosity);
 void check_writable(const std::filesystem::path& output, bool overwrite,
                     std::span<const std::filesystem::path> inputs = {});
 
-/// check_writable() for all files that a command writes; empty names are left out. Errors: two are the same.
+/// check_writable() for all files that a command writes; empty names are left out. Errors: two are one file.
 void check_outputs(std::span<const std::filesystem::path> outputs, bool overwrite,
                    std::span<const std::filesystem::path> inputs = {});
 
@@ -308,7 +308,7 @@ void add_run_options(const Options& command, RunRequest& request);
 struct CloudRequest : RunRequest {
   CloudInputs files;
 
-  /// The files of the cloud, and what else is read.
+  /// The files of the cloud, and other files that are read.
   std::vector<std::filesystem::path> inputs(std::initializer_list<std::filesystem::path> more = {}) const;
 };
 
@@ -317,7 +317,7 @@ struct CloudRequest : RunRequest {
 void add_cloud(const Options& command, CloudRequest& request,
                std::initializer_list<std::string_view> own_options = {});
 
-/// Whether and where to keep what is finished of a long run.
+/// Whether and where to save finished work of a long run.
 struct CheckpointRequest {
   std::optional<Options> command{};  ///< whose options were declared
   std::filesystem::path file;        ///< --checkpoint; empty: nothing is kept

@@ -14,7 +14,7 @@ namespace alidade::tools {
 inline constexpr std::array<std::string_view, 6> k_silent_flags = {"help",  "overwrite", "skip-existing",
                                                                    "quiet", "verbose",   "resume"};
 
-/// With a value.
+/// Options with a value.
 inline constexpr std::array<std::string_view, 8> k_silent_options = {
     "output", "threads", "memory", "cache", "cache-size", "allow-host", "checkpoint", "checkpoint-interval"};
 

@@ -19,7 +19,7 @@
 namespace alidade::tools {
 namespace {
 
-/// Whether a text is meant as a box. A file whose name holds commas comes first.
+/// Whether a text is a box, not the name of a file, which may contain commas.
 bool is_box(const std::string& text) {
   std::error_code error;
   return text.find(',') != std::string::npos && !std::filesystem::exists(text, error);

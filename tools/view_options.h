@@ -20,7 +20,7 @@ struct ViewRequest {
   std::shared_ptr<InputView> view = std::make_shared<InputView>();
   std::string stated;               ///< --crs
   std::string wanted;               ///< --reproject
-  std::string zone;                 ///< what "auto" is, once a cloud has been opened
+  std::string zone;                 ///< the system of "auto", once a cloud has been opened
   std::optional<CloudInput> first;  ///< the cloud whose location decides the zone of "auto"
   std::once_flag is_zone_chosen;
 

@@ -196,7 +196,7 @@ void say_written(const ConvertCommand& command, std::uint64_t count, std::uint64
            fmt::format("wrote {} of {} points to {}", count, before, command.output.string()));
 }
 
-/// Whether the points, and what is measured of them, are too much for memory.
+/// Whether the points, and measurements of them, are too large for memory.
 bool is_large(const ConvertCommand& command) {
   constexpr std::uint64_t k_octree = 52, k_thinning = 17;  // bytes per point
   const StatedSize size = stated_size(command.files);
@@ -282,7 +282,7 @@ ExitCode convert_to_parquet(const ConvertCommand& command) {
   return ExitCode::done;
 }
 
-/// Errors: something is measured that needs one unit of all axes. Warns of engines that measure later.
+/// Errors: --spacing or --normals with different units of the axes. Warns of these units in Parquet.
 void check_units(const ConvertCommand& command) {
   const bool measures = command.spacing || command.normals;
   if (command.files.empty() || (!measures && !is_parquet_name(command.output))) return;

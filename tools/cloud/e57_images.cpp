@@ -49,7 +49,7 @@ void print_each(const std::vector<Item>& items, const char* kind, Verbosity verb
   }
 }
 
-/// A picture and the names of what is written for it.
+/// A picture and the names of the files that are written for it.
 struct Extraction {
   std::size_t file = 0;
   E57Blob blob;

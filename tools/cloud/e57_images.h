@@ -20,8 +20,8 @@ nlohmann::ordered_json e57_json(const E57File& file);
 /// verbose.
 std::vector<std::string> e57_lines(const E57File& file, Verbosity verbosity);
 
-/// Writes the pictures of E57 files into `folder`, which is made if it is not there, byte for byte as they
-/// are: NAME.jpg or NAME.png, named for the image (its name, else its GUID), NAME_visual for a visual
+/// Writes the pictures of E57 files into `folder`, which is created if missing, byte for byte as they are:
+/// NAME.jpg or NAME.png, named for the image (its name, else its GUID), NAME_visual for a visual
 /// reference beside another picture, NAME_2 and so on where a name is repeated, and NAME_mask.png. Beside a
 /// picture whose projection is that of a lens (camera_of()) goes its camera file, NAME.json. images.json
 /// holds all metadata of the pictures, also of those without a camera. Returns the number of pictures.

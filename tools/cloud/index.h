@@ -12,7 +12,7 @@
 
 namespace alidade::tools {
 
-/// What an index file shall hold beside octree and attributes.
+/// The contents of an index file beside octree and attributes.
 struct IndexRequest {
   Organisation organisation = Organisation::adaptive;
   double cell_size = 0.0;                   ///< of fixed organisation, see BuildOptions

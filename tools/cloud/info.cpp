@@ -206,7 +206,7 @@ Json coordinates(const glm::dvec3& position) {
   return triple(plain);
 }
 
-/// All of the system as WKT, also where the files have GeoTIFF keys; empty if it is unknown.
+/// The whole system as WKT, also if the files have GeoTIFF keys; empty if it is unknown.
 std::string wkt_of(const Crs& crs) {
   return crs.wkt.empty() && !crs.empty() ? crs_library().wkt(crs) : crs.wkt;
 }

@@ -23,7 +23,7 @@ void add_mesh_option(const Options& command, const std::string& purpose,
 TriangleMesh read_mesh_shown(const std::filesystem::path& file, const MeshPlacement& placement,
                              Verbosity verbosity);
 
-/// What make(progress) returns, which builds a tree of triangles, with its progress shown.
+/// Returns what make(progress) returns, which builds a tree of triangles; shows its progress.
 template <class Make>
 auto build_mesh_shown(Verbosity verbosity, const Make& make) {
   return with_progress("sorting triangles", "triangles", verbosity, make);

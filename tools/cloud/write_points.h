@@ -51,7 +51,7 @@ struct CloudResults {
   std::span<const Color16> colors{};  ///< by point id, instead of the cloud's; empty: the cloud's
 };
 
-/// Error unless the name ends in .las, .laz or .ply.
+/// Errors: the name does not end in .las, .laz or .ply.
 void check_points_name(const std::filesystem::path& file);
 
 /// The points of a cloud in their order, with all their attributes, scale, offset, reference system and LAS

@@ -126,7 +126,7 @@ ExitCode exit_code(const CompareRequest& request, const std::vector<compare::Pai
   return only_sizes ? ExitCode::sizes_differ : ExitCode::unreadable;
 }
 
-/// Points behind regions of change, to be written.
+/// A file of points behind regions of change.
 struct PointsOutput {
   fs::path file;
   PointCloud points;
@@ -153,7 +153,7 @@ void find_points(std::vector<PointsOutput>& outputs, const CompareRequest& reque
   outputs.push_back({wish.output, compare::points_of_regions(cloud, found)});
 }
 
-/// A map to be written.
+/// A file of a map.
 struct MapOutput {
   fs::path file;
   const compare::DifferenceMap* map;
@@ -178,7 +178,7 @@ std::vector<MapOutput> maps_to_write(const CompareRequest& request,
   return outputs;
 }
 
-/// Finds everything that can be wrong before it writes anything.
+/// Reports all errors but write failures before it writes the first file.
 void write_files(const CompareRequest& request, const compare::Comparison& comparison,
                  const compare::Verdict& verdict, const compare::Verdict& warnings) {
   std::string page;
@@ -257,7 +257,8 @@ ExitCode run(const CompareRequest& request) {
   return is_batch(request) ? compare_many(request) : compare_one(request);
 }
 
-/// If requested with the exit codes of idiff, whose 2 is no error.
+/// run(), with errors as exit codes if those of idiff are requested, whose 2 is a difference and not an
+/// error.
 ExitCode run_with_codes(const CompareRequest& request) {
   if (!request.idiff_codes) return run(request);
   try {

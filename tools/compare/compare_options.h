@@ -16,7 +16,7 @@ struct RegionPointsRequest {
   std::filesystem::path cloud, output;
 };
 
-/// What the command line of `alidade compare` requests.
+/// The command line of `alidade compare`.
 struct CompareRequest : RunRequest {
   std::filesystem::path reference, test;  ///< two files or two folders
   std::filesystem::path pairs;            ///< or a table
@@ -38,7 +38,7 @@ struct CompareRequest : RunRequest {
 /// Declares the options.
 void add_compare_options(const Options& command, CompareRequest& request);
 
-// What can be wrong with a request before any pixel is read.
+// Checks of a request before pixels are read.
 
 /// Whether many pairs of pictures are requested.
 bool is_batch(const CompareRequest& request);

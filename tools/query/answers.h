@@ -72,7 +72,7 @@ enum class AnswerForm {
   las,         ///< found points
 };
 
-/// Answers as text of the form, to stdout without a file. Rows are worded in parallel. Errors: OutputFile's.
+/// Answers as text of the form; to stdout without a file. Formats rows in parallel. Errors: OutputFile's.
 std::unique_ptr<AnswerOutput> answers_as_text(std::vector<AnswerColumn> columns, AnswerForm form,
                                               const NumberForm& numbers, std::unique_ptr<OutputFile> file);
 
@@ -150,8 +150,8 @@ AnswerRow answer_row(const Answer& hit) {
   return row;
 }
 
-/// The answers of the targets [begin, end) as rows; ids: of all targets. What they are made of must outlive
-/// them.
+/// The answers of the targets [begin, end) as rows. `ids`: of all targets. Both arguments must outlive the
+/// rows.
 template <class Answer>
 AnswerRows answer_rows(const Answers<Answer>& answers, std::size_t begin, std::size_t end,
                        std::span<const std::uint64_t> ids) {

@@ -37,11 +37,11 @@ class RowReader {
   /// several the first one in the text.
   bool next(TargetRows& rows);
 
-  /// Share of the text that is read when so much of the last rows is used: a share again, 0 .. 1. 0 if the
-  /// size of the text is not known.
+  /// Share of the text that is used if this share of the last rows is used, both 0 .. 1; 0 if the size of the
+  /// text is not known.
   double share(double of_last_rows) const;
 
-  /// Throws what is wrong with the rows from this line on as a whole.
+  /// Throws an Error of the rows from this line on as a whole.
   [[noreturn]] void fail(std::uint64_t line, std::string problem, std::string expected = {},
                          std::string found = {}) const;
 

@@ -12,7 +12,7 @@ namespace {
 
 constexpr double k_largest_number = 9007199254740992.0;  // 2^53: up to here doubles are exact
 
-/// What a value must be; nullptr if it is.
+/// The expected value for errors; nullptr if the value is valid.
 const char* expectation(ValueRule rule, double value) {
   switch (rule) {
     case ValueRule::position:

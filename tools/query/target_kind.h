@@ -19,7 +19,7 @@ constexpr std::size_t k_target_families = 7;
 // The targets of `alidade query` and how they are written: as rows of numbers with named columns, alike in
 // CSV, in JSON lines and on the command line.
 
-/// What a number in a column may be. Whatever is required, NaN never is.
+/// The valid numbers of a column, which never include NaN.
 enum class ValueRule {
   position,    ///< finite
   limit,       ///< also infinite
@@ -44,10 +44,10 @@ struct TargetVector {
 };
 
 struct TargetKind {
-  std::string_view name;       ///< "ray": also of the option that takes one, and what errors call it
-  std::string_view plural;     ///< "rays"
-  std::string_view id_name;    ///< of the column that holds whose answer a row is
-  std::string_view dimension;  ///< what LAS dimensions are called by: "Ray" for RayId and RayT
+  std::string_view name;                  ///< "ray": also of the option that takes one, and in errors
+  std::string_view plural;                ///< "rays"
+  std::string_view id_name;               ///< of the column that holds the target's id in answers
+  std::string_view dimension;             ///< prefix of LAS dimensions: "Ray" for RayId and RayT
   std::span<const TargetColumn> columns;  ///< in the order of the command line
   std::span<const TargetVector> vectors;
   const char* texts_option;  ///< takes a file
@@ -79,18 +79,18 @@ const TargetKind& target_kind() {
 
 /// A line of a text, with its location for errors.
 struct TextLine {
-  std::string_view source;  ///< what messages call the text: a file, or an option of the command line
+  std::string_view source;  ///< name of the text in messages: a file, or an option of the command line
   bool is_command_line = false;
   std::string_view text;
   std::uint64_t number = 1;
 
-  /// Throws the Error for what is at byte `offset`. It names source, line and column (in characters,
-  /// from 1); of an option instead all of its value.
+  /// Throws an Error about the text at byte `offset`. It names source, line and column (in characters, from
+  /// 1); for an option its whole value instead.
   [[noreturn]] void fail(std::size_t offset, std::string problem, std::string expected = {},
                          std::string found = {}) const;
 };
 
-/// Errors: the value breaks the rule of its column. `found` is how it is written, `offset` where.
+/// Errors: the value breaks the rule of its column. `found`: the value as written, at byte `offset`.
 void check_value(const TextLine& line, std::size_t offset, const TargetColumn& column, double value,
                  std::string_view found);
 

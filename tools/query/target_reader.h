@@ -17,7 +17,7 @@ struct TargetBatch {
   std::vector<std::uint64_t> ids;
 };
 
-/// The interval on t of targets that do not bring their own; empty: the target's usual one.
+/// The interval on t of targets without their own; empty: the target's usual one.
 struct DefaultInterval {
   std::optional<double> t_min, t_max;
 };

@@ -32,7 +32,7 @@ std::vector<fs::path> names_of(const fs::path& pattern, const CameraRequest& cam
   return is_set(camera) ? picture_names(pattern, views) : std::vector{pattern};
 }
 
-/// The name, or none if the file is there already and may stay.
+/// The name; empty if the file exists and may stay.
 fs::path due(const fs::path& file, ExistingFiles existing) {
   std::error_code error;
   return existing.skip && fs::exists(file, error) ? fs::path() : file;

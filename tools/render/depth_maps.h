@@ -26,7 +26,7 @@ struct DepthRequest {
 /// Declares the options; they fill `request`.
 void add_depth_options(const Options& render, DepthRequest& request);
 
-/// A depth map to make; names are empty where the file is there already and may stay, or is not requested.
+/// A depth map to make; a name is empty if the file exists and may stay, or is not requested.
 struct DepthJob {
   View view;
   std::filesystem::path file, mask;
@@ -39,8 +39,8 @@ struct DepthPlan {
   image::Layer layer = image::Layer::depth;
   bool overwrite = false;
   std::vector<DepthJob> jobs;
-  std::vector<View> views;                   ///< of all maps, those that are there already included
-  std::vector<std::filesystem::path> files;  ///< theirs
+  std::vector<View> views;                   ///< of all maps, existing ones included
+  std::vector<std::filesystem::path> files;  ///< of all views
   std::optional<DepthTransforms> transforms;
 
   bool empty() const { return jobs.empty() && !transforms; }

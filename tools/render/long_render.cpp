@@ -165,7 +165,7 @@ void check_long_render(const LongRenderRequest& request, Replaceable replaceable
         replaceable.any || (replaceable.earlier_preview && is_preview_of_ours(request.preview)));
   if (!replaceable.any) check_links(request.checkpoint.file);
   check(request.checkpoint.file, true);
-  // It would be replaced, and removed in the end.
+  // Another file would be replaced, and removed in the end.
   if (keeps_checkpoint && !renderer::is_checkpoint(request.checkpoint.file)) {
     throw Error({.file = request.checkpoint.file.string(),
                  .location = "byte 0",

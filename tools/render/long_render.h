@@ -62,7 +62,7 @@ std::optional<Resumption> find_resumption(const LongRenderRequest& request,
 /// Warns of a target of noise if so many samples per pixel are too few to test it.
 void warn_of_few_samples(const LongRenderRequest& request, int samples);
 
-/// The options for one picture, progress left out. `metadata` and `write_picture` must outlive them.
+/// The options for one picture, without progress.
 renderer::RenderOptions render_options(const LongRenderRequest& request, const image::OutputSettings& output,
                                        bool resume, const renderer::ImageMetadata& metadata);
 

@@ -103,7 +103,7 @@ std::string full_name_of(const std::string& name, const std::filesystem::path& p
   return path.generic_string();
 }
 
-/// Around the meshes and other models of a scene.
+/// The bounds of the meshes and other models of a scene.
 Bounds model_bounds(const renderer::Scene& scene) {
   Bounds models;
   for (const renderer::Object& object : scene.objects)

@@ -178,7 +178,7 @@ class Prompt {
  public:
   Prompt(const database::Connection& connection, SqlRun run)
       : connection_(connection), run_(std::move(run)), editor_(sql_history_file()) {
-    // Those of one statement may not be those of the next.
+    // The next statement may have other parameters.
     run_.are_all_used = false;
   }
 

@@ -22,7 +22,7 @@ struct OccluderRequest {
   visibility::OccluderOptions options;        ///< without mesh and terrain, which are still to be read
   std::vector<std::filesystem::path> meshes;  ///< --mesh
   std::filesystem::path terrain;              ///< --terrain; empty: none
-  /// Classes whose points block nothing, if the cloud has classes. At first the noise of ASPRS.
+  /// Classes whose points block nothing, if the cloud has classes. By default the noise of ASPRS.
   std::bitset<256> ignored_classes = std::bitset<256>{}.set(7).set(18);
 };
 

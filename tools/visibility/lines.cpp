@@ -20,7 +20,7 @@ namespace alidade::tools {
 namespace {
 
 constexpr double k_radio_factor = 4.0 / 3.0;
-/// Of light, as maps have it by default.
+/// For light, the default of maps.
 constexpr double k_light_factor = 1.0 / visibility::k_usual_curvature;
 
 /// The options of sight lines.

@@ -71,7 +71,7 @@ void check_checkpoint(const CheckpointRequest& request, bool overwrite,
     throw file_error(request.file, "the file exists", "--resume to continue from it, or --overwrite");
   if (!overwrite) check_links(request.file);
   check_writable(request.file, true, inputs);
-  // It would be replaced, and removed in the end.
+  // Another file would be replaced, and removed in the end.
   if (is_there && !is_parts_file(request.file)) {
     throw Error({.file = request.file.string(),
                  .location = "byte 0",

@@ -16,7 +16,7 @@
 
 namespace alidade::tools {
 
-/// What x and y of a cloud are counted in.
+/// The unit of x and y of a cloud.
 struct CloudUnit {
   std::string name{};              ///< "m", "ft", or empty if it is another one or not known
   std::optional<double> metres{};  ///< of one of them; empty if that is not known

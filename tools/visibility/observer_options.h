@@ -37,7 +37,7 @@ inline constexpr const char* k_observer_group = "Observers";
 /// --target-height LENGTH: how far above its cell or point a target is examined. At least 0.
 void add_target_height(const Options& command, std::optional<double>& height);
 
-/// What can be wrong before a cloud is loaded. Errors: no observers are given; their file cannot be opened.
+/// Checks the options before a cloud is loaded. Errors: no observers are given; their file cannot be opened.
 void check_given(const ObserverOptions& options);
 
 /// Reads the observers, in the cloud's reference system, and computes their positions, which

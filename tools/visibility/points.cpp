@@ -37,7 +37,7 @@ class SeenList {
     put("observer,point_id\n");
   }
 
-  /// What observer `number`, from 1, sees.
+  /// Adds the points that observer `number`, from 1, sees.
   void add(std::size_t number, std::span<const std::uint8_t> seen) {
     constexpr std::size_t k_enough = 1 << 20;
     const std::string prefix = fmt::format("{},", number);

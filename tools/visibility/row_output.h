@@ -11,10 +11,11 @@
 
 namespace alidade::tools {
 
-/// By the extension of the name. Errors: none of them.
+/// The form of rows by the extension of the name. Errors: another extension.
 visibility::RowForm chosen_row_form(const std::filesystem::path& file);
 
-/// Fails before the work if such a file cannot be written here. Errors: those of image_module().
+/// Loads the module if it writes such files, so that a run fails before the work. Errors: those of
+/// image_module().
 void load_row_writer(const std::filesystem::path& file);
 
 /// Writes rows, as the functions of the library do; false if a GeoJSON file got the coordinates of the cloud.

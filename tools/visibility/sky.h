@@ -28,7 +28,7 @@ struct SkyRequest : VisibilityRequest {
   bool is_map() const;
 };
 
-/// Declares all of that.
+/// Declares the options of both commands.
 void add_sky_request(const Options& command, SkyRequest& request);
 
 /// A cloud, and if a map is requested, its ground and cells.

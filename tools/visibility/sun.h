@@ -20,7 +20,7 @@
 
 namespace alidade::tools {
 
-/// A date as people give it for sunshine: a whole day, or a moment.
+/// A date of --from or --to: a whole day, or a moment.
 struct SunDate {
   Moment moment;  ///< of a day: its begin in UTC, whatever the location
   bool is_day = false;
@@ -48,13 +48,13 @@ struct SunCommand : SkyRequest {
   visibility::SunHoursOptions hours_options(visibility::SkyReceiver usual) const;
 };
 
-/// Where the sun is, and how that came about.
+/// The steps and light of the sun, and their sources.
 struct SunSky {
   visibility::SunSchedule schedule;
   std::optional<visibility::Weather> weather;
   bool is_map_known = false;
-  double hours = 0.0;     ///< the sun is up
-  std::size_t steps = 0;  ///< in which it is up
+  double hours = 0.0;     ///< with the sun above the horizon
+  std::size_t steps = 0;  ///< with the sun above the horizon
   double bin = 0.0;       ///< degrees
   std::vector<std::string> periods;
   visibility::SunLight light;
@@ -86,7 +86,7 @@ struct SunQuantity {
   float (*value)(const visibility::Radiation& radiation);
 };
 
-/// Those that the command writes.
+/// The quantities that the command writes.
 std::span<const SunQuantity> sun_quantities(const SunCommand& command);
 
 /// `visibility sun` for observers: rows and the diagram.

@@ -133,7 +133,7 @@ void add_light(const Options& sun, SunCommand& command) {
              command.beam_only);
 }
 
-/// By horizons, if a raster alone blocks.
+/// Whether light is computed from horizons: a raster alone blocks.
 bool by_horizons(const SunCommand& command, const VisibilityCloud& cloud) {
   return !cloud.has_points() && cloud.mesh.tree == nullptr && std::isinf(command.max_distance);
 }
