@@ -75,7 +75,7 @@ AttributeSet needed_attributes(const QueryCommand& command, bool all) {
   throw file_error(command.files.first_name(), "--classes requires classification", "a classified cloud");
 }
 
-/// Answers whose points are numbered in another way, in the same order.
+/// Answers with other numbers of the points, in unchanged order.
 class RenumberedAnswers final : public AnswerOutput {
  public:
   using Ids = std::function<std::uint64_t(std::uint64_t row)>;
@@ -182,13 +182,13 @@ RenumberedAnswers::Ids ids_of(const QueriedCloud& cloud) {
 
 /// Writes the answers of a batch, in the order of the targets; returns their number. No more than `limit` of
 /// each target are held at once, but for a single target that has more.
-template <class Target, class AnyAsker>
-std::size_t answer_batch(AnyAsker& asker, const TargetBatch<Target>& batch, std::size_t limit,
+template <class Target, class Executor>
+std::size_t answer_batch(Executor& executor, const TargetBatch<Target>& batch, std::size_t limit,
                          AnswerOutput& output) {
   const std::span<const Target> targets = batch.targets;
   const std::span<const std::uint64_t> ids = batch.ids;
-  const bool is_limited = asker.k() > limit;
-  const auto answers = asker.find(targets, is_limited ? limit + 1 : k_all);
+  const bool is_limited = executor.k() > limit;
+  const auto answers = executor.find(targets, is_limited ? limit + 1 : k_all);
   std::size_t first = 0, written = 0;
   const auto write = [&](const auto& some, std::size_t begin, std::size_t end,
                          std::span<const std::uint64_t> their_ids) {
@@ -198,17 +198,17 @@ std::size_t answer_batch(AnyAsker& asker, const TargetBatch<Target>& batch, std:
   for (std::size_t i = 0; is_limited && i < targets.size(); ++i) {
     if (answers[i].size() <= limit) continue;
     write(answers, first, i, ids);
-    write(asker.find(targets.subspan(i, 1), k_all), 0, 1, ids.subspan(i, 1));
+    write(executor.find(targets.subspan(i, 1), k_all), 0, 1, ids.subspan(i, 1));
     first = i + 1;
   }
   write(answers, first, targets.size(), ids);
   return written;
 }
 
-template <class Target, class AnyAsker>
-std::size_t count_batch(AnyAsker& asker, const TargetBatch<Target>& batch, bool any_is_enough,
+template <class Target, class Executor>
+std::size_t count_batch(Executor& executor, const TargetBatch<Target>& batch, bool any_is_enough,
                         AnswerOutput& output) {
-  const std::vector<std::size_t> counts = asker.count(batch.targets, any_is_enough);
+  const std::vector<std::size_t> counts = executor.count(batch.targets, any_is_enough);
   output.write(number_rows(counts, batch.ids));
   return counts.size();
 }
@@ -224,8 +224,8 @@ struct Tally {
 };
 
 /// Reads and queries all targets and writes their answers.
-template <class Target, class AnyAsker>
-Tally answer_all_targets(TargetReader<Target>& reader, AnyAsker& asker, const QueryCommand& command,
+template <class Target, class Executor>
+Tally answer_all_targets(TargetReader<Target>& reader, Executor& executor, const QueryCommand& command,
                          AnswerOutput& output, const Progress& progress) {
   Tally tally;
   BatchSize size;
@@ -235,8 +235,8 @@ Tally answer_all_targets(TargetReader<Target>& reader, AnyAsker& asker, const Qu
     const auto begin = Clock::now();
     const std::size_t rows =
         only_numbers(command)
-            ? count_batch(asker, batch, command.occluded, output)
-            : answer_batch(asker, batch, command.explain ? k_all : size.answers_per_target(), output);
+            ? count_batch(executor, batch, command.occluded, output)
+            : answer_batch(executor, batch, command.explain ? k_all : size.answers_per_target(), output);
     size.learn(batch.targets.size(), rows, std::chrono::duration<double>(Clock::now() - begin).count());
     tally.targets += batch.targets.size();
     tally.rows += rows;
@@ -247,21 +247,21 @@ Tally answer_all_targets(TargetReader<Target>& reader, AnyAsker& asker, const Qu
 }
 
 /// answer_all_targets() with a progress line; then ends the output. Returns the work as a table.
-template <class Target, class AnyAsker>
-std::string run_targets(TargetReader<Target>& reader, AnyAsker& asker, const QueryCommand& command,
+template <class Target, class Executor>
+std::string run_targets(TargetReader<Target>& reader, Executor& executor, const QueryCommand& command,
                         AnswerOutput& output) {
   // Two texts on one terminal would run into each other.
   const bool to_terminal = command.output.empty() && isatty(STDOUT_FILENO) == 1;
   const TargetKind& kind = target_kind(command.family);
   ProgressLine line("asking", std::string(kind.plural), to_terminal ? Verbosity::quiet : command.verbosity);
-  const Tally tally = answer_all_targets(reader, asker, command, output, line.callback());
+  const Tally tally = answer_all_targets(reader, executor, command, output, line.callback());
   output.finish();
   line.finish();
   if (!command.output.empty())
     say_note(command.verbosity,
              fmt::format("{} {} in {}", tally.rows, only_numbers(command) ? "rows" : "points found",
                          command.output.string()));
-  return explain_table(asker.statistics(), kind, tally.targets, tally.rows);
+  return explain_table(executor.statistics(), kind, tally.targets, tally.rows);
 }
 
 /// Reports mistakes in the first targets before the cloud is loaded, unless they come through a pipe.
@@ -303,8 +303,8 @@ ExitCode run_with(const QueryCommand& command) {
     const std::unique_ptr<CopcTiles> tiles = open_copc(command);
     say_warnings(command.verbosity, tiles->warnings());
     const std::unique_ptr<AnswerOutput> output = open_text<Target>(command, form, tiles->lattice());
-    TilesAsker<Target> asker(*tiles, is_any_remote(command.files), query);
-    table = run_targets(reader, asker, command, *output);
+    TilesExecutor<Target> executor(*tiles, is_any_remote(command.files), query);
+    table = run_targets(reader, executor, command, *output);
     table += copc_table(*tiles);
   } else {
     if (command.memory)
@@ -317,8 +317,8 @@ ExitCode run_with(const QueryCommand& command) {
         form == AnswerForm::las ? answers_as_las(command.output, command.overwrite, cloud,
                                                  answer_dimensions<Target>(), command.verbosity)
                                 : open_text<Target>(command, form, cloud.octree.lattice(), ids_of(queried));
-    Asker<Target> asker(cloud.octree, query, command.explain);
-    table = run_targets(reader, asker, command, *output);
+    QueryExecutor<Target> executor(cloud.octree, query, command.explain);
+    table = run_targets(reader, executor, command, *output);
     if (queried.part) table += part_table(*queried.part);
   }
   if (command.explain) write_to_stderr(table + traffic_table(command.files));
