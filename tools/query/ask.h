@@ -140,8 +140,8 @@ class TilesExecutor {
   };
 
   /// The files that a target meets, at most `most`; those first in which the first answers can be.
-  template <class TreeTarget>
-  std::vector<std::uint32_t> files_met(const TreeTarget& target, std::size_t most) const {
+  template <class AnyTarget>
+  std::vector<std::uint32_t> files_met(const AnyTarget& target, std::size_t most) const {
     std::vector<std::pair<double, std::uint32_t>> met;
     Reach reach;
     const auto is_met = [&](const Bounds& box) {
