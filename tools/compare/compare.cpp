@@ -134,23 +134,23 @@ struct PointsOutput {
 
 /// Errors: no layer of ids; a cloud that cannot be read or is another one.
 void find_points(std::vector<PointsOutput>& outputs, const CompareRequest& request,
-                 const RegionPointsRequest& wish, const compare::PictureFacts& facts,
+                 const RegionPointsRequest& points, const compare::PictureFacts& facts,
                  const compare::ChangeRegions& changes) {
-  if (wish.output.empty()) return;
+  if (points.output.empty()) return;
   if (facts.ids.empty())
     throw file_error(facts.file, "no layer of point ids", "an EXR file rendered with the layer id");
   const PointCloud cloud = with_progress("reading", "B", request.verbosity, [&](const Progress& progress) {
-    return read_cloud(resolve_clouds(std::vector{wish.cloud}, cloud_formats()),
+    return read_cloud(resolve_clouds(std::vector{points.cloud}, cloud_formats()),
                       {.partial = request.partial, .progress = progress});
   });
   const std::vector<compare::RegionPoint> found =
       compare::region_points(facts.ids, changes, cloud.positions.size());
   if (found.empty()) {
-    say_warning(fmt::format("the regions contain no points of {}; not writing {}", wish.cloud.string(),
-                            wish.output.string()));
+    say_warning(fmt::format("the regions contain no points of {}; not writing {}", points.cloud.string(),
+                            points.output.string()));
     return;
   }
-  outputs.push_back({wish.output, compare::points_of_regions(cloud, found)});
+  outputs.push_back({points.output, compare::points_of_regions(cloud, found)});
 }
 
 /// A file of a map.
