@@ -190,13 +190,13 @@ ExitCode run_program(const CommandLine& command_line) {
   if (!explanation.empty()) return say_usage_error(explanation, words, commands);
   try {
     switch (parser.parse(words)) {
-      case Parser::Wish::help:
+      case Parser::Action::help:
         write_to_stdout(parser.help());
         return ExitCode::done;
-      case Parser::Wish::version:
+      case Parser::Action::version:
         write_to_stdout(version_text());
         return ExitCode::done;
-      case Parser::Wish::work:
+      case Parser::Action::work:
         break;
     }
   } catch (const UsageError& error) {

@@ -246,18 +246,18 @@ Options Parser::program() const {
   return {app_.get(), {}};
 }
 
-Parser::Wish Parser::parse(std::span<const std::string> words) {
+Parser::Action Parser::parse(std::span<const std::string> words) {
   try {
     // The parser takes the words last one first.
     app_->parse(std::vector<std::string>(words.rbegin(), words.rend()));
   } catch (const CLI::CallForHelp&) {
-    return Wish::help;
+    return Action::help;
   } catch (const CLI::CallForVersion&) {
-    return Wish::version;
+    return Action::version;
   } catch (const CLI::ParseError& error) {
     throw UsageError(explain(error, *deepest(*app_)));
   }
-  return Wish::work;
+  return Action::work;
 }
 
 std::string Parser::help() const {

@@ -234,7 +234,7 @@ class Options {
 /// Reads a command line into what its commands declared.
 class Parser {
  public:
-  enum class Wish { work, help, version };
+  enum class Action { work, help, version };
 
   Parser();
   ~Parser();
@@ -243,7 +243,7 @@ class Parser {
   Options program() const;
 
   /// Reads the words behind the program's name. Errors: UsageError.
-  Wish parse(std::span<const std::string> words);
+  Action parse(std::span<const std::string> words);
 
   /// The help text of the command that --help follows.
   std::string help() const;
