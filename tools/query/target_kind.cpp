@@ -132,8 +132,8 @@ std::string TargetKind::names() const {
   return text;
 }
 
-std::size_t TargetKind::column(std::string_view name_asked) const {
-  return static_cast<std::size_t>(std::ranges::find(columns, name_asked, &TargetColumn::name) -
+std::size_t TargetKind::column(std::string_view wanted) const {
+  return static_cast<std::size_t>(std::ranges::find(columns, wanted, &TargetColumn::name) -
                                   columns.begin());
 }
 
