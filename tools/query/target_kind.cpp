@@ -133,8 +133,7 @@ std::string TargetKind::names() const {
 }
 
 std::size_t TargetKind::column(std::string_view wanted) const {
-  return static_cast<std::size_t>(std::ranges::find(columns, wanted, &TargetColumn::name) -
-                                  columns.begin());
+  return static_cast<std::size_t>(std::ranges::find(columns, wanted, &TargetColumn::name) - columns.begin());
 }
 
 const TargetKind& target_kind(TargetFamily family) {
