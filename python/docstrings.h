@@ -122,7 +122,8 @@ Only the program has options that name columns of text without titles (--columns
 heights (--vertical-unit); for such files, use `alidade convert` or `alidade index` first.)";
 
 inline constexpr const char* k_closest_doc =
-    R"(closest(rays=None, *, origins=None, directions=None, radius=None, measure=None, t_min=0.0, t_max=None, where=None, classes=None, max_level=None, workers=-1)
+    R"(closest(rays=None, *, origins=None, directions=None, radius=None, measure=None, t_min=0.0, )"
+    R"(t_max=None, where=None, classes=None, max_level=None, workers=-1)
 --
 
 The first point of each ray.
@@ -145,7 +146,8 @@ Hits
     index (int64, -1 where no point answers), t, distance, entry (nan where no point answers).)";
 
 inline constexpr const char* k_nearest_doc =
-    R"(nearest(rays=None, *, origins=None, directions=None, radius=None, measure='distance', t_min=0.0, t_max=None, where=None, classes=None, max_level=None, workers=-1, k=1)
+    R"(nearest(rays=None, *, origins=None, directions=None, radius=None, measure='distance', t_min=0.0, )"
+    R"(t_max=None, where=None, classes=None, max_level=None, workers=-1, k=1)
 --
 
 The k points nearest to each ray, or the first ones by another measure; parameters as of closest().
@@ -156,7 +158,8 @@ Hits
     index, t, distance, entry of shape (..., k), with -1 and nan where fewer points answer.)";
 
 inline constexpr const char* k_within_doc =
-    R"(within(rays=None, *, origins=None, directions=None, radius=None, measure=None, t_min=0.0, t_max=None, where=None, classes=None, max_level=None, workers=-1, k=0)
+    R"(within(rays=None, *, origins=None, directions=None, radius=None, measure=None, t_min=0.0, )"
+    R"(t_max=None, where=None, classes=None, max_level=None, workers=-1, k=0)
 --
 
 All points within the radius of each ray, or the first k, ordered by the measure.
@@ -168,13 +171,15 @@ HitLists
     offsets[i] to offsets[i + 1] - 1.)";
 
 inline constexpr const char* k_occluded_doc =
-    R"(occluded(rays=None, *, origins=None, directions=None, radius=None, measure='distance', t_min=0.0, t_max=None, where=None, classes=None, max_level=None, workers=-1)
+    R"(occluded(rays=None, *, origins=None, directions=None, radius=None, measure='distance', t_min=0.0, )"
+    R"(t_max=None, where=None, classes=None, max_level=None, workers=-1)
 --
 
 Whether any point is within the radius of each ray: an array of bool. Parameters as of closest().)";
 
 inline constexpr const char* k_count_doc =
-    R"(count(rays=None, *, origins=None, directions=None, radius=None, measure='distance', t_min=0.0, t_max=None, where=None, classes=None, max_level=None, workers=-1, k=0)
+    R"(count(rays=None, *, origins=None, directions=None, radius=None, measure='distance', t_min=0.0, )"
+    R"(t_max=None, where=None, classes=None, max_level=None, workers=-1, k=0)
 --
 
 How many points are within the radius of each ray, at most k unless that is 0: int64.)";
@@ -241,7 +246,8 @@ PathHits
     index, segment (number of its first vertex), t (way from the first vertex), distance.)";
 
 inline constexpr const char* k_render_doc =
-    R"(render(index, *, camera=None, scene=None, size=(1200, 800), samples=None, layers=['color'], exposure=None, seed=None, workers=-1, progress=None)
+    R"(render(index, *, camera=None, scene=None, size=(1200, 800), samples=None, layers=['color'], )"
+    R"(exposure=None, seed=None, workers=-1, progress=None)
 --
 
 Path-trace a picture of the cloud.
@@ -281,7 +287,8 @@ transparency : int
     Number of separate surfaces that block the view: 1 for solid things, more to see through foliage.)";
 
 inline constexpr const char* k_viewshed_doc =
-    R"(viewshed(index, observers, resolution, *, mode='visible', extent=None, height=None, target_height=0.0, max_distance=None, transparency=1, workers=-1, progress=None)
+    R"(viewshed(index, observers, resolution, *, mode='visible', extent=None, height=None, )"
+    R"(target_height=0.0, max_distance=None, transparency=1, workers=-1, progress=None)
 --
 
 The map of what observers see of the ground, or of things `target_height` above it.

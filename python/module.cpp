@@ -36,8 +36,9 @@ void add_errors(py::module_& module) {
   });
 }
 
-/// A function of the module beside this one. GDAL, with the libraries it brings, is loaded when the first is needed:
-/// for a remote file, or systems that must be compared. Null without it, and then `reason` says why.
+/// A function of the module remote_files.so beside this one, which is loaded with GDAL and its libraries when
+/// the first is needed: for a remote file, or to compare systems. Null without it; `reason` is then the
+/// loader's message.
 void* function_with_gdal(const char* name, std::string& reason) {
   static void* const library = [] {
     ::Dl_info info{};
@@ -64,7 +65,7 @@ std::unique_ptr<alidade::RemoteFile> open_remote(const std::string& name) {
   return open(name, &alidade::python::is_interrupted, alidade::hosts_for(name));
 }
 
-/// Wheels go by the text of systems.
+/// The functions of reference systems. Wheels, without GDAL, compare the text of systems.
 const alidade::CrsLibrary& systems() {
   static const alidade::CrsLibrary library = [] {
     using Get = const alidade::CrsLibrary*();
@@ -81,7 +82,7 @@ const alidade::CrsLibrary& systems() {
 }  // namespace
 
 PYBIND11_MODULE(_alidade, module) {
-  // The signatures of the manual are those that people write.
+  // The docstrings have signatures of their own, without C++ types.
   py::options options;
   options.disable_function_signatures();
   module.doc() = alidade::python::k_module_doc;

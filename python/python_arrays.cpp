@@ -16,7 +16,7 @@ std::string type_text(const py::array& array) {
   return py::str(array.dtype()).cast<std::string>();
 }
 
-/// Anything as an array, of whatever type. Errors: NumPy makes none of it.
+/// Any object as an array of any type. Errors: NumPy cannot convert it.
 py::array array_of(const py::handle& given, const char* name) {
   py::array array = py::array::ensure(given);
   if (!array) {
@@ -78,7 +78,7 @@ void watch_interruption() {
   struct sigaction now {};
   if (::sigaction(SIGINT, nullptr, &now) != 0 || (now.sa_flags & SA_SIGINFO) != 0) return;
   if (now.sa_handler == SIG_IGN || now.sa_handler == SIG_DFL || now.sa_handler == &note_interruption) return;
-  // Once more only where Python has put its own back: another handler may call this one.
+  // A second time only if Python's own handler is back: another handler may call this one.
   void (*known)(int) = nullptr;
   if (!python_handler.compare_exchange_strong(known, now.sa_handler) && known != now.sa_handler) return;
   now.sa_handler = &note_interruption;
@@ -132,7 +132,7 @@ void run_watched(int workers, const py::object& watch, const std::function<void(
     return !ends;
   };
   watch_interruption();
-  // Only the thread that called notices signals.
+  // Only the calling thread notices signals.
   std::future<void> result =
       std::async(std::launch::async, [&] { on_threads(workers, [&] { work(progress); }); });
   for (bool is_done = false; !is_done;) {

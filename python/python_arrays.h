@@ -26,7 +26,7 @@ namespace py = pybind11;
 
 using Shape = std::vector<py::ssize_t>;
 
-/// Numbers of any kind as doubles, one after the other; copied only if they are not.
+/// Numbers of any kind as consecutive doubles; copied only if they are not.
 using Doubles = py::array_t<double, py::array::c_style | py::array::forcecast>;
 
 /// One of the named tuples of alidade/_answers.py.
@@ -34,7 +34,7 @@ inline py::object answer_type(const char* name) {
   return py::module_::import("alidade._answers").attr(name);
 }
 
-/// A text of a file, whatever its characters are: bytes that are not UTF-8 become surrogates, as in names of files.
+/// A text of a file, of any encoding: bytes that are not UTF-8 become surrogates, as in names of files.
 inline py::str text_of(const std::string& text) {
   return py::reinterpret_steal<py::str>(
       PyUnicode_DecodeUTF8(text.data(), static_cast<Py_ssize_t>(text.size()), "surrogateescape"));
@@ -46,14 +46,14 @@ std::string shape_text(const py::array& array);
 /// An array of real numbers as doubles. Errors: Error with shape and type of what was found.
 Doubles real_numbers(const py::handle& given, const char* name);
 
-/// An array of numbers whose last side is one of `widths`, such as (..., 3). Errors: Error with shape and type of what
-/// was found, for everything that NumPy does not take for real numbers, too.
+/// An array of numbers whose last dimension is one of `widths`, such as (..., 3). Errors: Error with shape
+/// and type of what was found, also for everything that NumPy does not convert to real numbers.
 Doubles numbers_of(const py::handle& given, const char* name, std::initializer_list<py::ssize_t> widths);
 
-/// The shape without its last side.
+/// The shape without its last dimension.
 Shape leading_shape(const py::array& array);
 
-/// Rows of three doubles as positions, without copying. Requires: the last side is 3.
+/// Rows of three doubles as positions, without copying. Requires: the last dimension is 3.
 inline std::span<const glm::dvec3> as_positions(const Doubles& array) {
   static_assert(sizeof(glm::dvec3) == 3 * sizeof(double));
   return {reinterpret_cast<const glm::dvec3*>(array.data()), static_cast<std::size_t>(array.size() / 3)};
@@ -79,17 +79,17 @@ void on_threads(int workers, const Work& work) {
   tbb::task_arena(std::min(workers, tbb::info::default_concurrency())).execute(work);
 }
 
-/// Begins to watch for Ctrl-C, and forgets what came before.
+/// Begins to watch for Ctrl-C, and forgets earlier ones.
 void watch_interruption();
 /// Whether Ctrl-C came since then. For threads that wait for servers: Python handles signals in its main
 /// thread only.
 bool is_interrupted();
 
-/// Raises what Ctrl-C raises in Python, after Cancelled was thrown. Errors: nothing is raised: Ctrl-C came
-/// before, or its handler ignored it.
+/// Raises what Ctrl-C raises in Python, after Cancelled was thrown. Errors: no exception is pending: Ctrl-C
+/// came before, or its handler ignored it.
 [[noreturn]] void raise_interruption();
 
-/// The same without the GIL. Ctrl-C that ends the wait for a server is raised.
+/// on_threads() without the GIL. Raises Ctrl-C if that ended a wait for a server.
 template <class Work>
 void run_free(int workers, const Work& work) {
   watch_interruption();
@@ -102,21 +102,22 @@ void run_free(int workers, const Work& work) {
   raise_interruption();
 }
 
-/// Calls work(progress) in a thread of its own without the GIL, and waits for it. `progress` is a Progress that calls
-/// watch(done, total) unless that is None. What `watch` raises, and Ctrl-C, end the work and are raised here.
+/// Calls work(progress) in a thread of its own without the GIL, and waits for it. `progress` calls
+/// watch(done, total) unless `watch` is None. Exceptions of `watch`, and Ctrl-C, end the work and are raised
+/// here.
 void run_watched(int workers, const py::object& watch, const std::function<void(const Progress&)>& work);
 
 /// Calls work(progress) without the GIL, on this thread and others. Ctrl-C ends it when it reports its
 /// progress from this thread.
 void run_interruptible(int workers, const std::function<void(const Progress&)>& work);
 
-/// Calls work(begin, end) for pieces of `count` items without the GIL. Ctrl-C is noticed between pieces, which take a
-/// tenth of a second at most, as far as the pieces before tell.
+/// Calls work(begin, end) for pieces of `count` items without the GIL. Ctrl-C is noticed between pieces,
+/// whose size follows from the time of earlier pieces, so that each takes about a tenth of a second at most.
 template <class Work>
 void in_pieces(int workers, std::size_t count, const Work& work) {
   using Clock = std::chrono::steady_clock;
   constexpr std::chrono::milliseconds k_short(100);
-  constexpr std::size_t k_largest = std::size_t{1} << 17;  // whose rays and hits stay in the caches
+  constexpr std::size_t k_largest = std::size_t{1} << 17;  // rays and hits of a piece stay in the caches
   std::size_t piece = k_largest / 16;
   for (std::size_t begin = 0; begin < count;) {
     const std::size_t end = std::min(count, begin + piece);

@@ -28,7 +28,7 @@
 namespace alidade::python {
 namespace {
 
-/// Keeps the cloud for as long as an array of its values is there.
+/// Keeps the cloud for as long as an array of its values exists.
 py::capsule owner_of(const std::shared_ptr<const CloudData>& data) {
   return py::capsule(new std::shared_ptr<const CloudData>(data),
                      [](void* pointer) { delete static_cast<std::shared_ptr<const CloudData>*>(pointer); });
@@ -47,7 +47,7 @@ py::array every(std::span<const ReturnNumbers> returns, std::uint8_t ReturnNumbe
                  {sizeof(ReturnNumbers)}, owner);
 }
 
-/// Lets the bytes of a column arrive. Errors: they lie on a server and cannot be read.
+/// Fetches the bytes of a column. Errors: they are on a server and cannot be read.
 void fetch(std::span<const std::byte> bytes) {
   if (bytes.empty() || !RemoteMap::find(bytes.data())) return;
   run_free(0, [&] {
@@ -57,7 +57,7 @@ void fetch(std::span<const std::byte> bytes) {
   });
 }
 
-/// Colours of 8 bits are copied.
+/// Colours as an array; those of 8 bits are copied.
 py::array array_of(const ColorColumn& colors, const py::handle& owner) {
   if (!colors.deep().empty()) return rows_of(colors.deep(), &colors.deep().data()->x, owner);
   fetch(std::as_bytes(colors.shallow()));
@@ -70,7 +70,7 @@ py::array array_of(const ColorColumn& colors, const py::handle& owner) {
   return array;
 }
 
-/// Every standard column that is there: visit(name, array).
+/// Calls visit(name, array) for every standard column of the cloud.
 template <class Visit>
 void for_each_array(const AttributeColumns& columns, const py::handle& owner, const Visit& visit) {
   const auto plain = [&](const char* name, const auto& values) {
@@ -93,7 +93,7 @@ void for_each_array(const AttributeColumns& columns, const py::handle& owner, co
     visit("normal", [&] { return rows_of(columns.normals, &columns.normals.data()->x, owner); });
 }
 
-/// Stored numbers as they are; of columns with a scale or with a mark for no value doubles, NaN for none.
+/// Stored numbers as they are; columns with a scale or a nodata value as doubles, NaN for no value.
 py::array array_of(const ExtraColumn& column, const py::handle& owner) {
   const ExtraDimension& facts = column.description;
   const std::size_t stride = static_cast<std::size_t>(facts.byte_count);

@@ -19,9 +19,9 @@ struct CloudData {
 
   std::size_t size() const { return points.index ? points.octree.size() : points.cloud.size(); }
   const Lattice& lattice() const { return points.index ? points.octree.lattice() : points.cloud.lattice; }
-  /// Coordinate reference system and the rest of what the files said.
+  /// Coordinate reference system and other metadata of the files.
   const PointCloud& description() const { return points.index ? points.index->description() : points.cloud; }
-  /// Errors: the index file is remote, and a part of it that was read could not be fetched (base/remote_map.h).
+  /// Errors: the index file is remote, and a part that was read could not be fetched (base/remote_map.h).
   void check_arrived() const {
     if (points.index) RemoteMap::check(points.octree.view().coordinates);
   }
@@ -34,7 +34,7 @@ class Cloud {
   virtual ~Cloud() = default;
 
   const std::shared_ptr<const CloudData>& data() const { return data_; }
-  /// (n, 3), world coordinates; made once, when first asked for.
+  /// (n, 3), world coordinates; computed at the first call.
   py::array xyz();
 
  private:
@@ -57,7 +57,8 @@ class Index : public Cloud {
 /// NumPy's names of ScalarType, in its order.
 inline constexpr const char* k_types[] = {"V", "u1", "i1", "u2", "i2", "u4", "i4", "u8", "i8", "f4", "f8"};
 
-/// The cloud of Cloud(xyz, crs=..., scale=..., name=values). Errors: Error that names the array and what was expected.
+/// The cloud of Cloud(xyz, crs=..., scale=..., name=values). Errors: Error that names the array and what is
+/// expected.
 Cloud cloud_of_arrays(const py::handle& xyz, const std::optional<std::string>& crs,
                       std::optional<double> scale, const py::kwargs& attributes);
 

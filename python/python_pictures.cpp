@@ -37,7 +37,7 @@ camera::Camera camera_of(const py::object& given) {
   return camera::read_camera_node(JsonNode(document));
 }
 
-/// The scene, and what of it was chosen by the caller.
+/// The scene with this cloud: the given parts, or a default one.
 renderer::Scene scene_of(const py::object& given, const CloudData& data) {
   if (given.is_none()) return renderer::daylight_scene({data.name});
   py::dict parts = py::module_::import("json").attr("loads")(json_of(given));
@@ -116,7 +116,7 @@ py::dict render(const Index& index, const py::object& camera, const py::object& 
   renderer::Scene scene = scene_of(scene_parts, *index.data());
   if (!camera.is_none()) scene.camera = camera_of(camera);
   const bool is_overview = !scene.camera;
-  // What a scene says counts, as in the program.
+  // The settings of a given scene hold, as in the program.
   const bool is_plain = is_overview && scene_parts.is_none();
   scene.render.samples = samples.value_or(is_plain ? renderer::k_overview_samples : scene.render.samples);
   check_that(scene.render.samples >= 1 && scene.render.samples <= renderer::k_max_samples,
@@ -186,7 +186,7 @@ std::vector<visibility::GivenObserver> observers_of(const Doubles& array) {
   return given;
 }
 
-/// What blocks, who looks, and over which ground.
+/// Occluders, observers and the ground.
 struct Sight {
   Sight(const Index& index, const std::vector<visibility::GivenObserver>& given, bool needs_ground,
         std::optional<double> height, std::optional<double> max_distance, int transparency,
@@ -265,7 +265,7 @@ py::object viewshed(const Index& index, const py::handle& observers, double reso
   const geo::RasterGrid& grid = map.values.grid;
   py::array_t<float> values({py::ssize_t{grid.rows}, py::ssize_t{grid.columns}});
   std::ranges::copy(map.values.values, values.mutable_data());
-  // As affine.Affine takes it, and with it rasterio.
+  // In the order of affine.Affine, which rasterio uses.
   const py::tuple transform =
       py::make_tuple(grid.cell_size, 0.0, grid.north_west.x, 0.0, -grid.cell_size, grid.north_west.y);
   return answer_type("Raster")(values, transform, py::cast(&index).attr("crs"));

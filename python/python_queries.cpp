@@ -13,7 +13,7 @@
 namespace alidade::python {
 namespace {
 
-/// What every query of this module may be asked beside its target.
+/// Conditions that all queries of this module accept.
 struct Conditions {
   py::object where = py::none();
   std::optional<std::vector<int>> classes;
@@ -21,7 +21,7 @@ struct Conditions {
   int workers = -1;
 };
 
-/// A filter of a mask or of classes; empty: all points. What it reads is kept alive by `kept`.
+/// A filter by a mask and by classes; empty: all points. `kept` keeps alive what it reads.
 CandidateFilter filter_of(const Index& index, const Conditions& conditions, py::object& kept) {
   const std::size_t count = index.data()->size();
   const std::uint8_t* mask = nullptr;
@@ -64,7 +64,7 @@ void apply(const Index& index, const Conditions& conditions, Query& query, py::o
   if (conditions.max_level) query.max_level = *conditions.max_level;
 }
 
-/// The default is that of 'alidade query'.
+/// The named measure; the default is that of 'alidade query'.
 Measure measure_of(const std::optional<std::string>& given, double radius) {
   if (!given) return std::isfinite(radius) ? Measure::entry : Measure::distance;
   const std::string& word = *given;
@@ -74,7 +74,7 @@ Measure measure_of(const std::optional<std::string>& given, double radius) {
   throw input_error("unknown measure", "entry, distance or t", word);
 }
 
-/// Columns of answers of one shape, with what is there where nothing answers.
+/// Columns of answers of one shape, with values for targets without answer.
 struct HitArrays {
   explicit HitArrays(const Shape& shape) : index(shape), t(shape), distance(shape), entry(shape) {
     columns = {index.mutable_data(), t.mutable_data(), distance.mutable_data(), entry.mutable_data()};
@@ -116,7 +116,8 @@ struct NeighbourArrays {
   double* distances;
 };
 
-/// The k first answers of every target: arrays of shape (..., k). targets(begin, end) gives a range of targets.
+/// The k first answers of every target: arrays of shape (..., k). targets(begin, end) returns a range of
+/// targets.
 template <class Arrays, class Query, class Targets>
 py::object first_answers(const Index& index, const Query& query, int workers, Shape shape, std::size_t count,
                          const Targets& targets) {
@@ -198,7 +199,7 @@ auto ray_query(const Run& run) {
   };
 }
 
-/// The same for queries without k.
+/// Declares a query of rays without k: run(RayCall).
 template <class Run>
 auto plain_ray_query(const Run& run) {
   return [query = ray_query(run)](const Index& index, const py::object& rays, const py::object& origins,

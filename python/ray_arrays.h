@@ -49,7 +49,7 @@ class RayArrays {
   const RayColumns& columns() const { return columns_; }
   Ray operator[](std::size_t i) const { return columns_.ray(i); }
 
-  /// Those from begin to end - 1, in parallel.
+  /// Copies the rays begin to end - 1 to `rays`, in parallel.
   void copy(std::size_t begin, std::size_t end, std::vector<Ray>& rays) const {
     rays.resize(end - begin);
     for_each_index(begin, end, [&](std::size_t i) { rays[i - begin] = (*this)[i]; });

@@ -4,15 +4,15 @@
 #include "geo/crs_library.h"
 #include "geo/remote_file.h"
 
-/// What it compares reference systems with, and reads their codes.
+/// The functions with which python/module.cpp compares reference systems and reads their codes.
 extern "C" [[gnu::visibility("default")]] const alidade::CrsLibrary* alidade_crs_library() {
   static constexpr alidade::CrsLibrary library{.compare = &alidade::geo::compare_systems,
                                                .wkt = &alidade::geo::whole_wkt};
   return &library;
 }
 
-/// What the module alidade opens remote files with (python/module.cpp). The cache is as for the program; the first
-/// `is_interrupted` is that of the process.
+/// The function with which python/module.cpp opens remote files. The cache is that of the program. The
+/// `is_interrupted` of the first call holds for the process.
 extern "C" [[gnu::visibility("default")]] std::unique_ptr<alidade::RemoteFile> alidade_open_remote_file(
     const std::string& name, bool (*is_interrupted)(), const std::optional<std::vector<std::string>>& hosts) {
   static const char* const cache = std::getenv("ALIDADE_CACHE");

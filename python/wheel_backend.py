@@ -36,7 +36,7 @@ def metadata():
 
 
 def libraries_of(file):
-    """Those it is linked with, and those they are linked with, as files."""
+    """The files of the libraries that a file is linked with, directly or by others."""
     lines = subprocess.run(["ldd", file], check=True, capture_output=True, text=True).stdout.splitlines()
     absent = [line.split()[0] for line in lines if "not found" in line]
     if absent:
@@ -46,7 +46,7 @@ def libraries_of(file):
 
 
 def package(folder):
-    """The folder alidade/ of the wheel."""
+    """Makes the folder alidade/ of the wheel. Returns the libraries in it."""
     tools = {"g++": "g++", "cmake": "cmake", "ninja": "ninja-build", "patchelf": "patchelf", "strip": "binutils",
              "ldd": "libc-bin"}
     for tool, name in tools.items():
@@ -68,7 +68,7 @@ def package(folder):
 
 
 def licences(libraries):
-    """Of the libraries in the wheel, as Debian keeps them."""
+    """The licences of the libraries in the wheel, from Debian's packages."""
     texts = {}
     for library in libraries:
         found = subprocess.run(["dpkg-query", "--search", library.resolve()], capture_output=True, text=True).stdout

@@ -13,7 +13,7 @@
 
 namespace alidade::tools {
 
-/// What the help of --camera says of the files.
+/// The files that --camera takes, for its help text.
 inline const std::string k_camera_files =
     "Alidade's JSON, a COLMAP folder, transforms.json, reconstruction.json, sfm_data.json, an E57 file with "
     "photos, or a trajectory as CSV";

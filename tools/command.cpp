@@ -17,7 +17,7 @@
 namespace alidade::tools {
 namespace {
 
-/// Those of pictures, beside k_silent_options.
+/// Options of pictures that cannot change the picture itself, beside k_silent_options.
 constexpr std::array<std::string_view, 11> k_picture_options = {
     "legend",      "legend-size", "preview",    "preview-interval", "depth", "depth-format",
     "depth-scale", "depth-along", "depth-mask", "transforms-out",   "part"};
@@ -33,12 +33,12 @@ bool is_silent_flag(std::string_view word) {
   return word.size() > 1 && word[0] == '-' && word.find_first_not_of("qv", 1) == std::string_view::npos;
 }
 
-/// Options that cannot, whose value is the next word.
+/// Options that cannot change the picture, with the value in the next word.
 bool is_silent_option(std::string_view word) {
   return word == "-o" || names_one_of(word, k_silent_options) || names_one_of(word, k_picture_options);
 }
 
-/// The same with the value in the word.
+/// Options that cannot change the picture, with the value in the word itself.
 bool holds_silent_option(std::string_view word) {
   if (word.starts_with("-o") && word.size() > 2) return true;
   const std::size_t end = word.find('=');
@@ -65,7 +65,7 @@ std::string explain_unknown_word(std::span<const std::string> words, const std::
   if (words.empty() || words[0].starts_with("-")) return {};
   const Command* const chosen = find_command(commands, words[0]);
   if (chosen == nullptr) {
-    // A command of a group is easily named without it.
+    // A command is easily typed without its group.
     for (const Command& group : commands)
       if (find_command(group.parts, words[0]) != nullptr)
         return fmt::format("unknown command '{}'; did you mean '{} {}'?", words[0], group.options.name(),
@@ -107,8 +107,8 @@ ExitCode say_usage_error(const std::string& text, std::span<const std::string> w
   return ExitCode::failed;
 }
 
-/// Errors: a word, or what is behind its '=', names a table on a server in a way that might hold a password,
-/// which no message may repeat.
+/// Errors: a word, or the text behind its '=', names a table on a server in a way that might contain a
+/// password, which no message may repeat.
 void check_server_names(const CommandLine& words) {
   for (const std::string& word : words) {
     const std::size_t equals = word.starts_with("--") ? word.find('=') : std::string::npos;
@@ -117,7 +117,7 @@ void check_server_names(const CommandLine& words) {
   }
 }
 
-/// Runs the one of these commands, or of their parts, that was chosen.
+/// Runs the chosen one of these commands or of their parts.
 ExitCode run_chosen(const std::vector<Command>& commands, const CommandLine& words) {
   const auto is_chosen = [](const Command& command) { return command.options.chosen(); };
   const Command& command = *std::ranges::find_if(commands, is_chosen);
@@ -190,13 +190,13 @@ ExitCode run_program(const CommandLine& command_line) {
   if (!explanation.empty()) return say_usage_error(explanation, words, commands);
   try {
     switch (parser.parse(words)) {
-      case Parser::Wish::help:
+      case Parser::Action::help:
         write_to_stdout(parser.help());
         return ExitCode::done;
-      case Parser::Wish::version:
+      case Parser::Action::version:
         write_to_stdout(version_text());
         return ExitCode::done;
-      case Parser::Wish::work:
+      case Parser::Action::work:
         break;
     }
   } catch (const UsageError& error) {

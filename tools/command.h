@@ -12,9 +12,9 @@
 #include "tools/options.h"
 #include "tools/threads.h"
 
-// A sub-command is one function: it declares its options on the program and returns what to do when it is
-// chosen. Work is done by the libraries; a command only reads options, calls, and prints. Bad input is thrown
-// as Error.
+// A sub-command is one function: it declares its options on the program and returns the function that runs
+// it. The libraries do the work; a command only reads options, calls the libraries, and prints. Invalid input
+// is thrown as Error.
 
 namespace alidade::tools {
 
@@ -25,11 +25,11 @@ using Run = std::function<ExitCode(const CommandLine&)>;
 struct Command {
   Options options;
   Run run;  ///< empty for a group that does nothing itself
-  /// Of a group: the commands of which one follows its name, or may, if the group does something itself.
+  /// The commands of a group. One of them follows the group's name, or may, if the group has a `run` itself.
   std::vector<Command> parts{};
 };
 
-/// A command that is `run(*request)`, on as many threads as the request wants, otherwise on enough_threads().
+/// A command that calls `run(*request)`, on the requested number of threads, by default on enough_threads().
 template <class Request>
 Command command_of(const Options& options, const std::shared_ptr<Request>& request,
                    ExitCode (*run)(const Request&)) {
@@ -56,11 +56,12 @@ Command add_sql(const Options& program);
 Command add_formats(const Options& program);
 Command add_manual(const Options& program);
 
-/// What 'alidade --version' prints: the version in its first line, then the instruction set that queries use on
-/// this machine, the compiler, and the libraries that are linked, those of the module for images and maps last.
+/// The output of 'alidade --version': the version in its first line, then the instruction set that queries
+/// use on this machine, the compiler, and the libraries that are linked, those of the module for images and
+/// maps last.
 std::string version_text();
 
-/// Runs what the command line requests, whose first word is the program's name. Errors: those of the commands.
+/// Runs a command line, whose first word is the program's name. Errors: those of the commands.
 ExitCode run_program(const CommandLine& command_line);
 
 /// `alidade sql load`, `alidade sql rewrite` and `alidade sql shard-plan`.
@@ -80,12 +81,12 @@ Command add_visibility_horizon(const Options& visibility);
 Command add_visibility_sky(const Options& visibility);
 Command add_visibility_sun(const Options& visibility);
 
-/// A file's name as metadata keep it, which go to other people: of an absolute path the last part alone, of a URL
-/// public_name().
+/// A file's name for metadata, which other people read: the last part of an absolute path, public_name() of a
+/// URL, other names as they are.
 std::string kept_name(const std::filesystem::path& given);
 
-/// The command line as metadata keep it: names as kept_name(), without the words that only say where the picture goes,
-/// how it is computed and who watches, so that the same picture is the same file.
+/// The command line for metadata: names as kept_name(), without the options that do not affect the picture
+/// (outputs, threads, messages), so that equal pictures make equal files.
 std::string picture_command(const CommandLine& words);
 
 }  // namespace alidade::tools

@@ -46,7 +46,7 @@ void catch_interrupts() {
   struct sigaction ignored = {};
   ignored.sa_handler = SIG_IGN;
   sigaction(SIGXFSZ, &ignored, nullptr);
-  // So is writing to a reader that has gone away.
+  // So is writing to a pipe whose reader has closed it.
   sigaction(SIGPIPE, &ignored, nullptr);
 }
 
@@ -94,7 +94,7 @@ void say_note(Verbosity verbosity, std::string_view text) {
 
 void write_to_stdout(std::string_view text) {
   RemoteMap::check_all();
-  // Not by stdio, which goes on waiting for the reader whatever signal has come.
+  // Not by stdio, which continues to wait for the reader after a signal.
   while (!text.empty()) {
     if (interrupted()) throw Cancelled();
     const ::ssize_t count = ::write(STDOUT_FILENO, text.data(), text.size());

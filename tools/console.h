@@ -13,32 +13,32 @@
 
 namespace alidade::tools {
 
-/// What the program answers to its caller; scripts rely on these numbers.
+/// Exit codes of the program; scripts rely on these numbers.
 enum class ExitCode {
   done = 0,          ///< the work is done, or the answer is yes
   no = 1,            ///< the work is done and the answer is no
   failed = 2,        ///< anything wrong: usage, input, no space
   sizes_differ = 3,  ///< `compare --idiff-codes` only, where 1 is a warning and 2 beyond a threshold
-  unreadable = 4,    ///< the same: anything wrong
+  unreadable = 4,    ///< `compare --idiff-codes` only: anything wrong
   interrupted = 130  ///< Ctrl-C or a termination signal; nothing half-written is left
 };
 
-/// From now on Ctrl-C, a termination signal and the end of the terminal only leave a note, so that a running
-/// task can stop at its next progress report and remove what it has begun. A second signal ends the program
-/// at once. Writing into a pipe that nobody reads is from now on a failed write and no signal.
+/// Makes Ctrl-C, a termination signal and the end of the terminal set a flag only, so that a running task can
+/// stop at its next progress report and remove what it has begun. A second signal ends the program at once.
+/// Writing into a pipe without a reader becomes a failed write instead of a signal.
 void catch_interrupts();
 
-/// Ends the program as that signal would have, which is what a shell expects of the middle of a pipeline.
+/// Ends the program as SIGPIPE would have, which a shell expects in the middle of a pipeline.
 [[noreturn]] void end_by_broken_pipe();
 
-/// Whether such a signal has come.
+/// Whether one of these signals has been received.
 bool interrupted();
 
-/// Lets a prompt go on after Ctrl-C: from now on it has not come. False if another signal has.
+/// Clears the flag of Ctrl-C, so that a prompt can continue. False if another signal has been received.
 bool forget_ctrl_c();
 
-// What the program says to a person, on stderr. A stderr that cannot be written to is no reason to stop. A text is one
-// line, whatever names from files are in it (line_text(), base/shown_text.h).
+// Messages to people, on stderr. Failure to write them is ignored. Each text becomes one line, whatever names
+// from files it holds (line_text(), base/shown_text.h).
 
 /// The bytes as they are.
 void write_to_stderr(std::string_view text);
@@ -49,17 +49,17 @@ void say_error(std::string_view text);
 /// "alidade: warning: TEXT".
 void say_warning(std::string_view text);
 
-/// "alidade: TEXT": what was assumed or measured on the user's behalf.
+/// "alidade: TEXT": an assumption or a measurement on the user's behalf.
 void say_note(std::string_view text);
 
-/// How much the program says on stderr beside errors.
+/// How much the program prints on stderr beside errors.
 enum class Verbosity { quiet, normal, verbose };
 
-// The same unless quiet.
+// Warnings and notes as above, unless `verbosity` is quiet.
 void say_warnings(Verbosity verbosity, const std::vector<std::string>& texts);
 void say_note(Verbosity verbosity, std::string_view text);
 
-/// Thrown where stdout is a pipe whose reader has gone away: nobody wants the rest, so nothing is said.
+/// Thrown where stdout is a pipe whose reader has closed it: the program ends without a message.
 struct ReaderGone {};
 
 /// Data for stdout. Errors: stdout cannot take it (no space left, closed); ReaderGone; Cancelled, if the
@@ -75,7 +75,7 @@ void write_to_stdout(std::string_view text);
 ///   line.finish();
 class ProgressLine {
  public:
-  /// `unit` is what the task counts in, as it is behind a rate: "points", "camera rays".
+  /// `unit`: of the task's count, as written behind a rate: "points", "camera rays".
   ProgressLine(std::string task, std::string unit, Verbosity verbosity);
   /// Ends a line that was left in the middle.
   ~ProgressLine();
@@ -85,13 +85,13 @@ class ProgressLine {
   /// To be handed to the task; valid as long as this object.
   Progress callback();
 
-  /// So much was done before: it counts as done, but not for rate and time left.
+  /// Counts so much, done by an earlier run, as done, but not for rate and time left.
   void skip(std::uint64_t done) { skipped_ = done; }
 
-  /// Says something on a line of its own in the midst of the task, "alidade: TEXT".
+  /// Prints "alidade: TEXT" on a line of its own while the task is running.
   void interject(const std::string& text);
 
-  /// Says that the task is done, and how fast it was.
+  /// Prints that the task is done, and its rate.
   void finish();
 
  private:
@@ -108,7 +108,7 @@ class ProgressLine {
   Clock::time_point start_, last_shown_;
 };
 
-/// What work(progress) returns, with a ProgressLine around it.
+/// Returns what work(progress) returns; shows its progress as a ProgressLine.
 template <class Work>
 auto with_progress(std::string task, std::string unit, Verbosity verbosity, const Work& work) {
   ProgressLine line(std::move(task), std::move(unit), verbosity);

@@ -75,12 +75,12 @@ struct ImageModule {
   decltype(&compare::write_difference) write_difference = &compare::write_difference;
 };
 
-/// Loads the module, which then stays. Errors: it is not where the program was built or installed, or it
-/// lacks a library; those of RemoteMap::check_all(), which the module cannot call for the program: what it writes might
-/// be wrong.
+/// Loads the module, which stays loaded. Errors: the module is missing where the program was built or
+/// installed, or lacks a library; those of RemoteMap::check_all(), which the module cannot call for the
+/// program: files that the module writes might be wrong.
 const ImageModule& image_module();
 
-/// The same without the latter.
+/// image_module() without the errors of RemoteMap::check_all().
 const ImageModule& loaded_image_module();
 
 }  // namespace alidade::tools

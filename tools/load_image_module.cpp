@@ -23,7 +23,7 @@ std::filesystem::path module_file() {
 [[noreturn]] void fail(const std::filesystem::path& file) {
   const char* const reason = ::dlerror();
   const std::string_view text = reason != nullptr ? reason : "";
-  // What the loader calls it depends on the step at which memory ends.
+  // The loader's message depends on the step at which memory has run out.
   for (const char* const sign :
        {"annot allocate memory", "failed to map segment", "cannot create shared object"})
     if (text.find(sign) != text.npos) throw std::bad_alloc();

@@ -13,8 +13,8 @@ namespace {
 
 constexpr std::size_t k_width = 100, k_column = 30;
 
-/// Appends words to lines that begin at a column, from the second line on after blanks. `at`: where the
-/// current line has got to.
+/// Appends words to lines that begin at a column, from the second line on after blanks. `at`: length of the
+/// current line so far.
 void wrap(std::string& text, std::size_t at, std::size_t column, std::string_view words) {
   for (std::size_t begin = 0; begin < words.size();) {
     const std::size_t end = std::min(words.find(' ', begin), words.size());
@@ -166,7 +166,7 @@ std::string help_text(const CommandEntry& command) {
 }
 
 std::string manual_page(const CommandEntry& command, const std::string& version) {
-  // That of the version, as in the changelog: builds of one source are the same bytes.
+  // The date of the version, as in the changelog: builds of one source have equal bytes.
   constexpr const char* k_date = "2026-11-27";
   std::string title = page_name(command);
   std::ranges::transform(title, title.begin(),

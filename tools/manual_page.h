@@ -14,12 +14,12 @@ namespace alidade::tools {
 struct OptionEntry {
   std::string heading{};             ///< of its group; empty: the first one
   std::vector<std::string> names{};  ///< "-o", "--output"; of an operand its one name, without hyphens
-  std::string kind;                  ///< what is behind the name: "FILE", "8|16"; empty for flags
+  std::string kind;                  ///< what follows the name: "FILE", "8|16"; empty for flags
   std::string help;
   bool is_operand = false;
 };
 
-/// What is known of a command: the source of its help text, its manual page, and what shells complete.
+/// The description of a command: the source of its help text, its manual page, and completions of shells.
 struct CommandEntry {
   std::string name{};              ///< "alidade visibility raster"
   std::vector<std::string> words;  ///< all names of it below its group: "raster", "viewshed"
@@ -30,7 +30,8 @@ struct CommandEntry {
   std::vector<CommandEntry> parts{};  ///< commands of a group
 };
 
-/// A row of a manual: text in a second column, below a long first one on lines of its own. Ends with a line end.
+/// A row of a manual: text in a second column, below a long first one on lines of its own. Ends with a line
+/// end.
 std::string manual_row(const std::string& first, std::string_view second, std::size_t column);
 
 /// The help text, whose lines have at most 100 characters unless a word, or a line of `text`, is longer.

@@ -19,10 +19,10 @@
 namespace alidade::tools {
 namespace {
 
-/// What CLI11 calls the options under no heading.
+/// CLI11's heading of options without one.
 constexpr std::string_view k_first_heading = "Options";
 
-/// What reads a value, naming the option in its errors.
+/// A function that reads a value as `take` does, and names the option in its errors.
 Options::Take naming(const std::string& names, Options::Take take) {
   return [names, take = std::move(take)](const std::string& text) {
     try {
@@ -63,14 +63,14 @@ CommandEntry entry_of(const CLI::App& app) {
   return entry;
 }
 
-/// The command that was chosen, of a group's the one in it.
+/// The command that was chosen: of a group, the one in it.
 const CLI::App* deepest(const CLI::App& app) {
   const CLI::App* chosen = &app;
   while (!chosen->get_subcommands().empty()) chosen = chosen->get_subcommands().front();
   return chosen;
 }
 
-/// What the parser says of what is missing, in the words of the manual.
+/// The parser's error about missing words, in the words of the manual.
 std::string explain(const CLI::ParseError& error, const CLI::App& command) {
   const std::string text = error.what();
   const CommandEntry entry = entry_of(command);
@@ -246,18 +246,18 @@ Options Parser::program() const {
   return {app_.get(), {}};
 }
 
-Parser::Wish Parser::parse(std::span<const std::string> words) {
+Parser::Action Parser::parse(std::span<const std::string> words) {
   try {
     // The parser takes the words last one first.
     app_->parse(std::vector<std::string>(words.rbegin(), words.rend()));
   } catch (const CLI::CallForHelp&) {
-    return Wish::help;
+    return Action::help;
   } catch (const CLI::CallForVersion&) {
-    return Wish::version;
+    return Action::version;
   } catch (const CLI::ParseError& error) {
     throw UsageError(explain(error, *deepest(*app_)));
   }
-  return Wish::work;
+  return Action::work;
 }
 
 std::string Parser::help() const {
@@ -275,7 +275,7 @@ void check_writable(const std::filesystem::path& output, bool overwrite,
                     std::span<const std::filesystem::path> inputs) {
   std::error_code error;
   for (const std::filesystem::path& input : inputs) {
-    // Files that are not there are no equals; that they are missing is said by whoever reads them.
+    // A missing file equals none; reading it reports that it is missing.
     if (std::filesystem::equivalent(output, input == "-" ? "/dev/stdin" : input, error))
       throw file_error(output, "the output is also an input", "another output name");
   }

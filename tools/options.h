@@ -55,7 +55,7 @@ double parse_limit(const std::string& text);
 /// A length, at least 0; empty for inf, which is no limit.
 std::optional<double> parse_length_limit(const std::string& text);
 
-/// The same; infinity for inf.
+/// A length, at least 0; infinity for inf.
 double parse_distance_limit(const std::string& text);
 
 /// "600x400": width and height in pixels, each in [1, 65536].
@@ -73,11 +73,11 @@ struct OptionalValue<std::optional<Value>> {
   using type = Value;
 };
 
-/// What an option stores: Value, for a target that is a Value or an optional one.
+/// The type that an option stores: Value, for a target that is a Value or an optional Value.
 template <class Target>
 using ValueOf = typename OptionalValue<Target>::type;
 
-/// An option or operand of a command. Copies mean the same one.
+/// An option or operand of a command. Copies refer to the same one.
 class Option {
  public:
   void needs(const Option& other) const;
@@ -91,24 +91,24 @@ class Option {
   CLI::Option* option_;
 };
 
-/// What the manual of a command says behind its options: the text of tools/manuals/NAME.txt, which the build
-/// puts into the program. `name`: "query", or "visibility_raster" for a command of a group; "alidade" for the
+/// The part of a command's manual behind its options: the text of tools/manuals/NAME.txt, which is compiled
+/// into the program. `name`: "query", or "visibility_raster" for a command of a group; "alidade" for the
 /// program. Requires: there is such a text.
 std::string_view manual(std::string_view name);
 
-/// The options of a command, or those of them that stand under one heading of its manual. Copies mean the
-/// same command. `names` are as "-o,--output", or a word without hyphens for an operand; `kind` is behind
-/// them in the manual, as FILE. Values go where `target` points, which must live as long as the program
-/// parses; whoever reads a value throws UsageError without the option's name.
+/// The options of a command, or those under one heading of its manual. Copies refer to the same command.
+/// `names` are as "-o,--output", or a word without hyphens for an operand; `kind` follows them in the manual,
+/// as FILE. Values are stored in `target`, which must live as long as the program parses; a function that
+/// reads a value throws UsageError without the option's name.
 class Options {
  public:
   using Take = std::function<void(const std::string&)>;
 
-  /// The same command; what is declared through the answer stands under this heading.
+  /// This command under another heading: options declared through the returned object are listed there.
   Options group(const std::string& heading) const;
 
-  /// The same command and heading; what is declared through the answer is required, needs that option, or
-  /// excludes it and is excluded by it.
+  /// This command and heading: options declared through the returned object are required, need `other`, or
+  /// exclude `other` and are excluded by it.
   Options required() const;
   Options needs(const Option& other) const;
   Options excludes(const Option& other) const;
@@ -119,16 +119,16 @@ class Options {
   /// A second name of the command.
   Options also_called(const std::string& name) const;
 
-  /// Makes a command that is nothing without one of its sub-commands.
+  /// Makes one of the sub-commands required.
   Options require_command() const;
 
-  /// Replaces the text of the manual's end, where a part of it is computed.
+  /// Replaces the end of the manual, for a text that is partly computed.
   void manual(const std::string& text) const;
 
-  /// Of an option given more than once the last value holds.
+  /// An option with a value. Given more than once, its last value holds.
   Option value(const std::string& names, const std::string& kind, const std::string& help, Take take) const;
 
-  /// The same for a value that `parse` makes of the text.
+  /// An option whose value is what `parse` makes of the text.
   template <class Target, class Parse>
   Option value(const std::string& names, const std::string& kind, const std::string& help, Target& target,
                Parse parse) const {
@@ -211,10 +211,10 @@ class Options {
   /// Whether this command is on the command line.
   bool chosen() const;
 
-  /// Every option and operand of the command, as it is called in full, with the words given to it.
+  /// The full name of every option and operand of the command, with the words given to it.
   std::vector<std::pair<std::string, std::vector<std::string>>> given() const;
 
-  /// What the manual of the command says.
+  /// The command as its manual describes it.
   CommandEntry entry() const;
 
   /// "--radius" and so on: all long names.
@@ -234,18 +234,18 @@ class Options {
 /// Reads a command line into what its commands declared.
 class Parser {
  public:
-  enum class Wish { work, help, version };
+  enum class Action { work, help, version };
 
   Parser();
   ~Parser();
 
-  /// The program itself, which wants one of its commands.
+  /// The program itself, which requires one of its commands.
   Options program() const;
 
   /// Reads the words behind the program's name. Errors: UsageError.
-  Wish parse(std::span<const std::string> words);
+  Action parse(std::span<const std::string> words);
 
-  /// The manual of the command that was asked for it.
+  /// The help text of the command that --help follows.
   std::string help() const;
 
  private:
@@ -261,27 +261,27 @@ void add_verbosity(const Options& command, Verbosity& verbosity);
 void check_writable(const std::filesystem::path& output, bool overwrite,
                     std::span<const std::filesystem::path> inputs = {});
 
-/// check_writable() for all files that a command writes; empty names are left out. Errors: two are the same.
+/// check_writable() for all files that a command writes; empty names are left out. Errors: two are one file.
 void check_outputs(std::span<const std::filesystem::path> outputs, bool overwrite,
                    std::span<const std::filesystem::path> inputs = {});
 
 /// Whether two names are those of one file, which need not exist.
 bool same_file(const std::filesystem::path& a, const std::filesystem::path& b);
 
-/// What the help text says about the files of a cloud, where there is nothing else to say.
+/// The help text of a cloud's files, for commands that have nothing to add.
 inline constexpr const char* k_cloud_help =
     "cloud files, folders or patterns such as 'tiles/*.las', joined into one cloud, a catalog of files "
     "(.catalog.json), an index file (.alidade), or a table of a database: site.db?table=NAME or "
     "postgresql://HOST/DATABASE?table=NAME";
 
-/// What other help texts about them begin and end with.
+/// Beginning and end of other help texts of a cloud's files.
 inline const std::string k_files_help =
     "cloud files, folders or patterns such as 'tiles/*.las', joined into one cloud";
 inline const std::string k_database_help =
     "; or a table of a database: site.db?table=NAME or postgresql://HOST/DATABASE?table=NAME";
 
 /// Declares the option, or the operand, that takes the files of a cloud; folders and patterns are expanded
-/// (resolve_clouds()) while the command line is read. `view`: which of their points are wanted
+/// (resolve_clouds()) while the command line is read. `view`: which of their points are selected
 /// (tools/view_options.h). Errors then: those of resolve_clouds().
 Option add_cloud_files(const Options& command, const std::string& name, const std::string& kind,
                        const std::string& help, CloudInputs& clouds,
@@ -308,16 +308,16 @@ void add_run_options(const Options& command, RunRequest& request);
 struct CloudRequest : RunRequest {
   CloudInputs files;
 
-  /// The files of the cloud, and what else is read.
+  /// The files of the cloud, and other files that are read.
   std::vector<std::filesystem::path> inputs(std::initializer_list<std::filesystem::path> more = {}) const;
 };
 
-/// Declares the operand that names the cloud, which is required, and add_view_options() but for those that the
-/// command has itself.
+/// Declares the operand that names the cloud, which is required, and add_view_options() without those that
+/// the command has itself.
 void add_cloud(const Options& command, CloudRequest& request,
                std::initializer_list<std::string_view> own_options = {});
 
-/// Whether and where to keep what is finished of a long run.
+/// Whether and where to save finished work of a long run.
 struct CheckpointRequest {
   std::optional<Options> command{};  ///< whose options were declared
   std::filesystem::path file;        ///< --checkpoint; empty: nothing is kept
@@ -325,8 +325,8 @@ struct CheckpointRequest {
   bool resume = false;               ///< --resume
 };
 
-/// Declares these options. `when` a checkpoint is written, what the command writes, and whether a checkpoint is a FILE
-/// or a FOLDER are for the manual.
+/// Declares --checkpoint, --checkpoint-interval and --resume. For the manual: `when` a checkpoint is written,
+/// what the command writes, and whether a checkpoint is a FILE or a FOLDER.
 void add_checkpoint_options(const Options& command, CheckpointRequest& request,
                             const std::string& when = "every --checkpoint-interval seconds",
                             const std::string& output = "output", const std::string& kind = "FILE");
@@ -334,13 +334,13 @@ void add_checkpoint_options(const Options& command, CheckpointRequest& request,
 /// Warns of the first checkpoint that cannot be written: the next ones will probably fail like it.
 std::function<void(const Error&)> checkpoint_warning();
 
-/// Says how to go on after an interruption.
+/// Prints how to resume after an interruption.
 void say_how_to_resume(Verbosity verbosity, const std::string& checkpoint);
 
-/// A date and time; between them a person may write a blank instead of the T of scene files.
+/// A date and time, separated by the T of scene files or by a blank.
 Moment parse_moment(std::string text);
 
-/// What stands between the commas of a text, one word at least.
+/// The parts of a text between its commas, one at least.
 inline std::vector<std::string> split_list(const std::string& text) {
   std::vector<std::string> words;
   std::size_t begin = 0;
@@ -357,7 +357,7 @@ std::bitset<256> parse_classes(const std::string& text);
 
 /// "800000000", "512M", "2G": bytes. Errors: UsageError.
 std::size_t parse_size(const std::string& text);
-/// The same for memory to sort points in: at least 1M.
+/// parse_size() for memory to sort points in: at least 1M.
 std::size_t parse_memory(const std::string& text);
 
 }  // namespace alidade::tools

@@ -13,7 +13,7 @@ namespace {
 
 constexpr std::uint64_t k_largest_side = 65536;
 
-/// Any double, as it is written; NaN for what is no number.
+/// Any double; NaN for text that is not a number.
 double parse_double(const std::string& text) {
   double number = 0.0;
   const char* const end = text.data() + text.size();

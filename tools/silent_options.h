@@ -6,15 +6,15 @@
 #include <span>
 #include <string_view>
 
-// What commands have in common of options that cannot change what they compute: how they run, what they say, and where
-// they write.
+// Options, common to several commands, that cannot change what they compute: how they run, what they print,
+// and where they write.
 
 namespace alidade::tools {
 
 inline constexpr std::array<std::string_view, 6> k_silent_flags = {"help",  "overwrite", "skip-existing",
                                                                    "quiet", "verbose",   "resume"};
 
-/// With a value.
+/// Options with a value.
 inline constexpr std::array<std::string_view, 8> k_silent_options = {
     "output", "threads", "memory", "cache", "cache-size", "allow-host", "checkpoint", "checkpoint-interval"};
 

@@ -26,8 +26,8 @@ void add_threads(const Options& command, std::optional<int>& threads) {
 }
 
 std::optional<int> enough_threads(std::span<const std::string> words, std::uint64_t memory) {
-  constexpr std::array<std::string_view, 4> k_commands_that_ask = {"render", "query", "visibility", "change"};
-  if (words.size() < 2 || std::ranges::find(k_commands_that_ask, words[1]) == k_commands_that_ask.end())
+  constexpr std::array<std::string_view, 4> k_ray_commands = {"render", "query", "visibility", "change"};
+  if (words.size() < 2 || std::ranges::find(k_ray_commands, words[1]) == k_ray_commands.end())
     return std::nullopt;
   const bool waits = std::ranges::any_of(words, [&](const std::string& word) {
     std::error_code error;

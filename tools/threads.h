@@ -15,12 +15,12 @@ namespace alidade::tools {
 /// --threads N; empty = as many as the machine has, or enough_threads().
 void add_threads(const Options& command, std::optional<int>& threads);
 
-/// How many threads serve a command of these words best, the program's name included, if not as many as the machine
-/// has: 8 a core where rays ask an index file among the words that is larger than `memory`, in bytes. Then most threads
-/// wait for the disk, which answers many as fast as one.
+/// The number of threads that suits a command line, whose first word is the program's name; empty: as many as
+/// the machine has. It is 8 per core if a command that queries rays is given an index file larger than
+/// `memory` (bytes): most threads then wait for the disk, which serves many as fast as one.
 std::optional<int> enough_threads(std::span<const std::string> words, std::uint64_t memory);
 
-/// What `work` answers, run on exactly this many threads.
+/// Returns what `work` returns, run on exactly this many threads.
 ExitCode with_threads(std::optional<int> threads, const std::function<ExitCode()>& work);
 
 }  // namespace alidade::tools

@@ -19,7 +19,7 @@
 namespace alidade::tools {
 namespace {
 
-/// Whether a text is meant as a box. A file whose name holds commas comes first.
+/// Whether a text is a box, not the name of a file, which may contain commas.
 bool is_box(const std::string& text) {
   std::error_code error;
   return text.find(',') != std::string::npos && !std::filesystem::exists(text, error);
@@ -105,7 +105,7 @@ void take_condition(const std::string& text, PointSelection& selection) {
   }
 }
 
-/// Errors: the cloud's place is unknown.
+/// Errors: the location of the cloud is unknown.
 void choose_zone(ViewRequest& request) {
   const std::unique_ptr<CloudReader> reader =
       open_stored_cloud(*request.first, request.first->file(), Damage::read_over);
@@ -186,7 +186,7 @@ std::shared_ptr<ViewRequest> add_view_options(const Options& command,
   if (!is_own("--crop")) add_crop(group, selection);
   const auto change = [target](const std::filesystem::path& file, const FileFacts& facts) {
     const bool is_automatic = target->wanted == "auto";
-    // Isolated: while it waits, the thread must not take up the opening of another file, which would wait for it.
+    // Isolated: while it waits, the thread must not start to open another file, which would wait for it.
     if (is_automatic)
       tbb::this_task_arena::isolate(
           [&] { std::call_once(target->is_zone_chosen, choose_zone, std::ref(*target)); });

@@ -15,16 +15,16 @@
 
 namespace alidade::tools {
 
-/// What a command line says about which points of its clouds are wanted, and in which reference system.
+/// Which points of its clouds a command line selects, and in which reference system.
 struct ViewRequest {
   std::shared_ptr<InputView> view = std::make_shared<InputView>();
   std::string stated;               ///< --crs
   std::string wanted;               ///< --reproject
-  std::string zone;                 ///< what "auto" is, once a cloud has been opened
-  std::optional<CloudInput> first;  ///< the cloud by whose place the zone of "auto" is chosen
+  std::string zone;                 ///< the system of "auto", once a cloud has been opened
+  std::optional<CloudInput> first;  ///< the cloud whose location decides the zone of "auto"
   std::once_flag is_zone_chosen;
 
-  /// The clouds, taken as the command line wants them once all of it has been read.
+  /// The clouds with this view, which is complete once the whole command line has been read.
   CloudInputs apply(CloudInputs clouds);
 };
 
@@ -36,8 +36,8 @@ void add_cache_options(const Options& command);
 /// Whether a command measures, for which heights must be in the unit of x and y, or shows clouds as they are.
 enum class HeightUse { measured, as_stored };
 
-/// Declares --classes, --ignore-classes, --where, --crop, --crop-crs, --columns, --crs, --reproject and --vertical-unit,
-/// without those in `own`, which the command has itself, and those of add_cache_options().
+/// Declares --classes, --ignore-classes, --where, --crop, --crop-crs, --columns, --crs, --reproject and
+/// --vertical-unit, without those in `own`, which the command has itself, and those of add_cache_options().
 std::shared_ptr<ViewRequest> add_view_options(const Options& command,
                                               std::initializer_list<std::string_view> own = {},
                                               HeightUse heights = HeightUse::measured);

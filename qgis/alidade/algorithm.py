@@ -25,7 +25,7 @@ def program():
 
 
 def start(words, **pipes):
-    """The program at work; what it writes to stderr, and stdout unless that goes elsewhere, is text."""
+    """Starts the program; its stderr, and its stdout unless redirected, are text."""
     try:
         return subprocess.Popen(words, stderr=subprocess.PIPE, text=True, errors="replace", **pipes)
     except FileNotFoundError:
@@ -35,7 +35,7 @@ def start(words, **pipes):
 
 
 def run(words):
-    """The finished program."""
+    """Runs the program to its end."""
     process = start(words, stdout=subprocess.PIPE)
     out, errors = process.communicate()
     return subprocess.CompletedProcess(words, process.returncode, out, errors)
@@ -106,7 +106,7 @@ class CommandAlgorithm(QgsProcessingAlgorithm):
         return system if system.isValid() or not codes else QgsCoordinateReferenceSystem(codes[0])
 
     def to_cloud(self, system, cloud, context):
-        """Brings coordinates of a layer's system to those of the cloud; None if the layer states none."""
+        """The transform from a layer's system to that of the cloud; None if the layer states none."""
         if not system.isValid():
             return None
         of_cloud = self.cloud_system(cloud)
@@ -116,7 +116,7 @@ class CommandAlgorithm(QgsProcessingAlgorithm):
         return QgsCoordinateTransform(system, of_cloud, context.transformContext())
 
     def corridor(self, source, width, cloud, context, folder):
-        """What lies within `width` of the lines of a layer, as a file of polygons in the system of the cloud."""
+        """A file of polygons within `width` of the lines of a layer, in the system of the cloud."""
         transform = self.to_cloud(source.sourceCrs(), cloud, context)
         areas = []
         for feature in source.getFeatures():
@@ -133,7 +133,7 @@ class CommandAlgorithm(QgsProcessingAlgorithm):
         return path
 
     def value(self, parameter, parameters, context, feedback, cloud, folder):
-        """The word behind the option, or None."""
+        """The value of the option as a word, or None."""
         name = parameter.name
         if parameter.kind == "number":
             value = parameters.get(name, parameter.default)

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""What the program can be asked from QGIS: one entry for each algorithm of the Processing toolbox."""
+"""The commands of the program in QGIS: one entry for each algorithm of the Processing toolbox."""
 from dataclasses import dataclass, field
 
 

@@ -62,7 +62,7 @@ TEST(Options, what_is_declared_through_them_stays_required_under_a_heading) {
   std::string file;
   info.required().group("Files").text("--file", "FILE", "", file);
   EXPECT_THROW(parser.parse(std::vector<std::string>{"info"}), tools::UsageError);
-  EXPECT_EQ(parser.parse(std::vector<std::string>{"info", "--file", "a"}), tools::Parser::Wish::work);
+  EXPECT_EQ(parser.parse(std::vector<std::string>{"info", "--file", "a"}), tools::Parser::Action::work);
   EXPECT_EQ(file, "a");
 }
 

@@ -75,7 +75,7 @@ std::string time_text(std::time_t time) {
   return {text.data(), std::strftime(text.data(), text.size(), "%Y-%m-%dT%H:%M:%SZ", &parts)};
 }
 
-/// The name that a file gets in a catalog. Errors: the catalog could not be read again.
+/// The name that a file gets in a catalog. Errors: a reader of the catalog would not find the file by a name.
 std::string name_in_catalog(const fs::path& file, const fs::path& catalog) {
   const std::string name = file.string();
   if (name.starts_with("https://") || name.starts_with("http://")) return name;
@@ -152,7 +152,8 @@ std::vector<FileRow> read_rows(const CatalogCommand& command, Systems& systems) 
   return rows;
 }
 
-/// The outline of a box on the ground, counterclockwise, with the middles of its sides, which bend on the globe.
+/// The outline of a box on the ground, counterclockwise, with the middles of its sides: they bend on the
+/// globe.
 std::array<glm::dvec3, 8> outline(const Bounds& box) {
   const glm::dvec3 &low = box.min, &high = box.max, middle = box.center();
   return {{{low.x, low.y, 0},
@@ -178,7 +179,7 @@ std::vector<std::vector<glm::dvec3>> outlines_on_globe(const std::vector<FileRow
       files.push_back(i);
       std::ranges::copy(outline(rows[i].box), std::back_inserter(positions));
     }
-    // All at once: to find the way to the globe takes longer than to go it.
+    // All at once: to set up the transformation takes longer than to apply it.
     const auto moved = image_module().lon_lat(systems[system], positions);
     for (std::size_t i = 0; i < files.size(); ++i) {
       const std::span<const glm::dvec3> own = std::span<const glm::dvec3>(positions).subspan(8 * i, 8);
@@ -258,7 +259,7 @@ Json item_of(const FileRow& row, std::span<const glm::dvec3> ring, const Json& p
     item["geometry"] = {{"type", "Polygon"}, {"coordinates", Json::array({corners})}};
     item["bbox"] = {globe.min.x, globe.min.y, globe.max.x, globe.max.y};
   }
-  // STAC wants a date: the day of the scan if the file knows one.
+  // STAC requires a date: the day of the scan if the file states one.
   const std::string date = row.created.empty() ? row.modified : row.created + "T00:00:00Z";
   Json properties = {{"datetime", date.empty() ? time_text(std::time(nullptr)) : date}};
   if (!row.modified.empty()) properties["updated"] = row.modified;

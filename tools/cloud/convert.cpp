@@ -52,7 +52,7 @@ bool is_parquet_name(const std::filesystem::path& name) {
   return has_extension(name, {".parquet"});
 }
 
-/// Leaves the points that were asked for.
+/// Thins the cloud as --every and --spacing request.
 template <class Cloud>
 void choose_points(Cloud& cloud, const ConvertCommand& command) {
   if (command.every > 1) {
@@ -79,7 +79,7 @@ void in_pieces(std::size_t rows, const Work& work) {
   }
 }
 
-/// Gives every point the normal of the surface around it, on the side of the nearest scanner, or upwards where no
+/// Gives every point the normal of the surface around it, towards the nearest scanner, or upwards where no
 /// scanner is known; zero where there is no surface.
 void measure_normals(const Octree& built, const PointColumns& points,
                      std::span<const ScannerPosition> scanners, std::span<glm::vec3> normals,
@@ -163,7 +163,7 @@ void write(const ConvertCommand& command, PointCloud& cloud) {
   });
 }
 
-/// Whether the user wants other points than those that are selected while reading.
+/// Whether points change after reading: some are dropped, or they get normals.
 bool chooses_points(const ConvertCommand& command) {
   return command.every > 1 || command.spacing.has_value() || command.normals;
 }
@@ -196,11 +196,11 @@ void say_written(const ConvertCommand& command, std::uint64_t count, std::uint64
            fmt::format("wrote {} of {} points to {}", count, before, command.output.string()));
 }
 
-/// Whether the points, and what is measured of them, are too much for memory.
+/// Whether the points, and measurements of them, are too large for memory.
 bool is_large(const ConvertCommand& command) {
   constexpr std::uint64_t k_octree = 52, k_thinning = 17;  // bytes per point
   const StatedSize size = stated_size(command.files);
-  // Files that do not state how many points they have: coordinates rarely take less than those of a lattice.
+  // Files that do not state their number of points: coordinates rarely take less than those of a lattice.
   const std::uint64_t points = size.point_count + size.uncounted_bytes / sizeof(LatticePosition);
   const std::uint64_t beside = command.normals ? k_octree : command.spacing ? k_thinning : 0;
   return size.bytes() + beside * points > command.memory;
@@ -282,7 +282,7 @@ ExitCode convert_to_parquet(const ConvertCommand& command) {
   return ExitCode::done;
 }
 
-/// Errors: something is measured that needs one unit of all axes. Warns of engines that measure later.
+/// Errors: --spacing or --normals with different units of the axes. Warns of these units in Parquet.
 void check_units(const ConvertCommand& command) {
   const bool measures = command.spacing || command.normals;
   if (command.files.empty() || (!measures && !is_parquet_name(command.output))) return;

@@ -49,7 +49,7 @@ void print_each(const std::vector<Item>& items, const char* kind, Verbosity verb
   }
 }
 
-/// A picture and the names of what is written for it.
+/// A picture and the names of the files that are written for it.
 struct Extraction {
   std::size_t file = 0;
   E57Blob blob;
@@ -58,11 +58,11 @@ struct Extraction {
   std::string camera;
 };
 
-/// Gives names that differ, also on disks to which capitals are no difference.
+/// Gives names that differ, also on file systems that ignore case.
 class Names {
  public:
   std::string unique(const std::string& wanted) {
-    // From where the last one of that name ended: thousands of images may have the same.
+    // Counts on from the last one of that name: thousands of images may have the same.
     for (std::size_t& count = counts_[lower(wanted)];;) {
       const std::string name = ++count == 1 ? wanted : wanted + "_" + std::to_string(count);
       if (taken_.insert(lower(name)).second) return name;
@@ -117,8 +117,8 @@ std::string camera_text(const E57Image& image, const E57Picture& picture, const 
   return json_text(json, 2) + "\n";
 }
 
-/// A name that stays in its folder whatever a file says: characters, digits, '-', '_' and '.' of `text`, "_"
-/// for everything else, no '.' in front, 80 bytes at most; "image" if nothing is left.
+/// A name that cannot lead out of its folder, whatever `text` a file contains: a-z, A-Z, 0-9, '-', '_' and
+/// '.', "_" for everything else, no '.' in front, 80 bytes at most; "image" if nothing is left.
 std::string safe_file_name(const std::string& text) {
   constexpr std::size_t k_longest = 80;
   std::string name;

@@ -16,16 +16,17 @@ namespace alidade::tools {
 /// What `alidade info --json` prints about an E57 file beside the facts of its points.
 nlohmann::ordered_json e57_json(const E57File& file);
 
-/// The same as lines for people; of more than ten scans or images the first ten, unless verbose.
+/// The facts of e57_json() as lines for people; of more than ten scans or images the first ten, unless
+/// verbose.
 std::vector<std::string> e57_lines(const E57File& file, Verbosity verbosity);
 
-/// Writes the pictures of E57 files into `folder`, which is made if it is not there, byte for byte as they
-/// are: NAME.jpg or NAME.png, named for the image (its name, else its GUID), NAME_visual for a visual
+/// Writes the pictures of E57 files into `folder`, which is created if missing, byte for byte as they are:
+/// NAME.jpg or NAME.png, named for the image (its name, else its GUID), NAME_visual for a visual
 /// reference beside another picture, NAME_2 and so on where a name is repeated, and NAME_mask.png. Beside a
 /// picture whose projection is that of a lens (camera_of()) goes its camera file, NAME.json. images.json
-/// holds everything that the files say about the pictures, those without a camera too. Returns how many
-/// pictures there were. Errors: an output exists and may not be replaced, said before anything is written; no
-/// image in any file; a damaged page.
+/// holds all metadata of the pictures, also of those without a camera. Returns the number of pictures.
+/// Errors: an output exists and may not be replaced, found before anything is written; no image in any file;
+/// a damaged page.
 std::size_t extract_images(std::span<const std::filesystem::path> files, const std::filesystem::path& folder,
                            bool overwrite);
 

@@ -7,7 +7,7 @@
 namespace alidade::tools {
 namespace {
 
-// More cannot be numbered by the index (octree/build.h).
+// The index cannot number more (octree/build.h).
 constexpr std::uint64_t k_most_points = 4'294'967'295;
 
 struct GenerateCommand : RunRequest {

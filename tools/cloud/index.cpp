@@ -66,16 +66,17 @@ void save_shown(const std::filesystem::path& path, const Octree& octree, const P
                        octree.size() ? static_cast<double>(octree.memory()) / points : 0.0, path.string()));
 }
 
-/// check_room() for what the disk has to hold while an index is made. Of a selection nothing is known beforehand.
+/// check_room() for all that the disk holds while an index is made. The size of a selection is not known
+/// beforehand, and not checked.
 void check_room_for(const IndexCommand& command, const std::filesystem::path& folder,
                     std::uint64_t rows_there) {
   const bool selects = std::ranges::any_of(command.files.inputs, &CloudInput::is_changed);
   StatedSize size = stated_size(command.files);
   if (selects || command.partial || size.uncounted_bytes > 0) return;
   size.attributes = size.attributes & command.attributes;
-  // The points in Morton order take 16 bytes each, the octree at most 24. Columns give their room to those of the index,
-  // and positions to the points in order; a checkpoint keeps both. What is measured later takes less than the points in
-  // order, which are gone by then.
+  // The points in Morton order take 16 bytes each, the octree at most 24. Columns make room for those of the
+  // index, and positions for the points in order; a checkpoint keeps both. Later measurements take less than
+  // the points in order, which are removed before.
   constexpr std::uint64_t k_sorted = 16, k_octree = 24;
   const std::uint64_t columns = size.bytes() - size.point_count * sizeof(LatticePosition);
   std::uint64_t bytes = columns + size.point_count * (k_sorted + k_octree);

@@ -12,7 +12,7 @@
 
 namespace alidade::tools {
 
-/// What an index file shall hold beside octree and attributes.
+/// The contents of an index file beside octree and attributes.
 struct IndexRequest {
   Organisation organisation = Organisation::adaptive;
   double cell_size = 0.0;                   ///< of fixed organisation, see BuildOptions
@@ -22,11 +22,11 @@ struct IndexRequest {
   bool overwrite = false;
 };
 
-/// Builds the octree over a cloud, measures what is requested, writes the index file, and says so. The
-/// cloud's positions are given away. Errors: as build() and save_index().
+/// Builds the octree over a cloud, measures what is requested, writes the index file, and prints its size.
+/// The cloud's positions are moved into the octree. Errors: as build() and save_index().
 void write_index(const std::filesystem::path& path, PointCloud& cloud, const IndexRequest& request,
                  Verbosity verbosity);
-/// The same for a cloud larger than memory. Requires a request without stored order.
+/// Writes the index file of a cloud larger than memory. Requires a request without stored order.
 void write_index(const std::filesystem::path& path, ScratchCloud& cloud, const IndexRequest& request,
                  const ScratchSpace& scratch, Verbosity verbosity);
 

@@ -50,7 +50,7 @@ struct Description {
   std::optional<CloudStatistics> statistics{};
 };
 
-/// What a single index file shows without its points being read.
+/// The description of a single index file, without reading its points.
 Description describe(const IndexFile& index) {
   return {.cloud = index.description(),
           .point_count = index.header().tree.point_count,
@@ -72,7 +72,7 @@ void read_points(const InfoOptions& options, Description& description) {
     const ScratchSpace space{temporary_folder(), options.memory};
     size.attributes.bits &= wanted.bits;
     const bool selects = std::ranges::any_of(options.files.inputs, &CloudInput::is_changed);
-    // Of others it is not known beforehand how many points there are.
+    // The number of other points is not known beforehand.
     if (!selects && !options.partial && size.uncounted_bytes == 0)
       check_room(space.folder, size.bytes(),
                  options.verbosity == Verbosity::verbose ? Verbosity::verbose : Verbosity::quiet);
@@ -124,7 +124,7 @@ Description describe(const InfoOptions& options) {
 
 void verify(const InfoOptions& options) {
   for (const CloudInput& input : options.files.inputs) {
-    // Opened first, so that a file that is not there is what the message is about.
+    // Opened first: of a missing file, the message is that it is missing.
     InputFile file = input.file();
     if (!input.is(k_index_format))
       throw file_error(file.name(), "no checksums to verify", "an index file (alidade index)");
@@ -137,7 +137,7 @@ void verify(const InfoOptions& options) {
 /// How the box in a file's header differs from that of its points, in words for people: how far it lies
 /// beyond them ("wider"), how far they lie beyond it ("leaves out"). Empty if no face is off by more than a
 /// hundredth of a step of the lattice, or if there are no points. Half a step is common and reported, too:
-/// who crops by the box loses points.
+/// cropping by the box loses points.
 std::optional<std::string> header_box_text(const Bounds& stated, const Bounds& points,
                                            const Lattice& lattice) {
   if (points.empty()) return std::nullopt;
@@ -159,7 +159,7 @@ std::optional<std::string> header_box_text(const Bounds& stated, const Bounds& p
   return text;
 }
 
-/// Box of the rows [begin, end) of a cloud, of those of them that it has. Cost: linear.
+/// Box of the rows [begin, end) that a cloud has. Cost: linear.
 Bounds bounds_of_rows(const PointColumns& cloud, std::size_t begin, std::size_t end) {
   begin = std::min(begin, cloud.size()), end = std::min(end, cloud.size());
   return bounds_of(cloud.lattice, cloud.positions.subspan(begin, end - begin));
@@ -180,8 +180,8 @@ std::string copc_text(const std::filesystem::path& file) {
   }
 }
 
-/// Largest difference between a coordinate that was measured and the one in the cloud, per axis: what the lattice or
-/// the numbers of the files round it by, whichever is more.
+/// Largest difference between a measured coordinate and the one in the cloud, per axis: the rounding by the
+/// lattice or by the numbers in the files, whichever is larger.
 glm::dvec3 rounding_error(const Description& description) {
   for (const CloudFile& file : description.cloud.files) {
     if (!is_las(file) || file.is_rounded)
@@ -194,7 +194,7 @@ Json triple(const glm::dvec3& value) {
   return {value.x, value.y, value.z};
 }
 
-/// Coordinates without what products and sums leave in the last bits: 375.78 for 375.78000000000003.
+/// Coordinates without the rounding errors of products and sums: 375.78 for 375.78000000000003.
 Json coordinates(const glm::dvec3& position) {
   glm::dvec3 plain = position;
   for (int axis = 0; axis < 3; ++axis) {
@@ -206,7 +206,7 @@ Json coordinates(const glm::dvec3& position) {
   return triple(plain);
 }
 
-/// All of the system as WKT, also where the files have GeoTIFF keys; empty if it is unknown.
+/// The whole system as WKT, also if the files have GeoTIFF keys; empty if it is unknown.
 std::string wkt_of(const Crs& crs) {
   return crs.wkt.empty() && !crs.empty() ? crs_library().wkt(crs) : crs.wkt;
 }
@@ -361,7 +361,7 @@ std::string to_table(const Description& description, bool verified, Verbosity ve
       text += row("", fmt::format("skipped {} points without a position", file.dropped_count));
     if (file.lost_count > 0) text += row("", fmt::format("{} points lost", file.lost_count));
     if (file.stated_bounds) {
-      // Only files that state a box hold their points in a row of rows here; index files state none.
+      // The points of a file that states a box are consecutive rows here; index files state none.
       const Bounds points = bounds_of_rows(description.points, first_row, first_row + file.point_count);
       if (const auto box = header_box_text(*file.stated_bounds, points, cloud.lattice))
         text += row("", "header box " + *box);

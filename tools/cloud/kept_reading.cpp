@@ -19,7 +19,7 @@
 namespace alidade::tools {
 namespace {
 
-/// To be raised when what is read into the rows changes.
+/// To be raised when the rows that are read from a file change.
 constexpr const char* k_rows_version = "2";
 
 /// The files are in the fingerprint one by one.
@@ -36,7 +36,7 @@ std::string time_text(std::filesystem::file_time_type time) {
                      clock.seconds().count(), clock.subseconds().count());
 }
 
-/// Size and time of the last change of a file on a disk; of a remote one what the server says of its content.
+/// Size and time of the last change of a local file; size and version of a remote one, by its server.
 std::string stamp(const std::filesystem::path& file) {
   if (is_remote_name(file.string())) {
     const std::unique_ptr<RemoteFile> remote = open_remote_file(file.string());
@@ -72,7 +72,7 @@ Fingerprint reading_fingerprint(const Options& command, const CloudInputs& input
   return fingerprint;
 }
 
-/// Whether a file lies in a folder, or what it is a link to.
+/// Whether a file, or the target of a link, is in a folder.
 bool holds(const std::filesystem::path& folder, const std::filesystem::path& file) {
   std::error_code error;
   const std::filesystem::path parent = file.parent_path(),

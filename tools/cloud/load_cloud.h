@@ -22,8 +22,8 @@ namespace alidade::tools {
 /// All formats that the program reads: tables of servers, SQLite, index files, and those of files.
 CloudFormats cloud_formats();
 
-/// Reads the files of a request, or loads them with an octree: with progress, and the warnings of the cloud
-/// said. Of the options all but `partial` and `progress` count.
+/// Reads the files of a request, or loads them with an octree; shows progress and prints the warnings of the
+/// cloud. `partial` and `progress` of the options are ignored.
 PointCloud read_shown(const CloudRequest& request, ReadOptions options);
 IndexedCloud load_shown(const CloudRequest& request, IndexCloudOptions options);
 
@@ -37,7 +37,7 @@ std::optional<ScratchSpace> scratch_beside(const std::filesystem::path& output,
 void check_room(const std::filesystem::path& folder, std::uint64_t bytes, Verbosity verbosity);
 
 /// Does `work`, which reads files and then stores points, with a progress line for each; prints its warnings.
-/// `storing` is what the second line says.
+/// `storing` is the text of the second line.
 database::StoredFiles store_shown(
     const RunRequest& request, ColorDepth color_depth, const std::string& storing,
     const std::function<database::StoredFiles(const ReadOptions& reading, const Progress& storing)>& work);
@@ -46,16 +46,15 @@ database::StoredFiles store_shown(
 Octree with_spacings_shown(const Octree& octree, int neighbours, Verbosity verbosity);
 Octree with_surfaces_shown(const Octree& octree, Verbosity verbosity);
 
-/// Whether it is a cloud in a database that can be asked for a part of it: one that 'alidade sql load' made, and
-/// wanted as it is.
-/// Errors: those of opening a table on a server.
+/// Whether a part of a cloud can be read from its database: 'alidade sql load' has stored it, and no option
+/// changes its points. Errors: those of opening a table on a server.
 bool has_parts(const CloudInput& input);
 
-/// Error if x and y of a cloud are degrees and z is a length: then no distance can be measured and nothing has an
-/// elevation, so that pictures would be hairlines and answers about sight wrong.
+/// Errors: x and y of a cloud are degrees, and z is a length: distances are undefined, so that pictures would
+/// be hairlines and answers about sight wrong.
 void check_map_unit(const Crs& crs, const CloudInputs& clouds);
 
-/// What such parts consist of: "chunks" of SQLite, "points" of a server.
+/// The unit of parts of a cloud in a database: "chunks" of SQLite, "points" of a server.
 const char* part_unit(const CloudInput& input);
 
 /// Reads those points of a cloud in a database that are needed: at least all for which a filter holds

@@ -14,8 +14,8 @@
 
 namespace alidade::tools {
 
-/// Declares --mesh, which may be given again; its files go behind `files`. `purpose`: what triangles are for, the
-/// end of its help text.
+/// Declares --mesh, which may be given again; appends its files to `files`. `purpose`: the use of the
+/// triangles, the end of the help text.
 void add_mesh_option(const Options& command, const std::string& purpose,
                      std::vector<std::filesystem::path>& files);
 
@@ -23,7 +23,7 @@ void add_mesh_option(const Options& command, const std::string& purpose,
 TriangleMesh read_mesh_shown(const std::filesystem::path& file, const MeshPlacement& placement,
                              Verbosity verbosity);
 
-/// What make(progress) returns, which builds a tree of triangles, with its progress shown.
+/// Returns what make(progress) returns, which builds a tree of triangles; shows its progress.
 template <class Make>
 auto build_mesh_shown(Verbosity verbosity, const Make& make) {
   return with_progress("sorting triangles", "triangles", verbosity, make);

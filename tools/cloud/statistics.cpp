@@ -28,7 +28,7 @@ namespace {
 /// The bits of k_flag_names (cloud/attributes.h: PointFlags).
 constexpr std::array<int, 5> k_flag_bits = {0, 1, 2, 3, 7};
 
-/// The number that SQL sees; empty for no value and for bytes.
+/// The number in a column of SQL; empty for NULL and for bytes.
 std::optional<double> number_of(const database::ColumnValue& value) {
   return std::visit(
       [](const auto& held) -> std::optional<double> {
@@ -40,10 +40,11 @@ std::optional<double> number_of(const database::ColumnValue& value) {
       value);
 }
 
-/// Finds the values of k_quantiles among many that are not stored: each pass over all of them learns 16 more of their bits.
+/// Finds the quantiles k_quantiles of many values that are not stored: each pass over all values determines
+/// 16 more bits of the quantiles.
 class QuantileSearch {
  public:
-  /// Takes a value; each pass takes the same ones.
+  /// Adds a value; every pass adds the same values.
   void add(double value) {
     const std::uint64_t key = key_of(value + 0.0);  // -0 is 0
     all_bits_ &= key;
@@ -75,7 +76,7 @@ class QuantileSearch {
   std::array<double, k_quantiles.size()> values() const {
     std::array<double, k_quantiles.size()> values{};
     std::ranges::transform(sought_, values.begin(), [this](const Sought& one) {
-      // The bits that are still unknown are those of all values.
+      // All values have the remaining bits in common.
       return value_of_key(one.prefix | (all_bits_ & ~known_));
     });
     return values;
@@ -112,17 +113,17 @@ class QuantileSearch {
   }
 
   std::uint64_t all_bits_ = ~std::uint64_t{0}, any_bits_ = 0;  ///< AND and OR of all keys
-  std::uint64_t known_ = 0;                                    ///< bits that the passes before have learnt
-  int shift_ = 64 - k_digit_bits;                              ///< of the bits that this one learns
+  std::uint64_t known_ = 0;                                    ///< bits that earlier passes have determined
+  int shift_ = 64 - k_digit_bits;                              ///< of the bits that this pass determines
   std::vector<Bin> bins_ = std::vector<Bin>(1);
   std::array<Sought, k_quantiles.size()> sought_{};
 };
 
-/// Rows between two looks at whether the user wants to stop.
+/// Rows between two checks for an interruption.
 constexpr std::size_t k_rows_at_once = std::size_t{1} << 18;
 using Pause = std::function<void()>;
 
-/// Calls visit(number) for all that a column has, in the order of the rows.
+/// Calls visit(number) for every finite number of a column, in the order of the rows.
 template <class Visit>
 void for_each_number(const PointColumns& cloud, const database::CloudColumn& column, const Pause& pause,
                      const Visit& visit) {
@@ -194,7 +195,7 @@ std::optional<CoverageStatistics> coverage_of(const PointColumns& cloud, const P
   const glm::dvec3 size = box.size();
   const double count = static_cast<double>(cloud.size());
   CoverageStatistics coverage{.area = size.x * size.y};
-  // The second time by the area that the first has found: the box may be mostly empty.
+  // The second time by the area that the first has measured: the box may be mostly empty.
   for (int time = 0; time < 2; ++time) {
     coverage.cell = k_spacings * std::sqrt(coverage.area / count);
     if (!(coverage.area > 0.0) || std::max(size.x, size.y) / coverage.cell > k_most_cells)
@@ -251,7 +252,7 @@ std::string fact_row(const std::string& name, const std::string& value) {
   return fmt::format("{:<12}{}\n", name, value);
 }
 
-/// What headers say that neither points nor the table above do.
+/// Facts of headers that are neither in points nor in the table of `alidade info`.
 std::string header_text(const PointCloud& cloud) {
   std::string text;
   const std::vector<std::string> codes = epsg_codes(cloud.crs);

@@ -22,7 +22,7 @@ inline constexpr std::array<double, 5> k_quantiles = {0.01, 0.25, 0.5, 0.75, 0.9
 inline constexpr std::array<const char*, 5> k_flag_names = {"synthetic", "key point", "withheld", "overlap",
                                                             "edge of flight line"};
 
-/// What the values of a column of numbers are, without those that mean no value.
+/// The values of a column of numbers, without nodata.
 struct ColumnStatistics {
   std::string name;  ///< as SQL has it (database/cloud_column.h)
   bool is_whole = false;
@@ -40,8 +40,8 @@ struct CoverageStatistics {
   double spacing = 0.0;                             ///< 1 / sqrt(density)
 };
 
-/// What a cloud is made of. Cost: two to four passes over each column, shared by threads (oneTBB). Memory: 3 MB per
-/// thread and about 1/20 B per point.
+/// The contents of a cloud. Cost: two to four passes over each column, shared by threads (oneTBB). Memory:
+/// 3 MB per thread and about 1/20 B per point.
 struct CloudStatistics {
   std::uint64_t point_count = 0;
   std::vector<ColumnStatistics> columns{};
@@ -49,7 +49,7 @@ struct CloudStatistics {
   std::map<std::pair<int, int>, std::uint64_t> returns{};  ///< by number and count
   /// Points that have each; empty if the cloud has no flags.
   std::optional<std::array<std::uint64_t, k_flag_names.size()>> flags{};
-  std::optional<CoverageStatistics> coverage{};  ///< empty for points on a line or in one position
+  std::optional<CoverageStatistics> coverage{};  ///< empty for points on a line or at a single position
 };
 
 /// Requires the attributes to have been read. `progress` is in columns, and also called within them.
@@ -62,8 +62,8 @@ std::optional<Moment> moment_of_gps_time(double seconds);
 /// As `alidade info --json` has them.
 nlohmann::ordered_json statistics_json(const CloudStatistics& statistics);
 
-/// The lines of a table, with what headers say of the cloud's files and records. `facts`: the cloud with or without its
-/// points.
+/// The lines of a table, with facts from the headers of the cloud's files and its records. `facts`: the cloud
+/// with or without its points.
 std::string statistics_text(const CloudStatistics& statistics, const PointCloud& facts);
 
 }  // namespace alidade::tools

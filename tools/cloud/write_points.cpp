@@ -17,7 +17,8 @@ namespace {
 
 constexpr std::size_t k_rows_at_once = 1 << 17;
 
-/// The attribute columns of a cloud but those of its own that results replace; their names go behind `replaced`.
+/// The attribute columns of a cloud without those that results replace, whose names are appended to
+/// `replaced`.
 AttributeColumns kept_columns(const CloudResults& cloud, std::vector<std::string>& replaced) {
   AttributeColumns columns = cloud.cloud.columns();
   if (!cloud.colors.empty()) columns.colors = cloud.colors;
@@ -112,7 +113,7 @@ class Rows {
   std::vector<std::string> replaced_;
   AttributeColumns columns_;  ///< without those that are left out
   const RowLayout& layout_;
-  std::vector<std::size_t> dimensions_;  ///< where its own and its results are among those of the layout
+  std::vector<std::size_t> dimensions_;  ///< index in the layout of each of its own and of its results
   HugeArray<LatticePosition> positions_;
   PointCloud batch_;
 };
@@ -145,7 +146,7 @@ class AllRows {
   const RowLayout& layout() const { return layout_; }
   std::span<const Rows> clouds() const { return clouds_; }
 
-  /// Some rows from one on, of one cloud. Valid until the next call.
+  /// Some rows from `first` on, all of one cloud. Valid until the next call.
   const PointCloud& from(std::size_t first) {
     auto cloud = clouds_.begin();
     for (; first >= cloud->size(); ++cloud) first -= cloud->size();

@@ -16,7 +16,7 @@
 
 namespace alidade::tools {
 
-/// What a copy of a cloud with other columns says of itself: lattice, reference system, LAS records and
+/// The metadata for a copy of a cloud with other columns: lattice, reference system, LAS records and
 /// encoding. No points, no columns.
 PointCloud description_of(const IndexedCloud& cloud);
 
@@ -51,20 +51,20 @@ struct CloudResults {
   std::span<const Color16> colors{};  ///< by point id, instead of the cloud's; empty: the cloud's
 };
 
-/// Error unless the name ends in .las, .laz or .ply.
+/// Errors: the name does not end in .las, .laz or .ply.
 void check_points_name(const std::filesystem::path& file);
 
 /// The points of a cloud in their order, with all their attributes, scale, offset, reference system and LAS
-/// records, and with these columns: LAS 1.4 or PLY by the extension. Columns of the cloud's own that have one
-/// of their names are left out, which is said. Memory: 12 B per point, on the disk if the octree has
-/// scratch files; for COPC also `memory` (LasWriteOptions). Errors: as LasWriter, write_ply().
+/// records, and with these columns: LAS 1.4 or PLY by the extension. Columns of the cloud with one of their
+/// names are replaced, with a warning. Memory: 12 B per point, on the disk if the octree has scratch files;
+/// for COPC also `memory` (LasWriteOptions). Errors: as LasWriter, write_ply().
 void write_points(const std::filesystem::path& file, const IndexedCloud& cloud,
                   const std::vector<ResultColumn>& results, bool overwrite,
                   std::optional<std::uint64_t> memory, Verbosity verbosity);
 
-/// The same for several clouds, at least one, in one file, each behind the one before. A column that only some have
-/// is 0 in the others. Positions are on one lattice (joined_lattice()), on which some are rounded by half a step at
-/// most where it does not hold all of them exactly. Reference system: that of the first cloud that has one; records
+/// Writes several clouds, at least one, into one file, one after the other. A column that only some have is 0
+/// in the others. Positions are on one lattice (joined_lattice()), which rounds some by half a step at most
+/// if it does not hold all of them exactly. Reference system: that of the first cloud that has one; records
 /// and encoding: of the first.
 void write_points(const std::filesystem::path& file, std::span<const CloudResults> clouds, bool overwrite,
                   std::optional<std::uint64_t> memory, Verbosity verbosity);

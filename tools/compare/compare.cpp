@@ -82,7 +82,7 @@ std::string comparison_text(const compare::Comparison& comparison, const compare
   return text + (verdict.pass() ? "pass\n" : "FAIL\n");
 }
 
-/// A line per pair, worst first, and one that sums up.
+/// A line per pair, worst first, and one for all pairs.
 std::string batch_text(const std::vector<compare::PairOutcome>& outcomes) {
   std::string text = fmt::format("{:<5} {:>10} {:>10} {:>10}  pair\n", "", "flip", "ssim", "psnr");
   std::size_t failed = 0;
@@ -111,7 +111,7 @@ ExitCode exit_code(const CompareRequest& request, bool pass, bool warned) {
   return request.idiff_codes && warned ? ExitCode::no : ExitCode::done;
 }
 
-/// That of the worst pair.
+/// The exit code of the worst pair.
 ExitCode exit_code(const CompareRequest& request, const std::vector<compare::PairOutcome>& outcomes) {
   bool pass = true, warned = false, only_sizes = true, any_error = false;
   for (const compare::PairOutcome& outcome : outcomes) {
@@ -126,7 +126,7 @@ ExitCode exit_code(const CompareRequest& request, const std::vector<compare::Pai
   return only_sizes ? ExitCode::sizes_differ : ExitCode::unreadable;
 }
 
-/// Points behind regions of change, to be written.
+/// A file of points behind regions of change.
 struct PointsOutput {
   fs::path file;
   PointCloud points;
@@ -134,26 +134,26 @@ struct PointsOutput {
 
 /// Errors: no layer of ids; a cloud that cannot be read or is another one.
 void find_points(std::vector<PointsOutput>& outputs, const CompareRequest& request,
-                 const RegionPointsRequest& wish, const compare::PictureFacts& facts,
+                 const RegionPointsRequest& points, const compare::PictureFacts& facts,
                  const compare::ChangeRegions& changes) {
-  if (wish.output.empty()) return;
+  if (points.output.empty()) return;
   if (facts.ids.empty())
     throw file_error(facts.file, "no layer of point ids", "an EXR file rendered with the layer id");
   const PointCloud cloud = with_progress("reading", "B", request.verbosity, [&](const Progress& progress) {
-    return read_cloud(resolve_clouds(std::vector{wish.cloud}, cloud_formats()),
+    return read_cloud(resolve_clouds(std::vector{points.cloud}, cloud_formats()),
                       {.partial = request.partial, .progress = progress});
   });
   const std::vector<compare::RegionPoint> found =
       compare::region_points(facts.ids, changes, cloud.positions.size());
   if (found.empty()) {
-    say_warning(fmt::format("the regions contain no points of {}; not writing {}", wish.cloud.string(),
-                            wish.output.string()));
+    say_warning(fmt::format("the regions contain no points of {}; not writing {}", points.cloud.string(),
+                            points.output.string()));
     return;
   }
-  outputs.push_back({wish.output, compare::points_of_regions(cloud, found)});
+  outputs.push_back({points.output, compare::points_of_regions(cloud, found)});
 }
 
-/// A map to be written.
+/// A file of a map.
 struct MapOutput {
   fs::path file;
   const compare::DifferenceMap* map;
@@ -178,7 +178,7 @@ std::vector<MapOutput> maps_to_write(const CompareRequest& request,
   return outputs;
 }
 
-/// Finds everything that can be wrong before it writes anything.
+/// Reports all errors but write failures before it writes the first file.
 void write_files(const CompareRequest& request, const compare::Comparison& comparison,
                  const compare::Verdict& verdict, const compare::Verdict& warnings) {
   std::string page;
@@ -257,7 +257,8 @@ ExitCode run(const CompareRequest& request) {
   return is_batch(request) ? compare_many(request) : compare_one(request);
 }
 
-/// If requested with the exit codes of idiff, whose 2 is no error.
+/// run(), with errors as exit codes if those of idiff are requested, whose 2 is a difference and not an
+/// error.
 ExitCode run_with_codes(const CompareRequest& request) {
   if (!request.idiff_codes) return run(request);
   try {

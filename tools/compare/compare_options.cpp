@@ -191,7 +191,7 @@ void check_words(const CompareRequest& request) {
   }
 }
 
-void check_wishes_for_many(const CompareRequest& request) {
+void check_batch_options(const CompareRequest& request) {
   const bool has_clouds = !request.reference_points.cloud.empty() || !request.test_points.cloud.empty();
   require(!request.has_maps() && !request.has_points() && !has_clouds,
           "maps and points require a single pair of images", "--report or --reports for many");
@@ -199,7 +199,7 @@ void check_wishes_for_many(const CompareRequest& request) {
           "--reports FOLDER");
 }
 
-void check_wishes_for_one(const CompareRequest& request) {
+void check_pair_options(const CompareRequest& request) {
   require(request.reports.empty(), "--reports requires many pairs", "--report FILE.html");
   require(!request.packing || !request.report.empty(), "--report-pictures requires a report",
           "--report FILE.html");
@@ -239,9 +239,9 @@ bool is_batch(const CompareRequest& request) {
 void check_request(const CompareRequest& request) {
   check_words(request);
   if (is_batch(request)) {
-    check_wishes_for_many(request);
+    check_batch_options(request);
   } else {
-    check_wishes_for_one(request);
+    check_pair_options(request);
   }
   const fs::path inputs[] = {request.reference,
                              request.test,

@@ -16,7 +16,7 @@ struct RegionPointsRequest {
   std::filesystem::path cloud, output;
 };
 
-/// What the command line of `alidade compare` requests.
+/// The command line of `alidade compare`.
 struct CompareRequest : RunRequest {
   std::filesystem::path reference, test;  ///< two files or two folders
   std::filesystem::path pairs;            ///< or a table
@@ -38,16 +38,16 @@ struct CompareRequest : RunRequest {
 /// Declares the options.
 void add_compare_options(const Options& command, CompareRequest& request);
 
-// What can be wrong with a request before any pixel is read.
+// Checks of a request before pixels are read.
 
 /// Whether many pairs of pictures are requested.
 bool is_batch(const CompareRequest& request);
 
-/// Errors that need no picture: words missing or too many, wishes that do not go together, outputs that
+/// Errors that need no picture: missing or surplus operands, options that exclude each other, outputs that
 /// cannot be written or would replace an input.
 void check_request(const CompareRequest& request);
 
-/// The same for the pictures of a batch. Errors: the summary would replace one of them.
+/// Checks the outputs of a batch. Errors: the summary would replace one of its pictures.
 void check_pairs(const CompareRequest& request, const std::vector<compare::ImagePair>& pairs);
 
 }  // namespace alidade::tools

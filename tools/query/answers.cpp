@@ -86,14 +86,14 @@ void for_each_row(std::size_t count, const Work& work) {
   });
 }
 
-/// The step a position is on. Exact: positions were computed from steps, and lie closer to them than to others.
+/// The lattice position that a world position was computed from. Exact: no other one is closer.
 LatticePosition steps_of(const Lattice& lattice, const glm::dvec3& position) {
   const auto steps = to_lattice(lattice, position);
   if (!steps) throw Error({.problem = "the position of a point is not on the cloud's lattice"});
   return *steps;
 }
 
-/// Rows of an AnswerRows for which room is made at once: bounds memory whatever the number of answers.
+/// Rows of an AnswerRows in memory at once: bounds memory whatever the number of answers.
 constexpr std::size_t k_rows_per_write = 1 << 17;
 
 class AnswerText final : public AnswerOutput {

@@ -32,10 +32,10 @@ struct AnswerRow {
   glm::dvec3 position{0.0};
   std::uint64_t segment = 0;
   double t = 0.0, distance = 0.0, entry = 0.0;
-  std::uint64_t count = 0;  ///< where only a number was asked for; of `occluded` 0 or 1
+  std::uint64_t count = 0;  ///< of queries for a number alone; of `occluded` 0 or 1
 };
 
-/// A column of the answer as text: its name and where its value stands.
+/// A column of the answer as text: its name and the member that holds its value.
 struct AnswerColumn {
   std::string name;
   std::uint64_t AnswerRow::*whole = nullptr;  ///< one of these two, or else an axis of the position
@@ -43,13 +43,13 @@ struct AnswerColumn {
   int axis = 0;
 };
 
-/// How numbers that are no whole ones are written.
+/// How numbers that are not whole are written.
 struct NumberForm {
   std::array<std::optional<int>, 3> decimals{};  ///< of coordinates; empty: as other numbers
   std::optional<int> digits{};                   ///< of others; empty: as many as give the same number again
 };
 
-/// Rows of answers that are made when they are wanted, from several threads at once.
+/// Rows of answers that are made when they are written, from several threads at once.
 struct AnswerRows {
   std::size_t size = 0;
   /// Fills `rows` with the rows [first, first + rows.size()).
@@ -68,11 +68,11 @@ class AnswerOutput {
 
 enum class AnswerForm {
   csv,         ///< a header and a line per row; infinite numbers are "inf" and "-inf"
-  json_lines,  ///< an object per row; the same numbers, null for infinite ones
+  json_lines,  ///< an object per row; numbers as in csv, null for infinite ones
   las,         ///< found points
 };
 
-/// Answers as text of the form, to stdout without a file. Rows are worded in parallel. Errors: OutputFile's.
+/// Answers as text of the form; to stdout without a file. Formats rows in parallel. Errors: OutputFile's.
 std::unique_ptr<AnswerOutput> answers_as_text(std::vector<AnswerColumn> columns, AnswerForm form,
                                               const NumberForm& numbers, std::unique_ptr<OutputFile> file);
 
@@ -84,14 +84,14 @@ struct AnswerDimension {
 };
 
 /// Found points as LAS 1.4: a point for every row, with the integers, all attributes, coordinate reference
-/// system and records of the cloud, and with what the query found as extra dimensions. A dimension of the
-/// cloud's own that has one of these names is left out, which is said. Attributes are fetched in parallel.
-/// `cloud` must outlive the output. Errors: LasWriter's.
+/// system and records of the cloud, and with the results of the query as extra dimensions. A dimension of the
+/// cloud with one of their names is left out, with a warning. Attributes are fetched in parallel. `cloud`
+/// must outlive the output. Errors: LasWriter's.
 std::unique_ptr<AnswerOutput> answers_as_las(const std::filesystem::path& file, bool overwrite,
                                              const IndexedCloud& cloud,
                                              std::vector<AnswerDimension> dimensions, Verbosity verbosity);
 
-// What the answers of each family look like.
+// The columns and dimensions of the answers of each family.
 
 /// Columns of found points as text.
 template <class Target>
@@ -113,7 +113,7 @@ std::vector<AnswerColumn> answer_columns() {
   return columns;
 }
 
-/// Columns where only a number was asked for; `name` is that number's.
+/// Columns of queries for a number alone, which is called `name`.
 template <class Target>
 std::vector<AnswerColumn> number_columns(std::string name) {
   return {{.name = std::string(target_kind<Target>().id_name), .whole = &AnswerRow::target_id},
@@ -150,8 +150,8 @@ AnswerRow answer_row(const Answer& hit) {
   return row;
 }
 
-/// The answers of the targets [begin, end) as rows; ids: of all targets. What they are made of must outlive
-/// them.
+/// The answers of the targets [begin, end) as rows. `ids`: of all targets. Both arguments must outlive the
+/// rows.
 template <class Answer>
 AnswerRows answer_rows(const Answers<Answer>& answers, std::size_t begin, std::size_t end,
                        std::span<const std::uint64_t> ids) {

@@ -25,8 +25,8 @@
 
 namespace alidade::tools {
 
-/// How many targets to ask at once, so that threads have work, answers stay few enough to hold, and a batch
-/// ends soon: between batches progress is reported and the program can be interrupted.
+/// The number of targets in a batch, so that threads have work, answers fit into memory, and a batch ends
+/// soon: between batches progress is reported and the program can be interrupted.
 class BatchSize {
  public:
   /// Targets of the next batch.
@@ -54,14 +54,14 @@ class BatchSize {
   std::size_t targets_ = 32;
 };
 
-/// Asks one tree many batches of targets by Algorithm 1, in parallel, and counts its steps.
+/// Queries one tree with batches of targets by Algorithm 1, in parallel, and counts its steps.
 template <class Target, SpatialTree Tree>
-class TreeAsker {
+class TreeExecutor {
  public:
   using Query = typename QueryFamily<Target>::Query;
   using Answer = typename QueryFamily<Target>::Answer;
 
-  TreeAsker(Tree tree, Query query) : tree_(std::move(tree)), query_(std::move(query)) {}
+  TreeExecutor(Tree tree, Query query) : tree_(std::move(tree)), query_(std::move(query)) {}
 
   std::size_t k() const { return query_.k; }
 
@@ -69,9 +69,9 @@ class TreeAsker {
   Answers<Answer> find(std::span<const Target> targets, std::size_t most) {
     const std::size_t k = std::min(query_.k, most);
     return answer_all<Answer>(targets, k_grain, [&](std::size_t i, std::vector<Answer>& answers) {
-      const auto asked = make_target(targets[i], query_, i);
-      Nearest neighbors(asked, k);
-      statistics_.local() += tree_query(tree_, asked, neighbors);
+      const auto target = make_target(targets[i], query_, i);
+      Nearest neighbors(target, k);
+      statistics_.local() += tree_query(tree_, target, neighbors);
       const std::vector<Answer> found = neighbors.in_order();
       answers.insert(answers.end(), found.begin(), found.end());
     });
@@ -105,26 +105,27 @@ class TreeAsker {
   tbb::enumerable_thread_specific<QueryStatistics> statistics_;
 };
 
-/// TreeAsker over COPC files. Where targets meet several remote files it opens these ahead, many at once, and reads what
-/// they need if that is all that they meet: one request after another would mostly wait for servers.
+/// TreeExecutor over COPC files. If targets meet several remote files, it opens these ahead, many at once,
+/// and reads their points, too, if all points that a target meets are needed: one request after another would
+/// mostly wait for servers.
 template <class Target>
-class TilesAsker {
+class TilesExecutor {
  public:
   using Query = typename QueryFamily<Target>::Query;
 
-  TilesAsker(const CopcTiles& tiles, bool reads_ahead, const Query& query)
-      : tiles_(tiles), query_(query), asker_(CopcTilesTree(tiles), query), reads_ahead_(reads_ahead) {}
+  TilesExecutor(const CopcTiles& tiles, bool reads_ahead, const Query& query)
+      : tiles_(tiles), query_(query), executor_(CopcTilesTree(tiles), query), reads_ahead_(reads_ahead) {}
 
-  std::size_t k() const { return asker_.k(); }
+  std::size_t k() const { return executor_.k(); }
   auto find(std::span<const Target> targets, std::size_t most) {
     read_ahead(targets, most);
-    return asker_.find(targets, most);
+    return executor_.find(targets, most);
   }
   std::vector<std::size_t> count(std::span<const Target> targets, bool any_is_enough) {
     read_ahead(targets, any_is_enough ? 1 : k_all);
-    return asker_.count(targets, any_is_enough);
+    return executor_.count(targets, any_is_enough);
   }
-  QueryStatistics statistics() const { return asker_.statistics(); }
+  QueryStatistics statistics() const { return executor_.statistics(); }
 
  private:
   static constexpr std::size_t k_most_at_once = 16;
@@ -139,17 +140,17 @@ class TilesAsker {
   };
 
   /// The files that a target meets, at most `most`; those first in which the first answers can be.
-  template <class Asked>
-  std::vector<std::uint32_t> files_met(const Asked& asked, std::size_t most) const {
+  template <class AnyTarget>
+  std::vector<std::uint32_t> files_met(const AnyTarget& target, std::size_t most) const {
     std::vector<std::pair<double, std::uint32_t>> met;
     Reach reach;
     const auto is_met = [&](const Bounds& box) {
       if (met.size() == most) return false;
-      reach = asked.reach(box, DistanceBound::box);
-      return !asked.too_far(reach) && !asked.outside_interval(reach);
+      reach = target.reach(box, DistanceBound::box);
+      return !target.too_far(reach) && !target.outside_interval(reach);
     };
     tiles_.for_each_met(is_met, [&](std::uint32_t file) {
-      const double least = asked.least_measure(reach);
+      const double least = target.least_measure(reach);
       met.emplace_back(std::isnan(least) ? -std::numeric_limits<double>::infinity() : least, file);
     });
     std::sort(met.begin(), met.end());
@@ -178,7 +179,7 @@ class TilesAsker {
             const auto tile = tiles_.tile(meetings[at].file);
             Counter all(k_all);
             if (needs_all) tree_query(*tile->tree, make_target(targets[meetings[at].target], query_, 0), all);
-          } catch (...) {  // whoever asks in earnest meets it again, in the order of the targets
+          } catch (...) {  // the query itself meets the error again, in the order of the targets
             return;
           }
         }
@@ -188,20 +189,20 @@ class TilesAsker {
 
   const CopcTiles& tiles_;
   Query query_;
-  TreeAsker<Target, CopcTilesTree> asker_;
+  TreeExecutor<Target, CopcTilesTree> executor_;
   bool reads_ahead_;
 };
 
-/// Asks one octree: by the functions of octree/query.h, or, if work is to be explained, as TreeAsker. Has the
-/// same functions, and the same answers.
+/// Queries one octree: by the functions of octree/query.h, or, if work is to be explained, as TreeExecutor,
+/// with equal answers.
 template <class Target>
-class Asker {
+class QueryExecutor {
  public:
   using Query = typename QueryFamily<Target>::Query;
   using Answer = typename QueryFamily<Target>::Answer;
 
   /// The octree must outlive this object.
-  Asker(const Octree& octree, const Query& query, bool is_explained)
+  QueryExecutor(const Octree& octree, const Query& query, bool is_explained)
       : octree_(octree),
         query_(query),
         is_explained_(is_explained),
@@ -254,7 +255,7 @@ class Asker {
   const Octree& octree_;
   Query query_;
   bool is_explained_;
-  TreeAsker<Target, OctreeTree> explaining_;
+  TreeExecutor<Target, OctreeTree> explaining_;
 };
 
 }  // namespace alidade::tools

@@ -21,19 +21,19 @@ struct LineBlock {
   std::string_view line(std::size_t i) const;
 };
 
-/// A text that targets are read from, line by line and once: a file, a pipe, standard input, or what was
-/// given on the command line. Memory: two mebibytes. Not thread safe.
+/// A text that targets are read from, line by line and once: a file, a pipe, standard input, or values on the
+/// command line. Memory: two mebibytes. Not thread safe.
 class LineSource {
  public:
   /// Opens a file, or standard input for "-". Errors: it cannot be opened.
   static LineSource open(const std::string& name);
-  /// The values an option was given, one in a line.
+  /// The values of an option, one per line.
   static LineSource command_line(std::string option, const std::vector<std::string>& values);
 
-  /// What messages call it.
+  /// Its name in messages.
   const std::string& name() const { return name_; }
   bool is_command_line() const { return !descriptor_.is_open(); }
-  /// Bytes of lines given out, and bytes in all: 0 if that is not known.
+  /// Bytes of lines returned so far, and bytes in all, 0 if that is not known.
   std::uint64_t done() const { return done_; }
   std::uint64_t total() const { return total_; }
 

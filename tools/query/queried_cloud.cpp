@@ -11,7 +11,7 @@
 namespace alidade::tools {
 namespace {
 
-/// More than rounding moves a coordinate of these numbers by.
+/// A margin above the rounding errors of coordinates of this size.
 double margin_of(std::initializer_list<glm::dvec3> positions, double radius) {
   constexpr double k_share = 1e-9;
   double largest = radius;
@@ -38,13 +38,13 @@ void clip(const Ray& axis, const Bounds& box, double& t_min, double& t_max) {
   }
 }
 
-// Boxes around the points of a cloud that lies in the box `within` which can answer a target: of all points
-// at most `radius` from it. A little larger than need be, so that rounding leaves no point out; empty if
-// there are none. `radius` does not apply for cones, half-spaces and boxes.
+// target_bounds() is a box around all points that can answer a target, which are at most `radius` from it, of
+// a cloud in the box `within`. It is a little larger than necessary, so that rounding leaves no point out;
+// empty if there are none. `radius` does not apply to cones, half-spaces and boxes.
 
 Bounds target_bounds(const Ray& ray, double radius, const Bounds& within) {
   if (within.empty() || !(ray.t_min <= ray.t_max)) return {};
-  // A point in the box has its foot on the ray at most `radius` outside of it.
+  // A point in the box projects to a position on the ray that is at most `radius` outside of the box.
   const double margin = margin_of({ray.origin, within.min, within.max}, radius);
   double t_min = ray.t_min, t_max = ray.t_max;
   clip(ray, widened(within, radius + margin), t_min, t_max);
@@ -89,13 +89,13 @@ Bounds target_bounds(const glm::dvec3& position, double radius, const Bounds&) {
 
 constexpr std::size_t k_batch = 4096;
 
-/// More targets than these are not checked before the query.
-constexpr std::uint64_t k_most_looked_through = 1'000'000;
+/// A first pass through the targets gives up beyond so many.
+constexpr std::uint64_t k_most_surveyed = 1'000'000;
 
-/// More than these are requested by one box around all.
+/// Of more targets, one box around all is the filter.
 constexpr std::size_t k_most_filters = 4096;
 
-/// What holds for all points that can answer a target; maybe for some more.
+/// A filter that admits all points that can answer a target, and maybe some more.
 template <class Target>
 database::PointFilter filter_of(const Target& target, double radius, const Bounds& within) {
   database::PointFilter filter;
@@ -110,9 +110,9 @@ database::PointFilter filter_of(const Target& target, double radius, const Bound
   return filter;
 }
 
-/// Whether targets can be checked before the query, and how far away answers can be.
+/// Whether targets can be read twice, and the distance of their answers is limited.
 template <class Target>
-bool can_be_looked_through(const QueryCommand& command) {
+bool can_be_surveyed(const QueryCommand& command) {
   constexpr bool needs_radius =
       std::is_same_v<Target, Ray> || std::is_same_v<Target, Path> || std::is_same_v<Target, glm::dvec3>;
   std::error_code error;
@@ -122,7 +122,7 @@ bool can_be_looked_through(const QueryCommand& command) {
 
 }  // namespace
 
-bool asks_in_place(const QueryCommand& command, AnswerForm form) {
+bool queries_in_place(const QueryCommand& command, AnswerForm form) {
   if (command.is_loaded || command.partial || command.max_level || form == AnswerForm::las) return false;
   if (command.files.only(k_copc_format) != nullptr) return true;
   return std::ranges::all_of(command.files.inputs, [](const CloudInput& input) {
@@ -156,14 +156,14 @@ std::string copc_table(const CopcTiles& tiles) {
 template <class Target>
 std::optional<Bounds> query_region(const QueryCommand& command, AnswerForm form) {
   if (command.files.size() < 2 || std::is_same_v<Target, HalfSpaces> || command.partial ||
-      command.max_level || form == AnswerForm::las || !can_be_looked_through<Target>(command))
+      command.max_level || form == AnswerForm::las || !can_be_surveyed<Target>(command))
     return std::nullopt;
   const Bounds within = stated_box(command.files);
   TargetReader<Target> reader(open_targets(command), {command.t_min, command.t_max});
   TargetBatch<Target> batch;
   Bounds region;
   for (std::uint64_t count = 0; reader.next(k_batch, batch); count += batch.targets.size()) {
-    if (count > k_most_looked_through) return std::nullopt;
+    if (count > k_most_surveyed) return std::nullopt;
     for (const Target& target : batch.targets)
       region.grow(target_bounds(target, command.radius.value_or(0.0), within));
     if (region.contains(within.min) && region.contains(within.max)) return std::nullopt;
@@ -181,7 +181,7 @@ template std::optional<Bounds> query_region<glm::dvec3>(const QueryCommand&, Ans
 template <class Target>
 QueryPart read_query_part(const QueryCommand& command, AttributeSet attributes, const Progress& progress) {
   if (command.files.size() != 1 || command.partial || command.max_level ||
-      !has_parts(command.files.inputs.front()) || !can_be_looked_through<Target>(command))
+      !has_parts(command.files.inputs.front()) || !can_be_surveyed<Target>(command))
     return std::nullopt;
   const Bounds within = stated_size(command.files).box;
   TargetReader<Target> reader(open_targets(command), {command.t_min, command.t_max});
@@ -191,7 +191,7 @@ QueryPart read_query_part(const QueryCommand& command, AttributeSet attributes, 
   std::uint64_t count = 0;
   while (reader.next(k_most_filters, batch)) {
     count += batch.targets.size();
-    if (count > k_most_looked_through) return std::nullopt;
+    if (count > k_most_surveyed) return std::nullopt;
     for (const Target& target : batch.targets) {
       const double radius = command.radius.value_or(0.0);
       if (count <= k_most_filters) filters.push_back(filter_of(target, radius, within));

@@ -14,30 +14,29 @@
 
 namespace alidade::tools {
 
-/// Whether the run reads COPC in place: it is a single file, or files of a catalog that states their boxes,
-/// nothing but positions and classes is needed of it, and nobody asked for it to be loaded. Errors: the file cannot be
-/// opened.
-bool asks_in_place(const QueryCommand& command, AnswerForm form);
+/// Whether the run reads COPC in place: a single file, or files of a catalog that states their boxes, if only
+/// positions and classes are needed, without --load. Errors: the file cannot be opened.
+bool queries_in_place(const QueryCommand& command, AnswerForm form);
 
-/// Only points of the command's classes are there. Reading them ends when the program is interrupted.
-/// Errors: CopcTiles'.
+/// The COPC files of the command, with the points of its classes only. Reading them ends when the program is
+/// interrupted. Errors: CopcTiles'.
 std::unique_ptr<CopcTiles> open_copc(const QueryCommand& command);
 
 /// What --explain adds for COPC: files opened, chunks and points decoded, and what share of all that is.
 std::string copc_table(const CopcTiles& tiles);
 
-/// A box outside which no point answers, from a first look through the targets and at the headers of the
-/// files; empty if there is none to be had: of one file, of half-spaces, without a radius, for targets that
-/// come through a pipe or are more than a million, and where the answer also depends on points that are not
-/// in it (levels, colours in LAS). Errors: those of targets, and of opening files.
+/// A box that contains all points that can answer, from a first pass through the targets and from the headers
+/// of the files; empty if it is unknown: for one file, for half-spaces, without a radius, for targets that
+/// come through a pipe or are more than a million, and where the answer also depends on points outside of the
+/// box (levels, colours in LAS). Errors: those of targets, and of opening files.
 template <class Target>
 std::optional<Bounds> query_region(const QueryCommand& command, AnswerForm form);
 
 using QueryPart = std::optional<database::CloudPart>;
 
-/// What answers can come from of a cloud that lies in a database, from a first look through the targets;
-/// empty if that is all of it, or cannot be known: without a radius, for targets that come through a pipe,
-/// and for levels. Errors: those of targets, and of the database.
+/// The part of a cloud in a database that can answer, from a first pass through the targets; empty if that is
+/// the whole cloud, or unknown: without a radius, for targets that come through a pipe or are more than a
+/// million, and for levels. Errors: those of targets, and of the database.
 template <class Target>
 QueryPart read_query_part(const QueryCommand& command, AttributeSet attributes, const Progress& progress);
 

@@ -85,7 +85,7 @@ void add_answers(const Options& query, QueryCommand& command) {
   throw Error({.problem = fmt::format("{} does not apply to {}", option, target_kind(family).plural)});
 }
 
-/// The family that targets were given of. Errors: none, several, or in two ways.
+/// The family of the given targets. Errors: no targets, several families, or one given in two ways.
 TargetFamily chosen_family(const QueryCommand& command) {
   std::optional<TargetFamily> chosen;
   std::string all;
@@ -110,7 +110,7 @@ TargetFamily chosen_family(const QueryCommand& command) {
   return *chosen;
 }
 
-/// Errors: an option was given that does not apply for this family, or without another.
+/// Errors: an option does not apply to this family, or requires another.
 void check_options(const QueryCommand& command) {
   using enum TargetFamily;
   const TargetFamily family = command.family;

@@ -21,7 +21,7 @@ struct GivenTargets {
   std::vector<std::string> values;
 };
 
-/// What was asked of `alidade query`.
+/// The command line of `alidade query`.
 struct QueryCommand : CloudRequest {
   GivenTargets targets[k_target_families];
   TargetFamily family = TargetFamily::rays;  ///< chosen_family()
@@ -32,8 +32,8 @@ struct QueryCommand : CloudRequest {
   std::optional<std::bitset<256>> classes;
   std::optional<int> precision;  ///< significant digits of numbers in texts
   bool occluded = false, count = false, explain = false;
-  bool is_loaded = false;             ///< a COPC file is not asked where it lies
-  std::optional<std::size_t> memory;  ///< bytes to keep of a COPC file that is
+  bool is_loaded = false;             ///< a COPC file is loaded, not read in place
+  std::optional<std::size_t> memory;  ///< bytes to keep of a COPC file that is read in place
   std::filesystem::path output;
   std::optional<AnswerForm> format;
   bool overwrite = false;
@@ -44,14 +44,14 @@ struct QueryCommand : CloudRequest {
 /// The text the targets are in. Errors: LineSource::open().
 LineSource open_targets(const QueryCommand& command);
 
-/// The form of the output: as asked for, else by the extension of its name; csv for stdout. Errors: neither
-/// tells; las without a file, or for numbers only.
+/// The form of the output: --format, else by the extension of its name; csv for stdout. Errors: another
+/// extension; las without a file, or for numbers only.
 AnswerForm chosen_form(const QueryCommand& command);
 
-/// Does what was asked: reads targets, asks the octree batch by batch in parallel, writes. Memory beside
-/// cloud and octree: about 200 MB at most, whatever the number of targets and answers; a single target with
-/// more than a million answers takes what these take; if work is explained, some dozens of them. Errors: of
-/// options that do not go together, of cloud, targets and output.
+/// Runs the command: reads targets, queries the octree batch by batch in parallel, writes the answers. Memory
+/// beside cloud and octree: about 200 MB at most, whatever the number of targets and answers; a single target
+/// with more than a million answers takes what these take; if work is explained, some dozens of them. Errors:
+/// of options that exclude each other, of cloud, targets and output.
 ExitCode run_query(const QueryCommand& command);
 
 }  // namespace alidade::tools

@@ -24,9 +24,10 @@ struct TargetRows {
   }
 };
 
-/// Reads rows of numbers from CSV with a header of column names in any order, from JSON lines, or from the
-/// command line (in the kind's order). CSV and JSON are distinguished by the first character of the text. Lines
-/// are parsed in parallel. Memory: some mebibytes.
+/// Reads rows of numbers from CSV with a header of column names in any order, from JSON lines (objects with
+/// column names as keys, or arrays in the kind's order), or from the command line (in the kind's order). CSV
+/// and JSON are distinguished by the first character of the text. Lines are parsed in parallel. Memory: some
+/// mebibytes.
 class RowReader {
  public:
   /// Reads the first lines. Errors: the source's; the text is empty, or its header is wrong.
@@ -36,11 +37,11 @@ class RowReader {
   /// several the first one in the text.
   bool next(TargetRows& rows);
 
-  /// Share of the text that is read when so much of the last rows is used: a share again, 0 .. 1. 0 if the
-  /// size of the text is not known.
+  /// Share of the text that is used if this share of the last rows is used, both 0 .. 1; 0 if the size of the
+  /// text is not known.
   double share(double of_last_rows) const;
 
-  /// Throws what is wrong with the rows from this line on as a whole.
+  /// Throws an Error of the rows from this line on as a whole.
   [[noreturn]] void fail(std::uint64_t line, std::string problem, std::string expected = {},
                          std::string found = {}) const;
 
@@ -56,7 +57,7 @@ class RowReader {
   Form form_ = Form::in_order;
   std::vector<std::size_t> column_of_cell_;  ///< of CSV
   LineBlock block_;
-  std::size_t used_ = 0;  ///< lines of the block that are no rows
+  std::size_t used_ = 0;  ///< lines of the block before its first row
   bool has_block_ = false;
 };
 

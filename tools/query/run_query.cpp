@@ -14,7 +14,7 @@
 namespace alidade::tools {
 namespace {
 
-/// What --explain says: the work of a run in all and for each target.
+/// The table of --explain: the work of a run in all and for each target.
 std::string explain_table(const QueryStatistics& statistics, const TargetKind& kind, std::uint64_t targets,
                           std::uint64_t answers) {
   std::string text = fmt::format("{:<22}{:>16}{:>16}\n", "", "in all", fmt::format("per {}", kind.name));
@@ -41,7 +41,7 @@ bool only_numbers(const QueryCommand& command) {
   return command.count || command.occluded;
 }
 
-/// Conditions as the library takes them, but for the filter, which needs the cloud.
+/// The query of the library, without the filter, which needs the cloud.
 template <class Target>
 typename QueryFamily<Target>::Query conditions(const QueryCommand& command) {
   typename QueryFamily<Target>::Query query;
@@ -75,7 +75,7 @@ AttributeSet needed_attributes(const QueryCommand& command, bool all) {
   throw file_error(command.files.first_name(), "--classes requires classification", "a classified cloud");
 }
 
-/// Answers whose points are numbered in another way, in the same order.
+/// Answers with other numbers of the points, in unchanged order.
 class RenumberedAnswers final : public AnswerOutput {
  public:
   using Ids = std::function<std::uint64_t(std::uint64_t row)>;
@@ -120,7 +120,7 @@ IndexedCloud load(const QueryCommand& command, bool all_attributes, const std::o
   return cloud;
 }
 
-/// Of a cloud in a database, what the targets need.
+/// The part of the cloud that the targets need, or all of it if that is unknown.
 template <class Target>
 QueriedCloud load_needed(const QueryCommand& command, AnswerForm form) {
   const bool all_attributes = form == AnswerForm::las;
@@ -146,7 +146,7 @@ CandidateFilter class_filter(const QueryCommand& command, const IndexedCloud& cl
   if (!command.classes || cloud.octree.size() == 0) return {};
   const std::span<const std::uint8_t> classifications = cloud.columns().classifications;
   if (classifications.empty()) {
-    // Files with classes make those of files without 0, even if nothing of them was read.
+    // Points of files without classes have class 0 beside files with classes, even if none of these was read.
     if (RowIds(cloud.cloud.files).skipped_files() > 0)
       return [is_wanted = command.classes->test(0)](const Candidate&) { return is_wanted; };
     reject_classes(command);
@@ -180,15 +180,15 @@ RenumberedAnswers::Ids ids_of(const QueriedCloud& cloud) {
   return ids.skipped_files() == 0 ? RenumberedAnswers::Ids() : RenumberedAnswers::Ids(std::move(ids));
 }
 
-/// Writes the answers of a batch, in the order of the targets; states how many there were. No more than
-/// `limit` of each target are held at once, but for a single target that has more.
-template <class Target, class AnyAsker>
-std::size_t answer_batch(AnyAsker& asker, const TargetBatch<Target>& batch, std::size_t limit,
+/// Writes the answers of a batch, in the order of the targets; returns their number. No more than `limit` of
+/// each target are held at once, but for a single target that has more.
+template <class Target, class Executor>
+std::size_t answer_batch(Executor& executor, const TargetBatch<Target>& batch, std::size_t limit,
                          AnswerOutput& output) {
   const std::span<const Target> targets = batch.targets;
   const std::span<const std::uint64_t> ids = batch.ids;
-  const bool is_limited = asker.k() > limit;
-  const auto answers = asker.find(targets, is_limited ? limit + 1 : k_all);
+  const bool is_limited = executor.k() > limit;
+  const auto answers = executor.find(targets, is_limited ? limit + 1 : k_all);
   std::size_t first = 0, written = 0;
   const auto write = [&](const auto& some, std::size_t begin, std::size_t end,
                          std::span<const std::uint64_t> their_ids) {
@@ -198,22 +198,22 @@ std::size_t answer_batch(AnyAsker& asker, const TargetBatch<Target>& batch, std:
   for (std::size_t i = 0; is_limited && i < targets.size(); ++i) {
     if (answers[i].size() <= limit) continue;
     write(answers, first, i, ids);
-    write(asker.find(targets.subspan(i, 1), k_all), 0, 1, ids.subspan(i, 1));
+    write(executor.find(targets.subspan(i, 1), k_all), 0, 1, ids.subspan(i, 1));
     first = i + 1;
   }
   write(answers, first, targets.size(), ids);
   return written;
 }
 
-template <class Target, class AnyAsker>
-std::size_t count_batch(AnyAsker& asker, const TargetBatch<Target>& batch, bool any_is_enough,
+template <class Target, class Executor>
+std::size_t count_batch(Executor& executor, const TargetBatch<Target>& batch, bool any_is_enough,
                         AnswerOutput& output) {
-  const std::vector<std::size_t> counts = asker.count(batch.targets, any_is_enough);
+  const std::vector<std::size_t> counts = executor.count(batch.targets, any_is_enough);
   output.write(number_rows(counts, batch.ids));
   return counts.size();
 }
 
-/// How many targets there will be, from the share of the text they was in; 0 if that is not known.
+/// The expected number of targets, if so many took this share of their text; 0 if the share is not known.
 std::uint64_t expected_targets(std::uint64_t targets, double share) {
   if (share == 0.0) return 0;
   return std::max(targets, static_cast<std::uint64_t>(static_cast<double>(targets) / share));
@@ -223,20 +223,20 @@ struct Tally {
   std::uint64_t targets = 0, rows = 0;
 };
 
-/// Asks for all targets and writes their answers.
-template <class Target, class AnyAsker>
-Tally answer_all_targets(TargetReader<Target>& reader, AnyAsker& asker, const QueryCommand& command,
+/// Reads and queries all targets and writes their answers.
+template <class Target, class Executor>
+Tally answer_all_targets(TargetReader<Target>& reader, Executor& executor, const QueryCommand& command,
                          AnswerOutput& output, const Progress& progress) {
   Tally tally;
   BatchSize size;
   TargetBatch<Target> batch;
-  // Work is counted once: a target whose work is counted is never asked twice.
+  // Work is counted once: a target whose work is counted is never queried twice.
   while (reader.next(command.explain ? std::min(size.targets(), k_explained_batch) : size.targets(), batch)) {
     const auto begin = Clock::now();
     const std::size_t rows =
         only_numbers(command)
-            ? count_batch(asker, batch, command.occluded, output)
-            : answer_batch(asker, batch, command.explain ? k_all : size.answers_per_target(), output);
+            ? count_batch(executor, batch, command.occluded, output)
+            : answer_batch(executor, batch, command.explain ? k_all : size.answers_per_target(), output);
     size.learn(batch.targets.size(), rows, std::chrono::duration<double>(Clock::now() - begin).count());
     tally.targets += batch.targets.size();
     tally.rows += rows;
@@ -246,25 +246,25 @@ Tally answer_all_targets(TargetReader<Target>& reader, AnyAsker& asker, const Qu
   return tally;
 }
 
-/// Asks all targets, says how far it is, and ends the output. Answers the work as a table.
-template <class Target, class AnyAsker>
-std::string run_targets(TargetReader<Target>& reader, AnyAsker& asker, const QueryCommand& command,
+/// answer_all_targets() with a progress line; then ends the output. Returns the work as a table.
+template <class Target, class Executor>
+std::string run_targets(TargetReader<Target>& reader, Executor& executor, const QueryCommand& command,
                         AnswerOutput& output) {
   // Two texts on one terminal would run into each other.
   const bool to_terminal = command.output.empty() && isatty(STDOUT_FILENO) == 1;
   const TargetKind& kind = target_kind(command.family);
   ProgressLine line("asking", std::string(kind.plural), to_terminal ? Verbosity::quiet : command.verbosity);
-  const Tally tally = answer_all_targets(reader, asker, command, output, line.callback());
+  const Tally tally = answer_all_targets(reader, executor, command, output, line.callback());
   output.finish();
   line.finish();
   if (!command.output.empty())
     say_note(command.verbosity,
              fmt::format("{} {} in {}", tally.rows, only_numbers(command) ? "rows" : "points found",
                          command.output.string()));
-  return explain_table(asker.statistics(), kind, tally.targets, tally.rows);
+  return explain_table(executor.statistics(), kind, tally.targets, tally.rows);
 }
 
-/// Lets mistakes in the first targets show before the cloud is loaded, unless they come through a pipe.
+/// Reports mistakes in the first targets before the cloud is loaded, unless they come through a pipe.
 template <class Target>
 void check_first_targets(const QueryCommand& command) {
   constexpr std::size_t k_few = 1000;
@@ -299,12 +299,12 @@ ExitCode run_with(const QueryCommand& command) {
   check_first_targets<Target>(command);
   TargetReader<Target> reader(open_targets(command), {command.t_min, command.t_max});
   std::string table;
-  if (asks_in_place(command, form)) {
+  if (queries_in_place(command, form)) {
     const std::unique_ptr<CopcTiles> tiles = open_copc(command);
     say_warnings(command.verbosity, tiles->warnings());
     const std::unique_ptr<AnswerOutput> output = open_text<Target>(command, form, tiles->lattice());
-    TilesAsker<Target> asker(*tiles, is_any_remote(command.files), query);
-    table = run_targets(reader, asker, command, *output);
+    TilesExecutor<Target> executor(*tiles, is_any_remote(command.files), query);
+    table = run_targets(reader, executor, command, *output);
     table += copc_table(*tiles);
   } else {
     if (command.memory)
@@ -317,8 +317,8 @@ ExitCode run_with(const QueryCommand& command) {
         form == AnswerForm::las ? answers_as_las(command.output, command.overwrite, cloud,
                                                  answer_dimensions<Target>(), command.verbosity)
                                 : open_text<Target>(command, form, cloud.octree.lattice(), ids_of(queried));
-    Asker<Target> asker(cloud.octree, query, command.explain);
-    table = run_targets(reader, asker, command, *output);
+    QueryExecutor<Target> executor(cloud.octree, query, command.explain);
+    table = run_targets(reader, executor, command, *output);
     if (queried.part) table += part_table(*queried.part);
   }
   if (command.explain) write_to_stderr(table + traffic_table(command.files));

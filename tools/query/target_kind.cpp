@@ -12,7 +12,7 @@ namespace {
 
 constexpr double k_largest_number = 9007199254740992.0;  // 2^53: up to here doubles are exact
 
-/// What a value must be; nullptr if it is.
+/// The expected value for errors; nullptr if the value is valid.
 const char* expectation(ValueRule rule, double value) {
   switch (rule) {
     case ValueRule::position:
@@ -132,9 +132,8 @@ std::string TargetKind::names() const {
   return text;
 }
 
-std::size_t TargetKind::column(std::string_view name_asked) const {
-  return static_cast<std::size_t>(std::ranges::find(columns, name_asked, &TargetColumn::name) -
-                                  columns.begin());
+std::size_t TargetKind::column(std::string_view wanted) const {
+  return static_cast<std::size_t>(std::ranges::find(columns, wanted, &TargetColumn::name) - columns.begin());
 }
 
 const TargetKind& target_kind(TargetFamily family) {

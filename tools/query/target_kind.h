@@ -12,14 +12,14 @@
 
 namespace alidade::tools {
 
-/// The families of targets; a run asks with one of them.
+/// The families of targets; all targets of a run are of one family.
 enum class TargetFamily { rays, lines, cones, path, planes, boxes, points };
 constexpr std::size_t k_target_families = 7;
 
-// What `alidade query` can ask with, and how a target is written: as a row of numbers with named columns,
-// alike in CSV, in JSON lines and on the command line.
+// The targets of `alidade query` and how they are written: as rows of numbers with named columns, alike in
+// CSV, in JSON lines and on the command line.
 
-/// What a number in a column may be. Whatever is required, NaN never is.
+/// The valid numbers of a column, which never include NaN.
 enum class ValueRule {
   position,    ///< finite
   limit,       ///< also infinite
@@ -44,10 +44,10 @@ struct TargetVector {
 };
 
 struct TargetKind {
-  std::string_view name;       ///< "ray": also of the option that takes one, and what errors call it
-  std::string_view plural;     ///< "rays"
-  std::string_view id_name;    ///< of the column that holds whose answer a row is
-  std::string_view dimension;  ///< what LAS dimensions are called by: "Ray" for RayId and RayT
+  std::string_view name;                  ///< "ray": also of the option that takes one, and in errors
+  std::string_view plural;                ///< "rays"
+  std::string_view id_name;               ///< of the column that holds the target's id in answers
+  std::string_view dimension;             ///< prefix of LAS dimensions: "Ray" for RayId and RayT
   std::span<const TargetColumn> columns;  ///< in the order of the command line
   std::span<const TargetVector> vectors;
   const char* texts_option;  ///< takes a file
@@ -77,25 +77,25 @@ const TargetKind& target_kind() {
                                                         : points);
 }
 
-/// A line of a text, with what is needed to say where something in it is wrong.
+/// A line of a text, with its location for errors.
 struct TextLine {
-  std::string_view source;  ///< what messages call the text: a file, or an option of the command line
+  std::string_view source;  ///< name of the text in messages: a file, or an option of the command line
   bool is_command_line = false;
   std::string_view text;
   std::uint64_t number = 1;
 
-  /// Throws the Error for what is at byte `offset`. It names source, line and column (in characters,
-  /// from 1); of an option instead all of its value.
+  /// Throws an Error about the text at byte `offset`. It names source, line and column (in characters, from
+  /// 1); for an option its whole value instead.
   [[noreturn]] void fail(std::size_t offset, std::string problem, std::string expected = {},
                          std::string found = {}) const;
 };
 
-/// Errors: the value breaks the rule of its column. `found` is how it is written, `offset` where.
+/// Errors: the value breaks the rule of its column. `found`: the value as written, at byte `offset`.
 void check_value(const TextLine& line, std::size_t offset, const TargetColumn& column, double value,
                  std::string_view found);
 
-/// Errors, once all values are good: a required one was not given (NaN), a direction has length zero.
-/// offsets: where in the line each column's value stands.
+/// Errors, once all values are valid: a required one was not given (NaN), a direction has length zero.
+/// `offsets`: the offset in the line of each column's value.
 void check_row(const TextLine& line, const TargetKind& kind, std::span<const double> row,
                std::span<const std::size_t> offsets);
 

@@ -65,7 +65,7 @@ double TargetReader<Target>::share() const {
 
 template <class Target>
 template <class Make>
-auto TargetReader<Target>::placed(std::uint64_t line, const Make& make) const {
+auto TargetReader<Target>::at_line(std::uint64_t line, const Make& make) const {
   try {
     return make();
   } catch (const Error& error) {
@@ -94,10 +94,10 @@ void TargetReader<Target>::take_row(std::size_t i, TargetBatch<Target>& batch) {
       vertices_.push_back(vector_at(row, 0));
     } else {
       planes_.push_back(
-          placed(block_.lines[i], [&] { return make_plane(vector_at(row, 0), vector_at(row, 3)); }));
+          at_line(block_.lines[i], [&] { return make_plane(vector_at(row, 0), vector_at(row, 3)); }));
     }
   } else {
-    batch.targets.push_back(placed(block_.lines[i], [&] { return made<Target>(row, interval_); }));
+    batch.targets.push_back(at_line(block_.lines[i], [&] { return made<Target>(row, interval_); }));
     batch.ids.push_back(next_id_++);
   }
 }
@@ -107,7 +107,7 @@ void TargetReader<Target>::end_group(TargetBatch<Target>& batch) {
   if constexpr (is_group<Target>) {
     if (!group_) return;
     if constexpr (std::is_same_v<Target, Path>) {
-      batch.targets.push_back(placed(group_line_, [&] {
+      batch.targets.push_back(at_line(group_line_, [&] {
         return make_path(vertices_, interval_.t_min.value_or(-k_infinity),
                          interval_.t_max.value_or(k_infinity));
       }));

@@ -10,14 +10,14 @@
 
 namespace alidade::tools {
 
-/// Some targets, and what answers call each of them.
+/// Some targets and their ids in answers.
 template <class Target>
 struct TargetBatch {
   std::vector<Target> targets;
   std::vector<std::uint64_t> ids;
 };
 
-/// The interval on t of targets that do not bring their own; empty: the target's usual one.
+/// The interval on t of targets without their own; empty: the target's usual one.
 struct DefaultInterval {
   std::optional<double> t_min, t_max;
 };
@@ -41,9 +41,9 @@ class TargetReader {
  private:
   void take_row(std::size_t i, TargetBatch<Target>& batch);
   void end_group(TargetBatch<Target>& batch);
-  /// What make() gives; its errors get the position.
+  /// Returns what make() returns; adds the line to its errors.
   template <class Make>
-  auto placed(std::uint64_t line, const Make& make) const;
+  auto at_line(std::uint64_t line, const Make& make) const;
 
   RowReader rows_;
   DefaultInterval interval_;

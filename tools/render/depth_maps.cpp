@@ -32,7 +32,7 @@ std::vector<fs::path> names_of(const fs::path& pattern, const CameraRequest& cam
   return is_set(camera) ? picture_names(pattern, views) : std::vector{pattern};
 }
 
-/// The name, or none if the file is there already and may stay.
+/// The name; empty if the file exists and may stay.
 fs::path due(const fs::path& file, ExistingFiles existing) {
   std::error_code error;
   return existing.skip && fs::exists(file, error) ? fs::path() : file;
@@ -60,7 +60,7 @@ void check_names(const DepthPlan& plan, std::span<const fs::path> inputs, std::s
   }
 }
 
-/// The metadata of a picture without what says how light was computed.
+/// The metadata of a picture without the settings of light.
 std::vector<std::pair<std::string, std::string>> texts_of(const renderer::ImageMetadata& metadata,
                                                           const DepthPlan& plan) {
   auto texts = renderer::metadata_texts(metadata);

@@ -11,7 +11,7 @@
 #include "tools/render/empty_views.h"
 #include "tools/render/views.h"
 
-// Depth maps beside the pictures of `alidade render`, or in place of them. docs/depth.md.
+// Depth maps beside the pictures of `alidade render`, or instead of them: docs/depth.md.
 
 namespace alidade::tools {
 
@@ -26,7 +26,7 @@ struct DepthRequest {
 /// Declares the options; they fill `request`.
 void add_depth_options(const Options& render, DepthRequest& request);
 
-/// A depth map to make; names are empty where the file is there already and may stay, or is not requested.
+/// A depth map to make; a name is empty if the file exists and may stay, or is not requested.
 struct DepthJob {
   View view;
   std::filesystem::path file, mask;
@@ -39,33 +39,34 @@ struct DepthPlan {
   image::Layer layer = image::Layer::depth;
   bool overwrite = false;
   std::vector<DepthJob> jobs;
-  std::vector<View> views;                   ///< of all maps, those that are there already included
-  std::vector<std::filesystem::path> files;  ///< theirs
+  std::vector<View> views;                   ///< of all maps, existing ones included
+  std::vector<std::filesystem::path> files;  ///< of all views
   std::optional<DepthTransforms> transforms;
 
   bool empty() const { return jobs.empty() && !transforms; }
 };
 
-/// Which files that are there already may be replaced, or may stay.
+/// Whether existing files may be replaced, or stay.
 struct ExistingFiles {
   bool overwrite = false, skip = false;
 };
 
-/// Lets a run fail before it starts. `views` are those of the pictures; empty if the cloud must be known first,
-/// for one map, whose view is then filled in. `inputs` is all that is read, `outputs` all else that is written.
-/// Errors: an extension that is not the format's; names of a set as of picture_names(); a file that would be
-/// written twice, exists, or cannot be written; --transforms-out without a set of a transforms.json.
+/// Lets a run fail before it starts. `views` are those of the pictures; empty if one view of the cloud is
+/// chosen after loading: the caller then fills it in. `inputs` are all files that are read, `outputs` all
+/// other files that are written. Errors: an extension that is not the format's; names of a set as of
+/// picture_names(); a file that would be written twice, exists, or cannot be written; --transforms-out
+/// without a set of a transforms.json.
 DepthPlan plan_depth_maps(const DepthRequest& request, const CameraRequest& camera,
                           std::span<const View> views, ExistingFiles existing,
                           std::span<const std::filesystem::path> inputs,
                           std::span<const std::filesystem::path> outputs);
 
-/// Warns of points that are spheres, as nobody may have meant for depth maps.
+/// Warns if points are spheres, which make depths too small. For clouds whose shape was not requested.
 void warn_of_spheres(const renderer::Scene& scene, const renderer::LoadedCloud& cloud, Verbosity verbosity);
 
-/// Makes them one after the other, then the transforms.json, and says what the maps could not hold. `metadata`
-/// is what the picture of a view would say; `empty` gets the views whose maps hold no depth. Errors: write failures;
-/// Cancelled.
+/// Writes the maps one after the other, then the transforms.json; warns of depths that the format cannot
+/// hold. `metadata` is that of the picture of a view; `empty` gets the views whose maps hold no depth.
+/// Errors: write failures; Cancelled.
 void write_depth_maps(const DepthPlan& plan, const renderer::Scene& scene, const renderer::LoadedCloud* cloud,
                       const std::function<renderer::ImageMetadata(const View&)>& metadata, EmptyViews& empty,
                       Verbosity verbosity);

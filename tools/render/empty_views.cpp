@@ -21,7 +21,7 @@ std::string names_of(std::span<const View> views) {
   return fmt::format("{} cameras see nothing: {}", views.size(), some_names(names));
 }
 
-/// Why, where that can be said; else empty.
+/// The reason if it is known; else empty.
 std::string reason_of(std::span<const View> views, const Octree& octree) {
   std::vector<camera::NamedCamera> cameras;
   for (const View& view : views)

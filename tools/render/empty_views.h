@@ -12,11 +12,11 @@ namespace alidade::tools {
 /// The views of a run that see no surface.
 class EmptyViews {
  public:
-  /// Keeps the view unless it has been seen to show something.
+  /// Keeps the view unless it sees anything.
   void check(const View& view, bool sees_anything);
 
-  /// ExitCode::no and a warning that names the views and guesses why, as 'alidade visibility photos' does; `done` if
-  /// there is none, or the scene has no surface. `cloud` may be null.
+  /// Returns ExitCode::no and warns of the views, with a probable reason, as 'alidade visibility photos'
+  /// does; returns `done` if there are none, or the scene has no surface. `cloud` may be null.
   ExitCode report(const CameraRequest& request, const renderer::Scene& scene,
                   const renderer::LoadedCloud* cloud, Verbosity verbosity) const;
 
@@ -24,7 +24,7 @@ class EmptyViews {
   std::vector<View> views_;
 };
 
-/// Names a coloring of a cloud by values that are all the same, which shows nothing; empty if it does.
+/// A warning if all values that a cloud is coloured by are equal; empty if they differ.
 std::string remark_on_colors(const image::ColorKey& key);
 
 }  // namespace alidade::tools

@@ -24,7 +24,7 @@ bool is_film(const std::filesystem::path& file) {
   return has_extension(file, {".mp4", ".mkv", ".mov", ".webm"});
 }
 
-/// Runs a program and waits for it. Answers its exit code; empty if there is no such program.
+/// Runs a program and waits for it. Returns its exit code; empty if there is no such program.
 std::optional<int> run_encoder(const std::vector<std::string>& words) {
   std::vector<char*> arguments;
   for (const std::string& word : words) arguments.push_back(const_cast<char*>(word.c_str()));
@@ -37,7 +37,7 @@ std::optional<int> run_encoder(const std::vector<std::string>& words) {
   while (::waitpid(process, &status, 0) < 0) {
     if (errno != EINTR) throw system_error(words[0], "cannot wait for the program");
   }
-  // Where there is no such program, some systems only notice in the new process.
+  // If there is no such program, some systems detect that in the new process only.
   const int code = WIFEXITED(status) ? WEXITSTATUS(status) : 128;
   return code == 127 ? std::nullopt : std::optional(code);
 }
@@ -113,7 +113,7 @@ std::vector<View> views_of_cloud(const CameraRequest& camera, const FilmRequest&
 void write_film(const FilmRequest& request, std::span<const std::filesystem::path> pictures,
                 const std::filesystem::path& pattern, bool overwrite, Verbosity verbosity) {
   if (request.file.empty()) return;
-  // Beside the film, so that it appears under its name only when it is whole.
+  // Beside the film, which appears under its name only when it is complete.
   const std::filesystem::path unfinished =
       pattern.parent_path() / ("film" + request.file.extension().string());
   std::vector<std::string> words = {

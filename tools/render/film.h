@@ -26,7 +26,7 @@ struct FilmRequest {
 /// Declares --orbit, --keyframes, --frames and --frame-rate.
 void add_film_options(const Options& render, FilmRequest& request);
 
-/// Removes a folder at its end if nothing is in it: that of a film's pictures, if nothing came of it.
+/// Removes a folder at the end of its life if it is empty: that of a film's pictures, if none was made.
 struct EmptyFolder {
   std::filesystem::path folder;  ///< empty: none
 
@@ -40,9 +40,10 @@ struct EmptyFolder {
   EmptyFolder& operator=(const EmptyFolder&) = delete;
 };
 
-/// Checks what was asked for. If the output is a film (.mp4, .mkv, .mov, .webm): takes it over, and names its pictures instead:
-/// "yard_frames/%05d.png" for yard.mp4. The folder is made. Errors: a flight beside other cameras; a film without
-/// a flight; the file exists; sizes of odd width or height, which players do not show.
+/// Checks the request. If the output is a film (.mp4, .mkv, .mov, .webm), moves it to `request` and replaces
+/// it by the pattern of its pictures, "yard_frames/%05d.png" for yard.mp4, whose folder is created. Errors: a
+/// flight beside other cameras; a film without a flight; the file exists; odd width or height, which players
+/// do not show.
 void take_film(FilmRequest& request, const CameraRequest& camera, std::filesystem::path& output,
                bool overwrite);
 
@@ -54,8 +55,8 @@ std::vector<View> views_of_cloud(const CameraRequest& camera, const FilmRequest&
                                  const renderer::Scene& scene, const renderer::LoadedCloud* cloud,
                                  const std::filesystem::path& scene_file);
 
-/// Makes the film with the program ffmpeg and removes its pictures. Where it is not installed, the pictures stay
-/// and the command that joins them is printed. Errors: ffmpeg fails.
+/// Makes the film with the program ffmpeg and removes its pictures. If ffmpeg is not installed, the pictures
+/// stay and the command that joins them is printed. Errors: ffmpeg fails.
 void write_film(const FilmRequest& request, std::span<const std::filesystem::path> pictures,
                 const std::filesystem::path& pattern, bool overwrite, Verbosity verbosity);
 

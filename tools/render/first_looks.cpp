@@ -15,7 +15,7 @@ namespace alidade::tools {
 namespace {
 
 constexpr std::uint64_t k_growth = 8;
-// What 2 cores do in half a second.
+// Two cores render this in half a second.
 constexpr int k_longest_side = 640;
 constexpr int k_samples = 8;
 constexpr double k_seconds = 0.5;

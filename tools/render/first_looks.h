@@ -6,11 +6,10 @@
 
 namespace alidade::tools {
 
-/// Shows a picture in its preview file before its cloud is loaded, if the cloud is made of COPC files with
+/// Shows a picture in its preview file before its cloud is loaded, if the cloud consists of COPC files with
 /// more than twice `preview_points` points: first with so many of them, then with eight times as many, and so
-/// on up to half of them or 50 million. `view` is that of the picture, or null if the whole cloud is to be
-/// shown; `scene` has its sky. What cannot be shown in this way is no error here: loading reports it. Errors:
-/// Cancelled.
+/// on up to half of them or 50 million. `view` is that of the picture, or null to show the whole cloud;
+/// `scene` has its sky. Failures are no errors here: loading reports them. Errors: Cancelled.
 void show_first_looks(const RenderCommand& command, const renderer::Scene& scene, const CloudInputs& clouds,
                       const View* view);
 

@@ -39,7 +39,7 @@ std::vector<std::uint32_t> counts_of(const Octree& octree, const geo::RasterGrid
   return counts;
 }
 
-/// What is seen from above: positions and points.
+/// The positions and points that are seen from above.
 image::Film seen_from_above(const renderer::Scene& scene, const renderer::LoadedCloud& cloud,
                             const camera::Camera& view) {
   renderer::Scene plain = scene;

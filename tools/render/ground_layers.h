@@ -11,10 +11,10 @@
 
 namespace alidade::tools {
 
-/// What an orthophoto shows beside colours, cell by cell.
+/// Layers of an orthophoto beside its colours, one value per cell.
 enum class GroundLayer {
   elevation,       ///< z of the surface that is seen from above
-  intensity,       ///< of the point whose surface that is
+  intensity,       ///< of the point of that surface
   classification,  ///< likewise
   density,         ///< points per square unit of the map, at any height
   count,           ///< points, at any height
@@ -24,7 +24,7 @@ enum class GroundLayer {
 inline constexpr const char* k_ground_layers[] = {"elevation", "intensity", "classification", "density",
                                                   "count"};
 
-/// What is requested of an orthophoto: any of them, and whether its colours.
+/// The requested layers of an orthophoto, and whether its colours are requested.
 struct GroundLayers {
   std::vector<GroundLayer> layers;
   bool with_color = true;
@@ -33,10 +33,11 @@ struct GroundLayers {
   std::vector<std::filesystem::path> files(const std::filesystem::path& output) const;
 };
 
-/// Writes them as cloud-optimised GeoTIFFs (geo/raster_file.h) of the view, an orthophoto's: elevations and
-/// densities as float, with NaN where nothing is seen, intensities as uint16 with 0, classes as uint8 with 255,
-/// counts as uint32. `empty` gets the view if it sees no point; warns of attributes that all points have alike. Reads
-/// the attributes of the clouds again. Errors: the cloud lacks an attribute; those of write_raster().
+/// Writes the layers as cloud-optimised GeoTIFFs (geo/raster_file.h) of the view, an orthophoto's: elevations
+/// and densities as float with nodata NaN, intensities as uint16 with nodata 0, classes as uint8 with nodata
+/// 255, counts as uint32. `empty` gets the view if it sees no point; warns of attributes with equal values
+/// for all points. Reads the attributes of the clouds again. Errors: the cloud lacks an attribute; those of
+/// write_raster().
 void write_ground_layers(const GroundLayers& wanted, const renderer::Scene& scene,
                          const renderer::LoadedCloud& cloud, const CloudInputs& clouds, const View& view,
                          const std::filesystem::path& output, bool overwrite, EmptyViews& empty,

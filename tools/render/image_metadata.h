@@ -6,8 +6,7 @@
 
 namespace alidade::tools {
 
-/// What a picture or depth map of a scene says about where it comes from. `cloud` may be null; `words` is the
-/// command line.
+/// The metadata of a picture or depth map of a scene. `cloud` may be null; `words` is the command line.
 renderer::ImageMetadata image_metadata(const renderer::Scene& scene, const View& view,
                                        const renderer::LoadedCloud* cloud, const CommandLine& words);
 

@@ -15,7 +15,7 @@ std::string without_blanks_around(const std::string& text) {
   return begin == std::string::npos ? "" : text.substr(begin, text.find_last_not_of(' ') + 1 - begin);
 }
 
-/// Two numbers separated by a comma, as maps show them: blanks around the comma are no matter.
+/// Two numbers separated by a comma; blanks around the comma are ignored, as maps on the web print them.
 glm::dvec2 parse_pair(const std::string& text, double largest_first, double largest_second) {
   const std::size_t comma = text.find(',');
   if (comma == std::string::npos)
@@ -69,7 +69,7 @@ std::filesystem::path parse_legend(const std::string& text) {
 }
 
 glm::ivec2 parse_legend_size(const std::string& text) {
-  // Margins and a line of the smallest type take more than this, whatever the legend says.
+  // Margins and a line of the smallest type take more than this, whatever the text of the legend.
   constexpr int k_least_side = 24;
   const ImageSize size = parse_image_size(text);
   if (size.width < k_least_side || size.height < k_least_side) {

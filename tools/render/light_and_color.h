@@ -14,7 +14,7 @@
 
 namespace alidade::tools {
 
-/// Which light `alidade render` was asked for. Everything that is empty is left as the scene has it.
+/// The options of light of `alidade render`. Members that are empty leave the scene unchanged.
 struct LightRequest {
   std::optional<renderer::RenderMode> mode;
   std::optional<std::optional<double>> ao_distance;  ///< an empty distance in it is "auto"
@@ -27,25 +27,25 @@ struct LightRequest {
 /// Declares the options; they fill `request`.
 void add_light_options(const Options& render, LightRequest& request);
 
-/// Lays the options over the scene. A sun that gets another position in the sky keeps its brightness, one
+/// Applies the options to the scene. A sun that gets another position in the sky keeps its brightness, one
 /// that gets another time keeps all else; one that had no time keeps its angular diameter only, since
-/// brightness goes by elevation. Errors: a position for a sun that has no time; a sun or a distance that the
-/// mode does not use.
+/// brightness depends on elevation. Errors: a location for a sun that has no time; a sun or a distance that
+/// the mode does not use.
 void apply_light_options(const LightRequest& request, renderer::Scene& scene);
 
 /// Error, naming the option, unless the scene's pictures show light of the sun and of surfaces.
 void require_path_mode(const renderer::Scene& scene, const std::string& option);
 
-/// Reads the picture of the scene's sky, if it has one and its mode shows it, and says what is strange about
-/// it. Errors: as read_sky_image, naming the scene file.
+/// Reads the picture of the scene's sky, if it has one and its mode shows it, and prints its warnings.
+/// Errors: as read_sky_image, naming the scene file.
 void prepare_sky(renderer::Scene& scene, const std::filesystem::path& scene_file, Verbosity verbosity);
 
-/// What else of the scene's light needs its cloud (may be null), as far as its mode needs it: positions a sun
-/// by time, which is left out where it is below the horizon, and finds the distance of ambient occlusion.
-/// Says what was found. Errors: as place_sun.
+/// Completes the scene's light by its cloud (may be null), as far as its mode needs it: computes the position
+/// of a sun by time, which is left out below the horizon, and the distance of ambient occlusion, and prints
+/// both. Errors: as place_sun.
 void prepare_light(renderer::Scene& scene, const renderer::LoadedCloud* cloud, Verbosity verbosity);
 
-/// What was asked about colours on the command line. Everything that is empty is left as the scene has it.
+/// The options of colours on the command line. Members that are empty leave the scene unchanged.
 struct ColorRequest {
   std::optional<std::string> by;
   std::optional<std::optional<image::ColorMap>> map;  ///< an empty map in it is "auto"
@@ -58,11 +58,11 @@ struct ColorRequest {
 /// Declares the options; they fill `request`, which must live as long as the program's options.
 void add_color_options(const Options& command, ColorRequest& request);
 
-/// The name of one of the options that were given; empty if there is none.
+/// The name of one of the given options; empty if there is none.
 std::string given_option(const ColorRequest& request);
 
-/// Lays the options over a scene's colouring. Another thing to colour by replaces all that the scene says of
-/// it, since its map and range were meant for the scene's own. Errors: a legend for the points' own colours.
+/// Applies the options to a scene's colouring. Another attribute to colour by replaces all of the colouring,
+/// since map and range belong to the scene's attribute. Errors: a legend for the points' own colours.
 void apply(const ColorRequest& request, image::PointColoring& coloring);
 
 }  // namespace alidade::tools

@@ -12,7 +12,7 @@ namespace alidade::tools {
 /// Adds the files of a scene's meshes.
 void add_mesh_files(const renderer::Scene& scene, std::vector<std::filesystem::path>& files);
 
-/// Reads them, shows progress, and says how large they are. Errors: as read_mesh().
+/// Reads a scene's meshes, shows progress, and prints their sizes. Errors: as read_mesh().
 void load_meshes(renderer::Scene& scene, Verbosity verbosity);
 
 }  // namespace alidade::tools

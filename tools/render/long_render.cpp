@@ -16,7 +16,7 @@ constexpr double k_most_seconds = 1e9;
 /// In the metadata of every preview.
 constexpr std::string_view k_preview_mark = "alidade:preview";
 
-/// What a checkpoint calls a picture, however its name was typed.
+/// The name of a picture in a checkpoint, however it was typed.
 std::string picture_in_checkpoint(const std::filesystem::path& picture) {
   return name_in_checkpoint(std::filesystem::absolute(picture).lexically_normal());
 }
@@ -26,7 +26,7 @@ bool is_of_one_of(const renderer::CheckpointSummary& summary,
   return std::ranges::find(pictures, summary.picture, picture_in_checkpoint) != pictures.end();
 }
 
-/// Whether a file is there that was written as a preview. Formats keep texts before the pixels.
+/// Whether a file exists and was written as a preview. Formats store texts before the pixels.
 bool is_preview_of_ours(const std::filesystem::path& path) {
   constexpr std::size_t k_most_bytes = 1 << 20;
   std::error_code error;
@@ -54,7 +54,7 @@ class PreviewFile {
     settings_.transparent = output.transparent && image::image_format(file) != image::ImageFormat::jpeg;
     const std::string text = "of an unfinished image, possibly reduced";
     metadata_.further.emplace_back(std::string(k_preview_mark), text);
-    // JPEG keeps no text but this one.
+    // JPEG stores no text but this one.
     metadata_.further.emplace_back("ImageDescription", fmt::format("{} {}", k_preview_mark, text));
   }
 
@@ -84,7 +84,7 @@ renderer::PicturePart parse_part(const std::string& text) {
   return part;
 }
 
-/// Metadata of what was reached, if the end was not settled beforehand.
+/// Metadata about the samples and noise reached, if --samples alone did not determine them.
 std::vector<std::pair<std::string, std::string>> reached_texts(const LongRenderRequest& request,
                                                                const renderer::RenderStatistics& statistics) {
   std::vector<std::pair<std::string, std::string>> texts;
@@ -165,7 +165,7 @@ void check_long_render(const LongRenderRequest& request, Replaceable replaceable
         replaceable.any || (replaceable.earlier_preview && is_preview_of_ours(request.preview)));
   if (!replaceable.any) check_links(request.checkpoint.file);
   check(request.checkpoint.file, true);
-  // It would be replaced, and removed in the end.
+  // Another file would be replaced, and removed in the end.
   if (keeps_checkpoint && !renderer::is_checkpoint(request.checkpoint.file)) {
     throw Error({.file = request.checkpoint.file.string(),
                  .location = "byte 0",

@@ -11,7 +11,7 @@
 #include "tools/image_module.h"
 #include "tools/options.h"
 
-// What pictures need that take long: an end by time or by noise, a look at what is there, and a way to go on.
+// Renders that take long: they stop by time or by noise, show previews, and can be resumed.
 
 namespace alidade::tools {
 
@@ -26,21 +26,21 @@ struct LongRenderRequest {
   std::optional<renderer::PicturePart> part;  ///< empty: whole images
 };
 
-/// The file that is written for an image: the image, or of a part "IMAGE.part3of20".
+/// The file that is written for an image: the image, or "IMAGE.part3of20" for a part.
 std::filesystem::path written_file(const LongRenderRequest& request, const std::filesystem::path& image);
 
 /// Declares the options; they fill `request`.
 void add_long_render_options(const Options& render, LongRenderRequest& request);
 
-/// Which files that are there already may be replaced. A checkpoint must be one even then.
+/// Which existing files may be replaced. A file at the checkpoint's name must be a checkpoint even then.
 struct Replaceable {
   bool any = false;
-  bool earlier_preview = false;  ///< a picture whose metadata says that it is a preview
+  bool earlier_preview = false;  ///< a picture whose metadata marks it as a preview
 };
 
 /// Lets a render fail before it starts. `outputs` and `inputs`: the pictures and all that is read. Errors: a
 /// preview or checkpoint that is one of them, exists and may not be replaced, or cannot be written; a preview
-/// that is neither PNG nor JPEG. A checkpoint to go on from is always replaceable.
+/// that is neither PNG nor JPEG. A checkpoint to resume from is always replaceable.
 void check_long_render(const LongRenderRequest& request, Replaceable replaceable,
                        std::span<const std::filesystem::path> outputs,
                        std::span<const std::filesystem::path> inputs);
@@ -48,40 +48,40 @@ void check_long_render(const LongRenderRequest& request, Replaceable replaceable
 /// A checkpoint of the first picture to make.
 struct Resumption {
   std::uint64_t samples = 0;  ///< camera samples that are in it
-  std::string note;           ///< to be said once it has turned out to fit
+  std::string note;           ///< to be printed once the checkpoint has been accepted
 };
 
-/// Where to go on. `pictures` are those to make, `finished` those of the set that are there already. None if
-/// the first picture is begun again, which is said. Errors: those of the checkpoint's head; it belongs to a
-/// picture that is neither finished nor the first.
+/// What to resume from. `pictures` are those to make, `finished` existing ones of the set. Empty, with a
+/// note, if the first picture starts from the beginning. Errors: those of the checkpoint's head; it belongs
+/// to a picture that is neither finished nor the first.
 std::optional<Resumption> find_resumption(const LongRenderRequest& request,
                                           std::span<const std::filesystem::path> pictures,
                                           std::span<const std::filesystem::path> finished,
                                           Verbosity verbosity);
 
-/// Warns of a target of noise that no tile can have reached after so many samples per pixel.
+/// Warns of a target of noise if so many samples per pixel are too few to test it.
 void warn_of_few_samples(const LongRenderRequest& request, int samples);
 
-/// The options for one picture, progress left out. `metadata` and `write_picture` must outlive them.
+/// The options for one picture, without progress.
 renderer::RenderOptions render_options(const LongRenderRequest& request, const image::OutputSettings& output,
                                        bool resume, const renderer::ImageMetadata& metadata);
 
-/// Renders the scene's picture and writes it, with what was reached, or renders a part and writes that. Returns the
-/// picture; of a part none.
+/// Renders the scene's picture and writes it, with metadata about samples and noise, or renders and writes a
+/// part. Returns the picture; empty for a part.
 std::optional<image::Film> render_to_file(const LongRenderRequest& request, const renderer::Scene& scene,
                                           const renderer::LoadedCloud* cloud,
                                           const renderer::RenderOptions& options,
                                           renderer::ImageMetadata metadata, bool overwrite,
                                           renderer::RenderStatistics& statistics);
 
-/// What was reached, for people, with what ended it, if that is not what was asked for; empty if the end was settled
-/// beforehand.
+/// The samples and noise reached, for people, and what stopped the render if it was not the requested limit;
+/// empty if --samples alone determined them.
 std::string describe_reached(const LongRenderRequest& request, const renderer::RenderStatistics& statistics);
 
 /// Removes the checkpoint of a picture that has been written.
 void remove_checkpoint(const LongRenderRequest& request);
 
-/// The same if it is still that of a finished picture: a program was killed in between.
+/// Removes the checkpoint of a finished picture, which is left if the program was killed before.
 void remove_finished_checkpoint(const LongRenderRequest& request,
                                 std::span<const std::filesystem::path> finished);
 

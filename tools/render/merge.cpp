@@ -10,7 +10,7 @@
 namespace alidade::tools {
 namespace {
 
-/// What was asked of `alidade merge`.
+/// The command line of `alidade merge`.
 struct MergeRequest {
   std::vector<std::filesystem::path> parts;
   std::filesystem::path output;

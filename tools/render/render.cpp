@@ -71,10 +71,9 @@ std::vector<database::PointFilter> view_filters(std::span<const View> views, dou
   return filters;
 }
 
-/// What the cameras of some views see of the scene's cloud, which lies in a database: points whose spheres,
-/// as far as their radius is given, may be in a picture. `measuring` as in load_cloud(). Says how much was
-/// read. Errors: the cloud is of another kind; no camera is given; layers that need the whole cloud; the
-/// database's.
+/// The part of the scene's cloud, in a database, that the cameras see: points whose spheres, as far as their
+/// radius is given, may be in a picture. `measuring` as in load_cloud(). Prints how much was read. Errors:
+/// the cloud is of another kind; no camera is given; layers that need the whole cloud; the database's.
 renderer::LoadedCloud load_in_view(const RenderCommand& command, const renderer::Scene& scene,
                                    const CloudInputs& clouds, std::span<const View> views,
                                    const Progress& measuring) {
@@ -96,7 +95,7 @@ renderer::LoadedCloud load_in_view(const RenderCommand& command, const renderer:
   return loaded;
 }
 
-/// `views` are those of the pictures, if they are known before the cloud is.
+/// Loads the scene's cloud. `views` are those of the pictures; empty if they are chosen after loading.
 renderer::LoadedCloud load(const RenderCommand& command, const renderer::Scene& scene,
                            const CloudInputs& clouds, std::span<const View> views) {
   const renderer::CloudSettings& settings = *scene.cloud;
@@ -133,7 +132,7 @@ struct Picture {
   std::size_t number = 0;  ///< of its view
 };
 
-/// The pictures to make, and those left out because they are there already and may stay.
+/// The pictures to make, and existing ones that stay.
 struct PictureList {
   std::vector<Picture> pictures;
   std::vector<std::filesystem::path> finished;
@@ -164,7 +163,7 @@ PictureList requested_pictures(const RenderCommand& command, const renderer::Sce
       continue;
     }
     if (command.ground.with_color) check_writable(outputs[i], command.overwrite, inputs);
-    // Without a view yet it is chosen once the cloud is known.
+    // A view that is missing is chosen once the cloud is loaded.
     list.pictures.push_back({i < views.size() ? views[i] : View(), names[i], i});
   }
   for (const std::filesystem::path& file : command.ground.files(scene.output.file))
@@ -177,8 +176,8 @@ PictureList requested_pictures(const RenderCommand& command, const renderer::Sce
   return list;
 }
 
-/// Whether a legend was asked for that is not there already and may stay. `resumed`: the render goes on from
-/// a checkpoint, whose legend it was.
+/// Whether a legend is to be written: it is requested, and no existing one may stay. `resumed`: the render
+/// resumes from a checkpoint, whose run has written the legend.
 bool is_wanted(const std::filesystem::path& legend, const RenderCommand& command, bool resumed) {
   std::error_code error;
   // Parts have one legend, which the first one writes.
@@ -236,8 +235,8 @@ void check_views(std::span<const Picture> pictures, const renderer::Scene& scene
   }
 }
 
-/// Renders and writes one picture after the other under one progress line. `resumed`: what the first one goes
-/// on from. `empty` gets the views that see nothing.
+/// Renders and writes one picture after the other under one progress line. `resumed`: what the first one
+/// resumes from. `empty` gets the views that see nothing.
 renderer::RenderStatistics render_all(std::span<const Picture> pictures, renderer::Scene& scene,
                                       const renderer::LoadedCloud* cloud, const RenderCommand& command,
                                       const std::optional<Resumption>& resumed, EmptyViews& empty) {
@@ -289,7 +288,7 @@ std::vector<View> chosen_views(const RenderCommand& command, const renderer::Sce
   keyframes.file = command.film.keyframes;
   renderer::Scene with_lens = scene;
   if (!with_lens.camera) {
-    // Trajectories have none: a plain one.
+    // Trajectories have no lens: a plain one.
     const ImageSize size = command.camera.size.value_or(ImageSize{1280, 720});
     with_lens.camera = camera::pinhole_from_fov(size.width, size.height, 50.0, camera::CameraPose());
   }
@@ -370,7 +369,7 @@ ExitCode run(const RenderCommand& given) {
   const bool is_automatic =
       command.exposure ? !command.exposure->has_value() : command.is_overview() && is_lit;
   if (is_automatic && image::image_format(pictures.front().file) != image::ImageFormat::exr) {
-    // Of all pictures of a set the first, whether or not it is there already.
+    // By the first picture of a set, whether or not it exists already.
     scene.output.exposure = renderer::automatic_exposure(scene, cloud, all_views.front().camera);
     say_note(verbosity, fmt::format("exposure {:+.2f} stops (--exposure)", scene.output.exposure));
   }

@@ -62,7 +62,7 @@ void parse_radius(const std::string& text, RadiusRequest& request) {
     request.length = parse_positive(text, "auto, adapted or a positive length");
 }
 
-/// One of the options that say how radii adapt, any of which requests that. They are read after --radius.
+/// Declares one of the options of adapted radii, any of which requests these. They are read after --radius.
 void add_adapted_radius_option(const Options& render, RadiusRequest& request, const std::string& name,
                                const std::string& kind, const std::string& help,
                                const std::function<void(const std::string&)>& take) {
@@ -182,8 +182,7 @@ void take_scene_or_cloud(const std::vector<std::string>& words, RenderCommand& c
   command.scene_file = *scene;
 }
 
-/// Clouds, meshes or the site without a scene: a sun in the south-east, and a sky dim enough for white walls to keep
-/// their shading.
+/// Applies the options of radii to the settings of a cloud.
 void apply(const RadiusRequest& request, renderer::CloudSettings& cloud) {
   if (!request.kind) return;
   cloud.radius.reset();
@@ -199,7 +198,7 @@ void apply(const RadiusRequest& request, renderer::CloudSettings& cloud) {
   adapted.max = request.max.value_or(adapted.max);
 }
 
-/// Puts the site in place of the scene's cloud.
+/// Replaces the scene's cloud by the site.
 void put_exact_site(renderer::Scene& scene, const std::filesystem::path& scene_file) {
   renderer::Model model{std::make_shared<SiteSurfaces>(simulation::courtyard(), "courtyard")};
   if (scene.cloud) model.material = scene.cloud->material;
@@ -209,7 +208,7 @@ void put_exact_site(renderer::Scene& scene, const std::filesystem::path& scene_f
   scene.objects.emplace_back(std::move(model));
 }
 
-/// One of the options about the cloud that were given; empty if there is none.
+/// One of the given options about the cloud; empty if there is none.
 std::string cloud_option(const RenderCommand& command) {
   const RadiusRequest& radius = command.radius;
   if (radius.factor) return "--radius-factor";
@@ -226,7 +225,7 @@ std::string cloud_option(const RenderCommand& command) {
   return given_option(command.color);
 }
 
-/// One of the options that were given and have a meaning for spheres only; empty if there is none.
+/// One of the given options that apply to spheres only; empty if there is none.
 std::string sphere_option(const RenderCommand& command) {
   const RadiusRequest& radius = command.radius;
   if (radius.kind == RadiusRequest::Kind::length) return "--radius METRES";
@@ -350,7 +349,7 @@ renderer::Scene requested_scene(const RenderCommand& command) {
   if (!command.output.empty() || !command.depth.file.empty()) scene.output.file = command.output;
   if (command.exposure && *command.exposure) scene.output.exposure = **command.exposure;
   if (command.transparent) scene.output.transparent = true;
-  // In an overview no brightness of the sky is meant, and it must not change with the exposure.
+  // The sky of an overview is only its background, which must not change with the exposure.
   const bool is_shaded = scene.render.mode != renderer::RenderMode::flat;
   if (command.is_overview() && is_shaded) scene.output.background = renderer::k_overview_background;
   if (scene.output.transparent && image::image_format(scene.output.file) == image::ImageFormat::jpeg)

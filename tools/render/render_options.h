@@ -17,7 +17,7 @@
 
 namespace alidade::tools {
 
-/// How large the spheres of points are to be. What is empty is left as the scene has it; any of the last
+/// The options of the radii of points. Members that are empty leave the scene unchanged; any of the last
 /// three makes radii adapted.
 struct RadiusRequest {
   enum class Kind { automatic, length, adapted };
@@ -28,12 +28,12 @@ struct RadiusRequest {
   std::optional<std::optional<double>> max;  ///< metres; an empty length in it is "auto"
 };
 
-/// What was asked of `alidade render`. Everything that is empty is left as the scene has it.
+/// The command line of `alidade render`. Members that are empty leave the scene unchanged.
 struct RenderCommand : CloudRequest {
   std::filesystem::path scene_file;
   std::shared_ptr<ViewRequest> view;          ///< of the clouds, also those of a scene
   std::vector<std::filesystem::path> meshes;  ///< in world coordinates
-  bool exact_site = false;                    ///< the courtyard itself in place of a scan
+  bool exact_site = false;                    ///< the courtyard itself instead of a scan
   bool in_view = false;                       ///< of a cloud in a database, only what the cameras see is read
   std::filesystem::path output;
   CameraRequest camera;
@@ -56,7 +56,7 @@ struct RenderCommand : CloudRequest {
   LongRenderRequest long_render;
   bool overwrite = false, skip_existing = false;
 
-  /// Whether neither a scene nor a camera says what is seen: the picture, or the flight, shows the whole cloud.
+  /// Whether the picture, or the flight, shows the whole cloud: neither a scene nor a camera is given.
   bool is_overview() const {
     return scene_file.empty() && camera.file.empty() && film.keyframes.empty() && !camera.panorama &&
            !camera.from_above;
@@ -66,8 +66,8 @@ struct RenderCommand : CloudRequest {
 /// Declares the command's options; they fill what is returned.
 std::shared_ptr<RenderCommand> add_render_options(const Options& render);
 
-/// The scene to render: read from its file, or made up around the clouds, with the options laid over it but
-/// for those of the camera. Errors: options that contradict each other or do not fit the scene.
+/// The scene to render: read from its file, or a default one around the clouds, with all options applied but
+/// those of the camera. Errors: options that contradict each other or do not fit the scene.
 renderer::Scene requested_scene(const RenderCommand& command);
 
 }  // namespace alidade::tools

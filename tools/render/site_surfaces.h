@@ -10,7 +10,8 @@
 
 namespace alidade::tools {
 
-/// A site as part of a scene: what its scan is a sample of. Cost: about half a microsecond per ray.
+/// The exact surfaces of a site, instead of a scan of them, as part of a scene. Cost: about half a
+/// microsecond per ray.
 class SiteSurfaces final : public renderer::Surfaces {
  public:
   SiteSurfaces(simulation::Site site, std::string name) : site_(std::move(site)), name_(std::move(name)) {}

@@ -37,7 +37,7 @@ std::vector<View> views_of_file(const CameraRequest& request, const renderer::Sc
   return views;
 }
 
-/// A pattern taken apart: text, one field, text.
+/// A parsed pattern: text, one field, text.
 struct Pattern {
   std::string before, after;
   enum class Field { none, number, name, full_name } field = Field::none;
@@ -103,7 +103,7 @@ std::string full_name_of(const std::string& name, const std::filesystem::path& p
   return path.generic_string();
 }
 
-/// Around the meshes and other models of a scene.
+/// The bounds of the meshes and other models of a scene.
 Bounds model_bounds(const renderer::Scene& scene) {
   Bounds models;
   for (const renderer::Object& object : scene.objects)
@@ -173,7 +173,7 @@ Bounds seen_bounds(const renderer::Scene& scene, const renderer::LoadedCloud* cl
   if (cloud == nullptr && models.empty())
     throw file_error(scene_file, "the scene has neither a camera nor a cloud");
   if (cloud != nullptr && cloud->octree.size() == 0) {
-    // What was asked for, which for an index file is not what its points came from.
+    // The file on the command line, which for an index file is not the one that its points came from.
     throw file_error(scene.cloud->files.front(), "the cloud has no points for a default view",
                      "--camera FILE");
   }

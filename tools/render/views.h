@@ -14,7 +14,7 @@
 
 namespace alidade::tools {
 
-/// From where `alidade render` was asked to look. Everything that is empty is left as the scene has it.
+/// The options of the camera of `alidade render`. Members that are empty leave the scene unchanged.
 struct CameraRequest {
   std::filesystem::path file, lens_file;
   std::string name;
@@ -32,26 +32,26 @@ void add_camera_options(const Options& render, CameraRequest& request);
 
 /// One picture to make.
 struct View {
-  std::string name;  ///< what its file calls the camera; empty for other cameras
+  std::string name;  ///< of the camera in its file; empty for other cameras
   camera::Camera camera;
 };
 
-/// What is to be seen, as far as it is known without the cloud: the cameras of a file, a panorama, the
-/// scene's own camera; empty if the cloud must be examined first. Every camera has passed check_camera().
-/// `warnings` gets what the file's reader has to say.
+/// The views to render, as far as they are known without the cloud: the cameras of a file, a panorama, the
+/// scene's own camera; empty if the view depends on the cloud. Every camera has passed check_camera().
+/// `warnings` gets those of the file's reader.
 std::vector<View> requested_views(const CameraRequest& request, const renderer::Scene& scene,
                                   std::vector<std::string>& warnings);
 
 /// Whether the views are a numbered set, whose pictures have names made from a pattern.
 bool is_set(const CameraRequest& request);
 
-/// What is to be seen of a cloud, without strays, and of the scene's models near it. Errors: there are no points
-/// to look at. `scene_file` is what messages call the scene.
+/// The bounds of a cloud, without strays, and of the scene's models near it. Errors: there are no points.
+/// `scene_file`: the scene's name in messages.
 Bounds seen_bounds(const renderer::Scene& scene, const renderer::LoadedCloud* cloud,
                    const std::filesystem::path& scene_file);
 
-/// The view of a loaded cloud from above, or of the whole of it. Errors: there are no points to look at.
-/// `scene_file` is what messages call the scene.
+/// The view of a loaded cloud from above, or an overview of the whole cloud. Errors: there are no points.
+/// `scene_file`: the scene's name in messages.
 View view_of_cloud(const CameraRequest& request, const renderer::Scene& scene,
                    const renderer::LoadedCloud* cloud, const std::filesystem::path& scene_file);
 

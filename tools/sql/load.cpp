@@ -16,13 +16,13 @@
 namespace alidade::tools {
 namespace {
 
-/// What commands have in common that put clouds into databases, which memory need not hold.
+/// Options of all commands that store clouds in databases; memory need not hold the clouds.
 struct LoadOptions : RunRequest {
   ColorDepth color_depth = ColorDepth::automatic;
   std::uint64_t memory = std::uint64_t{1} << 30;
 };
 
-/// Declares them.
+/// Declares these options.
 void add_load_options(const Options& command, LoadOptions& options) {
   command.value("--memory", "SIZE",
                 "memory for sorting points: bytes, or a number with k, M, G or T (default: 1G); points of a "
@@ -40,7 +40,7 @@ struct LoadCommand : LoadOptions {
   database::StoreOptions store;
 };
 
-/// Who forgot the database has named a cloud there.
+/// Errors: the database has the name of a cloud: it was probably forgotten.
 void check_name(const std::filesystem::path& database) {
   constexpr const char* k_clouds[] = {".las", ".laz", ".ply", ".pcd",     ".e57",    ".pts",
                                       ".ptx", ".xyz", ".csv", ".alidade", ".parquet"};
@@ -51,7 +51,7 @@ void check_name(const std::filesystem::path& database) {
                    "the database as the last name, such as site.db");
 }
 
-/// The table that is meant. Errors: it is named twice; options that only SQLite knows.
+/// The table on the server. Errors: it is named twice; options for SQLite only.
 database::ServerName server_name(const LoadCommand& command) {
   database::ServerName name(command.files.back().string());
   const database::StoreOptions other;
@@ -74,7 +74,7 @@ ExitCode run(const LoadCommand& command) {
     server = server_name(command);
   } else {
     check_name(database);
-    // A database that is there stays: what may be replaced is a table in it.
+    // An existing database stays: --overwrite replaces a table in it.
     if (!command.store.replace) check_links(database);
     check_writable(database, true, files.names());
   }

@@ -35,8 +35,8 @@ int read_byte() {
   return EOF;
 }
 
-/// The next character, which libedit takes as its code in Unicode. Left to itself it would wait on after
-/// Ctrl-C. Bytes that are no UTF-8 are U+FFFD, or nothing if a key comes where the character should go on.
+/// The next character, as its Unicode code point for libedit, whose own reading would not end at Ctrl-C.
+/// Bytes that are not UTF-8 become U+FFFD, or nothing if another key interrupts the character.
 int read_character(FILE*) {
   constexpr int k_no_character = 0xfffd;
   int code = 0, missing = 0;
@@ -75,7 +75,7 @@ struct EditLibrary {
   int (*write_history)(const char*) = nullptr;
   void (*stifle_history)(int) = nullptr;
 
-  /// Nothing if it is not there or another library than expected.
+  /// Null if the library is missing, or not the expected one.
   static std::unique_ptr<EditLibrary> load() {
     void* const handle = ::dlopen("libedit.so.2", RTLD_NOW | RTLD_LOCAL);
     if (handle == nullptr) return nullptr;
@@ -91,7 +91,7 @@ struct EditLibrary {
         !find(library->stifle_history, "stifle_history") || !find(catches_signals, "rl_catch_signals") ||
         !find(next_character, "rl_getc_function"))
       return nullptr;
-    // Characters beyond ASCII are edited only where the locale has them.
+    // Characters beyond ASCII can be edited only if the locale has them.
     if (std::setlocale(LC_CTYPE, "") == nullptr || MB_CUR_MAX == 1) std::setlocale(LC_CTYPE, "C.UTF-8");
     *catches_signals = 0;
     *next_character = read_character;
@@ -99,8 +99,8 @@ struct EditLibrary {
   }
 };
 
-/// Where the program keeps what was typed at its prompt: $XDG_STATE_HOME/alidade/sql_history, or below
-/// ~/.local/state; empty if there is no home.
+/// The file of the prompt's history: $XDG_STATE_HOME/alidade/sql_history, or below ~/.local/state; empty if
+/// there is no home.
 std::filesystem::path sql_history_file() {
   const auto folder = [](const char* variable) {
     const char* const value = std::getenv(variable);
@@ -112,8 +112,8 @@ std::filesystem::path sql_history_file() {
   return home.empty() ? home : home / ".local" / "state" / "alidade" / "sql_history";
 }
 
-/// Lines typed at a terminal, which can be edited and called back as in a shell. That is libedit's work,
-/// which is loaded only here; without it lines are read as the terminal gives them.
+/// Lines typed at a terminal, with editing and history as in a shell. That is libedit's work, which is loaded
+/// only here; without it lines are read as the terminal sends them.
 class LineEditor {
  public:
   /// Earlier lines come from that file, if it can be read.
@@ -129,7 +129,7 @@ class LineEditor {
     if (library_ == nullptr || history_.empty()) return;
     std::error_code error;
     std::filesystem::create_directories(history_.parent_path(), error);
-    // Nobody else's to read.
+    // For the user alone.
     const ::mode_t before = ::umask(0077);
     library_->write_history(history_.c_str());
     ::umask(before);
@@ -137,7 +137,7 @@ class LineEditor {
   LineEditor(const LineEditor&) = delete;
   LineEditor& operator=(const LineEditor&) = delete;
 
-  /// Waits for a line; none at the end of input, or if the program was interrupted meanwhile.
+  /// Waits for a line; empty at the end of input, or if the program was interrupted meanwhile.
   std::optional<std::string> read(const std::string& prompt) {
     if (library_ == nullptr) return read_plain_line(prompt);
     char* const typed = library_->read_line(prompt.c_str());
@@ -178,7 +178,7 @@ class Prompt {
  public:
   Prompt(const database::Connection& connection, SqlRun run)
       : connection_(connection), run_(std::move(run)), editor_(sql_history_file()) {
-    // Those of one statement may not be those of the next.
+    // The next statement may have other parameters.
     run_.are_all_used = false;
   }
 

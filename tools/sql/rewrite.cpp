@@ -34,7 +34,7 @@ Bounds parse_bounds(const std::string& text) {
   return bounds;
 }
 
-/// A cloud whose name has commas comes first.
+/// The bounds of a cloud, or those of the text itself; a name of a cloud may contain commas.
 Bounds bounds_of(const std::string& text) {
   std::error_code error;
   if (text.find(',') != std::string::npos && !std::filesystem::exists(text, error)) return parse_bounds(text);

@@ -131,7 +131,7 @@ class TableWriter : public RowWriter {
     std::vector<std::string> cells;
     for (std::size_t i = 0; i < names_.size(); ++i) {
       const int column = static_cast<int>(i), type = sqlite3_column_type(statement, column);
-      // The last two digits of lattice coordinates are rounding, as 428.15000000000003.
+      // The last two digits of lattice coordinates are rounding errors, as in 428.15000000000003.
       std::string text = type == SQLITE_FLOAT
                              ? real_text(fmt::format("{:.15g}", sqlite3_column_double(statement, column)))
                              : line_text(value_text(statement, column));

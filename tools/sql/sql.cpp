@@ -39,7 +39,7 @@ std::unique_ptr<database::Connection> open_for_reading(const SqlCommand& command
       return std::make_unique<Connection>(command.cloud, Connection::Mode::read, interrupted);
     }
     ProgressLine line("reading", "B", command.verbosity);
-    bool has_begun = false;  // a file that is read in place has nothing to show
+    bool has_begun = false;  // a file that is read in place shows no progress
     const Progress progress = [&, show = line.callback()](std::uint64_t done, std::uint64_t total) {
       has_begun = true;
       return show(done, total);
@@ -54,7 +54,7 @@ std::unique_ptr<database::Connection> open_for_reading(const SqlCommand& command
     if (has_begun) line.finish();
     return connection;
   } catch (const Error&) {
-    // Such as that the file is locked, once nobody waits any more.
+    // An interrupted wait for a lock ends as an error of the locked file.
     if (interrupted()) throw Cancelled();
     throw;
   }
@@ -76,7 +76,7 @@ ExitCode run(const SqlCommand& command) {
   for (const std::string& text : command.parameters) run.parameters.push_back(parse_sql_parameter(text));
   const std::unique_ptr<database::Connection> opened = open_for_reading(command);
   const database::Connection& connection = *opened;
-  // An empty statement is one, too: what a script puts there may be empty, and nobody would type at a prompt.
+  // An empty statement is one, too: in a script a variable may be empty, and a prompt would wait for ever.
   if (command.has_statement && command.statement != "-") {
     run_statements(connection, command.statement, "statement", std::move(run));
     return ExitCode::done;

@@ -31,10 +31,10 @@ bool is_name(std::string_view text) {
   });
 }
 
-/// As SQL has them: without blanks around, and with a plus if that stands there.
+/// A number as in SQL: blanks around it and a plus are allowed.
 std::optional<SqlParameter::Value> sql_number(std::string_view text) {
   if (text.starts_with('+')) text.remove_prefix(1);
-  // What else begins a number elsewhere, such as inf and nan, is text in SQL.
+  // Other words for numbers, such as inf and nan, are text in SQL.
   const std::string_view unsigned_text = text.substr(text.starts_with('-') ? 1 : 0);
   if (unsigned_text.find_first_of(".0123456789") != 0) return std::nullopt;
   const char* const begin = text.data();
@@ -45,7 +45,7 @@ std::optional<SqlParameter::Value> sql_number(std::string_view text) {
   double real = 0;
   const auto [stop, error] = std::from_chars(begin, end, real);
   if (stop != end) return std::nullopt;
-  // Beyond what a double holds SQL has infinities, and zero for what is too small.
+  // In SQL, numbers too large for a double are infinite, and numbers too small are zero.
   return error == std::errc() ? real : std::strtod(std::string(text).c_str(), nullptr);
 }
 
@@ -56,7 +56,7 @@ SqlParameter::Value sql_value(std::string_view text) {
   if (first != std::string_view::npos) {
     const std::string_view word = text.substr(first, text.find_last_not_of(k_blanks) + 1 - first);
     if (std::optional<SqlParameter::Value> value = sql_number(word)) return std::move(*value);
-    // As text it would be above every number.
+    // As text it would compare greater than every number.
     if (std::string_view("0123456789.+-").find(word.front()) != std::string_view::npos)
       throw file_error("--param", "invalid number", "a number, or quoted text: \"'TEXT'\"",
                        std::string(text));
@@ -94,7 +94,7 @@ void bind_parameters(sqlite3_stmt* statement, std::vector<SqlParameter>& paramet
     const bool is_numbered = sign_and_name != nullptr && *sign_and_name == '?';
     const std::string name = sign_and_name == nullptr || is_numbered ? "" : sign_and_name + 1;
     if (!name.empty()) ++named;
-    // SQLite counts those with names, too; a number in the text is meant as it stands.
+    // SQLite's positions also count parameters with names; ?2 is the second one in any case.
     const int wanted = is_numbered ? position : position - named;
     int unnamed_before = 0;
     const auto found = std::ranges::find_if(parameters, [&](const SqlParameter& parameter) {
@@ -246,7 +246,7 @@ void run_statements(const database::Connection& connection, const std::string& t
     if (run.are_all_used) reject_unused(run.parameters);
     for (database::Prepared& prepared : statements) run_one(connection, prepared, run);
   } catch (const Error&) {
-    // Such as that the file is locked, once nobody waits any more.
+    // An interrupted wait for a lock ends as an error of the locked file.
     if (interrupted()) throw Cancelled();
     throw;
   }

@@ -28,7 +28,7 @@ class RowWriter {
   virtual ~RowWriter() = default;
 
   virtual void begin(const std::vector<std::string>& columns) = 0;
-  /// The row that the statement is at.
+  /// Adds the current row of the statement.
   virtual void row(sqlite3_stmt* statement) = 0;
   virtual void end() = 0;
 };
@@ -44,33 +44,33 @@ struct SqlParameter {
   bool is_used = false;
 };
 
-/// "1.5", "name=value". A value is NULL, a decimal number as in SQL (blanks around it and a plus do not
-/// matter), 'text' with quotes in it written twice, or else text as it stands. Errors: text without quotes
+/// "1.5", "name=value". A value is NULL, a decimal number as in SQL (blanks around it and a plus are
+/// ignored), 'text' with quotes in it written twice, or else text without quotes. Errors: text without quotes
 /// that begins like a number, with a digit, dot or sign.
 SqlParameter parse_sql_parameter(const std::string& text);
 
-/// All of a file; "-" is standard input. Errors: it cannot be read; it has a NUL byte.
+/// The text of a file; "-" is standard input. Errors: it cannot be read; it has a NUL byte.
 std::string read_sql(const std::filesystem::path& file);
 
 struct SqlRun {
   RowForm form = RowForm::table;
-  bool explain = false;  ///< say what was read behind the rows of each statement, and whether it was pruned
+  bool explain = false;  ///< after the rows of each statement, print what was read, and whether it was pruned
   std::vector<SqlParameter> parameters{};
   bool are_all_used = true;  ///< whether a parameter that no statement has is an error
 };
 
-/// Runs all statements of a text, which `file` is called in messages, and prints their rows; not the first
-/// one if a later one is wrong. Conditions on dist_ray and dist_plane leave chunks unread
-/// (database/sqlite/prepare.h). Errors: a statement that does not only read, has a parameter without value,
-/// or that SQLite does not understand; a parameter that no statement has; SQLite's. Cancelled, also while it
-/// waits for who writes.
+/// Runs all statements of a text and prints their rows; runs none if one of them is invalid. `file`: the name
+/// of the text in messages. Conditions on dist_ray and dist_plane leave chunks unread
+/// (database/sqlite/prepare.h). Errors: a statement that is not read-only, has a parameter without value, or
+/// is invalid for SQLite; a parameter that no statement has; SQLite's. Cancelled, also while it waits for
+/// another process that writes.
 void run_statements(const database::Connection& connection, const std::string& text, const std::string& file,
                     SqlRun run);
 
-/// Asks for statements at the terminal and runs them until its end or .quit. A statement ends with a
+/// Reads statements at the terminal and runs them, until the end of input or .quit. A statement ends with a
 /// semicolon and may take several lines; a line that begins with a dot is a command of the prompt (.help).
-/// Errors are reported, and it goes on; so it does after Ctrl-C, which drops what is typed or runs. Other
-/// signals are thrown as Cancelled.
+/// After errors, which are reported, the prompt continues; so it does after Ctrl-C, which drops what is typed
+/// or runs. Other signals are thrown as Cancelled.
 void run_prompt(const database::Connection& connection, const std::string& database, SqlRun run);
 
 }  // namespace alidade::tools

@@ -15,7 +15,7 @@
 namespace alidade::tools {
 namespace {
 
-/// Adds a mesh without its colours. Errors: then there are too many vertices or triangles, under its file.
+/// Appends a mesh, without its colours, to `all`. Errors: too many vertices or triangles, naming its file.
 void join(TriangleMesh mesh, const std::filesystem::path& file, TriangleMesh& all) {
   constexpr std::size_t k_most = std::numeric_limits<std::uint32_t>::max();
   if (all.triangles.empty()) {
@@ -45,10 +45,10 @@ BlockingMesh load_blocking_mesh(const std::vector<std::filesystem::path>& files,
 
 BlockingTerrain terrain_of(geo::HeightRaster raster, const std::filesystem::path& file, Verbosity verbosity) {
   const geo::RasterGrid grid = raster.heights.grid;
-  const double place[] = {grid.north_west.x, grid.north_west.y, grid.cell_size,
-                          static_cast<double>(grid.columns), static_cast<double>(grid.rows)};
+  const double layout[] = {grid.north_west.x, grid.north_west.y, grid.cell_size,
+                           static_cast<double>(grid.columns), static_cast<double>(grid.rows)};
   const std::uint64_t sums[] = {checksum(std::as_bytes(std::span(raster.heights.values))),
-                                checksum(std::as_bytes(std::span(place)))};
+                                checksum(std::as_bytes(std::span(layout)))};
   auto surface = std::make_shared<const geo::TerrainSurface>(std::move(raster.heights));
   if (surface->patch_count() == 0) {
     throw file_error(file, "the raster has no surface", "heights in 2 x 2 neighbouring cells",
@@ -68,8 +68,8 @@ geo::HeightRaster read_heights_shown(const std::filesystem::path& file, Verbosit
   return raster;
 }
 
-/// Whether a raster was given instead of a cloud. Text is a cloud if its name says so: to ask GDAL takes longer
-/// than to read a small one.
+/// Whether the input is a raster instead of a cloud. A file with an extension of text is a cloud: to load
+/// GDAL takes longer than to read a small text.
 bool is_raster_alone(const CloudInputs& files) {
   if (files.size() != 1) return false;
   const CloudInput& input = files.inputs.front();
@@ -80,7 +80,7 @@ bool is_raster_alone(const CloudInputs& files) {
          image_module().is_raster(input.name);
 }
 
-/// A terrain without points.
+/// Loads a raster as terrain, without points.
 void load_raster_alone(const VisibilityRequest& request, AcceptedInput accepted, VisibilityCloud& loaded) {
   const CloudInput& input = request.files.inputs.front();
   const std::filesystem::path& file = input.name;
@@ -117,7 +117,7 @@ void check_same_system(const Crs& terrain, const std::filesystem::path& file, co
                                          file.string(), crs_name(terrain), crs_name(cloud))});
 }
 
-/// With all that occluders would measure themselves, in steps that show their progress.
+/// The octree with all that occluders would measure themselves, in steps that show their progress.
 Octree measured(Octree octree, const visibility::OccluderOptions& options, Verbosity verbosity) {
   if (octree.size() == 0) return octree;
   const bool needs_surfaces = options.shape != visibility::OccluderShape::sphere;
@@ -235,7 +235,7 @@ void measure_occluders(VisibilityCloud& cloud, const OccluderRequest& request, V
   options.terrain = cloud.terrain.surface;
   options.is_given_up = interrupted;
   const std::span<const std::uint8_t> classes = cloud.columns.classifications;
-  // Asking for every point takes time, so it is left out where no point has such a class.
+  // Testing the class of every point takes time, so there is no test if no point has such a class.
   const bool has_ignored =
       std::ranges::any_of(classes, [&](std::uint8_t kind) { return request.ignored_classes.test(kind); });
   if (has_ignored) {

@@ -17,12 +17,12 @@
 
 namespace alidade::tools {
 
-/// What may block sight, as it was asked for on the command line.
+/// The options of what blocks sight.
 struct OccluderRequest {
   visibility::OccluderOptions options;        ///< without mesh and terrain, which are still to be read
   std::vector<std::filesystem::path> meshes;  ///< --mesh
   std::filesystem::path terrain;              ///< --terrain; empty: none
-  /// Classes whose points block nothing, if the cloud has classes. At first the noise of ASPRS.
+  /// Classes whose points block nothing, if the cloud has classes. By default the noise of ASPRS.
   std::bitset<256> ignored_classes = std::bitset<256>{}.set(7).set(18);
 };
 
@@ -36,7 +36,7 @@ struct VisibilityRequest : CloudRequest {
   std::optional<std::size_t> memory;  ///< of scratch_beside() the output
   bool overwrite = false;
 
-  /// The files of cloud, meshes and terrain, and what else is read.
+  /// The files of cloud, meshes and terrain, and other files that are read.
   std::vector<std::filesystem::path> inputs(std::initializer_list<std::filesystem::path> more = {}) const;
 };
 
@@ -49,17 +49,18 @@ struct BlockingMesh {
 /// An elevation raster.
 struct BlockingTerrain {
   std::shared_ptr<const geo::TerrainSurface> surface;  ///< null: none
-  std::uint64_t checksum = 0;                          ///< of its heights and where they lie
+  std::uint64_t checksum = 0;                          ///< of its heights and their grid
 };
 
-/// A cloud with meshes and a terrain beside it, or a terrain instead of points, and what of them blocks sight.
+/// A cloud, with meshes and a terrain beside it, or a terrain instead of points, and the occluders among
+/// them.
 struct VisibilityCloud {
   BlockingMesh mesh;
   BlockingTerrain terrain;
   IndexedCloud cloud;
   AttributeColumns columns;                        ///< of `cloud`, which therefore must not move
   std::optional<visibility::Occluders> occluders;  ///< empty until they are measured
-  std::string what_blocks;                         ///< the same in words
+  std::string what_blocks;                         ///< the occluders in words
 
   const Octree& octree() const { return occluders ? occluders->octree() : cloud.octree; }
   bool has_points() const { return cloud.octree.size() > 0; }
@@ -69,22 +70,22 @@ struct VisibilityCloud {
   }
 };
 
-/// What a command takes as its cloud.
+/// What a command accepts as its cloud.
 enum class AcceptedInput {
   points,
   points_or_raster,  ///< an elevation raster instead of points, too: the cloud is empty then
 };
 
-/// Loads the meshes, the terrain, then cloud files or an index file, and shows progress; occluders are still to
-/// be measured. What classes and `attributes` say is in memory then. Errors: as read_mesh(); too many triangles
-/// in all meshes; as geo::read_heights(); a raster without a patch of surface, in another reference system than
-/// the cloud, instead of points that are required, or beside another one; as load_indexed_cloud(); no points;
+/// Loads the meshes, the terrain, then cloud files with their classes and `attributes`, or an index file, and
+/// shows progress. Does not measure occluders. Errors: as read_mesh(); too many triangles in all meshes; as
+/// geo::read_heights(); a raster without a patch of surface, in another reference system than the cloud,
+/// instead of points that are required, or beside another one; as load_indexed_cloud(); no points;
 /// coordinates in degrees.
 std::unique_ptr<VisibilityCloud> load_cloud_alone(const VisibilityRequest& request, AttributeSet attributes,
                                                   AcceptedInput accepted = AcceptedInput::points);
 
-/// Measures what the cloud lacks, shows progress, and says what blocks. May take long, so what else can be
-/// wrong is better found before. Errors: as Occluders.
+/// Measures spacings and surfaces that the cloud lacks, shows progress, and prints what blocks sight. May
+/// take long: check all else before. Errors: as Occluders.
 void measure_occluders(VisibilityCloud& cloud, const OccluderRequest& request, Verbosity verbosity);
 
 /// make_ground() below a cloud, with its progress shown, raised to the terrain; the terrain's without points.

@@ -21,7 +21,7 @@ using nlohmann::json;
 using visibility::ChangeClass;
 using visibility::ChangeSummary;
 
-/// One of the two epochs, as it was asked for.
+/// The options of one of the two epochs.
 struct EpochRequest {
   const char* name;          ///< "BEFORE"
   const char* option;        ///< "--origin-before"
@@ -242,7 +242,8 @@ void say_radii(const ChangeCommand& command, const char* epoch, const Summaries&
   say_warnings(command.verbosity, warnings);
 }
 
-/// Says so if most of what is compared has moved by more than its level of detection, without a registration error.
+/// Warns if most of what is compared has moved by more than its level of detection, without a registration
+/// error.
 void say_registration(const ChangeCommand& command, const Summaries& all) {
   const ChangeSummary &same = all.of(ChangeClass::same), &moved = all.of(ChangeClass::moved);
   if (command.options.registration_error > 0.0 || moved.count <= same.count) return;

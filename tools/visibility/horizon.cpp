@@ -27,7 +27,7 @@ struct HorizonCommand : VisibilityRequest {
   ImageSize depth_size{2048, 1024};
 };
 
-/// Who looks, and what it saw.
+/// An observer and its horizon.
 struct View {
   visibility::Observer observer;
   visibility::SightEnd eye;
@@ -181,7 +181,7 @@ void say_findings(const HorizonCommand& command, const View& view) {
 
 ExitCode run(const HorizonCommand& command) {
   check_options(command);
-  // Fails before the work if what it ends in cannot be written here.
+  // Fails before the work if the module that writes the output is missing.
   if (!command.skyline.empty() || !command.depth.empty() || is_geojson(command.output)) image_module();
   const Verbosity verbosity = command.verbosity;
   check_given(command.observers);

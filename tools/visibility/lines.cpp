@@ -20,10 +20,10 @@ namespace alidade::tools {
 namespace {
 
 constexpr double k_radio_factor = 4.0 / 3.0;
-/// Of light, as maps have it by default.
+/// For light, the default of maps.
 constexpr double k_light_factor = 1.0 / visibility::k_usual_curvature;
 
-/// Which sight lines were asked for on the command line.
+/// The options of sight lines.
 struct PairRequest {
   std::filesystem::path pairs, positions;  ///< --pairs, --places; empty: none
   std::string places_crs;
@@ -42,7 +42,7 @@ struct LinesCommand : VisibilityRequest {
 struct LineEnds {
   std::vector<visibility::Observer> positions;
   std::vector<visibility::Observer> named;  ///< each once
-  bool are_pairs = false;  ///< first and second end of each line after each other; else all are paired
+  bool are_pairs = false;  ///< first and second end of each line in turn; otherwise every pair is a line
 };
 
 const visibility::Observer& position_called(
@@ -55,11 +55,11 @@ const visibility::Observer& position_called(
       positions.empty() ? "named positions (--places), or pairs with coordinates" : "a name of --places");
 }
 
-/// The ends of pairs with coordinates, first and second of each after each other.
+/// The ends of pairs with coordinates, first and second of each in turn.
 ObserverOptions ends_with_positions(const std::vector<visibility::GivenPair>& pairs) {
   ObserverOptions ends;
   for (const visibility::GivenPair& pair : pairs) {
-    // Who has no name is called by the pair's number.
+    // Ends without a name get the number of their pair.
     const std::size_t number = ends.positions.size() / 2 + 1;
     ends.positions.push_back(pair.from);
     if (pair.from.name.empty()) ends.positions.back().name = fmt::format("from {}", number);
@@ -69,7 +69,7 @@ ObserverOptions ends_with_positions(const std::vector<visibility::GivenPair>& pa
   return ends;
 }
 
-/// Those of pairs with names, which `file` has.
+/// The ends of pairs with names, in turn. `file` contains the named positions.
 std::vector<visibility::Observer> ends_with_names(const std::filesystem::path& file,
                                                   std::span<const visibility::Observer> positions,
                                                   const std::vector<visibility::GivenPair>& pairs) {
@@ -117,7 +117,7 @@ void add_pair_options(const Options& command, PairRequest& request) {
                request.defaults.height, 0.0, 1e6);
 }
 
-/// Errors that need no cloud: nothing asked for, --places-crs alone.
+/// Errors that need no cloud: no lines, --places-crs alone.
 void check_pair_request(const PairRequest& request) {
   if (request.pairs.empty() && request.positions.empty())
     throw input_error("missing lines of sight", "--pairs FILE or --places FILE");
@@ -125,9 +125,9 @@ void check_pair_request(const PairRequest& request) {
     throw input_error("--places-crs requires --places", "--places FILE");
 }
 
-/// Reads positions and pairs and gives them their positions on the cloud. Surfaces need not be measured.
-/// Errors: those of read_pair_table() and load_observers(); names that no position or two have; coordinates
-/// beside --places; a single position.
+/// Reads positions and pairs, and computes the ends of the lines over the cloud. Surfaces need not be
+/// measured. Errors: those of read_pair_table() and load_observers(); names of no position, or of two;
+/// coordinates beside --places; a single position.
 LineEnds load_line_ends(const PairRequest& request, const VisibilityCloud& cloud, Verbosity verbosity) {
   std::vector<visibility::GivenPair> given;
   if (!request.pairs.empty()) given = visibility::read_pair_table(request.pairs);
@@ -198,7 +198,8 @@ std::optional<double> known_unit(const VisibilityCloud& cloud) {
   return crs.empty() ? std::nullopt : image_module().metres_per_unit(crs);
 }
 
-/// The same for wavelengths and the Earth. Errors: a reference system without a linear unit.
+/// Metres of the cloud's unit, 1 without a reference system. Errors: a reference system without a linear
+/// unit.
 double unit_of(const VisibilityCloud& cloud, const std::filesystem::path& file) {
   if (cloud.cloud.cloud.crs.empty()) return 1.0;
   if (const std::optional<double> metres = known_unit(cloud)) return *metres;
@@ -217,7 +218,7 @@ bool is_bent(const LineEnds& ends, double unit) {
   return is_bent;
 }
 
-/// By how many times its radius the Earth bends the lines; empty: it is flat.
+/// The factor of the Earth's radius that bends the lines; empty: the Earth is flat.
 std::optional<double> earth_factor(const LinesCommand& command, const VisibilityCloud& cloud,
                                    const LineEnds& ends) {
   if (command.earth_factor) return *command.earth_factor;

@@ -10,8 +10,8 @@
 namespace alidade::tools {
 namespace {
 
-/// The cloud is given by its points, meshes by their triangles; lists, curve, preview and footprints are outputs, and
-/// colours of photos are taken from what is seen.
+/// Points and triangles are in the fingerprint, not the names of their files; lists, curve, preview and
+/// footprints are outputs, and colours of photos follow from what is seen.
 constexpr std::array<std::string_view, 10> k_own_silent_options = {
     "cloud",          "lists",  "curve",    "preview", "footprints",
     "footprint-cell", "photos", "colorize", "mesh",    "terrain"};
@@ -31,8 +31,8 @@ std::uint64_t sum_of(const std::vector<Value>& values) {
   return checksum(std::as_bytes(std::span(values)));
 }
 
-/// Of the tree as it was loaded: its points, and what an index file says of their surfaces. What is measured
-/// by this program follows from the points.
+/// Checksum of the octree as it was loaded: points, and surfaces that an index file contains. Surfaces
+/// measured by this run follow from the points.
 std::string points_checksum(const IndexedCloud& cloud) {
   const TreeView& tree = cloud.octree.view();
   std::vector<std::uint64_t> sums;
@@ -46,7 +46,7 @@ std::string points_checksum(const IndexedCloud& cloud) {
   return sum_text(sums);
 }
 
-/// Units of length come from it.
+/// The reference system is part of the fingerprint since it defines units of length.
 std::string crs_checksum(const Crs& crs) {
   if (crs.empty()) return "none";
   const std::uint64_t sums[] = {checksum(std::as_bytes(std::span(crs.wkt))), sum_of(crs.geotiff_keys),
@@ -71,7 +71,7 @@ void check_checkpoint(const CheckpointRequest& request, bool overwrite,
     throw file_error(request.file, "the file exists", "--resume to continue from it, or --overwrite");
   if (!overwrite) check_links(request.file);
   check_writable(request.file, true, inputs);
-  // It would be replaced, and removed in the end.
+  // Another file would be replaced, and removed in the end.
   if (is_there && !is_parts_file(request.file)) {
     throw Error({.file = request.file.string(),
                  .location = "byte 0",

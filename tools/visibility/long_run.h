@@ -17,14 +17,14 @@
 namespace alidade::tools {
 
 /// Lets a run fail before it starts. Errors: the checkpoint is one of the outputs or inputs, exists and may
-/// neither be gone on from nor replaced, is another kind of file, or cannot be written.
+/// neither be resumed from nor replaced, is another kind of file, or cannot be written.
 void check_checkpoint(const CheckpointRequest& request, bool overwrite,
                       std::span<const std::filesystem::path> outputs,
                       std::span<const std::filesystem::path> inputs);
 
-/// What the answers of a command depend on: its name, all its options but those that cannot change them
-/// (outputs, threads, and how it is watched), the points, surfaces, classes and reference system of the cloud
-/// as it was loaded; and on observers as they are placed. Requires that the options were read. Cost: the
+/// All that the answers of a command depend on: its name, its options without those that cannot change
+/// answers (outputs, threads, messages), the points, surfaces, classes and reference system of the cloud as
+/// it was loaded; and the observers where they were placed. Requires that the options were read. Cost: the
 /// cloud is read once.
 Fingerprint run_fingerprint(const CheckpointRequest& request, const VisibilityCloud& cloud);
 Fingerprint run_fingerprint(const CheckpointRequest& request, const VisibilityCloud& cloud,
@@ -33,28 +33,29 @@ Fingerprint run_fingerprint(const CheckpointRequest& request, const VisibilityCl
 /// Adds the cells of a map.
 void add_to_fingerprint(const geo::RasterGrid& grid, Fingerprint& fingerprint);
 
-/// The same for numbers of any other kind; `name` is how a message calls them.
+/// Adds other numbers, which messages call `name`.
 void add_to_fingerprint(const std::string& name, std::span<const double> numbers, Fingerprint& fingerprint);
 
-/// A run that keeps what is finished, if that is wanted.
+/// A run with a checkpoint of its finished parts, if one is requested.
 ///
 ///   LongRun run(command.checkpoint, [&] { return run_fingerprint(...); }, verbosity);
-///   run.work("looking", "sight lines", [&](const Progress& progress, PartCheckpoint* parts) { return ...; });
+///   run.work("looking", "sight lines",
+///            [&](const Progress& progress, PartCheckpoint* parts) { return ...; });
 ///   ... write ...
 ///   run.finish();
 class LongRun {
  public:
-  /// Says whether it goes on from something. `fingerprint` is called only if a checkpoint is wanted: it reads
-  /// the whole cloud. Errors: those of PartCheckpoint.
+  /// Prints what the run resumes from. `fingerprint`, which reads the whole cloud, is called only if a
+  /// checkpoint is requested. Errors: those of PartCheckpoint.
   LongRun(const CheckpointRequest& request, const std::function<Fingerprint()>& fingerprint,
           Verbosity verbosity);
-  /// Says how to go on if the run was not finished.
+  /// Prints how to resume if the run was not finished.
   ~LongRun();
   LongRun(const LongRun&) = delete;
   LongRun& operator=(const LongRun&) = delete;
 
-  /// What compute(progress, parts) returns, with a ProgressLine around it, for which parts that were there
-  /// count as done, but not for the rate. `parts` is null if nothing is kept.
+  /// Returns what compute(progress, parts) returns, with a ProgressLine around it. Parts of the checkpoint
+  /// count as done, but not for the rate. `parts` is null without a checkpoint.
   template <class Compute>
   auto work(const std::string& task, const std::string& unit, const Compute& compute) {
     ProgressLine line(task, unit, verbosity_);

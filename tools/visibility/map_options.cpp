@@ -14,7 +14,7 @@
 namespace alidade::tools {
 namespace {
 
-/// Feet of all countries are one word to people.
+/// The name of a unit; international and survey feet have the same name.
 std::string name_of(double metres) {
   constexpr double k_foot = 0.3048, k_rounding = 1e-5;
   if (std::fabs(metres - 1.0) < k_rounding) return "m";

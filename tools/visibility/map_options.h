@@ -16,19 +16,19 @@
 
 namespace alidade::tools {
 
-/// What x and y of a cloud are counted in.
+/// The unit of x and y of a cloud.
 struct CloudUnit {
   std::string name{};              ///< "m", "ft", or empty if it is another one or not known
   std::optional<double> metres{};  ///< of one of them; empty if that is not known
 };
 
-/// Asks GDAL, which knows systems by their codes, and where it does not know one, the system's own words
-/// (geo/map_unit.h). Requires: not degrees. Errors: those of image_module().
+/// The unit by GDAL, which reads the definition of a code, else by the words of the system (geo/map_unit.h).
+/// Requires: not degrees. Errors: those of image_module().
 CloudUnit cloud_unit(const Crs& crs);
 
-// What all maps of the ground share, be they of what is seen, of the sky or of the sun.
+// What all maps of the ground have in common: viewsheds, maps of the sky, maps of the sun.
 
-/// Options of a map, whatever it shows.
+/// Options of all maps.
 struct MapOptions {
   std::optional<double> resolution, target_height;
   std::optional<Bounds> area;
@@ -45,32 +45,31 @@ void add_map_options(const Options& command, MapOptions& map);
 /// Name of the first of these options that was given, as "--extent"; empty: none.
 std::string given_map_option(const MapOptions& map);
 
-/// Lets a map fail before the work. Errors: a preview that is not a PNG, exists and may not be replaced, or is
-/// one of the other files; what writes maps and pictures is not installed.
+/// Lets a map fail before the work. Errors: a preview that is not a PNG, exists and may not be replaced, or
+/// is one of the other files; the module that writes maps and pictures is not installed.
 void check_map_writing(const MapOptions& map, bool overwrite,
                        std::span<const std::filesystem::path> other_files);
 
-/// The ground below the cloud, with progress; it is said how it was found.
+/// The ground below the cloud; shows progress and prints how the ground was found.
 visibility::Ground find_map_ground(const MapOptions& map, const VisibilityCloud& cloud, Verbosity verbosity);
 
-/// The part of the cloud, or of the terrain, that is requested; without --extent that of points if there are any.
-/// Errors: --extent holds nothing of it.
+/// The requested part of the cloud or terrain; without --extent the bounds of the points if there are any.
+/// Errors: --extent contains nothing of it.
 Bounds map_area(const MapOptions& map, const VisibilityCloud& cloud);
 
-/// The cells over an area, by default usual_resolution(), not finer than the ground, and of a raster its own
-/// cells; says them. Errors: too
-/// many of them, or too many for the memory with so many bands.
+/// The cells over an area, which it prints: by default of usual_resolution(), not finer than the ground, or
+/// the cells of a raster. Errors: too many cells, or too many for the memory with so many bands.
 geo::RasterGrid map_grid(const MapOptions& map, const Bounds& area, const visibility::Ground& ground,
                          int bands, const std::string& unit, Verbosity verbosity);
 
 /// Keys and texts of a map's file.
 using MapMetadata = std::vector<std::pair<std::string, std::string>>;
 
-/// What every map says of its making: command, cloud files, ground, what blocks. Requires measured occluders.
+/// The metadata of every map: command, cloud files, ground, what blocks. Requires measured occluders.
 MapMetadata map_metadata(const VisibilityRequest& request, const VisibilityCloud& cloud,
                          const visibility::Ground& ground);
 
-/// What float bands have where there is no value.
+/// The nodata value of float bands.
 constexpr double k_no_float = -9999.0;
 
 }  // namespace alidade::tools

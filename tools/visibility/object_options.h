@@ -12,7 +12,7 @@
 
 namespace alidade::tools {
 
-/// Which objects were asked for on the command line, whose visibility a map shows.
+/// The options of objects whose visibility a map shows.
 struct ObjectOptions {
   std::vector<visibility::GivenObserver> segments;  ///< --object
   std::filesystem::path file;                       ///< --objects; empty: none
@@ -28,7 +28,7 @@ struct ObjectOptions {
 void add_object_options(const Options& command, ObjectOptions& options);
 
 /// Reads the objects, in the cloud's reference system, those of the command line first, and divides them into
-/// samples; says how many. Errors: those of read_objects() and sample_objects().
+/// samples; prints their numbers. Errors: those of read_objects() and sample_objects().
 visibility::SampledObjects load_objects(const ObjectOptions& options, double max_distance, const Crs& crs,
                                         const visibility::GroundHeight& ground, Verbosity verbosity);
 

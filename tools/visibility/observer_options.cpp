@@ -11,9 +11,9 @@
 namespace alidade::tools {
 namespace {
 
-constexpr std::size_t k_most_lines = 8;  ///< said about observers
+constexpr std::size_t k_most_lines = 8;  ///< printed about observers
 
-/// Two angles with a comma between.
+/// Two angles separated by a comma.
 std::pair<double, double> parse_angles(const std::string& text, double least, double most) {
   const std::vector<std::string> words = split_list(text);
   if (words.size() != 2)
@@ -57,7 +57,7 @@ void add_view(const Options& group, visibility::ObserverDefaults& defaults) {
       });
 }
 
-/// Those of the command line, then those of the file.
+/// The observers of the command line, then those of the file.
 std::vector<visibility::GivenObserver> read_given(const ObserverOptions& options, const Crs& crs) {
   const geo::ObserverReference reference{
       .given = options.reference, .cloud = crs, .option = options.reference_option};
@@ -69,8 +69,9 @@ std::vector<visibility::GivenObserver> read_given(const ObserverOptions& options
   return given;
 }
 
-/// Errors: an observer is so far away from the cloud that its coordinates are probably mistaken, with a guess how.
-void check_places(std::span<const visibility::GivenObserver> given, const Bounds& area) {
+/// Errors: an observer is so far away from the cloud that its coordinates are probably wrong; with a probable
+/// reason.
+void check_far_observers(std::span<const visibility::GivenObserver> given, const Bounds& area) {
   if (area.empty()) return;
   const glm::dvec2 low(area.min), high(area.max);
   const double far = 10.0 * glm::length(high - low) + 1000.0;
@@ -95,7 +96,7 @@ void check_places(std::span<const visibility::GivenObserver> given, const Bounds
   }
 }
 
-/// Where the first observers are, and what is below and above them.
+/// Prints where the first observers are, and what is below and above them.
 void print_positions(std::span<const visibility::Observer> observers,
                      const visibility::Occluders& occluders) {
   const auto distance = [](const std::optional<double>& length, const char* with, const char* without) {
@@ -167,7 +168,7 @@ std::vector<visibility::Observer> load_observers(const ObserverOptions& options,
   std::vector<visibility::GivenObserver> given = read_given(options, cloud.cloud.cloud.crs);
   const bool needs_ground =
       options.grid || std::ranges::any_of(given, [](const visibility::GivenObserver& one) { return !one.z; });
-  if (!options.anywhere) check_places(given, cloud.area());
+  if (!options.anywhere) check_far_observers(given, cloud.area());
   std::optional<visibility::Ground> own_ground;
   if (needs_ground && !ground) own_ground = find_ground(cloud, {}, verbosity);
   const visibility::GroundHeight height_at =

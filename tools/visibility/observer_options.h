@@ -14,15 +14,15 @@
 
 namespace alidade::tools {
 
-/// Which observers were asked for on the command line.
+/// The options of observers.
 struct ObserverOptions {
   std::vector<visibility::GivenObserver> positions;  ///< --observer
   std::filesystem::path file;                        ///< --observers; empty: none
   std::string reference;                             ///< --observers-crs, as ObserverReference::given
-  std::string reference_option = "--observers-crs";  ///< what messages call it
+  std::string reference_option = "--observers-crs";  ///< its name in messages
   bool anywhere = false;                             ///< also far outside of the cloud
   std::optional<double> grid;                        ///< --observer-grid, width of its cells
-  visibility::ObserverDefaults defaults;             ///< what holds for those that do not say it themselves
+  visibility::ObserverDefaults defaults;             ///< for what an observer's row does not state
 };
 
 /// Declares the options in a group of their own; they fill `options`.
@@ -31,26 +31,26 @@ void add_observer_options(const Options& command, ObserverOptions& options);
 /// The options of positions alone: no fields of view, which do not apply to what shines from all sides.
 void add_observer_positions(const Options& command, ObserverOptions& options);
 
-/// The heading that options of observers stand under.
+/// The heading of options of observers.
 inline constexpr const char* k_observer_group = "Observers";
 
 /// --target-height LENGTH: how far above its cell or point a target is examined. At least 0.
 void add_target_height(const Options& command, std::optional<double>& height);
 
-/// What can be wrong before a cloud is loaded. Errors: no observers are given; their file cannot be opened.
+/// Checks the options before a cloud is loaded. Errors: no observers are given; their file cannot be opened.
 void check_given(const ObserverOptions& options);
 
-/// Reads the observers, in the cloud's reference system, and gives them their positions, which
-/// say_observer_remarks() prints once occluders are measured. Those of the command line
-/// come first, then the file's, then the grid's. `ground` is requested observers without z; if it is empty,
-/// the cloud's is found where it is needed. Errors: nobody was asked for; those of read_observers(),
-/// observer_grid(), place_observers() and make_ground().
+/// Reads the observers, in the cloud's reference system, and computes their positions, which
+/// say_observer_remarks() prints once occluders are measured. Those of the command line come first, then the
+/// file's, then the grid's. `ground` gives the height of observers without z; if it is empty, the cloud's
+/// ground is computed if needed. Errors: no observers; those of read_observers(), observer_grid(),
+/// place_observers() and make_ground().
 std::vector<visibility::Observer> load_observers(const ObserverOptions& options, const VisibilityCloud& cloud,
                                                  Verbosity verbosity,
                                                  const visibility::GroundHeight& ground = {});
 
-/// Prints where observers that were placed are, with clearance_of() of visibility/observers.h, and what is strange
-/// about observers: observer_remarks(). Requires measured occluders.
+/// Prints where the observers are, with clearance_of() of visibility/observers.h, and warnings about them, of
+/// observer_remarks(). Requires measured occluders.
 void say_observer_remarks(std::span<const visibility::Observer> observers, const VisibilityCloud& cloud,
                           Verbosity verbosity);
 

@@ -28,7 +28,7 @@ std::vector<fs::path> names_of(const std::string& name) {
   return names;
 }
 
-/// Empty if it is missing.
+/// The file of a photo; empty if it is missing.
 fs::path photo_of(const fs::path& folder, const std::string& name) {
   std::error_code error;
   for (const fs::path& each : names_of(name))

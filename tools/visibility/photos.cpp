@@ -56,7 +56,7 @@ camera::CameraSet read_photo_cameras(const PhotosCommand& command) {
   return set;
 }
 
-/// Empty without --colorize.
+/// The reader of photos; empty without --colorize.
 PhotoReader find_photos(const PhotosCommand& command, std::span<const camera::NamedCamera> cameras) {
   if (!command.colorize) return {};
   return command.photos.empty() ? photos_in_e57(command.cameras, cameras)
@@ -70,7 +70,7 @@ void check_cameras(const PhotosCommand& command, const Octree& octree,
             [&] { visibility::check_photos(octree, cameras, command.max_distance); });
 }
 
-/// What the lines depend on beside the cloud and the positions: lenses and poses, as camera files write them.
+/// All that answers depend on: cloud, positions, and lenses and poses as camera files write them.
 Fingerprint fingerprint_of(const PhotosCommand& command, const VisibilityCloud& cloud,
                            std::span<const camera::NamedCamera> cameras,
                            std::span<const visibility::Observer> observers) {
@@ -98,7 +98,7 @@ void keep_colors(const AttributeColumns& columns, visibility::PhotoVisibility& s
     if (seen.counts[id] == 0) seen.colors[id] = columns.colors[id];
 }
 
-/// ExitCode::no if no photo sees a point.
+/// Prints the result. Returns ExitCode::no if no photo sees a point.
 ExitCode say_result(const PhotosCommand& command, const VisibilityCloud& cloud,
                     std::span<const camera::NamedCamera> cameras, const visibility::PhotoVisibility& seen) {
   const visibility::PhotoTotals totals = visibility::totals(seen);

@@ -57,7 +57,7 @@ std::vector<visibility::PlacementTarget> targets_of(const PlaceCommand& command,
   const std::filesystem::path& file = command.files.first_name();
   if (classes.empty() && (command.target_classes || !command.class_weights.empty()))
     throw file_error(file, "the cloud has no classification for targets");
-  // What blocks nothing is no target either, unless it is requested.
+  // Points that block nothing are not targets either, unless they are requested.
   const std::bitset<256> wanted = command.target_classes.value_or(~command.occluders.ignored_classes);
   std::function<bool(std::uint64_t)> counts;
   if (!classes.empty()) counts = [classes, wanted](std::uint64_t id) { return wanted.test(classes[id]); };

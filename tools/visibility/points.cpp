@@ -37,7 +37,7 @@ class SeenList {
     put("observer,point_id\n");
   }
 
-  /// What observer `number`, from 1, sees.
+  /// Adds the points that observer `number`, from 1, sees.
   void add(std::size_t number, std::span<const std::uint8_t> seen) {
     constexpr std::size_t k_enough = 1 << 20;
     const std::string prefix = fmt::format("{},", number);
@@ -127,7 +127,7 @@ bool with_blockers(const PointsCommand& command, std::size_t observers) {
   return wanted;
 }
 
-/// What to ask for. Errors: too many columns, or not enough memory for them.
+/// The options of point_visibility(). Errors: too many columns, or not enough memory for them.
 visibility::PointVisibilityOptions visibility_options(const PointsCommand& command, std::uint64_t points,
                                                       std::size_t observers) {
   const visibility::PointVisibilityOptions options{.sub_rays = command.sub_rays,
@@ -152,7 +152,7 @@ visibility::PointVisibility look(const VisibilityCloud& cloud,
   });
 }
 
-/// How much of what is hidden rests on points without a surface, and on the point that hides most.
+/// How many of the hidden points are hidden by points without a surface, and by the point that hides most.
 std::string blocking_text(const visibility::PointVisibility& seen, const visibility::Occluders& occluders) {
   std::vector<std::uint32_t> blockers;
   for (const std::vector<std::uint32_t>& column : seen.blockers) {

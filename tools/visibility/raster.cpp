@@ -18,10 +18,10 @@
 namespace alidade::tools {
 namespace {
 
-/// Whose defaults hold for what is not said.
+/// The program whose defaults apply.
 enum class DefaultSet { gdal, grass };
 
-/// What was asked of `alidade visibility raster`.
+/// The command line of `alidade visibility raster`.
 struct RasterCommand : VisibilityRequest {
   ObserverOptions observers;
   ObjectOptions objects;
@@ -91,7 +91,7 @@ void add_sight(const Options& raster, RasterCommand& command) {
       [&command](const std::string& text) { command.curvature = 1.0 - parse_number(text, 0.0, 1.0); });
 }
 
-/// The values of the chosen set, but for those that were given.
+/// The given values, others from the chosen set of defaults.
 visibility::SeenValues seen_values_of(const RasterCommand& command) {
   visibility::SeenValues values;
   if (command.like == DefaultSet::grass) values = {.visible = 1, .invisible = 0, .out_of_range = {}};
@@ -103,7 +103,7 @@ visibility::SeenValues seen_values_of(const RasterCommand& command) {
 
 constexpr const char* k_mode_words[] = {"visible", "count", "height", "fraction", "size", "solid-angle"};
 
-/// Errors: options that mean nothing for the mode, or nothing together.
+/// Errors: options that do not apply to the mode, or exclude each other.
 void check_values(const RasterCommand& command) {
   const visibility::ViewshedMode mode = command.mode();
   const auto check = [mode](bool is_given, const std::string& option, visibility::ViewshedMode of) {
@@ -127,7 +127,7 @@ void check_values(const RasterCommand& command) {
     throw Error({.problem = "--highest does not exceed --target-height"});
 }
 
-/// Errors: observers and objects, or options and a mode that need the other of them.
+/// Errors: both observers and objects; options or a mode that require the other of these.
 void check_objects(const RasterCommand& command) {
   const ObserverOptions& observers = command.observers;
   const visibility::ViewshedMode mode = command.mode();
@@ -174,7 +174,7 @@ visibility::ViewshedOptions options_of(const RasterCommand& command, const Cloud
   // With objects the eyes are above the cells.
   options.target_height = command.objects.any() ? defaults.height.value_or(defaults.height_on_ground)
                                                 : command.map.target_height.value_or(0.0);
-  // Sight bent as asked for, or as the chosen set has it where the cloud's unit is known.
+  // The given curvature, else that of the chosen defaults if the cloud's unit is known.
   const bool usual = command.like == DefaultSet::gdal && unit.metres;
   options.curve = visibility::SightCurve(
       command.curvature.value_or(usual ? visibility::k_usual_curvature : 0.0), unit.metres.value_or(1.0));
@@ -184,7 +184,7 @@ visibility::ViewshedOptions options_of(const RasterCommand& command, const Cloud
   return options;
 }
 
-/// How it is looked, for people and for the map's metadata.
+/// The settings of sight, for people and for the map's metadata.
 std::string sight_text(const RasterCommand& command, const visibility::ViewshedOptions& options) {
   const visibility::ObserverDefaults& defaults = command.observers.defaults;
   std::string text =
@@ -212,7 +212,7 @@ std::string sight_text(const RasterCommand& command, const visibility::ViewshedO
   return text;
 }
 
-/// What this map says beside what all maps say.
+/// Adds the observers, or objects, to the metadata of all maps.
 void add_observers(std::span<const visibility::Observer> observers, const std::string& kind,
                    MapMetadata& metadata) {
   constexpr std::size_t k_most_observers = 100;
@@ -253,14 +253,14 @@ visibility::Viewshed look(const VisibilityCloud& cloud, const visibility::Ground
 }
 
 /// The observers, or the samples of the objects.
-struct Looked {
+struct Viewpoints {
   std::vector<visibility::Observer> observers;
   std::vector<visibility::ObjectPiece> pieces;  ///< empty: observers
   std::vector<visibility::Observer> named;      ///< the observers, or one for each object
 };
 
-Looked load_looked(const RasterCommand& command, const VisibilityCloud& cloud,
-                   const visibility::Ground& ground) {
+Viewpoints load_viewpoints(const RasterCommand& command, const VisibilityCloud& cloud,
+                           const visibility::Ground& ground) {
   const visibility::GroundHeight height_at = [&](const glm::dvec2& position) { return ground.at(position); };
   if (command.objects.any()) {
     visibility::SampledObjects objects =
@@ -288,10 +288,10 @@ ExitCode run(const RasterCommand& given) {
   const CloudUnit unit = cloud_unit(crs);
   visibility::ViewshedOptions options = options_of(command, unit);
   const visibility::Ground ground = find_map_ground(command.map, *cloud, verbosity);
-  const Looked looked = load_looked(command, *cloud, ground);
-  const std::vector<visibility::Observer>& observers = looked.observers;
+  const Viewpoints viewpoints = load_viewpoints(command, *cloud, ground);
+  const std::vector<visibility::Observer>& observers = viewpoints.observers;
   const std::string kind = command.objects.any() ? "object" : "observer";
-  options.pieces = looked.pieces;
+  options.pieces = viewpoints.pieces;
   const geo::RasterGrid grid =
       map_grid(command.map, visibility::area_in_reach(map_area(command.map, *cloud), observers, kind), ground,
                1, unit.name, verbosity);
@@ -301,21 +301,21 @@ ExitCode run(const RasterCommand& given) {
       command.checkpoint,
       [&] { return fingerprint_of(command.checkpoint, *cloud, observers, grid, options); }, verbosity);
   measure_occluders(*cloud, command.occluders, verbosity);
-  say_observer_remarks(looked.named, *cloud, verbosity);
+  say_observer_remarks(viewpoints.named, *cloud, verbosity);
 
   const auto start = std::chrono::steady_clock::now();
   const visibility::Viewshed seen = look(*cloud, ground, observers, grid, options, long_run);
   const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   const visibility::ViewshedBand band =
-      visibility::viewshed_band(seen, options, seen_values_of(command), looked.named.size(), unit.name);
+      visibility::viewshed_band(seen, options, seen_values_of(command), viewpoints.named.size(), unit.name);
   geo::RasterContents contents{
       .grid = grid, .bands = {band.band()}, .crs = crs, .metadata = map_metadata(command, *cloud, ground)};
   contents.metadata.emplace_back("alidade_mode", k_mode_words[static_cast<std::size_t>(options.mode)]);
   contents.metadata.emplace_back("alidade_sight", sight);
-  add_observers(looked.named, kind, contents.metadata);
+  add_observers(viewpoints.named, kind, contents.metadata);
   image_module().write_raster(command.output, contents, command.overwrite);
   if (!command.map.preview.empty()) {
-    image_module().write_map_picture(visibility::viewshed_picture(seen, options, looked.named, unit.name),
+    image_module().write_map_picture(visibility::viewshed_picture(seen, options, viewpoints.named, unit.name),
                                      ground, command.map.preview, command.overwrite);
   }
   long_run.finish();

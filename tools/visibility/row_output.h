@@ -11,21 +11,22 @@
 
 namespace alidade::tools {
 
-/// By the extension of the name. Errors: none of them.
+/// The form of rows by the extension of the name. Errors: another extension.
 visibility::RowForm chosen_row_form(const std::filesystem::path& file);
 
-/// Fails before the work if such a file cannot be written here. Errors: those of image_module().
+/// Loads the module if it writes such files, so that a run fails before the work. Errors: those of
+/// image_module().
 void load_row_writer(const std::filesystem::path& file);
 
 /// Writes rows, as the functions of the library do; false if a GeoJSON file got the coordinates of the cloud.
 using WriteRows =
     std::function<bool(visibility::RowForm, const visibility::RowFileHead&, const visibility::ToLonLat&)>;
 
-/// Has the output of a command written, and says if it has the coordinates of the cloud. The module is loaded
-/// when longitudes are first asked for. Errors: those of `write`.
+/// Writes the output of a command, and warns if it has the coordinates of the cloud. The module is loaded
+/// when the first longitude is needed. Errors: those of `write`.
 void write_rows(const VisibilityRequest& request, const PointCloud& cloud, const WriteRows& write);
 
-/// That a GeoJSON file has the coordinates of the cloud.
+/// Warns that a GeoJSON file has the coordinates of the cloud.
 void warn_of_cloud_coordinates(const std::filesystem::path& file);
 
 }  // namespace alidade::tools

@@ -13,7 +13,8 @@
 namespace alidade::tools {
 namespace {
 
-/// Errors that need no cloud: the output's name or position; options that mean nothing for this kind of output.
+/// Errors that need no cloud: an output of another format, or that cannot be written; options that do not
+/// apply to this kind of output.
 void check_sky_request(const SkyRequest& request) {
   const auto reject = [](const std::string& option, const std::string& kind) {
     throw input_error(option + " does not apply to this output", kind);
@@ -41,7 +42,7 @@ visibility::SkyViewOptions sky_options(const SkyCommand& command) {
           .max_distance = command.max_distance};
 }
 
-/// Answers what was found, for people.
+/// Writes the map. Returns the result as text for people.
 std::string map_sky(const SkyCommand& command, const SkySite& site, LongRun& long_run) {
   geo::Raster<float> views =
       long_run.work("testing the sky", "cells", [&](const Progress& progress, PartCheckpoint* parts) {

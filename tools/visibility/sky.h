@@ -28,7 +28,7 @@ struct SkyRequest : VisibilityRequest {
   bool is_map() const;
 };
 
-/// Declares all of that.
+/// Declares the options of both commands.
 void add_sky_request(const Options& command, SkyRequest& request);
 
 /// A cloud, and if a map is requested, its ground and cells.
@@ -39,22 +39,22 @@ struct SkySite {
   std::string unit;  ///< of the cells: "m", "ft" or empty
 };
 
-/// All that is done before occluders are measured, which may take long. `bands`: of a map. Errors: the
-/// output's name or position; options that mean nothing for this kind of output; what it ends in cannot be
-/// written here; those of load_cloud_alone(), map_grid().
+/// All that is done before occluders are measured, which may take long. `bands`: of a map. Errors: an output
+/// of another format, or that cannot be written; options that do not apply to this kind of output; the module
+/// that writes the output is missing; those of load_cloud_alone(), map_grid().
 SkySite load_sky_site(const SkyRequest& request, int bands);
 
-/// All that the answers depend on, as far as both commands share it.
+/// All that the answers of both commands depend on.
 Fingerprint sky_fingerprint(const SkyRequest& request, const SkySite& site);
 
-/// A band of a map; not a number where there is no value, which k_no_float is written for.
+/// A band of a map; NaN where there is no value, which is written as k_no_float.
 struct SkyBand {
   geo::Raster<float>& values;
   std::string description, unit;
 };
 
-/// Writes a map as GeoTIFF, and the picture of its first band if one is requested. `metadata`: beside what
-/// all maps say. `picture`: without values and unit. Afterwards k_no_float is in the bands.
+/// Writes a map as GeoTIFF, and the picture of its first band if one is requested. `metadata`: beside that of
+/// all maps. `picture`: without values and unit. Replaces NaN in the bands by k_no_float.
 void write_sky_map(const SkyRequest& request, const SkySite& site, std::span<const SkyBand> bands,
                    const MapMetadata& metadata, visibility::MapPicture picture);
 

@@ -16,20 +16,20 @@
 #include "visibility/sky/sun_path.h"
 #include "visibility/sky/weather.h"
 
-// `visibility sun` in three parts: what was asked for and the path of the sun, maps and points, observers.
+// `visibility sun` in three parts: options and the path of the sun, maps and points, observers.
 
 namespace alidade::tools {
 
-/// A date as people give it for sunshine: a whole day, or a moment.
+/// A date of --from or --to: a whole day, or a moment.
 struct SunDate {
-  Moment moment;  ///< of a day: its begin in UTC, whatever the position
+  Moment moment;  ///< of a day: its begin in UTC, whatever the location
   bool is_day = false;
 };
 
 struct SunCommand : SkyRequest {
   std::optional<SunDate> from, to;
   double step_minutes = 10.0;
-  std::optional<glm::dvec2> position;  ///< latitude, longitude
+  std::optional<glm::dvec2> location;  ///< latitude, longitude
   visibility::ClearAir air;
   std::optional<std::array<double, 12>> monthly_turbidity;
   std::filesystem::path weather;  ///< empty: a clear sky
@@ -48,13 +48,13 @@ struct SunCommand : SkyRequest {
   visibility::SunHoursOptions hours_options(visibility::SkyReceiver usual) const;
 };
 
-/// Where the sun is, and how that came about.
+/// The steps and light of the sun, and their sources.
 struct SunSky {
   visibility::SunSchedule schedule;
   std::optional<visibility::Weather> weather;
   bool is_map_known = false;
-  double hours = 0.0;     ///< the sun is up
-  std::size_t steps = 0;  ///< in which it is up
+  double hours = 0.0;     ///< with the sun above the horizon
+  std::size_t steps = 0;  ///< with the sun above the horizon
   double bin = 0.0;       ///< degrees
   std::vector<std::string> periods;
   visibility::SunLight light;
@@ -63,18 +63,19 @@ struct SunSky {
 /// Declares the options of the sun.
 void add_sun_request(const Options& sun, SunCommand& command);
 
-/// The sun over a site, with progress. `targets`: how many receivers there are, if they are few; then every step counts
-/// alone up to 10^7 lines of sight. Errors: as place_schedule(), sun_steps(), sun_periods(), Weather.
+/// The sun over a site; shows progress. `targets`: the number of receivers, if they are few: every step is
+/// then computed exactly, without bins, up to 10^7 lines of sight. Errors: as place_schedule(), sun_steps(),
+/// sun_periods(), Weather.
 std::unique_ptr<SunSky> sun_of(const SunCommand& command, const VisibilityCloud& cloud,
                                std::optional<std::size_t> targets = {});
 
-/// Says where and how long the sun is up, and what open ground gets.
+/// Prints where and how long the sun is up, and the energy on open ground.
 void say_sun(const SunCommand& command, const SunSky& sun);
 
-/// How the sun was followed, for the metadata of a map.
+/// The settings and steps of the sun, for the metadata of a map.
 MapMetadata sun_metadata(const SunCommand& command, const SunSky& sun);
 
-/// What `answers` depend on beside the site.
+/// Adds what answers depend on beside the site.
 void add_to_fingerprint(const SunSky& sun, Fingerprint& fingerprint);
 
 /// A number of a radiation that goes into files.
@@ -85,7 +86,7 @@ struct SunQuantity {
   float (*value)(const visibility::Radiation& radiation);
 };
 
-/// Those that the command writes.
+/// The quantities that the command writes.
 std::span<const SunQuantity> sun_quantities(const SunCommand& command);
 
 /// `visibility sun` for observers: rows and the diagram.

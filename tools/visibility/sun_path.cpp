@@ -20,7 +20,7 @@ Moment midnight(const Moment& utc, double longitude) {
   return {utc.day + std::chrono::days(static_cast<int>(days)), seconds - days * k_seconds_per_day};
 }
 
-/// Reads "2026-06-21", a day, or "2026-06-21T10:00Z", a moment with its zone (a blank may represent the T).
+/// Reads "2026-06-21", a day, or "2026-06-21T10:00Z", a moment with its zone (a blank may replace the T).
 /// Errors: UsageError for anything else.
 SunDate parse_sun_date(const std::string& text) {
   constexpr std::size_t k_date_length = 10;
@@ -28,7 +28,7 @@ SunDate parse_sun_date(const std::string& text) {
   try {
     return {parse_date_time(text + "T00:00Z"), true};
   } catch (const Error&) {
-    // What was added to a day is nothing that the user wrote.
+    // The message of the parser would contain the time that was appended here.
     throw UsageError("invalid date; expected a date such as 2026-06-21, found '" + text + "'");
   }
 }
@@ -47,7 +47,7 @@ Moment end_of(const SunDate& date, double longitude) {
 }
 
 /// "LAT,LON".
-glm::dvec2 parse_position(const std::string& text) {
+glm::dvec2 parse_location(const std::string& text) {
   const std::size_t comma = text.find(',');
   if (comma == std::string::npos)
     throw UsageError("invalid value; expected two numbers separated by a comma, found '" + text + "'");
@@ -93,7 +93,7 @@ void add_time(const Options& sun, SunCommand& command) {
       "--place", "LAT,LON",
       "location in degrees, WGS 84 (default: the centre of the cloud by its reference system, else that of "
       "--weather)",
-      command.position, parse_position);
+      command.location, parse_location);
   group.value(
       "--bin", "DEGREES|exact",
       "group sun positions into bins of this size (default: exact for up to 1000 positions; for more, 1 "
@@ -133,7 +133,7 @@ void add_light(const Options& sun, SunCommand& command) {
              command.beam_only);
 }
 
-/// By horizons, if a raster alone blocks.
+/// Whether light is computed from horizons: a raster alone blocks.
 bool by_horizons(const SunCommand& command, const VisibilityCloud& cloud) {
   return !cloud.has_points() && cloud.mesh.tree == nullptr && std::isinf(command.max_distance);
 }
@@ -149,7 +149,7 @@ std::string model_text(const SunSky& sun) {
       schedule.air.height);
 }
 
-/// Of all periods, on open level ground, kWh/m2.
+/// The energy of all periods on open level ground, kWh/m2.
 visibility::LightSums open_energy(const SunSky& sun) {
   visibility::LightSums all;
   for (const visibility::LightSums& period : sun.light.open) all += period;
@@ -206,16 +206,16 @@ std::unique_ptr<SunSky> sun_of(const SunCommand& command, const VisibilityCloud&
   constexpr double k_usual_bin = 3.0, k_usual_fan = 1.0;
   auto sun = std::make_unique<SunSky>();
   visibility::SunSchedule& schedule = sun->schedule;
-  std::optional<glm::dvec2> position = command.position;
+  std::optional<glm::dvec2> location = command.location;
   if (!command.weather.empty()) {
     InputFile file(command.weather);
     sun->weather.emplace(file);
     schedule.weather = &*sun->weather;
-    if (cloud.cloud.cloud.crs.empty() && !position)
-      position = glm::dvec2(sun->weather->latitude(), sun->weather->longitude());
+    if (cloud.cloud.cloud.crs.empty() && !location)
+      location = glm::dvec2(sun->weather->latitude(), sun->weather->longitude());
   }
   sun->is_map_known = image_module().place_schedule(cloud.cloud.cloud.crs, glm::dvec2(cloud.area().center()),
-                                                    position, schedule);
+                                                    location, schedule);
   schedule.from = begin_of(*command.from, schedule.longitude);
   schedule.to = end_of(command.to.value_or(*command.from), schedule.longitude);
   schedule.step_minutes = command.step_minutes;
