@@ -188,7 +188,7 @@ TEST(Camera, overview_looks_to_an_azimuth) {
 TEST(Camera, a_filled_camera_keeps_its_pose_and_shows_all_positions_up_to_the_margin) {
   const CameraPose pose{.position = {1, 2, 3}, .right = {1, 0, 0}, .down = {0, 1, 0}, .forward = {0, 0, 1}};
   const std::vector<glm::dvec3> positions = {{0, 2, 5}, {4, 2, 5}, {1, 1, 7}, {1, 2.5, 4}};
-  for (const auto& [width, height] : {std::pair(600, 400), std::pair(100, 400)}) {
+  for (const auto& [width, height] : {std::pair(600, 400), std::pair(100, 400), std::pair(600, 100)}) {
     const std::optional<Camera> camera = filled_camera(pose, positions, width, height);
     ASSERT_TRUE(camera);
     EXPECT_EQ(camera->pose.position, pose.position);

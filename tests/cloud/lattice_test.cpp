@@ -164,6 +164,8 @@ TEST(JoinedLatticeTest, where_no_lattice_holds_all_it_is_the_finest_that_32_bits
   EXPECT_EQ(joined_scale({of_scale(1.7e-6), of_scale(1.1e-6)}), glm::dvec3(1.1e-6));
   EXPECT_EQ(joined_scale({of_scale(1.7e-6), of_scale(1.1e-6)}, {glm::dvec3(0), glm::dvec3(5000)}),
             glm::dvec3(1.1e-5));
+  EXPECT_EQ(joined_scale({of_scale(1.7e-6), of_scale(1.1e-6)}, {glm::dvec3(-5000), glm::dvec3(0)}),
+            glm::dvec3(1.1e-5));
   EXPECT_EQ(joined_scale({of_scale(0.01), of_scale(1e-7)}), glm::dvec3(1e-6)) << "exact, but out of reach";
 }
 

@@ -125,6 +125,18 @@ TEST(ErrorMetrics, pixels_that_do_not_count_are_neither_compared_nor_excluded) {
 
 // Of 40 differences 1 .. 40 the 38th is the first that 95 % do not exceed; of 19 it is the 19th (18.05
 // rounded up).
+TEST(ErrorMetrics, the_percentile_is_of_the_pixels_that_count) {
+  const std::vector<float> reference(40, 0.0f);
+  std::vector<float> test(40, 0.125f);
+  ImageMask mask;
+  mask.counts.assign(40, 1);
+  for (std::size_t i = 0; i < 20; ++i) {
+    test[i] = 0.0f;
+    mask.counts[i] = 0;
+  }
+  EXPECT_EQ(error_metrics(reference, test, 1, 10, mask).percentile_95, 0.125);
+}
+
 TEST(ErrorMetrics, the_percentile_is_that_of_the_nearest_rank) {
   for (const auto& [count, expected] : {std::pair{40, 38.0}, std::pair{20, 19.0}, std::pair{19, 19.0}}) {
     std::vector<float> reference(static_cast<std::size_t>(count), 0.0f), test;

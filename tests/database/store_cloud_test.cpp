@@ -146,6 +146,21 @@ TEST_F(StoreCloudTest, marks_for_no_value_are_compared_as_they_are) {
         << name;
   EXPECT_EQ(numbers(database, "SELECT sum(odd) FROM points"), std::vector<double>{24})
       << "a scale of NaN is ignored";
+  EXPECT_EQ(numbers(database, "SELECT max(u) FROM points"), std::vector<double>{18446744073709551614.0})
+      << "beyond the whole numbers of SQLite";
+}
+
+TEST_F(StoreCloudTest, numbers_are_scaled_before_their_offset_is_added) {
+  PointCloud cloud = site(8);
+  ExtraDimension lifted = plain_dimension("lifted", ScalarType::uint8);
+  lifted.values.assign(8, 3);
+  lifted.has_scale = lifted.has_offset = true;
+  lifted.scale = 0.5;
+  lifted.offset = 100.0;
+  cloud.extra_dimensions.push_back(lifted);
+  store_cloud(file_, cloud);
+  const Connection database(file_, Connection::Mode::read);
+  EXPECT_EQ(numbers(database, "SELECT DISTINCT lifted FROM points"), std::vector<double>{101.5});
 }
 
 TEST_F(StoreCloudTest, stopping_leaves_no_file_and_no_table) {

@@ -43,12 +43,20 @@ def test_nearest_within_and_count_agree(scattered, rays):
         assert set(lists.index[part]) == set(np.flatnonzero(distance[i] <= 0.5))
 
 
+def test_lists_of_many_targets_are_those_of_each(scattered):
+    few = scattered.xyz[:100]
+    of_few, of_many = (scattered.points_within(xyz, radius=0.5) for xyz in (few, np.tile(few, (300, 1))))
+    assert (np.diff(of_many.offsets) == np.tile(np.diff(of_few.offsets), 300)).all()
+    assert (of_many.index == np.tile(of_few.index, 300)).all()
+
+
 def test_masks_and_classes_choose_points(scattered, rays):
     classes = np.asarray(scattered["classification"])
     hits = scattered.closest(rays, radius=0.3, classes=[2, 4])
     assert set(classes[hits.index[hits.index >= 0]]) == {2, 4}
     mask = np.isin(classes, [2, 4])
     assert (scattered.closest(rays, radius=0.3, where=mask).index == hits.index).all()
+    assert (scattered.closest(rays, radius=0.3, where=np.repeat(mask, 2)[::2]).index == hits.index).all()
     assert (scattered.nearest_points(rays[:, :3], k=3, where=mask, classes=[2]).index % 5 == 2).all()
     with pytest.raises(alidade.Error, match="bool of shape"):
         scattered.closest(rays, radius=0.3, where=mask[:-1])

@@ -126,6 +126,69 @@ TEST(Layers, of_a_scan_tell_how_sure_they_are) {
   EXPECT_GT(film.depth_sigma[bird], 0.5f) << "the floor may be seen past it";
 }
 
+TEST(Layers, coverage_is_the_share_of_16_rays_through_a_pixel_that_meet_the_cloud) {
+  constexpr double k_x = 0.3, k_y = 0.1;
+  const LoadedCloud cloud = test::loaded({{k_x, k_y, 0.0}}, 1.0);
+  Scene scene;
+  scene.cloud.emplace().shape = PointShape::sphere;
+  scene.camera = camera::orthophoto_camera({{-2.0, -2.0, 0.0}, {2.0, 2.0, 2.0}}, 1.0);
+  scene.render.samples = 1;
+  const image::Film film = render(scene, &cloud);
+  for (int y = 0; y < 4; ++y) {
+    for (int x = 0; x < 4; ++x) {
+      int met = 0;
+      for (int i = 0; i < 16; ++i) {
+        const double east = -2.0 + x + (i % 4 + 0.5) / 4.0 - k_x, north = 2.0 - y - (i / 4 + 0.5) / 4.0 - k_y;
+        met += east * east + north * north < 1.0 ? 1 : 0;
+      }
+      EXPECT_EQ(film.coverage[film.index(x, y)], static_cast<float>(met) / 16.0f) << x << " " << y;
+    }
+  }
+}
+
+TEST(Layers, depths_just_beside_a_sheet_know_that_it_may_reach_there) {
+  // A floor that ends at x = 1, and another one two metres below it.
+  std::vector<glm::dvec3> points;
+  for (int x = -40; x <= 40; ++x)
+    for (int y = -20; y <= 20; ++y)
+      for (const double z : {0.0, -2.0})
+        if (z < 0.0 || x <= 20) points.emplace_back(0.05 * x, 0.05 * y, z);
+  LoadedCloud cloud = test::loaded(points, 0.1, {glm::dvec3(1e-4), glm::dvec3(0)});
+  Scene scene;
+  scene.cloud.emplace().shape = PointShape::blend;
+  choose_radius(*scene.cloud, cloud);
+  scene.camera = camera::orthophoto_camera({{0.5, 0.0, -2.0}, {1.5, 0.01, 1.0}}, 0.01);
+  scene.render.samples = 1;
+  const image::Film film = render(scene, &cloud);
+  int x = 0;
+  while (x < 100 && film.depth[film.index(x, 0)] < 2.0f) ++x;
+  ASSERT_GT(x, 45);
+  ASSERT_LT(x, 60);
+  EXPECT_GT(film.depth_sigma[film.index(x, 0)], 1.0f) << "the upper floor may be met";
+  EXPECT_LT(film.depth_sigma[film.index(95, 0)], 0.05f);
+}
+
+TEST(Layers, nothing_nearer_than_the_near_distance_is_seen_of_any_surface) {
+  // A floor, and another one two metres above it.
+  std::vector<glm::dvec3> points;
+  for (int x = -20; x <= 20; ++x)
+    for (int y = -20; y <= 20; ++y)
+      for (const double z : {0.0, 2.0}) points.emplace_back(0.05 * x, 0.05 * y, z);
+  for (const PointShape shape : {PointShape::sphere, PointShape::disc, PointShape::blend}) {
+    LoadedCloud cloud = test::loaded(points, 0.1, {glm::dvec3(1e-4), glm::dvec3(0)});
+    Scene scene;
+    scene.cloud.emplace().shape = shape;
+    choose_radius(*scene.cloud, cloud);
+    scene.camera = camera::pinhole_from_fov(3, 3, 10.0, camera::look_at({0.0, 0.0, 5.0}, {0.0, 0.001, 0.0}));
+    scene.render.samples = 1;
+    for (const double near : {0.0, 4.0}) {
+      scene.camera->near = near;
+      const image::Film film = render(scene, &cloud);
+      EXPECT_NEAR(film.depth[film.index(1, 1)], near > 0.0 ? 5.0 : 3.0, 0.15) << static_cast<int>(shape);
+    }
+  }
+}
+
 TEST(Layers, depth_and_its_sigma_are_along_the_axis_of_the_camera) {
   // The middle of the right pixel looks along (0.6, 0.8, 0) at a sphere 5 away, whose sigma is its radius.
   const LoadedCloud cloud = test::loaded({{3.0, 4.0, 0.0}}, 0.1);

@@ -106,6 +106,12 @@ TEST_F(LoadCloud, automatic_takes_height_where_most_points_have_no_class) {
     add_intensities(points);
   }));
   EXPECT_EQ(cloud.color.by, PointColor::height);
+  fs::remove(folder_ / "site.las");
+  const LoadedCloud noisy = load_cloud(settings_for([](PointCloud& points) {
+    classify(points, 499);
+    for (std::size_t id = 499; id < points.size(); ++id) points.classifications[id] = id % 2 == 0 ? 7 : 18;
+  }));
+  EXPECT_EQ(noisy.color.by, PointColor::height) << "low and high noise";
 }
 
 TEST_F(LoadCloud, automatic_takes_height_where_there_are_no_classes_with_a_warning) {
@@ -203,9 +209,16 @@ TEST_F(LoadCloud, strays_do_not_widen_what_is_shown) {
   for (int i = 0; i < 20; ++i) positions.emplace_back(2000.0, 3000.0 + i, 500.0);
   settings.files = {folder_ / "strays.las"};
   write_las(settings.files[0], test::make_cloud(positions, {glm::dvec3(0.001), glm::dvec3(0.0)}));
-  const Bounds strays = visible_bounds(load_cloud(settings));
+  const LoadedCloud cloud = load_cloud(settings);
+  EXPECT_EQ(stray_count(cloud), 20u);
+  const Bounds strays = visible_bounds(cloud);
   EXPECT_EQ(strays.min, plain.min);
   for (int axis = 0; axis < 3; ++axis) EXPECT_LT(strays.max[axis], plain.max[axis] + 5.0) << axis;
+
+  for (int i = 0; i < 20; ++i) positions.emplace_back(-2000.0, -3000.0 - i, -500.0);
+  settings.files = {folder_ / "more.las"};
+  write_las(settings.files[0], test::make_cloud(positions, {glm::dvec3(0.001), glm::dvec3(0.0)}));
+  EXPECT_EQ(stray_count(load_cloud(settings)), 40u) << "once each, though far away along all axes";
 }
 
 TEST_F(LoadCloud, pylons_and_far_walls_are_in_the_frame_of_an_overview) {
@@ -248,6 +261,10 @@ TEST(AutomaticExposure, is_that_of_the_surfaces_alone) {
   EXPECT_NEAR(automatic_exposure(scene, nullptr, view), -2.0, 1e-9);
   scene.sky = ConstantSky{Rgb(50.0f)};
   EXPECT_NEAR(automatic_exposure(scene, nullptr, view), -2.0, 1e-9) << "however bright the sky is";
+  // Most pixels of a ball of some two pixels show the sky, too, which is not part of its light.
+  scene.objects.front() =
+      Sphere{.center = {0, 0, 0}, .radius = 0.26, .material = Emissive{Rgb(4.0f * 0.187f)}};
+  EXPECT_NEAR(automatic_exposure(scene, nullptr, view), -2.0, 1e-9);
   EXPECT_EQ(
       automatic_exposure(scene, nullptr,
                          camera::pinhole_from_fov(60, 40, 60.0, camera::look_at({0, -10, 0}, {0, -20, 0}))),

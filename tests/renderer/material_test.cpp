@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <glm/geometric.hpp>
 #include <numbers>
 #include <vector>
@@ -185,6 +186,17 @@ TEST(Material, mirror_reflects_in_one_direction_and_returns_all_light_of_a_white
   EXPECT_EQ(chosen->weight, Rgb(1.0f));
   EXPECT_EQ(eval(mirror, k_color, {0.6, 0.0, 0.8}, {-0.6, 0.0, 0.8}), Rgb(0.0f));
   EXPECT_EQ(sample(Metal{std::nullopt, 0.0}, k_color, {0, 0, 1}, {0.3, 0.7}, 0.5)->weight, k_color);
+}
+
+TEST(Material, metal_reflects_by_the_fifth_power_of_schlick) {
+  // A white metal of the same roughness has the rest of the formula alone.
+  for (const double cosine : {0.9, 0.5, 0.2}) {
+    const double sine = std::sqrt(1.0 - cosine * cosine);
+    const glm::dvec3 wo{sine, 0.0, cosine}, wi{-sine, 0.0, cosine};
+    const double dark = eval(Metal{Rgb(0.2f), 0.5}, k_color, wo, wi).r,
+                 white = eval(Metal{Rgb(1.0f), 0.5}, k_color, wo, wi).r;
+    EXPECT_NEAR(dark / white, 0.2 + 0.8 * std::pow(1.0 - cosine, 5.0), 1e-6) << cosine;
+  }
 }
 
 TEST(Material, fresnel_reflectance_has_its_known_limits) {

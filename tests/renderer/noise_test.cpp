@@ -125,6 +125,13 @@ TEST(Noise, error_is_relative_to_the_mean_luminance_and_the_floor) {
   EXPECT_EQ(Noise{}.error(0.1), 0.0);
 }
 
+TEST(Noise, floor_is_a_hundredth_of_what_is_shown_as_white) {
+  // A stop more shows half as much light as white.
+  EXPECT_DOUBLE_EQ(noise_floor(0.0), 0.01);
+  EXPECT_DOUBLE_EQ(noise_floor(2.0), 0.0025);
+  EXPECT_DOUBLE_EQ(noise_floor(-1.0), 0.02);
+}
+
 TEST(Variance, is_right_where_light_changes_smoothly) {
   // A plane under a sky that changes with the elevation: nothing but smooth functions of the numbers drawn.
   Scene scene = test::dark_scene(test::camera_at({0, 0, 0.5}, {0, 0, 0}, 10.0, 16), 1, 0);

@@ -62,6 +62,22 @@ TEST(SmoothNormals, what_is_no_surface_has_little_trust_or_none) {
   EXPECT_LT(normal_of_first(heap, 0.8).trust, 0.1);
 }
 
+TEST(SmoothNormals, rays_leave_a_point_as_far_above_its_sphere_as_its_surface_is_trusted) {
+  // Five points of a plane are too few to be sure of it.
+  const LoadedCloud cloud =
+      test::loaded({{0, 0, 0}, {0.1, 0, 0}, {-0.1, 0, 0}, {0, 0.1, 0}, {0, -0.1, 0}}, 0.06);
+  const double trust = SmoothNormals(cloud.octree).at(0, {0, 0, 0}, 2.5 * 0.06).trust;
+  EXPECT_GT(trust, 0.1);
+  EXPECT_LT(trust, 0.9);
+  Scene scene;
+  scene.cloud.emplace().normals = NormalMode::smooth;
+  const World world(scene, &cloud);
+  const Ray ray = make_ray({0, 0, 5}, {0, 0, -1});
+  const Surface surface = world.surface_at(ray, world.nearest(ray, {}).value());
+  // From its top on to a quarter of a radius above it.
+  EXPECT_NEAR(surface.ray_origin.z, 0.06 * (1.0 + 0.25 * trust), 1e-9);
+}
+
 TEST(SmoothNormals, points_out_of_reach_do_not_count) {
   std::vector<glm::dvec3> offsets;
   for (int i = -20; i <= 20; ++i) {

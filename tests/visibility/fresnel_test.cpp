@@ -116,6 +116,13 @@ TEST(Fresnel, worst_cross_section_distinguishes_one_wall_from_two) {
   const FresnelClearance both = clearance(cloud.occluders({.radius = k_spacing}));
   EXPECT_NEAR(both.obstructed, 1.0, 0.01);
   EXPECT_NEAR(both.worst, 0.5, 0.01);
+  // As near as the zone is wide, 3.53 m, they are one cross-section.
+  for (const auto& [x, worst] : {std::pair(33.0, 1.0), std::pair(34.0, 0.5)}) {
+    WallCloud near;
+    add_half_plane(near, 30, 0.0);
+    add_half_plane(near, x, 0.0, true);
+    EXPECT_NEAR(clearance(near.occluders({.radius = k_spacing})).worst, worst, 0.02) << x;
+  }
 }
 
 TEST(Fresnel, points_that_obstruct_are_listed_with_their_shares) {

@@ -186,6 +186,24 @@ TEST(PhotoVisibility, a_point_has_the_colour_of_its_position_in_the_photo) {
   }
 }
 
+TEST(PhotoVisibility, of_two_photos_that_from_half_as_far_counts_four_times) {
+  // One pixel of it is half as wide on the ground, and so has a quarter of the area.
+  const std::vector<NamedCamera> photos = {photo_at("low", {5.01, 10, 6}, {5, 10, 0}),
+                                           photo_at("high", {5.01, 10, 12}, {5, 10, 0})};
+  const std::vector<std::array<std::uint8_t, 3>> colors = {{200, 0, 0}, {0, 100, 0}};
+  const PhotoVisibility seen = photo_visibility(
+      yard(), photos, {.read_photo = [&](std::size_t photo) { return plain_photo(colors[photo]); }});
+  const std::vector<glm::dvec3> positions = positions_of(yard());
+  int found = 0;
+  for (std::size_t id = 0; id < positions.size(); ++id) {
+    if (glm::length(positions[id] - glm::dvec3(5, 10, 0)) > 0.3) continue;
+    ++found;
+    ASSERT_NEAR(seen.colors[id].r, 160 * 257, 257);
+    ASSERT_NEAR(seen.colors[id].g, 20 * 257, 257);
+  }
+  EXPECT_GT(found, 3);
+}
+
 TEST(PhotoVisibility, one_wrong_photo_of_three_does_not_show) {
   // The wrong one is by far the nearest.
   const std::vector<NamedCamera> photos = {photo_at("a", {2, 10, 2}, {10, 10, 1}),

@@ -141,6 +141,16 @@ TEST(SunLight, bins_keep_hours_and_energy) {
   EXPECT_THROW(beam_light(steps, NAN), Error);
 }
 
+TEST(SunLight, fans_go_through_the_middles_of_their_sectors) {
+  const std::vector<SunStep> steps = {
+      {.azimuth = 31.0, .elevation = 20.0, .hours = 0.5, .irradiance = 100.0},
+      {.azimuth = 59.0, .elevation = 25.0, .hours = 0.5, .irradiance = 100.0}};
+  const SunLight light = sun_light(steps, 1, {.bin = 30.0, .has_sky = false, .by_horizons = true});
+  ASSERT_EQ(light.fans.size(), 1u);
+  EXPECT_NEAR(light.fans[0].direction.x, std::sqrt(0.5), 1e-12) << "45 degrees";
+  EXPECT_NEAR(light.fans[0].direction.y, std::sqrt(0.5), 1e-12);
+}
+
 /// A wall from west to east, 0.4 m thick, scanned on both sides and on top.
 Points wall() {
   Points points;

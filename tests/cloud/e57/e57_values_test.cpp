@@ -82,11 +82,11 @@ TEST(E57Color, scaled_limits_are_scaled) {
       "<colorLimits type=\"Structure\">"
       "<colorRedMinimum type=\"ScaledInteger\" scale=\"0.1\" offset=\"-1\">10</colorRedMinimum>"
       "<colorRedMaximum type=\"ScaledInteger\" scale=\"0.1\" offset=\"-1\">30</colorRedMaximum>"
-      "<colorGreenMinimum type=\"Float\"/><colorGreenMaximum type=\"Float\">2</colorGreenMaximum>"
+      "<colorGreenMinimum type=\"Float\"/><colorGreenMaximum type=\"Float\">4</colorGreenMaximum>"
       "<colorBlueMinimum type=\"Float\"/><colorBlueMaximum type=\"Float\">2</colorBlueMaximum>"
       "</colorLimits>",
       points_with(colors(float64_column, {0, 1, 2})));
-  EXPECT_EQ(read(builder).colors[1], Color16(32768));
+  EXPECT_EQ(read(builder).colors[1], Color16(32768, 16384, 32768)) << "each channel by its own";
 }
 
 TEST(E57Color, fields_without_limits_go_to_255_or_65535_whatever_occurs) {

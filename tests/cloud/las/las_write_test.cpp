@@ -99,6 +99,26 @@ TEST(LasWriteTest, every_scan_angle_of_the_new_formats_survives) {
   EXPECT_TRUE(same_bits(cloud.scan_angles, read_cloud(path).scan_angles));
 }
 
+TEST(LasWriteTest, an_offset_without_a_scale_stays_one_and_returns_end_at_15) {
+  PointCloud cloud;
+  cloud.lattice = {.scale = glm::dvec3(0.5), .offset = {10, 20, 30}};
+  cloud.positions = {{1, 2, 3}};
+  cloud.returns = {{17, 2}};
+  ExtraDimension lifted = plain_dimension("lifted", ScalarType::uint8);
+  lifted.has_offset = true;
+  lifted.offset = 100.0;
+  lifted.values = {7};
+  cloud.extra_dimensions = {lifted};
+  const std::filesystem::path path = test::test_folder() / "out.las";
+  write_las(path, cloud, {.overwrite = true});
+  const PointCloud found = read_cloud(path);
+  EXPECT_EQ(int{found.returns[0].number}, 15);
+  EXPECT_EQ(int{found.returns[0].count}, 2);
+  EXPECT_TRUE(found.extra_dimensions[0].has_offset);
+  EXPECT_FALSE(found.extra_dimensions[0].has_scale);
+  EXPECT_EQ(found.extra_dimensions[0].offset, 100.0);
+}
+
 TEST(LasWriteTest, the_header_has_counts_bounds_and_counts_by_return) {
   PointCloud cloud;
   cloud.lattice = {.scale = glm::dvec3(0.5), .offset = {10, 20, 30}};
