@@ -121,6 +121,14 @@ TEST(GroundTest, a_lone_echo_far_below_does_not_count) {
   EXPECT_NEAR(at(site.ground(), 20, 20), plane(20, 20), 0.1);
 }
 
+TEST(GroundTest, beside_a_lone_echo_the_next_point_of_its_cell_counts) {
+  // So few points that one leaf holds them all, from the bottom up: the echo comes after the raised one below.
+  Site site;
+  for (int i = 0; i < 9; ++i) site.add(0.5 + i % 3, 0.5 + i / 3, i == 4 ? 500.9 : 500.0, 0);
+  site.add(1.5, 1.5, 504.0, 0);
+  EXPECT_NEAR(at(site.ground({.source = GroundSource::highest, .cell_size = 1.0}), 1.5, 1.5), 500.9, 1e-6);
+}
+
 TEST(GroundTest, highest_points_are_roofs_and_crowns) {
   const auto roof = [](double x, double y) { return plane(x, y) + 8.0 + 0.6 * x; };
   Site site;
