@@ -293,6 +293,16 @@ TEST(Change, radii_that_are_given_hold) {
   EXPECT_EQ(thin.after.classes[1000], ChangeClass::not_measured);
 }
 
+TEST(Change, dense_points_are_measured_by_the_spacing_of_the_other_epoch) {
+  // Cylinders of twice their own spacing, 0.02 sqrt(2) m, would hold too few points of the thin epoch.
+  Points thin, dense;
+  add_rectangle(thin, {0, 0, 0}, {1, 0, 0}, {0, 1, 0}, 0.1);
+  add_rectangle(dense, {0, 0, 0.01}, {1, 0, 0}, {0, 1, 0}, 0.02);
+  const Changes changes = changes_of(Scan(thin), Scan(dense));
+  EXPECT_EQ(share(changes.after, ChangeClass::moved), 1.0);
+  for (const float distance : changes.after.distances) ASSERT_NEAR(distance, 0.01, 1e-4);
+}
+
 /// A grid of 30 by 30 m with a point about every metre, and noise of a centimetre.
 Points thin_ground(const char* seed, double height) {
   Random random(seed);
