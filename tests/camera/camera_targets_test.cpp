@@ -272,6 +272,13 @@ TEST(CameraTargets, an_orthophoto_shows_everything_at_its_position_whatever_its_
   }
 }
 
+TEST(CameraTargets, an_orthophoto_without_extent_on_the_border_of_pixels_is_the_pixel_north_east_of_it) {
+  const Camera camera = orthophoto_camera({{10, 20, 1}, {10, 20, 1}}, 5.0);
+  EXPECT_EQ(camera.width, 1);
+  EXPECT_EQ(camera.height, 1);
+  EXPECT_EQ(camera.pose.position, glm::dvec3(10, 25, 6)) << "of the upper left corner";
+}
+
 TEST(CameraTargets, orthophotos_without_extent_or_beyond_all_pixels_are_errors) {
   const Bounds bounds{{0, 0, 0}, {10, 10, 1}};
   EXPECT_THROW(orthophoto_camera({}, 0.1), Error);
