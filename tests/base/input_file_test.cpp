@@ -2,9 +2,12 @@
 #include "base/input_file.h"
 
 #include <gtest/gtest.h>
+#include <algorithm>
 #include <array>
 #include <filesystem>
 #include <initializer_list>
+#include <memory>
+#include <tuple>
 #include <utility>
 
 #include "base/error.h"
@@ -89,6 +92,42 @@ TEST(InputFileErrorTest, a_file_that_became_shorter_is_an_error) {
   test::write_text(path, "012");
   EXPECT_NE(error_of([&] { file.view(0, 10); }).find("the file was truncated while it was read"),
             std::string::npos);
+}
+
+/// What the server reports of its file.
+std::uint64_t served_size = 0;
+std::string served_version;
+
+class ServedFile final : public RemoteFile {
+ public:
+  std::uint64_t size() const override { return size_; }
+  std::string version() const override { return version_; }
+  void read(std::uint64_t, std::span<std::byte> into) override { std::ranges::fill(into, std::byte{'x'}); }
+
+ private:
+  const std::uint64_t size_ = served_size;
+  const std::string version_ = served_version;
+};
+
+TEST(InputFileErrorTest, a_remote_file_of_another_size_or_version_after_a_rest_is_an_error) {
+  set_remote_files(
+      [](const std::string&) -> std::unique_ptr<RemoteFile> { return std::make_unique<ServedFile>(); });
+  for (const auto& [size, version, found] : {std::tuple{10u, "2", "found 10 bytes, version 2"},
+                                             std::tuple{11u, "1", "found 11 bytes, version 1"}}) {
+    served_size = 10;
+    served_version = "1";
+    InputFile file("https://host/a.laz");
+    EXPECT_EQ(text(file.view(0, 2)), "xx");
+    file.rest();
+    EXPECT_EQ(text(file.view(0, 2)), "xx");
+    file.rest();
+    served_size = size;
+    served_version = version;
+    const std::string message = error_of([&] { file.view(0, 2); });
+    EXPECT_NE(message.find("the file changed while it was read"), std::string::npos) << message;
+    EXPECT_NE(message.find(found), std::string::npos) << message;
+  }
+  set_remote_files(nullptr);
 }
 
 TEST(PublicName, of_a_url_has_neither_user_nor_parameters) {

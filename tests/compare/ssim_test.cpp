@@ -171,6 +171,18 @@ TEST(Ssim, pixels_that_do_not_count_make_no_difference) {
   EXPECT_TRUE(std::isnan(similarity(reference, test, mask).ms_ssim));
 }
 
+TEST(Ssim, a_pixel_of_half_size_counts_if_all_four_of_its_pixels_do) {
+  const ComparedImage picture = patchy_picture(162, 162, ColorEncoding::display, "one of four");
+  for (int part = 0; part < 4; ++part) {
+    ImageMask mask;
+    for (int y = 0; y < picture.height; ++y)
+      for (int x = 0; x < picture.width; ++x) mask.counts.push_back(x % 2 != part % 2 || y % 2 != part / 2);
+    const Similarity result = similarity(picture, picture, mask);
+    EXPECT_NEAR(result.ssim, 1.0, 1e-12) << part;
+    EXPECT_TRUE(std::isnan(result.ms_ssim)) << part;
+  }
+}
+
 TEST(Ssim, the_same_bytes_on_any_number_of_threads) {
   const ComparedImage one = patchy_picture(300, 200, ColorEncoding::linear, "threads");
   const ComparedImage other = patchy_picture(300, 200, ColorEncoding::linear, "alone", 0.4);

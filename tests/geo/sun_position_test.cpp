@@ -130,6 +130,19 @@ TEST(SunPosition, air_lifts_the_setting_sun_by_its_own_size) {
   EXPECT_NEAR(noon.elevation, noon.geometric_elevation, 2e-3);
 }
 
+TEST(SunPosition, refraction_goes_with_the_density_of_the_air) {
+  // Density goes with 1 / absolute temperature; 0.1 % are for formulas that round 273.15 K to 273.
+  SunObserver cold{.latitude = 48.0, .longitude = 11.5, .temperature = -30.0}, mild = cold, hot = cold;
+  mild.temperature = 10.0;
+  hot.temperature = 40.0;
+  const auto lift = [](const SunObserver& observer) {
+    const SunPosition position = at("2024-03-20T06:30Z", observer);
+    return position.elevation - position.geometric_elevation;
+  };
+  EXPECT_NEAR(lift(cold) / lift(mild), 283.15 / 243.15, 1e-3);
+  EXPECT_NEAR(lift(hot) / lift(mild), 283.15 / 313.15, 1e-3);
+}
+
 TEST(SunPosition, a_minute_of_delta_t_moves_the_sun_by_two_arc_seconds) {
   const Moment moment = parse_date_time("2024-03-20T12:00Z");
   const double difference = std::fabs(sun_position(moment, observer(90, 0), 0.0).elevation -

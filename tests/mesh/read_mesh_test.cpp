@@ -115,6 +115,15 @@ TEST_F(ReadMeshTest, obj_has_negative_numbers_texture_numbers_and_colours) {
   EXPECT_EQ(colored.vertex_colors, (std::vector<Rgb>{{1, 0, 0}, {0, 1, 0}, {0, 0, 1}}));
 }
 
+TEST_F(ReadMeshTest, a_material_without_colour_leaves_the_colours_of_vertices) {
+  write("a.mtl", "newmtl red\nKd 1 0 0\n");
+  const TriangleMesh mesh = read("a.obj",
+                                 "mtllib a.mtl\nv 0 0 0 0 1 0\nv 1 0 0 0 1 0\nv 0 1 0 0 1 0\n"
+                                 "usemtl red\nusemtl unknown\nf 1 2 3\n");
+  EXPECT_TRUE(mesh.triangle_colors.empty());
+  EXPECT_EQ(mesh.vertex_colors, std::vector<Rgb>(3, {0, 1, 0}));
+}
+
 TEST_F(ReadMeshTest, a_missing_mtl_file_is_a_warning) {
   const TriangleMesh mesh = read("a.obj", "mtllib gone.mtl\nusemtl x\nv 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n");
   ASSERT_EQ(mesh.warnings.size(), 1u);

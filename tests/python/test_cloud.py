@@ -20,13 +20,14 @@ FEET = (f'COMPD_CS["both",{PLANE},VERT_CS["NAVD88 height (ftUS)",VERT_DATUM["Nor
         'UNIT["US survey foot",0.304800609601219],AXIS["Up",UP]]]')
 
 
-def las_file(wkt: str, steps: list) -> bytes:
-    """LAS 1.4, point format 6, positions in steps of 0.01."""
-    text = wkt.encode() + b"\0"
-    header = struct.pack("<4sHH16sBB32s32sHHHIIBHI20s12d", b"LASF", 0, 16, b"", 1, 4, b"", b"", 1, 2026, 375,
+def las_file(crs: str | list, steps: list) -> bytes:
+    """LAS 1.4, point format 6, positions in steps of 0.01; WKT or GeoTIFF keys."""
+    is_wkt = isinstance(crs, str)
+    text = crs.encode() + b"\0" if is_wkt else struct.pack(f"<{len(crs)}H", *crs)
+    header = struct.pack("<4sHH16sBB32s32sHHHIIBHI20s12d", b"LASF", 0, 16 * is_wkt, b"", 1, 4, b"", b"", 1, 2026, 375,
                          375 + 54 + len(text), 1, 6, 30, 0, b"", .01, .01, .01, 0, 0, 0, 1e6, 0, 1e6, 0, 1e6, 0)
     header += struct.pack("<QQIQ15Q", 0, 0, 0, len(steps), len(steps), *[0] * 14)
-    record = struct.pack("<H16sHH32s", 0, b"LASF_Projection", 2112, len(text), b"") + text
+    record = struct.pack("<H16sHH32s", 0, b"LASF_Projection", 2112 if is_wkt else 34735, len(text), b"") + text
     return header + record + b"".join(struct.pack("<3i18x", *step) for step in steps)
 
 
@@ -40,6 +41,13 @@ def test_heights_in_another_unit_are_converted_with_a_warning(tmp_path):
     subprocess.run([PROGRAM, "convert", tmp_path / "feet.las", "-o", tmp_path / "feet.alidade", "-q"], check=True)
     with pytest.raises(alidade.Error, match="an index of heights that are not in the unit of x and y"):
         alidade.open(tmp_path / "feet.alidade")
+
+
+def test_codes_of_geotiff_keys_are_those_of_plan_and_heights(tmp_path):
+    plan, heights = [3072, 0, 1, 25832], [4096, 0, 1, 7837]
+    for keys, crs in ((plan, "EPSG:25832"), (plan + heights, "EPSG:25832+7837")):
+        (tmp_path / "keys.las").write_bytes(las_file([1, 1, 0, len(keys) // 4, *keys], [[100, 100, 1000]]))
+        assert alidade.open(tmp_path / "keys.las").crs == crs
 
 
 def test_files_of_different_systems_are_an_error_however_they_are_written(tmp_path):

@@ -150,5 +150,37 @@ TEST(IndexVerify, a_point_in_two_leaves_of_a_tree_without_ids) {
   EXPECT_FALSE(find_misplaced_point(tree));
 }
 
+TEST(IndexVerify, a_box_of_any_child_beyond_the_box_of_its_parent) {
+  Node nodes[2] = {};
+  for (Node& node : nodes) {
+    for (auto& row : node.low) std::ranges::fill(row, std::uint8_t{1});
+    for (auto& row : node.high) std::ranges::fill(row, std::uint8_t{9});
+  }
+  nodes[0].kind[0] = k_inner_kind;
+  nodes[0].first_child = 1;
+  std::ranges::fill(nodes[1].kind, std::uint8_t{1});
+  const std::vector<std::uint16_t> coordinates(3 * k_node_width + k_coordinate_padding, 5);
+  TreeView tree;
+  tree.lattice = {glm::dvec3(1.0), glm::dvec3(0.0)};
+  tree.point_count = k_node_width;
+  tree.node_count = tree.level_count = 2;
+  tree.bounds.grow(glm::dvec3(5.0));
+  tree.nodes = nodes;
+  tree.coordinates = coordinates.data();
+  EXPECT_FALSE(find_misplaced_point(tree));
+  for (int slot = 0; slot < k_node_width; ++slot) {
+    for (int axis = 0; axis < 3; ++axis) {
+      for (std::uint8_t* const side : {&nodes[1].low[axis][slot], &nodes[1].high[axis][slot]}) {
+        const std::uint8_t sound = *side;
+        *side = sound == 1 ? 0 : 10;
+        const auto fault = find_misplaced_point(tree);
+        ASSERT_TRUE(fault) << slot << " " << axis;
+        EXPECT_EQ(fault->problem, "its box in slot 0 does not contain the boxes of its child");
+        *side = sound;
+      }
+    }
+  }
+}
+
 }  // namespace
 }  // namespace alidade
