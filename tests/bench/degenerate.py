@@ -207,7 +207,8 @@ def stop_commands(program, folders, chosen):
                 if run.to_stop is None:
                     continue  # it was done before
                 slowest, stops = max(slowest, run.to_stop), stops + 1
-                if run.code not in (0, 1, 130) or run.left:
+                # Before the program handles signals they end it, at once.
+                if run.code not in (0, 1, 130, -number) or run.left:
                     row.append("**exit %d** %s" % (run.code, run.left))
                     is_well = False
             is_slow = slowest > MOST_SECONDS_TO_STOP
