@@ -97,7 +97,7 @@ bool begins_e57(std::span<const std::byte> start) {
   return text_of(start).starts_with("ASTM-E57");
 }
 
-/// The first format for which `accepts` returns true; null if there is none.
+/// The first format for which `accepts` returns true; null if it does for none.
 template <class Accepts>
 const CloudFormat* first_format(CloudFormats formats, const Accepts& accepts) {
   const auto found = std::ranges::find_if(formats, accepts);

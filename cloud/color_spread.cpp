@@ -12,7 +12,7 @@ namespace {
 
 constexpr int k_largest_8_bit = 255;
 
-/// The remark on a file whose largest colour is not 0; null if there is none.
+/// The remark on a file whose largest colour is not 0; null without such a file.
 const char* remark_on(bool is_deep, bool spreads, ColorDepth depth) {
   if (depth == ColorDepth::bits_8)
     return is_deep ? "{}: colours above 255 (maximum {}) are clamped, because --color-depth is 8" : nullptr;

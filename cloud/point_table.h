@@ -78,7 +78,7 @@ enum class NameRules { point_format, text };
 /// `extra`.
 void assign_roles(std::vector<TableColumn>& columns, NameRules rules);
 
-/// Index of the column with this role, which is not `extra` or `ignored`; empty if there is none.
+/// Index of the column with this role, which is not `extra` or `ignored`; empty without such a column.
 std::optional<std::size_t> find_role(std::span<const TableColumn> columns, ColumnRole role);
 
 /// The attributes that these columns fill.

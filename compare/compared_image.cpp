@@ -75,7 +75,7 @@ bool is_sky(const ComparedImage& image, std::size_t pixel) {
   return image.ids.empty() ? !is_depth(image.depth[pixel]) : image.ids[pixel] == 0;
 }
 
-/// Leaves the pixels that are inside (1) of the rectangles or outside (0), unless there are none.
+/// Leaves the pixels that are inside (1) of the rectangles or outside (0); all pixels without rectangles.
 void keep_covered(ImageMask& mask, const ComparedImage& image, std::span<const PixelRectangle> rectangles,
                   std::uint8_t kept) {
   if (rectangles.empty()) return;

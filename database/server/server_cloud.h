@@ -38,7 +38,7 @@ struct ServerTable {
   double row_estimate = 0.0;          ///< about how many rows; 0 if unknown
   std::optional<CloudRow> cloud{};    ///< for tables that `alidade sql load` made
 
-  /// The column of a name; null if there is none.
+  /// The column of a name; null without such a column.
   const NumberColumn* find(std::string_view name) const;
 
   /// Condition for rows with a position: x, y and z finite.

@@ -101,7 +101,7 @@ std::string words_of(const PGresult* result) {
   return detail.empty() ? text : text + "; " + detail;
 }
 
-/// The number of a text; 0 if there is none.
+/// The number of a text; 0 for text without a number.
 template <class Number>
 Number number_in(const std::string& word) {
   Number value = 0;

@@ -19,7 +19,7 @@ namespace alidade::database {
 
 struct PrunedStatement {
   std::string text;    ///< the statement with limits; empty if it was not changed
-  std::string reason;  ///< why it, or some condition in it, was not changed; empty if there is none
+  std::string reason;  ///< why it, or some condition in it, was not changed; else empty
 };
 
 /// Adds limits to the conditions on dist_ray and dist_plane of one statement that SQLite understands. They
@@ -46,7 +46,7 @@ struct Prepared {
   StatementHandle statement{};  ///< empty if there were only blanks and comments
   std::size_t size = 0;         ///< bytes of the statement in the text, with its semicolon
   std::string pruned{};  ///< the statement that runs instead (prune_statement()); empty if it was not changed
-  std::string reason{};  ///< why it, or some condition in it, was not changed; empty if there is none
+  std::string reason{};  ///< why it, or some condition in it, was not changed; else empty
 };
 
 /// Prepares the statement that begins at byte `begin` of a text, such that conditions on dist_ray and

@@ -149,7 +149,7 @@ class StoredCloud {
     return dimensions_.empty() ? all : all | Attribute::extra_dimensions;
   }
 
-  /// Bounds of all points, from the boxes of the chunks; empty if there are none.
+  /// Bounds of all points, from the boxes of the chunks; empty without chunks.
   Bounds bounds() const {
     Bounds box;
     BoxTree(connection_.get(), k_schema, table_, schema_.chunk_count).chunks([&](const Bounds& part) {
