@@ -1,0 +1,85 @@
+#!/usr/bin/env python3
+# SPDX-License-Identifier: MIT
+"""Checks that a reader who knows the name of a header knows the name of its source: a source has a header of its own name
+beside it and defines nothing that another header declares. It reads the sources as clang-format leaves them: declarations
+begin in the first column, those of classes are indented."""
+import pathlib
+import re
+import sys
+
+ROOMS = ("base cloud octree mesh geo image camera renderer visibility compare database simulation tools python").split()
+
+# Sources without a header of their own name, with the header that names them and the reason.
+WITHOUT_HEADER = {
+    "tools/main.cpp": "the program",
+}
+# Headers whose functions are defined elsewhere: each function's name leads to its source.
+DEFINED_ELSEWHERE = {
+    "tools/command.h": "add_NAME of a command stands in NAME.cpp",
+}
+
+DEFINITION = re.compile(r"^(?=\S)(?!using|namespace|struct|class|enum|template|typedef|static_assert|extern|#|//|}|{|\)|HWY_|TEST|PG_)"
+                        r"[^=;(]*?([A-Za-z_~][\w:~<>]*)\(", re.M)
+CLASS = re.compile(r"^(?:class|struct)\s+(?:\w+\s+)*?(\w+)(?:\s+final)?\s*(?:[:{]|$)", re.M)
+FUNCTION = re.compile(r"^(?=\S)(?!using|struct|class|enum|#|//|}|\s)[^=;(]*?\b([A-Za-z_]\w*)\(", re.M)
+
+
+def code(text):
+    """The text without comments, literals and unnamed namespaces."""
+    text = re.sub(r"^namespace \{\n(?:.|\n)*?^\}  // namespace$", "", text, flags=re.M)
+    text = re.sub(r'R"(\w*)\((?:.|\n)*?\)\1"', '""', text)
+    text = re.sub(r'"(?:[^"\\\n]|\\.)*"', '""', text)
+    return re.sub(r"/\*(?:.|\n)*?\*/|//[^\n]*", "", text)
+
+
+def is_definition(text, begin):
+    """Whether the parameters that open at `begin` are followed by a body."""
+    depth = 0
+    for at in range(begin, len(text)):
+        depth += {"(": 1, ")": -1}.get(text[at], 0)
+        if depth == 0:
+            after = re.match(r"[^;{]*[;{]", text[at + 1:])
+            return bool(after) and after.group().endswith("{")
+    return False
+
+
+def declared(header):
+    """Functions and classes that a header declares: in it a definition is inline, which is the header's own affair."""
+    text = code(header.read_text())
+    functions = {match.group(1) for match in FUNCTION.finditer(text) if not is_definition(text, match.end() - 1)}
+    return functions, set(CLASS.findall(text))
+
+
+def main():
+    problems = []
+    # Only headers of the same room and folder tree may declare what a source defines.
+    for room in ROOMS:
+        headers = {header: declared(header) for header in sorted(pathlib.Path(room).rglob("*.h"))}
+        for source in sorted(pathlib.Path(room).rglob("*.cpp")):
+            own = [source.with_suffix(".h"), source.with_name(source.stem + "-inl.h")]
+            of_command = re.search(rf"\badd_{source.stem}\(", source.read_text()) and room == "tools"
+            if not any(header.exists() for header in own) and str(source) not in WITHOUT_HEADER and not of_command:
+                problems.append(f"{source}: has no header {own[0].name} beside it")
+                continue
+            text = code(source.read_text())
+            for match in DEFINITION.finditer(text):
+                if not is_definition(text, match.end() - 1):
+                    continue
+                owner, _, function = re.sub(r"<.*?>", "", match.group(1)).rpartition("::")
+                owner = owner.split("::")[0]
+                if owner:
+                    where = [header for header in headers if owner in headers[header][1]]
+                else:
+                    where = [header for header in headers if function in headers[header][0]]
+                where = [header for header in where if str(header) not in DEFINED_ELSEWHERE]
+                if where and not any(header in own for header in where):
+                    problems.append(f"{source}: defines {match.group(1)}, which {where[0]} declares")
+    for problem in problems:
+        print(problem, file=sys.stderr)
+    if problems:
+        sys.exit(f"{len(problems)} sources or definitions stand where the name of their header does not lead")
+    print("every source is named after its header")
+
+
+if __name__ == "__main__":
+    main()
