@@ -14,7 +14,7 @@ namespace alidade::renderer {
 namespace {
 
 // Chosen so that fewer than 1 % of the depths of the sample site, at 1e5 to 5e6 points, are wrong by more
-// than 3 standard deviations (docs/fidelity.md).
+// than 3 standard deviations (docs/reports/fidelity.md).
 constexpr double k_shift = 1.0;   ///< spacings by which sheets may reach farther than their edges
 constexpr double k_wider = 2.5;   ///< times the radius that discs may have,
 constexpr double k_larger = 4.0;  ///< and spheres

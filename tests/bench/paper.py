@@ -1,6 +1,6 @@
 #!/usr/bin/python3
 # SPDX-License-Identifier: MIT
-"""paper.py BUILD RESULTS REPOSITORY: repeats the experiments of the paper and writes docs/paper.md.
+"""paper.py BUILD RESULTS REPOSITORY: repeats the experiments of the paper and writes docs/reports/paper.md.
 
 Clouds, databases and pictures are made in RESULTS, and kept for the next run. Other engines come from npm; without Node their
 table is left as a note. Needs 9 GB of disk for the cloud of the picture."""
@@ -156,9 +156,9 @@ def main():
     }
     template = (run.repository / "tests/bench/paper.md").read_text()
     page = re.sub(r"\{(\w+)\}", lambda match: parts[match.group(1)], template)
-    (run.repository / "docs/paper.md").write_text(page)
+    (run.repository / "docs/reports/paper.md").write_text(page)
     draw_figure_5(results, run.repository / "docs/images/bench_figure_5.svg")
-    print("paper: wrote docs/paper.md")
+    print("paper: wrote docs/reports/paper.md")
 
 
 if __name__ == "__main__":

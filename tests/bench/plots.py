@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""Plots of docs/benchmarks.md, log-log; every curve has a colour of Okabe and Ito's palette, a marker and a dash."""
+"""Plots of docs/reports/benchmarks.md, log-log; every curve has a colour of Okabe and Ito's palette, a marker and a dash."""
 
 import matplotlib
 

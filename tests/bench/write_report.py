@@ -2,7 +2,7 @@
 # SPDX-License-Identifier: MIT
 """write_report.py RESULTS REPOSITORY: fills tests/bench/page.md with what run_benchmarks.py measured.
 
-Everything in docs/benchmarks.md from the line "## Ray queries" on is written anew; what stands above is measured by
+Everything in docs/reports/benchmarks.md from the line "## Ray queries" on is replaced; what is above is measured by
 hand and kept. Plots go to docs/images/bench_*.svg; without matplotlib they stay as they are, and that is said."""
 
 import argparse
@@ -107,7 +107,7 @@ def main():
     }
     template = (repository / "tests/bench/page.md").read_text()
     page = re.sub(r"\{(\w+)\}", lambda match: parts[match.group(1)], template)
-    document = repository / "docs/benchmarks.md"
+    document = repository / "docs/reports/benchmarks.md"
     by_hand = document.read_text().split(FIRST_LINE)[0]
     document.write_text(by_hand + page)
     draw(results, repository / "docs/images")

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-// Pictures of scans against pictures of the site that was scanned. docs/fidelity.md has the whole table.
+// Pictures of scans against pictures of the site that was scanned. docs/reports/fidelity.md has the whole
+// table.
 #include "tests/support/fidelity.h"
 
 #include <gtest/gtest.h>
