@@ -7,7 +7,7 @@
 
 #include "compare/compared_image.h"
 #include "compare/comparison.h"
-#include "image/encoded_picture.h"
+#include "image/encoded_image.h"
 
 namespace alidade::compare {
 

@@ -17,7 +17,7 @@
 #include "compare/metrics/flip.h"
 #include "compare/photographs/alignment.h"
 #include "compare/photographs/color_match.h"
-#include "image/encoded_picture.h"
+#include "image/encoded_image.h"
 
 namespace alidade::compare {
 

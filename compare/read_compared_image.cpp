@@ -7,11 +7,11 @@
 #include <utility>
 
 #include "compare/compared_image.h"
-#include "image/read_picture.h"
+#include "image/read_image.h"
 
 namespace alidade::compare {
 
-// Without fmt, for the reason that image/read_picture.cpp gives.
+// Without fmt, for the reason that image/read_image.cpp gives.
 
 namespace {
 

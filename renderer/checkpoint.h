@@ -6,7 +6,7 @@
 
 #include "base/fingerprint.h"
 #include "base/input_file.h"
-#include "renderer/picture_state.h"
+#include "renderer/image_state.h"
 #include "renderer/render.h"
 
 // Checkpoints: a picture under way in a file, so that a render which was interrupted or killed resumes and

@@ -6,7 +6,7 @@
 
 #include "renderer/light.h"
 #include "renderer/sampler.h"
-#include "renderer/surface.h"
+#include "renderer/world.h"
 
 namespace alidade::renderer {
 

@@ -7,7 +7,7 @@
 #include "image/film.h"
 #include "image/image_file.h"
 #include "renderer/checkpoint.h"
-#include "renderer/picture_metadata.h"
+#include "renderer/image_metadata.h"
 
 // Parts of a picture that different machines have rendered, joined into the picture that one would have
 // rendered. Merging reads neither the scene nor the cloud: a part has all that the image file needs.

@@ -5,7 +5,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "renderer/picture_state.h"
+#include "renderer/image_state.h"
 #include "renderer/render.h"
 
 // How noisy a picture under way still is.

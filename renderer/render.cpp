@@ -6,9 +6,9 @@
 #include <algorithm>
 
 #include "renderer/checkpoint.h"
+#include "renderer/image_renderer.h"
 #include "renderer/integrator.h"
 #include "renderer/noise.h"
-#include "renderer/picture_renderer.h"
 
 namespace alidade::renderer {
 namespace {

@@ -13,7 +13,7 @@
 #include "image/film.h"
 #include "renderer/load_cloud.h"
 #include "renderer/scene.h"
-#include "renderer/surface.h"
+#include "renderer/world.h"
 
 namespace alidade::renderer {
 

@@ -5,7 +5,7 @@
 #include <glm/vec2.hpp>
 #include <vector>
 
-#include "image/read_picture.h"
+#include "image/read_image.h"
 #include "renderer/scene.h"
 
 // A sky from a picture of everything around (lat-long, equirectangular): column x of it is azimuth

@@ -18,7 +18,7 @@
 #include "octree/tree_walk.h"
 #include "renderer/read_scene.h"
 #include "renderer/render.h"
-#include "renderer/surface.h"
+#include "renderer/world.h"
 #ifdef ALIDADE_WITH_EMBREE
 #include "tests/support/embree_spheres.h"
 #endif

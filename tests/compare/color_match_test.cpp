@@ -8,7 +8,7 @@
 #include <limits>
 #include <vector>
 
-#include "tests/compare/drawn_pictures.h"
+#include "tests/compare/drawn_images.h"
 
 namespace alidade::test {
 

@@ -11,7 +11,7 @@
 #include <nlohmann/json.hpp>
 
 #include "compare/report/comparison_json.h"
-#include "tests/compare/picture_files.h"
+#include "tests/compare/image_files.h"
 
 namespace alidade::test {
 

@@ -11,7 +11,7 @@
 
 #include "base/error.h"
 #include "image/font.h"
-#include "tests/compare/drawn_pictures.h"
+#include "tests/compare/drawn_images.h"
 
 namespace alidade::test {
 

@@ -4,7 +4,7 @@
 #include <gtest/gtest.h>
 
 #include "compare/comparison.h"
-#include "image/encoded_picture.h"
+#include "image/encoded_image.h"
 
 namespace alidade::test {
 

@@ -7,7 +7,7 @@
 
 #include "compare/batch.h"
 #include "tests/compare/chromium.h"
-#include "tests/compare/picture_files.h"
+#include "tests/compare/image_files.h"
 
 // The pages as people use them, in a browser without a window.
 

@@ -7,7 +7,7 @@
 #include <cmath>
 #include <limits>
 
-#include "tests/compare/pictures.h"
+#include "tests/compare/images.h"
 
 namespace alidade::test {
 

@@ -12,7 +12,7 @@
 #include "image/srgb.h"
 #include "octree/build.h"
 #include "renderer/load_cloud.h"
-#include "renderer/surface.h"
+#include "renderer/world.h"
 #include "tests/renderer/color_clouds.h"
 #include "tests/renderer/tracer_scenes.h"
 

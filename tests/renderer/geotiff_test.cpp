@@ -10,7 +10,7 @@
 #include "base/error.h"
 #include "camera/camera.h"
 #include "geo/gdal_reference.h"
-#include "renderer/picture_metadata.h"
+#include "renderer/image_metadata.h"
 
 namespace alidade::test {
 

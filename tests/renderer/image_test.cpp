@@ -14,7 +14,7 @@
 
 #include "base/error.h"
 #include "image/srgb.h"
-#include "renderer/picture_metadata.h"
+#include "renderer/image_metadata.h"
 #include "renderer/read_scene.h"
 #include "tests/renderer/describe_scene.h"
 #include "tests/support/random.h"

@@ -5,7 +5,7 @@
 
 #include <memory>
 
-#include "renderer/surface.h"
+#include "renderer/world.h"
 #include "tests/renderer/tracer_scenes.h"
 
 namespace alidade {

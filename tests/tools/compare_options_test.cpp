@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include <cmath>
 
-#include "tests/compare/drawn_pictures.h"
+#include "tests/compare/drawn_images.h"
 #include "tests/tools/compare_program.h"
 
 // Each option of `alidade compare` has an effect that can be seen.

@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "image/depth_map.h"
-#include "renderer/picture_metadata.h"
+#include "renderer/image_metadata.h"
 #include "tools/render/depth_transforms.h"
 #include "tools/render/empty_views.h"
 #include "tools/render/views.h"

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
-#include "renderer/picture_metadata.h"
+#include "renderer/image_metadata.h"
 #include "tools/render/views.h"
 
 namespace alidade::tools {

@@ -9,7 +9,7 @@
 #include "renderer/scene.h"
 #include "tools/command.h"
 #include "tools/render/depth_maps.h"
-#include "tools/render/film.h"
+#include "tools/render/flight.h"
 #include "tools/render/ground_layers.h"
 #include "tools/render/light_and_color.h"
 #include "tools/render/long_render.h"

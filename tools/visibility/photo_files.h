@@ -6,7 +6,7 @@
 #include <span>
 
 #include "camera/camera_set.h"
-#include "image/read_picture.h"
+#include "image/read_image.h"
 
 namespace alidade::tools {
 

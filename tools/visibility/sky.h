@@ -10,7 +10,7 @@
 #include "tools/visibility/long_run.h"
 #include "tools/visibility/map_options.h"
 #include "visibility/raster/ground.h"
-#include "visibility/raster/map_picture.h"
+#include "visibility/raster/map_image.h"
 #include "visibility/sky/sky_view.h"
 
 // What `visibility sky` and `visibility sun` share: numbers for every point, or for every cell of the ground.

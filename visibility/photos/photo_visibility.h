@@ -14,7 +14,7 @@
 #include "camera/camera_set.h"
 #include "cloud/attributes.h"
 #include "cloud/select_points.h"
-#include "image/read_picture.h"
+#include "image/read_image.h"
 #include "visibility/observers.h"
 #include "visibility/photos/overlap.h"
 #include "visibility/sight_line.h"

@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "cloud/attributes.h"
-#include "image/read_picture.h"
+#include "image/read_image.h"
 
 // The colour of a point from the photos that see it.
 

@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "geo/raster_file.h"
-#include "visibility/raster/map_picture.h"
+#include "visibility/raster/map_image.h"
 #include "visibility/raster/viewshed.h"
 
 // Viewsheds in files: as rasters and as pictures.

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "renderer/surface.h"
+#include "renderer/world.h"
 
 #include <fmt/format.h>
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "renderer/picture_renderer.h"
+#include "renderer/image_renderer.h"
 
 #include <tbb/blocked_range.h>
 #include <tbb/parallel_for.h>

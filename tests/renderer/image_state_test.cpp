@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "renderer/picture_state.h"
+#include "renderer/image_state.h"
 
 #include <gtest/gtest.h>
 

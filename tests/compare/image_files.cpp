@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "tests/compare/picture_files.h"
+#include "tests/compare/image_files.h"
 
 #include <OpenImageIO/imageio.h>
 #include <unistd.h>

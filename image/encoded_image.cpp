@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "image/encoded_picture.h"
+#include "image/encoded_image.h"
 
 #include <OpenImageIO/filesystem.h>
 #include <OpenImageIO/imageio.h>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "tools/render/film.h"
+#include "tools/render/flight.h"
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>

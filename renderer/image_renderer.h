@@ -8,7 +8,7 @@
 #include <shared_mutex>
 
 #include "renderer/checkpoint.h"
-#include "renderer/picture_state.h"
+#include "renderer/image_state.h"
 #include "renderer/render.h"
 #include "renderer/tile_tracer.h"
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "renderer/picture_metadata.h"
+#include "renderer/image_metadata.h"
 
 #include <fmt/format.h>
 

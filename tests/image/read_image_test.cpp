@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "image/read_picture.h"
+#include "image/read_image.h"
 
 #include <OpenImageIO/imageio.h>
 #include <gtest/gtest.h>

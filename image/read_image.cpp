@@ -2,7 +2,7 @@
 // Without fmt: OpenImageIO's headers would put fmt's own functions into this file, and programs that link the
 // library and use fmt would get OpenImageIO along with them.
 
-#include "image/read_picture.h"
+#include "image/read_image.h"
 
 #include <OpenImageIO/filesystem.h>
 #include <OpenImageIO/imageio.h>

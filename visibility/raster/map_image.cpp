@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "visibility/raster/map_picture.h"
+#include "visibility/raster/map_image.h"
 
 #include <fmt/format.h>
 #include <tbb/parallel_for.h>
