@@ -2,10 +2,16 @@
 #include "tools/render/depth_maps.h"
 
 #include <fmt/format.h>
-
+#include <algorithm>
+#include <cassert>
 #include <cmath>
+#include <map>
+#include <nlohmann/json.hpp>
 #include <set>
 
+#include "base/input_file.h"
+#include "base/output_file.h"
+#include "base/shown_text.h"
 #include "base/words.h"
 #include "renderer/depth_tracer.h"
 #include "tools/image_module.h"
@@ -14,6 +20,7 @@ namespace alidade::tools {
 namespace {
 
 namespace fs = std::filesystem;
+using Json = nlohmann::ordered_json;  // keeps the order of keys
 
 constexpr double k_least_scale = 1e-6, k_largest_scale = 1e9;
 
@@ -98,6 +105,64 @@ std::vector<std::string> warnings_about(const image::DepthLoss& loss, const Dept
         loss.behind));
   }
   return warnings;
+}
+
+std::string photo_of(const Json& frame) {
+  std::string name = frame.at("file_path").get<std::string>();
+  std::ranges::replace(name, '\\', '/');
+  return name;
+}
+
+fs::path folder_of(const fs::path& file) {
+  return fs::weakly_canonical(fs::absolute(file).parent_path());
+}
+
+/// Empty unless the text is an object with frames that name photographs.
+Json parse_transforms(const std::string& text) {
+  Json top = Json::parse(text, nullptr, false);
+  if (!top.is_object() || !top.contains("frames") || !top["frames"].is_array()) return {};
+  for (const Json& frame : top["frames"])
+    if (!frame.is_object() || !frame.contains("file_path") || !frame["file_path"].is_string()) return {};
+  return top;
+}
+
+/// Reads the input. Errors: it is not a transforms.json; the output would be in another folder, but names of
+/// photographs are relative to the input's.
+DepthTransforms read_depth_transforms(const fs::path& input, const fs::path& output) {
+  constexpr std::uintmax_t k_largest = 1u << 30;
+  std::error_code error;
+  DepthTransforms transforms{input, output, {}};
+  if (!fs::is_directory(input, error)) transforms.text = read_text_file(input, k_largest);
+  const Json top = parse_transforms(transforms.text);
+  if (top.is_null())
+    throw file_error(input, "--transforms-out requires the cameras of a transforms.json",
+                     "a JSON file with \"frames\" and \"file_path\"");
+  if (folder_of(input) == folder_of(output)) return transforms;
+  for (const Json& frame : top["frames"]) {
+    if (fs::path(photo_of(frame)).is_absolute()) continue;
+    throw file_error(output, "photographs have names relative to the folder of " + input.string(),
+                     "a file in that folder");
+  }
+  return transforms;
+}
+
+/// Writes the output: every frame gets `depth_file_path`, relative to the output's folder; all other keys and
+/// their values stay, in their order. `files[i]` is the depth map of `views[i]`; the views are all frames.
+/// The file is written completely or not at all. Errors: it exists and `overwrite` is false; write failures.
+void write_depth_transforms(const DepthTransforms& transforms, std::span<const View> views,
+                            std::span<const fs::path> files, bool overwrite) {
+  assert(views.size() == files.size());
+  const fs::path folder = folder_of(transforms.output);
+  std::map<std::string, fs::path> depth_of;
+  for (std::size_t i = 0; i < views.size(); ++i)
+    depth_of[views[i].name] = (folder_of(files[i]) / files[i].filename()).lexically_relative(folder);
+  Json top = parse_transforms(transforms.text);
+  for (Json& frame : top["frames"]) frame["depth_file_path"] = depth_of.at(photo_of(frame)).generic_string();
+  OutputFile output(transforms.output, overwrite);
+  constexpr int k_indent = 2;
+  const std::string text = json_text(top, k_indent) + "\n";
+  output.write(std::as_bytes(std::span(text)));
+  output.commit();
 }
 
 }  // namespace

@@ -1,14 +1,15 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
+#include <filesystem>
 #include <functional>
 #include <optional>
+#include <span>
+#include <string>
 #include <vector>
 
 #include "image/depth_map.h"
 #include "renderer/image_metadata.h"
-#include "tools/render/depth_transforms.h"
-#include "tools/render/empty_views.h"
 #include "tools/render/views.h"
 
 // Depth maps beside the pictures of `alidade render`, or instead of them: docs/depth.md.
@@ -30,6 +31,12 @@ void add_depth_options(const Options& render, DepthRequest& request);
 struct DepthJob {
   View view;
   std::filesystem::path file, mask;
+};
+
+/// A transforms.json to be written again with its depth maps.
+struct DepthTransforms {
+  std::filesystem::path input, output;
+  std::string text;  ///< of the input
 };
 
 /// All depth maps to make.

@@ -7,7 +7,7 @@
 
 #include "cloud/cloud_inputs.h"
 #include "renderer/render.h"
-#include "tools/render/empty_views.h"
+#include "tools/render/views.h"
 
 namespace alidade::tools {
 

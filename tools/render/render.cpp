@@ -2,19 +2,22 @@
 #include "renderer/render.h"
 
 #include <fmt/format.h>
+#include <algorithm>
+#include <limits>
+#include <memory>
+#include <utility>
 
 #include "base/public_name.h"
 #include "image/color_points.h"
 #include "image/image_file.h"
 #include "renderer/cloud_in_view.h"
+#include "renderer/mesh_surfaces.h"
 #include "renderer/overview.h"
 #include "tools/cloud/load_cloud.h"
+#include "tools/cloud/mesh_files.h"
 #include "tools/command.h"
 #include "tools/image_module.h"
-#include "tools/render/empty_views.h"
-#include "tools/render/first_looks.h"
-#include "tools/render/image_metadata.h"
-#include "tools/render/load_meshes.h"
+#include "tools/render/light_and_color.h"
 #include "tools/render/long_render.h"
 #include "tools/render/render_options.h"
 #include "tools/render/views.h"
@@ -22,6 +25,27 @@
 
 namespace alidade::tools {
 namespace {
+
+/// Adds the files of a scene's meshes.
+void add_mesh_files(const renderer::Scene& scene, std::vector<std::filesystem::path>& files) {
+  for (const renderer::Object& object : scene.objects) {
+    const auto* model = std::get_if<renderer::Model>(&object);
+    if (model != nullptr && model->mesh) files.push_back(model->mesh->file);
+  }
+}
+
+/// Reads a scene's meshes, shows progress, and prints their sizes. Errors: as read_mesh().
+void load_meshes(renderer::Scene& scene, Verbosity verbosity) {
+  for (renderer::Object& object : scene.objects) {
+    auto* const model = std::get_if<renderer::Model>(&object);
+    if (model == nullptr || !model->mesh) continue;
+    const renderer::MeshFile& source = *model->mesh;
+    TriangleMesh mesh = read_mesh_shown(source.file, source.placement, verbosity);
+    model->surfaces = build_mesh_shown(verbosity, [&](const Progress& progress) {
+      return std::make_shared<renderer::MeshSurfaces>(std::move(mesh), kept_name(source.file), progress);
+    });
+  }
+}
 
 std::vector<std::filesystem::path> input_files(const RenderCommand& command, const renderer::Scene& scene) {
   std::vector<std::filesystem::path> files{command.scene_file, command.camera.file, command.camera.lens_file};
@@ -95,6 +119,19 @@ renderer::LoadedCloud load_in_view(const RenderCommand& command, const renderer:
   return loaded;
 }
 
+/// A warning if all values that a cloud is coloured by are equal; empty if they differ.
+std::string remark_on_colors(const image::ColorKey& key) {
+  const std::uint64_t count = key.point_count - key.missing_count;
+  if (count == 0) return "";
+  if (key.scale && key.scale->extent.low == key.scale->extent.high)
+    return fmt::format("--color-by {}: all values are {:g}", key.word, key.scale->extent.low);
+  const bool is_one = !key.scale && key.swatches.size() == 1 && key.swatches.front().count;
+  return is_one ? fmt::format("--color-by {}: all values are {}", key.word,
+                              key.swatches.front().number.empty() ? key.swatches.front().label
+                                                                  : key.swatches.front().number)
+                : "";
+}
+
 /// Loads the scene's cloud. `views` are those of the pictures; empty if they are chosen after loading.
 renderer::LoadedCloud load(const RenderCommand& command, const renderer::Scene& scene,
                            const CloudInputs& clouds, std::span<const View> views) {
@@ -123,6 +160,62 @@ renderer::LoadedCloud load(const RenderCommand& command, const renderer::Scene& 
     say_warnings(verbosity, {remark});
   if (cloud.color.scale) say_note(verbosity, cloud.color.word + ": " + image::scale_text(cloud.color));
   return cloud;
+}
+
+constexpr std::uint64_t k_growth = 8;
+// Two cores render this in half a second.
+constexpr int k_longest_side = 640;
+constexpr int k_samples = 8;
+constexpr double k_seconds = 0.5;
+
+/// The camera for a picture no larger than a first look needs.
+camera::Camera reduced(const camera::Camera& camera) {
+  const double share = static_cast<double>(k_longest_side) / std::max(camera.width, camera.height);
+  if (share >= 1.0) return camera;
+  const auto side = [&](int pixels) { return std::max(1, static_cast<int>(pixels * share)); };
+  return camera::resized(camera, side(camera.width), side(camera.height));
+}
+
+/// Renders a scene with a part of its cloud and shows the picture.
+void show(const RenderCommand& command, renderer::Scene scene, const View* view,
+          const renderer::LoadedCloud& cloud, const Progress& progress) {
+  scene.camera =
+      reduced(view ? view->camera : view_of_cloud(command.camera, scene, &cloud, command.scene_file).camera);
+  prepare_light(scene, &cloud, Verbosity::quiet);
+  scene.render.samples = std::min(scene.render.samples, k_samples);
+  LongRenderRequest preview_only;
+  preview_only.preview = command.long_render.preview;
+  render_options(preview_only, scene.output, false, {})
+      .preview->show(renderer::render(
+          scene, &cloud,
+          {.progress = progress, .layers = std::vector{image::Layer::color}, .time_limit = k_seconds}));
+}
+
+/// Shows a picture in its preview file before its cloud is loaded, if the cloud consists of COPC files with
+/// more than twice `preview_points` points: first with so many of them, then with eight times as many, and so
+/// on up to half of them or 50 million. `view` is that of the picture, or null to show the whole cloud;
+/// `scene` has its sky. Failures are no errors here: loading reports them. Errors: Cancelled.
+void show_first_looks(const RenderCommand& command, const renderer::Scene& scene, const CloudInputs& clouds,
+                      const View* view) {
+  const Verbosity verbosity = command.verbosity;
+  const Progress progress = [](std::uint64_t, std::uint64_t) { return !interrupted(); };
+  try {
+    const std::vector<std::unique_ptr<CopcFile>> files = renderer::open_copc_cloud(clouds);
+    std::uint64_t all = 0;
+    for (const auto& file : files) all += file->header().point_count;
+    for (std::uint64_t points = command.long_render.preview_points;
+         points > 0 && points <= std::min(all / 2, k_most_preview_points); points *= k_growth) {
+      const renderer::LoadedCloud cloud = renderer::load_coarse_cloud(
+          *scene.cloud, clouds, files, view ? &view->camera : nullptr, points, progress);
+      if (cloud.octree.size() == 0) return;
+      show(command, scene, view, cloud, progress);
+      say_note(verbosity, fmt::format("{} shows {} of {} points", command.long_render.preview.string(),
+                                      short_count(static_cast<double>(cloud.octree.size())),
+                                      short_count(static_cast<double>(all))));
+    }
+  } catch (const Error& error) {
+    if (verbosity == Verbosity::verbose) say_note(fmt::format("no early preview: {}", error.what()));
+  }
 }
 
 /// A view and the picture it becomes.
@@ -233,6 +326,35 @@ void check_views(std::span<const Picture> pictures, const renderer::Scene& scene
       throw Error(parts);
     }
   }
+}
+
+/// The metadata of a picture or depth map of a scene. `cloud` may be null; `words` is the command line.
+renderer::ImageMetadata image_metadata(const renderer::Scene& scene, const View& view,
+                                       const renderer::LoadedCloud* cloud, const CommandLine& words) {
+  renderer::ImageMetadata metadata;
+  metadata.camera = view.camera;
+  metadata.render = scene.render;
+  metadata.command = picture_command(words);
+  if (!scene.sun_origin.empty()) metadata.further.emplace_back("alidade:sun", scene.sun_origin);
+  if (!view.name.empty()) metadata.further.emplace_back("alidade:camera_name", view.name);
+  for (const renderer::Object& object : scene.objects)
+    if (const auto* model = std::get_if<renderer::Model>(&object))
+      metadata.further.emplace_back(model->mesh ? "alidade:mesh" : "alidade:site", model->surfaces->name());
+  if (cloud == nullptr) return metadata;
+  if (scene.cloud->shape != renderer::PointShape::sphere)
+    metadata.further.emplace_back("alidade:surface",
+                                  scene.cloud->shape == renderer::PointShape::disc ? "disc" : "blend");
+  for (const CloudFile& file : cloud->files) metadata.cloud_files.push_back(kept_name(file.path));
+  metadata.cloud_offset = cloud->octree.lattice().offset;
+  metadata.crs = cloud->crs;
+  metadata.radius = cloud->radius;
+  if (cloud->spacing_factor > 0.0) {
+    metadata.further.emplace_back("alidade:radius_factor", fmt::format("{:.17g}", cloud->spacing_factor));
+    metadata.further.emplace_back("alidade:radius_neighbours",
+                                  std::to_string(cloud->octree.view().spacing_neighbours));
+  }
+  for (const auto& text : image::color_metadata(cloud->color)) metadata.further.push_back(text);
+  return metadata;
 }
 
 /// Renders and writes one picture after the other under one progress line. `resumed`: what the first one

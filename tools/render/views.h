@@ -63,4 +63,19 @@ View view_of_cloud(const CameraRequest& request, const renderer::Scene& scene,
 std::vector<std::filesystem::path> picture_names(const std::filesystem::path& pattern,
                                                  std::span<const View> views);
 
+/// The views of a run that see no surface.
+class EmptyViews {
+ public:
+  /// Keeps the view unless it sees anything.
+  void check(const View& view, bool sees_anything);
+
+  /// Returns ExitCode::no and warns of the views, with a probable reason, as 'alidade visibility photos'
+  /// does; returns `done` if there are none, or the scene has no surface. `cloud` may be null.
+  ExitCode report(const CameraRequest& request, const renderer::Scene& scene,
+                  const renderer::LoadedCloud* cloud, Verbosity verbosity) const;
+
+ private:
+  std::vector<View> views_;
+};
+
 }  // namespace alidade::tools
