@@ -47,7 +47,7 @@ TEST(ChangedCourtyard, classes_are_those_of_exact_lines) {
   const auto come =
       recalls(after, true_changes(site.after, after, site.before, k_max_distance, ChangeClass::appeared),
               changes.after);
-  // With edges; docs/change.md has figures for denser scans without them.
+  // With edges; docs/reports/change_evaluation.md has figures for denser scans without them.
   EXPECT_GT(gone[static_cast<std::size_t>(ChangeClass::same)].share(), 0.97);
   EXPECT_GT(gone[static_cast<std::size_t>(ChangeClass::moved)].share(), 0.9);
   EXPECT_GT(gone[static_cast<std::size_t>(ChangeClass::gone)].share(), 0.85);

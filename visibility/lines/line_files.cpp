@@ -131,8 +131,8 @@ void add_fresnel(Row& row, const LineTable& table, const FresnelClearance& fresn
 }
 
 /// A line as a row of named values, in the order of the columns; null if a value does not apply. All rows of
-/// a table have the same names. Lengths, and distances from the first end in `..._at`, are in the cloud's
-/// unit; shares are 0 .. 1; classes are those of the points. See docs/visibility.md for every column.
+/// a table have the same names; tools/manuals/visibility_lines.txt describes them. Classes are those of the
+/// points.
 Row line_row(const LineTable& table, std::size_t line) {
   const LinePair& pair = table.pairs[line];
   const LineReport& report = table.reports[line];

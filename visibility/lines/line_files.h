@@ -35,7 +35,7 @@ struct LineTable {
 };
 
 /// Writes the reports; the file is written completely or not at all.
-/// - CSV: a header and a row per line, with the columns of docs/visibility.md.
+/// - CSV: a header and a row per line, with the columns of `alidade visibility lines --help`.
 /// - JSON: an object with the `lines`, each with the same names and, if there is a Fresnel
 ///   zone, its `obstructions`.
 /// - GeoJSON: a LineString per line, or two for one that is blocked: `visible` up to the blocker, the rest

@@ -83,9 +83,10 @@ struct ObserverSummary {
 std::vector<ObserverSummary> summarize(const Occluders& occluders, std::span<const Observer> observers,
                                        const SummaryOptions& options);
 
-/// Writes a row for each observer: `name`, `x`, `y`, `z` of the eye, and the numbers of docs/visibility.md.
-/// Cells without a value are empty. CSV, JSON with the list `observers`, or GeoJSON with points. Coordinates,
-/// returned value and Errors as write_positions(). Requires as many observers as summaries.
+/// Writes a row for each observer: `name`, `x`, `y`, `z` of the eye, and the numbers of
+/// tools/manuals/visibility_summary.txt. Cells without a value are empty. CSV, JSON with the list
+/// `observers`, or GeoJSON with points. Coordinates, returned value and Errors as write_positions(). Requires
+/// as many observers as summaries.
 bool write_summaries(std::span<const ObserverSummary> summaries, std::span<const Observer> observers,
                      const SummaryOptions& options, RowForm form, const RowFileHead& head,
                      const ToLonLat& to_lon_lat, const std::filesystem::path& file, bool overwrite);
