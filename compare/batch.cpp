@@ -77,10 +77,10 @@ std::size_t workers_for(const std::vector<ImagePair>& pairs) {
   return workers;
 }
 
-void add_thumbnails(PairOutcome& outcome, const ComparisonPictures& pictures) {
-  const auto add = [&](const std::string& name, const image::BytePicture& picture) {
+void add_thumbnails(PairOutcome& outcome, const ComparisonImages& pictures) {
+  const auto add = [&](const std::string& name, const image::ByteImage& picture) {
     outcome.thumbnails.emplace_back(
-        name, image::data_url(image::shrunk(picture, k_thumbnail_side), image::PicturePacking::jpeg));
+        name, image::data_url(image::shrunk(picture, k_thumbnail_side), image::ImagePacking::jpeg));
   };
   add("reference", pictures.reference);
   add("test", pictures.test);
@@ -100,7 +100,7 @@ void compare_pair(PairOutcome& outcome, const BatchOptions& options, const std::
     return;
   }
   ComparisonOptions what = options.comparison;
-  what.keep_pictures = options.keep_thumbnails || !options.reports.empty();
+  what.keep_images = options.keep_thumbnails || !options.reports.empty();
   std::string page;
   try {
     outcome.comparison = compare_files(pair.reference, pair.test, what, progress);

@@ -16,7 +16,7 @@ struct BatchOptions {
   std::vector<Threshold> fail_above, warn_above;
   bool keep_thumbnails = false;   ///< for the summary
   std::filesystem::path reports;  ///< folder for a report of each pair, made if absent; empty: none
-  image::PicturePacking packing = image::PicturePacking::automatic;
+  image::ImagePacking packing = image::ImagePacking::automatic;
   bool overwrite = false;
   std::vector<std::filesystem::path> kept;  ///< files beside the pictures that reports must not replace
 };

@@ -70,8 +70,8 @@ std::uint8_t code(float value) {
 
 /// Makes a picture of value(pixel, channel), which returns sRGB in 0 .. 1.
 template <typename Value>
-image::BytePicture picture_of(const ComparedImage& image, const Value& value) {
-  image::BytePicture picture{image.width, image.height, std::vector<std::uint8_t>(3 * image.pixels())};
+image::ByteImage picture_of(const ComparedImage& image, const Value& value) {
+  image::ByteImage picture{image.width, image.height, std::vector<std::uint8_t>(3 * image.pixels())};
   in_parallel(image.pixels(), 1 << 16, [&](std::size_t pixel) {
     for (std::size_t c = 0; c < 3; ++c) picture.bytes[3 * pixel + c] = code(value(pixel, c));
   });
@@ -90,7 +90,7 @@ double farthest_depth(const ComparedImage& image) {
 constexpr std::size_t k_bins = 24;
 
 /// Lightness from black to white: Rec. 709's weights on sRGB values.
-std::vector<float> lightness_of(const image::BytePicture& picture) {
+std::vector<float> lightness_of(const image::ByteImage& picture) {
   std::vector<float> lightness(picture.bytes.size() / 3);
   for (std::size_t i = 0; i < lightness.size(); ++i) {
     const std::uint8_t* const rgb = &picture.bytes[3 * i];
@@ -99,7 +99,7 @@ std::vector<float> lightness_of(const image::BytePicture& picture) {
   return lightness;
 }
 
-void add_map(ComparisonPictures& pictures, std::optional<DifferenceMap>& into, DifferenceMap map,
+void add_map(ComparisonImages& pictures, std::optional<DifferenceMap>& into, DifferenceMap map,
              const char* unit) {
   const double low = map.range.low, high = map.range.high;
   if (low < high)
@@ -136,7 +136,7 @@ ComparedPair read_compared_pair(const std::filesystem::path& reference, const st
   return pair;
 }
 
-image::BytePicture displayed(const ComparedImage& image, double farthest) {
+image::ByteImage displayed(const ComparedImage& image, double farthest) {
   if (!image.color.empty()) {
     if (image.encoding == ColorEncoding::display)
       return picture_of(image, [&](std::size_t pixel, std::size_t c) { return image.color[3 * pixel + c]; });
@@ -159,23 +159,22 @@ image::BytePicture displayed(const ComparedImage& image, double farthest) {
   });
 }
 
-std::vector<const DifferenceMap*> ComparisonPictures::maps() const {
+std::vector<const DifferenceMap*> ComparisonImages::maps() const {
   std::vector<const DifferenceMap*> maps;
   for (const std::optional<DifferenceMap>* map : {&flip_map, &color_map, &depth_map, &agreement_map})
     if (*map) maps.push_back(&**map);
   return maps;
 }
 
-ComparisonPictures shown_pictures(const ComparedPair& pair) {
+ComparisonImages shown_images(const ComparedPair& pair) {
   const double farthest = std::max(farthest_depth(pair.reference), farthest_depth(pair.test));
-  ComparisonPictures pictures;
+  ComparisonImages pictures;
   pictures.reference = displayed(pair.reference, farthest);
   pictures.test = displayed(pair.test, farthest);
   return pictures;
 }
 
-void add_maps(ComparisonPictures& pictures, const ComparedPair& pair, PairMaps made,
-              std::vector<float> flip) {
+void add_maps(ComparisonImages& pictures, const ComparedPair& pair, PairMaps made, std::vector<float> flip) {
   const ImageMask& mask = pair.mask;
   if (pair.have_colors()) {
     const char* const matched = pictures.matched ? ", colours matched" : "";
@@ -186,7 +185,7 @@ void add_maps(ComparisonPictures& pictures, const ComparedPair& pair, PairMaps m
     add_color_map(pictures.flip_map, flip_difference(std::move(flip), pair.reference.width, mask));
     add_color_map(pictures.color_map,
                   made.color ? std::move(*made.color) : color_difference(pair.reference, pair.test, mask));
-    const image::BytePicture& test = pictures.matched ? *pictures.matched : pictures.test;
+    const image::ByteImage& test = pictures.matched ? *pictures.matched : pictures.test;
     pictures.histograms.push_back(
         {"Lightness", "", 0.0, 1.0,
          count_values("reference", lightness_of(pictures.reference), mask, 0.0, 1.0),

@@ -28,10 +28,10 @@ ComparedPair read_compared_pair(const std::filesystem::path& reference, const st
 /// A picture as a screen shows it: its colours in sRGB, cut off at black and white. Without colours its
 /// normals (x, y, z from -1 .. 1 as red, green, blue), else its depth (white at 0, black at `farthest` and
 /// beyond), else its ids (every point has a colour of its own). NaN is black.
-image::BytePicture displayed(const ComparedImage& image, double farthest);
+image::ByteImage displayed(const ComparedImage& image, double farthest);
 
 /// Both pictures as screens show them. To be called before colours are matched.
-ComparisonPictures shown_pictures(const ComparedPair& pair);
+ComparisonImages shown_images(const ComparedPair& pair);
 
 /// Maps of a pair that were made for something else, or are still to be made.
 struct PairMaps {
@@ -40,6 +40,6 @@ struct PairMaps {
 
 /// Adds maps and histograms of the layers that the pair has, and uses those of `made`. `flip`: map of FLIP,
 /// if there are colours. If the test has matched colours (pictures.matched), titles mention it.
-void add_maps(ComparisonPictures& pictures, const ComparedPair& pair, PairMaps made, std::vector<float> flip);
+void add_maps(ComparisonImages& pictures, const ComparedPair& pair, PairMaps made, std::vector<float> flip);
 
 }  // namespace alidade::compare

@@ -34,7 +34,7 @@ void give_back(std::vector<Value>& values) {
   std::vector<Value>().swap(values);
 }
 
-PictureFacts facts_of(const ComparedImage& image) {
+ComparedImageFacts facts_of(const ComparedImage& image) {
   return {image.file, image.width, image.height, image.encoding, image.metadata, {}};
 }
 
@@ -53,7 +53,7 @@ class ComparisonRun {
     done();
     compare_layers();
     if (pair_.have_colors()) comparison_.color = figures();
-    if (options_.keep_pictures) comparison_.pictures = shown_pictures(pair_);
+    if (options_.keep_images) comparison_.pictures = shown_images(pair_);
     if (options_.align) align_edges();
     done();
     if (options_.match) match_colors();
@@ -103,11 +103,11 @@ class ComparisonRun {
 
   /// Large pictures need the memory for maps.
   void forget_layers(ComparedImage& image) const {
-    const bool is_shown = options_.keep_pictures && image.color.empty();
+    const bool is_shown = options_.keep_images && image.color.empty();
     if (!is_shown) give_back(image.normals);
     if (!is_shown && !options_.find_changes) give_back(image.ids);
     if (!options_.match && !options_.align) give_back(image.alpha);
-    if (!options_.keep_pictures) give_back(image.depth_sigma);
+    if (!options_.keep_images) give_back(image.depth_sigma);
   }
 
   ColorFigures figures() {

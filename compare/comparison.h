@@ -28,7 +28,7 @@ struct Histogram {
 };
 
 /// Histograms that are drawn into one picture.
-struct HistogramPicture {
+struct HistogramChart {
   std::string title, unit;
   double low = 0.0, high = 1.0;
   Histogram first;
@@ -69,11 +69,11 @@ struct ComparisonOptions {
   std::optional<ChangeMap> find_changes;  ///< of matched colours where they are
   ChangeOptions changes;
 
-  bool keep_pictures = false;  ///< for reports and maps
+  bool keep_images = false;  ///< for reports and maps
 };
 
 /// Facts about a picture, from its file.
-struct PictureFacts {
+struct ComparedImageFacts {
   std::filesystem::path file;
   int width = 0, height = 0;  ///< as compared
   ColorEncoding encoding = ColorEncoding::display;
@@ -91,11 +91,11 @@ struct ColorFigures {
 };
 
 /// Pictures and maps for people.
-struct ComparisonPictures {
-  image::BytePicture reference, test;
-  std::optional<image::BytePicture> matched;  ///< the test with matched colours
+struct ComparisonImages {
+  image::ByteImage reference, test;
+  std::optional<image::ByteImage> matched;  ///< the test with matched colours
   std::optional<DifferenceMap> color_map, flip_map, depth_map, agreement_map;
-  std::vector<HistogramPicture> histograms;
+  std::vector<HistogramChart> histograms;
 
   /// The maps that there are.
   std::vector<const DifferenceMap*> maps() const;
@@ -103,7 +103,7 @@ struct ComparisonPictures {
 
 struct Comparison {
   ComparisonOptions options;  ///< those of the run
-  PictureFacts reference, test;
+  ComparedImageFacts reference, test;
   std::uint64_t pixels = 0;    ///< of the compared part
   std::uint64_t counted = 0;   ///< of them, those that masks let count
   std::uint64_t excluded = 0;  ///< of the counted ones, those with NaN or infinite colours, in no figure
@@ -115,7 +115,7 @@ struct Comparison {
   std::optional<ColorFigures> matched;  ///< of the test with matched colours
   std::optional<Alignment> alignment;
   std::optional<ChangeRegions> changes;
-  std::optional<ComparisonPictures> pictures;
+  std::optional<ComparisonImages> pictures;
 };
 
 /// Compares two files. Errors: those of read_compared_image(); SizeMismatch; masks of layers that neither

@@ -16,7 +16,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-bool is_picture(const fs::path& file) {
+bool is_image(const fs::path& file) {
   constexpr std::array<std::string_view, 14> k_extensions = {".png",  ".jpg", ".jpeg", ".exr", ".tif",
                                                              ".tiff", ".hdr", ".bmp",  ".tga", ".webp",
                                                              ".gif",  ".ppm", ".pgm",  ".pfm"};
@@ -24,7 +24,7 @@ bool is_picture(const fs::path& file) {
 }
 
 /// Path inside the folder -> file.
-std::map<std::string, fs::path> pictures_in(const fs::path& folder) {
+std::map<std::string, fs::path> images_in(const fs::path& folder) {
   std::error_code error;
   if (!fs::is_directory(folder, error))
     throw Error(
@@ -32,7 +32,7 @@ std::map<std::string, fs::path> pictures_in(const fs::path& folder) {
   std::map<std::string, fs::path> pictures;
   try {
     for (const fs::directory_entry& entry : fs::recursive_directory_iterator(folder))
-      if (entry.is_regular_file() && is_picture(entry.path()))
+      if (entry.is_regular_file() && is_image(entry.path()))
         pictures.emplace(entry.path().lexically_relative(folder).generic_string(), entry.path());
   } catch (const fs::filesystem_error& problem) {
     throw Error({.file = folder.string(), .problem = "cannot list the folder: " + problem.code().message()});
@@ -81,7 +81,7 @@ std::vector<std::string> fields_of(const std::string& line, const fs::path& file
 }  // namespace
 
 std::vector<ImagePair> pairs_of_folders(const fs::path& reference, const fs::path& test) {
-  std::map<std::string, fs::path> references = pictures_in(reference), tests = pictures_in(test);
+  std::map<std::string, fs::path> references = images_in(reference), tests = images_in(test);
   std::vector<ImagePair> pairs;
   const auto take = [&](std::map<std::string, fs::path>::iterator first,
                         std::map<std::string, fs::path>::iterator second) {

@@ -295,7 +295,7 @@ int largest_code_of(OIIO::TypeDesc type) {
 }  // namespace
 
 ComparedImage read_compared_image(const std::filesystem::path& file) {
-  const std::uint64_t file_size = image::picture_file_size(file);
+  const std::uint64_t file_size = image::image_file_size(file);
   // Colours of PNG and TIFF come as they are stored, not multiplied by alpha.
   OIIO::ImageSpec hints;
   hints.attribute("oiio:UnassociatedAlpha", 1);

@@ -37,7 +37,7 @@ void add_band(void* dataset, const RasterBand& band, const RasterGrid& grid,
 }
 
 /// Hands the picture over in rows of tiles, band by band, so that the copy of the image stays small.
-void write_rows(void* dataset, const GroundPicture& picture, const FillRows& fill,
+void write_rows(void* dataset, const GroundImage& picture, const FillRows& fill,
                 const std::filesystem::path& file) {
   constexpr int k_rows = 256;
   const std::size_t row_size = 4 * static_cast<std::size_t>(picture.width);
@@ -116,7 +116,7 @@ void write_raster(const std::filesystem::path& file, const RasterContents& conte
   output.commit();
 }
 
-void write_geotiff(const std::filesystem::path& name, const GroundPicture& picture, const FillRows& fill,
+void write_geotiff(const std::filesystem::path& name, const GroundImage& picture, const FillRows& fill,
                    OutputFile& file) {
   const std::string wkt = wkt_of(picture.crs);
   const QuietGdal quiet;

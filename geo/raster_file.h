@@ -65,7 +65,7 @@ bool is_raster(const std::filesystem::path& file);
 HeightRaster read_heights(const std::filesystem::path& file, const Progress& progress = {});
 
 /// A picture on the ground, but for its pixels.
-struct GroundPicture {
+struct GroundImage {
   int width = 0, height = 0;
   /// World x = [0] + [1] column + [2] row, y = [3] + [4] column + [5] row, with (0, 0) the outer corner of
   /// the first pixel.
@@ -79,7 +79,7 @@ using FillRows = std::function<void(int first_row, int rows, std::span<std::uint
 
 /// Red, green, blue and alpha with 8 bits, as write_raster() writes rasters; the pixels of overviews are
 /// means. Equal pixels give equal bytes. `name` is the file's in messages. Memory: the file, encoded twice.
-void write_geotiff(const std::filesystem::path& name, const GroundPicture& picture, const FillRows& fill,
+void write_geotiff(const std::filesystem::path& name, const GroundImage& picture, const FillRows& fill,
                    OutputFile& file);
 
 }  // namespace alidade::geo

@@ -18,15 +18,15 @@ namespace {
 
 }  // namespace
 
-PicturePacking packing_for(PicturePacking wanted, std::size_t pixels) {
+ImagePacking packing_for(ImagePacking wanted, std::size_t pixels) {
   constexpr std::size_t k_most_lossless = 2'000'000;
-  if (wanted != PicturePacking::automatic) return wanted;
-  return pixels <= k_most_lossless ? PicturePacking::png : PicturePacking::jpeg;
+  if (wanted != ImagePacking::automatic) return wanted;
+  return pixels <= k_most_lossless ? ImagePacking::png : ImagePacking::jpeg;
 }
 
-std::string data_url(const BytePicture& picture, PicturePacking packing) {
+std::string data_url(const ByteImage& picture, ImagePacking packing) {
   const std::size_t pixels = picture.bytes.size() / 3;
-  const bool is_png = packing_for(packing, pixels) == PicturePacking::png;
+  const bool is_png = packing_for(packing, pixels) == ImagePacking::png;
   const std::string format = is_png ? "png" : "jpeg";
   OIIO::ImageSpec spec(picture.width, picture.height, 3, OIIO::TypeUInt8);
   spec.attribute("oiio:ColorSpace", "sRGB");
@@ -47,9 +47,9 @@ std::string data_url(const BytePicture& picture, PicturePacking packing) {
   return fmt::format("data:image/{};base64,", format) + base64(encoded.buffer());
 }
 
-BytePicture shrunk(const BytePicture& picture, int longest_side) {
+ByteImage shrunk(const ByteImage& picture, int longest_side) {
   const int step = std::max(1, (std::max(picture.width, picture.height) + longest_side - 1) / longest_side);
-  BytePicture small{
+  ByteImage small{
       .width = (picture.width + step - 1) / step, .height = (picture.height + step - 1) / step, .bytes = {}};
   small.bytes.reserve(static_cast<std::size_t>(small.width) * static_cast<std::size_t>(small.height) * 3);
   for (int y = 0; y < picture.height; y += step) {

@@ -9,28 +9,28 @@
 namespace alidade::image {
 
 /// A picture as screens show it: red, green, blue of 8 bits (sRGB), rows from the top.
-struct BytePicture {
+struct ByteImage {
   int width = 0, height = 0;
   std::vector<std::uint8_t> bytes;  ///< 3 per pixel
 };
 
 /// How pictures are packed into a page.
-enum class PicturePacking {
+enum class ImagePacking {
   automatic,  ///< png up to 2 million pixels, jpeg beyond
   png,        ///< without loss
   jpeg        ///< quality 92, colours at full resolution: about a fifth of the size
 };
 
 /// The packing meant for pictures of so many pixels.
-PicturePacking packing_for(PicturePacking wanted, std::size_t pixels);
+ImagePacking packing_for(ImagePacking wanted, std::size_t pixels);
 
 /// "data:image/png;base64,...": the picture as an address that holds all of it. Cost: up to a second for 8
 /// million pixels. Errors: what OpenImageIO reports.
-std::string data_url(const BytePicture& picture, PicturePacking packing);
+std::string data_url(const ByteImage& picture, ImagePacking packing);
 
 /// The picture with means of squares of pixels, at most `longest_side` wide and high. Requires longest_side
 /// >= 1.
-BytePicture shrunk(const BytePicture& picture, int longest_side);
+ByteImage shrunk(const ByteImage& picture, int longest_side);
 
 /// RFC 4648, with padding.
 std::string base64(std::span<const unsigned char> bytes);

@@ -22,7 +22,7 @@ namespace alidade::image {
 struct ImageFacts {
   std::vector<std::pair<std::string, std::string>> texts;  ///< key and text
   glm::dvec3 position_offset{0.0};                         ///< positions are stored relative to it
-  std::optional<std::array<double, 6>> ground{};           ///< GeoTIFF only: GroundPicture::transform
+  std::optional<std::array<double, 6>> ground{};           ///< GeoTIFF only: GroundImage::transform
   Crs crs;                                                 ///< GeoTIFF only
 };
 

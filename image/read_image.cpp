@@ -25,13 +25,13 @@ std::string size_text(int width, int height) {
 }
 
 /// Errors: not a flat picture, a cut-out, or more pixels than these or than the file can hold.
-struct PictureLimits {
+struct ImageLimits {
   std::string content;
   std::uint64_t pixels;
   std::string pixels_text;
 };
 
-void check(const OIIO::ImageSpec& spec, std::uint64_t file_size, const PictureLimits& limits,
+void check(const OIIO::ImageSpec& spec, std::uint64_t file_size, const ImageLimits& limits,
            const std::filesystem::path& file) {
   if (spec.deep || spec.depth > 1)
     throw file_error(file, "not a flat image", "one value per channel and pixel");
@@ -54,7 +54,7 @@ void check(const OIIO::ImageSpec& spec, std::uint64_t file_size, const PictureLi
 }
 
 /// A picture that is being read. Its bytes in memory must outlive it.
-struct OpenPicture {
+struct OpenImage {
   std::unique_ptr<OIIO::Filesystem::IOProxy> memory;  ///< what `input` reads from; null: the file
   std::unique_ptr<OIIO::ImageInput> input;
 
@@ -62,13 +62,12 @@ struct OpenPicture {
 };
 
 /// An open picture that was checked.
-OpenPicture open_picture(const std::filesystem::path& file, const PictureBytes& bytes,
-                         const PictureLimits& limits) {
-  const std::uint64_t byte_count = bytes ? bytes->size() : picture_file_size(file);
+OpenImage open_image(const std::filesystem::path& file, const ImageBytes& bytes, const ImageLimits& limits) {
+  const std::uint64_t byte_count = bytes ? bytes->size() : image_file_size(file);
   // Alpha is not examined, so it must not be multiplied in either.
   OIIO::ImageSpec hints;
   hints.attribute("oiio:UnassociatedAlpha", 1);
-  OpenPicture picture;
+  OpenImage picture;
   if (bytes) {
     picture.memory = std::make_unique<OIIO::Filesystem::IOMemReader>(bytes->data(), bytes->size());
     void* const proxy = picture.memory.get();
@@ -113,9 +112,9 @@ std::vector<float> linear_values() {
   return values;
 }
 
-OpenPicture open_photo(const std::filesystem::path& file, const PictureBytes& bytes) {
+OpenImage open_photo(const std::filesystem::path& file, const ImageBytes& bytes) {
   constexpr std::uint64_t k_most_pixels = 1u << 28;
-  OpenPicture picture = open_picture(
+  OpenImage picture = open_image(
       file, bytes, {"photo", k_most_pixels, "at most " + std::to_string(k_most_pixels) + " pixels"});
   if (picture.spec().format.is_floating_point()) {
     throw file_error(file, "a photo with floating-point values",
@@ -149,7 +148,7 @@ std::string image_trouble(const std::string& said) {
   return text.empty() ? "unknown reason" : text;
 }
 
-std::uint64_t picture_file_size(const std::filesystem::path& file) {
+std::uint64_t image_file_size(const std::filesystem::path& file) {
   std::error_code error;
   const auto status = std::filesystem::status(file, error);
   if (!std::filesystem::exists(status)) throw file_error(file, "no such file");
@@ -160,10 +159,10 @@ std::uint64_t picture_file_size(const std::filesystem::path& file) {
 }
 
 SkyPixels read_sky_image(const std::filesystem::path& file) {
-  const OpenPicture picture =
-      open_picture(file, {},
-                   {"sky", k_most_sky_pixels,
-                    "at most " + std::to_string(k_most_sky_pixels) + " pixels, as in 16384 x 8192"});
+  const OpenImage picture =
+      open_image(file, {},
+                 {"sky", k_most_sky_pixels,
+                  "at most " + std::to_string(k_most_sky_pixels) + " pixels, as in 16384 x 8192"});
   const OIIO::ImageSpec spec = picture.spec();
 
   SkyPixels pixels{.width = spec.width, .height = spec.height};
@@ -192,13 +191,13 @@ SkyPixels read_sky_image(const std::filesystem::path& file) {
   return pixels;
 }
 
-PictureSize photo_size(const std::filesystem::path& file, const PictureBytes& bytes) {
-  const OpenPicture picture = open_photo(file, bytes);
+ImageSize photo_size(const std::filesystem::path& file, const ImageBytes& bytes) {
+  const OpenImage picture = open_photo(file, bytes);
   return {picture.spec().width, picture.spec().height};
 }
 
-PhotoPixels read_photo(const std::filesystem::path& file, const PictureBytes& bytes) {
-  const OpenPicture picture = open_photo(file, bytes);
+PhotoPixels read_photo(const std::filesystem::path& file, const ImageBytes& bytes) {
+  const OpenImage picture = open_photo(file, bytes);
   const OIIO::ImageSpec spec = picture.spec();
   PhotoPixels pixels{.size = {spec.width, spec.height}};
   pixels.values.resize(static_cast<std::size_t>(spec.width) * static_cast<std::size_t>(spec.height));

@@ -19,7 +19,7 @@ namespace alidade::image {
 std::string image_trouble(const std::string& said);
 
 /// Size of a picture's file in bytes. Errors: no such file, not a regular file, cannot be read.
-std::uint64_t picture_file_size(const std::filesystem::path& file);
+std::uint64_t image_file_size(const std::filesystem::path& file);
 
 /// Pixels of a sky picture, linear, row 0 on top.
 struct SkyPixels {
@@ -41,29 +41,29 @@ inline constexpr std::uint64_t k_most_sky_pixels = 1u << 27;
 SkyPixels read_sky_image(const std::filesystem::path& file);
 
 /// Width and height of a picture.
-struct PictureSize {
+struct ImageSize {
   int width = 0, height = 0;
-  bool operator==(const PictureSize&) const = default;
+  bool operator==(const ImageSize&) const = default;
 };
 
 /// The pixels of a photo as they are displayed, 8 bits each, row 0 on top.
 struct PhotoPixels {
-  PictureSize size{};
+  ImageSize size{};
   std::vector<std::array<std::uint8_t, 3>> values{};  ///< red, green, blue
 };
 
 /// The bytes of a picture that is in memory; empty: it is a file.
-using PictureBytes = std::optional<std::span<const std::byte>>;
+using ImageBytes = std::optional<std::span<const std::byte>>;
 
 /// Size of a photo as its pixels are stored: an orientation in its metadata does not count, as cameras of
 /// photogrammetry do not count it. Errors: no such file; not a picture; deep or 3D; floating-point values,
 /// which have no display; more than 2^28 pixels, or more than 4096 per byte of the file. Cost: that of
 /// reading the header. Of a photo in memory `file` is its name in messages, with the extension of its format.
-PictureSize photo_size(const std::filesystem::path& file, const PictureBytes& bytes = {});
+ImageSize photo_size(const std::filesystem::path& file, const ImageBytes& bytes = {});
 
 /// Reads a photo in any format that OpenImageIO reads (JPEG, PNG, TIFF, ...): the channels R, G, B, else the
 /// first three, or one as grey; alpha is ignored; 16 bits become 8. Errors: those of photo_size(); pixels
 /// missing. Memory: 3 bytes per pixel.
-PhotoPixels read_photo(const std::filesystem::path& file, const PictureBytes& bytes = {});
+PhotoPixels read_photo(const std::filesystem::path& file, const ImageBytes& bytes = {});
 
 }  // namespace alidade::image

@@ -92,5 +92,5 @@ PYBIND11_MODULE(_alidade, module) {
   alidade::use_crs_library({.compare = [](const Crs& a, const Crs& b) { return systems().compare(a, b); },
                             .wkt = [](const Crs& crs) { return systems().wkt(crs); }});
   alidade::python::add_cloud(module);
-  alidade::python::add_pictures(module);
+  alidade::python::add_images(module);
 }

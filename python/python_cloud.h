@@ -67,6 +67,6 @@ void add_cloud(py::module_& module);
 /// Declares the queries of Index.
 void add_queries(py::class_<Index, Cloud>& index);
 /// Declares render(), visible(), viewshed() and compare().
-void add_pictures(py::module_& module);
+void add_images(py::module_& module);
 
 }  // namespace alidade::python

@@ -296,7 +296,7 @@ compare::ComparedImage compared(const py::handle& given, const char* name) {
   return image;
 }
 
-py::object compare_pictures(const py::handle& reference_array, const py::handle& test_array, int workers) {
+py::object compare_images(const py::handle& reference_array, const py::handle& test_array, int workers) {
   const compare::ComparedImage reference = compared(reference_array, "reference"),
                                test = compared(test_array, "test");
   if (reference.width != test.width || reference.height != test.height)
@@ -320,7 +320,7 @@ py::object compare_pictures(const py::handle& reference_array, const py::handle&
 
 }  // namespace
 
-void add_pictures(py::module_& module) {
+void add_images(py::module_& module) {
   const py::arg_v workers = py::arg("workers") = -1, progress = py::arg("progress") = py::none();
   module.def("render", &render, k_render_doc, py::arg("index"), py::kw_only(), py::arg("camera") = py::none(),
              py::arg("scene") = py::none(), py::arg("size") = std::array{1200, 800},
@@ -333,8 +333,8 @@ void add_pictures(py::module_& module) {
              py::arg("resolution"), py::kw_only(), py::arg("mode") = "visible",
              py::arg("extent") = py::none(), py::arg("height") = py::none(), py::arg("target_height") = 0.0,
              py::arg("max_distance") = py::none(), py::arg("transparency") = 1, workers, progress);
-  module.def("compare", &compare_pictures, k_compare_doc, py::arg("reference"), py::arg("test"),
-             py::kw_only(), workers);
+  module.def("compare", &compare_images, k_compare_doc, py::arg("reference"), py::arg("test"), py::kw_only(),
+             workers);
 }
 
 }  // namespace alidade::python

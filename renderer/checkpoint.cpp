@@ -26,7 +26,7 @@ struct CheckpointHead {
   std::uint64_t samples_taken = 0;
   double seconds = 0.0;
   std::uint32_t samples = 0;  ///< per pixel, in the end
-  PictureFingerprint fingerprint{};
+  Fingerprint fingerprint{};
   std::uint64_t head_bytes = 0;  ///< where the rest begins
 };
 
@@ -44,14 +44,14 @@ void for_each_field(Head& head, const Visit& visit) {
   visit(76, head.samples);
 }
 
-constexpr CheckpointForm k_pictures = {.magic = {'A', 'L', 'I', 'D', 'P', 'A', 'R', 'T'},
-                                       .name = "an Alidade checkpoint",
-                                       .fixed_bytes = 80,
-                                       .fingerprint_bytes = 72};
+constexpr CheckpointForm k_images = {.magic = {'A', 'L', 'I', 'D', 'P', 'A', 'R', 'T'},
+                                     .name = "an Alidade checkpoint",
+                                     .fixed_bytes = 80,
+                                     .fingerprint_bytes = 72};
 
 /// Bytes of the head, its checksum included; sets head_bytes.
 std::vector<std::byte> encode_head(CheckpointHead& head) {
-  std::vector<std::byte> bytes = checkpoint_head(k_pictures, head.fingerprint, [&head](std::byte* at) {
+  std::vector<std::byte> bytes = checkpoint_head(k_images, head.fingerprint, [&head](std::byte* at) {
     for_each_field(head, [at](std::size_t byte, const auto& field) { store(at + byte, field); });
   });
   head.head_bytes = bytes.size();
@@ -61,7 +61,7 @@ std::vector<std::byte> encode_head(CheckpointHead& head) {
 /// Errors: not a checkpoint; another byte order or version; cut short or too long; damaged.
 CheckpointHead read_head(InputFile& file) {
   const std::vector<std::byte> bytes =
-      read_checkpoint_head(file, k_pictures, [&file](const HeaderFields& fixed) {
+      read_checkpoint_head(file, k_images, [&file](const HeaderFields& fixed) {
         const auto size = fixed.get<std::uint64_t>(16);
         fixed.require(size == file.size(), 16, "corrupt checkpoint: wrong file size",
                       fmt::format("{} bytes", size), file.size());
@@ -73,7 +73,7 @@ CheckpointHead read_head(InputFile& file) {
                  head.with_noise);
   reader.require(head.seconds >= 0.0 && head.seconds < 1e12, 64,
                  "corrupt checkpoint: render time out of range", "0 to 1e12 seconds", head.seconds);
-  head.fingerprint = fingerprint_of(k_pictures, bytes, file.name());
+  head.fingerprint = fingerprint_of(k_images, bytes, file.name());
   head.head_bytes = bytes.size();
   return head;
 }
@@ -147,7 +147,7 @@ void for_each_array(State& state, Film& film, std::span<const std::size_t> tiles
   });
 }
 
-std::uint64_t rest_bytes(const PictureState& state, const image::Film& film,
+std::uint64_t rest_bytes(const ImageState& state, const image::Film& film,
                          std::span<const std::size_t> tiles) {
   std::uint64_t bytes = k_tile_bytes * tiles.size();
   for_each_array(state, film, tiles, [&](const auto& values) { bytes += values.size_bytes(); });
@@ -193,7 +193,7 @@ class BlockReader {
 };
 
 void read_tiles(BlockReader& reader, const InputFile& file, int samples, std::span<const std::size_t> tiles,
-                PictureState& state) {
+                ImageState& state) {
   std::vector<std::byte> bytes(k_tile_bytes * tiles.size());
   reader.take(bytes);
   const std::byte* at = bytes.data();
@@ -211,7 +211,7 @@ void read_tiles(BlockReader& reader, const InputFile& file, int samples, std::sp
 
 /// Reads what is behind a head.
 void read_rest(InputFile& file, std::uint64_t head_bytes, std::uint64_t rest_checksum, int samples,
-               std::span<const std::size_t> tiles, PictureState& state, image::Film& film) {
+               std::span<const std::size_t> tiles, ImageState& state, image::Film& film) {
   BlockReader reader(file, head_bytes);
   read_tiles(reader, file, samples, tiles, state);
   for_each_array(state, film, tiles,
@@ -223,8 +223,8 @@ void read_rest(InputFile& file, std::uint64_t head_bytes, std::uint64_t rest_che
   }
 }
 
-void check_head(const InputFile& file, const CheckpointHead& head, const PictureFingerprint& fingerprint,
-                int samples, std::span<const std::size_t> tiles, const PictureState& state) {
+void check_head(const InputFile& file, const CheckpointHead& head, const Fingerprint& fingerprint,
+                int samples, std::span<const std::size_t> tiles, const ImageState& state) {
   check_fingerprint(head.fingerprint, fingerprint, file.name());
   // The fingerprint has all this as well; what follows must not rely on a text.
   if (head.width != static_cast<std::uint32_t>(state.grid.width()) ||
@@ -245,7 +245,7 @@ void check_head(const InputFile& file, const CheckpointHead& head, const Picture
                      std::to_string(head.file_bytes));
 }
 
-void write_state(const std::filesystem::path& path, CheckpointHead head, const PictureState& state,
+void write_state(const std::filesystem::path& path, CheckpointHead head, const ImageState& state,
                  const image::Film& film, bool overwrite) {
   const std::vector<std::size_t> tiles = tiles_by_row(state.order);
   OutputFile file(path, overwrite);
@@ -267,8 +267,7 @@ void write_state(const std::filesystem::path& path, CheckpointHead head, const P
   file.commit();
 }
 
-CheckpointHead head_of(const PictureFingerprint& fingerprint, int samples, const PictureState& state,
-                       double seconds) {
+CheckpointHead head_of(const Fingerprint& fingerprint, int samples, const ImageState& state, double seconds) {
   return {.width = static_cast<std::uint32_t>(state.grid.width()),
           .height = static_cast<std::uint32_t>(state.grid.height()),
           .with_noise = state.with_noise ? 1u : 0u,
@@ -280,9 +279,9 @@ CheckpointHead head_of(const PictureFingerprint& fingerprint, int samples, const
 }
 
 /// Takes the part out of a fingerprint. Errors: it is invalid.
-PicturePart take_part(PictureFingerprint& fingerprint, const std::string& file) {
+ImagePart take_part(Fingerprint& fingerprint, const std::string& file) {
   const auto entry = std::ranges::find(fingerprint, "part", &FingerprintEntry::name);
-  PicturePart part;
+  ImagePart part;
   if (entry == fingerprint.end()) return part;
   const std::string text = entry->value;
   const char* const end = text.data() + text.size();
@@ -296,20 +295,19 @@ PicturePart take_part(PictureFingerprint& fingerprint, const std::string& file) 
 
 }  // namespace
 
-void write_checkpoint(const std::filesystem::path& path, const PictureFingerprint& fingerprint, int samples,
-                      const PictureState& state, double seconds) {
+void write_checkpoint(const std::filesystem::path& path, const Fingerprint& fingerprint, int samples,
+                      const ImageState& state, double seconds) {
   write_state(path, head_of(fingerprint, samples, state, seconds), state, image::Film(), true);
 }
 
-void write_part(const std::filesystem::path& path, const PictureFingerprint& fingerprint, int samples,
-                const PictureState& state, const image::Film& film, bool overwrite) {
+void write_part(const std::filesystem::path& path, const Fingerprint& fingerprint, int samples,
+                const ImageState& state, const image::Film& film, bool overwrite) {
   CheckpointHead head = head_of(fingerprint, samples, state, 0.0);
   head.pass_end = head.samples;  // however it was reached
   write_state(path, head, state, film, overwrite);
 }
 
-void read_checkpoint(InputFile file, const PictureFingerprint& fingerprint, int samples,
-                     PictureState& state) {
+void read_checkpoint(InputFile file, const Fingerprint& fingerprint, int samples, ImageState& state) {
   const std::vector<std::size_t> tiles = tiles_by_row(state.order);
   const CheckpointHead head = read_head(file);
   check_head(file, head, fingerprint, samples, tiles, state);
@@ -322,7 +320,7 @@ void read_checkpoint(InputFile file, const PictureFingerprint& fingerprint, int 
 PartHead read_part_head(const std::filesystem::path& path) {
   constexpr std::uint32_t k_most_side = 65536, k_most_pixels = 1u << 28;
   InputFile file(path);
-  if (!begins_as(file, k_pictures))
+  if (!begins_as(file, k_images))
     fail_at_byte(file.name(), 0, "not a part of an image", "a file that 'alidade render --part' wrote");
   CheckpointHead head = read_head(file);
   if (head.width < 1 || head.height < 1 || head.width > k_most_side || head.height > k_most_side ||
@@ -346,7 +344,7 @@ PartHead read_part_head(const std::filesystem::path& path) {
   return part;
 }
 
-void read_part(const PartHead& head, PictureState& state, image::Film& film) {
+void read_part(const PartHead& head, ImageState& state, image::Film& film) {
   InputFile file{std::filesystem::path(head.file)};
   const std::vector<std::size_t> tiles = tiles_by_row(tiles_of(state.grid, head.part));
   const std::uint64_t expected = head.head_bytes + rest_bytes(state, film, tiles);
@@ -364,13 +362,13 @@ void read_part(const PartHead& head, PictureState& state, image::Film& film) {
 
 bool is_checkpoint(const std::filesystem::path& path) {
   InputFile file(path);
-  return begins_as(file, k_pictures);
+  return begins_as(file, k_images);
 }
 
 CheckpointSummary read_checkpoint_summary(const std::filesystem::path& path) {
   InputFile file(path);
   const CheckpointHead head = read_head(file);
-  PictureFingerprint fingerprint = head.fingerprint;
+  Fingerprint fingerprint = head.fingerprint;
   const int parts = take_part(fingerprint, file.name()).count;
   // Parts differ by a tile at most.
   const double all = double{1} * head.width * head.height * head.samples / parts;

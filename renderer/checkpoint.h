@@ -45,44 +45,40 @@ namespace alidade::renderer {
 template <class Part>
 std::string text_of(const Part& part);
 
-/// All that the samples of a picture depend on, in a fixed order: what others follow from comes before them,
-/// such as the cloud before a camera that shows it. Numbers are written so that different ones have
-/// different texts.
-using PictureFingerprint = Fingerprint;
-
-/// The fingerprint of what render() would make of these. `cloud` may be null. Cost: a cloud read from an
+/// The fingerprint of what render() would make of these: all that the samples of an image depend on, in a fixed
+/// order: what others follow from comes before them, such as the cloud before a camera that shows it. Numbers
+/// are written so that different ones have different texts. `cloud` may be null. Cost: a cloud read from an
 /// index file is identified by the checksums in it; any other is summed up as fast as memory delivers, about
 /// 16 bytes per point.
-PictureFingerprint picture_fingerprint(const Scene& scene, const LoadedCloud* cloud,
-                                       const RenderOptions& options);
+Fingerprint image_fingerprint(const Scene& scene, const LoadedCloud* cloud, const RenderOptions& options);
 
 /// Writes the state; the file is written completely or not at all, an earlier one stays until then. No
 /// thread may change the state meanwhile. Memory: 2 MiB. Errors: those of OutputFile, above all a full disk.
-void write_checkpoint(const std::filesystem::path& file, const PictureFingerprint& fingerprint, int samples,
-                      const PictureState& state, double seconds);
+void write_checkpoint(const std::filesystem::path& file, const Fingerprint& fingerprint, int samples,
+                      const ImageState& state, double seconds);
 
 /// Reads a state back. `state` must have been made for the picture that is requested; it is only of use if
 /// nothing is thrown. `samples` is the requested number per pixel. Errors: not a checkpoint; another byte
 /// order, version or picture, naming the first thing that differs; a file cut short, too long or damaged.
 /// Memory: the fingerprint, at most the file's size, and 1 MiB.
-void read_checkpoint(InputFile file, const PictureFingerprint& fingerprint, int samples, PictureState& state);
+void read_checkpoint(InputFile file, const Fingerprint& fingerprint, int samples, ImageState& state);
 
 /// Writes a finished part; `film` has the layers of the pixels' centres that are requested. Errors: those of
 /// OutputFile.
-void write_part(const std::filesystem::path& file, const PictureFingerprint& fingerprint, int samples,
-                const PictureState& state, const image::Film& film, bool overwrite);
+void write_part(const std::filesystem::path& file, const Fingerprint& fingerprint, int samples,
+                const ImageState& state, const image::Film& film, bool overwrite);
 
 /// The head of a file of a part.
 struct PartHead {
   std::string file;
-  PicturePart part;
+  ImagePart part;
   int width = 0, height = 0;  ///< of the picture, pixels
   int samples = 0;            ///< per pixel, in the end
   bool with_noise = false;
   std::uint64_t samples_taken = 0;  ///< camera samples
   std::uint64_t file_bytes = 0, head_bytes = 0;
-  std::uint64_t rest_checksum = 0;   ///< of all behind the head
-  PictureFingerprint fingerprint{};  ///< "part" left out
+  std::uint64_t rest_checksum = 0;  ///< of all behind the head
+  Fingerprint fingerprint{};        ///< "part" left out
 };
 
 /// Reads the head alone. Errors: no checkpoint of a picture; another byte order or version; damaged; cut
@@ -91,7 +87,7 @@ PartHead read_part_head(const std::filesystem::path& file);
 
 /// Reads a finished part into the state and the film of the whole picture, which have its size and layers.
 /// Errors: unfinished; damaged.
-void read_part(const PartHead& head, PictureState& state, image::Film& film);
+void read_part(const PartHead& head, ImageState& state, image::Film& film);
 
 /// Whether a file begins as checkpoints do, of whatever version. Errors: those of InputFile.
 bool is_checkpoint(const std::filesystem::path& file);

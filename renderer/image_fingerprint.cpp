@@ -161,14 +161,13 @@ template std::string text_of(const std::vector<Object>&);
 template std::string text_of(const Sky&);
 template std::string text_of(const std::optional<geo::Sun>&);
 
-PictureFingerprint picture_fingerprint(const Scene& scene, const LoadedCloud* cloud,
-                                       const RenderOptions& options) {
+Fingerprint image_fingerprint(const Scene& scene, const LoadedCloud* cloud, const RenderOptions& options) {
   // Taken apart as the scene is: a new setting must be written here, too.
   const auto& [samples, max_bounces, seed, mode, ao_distance] = scene.render;
-  PictureFingerprint fingerprint{
+  Fingerprint fingerprint{
       {"picture", options.checkpoint ? options.checkpoint->picture : ""},
       {"part", part_text(options.part)},
-      {"picture version", std::to_string(k_picture_version)},
+      {"picture version", std::to_string(k_image_version)},
       {"seed", std::to_string(seed)},
       {"number of samples", std::to_string(samples)},
       {"number of bounces", std::to_string(max_bounces)},
@@ -189,7 +188,7 @@ PictureFingerprint picture_fingerprint(const Scene& scene, const LoadedCloud* cl
     add("bounds of the points", bounds_text(cloud->octree.bounds()));
     add("points and colours", cloud_checksum(*cloud));
   }
-  const PictureFingerprint rest{
+  const Fingerprint rest{
       {"range of ambient occlusion", fmt::format("{:.17g} {:.17g}", ao_distance.value_or(0.0),
                                                  ambient_occlusion_distance(scene.render, cloud))},
       {"target noise", noise_text(options, scene)},

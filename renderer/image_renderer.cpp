@@ -23,11 +23,11 @@ Clock::time_point after(Clock::time_point now, double seconds) {
                    std::chrono::duration<double>(std::min(seconds, k_year)));
 }
 
-/// What render_picture() does.
-class PictureRenderer {
+/// What render_image() does.
+class ImageRenderer {
  public:
-  PictureRenderer(const RenderTask& task, const RenderOptions& options, double floor, PictureState& state,
-                  RenderWatch& watch, image::Film& film)
+  ImageRenderer(const RenderTask& task, const RenderOptions& options, double floor, ImageState& state,
+                RenderWatch& watch, image::Film& film)
       : task_(task),
         state_(state),
         watch_(watch),
@@ -171,7 +171,7 @@ class PictureRenderer {
   }
 
   const RenderTask& task_;
-  PictureState& state_;
+  ImageState& state_;
   RenderWatch& watch_;
   image::Film& film_;
   const Tiles& order_;
@@ -182,8 +182,8 @@ class PictureRenderer {
 
 }  // namespace
 
-RenderWatch::RenderWatch(const RenderOptions& options, const PictureState& state, int samples,
-                         PictureFingerprint fingerprint)
+RenderWatch::RenderWatch(const RenderOptions& options, const ImageState& state, int samples,
+                         Fingerprint fingerprint)
     : options_(options), state_(state), samples_(samples), fingerprint_(std::move(fingerprint)) {
   if (options_.checkpoint) next_checkpoint_ = after(start_, options_.checkpoint->interval);
   done_ = state_.sample_count();
@@ -267,9 +267,9 @@ void RenderWatch::save() {
   write_checkpoint(options_.checkpoint->file, fingerprint_, samples_, state_, seconds());
 }
 
-void render_picture(const RenderTask& task, const RenderOptions& options, double floor, PictureState& state,
-                    RenderWatch& watch, image::Film& film) {
-  PictureRenderer(task, options, floor, state, watch, film).run();
+void render_image(const RenderTask& task, const RenderOptions& options, double floor, ImageState& state,
+                  RenderWatch& watch, image::Film& film) {
+  ImageRenderer(task, options, floor, state, watch, film).run();
 }
 
 }  // namespace alidade::renderer

@@ -20,8 +20,7 @@ class RenderWatch {
  public:
   /// The options and the state must outlive it. `fingerprint` is that of the picture, for checkpoints;
   /// `samples` those per pixel. Time begins now.
-  RenderWatch(const RenderOptions& options, const PictureState& state, int samples,
-              PictureFingerprint fingerprint);
+  RenderWatch(const RenderOptions& options, const ImageState& state, int samples, Fingerprint fingerprint);
 
   /// To be held while samples are added to the state.
   std::shared_lock<std::shared_mutex> adding() { return std::shared_lock(gate_); }
@@ -56,9 +55,9 @@ class RenderWatch {
   std::uint64_t expected_total() const;
 
   const RenderOptions& options_;
-  const PictureState& state_;
+  const ImageState& state_;
   const int samples_;
-  const PictureFingerprint fingerprint_;
+  const Fingerprint fingerprint_;
   const Clock::time_point start_ = Clock::now();
   std::shared_mutex gate_;  ///< shared: the state grows; alone: it is examined
   std::mutex mutex_;        ///< of all below
@@ -71,7 +70,7 @@ class RenderWatch {
 /// Brings a picture under way to its end, pass by pass, in parallel. `floor`: see noise_floor(). `film` has
 /// the layers of the pixels' centres that are requested. Throws Cancelled if the watch does; the state is
 /// intact then, too.
-void render_picture(const RenderTask& task, const RenderOptions& options, double floor, PictureState& state,
-                    RenderWatch& watch, image::Film& film);
+void render_image(const RenderTask& task, const RenderOptions& options, double floor, ImageState& state,
+                  RenderWatch& watch, image::Film& film);
 
 }  // namespace alidade::renderer

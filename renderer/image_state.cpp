@@ -17,7 +17,7 @@ double square_sum(const glm::vec3& v) {
 }
 
 /// First pixel of a tile's row in its band.
-std::size_t band_index(const PictureState& state, const TileBox& box, int y) {
+std::size_t band_index(const ImageState& state, const TileBox& box, int y) {
   return static_cast<std::size_t>(y - box.y_begin) * static_cast<std::size_t>(state.grid.width()) +
          static_cast<std::size_t>(box.x_begin);
 }
@@ -31,7 +31,7 @@ std::uint64_t spread_bits(std::uint32_t number) {
 
 }  // namespace
 
-std::vector<std::size_t> tiles_of(const TileGrid& grid, PicturePart part) {
+std::vector<std::size_t> tiles_of(const TileGrid& grid, ImagePart part) {
   std::vector<std::size_t> order(grid.count());
   std::iota(order.begin(), order.end(), std::size_t{0});
   std::ranges::sort(order, {}, [&](std::size_t tile) {
@@ -46,7 +46,7 @@ std::vector<std::size_t> tiles_of(const TileGrid& grid, PicturePart part) {
   return tiles;
 }
 
-PictureState::PictureState(int width, int height, bool noise, PicturePart part)
+ImageState::ImageState(int width, int height, bool noise, ImagePart part)
     : grid(width, height),
       order(tiles_of(grid, part)),
       with_noise(noise),
@@ -64,20 +64,20 @@ PictureState::PictureState(int width, int height, bool noise, PicturePart part)
   }
 }
 
-std::uint64_t PictureState::sample_count() const {
+std::uint64_t ImageState::sample_count() const {
   std::uint64_t count = 0;
   for (std::size_t tile = 0; tile < tiles.size(); ++tile)
     count += std::uint64_t{tiles[tile].samples} * grid.box(tile).count();
   return count;
 }
 
-std::uint64_t PictureState::ray_count() const {
+std::uint64_t ImageState::ray_count() const {
   std::uint64_t count = 0;
   for (const TileState& tile : tiles) count += tile.ray_count;
   return count;
 }
 
-void add_samples(PictureState& state, std::size_t tile, std::span<const PathResult> results) {
+void add_samples(ImageState& state, std::size_t tile, std::span<const PathResult> results) {
   const TileBox box = state.grid.box(tile);
   assert(results.size() % box.count() == 0);
   TileState& reached = state.tiles[tile];
@@ -110,7 +110,7 @@ void add_samples(PictureState& state, std::size_t tile, std::span<const PathResu
   reached.samples = last;
 }
 
-image::Film reduced(const PictureState& state, int longest_side) {
+image::Film reduced(const ImageState& state, int longest_side) {
   const int width = state.grid.width(), height = state.grid.height();
   const int factor = (std::max(width, height) + longest_side - 1) / longest_side;
   constexpr image::Layer k_color[] = {image::Layer::color};
@@ -139,7 +139,7 @@ image::Film reduced(const PictureState& state, int longest_side) {
   return film;
 }
 
-void move_into_film(PictureState& state, bool with_variance, image::Film& film) {
+void move_into_film(ImageState& state, bool with_variance, image::Film& film) {
   constexpr Rgb k_unknown(std::numeric_limits<float>::infinity());
   film.color.reserve(film.count());
   film.alpha.reserve(film.count());

@@ -36,11 +36,11 @@ struct TileState {
 };
 
 /// The tiles of a part, along Morton's curve: paths of neighbouring tiles meet the same part of the cloud.
-std::vector<std::size_t> tiles_of(const TileGrid& grid, PicturePart part);
+std::vector<std::size_t> tiles_of(const TileGrid& grid, ImagePart part);
 
 /// A picture under way, or a part of one: all that a resumed render needs. Memory beside the bands: about 1
 /// byte per pixel. Different tiles may be worked on by different threads.
-struct PictureState {
+struct ImageState {
   TileGrid grid;
   std::vector<std::size_t> order;  ///< tiles_of() what is rendered
   bool with_noise = false;
@@ -50,7 +50,7 @@ struct PictureState {
   int pass_end = 0;  ///< every tile is to reach this many samples, or stopped before, or more are requested
   double seconds = 0.0;  ///< spent on it before the last resumption
 
-  PictureState(int width, int height, bool with_noise, PicturePart part = {});
+  ImageState(int width, int height, bool with_noise, ImagePart part = {});
 
   /// Camera samples taken.
   std::uint64_t sample_count() const;
@@ -59,15 +59,15 @@ struct PictureState {
 
 /// Adds the next samples of a tile: the same number for each pixel, pixel by pixel in rows. The result does
 /// not depend on how the samples are dealt out over calls.
-void add_samples(PictureState& state, std::size_t tile, std::span<const PathResult> results);
+void add_samples(ImageState& state, std::size_t tile, std::span<const PathResult> results);
 
 /// The picture so far, colour and alpha only: each pixel the mean of a square of pixels, as small as
 /// keeps width and height at or below `longest_side`. Pixels without samples are black.
-image::Film reduced(const PictureState& state, int longest_side);
+image::Film reduced(const ImageState& state, int longest_side);
 
 /// Turns the sums into the film's colour and alpha, which must be empty, and its variance if that is
 /// requested (the sums for noise must be there). Each band is freed as soon as it has been read, so that the
 /// film replaces the sums in memory.
-void move_into_film(PictureState& state, bool with_variance, image::Film& film);
+void move_into_film(ImageState& state, bool with_variance, image::Film& film);
 
 }  // namespace alidade::renderer

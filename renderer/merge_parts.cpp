@@ -231,8 +231,7 @@ Fingerprint image_entries(const image::OutputSettings& output, const ImageMetada
   return entries;
 }
 
-MergedPicture merge_parts(std::span<const std::filesystem::path> files,
-                          const std::filesystem::path& picture) {
+MergedImage merge_parts(std::span<const std::filesystem::path> files, const std::filesystem::path& picture) {
   const std::map<int, PartHead> parts = checked_parts(files);
   const PartHead& first = parts.begin()->second;
   const ImageEntries entries(first.fingerprint, first.file);
@@ -242,7 +241,7 @@ MergedPicture merge_parts(std::span<const std::filesystem::path> files,
         entries.value(k_kind) == k_exr ? "the extension .exr" : "the extension .png, .jpg or .tif");
   }
   const camera::Camera camera = entries.camera();
-  MergedPicture merged;
+  MergedImage merged;
   merged.output = entries.output(picture);
   merged.parts = static_cast<int>(parts.size());
   const std::vector<image::Layer>& layers = merged.output.layers;
@@ -259,7 +258,7 @@ MergedPicture merge_parts(std::span<const std::filesystem::path> files,
     return layer == image::Layer::color || layer == image::Layer::variance;
   });
   merged.film = image::Film(first.width, first.height, of_centers);
-  PictureState state(first.width, first.height, first.with_noise);
+  ImageState state(first.width, first.height, first.with_noise);
   for (const auto& [number, head] : parts) {
     read_part(head, state, merged.film);
     merged.samples_taken += head.samples_taken;

@@ -14,7 +14,7 @@
 //
 //   machine i of 20:  render_part(scene, &cloud, {.layers = ..., .part = {i, 20}},
 //                                 {file, overwrite, image_entries(output, metadata)});
-//   then:             const MergedPicture merged = merge_parts(files, "picture.exr");
+//   then:             const MergedImage merged = merge_parts(files, "picture.exr");
 //                     image::write_image(merged.film, merged.output, merged.facts, overwrite);
 
 namespace alidade::renderer {
@@ -24,7 +24,7 @@ namespace alidade::renderer {
 Fingerprint image_entries(const image::OutputSettings& output, const ImageMetadata& metadata);
 
 /// A picture and all that write_image() needs.
-struct MergedPicture {
+struct MergedImage {
   image::Film film;
   image::OutputSettings output;
   image::ImageFacts facts;
@@ -40,6 +40,6 @@ struct MergedPicture {
 /// differs; twice with other samples; parts that are missing, by number; a picture whose extension does not
 /// fit (.exr for parts of an EXR, else .png, .jpg or .tif); damaged, cut short or too long. Memory: as
 /// render(), and the heads of all parts.
-MergedPicture merge_parts(std::span<const std::filesystem::path> files, const std::filesystem::path& picture);
+MergedImage merge_parts(std::span<const std::filesystem::path> files, const std::filesystem::path& picture);
 
 }  // namespace alidade::renderer

@@ -95,7 +95,7 @@ double Noise::error(double floor) const {
   return std::sqrt(variance / count) / (luminance / count + floor);
 }
 
-Noise tile_noise(const PictureState& state, std::size_t tile) {
+Noise tile_noise(const ImageState& state, std::size_t tile) {
   constexpr double k_caution = 4.0;
   const TileBox box = state.grid.box(tile);
   const SumBand& band = state.bands[static_cast<std::size_t>(state.grid.row_of(tile))];
@@ -126,7 +126,7 @@ Noise tile_noise(const PictureState& state, std::size_t tile) {
   return noise;
 }
 
-void StopRule::apply(PictureState& state) {
+void StopRule::apply(ImageState& state) {
   noise_.resize(state.tiles.size());
   tbb::parallel_for(std::size_t{0}, state.tiles.size(), [&](std::size_t tile) {
     // Tiles that have stopped stay as they are.
@@ -140,7 +140,7 @@ void StopRule::apply(PictureState& state) {
   }
 }
 
-double StopRule::expected_samples(const PictureState& state, std::size_t tile, double most) const {
+double StopRule::expected_samples(const ImageState& state, std::size_t tile, double most) const {
   const TileState& reached = state.tiles[tile];
   const double samples = reached.samples;
   if (reached.stopped || noise_.empty()) return reached.stopped ? samples : most;
@@ -152,7 +152,7 @@ double noise_floor(double exposure) {
   return 0.01 / image::exposure_scale(exposure);
 }
 
-ReachedNoise reached_noise(const PictureState& state, double floor) {
+ReachedNoise reached_noise(const ImageState& state, double floor) {
   std::vector<double> errors(state.tiles.size());
   tbb::parallel_for(std::size_t{0}, errors.size(),
                     [&](std::size_t tile) { errors[tile] = tile_noise(state, tile).error(floor); });

@@ -56,7 +56,7 @@ struct Noise {
 /// matter, (sum of variances)^2 / sum of squared variances, against four times for what independent samples
 /// would leave. The luminance's standard deviation is taken as the weighted sum of those of the channels,
 /// which is right for grey noise and else too high. Cost: its pixels.
-Noise tile_noise(const PictureState& state, std::size_t tile);
+Noise tile_noise(const ImageState& state, std::size_t tile);
 
 /// Decides between passes which tiles have low enough noise. All are judged by the same state, so that the
 /// answer depends neither on order nor on threads.
@@ -75,11 +75,11 @@ class StopRule {
   StopRule(double target, double floor) : target_(target), floor_(floor) {}
 
   /// Marks the tiles that may stop.
-  void apply(PictureState& state);
+  void apply(ImageState& state);
 
   /// Samples per pixel that a tile that does not stop is expected to need: noise falls with the root of their
   /// number. At most `most`.
-  double expected_samples(const PictureState& state, std::size_t tile, double most) const;
+  double expected_samples(const ImageState& state, std::size_t tile, double most) const;
 
   static constexpr std::uint32_t k_fewest_samples = 32;
 
@@ -93,6 +93,6 @@ class StopRule {
 double noise_floor(double exposure);
 
 /// Median and worst error over the tiles; the state must be kept with noise.
-ReachedNoise reached_noise(const PictureState& state, double floor);
+ReachedNoise reached_noise(const ImageState& state, double floor);
 
 }  // namespace alidade::renderer

@@ -48,7 +48,7 @@ std::vector<image::Layer> center_layers(const RenderOptions& options) {
   return layers;
 }
 
-std::uint64_t pixel_count(const TileGrid& grid, PicturePart part) {
+std::uint64_t pixel_count(const TileGrid& grid, ImagePart part) {
   std::uint64_t count = 0;
   if (part.count == 1) return grid.pixel_count();
   for (const std::size_t tile : tiles_of(grid, part)) count += grid.box(tile).count();
@@ -56,7 +56,7 @@ std::uint64_t pixel_count(const TileGrid& grid, PicturePart part) {
 }
 
 /// What was reached.
-RenderStatistics statistics_of(const PictureState& state, const Scene& scene, const RenderOptions& options,
+RenderStatistics statistics_of(const ImageState& state, const Scene& scene, const RenderOptions& options,
                                double floor) {
   RenderStatistics statistics;
   statistics.ray_count = state.ray_count();
@@ -83,7 +83,7 @@ RenderStatistics statistics_of(const PictureState& state, const Scene& scene, co
 
 /// What the rays through a picture's pixels have given.
 struct RenderedState {
-  PictureState state;
+  ImageState state;
   image::Film film;  ///< the layers of the pixels' centres
 };
 
@@ -106,10 +106,10 @@ RenderedState render_state(const Scene& scene, const LoadedCloud* cloud, const R
   const double floor = noise_floor(scene.output.exposure);
 
   RenderedState rendered{{camera.width, camera.height, keeps_noise(options), options.part}, {}};
-  PictureState& state = rendered.state;
-  PictureFingerprint fingerprint;
+  ImageState& state = rendered.state;
+  Fingerprint fingerprint;
   if (options.checkpoint) {
-    fingerprint = picture_fingerprint(scene, cloud, options);
+    fingerprint = image_fingerprint(scene, cloud, options);
     const std::filesystem::path& file = options.checkpoint->file;
     if (options.checkpoint->resume && std::filesystem::exists(file)) {
       read_checkpoint(InputFile(file), fingerprint, scene.render.samples, state);
@@ -119,7 +119,7 @@ RenderedState render_state(const Scene& scene, const LoadedCloud* cloud, const R
   image::Film& film = rendered.film = image::Film(camera.width, camera.height, center_layers(options));
   RenderWatch watch(options, state, scene.render.samples, std::move(fingerprint));
   try {
-    render_picture(task, options, floor, state, watch, film);
+    render_image(task, options, floor, state, watch, film);
     watch.finish();
   } catch (const Cancelled&) {
     watch.save();
@@ -136,11 +136,11 @@ RenderedState render_state(const Scene& scene, const LoadedCloud* cloud, const R
 
 }  // namespace
 
-std::string part_text(PicturePart part) {
+std::string part_text(ImagePart part) {
   return fmt::format("{}/{}", part.number, part.count);
 }
 
-std::uint64_t pixel_count(int width, int height, PicturePart part) {
+std::uint64_t pixel_count(int width, int height, ImagePart part) {
   return pixel_count(TileGrid(width, height), part);
 }
 
@@ -172,7 +172,7 @@ image::Film render(const Scene& scene, const LoadedCloud* cloud, const RenderOpt
 void render_part(const Scene& scene, const LoadedCloud* cloud, const RenderOptions& options,
                  const PartOutput& output, RenderStatistics* statistics) {
   const RenderedState rendered = render_state(scene, cloud, options, statistics);
-  PictureFingerprint fingerprint = picture_fingerprint(scene, cloud, options);
+  Fingerprint fingerprint = image_fingerprint(scene, cloud, options);
   // Machines may use different folders.
   std::erase_if(fingerprint, [](const FingerprintEntry& entry) { return entry.name == "picture"; });
   fingerprint.insert(fingerprint.end(), output.image.begin(), output.image.end());

@@ -19,7 +19,7 @@ namespace alidade::renderer {
 
 /// Changes whenever the same scene gives other bytes, so that no checkpoint continues with samples of another
 /// kind.
-inline constexpr int k_picture_version = 4;
+inline constexpr int k_image_version = 4;
 
 /// Small pictures of the unfinished render.
 struct PreviewOptions {
@@ -50,21 +50,21 @@ struct CheckpointOptions {
 /// same time, so parts that hold every n-th tile take about the same time, too; stripes of sky and of trees
 /// do not. Along the curve they are evenly spread in both directions for any `count`; along rows, a `count`
 /// that divides the number of columns would give stripes.
-struct PicturePart {
+struct ImagePart {
   int number = 1;  ///< from 1
   int count = 1;   ///< 1: the whole picture
 
-  bool operator==(const PicturePart&) const = default;
+  bool operator==(const ImagePart&) const = default;
 };
 
 /// The most parts of a picture.
 inline constexpr int k_most_parts = 65536;
 
 /// "3/20".
-std::string part_text(PicturePart part);
+std::string part_text(ImagePart part);
 
 /// Pixels of a part of a picture.
-std::uint64_t pixel_count(int width, int height, PicturePart part);
+std::uint64_t pixel_count(int width, int height, ImagePart part);
 
 struct RenderOptions {
   /// In camera samples (pixels * samples per pixel); called from one thread at a time. With a time limit or a
@@ -82,7 +82,7 @@ struct RenderOptions {
   std::optional<PreviewOptions> preview{};
   std::optional<CheckpointOptions> checkpoint{};
   /// What of the picture is rendered; pixels of other parts are as those without samples.
-  PicturePart part{};
+  ImagePart part{};
   RayWatch watch_rays{};  ///< for measurements
 };
 

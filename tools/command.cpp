@@ -18,7 +18,7 @@ namespace alidade::tools {
 namespace {
 
 /// Options of pictures that cannot change the picture itself, beside k_silent_options.
-constexpr std::array<std::string_view, 11> k_picture_options = {
+constexpr std::array<std::string_view, 11> k_image_options = {
     "legend",      "legend-size", "preview",    "preview-interval", "depth", "depth-format",
     "depth-scale", "depth-along", "depth-mask", "transforms-out",   "part"};
 
@@ -35,7 +35,7 @@ bool is_silent_flag(std::string_view word) {
 
 /// Options that cannot change the picture, with the value in the next word.
 bool is_silent_option(std::string_view word) {
-  return word == "-o" || names_one_of(word, k_silent_options) || names_one_of(word, k_picture_options);
+  return word == "-o" || names_one_of(word, k_silent_options) || names_one_of(word, k_image_options);
 }
 
 /// Options that cannot change the picture, with the value in the word itself.
@@ -145,7 +145,7 @@ std::string kept_name(const std::filesystem::path& given) {
   return (file.has_filename() ? file : file.parent_path()).filename().string();
 }
 
-std::string picture_command(const CommandLine& words) {
+std::string metadata_command(const CommandLine& words) {
   std::string text = "alidade";
   for (std::size_t i = 1; i < words.size(); ++i) {
     const std::size_t value = words[i].starts_with("--") ? words[i].find('=') + 1 : 0;

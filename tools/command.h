@@ -87,6 +87,6 @@ std::string kept_name(const std::filesystem::path& given);
 
 /// The command line for metadata: names as kept_name(), without the options that do not affect the picture
 /// (outputs, threads, messages), so that equal pictures make equal files.
-std::string picture_command(const CommandLine& words);
+std::string metadata_command(const CommandLine& words);
 
 }  // namespace alidade::tools

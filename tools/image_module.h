@@ -61,8 +61,8 @@ struct ImageModule {
   decltype(&visibility::read_observers) read_observers = &visibility::read_observers;
   decltype(&visibility::read_objects) read_objects = &visibility::read_objects;
   decltype(&visibility::to_cloud_reference) to_cloud_reference = &visibility::to_cloud_reference;
-  decltype(&visibility::write_map_picture) write_map_picture = &visibility::write_map_picture;
-  decltype(&visibility::write_coverage_picture) write_coverage_picture = &visibility::write_coverage_picture;
+  decltype(&visibility::write_map_image) write_map_image = &visibility::write_map_image;
+  decltype(&visibility::write_coverage_image) write_coverage_image = &visibility::write_coverage_image;
   decltype(&visibility::write_photos) write_photos = &visibility::write_photos;
   decltype(&visibility::write_skyline) write_skyline = &visibility::write_skyline;
   decltype(&visibility::place_schedule) place_schedule = &visibility::place_schedule;

@@ -216,7 +216,7 @@ struct Windows {
 };
 
 /// Two pictures at half the size of two others.
-struct HalfPictures {
+struct HalfImages {
   int width = 0, height = 0;
   std::vector<PairPixels::Pair> pairs;
   ImageMask counted;
@@ -225,8 +225,8 @@ struct HalfPictures {
 };
 
 template <class Pixels>
-HalfPictures halved(const Pixels& pixels, int width, int height, const ImageMask& counted) {
-  HalfPictures half{.width = (width + 1) / 2, .height = (height + 1) / 2, .pairs = {}, .counted = {}};
+HalfImages halved(const Pixels& pixels, int width, int height, const ImageMask& counted) {
+  HalfImages half{.width = (width + 1) / 2, .height = (height + 1) / 2, .pairs = {}, .counted = {}};
   const std::size_t count = static_cast<std::size_t>(half.width) * static_cast<std::size_t>(half.height);
   half.pairs.resize(count);
   if (!counted.counts.empty()) half.counted.counts.assign(count, 1);
@@ -270,10 +270,10 @@ Similarity similarity(const ComparedImage& reference, const ComparedImage& test,
 
   constexpr double k_weights[k_scales] = {0.0448, 0.2856, 0.3001, 0.2363, 0.1333};
   double products[3] = {1.0, 1.0, 1.0};
-  HalfPictures half = halved(pixels, reference.width, reference.height, counted);
+  HalfImages half = halved(pixels, reference.width, reference.height, counted);
   for (int scale = 0; scale < k_scales; ++scale) {
     const bool is_last = scale == k_scales - 1;
-    if (scale > 0) means = Windows<HalfPictures>{half, half.width, half.height, half.counted}.run();
+    if (scale > 0) means = Windows<HalfImages>{half, half.width, half.height, half.counted}.run();
     if (scale > 0 && !is_last) half = halved(half, half.width, half.height, half.counted);
     for (int channel = 0; channel < 3; ++channel)
       products[channel] *=

@@ -118,7 +118,7 @@ Json how_json(const Comparison& comparison) {
   return json;
 }
 
-Json facts_json(const PictureFacts& facts) {
+Json facts_json(const ComparedImageFacts& facts) {
   return {{"file", facts.file.string()},
           {"width", facts.width},
           {"height", facts.height},

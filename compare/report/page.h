@@ -37,7 +37,7 @@ void write_page(const std::string& page, const std::filesystem::path& file, bool
 /// thresholds that only warn. Requires comparison.pictures. Errors: what encoding pictures reports. Cost:
 /// half a second to a second for 8 million pixels on two cores; memory: each map once more, 3 bytes per
 /// pixel, and the page.
-std::string report_page(const Comparison& comparison, const Verdict& verdict, image::PicturePacking packing,
+std::string report_page(const Comparison& comparison, const Verdict& verdict, image::ImagePacking packing,
                         const Verdict& warnings = {});
 
 }  // namespace alidade::compare

@@ -10,18 +10,18 @@ namespace alidade::compare {
 namespace {
 
 /// A picture of the page.
-struct PagePicture {
+struct PageImage {
   std::string id, title;
-  const image::BytePicture* picture = nullptr;
+  const image::ByteImage* picture = nullptr;
   const DifferenceMap* map = nullptr;  ///< that it shows
   std::string address{};
 };
 
-std::string name_of(const PictureFacts& facts) {
+std::string name_of(const ComparedImageFacts& facts) {
   return facts.file.filename().string();
 }
 
-Json picture_json(const PictureFacts& facts) {
+Json image_json(const ComparedImageFacts& facts) {
   return {{"name", name_of(facts)}, {"size", {facts.width, facts.height}}, {"metadata", facts.metadata}};
 }
 
@@ -60,7 +60,7 @@ Json colors_of(const DifferenceMap& map) {
   return colors;
 }
 
-Json map_json(const PagePicture& picture, const DifferenceMap& map) {
+Json map_json(const PageImage& picture, const DifferenceMap& map) {
   std::string note = map.title + ": " + map.label + ".";
   for (const std::string& line : map.notes) note += " " + line + ".";
   Json json{{"id", picture.id}, {"kind", "map"}, {"title", map.title}, {"note", note}};
@@ -81,11 +81,11 @@ Json map_json(const PagePicture& picture, const DifferenceMap& map) {
   return json;
 }
 
-Json views_json(const std::vector<PagePicture>& pictures) {
-  const PagePicture& reference = pictures.front();
+Json views_json(const std::vector<PageImage>& pictures) {
+  const PageImage& reference = pictures.front();
   // The matched test is behind the test as it is.
   const bool is_matched = pictures.size() > 2 && pictures[2].id == "matched";
-  const PagePicture& test = pictures[is_matched ? 2 : 1];
+  const PageImage& test = pictures[is_matched ? 2 : 1];
   const auto two = [&](const char* kind, const char* title, const char* note) {
     return Json{{"id", kind},          {"kind", kind},
                 {"title", title},      {"under", reference.id},
@@ -95,7 +95,7 @@ Json views_json(const std::vector<PagePicture>& pictures) {
   Json views = {two("swipe", "Swipe", "The reference left of the divider, the test right of it."),
                 two("blink", "Blink",
                     "Reference and test in turn at the same position: what moves or flickers differs.")};
-  for (const PagePicture& picture : pictures) {
+  for (const PageImage& picture : pictures) {
     views.push_back(picture.map != nullptr ? map_json(picture, *picture.map)
                                            : Json{{"id", picture.id},
                                                   {"kind", "picture"},
@@ -123,7 +123,7 @@ std::string regions_note(const Comparison& comparison) {
   return note + ".";
 }
 
-Json histogram_json(const HistogramPicture& picture) {
+Json histogram_json(const HistogramChart& picture) {
   const auto one = [](const Histogram& histogram) {
     return Json{{"name", histogram.name}, {"bins", histogram.bins}};
   };
@@ -151,13 +151,13 @@ Json lines_json(const std::vector<HowLine>& lines) {
 }
 
 Json page_json(const Comparison& comparison, const Verdict& verdict, const Verdict& warnings,
-               const std::vector<PagePicture>& pictures) {
+               const std::vector<PageImage>& pictures) {
   Json histograms = Json::array();
-  for (const HistogramPicture& picture : comparison.pictures->histograms)
+  for (const HistogramChart& picture : comparison.pictures->histograms)
     histograms.push_back(histogram_json(picture));
   return {{"generator", "Alidade " ALIDADE_VERSION},
-          {"reference", picture_json(comparison.reference)},
-          {"test", picture_json(comparison.test)},
+          {"reference", image_json(comparison.reference)},
+          {"test", image_json(comparison.test)},
           {"pass", verdict.pass()},
           {"thresholds", thresholds_json(verdict)},
           {"warnings", thresholds_json(warnings)},
@@ -174,15 +174,15 @@ Json page_json(const Comparison& comparison, const Verdict& verdict, const Verdi
 
 }  // namespace
 
-std::string report_page(const Comparison& comparison, const Verdict& verdict, image::PicturePacking packing,
+std::string report_page(const Comparison& comparison, const Verdict& verdict, image::ImagePacking packing,
                         const Verdict& warnings) {
-  const ComparisonPictures& shown = *comparison.pictures;
-  std::vector<image::BytePicture> painted;
+  const ComparisonImages& shown = *comparison.pictures;
+  std::vector<image::ByteImage> painted;
   const std::vector<const DifferenceMap*> maps = shown.maps();
   for (const DifferenceMap* map : maps)
     painted.push_back({map->width, map->height, paint_difference(*map).bytes()});
-  std::vector<PagePicture> pictures{{"reference", "Reference", &shown.reference},
-                                    {"test", "Test", &shown.test}};
+  std::vector<PageImage> pictures{{"reference", "Reference", &shown.reference},
+                                  {"test", "Test", &shown.test}};
   if (shown.matched) pictures.push_back({"matched", "Test, colours matched", &*shown.matched});
   for (std::size_t i = 0; i < painted.size(); ++i)
     pictures.push_back({fmt::format("map-{}", i + 1), maps[i]->title, &painted[i], maps[i]});
@@ -191,7 +191,7 @@ std::string report_page(const Comparison& comparison, const Verdict& verdict, im
   });
 
   std::string images;
-  for (const PagePicture& picture : pictures)
+  for (const PageImage& picture : pictures)
     images += fmt::format("<img id=\"picture-{}\" alt=\"{}\" src=\"{}\">\n", picture.id,
                           html_text(picture.title), picture.address);
   const std::string title = html_text(name_of(comparison.test) + " against " + name_of(comparison.reference));

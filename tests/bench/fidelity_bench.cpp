@@ -71,7 +71,7 @@ class Bench {
             const std::string& points, const test::ScanQuality& quality) {
     renderer::Scene scene = light;
     scene.camera = view.camera;
-    const image::Film truth = test::exact_picture(scene);
+    const image::Film truth = test::exact_image(scene);
     std::vector<image::Film> shown = {truth};
     scene.cloud.emplace().normals = renderer::NormalMode::smooth;
     renderer::LoadedCloud cloud = loaded(quality, *scene.cloud);

@@ -93,7 +93,7 @@ TEST(Camera, a_resized_panorama_keeps_its_whole_sphere) {
     EXPECT_LT(glm::length(camera_ray(narrow, film).direction - direction), 1e-12) << film.x << " " << film.y;
 }
 
-TEST(Camera, the_ground_of_a_turned_picture_is_where_its_pixels_look) {
+TEST(Camera, the_ground_of_a_turned_image_is_where_its_pixels_look) {
   // Its upper side is where (-0.8, 0.6) points, 4 pixels a metre across and 2 down.
   const Camera turned{.width = 20,
                       .height = 10,

@@ -128,7 +128,7 @@ TEST(AgreementMap, is_green_red_grey_and_black) {
   for (int x = 0; x < 4; ++x) EXPECT_NE(excluded, canvas.at(x, 0)) << x;
 }
 
-TEST(AgreementMap, of_large_pictures_shows_the_strongest_category_of_each_square) {
+TEST(AgreementMap, of_large_images_shows_the_strongest_category_of_each_square) {
   ComparedImage reference = with_depth(std::vector<float>(400 * 300, 10.0f));
   reference.width = 400;
   reference.height = 300;

@@ -18,7 +18,7 @@ namespace {
 /// Blots as seen by a camera that is off, with other colours: what `reference` shows, `shift_x` pixels
 /// farther right and `shift_y` pixels farther down.
 ComparedImage shifted_blots(double shift_x, double shift_y, double contrast = 1.0, double base = 0.0) {
-  return draw_picture(360, 240, ColorEncoding::display, [&](int x, int y) {
+  return draw_image(360, 240, ColorEncoding::display, [&](int x, int y) {
     const double value = base + contrast * blots(x - shift_x, y - shift_y);
     return std::array<double, 3>{value, value, value};
   });
@@ -30,7 +30,7 @@ void expect_shift(const Alignment& alignment, double x, double y, double toleran
   EXPECT_TRUE(alignment.is_certain);
 }
 
-TEST(Alignment, equal_pictures_are_aligned_with_a_score_of_1) {
+TEST(Alignment, equal_images_are_aligned_with_a_score_of_1) {
   const ComparedImage image = shifted_blots(0.0, 0.0);
   const Alignment alignment = align(image, image, {});
   expect_shift(alignment, 0.0, 0.0, 1e-9);
@@ -54,7 +54,7 @@ TEST(Alignment, shifts_are_found_to_a_tenth_of_a_pixel) {
 /// Blots that are four times as long as wide, along a diagonal: the slopes of their peak run across both
 /// axes.
 ComparedImage slanted_blots(double shift_x, double shift_y) {
-  return draw_picture(360, 240, ColorEncoding::display, [&](int x, int y) {
+  return draw_image(360, 240, ColorEncoding::display, [&](int x, int y) {
     const double along = (x - shift_x) + (y - shift_y), across = (x - shift_x) - (y - shift_y);
     const double value = blots(0.35 * along, 1.4 * across);
     return std::array<double, 3>{value, value, value};
@@ -73,9 +73,9 @@ TEST(Alignment, a_slanted_peak_is_found_to_a_tenth_of_a_pixel) {
   }
 }
 
-TEST(Alignment, a_shift_counts_that_leaves_a_quarter_of_the_pictures_on_each_other) {
+TEST(Alignment, a_shift_counts_that_leaves_a_quarter_of_the_images_on_each_other) {
   const auto small = [](double shift) {
-    return draw_picture(160, 90, ColorEncoding::display, [&](int x, int y) {
+    return draw_image(160, 90, ColorEncoding::display, [&](int x, int y) {
       const double value = blots(x - shift, y);
       return std::array<double, 3>{value, value, value};
     });
@@ -89,7 +89,7 @@ TEST(Alignment, a_shift_counts_that_leaves_a_quarter_of_the_pictures_on_each_oth
   EXPECT_FALSE(less.is_certain);
 }
 
-TEST(Alignment, swapped_pictures_have_the_opposite_shift) {
+TEST(Alignment, swapped_images_have_the_opposite_shift) {
   const ComparedImage one = shifted_blots(0.0, 0.0), other = shifted_blots(7.25, -3.5);
   const Alignment there = align(one, other, {}), back = align(other, one, {});
   EXPECT_NEAR(there.shift_x, -back.shift_x, 0.02);
@@ -164,25 +164,25 @@ TEST(Alignment, alpha_mask_and_nan_take_pixels_out) {
   EXPECT_GT(std::abs(align(framed, test, {}).shift_x - 5.0), 0.5);
 }
 
-TEST(Alignment, pictures_of_different_things_are_not_certain) {
+TEST(Alignment, images_of_different_things_are_not_certain) {
   const ComparedImage reference = shifted_blots(0.0, 0.0);
-  const ComparedImage other = draw_picture(360, 240, ColorEncoding::display, [](int x, int y) {
+  const ComparedImage other = draw_image(360, 240, ColorEncoding::display, [](int x, int y) {
     const double value = blots(x, y, 4321);
     return std::array<double, 3>{value, value, value};
   });
   EXPECT_FALSE(align(reference, other, {}).is_certain);
-  const ComparedImage noise = draw_picture(360, 240, ColorEncoding::display, [](int x, int y) {
+  const ComparedImage noise = draw_image(360, 240, ColorEncoding::display, [](int x, int y) {
     const double value = hashed(static_cast<std::uint64_t>(1000 * y + x));
     return std::array<double, 3>{value, value, value};
   });
   EXPECT_FALSE(align(reference, noise, {}).is_certain);
 }
 
-TEST(Alignment, pictures_without_edges_are_not_certain_and_have_no_shift) {
-  const ComparedImage even = draw_picture(100, 80, ColorEncoding::display, [](int, int) {
+TEST(Alignment, images_without_edges_are_not_certain_and_have_no_shift) {
+  const ComparedImage even = draw_image(100, 80, ColorEncoding::display, [](int, int) {
     return std::array<double, 3>{0.5, 0.5, 0.5};
   });
-  for (const ComparedImage& other : {even, draw_picture(100, 80, ColorEncoding::display, [](int x, int y) {
+  for (const ComparedImage& other : {even, draw_image(100, 80, ColorEncoding::display, [](int x, int y) {
                                        return std::array<double, 3>{blots(x, y), 0.0, 0.0};
                                      })}) {
     const Alignment alignment = align(even, other, {});
@@ -191,7 +191,7 @@ TEST(Alignment, pictures_without_edges_are_not_certain_and_have_no_shift) {
     EXPECT_EQ(alignment.shift_y, 0.0);
     EXPECT_EQ(alignment.score, 0.0);
   }
-  const ComparedImage dot = draw_picture(1, 1, ColorEncoding::display, [](int, int) {
+  const ComparedImage dot = draw_image(1, 1, ColorEncoding::display, [](int, int) {
     return std::array<double, 3>{0.5, 0.5, 0.5};
   });
   EXPECT_FALSE(align(dot, dot, {}).is_certain);
@@ -199,7 +199,7 @@ TEST(Alignment, pictures_without_edges_are_not_certain_and_have_no_shift) {
 
 TEST(Alignment, edges_of_one_direction_are_not_certain) {
   const auto stripes = [](double shift) {
-    return draw_picture(360, 240, ColorEncoding::display, [&](int x, int) {
+    return draw_image(360, 240, ColorEncoding::display, [&](int x, int) {
       const double value = blots(x - shift, 0.0);
       return std::array<double, 3>{value, value, value};
     });
@@ -209,7 +209,7 @@ TEST(Alignment, edges_of_one_direction_are_not_certain) {
 
 TEST(Alignment, a_pattern_that_repeats_within_reach_is_not_certain) {
   const auto dots = [](double shift) {
-    return draw_picture(360, 240, ColorEncoding::display, [&](int x, int y) {
+    return draw_image(360, 240, ColorEncoding::display, [&](int x, int y) {
       const double value = 0.5 + 0.25 * std::sin((x - shift) * 0.3) + 0.25 * std::sin(y * 0.3);
       return std::array<double, 3>{value, value, value};
     });
@@ -223,7 +223,7 @@ TEST(Alignment, a_shift_beyond_reach_is_not_certain) {
   expect_shift(align(reference, test, {}, {.largest_shift = 48}), 40.0, 0.0, 0.1);
 }
 
-TEST(Alignment, linear_and_display_encoded_pictures_are_aligned_with_each_other) {
+TEST(Alignment, linear_and_display_encoded_images_are_aligned_with_each_other) {
   const ComparedImage display = shifted_blots(0.0, 0.0);
   ComparedImage linear = shifted_blots(5.0, 1.0);
   linear.color = linear_color(linear);
@@ -242,16 +242,16 @@ TEST(Alignment, is_the_same_on_any_number_of_threads) {
   EXPECT_EQ(alone.score, together.score);
 }
 
-TEST(Alignment, in_narrow_pictures_only_shifts_that_leave_something_are_tried) {
+TEST(Alignment, in_narrow_images_only_shifts_that_leave_something_are_tried) {
   const auto strip = [](double shift) {
-    return draw_picture(400, 20, ColorEncoding::display, [&](int x, int y) {
+    return draw_image(400, 20, ColorEncoding::display, [&](int x, int y) {
       const double value = blots(x - shift, y);
       return std::array<double, 3>{value, value, value};
     });
   };
   // In y there are 39 shifts, not 8193.
   expect_shift(align(strip(0.0), strip(9.0), {}, {.largest_shift = 4096}), 9.0, 0.0, 0.2);
-  const ComparedImage ribbon = draw_picture(60000, 40, ColorEncoding::display, [](int, int) {
+  const ComparedImage ribbon = draw_image(60000, 40, ColorEncoding::display, [](int, int) {
     return std::array<double, 3>{0.5, 0.5, 0.5};
   });
   EXPECT_THROW(align(ribbon, ribbon, {}, {.largest_shift = 4096}), Error) << "it would take an hour";
@@ -259,7 +259,7 @@ TEST(Alignment, in_narrow_pictures_only_shifts_that_leave_something_are_tried) {
 
 TEST(Alignment, sizes_and_reach_are_checked) {
   const ComparedImage image = shifted_blots(0.0, 0.0);
-  const ComparedImage small = draw_picture(20, 20, ColorEncoding::display, [](int, int) {
+  const ComparedImage small = draw_image(20, 20, ColorEncoding::display, [](int, int) {
     return std::array<double, 3>{0.5, 0.5, 0.5};
   });
   EXPECT_THROW(align(image, small, {}), SizeMismatch);

@@ -161,7 +161,7 @@ TEST(ChangeRegions, what_the_mask_leaves_out_has_not_changed) {
   EXPECT_EQ(changes.changed_pixels, 3u);
 }
 
-TEST(ChangeRegions, equal_pictures_have_none) {
+TEST(ChangeRegions, equal_images_have_none) {
   const ChangeRegions changes = change_regions(std::vector<float>(100, 0.0f), 10, {}, k_every_pixel);
   EXPECT_TRUE(changes.regions.empty());
   EXPECT_EQ(changes.changed_pixels, 0u);

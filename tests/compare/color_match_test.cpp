@@ -24,12 +24,12 @@ std::array<double, 3> light_at(int x, int y) {
 }
 
 ComparedImage scene() {
-  return draw_picture(300, 200, ColorEncoding::linear, light_at);
+  return draw_image(300, 200, ColorEncoding::linear, light_at);
 }
 
 /// scene() by a camera of other colours: scene = scale * this + offset.
 ComparedImage by_another_camera(const glm::dvec3& scale, const glm::dvec3& offset) {
-  return draw_picture(300, 200, ColorEncoding::linear, [&](int x, int y) {
+  return draw_image(300, 200, ColorEncoding::linear, [&](int x, int y) {
     std::array<double, 3> light = light_at(x, y);
     for (int channel = 0; channel < 3; ++channel) {
       auto& value = light[static_cast<std::size_t>(channel)];
@@ -64,12 +64,12 @@ TEST(ColorMatch, affine_finds_offsets_too) {
                k_offset, 1e-5);
 }
 
-TEST(ColorMatch, equal_pictures_need_nothing) {
+TEST(ColorMatch, equal_images_need_nothing) {
   for (const ColorModel model : {ColorModel::exposure, ColorModel::affine})
     expect_match(match_color(scene(), scene(), {}, model), glm::dvec3(1.0), glm::dvec3(0.0), 1e-9);
 }
 
-TEST(ColorMatch, two_fifths_of_the_picture_may_show_something_else) {
+TEST(ColorMatch, two_fifths_of_the_image_may_show_something_else) {
   ComparedImage test = by_another_camera(k_scale, k_offset);
   for (std::size_t pixel = 0; pixel < test.pixels() * 2 / 5; ++pixel) set_pixel(test, pixel, 0.9f);
   const std::optional<ColorMatch> match = match_color(scene(), test, {}, ColorModel::affine);
@@ -91,7 +91,7 @@ TEST(ColorMatch, noise_and_a_few_pixels_of_misalignment_cost_little) {
   expect_match(match_color(scene(), moved, {}, ColorModel::affine), k_scale, k_offset, 0.1);
 }
 
-TEST(ColorMatch, display_encoded_pictures_are_fitted_in_linear_light_without_clipped_pixels) {
+TEST(ColorMatch, display_encoded_images_are_fitted_in_linear_light_without_clipped_pixels) {
   ComparedImage reference = scene(), test = by_another_camera(glm::dvec3(0.25), glm::dvec3(0.0));
   for (ComparedImage* const image : {&reference, &test}) {
     image->color = display_color(*image);
@@ -108,7 +108,7 @@ TEST(ColorMatch, display_encoded_pictures_are_fitted_in_linear_light_without_cli
 TEST(ColorMatch, of_display_codes_the_first_and_last_two_are_clipped) {
   // One channel has the same code everywhere, so all pixels count or none.
   const auto with_code = [](int code) {
-    return draw_picture(64, 64, ColorEncoding::display, [code](int x, int y) {
+    return draw_image(64, 64, ColorEncoding::display, [code](int x, int y) {
       return std::array<double, 3>{(60 + x) / 255.0, (60 + y) / 255.0, code / 255.0};
     });
   };
@@ -148,7 +148,7 @@ TEST(ColorMatch, pixels_that_do_not_count_play_no_role) {
 
 TEST(ColorMatch, what_is_undetermined_is_not_reported) {
   const auto even = [](double value) {
-    return draw_picture(60, 60, ColorEncoding::linear, [=](int, int) {
+    return draw_image(60, 60, ColorEncoding::linear, [=](int, int) {
       return std::array<double, 3>{value, value, value};
     });
   };
@@ -159,7 +159,7 @@ TEST(ColorMatch, what_is_undetermined_is_not_reported) {
   ImageMask none;
   none.counts.assign(3600, 0);
   EXPECT_FALSE(match_color(even(0.5), even(0.25), none, ColorModel::exposure));
-  const ComparedImage small = draw_picture(3, 5, ColorEncoding::linear, light_at);
+  const ComparedImage small = draw_image(3, 5, ColorEncoding::linear, light_at);
   EXPECT_FALSE(match_color(small, small, {}, ColorModel::exposure));
   EXPECT_THROW(match_color(even(0.5), small, {}, ColorModel::exposure), SizeMismatch);
 }
@@ -181,8 +181,8 @@ TEST(ColorMatch, applied_it_makes_the_test_equal_to_the_reference) {
   }
 }
 
-TEST(ColorMatch, applied_to_display_encoded_pictures_it_stays_between_black_and_white) {
-  ComparedImage image = draw_picture(2, 1, ColorEncoding::display, [](int x, int) {
+TEST(ColorMatch, applied_to_display_encoded_images_it_stays_between_black_and_white) {
+  ComparedImage image = draw_image(2, 1, ColorEncoding::display, [](int x, int) {
     return std::array<double, 3>{1.0 * x, 0.5, 0.5};
   });
   apply_color_match(image, {.scale = {3.0, 3.0, 0.0}, .offset = {-0.5, 0.5, 0.0}});

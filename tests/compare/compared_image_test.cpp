@@ -147,7 +147,7 @@ TEST_F(ComparedImageTest, ids_of_floating_point_are_taken_if_they_are_exact_whol
             std::string::npos);
 }
 
-TEST_F(ComparedImageTest, blank_pictures_that_compress_well_are_pictures) {
+TEST_F(ComparedImageTest, blank_images_that_compress_well_are_images) {
   // A page of paper: a million white pixels in some hundred bytes.
   OIIO::ImageSpec spec(1200, 900, 1, OIIO::TypeUInt8);
   spec.attribute("oiio:BitsPerSample", 1);
@@ -194,7 +194,7 @@ TEST_F(ComparedImageTest, a_file_with_layers_only_has_no_colour) {
 //   a b c
 //   d e f
 // Stored with orientation N its row 0 and column 0 are the sides that the Exif table (tag 274) names.
-TEST_F(ComparedImageTest, every_exif_orientation_gives_the_upright_picture) {
+TEST_F(ComparedImageTest, every_exif_orientation_gives_the_upright_image) {
   struct Stored {
     int orientation, width;
     const char* pixels;
@@ -250,7 +250,7 @@ TEST_F(ComparedImageTest, cmyk_becomes_rgb) {
   for (std::size_t i = 0; i < 3; ++i) EXPECT_NEAR(image.color[3 * 27 + i] * 255.0, k_expected[i], 2.0);
 }
 
-TEST_F(ComparedImageTest, what_is_no_picture_is_an_error_that_names_the_file) {
+TEST_F(ComparedImageTest, what_is_no_image_is_an_error_that_names_the_file) {
   const std::filesystem::path text = folder_ / "text.png";
   std::ofstream(text) << "cannot read the image";
   const std::filesystem::path empty = folder_ / "empty.exr";
@@ -261,7 +261,7 @@ TEST_F(ComparedImageTest, what_is_no_picture_is_an_error_that_names_the_file) {
   EXPECT_NE(error_of(folder_).find("not a regular file"), std::string::npos);
 }
 
-TEST_F(ComparedImageTest, a_picture_of_no_pixels_is_an_error_that_names_the_file) {
+TEST_F(ComparedImageTest, an_image_of_no_pixels_is_an_error_that_names_the_file) {
   for (const char* const size : {"0 0", "0 4", "4 0"}) {
     const std::filesystem::path file = folder_ / "none.ppm";
     std::ofstream(file, std::ios::binary) << "P6\n" << size << "\n255\n";
@@ -269,7 +269,7 @@ TEST_F(ComparedImageTest, a_picture_of_no_pixels_is_an_error_that_names_the_file
   }
 }
 
-TEST_F(ComparedImageTest, a_picture_cut_short_is_an_error_in_every_format) {
+TEST_F(ComparedImageTest, an_image_cut_short_is_an_error_in_every_format) {
   std::vector<std::uint8_t> values(128 * 96 * 3);
   std::uint32_t state = 1;
   for (std::uint8_t& value : values)

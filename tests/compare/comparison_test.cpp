@@ -25,7 +25,7 @@ using nlohmann::json;
 constexpr float k_nan = std::numeric_limits<float>::quiet_NaN();
 constexpr int k_width = 64, k_height = 48;
 
-class ComparisonTest : public PictureTest {
+class ComparisonTest : public ImageFilesTest {
  protected:
   static std::vector<float> wave(float brightness = 1.0f) {
     std::vector<float> values(k_width * k_height * 3);
@@ -34,7 +34,7 @@ class ComparisonTest : public PictureTest {
     return values;
   }
   void write(const std::string& name, const std::vector<float>& values) const {
-    write_picture(name, k_width, k_height, values);
+    write_image(name, k_width, k_height, values);
   }
   Comparison compare(const std::string& reference, const std::string& test,
                      const ComparisonOptions& options = {}) const {
@@ -56,7 +56,7 @@ class ComparisonTest : public PictureTest {
   }
 };
 
-TEST_F(ComparisonTest, equal_pictures_differ_by_nothing_in_json_without_infinity) {
+TEST_F(ComparisonTest, equal_images_differ_by_nothing_in_json_without_infinity) {
   write("a.png", wave());
   const json found = as_json(compare("a.png", "a.png"), "flip=0,psnr<inf");
   EXPECT_EQ(found["metrics"]["rmse"], 0.0);
@@ -83,7 +83,7 @@ TEST_F(ComparisonTest, figures_of_an_even_difference_are_those_known_on_paper) {
 
 TEST_F(ComparisonTest, another_size_is_an_error_of_its_own_unless_the_test_is_resized) {
   write("a.png", wave());
-  write_picture("small.png", 32, 24, std::vector<float>(32 * 24 * 3, 0.4f));
+  write_image("small.png", 32, 24, std::vector<float>(32 * 24 * 3, 0.4f));
   EXPECT_THROW(compare("a.png", "small.png"), SizeMismatch);
   ComparisonOptions options;
   options.resize_to_reference = true;
@@ -104,7 +104,7 @@ TEST_F(ComparisonTest, a_resized_test_and_a_mask_do_not_need_the_data_window_of_
   ASSERT_TRUE(output->open((folder / "a.exr").string(), spec));
   output->write_image(OIIO::TypeFloat, wave().data());
   output->close();
-  write_picture("small.exr", k_width / 2, k_height / 2, std::vector<float>(k_width * k_height * 3 / 4, 0.4f));
+  write_image("small.exr", k_width / 2, k_height / 2, std::vector<float>(k_width * k_height * 3 / 4, 0.4f));
   write("mask.png", std::vector<float>(k_width * k_height * 3, 1.0f));
   EXPECT_THROW(compare("a.exr", "small.exr"), SizeMismatch);
   ComparisonOptions options;
@@ -220,7 +220,7 @@ TEST_F(ComparisonTest, layers_are_compared_and_one_sided_ones_reported) {
   EXPECT_THROW(judge(half, parse_thresholds("ids=99")), Error);
 }
 
-TEST_F(ComparisonTest, alpha_of_one_picture_and_other_sizes_name_their_options) {
+TEST_F(ComparisonTest, alpha_of_one_image_and_other_sizes_name_their_options) {
   const std::vector<float> plain(3 * k_width * k_height, 0.5f), transparent(4 * k_width * k_height, 0.5f);
   write_layers("a.exr", k_width, k_height, {"R", "G", "B"}, plain);
   write_layers("b.exr", k_width, k_height, {"R", "G", "B", "A"}, transparent);
@@ -290,8 +290,8 @@ TEST_F(ComparisonTest, results_do_not_depend_on_the_number_of_threads) {
     other[i] =
         0.4f + 0.2f * std::sin(0.3f * x + 0.1f) * std::cos(0.07f * y) + 0.1f * std::sin(0.001f * x * y);
   }
-  write_picture("a.exr", k_wide, k_high, one);
-  write_picture("b.exr", k_wide, k_high, other);
+  write_image("a.exr", k_wide, k_high, one);
+  write_image("b.exr", k_wide, k_high, other);
   ComparisonOptions options;
   options.match = ColorModel::affine;
   options.align = true;
@@ -397,7 +397,7 @@ TEST_F(BatchTest, can_be_stopped_in_the_midst_of_a_pair) {
   EXPECT_TRUE(std::filesystem::is_empty(folder / "none"));
 }
 
-TEST_F(BatchTest, no_report_replaces_a_picture_or_a_kept_file) {
+TEST_F(BatchTest, no_report_replaces_an_image_or_a_kept_file) {
   BatchOptions wishes = options(".");
   wishes.overwrite = true;
   wishes.kept = {folder / "whole/../pair3.html"};

@@ -23,7 +23,7 @@ namespace {
 constexpr float k_infinite = std::numeric_limits<float>::infinity();
 
 ComparedImage even(int width, int height, double value, ColorEncoding encoding = ColorEncoding::display) {
-  return draw_picture(width, height, encoding, [=](int, int) {
+  return draw_image(width, height, encoding, [=](int, int) {
     return std::array<double, 3>{value, value, value};
   });
 }
@@ -60,14 +60,14 @@ TEST(DifferenceMap, of_colours_that_are_no_numbers_has_nothing_there) {
   EXPECT_EQ(map.values[2], 0.0f);
 }
 
-TEST(DifferenceMap, of_equal_pictures_still_has_a_range) {
+TEST(DifferenceMap, of_equal_images_still_has_a_range) {
   const DifferenceMap map = color_difference(even(8, 8, 0.5), even(8, 8, 0.5), {});
   EXPECT_EQ(map.range, (ValueRange{0.0, 1.0 / 255.0}));
 }
 
 TEST(DifferenceMap, range_follows_the_percentile_of_what_counts) {
   ComparedImage reference = even(1000, 1, 0.0),
-                test = draw_picture(1000, 1, ColorEncoding::display, [](int x, int) {
+                test = draw_image(1000, 1, ColorEncoding::display, [](int x, int) {
                   return std::array<double, 3>{x / 1000.0, 0.0, 0.0};
                 });
   EXPECT_NEAR(color_difference(reference, test, {}).range.high, 0.994, 1e-3);
@@ -77,7 +77,7 @@ TEST(DifferenceMap, range_follows_the_percentile_of_what_counts) {
   EXPECT_NEAR(color_difference(reference, test, half).range.high, 0.497, 2e-3);
 }
 
-TEST(DifferenceMap, of_depth_is_signed_and_marks_what_only_one_picture_has) {
+TEST(DifferenceMap, of_depth_is_signed_and_marks_what_only_one_image_has) {
   const DepthPair pair;
   const DifferenceMap map = depth_difference(pair.reference, pair.test, {});
   EXPECT_EQ(map.values[0], 0.0f);
@@ -120,7 +120,7 @@ TEST(DifferenceMap, painted_pixel_for_pixel_every_kind_of_pixel_has_its_own_colo
   EXPECT_GT(canvas.at(0, 0)[1], 230);
 }
 
-TEST(DifferenceMap, of_large_pictures_shows_the_strongest_value_of_each_square) {
+TEST(DifferenceMap, of_large_images_shows_the_strongest_value_of_each_square) {
   const Font font(find_font());
   std::vector<float> values(400 * 300, 0.0f);
   values[151 * 400 + 203] = 1.0f;
@@ -161,7 +161,7 @@ TEST(DifferenceMap, nothing_to_compare_is_an_error) {
   EXPECT_GT(draw_difference(map, font).width(), 0);
 }
 
-TEST(DifferenceMap, pictures_of_two_sizes_are_an_error) {
+TEST(DifferenceMap, images_of_two_sizes_are_an_error) {
   EXPECT_THROW(color_difference(even(2, 2, 0.5), even(2, 3, 0.5), {}), SizeMismatch);
   EXPECT_THROW(depth_difference(even(2, 2, 0.5), even(2, 3, 0.5), {}), SizeMismatch);
 }

@@ -13,7 +13,7 @@ using namespace compare;
 
 /// A picture of so many pixels with the values of `color(x, y)`, three numbers each.
 template <typename Color>
-ComparedImage draw_picture(int width, int height, ColorEncoding encoding, const Color& color) {
+ComparedImage draw_image(int width, int height, ColorEncoding encoding, const Color& color) {
   ComparedImage image;
   image.file = "drawn.png";
   image.width = width;

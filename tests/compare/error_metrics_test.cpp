@@ -37,9 +37,9 @@ TEST(ErrorMetrics, figures_are_those_counted_by_hand) {
   EXPECT_EQ(metrics.percentile_95, 0.5);
 }
 
-TEST(ErrorMetrics, equal_pictures_have_no_error_and_an_infinite_psnr) {
+TEST(ErrorMetrics, equal_images_have_no_error_and_an_infinite_psnr) {
   for (const ColorEncoding encoding : {ColorEncoding::display, ColorEncoding::linear}) {
-    const ComparedImage picture = patchy_picture(20, 10, encoding, "same");
+    const ComparedImage picture = patchy_image(20, 10, encoding, "same");
     const ErrorMetrics metrics = error_metrics(picture, picture, ColorEncoding::display);
     EXPECT_EQ(metrics.values, 600u);
     EXPECT_EQ(metrics.rmse, 0.0);
@@ -50,9 +50,9 @@ TEST(ErrorMetrics, equal_pictures_have_no_error_and_an_infinite_psnr) {
   }
 }
 
-TEST(ErrorMetrics, exchanging_the_pictures_changes_the_sign_of_the_mean_only) {
-  const ComparedImage one = patchy_picture(31, 17, ColorEncoding::display, "one");
-  const ComparedImage other = patchy_picture(31, 17, ColorEncoding::display, "other", 0.5);
+TEST(ErrorMetrics, exchanging_the_images_changes_the_sign_of_the_mean_only) {
+  const ComparedImage one = patchy_image(31, 17, ColorEncoding::display, "one");
+  const ComparedImage other = patchy_image(31, 17, ColorEncoding::display, "other", 0.5);
   const ErrorMetrics there = error_metrics(one, other, ColorEncoding::linear);
   const ErrorMetrics back = error_metrics(other, one, ColorEncoding::linear);
   EXPECT_NE(there.mean, 0.0);
@@ -66,7 +66,7 @@ TEST(ErrorMetrics, exchanging_the_pictures_changes_the_sign_of_the_mean_only) {
 TEST(ErrorMetrics, differences_of_codes_are_exact) {
   const auto picture = [](int code) {
     const float value = static_cast<float>(code) / 255.0f;
-    ComparedImage image = uniform_picture(7, 5, ColorEncoding::display, value, value, value);
+    ComparedImage image = uniform_image(7, 5, ColorEncoding::display, value, value, value);
     image.largest_code = 255;
     return image;
   };
@@ -78,17 +78,17 @@ TEST(ErrorMetrics, differences_of_codes_are_exact) {
   EXPECT_NEAR(error_metrics(picture(0), picture(10), ColorEncoding::linear).rmse, 10.0 / 255.0 / 12.92, 1e-9);
 }
 
-TEST(ErrorMetrics, two_grey_pictures_count_one_channel) {
-  ComparedImage grey = uniform_picture(4, 4, ColorEncoding::display, 0.5f, 0.5f, 0.5f);
+TEST(ErrorMetrics, two_grey_images_count_one_channel) {
+  ComparedImage grey = uniform_image(4, 4, ColorEncoding::display, 0.5f, 0.5f, 0.5f);
   grey.color_channels = 1;
   EXPECT_EQ(error_metrics(grey, grey, ColorEncoding::display).values, 16u);
-  const ComparedImage color = uniform_picture(4, 4, ColorEncoding::display, 0.5f, 0.5f, 0.5f);
+  const ComparedImage color = uniform_image(4, 4, ColorEncoding::display, 0.5f, 0.5f, 0.5f);
   EXPECT_EQ(error_metrics(grey, color, ColorEncoding::display).values, 48u);
 }
 
 TEST(ErrorMetrics, pixels_that_are_not_finite_are_counted_and_left_out_whole) {
-  ComparedImage reference = uniform_picture(4, 3, ColorEncoding::linear, 0.25f, 0.25f, 0.25f);
-  ComparedImage test = uniform_picture(4, 3, ColorEncoding::linear, 0.5f, 0.5f, 0.5f);
+  ComparedImage reference = uniform_image(4, 3, ColorEncoding::linear, 0.25f, 0.25f, 0.25f);
+  ComparedImage test = uniform_image(4, 3, ColorEncoding::linear, 0.5f, 0.5f, 0.5f);
   reference.color[3 * 2] = k_nan;
   test.color[3 * 2 + 1] = 99.0f;
   test.color[3 * 7 + 2] = std::numeric_limits<float>::infinity();
@@ -108,8 +108,8 @@ TEST(ErrorMetrics, pixels_that_are_not_finite_are_counted_and_left_out_whole) {
 }
 
 TEST(ErrorMetrics, pixels_that_do_not_count_are_neither_compared_nor_excluded) {
-  ComparedImage reference = uniform_picture(3, 1, ColorEncoding::linear, 0, 0, 0);
-  ComparedImage test = uniform_picture(3, 1, ColorEncoding::linear, 0.5f, 0.5f, 0.5f);
+  ComparedImage reference = uniform_image(3, 1, ColorEncoding::linear, 0, 0, 0);
+  ComparedImage test = uniform_image(3, 1, ColorEncoding::linear, 0.5f, 0.5f, 0.5f);
   test.color[0] = k_nan;
   test.color[3] = 7.0f;
   const ErrorMetrics metrics = error_metrics(reference, test, ColorEncoding::linear, {{0, 0, 1}});
@@ -146,8 +146,8 @@ TEST(ErrorMetrics, the_percentile_is_that_of_the_nearest_rank) {
 }
 
 TEST(ErrorMetrics, the_same_bytes_on_any_number_of_threads) {
-  const ComparedImage one = patchy_picture(301, 217, ColorEncoding::linear, "threads");
-  const ComparedImage other = patchy_picture(301, 217, ColorEncoding::linear, "alone", 0.4);
+  const ComparedImage one = patchy_image(301, 217, ColorEncoding::linear, "threads");
+  const ComparedImage other = patchy_image(301, 217, ColorEncoding::linear, "alone", 0.4);
   const ErrorMetrics expected = error_metrics(one, other, ColorEncoding::linear);
   const tbb::global_control single(tbb::global_control::max_allowed_parallelism, 1);
   const ErrorMetrics metrics = error_metrics(one, other, ColorEncoding::linear);
@@ -156,10 +156,10 @@ TEST(ErrorMetrics, the_same_bytes_on_any_number_of_threads) {
   EXPECT_EQ(metrics.percentile_95, expected.percentile_95);
 }
 
-TEST(ErrorMetrics, pictures_of_other_sizes_or_without_colour_are_errors) {
-  const ComparedImage picture = uniform_picture(3, 2, ColorEncoding::display, 0, 0, 0);
+TEST(ErrorMetrics, images_of_other_sizes_or_without_colour_are_errors) {
+  const ComparedImage picture = uniform_image(3, 2, ColorEncoding::display, 0, 0, 0);
   EXPECT_THROW(
-      error_metrics(picture, uniform_picture(2, 3, ColorEncoding::display, 0, 0, 0), ColorEncoding::display),
+      error_metrics(picture, uniform_image(2, 3, ColorEncoding::display, 0, 0, 0), ColorEncoding::display),
       SizeMismatch);
   ComparedImage layers = picture;
   layers.color_channels = 0;

@@ -22,7 +22,7 @@ constexpr float k_infinity = std::numeric_limits<float>::infinity();
 
 double flip_of_uniform(ColorEncoding encoding, glm::vec3 one, glm::vec3 other) {
   const auto picture = [&](glm::vec3 color) {
-    return uniform_picture(23, 17, encoding, color.r, color.g, color.b);
+    return uniform_image(23, 17, encoding, color.r, color.g, color.b);
   };
   FlipOptions options;
   options.range = FlipRange::display;
@@ -34,7 +34,7 @@ double flip_of_uniform(ColorEncoding encoding, glm::vec3 one, glm::vec3 other) {
 
 // Filters do not change a picture of one colour, and it has no features. What is left is HyAB^0.7 of the
 // colours, redistributed: below 0.4 of the largest, 41.2761, proportional with 0.95 at the knee, 16.5105.
-TEST(Flip, pictures_of_one_colour_give_what_the_paper_says) {
+TEST(Flip, images_of_one_colour_give_what_the_paper_says) {
   // Black and white differ by 100 in lightness: 100^0.7 = 25.1189; 0.95 + 0.05 (25.1189 - 16.5105) / 24.7657.
   EXPECT_NEAR(flip_of_uniform(ColorEncoding::linear, {0, 0, 0}, {1, 1, 1}), 0.967380, 2e-5);
   // The largest difference there is, by definition.
@@ -47,9 +47,9 @@ TEST(Flip, pictures_of_one_colour_give_what_the_paper_says) {
               flip_of_uniform(ColorEncoding::linear, {0.5028865f, 0.5028865f, 0.5028865f}, {0, 0, 0}), 1e-6);
 }
 
-TEST(Flip, equal_pictures_give_exactly_zero) {
+TEST(Flip, equal_images_give_exactly_zero) {
   for (const ColorEncoding encoding : {ColorEncoding::display, ColorEncoding::linear}) {
-    const ComparedImage picture = patchy_picture(61, 47, encoding, "equal");
+    const ComparedImage picture = patchy_image(61, 47, encoding, "equal");
     const FlipResult result = flip(picture, picture);
     EXPECT_EQ(result.mean, 0.0);
     EXPECT_EQ(result.max, 0.0);
@@ -59,8 +59,8 @@ TEST(Flip, equal_pictures_give_exactly_zero) {
 }
 
 TEST(Flip, the_map_is_symmetric_in_display_range) {
-  const ComparedImage one = patchy_picture(70, 33, ColorEncoding::display, "one", 0.2);
-  const ComparedImage other = patchy_picture(70, 33, ColorEncoding::display, "other", 0.3);
+  const ComparedImage one = patchy_image(70, 33, ColorEncoding::display, "one", 0.2);
+  const ComparedImage other = patchy_image(70, 33, ColorEncoding::display, "other", 0.3);
   const FlipResult there = flip(one, other), back = flip(other, one);
   EXPECT_GT(there.mean, 0.01);
   EXPECT_EQ(there.map, back.map);
@@ -69,8 +69,8 @@ TEST(Flip, the_map_is_symmetric_in_display_range) {
 void expect_plain_map(int width, int height, double pixels_per_degree) {
   SCOPED_TRACE(std::to_string(width) + " x " + std::to_string(height) + " at " +
                std::to_string(pixels_per_degree));
-  ComparedImage one = patchy_picture(width, height, ColorEncoding::linear, "plain", 0.2);
-  ComparedImage other = patchy_picture(width, height, ColorEncoding::linear, "simple", 0.3);
+  ComparedImage one = patchy_image(width, height, ColorEncoding::linear, "plain", 0.2);
+  ComparedImage other = patchy_image(width, height, ColorEncoding::linear, "simple", 0.3);
   for (float& value : other.color) value *= 0.9f;
   FlipOptions options;
   options.range = FlipRange::display;
@@ -104,8 +104,8 @@ TEST(Flip, maps_are_those_of_plain_loops_in_double_at_any_size_and_distance) {
 }
 
 TEST(Flip, the_same_bytes_on_any_number_of_threads_and_instruction_set) {
-  const ComparedImage one = patchy_picture(530, 210, ColorEncoding::linear, "threads", 0.2);
-  const ComparedImage other = patchy_picture(530, 210, ColorEncoding::linear, "lanes", 0.2);
+  const ComparedImage one = patchy_image(530, 210, ColorEncoding::linear, "threads", 0.2);
+  const ComparedImage other = patchy_image(530, 210, ColorEncoding::linear, "lanes", 0.2);
   FlipOptions options;
   const FlipResult expected = flip(one, other);
   {
@@ -122,8 +122,8 @@ TEST(Flip, the_same_bytes_on_any_number_of_threads_and_instruction_set) {
 }
 
 TEST(Flip, weighted_quantiles_are_the_first_values_beyond_their_share_of_the_sum) {
-  const ComparedImage one = patchy_picture(64, 50, ColorEncoding::display, "quantile", 0.2);
-  const ComparedImage other = patchy_picture(64, 50, ColorEncoding::display, "median", 0.4);
+  const ComparedImage one = patchy_image(64, 50, ColorEncoding::display, "quantile", 0.2);
+  const ComparedImage other = patchy_image(64, 50, ColorEncoding::display, "median", 0.4);
   const FlipResult result = flip(one, other);
   std::vector<float> sorted = result.map;
   std::ranges::sort(sorted);
@@ -144,8 +144,8 @@ TEST(Flip, weighted_quantiles_are_the_first_values_beyond_their_share_of_the_sum
 }
 
 TEST(Flip, pixels_that_do_not_count_make_no_difference) {
-  const ComparedImage reference = patchy_picture(60, 40, ColorEncoding::display, "mask", 0.2);
-  ComparedImage test = patchy_picture(60, 40, ColorEncoding::display, "hidden", 0.3);
+  const ComparedImage reference = patchy_image(60, 40, ColorEncoding::display, "mask", 0.2);
+  ComparedImage test = patchy_image(60, 40, ColorEncoding::display, "hidden", 0.3);
   ImageMask mask;
   const PixelRectangle hidden{20, 10, 45, 30};
   ignore_rectangles(mask, reference, std::span(&hidden, 1));
@@ -166,8 +166,8 @@ TEST(Flip, pixels_that_do_not_count_make_no_difference) {
 }
 
 TEST(Flip, pixels_that_are_not_finite_do_not_count_and_spoil_nothing) {
-  ComparedImage reference = patchy_picture(40, 30, ColorEncoding::linear, "nan");
-  ComparedImage test = patchy_picture(40, 30, ColorEncoding::linear, "nothing");
+  ComparedImage reference = patchy_image(40, 30, ColorEncoding::linear, "nan");
+  ComparedImage test = patchy_image(40, 30, ColorEncoding::linear, "nothing");
   reference.color[3 * 50] = k_nan;
   test.color[3 * 60 + 1] = k_infinity;
   reference.color[3 * 70 + 2] = test.color[3 * 70 + 2] = -k_infinity;
@@ -179,7 +179,7 @@ TEST(Flip, pixels_that_are_not_finite_do_not_count_and_spoil_nothing) {
 
 TEST(HdrFlip, exposures_run_from_the_brightest_to_the_median_pixel) {
   // Luminances 0.5, 1, 2 and 8 in equal parts: the upper median is 2. ACES reaches 0.85 at 2.118872.
-  ComparedImage picture = uniform_picture(4, 1, ColorEncoding::linear, 0.5f, 0.5f, 0.5f);
+  ComparedImage picture = uniform_image(4, 1, ColorEncoding::linear, 0.5f, 0.5f, 0.5f);
   for (std::size_t i = 0; i < 3; ++i) {
     picture.color[3 + i] = 1.0f;
     picture.color[6 + i] = 2.0f;
@@ -201,8 +201,8 @@ TEST(HdrFlip, exposures_run_from_the_brightest_to_the_median_pixel) {
 }
 
 TEST(HdrFlip, the_map_is_the_largest_of_those_of_its_exposures) {
-  const ComparedImage one = patchy_picture(41, 23, ColorEncoding::linear, "exposed", 0.2);
-  const ComparedImage other = patchy_picture(41, 23, ColorEncoding::linear, "dark", 0.4);
+  const ComparedImage one = patchy_image(41, 23, ColorEncoding::linear, "exposed", 0.2);
+  const ComparedImage other = patchy_image(41, 23, ColorEncoding::linear, "dark", 0.4);
   for (const ToneMapper mapper : {ToneMapper::aces, ToneMapper::hable, ToneMapper::reinhard}) {
     FlipOptions options;
     options.tone_mapper = mapper;
@@ -236,8 +236,8 @@ TEST(HdrFlip, the_map_is_the_largest_of_those_of_its_exposures) {
   }
 }
 
-TEST(HdrFlip, black_and_mostly_black_pictures_come_to_an_end) {
-  const ComparedImage black = uniform_picture(20, 20, ColorEncoding::linear, 0, 0, 0);
+TEST(HdrFlip, black_and_mostly_black_images_come_to_an_end) {
+  const ComparedImage black = uniform_image(20, 20, ColorEncoding::linear, 0, 0, 0);
   ComparedImage lamp = black;
   lamp.color[3 * 210] = lamp.color[3 * 210 + 1] = lamp.color[3 * 210 + 2] = 40.0f;
   const FlipResult none = flip(black, black);
@@ -257,17 +257,17 @@ TEST(HdrFlip, black_and_mostly_black_pictures_come_to_an_end) {
 }
 
 TEST(HdrFlip, the_widest_range_of_light_that_floats_hold_comes_to_an_end) {
-  ComparedImage picture = uniform_picture(8, 8, ColorEncoding::linear, 1e-38f, 1e-38f, 1e-38f);
+  ComparedImage picture = uniform_image(8, 8, ColorEncoding::linear, 1e-38f, 1e-38f, 1e-38f);
   picture.color[0] = picture.color[1] = picture.color[2] = 3e38f;
-  const FlipResult result = flip(picture, uniform_picture(8, 8, ColorEncoding::linear, 0, 0, 0));
+  const FlipResult result = flip(picture, uniform_image(8, 8, ColorEncoding::linear, 0, 0, 0));
   EXPECT_GT(result.exposures, 200);
   EXPECT_LE(result.exposures, k_most_exposures);
   for (const float value : result.map) EXPECT_TRUE(value >= 0.0f && value <= 1.0f);
 }
 
 TEST(Flip, what_cannot_be_compared_is_an_error) {
-  const ComparedImage picture = uniform_picture(4, 4, ColorEncoding::linear, 1, 1, 1);
-  EXPECT_THROW(flip(picture, uniform_picture(4, 5, ColorEncoding::linear, 1, 1, 1)), SizeMismatch);
+  const ComparedImage picture = uniform_image(4, 4, ColorEncoding::linear, 1, 1, 1);
+  EXPECT_THROW(flip(picture, uniform_image(4, 5, ColorEncoding::linear, 1, 1, 1)), SizeMismatch);
   ComparedImage layers = picture;
   layers.color.clear();
   layers.color_channels = 0;
@@ -293,7 +293,7 @@ TEST(Flip, what_cannot_be_compared_is_an_error) {
 }
 
 TEST(Flip, a_progress_that_returns_false_stops_it) {
-  const ComparedImage picture = patchy_picture(600, 300, ColorEncoding::display, "stop");
+  const ComparedImage picture = patchy_image(600, 300, ColorEncoding::display, "stop");
   std::uint64_t last = 0, all = 0;
   flip(picture, picture, {}, {}, [&](std::uint64_t done, std::uint64_t total) {
     last = done;

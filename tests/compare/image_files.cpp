@@ -21,7 +21,7 @@ void write_file(const std::filesystem::path& file, const OIIO::ImageSpec& spec, 
 
 }  // namespace
 
-void PictureTest::SetUp() {
+void ImageFilesTest::SetUp() {
   const auto* const test = ::testing::UnitTest::GetInstance()->current_test_info();
   folder = std::filesystem::temp_directory_path() / ("alidade_" + std::string(test->test_suite_name()) + "_" +
                                                      test->name() + "_" + std::to_string(::getpid()));
@@ -29,17 +29,17 @@ void PictureTest::SetUp() {
   std::filesystem::create_directories(folder);
 }
 
-void PictureTest::write_picture(const std::string& name, int width, int height,
-                                const std::vector<float>& color, const PictureTexts& metadata) const {
+void ImageFilesTest::write_image(const std::string& name, int width, int height,
+                                 const std::vector<float>& color, const ImageTexts& metadata) const {
   const bool is_linear = name.ends_with(".exr");
   OIIO::ImageSpec spec(width, height, 3, is_linear ? OIIO::TypeFloat : OIIO::TypeUInt8);
   for (const auto& [key, text] : metadata) spec.attribute(key, text);
   write_file(folder / name, spec, OIIO::TypeFloat, color.data());
 }
 
-void PictureTest::write_layers(const std::string& name, int width, int height,
-                               const std::vector<std::string>& channels,
-                               const std::vector<float>& values) const {
+void ImageFilesTest::write_layers(const std::string& name, int width, int height,
+                                  const std::vector<std::string>& channels,
+                                  const std::vector<float>& values) const {
   OIIO::ImageSpec spec(width, height, static_cast<int>(channels.size()), OIIO::TypeFloat);
   spec.channelnames = channels;
   for (const std::string& channel : channels)

@@ -52,7 +52,7 @@ TEST(ImageMask, a_mask_image_counts_where_it_is_above_half_of_the_display_range)
   EXPECT_THROW(keep_light(mask, drawn, four_pixels()), SizeMismatch);
 }
 
-TEST(ImageMask, alpha_counts_from_the_given_value_on_in_every_picture_that_has_it) {
+TEST(ImageMask, alpha_counts_from_the_given_value_on_in_every_image_that_has_it) {
   ComparedImage reference = four_pixels(), test = four_pixels();
   ImageMask mask;
   EXPECT_THROW(keep_alpha(mask, reference, test), Error);
@@ -67,7 +67,7 @@ TEST(ImageMask, alpha_counts_from_the_given_value_on_in_every_picture_that_has_i
   EXPECT_EQ(mask.counts, (Counts{0, 0, 0, 0}));
 }
 
-TEST(ImageMask, depth_counts_where_it_is_finite_and_positive_in_every_picture_that_has_it) {
+TEST(ImageMask, depth_counts_where_it_is_finite_and_positive_in_every_image_that_has_it) {
   ComparedImage reference = four_pixels(), test = four_pixels();
   ImageMask mask;
   EXPECT_THROW(keep_valid_depth(mask, reference, test), Error);
@@ -76,7 +76,7 @@ TEST(ImageMask, depth_counts_where_it_is_finite_and_positive_in_every_picture_th
   EXPECT_EQ(mask.counts, (Counts{1, 0, 0, 0}));
 }
 
-TEST(ImageMask, sky_is_ignored_only_where_every_picture_with_sky_shows_it) {
+TEST(ImageMask, sky_is_ignored_only_where_every_image_with_sky_shows_it) {
   ComparedImage reference = four_pixels(), test = four_pixels();
   ImageMask mask;
   EXPECT_THROW(ignore_sky(mask, reference, test), Error);

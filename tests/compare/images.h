@@ -13,8 +13,8 @@ namespace alidade::test {
 using namespace compare;
 
 /// A picture of one colour.
-inline ComparedImage uniform_picture(int width, int height, ColorEncoding encoding, float red, float green,
-                                     float blue) {
+inline ComparedImage uniform_image(int width, int height, ColorEncoding encoding, float red, float green,
+                                   float blue) {
   ComparedImage image;
   image.file = "uniform";
   image.width = width;
@@ -26,10 +26,10 @@ inline ComparedImage uniform_picture(int width, int height, ColorEncoding encodi
 }
 
 /// Soft patches of colour with grain: codes of 8 bits, or light from 0 to 8 with some below 0.
-inline ComparedImage patchy_picture(int width, int height, ColorEncoding encoding, const std::string& seed,
-                                    double grain = 0.1) {
+inline ComparedImage patchy_image(int width, int height, ColorEncoding encoding, const std::string& seed,
+                                  double grain = 0.1) {
   Random random(seed);
-  ComparedImage image = uniform_picture(width, height, encoding, 0.0f, 0.0f, 0.0f);
+  ComparedImage image = uniform_image(width, height, encoding, 0.0f, 0.0f, 0.0f);
   image.largest_code = encoding == ColorEncoding::display ? 255 : 0;
   for (int y = 0; y < height; ++y) {
     for (int x = 0; x < width; ++x) {

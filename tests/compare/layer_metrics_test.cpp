@@ -25,7 +25,7 @@ ComparedImage layers_only(int width) {
   return image;
 }
 
-TEST(LayerMetrics, layers_that_one_picture_lacks_are_not_compared) {
+TEST(LayerMetrics, layers_that_one_image_lacks_are_not_compared) {
   ComparedImage reference = layers_only(1), test = layers_only(1);
   reference.depth = {1.0f};
   reference.ids = test.ids = {3};
@@ -125,7 +125,7 @@ TEST(LayerMetrics, figures_of_many_rows_are_those_of_all_of_them) {
   EXPECT_EQ(metrics.ids->equal, 117u);
 }
 
-TEST(LayerMetrics, ids_count_where_at_least_one_picture_sees_something) {
+TEST(LayerMetrics, ids_count_where_at_least_one_image_sees_something) {
   ComparedImage reference = layers_only(5), test = layers_only(5);
   reference.ids = {0, 7, 8, 0, 4294967295u};
   test.ids = {0, 7, 9, 3, 4294967295u};

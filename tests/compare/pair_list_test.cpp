@@ -56,7 +56,7 @@ TEST_F(PairListTest, folders_are_paired_by_path_and_name) {
   EXPECT_EQ(found[1].reference, folder_ / "a/one.png");
 }
 
-TEST_F(PairListTest, another_extension_is_no_other_picture_if_only_one_can_be_meant) {
+TEST_F(PairListTest, another_extension_is_no_other_image_if_only_one_can_be_meant) {
   for (const char* const name : {"a/one.exr", "b/one.PNG", "a/two.png", "b/two.jpg", "b/two.exr"})
     write(name);
   const std::vector<ImagePair> found = pairs();
@@ -67,7 +67,7 @@ TEST_F(PairListTest, another_extension_is_no_other_picture_if_only_one_can_be_me
     EXPECT_TRUE(found[i].reference.empty() || found[i].test.empty()) << found[i].name;
 }
 
-TEST_F(PairListTest, pictures_without_counterpart_are_pairs_with_one_side) {
+TEST_F(PairListTest, images_without_counterpart_are_pairs_with_one_side) {
   write("a/gone.png");
   write("b/new.png");
   const std::vector<ImagePair> found = pairs();
@@ -76,7 +76,7 @@ TEST_F(PairListTest, pictures_without_counterpart_are_pairs_with_one_side) {
   EXPECT_TRUE(found[1].reference.empty());
 }
 
-TEST_F(PairListTest, folders_without_pictures_and_what_is_no_folder_are_errors) {
+TEST_F(PairListTest, folders_without_images_and_what_is_no_folder_are_errors) {
   EXPECT_THROW(pairs(), Error);
   write("a/notes.txt");
   write("b/notes.txt");

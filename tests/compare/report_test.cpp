@@ -23,22 +23,22 @@ namespace fs = std::filesystem;
 constexpr const char* k_hostile =
     "</script><script>window.hacked=1</script><img src=x onerror=window.hacked=1>";
 
-class ReportTest : public PictureTest {
+class ReportTest : public ImageFilesTest {
  protected:
   void SetUp() override {
-    PictureTest::SetUp();
+    ImageFilesTest::SetUp();
     if (!chromium_program()) GTEST_SKIP() << "pages are tested with chromium only (apt-get install chromium)";
   }
 
   /// Two pictures of 120 x 80 pixels: a wave, and the same with two bright squares.
-  void write_pictures() {
+  void write_images() {
     std::vector<float> wave(120 * 80 * 3);
     for (std::size_t i = 0; i < wave.size(); ++i)
       wave[i] = 0.4f + 0.2f * std::sin(0.05f * static_cast<float>(i / 3 % 120));
-    write_picture("wave.png", 120, 80, wave, {{"Comment", k_hostile}, {"alidade:samples", "16"}});
+    write_image("wave.png", 120, 80, wave, {{"Comment", k_hostile}, {"alidade:samples", "16"}});
     paint(wave, {10, 10, 30, 25});
     paint(wave, {80, 50, 90, 60});
-    write_picture("<img src=x onerror=hacked()>'\".png", 120, 80, wave, {{"alidade:samples", "64"}});
+    write_image("<img src=x onerror=hacked()>'\".png", 120, 80, wave, {{"alidade:samples", "64"}});
   }
   static void paint(std::vector<float>& picture, const PixelRectangle& box) {
     for (int y = box.top; y < box.bottom; ++y)
@@ -47,14 +47,14 @@ class ReportTest : public PictureTest {
   }
 
   fs::path write_report() {
-    write_pictures();
+    write_images();
     ComparisonOptions options;
     options.find_changes = ChangeMap::color;
-    options.keep_pictures = true;
+    options.keep_images = true;
     const Comparison comparison =
         compare_files(folder / "wave.png", folder / "<img src=x onerror=hacked()>'\".png", options);
     const Verdict verdict = judge(comparison, parse_thresholds("flip=0.001,psnr<5"));
-    write_page(report_page(comparison, verdict, PicturePacking::automatic), folder / "report.html", false);
+    write_page(report_page(comparison, verdict, ImagePacking::automatic), folder / "report.html", false);
     return folder / "report.html";
   }
 };
@@ -130,7 +130,7 @@ TEST_F(ReportTest, the_divider_follows_keys_the_slider_and_the_mouse) {
   expect_quiet(page);
 }
 
-TEST_F(ReportTest, arrows_move_a_zoomed_picture_and_letters_go_through_the_regions) {
+TEST_F(ReportTest, arrows_move_a_zoomed_image_and_letters_go_through_the_regions) {
   Chromium page(folder, 1280, 900);
   page.open(write_report());
   const std::string transform = "document.getElementById('scene').style.transform";
@@ -162,13 +162,13 @@ TEST_F(ReportTest, arrows_move_a_zoomed_picture_and_letters_go_through_the_regio
 }
 
 TEST_F(ReportTest, matched_colours_warnings_and_how_it_was_compared_are_reported) {
-  write_pictures();
+  write_images();
   ComparisonOptions options;
   options.match = ColorModel::exposure;
   options.crop = PixelRectangle{0, 0, 120, 60};
-  options.keep_pictures = true;
+  options.keep_images = true;
   const Comparison comparison = compare_files(folder / "wave.png", folder / "wave.png", options);
-  write_page(report_page(comparison, judge(comparison, parse_thresholds("flip=0.5")), PicturePacking::jpeg,
+  write_page(report_page(comparison, judge(comparison, parse_thresholds("flip=0.5")), ImagePacking::jpeg,
                          judge(comparison, parse_thresholds("flip>-1"))),
              folder / "report.html", false);
   Chromium page(folder, 390, 844);
@@ -186,16 +186,16 @@ TEST_F(ReportTest, matched_colours_warnings_and_how_it_was_compared_are_reported
   expect_quiet(page);
 }
 
-TEST_F(ReportTest, pictures_with_layers_only_have_a_page_too) {
+TEST_F(ReportTest, images_with_layers_only_have_a_page_too) {
   std::vector<float> layers;
   for (int i = 0; i < 120 * 80; ++i) layers.insert(layers.end(), {5.0f, 0.0f, 0.0f, 1.0f});
   write_layers("a.exr", 120, 80, {"Z", "N.X", "N.Y", "N.Z"}, layers);
   layers[4 * 121] = 6.0f;
   write_layers("b.exr", 120, 80, {"Z", "N.X", "N.Y", "N.Z"}, layers);
   ComparisonOptions options;
-  options.keep_pictures = true;
+  options.keep_images = true;
   const Comparison comparison = compare_files(folder / "a.exr", folder / "b.exr", options);
-  write_page(report_page(comparison, {}, PicturePacking::automatic), folder / "report.html", false);
+  write_page(report_page(comparison, {}, ImagePacking::automatic), folder / "report.html", false);
   Chromium page(folder, 1280, 900);
   page.open(folder / "report.html");
   EXPECT_NE(text_of(page, "verdict").find("Measured"), std::string::npos);
@@ -211,9 +211,9 @@ TEST_F(ReportTest, the_map_of_agreement_has_a_legend_of_categories) {
   layers[2 * 121] = 6.0f;
   write_layers("b.exr", 120, 80, {"Z", "depth.sigma"}, layers);
   ComparisonOptions options;
-  options.keep_pictures = true;
+  options.keep_images = true;
   const Comparison comparison = compare_files(folder / "a.exr", folder / "b.exr", options);
-  write_page(report_page(comparison, {}, PicturePacking::automatic), folder / "report.html", false);
+  write_page(report_page(comparison, {}, ImagePacking::automatic), folder / "report.html", false);
   Chromium page(folder, 1280, 900);
   page.open(folder / "report.html");
   EXPECT_NE(text_of(page, "metrics").find("Not scanned"), std::string::npos) << text_of(page, "metrics");
@@ -285,7 +285,7 @@ TEST_F(ReportTest, on_a_phone_nothing_is_wider_than_the_screen_and_controls_have
 }
 
 TEST_F(ReportTest, a_summary_without_thresholds_passes_nobody) {
-  write_pictures();
+  write_images();
   BatchOptions options;
   options.keep_thumbnails = true;
   const std::vector<PairOutcome> outcomes =
@@ -300,7 +300,7 @@ TEST_F(ReportTest, a_summary_without_thresholds_passes_nobody) {
 }
 
 TEST_F(ReportTest, a_summary_lists_pairs_worst_first_and_filters_them) {
-  write_pictures();
+  write_images();
   fs::create_directories(folder / "a");
   fs::create_directories(folder / "b");
   for (const char* const name : {"same.png", "squares.png", "lost.png"})

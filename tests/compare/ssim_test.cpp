@@ -80,41 +80,41 @@ Plane half(const Plane& plane) {
   return small;
 }
 
-TEST(Ssim, equal_pictures_give_one) {
-  const ComparedImage picture = patchy_picture(171, 165, ColorEncoding::display, "equal");
+TEST(Ssim, equal_images_give_one) {
+  const ComparedImage picture = patchy_image(171, 165, ColorEncoding::display, "equal");
   const Similarity result = similarity(picture, picture);
   EXPECT_NEAR(result.ssim, 1.0, 1e-12);
   EXPECT_NEAR(result.ms_ssim, 1.0, 1e-12);
 }
 
-TEST(Ssim, exchanging_the_pictures_changes_nothing) {
-  const ComparedImage one = patchy_picture(181, 170, ColorEncoding::display, "one");
-  const ComparedImage other = patchy_picture(181, 170, ColorEncoding::display, "other", 0.5);
+TEST(Ssim, exchanging_the_images_changes_nothing) {
+  const ComparedImage one = patchy_image(181, 170, ColorEncoding::display, "one");
+  const ComparedImage other = patchy_image(181, 170, ColorEncoding::display, "other", 0.5);
   const Similarity there = similarity(one, other), back = similarity(other, one);
   EXPECT_EQ(there.ssim, back.ssim);
   EXPECT_EQ(there.ms_ssim, back.ms_ssim);
 }
 
 // Without contrast only the means are left: (2 a b + C1) / (a^2 + b^2 + C1) with C1 = 0.0001.
-TEST(Ssim, pictures_of_one_colour_give_what_the_paper_says) {
-  const ComparedImage one = uniform_picture(30, 20, ColorEncoding::display, 0.5f, 0.25f, 1.0f);
-  const ComparedImage other = uniform_picture(30, 20, ColorEncoding::display, 0.25f, 0.25f, 0.0f);
+TEST(Ssim, images_of_one_colour_give_what_the_paper_says) {
+  const ComparedImage one = uniform_image(30, 20, ColorEncoding::display, 0.5f, 0.25f, 1.0f);
+  const ComparedImage other = uniform_image(30, 20, ColorEncoding::display, 0.25f, 0.25f, 0.0f);
   const double expected = (0.2501 / 0.3126 + 1.0 + 0.0001 / 1.0001) / 3.0;
   EXPECT_NEAR(similarity(one, other).ssim, expected, 1e-9);
 }
 
 // Such pictures have equal contrast at all scales, and other means count at the last one only.
 TEST(Ssim, five_scales_see_other_means_at_the_last_one) {
-  const ComparedImage one = uniform_picture(170, 165, ColorEncoding::display, 0.5f, 0.25f, 1.0f);
-  const ComparedImage other = uniform_picture(170, 165, ColorEncoding::display, 0.25f, 0.25f, 0.0f);
+  const ComparedImage one = uniform_image(170, 165, ColorEncoding::display, 0.5f, 0.25f, 1.0f);
+  const ComparedImage other = uniform_image(170, 165, ColorEncoding::display, 0.25f, 0.25f, 0.0f);
   const double expected = (std::pow(0.2501 / 0.3126, 0.1333) + 1.0 + std::pow(0.0001 / 1.0001, 0.1333)) / 3.0;
   EXPECT_NEAR(similarity(one, other).ms_ssim, expected, 1e-9);
 }
 
 TEST(Ssim, means_are_those_of_plain_loops) {
   // More than one tile each way.
-  const ComparedImage one = patchy_picture(143, 81, ColorEncoding::display, "plain", 0.2);
-  const ComparedImage other = patchy_picture(143, 81, ColorEncoding::display, "simple", 0.6);
+  const ComparedImage one = patchy_image(143, 81, ColorEncoding::display, "plain", 0.2);
+  const ComparedImage other = patchy_image(143, 81, ColorEncoding::display, "simple", 0.6);
   double expected = 0.0;
   for (int channel = 0; channel < 3; ++channel)
     expected += plain_ssim(plane_of(one, channel), plane_of(other, channel)).similarity / 3.0;
@@ -123,8 +123,8 @@ TEST(Ssim, means_are_those_of_plain_loops) {
 }
 
 TEST(Ssim, five_scales_are_those_of_plain_loops) {
-  const ComparedImage one = patchy_picture(163, 161, ColorEncoding::display, "scales", 0.3);
-  const ComparedImage other = patchy_picture(163, 161, ColorEncoding::display, "halves", 0.7);
+  const ComparedImage one = patchy_image(163, 161, ColorEncoding::display, "scales", 0.3);
+  const ComparedImage other = patchy_image(163, 161, ColorEncoding::display, "halves", 0.7);
   constexpr double k_weights[] = {0.0448, 0.2856, 0.3001, 0.2363, 0.1333};
   double expected = 0.0;
   for (int channel = 0; channel < 3; ++channel) {
@@ -142,18 +142,18 @@ TEST(Ssim, five_scales_are_those_of_plain_loops) {
   EXPECT_NEAR(similarity(one, other).ms_ssim, expected, 1e-6);
 }
 
-TEST(Ssim, pictures_too_small_for_the_window_give_no_number) {
-  const ComparedImage narrow = patchy_picture(10, 40, ColorEncoding::display, "narrow");
+TEST(Ssim, images_too_small_for_the_window_give_no_number) {
+  const ComparedImage narrow = patchy_image(10, 40, ColorEncoding::display, "narrow");
   EXPECT_TRUE(std::isnan(similarity(narrow, narrow).ssim));
-  const ComparedImage pixel = patchy_picture(1, 1, ColorEncoding::display, "pixel");
+  const ComparedImage pixel = patchy_image(1, 1, ColorEncoding::display, "pixel");
   EXPECT_TRUE(std::isnan(similarity(pixel, pixel).ssim));
-  const ComparedImage small = patchy_picture(200, 160, ColorEncoding::display, "small");
+  const ComparedImage small = patchy_image(200, 160, ColorEncoding::display, "small");
   EXPECT_TRUE(std::isnan(similarity(small, small).ms_ssim));
 }
 
 TEST(Ssim, pixels_that_do_not_count_make_no_difference) {
-  const ComparedImage reference = patchy_picture(170, 165, ColorEncoding::linear, "mask");
-  ComparedImage test = patchy_picture(170, 165, ColorEncoding::linear, "hidden", 0.4);
+  const ComparedImage reference = patchy_image(170, 165, ColorEncoding::linear, "mask");
+  ComparedImage test = patchy_image(170, 165, ColorEncoding::linear, "hidden", 0.4);
   ImageMask mask;
   // Not the middle, which the only window of the smallest scale is about.
   const PixelRectangle hidden{100, 30, 150, 70};
@@ -172,7 +172,7 @@ TEST(Ssim, pixels_that_do_not_count_make_no_difference) {
 }
 
 TEST(Ssim, a_pixel_of_half_size_counts_if_all_four_of_its_pixels_do) {
-  const ComparedImage picture = patchy_picture(162, 162, ColorEncoding::display, "one of four");
+  const ComparedImage picture = patchy_image(162, 162, ColorEncoding::display, "one of four");
   for (int part = 0; part < 4; ++part) {
     ImageMask mask;
     for (int y = 0; y < picture.height; ++y)
@@ -184,8 +184,8 @@ TEST(Ssim, a_pixel_of_half_size_counts_if_all_four_of_its_pixels_do) {
 }
 
 TEST(Ssim, the_same_bytes_on_any_number_of_threads) {
-  const ComparedImage one = patchy_picture(300, 200, ColorEncoding::linear, "threads");
-  const ComparedImage other = patchy_picture(300, 200, ColorEncoding::linear, "alone", 0.4);
+  const ComparedImage one = patchy_image(300, 200, ColorEncoding::linear, "threads");
+  const ComparedImage other = patchy_image(300, 200, ColorEncoding::linear, "alone", 0.4);
   const Similarity expected = similarity(one, other);
   const tbb::global_control single(tbb::global_control::max_allowed_parallelism, 1);
   const Similarity result = similarity(one, other);

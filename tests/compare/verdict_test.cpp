@@ -83,7 +83,7 @@ TEST(VerdictTest, one_that_fails_is_enough) {
   EXPECT_FALSE(passes(with_colors(0.05, 30.0), "flip=0.1,psnr<40"));
 }
 
-TEST(VerdictTest, infinite_psnr_of_equal_pictures_passes_every_limit) {
+TEST(VerdictTest, infinite_psnr_of_equal_images_passes_every_limit) {
   EXPECT_TRUE(passes(with_colors(0.0, k_infinity), "psnr<1000,psnr<inf"));
   EXPECT_FALSE(passes(with_colors(0.0, 90.0), "psnr<inf"));
 }

@@ -14,7 +14,7 @@ using namespace renderer;
 
 inline constexpr int k_checkpoint_width = 30, k_checkpoint_height = 13, k_checkpoint_samples = 40;
 
-inline PictureFingerprint checkpoint_fingerprint() {
+inline Fingerprint checkpoint_fingerprint() {
   return {{"picture", "a.png"}, {"seed", "1"}};
 }
 

@@ -9,8 +9,8 @@ namespace {
 using namespace alidade;
 using namespace alidade::renderer;
 
-PictureState state_with(bool with_noise, std::uint32_t samples) {
-  PictureState state(test::k_checkpoint_width, test::k_checkpoint_height, with_noise);
+ImageState state_with(bool with_noise, std::uint32_t samples) {
+  ImageState state(test::k_checkpoint_width, test::k_checkpoint_height, with_noise);
   state.pass_end = test::k_checkpoint_samples;
   for (std::size_t tile = 0; tile < state.tiles.size(); ++tile) {
     std::vector<PathResult> results(state.grid.box(tile).count() * (samples + tile));

@@ -17,7 +17,7 @@ namespace {
 
 void use(std::span<const std::byte> bytes) {
   for (const bool with_noise : {false, true}) {
-    PictureState state(test::k_checkpoint_width, test::k_checkpoint_height, with_noise);
+    ImageState state(test::k_checkpoint_width, test::k_checkpoint_height, with_noise);
     try {
       read_checkpoint(InputFile(bytes, "input"), test::checkpoint_fingerprint(), test::k_checkpoint_samples,
                       state);

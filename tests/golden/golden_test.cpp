@@ -49,13 +49,13 @@ class GoldenTest : public ProgramTest {
       GTEST_SKIP() << golden << " was written again";
     }
     ComparisonOptions options;
-    options.keep_pictures = true;
+    options.keep_images = true;
     options.find_changes = ChangeMap::color;
     const Comparison comparison = compare_files(golden, folder / picture, options);
     const Verdict verdict = judge(comparison, parse_thresholds(thresholds));
     if (verdict.pass()) return;
     const fs::path report = std::filesystem::temp_directory_path() / ("golden_" + picture + ".html");
-    write_page(report_page(comparison, verdict, PicturePacking::png), report, true);
+    write_page(report_page(comparison, verdict, ImagePacking::png), report, true);
     std::string failures;
     for (const JudgedThreshold& judged : verdict.judged)
       if (judged.fails) failures += to_text(judged.threshold) + ": " + std::to_string(judged.value) + "\n";

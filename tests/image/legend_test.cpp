@@ -355,7 +355,7 @@ TEST_F(LegendTest, colours_that_mean_nothing_have_no_legend) {
   EXPECT_THROW(lay_out_legend(nothing, font_), Error);
 }
 
-TEST_F(LegendTest, the_file_is_the_drawn_picture_and_the_same_bytes_every_time) {
+TEST_F(LegendTest, the_file_is_the_drawn_image_and_the_same_bytes_every_time) {
   const ColorKey key = class_key();
   write_legend(key, folder_ / "a.png", {}, false);
   write_legend(key, folder_ / "b.png", {}, false);

@@ -61,7 +61,7 @@ std::vector<float> noise(std::size_t count, double largest) {
   return values;
 }
 
-TEST_F(ReadSkyImageTest, float_pictures_are_linear) {
+TEST_F(ReadSkyImageTest, float_images_are_linear) {
   const std::vector<float> values = noise(20 * 10 * 3, 50.0);
   for (const char* const name : {"a.exr", "a.hdr", "a.tif"}) {
     const SkyPixels pixels = read_sky_image(write(name, OIIO::ImageSpec(20, 10, 3, OIIO::TypeFloat), values));
@@ -77,7 +77,7 @@ TEST_F(ReadSkyImageTest, float_pictures_are_linear) {
   }
 }
 
-TEST_F(ReadSkyImageTest, whole_number_pictures_are_srgb) {
+TEST_F(ReadSkyImageTest, whole_number_images_are_srgb) {
   std::vector<float> values(256 * 3);
   for (std::size_t i = 0; i < values.size(); ++i) values[i] = static_cast<float>(i / 3) / 255.0f;
   for (const auto& type : {OIIO::TypeUInt8, OIIO::TypeUInt16}) {
@@ -142,7 +142,7 @@ TEST_F(ReadSkyImageTest, a_file_that_ends_early_is_an_error) {
   }
 }
 
-TEST_F(ReadSkyImageTest, what_is_no_picture_is_an_error) {
+TEST_F(ReadSkyImageTest, what_is_no_image_is_an_error) {
   EXPECT_TRUE(message(folder_ / "none.exr").ends_with("none.exr: no such file"));
   EXPECT_TRUE(message(folder_).ends_with(": not a regular file"));
   std::ofstream(folder_ / "text.exr") << "no picture at all";
@@ -204,9 +204,9 @@ TEST_F(ReadPhotoTest, values_are_those_that_are_displayed) {
   for (int i = 0; i < 20 * 10 * 3; ++i) values.push_back(static_cast<float>(i % 256) / 255.0f);
   for (const OIIO::TypeDesc type : {OIIO::TypeUInt8, OIIO::TypeUInt16}) {
     const auto file = write("a.tif", OIIO::ImageSpec(20, 10, 3, type), values);
-    EXPECT_EQ(photo_size(file), (PictureSize{20, 10}));
+    EXPECT_EQ(photo_size(file), (ImageSize{20, 10}));
     const PhotoPixels pixels = read_photo(file);
-    ASSERT_EQ(pixels.size, (PictureSize{20, 10}));
+    ASSERT_EQ(pixels.size, (ImageSize{20, 10}));
     ASSERT_EQ(pixels.values.size(), 200u);
     for (int i = 0; i < 20 * 10 * 3; ++i)
       ASSERT_EQ(pixels.values[static_cast<std::size_t>(i / 3)][static_cast<std::size_t>(i % 3)], i % 256);

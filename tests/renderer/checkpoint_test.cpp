@@ -206,7 +206,7 @@ TEST_F(CheckpointTest, says_what_it_is_of) {
   EXPECT_GE(summary.seconds, 0.0);
 }
 
-TEST_F(CheckpointTest, of_another_picture_is_an_error_that_names_the_difference) {
+TEST_F(CheckpointTest, of_another_image_is_an_error_that_names_the_difference) {
   const LoadedCloud cloud = mixed_cloud();
   const Scene scene = mixed_scene();
   render_in_part(scene, &cloud, options(false), 0);
@@ -264,7 +264,7 @@ TEST_F(CheckpointTest, of_another_picture_is_an_error_that_names_the_difference)
                    });
 }
 
-TEST(PictureFingerprint, long_values_are_shown_from_where_they_differ) {
+TEST(Fingerprint, long_values_are_shown_from_where_they_differ) {
   const auto message_of = [](const std::string& made, const std::string& asked) -> std::string {
     try {
       check_fingerprint({{"sun", made}}, {{"sun", asked}}, "file");
@@ -288,9 +288,9 @@ TEST_F(CheckpointTest, cut_short_anywhere_or_too_long_is_an_error) {
   scene.camera = test::camera_at({0, -6, 3}, {0, 0, 0}, 50.0, 14);
   render_in_part(scene, nullptr, options(false), 0);
   std::vector<std::byte> whole = bytes();
-  const PictureFingerprint fingerprint = picture_fingerprint(scene, nullptr, options(false));
+  const Fingerprint fingerprint = image_fingerprint(scene, nullptr, options(false));
   const auto read = [&](std::span<const std::byte> content) {
-    PictureState state(14, 14, true);
+    ImageState state(14, 14, true);
     read_checkpoint(InputFile(content, "cut"), fingerprint, 5, state);
   };
   EXPECT_NO_THROW(read(whole));
@@ -305,12 +305,12 @@ TEST_F(CheckpointTest, with_any_bit_flipped_is_an_error) {
   scene.camera = test::camera_at({0, -6, 3}, {0, 0, 0}, 50.0, 14);
   render_in_part(scene, nullptr, options(false), 0);
   std::vector<std::byte> content = bytes();
-  const PictureFingerprint fingerprint = picture_fingerprint(scene, nullptr, options(false));
+  const Fingerprint fingerprint = image_fingerprint(scene, nullptr, options(false));
   test::Random random;
   for (std::size_t offset = 0; offset < content.size(); offset += offset < 200 ? 1 : 1 + random.below(50)) {
     const auto flip = static_cast<std::byte>(1u << random.below(8));
     content[offset] ^= flip;
-    PictureState state(14, 14, true);
+    ImageState state(14, 14, true);
     EXPECT_THROW(read_checkpoint(InputFile(content, "flipped"), fingerprint, 5, state), Error) << offset;
     content[offset] ^= flip;
   }
@@ -372,8 +372,8 @@ TEST_F(CheckpointTest, of_an_index_file_identifies_it_by_its_checksums) {
   one.index_checksum = 1;
   other.index_checksum = 2;
   const Scene scene = mixed_scene();
-  EXPECT_EQ(picture_fingerprint(scene, &one, {}), picture_fingerprint(scene, &one, {}));
-  EXPECT_NE(picture_fingerprint(scene, &one, {}), picture_fingerprint(scene, &other, {}));
+  EXPECT_EQ(image_fingerprint(scene, &one, {}), image_fingerprint(scene, &one, {}));
+  EXPECT_NE(image_fingerprint(scene, &one, {}), image_fingerprint(scene, &other, {}));
 }
 
 TEST(SceneText, differs_where_the_scene_does) {

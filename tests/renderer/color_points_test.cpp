@@ -372,7 +372,7 @@ TEST(ColorPoints, a_normal_is_a_colour_of_the_surface_towards_the_viewer) {
   expect_display(color_along({0, -5, 0}, {0, 1, 0}), {0.5, 0.0, 0.5});
 }
 
-TEST(ColorPoints, a_flat_picture_shows_the_colours_of_the_legend) {
+TEST(ColorPoints, a_flat_image_shows_the_colours_of_the_legend) {
   for (const std::size_t number : {2u, 5u, 11u, 13u, 21u}) {
     LoadedCloud cloud = test::loaded({{0, 0, 0}}, 5.0);
     cloud.colors = {class_styles()[number].color};

@@ -11,7 +11,7 @@
 namespace alidade::test {
 namespace {
 
-TEST(DepthTracer, gives_the_layers_of_the_picture_to_the_last_bit_on_any_number_of_threads) {
+TEST(DepthTracer, gives_the_layers_of_the_image_to_the_last_bit_on_any_number_of_threads) {
   for (const PointShape shape : k_point_shapes) {
     SCOPED_TRACE(shape_name(shape));
     Scene scene = mixed_scene(shape);

@@ -127,7 +127,7 @@ void expect_sane(const Film& film) {
 
 class DiscTraps : public ::testing::TestWithParam<PointShape> {};
 
-TEST_P(DiscTraps, pictures_of_hostile_clouds_are_finite) {
+TEST_P(DiscTraps, images_of_hostile_clouds_are_finite) {
   for (const Trap& trap : traps()) {
     SCOPED_TRACE(trap.name);
     LoadedCloud cloud;
@@ -174,7 +174,7 @@ const MeshTrap k_mesh_traps[] = {
      "v 1e11 0 0\nv 1e11 1e-9 0\nv 1e11 0 1e-9\nv -2 0 -2\nv 2 0 -2\nv 0 0 2\nf 1 2 3\nf 4 5 6\n"},
 };
 
-TEST_P(DiscTraps, hostile_meshes_among_discs_are_errors_or_give_a_finite_picture) {
+TEST_P(DiscTraps, hostile_meshes_among_discs_are_errors_or_give_a_finite_image) {
   const auto folder =
       std::filesystem::temp_directory_path() / ("alidade_traps_" + test::shape_name(GetParam()));
   std::filesystem::create_directories(folder);

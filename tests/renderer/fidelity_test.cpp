@@ -37,7 +37,7 @@ Fidelity fidelity_of(PointShape shape, const image::Film& truth, LoadedCloud& cl
 }
 
 TEST(Fidelity, of_each_surface_stays_as_good_as_it_is) {
-  const image::Film truth = test::exact_picture(flat_yard());
+  const image::Film truth = test::exact_image(flat_yard());
   LoadedCloud cloud = index_cloud(test::courtyard_cloud({.points = 300'000}), simulation::scan_attributes(),
                                   CloudSettings{}, "scan");
   // A little worse than measured, so that any loss of quality is seen.
@@ -72,7 +72,7 @@ TEST(Fidelity, fewer_than_one_depth_in_a_hundred_is_wrong_by_more_than_three_sig
   std::vector<image::Film> truths;
   for (const test::FidelityView& view : views) {
     scene.camera = view.camera;
-    truths.push_back(test::exact_picture(scene));
+    truths.push_back(test::exact_image(scene));
   }
   for (const std::uint64_t points : {100'000u, 500'000u}) {
     const LoadedCloud cloud =
@@ -213,7 +213,7 @@ TEST(Layers, depth_and_its_sigma_are_along_the_axis_of_the_camera) {
 
 TEST(Fidelity, of_the_truth_to_itself_is_perfect) {
   const Scene scene = flat_yard();
-  const image::Film truth = test::exact_picture(scene);
+  const image::Film truth = test::exact_image(scene);
   const Fidelity same = test::fidelity(*scene.camera, truth, truth, 0.0);
   EXPECT_EQ(same.depth_p95, 0.0);
   EXPECT_EQ(same.grown, 0.0);

@@ -61,9 +61,9 @@ std::vector<PathResult> part(const std::vector<PathResult>& results, std::size_t
   return chosen;
 }
 
-TEST(PictureState, sums_do_not_depend_on_how_samples_are_dealt_out) {
+TEST(ImageState, sums_do_not_depend_on_how_samples_are_dealt_out) {
   test::Random random;
-  PictureState at_once(40, 30, true), in_parts(40, 30, true);
+  ImageState at_once(40, 30, true), in_parts(40, 30, true);
   for (std::size_t tile = 0; tile < at_once.tiles.size(); ++tile) {
     const std::size_t pixels = at_once.grid.box(tile).count();
     const std::vector<PathResult> results = random_results(pixels, 37, random);
@@ -88,9 +88,9 @@ TEST(PictureState, sums_do_not_depend_on_how_samples_are_dealt_out) {
   }
 }
 
-TEST(PictureState, takes_28_bytes_per_pixel_and_52_with_noise) {
+TEST(ImageState, takes_28_bytes_per_pixel_and_52_with_noise) {
   for (const bool with_noise : {false, true}) {
-    const PictureState state(1000, 500, with_noise);
+    const ImageState state(1000, 500, with_noise);
     std::size_t bytes = 0;
     for (const SumBand& band : state.bands) {
       bytes += band.mean.capacity() * sizeof(glm::dvec3) + band.met_count.capacity() * sizeof(std::uint32_t) +
@@ -103,9 +103,9 @@ TEST(PictureState, takes_28_bytes_per_pixel_and_52_with_noise) {
   }
 }
 
-TEST(PictureState, becomes_a_film_with_the_mean_of_each_pixel) {
+TEST(ImageState, becomes_a_film_with_the_mean_of_each_pixel) {
   test::Random random;
-  PictureState state(40, 30, true);
+  ImageState state(40, 30, true);
   Film expected(40, 30);
   for (std::size_t tile = 0; tile < state.tiles.size(); ++tile) {
     const TileBox box = state.grid.box(tile);
@@ -133,8 +133,8 @@ TEST(PictureState, becomes_a_film_with_the_mean_of_each_pixel) {
   EXPECT_TRUE(state.bands.front().mean.empty());
 }
 
-TEST(PictureState, preview_is_the_mean_of_squares_of_pixels) {
-  PictureState state(50, 20, false);
+TEST(ImageState, preview_is_the_mean_of_squares_of_pixels) {
+  ImageState state(50, 20, false);
   for (std::size_t tile = 0; tile < state.tiles.size(); ++tile) {
     const TileBox box = state.grid.box(tile);
     std::vector<PathResult> results;

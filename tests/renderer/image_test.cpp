@@ -94,9 +94,9 @@ class ImageTest : public ::testing::Test {
 };
 
 /// An image file as OpenImageIO sees it: one channel at a time.
-class Picture {
+class ImageFile {
  public:
-  explicit Picture(const std::filesystem::path& file) : input_(OIIO::ImageInput::open(file.string())) {
+  explicit ImageFile(const std::filesystem::path& file) : input_(OIIO::ImageInput::open(file.string())) {
     if (!input_) throw std::runtime_error(OIIO::geterror());
   }
   const OIIO::ImageSpec& spec() const { return input_->spec(); }
@@ -132,14 +132,14 @@ TEST_F(ImageTest, exr_holds_every_layer_under_its_conventional_names_and_types) 
     settings.layers.assign(std::begin(k_all_layers), std::end(k_all_layers));
     settings.half = half;
     write_image(film, settings, metadata(), false);
-    Picture picture(settings.file);
-    EXPECT_EQ(picture.spec().width, film.width);
-    EXPECT_EQ(picture.spec().height, film.height);
-    EXPECT_EQ(picture.spec().nchannels, 22);
+    ImageFile image(settings.file);
+    EXPECT_EQ(image.spec().width, film.width);
+    EXPECT_EQ(image.spec().height, film.height);
+    EXPECT_EQ(image.spec().nchannels, 22);
     const auto expect = [&](const std::string& name, bool may_be_half, const auto& value_of) {
       const bool is_half = half && may_be_half;
-      EXPECT_EQ(picture.format(name), is_half ? OIIO::TypeHalf : OIIO::TypeFloat) << name;
-      const std::vector<float> values = picture.channel<float>(name);
+      EXPECT_EQ(image.format(name), is_half ? OIIO::TypeHalf : OIIO::TypeFloat) << name;
+      const std::vector<float> values = image.channel<float>(name);
       for (std::size_t i = 0; i < values.size(); ++i) {
         const float expected = value_of(i);
         // Half has 11 bits: rounding is off by at most 2^-11 of the value, or 2^-25 near zero.
@@ -167,10 +167,10 @@ TEST_F(ImageTest, exr_holds_every_layer_under_its_conventional_names_and_types) 
     expect("distance.T", false, [&](std::size_t i) { return film.distance[i]; });
     expect("depth.sigma", false, [&](std::size_t i) { return film.depth_sigma[i]; });
     expect("coverage", false, [&](std::size_t i) { return film.coverage[i]; });
-    EXPECT_EQ(picture.format("id"), OIIO::TypeUInt);
-    EXPECT_EQ(picture.channel<std::uint32_t>("id"), film.id);
-    EXPECT_EQ(picture.format("support"), OIIO::TypeUInt);
-    EXPECT_EQ(picture.channel<std::uint32_t>("support"), film.support);
+    EXPECT_EQ(image.format("id"), OIIO::TypeUInt);
+    EXPECT_EQ(image.channel<std::uint32_t>("id"), film.id);
+    EXPECT_EQ(image.format("support"), OIIO::TypeUInt);
+    EXPECT_EQ(image.channel<std::uint32_t>("support"), film.support);
   }
 }
 
@@ -178,7 +178,7 @@ TEST_F(ImageTest, exr_holds_only_the_requested_layers) {
   OutputSettings settings = output("few.exr");
   settings.layers = {Layer::id, Layer::depth};
   write_image(colorful_film(), settings, metadata(), false);
-  std::vector<std::string> names = Picture(settings.file).spec().channelnames;
+  std::vector<std::string> names = ImageFile(settings.file).spec().channelnames;
   std::ranges::sort(names);
   EXPECT_EQ(names, (std::vector<std::string>{"Z", "id"}));
 }
@@ -200,10 +200,10 @@ TEST_F(ImageTest, half_never_becomes_infinite) {
   Film film(1, 1);
   film.color[0] = {1e6f, 65504.0f, 1e-30f};
   write_image(film, output("bright.exr"), ImageMetadata(), false);
-  Picture picture(folder_ / "bright.exr");
-  EXPECT_EQ(picture.channel<float>("R")[0], 65504.0f);
-  EXPECT_EQ(picture.channel<float>("G")[0], 65504.0f);
-  EXPECT_EQ(picture.channel<float>("B")[0], 0.0f);
+  ImageFile image(folder_ / "bright.exr");
+  EXPECT_EQ(image.channel<float>("R")[0], 65504.0f);
+  EXPECT_EQ(image.channel<float>("G")[0], 65504.0f);
+  EXPECT_EQ(image.channel<float>("B")[0], 0.0f);
 }
 
 TEST_F(ImageTest, positions_are_precise_far_from_the_origin) {
@@ -211,9 +211,9 @@ TEST_F(ImageTest, positions_are_precise_far_from_the_origin) {
   settings.layers = {Layer::position};
   const Film film = colorful_film();
   write_image(film, settings, metadata(), false);
-  Picture picture(settings.file);
-  EXPECT_EQ(picture.text("alidade:position_offset"), "690000 5320000 0");
-  const std::vector<float> y = picture.channel<float>("P.Y");
+  ImageFile image(settings.file);
+  EXPECT_EQ(image.text("alidade:position_offset"), "690000 5320000 0");
+  const std::vector<float> y = image.channel<float>("P.Y");
   for (std::size_t i = 0; i + 1 < y.size(); ++i) EXPECT_NEAR(5320000.0 + y[i], film.position[i].y, 0.0003);
 }
 
@@ -223,9 +223,9 @@ TEST_F(ImageTest, positions_need_no_other_layer) {
   Film film(2, 1, settings.layers);
   film.position[1] = {690012.5, 5320007.25, 3.5};
   write_image(film, settings, metadata(), false);
-  Picture picture(settings.file);
-  EXPECT_EQ(picture.channel<float>("P.X"), (std::vector<float>{0.0f, 12.5f}));
-  EXPECT_EQ(picture.channel<float>("P.Y"), (std::vector<float>{0.0f, 7.25f}));
+  ImageFile image(settings.file);
+  EXPECT_EQ(image.channel<float>("P.X"), (std::vector<float>{0.0f, 12.5f}));
+  EXPECT_EQ(image.channel<float>("P.Y"), (std::vector<float>{0.0f, 7.25f}));
 }
 
 TEST(PositionOffsetTest, is_zero_near_the_origin_and_round_elsewhere) {
@@ -240,19 +240,19 @@ TEST(PositionOffsetTest, is_zero_near_the_origin_and_round_elsewhere) {
 TEST_F(ImageTest, exr_and_png_contain_metadata) {
   for (const std::string name : {"site.exr", "site.png"}) {
     write_image(colorful_film(), output(name), metadata(), false);
-    const Picture picture(folder_ / name);
-    EXPECT_TRUE(picture.text("Software").starts_with("Alidade ")) << picture.text("Software");
-    EXPECT_EQ(picture.text("alidade:command"), metadata().command);
-    EXPECT_EQ(picture.text("alidade:cloud_files"), "a.las\nb.las");
-    EXPECT_EQ(picture.text("alidade:cloud_offset"), "690000 5325000 0");
-    EXPECT_EQ(picture.text("alidade:crs"), metadata().crs.wkt);
-    EXPECT_EQ(picture.text("alidade:radius"), "0.10000000000000001");
-    EXPECT_EQ(picture.text("alidade:samples"), "9");
-    EXPECT_EQ(picture.text("alidade:max_bounces"), "4");
-    EXPECT_EQ(picture.text("alidade:seed"), "18446744073709551615");
-    EXPECT_EQ(picture.text("alidade:radius_source"), "auto");
-    EXPECT_NE(picture.text("alidade:camera").find("at 690011.100 5324912.700 523.000"), std::string::npos);
-    EXPECT_EQ(describe(parse_camera(picture.text("alidade:camera_json"), "metadata")),
+    const ImageFile image(folder_ / name);
+    EXPECT_TRUE(image.text("Software").starts_with("Alidade ")) << image.text("Software");
+    EXPECT_EQ(image.text("alidade:command"), metadata().command);
+    EXPECT_EQ(image.text("alidade:cloud_files"), "a.las\nb.las");
+    EXPECT_EQ(image.text("alidade:cloud_offset"), "690000 5325000 0");
+    EXPECT_EQ(image.text("alidade:crs"), metadata().crs.wkt);
+    EXPECT_EQ(image.text("alidade:radius"), "0.10000000000000001");
+    EXPECT_EQ(image.text("alidade:samples"), "9");
+    EXPECT_EQ(image.text("alidade:max_bounces"), "4");
+    EXPECT_EQ(image.text("alidade:seed"), "18446744073709551615");
+    EXPECT_EQ(image.text("alidade:radius_source"), "auto");
+    EXPECT_NE(image.text("alidade:camera").find("at 690011.100 5324912.700 523.000"), std::string::npos);
+    EXPECT_EQ(describe(parse_camera(image.text("alidade:camera_json"), "metadata")),
               describe(metadata().camera));
   }
 }
@@ -270,7 +270,7 @@ TEST_F(ImageTest, same_film_gives_the_same_bytes_in_every_format) {
     OIIO::attribute("threads", 0);
     EXPECT_GT(first.size(), 1000u);
     EXPECT_TRUE(bytes_of(settings.file) == first) << extension;
-    EXPECT_EQ(Picture(settings.file).text("DateTime"), "") << extension;
+    EXPECT_EQ(ImageFile(settings.file).text("DateTime"), "") << extension;
   }
 }
 
@@ -280,7 +280,7 @@ TEST_F(ImageTest, png_and_jpeg_show_the_colour_with_exposure_and_srgb_curve) {
                 Rgb(0.2140f)};
   OutputSettings settings = output("codes.png");
   write_image(film, settings, ImageMetadata(), false);
-  Picture png(settings.file);
+  ImageFile png(settings.file);
   EXPECT_EQ(png.spec().nchannels, 3);
   // IEC 61966-2-1 by hand: 0.25 -> 136.96, 0.5 -> 187.52, 0.0909 -> 84.96, 0.2140 -> 127.5
   EXPECT_EQ(png.channel<std::uint8_t>("R"), (std::vector<std::uint8_t>{0, 137, 0, 85, 127}));
@@ -290,13 +290,13 @@ TEST_F(ImageTest, png_and_jpeg_show_the_colour_with_exposure_and_srgb_curve) {
   EXPECT_EQ(png.channel<std::uint8_t>("B")[2], 0);
   settings.exposure = 1.0;
   write_image(film, settings, ImageMetadata(), true);
-  EXPECT_EQ(Picture(settings.file).channel<std::uint8_t>("R")[1], 188);
+  EXPECT_EQ(ImageFile(settings.file).channel<std::uint8_t>("R")[1], 188);
 
   Film grey(16, 16);
   for (Rgb& color : grey.color) color = Rgb(0.25f);
   for (const std::string name : {"grey.jpg", "grey.jpeg", "GREY.JPG"}) {
     write_image(grey, output(name), ImageMetadata(), false);
-    for (const std::uint8_t code : Picture(folder_ / name).channel<std::uint8_t>("G"))
+    for (const std::uint8_t code : ImageFile(folder_ / name).channel<std::uint8_t>("G"))
       EXPECT_NEAR(code, 137, 1);
   }
 }

@@ -19,7 +19,7 @@ using test::expect_same;
 using test::mixed_cloud;
 using test::mixed_scene;
 
-TEST(PictureParts, have_every_tile_once_and_differ_by_one_tile_at_most) {
+TEST(ImageParts, have_every_tile_once_and_differ_by_one_tile_at_most) {
   for (const auto& [width, height] : {std::pair{640, 400}, {16, 16}, {1000, 17}}) {
     const TileGrid grid(width, height);
     for (const int count : {1, 2, 3, 20, 64}) {
@@ -40,7 +40,7 @@ TEST(PictureParts, have_every_tile_once_and_differ_by_one_tile_at_most) {
   }
 }
 
-TEST(PictureParts, are_spread_over_rows_and_columns) {
+TEST(ImageParts, are_spread_over_rows_and_columns) {
   const TileGrid grid(640, 640);
   ASSERT_EQ(grid.columns(), 40);
   // Every 20th tile of each row would be 2 of 40 columns.
@@ -55,9 +55,9 @@ TEST(PictureParts, are_spread_over_rows_and_columns) {
   }
 }
 
-TEST(PictureParts, reject_invalid_numbers_and_ends_that_depend_on_other_parts) {
+TEST(ImageParts, reject_invalid_numbers_and_ends_that_depend_on_other_parts) {
   const Scene scene = mixed_scene();
-  for (const PicturePart part : {PicturePart{0, 2}, {3, 2}, {1, 0}, {-1, -1}, {1, k_most_parts + 1}})
+  for (const ImagePart part : {ImagePart{0, 2}, {3, 2}, {1, 0}, {-1, -1}, {1, k_most_parts + 1}})
     EXPECT_THROW(render(scene, nullptr, {.part = part}), Error) << part_text(part);
   EXPECT_THROW(render(scene, nullptr, {.time_limit = 5.0, .part = {1, 2}}), Error);
   EXPECT_THROW(render(scene, nullptr, {.target_noise = 0.1, .part = {1, 2}}), Error);
@@ -93,7 +93,7 @@ void expect_film_and_facts_of_one_run(PointShape shape) {
   }
   EXPECT_EQ(rays, whole_statistics.ray_count);
   EXPECT_THROW(render_part(scene, &cloud, {.part = {1, 3}}, {files.front(), false, {}}), Error);
-  const MergedPicture merged = merge_parts(files, "b.exr");
+  const MergedImage merged = merge_parts(files, "b.exr");
   expect_same(merged.film, whole);
   EXPECT_EQ(merged.samples_taken, whole.count() * static_cast<std::uint64_t>(scene.render.samples));
   EXPECT_EQ(merged.output.layers, output.layers);

@@ -107,7 +107,7 @@ TEST(Noise, of_independent_samples_is_sample_variance_over_their_number) {
 }
 
 TEST(Noise, of_one_sample_is_not_known) {
-  PictureState state(3, 2, true);
+  ImageState state(3, 2, true);
   EXPECT_EQ(tile_noise(state, 0).error(0.01), INFINITY);
   const std::vector<PathResult> results(6, {Rgb(0.5f), true, 1});
   add_samples(state, 0, results);
@@ -173,7 +173,7 @@ TEST(Variance, is_right_for_lamps_metal_and_glass) {
   expect_right(lamp_scene(), nullptr, {8, 16, 32, 50});
 }
 
-TEST(Variance, is_right_under_a_target_too_and_the_picture_is_hardly_darker) {
+TEST(Variance, is_right_under_a_target_too_and_the_image_is_hardly_darker) {
   Scene scene = lamp_scene();
   scene.camera = pinhole_from_fov(48, 16, 25.0, look_at({0, -6, 3}, {0, 0, 0.5}));
   constexpr double k_target = 0.06;

@@ -63,7 +63,7 @@ TEST(TargetNoise, that_cannot_be_reached_takes_all_samples) {
   EXPECT_EQ(statistics.hurried_tiles, 0u);
 }
 
-TEST(TargetNoise, of_a_picture_without_noise_takes_32_samples) {
+TEST(TargetNoise, of_an_image_without_noise_takes_32_samples) {
   Scene scene = test::dark_scene(test::camera_at({0, 0, 0}, {0, 1, 0}, 30.0, 40), 1000, 2);
   scene.sky = ConstantSky{Rgb(0.5f)};
   RenderStatistics statistics;
@@ -74,7 +74,7 @@ TEST(TargetNoise, of_a_picture_without_noise_takes_32_samples) {
 
 TEST(TargetNoise, waits_for_the_neighbours_together) {
   // Three tiles in a row; the left one is calm, the middle one calm enough alone, the right one not at all.
-  PictureState state(48, 16, true);
+  ImageState state(48, 16, true);
   ASSERT_EQ(state.tiles.size(), 3u);
   for (std::size_t tile = 0; tile < 3; ++tile) {
     std::vector<PathResult> results;

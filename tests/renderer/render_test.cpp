@@ -97,7 +97,7 @@ TEST(Render, film_of_discs_has_sheets_rims_and_points_without_a_sheet) {
   EXPECT_GT(before_nothing, 20);
 }
 
-TEST(Render, another_seed_is_another_noise_around_the_same_picture) {
+TEST(Render, another_seed_is_another_noise_around_the_same_image) {
   const LoadedCloud cloud = mixed_cloud();
   Scene scene = mixed_scene();
   const Film a = render(scene, &cloud);

@@ -230,7 +230,7 @@ TEST(SkyImageLight, a_scene_whose_sky_was_not_read_is_an_error) {
   EXPECT_THROW(render(scene, nullptr), Error);
 }
 
-TEST(SkyImageLight, of_an_even_picture_is_that_of_an_even_sky) {
+TEST(SkyImageLight, of_an_even_image_is_that_of_an_even_sky) {
   for (const Material& material :
        {Material(Lambertian{Rgb(1.0f)}), Material(Metal{Rgb(1.0f), 0.0}), Material(Dielectric{1.5})}) {
     Scene scene = dark_scene(camera_at({0, 0, 3}, {0, 0, 0}, 60.0, 32), 64, 1000);
@@ -240,7 +240,7 @@ TEST(SkyImageLight, of_an_even_picture_is_that_of_an_even_sky) {
   }
 }
 
-TEST(SkyImageLight, of_rough_metal_under_an_even_picture_is_that_under_an_even_sky) {
+TEST(SkyImageLight, of_rough_metal_under_an_even_image_is_that_under_an_even_sky) {
   for (const double roughness : {0.05, 0.3, 1.0}) {
     Scene scene = dark_scene(camera_at({0, -2, 3}, {0, 0, 0}, 60.0, 24), 256, 100);
     scene.objects = {GroundPlane{0.0, Lambertian{Rgb(0.6f)}},

@@ -144,7 +144,7 @@ renderer::Scene courtyard_light() {
   return scene;
 }
 
-image::Film exact_picture(renderer::Scene scene) {
+image::Film exact_image(renderer::Scene scene) {
   scene.objects.emplace_back(renderer::Model{exact_courtyard()});
   return renderer::render(scene, nullptr, {.layers = k_layers});
 }

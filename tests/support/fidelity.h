@@ -39,7 +39,7 @@ renderer::Scene courtyard_light();
 
 /// A picture of the site or of a scan: colour, depth, normals, positions, and sigma of the depth. `scene` has
 /// a camera. seconds: of rendering all but sigma.
-image::Film exact_picture(renderer::Scene scene);
+image::Film exact_image(renderer::Scene scene);
 image::Film picture_of(renderer::Scene scene, const renderer::LoadedCloud& cloud, double* seconds = nullptr);
 
 struct Fidelity {

@@ -100,7 +100,7 @@ TEST_F(CompareOptionsTest, thresholds_and_sizes_choose_regions_of_change) {
   EXPECT_FALSE(found("a.pgm b.pgm --changes flip")["changes"]["regions"].empty());
 }
 
-TEST_F(CompareOptionsTest, pages_hold_pictures_as_requested) {
+TEST_F(CompareOptionsTest, pages_hold_images_as_requested) {
   draw("a.pgm", 40, 30, [](int x, int y) { return 5 * x + y; });
   for (const std::string packing : {"png", "jpeg"}) {
     EXPECT_EQ(compare("a.pgm a.pgm -q --report " + packing + ".html --report-pictures " + packing).exit_code,

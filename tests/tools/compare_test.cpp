@@ -15,7 +15,7 @@ TEST_F(CompareTest, help_names_units_thresholds_exit_codes_and_examples) {
     EXPECT_TRUE(contains(result.out, part)) << part;
 }
 
-TEST_F(CompareTest, equal_pictures_pass_and_data_alone_goes_to_stdout) {
+TEST_F(CompareTest, equal_images_pass_and_data_alone_goes_to_stdout) {
   render("a.png");
   const ProgramResult result = compare("a.png a.png --json --fail-above flip=0,psnr<inf");
   EXPECT_EQ(result.exit_code, 0) << result.err;

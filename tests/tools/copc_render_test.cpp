@@ -33,7 +33,7 @@ class CopcRenderTest : public ProgramTest {
   }
 };
 
-TEST_F(CopcRenderTest, the_picture_is_that_of_the_decoded_cloud_byte_for_byte) {
+TEST_F(CopcRenderTest, the_image_is_that_of_the_decoded_cloud_byte_for_byte) {
   const auto file = shared_data("lidar_rgb/lion_takanawa.copc.laz");
   if (!file) GTEST_SKIP() << absent("../shared/data/lidar_rgb/lion_takanawa.copc.laz");
   // Pictures name their clouds.

@@ -23,7 +23,7 @@ class DatabaseCloudTest : public ProgramTest {
   }
 };
 
-TEST_F(DatabaseCloudTest, answers_and_pictures_are_those_of_the_file) {
+TEST_F(DatabaseCloudTest, answers_and_images_are_those_of_the_file) {
   const auto query = [&](const std::string& cloud) {
     return done({"query", cloud, "--ray", "690000,5325000,650,0.01,0,-1", "--radius", "3", "--class", "2"});
   };
@@ -76,7 +76,7 @@ TEST_F(DatabaseCloudTest, queries_read_the_chunks_they_need) {
 }
 
 /// Where no light comes from elsewhere, the part in view makes the same picture.
-TEST_F(DatabaseCloudTest, pictures_of_what_the_camera_sees) {
+TEST_F(DatabaseCloudTest, images_of_what_the_camera_sees) {
   write("camera.json",
         R"({"version": 1, "model": "pinhole", "width": 60, "height": 40, "intrinsics": {"horizontal_fov": 40},
     "pose": {"look_at": {"eye": [689975, 5324975, 603], "target": [689985, 5324985, 601]}}})");

@@ -22,7 +22,7 @@ class FilmTest : public ProgramTest {
   }
 };
 
-TEST_F(FilmTest, an_orbit_is_numbered_pictures_from_all_sides) {
+TEST_F(FilmTest, an_orbit_is_numbered_images_from_all_sides) {
   const ProgramResult result = fly({"--orbit", "--frames", "4", "-o", "yard_%02d.png"});
   ASSERT_EQ(result.exit_code, 0) << result.err;
   EXPECT_EQ(names(), (std::vector<std::string>{"square.xyz", "yard_00.png", "yard_01.png", "yard_02.png",
@@ -66,7 +66,7 @@ TEST_F(FilmTest, a_film_is_made_by_ffmpeg_or_the_command_is_printed) {
   EXPECT_TRUE(contains(fly({"--orbit", "-o", "yard.mp4"}).err, "yard.mp4")) << "replaced without --overwrite";
 }
 
-TEST_F(FilmTest, without_ffmpeg_the_pictures_and_the_command_stay) {
+TEST_F(FilmTest, without_ffmpeg_the_images_and_the_command_stay) {
   // Only the folder of the test is searched for programs.
   const std::string path = std::getenv("PATH");
   ::setenv("PATH", folder.c_str(), 1);

@@ -91,7 +91,7 @@ TEST_F(IndexTest, info_for_people_names_sources_and_index_facts) {
 
 /// Renders a LAS file, and its index under the same name, so that the metadata of the pictures are the same
 /// too.
-class PictureTest : public IndexTest {
+class IndexImageTest : public IndexTest {
  protected:
   void expect_same_bytes(const std::string& picture, const std::string& organisation,
                          const std::string& cloud) {
@@ -117,7 +117,7 @@ class PictureTest : public IndexTest {
   }
 };
 
-TEST_F(PictureTest, of_an_index_has_the_bytes_of_that_of_its_source) {
+TEST_F(IndexImageTest, of_an_index_has_the_bytes_of_that_of_its_source) {
   expect_same_bytes("picture.exr", "adaptive", R"("color": "rgb", "normals": "smooth")");
   expect_same_bytes("picture.png", "adaptive", R"("color": "rgb", "normals": "smooth")");
   expect_same_bytes("picture.exr", "adaptive", R"("color": "intensity")");
@@ -125,7 +125,7 @@ TEST_F(PictureTest, of_an_index_has_the_bytes_of_that_of_its_source) {
 }
 
 // The automatic radius and smooth normals look at a sample of the points, which the organisation draws.
-TEST_F(PictureTest, of_another_organisation_has_the_same_bytes_where_only_queries_decide) {
+TEST_F(IndexImageTest, of_another_organisation_has_the_same_bytes_where_only_queries_decide) {
   for (const char* const organisation : {"fixed", "layered"})
     expect_same_bytes("picture.exr", organisation,
                       R"("color": "height", "normals": "sphere", "radius": 0.5)");

@@ -172,7 +172,7 @@ TEST_F(LongRenderTest, file_that_is_no_checkpoint_is_never_replaced_by_one) {
   EXPECT_FALSE(std::filesystem::exists(folder / "notes.txt"));
 }
 
-TEST_F(LongRenderTest, going_on_replaces_earlier_previews_and_no_other_picture) {
+TEST_F(LongRenderTest, going_on_replaces_earlier_previews_and_no_other_image) {
   for (const std::string extension : {"png", "jpg"}) {
     const std::string preview = "now." + extension;
     const Words words = with(k_render, {"--samples=2", "--checkpoint=state", "--preview", preview, "-o"});
@@ -214,7 +214,7 @@ TEST_F(LongRenderTest, prints_what_ended_it_unless_complete) {
   EXPECT_FALSE(contains(in_time, "not by time")) << in_time;
 }
 
-TEST_F(LongRenderTest, goes_on_with_the_picture_however_its_name_is_typed) {
+TEST_F(LongRenderTest, goes_on_with_the_image_however_its_name_is_typed) {
   const Words words = with(k_render, {"--samples=100000", "--time-limit=0", "--checkpoint=state"});
   {
     Program program(with(words, {"-o", "out.png", "--time-limit=1e6", "--preview=now.png"}), folder);
@@ -248,7 +248,7 @@ TEST_F(LongRenderTest, error_of_one_sample_is_unknown) {
   EXPECT_TRUE(contains(read("out.exr"), "unknown unknown"));
 }
 
-TEST_F(LongRenderTest, set_of_pictures_goes_on_with_the_one_under_way) {
+TEST_F(LongRenderTest, set_of_images_goes_on_with_the_one_under_way) {
   write("lens.json", R"({"version": 1, "model": "pinhole", "width": 60, "height": 40,
     "intrinsics": {"vertical_fov": 50}, "pose": {"look_at": {"eye": [0, 0, 0], "target": [0, 1, 0]}}})");
   write("way.csv",
@@ -277,7 +277,7 @@ TEST_F(LongRenderTest, set_of_pictures_goes_on_with_the_one_under_way) {
   EXPECT_FALSE(std::filesystem::exists(folder / "state"));
 }
 
-TEST_F(LongRenderTest, full_disk_loses_neither_the_old_picture_nor_the_old_checkpoint) {
+TEST_F(LongRenderTest, full_disk_loses_neither_the_old_image_nor_the_old_checkpoint) {
   const Words words = with(k_render, {"--samples=200", "-o", "out.exr", "--checkpoint", "state"});
   Program program(with(words, {"--checkpoint-interval=0.01"}), folder);
   wait_for(program, "state");
@@ -301,7 +301,7 @@ TEST_F(LongRenderTest, full_disk_loses_neither_the_old_picture_nor_the_old_check
   EXPECT_TRUE(resumed == read("whole.exr"));
 }
 
-TEST_F(LongRenderTest, damaged_checkpoint_is_an_error_and_no_picture) {
+TEST_F(LongRenderTest, damaged_checkpoint_is_an_error_and_no_image) {
   Program program(with(k_render, {"--samples=100000", "-o", "out.png", "--checkpoint=state",
                                   "--checkpoint-interval=0.01"}),
                   folder);
@@ -319,7 +319,7 @@ TEST_F(LongRenderTest, damaged_checkpoint_is_an_error_and_no_picture) {
   EXPECT_TRUE(read("state") == content);
 }
 
-TEST_F(LongRenderTest, preview_changes_nothing_and_ends_as_the_picture) {
+TEST_F(LongRenderTest, preview_changes_nothing_and_ends_as_the_image) {
   const Words words = with(k_render, {"--samples=20"});
   ASSERT_EQ(run(with(words, {"-o", "whole.png"})).exit_code, 0);
   ASSERT_EQ(run(with(words, {"-o", "out.png", "--preview", "now.png"})).exit_code, 0);

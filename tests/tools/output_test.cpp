@@ -117,7 +117,7 @@ TEST_F(OutputTest, bad_input_leaves_no_output) {
   EXPECT_EQ(names(), Words{"broken.las"});
 }
 
-TEST_F(OutputTest, unknown_kind_of_picture_is_rejected_before_the_work) {
+TEST_F(OutputTest, unknown_kind_of_image_is_rejected_before_the_work) {
   write_square("square.xyz");
   const ProgramResult result = run({"render", "--cloud", "square.xyz", "-o", "out.bmpx"});
   EXPECT_EQ(result.exit_code, 2);

@@ -35,7 +35,7 @@ class RenderCameraTest : public ProgramTest {
   }
 };
 
-TEST_F(RenderCameraTest, every_camera_of_a_model_is_a_numbered_picture_in_the_order_of_names) {
+TEST_F(RenderCameraTest, every_camera_of_a_model_is_a_numbered_image_in_the_order_of_names) {
   const ProgramResult result = render({"--camera", "model", "-o", "out_%03d.png"});
   ASSERT_EQ(result.exit_code, 0) << result.err;
   EXPECT_TRUE(contains(result.err, "rendering 3 images")) << result.err;
@@ -48,13 +48,13 @@ TEST_F(RenderCameraTest, every_camera_of_a_model_is_a_numbered_picture_in_the_or
   EXPECT_TRUE(contains(read("out_002.png"), "photos/b.jpg"));
 }
 
-TEST_F(RenderCameraTest, pictures_may_have_the_names_of_their_photos) {
+TEST_F(RenderCameraTest, images_may_have_the_names_of_their_photos) {
   ASSERT_EQ(render({"--camera", "model", "-o", "%s.png"}).exit_code, 0);
   EXPECT_EQ(names(),
             (std::vector<std::string>{"c.png", "model", "photos_a.png", "photos_b.png", "square.xyz"}));
 }
 
-TEST_F(RenderCameraTest, one_camera_by_name_gives_the_picture_it_has_in_the_set) {
+TEST_F(RenderCameraTest, one_camera_by_name_gives_the_image_it_has_in_the_set) {
   ASSERT_EQ(render({"--camera", "model", "-o", "%d.png"}).exit_code, 0);
   for (const std::string name : {"photos/b.jpg", "b.jpg", "b"}) {
     const ProgramResult result =
@@ -120,7 +120,7 @@ TEST_F(RenderCameraTest, lenses_that_fold_over_name_their_camera) {
   EXPECT_EQ(render({"--camera", "model", "--camera-name", "b", "-o", "b.png"}).exit_code, 0);
 }
 
-TEST_F(RenderCameraTest, two_photos_that_would_be_one_picture_are_an_error) {
+TEST_F(RenderCameraTest, two_photos_that_would_be_one_image_are_an_error) {
   write("model/images.txt", "1 0 1 0 0 -101 201 9 1 a/b.jpg\n\n2 0 1 0 0 -100.5 201 9 2 a_b.png\n\n");
   const ProgramResult result = render({"--camera", "model", "-o", "%s.png"});
   EXPECT_EQ(result.exit_code, 2);

@@ -29,7 +29,7 @@ class RenderColorTest : public ProgramTest {
   bool is_there(const std::string& name) const { return std::filesystem::exists(folder / name); }
 };
 
-TEST_F(RenderColorTest, every_way_to_colour_makes_its_own_picture_and_a_legend) {
+TEST_F(RenderColorTest, every_way_to_colour_makes_its_own_image_and_a_legend) {
   Words pictures;
   for (const std::string by : {"intensity", "height", "classification", "normal", "gps_time", "scan_angle"}) {
     const ProgramResult result =
@@ -56,7 +56,7 @@ TEST_F(RenderColorTest, range_and_map_are_printed_and_stored) {
   EXPECT_TRUE(contains(picture, "turbo"));
 }
 
-TEST_F(RenderColorTest, a_legend_changes_nothing_about_the_picture) {
+TEST_F(RenderColorTest, a_legend_changes_nothing_about_the_image) {
   ASSERT_EQ(render({"--color-by", "height", "-o", "plain.png"}).exit_code, 0);
   ASSERT_EQ(
       render({"--color-by", "height", "-o", "with.png", "--legend", "legend.png", "--legend-size", "400x300"})
@@ -181,7 +181,7 @@ TEST_F(RenderColorTest, a_scene_without_a_cloud_has_no_legend) {
   EXPECT_TRUE(contains(result.err, "scene.json: the scene has no cloud for --legend\n")) << result.err;
 }
 
-TEST_F(RenderColorTest, a_range_and_percentiles_of_one_picture_are_an_error) {
+TEST_F(RenderColorTest, a_range_and_percentiles_of_one_image_are_an_error) {
   const ProgramResult result =
       render({"--color-by", "height", "--color-range", "600,610", "--color-percentiles", "5,95"});
   EXPECT_EQ(result.exit_code, 2);

@@ -98,7 +98,7 @@ TEST_F(RenderDepthTest, open3d_puts_the_points_where_they_were) {
   expect_read_by("open3d");
 }
 
-TEST_F(RenderDepthTest, depth_without_a_picture_is_the_plane_of_the_points_and_0_beside_it) {
+TEST_F(RenderDepthTest, depth_without_an_image_is_the_plane_of_the_points_and_0_beside_it) {
   const ProgramResult result = render({"--camera", "model", "--camera-name", "a", "--depth", "a.bin"});
   ASSERT_EQ(result.exit_code, 0) << result.err;
   EXPECT_TRUE(contains(result.err, "tracing depth")) << result.err;
@@ -147,7 +147,7 @@ TEST_F(RenderDepthTest, spheres_are_used_where_the_options_say_so_and_are_warned
   }
 }
 
-TEST_F(RenderDepthTest, a_picture_is_the_same_with_and_without_depth_beside_it) {
+TEST_F(RenderDepthTest, an_image_is_the_same_with_and_without_depth_beside_it) {
   const std::vector<std::string> words{
       "--camera", "model", "--camera-name", "a",        "--surface",   "blend", "--samples",
       "2",        "-q",    "--overwrite",   "--layers", "color,depth", "-o",    "a.exr"};
@@ -162,7 +162,7 @@ TEST_F(RenderDepthTest, a_picture_is_the_same_with_and_without_depth_beside_it) 
 }
 
 /// Of tests/tools/render_depth_test.py, which compares the other formats with this one.
-TEST_F(RenderDepthTest, a_map_has_the_values_of_the_layer_of_a_picture) {
+TEST_F(RenderDepthTest, a_map_has_the_values_of_the_layer_of_an_image) {
   for (const std::string surface : {"disc", "blend", "sphere"}) {
     const ProgramResult result =
         render({"--camera", "model", "--camera-name", "a", "--surface", surface, "--samples", "2", "-q",
@@ -302,7 +302,7 @@ TEST_F(RenderDepthTest, mistakes_are_errors_before_the_work) {
          "transforms.json: the output is also an input");
 }
 
-TEST_F(RenderDepthTest, maps_come_with_the_first_part_of_a_picture_and_stay_when_it_resumes) {
+TEST_F(RenderDepthTest, maps_come_with_the_first_part_of_an_image_and_stay_when_it_resumes) {
   const std::vector<std::string> words{"--camera", "model",   "--camera-name", "a",         "-q", "-o",
                                        "a.png",    "--depth", "depth.npy",     "--samples", "2"};
   const auto with = [&](const std::vector<std::string>& more) {

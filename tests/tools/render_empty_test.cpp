@@ -85,14 +85,14 @@ TEST_F(RenderEmptyTest, an_extent_beside_the_cloud_is_named) {
   EXPECT_EQ(render(with(above, {"-o", "all.tif"})).exit_code, 0);
 }
 
-TEST_F(RenderEmptyTest, a_picture_of_the_sky_alone_is_no_mistake) {
+TEST_F(RenderEmptyTest, an_image_of_the_sky_alone_is_no_mistake) {
   write("sky.json", R"({"version": 1, "sky": {"type": "constant", "radiance": [1, 1, 1]},
     "camera": {"model": "pinhole", "width": 8, "height": 8, "intrinsics": {"vertical_fov": 50},
                "pose": {"look_at": {"eye": [0, 0, 0], "target": [0, 1, 0]}}}, "render": {"samples": 1}})");
   EXPECT_EQ(run({"render", "sky.json", "-o", "sky.png"}).exit_code, 0);
 }
 
-TEST_F(RenderEmptyTest, parts_of_an_empty_picture_are_named_when_they_are_merged) {
+TEST_F(RenderEmptyTest, parts_of_an_empty_image_are_named_when_they_are_merged) {
   for (const char* const part : {"1/2", "2/2"})
     ASSERT_EQ(render({"--camera", "model", "--camera-name", "c", "-o", "c.png", "--part", part}).exit_code,
               0);

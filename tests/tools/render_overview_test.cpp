@@ -76,7 +76,7 @@ bool is_background(const unsigned char* rgb) {
   return rgb[0] == 222 && rgb[1] == 232 && rgb[2] == 242;
 }
 
-TEST_F(RenderOverviewTest, points_fill_the_picture_before_a_plain_background) {
+TEST_F(RenderOverviewTest, points_fill_the_image_before_a_plain_background) {
   write_slope("slope.las", 30000);
   ASSERT_EQ(render("slope.las", {"-o", "slope.png"}).exit_code, 0);
   const Pixels pixels = pixels_of("slope.png");
@@ -166,7 +166,7 @@ TEST_F(RenderOverviewTest, parts_and_threads_give_the_bytes_of_the_whole) {
   EXPECT_EQ(pixels_of("merged.png").values, pixels_of("whole.png").values);
 }
 
-TEST_F(RenderOverviewTest, transparent_pictures_have_alpha_where_no_surface_is) {
+TEST_F(RenderOverviewTest, transparent_images_have_alpha_where_no_surface_is) {
   write_slope("slope.las", 30000);
   ASSERT_EQ(render("slope.las", {"-o", "slope.png", "--transparent"}).exit_code, 0);
   const Pixels pixels = pixels_of("slope.png");

@@ -22,7 +22,7 @@ bool contains(const std::string& text, const std::string& part) {
   return text.find(part) != std::string::npos;
 }
 
-TEST_F(RenderCommandTest, cloud_without_scene_gives_a_picture_and_prints_what_was_assumed) {
+TEST_F(RenderCommandTest, cloud_without_scene_gives_an_image_and_prints_what_was_assumed) {
   write_square("square.xyz");
   const ProgramResult result = run(small({"--cloud", "square.xyz", "-o", "out.png"}));
   ASSERT_EQ(result.exit_code, 0) << result.err;
@@ -55,7 +55,7 @@ TEST_F(RenderCommandTest, same_bytes_on_any_number_of_threads) {
   }
 }
 
-TEST_F(RenderCommandTest, another_seed_gives_another_picture) {
+TEST_F(RenderCommandTest, another_seed_gives_another_image) {
   write_square("square.xyz");
   ASSERT_EQ(run(small({"--cloud", "square.xyz", "--seed", "1", "-o", "a.png"})).exit_code, 0);
   ASSERT_EQ(run(small({"--cloud", "square.xyz", "--seed", "2", "-o", "b.png"})).exit_code, 0);
@@ -164,7 +164,7 @@ TEST_F(RenderCommandTest, cloud_without_points_has_no_view) {
   EXPECT_TRUE(contains(of_index.err, "empty.alidade: the cloud has no points")) << of_index.err;
 }
 
-TEST_F(RenderCommandTest, missing_part_that_writes_pictures_is_an_error_before_the_work) {
+TEST_F(RenderCommandTest, missing_part_that_writes_images_is_an_error_before_the_work) {
   write_square("square.xyz");
   std::filesystem::copy(program_file(), folder / "alone");
   const std::string command =
@@ -177,7 +177,7 @@ TEST_F(RenderCommandTest, missing_part_that_writes_pictures_is_an_error_before_t
   EXPECT_EQ(names(), (std::vector<std::string>{"alone", "said", "square.xyz"}));
 }
 
-TEST_F(RenderCommandTest, one_point_is_a_picture) {
+TEST_F(RenderCommandTest, one_point_is_an_image) {
   write("one.xyz", "690000 5325000 500\n");
   EXPECT_EQ(run(small({"--cloud", "one.xyz", "-o", "out.png"})).exit_code, 0);
 }

@@ -107,7 +107,7 @@ TEST_F(MapsResumeTest, a_run_for_another_day_does_not_go_on_from_the_checkpoint)
   expect_another_run(with(words, {"2026-06-22"}), "--from 2026-06-21, this run has 2026-06-22");
 }
 
-TEST_F(MapsResumeTest, the_checkpoint_is_neither_map_nor_picture) {
+TEST_F(MapsResumeTest, the_checkpoint_is_neither_map_nor_image) {
   for (const std::string name : {"seen.tif", "seen.png"}) {
     const ProgramResult result =
         run(with(k_raster, {"-o", "seen.tif", "--preview", "seen.png", "--checkpoint", name}));

@@ -196,7 +196,7 @@ TEST_F(VisibilityRasterTest, heights_count_from_that_of_the_target) {
   for (const double value : map.values) EXPECT_FLOAT_EQ(static_cast<float>(value), 0.4f);
 }
 
-TEST_F(VisibilityRasterTest, the_preview_is_a_picture) {
+TEST_F(VisibilityRasterTest, the_preview_is_an_image) {
   ASSERT_EQ(raster(with(k_eye, {"--preview", "seen.png"})).exit_code, 0);
   EXPECT_EQ(read("seen.png").substr(1, 3), "PNG");
   EXPECT_EQ(names(), (Words{"garden.las", "seen.png", "seen.tif"}));

@@ -38,11 +38,11 @@ Ground ground(const glm::dvec2& slope = {0.0, 0.0}) {
 }
 
 /// 1 in the three northern rows, 0 in the southern ones.
-MapPicture picture() {
-  MapPicture map{.title = "Test",
-                 .values = Raster<float>(grid(), 0.0f),
-                 .swatches = {{1.0f, k_north_color, "north"}, {0.0f, k_south_color, "south"}},
-                 .unit = "m"};
+MapImage picture() {
+  MapImage map{.title = "Test",
+               .values = Raster<float>(grid(), 0.0f),
+               .swatches = {{1.0f, k_north_color, "north"}, {0.0f, k_south_color, "south"}},
+               .unit = "m"};
   for (int row = 0; row < 3; ++row) {
     for (int column = 0; column < 10; ++column) map.values.at(column, row) = 1.0f;
   }
@@ -71,11 +71,11 @@ Found find_color(const Canvas& canvas, const Rgb8& color) {
   return found;
 }
 
-Canvas draw(const MapPicture& map, const Ground& of = ground()) {
+Canvas draw(const MapImage& map, const Ground& of = ground()) {
   return draw_map(map, of, Font(find_font()), 100);
 }
 
-TEST(MapPictureTest, cells_have_their_colours_and_north_is_up) {
+TEST(MapImageTest, cells_have_their_colours_and_north_is_up) {
   const Canvas canvas = draw(picture());
   const Found north = find_color(canvas, k_north_color), south = find_color(canvas, k_south_color);
   EXPECT_EQ(north.count, 100 * 30);
@@ -83,8 +83,8 @@ TEST(MapPictureTest, cells_have_their_colours_and_north_is_up) {
   EXPECT_NEAR(south.row - north.row, 30.0, 1e-9);
 }
 
-TEST(MapPictureTest, values_without_a_swatch_have_colours_of_the_scale) {
-  MapPicture map = picture();
+TEST(MapImageTest, values_without_a_swatch_have_colours_of_the_scale) {
+  MapImage map = picture();
   map.swatches.pop_back();
   map.scale = {ColorMap::viridis, {0.0, 2.0}, "value"};
   const Canvas canvas = draw(map);
@@ -94,14 +94,14 @@ TEST(MapPictureTest, values_without_a_swatch_have_colours_of_the_scale) {
   EXPECT_EQ(find_color(canvas, {code(lowest.r), code(lowest.g), code(lowest.b)}).count, 100 * 30);
 }
 
-TEST(MapPictureTest, nothing_is_drawn_where_there_is_no_value) {
-  MapPicture map = picture();
+TEST(MapImageTest, nothing_is_drawn_where_there_is_no_value) {
+  MapImage map = picture();
   for (int column = 0; column < 10; ++column) map.values.at(column, 0) = k_nothing;
   EXPECT_EQ(find_color(draw(map), k_north_color).count, 100 * 20);
 }
 
-TEST(MapPictureTest, observers_are_marked_at_their_position_unless_they_are_outside) {
-  MapPicture map = picture();
+TEST(MapImageTest, observers_are_marked_at_their_position_unless_they_are_outside) {
+  MapImage map = picture();
   map.marks = {{{1025, 1985}, ""}, {{1200, 1985}, "far away"}};
   const Found mark = find_color(draw(map), k_mark_color);
   EXPECT_GT(mark.count, 50);
@@ -109,8 +109,8 @@ TEST(MapPictureTest, observers_are_marked_at_their_position_unless_they_are_outs
   EXPECT_NEAR(mark.column, 24 + 50, 1.0);
 }
 
-TEST(MapPictureTest, large_maps_are_drawn_smaller_and_small_ones_in_whole_pixels_per_cell) {
-  MapPicture map{.title = "T", .values = Raster<float>({{0, 0}, 1.0, 1000, 20}, 1.0f)};
+TEST(MapImageTest, large_maps_are_drawn_smaller_and_small_ones_in_whole_pixels_per_cell) {
+  MapImage map{.title = "T", .values = Raster<float>({{0, 0}, 1.0, 1000, 20}, 1.0f)};
   map.swatches = {{1.0f, k_north_color, "seen"}};
   EXPECT_EQ(find_color(draw(map), k_north_color).count, 100 * 2);
   map.values = Raster<float>({{0, 0}, 1.0, 30, 30}, 1.0f);
@@ -119,18 +119,18 @@ TEST(MapPictureTest, large_maps_are_drawn_smaller_and_small_ones_in_whole_pixels
   EXPECT_EQ(find_color(draw(map), k_north_color).count, 100 * 100);
 }
 
-TEST(MapPictureTest, the_same_map_gives_the_same_pixels) {
+TEST(MapImageTest, the_same_map_gives_the_same_pixels) {
   const Ground slope = ground({0.1, -0.2});
   EXPECT_TRUE(draw(picture(), slope).bytes() == draw(picture(), slope).bytes());
 }
 
-TEST(MapPictureTest, the_file_appears_completely_or_not_at_all) {
+TEST(MapImageTest, the_file_appears_completely_or_not_at_all) {
   const std::filesystem::path folder = std::filesystem::temp_directory_path() / "alidade_map_picture";
   std::filesystem::remove_all(folder);
   std::filesystem::create_directories(folder);
-  write_map_picture(picture(), ground(), folder / "map.png", false);
-  EXPECT_THROW(write_map_picture(picture(), ground(), folder / "map.png", false), Error);
-  EXPECT_THROW(write_map_picture(picture(), ground(), folder / "map.gif", false), Error);
+  write_map_image(picture(), ground(), folder / "map.png", false);
+  EXPECT_THROW(write_map_image(picture(), ground(), folder / "map.png", false), Error);
+  EXPECT_THROW(write_map_image(picture(), ground(), folder / "map.gif", false), Error);
   EXPECT_FALSE(std::filesystem::exists(folder / "map.gif"));
   std::string magic(4, ' ');
   std::ifstream(folder / "map.png", std::ios::binary).read(magic.data(), 4);

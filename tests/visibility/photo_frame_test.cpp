@@ -23,7 +23,7 @@ camera::Camera vertical_camera() {
   return camera;
 }
 
-TEST(PhotoFrame, edges_of_the_picture_are_inclusive) {
+TEST(PhotoFrame, edges_of_the_image_are_inclusive) {
   const PhotoFrame frame(vertical_camera());
   ASSERT_TRUE(frame.film_position({40, 30, 0}));
   EXPECT_NEAR(frame.film_position({40, 30, 0})->x, 800.0, 1e-9);

@@ -183,7 +183,7 @@ TEST(Placement, coverage_beyond_memory_is_an_error) {
   EXPECT_THROW(Coverage(std::size_t{1} << 25, std::size_t{1} << 25), Error);
 }
 
-TEST(CoveragePicture, bars_rise_as_the_curve_does) {
+TEST(CoverageImage, bars_rise_as_the_curve_does) {
   const Placement placement{{{4, 50.0, 50.0}, {2, 25.0, 75.0}, {7, 5.0, 80.0}}, 100.0, 90.0};
   const Canvas canvas = draw_coverage(placement, Font(find_font()));
   // Rows of the bars' tops, in the middles of the three bars.
@@ -199,13 +199,13 @@ TEST(CoveragePicture, bars_rise_as_the_curve_does) {
   EXPECT_NEAR(tops[0] - tops[1], 5.0 * (tops[1] - tops[2]), 4.0);
 }
 
-TEST(CoveragePicture, is_written_as_png_and_nothing_else) {
+TEST(CoverageImage, is_written_as_png_and_nothing_else) {
   const Placement placement{{{0, 1.0, 1.0}}, 1.0, 1.0};
   const std::filesystem::path folder = std::filesystem::temp_directory_path();
-  write_coverage_picture(placement, folder / "coverage.png", true);
+  write_coverage_image(placement, folder / "coverage.png", true);
   EXPECT_GT(std::filesystem::file_size(folder / "coverage.png"), 1000u);
-  EXPECT_THROW(write_coverage_picture(placement, folder / "coverage.png", false), Error);
-  EXPECT_THROW(write_coverage_picture(placement, folder / "coverage.svg", true), Error);
+  EXPECT_THROW(write_coverage_image(placement, folder / "coverage.png", false), Error);
+  EXPECT_THROW(write_coverage_image(placement, folder / "coverage.svg", true), Error);
   std::filesystem::remove(folder / "coverage.png");
 }
 

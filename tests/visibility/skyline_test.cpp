@@ -76,7 +76,7 @@ TEST(DepthStrip, looks_in_the_directions_of_its_rows_and_columns) {
   EXPECT_FALSE(std::isfinite(at(9, 9))) << "east";
 }
 
-TEST(SkylinePicture, draws_sky_things_and_the_line) {
+TEST(SkylineImage, draws_sky_things_and_the_line) {
   std::error_code error;
   if (!std::filesystem::exists(font_files().front(), error)) GTEST_SKIP() << "no DejaVu Sans";
   const Occluders occluders(octree_of(wall()), {});

@@ -57,25 +57,25 @@ TEST(ViewshedBandTest, heights_and_shares_are_floats_and_heights_have_a_unit) {
   EXPECT_EQ(viewshed_band(viewshed(), {.mode = ViewshedMode::fraction}, {}, 1, "ft").unit, "");
 }
 
-TEST(ViewshedPictureTest, every_value_has_a_colour_and_the_scale_ends_at_the_largest) {
+TEST(ViewshedImageTest, every_value_has_a_colour_and_the_scale_ends_at_the_largest) {
   Observer observer;
   observer.name.assign("tower");
-  const MapPicture count = viewshed_picture(viewshed(), {.mode = ViewshedMode::count}, {&observer, 1}, "m");
+  const MapImage count = viewshed_image(viewshed(), {.mode = ViewshedMode::count}, {&observer, 1}, "m");
   ASSERT_TRUE(count.scale);
   EXPECT_EQ(count.scale->range, (ValueRange{1.0, 7.0}));
   EXPECT_EQ(count.marks.at(0).name, "tower");
-  EXPECT_FALSE(viewshed_picture(viewshed(), {}, {&observer, 1}, "m").scale);
+  EXPECT_FALSE(viewshed_image(viewshed(), {}, {&observer, 1}, "m").scale);
   // A cell that is not seen up to `highest` does not extend the scale.
-  const MapPicture height =
-      viewshed_picture(viewshed(), {.mode = ViewshedMode::height, .highest = 7.0}, {&observer, 1}, "m");
+  const MapImage height =
+      viewshed_image(viewshed(), {.mode = ViewshedMode::height, .highest = 7.0}, {&observer, 1}, "m");
   EXPECT_EQ(height.scale->range, (ValueRange{0.0, 1.0}));
   EXPECT_EQ(height.swatches.at(0).label, "visible on the ground");
 }
 
-TEST(ViewshedPictureTest, heights_begin_with_that_of_the_target) {
+TEST(ViewshedImageTest, heights_begin_with_that_of_the_target) {
   const ViewshedOptions options{.mode = ViewshedMode::height, .target_height = 1.0, .highest = 200.0};
   const Observer observer;
-  const MapPicture picture = viewshed_picture(viewshed(), options, {&observer, 1}, "m");
+  const MapImage picture = viewshed_image(viewshed(), options, {&observer, 1}, "m");
   EXPECT_EQ(picture.swatches.at(0).value, 1.0f);
   EXPECT_EQ(picture.swatches.at(0).label, "visible at 1 m");
   EXPECT_EQ(picture.scale->range, (ValueRange{1.0, 7.0}));

@@ -22,7 +22,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-std::string facts_text(const char* side, const compare::PictureFacts& facts) {
+std::string facts_text(const char* side, const compare::ComparedImageFacts& facts) {
   return fmt::format("{:<10} {}  {} x {}, {}\n", side, line_text(facts.file.string()), facts.width,
                      facts.height,
                      facts.encoding == compare::ColorEncoding::display ? "display" : "linear light");
@@ -134,7 +134,7 @@ struct PointsOutput {
 
 /// Errors: no layer of ids; a cloud that cannot be read or is another one.
 void find_points(std::vector<PointsOutput>& outputs, const CompareRequest& request,
-                 const RegionPointsRequest& points, const compare::PictureFacts& facts,
+                 const RegionPointsRequest& points, const compare::ComparedImageFacts& facts,
                  const compare::ChangeRegions& changes) {
   if (points.output.empty()) return;
   if (facts.ids.empty())
@@ -161,7 +161,7 @@ struct MapOutput {
 
 /// Errors: the pictures have no such map.
 std::vector<MapOutput> maps_to_write(const CompareRequest& request,
-                                     const compare::ComparisonPictures& pictures) {
+                                     const compare::ComparisonImages& pictures) {
   std::vector<MapOutput> outputs;
   const auto add = [&](const fs::path& file, const std::optional<compare::DifferenceMap>& map,
                        const char* lacking) {
@@ -184,7 +184,7 @@ void write_files(const CompareRequest& request, const compare::Comparison& compa
   std::string page;
   if (!request.report.empty())
     page = image_module().report_page(comparison, verdict,
-                                      request.packing.value_or(image::PicturePacking::automatic), warnings);
+                                      request.packing.value_or(image::ImagePacking::automatic), warnings);
   std::vector<MapOutput> maps;
   if (comparison.pictures) maps = maps_to_write(request, *comparison.pictures);
   std::vector<PointsOutput> points;
@@ -204,7 +204,7 @@ void write_files(const CompareRequest& request, const compare::Comparison& compa
 
 ExitCode compare_one(const CompareRequest& request) {
   compare::ComparisonOptions options = request.comparison;
-  options.keep_pictures = !request.report.empty() || request.has_maps();
+  options.keep_images = !request.report.empty() || request.has_maps();
   const compare::Comparison comparison =
       with_progress("comparing", "pixels", request.verbosity, [&](const Progress& progress) {
         return image_module().compare_files(request.reference, request.test, options, progress);
@@ -231,7 +231,7 @@ ExitCode compare_many(const CompareRequest& request) {
                                       .warn_above = request.warn_above,
                                       .keep_thumbnails = !request.report.empty(),
                                       .reports = request.reports,
-                                      .packing = request.packing.value_or(image::PicturePacking::automatic),
+                                      .packing = request.packing.value_or(image::ImagePacking::automatic),
                                       .overwrite = request.overwrite,
                                       .kept = {request.pairs, request.comparison.mask, request.report}};
   const std::vector<compare::PairOutcome> outcomes = with_progress(

@@ -155,7 +155,7 @@ void add_answers(const Options& command, CompareRequest& request) {
   group.choice(
       "--report-pictures",
       "how reports store images: lossless or at a fifth of the size (default: png up to 2 million pixels)",
-      request.packing, {{"png", image::PicturePacking::png}, {"jpeg", image::PicturePacking::jpeg}});
+      request.packing, {{"png", image::ImagePacking::png}, {"jpeg", image::ImagePacking::jpeg}});
   group.file("--color-map", "FILE.png", "image of the colour differences, with legend", request.color_map);
   group.file("--flip-map", "FILE.png", "image of FLIP, with legend", request.flip_map);
   group.file("--depth-map", "FILE.png", "image of the depth differences, with legend", request.depth_map);

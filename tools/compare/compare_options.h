@@ -24,7 +24,7 @@ struct CompareRequest : RunRequest {
   std::vector<compare::Threshold> fail_above, warn_above;
   bool idiff_codes = false, json = false;
   std::filesystem::path report, reports;
-  std::optional<image::PicturePacking> packing;
+  std::optional<image::ImagePacking> packing;
   std::filesystem::path color_map, flip_map, depth_map, agreement_map;
   RegionPointsRequest reference_points, test_points;
   bool overwrite = false;

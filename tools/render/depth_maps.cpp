@@ -36,7 +36,7 @@ image::DepthFormat format_of(const DepthRequest& request) {
 /// One name per view; one if there are no views yet.
 std::vector<fs::path> names_of(const fs::path& pattern, const CameraRequest& camera,
                                std::span<const View> views) {
-  return is_set(camera) ? picture_names(pattern, views) : std::vector{pattern};
+  return is_set(camera) ? image_names(pattern, views) : std::vector{pattern};
 }
 
 /// The name; empty if the file exists and may stay.

@@ -61,7 +61,7 @@ struct ExistingFiles {
 /// Lets a run fail before it starts. `views` are those of the pictures; empty if one view of the cloud is
 /// chosen after loading: the caller then fills it in. `inputs` are all files that are read, `outputs` all
 /// other files that are written. Errors: an extension that is not the format's; names of a set as of
-/// picture_names(); a file that would be written twice, exists, or cannot be written; --transforms-out
+/// image_names(); a file that would be written twice, exists, or cannot be written; --transforms-out
 /// without a set of a transforms.json.
 DepthPlan plan_depth_maps(const DepthRequest& request, const CameraRequest& camera,
                           std::span<const View> views, ExistingFiles existing,

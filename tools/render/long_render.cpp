@@ -17,13 +17,13 @@ constexpr double k_most_seconds = 1e9;
 constexpr std::string_view k_preview_mark = "alidade:preview";
 
 /// The name of a picture in a checkpoint, however it was typed.
-std::string picture_in_checkpoint(const std::filesystem::path& picture) {
+std::string image_in_checkpoint(const std::filesystem::path& picture) {
   return name_in_checkpoint(std::filesystem::absolute(picture).lexically_normal());
 }
 
 bool is_of_one_of(const renderer::CheckpointSummary& summary,
                   std::span<const std::filesystem::path> pictures) {
-  return std::ranges::find(pictures, summary.picture, picture_in_checkpoint) != pictures.end();
+  return std::ranges::find(pictures, summary.picture, image_in_checkpoint) != pictures.end();
 }
 
 /// Whether a file exists and was written as a preview. Formats store texts before the pixels.
@@ -73,11 +73,11 @@ class PreviewFile {
   bool warned_ = false;
 };
 
-renderer::PicturePart parse_part(const std::string& text) {
+renderer::ImagePart parse_part(const std::string& text) {
   const std::size_t slash = text.find('/');
   if (slash == std::string::npos)
     throw UsageError("invalid value; expected I/N, such as 3/20, found '" + text + "'");
-  renderer::PicturePart part;
+  renderer::ImagePart part;
   part.count = static_cast<int>(parse_count(text.substr(slash + 1), 1, renderer::k_most_parts));
   part.number =
       static_cast<int>(parse_count(text.substr(0, slash), 1, static_cast<std::uint64_t>(part.count)));
@@ -187,7 +187,7 @@ std::optional<Resumption> find_resumption(const LongRenderRequest& request,
   }
   const renderer::CheckpointSummary summary = renderer::read_checkpoint_summary(request.checkpoint.file);
   const std::string picture = pictures.front().string();
-  if (summary.picture == picture_in_checkpoint(picture)) {
+  if (summary.picture == image_in_checkpoint(picture)) {
     return Resumption{summary.samples_taken,
                       fmt::format("resuming from {}: {} has {:.0f} % of its samples after {}", file, picture,
                                   100.0 * summary.share, clock_time(summary.seconds))};
@@ -209,7 +209,7 @@ renderer::RenderOptions render_options(const LongRenderRequest& request, const i
                        : std::vector{image::Layer::color};
   options.time_limit = request.time_limit;
   options.target_noise = request.target_noise;
-  options.part = request.part.value_or(renderer::PicturePart());
+  options.part = request.part.value_or(renderer::ImagePart());
   if (!request.preview.empty()) {
     const auto file = std::make_shared<PreviewFile>(request.preview, output, metadata);
     options.preview = {.show = [file](const image::Film& film) { file->show(film); },
@@ -219,7 +219,7 @@ renderer::RenderOptions render_options(const LongRenderRequest& request, const i
     options.checkpoint = {.file = request.checkpoint.file,
                           .interval = request.checkpoint.interval,
                           .resume = resume,
-                          .picture = picture_in_checkpoint(output.file),
+                          .picture = image_in_checkpoint(output.file),
                           .failed = checkpoint_warning()};
   }
   return options;

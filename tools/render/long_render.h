@@ -23,7 +23,7 @@ struct LongRenderRequest {
   double preview_interval = 3.0;
   std::uint64_t preview_points = 300'000;  ///< of the first look at COPC files; 0 = none
   CheckpointRequest checkpoint;
-  std::optional<renderer::PicturePart> part;  ///< empty: whole images
+  std::optional<renderer::ImagePart> part;  ///< empty: whole images
 };
 
 /// The file that is written for an image: the image, or "IMAGE.part3of20" for a part.

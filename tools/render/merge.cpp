@@ -21,7 +21,7 @@ struct MergeRequest {
 ExitCode run(const MergeRequest& request) {
   image::check_image_name(request.output);
   check_writable(request.output, request.overwrite, request.parts);
-  const renderer::MergedPicture merged = renderer::merge_parts(request.parts, request.output);
+  const renderer::MergedImage merged = renderer::merge_parts(request.parts, request.output);
   image_module().write_film(merged.film, merged.output, merged.facts, request.overwrite);
   say_note(request.verbosity,
            fmt::format("{} parts, {} camera rays; wrote {}", merged.parts,

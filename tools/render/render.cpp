@@ -219,34 +219,33 @@ void show_first_looks(const RenderCommand& command, const renderer::Scene& scene
 }
 
 /// A view and the picture it becomes.
-struct Picture {
+struct RequestedImage {
   View view;
   std::filesystem::path file;
   std::size_t number = 0;  ///< of its view
 };
 
 /// The pictures to make, and existing ones that stay.
-struct PictureList {
-  std::vector<Picture> pictures;
+struct ImageList {
+  std::vector<RequestedImage> pictures;
   std::vector<std::filesystem::path> finished;
 
   std::vector<std::filesystem::path> files() const {
     std::vector<std::filesystem::path> names;
-    for (const Picture& picture : pictures) names.push_back(picture.file);
+    for (const RequestedImage& picture : pictures) names.push_back(picture.file);
     return names;
   }
 };
 
-PictureList requested_pictures(const RenderCommand& command, const renderer::Scene& scene,
-                               std::span<const View> views) {
+ImageList requested_images(const RenderCommand& command, const renderer::Scene& scene,
+                           std::span<const View> views) {
   std::vector<std::filesystem::path> names{scene.output.file};
   if (command.film.orbits)
-    names =
-        picture_names(scene.output.file, std::vector<View>(static_cast<std::size_t>(command.film.frames)));
+    names = image_names(scene.output.file, std::vector<View>(static_cast<std::size_t>(command.film.frames)));
   else if (is_set(command.camera) || command.film.given())
-    names = picture_names(scene.output.file, views);
+    names = image_names(scene.output.file, views);
   const std::vector<std::filesystem::path> inputs = input_files(command, scene);
-  PictureList list;
+  ImageList list;
   std::vector<std::filesystem::path> outputs;
   for (std::size_t i = 0; i < names.size(); ++i) {
     outputs.push_back(written_file(command.long_render, names[i]));
@@ -281,22 +280,22 @@ bool is_wanted(const std::filesystem::path& legend, const RenderCommand& command
 
 /// Errors: as check_writable; the legend would be one of the pictures.
 void check_legend_file(const RenderCommand& command, const renderer::Scene& scene,
-                       std::span<const Picture> pictures) {
+                       std::span<const RequestedImage> pictures) {
   check_writable(command.color.legend, command.overwrite, input_files(command, scene));
-  for (const Picture& picture : pictures) {
+  for (const RequestedImage& picture : pictures) {
     if (picture.file.lexically_normal() == command.color.legend.lexically_normal())
       throw file_error(picture.file, "image and legend have the same name");
   }
 }
 
 std::uint64_t camera_rays(const renderer::Scene& scene, const camera::Camera& camera,
-                          const std::optional<renderer::PicturePart>& part) {
-  return renderer::pixel_count(camera.width, camera.height, part.value_or(renderer::PicturePart())) *
+                          const std::optional<renderer::ImagePart>& part) {
+  return renderer::pixel_count(camera.width, camera.height, part.value_or(renderer::ImagePart())) *
          static_cast<std::uint32_t>(scene.render.samples);
 }
 
 DepthPlan requested_depth(const RenderCommand& command, const renderer::Scene& scene,
-                          std::span<const View> views, const PictureList& list) {
+                          std::span<const View> views, const ImageList& list) {
   // Like the legend, they come with the first part.
   if (command.long_render.part && command.long_render.part->number > 1) return {};
   const CheckpointRequest& checkpoint = command.long_render.checkpoint;
@@ -312,9 +311,9 @@ DepthPlan requested_depth(const RenderCommand& command, const renderer::Scene& s
                          input_files(command, scene), others);
 }
 
-void check_views(std::span<const Picture> pictures, const renderer::Scene& scene,
+void check_views(std::span<const RequestedImage> pictures, const renderer::Scene& scene,
                  const renderer::LoadedCloud* cloud) {
-  for (const Picture& picture : pictures) {
+  for (const RequestedImage& picture : pictures) {
     try {
       if (image::image_format(picture.file) == image::ImageFormat::geotiff)
         camera::ground_transform(picture.view.camera);
@@ -334,7 +333,7 @@ renderer::ImageMetadata image_metadata(const renderer::Scene& scene, const View&
   renderer::ImageMetadata metadata;
   metadata.camera = view.camera;
   metadata.render = scene.render;
-  metadata.command = picture_command(words);
+  metadata.command = metadata_command(words);
   if (!scene.sun_origin.empty()) metadata.further.emplace_back("alidade:sun", scene.sun_origin);
   if (!view.name.empty()) metadata.further.emplace_back("alidade:camera_name", view.name);
   for (const renderer::Object& object : scene.objects)
@@ -359,43 +358,43 @@ renderer::ImageMetadata image_metadata(const renderer::Scene& scene, const View&
 
 /// Renders and writes one picture after the other under one progress line. `resumed`: what the first one
 /// resumes from. `empty` gets the views that see nothing.
-renderer::RenderStatistics render_all(std::span<const Picture> pictures, renderer::Scene& scene,
+renderer::RenderStatistics render_all(std::span<const RequestedImage> pictures, renderer::Scene& scene,
                                       const renderer::LoadedCloud* cloud, const RenderCommand& command,
                                       const std::optional<Resumption>& resumed, EmptyViews& empty) {
   std::uint64_t total = 0, done = 0;
-  const std::optional<renderer::PicturePart>& part = command.long_render.part;
-  for (const Picture& picture : pictures) total += camera_rays(scene, picture.view.camera, part);
+  const std::optional<renderer::ImagePart>& part = command.long_render.part;
+  for (const RequestedImage& picture : pictures) total += camera_rays(scene, picture.view.camera, part);
   const Verbosity verbosity = command.verbosity;
   ProgressLine line(pictures.size() == 1 ? "rendering" : fmt::format("rendering {} images", pictures.size()),
                     "camera rays", verbosity);
   if (resumed) line.skip(resumed->samples);
   const Progress progress = line.callback();
   renderer::RenderStatistics statistics;
-  for (const Picture& picture : pictures) {
+  for (const RequestedImage& picture : pictures) {
     scene.camera = picture.view.camera;
     scene.output.file = picture.file;
     total -= camera_rays(scene, picture.view.camera, part);
-    std::uint64_t rays_of_picture = 0;
+    std::uint64_t rays_of_image = 0;
     renderer::ImageMetadata texts = image_metadata(scene, picture.view, cloud, command.words);
     renderer::RenderOptions options =
         render_options(command.long_render, scene.output, resumed && &picture == &pictures.front(), texts);
     if (options.checkpoint && resumed && verbosity != Verbosity::quiet)
       options.checkpoint->resumed = [&] { line.interject(resumed->note); };
     options.progress = [&](std::uint64_t rays, std::uint64_t all_rays) {
-      rays_of_picture = rays;
+      rays_of_image = rays;
       return progress(done + rays, done + all_rays + total);
     };
-    renderer::RenderStatistics of_picture;
+    renderer::RenderStatistics of_image;
     if (const auto film = render_to_file(command.long_render, scene, cloud, options, std::move(texts),
-                                         command.overwrite, of_picture))
+                                         command.overwrite, of_image))
       empty.check(picture.view, film->sees_anything());
     remove_checkpoint(command.long_render);
-    const std::string reached = describe_reached(command.long_render, of_picture);
+    const std::string reached = describe_reached(command.long_render, of_image);
     if (!reached.empty() && verbosity != Verbosity::quiet)
       line.interject(fmt::format("{}: {}", picture.file.string(), reached));
-    done += rays_of_picture;
-    statistics.ray_count += of_picture.ray_count;
-    statistics.seconds += of_picture.seconds;
+    done += rays_of_image;
+    statistics.ray_count += of_image.ray_count;
+    statistics.seconds += of_image.seconds;
   }
   line.finish();
   return statistics;
@@ -423,14 +422,14 @@ ExitCode run(const RenderCommand& given) {
   take_film(command.film, command.camera, command.output, command.overwrite);
   const EmptyFolder frames(command.film.file.empty() ? "" : command.output.parent_path());
   renderer::Scene scene = requested_scene(command);
-  const bool has_picture = !scene.output.file.empty();
-  if (has_picture) image::check_image_name(scene.output.file);
+  const bool has_image = !scene.output.file.empty();
+  if (has_image) image::check_image_name(scene.output.file);
   std::vector<std::string> warnings;
   const std::vector<View> views = chosen_views(command, scene, warnings);
   say_warnings(verbosity, warnings);
-  PictureList list;
-  if (has_picture) list = requested_pictures(command, scene, views);
-  std::vector<Picture>& pictures = list.pictures;
+  ImageList list;
+  if (has_image) list = requested_images(command, scene, views);
+  std::vector<RequestedImage>& pictures = list.pictures;
   DepthPlan depth = requested_depth(command, scene, views, list);
   if (pictures.empty() && depth.empty()) {
     write_film(command.film, list.finished, command.output, command.overwrite, verbosity);
@@ -467,11 +466,11 @@ ExitCode run(const RenderCommand& given) {
     if (strays > 0)
       say_note(verbosity, fmt::format("the view leaves out {} points far from all others", strays));
     all_views = views_of_cloud(command.camera, command.film, scene, cloud, command.scene_file);
-    for (Picture& picture : pictures) picture.view = all_views[picture.number];
+    for (RequestedImage& picture : pictures) picture.view = all_views[picture.number];
     for (DepthJob& job : depth.jobs) job.view = all_views.front();
   }
   check_views(pictures, scene, cloud);
-  for (const DepthJob& job : depth.jobs) check_views(std::array{Picture{job.view, {}}}, scene, cloud);
+  for (const DepthJob& job : depth.jobs) check_views(std::array{RequestedImage{job.view, {}}}, scene, cloud);
   if (!depth.jobs.empty() && cloud != nullptr && !command.shape) warn_of_spheres(scene, *cloud, verbosity);
   EmptyViews empty;
   const auto finish = [&] { return empty.report(command.camera, scene, cloud, verbosity); };
@@ -518,7 +517,7 @@ ExitCode run(const RenderCommand& given) {
 
   if (!command.film.file.empty()) {
     std::vector<std::filesystem::path> all = list.finished;
-    for (const Picture& picture : pictures) all.push_back(picture.file);
+    for (const RequestedImage& picture : pictures) all.push_back(picture.file);
     write_film(command.film, all, command.output, command.overwrite, verbosity);
   }
   return finish();

@@ -74,7 +74,7 @@ void add_adapted_radius_option(const Options& render, RadiusRequest& request, co
   });
 }
 
-void add_picture_options(const Options& render, RenderCommand& command) {
+void add_image_options(const Options& render, RenderCommand& command) {
   render.count(
       "--samples", "N",
       "paths per pixel; noise halves with four times as many (default: the scene's, else 50; 16 for an "
@@ -311,7 +311,7 @@ std::shared_ptr<RenderCommand> add_render_options(const Options& render) {
   add_film_options(render, command->film);
   add_depth_options(render, command->depth);
   add_light_options(render, command->light);
-  add_picture_options(render, *command);
+  add_image_options(render, *command);
   add_cloud_options(render, *command);
   add_color_options(render, command->color);
   add_long_render_options(render, command->long_render);

@@ -242,8 +242,8 @@ View view_of_cloud(const CameraRequest& request, const renderer::Scene& scene,
   return {"", camera::orthophoto_camera(bounds, *request.resolution)};
 }
 
-std::vector<std::filesystem::path> picture_names(const std::filesystem::path& pattern,
-                                                 std::span<const View> views) {
+std::vector<std::filesystem::path> image_names(const std::filesystem::path& pattern,
+                                               std::span<const View> views) {
   const Pattern parts = take_apart(pattern);
   if (parts.field == Pattern::Field::none && views.size() > 1)
     fail(pattern,

@@ -60,8 +60,8 @@ View view_of_cloud(const CameraRequest& request, const renderer::Scene& scene,
 /// as _) or %f (the name with its folders and extension); %% is a percent sign. Errors: none or several of
 /// them though there is more than one view; two views that would have the same name; of %f, a name that leads
 /// out of the folder.
-std::vector<std::filesystem::path> picture_names(const std::filesystem::path& pattern,
-                                                 std::span<const View> views);
+std::vector<std::filesystem::path> image_names(const std::filesystem::path& pattern,
+                                               std::span<const View> views);
 
 /// The views of a run that see no surface.
 class EmptyViews {

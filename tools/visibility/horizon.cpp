@@ -125,7 +125,7 @@ std::string sky_text(const visibility::SkyShares& sky) {
                      sky.solid_angle);
 }
 
-void write_picture(const HorizonCommand& command, const VisibilityCloud& cloud, const View& view) {
+void write_image(const HorizonCommand& command, const VisibilityCloud& cloud, const View& view) {
   const double from = view.observer.azimuth_min;
   visibility::DepthStrip strip =
       visibility::strip_around(view.line, from, from + width_of_view(view.observer));
@@ -153,7 +153,7 @@ void write_depth(const HorizonCommand& command, const VisibilityCloud& cloud, co
   metadata.camera = camera::panorama_camera(view.observer.position, width, height);
   metadata.render.samples = 1;
   metadata.render.max_bounces = 0;
-  metadata.command = picture_command(command.words);
+  metadata.command = metadata_command(command.words);
   for (const CloudFile& file : cloud.cloud.cloud.files) metadata.cloud_files.push_back(kept_name(file.path));
   metadata.cloud_offset = cloud.octree().lattice().offset;
   metadata.crs = cloud.cloud.cloud.crs;
@@ -190,7 +190,7 @@ ExitCode run(const HorizonCommand& command) {
   measure_occluders(*cloud, command.occluders, verbosity);
   say_observer_remarks(std::span(&observer, 1), *cloud, verbosity);
   const View view = look_around(command, *cloud, observer);
-  if (!command.skyline.empty()) write_picture(command, *cloud, view);
+  if (!command.skyline.empty()) write_image(command, *cloud, view);
   if (!command.depth.empty()) write_depth(command, *cloud, view);
   write_line(command, *cloud, view);
   say_findings(command, view);

@@ -172,7 +172,7 @@ MapMetadata map_metadata(const VisibilityRequest& request, const VisibilityCloud
   std::string names;
   for (const std::filesystem::path& file : request.files.names())
     names += (names.empty() ? "" : "\n") + kept_name(file);
-  return {{"alidade_command", picture_command(request.words)},
+  return {{"alidade_command", metadata_command(request.words)},
           {"alidade_cloud_files", names},
           {"alidade_ground", ground_text(ground)},
           {"alidade_what_blocks", cloud.what_blocks},

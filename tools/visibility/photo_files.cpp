@@ -36,10 +36,10 @@ fs::path photo_of(const fs::path& folder, const std::string& name) {
   return {};
 }
 
-void check_size(const fs::path& file, const image::PictureSize& found, const camera::NamedCamera& photo) {
+void check_size(const fs::path& file, const image::ImageSize& found, const camera::NamedCamera& photo) {
   const camera::Camera& camera = photo.camera;
-  if (found == image::PictureSize{camera.width, camera.height}) return;
-  const bool is_turned = found == image::PictureSize{camera.height, camera.width};
+  if (found == image::ImageSize{camera.width, camera.height}) return;
+  const bool is_turned = found == image::ImageSize{camera.height, camera.width};
   throw file_error(file, fmt::format("the size of the photo differs from that of camera '{}'", photo.name),
                    fmt::format("{} x {} pixels{}", camera.width, camera.height,
                                is_turned ? ", not turned" : ": the photo that the camera was computed for"),

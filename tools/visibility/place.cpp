@@ -120,7 +120,7 @@ ExitCode run_position(const PlaceCommand& command) {
                                        command.overwrite);
   });
   if (!command.curve.empty())
-    image_module().write_coverage_picture(placement, command.curve, command.overwrite);
+    image_module().write_coverage_image(placement, command.curve, command.overwrite);
   long_run.finish();
   say_result(command, placement);
   return ExitCode::done;

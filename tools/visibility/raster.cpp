@@ -315,8 +315,8 @@ ExitCode run(const RasterCommand& given) {
   add_observers(viewpoints.named, kind, contents.metadata);
   image_module().write_raster(command.output, contents, command.overwrite);
   if (!command.map.preview.empty()) {
-    image_module().write_map_picture(visibility::viewshed_picture(seen, options, viewpoints.named, unit.name),
-                                     ground, command.map.preview, command.overwrite);
+    image_module().write_map_image(visibility::viewshed_image(seen, options, viewpoints.named, unit.name),
+                                   ground, command.map.preview, command.overwrite);
   }
   long_run.finish();
   const visibility::SeenShare share = visibility::seen_share(seen, options);

@@ -16,7 +16,7 @@ void load_row_writer(const std::filesystem::path& file) {
 }
 
 void write_rows(const VisibilityRequest& request, const PointCloud& cloud, const WriteRows& write) {
-  visibility::RowFileHead head{.command = picture_command(request.words), .cloud_files = {}};
+  visibility::RowFileHead head{.command = metadata_command(request.words), .cloud_files = {}};
   for (const CloudFile& file : cloud.files) head.cloud_files.push_back(kept_name(file.path));
   visibility::ToLonLat to_lon_lat;
   if (!cloud.crs.empty()) {

@@ -105,7 +105,7 @@ image::Canvas draw_coverage(const Placement& placement, const image::Font& font)
   return canvas;
 }
 
-void write_coverage_picture(const Placement& placement, const std::filesystem::path& file, bool overwrite) {
+void write_coverage_image(const Placement& placement, const std::filesystem::path& file, bool overwrite) {
   const image::Font font(image::find_font());
   image::write_png(draw_coverage(placement, font), file, overwrite);
 }

@@ -56,6 +56,6 @@ image::Canvas draw_coverage(const Placement& placement, const image::Font& font)
 
 /// Writes the picture of draw_coverage() as PNG, with the font of find_font(). Errors: those of
 /// find_font() and write_png().
-void write_coverage_picture(const Placement& placement, const std::filesystem::path& file, bool overwrite);
+void write_coverage_image(const Placement& placement, const std::filesystem::path& file, bool overwrite);
 
 }  // namespace alidade::visibility

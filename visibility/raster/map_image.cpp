@@ -74,7 +74,7 @@ struct MapLayout {
 
 class MapDrawer {
  public:
-  MapDrawer(const MapPicture& picture, const Ground& ground, const image::Font& font, int longest_side)
+  MapDrawer(const MapImage& picture, const Ground& ground, const image::Font& font, int longest_side)
       : picture_(picture),
         ground_(ground),
         font_(font),
@@ -292,7 +292,7 @@ class MapDrawer {
     return y + k_bar_height + k_row;
   }
 
-  const MapPicture& picture_;
+  const MapImage& picture_;
   const Ground& ground_;
   const image::Font& font_;
   std::vector<MapSwatch> rows_;
@@ -302,13 +302,13 @@ class MapDrawer {
 
 }  // namespace
 
-image::Canvas draw_map(const MapPicture& picture, const Ground& ground, const image::Font& font,
+image::Canvas draw_map(const MapImage& picture, const Ground& ground, const image::Font& font,
                        int longest_side) {
   return MapDrawer(picture, ground, font, longest_side).draw();
 }
 
-void write_map_picture(const MapPicture& picture, const Ground& ground, const std::filesystem::path& file,
-                       bool overwrite) {
+void write_map_image(const MapImage& picture, const Ground& ground, const std::filesystem::path& file,
+                     bool overwrite) {
   const image::Font font(image::find_font());
   image::write_png(draw_map(picture, ground, font), file, overwrite);
 }

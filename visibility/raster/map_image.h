@@ -60,7 +60,7 @@ struct MapMark {
   std::string name{};  ///< empty: only the mark
 };
 
-struct MapPicture {
+struct MapImage {
   std::string title;
   geo::Raster<float> values;  ///< NaN: nothing is drawn
   std::vector<MapSwatch> swatches{};
@@ -74,11 +74,11 @@ struct MapPicture {
 /// there are more pixels than cells). The legend names the swatches that occur, with their share of the
 /// cells with a value. The same pixels for the same map, font and version of FreeType. Requires
 /// longest_side >= 1.
-image::Canvas draw_map(const MapPicture& picture, const Ground& ground, const image::Font& font,
+image::Canvas draw_map(const MapImage& picture, const Ground& ground, const image::Font& font,
                        int longest_side = 1000);
 
 /// Writes the picture of draw_map() as PNG. Errors: those of write_png() and find_font().
-void write_map_picture(const MapPicture& picture, const Ground& ground, const std::filesystem::path& file,
-                       bool overwrite);
+void write_map_image(const MapImage& picture, const Ground& ground, const std::filesystem::path& file,
+                     bool overwrite);
 
 }  // namespace alidade::visibility

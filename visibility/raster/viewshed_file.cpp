@@ -139,12 +139,12 @@ ViewshedBand viewshed_band(const Viewshed& viewshed, const ViewshedOptions& opti
   return result;
 }
 
-MapPicture viewshed_picture(const Viewshed& viewshed, const ViewshedOptions& options,
-                            std::span<const Observer> observers, const std::string& length_unit) {
+MapImage viewshed_image(const Viewshed& viewshed, const ViewshedOptions& options,
+                        std::span<const Observer> observers, const std::string& length_unit) {
   const ViewshedMode mode = options.mode;
   const double lowest = options.target_height, highest = options.highest;
   const bool of_objects = !options.pieces.empty();
-  MapPicture picture{
+  MapImage picture{
       .title = of_objects ? title_of_objects(mode, observers.size()) : title_of(mode, observers.size()),
       .values = viewshed.values};
   picture.unit = length_unit;

@@ -44,8 +44,8 @@ ViewshedBand viewshed_band(const Viewshed& viewshed, const ViewshedOptions& opti
 
 /// The picture of a viewshed; seen cells are bright, hidden ones dark. `options` are those of the viewshed;
 /// `observers` are marked, one for each object if there are objects.
-MapPicture viewshed_picture(const Viewshed& viewshed, const ViewshedOptions& options,
-                            std::span<const Observer> observers, const std::string& length_unit);
+MapImage viewshed_image(const Viewshed& viewshed, const ViewshedOptions& options,
+                        std::span<const Observer> observers, const std::string& length_unit);
 
 /// The seen share of a map; for ViewshedMode::height, at the target height.
 struct SeenShare {
