@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// pruning CLOUD: what each pruning mechanism of the paper saves; prints the table of docs/queries.md.
+// pruning CLOUD: what each pruning mechanism of the paper saves; prints the table of docs/reports/pruning.md.
 #include <cmath>
 #include <cstdio>
 
