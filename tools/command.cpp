@@ -1,17 +1,24 @@
 // SPDX-License-Identifier: MIT
+#include "tools/command.h"
+
 #include <fmt/format.h>
-#include <algorithm>
-#include <array>
+#include <hwy/highway.h>
+#include <sqlite3.h>
+#include <tbb/global_control.h>
+#include <tbb/task_arena.h>
+#include <tbb/version.h>
+#include <CLI/Version.hpp>
+#include <nlohmann/json.hpp>
+#include <system_error>
 
 #include "base/allowed_hosts.h"
 #include "base/input_file.h"
+#include "base/instruction_set.h"
 #include "base/public_name.h"
 #include "base/words.h"
 #include "cloud/crs.h"
 #include "database/server/server_name.h"
-#include "tools/command.h"
 #include "tools/image_module.h"
-#include "tools/silent_options.h"
 #include "tools/view_options.h"
 
 namespace alidade::tools {
@@ -138,6 +145,29 @@ Command add_visibility(const Options& program) {
 
 }  // namespace
 
+std::optional<int> enough_threads(std::span<const std::string> words, std::uint64_t memory) {
+  constexpr std::array<std::string_view, 4> k_ray_commands = {"render", "query", "visibility", "change"};
+  if (words.size() < 2 || std::ranges::find(k_ray_commands, words[1]) == k_ray_commands.end())
+    return std::nullopt;
+  const bool waits = std::ranges::any_of(words, [&](const std::string& word) {
+    std::error_code error;
+    return has_extension(word, {".alidade"}) && std::filesystem::is_regular_file(word, error) &&
+           std::filesystem::file_size(word, error) > memory;
+  });
+  constexpr int k_waiting_per_core = 8;
+  if (!waits) return std::nullopt;
+  return std::min(k_waiting_per_core * tbb::this_task_arena::max_concurrency(), k_most_threads);
+}
+
+ExitCode with_threads(std::optional<int> threads, const std::function<ExitCode()>& work) {
+  if (!threads) return work();
+  // The limit allows more threads than the machine has; the arena then requests them.
+  const tbb::global_control limit(tbb::global_control::max_allowed_parallelism,
+                                  static_cast<std::size_t>(*threads));
+  tbb::task_arena arena(*threads);
+  return arena.execute(work);
+}
+
 std::string kept_name(const std::filesystem::path& given) {
   const std::filesystem::path file = public_name(given.string());
   if (!file.is_absolute()) return file.string();
@@ -159,6 +189,23 @@ std::string metadata_command(const CommandLine& words) {
     }
   }
   return text;
+}
+
+std::string version_text() {
+  std::string module;
+  try {
+    module = image_module().image_library() + ", " + image_module().map_libraries();
+  } catch (const std::exception& error) {
+    module = error.what();
+  }
+  return fmt::format("alidade " ALIDADE_VERSION
+                     "\ninstruction set: {}\ncompiler: {}\nlibraries: oneTBB {}.{}, Highway {}.{}.{}, fmt "
+                     "{}.{}.{}, SQLite {}, "
+                     "nlohmann_json {}.{}.{}, CLI11 {}\nimages and maps: {}\n",
+                     name(best_instruction_set()), __VERSION__, TBB_VERSION_MAJOR, TBB_VERSION_MINOR,
+                     HWY_MAJOR, HWY_MINOR, HWY_PATCH, FMT_VERSION / 10000, FMT_VERSION / 100 % 100,
+                     FMT_VERSION % 100, sqlite3_libversion(), NLOHMANN_JSON_VERSION_MAJOR,
+                     NLOHMANN_JSON_VERSION_MINOR, NLOHMANN_JSON_VERSION_PATCH, CLI11_VERSION, module);
 }
 
 ExitCode run_program(const CommandLine& command_line) {

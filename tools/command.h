@@ -1,16 +1,21 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
+#include <algorithm>
+#include <array>
 #include <cstdint>
+#include <filesystem>
 #include <functional>
 #include <memory>
+#include <optional>
+#include <span>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "base/huge_memory.h"
 #include "tools/console.h"
 #include "tools/options.h"
-#include "tools/threads.h"
 
 // A sub-command is one function: it declares its options on the program and returns the function that runs
 // it. The libraries do the work; a command only reads options, calls the libraries, and prints. Invalid input
@@ -28,6 +33,14 @@ struct Command {
   /// The commands of a group. One of them follows the group's name, or may, if the group has a `run` itself.
   std::vector<Command> parts{};
 };
+
+/// The number of threads that suits a command line, whose first word is the program's name; empty: as many as
+/// the machine has. It is 8 per core if a command that queries rays is given an index file larger than
+/// `memory` (bytes): most threads then wait for the disk, which serves many as fast as one.
+std::optional<int> enough_threads(std::span<const std::string> words, std::uint64_t memory);
+
+/// Returns what `work` returns, run on exactly this many threads.
+ExitCode with_threads(std::optional<int> threads, const std::function<ExitCode()>& work);
 
 /// A command that calls `run(*request)`, on the requested number of threads, by default on enough_threads().
 template <class Request>
@@ -80,6 +93,24 @@ Command add_visibility_raster(const Options& visibility);
 Command add_visibility_horizon(const Options& visibility);
 Command add_visibility_sky(const Options& visibility);
 Command add_visibility_sun(const Options& visibility);
+
+// Options, common to several commands, that cannot change what they compute: how they run, what they print,
+// and where they write.
+
+inline constexpr std::array<std::string_view, 6> k_silent_flags = {"help",  "overwrite", "skip-existing",
+                                                                   "quiet", "verbose",   "resume"};
+
+/// Options with a value.
+inline constexpr std::array<std::string_view, 8> k_silent_options = {
+    "output", "threads", "memory", "cache", "cache-size", "allow-host", "checkpoint", "checkpoint-interval"};
+
+/// Whether the option of this name, without dashes, is one of these, or of those that a command adds to them.
+inline bool is_silent(std::string_view name, std::span<const std::string_view> own) {
+  const auto has = [name](std::span<const std::string_view> names) {
+    return std::ranges::find(names, name) != names.end();
+  };
+  return has(k_silent_flags) || has(k_silent_options) || has(own);
+}
 
 /// A file's name for metadata, which other people read: the last part of an absolute path, public_name() of a
 /// URL, other names as they are.

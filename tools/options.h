@@ -255,6 +255,10 @@ class Parser {
 /// -q and -v.
 void add_verbosity(const Options& command, Verbosity& verbosity);
 
+inline constexpr int k_most_threads = 1024;
+/// --threads N; empty = as many as the machine has, or enough_threads() (tools/command.h).
+void add_threads(const Options& command, std::optional<int>& threads);
+
 /// Lets a long task fail before it starts: Error if the file is one of `inputs` by whatever name ("-" is
 /// standard input; empty ones are skipped), exists and may not be replaced, is no regular file, or if its
 /// folder cannot be written to.

@@ -5,7 +5,7 @@
 #include <random>
 
 #include "tests/tools/run_program.h"
-#include "tools/threads.h"
+#include "tools/command.h"
 
 namespace alidade::test {
 namespace {

@@ -14,7 +14,7 @@
 #include "base/input_file.h"
 #include "database/server/server_clouds.h"
 #include "database/sqlite/stored_cloud.h"
-#include "tools/silent_options.h"
+#include "tools/command.h"
 
 namespace alidade::tools {
 namespace {

@@ -3,8 +3,6 @@
 
 #include <array>
 
-#include "tools/threads.h"
-
 namespace alidade::tools {
 namespace {
 

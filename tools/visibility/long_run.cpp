@@ -5,7 +5,7 @@
 #include <array>
 
 #include "base/output_file.h"
-#include "tools/silent_options.h"
+#include "tools/command.h"
 
 namespace alidade::tools {
 namespace {

@@ -1,14 +1,8 @@
 // SPDX-License-Identifier: MIT
 #include <fmt/format.h>
-#include <hwy/highway.h>
-#include <sqlite3.h>
-#include <tbb/version.h>
-#include <CLI/Version.hpp>
 #include <nlohmann/json.hpp>
 
-#include "base/instruction_set.h"
 #include "tools/command.h"
-#include "tools/image_module.h"
 
 namespace alidade::tools {
 namespace {
@@ -68,23 +62,6 @@ ExitCode run(const FormatsCommand& command) {
 }
 
 }  // namespace
-
-std::string version_text() {
-  std::string module;
-  try {
-    module = image_module().image_library() + ", " + image_module().map_libraries();
-  } catch (const std::exception& error) {
-    module = error.what();
-  }
-  return fmt::format("alidade " ALIDADE_VERSION
-                     "\ninstruction set: {}\ncompiler: {}\nlibraries: oneTBB {}.{}, Highway {}.{}.{}, fmt "
-                     "{}.{}.{}, SQLite {}, "
-                     "nlohmann_json {}.{}.{}, CLI11 {}\nimages and maps: {}\n",
-                     name(best_instruction_set()), __VERSION__, TBB_VERSION_MAJOR, TBB_VERSION_MINOR,
-                     HWY_MAJOR, HWY_MINOR, HWY_PATCH, FMT_VERSION / 10000, FMT_VERSION / 100 % 100,
-                     FMT_VERSION % 100, sqlite3_libversion(), NLOHMANN_JSON_VERSION_MAJOR,
-                     NLOHMANN_JSON_VERSION_MINOR, NLOHMANN_JSON_VERSION_PATCH, CLI11_VERSION, module);
-}
 
 Command add_formats(const Options& program) {
   auto command = std::make_shared<FormatsCommand>();
