@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 #include <glm/common.hpp>
+#include <iterator>
 #include <limits>
 #include <memory>
 #include <nlohmann/json.hpp>
@@ -19,7 +20,6 @@
 #include "cloud/scratch_cloud.h"
 #include "octree/index_file/index_file.h"
 #include "tools/cloud/e57_images.h"
-#include "tools/cloud/index_facts.h"
 #include "tools/cloud/load_cloud.h"
 #include "tools/cloud/statistics.h"
 #include "tools/command.h"
@@ -132,6 +132,66 @@ void verify(const InfoOptions& options) {
     IndexFile(file).verify(line.callback());
     if (options.verbosity == Verbosity::verbose) line.finish();
   }
+}
+
+const char* organisation_name(Organisation organisation) {
+  constexpr const char* k_names[] = {"adaptive", "fixed", "layered"};
+  static_assert(std::size(k_names) == std::size_t(Organisation::layered) + 1);
+  return k_names[static_cast<std::size_t>(organisation)];
+}
+
+/// Bytes of a file, or of its octree alone, for each of its points.
+double bytes_per_point(const IndexFile& index, std::uint64_t bytes) {
+  const std::uint32_t points = index.header().tree.point_count;
+  return points > 0 ? static_cast<double>(bytes) / points : 0.0;
+}
+
+std::uint64_t octree_bytes(const IndexFile& index) {
+  std::uint64_t bytes = 0;
+  for (const SectionEntry& section : index.header().sections) {
+    if (section.kind <= IndexSection::sheet_edges) bytes += section.bytes;
+  }
+  return bytes;
+}
+
+bool is_in_stored_order(const IndexHeader& header) {
+  return header.tree.point_count > 0 && header.find(IndexSection::ids) == nullptr;
+}
+
+std::string spacing_text(const IndexHeader& header) {
+  const int neighbours = header.tree.spacing_neighbours;
+  return (neighbours > 0 ? fmt::format(", spacings to neighbour {}", neighbours) : "") +
+         (header.tree.surface_unit > 0.0 ? ", surfaces" : "");
+}
+
+/// What `alidade info --json` prints about an index file beside the facts of its points. `verified`: its
+/// checksums were compared.
+Json index_json(const IndexFile& index, bool verified) {
+  const IndexHeader& header = index.header();
+  return {{"file", index.name()},
+          {"version", k_index_version},
+          {"bytes", header.file_bytes},
+          {"bytes_per_point", bytes_per_point(index, header.file_bytes)},
+          {"octree_bytes_per_point", bytes_per_point(index, octree_bytes(index))},
+          {"organisation", organisation_name(header.tree.organisation)},
+          {"levels", header.tree.level_count},
+          {"nodes", header.tree.node_count},
+          {"stored_order", is_in_stored_order(header)},
+          {"spacing_neighbours", header.tree.spacing_neighbours},
+          {"surfaces", header.tree.surface_unit > 0.0},
+          {"verified", verified}};
+}
+
+/// The facts of index_json() as lines for people.
+std::vector<std::string> index_lines(const IndexFile& index, bool verified) {
+  const IndexHeader& header = index.header();
+  return {fmt::format("version {}, {} octree of {} nodes on {} levels{}", k_index_version,
+                      organisation_name(header.tree.organisation), header.tree.node_count,
+                      header.tree.level_count,
+                      (is_in_stored_order(header) ? ", points in its order" : "") + spacing_text(header)),
+          fmt::format("{} bytes, {:.2f} per point, {:.2f} of them octree{}", header.file_bytes,
+                      bytes_per_point(index, header.file_bytes), bytes_per_point(index, octree_bytes(index)),
+                      verified ? "; verified: intact" : "")};
 }
 
 /// How the box in a file's header differs from that of its points, in words for people: how far it lies

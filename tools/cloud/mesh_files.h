@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
+#include <fmt/format.h>
 #include <filesystem>
 #include <string>
 #include <vector>
 
-#include "base/bounds.h"
 #include "mesh/triangle_mesh.h"
 #include "tools/console.h"
 #include "tools/options.h"
@@ -16,12 +16,24 @@ namespace alidade::tools {
 
 /// Declares --mesh, which may be given again; appends its files to `files`. `purpose`: the use of the
 /// triangles, the end of the help text.
-void add_mesh_option(const Options& command, const std::string& purpose,
-                     std::vector<std::filesystem::path>& files);
+inline void add_mesh_option(const Options& command, const std::string& purpose,
+                            std::vector<std::filesystem::path>& files) {
+  command.values("--mesh", "FILE",
+                 "PLY or OBJ file of triangles in world coordinates, such as a planned building, " + purpose +
+                     "; may be given again",
+                 [&files](const std::string& text) { files.emplace_back(text); });
+}
 
 /// Reads a mesh, shows progress, and prints warnings and how large it is. Errors: as read_mesh().
-TriangleMesh read_mesh_shown(const std::filesystem::path& file, const MeshPlacement& placement,
-                             Verbosity verbosity);
+inline TriangleMesh read_mesh_shown(const std::filesystem::path& file, const MeshPlacement& placement,
+                                    Verbosity verbosity) {
+  TriangleMesh mesh = with_progress("loading mesh", "B", verbosity, [&](const Progress& progress) {
+    return read_mesh(file, placement, progress);
+  });
+  say_warnings(verbosity, mesh.warnings);
+  say_note(verbosity, fmt::format("{} triangles from {}", mesh.triangles.size(), file.string()));
+  return mesh;
+}
 
 /// Returns what make(progress) returns, which builds a tree of triangles; shows its progress.
 template <class Make>

@@ -120,7 +120,7 @@ class QuantileSearch {
 };
 
 /// Rows between two checks for an interruption.
-constexpr std::size_t k_rows_at_once = std::size_t{1} << 18;
+constexpr std::size_t k_rows_between_pauses = std::size_t{1} << 18;
 using Pause = std::function<void()>;
 
 /// Calls visit(number) for every finite number of a column, in the order of the rows.
@@ -128,7 +128,7 @@ template <class Visit>
 void for_each_number(const PointColumns& cloud, const database::CloudColumn& column, const Pause& pause,
                      const Visit& visit) {
   for (std::size_t row = 0; row < cloud.size(); ++row) {
-    if (row % k_rows_at_once == 0) pause();
+    if (row % k_rows_between_pauses == 0) pause();
     const std::optional<double> number = number_of(value_of(cloud, column, row));
     if (number && std::isfinite(*number)) visit(*number);
   }
@@ -175,7 +175,7 @@ std::size_t occupied_cells(const PointColumns& cloud, const glm::dvec3& corner, 
   std::unordered_map<std::uint64_t, std::uint64_t> blocks;
   std::uint64_t last_key = 0, *last = &blocks[0];
   for (std::size_t row = 0; row < cloud.size(); ++row) {
-    if (row % k_rows_at_once == 0) pause();
+    if (row % k_rows_between_pauses == 0) pause();
     const glm::dvec3 position = cloud.world(row) - corner;
     const auto x = static_cast<std::uint64_t>(position.x / edge),
                y = static_cast<std::uint64_t>(position.y / edge);

@@ -12,7 +12,7 @@ namespace {
 
 /// Points and triangles are in the fingerprint, not the names of their files; lists, curve, preview and
 /// footprints are outputs, and colours of photos follow from what is seen.
-constexpr std::array<std::string_view, 10> k_own_silent_options = {
+constexpr std::array<std::string_view, 10> k_silent_options_of_visibility = {
     "cloud",          "lists",  "curve",    "preview", "footprints",
     "footprint-cell", "photos", "colorize", "mesh",    "terrain"};
 
@@ -84,7 +84,7 @@ Fingerprint run_fingerprint(const CheckpointRequest& request, const VisibilityCl
   Fingerprint fingerprint{{"command", request.command->name()},
                           {"version of answers", std::to_string(visibility::k_answers_version)}};
   for (const auto& [name, words] : request.command->given()) {
-    if (is_silent(name, k_own_silent_options)) continue;
+    if (is_silent(name, k_silent_options_of_visibility)) continue;
     fingerprint.push_back({"--" + name, joined(words)});
   }
   const Bounds& box = cloud.cloud.octree.bounds();
