@@ -36,12 +36,23 @@ void PointCloud::resize(std::size_t count) {
 }
 
 std::vector<std::string> attribute_names(AttributeSet attributes) {
-  static constexpr const char* k_names[] = {
-      "color",      "near_infrared", "intensity",       "classification", "returns", "flags",
-      "scan_angle", "user_data",     "point_source_id", "gps_time",       "normal",  "extra_dimensions"};
+  static constexpr std::pair<Attribute, const char*> k_names[] = {
+      {Attribute::color, "color"},
+      {Attribute::near_infrared, "near_infrared"},
+      {Attribute::intensity, "intensity"},
+      {Attribute::classification, "classification"},
+      {Attribute::returns, "return_number"},
+      {Attribute::returns, "number_of_returns"},
+      {Attribute::flags, "flags"},
+      {Attribute::scan_angle, "scan_angle"},
+      {Attribute::user_data, "user_data"},
+      {Attribute::point_source_id, "point_source_id"},
+      {Attribute::gps_time, "gps_time"},
+      {Attribute::normal, "normal"},
+      {Attribute::extra_dimensions, "extra_dimensions"}};
   std::vector<std::string> names;
-  for (std::size_t bit = 0; bit < std::size(k_names); ++bit) {
-    if (attributes.bits >> bit & 1) names.emplace_back(k_names[bit]);
+  for (const auto& [attribute, name] : k_names) {
+    if (attributes.contains(attribute)) names.emplace_back(name);
   }
   return names;
 }

@@ -112,6 +112,7 @@ struct PointCloud {
 };
 
 /// Names as `alidade info` prints them, in the order of the bits: "color", "near_infrared", ...
+/// Attribute::returns has two: "return_number" and "number_of_returns".
 std::vector<std::string> attribute_names(AttributeSet attributes);
 
 /// A column of values that is not one of the standard attributes, in memory of any owner.

@@ -85,7 +85,7 @@ AttributeParts attribute_parts(Attribute attribute) {
       {uint16, {"near_infrared"}},
       {uint16, {"intensity"}},
       {uint8, {"classification"}},
-      {uint8, {"return_number", "return_count"}},
+      {uint8, {"return_number", "number_of_returns"}},
       {uint8, {"flags"}},
       {float32, {"scan_angle"}},
       {uint8, {"user_data"}},
@@ -132,6 +132,20 @@ std::vector<StoredColumn> stored_columns(AttributeSet attributes, std::vector<Ex
   cloud.extra_dimensions = std::move(dimensions);
   append_rows(cloud, attributes, 1);
   return stored_columns(cloud);
+}
+
+void rename_earlier_columns(std::vector<StoredColumn>& columns) {
+  for (std::size_t i = 1; i < columns.size(); ++i) {
+    const bool is_earlier = columns[i].name == k_earlier_number_of_returns &&
+                            columns[i - 1].name == "return_number" && columns[i].blob == columns[i - 1].blob;
+    if (!is_earlier) continue;
+    columns[i].name = "number_of_returns";
+    // An extra dimension may have had this name.
+    std::set<std::string> taken = k_taken;
+    for (StoredColumn& column : columns) {
+      if (column.blob != 0) column.name = free_name(column.name, taken);
+    }
+  }
 }
 
 std::string line_column(const std::vector<StoredColumn>& columns, std::string name) {

@@ -7,6 +7,7 @@
 #include <optional>
 #include <span>
 #include <string>
+#include <string_view>
 #include <variant>
 #include <vector>
 
@@ -43,6 +44,12 @@ AttributeParts attribute_parts(Attribute attribute);
 std::vector<StoredColumn> stored_columns(const PointCloud& cloud);
 /// As stored_columns() of a cloud with these attributes and extra dimensions.
 std::vector<StoredColumn> stored_columns(AttributeSet attributes, std::vector<ExtraDimension> dimensions);
+
+/// The name that the column number_of_returns had in tables of earlier versions.
+inline constexpr std::string_view k_earlier_number_of_returns = "return_count";
+
+/// Gives the columns of a table of an earlier version the names of stored_columns().
+void rename_earlier_columns(std::vector<StoredColumn>& columns);
 
 /// The name of a column that only queries along a line have, such as "dist", beside those of a cloud: an
 /// attribute of that name keeps it, and the column is "ray_dist".

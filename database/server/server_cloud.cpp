@@ -32,6 +32,12 @@ std::int64_t least(ScalarType type) {
       type, [](auto none) { return static_cast<std::int64_t>(std::numeric_limits<decltype(none)>::min()); });
 }
 
+/// The column of a part of an attribute, also under its name in tables of earlier versions; null without one.
+const NumberColumn* part_column(const ServerTable& table, std::string_view name) {
+  const NumberColumn* const column = table.find(name);
+  return column == nullptr && name == "number_of_returns" ? table.find(k_earlier_number_of_returns) : column;
+}
+
 ExtraDimension dimension_of(const NumberColumn& column) {
   ExtraDimension dimension;
   dimension.name = column.name;
@@ -91,13 +97,15 @@ std::vector<ValueColumn> value_columns(const ServerTable& table, bool without_id
   const PointCloud any;
   for_each_column(any, [&](Attribute attribute, const auto&) {
     const AttributeParts parts = attribute_parts(attribute);
+    std::vector<std::string> names;
     for (const char* const name : parts.names) {
-      const NumberColumn* const column = table.find(name);
+      const NumberColumn* const column = part_column(table, name);
       if (column == nullptr || !(is_real(parts.type) || column->is_whole())) return;
+      names.push_back(column->name);
     }
-    for (std::size_t part = 0; part < parts.names.size(); ++part) {
+    for (std::size_t part = 0; part < names.size(); ++part) {
       for (ValueColumn& column : columns) {
-        if (column.column.name != parts.names[part]) continue;
+        if (column.column.name != names[part]) continue;
         column.attribute = attribute;
         column.part = part;
       }

@@ -126,6 +126,7 @@ class Described {
     }
     if (cloud.columns.empty()) reject("column", "missing columns", "at least one", "none");
     check_blobs(cloud.columns);
+    rename_earlier_columns(cloud.columns);
   }
 
   void check_blobs(const std::vector<StoredColumn>& columns) const {

@@ -38,11 +38,11 @@ TEST(PointCloudTest, attributes_are_the_columns_that_are_not_empty) {
 
 TEST(PointCloudTest, attribute_names_come_in_the_order_of_the_bits) {
   const std::vector<std::string> names = attribute_names(AttributeSet::all());
-  ASSERT_EQ(names.size(), 12u);
+  ASSERT_EQ(names.size(), 13u);
   EXPECT_EQ(names.front(), "color");
   EXPECT_EQ(names.back(), "extra_dimensions");
   EXPECT_EQ(attribute_names(Attribute::normal | Attribute::returns),
-            (std::vector<std::string>{"returns", "normal"}));
+            (std::vector<std::string>{"return_number", "number_of_returns", "normal"}));
 }
 
 TEST(PointCloudTest, resize_takes_rows_out_of_every_column_that_is_present) {

@@ -210,9 +210,10 @@ TEST_F(CloudTableTest, few_chunks_are_read) {
 }
 
 TEST_F(CloudTableTest, columns_hold_the_attributes) {
-  Statement row(database_->get(),
-                "SELECT id, red, green, blue, classification, return_number, return_count, gps_time, Height, "
-                "x, y, z FROM points");
+  Statement row(
+      database_->get(),
+      "SELECT id, red, green, blue, classification, return_number, number_of_returns, gps_time, Height, "
+      "x, y, z FROM points");
   std::size_t count = 0;
   for (; row.step(); ++count) {
     const auto id = static_cast<std::size_t>(row.whole(0));

@@ -139,6 +139,19 @@ TEST(CloudValues, columns_become_attributes_and_dimensions) {
             std::string::npos);
 }
 
+TEST(CloudValues, returns_keep_their_meaning_under_the_name_of_earlier_versions) {
+  ServerTable table;
+  for (const char* const name : {"x", "y", "z", "return_number", "return_count"})
+    table.columns.push_back({.name = name, .type = ScalarType::int16});
+  EXPECT_EQ(attributes_of(value_columns(table, true)), AttributeSet(Attribute::returns));
+  table.columns.push_back({.name = "number_of_returns", .type = ScalarType::int16});
+  const std::vector<ValueColumn> columns = value_columns(table, true);
+  ASSERT_EQ(columns.size(), 3u);
+  EXPECT_EQ(columns[1].attribute, std::nullopt);
+  EXPECT_EQ(columns[2].attribute, Attribute::returns);
+  EXPECT_EQ(columns[2].part, 1u);
+}
+
 TEST(FilterCondition, limits_are_widened_and_infinite_ones_left_out) {
   constexpr double k_infinity = std::numeric_limits<double>::infinity();
   EXPECT_EQ(filter_condition({}), "false");

@@ -169,7 +169,7 @@ TEST_F(PrepareTest, text_for_numbers_and_wrong_counts_are_errors) {
 TEST_F(PrepareTest, errors_name_line_and_column_of_the_statement) {
   EXPECT_EQ(error_of("SELECT id,\n  \u00e4, idd FROM points"),
             "statement:2:3: no such column: \u00e4; expected one of id, x, y, z, red, green, blue, "
-            "classification, return_number, return_count, gps_time, Height (points)");
+            "classification, return_number, number_of_returns, gps_time, Height (points)");
   EXPECT_EQ(error_of("SELECT id FROM nowhere"), "statement: no such table: nowhere");
 }
 

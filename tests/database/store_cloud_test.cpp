@@ -8,6 +8,7 @@
 
 #include "cloud/las/write_las.h"
 #include "database/sqlite/cloud_schema.h"
+#include "database/sqlite/stored_cloud.h"
 #include "database/stored_column.h"
 #include "octree/build.h"
 #include "octree/index_file/index_file.h"
@@ -300,7 +301,7 @@ TEST_F(StoreCloudTest, names_that_sql_takes_for_equal_are_made_distinct) {
                                              "blue",
                                              "classification",
                                              "return_number",
-                                             "return_count",
+                                             "number_of_returns",
                                              "gps_time",
                                              "Height",
                                              "X_2",
@@ -317,6 +318,24 @@ TEST_F(StoreCloudTest, names_that_sql_takes_for_equal_are_made_distinct) {
   store_cloud(file_, cloud);
   const Connection database(file_, Connection::Mode::read);
   EXPECT_EQ(numbers(database, "SELECT sum(X_2 + dist + unnamed) FROM points"), std::vector<double>{30});
+}
+
+TEST_F(StoreCloudTest, number_of_returns_has_its_name_in_tables_of_earlier_versions) {
+  PointCloud cloud = site(10);
+  ExtraDimension& dimension =
+      cloud.extra_dimensions.emplace_back(plain_dimension("Number_of_returns", ScalarType::uint8));
+  dimension.values.assign(10, 7);
+  store_cloud(file_, cloud);
+  {
+    const Connection database(file_, Connection::Mode::write);
+    run(database.get(), "UPDATE points_column SET name = 'return_count' WHERE name = 'number_of_returns'");
+    run(database.get(), "UPDATE points_column SET name = 'Number_of_returns' WHERE name LIKE '%returns_2'");
+  }
+  const Connection database(file_, Connection::Mode::read);
+  EXPECT_EQ(numbers(database, "SELECT sum(number_of_returns) FROM points"), std::vector<double>{30});
+  EXPECT_EQ(numbers(database, "SELECT sum(Number_of_returns_2) FROM points"), std::vector<double>{70});
+  const CloudPart all = read_cloud_part(file_, std::vector<PointFilter>(1), AttributeSet::all());
+  EXPECT_EQ(all.cloud.returns, cloud.returns);
 }
 
 TEST_F(StoreCloudTest, attributes_keep_names_that_columns_of_lines_have) {

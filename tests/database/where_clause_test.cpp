@@ -110,7 +110,7 @@ TEST_F(WhereClauseTest, rows_have_no_number_in_a_condition_and_attributes_of_suc
 
 TEST_F(WhereClauseTest, a_column_that_is_missing_is_an_error_that_lists_those_that_are_not) {
   const std::string columns =
-      "x, y, z, red, green, blue, classification, return_number, return_count, gps_time, Height";
+      "x, y, z, red, green, blue, classification, return_number, number_of_returns, gps_time, Height";
   EXPECT_EQ(
       problem("intensity > 3"),
       "invalid condition 'intensity > 3': no such column: intensity; expected a condition on " + columns);

@@ -45,18 +45,21 @@ struct IndexCommand : CloudRequest {
   AttributeSet attributes = AttributeSet::all();  ///< to keep
 };
 
-/// "color,intensity", or "none". Errors: an unknown name.
+/// The attribute of a name. Errors: an unknown name.
+AttributeSet attribute_of(const std::string& name) {
+  for (AttributeSet one(Attribute::color); one.bits <= AttributeSet::all().bits; one.bits <<= 1) {
+    if (std::ranges::count(attribute_names(one), name) > 0) return one;
+  }
+  throw UsageError(fmt::format("unknown attribute; expected none or some of {}; found '{}'",
+                               fmt::join(attribute_names(AttributeSet::all()), ", "), name));
+}
+
+/// "color,intensity", or "none". return_number and number_of_returns are kept together. Errors: an unknown
+/// name.
 AttributeSet parse_attributes(const std::string& text) {
-  const std::vector<std::string> known = attribute_names(AttributeSet::all());
   AttributeSet attributes;
   if (text == "none") return attributes;
-  for (const std::string& word : split_list(text)) {
-    const auto found = std::ranges::find(known, word);
-    if (found == known.end())
-      throw UsageError(fmt::format("unknown attribute; expected none or some of {}; found '{}'",
-                                   fmt::join(known, ", "), word));
-    attributes.bits |= 1u << (found - known.begin());
-  }
+  for (const std::string& word : split_list(text)) attributes = attributes | attribute_of(word);
   return attributes;
 }
 
