@@ -44,14 +44,4 @@ struct QueryCommand : CloudRequest {
 /// The text the targets are in. Errors: LineSource::open().
 LineSource open_targets(const QueryCommand& command);
 
-/// The form of the output: --format, else by the extension of its name; csv for stdout. Errors: another
-/// extension; las without a file, or for numbers only.
-AnswerForm chosen_form(const QueryCommand& command);
-
-/// Runs the command: reads targets, queries the octree batch by batch in parallel, writes the answers. Memory
-/// beside cloud and octree: about 200 MB at most, whatever the number of targets and answers; a single target
-/// with more than a million answers takes what these take; if work is explained, some dozens of them. Errors:
-/// of options that exclude each other, of cloud, targets and output.
-ExitCode run_query(const QueryCommand& command);
-
 }  // namespace alidade::tools
