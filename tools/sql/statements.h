@@ -3,13 +3,11 @@
 
 #include <cstdint>
 #include <filesystem>
-#include <memory>
 #include <string>
 #include <variant>
 #include <vector>
 
 #include "database/sqlite/connection.h"
-#include "database/sqlite/sqlite_api.h"
 
 namespace alidade::tools {
 
@@ -21,19 +19,6 @@ enum class RowForm {
   csv,    ///< a header, then a row per line; NULL is an empty cell, a blob hexadecimal
   json    ///< an array of an object per row; NULL and what is not finite are null, a blob hexadecimal text
 };
-
-/// Prints the rows of one statement on stdout, some at a time.
-class RowWriter {
- public:
-  virtual ~RowWriter() = default;
-
-  virtual void begin(const std::vector<std::string>& columns) = 0;
-  /// Adds the current row of the statement.
-  virtual void row(sqlite3_stmt* statement) = 0;
-  virtual void end() = 0;
-};
-
-std::unique_ptr<RowWriter> make_row_writer(RowForm form);
 
 /// A value for a parameter of a statement. It is bound, and never part of the statement's text.
 struct SqlParameter {
@@ -66,11 +51,5 @@ struct SqlRun {
 /// another process that writes.
 void run_statements(const database::Connection& connection, const std::string& text, const std::string& file,
                     SqlRun run);
-
-/// Reads statements at the terminal and runs them, until the end of input or .quit. A statement ends with a
-/// semicolon and may take several lines; a line that begins with a dot is a command of the prompt (.help).
-/// After errors, which are reported, the prompt continues; so it does after Ctrl-C, which drops what is typed
-/// or runs. Other signals are thrown as Cancelled.
-void run_prompt(const database::Connection& connection, const std::string& database, SqlRun run);
 
 }  // namespace alidade::tools
