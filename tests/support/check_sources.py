@@ -12,10 +12,11 @@ ROOMS = ("base cloud octree mesh geo image camera renderer visibility compare da
 # Sources without a header of their own name, with the header that names them and the reason.
 WITHOUT_HEADER = {
     "tools/main.cpp": "the program",
+    "tools/image_module_entry.cpp": "the function of the module that tools/image_module.cpp finds by its name",
 }
 # Headers whose functions are defined elsewhere: each function's name leads to its source.
 DEFINED_ELSEWHERE = {
-    "tools/command.h": "add_NAME of a command stands in NAME.cpp",
+    "tools/command.h": "add_NAME of a command is defined in NAME.cpp, add_FOLDER_NAME in FOLDER/NAME.cpp",
 }
 
 DEFINITION = re.compile(r"^(?=\S)(?!using|namespace|struct|class|enum|template|typedef|static_assert|extern|#|//|}|{|\)|HWY_|TEST|PG_)"
@@ -57,7 +58,7 @@ def main():
         headers = {header: declared(header) for header in sorted(pathlib.Path(room).rglob("*.h"))}
         for source in sorted(pathlib.Path(room).rglob("*.cpp")):
             own = [source.with_suffix(".h"), source.with_name(source.stem + "-inl.h")]
-            of_command = re.search(rf"\badd_{source.stem}\(", source.read_text()) and room == "tools"
+            of_command = room == "tools" and re.search(rf"\badd_({source.parent.name}_)?{source.stem}\(", source.read_text())
             if not any(header.exists() for header in own) and str(source) not in WITHOUT_HEADER and not of_command:
                 problems.append(f"{source}: has no header {own[0].name} beside it")
                 continue

@@ -16,7 +16,7 @@
 #include "visibility/sky/sun_path.h"
 #include "visibility/sky/weather.h"
 
-// `visibility sun` in three parts: options and the path of the sun, maps and points, observers.
+// The options of `visibility sun`, and the path and light of the sun that they describe.
 
 namespace alidade::tools {
 
@@ -88,8 +88,5 @@ struct SunQuantity {
 
 /// The quantities that the command writes.
 std::span<const SunQuantity> sun_quantities(const SunCommand& command);
-
-/// `visibility sun` for observers: rows and the diagram.
-ExitCode run_sun_observers(const SunCommand& command);
 
 }  // namespace alidade::tools

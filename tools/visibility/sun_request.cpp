@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "tools/visibility/sun.h"
+#include "tools/visibility/sun_request.h"
 
 #include <fmt/format.h>
 #include <cmath>
