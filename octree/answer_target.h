@@ -59,9 +59,9 @@ void find_into(const Octree& octree, const Target& target, const Query& query, s
                std::size_t query_index, std::vector<Answer>& answers) {
   if (const auto* const lanes = lanes_for(octree, target, query))
     return lanes->find(octree.view(), target, query, k, query_index, answers);
-  const auto use = [&](const auto& tree, const auto& asked) {
-    Nearest neighbors(asked, k);
-    tree_query(tree, asked, neighbors);
+  const auto use = [&](const auto& tree, const auto& tree_target) {
+    Nearest neighbors(tree_target, k);
+    tree_query(tree, tree_target, neighbors);
     const std::vector<Answer> found = neighbors.in_order();
     answers.insert(answers.end(), found.begin(), found.end());
   };
@@ -99,8 +99,9 @@ std::size_t count_to(const Octree& octree, const Target& target, const Query& qu
   if (const auto* const lanes = lanes_for(octree, target, query))
     return lanes->count(octree.view(), target, query, k, query_index);
   Counter counter(k);
-  with_tree_target(octree.view(), target, query, query_index,
-                   [&](const auto& tree, const auto& asked) { tree_query(tree, asked, counter); });
+  with_tree_target(octree.view(), target, query, query_index, [&](const auto& tree, const auto& tree_target) {
+    tree_query(tree, tree_target, counter);
+  });
   return counter.count();
 }
 

@@ -57,7 +57,7 @@ void check_all(const PointCloud& cloud, const Target& target, const Query& query
 }
 
 /// All answers, in the order of the points.
-template <Askable T>
+template <TargetGeometry T>
 std::vector<AnswerOf<T>> all(const PointCloud& cloud, const T& target, const QueryOf<T>& query,
                              const PointProperties& properties) {
   check_all(cloud, target, query, properties);
@@ -90,7 +90,7 @@ std::vector<double> spacings(const PointCloud& cloud, int neighbours) {
   return answers;
 }
 
-template <Askable T>
+template <TargetGeometry T>
 std::vector<AnswerOf<T>> find(const PointCloud& cloud, const T& target, const QueryOf<T>& query,
                               const PointProperties& properties) {
   std::vector<AnswerOf<T>> answers = all(cloud, target, query, properties);
@@ -99,20 +99,20 @@ std::vector<AnswerOf<T>> find(const PointCloud& cloud, const T& target, const Qu
   return answers;
 }
 
-template <Askable T>
+template <TargetGeometry T>
 std::size_t count(const PointCloud& cloud, const T& target, const QueryOf<T>& query,
                   const PointProperties& properties) {
   return std::min(all(cloud, target, query, properties).size(), query.k);
 }
 
-template <AskableAlong T>
+template <LineGeometry T>
 std::optional<Hit> closest(const PointCloud& cloud, const T& target, const QueryOf<T>& query,
                            const PointProperties& properties) {
   const std::vector<Hit> answers = find(cloud, target, query, properties);
   return answers.empty() ? std::nullopt : std::optional(answers.front());
 }
 
-template <AskableAlong T>
+template <LineGeometry T>
 bool occluded(const PointCloud& cloud, const T& target, const QueryOf<T>& query,
               const PointProperties& properties) {
   return !all(cloud, target, query, properties).empty();

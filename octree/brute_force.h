@@ -31,18 +31,18 @@ struct PointProperties {
   const TreeView* surfaces = nullptr;  ///< a tree that has them
 };
 
-template <AskableAlong T>
+template <LineGeometry T>
 std::optional<Hit> closest(const PointCloud& cloud, const T& target,
                            const QueryOf<T>& query = no_conditions<T>(),
                            const PointProperties& properties = {});
-template <AskableAlong T>
+template <LineGeometry T>
 bool occluded(const PointCloud& cloud, const T& target, const QueryOf<T>& query = no_conditions<T>(),
               const PointProperties& properties = {});
-template <Askable T>
+template <TargetGeometry T>
 std::vector<AnswerOf<T>> find(const PointCloud& cloud, const T& target,
                               const QueryOf<T>& query = no_conditions<T>(),
                               const PointProperties& properties = {});
-template <Askable T>
+template <TargetGeometry T>
 std::size_t count(const PointCloud& cloud, const T& target, const QueryOf<T>& query = no_conditions<T>(),
                   const PointProperties& properties = {});
 

@@ -6,13 +6,13 @@
 
 namespace alidade {
 
-template <Askable T>
+template <TargetGeometry T>
 Explained<AnswerOf<T>> explain(const Octree& octree, const T& target, const QueryOf<T>& query,
                                const Pruning& pruning) {
   check_target(octree, target, query);
-  return with_tree_target(octree.view(), target, query, 0, [&](const auto& tree, const auto& asked) {
-    Nearest neighbors(asked, query.k);
-    const QueryStatistics statistics = tree_query(tree, asked, neighbors, pruning);
+  return with_tree_target(octree.view(), target, query, 0, [&](const auto& tree, const auto& tree_target) {
+    Nearest neighbors(tree_target, query.k);
+    const QueryStatistics statistics = tree_query(tree, tree_target, neighbors, pruning);
     return Explained<AnswerOf<T>>{neighbors.in_order(), statistics};
   });
 }

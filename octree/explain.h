@@ -22,7 +22,7 @@ struct Explained {
 };
 
 /// Contracts and Errors: as `find`. Cost: as `find` without lanes.
-template <Askable T>
+template <TargetGeometry T>
 Explained<AnswerOf<T>> explain(const Octree& octree, const T& target, const QueryOf<T>& query,
                                const Pruning& pruning = {});
 

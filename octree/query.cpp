@@ -35,19 +35,9 @@ Answer arrived(const Octree& octree, Answer&& answer) {
 }
 
 template <class Target, class Query>
-void check_many(const Octree& octree, std::span<const Target>, const Query& query) {
+void check_batch(const Octree& octree, std::span<const Target>, const Query& query) {
   check_conditions<Target>(query);
   check_against(octree, query);
-}
-
-template <class Target, class Query, class Answer, class Ask>
-void ask_many(const Octree& octree, std::span<const Target> targets, const Query& query,
-              std::span<Answer> answers, const Ask& ask) {
-  check_many(octree, targets, query);
-  check_room(targets.size(), answers.size());
-  for_each_range(targets, k_grain, [&](std::size_t first, std::size_t last) {
-    for (std::size_t i = first; i < last; ++i) answers[i] = ask(octree, targets[i], query, i);
-  });
 }
 
 /// A batch that is answered along a curve through the targets, whatever the order of the caller.
@@ -131,19 +121,19 @@ class CurveBatch {
 
 }  // namespace
 
-template <AskableAlong T>
+template <LineGeometry T>
 std::optional<Hit> closest(const Octree& octree, const T& target, const QueryOf<T>& query) {
   check_target(octree, target, query);
   return arrived(octree, first_hit(octree, target, query, 0));
 }
 
-template <AskableAlong T>
+template <LineGeometry T>
 bool occluded(const Octree& octree, const T& target, const QueryOf<T>& query) {
   check_target(octree, target, query);
   return arrived(octree, any_hit(octree, target, query, 0));
 }
 
-template <Askable T>
+template <TargetGeometry T>
 std::vector<AnswerOf<T>> FamilyAnswers<T>::find(const Octree& octree, const T& target,
                                                 const QueryOf<T>& query) {
   check_target(octree, target, query);
@@ -153,10 +143,10 @@ std::vector<AnswerOf<T>> FamilyAnswers<T>::find(const Octree& octree, const T& t
   return answers;
 }
 
-template <Askable T>
+template <TargetGeometry T>
 Answers<AnswerOf<T>> FamilyAnswers<T>::find(const Octree& octree, std::span<const T> targets,
                                             const QueryOf<T>& query) {
-  check_many(octree, targets, query);
+  check_batch(octree, targets, query);
   if constexpr (std::same_as<T, glm::dvec3>) {
     if (suits_turns(octree, query) && targets.size() <= std::numeric_limits<std::uint32_t>::max())
       return arrived(octree, CurveBatch(octree, targets, query).find());
@@ -167,19 +157,20 @@ Answers<AnswerOf<T>> FamilyAnswers<T>::find(const Octree& octree, std::span<cons
   return arrived(octree, answer_all<AnswerOf<T>>(targets, k_grain, find_one));
 }
 
-template <Askable T>
+template <TargetGeometry T>
 std::size_t FamilyAnswers<T>::count(const Octree& octree, const T& target, const QueryOf<T>& query) {
   check_target(octree, target, query);
   return arrived(octree, count_to(octree, target, query, query.k, 0));
 }
 
-template <Askable T>
+template <TargetGeometry T>
 void FamilyAnswers<T>::count(const Octree& octree, std::span<const T> targets, const QueryOf<T>& query,
                              std::span<std::size_t> counts) {
-  ask_many(octree, targets, query, counts,
-           [](const Octree& tree, const T& target, const QueryOf<T>& asked, std::size_t i) {
-             return count_to(tree, target, asked, asked.k, i);
-           });
+  check_batch(octree, targets, query);
+  check_room(targets.size(), counts.size());
+  for_each_range(targets, k_grain, [&](std::size_t first, std::size_t last) {
+    for (std::size_t i = first; i < last; ++i) counts[i] = count_to(octree, targets[i], query, query.k, i);
+  });
   check_arrival(octree);
 }
 

@@ -235,27 +235,27 @@ template <> struct QueryFamily<glm::dvec3> : FamilyOf<"point", PointQuery, Point
 
 /// Ray, Cone, Path, HalfSpaces, Bounds and glm::dvec3 (a point).
 template <class T>
-concept Askable = requires {
+concept TargetGeometry = requires {
   typename QueryFamily<T>::Query;
 };
-template <Askable T>
+template <TargetGeometry T>
 using QueryOf = typename QueryFamily<T>::Query;
-template <Askable T>
+template <TargetGeometry T>
 using AnswerOf = typename QueryFamily<T>::Answer;
 
 /// Rays and cones: of their points one comes first.
 template <class T>
-concept AskableAlong = Askable<T> && std::same_as<AnswerOf<T>, Hit>;
+concept LineGeometry = TargetGeometry<T> && std::same_as<AnswerOf<T>, Hit>;
 
 /// Many targets: a vector, array or span of them.
 template <class T>
-concept AskableRange = std::ranges::contiguous_range<const T> && std::ranges::sized_range<const T> &&
-    Askable<std::ranges::range_value_t<const T>>;
-template <AskableRange T>
+concept TargetRange = std::ranges::contiguous_range<const T> && std::ranges::sized_range<const T> &&
+    TargetGeometry<std::ranges::range_value_t<const T>>;
+template <TargetRange T>
 using TargetIn = std::ranges::range_value_t<const T>;
 
 /// Of targets that limit themselves; all others must come with a query.
-template <Askable T>
+template <TargetGeometry T>
 QueryOf<T> no_conditions() {
   static_assert(QueryFamily<T>::limits_itself, "this target requires a query");
   return {};
@@ -265,7 +265,7 @@ QueryOf<T> no_conditions() {
 /// interval, on the projection t whatever the measure), entry >= entry_min, that the filter admits. Cost: a
 /// few hundred nanoseconds to microseconds; grows with the number of points in the ray's cylinder before the
 /// hit.
-template <AskableAlong T>
+template <LineGeometry T>
 std::optional<Hit> closest(const Octree& octree, const T& target,
                            const QueryOf<T>& query = no_conditions<T>());
 void closest(const Octree& octree, std::span<const Ray> rays, const RayQuery& query,
@@ -273,13 +273,13 @@ void closest(const Octree& octree, std::span<const Ray> rays, const RayQuery& qu
 
 /// Whether any point fulfils the conditions; stops at the first it finds. k, and the measure but for its
 /// Errors, do not matter.
-template <AskableAlong T>
+template <LineGeometry T>
 bool occluded(const Octree& octree, const T& target, const QueryOf<T>& query = no_conditions<T>());
 void occluded(const Octree& octree, std::span<const Ray> rays, const RayQuery& query,
               std::span<std::uint8_t> answers);
 
 /// `find` and `count` of one family, as they are compiled once.
-template <Askable T>
+template <TargetGeometry T>
 struct FamilyAnswers {
   static std::vector<AnswerOf<T>> find(const Octree& octree, const T& target, const QueryOf<T>& query);
   static Answers<AnswerOf<T>> find(const Octree& octree, std::span<const T> targets, const QueryOf<T>& query);
@@ -291,23 +291,23 @@ struct FamilyAnswers {
 /// The k first points by the measure, in its order. Cost with k: like `closest`, and grows with k; without:
 /// with the number of points in reach. Of many points with k up to 64 and no filter: a fraction of that where
 /// targets are near each other, whatever their order.
-template <Askable T>
+template <TargetGeometry T>
 std::vector<AnswerOf<T>> find(const Octree& octree, const T& target,
                               const QueryOf<T>& query = no_conditions<T>()) {
   return FamilyAnswers<T>::find(octree, target, query);
 }
-template <AskableRange Targets, Askable T = TargetIn<Targets>>
+template <TargetRange Targets, TargetGeometry T = TargetIn<Targets>>
 Answers<AnswerOf<T>> find(const Octree& octree, const Targets& targets,
                           const QueryOf<T>& query = no_conditions<T>()) {
   return FamilyAnswers<T>::find(octree, std::span<const T>(targets), query);
 }
 
 /// How many points `find` would answer; stops at k.
-template <Askable T>
+template <TargetGeometry T>
 std::size_t count(const Octree& octree, const T& target, const QueryOf<T>& query = no_conditions<T>()) {
   return FamilyAnswers<T>::count(octree, target, query);
 }
-template <AskableRange Targets, Askable T = TargetIn<Targets>>
+template <TargetRange Targets, TargetGeometry T = TargetIn<Targets>>
 void count(const Octree& octree, const Targets& targets, const QueryOf<T>& query,
            std::span<std::size_t> counts) {
   FamilyAnswers<T>::count(octree, std::span<const T>(targets), query, counts);

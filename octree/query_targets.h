@@ -83,7 +83,7 @@ using OctreeByIndex = OctreeAsTree<PointNaming::index>;
 // a box can be. Each keeps references to target and query, which must outlive it, and takes them as checked.
 
 /// What targets have in common: one point is decided and ordered by octree/candidate.h.
-template <Askable T>
+template <TargetGeometry T>
 class TargetOn {
  public:
   using Answer = AnswerOf<T>;
@@ -106,7 +106,7 @@ class TargetOn {
 };
 
 /// A ray or a cone: a limit on the distance to a line.
-template <AskableAlong T>
+template <LineGeometry T>
 class AlongTarget : public TargetOn<T> {
  public:
   using TargetOn<T>::TargetOn;
@@ -254,7 +254,7 @@ class PointTarget : public TargetOn<glm::dvec3> {
 };
 
 // clang-format off
-template <Askable T> struct TreeTarget;
+template <TargetGeometry T> struct TreeTarget;
 template <> struct TreeTarget<Ray> : std::type_identity<RayTarget> {};
 template <> struct TreeTarget<Cone> : std::type_identity<ConeTarget> {};
 template <> struct TreeTarget<Path> : std::type_identity<PathTarget> {};
@@ -263,7 +263,7 @@ template <> struct TreeTarget<Bounds> : std::type_identity<BoxTarget> {};
 template <> struct TreeTarget<glm::dvec3> : std::type_identity<PointTarget> {};
 // clang-format on
 
-template <Askable T>
+template <TargetGeometry T>
 typename TreeTarget<T>::type make_target(const T& target, const QueryOf<T>& query, std::size_t query_index) {
   return {target, query, query_index};
 }

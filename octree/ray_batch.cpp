@@ -234,18 +234,20 @@ void trace_side_by_side(const Octree& octree, const Batch& batch, const Trace& t
   }
 }
 
-template <class Batch, class Stream, class Ask>
-void ask_rays(const Octree& octree, const Batch& batch, const RayQuery& query, const Stream& stream,
-              const Ask& ask) {
+template <class Batch, class Stream, class TraceOne>
+void trace_batch(const Octree& octree, const Batch& batch, const RayQuery& query, const Stream& stream,
+                 const TraceOne& trace_one) {
   using Answer = typename Batch::Answer;
   check(query);
   check_against(octree, query);
   if (octree.size() == 0 || !has_traversal(octree, query)) {
-    const auto ask_each = [&](std::span<const Ray> rays, std::size_t first_index, std::span<Answer> answers) {
-      for (std::size_t i = 0; i < rays.size(); ++i) answers[i] = ask(octree, rays[i], query, first_index + i);
+    const auto trace_each = [&](std::span<const Ray> rays, std::size_t first_index,
+                                std::span<Answer> answers) {
+      for (std::size_t i = 0; i < rays.size(); ++i)
+        answers[i] = trace_one(octree, rays[i], query, first_index + i);
     };
     for_each_range(batch.size(), k_least_stream_rays,
-                   [&](std::size_t first, std::size_t last) { batch.answer_range(first, last, ask_each); });
+                   [&](std::size_t first, std::size_t last) { batch.answer_range(first, last, trace_each); });
     return;
   }
   const auto trace = [&](std::span<const Ray> rest, std::size_t first_index, std::span<Answer> room) {
@@ -254,7 +256,7 @@ void ask_rays(const Octree& octree, const Batch& batch, const RayQuery& query, c
           static_cast<std::size_t>(std::ranges::find_if_not(rest, suits_traversal) - rest.begin());
       if (suiting > 0) stream(octree.view(), rest.first(suiting), query, first_index, room.first(suiting));
       if (suiting == rest.size()) return;
-      room[suiting] = ask(octree, rest[suiting], query, first_index + suiting);
+      room[suiting] = trace_one(octree, rest[suiting], query, first_index + suiting);
       rest = rest.subspan(suiting + 1);
       room = room.subspan(suiting + 1);
       first_index += suiting + 1;
@@ -270,16 +272,16 @@ void ask_rays(const Octree& octree, const Batch& batch, const RayQuery& query, c
 }
 
 template <class Batch>
-void ask_closest(const Octree& octree, const Batch& batch, const RayQuery& query) {
-  ask_rays(octree, batch, query, simd::traversal(octree.instruction_set()).closest_stream,
-           first_hit<Ray, RayQuery>);
+void closest_batch(const Octree& octree, const Batch& batch, const RayQuery& query) {
+  trace_batch(octree, batch, query, simd::traversal(octree.instruction_set()).closest_stream,
+              first_hit<Ray, RayQuery>);
   RemoteMap::check(octree.view().coordinates);
 }
 
 template <class Batch>
-void ask_occluded(const Octree& octree, const Batch& batch, const RayQuery& query) {
-  ask_rays(octree, batch, query, simd::traversal(octree.instruction_set()).occluded_stream,
-           any_hit<Ray, RayQuery>);
+void occluded_batch(const Octree& octree, const Batch& batch, const RayQuery& query) {
+  trace_batch(octree, batch, query, simd::traversal(octree.instruction_set()).occluded_stream,
+              any_hit<Ray, RayQuery>);
   RemoteMap::check(octree.view().coordinates);
 }
 
@@ -298,26 +300,26 @@ Ray RayColumns::ray(std::size_t row) const {
 
 void closest(const Octree& octree, std::span<const Ray> rays, const RayQuery& query,
              std::span<std::optional<Hit>> hits) {
-  ask_closest(octree, RaysInMemory<std::optional<Hit>>(rays, hits), query);
+  closest_batch(octree, RaysInMemory<std::optional<Hit>>(rays, hits), query);
 }
 
 void closest(const Octree& octree, const RayColumns& rays, const RayQuery& query, const HitColumns& hits,
              const Progress& progress) {
-  ask_closest(octree, RaysInColumns<std::optional<Hit>, HitsOfRows>(octree, rays, query, {hits}, progress),
-              query);
+  closest_batch(octree, RaysInColumns<std::optional<Hit>, HitsOfRows>(octree, rays, query, {hits}, progress),
+                query);
 }
 
 void occluded(const Octree& octree, std::span<const Ray> rays, const RayQuery& query,
               std::span<std::uint8_t> answers) {
-  ask_occluded(octree, RaysInMemory<std::uint8_t>(rays, answers), query);
+  occluded_batch(octree, RaysInMemory<std::uint8_t>(rays, answers), query);
 }
 
 void occluded(const Octree& octree, const RayColumns& rays, const RayQuery& query,
               std::span<std::uint8_t> answers, const Progress& progress) {
   check_room(rays.count, answers.size());
-  ask_occluded(octree,
-               RaysInColumns<std::uint8_t, BytesOfRows>(octree, rays, query, {answers.data()}, progress),
-               query);
+  occluded_batch(octree,
+                 RaysInColumns<std::uint8_t, BytesOfRows>(octree, rays, query, {answers.data()}, progress),
+                 query);
 }
 
 }  // namespace alidade

@@ -282,7 +282,7 @@ class LeafGroupTest {
     hn::Store(leader_high, d, leader_highs);
     hn::Store(leader, n, leaders);
     for_each(stands_out, [&](std::size_t lane) {
-      const RayUnderWay ray = batch[rays[lane]];
+      const ActiveRay ray = batch[rays[lane]];
       const double t = t_near[lane];
       if (t + leader_highs[lane] < ray.state.best_low) {
         single_.take(ray, leaf_, leaders[lane], t + leader_lows[lane], t + leader_highs[lane]);
@@ -308,7 +308,7 @@ class LeafGroupTest {
       visit(static_cast<std::size_t>(std::countr_zero(bits)));
   }
 
-  HWY_NOINLINE void alone(const RayUnderWay& ray, float t_near) const {
+  HWY_NOINLINE void alone(const ActiveRay& ray, float t_near) const {
     single_.visit(ray, leaf_, count_, frame_, t_near);
   }
 

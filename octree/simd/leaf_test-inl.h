@@ -21,15 +21,15 @@ namespace HWY_NAMESPACE {
 
 /// A ray from `start` (local t) on, relative to a frame's corner, in floats of four: position, direction,
 /// RayLimits.
-HWY_INLINE void relative_to(const RayUnderWay& ray, double start, const double* corner, float* from,
+HWY_INLINE void relative_to(const ActiveRay& ray, double start, const double* corner, float* from,
                             float* along, float* limits) {
   const hn::CappedTag<double, 4> d;
   const hn::Rebind<float, decltype(d)> floats;
   const auto local_t = hn::Set(d, start), t = hn::Set(d, start + ray.state.shift);
   for (std::size_t lane = 0; lane < 4; lane += hn::Lanes(d)) {
     // The fourth values are whatever is behind in memory; they are not used.
-    const auto direction = hn::LoadU(d, &ray.asked.direction.x + lane);
-    const auto position = hn::MulAdd(t, direction, hn::LoadU(d, &ray.asked.origin.x + lane));
+    const auto direction = hn::LoadU(d, &ray.input.direction.x + lane);
+    const auto position = hn::MulAdd(t, direction, hn::LoadU(d, &ray.input.origin.x + lane));
     hn::StoreU(hn::DemoteTo(floats, hn::Sub(position, hn::LoadU(d, corner + lane))), floats, from + lane);
     hn::StoreU(hn::DemoteTo(floats, direction), floats, along + lane);
     hn::StoreU(hn::DemoteTo(floats, hn::Sub(hn::LoadU(d, &ray.state.limits.t_min + lane), local_t)), floats,
@@ -86,7 +86,7 @@ class LeafTest {
 
   /// The first `count` points of a leaf, whose box the ray's line enters at t_near (local; rounding does not
   /// matter). For `any`, ray.state.found() ends the search.
-  HWY_INLINE void visit(const RayUnderWay& ray, const Leaf& leaf, std::uint32_t count, const LeafFrame& frame,
+  HWY_INLINE void visit(const ActiveRay& ray, const Leaf& leaf, std::uint32_t count, const LeafFrame& frame,
                         float t_near) const {
     constexpr std::uint32_t lanes = hn::MaxLanes(PointLanes());
     if (count <= lanes) {
@@ -97,25 +97,25 @@ class LeafTest {
   }
 
   /// The ray's best point as a hit.
-  std::optional<Hit> answer(const RayUnderWay& ray) const {
+  std::optional<Hit> answer(const ActiveRay& ray) const {
     if (!ray.state.found()) return std::nullopt;
     return in_double(ray, ray.state.best_position, ray.state.best_index);
   }
 
   /// Whether the query rejects a point whatever its id is.
-  bool rejects(const RayUnderWay& ray, const LatticePosition& position, std::uint32_t index) const {
+  bool rejects(const ActiveRay& ray, const LatticePosition& position, std::uint32_t index) const {
     return !in_double(ray, position, index, Filters::of_position);
   }
 
   /// Makes a point of a leaf the best: its measure lies in [low, high], local t.
-  void take(const RayUnderWay& ray, const Leaf& leaf, std::uint32_t index, double low, double high) const {
+  void take(const ActiveRay& ray, const Leaf& leaf, std::uint32_t index, double low, double high) const {
     keep(ray, leaf, index);
     ray.state.best_low = low;
     cut_at(ray, high);
   }
 
   /// Any point is enough: nothing more counts.
-  static void finish(const RayUnderWay& ray) {
+  static void finish(const ActiveRay& ray) {
     ray.state.best_low = -std::numeric_limits<double>::infinity();
     ray.boxes.t_cut = -std::numeric_limits<float>::infinity();
   }
@@ -126,7 +126,7 @@ class LeafTest {
 
  private:
   template <int vectors>
-  HWY_NOINLINE void visit_vectors(const RayUnderWay& ray, const Leaf& leaf, std::uint32_t count,
+  HWY_NOINLINE void visit_vectors(const ActiveRay& ray, const Leaf& leaf, std::uint32_t count,
                                   const LeafFrame& frame, float t_near) const {
     // Around the point where the ray enters the leaf's box numbers are small, and so are errors.
     const auto start = static_cast<double>(t_near);
@@ -260,7 +260,7 @@ class LeafTest {
     }
   }
 
-  void choose_any(const RayUnderWay& ray, const Leaf& leaf, std::uint32_t possible, bool certain) const {
+  void choose_any(const ActiveRay& ray, const Leaf& leaf, std::uint32_t possible, bool certain) const {
     if (certain) {
       finish(ray);
       return;
@@ -270,7 +270,7 @@ class LeafTest {
   }
 
   /// lows: none of the points begins before, from `start` on.
-  void decide_in_order(const RayUnderWay& ray, const Leaf& leaf, std::uint32_t possible, double start,
+  void decide_in_order(const ActiveRay& ray, const Leaf& leaf, std::uint32_t possible, double start,
                        const float* lows) const {
     while (possible != 0) {
       std::uint32_t next = index_of_lowest_bit(possible);
@@ -289,13 +289,13 @@ class LeafTest {
     }
   }
 
-  static void cut_at(const RayUnderWay& ray, double t) {
+  static void cut_at(const ActiveRay& ray, double t) {
     if (t > ray.state.limits.cut) return;
     ray.state.limits.cut = t;
     ray.boxes.t_cut = float_above(t);
   }
 
-  void decide(const RayUnderWay& ray, const Leaf& leaf, std::uint32_t index) const {
+  void decide(const ActiveRay& ray, const Leaf& leaf, std::uint32_t index) const {
     const std::optional<Hit> hit = in_double(ray, leaf, index);
     if (!hit) return;
     const bool is_surely_first = measured(measure, *hit) - ray.state.shift < ray.state.best_low;
@@ -312,26 +312,26 @@ class LeafTest {
   }
 
   /// The best point's measure is known to the last bit.
-  void settle(const RayUnderWay& ray, const Hit& best) const {
+  void settle(const ActiveRay& ray, const Hit& best) const {
     const double local = measured(measure, best) - ray.state.shift;
     ray.state.best_low = local - setup_.double_error;
     cut_at(ray, local + setup_.double_error);
   }
 
-  std::optional<Hit> in_double(const RayUnderWay& ray, const Leaf& leaf, std::uint32_t index) const {
+  std::optional<Hit> in_double(const ActiveRay& ray, const Leaf& leaf, std::uint32_t index) const {
     return in_double(ray, position_of(setup_.tree, leaf, index), leaf.first + index);
   }
 
-  std::optional<Hit> in_double(const RayUnderWay& ray, const LatticePosition& position, std::uint32_t index,
+  std::optional<Hit> in_double(const ActiveRay& ray, const LatticePosition& position, std::uint32_t index,
                                Filters filters = Filters::all) const {
     const glm::dvec3 world = to_world(setup_.tree.lattice, position);
     if constexpr (radii == Radii::own)
-      return evaluate_own(ray.asked, setup_.query, setup_.tree, index, world, ray.query_index, filters);
-    return evaluate(ray.asked, setup_.query, setup_.query.radius, world, point_id(setup_.tree, index),
+      return evaluate_own(ray.input, setup_.query, setup_.tree, index, world, ray.query_index, filters);
+    return evaluate(ray.input, setup_.query, setup_.query.radius, world, point_id(setup_.tree, index),
                     ray.query_index, filters);
   }
 
-  void keep(const RayUnderWay& ray, const Leaf& leaf, std::uint32_t index) const {
+  void keep(const ActiveRay& ray, const Leaf& leaf, std::uint32_t index) const {
     ray.state.best_position = position_of(setup_.tree, leaf, index);
     ray.state.best_index = leaf.first + index;
     // Read with the answer: few points that once were the best are not in the end.

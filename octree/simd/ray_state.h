@@ -107,8 +107,8 @@ enum class Radii {
 struct QuerySetup {
   /// For rays that start not farther away than a few times the extent of the points, and near the site if
   /// there is one; others get a setup of their own.
-  QuerySetup(const TreeView& asked_tree, const RayQuery& asked_query)
-      : QuerySetup(asked_tree, asked_query, usual_way(asked_tree, asked_query)) {
+  QuerySetup(const TreeView& query_tree, const RayQuery& ray_query)
+      : QuerySetup(query_tree, ray_query, usual_way(query_tree, ray_query)) {
     const TreeExtent& extent = tree.extent;
     if (extent.site_level >= tree.root_level) return;
     has_site = true;
@@ -120,11 +120,11 @@ struct QuerySetup {
   }
 
   /// For rays from anywhere.
-  QuerySetup(const TreeView& asked_tree, const RayQuery& asked_query, double greatest_way)
-      : tree(asked_tree),
-        query(asked_query),
+  QuerySetup(const TreeView& query_tree, const RayQuery& ray_query, double greatest_way)
+      : tree(query_tree),
+        query(ray_query),
         longest_way(greatest_way),
-        double_error(double_error_of(asked_tree.extent, greatest_way)) {
+        double_error(double_error_of(query_tree.extent, greatest_way)) {
     std::ranges::copy(tree.extent.corner, corner);
     box_margin = site_margin = margin_in(tree.extent.frame_width);
     box_radius = site_radius = query.radius + box_margin;
@@ -228,23 +228,23 @@ struct alignas(64) RayState {
   bool found() const { return best_low < std::numeric_limits<double>::infinity(); }
 };
 
-/// A ray on its way.
-struct RayUnderWay {
-  const Ray& asked;
+/// A ray in its traversal.
+struct ActiveRay {
+  const Ray& input;  ///< as the caller gave it, world coordinates
   RayBoxes& boxes;
   RayState& state;
   std::size_t query_index;
 };
 
-/// Rays on their way, by number.
+/// Rays in their traversal, by number.
 struct RayBatch {
-  const Ray* asked;
+  const Ray* inputs;
   RayBoxes* boxes;
   RayState* states;
   std::size_t first_index;  ///< query_index of ray 0
 
-  RayUnderWay operator[](std::size_t number) const {
-    return {asked[number], boxes[number], states[number], first_index + number};
+  ActiveRay operator[](std::size_t number) const {
+    return {inputs[number], boxes[number], states[number], first_index + number};
   }
 };
 

@@ -40,7 +40,7 @@ struct Traversed {
   }
 
   /// Whether the query rejects that position. corner: of the node's frame, which has the lowest level.
-  bool rejects_first_position(const RayUnderWay& ray, const Node& node,
+  bool rejects_first_position(const ActiveRay& ray, const Node& node,
                               const std::array<std::uint32_t, 3>& corner) const {
     const Node* holder = &node;
     while (is_inner(holder->kind[0])) holder = setup.tree.nodes + holder->first_child;
@@ -135,7 +135,7 @@ HWY_INLINE unsigned meet_boxes(const RayOnGrid<radii>& ray, float t_cut, const N
 template <Measure measure, bool any, Radii radii>
 class RayWalk {
  public:
-  RayWalk(const Traversed<measure, any, radii>& traversed, const RayUnderWay& ray, const Frame& from)
+  RayWalk(const Traversed<measure, any, radii>& traversed, const ActiveRay& ray, const Frame& from)
       : ray_(ray),
         on_grid_(traversed.setup, ray.boxes),
         reference_(traversed.setup.reference),
@@ -292,7 +292,7 @@ class RayWalk {
     return slot;
   }
 
-  RayUnderWay ray_;
+  ActiveRay ray_;
   RayOnGrid<radii> on_grid_;
   std::array<std::uint32_t, 3> reference_;
   FloatFrame frame_;
@@ -305,7 +305,7 @@ class RayWalk {
 
 /// One ray from one node on.
 template <Measure measure, bool any, Radii radii>
-void trace(const Traversed<measure, any, radii>& traversed, const RayUnderWay& ray, const Frame& from) {
+void trace(const Traversed<measure, any, radii>& traversed, const ActiveRay& ray, const Frame& from) {
   RayWalk<measure, any, radii> walk(traversed, ray, from);
   do {
     if (walk.meet_children(traversed)) walk.test_leaves(traversed);

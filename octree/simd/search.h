@@ -41,7 +41,7 @@ constexpr std::size_t k_most_in_turn = 64;
 /// number that is not whole: nodes are compared byte by byte, points 16 bits at a time, and what is
 /// wholly inside is not compared at all. Requires: checked query and target; a tree and a target that suit
 /// lanes.
-template <Askable T>
+template <TargetGeometry T>
 struct Search {
   /// Appends the k first points in order.
   void (*find)(const TreeView& tree, const T& target, const QueryOf<T>& query, std::size_t k,
@@ -57,7 +57,7 @@ struct Search {
 };
 
 /// The search for an available instruction set (not `best`).
-template <Askable T>
+template <TargetGeometry T>
 const Search<T>& search(InstructionSet instruction_set);
 template <>
 const Search<Ray>& search<Ray>(InstructionSet instruction_set);

@@ -39,10 +39,10 @@ HWY_INLINE double clamped(double t) {
 }
 
 /// Fills boxes and state; nothing is found.
-HWY_INLINE Course set_up(const QuerySetup& setup, const RayUnderWay& under_way) {
-  const Ray& ray = under_way.asked;
-  RayBoxes& boxes = under_way.boxes;
-  RayState& state = under_way.state;
+HWY_INLINE Course set_up(const QuerySetup& setup, const ActiveRay& active) {
+  const Ray& ray = active.input;
+  RayBoxes& boxes = active.boxes;
+  RayState& state = active.state;
   const hn::CappedTag<double, 4> d;
   alignas(32) double inverse[4], way[4], enters[4], leaves[4];
   for (std::size_t lane = 0; lane < 4; lane += hn::Lanes(d)) {
@@ -94,19 +94,19 @@ HWY_INLINE Course set_up(const QuerySetup& setup, const RayUnderWay& under_way) 
   return t_cut >= 0.0f ? Course::usual : Course::misses;
 }
 
-/// Many rays, a few of them under way at a time by turns: while one does its step, the memory that the others
+/// Many rays, a few of them active at a time by turns: while one does its step, the memory that the others
 /// need next is on its way to the processor. For rays that have little of the tree in common.
 /// rays: numbers in the batch.
 template <Measure measure, bool any, Radii radii>
 void trace_interleaved(const Traversed<measure, any, radii>& traversed, const RayBatch& batch,
                        std::span<const std::uint32_t> rays) {
   using Walk = RayWalk<measure, any, radii>;
-  constexpr std::size_t k_under_way = 12;
+  constexpr std::size_t k_turns = 12;
   struct Turn {
     alignas(Walk) std::byte walk[sizeof(Walk)];
     bool has_leaves = false;
   };
-  const auto turns = std::make_unique_for_overwrite<Turn[]>(k_under_way);
+  const auto turns = std::make_unique_for_overwrite<Turn[]>(k_turns);
   const auto walk_of = [](Turn& turn) { return std::launder(reinterpret_cast<Walk*>(turn.walk)); };
   const Frame root = root_frame(traversed.setup.tree);
   std::size_t next = 0, active = 0;
@@ -114,7 +114,7 @@ void trace_interleaved(const Traversed<measure, any, radii>& traversed, const Ra
     new (turn.walk) Walk(traversed, batch[rays[next++]], root);
     turn.has_leaves = false;
   };
-  while (active < k_under_way && next < rays.size()) start(turns[active++]);
+  while (active < k_turns && next < rays.size()) start(turns[active++]);
   while (active > 0) {
     for (std::size_t i = 0; i < active;) {
       Turn& turn = turns[i];
@@ -152,7 +152,7 @@ class Tracer {
         leaf_test_(setup_),
         traversed_(setup_, leaf_test_) {}
 
-  void trace(const RayUnderWay& ray) const {
+  void trace(const ActiveRay& ray) const {
     if (start(ray)) simd::HWY_NAMESPACE::trace(traversed_, ray, root_frame(setup_.tree));
   }
 
@@ -178,7 +178,7 @@ class Tracer {
     answer_in_stream(octants, answers);
   }
 
-  Answer answer(const RayUnderWay& ray) const {
+  Answer answer(const ActiveRay& ray) const {
     if constexpr (any) {
       return ray.state.found() ? 1 : 0;
     } else {
@@ -190,7 +190,7 @@ class Tracer {
   Answer answer(std::size_t number) const {
     RayState state;
     RayBoxes boxes;
-    const RayUnderWay ray{rays_[number], boxes, state, first_index_ + number};
+    const ActiveRay ray{rays_[number], boxes, state, first_index_ + number};
     trace(ray);
     return answer(ray);
   }
@@ -274,10 +274,10 @@ class Tracer {
     RayStream<measure, any, radii> stream(traversed_);
     for (unsigned octant = 0; octant < 8; ++octant) {
       std::vector<std::uint32_t>& numbers = octants[octant];
-      std::vector<std::uint32_t> under_way = start_all(memory.batch, numbers);
-      if (const std::size_t count = under_way.size(); count != 0) {
-        under_way.resize(count + k_list_padding);
-        stream.run(memory.batch, std::span(under_way).first(count), octant);
+      std::vector<std::uint32_t> active = start_all(memory.batch, numbers);
+      if (const std::size_t count = active.size(); count != 0) {
+        active.resize(count + k_list_padding);
+        stream.run(memory.batch, std::span(active).first(count), octant);
       }
       for (const std::uint32_t number : numbers) answers[number] = answer(memory.batch[number]);
     }
@@ -287,14 +287,14 @@ class Tracer {
     const RayMemory memory(*this);
     std::vector<std::uint32_t> numbers(rays_.size());
     std::iota(numbers.begin(), numbers.end(), 0u);
-    const std::vector<std::uint32_t> under_way = start_all(memory.batch, numbers);
+    const std::vector<std::uint32_t> active = start_all(memory.batch, numbers);
     // Turns hide the way to memory, and cost more than that where the nodes are in the processor's cache.
     constexpr std::uint32_t k_nearby_nodes = 1u << 14;
     if (setup_.tree.node_count <= k_nearby_nodes) {
-      for (const std::uint32_t number : under_way)
+      for (const std::uint32_t number : active)
         simd::HWY_NAMESPACE::trace(traversed_, memory.batch[number], root_frame(setup_.tree));
     } else {
-      trace_interleaved(traversed_, memory.batch, std::span<const std::uint32_t>(under_way));
+      trace_interleaved(traversed_, memory.batch, std::span<const std::uint32_t>(active));
     }
     for (const std::uint32_t number : numbers) answers[number] = answer(memory.batch[number]);
   }
@@ -326,27 +326,27 @@ class Tracer {
   std::vector<std::uint32_t> start_all(const RayBatch& batch, std::span<const std::uint32_t> numbers) const {
     // The processor's own prefetching ends with every page.
     constexpr std::size_t k_ahead = 12;
-    std::vector<std::uint32_t> under_way;
-    under_way.reserve(numbers.size() + k_list_padding);
+    std::vector<std::uint32_t> active;
+    active.reserve(numbers.size() + k_list_padding);
     for (std::size_t i = 0; i < numbers.size(); ++i) {
       if (i + k_ahead < numbers.size()) hwy::Prefetch(&rays_[numbers[i + k_ahead]]);
-      if (start(batch[numbers[i]])) under_way.push_back(numbers[i]);
+      if (start(batch[numbers[i]])) active.push_back(numbers[i]);
     }
-    return under_way;
+    return active;
   }
 
   /// Whether the ray is to go through the tree; if not, its state holds the answer.
-  bool start(const RayUnderWay& ray) const {
+  bool start(const ActiveRay& ray) const {
     const Course course = set_up(setup_, ray);
     if (course == Course::far_away) trace_far_away(ray);
     return course == Course::usual;
   }
 
-  void trace_far_away(const RayUnderWay& ray) const {
+  void trace_far_away(const ActiveRay& ray) const {
     double way = setup_.query.radius;
     for (int axis = 0; axis < 3; ++axis) {
-      way += std::max(std::fabs(setup_.tree.bounds.min[axis] - ray.asked.origin[axis]),
-                      std::fabs(setup_.tree.bounds.max[axis] - ray.asked.origin[axis]));
+      way += std::max(std::fabs(setup_.tree.bounds.min[axis] - ray.input.origin[axis]),
+                      std::fabs(setup_.tree.bounds.max[axis] - ray.input.origin[axis]));
     }
     // Twice and more, since the way is measured to the widened bounds.
     const QuerySetup setup(setup_.tree, setup_.query, 2.0 * (way + 3.0 * setup_.box_radius));

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "tools/query/ask.h"
+#include "tools/query/query_executor.h"
 
 #include <gtest/gtest.h>
 

@@ -19,7 +19,7 @@
 #include "octree/index_file/index_file.h"
 #include "octree/query.h"
 #include "tools/console.h"
-#include "tools/query/ask.h"
+#include "tools/query/query_executor.h"
 #include "tools/query/target_kind.h"
 
 namespace alidade::tools {

@@ -66,7 +66,7 @@ struct TargetKind {
 const TargetKind& target_kind(TargetFamily family);
 
 /// The kind of Ray (lines are such, too), Cone, Path, HalfSpaces, Bounds, glm::dvec3.
-template <Askable Target>
+template <TargetGeometry Target>
 const TargetKind& target_kind() {
   using enum TargetFamily;
   return target_kind(std::same_as<Target, Ray>          ? rays
