@@ -117,7 +117,7 @@ std::uint64_t count_rows(sqlite3_stmt* statement) {
   return rows;
 }
 
-void ask(benchmark::State& state, const Files& files, const std::string& sql, bool is_pruned) {
+void time_statement(benchmark::State& state, const Files& files, const std::string& sql, bool is_pruned) {
   const Connection connection(files.database(), Connection::Mode::read);
   // Run once before it is timed, so that caches are filled.
   count_rows(prepare(connection.get(), sql).statement.get());
@@ -156,16 +156,17 @@ int main(int argc, char** argv) {
     for (const bool is_pruned : {true, false}) {
       add_benchmark(1, {"sql", "ray", radius, is_pruned ? "pruned" : "plain"},
                     [&files, sql = statement + radius, is_pruned](benchmark::State& state) {
-                      ask(state, files, sql, is_pruned);
+                      time_statement(state, files, sql, is_pruned);
                     });
     }
   }
   const std::string form = fmt::format("points({}) ", k_ray);
   add_benchmark(1, {"sql", "ray_form", "1"}, [&, form](benchmark::State& state) {
-    ask(state, files, "SELECT *, dist, t FROM " + form + "WHERE dist <= 1", false);
+    time_statement(state, files, "SELECT *, dist, t FROM " + form + "WHERE dist <= 1", false);
   });
   add_benchmark(1, {"sql", "first_hit", "1"}, [&, form](benchmark::State& state) {
-    ask(state, files, "SELECT id, t FROM " + form + "WHERE dist <= 1 AND t >= 0 ORDER BY t LIMIT 1", false);
+    time_statement(state, files,
+                   "SELECT id, t FROM " + form + "WHERE dist <= 1 AND t >= 0 ORDER BY t LIMIT 1", false);
   });
   benchmark::RunSpecifiedBenchmarks();
   benchmark::Shutdown();

@@ -152,9 +152,9 @@ std::size_t occluded_hits(RTCScene scene, std::span<const RTCRayHit> rays, const
   std::size_t hits = 0;
   if (mode.packet == 1) {
     for (const RTCRayHit& ray : rays) {
-      RTCRay asked = ray.ray;
-      rtcOccluded1(scene, &context, &asked);
-      hits += asked.tfar < 0.0f;
+      RTCRay traced = ray.ray;
+      rtcOccluded1(scene, &context, &traced);
+      hits += traced.tfar < 0.0f;
     }
   } else if (mode.packet == 16) {
     alignas(64) RTCRayHit16 packet;
@@ -169,16 +169,16 @@ std::size_t occluded_hits(RTCScene scene, std::span<const RTCRayHit> rays, const
     stream.assign(rays.begin(), rays.end());
     rtcOccluded1M(scene, &context, &stream.data()->ray, static_cast<unsigned>(stream.size()),
                   sizeof(RTCRayHit));
-    for (const RTCRayHit& asked : stream) hits += asked.ray.tfar < 0.0f;
+    for (const RTCRayHit& traced : stream) hits += traced.ray.tfar < 0.0f;
   }
   return hits;
 }
 
-using Ask = std::size_t (*)(RTCScene, std::span<const RTCRayHit>, const Mode&, RTCIntersectContext,
-                            std::vector<RTCRayHit>&);
+using TraceRays = std::size_t (*)(RTCScene, std::span<const RTCRayHit>, const Mode&, RTCIntersectContext,
+                                  std::vector<RTCRayHit>&);
 
-void ask_embree(benchmark::State& state, std::int64_t points, const std::string& set, const Mode& mode,
-                Ask ask, int threads) {
+void time_embree(benchmark::State& state, std::int64_t points, const std::string& set, const Mode& mode,
+                 TraceRays trace, int threads) {
   const BenchSite& site = bench_site(static_cast<std::size_t>(points));
   const EmbreeSpheres& spheres = embree_spheres(site);
   const std::vector<RTCRayHit> rays = prepared(spheres, site.rays(set));
@@ -194,9 +194,9 @@ void ask_embree(benchmark::State& state, std::int64_t points, const std::string&
             const FlushDenormals flush;
             std::vector<RTCRayHit> room;
             for (std::size_t b = range.begin(); b != range.end(); ++b)
-              sum += ask(spheres.scene(),
-                         std::span(rays).subspan(b * block, std::min(block, rays.size() - b * block)), mode,
-                         context, room);
+              sum += trace(spheres.scene(),
+                           std::span(rays).subspan(b * block, std::min(block, rays.size() - b * block)), mode,
+                           context, room);
             return sum;
           },
           std::plus<>());
@@ -210,11 +210,11 @@ void ask_embree(benchmark::State& state, std::int64_t points, const std::string&
 void register_embree_rays() {
   for (const std::int64_t points : k_site_sizes) {
     const std::string count = std::to_string(points);
-    const auto add = [&](const std::string& question, const std::string& set, Ask ask) {
+    const auto add = [&](const std::string& question, const std::string& set, TraceRays trace) {
       for (const Mode& mode : k_modes) {
         for (const int threads : {1, 2}) {
           add_benchmark(threads, {"embree", question, set, with_threads(mode.name, threads), count},
-                        ask_embree, points, set, mode, ask, threads);
+                        time_embree, points, set, mode, trace, threads);
         }
       }
     };

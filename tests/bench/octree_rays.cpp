@@ -50,8 +50,8 @@ std::size_t count_hits(std::span<const Answer> answers) {
 }
 
 template <class Question>
-void ask_single(benchmark::State& state, std::int64_t points, const std::string& set,
-                InstructionSet instruction_set, int threads) {
+void time_single(benchmark::State& state, std::int64_t points, const std::string& set,
+                 InstructionSet instruction_set, int threads) {
   const BenchSite& site = bench_site(static_cast<std::size_t>(points));
   const Octree octree = site.octree.with_instruction_set(instruction_set);
   const std::vector<Ray>& rays = site.rays(set);
@@ -73,8 +73,8 @@ void ask_single(benchmark::State& state, std::int64_t points, const std::string&
 }
 
 template <class Question>
-void ask_batch(benchmark::State& state, std::int64_t points, const std::string& set,
-               InstructionSet instruction_set, int threads) {
+void time_batch(benchmark::State& state, std::int64_t points, const std::string& set,
+                InstructionSet instruction_set, int threads) {
   const BenchSite& site = bench_site(static_cast<std::size_t>(points));
   const Octree octree = site.octree.with_instruction_set(instruction_set);
   const std::vector<Ray>& rays = site.rays(set);
@@ -85,7 +85,7 @@ void ask_batch(benchmark::State& state, std::int64_t points, const std::string& 
 
 /// Like a program that has only so many rays at a time.
 template <class Question>
-void ask_blocks(benchmark::State& state, std::int64_t points, const std::string& set, std::size_t block) {
+void time_blocks(benchmark::State& state, std::int64_t points, const std::string& set, std::size_t block) {
   const BenchSite& site = bench_site(static_cast<std::size_t>(points));
   const std::span<const Ray> rays = site.rays(set);
   const RayQuery query = site.query();
@@ -108,17 +108,17 @@ template <class Question>
 void register_question(const std::string& question, const std::string& set, std::int64_t points) {
   const std::string count = std::to_string(points);
   for (const int threads : {1, 2}) {
-    add_benchmark(threads, {question, set, with_threads("single", threads), count}, ask_single<Question>,
+    add_benchmark(threads, {question, set, with_threads("single", threads), count}, time_single<Question>,
                   points, set, InstructionSet::best, threads);
-    add_benchmark(threads, {question, set, with_threads("batch", threads), count}, ask_batch<Question>,
+    add_benchmark(threads, {question, set, with_threads("batch", threads), count}, time_batch<Question>,
                   points, set, InstructionSet::best, threads);
   }
-  add_benchmark(1, {question, set, "blocks_of_256", count}, ask_blocks<Question>, points, set, 256);
+  add_benchmark(1, {question, set, "blocks_of_256", count}, time_blocks<Question>, points, set, 256);
   for (const InstructionSet instruction_set : available_instruction_sets()) {
     const std::string_view of_set = name(instruction_set);
-    add_benchmark(1, {"instruction_set", of_set, question, set, "single", count}, ask_single<Question>,
+    add_benchmark(1, {"instruction_set", of_set, question, set, "single", count}, time_single<Question>,
                   points, set, instruction_set, 1);
-    add_benchmark(1, {"instruction_set", of_set, question, set, "batch", count}, ask_batch<Question>, points,
+    add_benchmark(1, {"instruction_set", of_set, question, set, "batch", count}, time_batch<Question>, points,
                   set, instruction_set, 1);
   }
 }

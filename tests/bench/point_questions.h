@@ -99,7 +99,7 @@ inline std::vector<glm::vec3> query_positions() {
 }
 
 template <class Index>
-void ask_nearest(benchmark::State& state, std::int64_t points, std::size_t k) {
+void time_nearest(benchmark::State& state, std::int64_t points, std::size_t k) {
   Index& index = kept_index<Index>(points);
   const std::vector<glm::vec3> positions = query_positions();
   std::size_t found = 0;
@@ -110,7 +110,7 @@ void ask_nearest(benchmark::State& state, std::int64_t points, std::size_t k) {
 }
 
 template <class Index>
-void ask_within(benchmark::State& state, std::int64_t points, float radius) {
+void time_within(benchmark::State& state, std::int64_t points, float radius) {
   Index& index = kept_index<Index>(points);
   const std::vector<glm::vec3> positions = query_positions();
   std::size_t found = 0;
@@ -121,8 +121,8 @@ void ask_within(benchmark::State& state, std::int64_t points, float radius) {
 }
 
 template <class Index>
-void ask_boxes(benchmark::State& state, std::int64_t points, const std::vector<QueryBox>& boxes,
-               std::size_t (Index::*question)(const glm::vec3&, const glm::vec3&)) {
+void time_boxes(benchmark::State& state, std::int64_t points, const std::vector<QueryBox>& boxes,
+                std::size_t (Index::*question)(const glm::vec3&, const glm::vec3&)) {
   Index& index = kept_index<Index>(points);
   std::size_t found = 0;
   for (auto _ : state) {
@@ -139,17 +139,17 @@ void register_build(std::string_view name, std::int64_t points) {
 template <class Index>
 void register_questions(std::string_view name, std::int64_t points) {
   const std::string count = std::to_string(points);
-  add_benchmark(1, {"points", "nearest_8", name, count}, ask_nearest<Index>, points, 8);
+  add_benchmark(1, {"points", "nearest_8", name, count}, time_nearest<Index>, points, 8);
   if constexpr (requires { &Index::within; }) {
     const auto radius = static_cast<float>(std::cbrt(20.0 / (4.18879 * static_cast<double>(points))));
-    add_benchmark(1, {"points", "within_20", name, count}, ask_within<Index>, points, radius);
+    add_benchmark(1, {"points", "within_20", name, count}, time_within<Index>, points, radius);
   }
   const auto add_boxes = [&](const std::string& question, auto function) {
-    add_benchmark(1, {"points", question + "_small", name, count}, ask_boxes<Index>, points,
+    add_benchmark(1, {"points", question + "_small", name, count}, time_boxes<Index>, points,
                   small_boxes(points), function);
     constexpr std::int64_t k_size_of_table_1 = 100'000;
     if (points == k_size_of_table_1)
-      add_benchmark(1, {"points", question + "_large", name, count}, ask_boxes<Index>, points, large_boxes(),
+      add_benchmark(1, {"points", question + "_large", name, count}, time_boxes<Index>, points, large_boxes(),
                     function);
   };
   if constexpr (requires { &Index::box_count; }) add_boxes("box_count", &Index::box_count);

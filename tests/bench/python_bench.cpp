@@ -69,10 +69,10 @@ class BothSites {
   }
 
   /// Hits with arrays of their own.
-  py::object ask_python(const RayPair& pair, int threads) const {
+  py::object query_python(const RayPair& pair, int threads) const {
     return closest_(pair.array, "radius"_a = site_.radius, "t_min"_a = site_.radius, "workers"_a = threads);
   }
-  void ask_cpp(const RayPair& pair, int threads, std::vector<std::optional<Hit>>& hits) const {
+  void query_cpp(const RayPair& pair, int threads, std::vector<std::optional<Hit>>& hits) const {
     const RayQuery query{.radius = site_.radius, .measure = Measure::entry};
     on_threads(threads, [&] { closest(octree_, pair.rays, query, hits); });
   }
@@ -81,8 +81,8 @@ class BothSites {
   /// Requires the same answers of both.
   void count_hits(RayPair& pair) const {
     std::vector<std::optional<Hit>> hits(k_rays);
-    ask_cpp(pair, 1, hits);
-    const py::object columns = ask_python(pair, 1);
+    query_cpp(pair, 1, hits);
+    const py::object columns = query_python(pair, 1);
     const auto ids = columns.attr("index").cast<py::array_t<std::int64_t>>();
     const auto entries = columns.attr("entry").cast<py::array_t<double>>();
     for (std::size_t i = 0; i < k_rays; ++i) {
@@ -111,14 +111,14 @@ void register_rays(Sites& sites, std::size_t points, const std::string& set, int
                 [=](benchmark::State& state) {
                   const RayPair& pair = site().rays(set);
                   std::vector<std::optional<Hit>> hits(k_rays);
-                  for (auto _ : state) site().ask_cpp(pair, threads, hits);
+                  for (auto _ : state) site().query_cpp(pair, threads, hits);
                   report_rays(state, k_rays, pair.hits);
                 });
   // The arrays of the answers are made and end within the time.
   add_benchmark(threads, {"python", "closest", set, with_threads("numpy", threads), count},
                 [=](benchmark::State& state) {
                   const RayPair& pair = site().rays(set);
-                  for (auto _ : state) site().ask_python(pair, threads);
+                  for (auto _ : state) site().query_python(pair, threads);
                   report_rays(state, k_rays, pair.hits);
                 });
 }

@@ -70,30 +70,30 @@ void closest_each(benchmark::State& state, const Octree& octree, const std::vect
 // Lists of a wide radius in a large cloud hold tens of thousands of points.
 constexpr int k_uniform_rays = 200;
 
-void ask_uniform(benchmark::State& state, std::int64_t points, const RayQuery& query) {
+void time_uniform(benchmark::State& state, std::int64_t points, const RayQuery& query) {
   find_each(state, uniform_octree(points), uniform_rays(k_uniform_rays), query);
 }
 
 /// All points between two planes across the ray.
-void ask_interval(benchmark::State& state, std::int64_t points, double width) {
+void time_interval(benchmark::State& state, std::int64_t points, double width) {
   constexpr double k_begin = 0.3;
   std::vector<Ray> rays = uniform_rays(k_uniform_rays);
   for (Ray& ray : rays) ray = make_ray(ray.origin, ray.direction, k_begin, k_begin + width);
   find_each(state, uniform_octree(points), rays, {.measure = Measure::t});
 }
 
-void ask_site(benchmark::State& state, std::int64_t points, std::size_t k) {
+void time_site(benchmark::State& state, std::int64_t points, std::size_t k) {
   const BenchSite& site = bench_site(static_cast<std::size_t>(points));
   find_each(state, site.octree, site_rays(site), {.measure = Measure::distance, .k = k});
 }
 
-void ask_site_by_t(benchmark::State& state, std::int64_t points) {
+void time_site_by_t(benchmark::State& state, std::int64_t points) {
   const BenchSite& site = bench_site(static_cast<std::size_t>(points));
   closest_each(state, site.octree, site_rays(site), {.radius = site.radius, .measure = Measure::t});
 }
 
 /// All points at one position, and rays that pass it within the radius.
-void ask_identical(benchmark::State& state, std::int64_t points, bool any) {
+void time_identical(benchmark::State& state, std::int64_t points, bool any) {
   PointCloud cloud;
   cloud.positions.assign(static_cast<std::size_t>(points), LatticePosition(5000, 5000, 5000));
   const Octree octree = build(cloud);
@@ -118,29 +118,29 @@ void register_ray_questions() {
     const std::string count = std::to_string(points);
     for (const std::size_t k : {1, 2, 4, 8, 16, 32, 64, 128, 256}) {
       const RayQuery query{.measure = Measure::distance, .k = k};
-      add_benchmark(1, {"uniform", "nearest", std::to_string(k), count}, ask_uniform, points, query);
+      add_benchmark(1, {"uniform", "nearest", std::to_string(k), count}, time_uniform, points, query);
     }
     for (const char* width : {"0.000001", "0.00001", "0.0001", "0.001"})
-      add_benchmark(1, {"uniform", "interval", width, count}, ask_interval, points, std::stod(width));
+      add_benchmark(1, {"uniform", "interval", width, count}, time_interval, points, std::stod(width));
     for (const char* radius : {"0.0003", "0.001", "0.003", "0.01", "0.03"}) {
       RayQuery query{.radius = std::stod(radius), .measure = Measure::t};
-      add_benchmark(1, {"uniform", "radius", radius, count}, ask_uniform, points, query);
+      add_benchmark(1, {"uniform", "radius", radius, count}, time_uniform, points, query);
       for (const std::size_t k : {1, 8, 64}) {
         query.k = k;
         const std::string question = "closest_" + std::to_string(k);
-        add_benchmark(1, {"uniform", question, radius, count}, ask_uniform, points, query);
+        add_benchmark(1, {"uniform", question, radius, count}, time_uniform, points, query);
       }
     }
   }
   for (const std::int64_t points : k_site_sizes) {
     const std::string count = std::to_string(points);
     for (const std::size_t k : {1, 8, 64})
-      add_benchmark(1, {"site", "nearest", std::to_string(k), count}, ask_site, points, k);
-    add_benchmark(1, {"site", "closest_by_t", count}, ask_site_by_t, points);
+      add_benchmark(1, {"site", "nearest", std::to_string(k), count}, time_site, points, k);
+    add_benchmark(1, {"site", "closest_by_t", count}, time_site_by_t, points);
   }
   for (const std::int64_t points : {1'000'000}) {
-    add_benchmark(1, {"identical", "closest", std::to_string(points)}, ask_identical, points, false);
-    add_benchmark(1, {"identical", "occluded", std::to_string(points)}, ask_identical, points, true);
+    add_benchmark(1, {"identical", "closest", std::to_string(points)}, time_identical, points, false);
+    add_benchmark(1, {"identical", "occluded", std::to_string(points)}, time_identical, points, true);
   }
 }
 

@@ -49,20 +49,20 @@ struct Measured {
 };
 
 /// Every batch by one thread, as in the renderer.
-template <class Ask>
-Measured measure(std::span<const Batch> batches, const Ask& ask) {
+template <class RunBatch>
+Measured measure(std::span<const Batch> batches, const RunBatch& run_batch) {
   std::atomic<std::size_t> met{0};
   const double seconds = seconds_of([&] {
     tbb::parallel_for(std::size_t{0}, batches.size(), [&](std::size_t i) {
       tbb::task_arena alone(1);
-      alone.execute([&] { met += ask(batches[i]); });
+      alone.execute([&] { met += run_batch(batches[i]); });
     });
   });
   return {seconds, met};
 }
 
 /// Returns how many rays meet something; so do the others.
-std::size_t ask_octree(const LoadedCloud& cloud, const RayQuery& query, const Batch& batch) {
+std::size_t query_octree(const LoadedCloud& cloud, const RayQuery& query, const Batch& batch) {
   if (batch.occlusion) {
     std::vector<std::uint8_t> answers(batch.rays.size());
     occluded(cloud.octree, batch.rays, query, answers);
@@ -86,20 +86,20 @@ test::EmbreeSpheres embree_spheres(const LoadedCloud& cloud) {
   return test::EmbreeSpheres(points, cloud.radius, cloud.octree.bounds().min);
 }
 
-std::size_t ask_embree(const test::EmbreeSpheres& spheres, const Batch& batch) {
+std::size_t query_embree(const test::EmbreeSpheres& spheres, const Batch& batch) {
   // A ray that leaves a sphere must not meet it again.
   constexpr float k_begin = 1e-4f;
   RTCIntersectContext context;
   rtcInitIntersectContext(&context);
   std::size_t met = 0;
   for (const Ray& ray : batch.rays) {
-    RTCRayHit asked = spheres.prepare(ray, k_begin);
+    RTCRayHit traced = spheres.prepare(ray, k_begin);
     if (batch.occlusion) {
-      rtcOccluded1(spheres.scene(), &context, &asked.ray);
-      met += asked.ray.tfar < 0.0f ? 1 : 0;
+      rtcOccluded1(spheres.scene(), &context, &traced.ray);
+      met += traced.ray.tfar < 0.0f ? 1 : 0;
     } else {
-      rtcIntersect1(spheres.scene(), &context, &asked);
-      met += asked.hit.geomID != RTC_INVALID_GEOMETRY_ID ? 1 : 0;
+      rtcIntersect1(spheres.scene(), &context, &traced);
+      met += traced.hit.geomID != RTC_INVALID_GEOMETRY_ID ? 1 : 0;
     }
   }
   return met;
@@ -139,7 +139,8 @@ int run(const char* cloud_file, const char* camera_file, int samples, NormalMode
   double rays = 0.0;
   for (const Batch& batch : batches) rays += static_cast<double>(batch.rays.size());
 
-  const Measured bare = measure(batches, [&](const Batch& batch) { return ask_octree(cloud, query, batch); });
+  const Measured bare =
+      measure(batches, [&](const Batch& batch) { return query_octree(cloud, query, batch); });
   const auto share = static_cast<double>(bare.met);
   std::printf("| what | rays | seconds | M rays/s | times the render | rays that meet something |\n");
   std::printf("|---|--:|--:|--:|--:|--:|\n");
@@ -147,7 +148,7 @@ int run(const char* cloud_file, const char* camera_file, int samples, NormalMode
   row("its rays, the octree alone", rays, bare.seconds, statistics.seconds, share);
 #ifdef ALIDADE_WITH_EMBREE
   const test::EmbreeSpheres spheres = embree_spheres(cloud);
-  const Measured embree = measure(batches, [&](const Batch& batch) { return ask_embree(spheres, batch); });
+  const Measured embree = measure(batches, [&](const Batch& batch) { return query_embree(spheres, batch); });
   row("its rays, Embree alone", rays, embree.seconds, statistics.seconds, static_cast<double>(embree.met));
 #endif
   std::printf(

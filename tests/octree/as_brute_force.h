@@ -51,11 +51,11 @@ Tally expect_as_brute_force_on_every_family(std::size_t cases_per_family, const 
     Random random(seed);
     std::size_t i = 0;
     for (const auto& c : make_cases(family.cloud, cases_per_family, random)) {
-      const NamedOctree& asked = octrees[i % octrees.size()];
+      const NamedOctree& named = octrees[i % octrees.size()];
       const InstructionSet set = sets[i / octrees.size() % sets.size()];
-      SCOPED_TRACE("seed \"" + seed + "\", case " + std::to_string(i) + ", " + asked.name + ", " +
+      SCOPED_TRACE("seed \"" + seed + "\", case " + std::to_string(i) + ", " + named.name + ", " +
                    std::string(name(set)) + ": " + describe(c));
-      expect_as_brute_force(family.cloud, asked.octree.with_instruction_set(set), c, tally);
+      expect_as_brute_force(family.cloud, named.octree.with_instruction_set(set), c, tally);
       if (::testing::Test::HasFailure()) return tally;
       ++i;
     }

@@ -14,9 +14,9 @@ template <class Target, class Query>
 void expect_rejected(const Target& target, const Query& query, const std::string& why) {
   const PointCloud cloud = three_points();
   const Octree octree = build(cloud);
-  const auto rejected = [&](const auto& ask) {
+  const auto rejected = [&](const auto& run) {
     try {
-      ask();
+      run();
       ADD_FAILURE() << "not rejected: " << why;
     } catch (const Error& error) {
       EXPECT_NE(std::string(error.what()).find(why), std::string::npos) << error.what();
@@ -224,9 +224,9 @@ TEST(BadQuery, a_batch_names_the_first_bad_ray) {
   std::vector<std::optional<Hit>> hits(rays.size());
   std::vector<std::uint8_t> answers(rays.size());
   std::vector<std::size_t> counts(rays.size());
-  const auto message = [](const auto& ask) -> std::string {
+  const auto message = [](const auto& run) -> std::string {
     try {
-      ask();
+      run();
       return "no error";
     } catch (const Error& error) {
       return error.what();

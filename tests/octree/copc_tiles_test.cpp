@@ -65,9 +65,9 @@ class CopcTilesTest : public ::testing::Test {
   template <class Target, class Query>
   static ::testing::AssertionResult as_brute_force(const CopcTiles& tiles, const PointCloud& cloud,
                                                    const Target& target, const Query& query) {
-    const auto asked = make_target(target, query, 0);
-    Nearest neighbors(asked, query.k);
-    tree_query(CopcTilesTree(tiles), asked, neighbors);
+    const auto tree_target = make_target(target, query, 0);
+    Nearest neighbors(tree_target, query.k);
+    tree_query(CopcTilesTree(tiles), tree_target, neighbors);
     const auto found = neighbors.in_order();
     const auto expected = brute_force::find(cloud, target, query);
     return test::same_hits(std::span(found), std::span(expected));

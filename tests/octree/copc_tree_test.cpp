@@ -30,11 +30,11 @@ struct Opened {
 };
 
 template <class Target, class Query>
-auto ask(const CopcCache& cache, const Target& target, const Query& query,
-         QueryStatistics* statistics = nullptr) {
-  const auto asked = make_target(target, query, 0);
-  Nearest neighbors(asked, query.k);
-  const QueryStatistics work = tree_query(CopcTree(cache), asked, neighbors);
+auto find_in(const CopcCache& cache, const Target& target, const Query& query,
+             QueryStatistics* statistics = nullptr) {
+  const auto tree_target = make_target(target, query, 0);
+  Nearest neighbors(tree_target, query.k);
+  const QueryStatistics work = tree_query(CopcTree(cache), tree_target, neighbors);
   if (statistics != nullptr) *statistics = work;
   return neighbors.in_order();
 }
@@ -42,7 +42,7 @@ auto ask(const CopcCache& cache, const Target& target, const Query& query,
 template <class Target, class Query>
 ::testing::AssertionResult as_brute_force(const CopcCache& cache, const PointCloud& cloud,
                                           const Target& target, const Query& query) {
-  const auto found = ask(cache, target, query);
+  const auto found = find_in(cache, target, query);
   const auto expected = brute_force::find(cloud, target, query);
   return test::same_hits(std::span(found), std::span(expected));
 }
@@ -95,8 +95,8 @@ TEST(CopcTreeTest, chunks_that_cannot_matter_are_not_decoded) {
   const Opened opened(sample.bytes);
   QueryStatistics work;
   const glm::dvec3 origin(690000, 5325000, 500);
-  ask(opened.cache, make_ray(origin + glm::dvec3(30, 30, 60), {0, 0, -1}, 0.0),
-      RayQuery{.radius = 0.5, .measure = Measure::entry}, &work);
+  find_in(opened.cache, make_ray(origin + glm::dvec3(30, 30, 60), {0, 0, -1}, 0.0),
+          RayQuery{.radius = 0.5, .measure = Measure::entry}, &work);
   const CopcReads reads = opened.cache.reads();
   EXPECT_GT(reads.chunks_decoded, 0u);
   EXPECT_LT(reads.chunks_decoded, sample.keys.size() / 3);
@@ -109,12 +109,12 @@ TEST(CopcTreeTest, points_asked_for_again_are_not_decoded_again_while_there_is_r
   const Bounds everything{glm::dvec3(0), glm::dvec3(1e7)};
   {
     const Opened opened(sample.bytes);
-    for (int i = 0; i < 3; ++i) EXPECT_EQ(ask(opened.cache, everything, PointQuery{}).size(), 2000u);
+    for (int i = 0; i < 3; ++i) EXPECT_EQ(find_in(opened.cache, everything, PointQuery{}).size(), 2000u);
     EXPECT_EQ(opened.cache.reads().chunks_decoded, sample.keys.size());
     EXPECT_EQ(opened.cache.reads().points_decoded, 2000u);
   }
   const Opened narrow(sample.bytes, {.byte_count = 1});
-  for (int i = 0; i < 3; ++i) EXPECT_EQ(ask(narrow.cache, everything, PointQuery{}).size(), 2000u);
+  for (int i = 0; i < 3; ++i) EXPECT_EQ(find_in(narrow.cache, everything, PointQuery{}).size(), 2000u);
   EXPECT_EQ(narrow.cache.reads().chunks_decoded, 3 * sample.keys.size());
   EXPECT_EQ(narrow.cache.reads().chunks_met, sample.keys.size());
 }
@@ -149,7 +149,7 @@ TEST(CopcTreeTest, asking_ends_when_the_progress_function_says_so) {
     return done.size() < 3;
   };
   const Opened opened(sample.bytes, options);
-  EXPECT_THROW(ask(opened.cache, Bounds{glm::dvec3(0), glm::dvec3(1e7)}, PointQuery{}), Cancelled);
+  EXPECT_THROW(find_in(opened.cache, Bounds{glm::dvec3(0), glm::dvec3(1e7)}, PointQuery{}), Cancelled);
   ASSERT_EQ(done.size(), 3u);
   EXPECT_EQ(done.back(), opened.cache.reads().points_decoded);
 }
@@ -175,7 +175,7 @@ TEST(CopcTreeTest, only_points_of_the_classes_are_there) {
   RandomTargets random(3);
   for (int i = 0; i < 50; ++i) {
     const glm::dvec3 position = random.position();
-    const auto found = ask(opened.cache, position, PointQuery{.k = 7});
+    const auto found = find_in(opened.cache, position, PointQuery{.k = 7});
     const auto expected = brute_force::find(cloud, position, PointQuery{.k = 7, .filter = wanted});
     EXPECT_TRUE(test::same_hits(std::span(found), std::span(expected)));
   }
@@ -190,7 +190,7 @@ TEST(CopcTreeTest, points_outside_the_cube_of_their_node_are_an_error_when_they_
   std::memcpy(sample.bytes.data() + sample.info_offset, &centre, 8);
   const Opened opened(sample.bytes);
   const std::string error = test::error_of([&] {
-    ask(opened.cache, Bounds{glm::dvec3(0), glm::dvec3(1e7)}, PointQuery{});
+    find_in(opened.cache, Bounds{glm::dvec3(0), glm::dvec3(1e7)}, PointQuery{});
   });
   EXPECT_NE(error.find("the point is outside the cube of its node; expected a position from (6"),
             std::string::npos)
@@ -206,7 +206,7 @@ TEST(CopcTreeTest, damaged_chunks_are_an_error_that_names_the_node) {
   std::memset(sample.bytes.data() + root.chunk.offset + 36, 0xff, 4);  // the count in the chunk
   const Opened opened(sample.bytes);
   const std::string error = test::error_of([&] {
-    ask(opened.cache, Bounds{glm::dvec3(0), glm::dvec3(1e7)}, PointQuery{});
+    find_in(opened.cache, Bounds{glm::dvec3(0), glm::dvec3(1e7)}, PointQuery{});
   });
   EXPECT_NE(error.find("memory:COPC node 0-0-0-0"), std::string::npos) << error;
 }

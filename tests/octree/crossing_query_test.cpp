@@ -72,33 +72,33 @@ PointCloud sheets(Random& random) {
   return test::make_cloud(points, {glm::dvec3(1e-4), site});
 }
 
-struct Asked {
+struct CloudCase {
   std::string name;
   PointCloud cloud;
   bool fitted = true;  ///< surfaces are fitted, not random
   std::vector<double> spacings{};
 };
 
-std::vector<Asked> make_asked_clouds() {
-  std::vector<Asked> asked;
+std::vector<CloudCase> make_cloud_cases() {
+  std::vector<CloudCase> cases;
   Random random("sheets");
   const PointCloud cloud = sheets(random);
-  asked.push_back({"fitted sheets", cloud, true});
-  asked.push_back({"random sheets", cloud, false});
+  cases.push_back({"fitted sheets", cloud, true});
+  cases.push_back({"random sheets", cloud, false});
   // Doubles of its coordinates are as coarse as its lattice.
   const glm::dvec3 site(690000.0, 5325000.0, 300.0);
   std::vector<glm::dvec3> grain;
   for (int i = 0; i < 1000; ++i) grain.push_back(site + 1e-4 * random.in_cube());
-  asked.push_back({"grain", test::make_cloud(grain, {glm::dvec3(1e-9), site}), false});
-  for (const PointFamily& family : point_families()) asked.push_back({family.name, family.cloud, false});
-  for (Asked& one : asked) one.spacings = brute_force::spacings(one.cloud, k_neighbours);
-  return asked;
+  cases.push_back({"grain", test::make_cloud(grain, {glm::dvec3(1e-9), site}), false});
+  for (const PointFamily& family : point_families()) cases.push_back({family.name, family.cloud, false});
+  for (CloudCase& one : cases) one.spacings = brute_force::spacings(one.cloud, k_neighbours);
+  return cases;
 }
 
 /// Made once: each spacing looks at every point.
-const std::vector<Asked>& asked_clouds() {
-  static const std::vector<Asked> asked = make_asked_clouds();
-  return asked;
+const std::vector<CloudCase>& cloud_cases() {
+  static const std::vector<CloudCase> cases = make_cloud_cases();
+  return cases;
 }
 
 Octree with_discs_of(const Octree& octree, bool fitted) {
@@ -122,15 +122,15 @@ class CrossingVsBruteForce : public ::testing::TestWithParam<InstructionSet> {};
 
 TEST_P(CrossingVsBruteForce, closest_occluded_find_and_count_are_the_same_bits_on_every_family) {
   std::size_t hit_count = 0, miss_count = 0;
-  for (const Asked& asked : asked_clouds()) {
-    for (const test::NamedOctree& named : test::octrees_of(asked.cloud, GetParam())) {
-      const Octree octree = with_discs_of(named.octree, asked.fitted);
-      const brute_force::PointProperties properties(asked.spacings, &octree.view());
-      Random random(asked.name + "_crossing");
-      for (const RayCase& c : ray_cases(asked.cloud, 20, random)) {
+  for (const CloudCase& cloud_case : cloud_cases()) {
+    for (const test::NamedOctree& named : test::octrees_of(cloud_case.cloud, GetParam())) {
+      const Octree octree = with_discs_of(named.octree, cloud_case.fitted);
+      const brute_force::PointProperties properties(cloud_case.spacings, &octree.view());
+      Random random(cloud_case.name + "_crossing");
+      for (const RayCase& c : ray_cases(cloud_case.cloud, 20, random)) {
         const RayQuery query = crossing_query(c.query, random);
-        SCOPED_TRACE(asked.name + " " + named.name + " factor " + std::to_string(query.spacing_factor));
-        const std::vector<Hit> expected = brute_force::find(asked.cloud, c.ray, query, properties);
+        SCOPED_TRACE(cloud_case.name + " " + named.name + " factor " + std::to_string(query.spacing_factor));
+        const std::vector<Hit> expected = brute_force::find(cloud_case.cloud, c.ray, query, properties);
         const std::optional<Hit> first = expected.empty() ? std::nullopt : std::optional(expected.front());
         ASSERT_TRUE(same_hits(closest(octree, c.ray, query), first));
         ASSERT_EQ(occluded(octree, c.ray, query), first.has_value());
@@ -150,11 +150,11 @@ TEST_P(CrossingVsBruteForce, batches_are_the_same_bits_whatever_the_filter) {
   BuildOptions options;
   options.instruction_set = GetParam();
   std::size_t hit_count = 0;
-  for (const Asked& asked : asked_clouds()) {
-    if (asked.cloud.size() == 0) continue;
-    const Octree octree = with_discs_of(build(asked.cloud, options), asked.fitted);
-    const brute_force::PointProperties properties(asked.spacings, &octree.view());
-    Random random(asked.name + "_crossing_batches");
+  for (const CloudCase& cloud_case : cloud_cases()) {
+    if (cloud_case.cloud.size() == 0) continue;
+    const Octree octree = with_discs_of(build(cloud_case.cloud, options), cloud_case.fitted);
+    const brute_force::PointProperties properties(cloud_case.spacings, &octree.view());
+    Random random(cloud_case.name + "_crossing_batches");
     for (int turn = 0; turn < 6; ++turn) {
       const double radius = 2.0 * automatic_radius(octree);
       RayQuery query = crossing_query({.radius = std::max(radius, 1e-3) * std::pow(8.0, turn % 3)}, random);
@@ -167,8 +167,8 @@ TEST_P(CrossingVsBruteForce, batches_are_the_same_bits_whatever_the_filter) {
       if (turn == 3) query.filter = [](const Candidate& candidate) { return candidate.point_id % 3 != 0; };
       std::vector<Ray> rays;
       for (int i = 0; i < 60; ++i) {
-        const glm::dvec3 from = asked.cloud.world(random.below(asked.cloud.size()));
-        const glm::dvec3 to = asked.cloud.world(random.below(asked.cloud.size()));
+        const glm::dvec3 from = cloud_case.cloud.world(random.below(cloud_case.cloud.size()));
+        const glm::dvec3 to = cloud_case.cloud.world(random.below(cloud_case.cloud.size()));
         const glm::dvec3 start = from + radius * random.in_cube(),
                          way = to + radius * random.in_cube() - start;
         if (!(glm::dot(way, way) > 0.0)) continue;
@@ -183,8 +183,9 @@ TEST_P(CrossingVsBruteForce, batches_are_the_same_bits_whatever_the_filter) {
       closest(octree, rays, query, hits);
       occluded(octree, rays, query, blocked);
       for (std::size_t i = 0; i < rays.size(); ++i) {
-        SCOPED_TRACE(asked.name + " turn " + std::to_string(turn) + " ray " + std::to_string(i));
-        const std::optional<Hit> expected = brute_force::closest(asked.cloud, rays[i], query, properties);
+        SCOPED_TRACE(cloud_case.name + " turn " + std::to_string(turn) + " ray " + std::to_string(i));
+        const std::optional<Hit> expected =
+            brute_force::closest(cloud_case.cloud, rays[i], query, properties);
         ASSERT_TRUE(same_hits(hits[i], expected));
         ASSERT_EQ(blocked[i] != 0, expected.has_value());
         hit_count += expected.has_value();
@@ -200,22 +201,22 @@ TEST_P(CrossingVsBruteForce, an_interval_that_is_the_crossing_alone_holds_it) {
   BuildOptions options;
   options.instruction_set = GetParam();
   std::size_t hit_count = 0;
-  for (const Asked& asked : asked_clouds()) {
-    if (asked.cloud.size() == 0) continue;
-    const Octree octree = with_discs_of(build(asked.cloud, options), asked.fitted);
-    const brute_force::PointProperties properties(asked.spacings, &octree.view());
-    Random random(asked.name + "_crossing_alone");
+  for (const CloudCase& cloud_case : cloud_cases()) {
+    if (cloud_case.cloud.size() == 0) continue;
+    const Octree octree = with_discs_of(build(cloud_case.cloud, options), cloud_case.fitted);
+    const brute_force::PointProperties properties(cloud_case.spacings, &octree.view());
+    Random random(cloud_case.name + "_crossing_alone");
     RayQuery query = crossing_query({.radius = std::max(4.0 * automatic_radius(octree), 1e-3)}, random);
     query.spacing_factor = 3.0;
     std::vector<Ray> rays;
     std::vector<std::optional<Hit>> expected;
     for (int i = 0; i < 60; ++i) {
-      const glm::dvec3 to = asked.cloud.world(random.below(asked.cloud.size()));
+      const glm::dvec3 to = cloud_case.cloud.world(random.below(cloud_case.cloud.size()));
       const double away = std::pow(10.0, random.between(-3.0, 2.0));
       const Ray ray = make_ray(to + away * random.in_cube(), random.direction());
-      for (const Hit& hit : brute_force::find(asked.cloud, ray, query, properties)) {
+      for (const Hit& hit : brute_force::find(cloud_case.cloud, ray, query, properties)) {
         rays.push_back({ray.origin, ray.direction, hit.t, hit.t});
-        expected.push_back(brute_force::closest(asked.cloud, rays.back(), query, properties));
+        expected.push_back(brute_force::closest(cloud_case.cloud, rays.back(), query, properties));
         ASSERT_TRUE(expected.back());
         if (rays.size() % 8 == 0) break;
       }
@@ -225,7 +226,7 @@ TEST_P(CrossingVsBruteForce, an_interval_that_is_the_crossing_alone_holds_it) {
     closest(octree, rays, query, hits);
     occluded(octree, rays, query, blocked);
     for (std::size_t i = 0; i < rays.size(); ++i) {
-      SCOPED_TRACE(asked.name + " ray " + std::to_string(i));
+      SCOPED_TRACE(cloud_case.name + " ray " + std::to_string(i));
       ASSERT_TRUE(same_hits(hits[i], expected[i]));
       ASSERT_TRUE(blocked[i] != 0);
       ASSERT_TRUE(same_hits(closest(octree, rays[i], query), expected[i]));
@@ -237,19 +238,19 @@ TEST_P(CrossingVsBruteForce, an_interval_that_is_the_crossing_alone_holds_it) {
 
 TEST_P(CrossingVsBruteForce, spheres_that_hold_a_position_are_all_that_do) {
   std::size_t held = 0;
-  for (const Asked& asked : asked_clouds()) {
-    Random random(asked.name + "_enclosing");
-    for (const test::NamedOctree& named : test::octrees_of(asked.cloud, GetParam())) {
+  for (const CloudCase& cloud_case : cloud_cases()) {
+    Random random(cloud_case.name + "_enclosing");
+    for (const test::NamedOctree& named : test::octrees_of(cloud_case.cloud, GetParam())) {
       const Octree octree = with_spacings(named.octree, k_neighbours);
       for (int i = 0; i < 80 && octree.size() > 0; ++i) {
         RayQuery query = crossing_query({.radius = std::pow(10.0, random.between(-3.0, 3.0))}, random);
         const double away = std::pow(10.0, random.between(-5.0, i == 0 ? 12.0 : 2.0));
-        const glm::dvec3 point = asked.cloud.world(random.below(asked.cloud.size()));
+        const glm::dvec3 point = cloud_case.cloud.world(random.below(cloud_case.cloud.size()));
         const glm::dvec3 position = point + away * random.in_cube();
         // On the surface of a sphere.
         if (i % 2 == 1) {
-          query.radius =
-              distance(position, i % 4 == 1 ? point : asked.cloud.world(random.below(asked.cloud.size())));
+          query.radius = distance(
+              position, i % 4 == 1 ? point : cloud_case.cloud.world(random.below(cloud_case.cloud.size())));
           query.spacing_factor = 1e6;
           if (!(query.radius > 0.0)) continue;
         }
@@ -264,7 +265,7 @@ TEST_P(CrossingVsBruteForce, spheres_that_hold_a_position_are_all_that_do) {
         std::ranges::sort(expected, {}, &PointSphere::index);
         std::vector<PointSphere> found{{glm::dvec3(7.0), 7.0, 7}};
         find_enclosing(octree, position, query, found);
-        ASSERT_EQ(found.size(), expected.size() + 1) << asked.name << " " << named.name << " " << i;
+        ASSERT_EQ(found.size(), expected.size() + 1) << cloud_case.name << " " << named.name << " " << i;
         for (std::size_t s = 0; s < expected.size(); ++s) {
           ASSERT_EQ(found[s + 1].index, expected[s].index);
           ASSERT_EQ(found[s + 1].center, expected[s].center);

@@ -21,11 +21,11 @@ class Filter : public ::testing::Test {
 };
 
 TEST_F(Filter, is_asked_only_for_points_that_meet_all_other_conditions) {
-  std::size_t asked = 0;
+  std::size_t calls = 0;
   for (const FindRayCase& c : find_ray_cases(family_.cloud, 200, random_)) {
     RayQuery query = c.query;
     query.filter = [&](const Candidate& point) {
-      ++asked;
+      ++calls;
       const RayProjection expected = project(c.target, family_.cloud.world(point.point_id));
       EXPECT_EQ(point.position, family_.cloud.world(point.point_id));
       EXPECT_EQ(point.t, expected.t);
@@ -43,7 +43,7 @@ TEST_F(Filter, is_asked_only_for_points_that_meet_all_other_conditions) {
     (void)count(octree_, c.target, query);
     if (HasFailure()) return;
   }
-  EXPECT_GT(asked, 1000u);
+  EXPECT_GT(calls, 1000u);
 }
 
 TEST_F(Filter, lets_closest_pass_what_it_rejects_and_take_the_next) {
@@ -108,12 +108,12 @@ TEST_F(Filter, of_position_gives_the_answers_of_brute_force) {
   queries[1].filter = [](const Candidate& point) { return point.point_id % 500 == 1; };
   queries[2].measure = Measure::entry;
   queries[2].filter = [](const Candidate& point) { return point.query_index % 3 != 0; };
-  for (const NamedOctree& asked : octrees_of(cloud)) {
+  for (const NamedOctree& named : octrees_of(cloud)) {
     for (const RayQuery& query : queries) {
       std::vector<std::optional<Hit>> hits(rays.size());
       std::vector<std::uint8_t> blocked(rays.size());
-      closest(asked.octree, rays, query, hits);
-      occluded(asked.octree, rays, query, blocked);
+      closest(named.octree, rays, query, hits);
+      occluded(named.octree, rays, query, blocked);
       for (std::size_t i = 0; i < rays.size(); i += 7) {
         // Alone, its index is 0.
         RayQuery alone = query;
@@ -127,8 +127,8 @@ TEST_F(Filter, of_position_gives_the_answers_of_brute_force) {
         alone.filter = at(query.filter);
         alone.position_filter = at(query.position_filter);
         const std::optional<Hit> expected = brute_force::closest(cloud, rays[i], alone);
-        ASSERT_TRUE(same_hits(hits[i], expected)) << asked.name << ", ray " << i;
-        ASSERT_EQ(blocked[i] != 0, expected.has_value()) << asked.name << ", ray " << i;
+        ASSERT_TRUE(same_hits(hits[i], expected)) << named.name << ", ray " << i;
+        ASSERT_EQ(blocked[i] != 0, expected.has_value()) << named.name << ", ray " << i;
       }
     }
   }
@@ -165,25 +165,25 @@ TEST_F(Filter, of_position_is_called_for_a_few_of_many_equal_points) {
 }
 
 TEST_F(Filter, sees_t_0_for_points_boxes_and_half_spaces_and_the_distance_answers_have) {
-  const auto ask = [&](const auto& target) {
+  const auto check = [&](const auto& target) {
     PointQuery query;
-    std::vector<Candidate> asked;
+    std::vector<Candidate> candidates;
     query.filter = [&](const Candidate& point) {
-      asked.push_back(point);
+      candidates.push_back(point);
       return true;
     };
     const std::vector<PointHit> hits = find(octree_, target, query);
-    EXPECT_EQ(asked.size(), hits.size());
+    EXPECT_EQ(candidates.size(), hits.size());
     for (const PointHit& hit : hits) {
       const auto same = [&](const Candidate& point) {
         return point.point_id == hit.point_id && point.t == 0.0 && point.distance == hit.distance;
       };
-      ASSERT_TRUE(std::ranges::any_of(asked, same));
+      ASSERT_TRUE(std::ranges::any_of(candidates, same));
     }
   };
   const glm::dvec3 center = octree_.bounds().center();
-  ask(Bounds{center - 2.0, center + 2.0});
-  ask(make_slab(make_plane(center, {1, 0, 0}), 1.0));
+  check(Bounds{center - 2.0, center + 2.0});
+  check(make_slab(make_plane(center, {1, 0, 0}), 1.0));
 }
 
 TEST_F(Filter, that_throws_ends_the_query_with_its_exception) {

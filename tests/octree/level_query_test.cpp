@@ -29,12 +29,12 @@ void expect_first_levels(const MakeCases& make_cases) {
         return levels[point.point_id] <= max_level && (!c.query.filter || c.query.filter(point));
       };
       const auto expected = brute_force::find(family.cloud, c.target, filtered);
-      const Octree asked = octree.with_instruction_set(sets[turn++ % sets.size()]);
-      ASSERT_TRUE(same_hits(find(asked, c.target, coarse), expected));
-      ASSERT_EQ(count(asked, c.target, coarse), expected.size());
-      if constexpr (requires { closest(asked, c.target, coarse); }) {
-        ASSERT_EQ(occluded(asked, c.target, coarse), !expected.empty());
-        const auto first = closest(asked, c.target, coarse);
+      const Octree octree_of_set = octree.with_instruction_set(sets[turn++ % sets.size()]);
+      ASSERT_TRUE(same_hits(find(octree_of_set, c.target, coarse), expected));
+      ASSERT_EQ(count(octree_of_set, c.target, coarse), expected.size());
+      if constexpr (requires { closest(octree_of_set, c.target, coarse); }) {
+        ASSERT_EQ(occluded(octree_of_set, c.target, coarse), !expected.empty());
+        const auto first = closest(octree_of_set, c.target, coarse);
         ASSERT_TRUE(same_hits(first, brute_force::closest(family.cloud, c.target, filtered)));
       }
       thinned += expected.size() < count(octree, c.target, c.query);
@@ -89,13 +89,13 @@ TEST(MaxLevel, gives_the_coarse_levels_of_a_layered_octree_to_batches_of_rays) {
       const RayQuery query{.radius = 0.2 * positions.spacing(), .max_level = level};
       for (const InstructionSet set : available_instruction_sets()) {
         SCOPED_TRACE("level " + std::to_string(level) + ", " + std::string(name(set)));
-        const Octree asked = octree.with_instruction_set(set);
+        const Octree octree_of_set = octree.with_instruction_set(set);
         std::vector<std::optional<Hit>> hits(rays.size());
         std::vector<std::uint8_t> blocked(rays.size());
-        closest(asked, rays, query, hits);
-        occluded(asked, rays, query, blocked);
+        closest(octree_of_set, rays, query, hits);
+        occluded(octree_of_set, rays, query, blocked);
         for (std::size_t i = 0; i < rays.size(); ++i) {
-          ASSERT_TRUE(same_hits(hits[i], closest(asked, rays[i], query))) << i;
+          ASSERT_TRUE(same_hits(hits[i], closest(octree_of_set, rays[i], query))) << i;
           ASSERT_EQ(blocked[i] != 0, hits[i].has_value()) << i;
         }
         if (set == InstructionSet::scalar) blocked_by_level.push_back(number_of(blocked));

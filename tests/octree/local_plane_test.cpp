@@ -22,28 +22,28 @@ using test::PointFamily;
 using test::Random;
 
 /// A position among the points, and a reach that holds some of them.
-struct Asked {
+struct Ball {
   glm::dvec3 position;
   double reach;
 };
 
-std::vector<Asked> positions_in(const PointCloud& cloud, std::size_t count, Random& random) {
-  std::vector<Asked> asked;
-  if (cloud.size() == 0) return asked;
+std::vector<Ball> positions_in(const PointCloud& cloud, std::size_t count, Random& random) {
+  std::vector<Ball> balls;
+  if (cloud.size() == 0) return balls;
   Bounds bounds;
   for (std::size_t id = 0; id < cloud.size(); ++id) bounds.grow(cloud.world(id));
   const double size = glm::length(bounds.size()) + glm::length(cloud.lattice.scale);
   for (std::size_t i = 0; i < count; ++i)
-    asked.push_back(
+    balls.push_back(
         {cloud.world(random.below(cloud.size())), size * std::pow(10.0, random.between(-3.0, 0.3))});
-  return asked;
+  return balls;
 }
 
 /// The sums in double, point by point.
-std::array<double, 11> sums_in_double(const PointCloud& cloud, const Asked& asked) {
+std::array<double, 11> sums_in_double(const PointCloud& cloud, const Ball& ball) {
   std::array<double, 11> sums{};
   for (std::size_t id = 0; id < cloud.size(); ++id) {
-    const glm::dvec3 p = (cloud.world(id) - asked.position) / asked.reach;
+    const glm::dvec3 p = (cloud.world(id) - ball.position) / ball.reach;
     const double closeness = 1.0 - glm::dot(p, p);
     if (!(closeness > 0.0)) continue;
     const double w = closeness * closeness;
@@ -66,17 +66,17 @@ std::array<double, 11> sums_in_double(const PointCloud& cloud, const Asked& aske
 TEST(Moments, are_those_of_the_points_within_reach) {
   for (const PointFamily& family : test::point_families()) {
     Random random(family.name + "_moments");
-    for (const test::NamedOctree& asked_octree : test::octrees_of(family.cloud)) {
-      for (const Asked& asked : positions_in(family.cloud, 20, random)) {
-        SCOPED_TRACE(family.name + " " + asked_octree.name);
-        const auto expected = sums_in_double(family.cloud, asked);
-        const simd::Moments found = simd::local_sums(asked_octree.octree.instruction_set())
-                                        .around(asked_octree.octree.view(), {asked.position, asked.reach});
+    for (const test::NamedOctree& named : test::octrees_of(family.cloud)) {
+      for (const Ball& ball : positions_in(family.cloud, 20, random)) {
+        SCOPED_TRACE(family.name + " " + named.name);
+        const auto expected = sums_in_double(family.cloud, ball);
+        const simd::Moments found = simd::local_sums(named.octree.instruction_set())
+                                        .around(named.octree.view(), {ball.position, ball.reach});
         // Floats resolve positions within a frame to 2^-24 of its width, which may be more in units of the
         // reach.
-        const TreeView& tree = asked_octree.octree.view();
+        const TreeView& tree = named.octree.view();
         const double frame = std::ldexp(glm::length(tree.lattice.scale), tree.root_level);
-        const double error = expected[1] * (1e-5 + 1e-6 * frame / asked.reach);
+        const double error = expected[1] * (1e-5 + 1e-6 * frame / ball.reach);
         ASSERT_NEAR(found.weight, expected[0], error);
         for (std::size_t i = 0; i < 3; ++i) ASSERT_NEAR(found.first[i], expected[2 + i], error);
         for (std::size_t i = 0; i < 6; ++i) ASSERT_NEAR(found.second[i], expected[5 + i], error);
@@ -90,9 +90,9 @@ TEST(Moments, are_the_same_bits_on_every_instruction_set) {
     if (family.cloud.size() == 0) continue;
     const Octree octree = build(family.cloud);
     Random random(family.name + "_bits");
-    for (const Asked& asked : positions_in(family.cloud, 100, random)) {
+    for (const Ball& ball : positions_in(family.cloud, 100, random)) {
       const auto with = [&](InstructionSet set) {
-        return simd::local_sums(set).around(octree.view(), {asked.position, asked.reach});
+        return simd::local_sums(set).around(octree.view(), {ball.position, ball.reach});
       };
       const simd::Moments scalar = with(InstructionSet::scalar);
       for (const InstructionSet set : available_instruction_sets()) {
@@ -138,19 +138,19 @@ TEST(LocalSums, are_the_same_bits_on_every_instruction_set_and_from_nodes_found_
     for (const test::NamedOctree& named : test::octrees_of(family.cloud)) {
       SCOPED_TRACE(family.name + " " + named.name);
       const TreeView& tree = named.octree.view();
-      for (const Asked& asked : positions_in(family.cloud, 20, random)) {
-        const AllSums expected = all_sums(tree, InstructionSet::scalar, {asked.position, asked.reach});
+      for (const Ball& ball : positions_in(family.cloud, 20, random)) {
+        const AllSums expected = all_sums(tree, InstructionSet::scalar, {ball.position, ball.reach});
         Bounds box;
         for (int corner = 0; corner < 2; ++corner) {
           const glm::dvec3 side(random.unit(), random.unit(), random.unit());
-          box.grow(asked.position + (corner == 0 ? -asked.reach : asked.reach) * side);
+          box.grow(ball.position + (corner == 0 ? -ball.reach : ball.reach) * side);
         }
-        const double reach = (1.0 + random.unit()) * asked.reach;
+        const double reach = (1.0 + random.unit()) * ball.reach;
         for (const InstructionSet set : available_instruction_sets()) {
           std::vector<Frame> nodes;
           simd::local_sums(set).find_nodes(tree, box, reach, nodes);
-          const AllSums alone = all_sums(tree, set, {asked.position, asked.reach});
-          const AllSums together = all_sums(tree, set, {asked.position, asked.reach, &nodes});
+          const AllSums alone = all_sums(tree, set, {ball.position, ball.reach});
+          const AllSums together = all_sums(tree, set, {ball.position, ball.reach, &nodes});
           ASSERT_EQ(std::memcmp(&alone, &expected, sizeof expected), 0) << name(set);
           ASSERT_EQ(std::memcmp(&together, &expected, sizeof expected), 0) << name(set);
         }
@@ -164,8 +164,8 @@ TEST(LocalSums, of_the_two_sides_of_a_layer_are_those_of_all_points) {
     if (family.cloud.size() == 0) continue;
     const Octree octree = build(family.cloud);
     Random random(family.name + "_layers");
-    for (const Asked& asked : positions_in(family.cloud, 50, random)) {
-      const AllSums sums = all_sums(octree.view(), octree.instruction_set(), {asked.position, asked.reach});
+    for (const Ball& ball : positions_in(family.cloud, 50, random)) {
+      const AllSums sums = all_sums(octree.view(), octree.instruction_set(), {ball.position, ball.reach});
       EXPECT_EQ(sums.within.count + sums.beyond.count, sums.around.count) << family.name;
       EXPECT_EQ(sums.heights.weight, sums.around.weight) << family.name;
     }
@@ -182,17 +182,17 @@ TEST(LocalSums, count_every_point_within_reach_in_a_wide_tree) {
   cloud.positions.emplace_back(1 << 30, 1 << 30, 1 << 30);
   const Octree octree = build(cloud);
   for (int i = 0; i < 500; ++i) {
-    const Asked asked{cloud.world(random.below(20000)), random.between(0.003, 0.03)};
+    const Ball ball{cloud.world(random.below(20000)), random.between(0.003, 0.03)};
     double count = 0.0;
     bool at_reach = false;
     for (std::size_t id = 0; id < cloud.size(); ++id) {
-      const double distance = glm::length(cloud.world(id) - asked.position) / asked.reach;
+      const double distance = glm::length(cloud.world(id) - ball.position) / ball.reach;
       at_reach = at_reach || std::fabs(distance - 1.0) < 1e-3;
       count += distance < 1.0 ? 1.0 : 0.0;
     }
     if (at_reach) continue;
     EXPECT_EQ(
-        simd::local_sums(octree.instruction_set()).around(octree.view(), {asked.position, asked.reach}).count,
+        simd::local_sums(octree.instruction_set()).around(octree.view(), {ball.position, ball.reach}).count,
         count);
   }
 }

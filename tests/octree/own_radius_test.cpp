@@ -34,9 +34,9 @@ TEST(PointSpacing, is_the_distance_to_the_nth_point_elsewhere_rounded_up_to_eigh
     for (const int neighbours : {1, 8}) {
       SCOPED_TRACE(family.name + " neighbour " + std::to_string(neighbours));
       const std::vector<double> expected = brute_force::spacings(family.cloud, neighbours);
-      for (const test::NamedOctree& asked : test::octrees_of(family.cloud, InstructionSet::best)) {
-        SCOPED_TRACE(asked.name);
-        const Octree octree = with_spacings(asked.octree, neighbours);
+      for (const test::NamedOctree& named : test::octrees_of(family.cloud, InstructionSet::best)) {
+        SCOPED_TRACE(named.name);
+        const Octree octree = with_spacings(named.octree, neighbours);
         if (octree.size() > 0) {
           ASSERT_EQ(spacings_in_order(octree.view()), expected);
         }
@@ -85,12 +85,12 @@ TEST_P(OwnRadiusVsBruteForce, closest_occluded_find_and_count_are_the_same_bits_
   std::size_t hit_count = 0, miss_count = 0;
   for (const PointFamily& family : point_families()) {
     const std::vector<double> spacings = brute_force::spacings(family.cloud, 3);
-    for (const test::NamedOctree& asked : test::octrees_of(family.cloud, GetParam())) {
-      const Octree octree = with_spacings(asked.octree, 3);
+    for (const test::NamedOctree& named : test::octrees_of(family.cloud, GetParam())) {
+      const Octree octree = with_spacings(named.octree, 3);
       Random random(family.name + "_own_radius");
       for (RayCase& c : ray_cases(family.cloud, 25, random)) {
         c.query.spacing_factor = k_factors[random.below(5)];
-        SCOPED_TRACE(family.name + " " + asked.name + " factor " + std::to_string(c.query.spacing_factor));
+        SCOPED_TRACE(family.name + " " + named.name + " factor " + std::to_string(c.query.spacing_factor));
         const std::vector<Hit> expected = brute_force::find(family.cloud, c.ray, c.query, spacings);
         const std::optional<Hit> first = expected.empty() ? std::nullopt : std::optional(expected.front());
         ASSERT_TRUE(same_hits(closest(octree, c.ray, c.query), first));
@@ -141,8 +141,8 @@ TEST_P(OwnRadiusVsBruteForce, batches_are_the_same_bits_on_every_family) {
 TEST_P(OwnRadiusVsBruteForce, filters_and_levels_hold_too) {
   for (const PointFamily& family : point_families()) {
     const std::vector<double> spacings = brute_force::spacings(family.cloud, 3);
-    for (const test::NamedOctree& asked : test::octrees_of(family.cloud, GetParam())) {
-      const Octree octree = with_spacings(asked.octree, 3);
+    for (const test::NamedOctree& named : test::octrees_of(family.cloud, GetParam())) {
+      const Octree octree = with_spacings(named.octree, 3);
       const bool is_layered = octree.view().organisation == Organisation::layered;
       const std::vector<int> levels = test::levels_by_id(octree);
       Random random(family.name + "_own_radius_filters");
@@ -163,7 +163,7 @@ TEST_P(OwnRadiusVsBruteForce, filters_and_levels_hold_too) {
       std::vector<std::optional<Hit>> hits(rays.size());
       closest(octree, rays, of_levels, hits);
       for (std::size_t i = 0; i < rays.size(); ++i) {
-        SCOPED_TRACE(family.name + " " + asked.name + " ray " + std::to_string(i));
+        SCOPED_TRACE(family.name + " " + named.name + " ray " + std::to_string(i));
         const std::optional<Hit> expected = brute_force::closest(family.cloud, rays[i], query, spacings);
         ASSERT_TRUE(same_hits(hits[i], expected));
         ASSERT_TRUE(same_hits(closest(octree, rays[i], of_levels), expected));

@@ -60,13 +60,13 @@ TEST_P(RayQueryVsBruteForce, closest_and_occluded_are_the_same_bits_on_every_fam
 
 TEST_P(RayQueryVsBruteForce, organisation_and_leaf_size_do_not_change_answers) {
   for (const PointFamily& family : point_families()) {
-    for (const test::NamedOctree& asked : test::octrees_of(family.cloud, GetParam())) {
+    for (const test::NamedOctree& named : test::octrees_of(family.cloud, GetParam())) {
       Random random(family.name + "_organisation");
       for (const RayCase& c : ray_cases(family.cloud, 60, random)) {
-        SCOPED_TRACE(describe(family, GetParam(), c) + " " + asked.name);
+        SCOPED_TRACE(describe(family, GetParam(), c) + " " + named.name);
         const std::optional<Hit> expected = brute_force::closest(family.cloud, c.ray, c.query);
-        ASSERT_TRUE(same_hits(closest(asked.octree, c.ray, c.query), expected));
-        ASSERT_EQ(occluded(asked.octree, c.ray, c.query), expected.has_value());
+        ASSERT_TRUE(same_hits(closest(named.octree, c.ray, c.query), expected));
+        ASSERT_EQ(occluded(named.octree, c.ray, c.query), expected.has_value());
       }
     }
   }

@@ -24,26 +24,26 @@ void expect_as_brute_force_on(const Tree& tree, const PointCloud& cloud, const Q
   ASSERT_EQ(counter.count(), expected.size());
 }
 
-/// Calls ask(cloud, case) for some cases of every kind around every point family.
-template <class Ask>
-void for_every_kind_of_case(std::size_t count, const Ask& ask) {
+/// Calls check_case(cloud, case) for some cases of every kind around every point family.
+template <class Check>
+void for_every_kind_of_case(std::size_t count, const Check& check_case) {
   const std::string test = ::testing::UnitTest::GetInstance()->current_test_info()->name();
   for (const PointFamily& family : point_families()) {
     const std::string seed = test + " " + family.name;
     Random random(seed);
-    const auto ask_all = [&](const auto& cases) {
+    const auto check_all = [&](const auto& cases) {
       for (const auto& c : cases) {
         if (::testing::Test::HasFatalFailure()) return;
         SCOPED_TRACE("seed \"" + seed + "\": " + describe(c));
-        ask(family.cloud, c);
+        check_case(family.cloud, c);
       }
     };
-    ask_all(find_ray_cases(family.cloud, count, random));
-    ask_all(cone_cases(family.cloud, count, random));
-    ask_all(path_cases(family.cloud, count, random));
-    ask_all(region_cases(family.cloud, count, random));
-    ask_all(box_cases(family.cloud, count, random));
-    ask_all(point_cases(family.cloud, count, random));
+    check_all(find_ray_cases(family.cloud, count, random));
+    check_all(cone_cases(family.cloud, count, random));
+    check_all(path_cases(family.cloud, count, random));
+    check_all(region_cases(family.cloud, count, random));
+    check_all(box_cases(family.cloud, count, random));
+    check_all(point_cases(family.cloud, count, random));
   }
 }
 
