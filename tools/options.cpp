@@ -376,7 +376,7 @@ void add_verbosity(const Options& command, Verbosity& verbosity) {
 
 void add_threads(const Options& command, std::optional<int>& threads) {
   command.count("--threads", "N",
-                "number of threads (default: all; 8 times as many where rays ask an index file larger than "
+                "number of threads (default: all; 8 times as many for rays through an index file larger than "
                 "memory); results do not depend on it",
                 threads, 1, k_most_threads);
 }

@@ -31,17 +31,16 @@ Bounds parse_box(const std::string& text) {
   if (numbers.size() != 4 && numbers.size() != 6)
     throw UsageError("invalid value; expected x0,y0,x1,y1 or x0,y0,z0,x1,y1,z1 or a polygon file, found '" +
                      text + "'");
-  const std::size_t axes = numbers.size() / 2;
+  const int axes = numbers.size() == 4 ? 2 : 3;
   Bounds box{glm::dvec3(std::numeric_limits<double>::lowest()),
              glm::dvec3(std::numeric_limits<double>::max())};
-  for (std::size_t axis = 0; axis < axes; ++axis) {
-    const auto position = static_cast<int>(axis);
-    box.min[position] = numbers[axis];
-    box.max[position] = numbers[axes + axis];
-    if (box.min[position] > box.max[position]) {
+  for (int axis = 0; axis < axes; ++axis) {
+    box.min[axis] = numbers[static_cast<std::size_t>(axis)];
+    box.max[axis] = numbers[static_cast<std::size_t>(axes + axis)];
+    if (box.min[axis] > box.max[axis]) {
       throw UsageError(
           fmt::format("limits out of order; expected the lower {0} first, found {0} from {1} to {2}",
-                      "xyz"[axis], box.min[position], box.max[position]));
+                      "xyz"[axis], box.min[axis], box.max[axis]));
     }
   }
   return box;

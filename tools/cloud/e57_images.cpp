@@ -22,7 +22,7 @@ Json position_json(const std::optional<E57Pose>& pose) {
   return {pose->translation.x, pose->translation.y, pose->translation.z};
 }
 
-std::string location_text(const std::optional<E57Pose>& pose) {
+std::string position_text(const std::optional<E57Pose>& pose) {
   if (!pose) return "no pose";
   return fmt::format("at {} {} {}", pose->translation.x, pose->translation.y, pose->translation.z);
 }
@@ -228,13 +228,13 @@ Json e57_json(const E57File& file) {
 std::vector<std::string> e57_lines(const E57File& file, Verbosity verbosity) {
   std::vector<std::string> lines;
   const auto scan_text = [](const E57Scan& scan) {
-    return fmt::format("{} records, {}", scan.record_count, location_text(scan.pose));
+    return fmt::format("{} records, {}", scan.record_count, position_text(scan.pose));
   };
   const auto image_text = [](const E57Image& image) {
     std::vector<std::string> pictures;
     for (const E57Picture& picture : image.pictures) pictures.push_back(picture_text(picture));
     if (pictures.empty()) pictures.push_back("no image");
-    return fmt::format("{}, {}", fmt::join(pictures, ", "), location_text(image.pose));
+    return fmt::format("{}, {}", fmt::join(pictures, ", "), position_text(image.pose));
   };
   print_each(file.document().scans, "scan", verbosity, scan_text, lines);
   print_each(file.document().images, "image", verbosity, image_text, lines);

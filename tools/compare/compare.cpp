@@ -277,7 +277,7 @@ ExitCode run_with_codes(const CompareRequest& request) {
 }
 
 /// The names of thresholds with what they are, as lines.
-std::string names_of_figures() {
+std::string names_of_metrics() {
   std::string text;
   std::string_view group;
   for (const compare::MetricKind& kind : compare::metric_kinds()) {
@@ -294,7 +294,7 @@ Command add_compare(const Options& program) {
   const Options compare =
       program.command("compare", "Compare an image with a reference: metrics, maps, regions, report");
   add_compare_options(compare, *request);
-  compare.manual(fmt::format(fmt::runtime(manual("compare")), fmt::arg("figures", names_of_figures())));
+  compare.manual(fmt::format(fmt::runtime(manual("compare")), fmt::arg("metrics", names_of_metrics())));
   return command_of(compare, request, run_with_codes);
 }
 

@@ -48,7 +48,7 @@ void add_rectangles(const Options& group, const std::string& name, const std::st
                [&rectangles](const std::string& text) { rectangles.push_back(parse_rectangle(text)); });
 }
 
-void add_what_counts(const Options& command, compare::ComparisonOptions& options) {
+void add_masks(const Options& command, compare::ComparisonOptions& options) {
   const Options group = command.group("Masks");
   group.value("--crop", "L,T,R,B",
               "compare only this part of both images: columns L to R - 1 and rows T to B - 1, in pixels from "
@@ -218,7 +218,7 @@ void add_compare_options(const Options& command, CompareRequest& request) {
                               "pairs of images instead of REFERENCE and TEST: CSV with the header "
                               "reference,test[,name], paths relative to its folder",
                               request.pairs);
-  add_what_counts(command, request.comparison);
+  add_masks(command, request.comparison);
   add_photographs(command, request.comparison);
   add_flip(command, request.comparison.flip);
   add_changes(command, request);

@@ -396,7 +396,7 @@ std::string run_targets(TargetReader<Target>& reader, Executor& executor, const 
   // Two texts on one terminal would run into each other.
   const bool to_terminal = command.output.empty() && isatty(STDOUT_FILENO) == 1;
   const TargetKind& kind = target_kind(command.family);
-  ProgressLine line("asking", std::string(kind.plural), to_terminal ? Verbosity::quiet : command.verbosity);
+  ProgressLine line("querying", std::string(kind.plural), to_terminal ? Verbosity::quiet : command.verbosity);
   const Tally tally = answer_all_targets(reader, executor, command, output, line.callback());
   output.finish();
   line.finish();

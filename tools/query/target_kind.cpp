@@ -15,7 +15,7 @@ constexpr double k_largest_number = 9007199254740992.0;  // 2^53: up to here dou
 /// The expected value for errors; nullptr if the value is valid.
 const char* expectation(ValueRule rule, double value) {
   switch (rule) {
-    case ValueRule::position:
+    case ValueRule::coordinate:
       return std::isfinite(value) ? nullptr : "a finite number";
     case ValueRule::limit:
       return std::isnan(value) ? "a number, inf or -inf" : nullptr;
@@ -74,7 +74,7 @@ constexpr TargetKind k_kinds[] = {
     {"box", "boxes", "box_id", "Box", k_box_columns, k_box_vectors, "--boxes", "--box",
      "axis-aligned boxes, faces included"},
     {"point", "points", "query_id", "Query", k_point_columns, k_position_vectors, "--points", "--point",
-     "places"}};
+     "positions"}};
 static_assert(std::size(k_kinds) == k_target_families);
 
 }  // namespace

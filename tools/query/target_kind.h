@@ -21,7 +21,7 @@ constexpr std::size_t k_target_families = 7;
 
 /// The valid numbers of a column, which never include NaN.
 enum class ValueRule {
-  position,    ///< finite
+  coordinate,  ///< finite
   limit,       ///< also infinite
   width,       ///< finite, at least 0
   half_angle,  ///< degrees, 0 <= value < 90
@@ -30,7 +30,7 @@ enum class ValueRule {
 
 struct TargetColumn {
   std::string_view name;
-  ValueRule rule = ValueRule::position;
+  ValueRule rule = ValueRule::coordinate;
   bool required = true;
 };
 

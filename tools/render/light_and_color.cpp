@@ -116,12 +116,12 @@ void add_light_options(const Options& render, LightRequest& request) {
                                  "the sun at this time, such as 2026-06-21T12:00:00+02:00; brightness by "
                                  "elevation, even if the scene's sun by angles sets one",
                                  request.sun_time, parse_moment);
-  const Option position = render.excludes(sun).value(
+  const Option place = render.excludes(sun).value(
       "--sun-place", "LAT,LON",
       "latitude and longitude for --sun-time, degrees (default: from the cloud's reference system)",
       request.sun_place, [](const std::string& text) { return parse_pair(text, 90.0, 180.0); });
-  render.excludes(sun).excludes(time).excludes(position).flag("--no-sun", "no sun, only the sky",
-                                                              request.no_sun);
+  render.excludes(sun).excludes(time).excludes(place).flag("--no-sun", "no sun, only the sky",
+                                                           request.no_sun);
 }
 
 void apply_light_options(const LightRequest& request, renderer::Scene& scene) {

@@ -46,22 +46,22 @@ int read_byte() {
 /// The next character, as its Unicode code point for libedit, whose own reading would not end at Ctrl-C.
 /// Bytes that are not UTF-8 become U+FFFD, or nothing if another key interrupts the character.
 int read_character(FILE*) {
-  constexpr int k_no_character = 0xfffd;
+  constexpr int k_replacement = 0xfffd;
   int code = 0, missing = 0;
   while (true) {
     const int byte = read_byte();
     if (byte == EOF || byte < 0x80) return byte;
-    if (byte >= 0xf8) return k_no_character;
+    if (byte >= 0xf8) return k_replacement;
     if (byte >= 0xc0) {
       missing = byte >= 0xf0 ? 3 : byte >= 0xe0 ? 2 : 1;
       code = byte & (0x3f >> missing);
       continue;
     }
-    if (missing == 0) return k_no_character;
+    if (missing == 0) return k_replacement;
     code = code << 6 | (byte & 0x3f);
     if (--missing > 0) continue;
-    const bool is_character = code >= 0x80 && code <= 0x10ffff && (code < 0xd800 || code > 0xdfff);
-    return is_character ? code : k_no_character;
+    const bool is_code_point = code >= 0x80 && code <= 0x10ffff && (code < 0xd800 || code > 0xdfff);
+    return is_code_point ? code : k_replacement;
   }
 }
 

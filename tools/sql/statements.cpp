@@ -29,12 +29,12 @@ namespace alidade::tools {
 namespace {
 
 bool is_name(std::string_view text) {
-  const auto is_character = [](char character) {
+  const auto is_letter = [](char character) {
     return (character >= 'a' && character <= 'z') || (character >= 'A' && character <= 'Z') ||
            character == '_';
   };
-  return !text.empty() && is_character(text.front()) && std::ranges::all_of(text, [&](char character) {
-    return is_character(character) || (character >= '0' && character <= '9');
+  return !text.empty() && is_letter(text.front()) && std::ranges::all_of(text, [&](char character) {
+    return is_letter(character) || (character >= '0' && character <= '9');
   });
 }
 
@@ -78,16 +78,15 @@ SqlParameter::Value sql_value(std::string_view text) {
   return inner;
 }
 
-void bind(sqlite3_stmt* statement, int position, SqlParameter& parameter) {
+void bind(sqlite3_stmt* statement, int index, SqlParameter& parameter) {
   parameter.is_used = true;
   int result = SQLITE_OK;
   if (const auto* const integer = std::get_if<std::int64_t>(&parameter.value)) {
-    result = sqlite3_bind_int64(statement, position, *integer);
+    result = sqlite3_bind_int64(statement, index, *integer);
   } else if (const auto* const real = std::get_if<double>(&parameter.value)) {
-    result = sqlite3_bind_double(statement, position, *real);
+    result = sqlite3_bind_double(statement, index, *real);
   } else if (const auto* const text = std::get_if<std::string>(&parameter.value)) {
-    result =
-        sqlite3_bind_text64(statement, position, text->data(), text->size(), SQLITE_TRANSIENT, SQLITE_UTF8);
+    result = sqlite3_bind_text64(statement, index, text->data(), text->size(), SQLITE_TRANSIENT, SQLITE_UTF8);
   }
   if (result != SQLITE_OK) throw file_error("--param", sqlite3_errstr(result));
 }
@@ -96,13 +95,13 @@ void bind(sqlite3_stmt* statement, int position, SqlParameter& parameter) {
 /// of these, :name, @name and $name those of that name. Errors: one has no value.
 void bind_parameters(sqlite3_stmt* statement, std::vector<SqlParameter>& parameters) {
   int named = 0;
-  for (int position = 1; position <= sqlite3_bind_parameter_count(statement); ++position) {
-    const char* const sign_and_name = sqlite3_bind_parameter_name(statement, position);
+  for (int index = 1; index <= sqlite3_bind_parameter_count(statement); ++index) {
+    const char* const sign_and_name = sqlite3_bind_parameter_name(statement, index);
     const bool is_numbered = sign_and_name != nullptr && *sign_and_name == '?';
     const std::string name = sign_and_name == nullptr || is_numbered ? "" : sign_and_name + 1;
     if (!name.empty()) ++named;
-    // SQLite's positions also count parameters with names; ?2 is the second one in any case.
-    const int wanted = is_numbered ? position : position - named;
+    // SQLite's indices also count parameters with names; ?2 is the second one in any case.
+    const int wanted = is_numbered ? index : index - named;
     int unnamed_before = 0;
     const auto found = std::ranges::find_if(parameters, [&](const SqlParameter& parameter) {
       return parameter.name == name && (!name.empty() || ++unnamed_before == wanted);
@@ -113,7 +112,7 @@ void bind_parameters(sqlite3_stmt* statement, std::vector<SqlParameter>& paramet
                        : fmt::format("missing value of parameter {}", sign_and_name),
           name.empty() ? "--param VALUE for each, in order" : fmt::format("--param {}=VALUE", name));
     }
-    bind(statement, position, *found);
+    bind(statement, index, *found);
   }
 }
 

@@ -25,7 +25,7 @@ constexpr double k_light_factor = 1.0 / visibility::k_usual_curvature;
 
 /// The options of sight lines.
 struct PairRequest {
-  std::filesystem::path pairs, positions;  ///< --pairs, --places; empty: none
+  std::filesystem::path pairs, places;  ///< --pairs, --places; empty: none
   std::string places_crs;
   visibility::ObserverDefaults defaults;  ///< --end-height
 };
@@ -38,25 +38,25 @@ struct LinesCommand : VisibilityRequest {
   CheckpointRequest checkpoint;
 };
 
-/// The ends of lines.
-struct LineEnds {
-  std::vector<visibility::Observer> positions;
+/// Lines by their ends.
+struct LineSet {
+  std::vector<visibility::Observer> ends;
   std::vector<visibility::Observer> named;  ///< each once
   bool are_pairs = false;  ///< first and second end of each line in turn; otherwise every pair is a line
 };
 
-const visibility::Observer& position_called(
-    const std::map<std::string, const visibility::Observer*>& positions,
-    const visibility::GivenObserver& end) {
-  const auto found = positions.find(end.name);
-  if (found != positions.end()) return *found->second;
+/// The position that an end is named for. Errors: there is none of that name.
+const visibility::Observer& position_called(const std::map<std::string, const visibility::Observer*>& by_name,
+                                            const visibility::GivenObserver& end) {
+  const auto found = by_name.find(end.name);
+  if (found != by_name.end()) return *found->second;
   throw file_error(
       end.source, fmt::format("unknown position '{}'", end.name),
-      positions.empty() ? "named positions (--places), or pairs with coordinates" : "a name of --places");
+      by_name.empty() ? "named positions (--places), or pairs with coordinates" : "a name of --places");
 }
 
 /// The ends of pairs with coordinates, first and second of each in turn.
-ObserverOptions ends_with_positions(const std::vector<visibility::GivenPair>& pairs) {
+ObserverOptions ends_with_coordinates(const std::vector<visibility::GivenPair>& pairs) {
   ObserverOptions ends;
   for (const visibility::GivenPair& pair : pairs) {
     // Ends without a name get the number of their pair.
@@ -69,14 +69,14 @@ ObserverOptions ends_with_positions(const std::vector<visibility::GivenPair>& pa
   return ends;
 }
 
-/// The ends of pairs with names, in turn. `file` contains the named positions.
+/// The ends of pairs with names, in turn. `named`: the positions of `file`.
 std::vector<visibility::Observer> ends_with_names(const std::filesystem::path& file,
-                                                  std::span<const visibility::Observer> positions,
+                                                  std::span<const visibility::Observer> named,
                                                   const std::vector<visibility::GivenPair>& pairs) {
   std::map<std::string, const visibility::Observer*> by_name;
-  for (const visibility::Observer& position : positions) {
-    if (!by_name.emplace(position.name, &position).second)
-      throw file_error(file, fmt::format("duplicate position '{}'", position.name), "unique names");
+  for (const visibility::Observer& one : named) {
+    if (!by_name.emplace(one.name, &one).second)
+      throw file_error(file, fmt::format("duplicate position '{}'", one.name), "unique names");
   }
   std::vector<visibility::Observer> ends;
   for (const visibility::GivenPair& pair : pairs) {
@@ -87,9 +87,9 @@ std::vector<visibility::Observer> ends_with_names(const std::filesystem::path& f
 }
 
 /// Calls visit(first end, second end) for every line, in order.
-void for_each_pair(const LineEnds& ends, const std::function<void(std::size_t, std::size_t)>& visit) {
-  const std::size_t count = ends.positions.size();
-  if (ends.are_pairs) {
+void for_each_pair(const LineSet& lines, const std::function<void(std::size_t, std::size_t)>& visit) {
+  const std::size_t count = lines.ends.size();
+  if (lines.are_pairs) {
     for (std::size_t i = 0; i + 1 < count; i += 2) visit(i, i + 1);
     return;
   }
@@ -107,7 +107,7 @@ void add_pair_options(const Options& command, PairRequest& request) {
   group.file("--places", "FILE",
              "CSV, GeoJSON, GeoPackage or Shapefile with positions, like observers; without --pairs all "
              "pairs are tested",
-             request.positions);
+             request.places);
   group.text("--places-crs", "CRS",
              "reference system of the positions, such as EPSG:4326 (default: that of their file, for CSV the "
              "cloud's)",
@@ -119,75 +119,74 @@ void add_pair_options(const Options& command, PairRequest& request) {
 
 /// Errors that need no cloud: no lines, --places-crs alone.
 void check_pair_request(const PairRequest& request) {
-  if (request.pairs.empty() && request.positions.empty())
+  if (request.pairs.empty() && request.places.empty())
     throw input_error("missing lines of sight", "--pairs FILE or --places FILE");
-  if (request.positions.empty() && !request.places_crs.empty())
+  if (request.places.empty() && !request.places_crs.empty())
     throw input_error("--places-crs requires --places", "--places FILE");
 }
 
 /// Reads positions and pairs, and computes the ends of the lines over the cloud. Surfaces need not be
 /// measured. Errors: those of read_pair_table() and load_observers(); names of no position, or of two;
 /// coordinates beside --places; a single position.
-LineEnds load_line_ends(const PairRequest& request, const VisibilityCloud& cloud, Verbosity verbosity) {
+LineSet load_lines(const PairRequest& request, const VisibilityCloud& cloud, Verbosity verbosity) {
   std::vector<visibility::GivenPair> given;
   if (!request.pairs.empty()) given = visibility::read_pair_table(request.pairs);
-  const bool has_positions = !given.empty() && given.front().has_positions;
-  if (has_positions && !request.positions.empty())
+  const bool has_coordinates = !given.empty() && given.front().has_positions;
+  if (has_coordinates && !request.places.empty())
     throw file_error(request.pairs, "pairs given as coordinates, but --places requires names",
                      "names of positions, or no --places");
   ObserverOptions options;
-  if (has_positions) options = ends_with_positions(given);
-  options.file = request.positions;
+  if (has_coordinates) options = ends_with_coordinates(given);
+  options.file = request.places;
   options.anywhere = true;  // masts and mountains may be far away
   options.reference = request.places_crs;
   options.reference_option = "--places-crs";
   options.defaults = request.defaults;
-  LineEnds ends;
-  ends.are_pairs = !given.empty();
-  if (has_positions || !request.positions.empty()) ends.positions = load_observers(options, cloud, verbosity);
-  ends.named = ends.positions;
-  if (ends.are_pairs) {
-    if (!has_positions) ends.positions = ends_with_names(request.positions, ends.positions, given);
-    return ends;
+  LineSet lines;
+  lines.are_pairs = !given.empty();
+  if (has_coordinates || !request.places.empty()) lines.ends = load_observers(options, cloud, verbosity);
+  lines.named = lines.ends;
+  if (lines.are_pairs) {
+    if (!has_coordinates) lines.ends = ends_with_names(request.places, lines.named, given);
+    return lines;
   }
-  if (ends.positions.size() < 2)
-    throw file_error(request.positions, "contains a single position", "at least two");
-  return ends;
+  if (lines.ends.size() < 2) throw file_error(request.places, "contains a single position", "at least two");
+  return lines;
 }
 
 /// Errors: more lines than fit into memory, each with all obstructions that it can have.
-void check_report_memory(const LineEnds& ends, bool has_zones) {
+void check_report_memory(const LineSet& lines, bool has_zones) {
   std::uint64_t bytes_per_line = sizeof(visibility::LinePair) + sizeof(visibility::LineReport);
   if (has_zones) bytes_per_line += visibility::k_most_obstructions * sizeof(visibility::Obstruction);
-  const std::uint64_t positions = ends.positions.size();
-  const std::uint64_t lines = ends.are_pairs ? positions / 2 : positions * (positions - 1) / 2;
+  const std::uint64_t count = lines.ends.size();
+  const std::uint64_t line_count = lines.are_pairs ? count / 2 : count * (count - 1) / 2;
   std::uint64_t bytes = 0;
-  if (__builtin_mul_overflow(lines, bytes_per_line, &bytes))
+  if (__builtin_mul_overflow(line_count, bytes_per_line, &bytes))
     bytes = std::numeric_limits<std::uint64_t>::max();
   check_memory(bytes, "the reports of all lines");
 }
 
 /// Errors: a margin at either end that leaves nothing of a line.
-void check_margin(const LineEnds& ends, double margin) {
+void check_margin(const LineSet& lines, double margin) {
   if (margin == 0.0) return;
-  for_each_pair(ends, [&](std::size_t from, std::size_t to) {
-    const double length = distance(ends.positions[from].position, ends.positions[to].position);
+  for_each_pair(lines, [&](std::size_t from, std::size_t to) {
+    const double length = distance(lines.ends[from].position, lines.ends[to].position);
     if (2.0 * margin < length) return;
-    throw input_error(fmt::format("--end-margin exceeds the line from '{}' to '{}'",
-                                  ends.positions[from].name, ends.positions[to].name),
+    throw input_error(fmt::format("--end-margin exceeds the line from '{}' to '{}'", lines.ends[from].name,
+                                  lines.ends[to].name),
                       fmt::format("less than half of its length {:.6g}", length),
                       fmt::format("{:.6g}", margin));
   });
 }
 
-/// The lines: the pairs of a file, or every position with every other.
-std::vector<visibility::LinePair> pairs_of(const LineEnds& ends, const visibility::Occluders& occluders) {
+/// The lines: the pairs of a file, or every end with every other.
+std::vector<visibility::LinePair> pairs_of(const LineSet& lines, const visibility::Occluders& occluders) {
   std::vector<visibility::SightEnd> sight_ends;
-  for (const visibility::Observer& position : ends.positions)
-    sight_ends.push_back(visibility::end_near_surface(occluders, position.position));
+  for (const visibility::Observer& end : lines.ends)
+    sight_ends.push_back(visibility::end_near_surface(occluders, end.position));
   std::vector<visibility::LinePair> pairs;
-  for_each_pair(ends, [&](std::size_t from, std::size_t to) {
-    pairs.push_back({ends.positions[from].name, sight_ends[from], ends.positions[to].name, sight_ends[to]});
+  for_each_pair(lines, [&](std::size_t from, std::size_t to) {
+    pairs.push_back({lines.ends[from].name, sight_ends[from], lines.ends[to].name, sight_ends[to]});
   });
   return pairs;
 }
@@ -208,11 +207,11 @@ double unit_of(const VisibilityCloud& cloud, const std::filesystem::path& file) 
 }
 
 /// Whether light bent by the Earth is off the chord of any line by more than maps allow for.
-bool is_bent(const LineEnds& ends, double unit) {
+bool is_bent(const LineSet& lines, double unit) {
   const visibility::SightCurve light(visibility::k_usual_curvature, unit);
   bool is_bent = false;
-  for_each_pair(ends, [&](std::size_t from, std::size_t to) {
-    const double length = distance(ends.positions[from].position, ends.positions[to].position);
+  for_each_pair(lines, [&](std::size_t from, std::size_t to) {
+    const double length = distance(lines.ends[from].position, lines.ends[to].position);
     is_bent = is_bent || light.chord_count(length) > 1;
   });
   return is_bent;
@@ -220,19 +219,19 @@ bool is_bent(const LineEnds& ends, double unit) {
 
 /// The factor of the Earth's radius that bends the lines; empty: the Earth is flat.
 std::optional<double> earth_factor(const LinesCommand& command, const VisibilityCloud& cloud,
-                                   const LineEnds& ends) {
+                                   const LineSet& lines) {
   if (command.earth_factor) return *command.earth_factor;
   if (command.frequency) return k_radio_factor;
   const std::optional<double> unit = known_unit(cloud);
   const bool is_opaque = command.occluders.options.transparency <= 1;
-  return unit && is_opaque && is_bent(ends, *unit) ? std::optional(k_light_factor) : std::nullopt;
+  return unit && is_opaque && is_bent(lines, *unit) ? std::optional(k_light_factor) : std::nullopt;
 }
 
 visibility::LineReportOptions report_options(const LinesCommand& command, const VisibilityCloud& cloud,
-                                             const LineEnds& ends) {
+                                             const LineSet& lines) {
   visibility::LineReportOptions options;
   options.line.end_margin = command.end_margin;
-  const std::optional<double> factor = earth_factor(command, cloud, ends);
+  const std::optional<double> factor = earth_factor(command, cloud, lines);
   if (!command.frequency && !factor) return options;
   const double unit = unit_of(cloud, command.files.first_name());
   if (factor) options.line.earth_radius = *factor * geo::k_earth_radius / unit;
@@ -258,7 +257,7 @@ void check_options(const LinesCommand& command) {
   chosen_row_form(command.output);
   check_pair_request(command.pairs);
   const std::vector<std::filesystem::path> inputs =
-      command.inputs({command.pairs.pairs, command.pairs.positions});
+      command.inputs({command.pairs.pairs, command.pairs.places});
   check_writable(command.output, command.overwrite, inputs);
   check_checkpoint(command.checkpoint, command.overwrite, {&command.output, 1}, inputs);
 }
@@ -280,15 +279,15 @@ ExitCode run_lines(const LinesCommand& command) {
   check_options(command);
   load_row_writer(command.output);
   const auto cloud = load_cloud_alone(command, {}, AcceptedInput::points_or_raster);
-  const LineEnds ends = load_line_ends(command.pairs, *cloud, command.verbosity);
-  check_report_memory(ends, command.frequency.has_value());
-  const visibility::LineReportOptions options = report_options(command, *cloud, ends);
+  const LineSet lines = load_lines(command.pairs, *cloud, command.verbosity);
+  check_report_memory(lines, command.frequency.has_value());
+  const visibility::LineReportOptions options = report_options(command, *cloud, lines);
   visibility::check_line_report(options, command.occluders.options.transparency);
-  check_margin(ends, command.end_margin);
+  check_margin(lines, command.end_margin);
   measure_occluders(*cloud, command.occluders, command.verbosity);
-  say_observer_remarks(ends.named, *cloud, command.verbosity);
+  say_observer_remarks(lines.named, *cloud, command.verbosity);
   visibility::LineTable table;
-  table.pairs = pairs_of(ends, *cloud->occluders);
+  table.pairs = pairs_of(lines, *cloud->occluders);
   table.classifications = cloud->columns.classifications;
   LongRun long_run(
       command.checkpoint, [&] { return fingerprint_of(command, *cloud, table.pairs); }, command.verbosity);

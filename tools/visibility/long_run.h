@@ -39,7 +39,7 @@ void add_to_fingerprint(const std::string& name, std::span<const double> numbers
 /// A run with a checkpoint of its finished parts, if one is requested.
 ///
 ///   LongRun run(command.checkpoint, [&] { return run_fingerprint(...); }, verbosity);
-///   run.work("looking", "sight lines",
+///   run.work("testing visibility", "lines of sight",
 ///            [&](const Progress& progress, PartCheckpoint* parts) { return ...; });
 ///   ... write ...
 ///   run.finish();

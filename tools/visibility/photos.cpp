@@ -272,8 +272,8 @@ ExitCode run(const PhotosCommand& command) {
   say_observer_remarks(observers, *cloud, verbosity);
   LongRun long_run(
       command.checkpoint, [&] { return fingerprint_of(command, *cloud, set.cameras, observers); }, verbosity);
-  visibility::PhotoVisibility seen =
-      long_run.work("looking", "lines of sight", [&](const Progress& progress, PartCheckpoint* parts) {
+  visibility::PhotoVisibility seen = long_run.work(
+      "testing visibility", "lines of sight", [&](const Progress& progress, PartCheckpoint* parts) {
         options.progress = progress;
         options.parts = parts;
         return visibility::photo_visibility(*cloud->occluders, set.cameras, options);

@@ -89,7 +89,7 @@ void say_result(const PlaceCommand& command, const visibility::Placement& placem
   if (placement.positions.size() < command.count) say_note("more positions add nothing");
 }
 
-ExitCode run_position(const PlaceCommand& command) {
+ExitCode run(const PlaceCommand& command) {
   check_options(command);
   const Verbosity verbosity = command.verbosity;
   load_row_writer(command.output);
@@ -103,8 +103,8 @@ ExitCode run_position(const PlaceCommand& command) {
   say_note(command.verbosity, fmt::format("{} candidates, {} targets", candidates.size(), targets.size()));
   LongRun long_run(
       command.checkpoint, [&] { return run_fingerprint(command.checkpoint, *cloud, candidates); }, verbosity);
-  const visibility::Coverage coverage =
-      long_run.work("looking", "lines of sight", [&](const Progress& progress, PartCheckpoint* parts) {
+  const visibility::Coverage coverage = long_run.work(
+      "testing visibility", "lines of sight", [&](const Progress& progress, PartCheckpoint* parts) {
         return visibility::see_targets(*cloud->occluders, candidates, targets,
                                        command.target_height.value_or(0.0), progress, parts);
       });
@@ -126,8 +126,8 @@ ExitCode run_position(const PlaceCommand& command) {
   return ExitCode::done;
 }
 
-void add_targets(const Options& position, PlaceCommand& command) {
-  const Options group = position.group("Targets");
+void add_targets(const Options& place, PlaceCommand& command) {
+  const Options group = place.group("Targets");
   group.number("--target-spacing", "LENGTH",
                "thin the targets to one point per cube of this edge length (default: 1)",
                command.target_spacing, 1e-6, 1e9);
@@ -141,8 +141,8 @@ void add_targets(const Options& position, PlaceCommand& command) {
               command.class_weights, parse_weights);
 }
 
-void add_answers(const Options& position, PlaceCommand& command) {
-  const Options group = position.group("Answers");
+void add_answers(const Options& place, PlaceCommand& command) {
+  const Options group = place.group("Answers");
   group.required().count("--count", "K", "number of positions to choose", command.count, 1, 1'000'000'000);
   group.required().file(
       "-o,--output", "FILE",
@@ -157,16 +157,16 @@ void add_answers(const Options& position, PlaceCommand& command) {
 
 Command add_visibility_place(const Options& visibility) {
   auto command = std::make_shared<PlaceCommand>();
-  const Options position = visibility.command("place", "Choose the few observer positions that see most");
-  add_cloud(position, *command, {"--ignore-classes"});
-  add_observer_options(position, command->candidates);
-  add_targets(position, *command);
-  add_occluder_options(position, command->occluders);
-  add_answers(position, *command);
-  add_checkpoint_options(position.group("Long runs"), command->checkpoint);
-  add_scratch_memory(position, command->memory);
-  add_run_options(position, *command);
-  return command_of(position, command, run_position);
+  const Options place = visibility.command("place", "Choose the few observer positions that see most");
+  add_cloud(place, *command, {"--ignore-classes"});
+  add_observer_options(place, command->candidates);
+  add_targets(place, *command);
+  add_occluder_options(place, command->occluders);
+  add_answers(place, *command);
+  add_checkpoint_options(place.group("Long runs"), command->checkpoint);
+  add_scratch_memory(place, command->memory);
+  add_run_options(place, *command);
+  return command_of(place, command, run);
 }
 
 }  // namespace alidade::tools

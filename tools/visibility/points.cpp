@@ -136,20 +136,21 @@ visibility::PointVisibilityOptions visibility_options(const PointsCommand& comma
   return options;
 }
 
-visibility::PointVisibility look(const VisibilityCloud& cloud,
-                                 std::span<const visibility::Observer> observers,
-                                 visibility::PointVisibilityOptions options, LongRun& long_run,
-                                 std::optional<SeenList>& list) {
+visibility::PointVisibility test_visibility(const VisibilityCloud& cloud,
+                                            std::span<const visibility::Observer> observers,
+                                            visibility::PointVisibilityOptions options, LongRun& long_run,
+                                            std::optional<SeenList>& list) {
   if (list) {
     options.each_observer = [&list](std::size_t number, std::span<const std::uint8_t> seen) {
       list->add(number + 1, seen);
     };
   }
-  return long_run.work("looking", "lines of sight", [&](const Progress& progress, PartCheckpoint* parts) {
-    options.progress = progress;
-    options.parts = parts;
-    return visibility::point_visibility(*cloud.occluders, observers, options);
-  });
+  return long_run.work("testing visibility", "lines of sight",
+                       [&](const Progress& progress, PartCheckpoint* parts) {
+                         options.progress = progress;
+                         options.parts = parts;
+                         return visibility::point_visibility(*cloud.occluders, observers, options);
+                       });
 }
 
 /// How many of the hidden points are hidden by points without a surface, and by the point that hides most.
@@ -199,7 +200,7 @@ ExitCode run(const PointsCommand& command) {
       command.checkpoint, [&] { return run_fingerprint(command.checkpoint, *cloud, observers); }, verbosity);
   std::optional<SeenList> list;
   if (!command.lists.empty()) list.emplace(command.lists, command.overwrite);
-  const visibility::PointVisibility seen = look(*cloud, observers, options, long_run, list);
+  const visibility::PointVisibility seen = test_visibility(*cloud, observers, options, long_run, list);
   write_points(command.output, cloud->cloud, columns_of(seen), command.overwrite, command.memory, verbosity);
   if (list) list->finish();
   long_run.finish();

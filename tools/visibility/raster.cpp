@@ -289,14 +289,16 @@ Fingerprint fingerprint_of(const CheckpointRequest& request, const VisibilityClo
   return fingerprint;
 }
 
-visibility::Viewshed look(const VisibilityCloud& cloud, const visibility::Ground& ground,
-                          std::span<const visibility::Observer> observers, const geo::RasterGrid& grid,
-                          visibility::ViewshedOptions options, LongRun& long_run) {
-  return long_run.work("looking", "lines of sight", [&](const Progress& progress, PartCheckpoint* parts) {
-    options.progress = progress;
-    options.parts = parts;
-    return visibility::viewshed(*cloud.occluders, ground, observers, grid, options);
-  });
+visibility::Viewshed test_visibility(const VisibilityCloud& cloud, const visibility::Ground& ground,
+                                     std::span<const visibility::Observer> observers,
+                                     const geo::RasterGrid& grid, visibility::ViewshedOptions options,
+                                     LongRun& long_run) {
+  return long_run.work("testing visibility", "lines of sight",
+                       [&](const Progress& progress, PartCheckpoint* parts) {
+                         options.progress = progress;
+                         options.parts = parts;
+                         return visibility::viewshed(*cloud.occluders, ground, observers, grid, options);
+                       });
 }
 
 /// Reads the objects, in the cloud's reference system, those of the command line first, and divides them into
@@ -382,7 +384,7 @@ ExitCode run(const RasterCommand& given) {
   say_observer_remarks(viewpoints.named, *cloud, verbosity);
 
   const auto start = std::chrono::steady_clock::now();
-  const visibility::Viewshed seen = look(*cloud, ground, observers, grid, options, long_run);
+  const visibility::Viewshed seen = test_visibility(*cloud, ground, observers, grid, options, long_run);
   const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   const visibility::ViewshedBand band =
       visibility::viewshed_band(seen, options, seen_values_of(command), viewpoints.named.size(), unit.name);

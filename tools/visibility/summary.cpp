@@ -54,8 +54,8 @@ ExitCode run(const SummaryCommand& command) {
       command.checkpoint, [&] { return run_fingerprint(command.checkpoint, *cloud, observers); }, verbosity);
   visibility::SummaryOptions options = command.summary;
   options.classes = cloud->columns.classifications;
-  const std::vector<visibility::ObserverSummary> summaries =
-      long_run.work("looking", "lines of sight", [&](const Progress& progress, PartCheckpoint* parts) {
+  const std::vector<visibility::ObserverSummary> summaries = long_run.work(
+      "testing visibility", "lines of sight", [&](const Progress& progress, PartCheckpoint* parts) {
         options.progress = progress;
         options.parts = parts;
         return visibility::summarize(*cloud->occluders, observers, options);
