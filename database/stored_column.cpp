@@ -7,6 +7,7 @@
 #include <cmath>
 #include <set>
 #include <string_view>
+#include <type_traits>
 #include <utility>
 
 #include "base/words.h"
@@ -157,6 +158,36 @@ std::string line_column(const std::vector<StoredColumn>& columns, std::string na
 ColumnValue stored_value(const StoredColumn& column, const std::byte* at) {
   if (column.type == ScalarType::bytes) return std::span(at, static_cast<std::size_t>(column.size));
   return with_type(column.type, [&](auto none) { return meant_value(column, load<decltype(none)>(at)); });
+}
+
+std::vector<CloudColumn> cloud_columns(const PointColumns& cloud) {
+  std::vector<CloudColumn> columns;
+  for (int axis = 0; axis < 3; ++axis) {
+    CloudColumn& column = columns.emplace_back();
+    column.like.name = "xyz"[axis];
+    column.axis = axis;
+  }
+  // By the number that stored_columns() gives a blob.
+  std::vector<std::span<const std::byte>> blobs(1);
+  for_each_column(cloud.attributes, [&](Attribute, const auto& column) {
+    if (column.empty()) return;
+    if constexpr (std::is_same_v<decltype(column), const ColorColumn&>)
+      blobs.push_back(std::as_bytes(column.deep()));
+    else
+      blobs.push_back(std::as_bytes(column));
+  });
+  std::vector<ExtraDimension> dimensions;
+  for (const ExtraColumn& column : cloud.attributes.extra_dimensions) {
+    blobs.push_back(std::as_bytes(column.values));
+    dimensions.push_back(column.description);
+  }
+  for (StoredColumn& stored : stored_columns(cloud.attributes.attributes(), std::move(dimensions))) {
+    if (stored.blob == 0) continue;
+    CloudColumn& column = columns.emplace_back();
+    column.values = blobs[static_cast<std::size_t>(stored.blob)].data() + stored.byte;
+    column.like = std::move(stored);
+  }
+  return columns;
 }
 
 }  // namespace alidade::database

@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: MIT
-#include "database/sqlite/functions.h"
+#include "database/sqlite/cloud_table.h"
 
-#include <algorithm>
 #include <memory>
+#include <optional>
+#include <span>
 #include <string>
 #include <string_view>
 #include <utility>
@@ -10,6 +11,7 @@
 #include "database/sqlite/chunk_store.h"
 #include "database/sqlite/file_cloud.h"
 #include "database/sqlite/scan.h"
+#include "database/sqlite/virtual_table.h"
 #include "database/stored_column.h"
 
 namespace alidade::database {
@@ -33,49 +35,67 @@ struct Table {
         cloud(files ? files->schema() : read_cloud_schema(database, schema, name)),
         columns(cloud.columns),
         reads(all_reads) {}
+
+  int best_index(sqlite3_index_info& info) const { return choose_plan(columns, cloud.point_count, info); }
 };
 
 struct Cursor {
-  sqlite3_vtab_cursor base{};         // SQLite's part, which must be first
+  sqlite3_vtab_cursor base{};  // SQLite's part, which must be first
+  const Table& table;
   std::unique_ptr<ChunkStore> store;  ///< null: all scans share one source
   ChunkSource& source;
   Arguments arguments;
   std::optional<PointCursor> points;
-  ScanReads* all_reads;
 
-  explicit Cursor(const Table& table)
-      : store(table.files
-                  ? nullptr
-                  : std::make_unique<ChunkStore>(table.database, table.schema, table.name, table.cloud)),
-        source(table.files ? table.files->source() : *store),
-        all_reads(table.reads) {}
+  explicit Cursor(const Table& from)
+      : table(from),
+        store(from.files ? nullptr
+                         : std::make_unique<ChunkStore>(from.database, from.schema, from.name, from.cloud)),
+        source(from.files ? from.files->source() : *store) {
+    if (table.files) table.files->check_unchanged();
+  }
   ~Cursor() { end_scan(); }
   Cursor(const Cursor&) = delete;
   Cursor& operator=(const Cursor&) = delete;
 
   void end_scan() {
-    if (points && all_reads != nullptr) *all_reads += points->reads();
+    if (points && table.reads != nullptr) *table.reads += points->reads();
     points.reset();
   }
+
+  void filter(int order, const char* plan, std::span<sqlite3_value* const> values) {
+    end_scan();
+    if (table.reads != nullptr) *table.reads += {.scans = 1, .chunks = table.cloud.chunk_count};
+    const std::optional<ScanFilter> wanted = plan_filter(plan, values, arguments);
+    if (wanted) points.emplace(source, table.cloud, *wanted, static_cast<RowOrder>(order));
+  }
+
+  void next() { points->next(); }
+  bool at_end() const noexcept { return !points || points->at_end(); }
+
+  sqlite3_int64 row_id() const noexcept {
+    return static_cast<sqlite3_int64>(points->chunk().id << k_row_bits | points->row());
+  }
+
+  void column(sqlite3_context* context, int number) {
+    const TableColumns::Kind kind = table.columns.kind(number);
+    if (kind == TableColumns::Kind::stored) {
+      const StoredColumn& stored = table.columns.stored(number);
+      answer(context, stored_value(stored, source.bytes(points->chunk(), stored, points->row())));
+    } else if (kind == TableColumns::Kind::axis) {
+      sqlite3_result_double(context, points->position()[table.columns.axis(number)]);
+    } else if (kind == TableColumns::Kind::chunk) {
+      sqlite3_result_int64(context, static_cast<sqlite3_int64>(points->chunk().id));
+    } else if (!arguments) {
+      throw Error({.problem = "dist, t and ox to dz are columns of a ray", .expected = k_ray_form});
+    } else if (kind == TableColumns::Kind::argument) {
+      sqlite3_result_double(context, (*arguments)[table.columns.argument(number)]);
+    } else {
+      const RayProjection at = *points->projection();
+      sqlite3_result_double(context, kind == TableColumns::Kind::t ? at.t : at.distance);
+    }
+  }
 };
-
-Table& table_of(sqlite3_vtab* base) {
-  return *reinterpret_cast<Table*>(base);
-}
-Cursor& cursor_of(sqlite3_vtab_cursor* base) {
-  return *reinterpret_cast<Cursor*>(base);
-}
-
-void keep_message(char** kept, const char* message) {
-  sqlite3_free(*kept);
-  *kept = sqlite3_mprintf("%s", message);
-}
-
-/// Runs a callback of a table, whose message it keeps.
-template <class Work>
-int table_guarded(sqlite3_vtab* base, const Work& work) {
-  return guarded(work, [&](const char* message) { keep_message(&base->zErrMsg, message); });
-}
 
 /// Declares a table to SQLite. `columns`: the origin of the columns, for messages.
 void declare(std::unique_ptr<Table> table, const std::string& columns, sqlite3_vtab** made) {
@@ -195,93 +215,18 @@ int rename_files(sqlite3_vtab*, const char*) {
 
 int rename(sqlite3_vtab* base, const char* name) {
   return table_guarded(base, [&] {
-    const Table& table = table_of(base);
+    const Table& table = table_of<Table>(base);
     rename_cloud_tables(table.database, table.schema, table.name, name);
   });
 }
 
-int disconnect(sqlite3_vtab* base) {
-  delete &table_of(base);
-  return SQLITE_OK;
-}
-
 int destroy(sqlite3_vtab* base) {
   const int result = table_guarded(base, [&] {
-    const Table& table = table_of(base);
+    const Table& table = table_of<Table>(base);
     drop_cloud_tables(table.database, table.schema, table.name);
   });
-  return result == SQLITE_OK ? disconnect(base) : result;
-}
-
-int best_index(sqlite3_vtab* base, sqlite3_index_info* info) {
-  return table_guarded(base, [&] {
-    const Table& table = table_of(base);
-    return choose_plan(table.columns, table.cloud.point_count, *info);
-  });
-}
-
-int open(sqlite3_vtab* base, sqlite3_vtab_cursor** made) {
-  return table_guarded(base, [&] {
-    const Table& table = table_of(base);
-    if (table.files) table.files->check_unchanged();
-    *made = &std::make_unique<Cursor>(table).release()->base;
-  });
-}
-
-int close(sqlite3_vtab_cursor* base) {
-  delete &cursor_of(base);
-  return SQLITE_OK;
-}
-
-int filter(sqlite3_vtab_cursor* base, int order, const char* plan, int count, sqlite3_value** values) {
-  return table_guarded(base->pVtab, [&] {
-    Cursor& cursor = cursor_of(base);
-    const Table& table = table_of(base->pVtab);
-    cursor.end_scan();
-    if (table.reads != nullptr) *table.reads += {.scans = 1, .chunks = table.cloud.chunk_count};
-    const std::optional<ScanFilter> wanted = plan_filter(
-        plan == nullptr ? "" : plan, std::span(values, static_cast<std::size_t>(count)), cursor.arguments);
-    if (wanted) cursor.points.emplace(cursor.source, table.cloud, *wanted, static_cast<RowOrder>(order));
-  });
-}
-
-int next(sqlite3_vtab_cursor* base) {
-  return table_guarded(base->pVtab, [&] { cursor_of(base).points->next(); });
-}
-
-int at_end(sqlite3_vtab_cursor* base) {
-  const Cursor& cursor = cursor_of(base);
-  return !cursor.points || cursor.points->at_end() ? 1 : 0;
-}
-
-int column(sqlite3_vtab_cursor* base, sqlite3_context* context, int number) {
-  return table_guarded(base->pVtab, [&] {
-    Cursor& cursor = cursor_of(base);
-    const PointCursor& points = *cursor.points;
-    const TableColumns& columns = table_of(base->pVtab).columns;
-    const TableColumns::Kind kind = columns.kind(number);
-    if (kind == TableColumns::Kind::stored) {
-      const StoredColumn& stored = columns.stored(number);
-      answer(context, stored_value(stored, cursor.source.bytes(points.chunk(), stored, points.row())));
-    } else if (kind == TableColumns::Kind::axis) {
-      sqlite3_result_double(context, points.position()[columns.axis(number)]);
-    } else if (kind == TableColumns::Kind::chunk) {
-      sqlite3_result_int64(context, static_cast<sqlite3_int64>(points.chunk().id));
-    } else if (!cursor.arguments) {
-      throw Error({.problem = "dist, t and ox to dz are columns of a ray", .expected = k_ray_form});
-    } else if (kind == TableColumns::Kind::argument) {
-      sqlite3_result_double(context, (*cursor.arguments)[columns.argument(number)]);
-    } else {
-      const RayProjection at = *points.projection();
-      sqlite3_result_double(context, kind == TableColumns::Kind::t ? at.t : at.distance);
-    }
-  });
-}
-
-int row_id(sqlite3_vtab_cursor* base, sqlite3_int64* id) {
-  const PointCursor& points = *cursor_of(base).points;
-  *id = static_cast<sqlite3_int64>(points.chunk().id << k_row_bits | points.row());
-  return SQLITE_OK;
+  if (result == SQLITE_OK) delete &table_of<Table>(base);
+  return result;
 }
 
 /// in_chunk(_chunk, limit) is a condition that plans see.
@@ -302,20 +247,11 @@ int is_shadow(const char* name) {
 }
 
 const sqlite3_module k_module = [] {
-  sqlite3_module module{};
+  sqlite3_module module = reading_module<Table, Cursor>();
   module.iVersion = 3;
   module.xCreate = create;
   module.xConnect = connect;
-  module.xBestIndex = best_index;
-  module.xDisconnect = disconnect;
   module.xDestroy = destroy;
-  module.xOpen = open;
-  module.xClose = close;
-  module.xFilter = filter;
-  module.xNext = next;
-  module.xEof = at_end;
-  module.xColumn = column;
-  module.xRowid = row_id;
   module.xFindFunction = find_function;
   module.xRename = rename;
   module.xShadowName = is_shadow;
@@ -327,7 +263,7 @@ const sqlite3_module k_file_module = [] {
   sqlite3_module module = k_module;
   module.xCreate = create_files;
   module.xConnect = connect_files;
-  module.xDestroy = disconnect;
+  module.xDestroy = module.xDisconnect;
   module.xRename = rename_files;
   module.xShadowName = nullptr;
   return module;

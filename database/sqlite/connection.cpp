@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "database/sqlite/connection.h"
 
+#include "database/sqlite/cloud_table.h"
 #include "database/sqlite/functions.h"
 
 namespace alidade::database {

@@ -3,24 +3,37 @@
 
 #include <cstdint>
 #include <filesystem>
-#include <functional>
+#include <memory>
 #include <span>
 #include <string>
 #include <vector>
 
 #include "cloud/cloud_inputs.h"
+#include "database/sqlite/chunk_source.h"
+#include "database/sqlite/cloud_schema.h"
 #include "database/sqlite/connection.h"
-#include "database/sqlite/file_chunks.h"
 
 namespace alidade::database {
+
+/// A cloud in files as a source of scans.
+struct FileChunks {
+  CloudSchema schema{};  ///< without reference system
+  std::vector<std::string> warnings{};
+  std::unique_ptr<ChunkSource> source{};
+};
 
 /// The cloud of a table over files. For one thread at a time.
 class FileCloud {
  public:
-  /// Opens files, folders and patterns (resolve_clouds()) as one cloud: a single COPC file with points
-  /// by copc_chunks(), unless with ReadOptions::partial; everything else by octree_chunks(). Heights
-  /// are in the unit of x and y (in_one_unit()). Errors: those of these functions; a file changes
-  /// while it is read. Cancelled.
+  /// Opens files, folders and patterns (resolve_clouds()) as one cloud:
+  /// - A single COPC file with points, unless with ReadOptions::partial, is not loaded: scans read the nodes
+  ///   in whose cubes they may find points. Memory: 512 MB of positions (20 B per point) and 256 MB of
+  ///   attributes at most, or one node.
+  /// - Everything else by its octree, which is mapped from an index file or made of points that are read into
+  ///   memory. Memory: 24 B per node; of files that are not indexed, also 11 B per point and the attributes.
+  ///
+  /// Heights are in the unit of x and y (in_one_unit()). Errors: those of load_indexed_cloud() and CopcFile; a
+  /// file changes while it is read. Cancelled.
   FileCloud(std::span<const std::filesystem::path> names, const FileTables& how);
 
   const CloudSchema& schema() const { return chunks_.schema; }

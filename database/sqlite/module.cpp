@@ -2,6 +2,7 @@
 // The loadable extension for the sqlite3 shell, Python and Alidade's own program: .load ./libalidade_sqlite
 #include <sqlite3ext.h>
 
+#include "database/sqlite/cloud_table.h"
 #include "database/sqlite/functions.h"
 
 SQLITE_EXTENSION_INIT1

@@ -13,10 +13,9 @@
 #include <vector>
 
 #include "base/words.h"
-#include "database/cloud_column.h"
-#include "database/sqlite/functions.h"
 #include "database/sqlite/sql_tokens.h"
-#include "database/sqlite/sqlite_api.h"
+#include "database/sqlite/virtual_table.h"
+#include "database/stored_column.h"
 
 namespace alidade::database {
 namespace {
@@ -33,16 +32,6 @@ struct Rows {
   std::size_t first, end;
 };
 
-struct Table {
-  sqlite3_vtab base{};  // SQLite's part, which must be first
-  const Rows* rows;
-};
-
-struct Cursor {
-  sqlite3_vtab_cursor base{};  // SQLite's part, which must be first
-  std::size_t row = 0;
-};
-
 /// A name for the hidden column with the number of a row that no attribute has.
 std::string row_column(const std::vector<CloudColumn>& columns) {
   std::string name = "_row";
@@ -51,23 +40,46 @@ std::string row_column(const std::vector<CloudColumn>& columns) {
   return name;
 }
 
-const Rows& rows_of(sqlite3_vtab* base) {
-  return *reinterpret_cast<Table*>(base)->rows;
-}
+struct RowTable {
+  sqlite3_vtab base{};  // SQLite's part, which must be first
+  const Rows& rows;
 
-Cursor& cursor_of(sqlite3_vtab_cursor* base) {
-  return *reinterpret_cast<Cursor*>(base);
-}
+  int best_index(sqlite3_index_info& info) const {
+    info.estimatedRows = static_cast<sqlite3_int64>(rows.end - rows.first);
+    info.estimatedCost = static_cast<double>(info.estimatedRows);
+    return SQLITE_OK;
+  }
+};
 
-int connect(sqlite3* database, void* rows, int, const char* const*, sqlite3_vtab** made, char** message) {
+struct RowCursor {
+  sqlite3_vtab_cursor base{};  // SQLite's part, which must be first
+  const Rows& rows;
+  std::size_t row = 0;
+
+  explicit RowCursor(const RowTable& table) : rows(table.rows) {}
+
+  void filter(int, const char*, std::span<sqlite3_value* const>) { row = rows.first; }
+  void next() { ++row; }
+  bool at_end() const noexcept { return row >= rows.end; }
+
+  void column(sqlite3_context* context, int number) const {
+    const auto column = static_cast<std::size_t>(number);
+    if (column == rows.columns.size())
+      sqlite3_result_int64(context, static_cast<sqlite3_int64>(row));
+    else
+      answer(context, value_of(rows.cloud, rows.columns[column], row));
+  }
+};
+
+int connect_rows(sqlite3* database, void* rows, int, const char* const*, sqlite3_vtab** made,
+                 char** message) {
   return guarded(
       [&] {
-        auto table = std::make_unique<Table>();
-        table->rows = static_cast<const Rows*>(rows);
+        std::unique_ptr<RowTable> table(new RowTable{.rows = *static_cast<const Rows*>(rows)});
         std::vector<std::string> names;
-        for (const CloudColumn& column : table->rows->columns) names.push_back(sql_name(column.like.name));
+        for (const CloudColumn& column : table->rows.columns) names.push_back(sql_name(column.like.name));
         // WITHOUT ROWID, since in a condition rowid would be the number of a row within its block.
-        const std::string row = row_column(table->rows->columns);
+        const std::string row = row_column(table->rows.columns);
         const int result = sqlite3_declare_vtab(
             database, fmt::format("CREATE TABLE point({},{} INTEGER HIDDEN, PRIMARY KEY({})) WITHOUT ROWID",
                                   fmt::join(names, ","), row, row)
@@ -75,66 +87,13 @@ int connect(sqlite3* database, void* rows, int, const char* const*, sqlite3_vtab
         if (result == SQLITE_OK) *made = &table.release()->base;
         return result;
       },
-      [&](const char* text) { *message = sqlite3_mprintf("%s", text); });
+      [&](const char* text) { keep_message(message, text); });
 }
 
-int disconnect(sqlite3_vtab* base) {
-  delete reinterpret_cast<Table*>(base);
-  return SQLITE_OK;
-}
-
-int best_index(sqlite3_vtab* base, sqlite3_index_info* info) {
-  info->estimatedRows = static_cast<sqlite3_int64>(rows_of(base).end - rows_of(base).first);
-  info->estimatedCost = static_cast<double>(info->estimatedRows);
-  return SQLITE_OK;
-}
-
-int open(sqlite3_vtab*, sqlite3_vtab_cursor** made) {
-  return guarded([&] { *made = &std::make_unique<Cursor>().release()->base; }, [](const char*) {});
-}
-
-int close(sqlite3_vtab_cursor* base) {
-  delete &cursor_of(base);
-  return SQLITE_OK;
-}
-
-int filter(sqlite3_vtab_cursor* base, int, const char*, int, sqlite3_value**) {
-  cursor_of(base).row = rows_of(base->pVtab).first;
-  return SQLITE_OK;
-}
-
-int next(sqlite3_vtab_cursor* base) {
-  ++cursor_of(base).row;
-  return SQLITE_OK;
-}
-
-int at_end(sqlite3_vtab_cursor* base) {
-  return cursor_of(base).row >= rows_of(base->pVtab).end ? 1 : 0;
-}
-
-int column(sqlite3_vtab_cursor* base, sqlite3_context* context, int number) {
-  const Rows& rows = rows_of(base->pVtab);
-  const auto column = static_cast<std::size_t>(number);
-  const std::size_t row = cursor_of(base).row;
-  if (column == rows.columns.size())
-    sqlite3_result_int64(context, static_cast<sqlite3_int64>(row));
-  else
-    answer(context, value_of(rows.cloud, rows.columns[column], row));
-  return SQLITE_OK;
-}
-
-const sqlite3_module k_module = [] {
-  sqlite3_module module{};
-  // Without xCreate the table exists without CREATE.
-  module.xConnect = connect;
-  module.xBestIndex = best_index;
-  module.xDisconnect = disconnect;
-  module.xOpen = open;
-  module.xClose = close;
-  module.xFilter = filter;
-  module.xNext = next;
-  module.xEof = at_end;
-  module.xColumn = column;
+/// Without xCreate the table exists without CREATE.
+const sqlite3_module k_row_module = [] {
+  sqlite3_module module = reading_module<RowTable, RowCursor>();
+  module.xConnect = connect_rows;
   return module;
 }();
 
@@ -147,8 +106,8 @@ class Evaluation {
     // Otherwise a name in double quotes that is not a column would be a text.
     sqlite3_db_config(database_, SQLITE_DBCONFIG_DQS_DML, 0, nullptr);
     if (result != SQLITE_OK || add_functions(database_) != SQLITE_OK ||
-        (rows != nullptr && sqlite3_create_module_v2(database_, "point", &k_module, const_cast<Rows*>(rows),
-                                                     nullptr) != SQLITE_OK)) {
+        (rows != nullptr && sqlite3_create_module_v2(database_, "point", &k_row_module,
+                                                     const_cast<Rows*>(rows), nullptr) != SQLITE_OK)) {
       const std::string message = sqlite3_errmsg(database_);
       sqlite3_close(database_);
       throw Error({.problem = message});

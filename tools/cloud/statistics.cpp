@@ -17,7 +17,7 @@
 #include <variant>
 
 #include "base/shown_text.h"
-#include "database/cloud_column.h"
+#include "database/stored_column.h"
 #include "geo/map_unit.h"
 #include "image/color_points.h"
 #include "image/point_color.h"

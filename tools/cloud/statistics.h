@@ -24,7 +24,7 @@ inline constexpr std::array<const char*, 5> k_flag_names = {"synthetic", "key po
 
 /// The values of a column of numbers, without nodata.
 struct ColumnStatistics {
-  std::string name;  ///< as SQL has it (database/cloud_column.h)
+  std::string name;  ///< as SQL has it (database/stored_column.h)
   bool is_whole = false;
   std::uint64_t count = 0, missing = 0;
   double least = 0.0, most = 0.0, mean = 0.0, deviation = 0.0;
