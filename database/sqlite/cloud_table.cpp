@@ -81,7 +81,7 @@ struct Cursor {
     const TableColumns::Kind kind = table.columns.kind(number);
     if (kind == TableColumns::Kind::stored) {
       const StoredColumn& stored = table.columns.stored(number);
-      answer(context, stored_value(stored, source.bytes(points->chunk(), stored, points->row())));
+      set_result(context, stored_value(stored, source.bytes(points->chunk(), stored, points->row())));
     } else if (kind == TableColumns::Kind::axis) {
       sqlite3_result_double(context, points->position()[table.columns.axis(number)]);
     } else if (kind == TableColumns::Kind::chunk) {

@@ -19,14 +19,14 @@ using Values = std::span<sqlite3_value* const>;
 struct SqlFunction {
   const char* name;
   int arguments;
-  void (*answer)(sqlite3_context*, Values, const char* name);
+  void (*set_result)(sqlite3_context*, Values, const char* name);
 };
 
 /// Runs the function of the context.
 void call(sqlite3_context* context, int count, sqlite3_value** values) {
   const auto& function = *static_cast<const SqlFunction*>(sqlite3_user_data(context));
   const int result = guarded(
-      [&] { function.answer(context, Values(values, static_cast<std::size_t>(count)), function.name); },
+      [&] { function.set_result(context, Values(values, static_cast<std::size_t>(count)), function.name); },
       [&](const std::string& message) {
         const std::string name = function.name;
         const std::string text = message.starts_with(name) ? message : name + ": " + message;
@@ -51,7 +51,7 @@ void dist_plane(sqlite3_context* context, Values values, const char* name) {
   sqlite3_result_double(context, signed_distance(plane, glm::dvec3(x, y, z)));
 }
 
-void answer(sqlite3_context* context, const DistanceLimit& limit) {
+void set_limit(sqlite3_context* context, const DistanceLimit& limit) {
   const std::vector<std::byte> bytes = encode(limit);
   sqlite3_result_blob64(context, bytes.data(), bytes.size(), SQLITE_TRANSIENT);
 }
@@ -70,7 +70,7 @@ void limit(sqlite3_context* context, Values values, const char* name) {
   }
   PointFilter filter;
   add(limit, filter);
-  if (given) answer(context, limit);
+  if (given) set_limit(context, limit);
 }
 
 template <DistanceLimit::Kind kind>
@@ -78,7 +78,7 @@ void try_limit(sqlite3_context* context, Values values, const char* name) {
   try {
     limit<kind>(context, values, name);
   } catch (const Error&) {
-    answer(context, DistanceLimit{});
+    set_limit(context, DistanceLimit{});
   }
 }
 
@@ -91,7 +91,7 @@ constexpr SqlFunction k_functions[] = {
     {"try_plane_limit", 8, try_limit<DistanceLimit::Kind::plane>},
 };
 
-struct AnswerValue {
+struct SetResult {
   sqlite3_context* context;
   void operator()(std::monostate) const {}
   void operator()(std::int64_t whole) const { sqlite3_result_int64(context, whole); }
@@ -104,8 +104,8 @@ struct AnswerValue {
 
 }  // namespace
 
-void answer(sqlite3_context* context, const ColumnValue& value) {
-  std::visit(AnswerValue{context}, value);
+void set_result(sqlite3_context* context, const ColumnValue& value) {
+  std::visit(SetResult{context}, value);
 }
 
 std::vector<std::byte> encode(const DistanceLimit& limit) {

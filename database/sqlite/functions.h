@@ -43,7 +43,7 @@ int guarded(const Work& work, const Fail& fail) {
 }
 
 /// Sets the result of a function of SQL to the value of a column.
-void answer(sqlite3_context* context, const ColumnValue& value);
+void set_result(sqlite3_context* context, const ColumnValue& value);
 
 /// The numbers of some arguments; empty if one of them is NULL. Errors: one is neither number nor NULL, named
 /// with `function` and counted from 1.

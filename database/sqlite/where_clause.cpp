@@ -67,7 +67,7 @@ struct RowCursor {
     if (column == rows.columns.size())
       sqlite3_result_int64(context, static_cast<sqlite3_int64>(row));
     else
-      answer(context, value_of(rows.cloud, rows.columns[column], row));
+      set_result(context, value_of(rows.cloud, rows.columns[column], row));
   }
 };
 
@@ -141,8 +141,8 @@ void reject_changing(const std::string& text) {
   constexpr const char* k_remedy =
       "a condition on values of the points, which always holds for the same ones "
       "(to thin a cloud: 'alidade convert --every N')";
-  constexpr std::string_view k_functions[] = {"random", "randomblob", "changes", "total_changes",
-                                              "last_insert_rowid"};
+  constexpr std::string_view k_changing[] = {"random", "randomblob", "changes", "total_changes",
+                                             "last_insert_rowid"};
   constexpr std::string_view k_dates[] = {"date",      "time",     "datetime", "julianday",
                                           "unixepoch", "strftime", "timediff"};
   // "subsec" instead of a time is the current time.
@@ -157,7 +157,7 @@ void reject_changing(const std::string& text) {
     const auto calls_one_of = [&](std::span<const std::string_view> names) {
       return is_call && std::ranges::find(names, plain_name(word)) != names.end();
     };
-    if (is_clock || calls_one_of(k_functions))
+    if (is_clock || calls_one_of(k_changing))
       reject(text, word + " changes from one time to the next", k_remedy);
     if (!calls_one_of(k_dates) || !tokens.is_sound()) continue;
     // Without a time these use the current one.
