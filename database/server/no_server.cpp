@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Replaces read_server.cpp and store_on_server.cpp if libpq's header was not found.
+// Replaces server_clouds.cpp in a build without the header of PostgreSQL's client library.
 #include "base/error.h"
 #include "cloud/cloud_reader.h"
 #include "database/server/server_clouds.h"

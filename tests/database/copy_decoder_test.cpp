@@ -8,8 +8,8 @@
 
 #include "base/error.h"
 #include "cloud/rows.h"
-#include "database/server/server_cloud.h"
 #include "database/server/server_sql.h"
+#include "database/server/server_table.h"
 
 namespace alidade::test {
 
