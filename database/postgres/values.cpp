@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-
+// The SQL types: their input and output as text and bytes, the functions that make their values, and those of
+// distances and limits. Errors are PostgreSQL's.
 #include <array>
 #include <span>
 #include <string_view>
@@ -12,10 +13,9 @@ extern "C" {
 #include <libpq/pqformat.h>
 #include <utils/builtins.h>
 #include <utils/float.h>
-}
 
-// The SQL types: input and output as text and bytes, and the functions that make
-// them. Errors are PostgreSQL's.
+PG_MODULE_MAGIC;
+}
 
 namespace alidade::database {
 namespace {
@@ -150,6 +150,22 @@ Datum limit_by_comparison(FunctionCallInfo fcinfo, DistanceKind kind) {
   return datum_of(make_limit(kind, line, comparison_of(PG_GETARG_TEXT_PP(1)), PG_GETARG_FLOAT8(2)));
 }
 
+Datum distance_of_numbers(FunctionCallInfo fcinfo, DistanceKind kind) {
+  const auto vector = [&](int first) {
+    return glm::dvec3(PG_GETARG_FLOAT8(first), PG_GETARG_FLOAT8(first + 1), PG_GETARG_FLOAT8(first + 2));
+  };
+  const CloudLine line = guarded([&] { return make_line(kind, vector(0), vector(3)); });
+  PG_RETURN_FLOAT8(distance(kind, line, vector(6)));
+}
+
+Datum distance_of_values(FunctionCallInfo fcinfo, DistanceKind kind) {
+  PG_RETURN_FLOAT8(distance(kind, argument<CloudLine>(fcinfo, 1), argument<glm::dvec3>(fcinfo, 0)));
+}
+
+bool keeps_limit(FunctionCallInfo fcinfo) {
+  return holds(argument<CloudLimit>(fcinfo, 1), argument<glm::dvec3>(fcinfo, 0));
+}
+
 }  // namespace
 }  // namespace alidade::database
 
@@ -208,3 +224,10 @@ ALIDADE_SQL_ANSWER(alidade_ray_limit, datum_of(limit_of(DistanceKind::ray, numbe
 ALIDADE_SQL_ANSWER(alidade_plane_limit, datum_of(limit_of(DistanceKind::plane, numbers_given<8>(fcinfo))));
 ALIDADE_SQL_ANSWER(alidade_limit_by_ray, limit_by_comparison(fcinfo, DistanceKind::ray));
 ALIDADE_SQL_ANSWER(alidade_limit_by_plane, limit_by_comparison(fcinfo, DistanceKind::plane));
+
+ALIDADE_SQL_ANSWER(alidade_dist_ray, distance_of_numbers(fcinfo, DistanceKind::ray));
+ALIDADE_SQL_ANSWER(alidade_dist_plane, distance_of_numbers(fcinfo, DistanceKind::plane));
+ALIDADE_SQL_ANSWER(alidade_distance_to_ray, distance_of_values(fcinfo, DistanceKind::ray));
+ALIDADE_SQL_ANSWER(alidade_distance_to_plane, distance_of_values(fcinfo, DistanceKind::plane));
+ALIDADE_SQL_ANSWER(alidade_keeps_limit, BoolGetDatum(keeps_limit(fcinfo)));
+ALIDADE_SQL_ANSWER(alidade_breaks_limit, BoolGetDatum(!keeps_limit(fcinfo)));

@@ -321,8 +321,8 @@ CloudTables check_tables(ServerConnection& connection, const ServerName& name, b
 }
 
 /// Stores a cloud within a transaction.
-void store(ServerConnection& connection, const ServerName& name, OrderedCloud& cloud,
-           const ServerStoreOptions& options) {
+void store_within_transaction(ServerConnection& connection, const ServerName& name, OrderedCloud& cloud,
+                              const ServerStoreOptions& options) {
   std::uint64_t done = 0;
   const ServerWait wait = [&] { report(options.progress, done, cloud.points.size()); };
   const CopyRows rows(cloud.columns(), cloud.whole.rest.lattice);
@@ -423,7 +423,7 @@ StoredFiles store_on_server(const ServerName& name, const CloudInputs& inputs, c
 
   OrderedCloud cloud(temporary_folder(), inputs, reading, options.memory);
   connection.run("BEGIN");
-  store(connection, name, cloud, options);
+  store_within_transaction(connection, name, cloud, options);
   return std::move(cloud).stored();
 }
 
