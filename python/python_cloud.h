@@ -2,7 +2,6 @@
 #pragma once
 
 #include <memory>
-#include <optional>
 
 #include "base/remote_map.h"
 #include "octree/index_file/index_file.h"
@@ -53,14 +52,6 @@ class Index : public Cloud {
  private:
   Octree octree_;
 };
-
-/// NumPy's names of ScalarType, in its order.
-inline constexpr const char* k_types[] = {"V", "u1", "i1", "u2", "i2", "u4", "i4", "u8", "i8", "f4", "f8"};
-
-/// The cloud of Cloud(xyz, crs=..., scale=..., name=values). Errors: Error that names the array and what is
-/// expected.
-Cloud cloud_of_arrays(const py::handle& xyz, const std::optional<std::string>& crs,
-                      std::optional<double> scale, const py::kwargs& attributes);
 
 /// Declares both classes and open().
 void add_cloud(py::module_& module);

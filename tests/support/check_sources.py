@@ -11,6 +11,16 @@ ROOMS = ("base cloud octree mesh geo image camera renderer visibility compare da
 
 # Sources without a header of their own name, with the header that names them and the reason.
 WITHOUT_HEADER = {
+    "database/duckdb/extension.cpp": "the function that DuckDB calls",
+    "database/postgres/indexes.cpp": "functions of SQL, declared in database/postgres/alidade_pg--1.0.sql",
+    "database/postgres/planner_support.cpp": "functions of SQL, declared in database/postgres/alidade_pg--1.0.sql",
+    "database/postgres/values.cpp": "functions of SQL, declared in database/postgres/alidade_pg--1.0.sql",
+    "database/server/no_server.cpp": "database/server/server_clouds.h in builds without PostgreSQL's client library",
+    "database/sqlite/module.cpp": "the function that SQLite calls",
+    "python/module.cpp": "the function that Python calls",
+    "python/python_images.cpp": "bindings, added by a function of python/python_cloud.h",
+    "python/python_queries.cpp": "bindings, added by a function of python/python_cloud.h",
+    "python/remote_files.cpp": "functions that python/module.cpp finds by their names",
     "tools/main.cpp": "the program",
     "tools/image_module_entry.cpp": "the function of the module that tools/image_module.cpp finds by its name",
 }
@@ -58,6 +68,7 @@ def main():
         headers = {header: declared(header) for header in sorted(pathlib.Path(room).rglob("*.h"))}
         for source in sorted(pathlib.Path(room).rglob("*.cpp")):
             own = [source.with_suffix(".h"), source.with_name(source.stem + "-inl.h")]
+            own += map(pathlib.Path, re.findall(r"[\w/]+\.h\b", WITHOUT_HEADER.get(str(source), "")))
             of_command = room == "tools" and re.search(rf"\badd_({source.parent.name}_)?{source.stem}\(", source.read_text())
             if not any(header.exists() for header in own) and str(source) not in WITHOUT_HEADER and not of_command:
                 problems.append(f"{source}: has no header {own[0].name} beside it")
