@@ -10,6 +10,7 @@
 #include "octree/octree.h"
 #include "octree/query_targets.h"
 #include "octree/simd/search.h"
+#include "octree/simd/traversal.h"
 
 // How one target is answered. Algorithm 1 answers everything; lanes answer what they are tuned for. Here and
 // nowhere else it is chosen. Requires: target and query checked (octree/check_query.h).

@@ -10,8 +10,6 @@
 
 namespace alidade {
 
-struct PointSurface;
-
 /// A direction whose side is free, as two whole numbers in [0, steps], which must be even so that upright
 /// stays upright. Source: the octahedral map of Cigolle et al., A Survey of Efficient Representations for
 /// Independent Unit Vectors, JCGT 2014; the upper half alone, whose square turned by 45 degrees fills the
@@ -43,7 +41,9 @@ constexpr double k_normal_error = 2.44948974278318 / k_side_steps;
 constexpr std::uint32_t k_exists = 0x80000000u, k_side_mask = 0x3ffu, k_below = 0x400u, k_length_mask = 31u;
 constexpr int k_first_side = 21, k_second_side = 11, k_height = 5;  ///< the lowest bit of each
 
-/// Lengths that five bits represent, in units: 0, then from 2^-13 up to 4 by factors of the root of 2.
+/// Lengths that five bits represent, in units of TreeView::surface_unit: 0, then from 2^-13 up to 4 by
+/// factors of the root of 2. Heights are stored as the nearest one, thicknesses as the least that is not
+/// smaller.
 constexpr double k_greatest_length = 4.0, k_root_of_half = 0.70710678118654752;
 constexpr std::array<double, 32> k_lengths = [] {
   std::array<double, 32> lengths{};
@@ -54,10 +54,6 @@ constexpr std::array<double, 32> k_lengths = [] {
   }
   return lengths;
 }();
-
-/// Heights and thicknesses are stored in this unit, metres (TreeView::surface_unit): heights as the nearest
-/// length, thicknesses as the least that is not smaller.
-std::uint32_t pack(const PointSurface& surface, double unit);
 
 }  // namespace packed_surface
 }  // namespace alidade

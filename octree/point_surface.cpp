@@ -74,7 +74,38 @@ const std::array<glm::vec2, k_directions>& float_directions() {
 
 constexpr double k_least_sheet_trust = 0.8;  // of one of two sheets
 
-/// Reverses packed_surface::pack().
+/// The number of the length in packed_surface::k_lengths that is nearest.
+std::uint32_t nearest_length(double length) {
+  using packed_surface::k_lengths;
+  const auto above = std::ranges::lower_bound(k_lengths, length);
+  if (above == k_lengths.begin()) return 0;
+  if (above == k_lengths.end()) return packed_surface::k_length_mask;
+  const auto index = static_cast<std::uint32_t>(above - k_lengths.begin());
+  return length - k_lengths[index - 1] < k_lengths[index] - length ? index - 1 : index;
+}
+
+/// The number of the least length that is not smaller, or of the greatest.
+std::uint32_t length_above(double length) {
+  using packed_surface::k_lengths;
+  const auto above = std::ranges::lower_bound(k_lengths, length);
+  return above == k_lengths.end() ? packed_surface::k_length_mask
+                                  : static_cast<std::uint32_t>(above - k_lengths.begin());
+}
+
+/// A surface in 32 bits (octree/packed_surface.h). unit: TreeView::surface_unit, metres.
+std::uint32_t pack(const PointSurface& surface, double unit) {
+  using namespace packed_surface;
+  if (!surface.exists) return 0;
+  const glm::uvec2 normal = pack_normal(surface.normal, k_side_steps);
+  // Packing keeps the upper one of the two normals.
+  const bool turned = surface.normal.z < 0.0;
+  const bool below = (surface.height < 0.0) != turned;
+  return k_exists | normal.x << k_first_side | normal.y << k_second_side | (below ? k_below : 0u) |
+         nearest_length(std::fabs(surface.height) / unit) << k_height |
+         length_above(surface.thickness / unit);
+}
+
+/// Reverses pack().
 PointSurface unpack(std::uint32_t packed, double unit) {
   using namespace packed_surface;
   if ((packed & k_exists) == 0) return {};
@@ -317,7 +348,7 @@ class SurfaceFitter {
  private:
   void fit(const glm::dvec3& position, double spacing) {
     const FittedSurface fitted = fit_surface(around_, position, spacing, unit_);
-    packed_ = packed_surface::pack(fitted.surface, unit_);
+    packed_ = pack(fitted.surface, unit_);
     const PointSurface surface = unpack(packed_, unit_);
     edge_ = fitted.may_end && surface.exists
                 ? fit_sheet_edge(around_.points(position, k_reach * spacing), surface)

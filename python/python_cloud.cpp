@@ -25,6 +25,7 @@
 #include "database/server/server_clouds.h"
 #include "database/sqlite/stored_cloud.h"
 #include "octree/build.h"
+#include "octree/index_file/save_index.h"
 #include "octree/point_surface.h"
 #include "octree/spacing.h"
 #include "octree/tree_walk.h"

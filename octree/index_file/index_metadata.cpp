@@ -1,5 +1,8 @@
 // SPDX-License-Identifier: MIT
+#include "octree/index_file/index_metadata.h"
+
 #include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
 #include <cstring>
@@ -13,7 +16,6 @@
 
 #include "base/bytes.h"
 #include "base/error.h"
-#include "octree/index_file/index_sections.h"
 
 namespace alidade {
 namespace {

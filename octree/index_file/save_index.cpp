@@ -1,4 +1,6 @@
 // SPDX-License-Identifier: MIT
+#include "octree/index_file/save_index.h"
+
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -10,7 +12,7 @@
 #include "base/fingerprint.h"
 #include "base/output_file.h"
 #include "base/parallel.h"
-#include "octree/index_file/index_file.h"
+#include "octree/index_file/index_metadata.h"
 #include "octree/index_file/index_sections.h"
 
 namespace alidade {

@@ -289,6 +289,7 @@ constexpr std::array<std::uint32_t, 256> k_numbers_of_bits = [] {
   return numbers;
 }();
 
+/// Slots in the order in which rays meet them.
 struct SlotOrder {
   std::array<std::uint8_t, k_node_width> slot;
   int count = 0;

@@ -2,7 +2,6 @@
 #pragma once
 
 #include <cstddef>
-#include <optional>
 #include <span>
 #include <vector>
 
@@ -12,30 +11,11 @@
 
 namespace alidade::simd {
 
-/// Ray queries on a tree, compiled for one instruction set. Lanes only discard, and only what double
-/// arithmetic would discard too; what remains is decided by octree/candidate.h. So all sets give the same
-/// bits. Requires: a checked query of measure t, entry or crossing, checked rays with directions of length 1
-/// but for rounding, a tree that is not empty, no length beyond 1e15.
-struct Traversal {
-  std::optional<Hit> (*closest)(const TreeView& tree, const Ray& ray, const RayQuery& query,
-                                std::size_t query_index);
-  bool (*occluded)(const TreeView& tree, const Ray& ray, const RayQuery& query, std::size_t query_index);
-  /// Many rays on one thread, through the tree together: the faster the more of the tree they share.
-  /// first_index: query_index of rays[0].
-  void (*closest_stream)(const TreeView& tree, std::span<const Ray> rays, const RayQuery& query,
-                         std::size_t first_index, std::span<std::optional<Hit>> hits);
-  void (*occluded_stream)(const TreeView& tree, std::span<const Ray> rays, const RayQuery& query,
-                          std::size_t first_index, std::span<std::uint8_t> answers);
-};
-
-/// The traversal for an available instruction set (not `best`).
-const Traversal& traversal(InstructionSet instruction_set);
-
 /// More neighbours take so long to choose that sharing the way to them gains little.
 constexpr std::size_t k_most_in_turn = 64;
 
 /// Queries of one family, by any measure and with any conditions, compiled for one instruction set: of rays
-/// those that `Traversal` does not answer, of points, and of boxes. Lanes only discard what double arithmetic
+/// those that Traversal (simd/traversal.h) does not answer, of points, and of boxes. Lanes only discard what double arithmetic
 /// would discard too; what remains is decided by octree/candidate.h. So all sets give the same bits. World
 /// coordinates grow with lattice steps, so a box in the world is a box of lattice steps, and no test needs a
 /// number that is not whole: nodes are compared byte by byte, points 16 bits at a time, and what is

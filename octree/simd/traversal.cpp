@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "octree/simd/search.h"
+#include "octree/simd/traversal.h"
 
 #include <algorithm>
 #include <array>
@@ -17,7 +17,6 @@
 #include <hwy/highway.h>
 
 #include "octree/simd/choose_table.h"
-#include "octree/simd/packet_hits-inl.h"
 #include "octree/simd/ray_order-inl.h"
 #include "octree/simd/ray_packet-inl.h"
 #include "octree/simd/ray_state.h"

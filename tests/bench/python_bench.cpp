@@ -17,6 +17,7 @@
 #include <vector>
 
 #include "octree/index_file/index_file.h"
+#include "octree/index_file/save_index.h"
 #include "tests/bench/bench_site.h"
 #include "tests/bench/timing.h"
 

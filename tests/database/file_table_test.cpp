@@ -9,6 +9,7 @@
 #include "octree/build.h"
 #include "octree/distance.h"
 #include "octree/index_file/index_file.h"
+#include "octree/index_file/save_index.h"
 #include "tests/database/random_statement.h"
 #include "tests/database/sqlite_fixture.h"
 

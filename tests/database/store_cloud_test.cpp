@@ -12,6 +12,7 @@
 #include "database/stored_column.h"
 #include "octree/build.h"
 #include "octree/index_file/index_file.h"
+#include "octree/index_file/save_index.h"
 #include "tests/database/sqlite_fixture.h"
 
 namespace alidade::test {

@@ -5,7 +5,7 @@
 #include <string>
 
 #include "octree/build.h"
-#include "octree/index_file/index_file.h"
+#include "octree/index_file/save_index.h"
 #include "octree/point_surface.h"
 #include "octree/spacing.h"
 

@@ -10,7 +10,7 @@
 #include "cloud/las/write_las.h"
 #include "image/color_points.h"
 #include "octree/build.h"
-#include "octree/index_file/index_file.h"
+#include "octree/index_file/save_index.h"
 #include "tests/renderer/color_clouds.h"
 #include "tests/renderer/tracer_scenes.h"
 

@@ -19,7 +19,7 @@
 #include "cloud/scratch_cloud.h"
 #include "database/server/server_clouds.h"
 #include "database/sqlite/stored_cloud.h"
-#include "octree/index_file/index_file.h"
+#include "octree/index_file/save_index.h"
 #include "octree/point_surface.h"
 #include "octree/spacing.h"
 #include "tools/cloud/load_cloud.h"

@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "octree/build.h"
-#include "octree/index_file/index_file.h"
+#include "octree/index_file/save_index.h"
 #include "tests/octree/index_file/index_test_support.h"
 #include "tests/support/point_families.h"
 

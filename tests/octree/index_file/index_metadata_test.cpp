@@ -7,7 +7,7 @@
 #include <fstream>
 #include <sstream>
 
-#include "octree/index_file/index_sections.h"
+#include "octree/index_file/index_metadata.h"
 #include "tests/octree/index_file/index_layout.h"
 
 namespace alidade {

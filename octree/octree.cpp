@@ -1,22 +1,24 @@
 // SPDX-License-Identifier: MIT
+#include "octree/octree.h"
+
 #include <algorithm>
 #include <bit>
 #include <cmath>
 #include <optional>
 #include <vector>
 
-#include "octree/octree.h"
 #include "octree/tree_walk.h"
 
 namespace alidade {
+namespace {
 
 // Files may be damaged: impossible nodes are left out.
-static bool is_possible(const TreeView& tree, const Frame& frame) {
+bool is_possible(const TreeView& tree, const Frame& frame) {
   return frame.node < tree.node_count && frame.level >= k_min_frame_level;
 }
 
 /// Whether all points below a node are at one position, as far as the node itself shows it.
-static bool is_one_position(const Node& node, int level) {
+bool is_one_position(const Node& node, int level) {
   if (level != k_min_frame_level) return false;
   for (int slot = 1; slot < k_node_width; ++slot) {
     if (node.kind[slot] == 0) continue;
@@ -28,7 +30,7 @@ static bool is_one_position(const Node& node, int level) {
 }
 
 /// Nodes from one on, up to `most` + 1 of them, those of a single position counted once.
-static int count_nodes(const TreeView& tree, const Frame& top, int most) {
+int count_nodes(const TreeView& tree, const Frame& top, int most) {
   int count = 0;
   std::vector<Frame> waiting{top};
   while (!waiting.empty() && count <= most) {
@@ -46,7 +48,7 @@ static int count_nodes(const TreeView& tree, const Frame& top, int most) {
 }
 
 /// The inner child beside which there are only a few nodes.
-static std::optional<Frame> only_large_child(const TreeView& tree, const Frame& frame) {
+std::optional<Frame> only_large_child(const TreeView& tree, const Frame& frame) {
   constexpr int k_few_nodes = 8;
   std::optional<Frame> large;
   int others = 0;
@@ -65,7 +67,7 @@ static std::optional<Frame> only_large_child(const TreeView& tree, const Frame& 
   return others <= k_few_nodes ? large : std::nullopt;
 }
 
-static Frame site_of(const TreeView& tree) {
+Frame site_of(const TreeView& tree) {
   // In smaller frames floats lose less than a lattice step; and a site not much smaller gains nothing.
   constexpr int k_exact_level = 20, k_least_drop = 4;
   const Frame root = root_frame(tree);
@@ -78,6 +80,8 @@ static Frame site_of(const TreeView& tree) {
   }
   return site.level + k_least_drop <= root.level ? site : root;
 }
+
+}  // namespace
 
 TreeExtent extent_of(const TreeView& tree) {
   TreeExtent extent;
@@ -101,6 +105,15 @@ TreeExtent extent_of(const TreeView& tree) {
   extent.site_level = site.level;
   extent.site_width = std::ldexp(extent.widest_scale, site.level);
   return extent;
+}
+
+std::size_t Octree::memory() const {
+  const std::size_t per_point = 3 * sizeof(std::uint16_t) + (view_.ids ? sizeof(std::uint32_t) : 0);
+  const std::size_t spacings = view_.spacings ? view_.point_count + k_node_width * view_.node_count : 0;
+  const std::size_t orders = (view_.surfaces ? 1 : 0) + (view_.stored_surfaces ? 1 : 0);
+  const std::size_t surfaces = orders * view_.point_count * (sizeof(std::uint32_t) + sizeof(std::uint8_t));
+  return view_.node_count * sizeof(Node) + view_.point_count * per_point + surfaces +
+         view_.exact_count() * sizeof(LatticePosition) + spacings * sizeof(std::uint16_t);
 }
 
 }  // namespace alidade
