@@ -5,7 +5,8 @@
 
 #include "cloud/read_cloud.h"
 #include "octree/build.h"
-#include "octree/explain.h"
+#include "octree/query_targets.h"
+#include "octree/tree_query.h"
 
 int main(int argument_count, char** arguments) {
   using namespace alidade;
@@ -19,13 +20,13 @@ int main(int argument_count, char** arguments) {
     const double turn = i * 2.399963, down = -0.5 + 0.002 * i;
     rays.push_back(make_ray(box.center(), {std::cos(turn), std::sin(turn), down}, 0.5, 30.0));
   }
-  struct Asked {
+  struct NamedQuery {
     const char* name;
     RayQuery query;
   };
-  const Asked asked[] = {{"all within 10 cm", {.radius = 0.1}},
-                         {"first by entry", {.radius = 0.1, .k = 1}},
-                         {"8 nearest to the ray", {.measure = Measure::distance, .k = 8}}};
+  const NamedQuery queries[] = {{"all within 10 cm", {.radius = 0.1}},
+                                {"first by entry", {.radius = 0.1, .k = 1}},
+                                {"8 nearest to the ray", {.measure = Measure::distance, .k = 8}}};
   struct Switched {
     const char* name;
     Pruning pruning;
@@ -37,13 +38,17 @@ int main(int argument_count, char** arguments) {
                                {"without dynamic k", {.dynamic_k = false}}};
 
   std::printf("| nodes / points per ray |");
-  for (const Asked& a : asked) std::printf(" %s |", a.name);
+  for (const NamedQuery& q : queries) std::printf(" %s |", q.name);
   std::printf("\n|---|---|---|---|\n");
   for (const Switched& s : switched) {
     std::printf("| %s |", s.name);
-    for (const Asked& a : asked) {
+    for (const auto& [name, query] : queries) {
       QueryStatistics sum;
-      for (const Ray& ray : rays) sum += explain(octree, ray, a.query, s.pruning).statistics;
+      for (const Ray& ray : rays) {
+        const RayTarget target(ray, query);
+        Nearest nearest(target, query.k);
+        sum += tree_query(OctreeTree(octree.view()), target, nearest, s.pruning);
+      }
       const auto per_ray = static_cast<double>(rays.size());
       std::printf(" %.1f / %.1f |", static_cast<double>(sum.nodes_visited) / per_ray,
                   static_cast<double>(sum.points_tested) / per_ray);

@@ -4,7 +4,6 @@
 #include <gtest/gtest.h>
 
 #include "octree/brute_force.h"
-#include "octree/explain.h"
 #include "octree/query.h"
 #include "tests/support/octrees.h"
 #include "tests/support/point_families.h"

@@ -28,7 +28,6 @@ void expect_rejected(const Target& target, const Query& query, const std::string
   rejected([&] { (void)count(octree, target, query); });
   rejected([&] { (void)find(octree, std::span<const Target>(batch), query); });
   rejected([&] { count(octree, std::span<const Target>(batch), query, counts); });
-  rejected([&] { (void)explain(octree, target, query); });
   rejected([&] { (void)find(Octree{}, target, query); });
   rejected([&] { (void)brute_force::find(cloud, target, query); });
   rejected([&] { (void)brute_force::count(cloud, target, query); });
@@ -150,7 +149,6 @@ TEST(BadQuery, max_level_is_an_error_where_there_are_no_levels) {
     EXPECT_THROW((void)occluded(octree, good_ray(), coarse), Error);
     EXPECT_THROW((void)find(octree, rays, coarse), Error);
     EXPECT_THROW(count(octree, rays, coarse, counts), Error);
-    EXPECT_THROW((void)explain(octree, good_ray(), coarse), Error);
   }
   EXPECT_THROW((void)brute_force::find(three_points(), good_ray(), coarse), Error);
   expect_rejected(good_ray(), RayQuery{.radius = 1.0, .max_level = -1}, "max_level is negative");
@@ -212,7 +210,6 @@ TEST(BadQuery, an_empty_cloud_answers_nothing) {
     EXPECT_FALSE(occluded(octree, Cone{good_ray(), 1.0, 1.0}));
     const std::vector<Ray> rays(3, good_ray());
     EXPECT_EQ(find(octree, rays, {.radius = 1.0}).size(), 3u);
-    EXPECT_EQ(explain(octree, good_ray(), {.radius = 1.0}).statistics, QueryStatistics{});
   }
 }
 

@@ -9,11 +9,11 @@
 #include "octree/build.h"
 #include "octree/candidate.h"
 #include "octree/enclosing_spheres.h"
-#include "octree/explain.h"
 #include "octree/point_surface.h"
 #include "octree/query.h"
 #include "octree/spacing.h"
 #include "octree/tree_walk.h"
+#include "tests/octree/explain.h"
 #include "tests/support/octrees.h"
 #include "tests/support/point_families.h"
 #include "tests/support/random.h"
@@ -136,7 +136,7 @@ TEST_P(CrossingVsBruteForce, closest_occluded_find_and_count_are_the_same_bits_o
         ASSERT_EQ(occluded(octree, c.ray, query), first.has_value());
         ASSERT_TRUE(same_hits(find(octree, c.ray, query), expected));
         ASSERT_EQ(count(octree, c.ray, query), expected.size());
-        ASSERT_TRUE(same_hits(explain(octree, c.ray, query).hits, expected));
+        ASSERT_TRUE(same_hits(test::explain(octree, c.ray, query).hits, expected));
         ++(first ? hit_count : miss_count);
       }
     }

@@ -8,9 +8,9 @@
 #include "octree/brute_force.h"
 #include "octree/build.h"
 #include "octree/candidate.h"
-#include "octree/explain.h"
 #include "octree/query.h"
 #include "octree/spacing.h"
+#include "tests/octree/explain.h"
 #include "tests/support/octrees.h"
 #include "tests/support/point_families.h"
 #include "tests/support/random.h"
@@ -97,7 +97,7 @@ TEST_P(OwnRadiusVsBruteForce, closest_occluded_find_and_count_are_the_same_bits_
         ASSERT_EQ(occluded(octree, c.ray, c.query), first.has_value());
         ASSERT_TRUE(same_hits(find(octree, c.ray, c.query), expected));
         ASSERT_EQ(count(octree, c.ray, c.query), expected.size());
-        ASSERT_TRUE(same_hits(explain(octree, c.ray, c.query).hits, expected));
+        ASSERT_TRUE(same_hits(test::explain(octree, c.ray, c.query).hits, expected));
         ++(first ? hit_count : miss_count);
       }
     }

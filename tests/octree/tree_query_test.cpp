@@ -3,6 +3,7 @@
 
 #include "octree/query_targets.h"
 #include "tests/octree/as_brute_force.h"
+#include "tests/octree/explain.h"
 #include "tests/support/kd_tree.h"
 #include "tests/support/str_r_tree.h"
 
