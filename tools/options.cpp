@@ -162,6 +162,13 @@ ImageSize parse_image_size(const std::string& text) {
   return {static_cast<int>(width), static_cast<int>(height)};
 }
 
+std::vector<std::string> split_list(const std::string& text, std::size_t count, const std::string& expected) {
+  std::vector<std::string> words = split_list(text);
+  if (words.size() != count)
+    throw UsageError(fmt::format("invalid value; expected {}, found '{}'", expected, text));
+  return words;
+}
+
 std::bitset<256> parse_classes(const std::string& text) {
   std::bitset<256> classes;
   for (const std::string& word : split_list(text))

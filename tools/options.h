@@ -135,7 +135,7 @@ class Options {
     return value(names, kind, help, [&target, parse](const std::string& text) { target = parse(text); });
   }
 
-  /// An option that may be given again; every value is read.
+  /// A repeatable option: every value is read.
   Option values(const std::string& names, const std::string& kind, const std::string& help, Take take) const;
 
   /// An option, or an operand, with at least so many words behind it; all are read at once.
@@ -355,6 +355,9 @@ inline std::vector<std::string> split_list(const std::string& text) {
     begin = end + 1;
   }
 }
+
+/// split_list() of a text with so many parts. Errors: another number; `expected` in words, such as "X,Y,Z".
+std::vector<std::string> split_list(const std::string& text, std::size_t count, const std::string& expected);
 
 /// "2,6": classes of points.
 std::bitset<256> parse_classes(const std::string& text);

@@ -131,7 +131,7 @@ void add_cache_options(const Options& command) {
               });
   group.values("--allow-host", "HOST",
                "accept files of this web server, such as example.org or example.org:8080, in catalogs, and "
-               "redirections of such files to it; may be given again (default: files below the catalog; "
+               "redirections of such files to it; repeatable (default: files below the catalog; "
                "ALIDADE_ALLOW_HOSTS=HOST,... allows hosts, too)",
                [](const std::string& text) {
                  try {

@@ -14,13 +14,13 @@
 
 namespace alidade::tools {
 
-/// Declares --mesh, which may be given again; appends its files to `files`. `purpose`: the use of the
+/// Declares --mesh, which is repeatable; appends its files to `files`. `purpose`: the use of the
 /// triangles, the end of the help text.
 inline void add_mesh_option(const Options& command, const std::string& purpose,
                             std::vector<std::filesystem::path>& files) {
   command.values("--mesh", "FILE",
                  "PLY or OBJ file of triangles in world coordinates, such as a planned building, " + purpose +
-                     "; may be given again",
+                     "; repeatable",
                  [&files](const std::string& text) { files.emplace_back(text); });
 }
 

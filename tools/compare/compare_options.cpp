@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: MIT
 #include "tools/compare/compare_options.h"
 
-#include <array>
-
 namespace alidade::tools {
 namespace {
 
@@ -11,25 +9,16 @@ namespace fs = std::filesystem;
 /// "LEFT,TOP,RIGHT,BOTTOM" in pixels.
 compare::PixelRectangle parse_rectangle(const std::string& text) {
   constexpr std::uint64_t k_farthest = 1 << 20;
-  std::array<int, 4> numbers{};
-  std::size_t begin = 0;
-  for (std::size_t i = 0; i < 4; ++i) {
-    const std::size_t end = std::min(text.find(',', begin), text.size());
-    const bool is_last = i == 3;
-    if ((end == text.size()) != is_last)
-      throw UsageError(
-          "invalid value; expected LEFT,TOP,RIGHT,BOTTOM in pixels, such as 0,0,600,400, found '" + text +
-          "'");
-    numbers[i] = static_cast<int>(parse_count(text.substr(begin, end - begin), 0, k_farthest));
-    begin = end + 1;
-  }
+  std::vector<int> numbers;
+  for (const std::string& word : split_list(text, 4, "LEFT,TOP,RIGHT,BOTTOM in pixels, such as 0,0,600,400"))
+    numbers.push_back(static_cast<int>(parse_count(word, 0, k_farthest)));
   const compare::PixelRectangle rectangle{numbers[0], numbers[1], numbers[2], numbers[3]};
   if (rectangle.left >= rectangle.right || rectangle.top >= rectangle.bottom)
     throw UsageError("limits out of order; expected LEFT < RIGHT and TOP < BOTTOM, found '" + text + "'");
   return rectangle;
 }
 
-/// An option that may be repeated; all its thresholds hold.
+/// A repeatable option, all of whose thresholds hold.
 void add_thresholds(const Options& group, const std::string& name, const std::string& help,
                     std::vector<compare::Threshold>& thresholds) {
   group.values(name, "LIST", help, [&thresholds](const std::string& text) {
@@ -58,8 +47,8 @@ void add_masks(const Options& command, compare::ComparisonOptions& options) {
                "for images of different size: none rejects them (default), reference resizes the test",
                options.resize_to_reference, {{"none", false}, {"reference", true}});
   group.file("--mask", "FILE", "image of the reference's size; only its light pixels count", options.mask);
-  add_rectangles(group, "--only", "only pixels in this rectangle count. Repeatable", options.keep);
-  add_rectangles(group, "--ignore", "ignore pixels in this rectangle. Repeatable", options.ignore);
+  add_rectangles(group, "--only", "only pixels in this rectangle count; repeatable", options.keep);
+  add_rectangles(group, "--ignore", "ignore pixels in this rectangle; repeatable", options.ignore);
   group.flag("--opaque", "only pixels with an alpha of at least one half count, in every image with alpha",
              options.use_alpha);
   group.flag("--valid-depth", "only pixels with finite depth above 0 count, in every image with depth",
@@ -132,9 +121,9 @@ void add_verdict(const Options& command, CompareRequest& request) {
   const Options group = command.group("Verdict");
   add_thresholds(group, "--fail-above",
                  "fail beyond these thresholds, such as flip=0.05,psnr<30: NAME=LIMIT fails if the metric is "
-                 "worse, NAME<LIMIT if it is below, NAME>LIMIT if it is above. Repeatable",
+                 "worse, NAME<LIMIT if it is below, NAME>LIMIT if it is above; repeatable",
                  request.fail_above);
-  add_thresholds(group, "--warn-above", "warn beyond these thresholds, in the same form. Repeatable",
+  add_thresholds(group, "--warn-above", "warn beyond these thresholds, in the same form; repeatable",
                  request.warn_above);
   group.flag("--idiff-codes",
              "exit codes of OpenImageIO's idiff: 0 pass, 1 warning, 2 fail, 3 sizes differ, 4 other errors; "

@@ -4,24 +4,18 @@
 #include <fmt/format.h>
 #include <cmath>
 
+#include "base/words.h"
 #include "renderer/integrator.h"
 #include "tools/image_module.h"
 
 namespace alidade::tools {
 namespace {
 
-std::string without_blanks_around(const std::string& text) {
-  const std::size_t begin = text.find_first_not_of(' ');
-  return begin == std::string::npos ? "" : text.substr(begin, text.find_last_not_of(' ') + 1 - begin);
-}
-
 /// Two numbers separated by a comma; blanks around the comma are ignored, as maps on the web print them.
 glm::dvec2 parse_pair(const std::string& text, double largest_first, double largest_second) {
-  const std::size_t comma = text.find(',');
-  if (comma == std::string::npos)
-    throw UsageError("invalid value; expected two numbers separated by a comma, found '" + text + "'");
-  return {parse_number(without_blanks_around(text.substr(0, comma)), -largest_first, largest_first),
-          parse_number(without_blanks_around(text.substr(comma + 1)), -largest_second, largest_second)};
+  const std::vector<std::string> words = split_list(text, 2, "two numbers separated by a comma");
+  return {parse_number(std::string(trim(words[0])), -largest_first, largest_first),
+          parse_number(std::string(trim(words[1])), -largest_second, largest_second)};
 }
 
 void place_sun_by_time(renderer::Scene& scene, const renderer::LoadedCloud* cloud, Verbosity verbosity) {
@@ -41,8 +35,7 @@ void place_sun_by_time(renderer::Scene& scene, const renderer::LoadedCloud* clou
 }
 
 image::ValueRange parse_range(const std::string& text, double least, double most) {
-  const std::vector<std::string> ends = split_list(text);
-  if (ends.size() != 2) throw UsageError("invalid value; expected two numbers, found '" + text + "'");
+  const std::vector<std::string> ends = split_list(text, 2, "two numbers");
   const image::ValueRange range{parse_number(ends[0], least, most), parse_number(ends[1], least, most)};
   if (!(range.low < range.high))
     throw UsageError("limits out of order; expected the smaller number first, found '" + text + "'");

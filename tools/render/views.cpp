@@ -19,10 +19,7 @@ constexpr double k_largest_coordinate = 1e12;
 
 template <std::size_t count>
 std::array<double, count> parse_coordinates(const std::string& text) {
-  const std::vector<std::string> words = split_list(text);
-  if (words.size() != count)
-    throw UsageError(
-        fmt::format("invalid value; expected {} numbers separated by commas, found '{}'", count, text));
+  const auto words = split_list(text, count, fmt::format("{} numbers separated by commas", count));
   std::array<double, count> numbers{};
   for (std::size_t i = 0; i < count; ++i)
     numbers[i] = parse_number(words[i], -k_largest_coordinate, k_largest_coordinate);

@@ -136,8 +136,7 @@ std::string class_list(const std::bitset<256>& classes) {
   return list;
 }
 
-std::string description_of(const visibility::Occluders& occluders, const OccluderRequest& request,
-                           bool has_ignored) {
+std::string description_of(const visibility::Occluders& occluders, const OccluderRequest& request) {
   const visibility::OccluderOptions& options = occluders.options();
   const bool has_points = occluders.octree().size() > 0;
   std::string text = !has_points ? "no points"
@@ -157,7 +156,7 @@ std::string description_of(const visibility::Occluders& occluders, const Occlude
     const geo::RasterGrid& grid = options.terrain->heights().grid;
     text += fmt::format("; terrain of {} x {} cells of {:g}", grid.columns, grid.rows, grid.cell_size);
   }
-  if (has_ignored) text += fmt::format("; without classes {}", class_list(request.ignored_classes));
+  if (options.counts) text += fmt::format("; without classes {}", class_list(request.ignored_classes));
   return text;
 }
 
@@ -189,10 +188,14 @@ void add_occluder_options(const Options& command, OccluderRequest& request) {
       "elevation raster (GeoTIFF or another format of GDAL) in the reference system of the cloud, whose "
       "bilinear surface blocks; the ground is the higher of its heights and the points' ground",
       request.terrain);
-  group.value("--ignore-classes", "LIST|none", "points of these classes do not block (default: 7,18, noise)",
-              request.ignored_classes, [](const std::string& text) {
-                return text == "none" ? std::bitset<256>() : parse_classes(text);
-              });
+  add_ignored_classes(group, "do not block", request.ignored_classes);
+}
+
+void add_ignored_classes(const Options& command, const std::string& effect, std::bitset<256>& classes) {
+  command.value(
+      "--ignore-classes", "LIST|none", "points of these classes " + effect + " (default: 7,18, noise)",
+      classes,
+      [](const std::string& text) { return text == "none" ? std::bitset<256>() : parse_classes(text); });
 }
 
 std::vector<std::filesystem::path> VisibilityRequest::inputs(
@@ -229,22 +232,23 @@ std::unique_ptr<VisibilityCloud> load_cloud_alone(const VisibilityRequest& reque
   return loaded;
 }
 
+visibility::Occluders measured_occluders(const Octree& octree, std::span<const std::uint8_t> classes,
+                                         const std::bitset<256>& ignored, visibility::OccluderOptions options,
+                                         Verbosity verbosity) {
+  options.is_given_up = interrupted;
+  // Testing the class of every point takes time, so there is no test if no point has such a class.
+  if (std::ranges::any_of(classes, [&](std::uint8_t kind) { return ignored.test(kind); }))
+    options.counts = [classes, ignored](std::uint64_t point_id) { return !ignored.test(classes[point_id]); };
+  return {measured(octree, options, verbosity), options};
+}
+
 void measure_occluders(VisibilityCloud& cloud, const OccluderRequest& request, Verbosity verbosity) {
   visibility::OccluderOptions options = request.options;
   options.mesh = cloud.mesh.tree;
   options.terrain = cloud.terrain.surface;
-  options.is_given_up = interrupted;
-  const std::span<const std::uint8_t> classes = cloud.columns.classifications;
-  // Testing the class of every point takes time, so there is no test if no point has such a class.
-  const bool has_ignored =
-      std::ranges::any_of(classes, [&](std::uint8_t kind) { return request.ignored_classes.test(kind); });
-  if (has_ignored) {
-    options.counts = [classes, ignored = request.ignored_classes](std::uint64_t point_id) {
-      return !ignored.test(classes[point_id]);
-    };
-  }
-  cloud.occluders.emplace(measured(cloud.cloud.octree, options, verbosity), options);
-  cloud.what_blocks = description_of(*cloud.occluders, request, has_ignored);
+  cloud.occluders = measured_occluders(cloud.cloud.octree, cloud.columns.classifications,
+                                       request.ignored_classes, std::move(options), verbosity);
+  cloud.what_blocks = description_of(*cloud.occluders, request);
   say_note(verbosity, cloud.what_blocks);
 }
 

@@ -3,9 +3,11 @@
 
 #include <bitset>
 #include <cstddef>
+#include <cstdint>
 #include <filesystem>
 #include <memory>
 #include <optional>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -28,6 +30,9 @@ struct OccluderRequest {
 
 /// Declares the options in a group of their own; they fill `request`.
 void add_occluder_options(const Options& command, OccluderRequest& request);
+
+/// Declares --ignore-classes, by default noise. `effect`: what points of these classes do, as help.
+void add_ignored_classes(const Options& command, const std::string& effect, std::bitset<256>& classes);
 
 /// Options of all commands of `alidade visibility`.
 struct VisibilityRequest : CloudRequest {
@@ -84,8 +89,14 @@ enum class AcceptedInput {
 std::unique_ptr<VisibilityCloud> load_cloud_alone(const VisibilityRequest& request, AttributeSet attributes,
                                                   AcceptedInput accepted = AcceptedInput::points);
 
-/// Measures spacings and surfaces that the cloud lacks, shows progress, and prints what blocks sight. May
-/// take long: check all else before. Errors: as Occluders.
+/// The occluders among points; points of ignored classes, `classes` being those of all points, block nothing.
+/// Measures the spacings and surfaces that the octree lacks, and shows progress. Errors: as Occluders.
+visibility::Occluders measured_occluders(const Octree& octree, std::span<const std::uint8_t> classes,
+                                         const std::bitset<256>& ignored, visibility::OccluderOptions options,
+                                         Verbosity verbosity);
+
+/// measured_occluders() of a cloud; prints what blocks sight. May take long: check all else before. Errors: as
+/// Occluders.
 void measure_occluders(VisibilityCloud& cloud, const OccluderRequest& request, Verbosity verbosity);
 
 /// make_ground() below a cloud, with its progress shown, raised to the terrain; the terrain's without points.

@@ -6,7 +6,6 @@
 #include <nlohmann/json.hpp>
 
 #include "base/error.h"
-#include "octree/point_surface.h"
 #include "tools/cloud/load_cloud.h"
 #include "tools/cloud/write_points.h"
 #include "tools/command.h"
@@ -60,8 +59,7 @@ void check_options(const ChangeCommand& command) {
 }
 
 glm::dvec3 parse_position(const std::string& text) {
-  const std::vector<std::string> words = split_list(text);
-  if (words.size() != 3) throw UsageError("invalid value; expected X,Y,Z, found '" + text + "'");
+  const std::vector<std::string> words = split_list(text, 3, "X,Y,Z");
   return {parse_number(words[0]), parse_number(words[1]), parse_number(words[2])};
 }
 
@@ -137,18 +135,8 @@ void check_same_system(const ChangeCommand& command, const EpochCloud& before, c
 }
 
 void measure(const ChangeCommand& command, EpochCloud& epoch) {
-  Octree octree = epoch.cloud.octree;
-  if (octree.view().spacing_neighbours != k_surface_neighbours)
-    octree = with_spacings_shown(octree, k_surface_neighbours, command.verbosity);
-  if (octree.view().surfaces == nullptr) octree = with_surfaces_shown(octree, command.verbosity);
-  visibility::OccluderOptions options{.is_given_up = interrupted};
-  const std::span<const std::uint8_t> classes = epoch.columns.classifications;
-  if (std::ranges::any_of(classes, [&](std::uint8_t kind) { return command.ignored_classes.test(kind); })) {
-    options.counts = [classes, ignored = command.ignored_classes](std::uint64_t id) {
-      return !ignored.test(classes[id]);
-    };
-  }
-  epoch.occluders.emplace(octree, options);
+  epoch.occluders = measured_occluders(epoch.cloud.octree, epoch.columns.classifications,
+                                       command.ignored_classes, {}, command.verbosity);
 }
 
 /// `changes` must outlive the columns.
@@ -298,7 +286,7 @@ void add_epoch(const Options& change, const char* operand, EpochRequest& epoch,
 void add_origins(const Options& change, EpochRequest& epoch) {
   const Options group = change.group("Scanner positions");
   group.values(epoch.option, "X,Y,Z",
-               fmt::format("position of a scanner of {}, in the coordinates of the cloud. May be repeated "
+               fmt::format("position of a scanner of {}, in the coordinates of the cloud; repeatable "
                            "(default: the poses of an E57, PTX or PCD file)",
                            epoch.name),
                [&epoch](const std::string& text) { epoch.origins.push_back(parse_position(text)); });
@@ -357,10 +345,7 @@ Command add_change(const Options& program) {
       "range of the scanners, in metres: lines of sight do not pass anything farther away (default: inf)",
       command->options.max_range, 1e-6, 1e9);
   add_distances(change, *command);
-  change.value(
-      "--ignore-classes", "LIST|none", "points of these classes are not compared (default: 7,18, noise)",
-      command->ignored_classes,
-      [](const std::string& text) { return text == "none" ? std::bitset<256>() : parse_classes(text); });
+  add_ignored_classes(change, "are not compared", command->ignored_classes);
   change.flag("--json", "print JSON instead of a table; the keys are below", command->json);
   change.flag("--overwrite", "replace an existing output", command->overwrite);
   add_scratch_memory(change, command->memory);

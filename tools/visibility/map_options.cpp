@@ -2,7 +2,6 @@
 #include "tools/visibility/map_options.h"
 
 #include <fmt/format.h>
-#include <array>
 #include <cmath>
 
 #include "base/words.h"
@@ -22,17 +21,9 @@ std::string name_of(double metres) {
 }
 
 Bounds parse_area(const std::string& text) {
-  std::array<double, 4> numbers{};
-  std::size_t begin = 0;
-  for (std::size_t i = 0; i < numbers.size(); ++i) {
-    const bool last = i + 1 == numbers.size();
-    const std::size_t end = last ? text.size() : text.find(',', begin);
-    if (end == std::string::npos)
-      throw UsageError("invalid value; expected XMIN,YMIN,XMAX,YMAX, found '" + text + "'");
-    numbers[i] = parse_number(text.substr(begin, end - begin));
-    begin = end + 1;
-  }
-  const Bounds area{{numbers[0], numbers[1], 0.0}, {numbers[2], numbers[3], 0.0}};
+  const std::vector<std::string> words = split_list(text, 4, "XMIN,YMIN,XMAX,YMAX");
+  const Bounds area{{parse_number(words[0]), parse_number(words[1]), 0.0},
+                    {parse_number(words[2]), parse_number(words[3]), 0.0}};
   if (area.empty())
     throw UsageError("limits out of order; expected XMIN,YMIN,XMAX,YMAX with min <= max, found '" + text +
                      "'");

@@ -15,9 +15,7 @@ constexpr std::size_t k_most_lines = 8;  ///< printed about observers
 
 /// Two angles separated by a comma.
 std::pair<double, double> parse_angles(const std::string& text, double least, double most) {
-  const std::vector<std::string> words = split_list(text);
-  if (words.size() != 2)
-    throw UsageError("invalid value; expected two angles separated by a comma, found '" + text + "'");
+  const std::vector<std::string> words = split_list(text, 2, "two angles separated by a comma");
   return {parse_number(words[0], least, most), parse_number(words[1], least, most)};
 }
 
@@ -120,7 +118,7 @@ void add_observer_positions(const Options& command, ObserverOptions& options) {
   group.values(
       "--observer", "X,Y[,Z]",
       "position of the eye, or with --observer-height the ground position below it; without Z the ground is "
-      "found in the cloud. May be repeated",
+      "found in the cloud; repeatable",
       [&options](const std::string& text) { options.positions.push_back(visibility::parse_observer(text)); });
   group.file("--observers", "FILE",
              "observers from a file: CSV with the header "

@@ -101,7 +101,7 @@ void add_object_options(const Options& command, ObjectOptions& options) {
   group.values(
       "--object", "X,Y,Z0,Z1",
       "instead of observers: how much of a vertical object (mast, wind turbine) from height Z0 to Z1 is "
-      "visible from each cell. May be repeated",
+      "visible from each cell; repeatable",
       [&options](const std::string& text) { options.segments.push_back(visibility::parse_object(text)); });
   group.file(
       "--objects", "FILE",

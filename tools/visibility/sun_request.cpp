@@ -6,6 +6,7 @@
 
 #include "base/error.h"
 #include "base/fingerprint.h"
+#include "base/words.h"
 #include "tools/command.h"
 #include "tools/image_module.h"
 
@@ -48,11 +49,8 @@ Moment end_of(const SunDate& date, double longitude) {
 
 /// "LAT,LON".
 glm::dvec2 parse_location(const std::string& text) {
-  const std::size_t comma = text.find(',');
-  if (comma == std::string::npos)
-    throw UsageError("invalid value; expected two numbers separated by a comma, found '" + text + "'");
-  const std::size_t second = std::min(text.find_first_not_of(' ', comma + 1), text.size());
-  return {parse_number(text.substr(0, comma), -90.0, 90.0), parse_number(text.substr(second), -360.0, 360.0)};
+  const std::vector<std::string> words = split_list(text, 2, "two numbers separated by a comma");
+  return {parse_number(words[0], -90.0, 90.0), parse_number(std::string(trim(words[1])), -360.0, 360.0)};
 }
 
 /// One number for all months, or twelve.
