@@ -304,7 +304,7 @@ CloudInputs resolve_clouds(std::span<const fs::path> names, CloudFormats formats
       for (fs::path& file : files_of_name(name)) clouds.inputs.push_back({std::move(file)});
     }
   }
-  in_turns(clouds.size(), k_most_files_at_once, [&](std::size_t i) {
+  in_parallel(clouds.size(), 1, k_most_files_at_once, [&](std::size_t i) {
     CloudInput& input = clouds.inputs[i];
     if (input.format == nullptr) input.format = format_of(input.name, formats);
   });

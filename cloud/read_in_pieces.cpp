@@ -32,7 +32,7 @@ std::vector<CloudSource> open_sources(const CloudInputs& inputs, const ReadOptio
   const auto with_points = std::ranges::find_if(
       inputs.inputs, [](const CloudInput& input) { return !input.stated || input.stated->point_count > 0; });
   const auto first_with_points = static_cast<std::size_t>(with_points - inputs.inputs.begin());
-  in_turns(inputs.size(), k_most_files_at_once, [&](std::size_t i) {
+  in_parallel(inputs.size(), 1, k_most_files_at_once, [&](std::size_t i) {
     CloudSource& source = sources[i];
     const Unwanted unwanted = what_is_unwanted(inputs.inputs[i], options);
     if (unwanted != Unwanted::no && i != 0 && i != first_with_points) {
@@ -187,13 +187,14 @@ std::vector<std::optional<PointCloud>> read_pieces(std::vector<CloudSource>& sou
                                                    std::size_t end, const Lattice& lattice,
                                                    AttributeSet wanted, JoinedProgress& progress) {
   std::vector<std::optional<PointCloud>> pieces(end - first);
-  at_once(first, end, [&](std::size_t i) {
-    if (sources[i].is_skipped) return;
-    PointCloud& piece = pieces[i - first].emplace();
+  in_parallel(pieces.size(), 1, [&](std::size_t i) {
+    CloudSource& source = sources[first + i];
+    if (source.is_skipped) return;
+    PointCloud& piece = pieces[i].emplace();
     piece.lattice = lattice;
-    piece.positions.reserve(static_cast<std::size_t>(std::min(sources[i].point_count(), sources[i].bytes)));
-    sources[i].reader->read(piece, wanted, progress.pass(sources[i].work));
-    sources[i].reader->rest();
+    piece.positions.reserve(static_cast<std::size_t>(std::min(source.point_count(), source.bytes)));
+    source.reader->read(piece, wanted, progress.pass(source.work));
+    source.reader->rest();
   });
   return pieces;
 }
@@ -260,7 +261,7 @@ PiecewiseCloud read_in_pieces(const CloudInputs& inputs, const ReadOptions& opti
                done == total ? bytes : static_cast<std::uint64_t>(share * static_cast<double>(bytes)), bytes);
   };
   JoinedProgress progress(shown, work);
-  in_turns(sources.size(), k_most_files_at_once, [&](std::size_t i) {
+  in_parallel(sources.size(), 1, k_most_files_at_once, [&](std::size_t i) {
     if (sources[i].has_lattice) return;
     sources[i].survey = sources[i].reader->survey(progress.pass(sources[i].work));
     sources[i].reader->rest();
@@ -344,7 +345,7 @@ Bounds stated_box(const CloudInputs& inputs) {
 
 StatedSize stated_size(const CloudInputs& inputs) {
   std::vector<StatedSize> sizes(inputs.size());
-  in_turns(inputs.size(), k_most_files_at_once, [&](std::size_t i) {
+  in_parallel(inputs.size(), 1, k_most_files_at_once, [&](std::size_t i) {
     if (what_is_unwanted(inputs.inputs[i], {}) != Unwanted::no) return;
     InputFile file = inputs.inputs[i].file();
     const std::uint64_t bytes = file.size();

@@ -158,7 +158,7 @@ class Sorter {
   }
 
   SortedPoints<Entry> run() {
-    for_each_in_order(chunk_count_, [&](std::size_t chunk) { partition_chunk(chunk); });
+    in_parallel(chunk_count_, 1, [&](std::size_t chunk) { partition_chunk(chunk); });
     std::vector<std::size_t> bucket_begin(buckets_.count() + 1);
     for (std::size_t chunk = 0; chunk < chunk_count_; ++chunk) {
       for (std::size_t bucket = 0; bucket < buckets_.count(); ++bucket)
@@ -167,7 +167,7 @@ class Sorter {
     for (std::size_t bucket = 0; bucket < buckets_.count(); ++bucket)
       bucket_begin[bucket + 1] += bucket_begin[bucket];
     SortedPoints<Entry> sorted(positions_.size(), scratch_folder_);
-    for_each_in_order(buckets_.count(), [&](std::size_t bucket) {
+    in_parallel(buckets_.count(), 1, [&](std::size_t bucket) {
       sort_bucket(bucket, sorted.data() + bucket_begin[bucket],
                   bucket_begin[bucket + 1] - bucket_begin[bucket]);
     });

@@ -1,17 +1,11 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
-#include <tbb/parallel_for.h>
-#include <algorithm>
-#include <atomic>
 #include <cmath>
-#include <exception>
 #include <limits>
-#include <mutex>
 #include <span>
 #include <string>
 #include <type_traits>
-#include <vector>
 
 #include "base/error.h"
 #include "octree/query.h"
@@ -82,8 +76,6 @@ void check_target(const Octree& octree, const Target& target, const Query& query
 /// Errors: room for answers that is not as long as the targets.
 void check_room(std::size_t targets, std::size_t room);
 
-// Many targets at once: in parallel, answered in their order, with errors that name the target.
-
 /// Whether a target certainly passes check(); of few instructions, for many targets. Others may pass, too.
 inline bool is_certainly_valid(const Ray& ray) {
   constexpr double k_finite = std::numeric_limits<double>::max();
@@ -108,72 +100,11 @@ void check_numbered(std::span<const Target> targets, std::size_t i) {
   }
 }
 
-/// Calls work(first, last) for ranges of at most `grain` of so many targets, in parallel. Errors: what `work`
-/// throws for the first range for which it does, whatever the threads did before; answers are then
-/// incomplete.
-template <class Work>
-void for_each_range(std::size_t count, std::size_t grain, const Work& work) {
-  const std::size_t range_count = (count + grain - 1) / grain;
-  std::atomic<std::size_t> first_bad{range_count};
-  std::mutex mutex;  // of the problem, and of first_bad when it is lowered
-  std::exception_ptr problem;
-  tbb::parallel_for(std::size_t{0}, range_count, [&](std::size_t r) {
-    if (r > first_bad) return;
-    try {
-      work(r * grain, std::min((r + 1) * grain, count));
-    } catch (...) {
-      const std::lock_guard lock(mutex);
-      if (r > first_bad) return;
-      first_bad = r;
-      problem = std::current_exception();
-    }
-  });
-  if (problem) std::rethrow_exception(problem);
-}
-
 /// Checks the targets from `first` to last - 1; the Error names the first invalid one.
 template <class Target>
 void check_range(std::span<const Target> targets, std::size_t first, std::size_t last) {
   for (std::size_t i = first; i < last; ++i)
     if (!is_certainly_valid(targets[i])) check_numbered(targets, i);
-}
-
-/// for_each_range() that checks each range before its work. Errors: in the first range that has any, the
-/// first invalid target, or else what `work` throws.
-template <class Target, class Work>
-void for_each_range(std::span<const Target> targets, std::size_t grain, const Work& work) {
-  for_each_range(targets.size(), grain, [&](std::size_t first, std::size_t last) {
-    check_range(targets, first, last);
-    work(first, last);
-  });
-}
-
-/// Answers of all targets. ask(i, answers) appends those of target i.
-template <class Answer, class Target, class Ask>
-Answers<Answer> answer_all(std::span<const Target> targets, std::size_t grain, const Ask& ask) {
-  Answers<Answer> result;
-  result.begin.resize(targets.size() + 1);
-  std::vector<std::vector<Answer>> parts((targets.size() + grain - 1) / grain);
-  for_each_range(targets, grain, [&](std::size_t first, std::size_t last) {
-    std::vector<Answer>& part = parts[first / grain];
-    for (std::size_t i = first; i < last; ++i) {
-      ask(i, part);
-      result.begin[i + 1] = part.size();
-    }
-  });
-  // So far `begin` counts from the start of each part.
-  std::size_t before = 0;
-  for (std::size_t p = 0; p < parts.size(); ++p) {
-    for (std::size_t i = p * grain; i < std::min((p + 1) * grain, targets.size()); ++i)
-      result.begin[i + 1] += before;
-    before += parts[p].size();
-  }
-  result.all.reserve(before);
-  for (std::vector<Answer>& part : parts) {
-    result.all.insert(result.all.end(), part.begin(), part.end());
-    std::vector<Answer>().swap(part);
-  }
-  return result;
 }
 
 }  // namespace alidade

@@ -16,9 +16,9 @@
 #include "base/parallel.h"
 #include "octree/local_plane.h"
 #include "octree/packed_surface.h"
-#include "octree/parallel_loops.h"
 #include "octree/simd/moments.h"
 #include "octree/spacing.h"
+#include "octree/tree_walk.h"
 
 namespace alidade {
 namespace {

@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: MIT
 #include "octree/query.h"
 
-#include <tbb/parallel_for.h>
-
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -10,11 +8,13 @@
 #include <utility>
 
 #include "base/huge_memory.h"
+#include "base/parallel.h"
 #include "base/remote_map.h"
 #include "octree/answer_target.h"
 #include "octree/check_query.h"
 #include "octree/curve_order.h"
 #include "octree/octree.h"
+#include "octree/query_batch.h"
 #include "octree/simd/sort_keys.h"
 
 namespace alidade {
@@ -47,7 +47,8 @@ class CurveBatch {
       : octree_(octree), targets_(targets), query_(query) {}
 
   Answers<PointHit> find() {
-    for_each_range(targets_, k_turn, [](std::size_t, std::size_t) {});  // checks them
+    in_blocks(targets_.size(), k_turn,
+              [&](std::size_t first, std::size_t end) { check_range(targets_, first, end); });
     std::vector<simd::SortKey> order(targets_.size());
     std::iota(order.begin(), order.end(), simd::SortKey{0});
     sort_along_curve([&](std::uint32_t number) { return targets_[number]; }, order);
@@ -60,21 +61,21 @@ class CurveBatch {
       make_room();
     }
     std::vector<Turn> turns((order.size() + k_turn - 1) / k_turn);
-    tbb::parallel_for(std::size_t{0}, turns.size(), [&](std::size_t t) {
-      const std::span<const simd::SortKey> rest = std::span(order).subspan(t * k_turn);
-      const auto numbers = rest.first(std::min(rest.size(), k_turn));
-      turns[t].numbers.assign(numbers.begin(), numbers.end());
-      answer(turns[t]);
+    in_blocks(order.size(), k_turn, [&](std::size_t first, std::size_t end) {
+      const auto numbers = std::span<const simd::SortKey>(order).subspan(first, end - first);
+      Turn& turn = turns[first / k_turn];
+      turn.numbers.assign(numbers.begin(), numbers.end());
+      answer(turn);
       if (!is_known) return;
-      put_in_place(turns[t]);
-      turns[t] = {};
+      put_in_place(turn);
+      turn = {};
     });
     if (is_known) return std::move(answers_);
     for (const Turn& turn : turns)
       for (std::size_t i = 0; i < turn.numbers.size(); ++i)
         begin[simd::number_of(turn.numbers[i])] = turn.ends[i] - (i == 0 ? 0 : turn.ends[i - 1]);
     make_room();
-    tbb::parallel_for(std::size_t{0}, turns.size(), [&](std::size_t t) { put_in_place(turns[t]); });
+    in_parallel(turns.size(), 1, [&](std::size_t t) { put_in_place(turns[t]); });
     return std::move(answers_);
   }
 
@@ -168,9 +169,8 @@ void FamilyAnswers<T>::count(const Octree& octree, std::span<const T> targets, c
                              std::span<std::size_t> counts) {
   check_batch(octree, targets, query);
   check_room(targets.size(), counts.size());
-  for_each_range(targets, k_grain, [&](std::size_t first, std::size_t last) {
-    for (std::size_t i = first; i < last; ++i) counts[i] = count_to(octree, targets[i], query, query.k, i);
-  });
+  for_each_target(targets, k_grain,
+                  [&](std::size_t i) { counts[i] = count_to(octree, targets[i], query, query.k, i); });
   check_arrival(octree);
 }
 

@@ -2,12 +2,10 @@
 // Many rays to `closest` or `occluded`: through the tree together, those that lanes do not answer one by one.
 #include <fmt/format.h>
 #include <tbb/concurrent_queue.h>
-#include <tbb/parallel_for.h>
 #include <tbb/task_arena.h>
 
 #include <algorithm>
 #include <atomic>
-#include <chrono>
 #include <glm/common.hpp>
 #include <memory>
 #include <numeric>
@@ -17,6 +15,7 @@
 #include <vector>
 
 #include "base/error.h"
+#include "base/parallel.h"
 #include "base/remote_map.h"
 #include "octree/answer_target.h"
 #include "octree/check_query.h"
@@ -113,7 +112,9 @@ class RaysInColumns {
         columns_(columns),
         answers_(answers),
         progress_(progress),
-        piece_(has_filter(query) ? k_few_rays : k_most_stream_rays) {}
+        piece_({.first = has_filter(query) ? k_few_rays : k_most_stream_rays,
+                .most = k_most_stream_rays,
+                .wanted = k_wanted_time}) {}
 
   std::size_t size() const { return columns_.count; }
   glm::dvec3 origin(std::size_t number) const { return columns_.origin(number); }
@@ -122,16 +123,14 @@ class RaysInColumns {
   template <class Trace>
   void answer_range(std::size_t first, std::size_t last, const Trace& trace) const {
     for (std::size_t begin = first; begin < last;) {
-      const Clock::time_point start = Clock::now();
-      const std::size_t piece = piece_, end = std::min(begin + piece, last);
+      const PieceSize::Clock::time_point start = PieceSize::Clock::now();
+      const std::size_t end = std::min(begin + piece_.next(), last);
       rooms_.with_room(end - begin, [&](std::span<Ray> rays, std::span<Answer> answers) {
         if (!simd::make_rays(instruction_set_, columns_, begin, {}, rays)) name_bad(begin, end);
         trace(std::span<const Ray>(rays), begin, answers);
         for (std::size_t i = 0; i < answers.size(); ++i) answers_.put(begin + i, answers[i]);
       });
-      const Clock::duration time = Clock::now() - start;
-      if (time < k_short) piece_ = std::min(4 * piece, k_most_stream_rays);
-      if (time > k_long) piece_ = std::max<std::size_t>(piece / 4, 1);
+      piece_.learn(end - begin, PieceSize::Clock::now() - start);
       add_done(end - begin);
       begin = end;
     }
@@ -150,8 +149,7 @@ class RaysInColumns {
   }
 
  private:
-  using Clock = std::chrono::steady_clock;
-  static constexpr std::chrono::milliseconds k_short{10}, k_long{100};
+  static constexpr std::chrono::milliseconds k_wanted_time{50};
   static constexpr std::size_t k_few_rays = 64;  // a filter may make each take milliseconds
 
   /// Errors: always.
@@ -174,7 +172,7 @@ class RaysInColumns {
   const RayColumns& columns_;
   const AnswerColumns answers_;
   const Progress& progress_;
-  mutable std::atomic<std::size_t> piece_;  ///< rays between two reports of the progress
+  mutable PieceSize piece_;  ///< rays between two reports of the progress
   mutable RoomOfTasks<Answer> rooms_;
   mutable std::atomic<std::uint64_t> done_ = 0, reported_ = 0;
   mutable std::atomic<bool> is_reporting_ = false;
@@ -212,8 +210,8 @@ template <class Batch, class Trace>
 void trace_side_by_side(const Octree& octree, const Batch& batch, const Trace& trace) {
   using Answer = typename Batch::Answer;
   constexpr std::size_t k_most_sorted = std::size_t{1} << 20;  // bounds the memory for the order
-  for_each_range(batch.size(), k_least_stream_rays,
-                 [&](std::size_t first, std::size_t last) { batch.check(first, last); });
+  in_blocks(batch.size(), k_least_stream_rays,
+            [&](std::size_t first, std::size_t last) { batch.check(first, last); });
   RoomOfTasks<Answer> rooms;
   for (std::size_t begin = 0; begin < batch.size(); begin += k_most_sorted) {
     std::vector<simd::SortKey> order(std::min(k_most_sorted, batch.size() - begin));
@@ -223,7 +221,7 @@ void trace_side_by_side(const Octree& octree, const Batch& batch, const Trace& t
       return glm::min(octree.bounds().max, glm::max(octree.bounds().min, batch.origin(begin + number)));
     };
     sort_along_curve(start, order);
-    for_each_range(order.size(), stream_grain(order.size()), [&](std::size_t first, std::size_t last) {
+    in_blocks(order.size(), stream_grain(order.size()), [&](std::size_t first, std::size_t last) {
       const std::span<const simd::SortKey> numbers = std::span(order).subspan(first, last - first);
       rooms.with_room(numbers.size(), [&](std::span<Ray> rays, std::span<Answer> answers) {
         batch.copy_rays(begin, numbers, rays);
@@ -246,8 +244,8 @@ void trace_batch(const Octree& octree, const Batch& batch, const RayQuery& query
       for (std::size_t i = 0; i < rays.size(); ++i)
         answers[i] = trace_one(octree, rays[i], query, first_index + i);
     };
-    for_each_range(batch.size(), k_least_stream_rays,
-                   [&](std::size_t first, std::size_t last) { batch.answer_range(first, last, trace_each); });
+    in_blocks(batch.size(), k_least_stream_rays,
+              [&](std::size_t first, std::size_t last) { batch.answer_range(first, last, trace_each); });
     return;
   }
   const auto trace = [&](std::span<const Ray> rest, std::size_t first_index, std::span<Answer> room) {
@@ -267,8 +265,8 @@ void trace_batch(const Octree& octree, const Batch& batch, const RayQuery& query
   if (batch.size() >= 4 * k_most_stream_rays && !has_filter(query) &&
       !simd::start_side_by_side(octree.view().extent, batch.size(), origin))
     return trace_side_by_side(octree, batch, trace);
-  for_each_range(batch.size(), stream_grain(batch.size()),
-                 [&](std::size_t first, std::size_t last) { batch.answer_range(first, last, trace); });
+  in_blocks(batch.size(), stream_grain(batch.size()),
+            [&](std::size_t first, std::size_t last) { batch.answer_range(first, last, trace); });
 }
 
 template <class Batch>

@@ -16,7 +16,6 @@
 
 #include "base/huge_memory.h"
 #include "octree/answer_target.h"
-#include "octree/parallel_loops.h"
 #include "octree/tree_walk.h"
 
 namespace alidade {

@@ -5,6 +5,8 @@
 #include <cstdint>
 #include <vector>
 
+#include "base/parallel.h"
+#include "base/progress.h"
 #include "octree/octree.h"
 
 // Going through an octree node by node in plain double arithmetic, for whatever is not worth lanes.
@@ -113,6 +115,38 @@ void for_each_leaf(const TreeView& tree, const Visit& visit) {
       if (is_leaf(kind)) visit(child_leaf(tree, frame, slot));
     }
   }
+}
+
+/// Visits every leaf once, in parallel, some hundred in a row by one `worker = make_worker()`, which is
+/// called with one leaf after another in the order of the tree. `progress` is in points, and is called
+/// several times a second, however long a leaf takes.
+template <class MakeWorker>
+void for_each_leaf_in_parallel(const TreeView& tree, const Progress& progress,
+                               const MakeWorker& make_worker) {
+  constexpr std::size_t k_leaves_per_task = 1u << 8;
+  PieceSize at_once({.first = 4 * k_leaves_per_task,
+                     .least = k_leaves_per_task,
+                     .most = 1u << 17,
+                     .wanted = std::chrono::milliseconds(200)});
+  std::vector<Leaf> leaves;
+  std::uint64_t done = 0;
+  report(progress, done, tree.point_count);
+  const auto work = [&] {
+    const PieceSize::Clock::time_point start = PieceSize::Clock::now();
+    in_blocks(leaves.size(), k_leaves_per_task, [&](std::size_t first, std::size_t end) {
+      auto worker = make_worker();
+      for (std::size_t i = first; i < end; ++i) worker(leaves[i]);
+    });
+    at_once.learn(leaves.size(), PieceSize::Clock::now() - start);
+    for (const Leaf& leaf : leaves) done += leaf.count;
+    leaves.clear();
+    report(progress, done, tree.point_count);
+  };
+  for_each_leaf(tree, [&](const Leaf& leaf) {
+    leaves.push_back(leaf);
+    if (leaves.size() >= at_once.next()) work();
+  });
+  if (!leaves.empty()) work();
 }
 
 /// Writes the positions of all points by point id. Cost: linear.

@@ -3,12 +3,9 @@
 
 #include <pybind11/numpy.h>
 #include <pybind11/pybind11.h>
-#include <tbb/blocked_range.h>
 #include <tbb/info.h>
-#include <tbb/parallel_for.h>
 #include <tbb/task_arena.h>
 #include <algorithm>
-#include <chrono>
 #include <functional>
 #include <glm/vec3.hpp>
 #include <span>
@@ -16,6 +13,7 @@
 #include <vector>
 
 #include "base/error.h"
+#include "base/parallel.h"
 #include "base/progress.h"
 
 // NumPy arrays in and out.
@@ -115,28 +113,18 @@ void run_interruptible(int workers, const std::function<void(const Progress&)>& 
 /// whose size follows from the time of earlier pieces, so that each takes about a tenth of a second at most.
 template <class Work>
 void in_pieces(int workers, std::size_t count, const Work& work) {
-  using Clock = std::chrono::steady_clock;
-  constexpr std::chrono::milliseconds k_short(100);
   constexpr std::size_t k_largest = std::size_t{1} << 17;  // rays and hits of a piece stay in the caches
-  std::size_t piece = k_largest / 16;
-  for (std::size_t begin = 0; begin < count;) {
-    const std::size_t end = std::min(count, begin + piece);
-    const Clock::time_point start = Clock::now();
+  PieceSize piece({.first = k_largest / 16, .least = 64, .most = k_largest});
+  for (std::size_t begin = 0, end; begin < count; begin = end) {
+    end = begin + std::min(count - begin, piece.next());
+    const PieceSize::Clock::time_point start = PieceSize::Clock::now();
     run_free(workers, [&] { work(begin, end); });
     if (PyErr_CheckSignals() != 0) throw py::error_already_set();
-    const bool is_short = Clock::now() - start < k_short;
-    piece = is_short ? std::min(2 * piece, k_largest) : std::max<std::size_t>(piece / 2, 64);
-    begin = end;
+    piece.learn(end - begin, PieceSize::Clock::now() - start);
   }
 }
 
-/// visit(i) for begin <= i < end, in parallel.
-template <class Visit>
-void for_each_index(std::size_t begin, std::size_t end, const Visit& visit) {
-  constexpr std::size_t k_grain = 4096;
-  tbb::parallel_for(tbb::blocked_range<std::size_t>(begin, end, k_grain), [&](const auto& range) {
-    for (std::size_t i = range.begin(); i < range.end(); ++i) visit(i);
-  });
-}
+/// The numbers that a thread takes at a time in loops over arrays.
+inline constexpr std::size_t k_array_grain = 4096;
 
 }  // namespace alidade::python

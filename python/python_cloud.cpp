@@ -111,8 +111,8 @@ py::array array_of(const ExtraColumn& column, const py::handle& owner) {
     py::array_t<double> meant(static_cast<py::ssize_t>(count));
     double* const to = meant.mutable_data();
     run_free(0, [&] {
-      for_each_index(0, count,
-                     [&](std::size_t i) { to[i] = meant_number(facts, column.values.data() + i * stride); });
+      in_parallel(count, k_array_grain,
+                  [&](std::size_t i) { to[i] = meant_number(facts, column.values.data() + i * stride); });
     });
     meant.attr("flags").attr("writeable") = false;
     return meant;
@@ -437,7 +437,7 @@ Cloud cloud_of_arrays(const py::handle& xyz, const std::optional<std::string>& c
   cloud.lattice = lattice_for(positions, scale);
   cloud.positions.resize(positions.size());
   run_free(0, [&] {
-    for_each_index(0, positions.size(), [&](std::size_t i) {
+    in_parallel(positions.size(), k_array_grain, [&](std::size_t i) {
       const auto steps = to_lattice(cloud.lattice, positions[i]);
       if (!steps)
         throw input_error(fmt::format("row {} of xyz does not fit into 32 bits of the scale", i),
@@ -466,7 +466,8 @@ py::array Cloud::xyz() {
                                                     ? positions_in_order(data_->points.octree.view())
                                                     : std::vector<LatticePosition>();
     const std::vector<LatticePosition>& positions = data_->points.index ? stored : cloud.positions;
-    for_each_index(0, count, [&](std::size_t i) { rows[i] = to_world(data_->lattice(), positions[i]); });
+    in_parallel(count, k_array_grain,
+                [&](std::size_t i) { rows[i] = to_world(data_->lattice(), positions[i]); });
     data_->check_arrived();
   });
   array.attr("flags").attr("writeable") = false;

@@ -56,7 +56,7 @@ class RayArrays {
   /// Copies the rays begin to end - 1 to `rays`, in parallel.
   void copy(std::size_t begin, std::size_t end, std::vector<Ray>& rays) const {
     rays.resize(end - begin);
-    for_each_index(begin, end, [&](std::size_t i) { rays[i - begin] = (*this)[i]; });
+    in_parallel(end - begin, k_array_grain, [&](std::size_t i) { rays[i] = (*this)[begin + i]; });
   }
 
  private:
@@ -188,10 +188,11 @@ py::object first_answers(const Index& index, const Query& query, int workers, Sh
   Arrays arrays(shape);
   in_pieces(workers, count, [&](std::size_t begin, std::size_t end) {
     const auto answers = find(index.octree(), targets(begin, end), query);
-    for_each_index(begin, end, [&](std::size_t i) {
-      const auto of_target = answers[i - begin];
+    in_parallel(end - begin, k_array_grain, [&](std::size_t i) {
+      const auto of_target = answers[i];
+      const std::size_t first = k * (begin + i);
       for (std::size_t j = 0; j < k; ++j) {
-        j < of_target.size() ? arrays.set(k * i + j, of_target[j]) : arrays.set_none(k * i + j);
+        j < of_target.size() ? arrays.set(first + j, of_target[j]) : arrays.set_none(first + j);
       }
     });
   });
@@ -218,7 +219,8 @@ py::object all_answers(const Index& index, const Query& query, int workers, std:
     }
   });
   Arrays arrays({static_cast<py::ssize_t>(all.size())});
-  run_free(workers, [&] { for_each_index(0, all.size(), [&](std::size_t i) { arrays.set(i, all[i]); }); });
+  run_free(workers,
+           [&] { in_parallel(all.size(), k_array_grain, [&](std::size_t i) { arrays.set(i, all[i]); }); });
   return arrays.tuple(offsets);
 }
 

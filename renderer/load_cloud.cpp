@@ -17,10 +17,10 @@
 #include "image/color_points.h"
 #include "octree/build.h"
 #include "octree/index_file/index_file.h"
-#include "octree/parallel_loops.h"
 #include "octree/point_disc.h"
 #include "octree/query.h"
 #include "octree/spacing.h"
+#include "octree/tree_walk.h"
 
 namespace alidade::renderer {
 namespace {

@@ -257,7 +257,7 @@ void unpack(const ChosenNodes& part, const LasColumns& columns, const LasColumns
   tbb::enumerable_thread_specific<Workshop> workshops([&] {
     return Workshop{ChunkDecoder(file.layout(), layers_of(choice.kept)), {}};
   });
-  at_once(std::size_t{0}, part.nodes.size(), [&](std::size_t i) {
+  in_parallel(part.nodes.size(), 1, [&](std::size_t i) {
     const CopcNode& node = file.hierarchy().nodes[part.nodes[i]];
     if (node.chunk.point_count == 0) return;
     Workshop& workshop = workshops.local();

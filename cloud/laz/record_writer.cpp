@@ -52,8 +52,7 @@ struct RecordWriter::State {
       begin += records.back().size();
     }
     std::vector<std::vector<std::byte>> packed(records.size());
-    at_once(std::size_t{0}, records.size(),
-            [&](std::size_t i) { packed[i] = encoders.local().encode(records[i]); });
+    in_parallel(records.size(), 1, [&](std::size_t i) { packed[i] = encoders.local().encode(records[i]); });
     for (std::size_t i = 0; i < records.size(); ++i) {
       chunks.push_back({.offset = file.size(),
                         .byte_count = packed[i].size(),

@@ -50,7 +50,7 @@ class TreeBuilder {
       plan.plan(all, [&](const PointRange& range) { return is_subtree(range, range.level()); });
     build_top(plan, {all}, root_level, 0, 1);
     make_batches();
-    for_each_in_order(batches_.size(), [&](std::size_t i) { build_batch(batches_[i]); });
+    in_parallel(batches_.size(), 1, [&](std::size_t i) { build_batch(batches_[i]); });
     finish_top();
     join_nodes();
     TreeSummary summary{top_boxes_[0], level_count_, exact_begin_};
@@ -265,7 +265,7 @@ class TreeBuilder {
       begin.push_back(begin.back() + batch.nodes.size() - (batch.end - batch.first));
     arrays_.nodes = HugeArray<Node>(begin.back(), scratch_);
     std::ranges::copy(top_, arrays_.nodes.data());
-    for_each_in_order(batches_.size(), [&](std::size_t b) {
+    in_parallel(batches_.size(), 1, [&](std::size_t b) {
       Batch& batch = batches_[b];
       const std::size_t root_count = batch.end - batch.first;
       for (Node& node : batch.nodes) node.first_child += static_cast<std::uint32_t>(begin[b] - root_count);

@@ -148,17 +148,13 @@ void IndexSections::check(IndexSection kind, const Progress& progress, const Loo
         all.subspan(begin * k_checksum_block,
                     std::min<std::uint64_t>(end * k_checksum_block, all.size()) - begin * k_checksum_block));
     RemoteMap::check(all.data());
-    const auto check_block = [&](std::uint64_t block) {
+    in_parallel(end - begin, 1, [&](std::uint64_t i) {
+      const std::uint64_t block = begin + i;
       const std::span<const std::byte> part = checksum_block(all, static_cast<std::size_t>(block));
       const std::uint64_t byte = block * k_checksum_block;
       if (checksum(part) != stored[static_cast<std::size_t>(block)]) fail(kind, byte, wrong_sum(part.size()));
       if (look) look(byte, byte + part.size());
-    };
-    // Calling for threads takes longer than a single block.
-    if (end - begin == 1)
-      check_block(begin);
-    else
-      at_once(begin, end, check_block);
+    });
     report(progress, std::min<std::uint64_t>(end * k_checksum_block, all.size()), all.size());
   }
 }

@@ -130,12 +130,11 @@ void check_cloud(const Octree& octree, const PointCloud& cloud, const AttributeC
 std::uint16_t common_factor(std::span<const Color16> colors) {
   constexpr std::size_t k_block = 1 << 20;
   std::array<std::atomic<bool>, k_color_factors.size()> fails{};
-  at_once(0, (colors.size() + k_block - 1) / k_block, [&](std::size_t block) {
+  in_blocks(colors.size(), k_block, [&](std::size_t first, std::size_t end) {
     if (fails[0] && fails[1]) return;
     // Multiples of 257 are those whose bytes are equal, and of 256 those whose lower byte is 0.
     unsigned differences = 0, lower_bytes = 0;
-    for (const Color16& color :
-         colors.subspan(block * k_block, std::min(k_block, colors.size() - block * k_block))) {
+    for (const Color16& color : colors.subspan(first, end - first)) {
       for (int channel = 0; channel < 3; ++channel) {
         differences |= (color[channel] >> 8) ^ (color[channel] & 255);
         lower_bytes |= color[channel] & 255;

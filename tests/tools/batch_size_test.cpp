@@ -9,12 +9,16 @@ using namespace tools;
 
 namespace {
 
+PieceSize::Clock::duration duration(double seconds) {
+  return std::chrono::duration_cast<PieceSize::Clock::duration>(std::chrono::duration<double>(seconds));
+}
+
 /// The size after many batches of targets that have so many answers and take so many seconds each.
 std::size_t size_after_batches(double answers, double seconds) {
   BatchSize size;
   for (int batch = 0; batch < 20; ++batch) {
     const auto targets = static_cast<double>(size.targets());
-    size.learn(size.targets(), static_cast<std::size_t>(targets * answers), targets * seconds);
+    size.learn(size.targets(), static_cast<std::size_t>(targets * answers), duration(targets * seconds));
   }
   return size.targets();
 }
@@ -35,11 +39,11 @@ TEST(BatchSize, batches_of_heavy_targets_end_within_a_fifth_of_a_second) {
 TEST(BatchSize, first_batch_is_small_and_the_next_ones_grow_fourfold_at_most) {
   BatchSize size;
   EXPECT_EQ(size.targets(), 32u);
-  size.learn(32, 0, 0.0);
+  size.learn(32, 0, duration(0.0));
   EXPECT_EQ(size.targets(), 128u);
-  size.learn(128, 0, 30.0);
+  size.learn(128, 0, duration(30.0));
   EXPECT_EQ(size.targets(), 8u);
-  size.learn(8, 0, 0.0);
+  size.learn(8, 0, duration(0.0));
   EXPECT_EQ(size.targets(), 32u);
 }
 
@@ -49,7 +53,7 @@ TEST(BatchSize, answers_of_a_batch_are_few_enough_to_hold) {
     for (int batch = 0; batch < 20; ++batch) {
       EXPECT_LE(size.targets() * size.answers_per_target(), 1u << 20);
       size.learn(size.targets(), static_cast<std::size_t>(answers * static_cast<double>(size.targets())),
-                 1e-3);
+                 duration(1e-3));
     }
   }
 }

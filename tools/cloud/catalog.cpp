@@ -142,7 +142,7 @@ std::vector<FileRow> read_rows(const CatalogCommand& command, Systems& systems) 
   std::vector<FileRow> rows(command.files.size());
   with_progress("reading", "files", command.verbosity, [&](const Progress& progress) {
     JoinedProgress joined(progress, rows.size());
-    in_turns(rows.size(), k_most_files_at_once, [&](std::size_t i) {
+    in_parallel(rows.size(), 1, k_most_files_at_once, [&](std::size_t i) {
       CloudInput input = command.files.inputs[i];
       input.stated = nullptr;  // of an earlier catalog
       rows[i] = row_of(input, command, systems);

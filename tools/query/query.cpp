@@ -380,7 +380,7 @@ Tally answer_all_targets(TargetReader<Target>& reader, Executor& executor, const
         only_numbers(command)
             ? count_batch(executor, batch, command.occluded, output)
             : answer_batch(executor, batch, command.explain ? k_all : size.answers_per_target(), output);
-    size.learn(batch.targets.size(), rows, std::chrono::duration<double>(Clock::now() - begin).count());
+    size.learn(batch.targets.size(), rows, Clock::now() - begin);
     tally.targets += batch.targets.size();
     tally.rows += rows;
     report(progress, tally.targets, expected_targets(tally.targets, reader.share()));

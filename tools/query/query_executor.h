@@ -15,10 +15,11 @@
 #include <utility>
 #include <vector>
 
-#include "octree/check_query.h"
+#include "base/parallel.h"
 #include "octree/copc_tiles.h"
 #include "octree/octree.h"
 #include "octree/query.h"
+#include "octree/query_batch.h"
 #include "octree/query_targets.h"
 #include "octree/tree_query.h"
 #include "tools/query/target_kind.h"
@@ -30,28 +31,21 @@ namespace alidade::tools {
 class BatchSize {
  public:
   /// Targets of the next batch.
-  std::size_t targets() const { return targets_; }
+  std::size_t targets() const { return targets_.next(); }
 
   /// Answers of one target that are requested at first. A target that has more is repeated alone.
-  std::size_t answers_per_target() const { return std::max(k_most_answers / targets_, k_least_limit); }
+  std::size_t answers_per_target() const { return std::max(k_most_answers / targets(), k_least_limit); }
 
-  /// Learns from a batch, which took so many seconds.
-  void learn(std::size_t targets, std::size_t answers, double seconds) {
-    if (targets == 0) return;
-    const std::size_t mean = answers / targets + 1;
-    const double in_time = k_wanted_seconds * static_cast<double>(targets) / std::max(seconds, 1e-6);
-    const auto wanted =
-        static_cast<std::size_t>(std::min(in_time, static_cast<double>(k_wanted_answers / mean)));
-    targets_ = std::clamp(wanted, k_least_targets, std::min(4 * targets_, k_most_targets));
+  /// Learns from a batch.
+  void learn(std::size_t targets, std::size_t answers, PieceSize::Clock::duration time) {
+    if (targets > 0) targets_.learn(targets, time, k_wanted_answers / (answers / targets + 1));
   }
 
  private:
-  static constexpr std::size_t k_least_targets = 8, k_most_targets = 1 << 15;
   static constexpr std::size_t k_wanted_answers = 1 << 18, k_most_answers = 1 << 20;
   static constexpr std::size_t k_least_limit = 32;
-  static constexpr double k_wanted_seconds = 0.2;
 
-  std::size_t targets_ = 32;
+  PieceSize targets_{{.first = 32, .least = 8, .most = 1 << 15, .wanted = std::chrono::milliseconds(200)}};
 };
 
 /// Queries one tree with batches of targets by Algorithm 1, in parallel, and counts its steps.
@@ -80,12 +74,10 @@ class TreeExecutor {
   /// How many answers each target has: as count() of octree/query.h; with `any_is_enough` 0 or 1.
   std::vector<std::size_t> count(std::span<const Target> targets, bool any_is_enough) {
     std::vector<std::size_t> counts(targets.size());
-    for_each_range(targets, k_grain, [&](std::size_t first, std::size_t last) {
-      for (std::size_t i = first; i < last; ++i) {
-        Counter counter(any_is_enough ? 1 : query_.k);
-        statistics_.local() += tree_query(tree_, make_target(targets[i], query_, i), counter);
-        counts[i] = counter.count();
-      }
+    for_each_target(targets, k_grain, [&](std::size_t i) {
+      Counter counter(any_is_enough ? 1 : query_.k);
+      statistics_.local() += tree_query(tree_, make_target(targets[i], query_, i), counter);
+      counts[i] = counter.count();
     });
     return counts;
   }

@@ -262,12 +262,9 @@ bool RowReader::next(TargetRows& rows) {
     if (!is_blank_line(block_.line(i))) rows.lines.push_back(block_.first_number + i);
   }
   rows.values.resize(rows.size() * rows.column_count);
-  const auto parse_row = [&](std::size_t i) {
+  in_parallel(rows.size(), k_grain, [&](std::size_t i) {
     parse(line(static_cast<std::size_t>(rows.lines[i] - block_.first_number)),
           std::span(rows.values).subspan(i * rows.column_count, rows.column_count));
-  };
-  at_once(0, (rows.size() + k_grain - 1) / k_grain, [&](std::size_t part) {
-    for (std::size_t i = part * k_grain; i < std::min((part + 1) * k_grain, rows.size()); ++i) parse_row(i);
   });
   return true;
 }

@@ -13,10 +13,10 @@
 
 #include "base/error.h"
 #include "octree/local_plane.h"
-#include "octree/parallel_loops.h"
 #include "octree/point_disc.h"
 #include "octree/query.h"
 #include "octree/spacing.h"
+#include "octree/tree_walk.h"
 #include "visibility/change/m3c2.h"
 
 namespace alidade::visibility {
