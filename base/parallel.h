@@ -33,8 +33,8 @@ void run_in_blocks(std::size_t count, std::size_t size, std::size_t most_threads
 
 /// Calls work(first, end) for blocks of `size` (at least 1) of the numbers below `count`, the last one maybe
 /// smaller, in parallel. They begin in their order: a free thread takes the next.
-/// Errors: what `work` throws for the first block for which it throws, whatever the number of threads, when all
-/// blocks that were begun have ended; no further one is begun. Cost: some ten nanoseconds per block.
+/// Errors: what `work` throws for the first block for which it throws, whatever the number of threads, once
+/// all blocks that were begun have ended; no further one is begun. Cost: some ten nanoseconds per block.
 template <class Work>
 void in_blocks(std::size_t count, std::size_t size, const Work& work) {
   detail::run_in_blocks(count, size, detail::k_all_threads, work);
@@ -70,8 +70,8 @@ class PieceSize {
 
   std::size_t next() const { return items_; }
 
-  /// Adapts the size to the time that a piece of so many items, at least one, took. It grows at most fourfold,
-  /// and to at most `most`.
+  /// Adapts the size to the time that a piece of so many items, at least one, took. It grows at most
+  /// fourfold, and to at most `most`.
   void learn(std::size_t items, Clock::duration time,
              std::size_t most = std::numeric_limits<std::size_t>::max());
 

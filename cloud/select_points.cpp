@@ -2,7 +2,6 @@
 #include "cloud/select_points.h"
 
 #include <fmt/format.h>
-#include <tbb/parallel_for.h>
 #include <tbb/parallel_sort.h>
 #include <algorithm>
 #include <array>
@@ -12,6 +11,7 @@
 
 #include "base/error.h"
 #include "base/huge_memory.h"
+#include "base/parallel.h"
 #include "cloud/rows.h"
 #include "cloud/scratch_cloud.h"
 
@@ -37,8 +37,8 @@ void for_parts(std::size_t size, const Progress& progress, const Work& work) {
   constexpr std::size_t k_at_once = 1 << 20, k_grain = 4096;
   for (std::size_t first = 0; first < size; first += k_at_once) {
     const std::size_t end = std::min(first + k_at_once, size);
-    tbb::parallel_for(tbb::blocked_range<std::size_t>(first, end, k_grain),
-                      [&](const auto& part) { work(part.begin(), part.end()); });
+    in_blocks(end - first, k_grain,
+              [&](std::size_t part, std::size_t part_end) { work(first + part, first + part_end); });
     report(progress, end, size);
   }
 }

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: MIT
 #include "compare/change_regions.h"
 
-#include <tbb/parallel_for.h>
 #include <algorithm>
 #include <cassert>
 #include <cmath>
@@ -10,6 +9,7 @@
 #include <utility>
 
 #include "base/error.h"
+#include "base/parallel.h"
 #include "cloud/rows.h"
 
 namespace alidade::compare {
@@ -199,7 +199,7 @@ std::vector<std::uint8_t> drop_specks(const std::vector<std::uint8_t>& set, int 
   constexpr int k_reach = 2;
   const int height = static_cast<int>(set.size() / static_cast<std::size_t>(width));
   std::vector<std::uint8_t> result(set.size(), 0);
-  tbb::parallel_for(0, height, [&](int y) {
+  in_parallel(height, 4, [&](int y) {
     const int top = std::max(y - k_reach, 0), bottom = std::min(y + k_reach, height - 1);
     for (int x = 0; x < width; ++x) {
       const std::size_t pixel = pixel_index(x, y, width);

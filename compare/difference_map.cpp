@@ -2,7 +2,6 @@
 #include "compare/difference_map.h"
 
 #include <fmt/format.h>
-#include <tbb/parallel_for.h>
 #include <algorithm>
 #include <array>
 #include <cassert>
@@ -235,7 +234,7 @@ class DifferenceDrawer {
   }
 
   void draw_pixels(image::Canvas& canvas) const {
-    tbb::parallel_for(0, box_.height() / enlarge_, [&](int row) {
+    in_parallel(box_.height() / enlarge_, 4, [&](int row) {
       for (int column = 0; column < box_.width() / enlarge_; ++column) {
         const int left = box_.left + column * enlarge_, top = box_.top + row * enlarge_;
         canvas.fill({left, top, left + enlarge_, top + enlarge_},
@@ -364,7 +363,7 @@ DifferenceMap depth_agreement(const ComparedImage& reference, const ComparedImag
 image::Canvas paint_difference(const DifferenceMap& map) {
   image::Canvas canvas(map.width, map.height, k_paper);
   const std::vector<MapCategory> swatches = swatches_of(map);
-  tbb::parallel_for(0, map.height, [&](int y) {
+  in_parallel(map.height, 4, [&](int y) {
     for (int x = 0; x < map.width; ++x) {
       canvas.fill({x, y, x + 1, y + 1}, color_of(map, swatches, pixel_of(map, pixel_index(x, y, map.width))));
     }

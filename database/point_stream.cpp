@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: MIT
 #include "database/point_stream.h"
 
-#include <tbb/parallel_for.h>
 #include <algorithm>
 #include <cstring>
 #include <functional>
 #include <type_traits>
 
 #include "base/bytes.h"
+#include "base/parallel.h"
 #include "cloud/lattice.h"
 #include "cloud/rows.h"
 #include "cloud/sorted_points.h"
@@ -128,10 +128,8 @@ void PointStream::write_run(const PointCloud& piece) {
   for (std::size_t first = 0; first < order.size(); first += lot) {
     const std::size_t count = std::min(lot, order.size() - first);
     bytes.resize(count * record);
-    tbb::parallel_for(std::size_t{0}, (count + k_block_points - 1) / k_block_points, [&](std::size_t block) {
-      const std::size_t begin = block * k_block_points;
-      put_block(piece, run.blobs,
-                std::span(order).subspan(first + begin, std::min<std::size_t>(k_block_points, count - begin)),
+    in_blocks(count, k_block_points, [&](std::size_t begin, std::size_t end) {
+      put_block(piece, run.blobs, std::span(order).subspan(first + begin, end - begin),
                 bytes.data() + begin * record);
     });
     file_.append(bytes);

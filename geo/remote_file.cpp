@@ -10,7 +10,7 @@
 #include <array>
 #include <atomic>
 #include <cstring>
-#include <list>
+#include <functional>
 #include <map>
 #include <mutex>
 #include <optional>
@@ -21,6 +21,7 @@
 
 #include "base/bytes.h"
 #include "base/error.h"
+#include "base/recently_used.h"
 #include "geo/block_folder.h"
 #include "geo/gdal_reference.h"
 #include "geo/http_source.h"
@@ -185,27 +186,27 @@ class BlockMemory {
 
   Block find(const Key& key) {
     const std::scoped_lock lock(mutex_);
-    const auto found = blocks_.find(key);
-    if (found == blocks_.end()) return nullptr;
-    latest_.splice(latest_.begin(), latest_, found->second);
-    return found->second->second;
+    const Block* const block = blocks_.find(key);
+    return block != nullptr ? *block : nullptr;
   }
 
   void keep(const Key& key, Block block) {
     constexpr std::size_t k_most_blocks = (std::size_t{64} << 20) / k_block;
     const std::scoped_lock lock(mutex_);
-    if (blocks_.contains(key)) return;
-    latest_.emplace_front(key, std::move(block));
-    blocks_[key] = latest_.begin();
-    if (latest_.size() <= k_most_blocks) return;
-    blocks_.erase(latest_.back().first);
-    latest_.pop_back();
+    if (blocks_.find(key) != nullptr) return;
+    blocks_.add(key, std::move(block));
+    if (blocks_.size() > k_most_blocks) blocks_.take_oldest();
   }
 
  private:
+  struct KeyHash {
+    std::size_t operator()(const Key& key) const {
+      return std::hash<std::uint64_t>()(key.first << 40 ^ key.second);
+    }
+  };
+
   std::mutex mutex_;
-  std::list<std::pair<Key, Block>> latest_;  ///< used last first
-  std::map<Key, std::list<std::pair<Key, Block>>::iterator> blocks_;
+  RecentlyUsed<Key, Block, KeyHash> blocks_;
 };
 
 /// The process's files on web servers and their blocks. Never destroyed: other static objects may read files.

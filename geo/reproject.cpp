@@ -3,7 +3,6 @@
 
 #include <cpl_conv.h>
 #include <tbb/enumerable_thread_specific.h>
-#include <tbb/parallel_for.h>
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -12,6 +11,7 @@
 #include <vector>
 
 #include "base/error.h"
+#include "base/parallel.h"
 #include "geo/crs_library.h"
 #include "geo/gdal_reference.h"
 
@@ -92,22 +92,21 @@ class Mover {
 
   void operator()(std::span<glm::dvec3> positions) {
     constexpr std::size_t k_at_once = 4096;
-    tbb::parallel_for(
-        tbb::blocked_range<std::size_t>(0, positions.size(), k_at_once), [&](const auto& range) {
-          const QuietGdal quiet;
-          const std::size_t count = range.size();
-          std::vector<double> x(count), y(count), z(count);
-          for (std::size_t i = 0; i < count; ++i) {
-            const glm::dvec3& position = positions[range.begin() + i];
-            x[i] = position.x, y[i] = position.y, z[i] = position.z;
-          }
-          std::vector<int> is_moved(count);
-          OCTTransformEx(copies_.local().get(), static_cast<int>(count), x.data(), y.data(), z.data(),
-                         is_moved.data());
-          constexpr double k_nowhere = std::numeric_limits<double>::infinity();
-          for (std::size_t i = 0; i < count; ++i)
-            positions[range.begin() + i] = is_moved[i] ? glm::dvec3(x[i], y[i], z[i]) : glm::dvec3(k_nowhere);
-        });
+    in_blocks(positions.size(), k_at_once, [&](std::size_t begin, std::size_t end) {
+      const QuietGdal quiet;
+      const std::size_t count = end - begin;
+      std::vector<double> x(count), y(count), z(count);
+      for (std::size_t i = 0; i < count; ++i) {
+        const glm::dvec3& position = positions[begin + i];
+        x[i] = position.x, y[i] = position.y, z[i] = position.z;
+      }
+      std::vector<int> is_moved(count);
+      OCTTransformEx(copies_.local().get(), static_cast<int>(count), x.data(), y.data(), z.data(),
+                     is_moved.data());
+      constexpr double k_nowhere = std::numeric_limits<double>::infinity();
+      for (std::size_t i = 0; i < count; ++i)
+        positions[begin + i] = is_moved[i] ? glm::dvec3(x[i], y[i], z[i]) : glm::dvec3(k_nowhere);
+    });
   }
 
  private:

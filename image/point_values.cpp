@@ -1,15 +1,14 @@
 // SPDX-License-Identifier: MIT
 #include "image/point_values.h"
 
-#include <tbb/blocked_range.h>
 #include <tbb/enumerable_thread_specific.h>
-#include <tbb/parallel_for.h>
 #include <algorithm>
 #include <bit>
 #include <cassert>
 #include <cmath>
 #include <limits>
 
+#include "base/parallel.h"
 #include "cloud/point_table.h"
 
 namespace alidade::image {
@@ -26,16 +25,11 @@ double value_or_none(double value) {
 template <class ValueAt>
 PointValues of_rows(std::uint64_t count, const ValueAt& value_at) {
   return {.count = count, .for_each_block = [count, value_at](const VisitBlock& visit) {
-            tbb::parallel_for(
-                tbb::blocked_range<std::uint64_t>(0, count, k_block_rows),
-                [&](const tbb::blocked_range<std::uint64_t>& rows) {
-                  std::array<double, k_block_rows> values;
-                  for (std::uint64_t begin = rows.begin(); begin < rows.end(); begin += k_block_rows) {
-                    const std::size_t size = std::min<std::uint64_t>(k_block_rows, rows.end() - begin);
-                    for (std::size_t i = 0; i < size; ++i) values[i] = value_or_none(value_at(begin + i));
-                    visit({.values = {values.data(), size}, .first_id = begin, .ids = {}});
-                  }
-                });
+            in_blocks(count, k_block_rows, [&](std::size_t begin, std::size_t end) {
+              std::array<double, k_block_rows> values;
+              for (std::size_t i = begin; i < end; ++i) values[i - begin] = value_or_none(value_at(i));
+              visit({.values = {values.data(), end - begin}, .first_id = begin, .ids = {}});
+            });
           }};
 }
 

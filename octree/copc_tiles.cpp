@@ -14,11 +14,8 @@
 namespace alidade {
 
 struct CopcTiles::Slot {
-  std::mutex opening;  ///< held by the thread that opens the file
-  // The rest belongs to mutex_.
-  std::shared_ptr<const Tile> tile;
-  std::list<std::uint32_t>::iterator open_entry;
-  bool was_open = false;
+  std::mutex opening;     ///< held by the thread that opens the file
+  bool was_open = false;  ///< belongs to mutex_
 };
 
 CopcTiles::Tile::Tile(const CloudInput& input, const CopcCache::Options& options, bool rests)
@@ -119,25 +116,18 @@ std::shared_ptr<const CopcTiles::Tile> CopcTiles::join(std::uint32_t number,
   tile->tree.emplace(tile->cache, lattice_, first_rows_[number]);
   const auto& nodes = tile->file.hierarchy().nodes;
   const std::lock_guard lock(mutex_);
-  Slot& slot = slots_[number];
-  if (!slot.was_open) {
+  if (!std::exchange(slots_[number].was_open, true)) {
     ++work_.files_opened;
     work_.chunk_count += static_cast<std::uint64_t>(
         std::ranges::count_if(nodes, [](const CopcNode& node) { return node.chunk.point_count > 0; }));
   }
-  slot.was_open = true;
-  open_.push_front(number);
-  slot.open_entry = open_.begin();
-  slot.tile = tile;
-  return tile;
+  return open_.add(number, std::move(tile));
 }
 
 std::shared_ptr<const CopcTiles::Tile> CopcTiles::find(std::uint32_t number) const {
   const std::lock_guard lock(mutex_);
-  Slot& slot = slots_[number];
-  if (!slot.tile) return nullptr;
-  open_.splice(open_.begin(), open_, slot.open_entry);
-  return slot.tile;
+  const auto* const tile = open_.find(number);
+  return tile != nullptr ? *tile : nullptr;
 }
 
 void CopcTiles::make_room() const {
@@ -145,8 +135,7 @@ void CopcTiles::make_room() const {
     std::shared_ptr<const Tile> oldest;  // given back without the lock
     const std::lock_guard lock(mutex_);
     if (open_.size() < 2) return;
-    oldest = std::exchange(slots_[open_.back()].tile, nullptr);
-    open_.pop_back();
+    oldest = open_.take_oldest();
     work_.reads += oldest->cache.reads();
   }
 }
@@ -162,7 +151,7 @@ std::shared_ptr<const CopcTiles::Tile> CopcTiles::tile(std::uint32_t number) con
 CopcTiles::Work CopcTiles::work() const {
   const std::lock_guard lock(mutex_);
   Work work = work_;
-  for (const std::uint32_t number : open_) work.reads += slots_[number].tile->cache.reads();
+  for (const auto& [number, tile] : open_.entries()) work.reads += tile->cache.reads();
   return work;
 }
 

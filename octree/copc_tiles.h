@@ -5,7 +5,6 @@
 #include <atomic>
 #include <cstddef>
 #include <cstdint>
-#include <list>
 #include <memory>
 #include <mutex>
 #include <optional>
@@ -15,6 +14,7 @@
 
 #include "base/bounds.h"
 #include "base/input_file.h"
+#include "base/recently_used.h"
 #include "cloud/cloud_inputs.h"
 #include "cloud/crs.h"
 #include "cloud/lattice.h"
@@ -113,9 +113,9 @@ class CopcTiles {
   std::vector<std::uint32_t> order_;                 ///< of the files along the boxes of level 0
   mutable std::atomic<std::size_t> kept_bytes_ = 0;  ///< of points, and of what open files take
   std::unique_ptr<Slot[]> slots_;
-  mutable std::mutex mutex_;               ///< of all that follows
-  mutable std::list<std::uint32_t> open_;  ///< last entered first
-  mutable Work work_;                      ///< without the reads of files that are open
+  mutable std::mutex mutex_;                                               ///< of all that follows
+  mutable RecentlyUsed<std::uint32_t, std::shared_ptr<const Tile>> open_;  ///< by file
+  mutable Work work_;  ///< without the reads of files that are open
 };
 
 /// Such a cloud as tree_query.h walks it: boxes around files, the files, and in each its CopcTree. Answers

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 
 #include <fmt/format.h>
+#include <tbb/enumerable_thread_specific.h>
 #include <bit>
 #include <cassert>
 #include <utility>
@@ -8,6 +9,7 @@
 #include "base/bytes.h"
 #include "base/error.h"
 #include "base/morton.h"
+#include "cloud/laz/chunk_codec.h"
 #include "cloud/laz/laz_layout.h"
 #include "octree/check_query.h"
 #include "octree/copc_tree.h"
@@ -77,22 +79,29 @@ std::size_t BoxedPoints::byte_count() const {
 }
 
 struct CopcCache::Slot {
-  std::mutex decoding;  ///< held by the thread that decodes the node
-  // The rest belongs to mutex_.
-  std::shared_ptr<const BoxedPoints> points;
-  std::list<std::uint32_t>::iterator kept_entry;
-  bool was_met = false;
+  std::mutex decoding;   ///< held by the thread that decodes the node
+  bool was_met = false;  ///< belongs to mutex_
+};
+
+/// What threads need to decode nodes.
+struct CopcCache::Workshops {
+  struct Workshop {
+    ChunkDecoder decoder;
+    std::vector<std::byte> bytes{};
+  };
+
+  Workshops(const LazLayout& layout, const LazLayers& wanted)
+      : of_threads([&layout, wanted] { return Workshop{ChunkDecoder(layout, wanted)}; }) {}
+
+  tbb::enumerable_thread_specific<Workshop> of_threads;
 };
 
 CopcCache::CopcCache(const CopcFile& file, const Options& options)
-    : file_(file),
-      options_(options),
-      slots_(std::make_unique<Slot[]>(file.hierarchy().nodes.size())),
-      workshops_([this] {
-        LazLayers wanted = LazLayers::positions();
-        wanted.classification = options_.classes.has_value();
-        return Workshop{ChunkDecoder(file_.layout(), wanted), {}};
-      }) {}
+    : file_(file), options_(options), slots_(std::make_unique<Slot[]>(file.hierarchy().nodes.size())) {
+  LazLayers wanted = LazLayers::positions();
+  wanted.classification = options_.classes.has_value();
+  workshops_ = std::make_unique<Workshops>(file_.layout(), wanted);
+}
 
 CopcCache::~CopcCache() {
   count_kept(0, kept_bytes_);
@@ -119,32 +128,23 @@ CopcReads CopcCache::reads() const {
 
 std::shared_ptr<const BoxedPoints> CopcCache::find(std::uint32_t node) const {
   const std::lock_guard lock(mutex_);
-  const Slot& slot = slots_[node];
-  if (slot.points) kept_.splice(kept_.begin(), kept_, slot.kept_entry);
-  return slot.points;
+  const auto* const points = kept_.find(node);
+  return points != nullptr ? *points : nullptr;
 }
 
 void CopcCache::keep(std::uint32_t node, std::shared_ptr<const BoxedPoints> points) const {
   const std::uint64_t decoded = file_.hierarchy().nodes[node].chunk.point_count;
   const std::lock_guard lock(mutex_);
-  Slot& slot = slots_[node];
   if (decoded > 0) {
     ++reads_.chunks_decoded;
     reads_.points_decoded += decoded;
-    if (!slot.was_met) ++reads_.chunks_met;
-    slot.was_met = true;
+    if (!std::exchange(slots_[node].was_met, true)) ++reads_.chunks_met;
     report(options_.progress, reads_.points_decoded, file_.header().point_count);
   }
   count_kept(points->byte_count(), 0);
-  kept_.push_front(node);
-  slot.kept_entry = kept_.begin();
-  slot.points = std::move(points);
-  while (kept_bytes_ > options_.byte_count && kept_.size() > 1) {
-    Slot& oldest = slots_[kept_.back()];
-    count_kept(0, oldest.points->byte_count());
-    oldest.points.reset();
-    kept_.pop_back();
-  }
+  kept_.add(node, std::move(points));
+  while (kept_bytes_ > options_.byte_count && kept_.size() > 1)
+    count_kept(0, kept_.take_oldest()->byte_count());
 }
 
 std::shared_ptr<const BoxedPoints> CopcCache::decode(std::uint32_t number) const {
@@ -163,7 +163,7 @@ std::shared_ptr<const BoxedPoints> CopcCache::decode(std::uint32_t number) const
     throw Error(file_.name(), row ? fmt::format("{}, point {}", chunk, node.first_row + *row) : chunk,
                 std::move(problem), std::move(expected), std::move(found));
   };
-  Workshop& workshop = workshops_.local();
+  Workshops::Workshop& workshop = workshops_->of_threads.local();
   file_.read_chunk(node, workshop.bytes);
   try {
     workshop.decoder.decode(

@@ -1,13 +1,11 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
-#include <tbb/enumerable_thread_specific.h>
 #include <algorithm>
 #include <atomic>
 #include <bitset>
 #include <cstddef>
 #include <cstdint>
-#include <list>
 #include <memory>
 #include <mutex>
 #include <optional>
@@ -15,9 +13,9 @@
 
 #include "base/bounds.h"
 #include "base/progress.h"
+#include "base/recently_used.h"
 #include "cloud/copc/copc_file.h"
 #include "cloud/lattice.h"
-#include "cloud/laz/chunk_codec.h"
 
 namespace alidade {
 
@@ -95,10 +93,7 @@ class CopcCache {
 
  private:
   struct Slot;
-  struct Workshop {  ///< of a thread
-    ChunkDecoder decoder;
-    std::vector<std::byte> bytes;
-  };
+  struct Workshops;
 
   std::shared_ptr<const BoxedPoints> decode(std::uint32_t node) const;
   std::shared_ptr<const BoxedPoints> find(std::uint32_t node) const;
@@ -108,9 +103,9 @@ class CopcCache {
   const CopcFile& file_;
   Options options_;
   std::unique_ptr<Slot[]> slots_;
-  mutable tbb::enumerable_thread_specific<Workshop> workshops_;
-  mutable std::mutex mutex_;               ///< of all that follows
-  mutable std::list<std::uint32_t> kept_;  ///< nodes, the most recently used first
+  std::unique_ptr<Workshops> workshops_;
+  mutable std::mutex mutex_;                                                      ///< of all that follows
+  mutable RecentlyUsed<std::uint32_t, std::shared_ptr<const BoxedPoints>> kept_;  ///< by node
   mutable std::size_t kept_bytes_ = 0;
   mutable CopcReads reads_;
 };

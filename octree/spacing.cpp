@@ -2,7 +2,6 @@
 #include "octree/spacing.h"
 
 #include <fmt/format.h>
-#include <tbb/parallel_for.h>
 #include <algorithm>
 #include <bit>
 #include <cmath>
@@ -15,6 +14,7 @@
 #include <vector>
 
 #include "base/huge_memory.h"
+#include "base/parallel.h"
 #include "octree/answer_target.h"
 #include "octree/tree_walk.h"
 
@@ -153,9 +153,8 @@ Spacing measure_spacing(const Octree& octree, std::size_t sample_count, int max_
   const auto twins = std::ranges::unique(samples);
   samples.erase(twins.begin(), twins.end());
   std::vector<double> distances(samples.size());
-  tbb::parallel_for(std::size_t{0}, samples.size(), [&](std::size_t i) {
-    distances[i] = Neighbours(octree, 1, max_level).spacing(samples[i]);
-  });
+  in_parallel(samples.size(), 64,
+              [&](std::size_t i) { distances[i] = Neighbours(octree, 1, max_level).spacing(samples[i]); });
   std::erase_if(distances, [](double d) { return std::isinf(d); });
   if (distances.empty()) return {};
   std::ranges::sort(distances);

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "renderer/depth_tracer.h"
 
+#include <tbb/task_arena.h>
 #include <array>
 #include <cassert>
 
@@ -32,19 +33,13 @@ image::Film DepthTracer::trace(const camera::Camera& camera, image::Layer layer,
   image::Film film(camera.width, camera.height, std::array{layer});
   const TileGrid grid(camera.width, camera.height);
   JoinedProgress done(progress, film.count());
-  tbb::parallel_for(
-      tbb::blocked_range<std::size_t>(0, grid.count(), 1),
-      [&](const tbb::blocked_range<std::size_t>& tiles) {
-        for (std::size_t tile = tiles.begin(); tile < tiles.end(); ++tile) {
-          const TileBox box = grid.box(tile);
-          // Threads have tiles of their own: the rays of one are not to be shared out again.
-          tbb::task_arena alone(1);
-          alone.execute([&] { fill_center_layers(projection, world_, box, film); });
-          // Once per row: the watch is not to be called for every tile.
-          if (grid.column_of(tile) + 1 == grid.columns()) done.add(grid.band(grid.row_of(tile)).count());
-        }
-      },
-      tbb::simple_partitioner());
+  in_parallel(grid.count(), 1, [&](std::size_t tile) {
+    // Threads have tiles of their own: the rays of one are not to be shared out again.
+    tbb::task_arena alone(1);
+    alone.execute([&] { fill_center_layers(projection, world_, grid.box(tile), film); });
+    // Once per row: the watch is not to be called for every tile.
+    if (grid.column_of(tile) + 1 == grid.columns()) done.add(grid.band(grid.row_of(tile)).count());
+  });
   return film;
 }
 

@@ -1,14 +1,13 @@
 // SPDX-License-Identifier: MIT
 #include "renderer/image_renderer.h"
 
-#include <tbb/blocked_range.h>
-#include <tbb/parallel_for.h>
 #include <tbb/task_arena.h>
 #include <algorithm>
 #include <optional>
 #include <span>
 #include <vector>
 
+#include "base/parallel.h"
 #include "renderer/noise.h"
 
 namespace alidade::renderer {
@@ -103,18 +102,11 @@ class ImageRenderer {
 
   template <class Work>
   void for_each_group(const Tiles& tiles, std::size_t size, const Work& work) const {
-    const std::size_t groups = (tiles.size() + size - 1) / size;
-    tbb::parallel_for(
-        tbb::blocked_range<std::size_t>(0, groups, 1),
-        [&](const tbb::blocked_range<std::size_t>& range) {
-          for (std::size_t group = range.begin(); group < range.end(); ++group) {
-            const std::size_t begin = group * size, end = std::min(begin + size, tiles.size());
-            // Threads have tiles of their own: the rays of one are not to be shared out again.
-            tbb::task_arena alone(1);
-            alone.execute([&] { work(std::span(tiles).subspan(begin, end - begin)); });
-          }
-        },
-        tbb::simple_partitioner());
+    in_blocks(tiles.size(), size, [&](std::size_t begin, std::size_t end) {
+      // Threads have tiles of their own: the rays of one are not to be shared out again.
+      tbb::task_arena alone(1);
+      alone.execute([&] { work(std::span(tiles).subspan(begin, end - begin)); });
+    });
   }
 
   /// Brings some tiles to the end of the pass, or as far as time allows. The first sample is always taken.

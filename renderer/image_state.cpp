@@ -7,6 +7,7 @@
 #include <limits>
 #include <numeric>
 
+#include "base/morton.h"
 #include "renderer/noise.h"
 
 namespace alidade::renderer {
@@ -22,21 +23,14 @@ std::size_t band_index(const ImageState& state, const TileBox& box, int y) {
          static_cast<std::size_t>(box.x_begin);
 }
 
-/// Bit k moves to bit 2k.
-std::uint64_t spread_bits(std::uint32_t number) {
-  std::uint64_t bits = 0;
-  for (unsigned k = 0; k < 16; ++k) bits |= std::uint64_t{number >> k & 1u} << 2 * k;
-  return bits;
-}
-
 }  // namespace
 
 std::vector<std::size_t> tiles_of(const TileGrid& grid, ImagePart part) {
   std::vector<std::size_t> order(grid.count());
   std::iota(order.begin(), order.end(), std::size_t{0});
   std::ranges::sort(order, {}, [&](std::size_t tile) {
-    return spread_bits(static_cast<std::uint32_t>(grid.column_of(tile))) |
-           spread_bits(static_cast<std::uint32_t>(grid.row_of(tile))) << 1;
+    return morton_key(static_cast<std::uint32_t>(grid.column_of(tile)),
+                      static_cast<std::uint32_t>(grid.row_of(tile)), 0);
   });
   if (part.count == 1) return order;
   std::vector<std::size_t> tiles;

@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: MIT
 #include "renderer/noise.h"
 
-#include <tbb/parallel_for.h>
 #include <algorithm>
 #include <bit>
 #include <cassert>
 #include <cmath>
 #include <limits>
 
+#include "base/parallel.h"
 #include "image/srgb.h"
 
 namespace alidade::renderer {
@@ -128,7 +128,7 @@ Noise tile_noise(const ImageState& state, std::size_t tile) {
 
 void StopRule::apply(ImageState& state) {
   noise_.resize(state.tiles.size());
-  tbb::parallel_for(std::size_t{0}, state.tiles.size(), [&](std::size_t tile) {
+  in_parallel(state.tiles.size(), 16, [&](std::size_t tile) {
     // Tiles that have stopped stay as they are.
     if (!state.tiles[tile].stopped || noise_[tile].pixels == 0) noise_[tile] = tile_noise(state, tile);
   });
@@ -154,8 +154,8 @@ double noise_floor(double exposure) {
 
 ReachedNoise reached_noise(const ImageState& state, double floor) {
   std::vector<double> errors(state.tiles.size());
-  tbb::parallel_for(std::size_t{0}, errors.size(),
-                    [&](std::size_t tile) { errors[tile] = tile_noise(state, tile).error(floor); });
+  in_parallel(errors.size(), 16,
+              [&](std::size_t tile) { errors[tile] = tile_noise(state, tile).error(floor); });
   const auto middle = errors.begin() + static_cast<std::ptrdiff_t>(errors.size() / 2);
   std::ranges::nth_element(errors, middle);
   return {*middle, *std::ranges::max_element(errors)};

@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
-#include <tbb/parallel_for.h>
 #include <cstdint>
 #include <glm/vec3.hpp>
 #include <span>
 #include <vector>
 
+#include "base/parallel.h"
 #include "cloud/lattice.h"
 #include "octree/tree_walk.h"
 
@@ -42,7 +42,7 @@ inline std::vector<PlacedPoint> placed_points(const TreeView& tree, std::span<co
   std::vector<std::size_t> begins{0};
   for (const Leaf& leaf : leaves) begins.push_back(begins.back() + leaf.count);
   std::vector<PlacedPoint> points(begins.back());
-  tbb::parallel_for(std::size_t{0}, leaves.size(), [&](std::size_t l) {
+  in_parallel(leaves.size(), 64, [&](std::size_t l) {
     const Leaf& leaf = leaves[l];
     for (std::uint32_t i = 0; i < leaf.count; ++i) {
       points[begins[l] + i] = {to_world(tree.lattice, position_of(tree, leaf, i)), leaf.first + i,

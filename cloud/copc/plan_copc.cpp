@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: MIT
 #include "cloud/copc/plan_copc.h"
 
-#include <tbb/parallel_for.h>
 #include <algorithm>
 #include <cassert>
 #include <cmath>
@@ -127,7 +126,7 @@ CopcPlan plan_copc(const Lattice& lattice, const LatticeExtent& extent, std::spa
   for (int level = 0; !level_rests.empty(); ++level) {
     std::vector<std::vector<std::uint32_t>> taken(level_rests.size());
     std::vector<std::uint64_t> cubes(level_rests.size());
-    tbb::parallel_for(std::size_t{0}, level_rests.size(), [&](std::size_t i) {
+    in_parallel(level_rests.size(), 1, [&](std::size_t i) {
       Rest& rest = level_rests[i];
       cubes[i] = cube_of(points[rest.begin].key(), level);
       if (rest.end - rest.begin > most_points && level < k_deepest) taken[i] = take_grid(points, rest, level);

@@ -3,7 +3,6 @@
 
 #include <fmt/format.h>
 #include <tbb/enumerable_thread_specific.h>
-#include <tbb/parallel_for.h>
 #include <algorithm>
 #include <optional>
 #include <span>
@@ -119,7 +118,7 @@ class LazPoints::Unpacker {
   template <class Take>
   std::vector<Problem> decode_at_once(std::span<const LazChunk> chunks, const Take& take) {
     std::vector<Problem> problems(chunks.size());
-    tbb::parallel_for(std::size_t{0}, chunks.size(), [&](std::size_t i) {
+    in_parallel(chunks.size(), 1, [&](std::size_t i) {
       const auto bytes =
           std::span(bytes_).subspan(static_cast<std::size_t>(chunks[i].offset - chunks[0].offset),
                                     static_cast<std::size_t>(chunks[i].byte_count));

@@ -1,11 +1,10 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
-#include <tbb/blocked_range.h>
-#include <tbb/parallel_reduce.h>
 #include <bit>
 #include <cstddef>
 #include <cstdint>
+#include <mutex>
 #include <vector>
 
 #include "base/parallel.h"
@@ -88,19 +87,18 @@ struct FloatCounts {
 template <class ValueAt, class Count>
 FloatCounts count_floats(std::size_t size, const ValueAt& value_at, const Count& count) {
   constexpr std::size_t k_values_per_task = std::size_t{1} << 20;
-  return tbb::parallel_reduce(
-      tbb::blocked_range<std::size_t>(0, size, k_values_per_task), FloatCounts(),
-      [&](const auto& range, FloatCounts counts) {
-        for (std::size_t i = range.begin(); i != range.end(); ++i) {
-          const auto bits = std::bit_cast<std::uint32_t>(value_at(i));
-          if (bits >> 31 == 0) count(counts, bits);
-        }
-        return counts;
-      },
-      [](FloatCounts one, const FloatCounts& other) {
-        one.add(other);
-        return one;
-      });
+  FloatCounts all;
+  std::mutex mutex;  // of these
+  in_blocks(size, k_values_per_task, [&](std::size_t first, std::size_t end) {
+    FloatCounts counts;
+    for (std::size_t i = first; i != end; ++i) {
+      const auto bits = std::bit_cast<std::uint32_t>(value_at(i));
+      if (bits >> 31 == 0) count(counts, bits);
+    }
+    const std::lock_guard lock(mutex);
+    all.add(counts);
+  });
+  return all;
 }
 
 template <class ValueAt>

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: MIT
 #include "compare/photographs/color_match.h"
 
-#include <tbb/parallel_for.h>
 #include <algorithm>
 #include <array>
 #include <cassert>
@@ -10,6 +9,7 @@
 #include <cstdint>
 #include <vector>
 
+#include "base/parallel.h"
 #include "image/srgb.h"
 
 namespace alidade::compare {
@@ -208,7 +208,7 @@ std::vector<Block> mean_blocks(const ComparedImage& reference, const ComparedIma
   const int side = std::max(1, std::max(reference.width, reference.height) / k_blocks_per_side);
   const int columns = (reference.width + side - 1) / side, rows = (reference.height + side - 1) / side;
   std::vector<Block> blocks(static_cast<std::size_t>(columns) * static_cast<std::size_t>(rows));
-  tbb::parallel_for(0, rows, [&](int row) {
+  in_parallel(rows, 1, [&](int row) {
     for (int y = row * side; y < std::min((row + 1) * side, reference.height); ++y) {
       for (int x = 0; x < reference.width; ++x) {
         const std::size_t pixel = pixel_index(x, y, reference.width);
@@ -246,7 +246,7 @@ std::optional<ColorMatch> match_color(const ComparedImage& reference, const Comp
   const std::vector<Block> blocks = mean_blocks(reference, test, mask);
   if (blocks.size() < k_least_blocks) return {};
   std::array<std::optional<RobustLine>, 3> lines;
-  tbb::parallel_for(std::size_t{0}, std::size_t{3}, [&](std::size_t channel) {
+  in_parallel(lines.size(), 1, [&](std::size_t channel) {
     std::vector<FitPair> pairs;
     pairs.reserve(blocks.size());
     for (const Block& block : blocks) pairs.push_back({block.test[channel], block.reference[channel]});
@@ -268,7 +268,7 @@ void apply_color_match(ComparedImage& image, const ColorMatch& match) {
   const bool is_linear = image.encoding == ColorEncoding::linear;
   const image::CurveTable &to_linear = image::linear_from_srgb_table(),
                           &to_display = image::srgb_from_linear_table();
-  tbb::parallel_for(0, image.height, [&](int y) {
+  in_parallel(image.height, 4, [&](int y) {
     const auto row = static_cast<std::size_t>(image.width) * 3;
     float* const values = image.color.data() + static_cast<std::size_t>(y) * row;
     for (std::size_t i = 0; i < row; ++i) {

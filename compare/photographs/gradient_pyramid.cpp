@@ -1,9 +1,6 @@
 // SPDX-License-Identifier: MIT
 #include "compare/photographs/gradient_pyramid.h"
 
-#include <tbb/blocked_range.h>
-#include <tbb/parallel_for.h>
-
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -55,10 +52,10 @@ constexpr std::array<float, 5> k_binomial{1.0f / 16, 4.0f / 16, 6.0f / 16, 4.0f 
 /// The binomial filter over what counts; more than half of its weight must.
 Plane smoothed(const Plane& plane) {
   Plane result(plane.width, plane.height);
-  tbb::parallel_for(tbb::blocked_range<int>(0, plane.height, 16), [&](const auto& rows) {
+  in_blocks(static_cast<std::size_t>(plane.height), k_rows_at_once, [&](std::size_t top, std::size_t bottom) {
     // Sums down the columns, with two columns of nothing at both ends.
     std::vector<float> sums(static_cast<std::size_t>(plane.width) + 4), weights(sums.size());
-    for (int y = rows.begin(); y != rows.end(); ++y) {
+    for (int y = static_cast<int>(top); y != static_cast<int>(bottom); ++y) {
       std::ranges::fill(sums, 0.0f);
       std::ranges::fill(weights, 0.0f);
       for (int step = -2; step <= 2; ++step) {

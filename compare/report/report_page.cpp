@@ -2,8 +2,8 @@
 #include "compare/report/page.h"
 
 #include <fmt/format.h>
-#include <tbb/parallel_for.h>
 
+#include "base/parallel.h"
 #include "compare/report/comparison_json.h"
 
 namespace alidade::compare {
@@ -186,9 +186,8 @@ std::string report_page(const Comparison& comparison, const Verdict& verdict, im
   if (shown.matched) pictures.push_back({"matched", "Test, colours matched", &*shown.matched});
   for (std::size_t i = 0; i < painted.size(); ++i)
     pictures.push_back({fmt::format("map-{}", i + 1), maps[i]->title, &painted[i], maps[i]});
-  tbb::parallel_for(std::size_t{0}, pictures.size(), [&](std::size_t i) {
-    pictures[i].address = image::data_url(*pictures[i].picture, packing);
-  });
+  in_parallel(pictures.size(), 1,
+              [&](std::size_t i) { pictures[i].address = image::data_url(*pictures[i].picture, packing); });
 
   std::string images;
   for (const PageImage& picture : pictures)

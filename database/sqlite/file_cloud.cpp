@@ -2,18 +2,18 @@
 #include "database/sqlite/file_cloud.h"
 
 #include <sys/stat.h>
-#include <tbb/parallel_for.h>
 #include <algorithm>
 #include <bit>
 #include <cstring>
 #include <iterator>
 #include <limits>
-#include <list>
 #include <utility>
 
 #include "base/bytes.h"
 #include "base/error.h"
 #include "base/input_file.h"
+#include "base/parallel.h"
+#include "base/recently_used.h"
 #include "base/remote_map.h"
 #include "cloud/input_view.h"
 #include "cloud/las/las_records.h"
@@ -255,7 +255,7 @@ class CopcChunks final : public ChunkSource {
       return found;
     }
     std::vector<std::vector<ChunkLocation>> of_nodes(wanted.size());
-    tbb::parallel_for(std::size_t{0}, wanted.size(), [&](std::size_t i) {
+    in_parallel(wanted.size(), 1, [&](std::size_t i) {
       const std::shared_ptr<const BoxedPoints> points_of_node = cache_.points(wanted[i]);
       const int top = points_of_node->levels() - 1;
       visit(*points_of_node, filter, top, 0, points_of_node->boxes(top).size(), first_chunks_[wanted[i]],
@@ -302,7 +302,6 @@ class CopcChunks final : public ChunkSource {
 
  private:
   struct NodeAttributes {
-    std::uint32_t node;
     std::size_t byte_count;
     std::shared_ptr<const PointCloud> cloud;
   };
@@ -388,21 +387,15 @@ class CopcChunks final : public ChunkSource {
 
   /// Attributes of all points of a node, by their rows in it.
   std::shared_ptr<const PointCloud> attributes_of(std::uint32_t node) {
-    const auto found = std::ranges::find(attributes_, node, &NodeAttributes::node);
-    if (found != attributes_.end()) {
-      attributes_.splice(attributes_.begin(), attributes_, found);
-      return found->cloud;
-    }
+    if (const NodeAttributes* const found = attributes_.find(node)) return found->cloud;
     auto cloud = std::make_shared<PointCloud>(read_nodes({node}, AttributeSet::all()));
     if (!cloud->colors.empty()) apply(spread(), *cloud);
     std::size_t size = sizeof(LatticePosition);
     for (const ValueBlob& blob : value_blobs(columns_of(*cloud))) size += blob.size;
-    attributes_.push_front({node, size * cloud->size(), cloud});
+    attributes_.add(node, {size * cloud->size(), cloud});
     attribute_bytes_ += size * cloud->size();
-    while (attribute_bytes_ > k_attribute_bytes && attributes_.size() > 1) {
-      attribute_bytes_ -= attributes_.back().byte_count;
-      attributes_.pop_back();
-    }
+    while (attribute_bytes_ > k_attribute_bytes && attributes_.size() > 1)
+      attribute_bytes_ -= attributes_.take_oldest().byte_count;
     return cloud;
   }
 
@@ -412,7 +405,7 @@ class CopcChunks final : public ChunkSource {
   std::vector<std::uint64_t> first_chunks_;  ///< of the nodes
   std::uint64_t chunk_count_ = 0;
   std::optional<ColorSpread> spread_;
-  std::list<NodeAttributes> attributes_;  ///< the last used first
+  RecentlyUsed<std::uint32_t, NodeAttributes> attributes_;  ///< by node
   std::size_t attribute_bytes_ = 0;
 };
 

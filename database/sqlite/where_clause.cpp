@@ -3,7 +3,6 @@
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
-#include <tbb/parallel_for.h>
 #include <algorithm>
 #include <iterator>
 #include <memory>
@@ -12,6 +11,7 @@
 #include <utility>
 #include <vector>
 
+#include "base/parallel.h"
 #include "base/words.h"
 #include "database/sqlite/sql_tokens.h"
 #include "database/sqlite/virtual_table.h"
@@ -195,24 +195,22 @@ void WhereClause::mark(const PointCloud& cloud, std::span<std::uint8_t> marks,
                        const std::function<bool()>& is_given_up) const {
   const PointColumns points = points_of(cloud);
   const std::vector<CloudColumn> columns = cloud_columns(points);
-  tbb::parallel_for(
-      std::size_t{0}, (cloud.size() + k_rows_at_once - 1) / k_rows_at_once, [&](std::size_t block) {
-        const std::size_t first = block * k_rows_at_once;
-        const Rows rows{points, columns, first, std::min(first + k_rows_at_once, cloud.size())};
-        std::fill(marks.begin() + static_cast<std::ptrdiff_t>(rows.first),
-                  marks.begin() + static_cast<std::ptrdiff_t>(rows.end), std::uint8_t{0});
-        const Evaluation evaluation(&rows, &is_given_up);
-        try {
-          Statement statement(evaluation.get(),
-                              "SELECT " + row_column(columns) + " FROM point WHERE (" + text_ + "\n)");
-          while (statement.step()) marks[static_cast<std::size_t>(statement.whole(0))] = 1;
-        } catch (const Error& error) {
-          if (is_given_up && is_given_up()) throw Cancelled();
-          std::vector<std::string_view> names;
-          for (const CloudColumn& column : columns) names.push_back(column.like.name);
-          reject(text_, error.parts().problem, fmt::format("a condition on {}", fmt::join(names, ", ")));
-        }
-      });
+  in_blocks(cloud.size(), k_rows_at_once, [&](std::size_t first, std::size_t end) {
+    const Rows rows{points, columns, first, end};
+    std::fill(marks.begin() + static_cast<std::ptrdiff_t>(rows.first),
+              marks.begin() + static_cast<std::ptrdiff_t>(rows.end), std::uint8_t{0});
+    const Evaluation evaluation(&rows, &is_given_up);
+    try {
+      Statement statement(evaluation.get(),
+                          "SELECT " + row_column(columns) + " FROM point WHERE (" + text_ + "\n)");
+      while (statement.step()) marks[static_cast<std::size_t>(statement.whole(0))] = 1;
+    } catch (const Error& error) {
+      if (is_given_up && is_given_up()) throw Cancelled();
+      std::vector<std::string_view> names;
+      for (const CloudColumn& column : columns) names.push_back(column.like.name);
+      reject(text_, error.parts().problem, fmt::format("a condition on {}", fmt::join(names, ", ")));
+    }
+  });
 }
 
 }  // namespace alidade::database

@@ -10,6 +10,7 @@
 #include <limits>
 #include <span>
 
+#include "base/morton.h"
 #include "base/ray.h"
 #include "cloud/lattice.h"
 #include "octree/candidate.h"
@@ -298,9 +299,8 @@ struct SlotOrder {
 /// Every third bit.
 constexpr std::array<std::uint32_t, 256> k_spread_byte = [] {
   std::array<std::uint32_t, 256> spread{};
-  for (std::uint32_t value = 0; value < 256; ++value) {
-    for (int bit = 0; bit < 8; ++bit) spread[value] |= (value >> bit & 1u) << (3 * bit);
-  }
+  for (std::uint32_t value = 0; value < 256; ++value)
+    spread[value] = static_cast<std::uint32_t>(morton_spread(value));
   return spread;
 }();
 

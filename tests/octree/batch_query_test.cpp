@@ -8,7 +8,7 @@
 #include <limits>
 #include <tuple>
 
-#include "octree/check_query.h"
+#include "octree/query_batch.h"
 #include "octree/ray_columns.h"
 #include "octree/simd/make_rays.h"
 #include "tests/octree/as_brute_force.h"
@@ -344,9 +344,8 @@ TEST_F(Batch, in_which_several_targets_fail_tells_of_the_first_on_any_number_of_
     const tbb::global_control limit(tbb::global_control::max_allowed_parallelism, threads);
     const auto problem = [](std::span<const glm::dvec3> targets) -> std::string {
       try {
-        for_each_range(targets, 4, [](std::size_t first, std::size_t last) {
-          for (std::size_t i = first; i < last; ++i)
-            if (i >= 5000 && i % 7 == 3) throw Error({.problem = "work on " + std::to_string(i)});
+        for_each_target(targets, 4, [](std::size_t i) {
+          if (i >= 5000 && i % 7 == 3) throw Error({.problem = "work on " + std::to_string(i)});
         });
       } catch (const Error& error) {
         return error.what();

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: MIT
 #include <fmt/format.h>
-#include <tbb/parallel_for.h>
 #include <algorithm>
 #include <functional>
 #include <glm/geometric.hpp>
@@ -12,6 +11,7 @@
 #include "base/error.h"
 #include "base/huge_memory.h"
 #include "base/name_errors.h"
+#include "base/parallel.h"
 #include "base/progress.h"
 #include "base/words.h"
 #include "cloud/axis_units.h"
@@ -101,8 +101,9 @@ void measure_normals(const Octree& built, const PointColumns& points,
     }
     normals[row] = glm::vec3(glm::dot(surface.normal, outwards) < 0.0 ? -surface.normal : surface.normal);
   };
-  in_pieces(points.size(),
-            [&](std::size_t first, std::size_t end) { tbb::parallel_for(first, end, measure); });
+  in_pieces(points.size(), [&](std::size_t first, std::size_t end) {
+    in_parallel(end - first, 256, [&](std::size_t i) { measure(first + i); });
+  });
 }
 
 Octree built_shown(Verbosity verbosity, const std::function<Octree(const BuildOptions&)>& build) {

@@ -3,7 +3,6 @@
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
-#include <tbb/parallel_for.h>
 #include <tbb/parallel_invoke.h>
 #include <algorithm>
 #include <bit>
@@ -16,6 +15,7 @@
 #include <unordered_map>
 #include <variant>
 
+#include "base/parallel.h"
 #include "base/shown_text.h"
 #include "database/stored_column.h"
 #include "geo/map_unit.h"
@@ -313,7 +313,7 @@ CloudStatistics statistics_of(const PointColumns& cloud, const Progress& progres
   };
   const Pause pause = [&] { report_columns(0); };
   const auto measure_columns = [&] {
-    tbb::parallel_for(std::size_t{0}, columns.size(), [&](std::size_t i) {
+    in_parallel(columns.size(), 1, [&](std::size_t i) {
       statistics.columns[i] = column_statistics(cloud, columns[i], pause);
       report_columns(1);
     });

@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: MIT
 #include <fmt/format.h>
-#include <tbb/parallel_for.h>
 #include <charconv>
 #include <cmath>
 #include <cstring>
 #include <iterator>
 #include <optional>
 
+#include "base/parallel.h"
 #include "tools/cloud/write_points.h"
 #include "tools/query/answers.h"
 
@@ -78,14 +78,6 @@ ExtraDimension described(const AnswerDimension& dimension) {
 }
 
 /// Calls work(i) for every row, in parallel.
-template <class Work>
-void for_each_row(std::size_t count, const Work& work) {
-  tbb::parallel_for(std::size_t{0}, (count + k_rows_per_task - 1) / k_rows_per_task, [&](std::size_t part) {
-    for (std::size_t i = part * k_rows_per_task; i < std::min((part + 1) * k_rows_per_task, count); ++i)
-      work(i);
-  });
-}
-
 /// The lattice position that a world position was computed from. Exact: no other one is closer.
 LatticePosition steps_of(const Lattice& lattice, const glm::dvec3& position) {
   const auto steps = to_lattice(lattice, position);
@@ -111,12 +103,12 @@ class AnswerText final : public AnswerOutput {
     for (std::size_t begin = 0; begin < rows.size; begin += k_rows_per_write) {
       const std::size_t end = std::min(begin + k_rows_per_write, rows.size);
       std::vector<std::string> parts((end - begin + k_rows_per_text - 1) / k_rows_per_text);
-      tbb::parallel_for(std::size_t{0}, parts.size(), [&](std::size_t p) {
-        const std::size_t first = begin + p * k_rows_per_text;
-        std::vector<AnswerRow> part_rows(std::min(k_rows_per_text, end - first));
-        rows.fill(first, part_rows);
-        parts[p].reserve(part_rows.size() * 24 * columns_.size());
-        for (const AnswerRow& row : part_rows) add_row(parts[p], columns_, row, form_, numbers_);
+      in_blocks(end - begin, k_rows_per_text, [&](std::size_t first, std::size_t last) {
+        std::string& part = parts[first / k_rows_per_text];
+        std::vector<AnswerRow> part_rows(last - first);
+        rows.fill(begin + first, part_rows);
+        part.reserve(part_rows.size() * 24 * columns_.size());
+        for (const AnswerRow& row : part_rows) add_row(part, columns_, row, form_, numbers_);
       });
       for (const std::string& part : parts) put(part);
     }
@@ -184,25 +176,25 @@ class AnswerLas final : public AnswerOutput {
     PointCloud batch;
     batch.lattice = cloud_.octree.lattice();
     batch.positions.resize(rows.size());
-    for_each_row(rows.size(),
-                 [&](std::size_t i) { batch.positions[i] = steps_of(batch.lattice, rows[i].position); });
+    in_parallel(rows.size(), k_rows_per_task,
+                [&](std::size_t i) { batch.positions[i] = steps_of(batch.lattice, rows[i].position); });
     for_each_column(batch, columns_, [&](Attribute, auto& column, const auto& all) {
       if (all.empty()) return;
       column.resize(rows.size());
-      for_each_row(rows.size(), [&](std::size_t i) { column[i] = all[rows[i].point_id]; });
+      in_parallel(rows.size(), k_rows_per_task, [&](std::size_t i) { column[i] = all[rows[i].point_id]; });
     });
     for (const ExtraColumn& column : columns_.extra_dimensions) {
       ExtraDimension& extra = batch.extra_dimensions.emplace_back(column.description);
       const auto bytes = static_cast<std::size_t>(extra.byte_count);
       extra.values.resize(rows.size() * bytes);
-      for_each_row(rows.size(), [&](std::size_t i) {
+      in_parallel(rows.size(), k_rows_per_task, [&](std::size_t i) {
         std::memcpy(extra.values.data() + i * bytes, column.values.data() + rows[i].point_id * bytes, bytes);
       });
     }
     for (const AnswerDimension& dimension : dimensions_) {
       ExtraDimension& extra = batch.extra_dimensions.emplace_back(described(dimension));
       extra.values.resize(rows.size() * 8);
-      for_each_row(rows.size(), [&](std::size_t i) {
+      in_parallel(rows.size(), k_rows_per_task, [&](std::size_t i) {
         const void* const value = dimension.whole != nullptr
                                       ? static_cast<const void*>(&(rows[i].*dimension.whole))
                                       : &(rows[i].*dimension.real);

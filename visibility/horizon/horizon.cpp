@@ -2,7 +2,6 @@
 #include "visibility/horizon/horizon.h"
 
 #include <fmt/format.h>
-#include <tbb/parallel_for.h>
 #include <algorithm>
 #include <array>
 #include <cassert>
@@ -12,6 +11,7 @@
 #include <utility>
 
 #include "base/error.h"
+#include "base/parallel.h"
 #include "base/ray.h"
 #include "geo/earth.h"
 #include "mesh/triangle_tree.h"
@@ -216,7 +216,8 @@ std::vector<HorizonDirection> horizon(const Occluders& occluders, const SightEnd
   constexpr std::size_t k_azimuths_at_once = 64;
   for (std::size_t begin = 0; begin < directions.size(); begin += k_azimuths_at_once) {
     report(progress, begin, directions.size());
-    tbb::parallel_for(begin, std::min(begin + k_azimuths_at_once, directions.size()), [&](std::size_t i) {
+    in_parallel(std::min(k_azimuths_at_once, directions.size() - begin), 1, [&](std::size_t number) {
+      const std::size_t i = begin + number;
       HorizonDirection& direction = directions[i];
       const AzimuthSearch search{
           occluders, near, eye, steps, static_cast<int>(i), direction.azimuth, options.max_distance};

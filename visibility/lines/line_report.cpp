@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: MIT
 #include "visibility/lines/line_report.h"
 
-#include <tbb/parallel_for.h>
 #include <algorithm>
 #include <cmath>
 
 #include "base/error.h"
+#include "base/parallel.h"
 
 namespace alidade::visibility {
 namespace {
@@ -106,7 +106,7 @@ void report_middles(const Occluders& occluders, std::span<const LinePair> pairs,
   std::vector<CurveLine> lines;
   for (const LineCurve& curve : curves) lines.push_back({&curve});
   const std::vector<std::optional<CurveCrossings>> answers = crossings(occluders, lines);
-  tbb::parallel_for(std::size_t{0}, pairs.size(), [&](std::size_t i) {
+  in_parallel(pairs.size(), 1, [&](std::size_t i) {
     reports[i].length = curves[i].length();
     if (answers[i]) reports[i].blocker = answers[i]->first;
     reports[i].nearest = nearest_point(occluders, curves[i]);

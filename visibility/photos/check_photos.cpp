@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: MIT
 #include <fmt/format.h>
-#include <tbb/parallel_for.h>
 #include <algorithm>
 #include <atomic>
 #include <cmath>
@@ -9,6 +8,7 @@
 #include <variant>
 
 #include "base/error.h"
+#include "base/parallel.h"
 #include "visibility/photos/photo_frame.h"
 #include "visibility/photos/photo_visibility.h"
 #include "visibility/point_blocks.h"
@@ -22,15 +22,12 @@ constexpr std::size_t k_points_checked = 1 << 17;
 bool shows_any(const PhotoFrame& frame, const std::vector<PlacedPoint>& points, std::size_t every,
                double max_distance) {
   std::atomic<bool> is_found = false;
-  tbb::parallel_for(tbb::blocked_range<std::size_t>(0, (points.size() + every - 1) / every),
-                    [&](const auto& range) {
-                      for (std::size_t i = range.begin(); i < range.end() && !is_found; ++i) {
-                        const glm::dvec3& position = points[i * every].position;
-                        if (frame.film_position(position) &&
-                            glm::length(position - frame.camera().pose.position) <= max_distance)
-                          is_found = true;
-                      }
-                    });
+  in_parallel((points.size() + every - 1) / every, 256, [&](std::size_t i) {
+    if (is_found) return;
+    const glm::dvec3& position = points[i * every].position;
+    if (frame.film_position(position) && glm::length(position - frame.camera().pose.position) <= max_distance)
+      is_found = true;
+  });
   return is_found;
 }
 

@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: MIT
 #include "visibility/photos/overlap.h"
 
-#include <tbb/parallel_for.h>
 #include <bit>
+
+#include "base/parallel.h"
 
 namespace alidade::visibility {
 
@@ -21,7 +22,7 @@ std::uint64_t common_points(const SeenSet& a, const SeenSet& b) {
 
 std::vector<PhotoOverlap> overlaps(const std::vector<SeenSet>& photos) {
   std::vector<std::vector<PhotoOverlap>> rows(photos.size());
-  tbb::parallel_for(std::size_t{0}, photos.size(), [&](std::size_t first) {
+  in_parallel(photos.size(), 1, [&](std::size_t first) {
     for (std::size_t second = first + 1; second < photos.size(); ++second) {
       const std::uint64_t points = common_points(photos[first], photos[second]);
       if (points > 0)

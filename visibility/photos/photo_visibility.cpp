@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: MIT
 #include "visibility/photos/photo_visibility.h"
 
-#include <tbb/parallel_for.h>
 #include <algorithm>
 #include <atomic>
 #include <cmath>
@@ -9,6 +8,7 @@
 
 #include "base/error.h"
 #include "base/huge_memory.h"
+#include "base/parallel.h"
 #include "geo/raster.h"
 #include "visibility/photos/footprint.h"
 #include "visibility/photos/photo_frame.h"
@@ -111,7 +111,7 @@ class Collector {
     result_.counts = std::move(counts);
     if (options_.read_photo) {
       result_.colors.resize(views_.size());
-      tbb::parallel_for(std::size_t{0}, views_.size(), [&](std::size_t id) {
+      in_parallel(views_.size(), 256, [&](std::size_t id) {
         if (result_.counts[id] > 0) result_.colors[id] = blended(views_[id]);
       });
     }
@@ -131,12 +131,12 @@ class Collector {
   std::vector<BlockView> look_at(std::size_t photo, const std::vector<PlacedPoint>& points,
                                  std::span<const std::uint8_t> seen, const image::PhotoPixels& pixels) {
     std::vector<BlockView> blocks((points.size() + k_seen_block - 1) / k_seen_block);
-    tbb::parallel_for(std::size_t{0}, blocks.size(), [&](std::size_t block) {
-      const std::size_t begin = block * k_seen_block, end = std::min(begin + k_seen_block, points.size());
+    in_blocks(points.size(), k_seen_block, [&](std::size_t begin, std::size_t end) {
+      BlockView& block = blocks[begin / k_seen_block];
       for (std::size_t i = begin; i < end; ++i) {
         if (seen[points[i].point_id] == 0) continue;
-        blocks[block].bits[(i - begin) / 64] |= std::uint64_t{1} << ((i - begin) % 64);
-        add_point(photo, points[i], pixels, blocks[block]);
+        block.bits[(i - begin) / 64] |= std::uint64_t{1} << ((i - begin) % 64);
+        add_point(photo, points[i], pixels, block);
       }
     });
     return blocks;

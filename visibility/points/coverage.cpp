@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: MIT
 #include "visibility/points/coverage.h"
 
-#include <tbb/parallel_for.h>
 #include <cmath>
 #include <limits>
 #include <string>
@@ -10,6 +9,7 @@
 
 #include "base/error.h"
 #include "base/huge_memory.h"
+#include "base/parallel.h"
 #include "cloud/lattice.h"
 #include "octree/distance.h"
 #include "octree/tree_walk.h"
@@ -35,7 +35,7 @@ struct TargetBlock {
 std::vector<SightEnd> raised_ends(const Occluders& occluders, std::span<const PlacementTarget> targets,
                                   double height) {
   std::vector<SightEnd> ends(targets.size());
-  tbb::parallel_for(std::size_t{0}, targets.size(), [&](std::size_t i) {
+  in_parallel(targets.size(), 64, [&](std::size_t i) {
     ends[i] = end_near_surface(occluders, targets[i].position + glm::dvec3(0.0, 0.0, height));
   });
   return ends;
@@ -52,7 +52,7 @@ Views views_of(const Occluders& occluders, const Observer& observer, const Targe
     if (field.reaches(position - observer.position)) views.targets.push_back(i);
   }
   views.lines.resize(views.targets.size());
-  tbb::parallel_for(std::size_t{0}, views.lines.size(), [&](std::size_t i) {
+  in_parallel(views.lines.size(), 64, [&](std::size_t i) {
     const std::size_t number = views.targets[i];
     const PlacementTarget& target = targets[number];
     views.lines[i] = sight_line(

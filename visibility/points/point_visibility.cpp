@@ -2,7 +2,6 @@
 #include "visibility/points/point_visibility.h"
 
 #include <fmt/format.h>
-#include <tbb/parallel_for.h>
 
 #include <algorithm>
 #include <cmath>
@@ -13,6 +12,7 @@
 #include "base/error.h"
 #include "base/exact_math.h"
 #include "base/huge_memory.h"
+#include "base/parallel.h"
 #include "visibility/point_blocks.h"
 
 namespace alidade::visibility {
@@ -109,7 +109,7 @@ class View {
 
   void find_in_view(const std::vector<PlacedPoint>& targets) {
     is_in_view_.resize(targets.size());
-    tbb::parallel_for(std::size_t{0}, targets.size(), [&](std::size_t i) {
+    in_parallel(targets.size(), 256, [&](std::size_t i) {
       const glm::dvec3& position = targets[i].position;
       is_in_view_[i] = field_.reaches(position - observer_.position) && (!in_view_ || in_view_(position));
     });
@@ -117,7 +117,7 @@ class View {
 
   /// Makes the lines to the requested points, or beside them on their discs.
   void make_lines(std::size_t sub_ray) {
-    tbb::parallel_for(std::size_t{0}, viewed_.size(), [&](std::size_t n) {
+    in_parallel(viewed_.size(), 64, [&](std::size_t n) {
       const PlacedPoint& target = viewed_[n].target;
       SightEnd end = end_on_point(occluders_, target.point_id, target.position, observer_.position);
       if (sub_ray > 0) shift(end, target, pattern_[sub_ray]);
@@ -180,7 +180,7 @@ class View {
 void add_answers(const std::vector<PlacedPoint>& targets, const BatchAnswers& answers, std::size_t number,
                  int lines_per_point, PointVisibility& all, std::vector<std::uint8_t>& seen) {
   // No two targets of a batch are the same point.
-  tbb::parallel_for(std::size_t{0}, targets.size(), [&](std::size_t i) {
+  in_parallel(targets.size(), 256, [&](std::size_t i) {
     const std::uint64_t id = targets[i].point_id;
     if (answers.seen[i] != 0) {
       if (!seen.empty()) seen[id] = 1;

@@ -2,7 +2,6 @@
 #include "visibility/raster/ground.h"
 
 #include <fmt/format.h>
-#include <tbb/parallel_for.h>
 #include <algorithm>
 #include <cmath>
 #include <glm/geometric.hpp>
@@ -11,6 +10,7 @@
 
 #include "base/error.h"
 #include "base/huge_memory.h"
+#include "base/parallel.h"
 #include "octree/tree_walk.h"
 
 namespace alidade::visibility {
@@ -169,7 +169,7 @@ GroundSamples lowest_points(const Octree& octree, const geo::RasterGrid& grid, d
     result.covered[grid.index(cell.x, cell.y)] = 1;
     lowest.at(cell.x, cell.y).take(sample_at(grid, cell, {p.x, p.y, sign * p.z}));
   });
-  tbb::parallel_for(0, grid.rows, [&](int row) {
+  in_parallel(grid.rows, 4, [&](int row) {
     for (int column = 0; column < grid.columns; ++column) {
       const TwoLowest& cell = lowest.at(column, row);
       GroundSample& sample = result.samples.at(column, row);
@@ -185,7 +185,7 @@ GroundSamples lowest_points(const Octree& octree, const geo::RasterGrid& grid, d
 geo::Raster<double> heights_in_middles(const geo::Raster<GroundSample>& samples, double steepest,
                                        const ScratchFolder& scratch) {
   geo::Raster<double> heights(samples.grid, k_nan, scratch);
-  tbb::parallel_for(0, samples.grid.rows, [&](int row) {
+  in_parallel(samples.grid.rows, 4, [&](int row) {
     for (int column = 0; column < samples.grid.columns; ++column) {
       const GroundSample& sample = samples.at(column, row);
       if (!sample.exists()) continue;
@@ -218,7 +218,7 @@ Level coarser(const Level& fine) {
   grid.cell_size *= 2.0;
   Level level{{grid, 0.0, fine.heights.values.get_allocator()},
               HugeVector<std::uint8_t>(grid.size(), 0, fine.known.get_allocator())};
-  tbb::parallel_for(0, grid.rows, [&](int row) {
+  in_parallel(grid.rows, 4, [&](int row) {
     for (int column = 0; column < grid.columns; ++column) {
       double sum = 0.0;
       int count = 0;
@@ -240,7 +240,7 @@ Level coarser(const Level& fine) {
 
 /// Fills unknown cells from the level above, bilinear between the middles of its cells.
 void start_from(const Level& coarse, Level& fine) {
-  tbb::parallel_for(0, fine.rows(), [&](int row) {
+  in_parallel(fine.rows(), 4, [&](int row) {
     for (int column = 0; column < fine.columns(); ++column) {
       const std::size_t i = fine.heights.grid.index(column, row);
       if (fine.known[i]) continue;
@@ -255,7 +255,7 @@ void start_from(const Level& coarse, Level& fine) {
 
 /// Sets every unknown cell of one colour to the mean of its four neighbours, which are of the other colour.
 void sweep(Level& level, int color) {
-  tbb::parallel_for(0, level.rows(), [&](int row) {
+  in_parallel(level.rows(), 4, [&](int row) {
     for (int column = (row + color) % 2; column < level.columns(); column += 2) {
       const std::size_t i = level.heights.grid.index(column, row);
       if (level.known[i]) continue;

@@ -2,10 +2,10 @@
 #include "visibility/raster/map_image.h"
 
 #include <fmt/format.h>
-#include <tbb/parallel_for.h>
 #include <algorithm>
 #include <cmath>
 
+#include "base/parallel.h"
 #include "image/image_file.h"
 #include "image/legend.h"
 
@@ -174,7 +174,7 @@ class MapDrawer {
   void draw_cells() {
     const Relief relief(ground_, std::max(units_per_pixel(), ground_.heights().grid.cell_size));
     const image::PixelBox& map = layout_.map;
-    tbb::parallel_for(0, map.height(), [&](int y) {
+    in_parallel(map.height(), 4, [&](int y) {
       const double south = (y + 0.5) * layout_.cells_per_pixel;
       const int row = std::min(static_cast<int>(south), grid().rows - 1);
       for (int x = 0; x < map.width(); ++x) {

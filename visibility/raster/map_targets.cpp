@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: MIT
 #include "visibility/raster/map_targets.h"
 
-#include <tbb/parallel_for.h>
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
@@ -9,6 +8,7 @@
 
 #include "base/error.h"
 #include "base/exact_math.h"
+#include "base/parallel.h"
 #include "geo/raster.h"
 #include "octree/query.h"
 
@@ -112,7 +112,7 @@ MapBlock MapTargets::block(std::size_t number) const {
   const auto across = static_cast<std::size_t>(positions_across_), per_cell = across * across;
   const auto columns = static_cast<std::size_t>(grid_.columns);
   std::vector<std::optional<MapTarget>> found(block.cells.size() * per_cell);
-  tbb::parallel_for(std::size_t{0}, found.size(), [&](std::size_t i) {
+  in_parallel(found.size(), 64, [&](std::size_t i) {
     const std::size_t cell = i / per_cell, part = i % per_cell;
     const glm::dvec2 middle = grid_.center(static_cast<int>(block.cells[cell] % columns),
                                            static_cast<int>(block.cells[cell] / columns));

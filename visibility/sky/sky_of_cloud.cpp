@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: MIT
 #include "visibility/sky/sky_of_cloud.h"
 
-#include <tbb/parallel_for.h>
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -12,6 +11,7 @@
 #include <string>
 
 #include "base/error.h"
+#include "base/parallel.h"
 #include "visibility/point_blocks.h"
 #include "visibility/raster/map_targets.h"
 #include "visibility/sky/bounced_light.h"
@@ -80,7 +80,7 @@ void for_each_point_target(const Occluders& occluders, std::span<const glm::vec3
       [&](std::uint64_t part, PartWriter& writer) {
         const std::vector<PlacedPoint> points = placed_points(tree, blocks[part]);
         std::vector<SkyTarget> targets(points.size());
-        tbb::parallel_for(std::size_t{0}, points.size(), [&](std::size_t i) {
+        in_parallel(points.size(), 64, [&](std::size_t i) {
           targets[i] = target_on_point(occluders, points[i].point_id, points[i].position,
                                        outward(normals, points[i].point_id));
         });
@@ -118,7 +118,7 @@ void for_each_ground_target(const Occluders& occluders, const Ground& ground, co
         for (const MapTarget& target : block.targets)
           targets.push_back(target_in_open(raised(target.foot, height)));
         if (question.receiver == SkyReceiver::surface) {
-          tbb::parallel_for(std::size_t{0}, targets.size(), [&](std::size_t i) {
+          in_parallel(targets.size(), 64, [&](std::size_t i) {
             targets[i].normal = ground_normal(ground, targets[i].front.position, grid.cell_size);
             targets[i].is_front_open = true;
           });
