@@ -7,7 +7,6 @@
 #include <numbers>
 
 #include "octree/query.h"
-#include "octree/ray_columns.h"
 #include "python/docstrings.h"
 #include "python/python_cloud.h"
 

@@ -5,7 +5,7 @@
 #include <span>
 
 #include "base/instruction_set.h"
-#include "octree/ray_columns.h"
+#include "octree/query.h"
 #include "octree/simd/sort_keys.h"
 
 namespace alidade::simd {

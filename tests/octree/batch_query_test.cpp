@@ -9,7 +9,6 @@
 #include <tuple>
 
 #include "octree/query_batch.h"
-#include "octree/ray_columns.h"
 #include "octree/simd/make_rays.h"
 #include "tests/octree/as_brute_force.h"
 
