@@ -9,9 +9,9 @@ namespace {
 
 /// Slices of the bounds before neighbours are joined.
 constexpr int k_slices = 64;
-/// Halvings that find where along a box the condition begins to hold: to 1/1000 of the box.
+/// Steps of the bisection that finds where along a box the condition begins to hold, to 1/1000 of the box.
 constexpr int k_halvings = 10;
-/// Largest growth of the covered share of the bounds by joining two boxes, relative to that of the boxes.
+/// Two boxes are joined, however few there are, if their share of the bounds grows by no more than this part.
 constexpr double k_free_growth = 0.05;
 
 using MayHold = std::function<bool(const Bounds&)>;
@@ -45,7 +45,8 @@ Bounds joined(const Bounds& a, const Bounds& b) {
   return both;
 }
 
-/// Joins neighbours down to `count` boxes, those first that grow least, then further while they hardly grow.
+/// Joins neighbours, those first whose join grows least, until there are `count` boxes, and then while joins
+/// hardly grow.
 void join_neighbours(std::vector<Bounds>& boxes, const Bounds& bounds, std::size_t count) {
   while (boxes.size() > 1) {
     std::size_t best = 0;

@@ -13,10 +13,10 @@
 
 namespace alidade::database {
 
-/// Some points of a cloud in a database.
+/// Some points of a cloud in a database, ordered by their ids.
 struct CloudPart {
-  PointCloud cloud;                ///< by their ids
-  std::vector<std::uint64_t> ids;  ///< of each row, its number in the whole cloud
+  PointCloud cloud;
+  std::vector<std::uint64_t> ids;  ///< of each row its number in the whole cloud
   AttributeSet attributes{};       ///< of the whole cloud
   std::uint64_t chunks_read = 0, chunk_count = 0;
 };
@@ -34,8 +34,8 @@ struct PlaneCondition {
   Interval distance{};
 };
 
-/// The conditions of a WHERE clause for which chunks of points can be tested. All of them must
-/// hold. No point is within a limit that is NaN.
+/// The conditions of a WHERE clause that can be tested on chunks of points. All of them must hold. No point
+/// is within a limit that is NaN.
 struct PointFilter {
   std::vector<LineCondition> lines{};
   std::vector<PlaneCondition> planes{};

@@ -62,8 +62,8 @@ void put_block(const PointCloud& piece, const std::vector<ValueBlob>& blobs,
   for (const ValueBlob& blob : blobs) put(blob.values, blob.size);
 }
 
-/// Copies `size` bytes per point to `out`, or k_size unless that is 0, which the
-/// compiler does without a call.
+/// Copies a blob of `size` bytes per point to `out`. A k_size other than 0 is the same size as a constant,
+/// for which the compiler needs no call of memcpy().
 template <std::size_t k_size>
 void gather(const PickedPoints& points, std::size_t blob, std::size_t size, std::byte* out) {
   if constexpr (k_size != 0) size = k_size;
@@ -83,7 +83,7 @@ auto gatherer(std::size_t size) {
                      : gather<0>;
 }
 
-/// Spreads the colour values of the rows concerned, `count` per point.
+/// Spreads the colour values, `count` per point, of the points that the spread concerns.
 void spread_values(const ColorSpread& spread, const PickedPoints& points, std::size_t count,
                    std::vector<std::byte>& bytes) {
   std::byte* at = bytes.data();

@@ -38,13 +38,13 @@ struct ValueBlob {
 /// Colours of 8 bits have no values.
 std::vector<ValueBlob> value_blobs(const AttributeColumns& columns);
 
-/// Some points of a cloud, in columns.
+/// Some points of a cloud, by columns.
 struct PointBlock {
   const LatticePosition* positions = nullptr;
   std::uint64_t first_id = 0;
   const std::uint32_t* rows = nullptr;  ///< the id of a point is first_id + its row; null: + its index
   std::vector<ValueBlob> blobs{};       ///< those without values represent zeros
-  std::vector<std::byte> memory{};      ///< of the columns, if it is the block's own
+  std::vector<std::byte> memory{};      ///< of the columns, if the block owns them
 
   std::uint64_t id(std::uint32_t index) const { return first_id + (rows == nullptr ? index : rows[index]); }
 };
@@ -87,8 +87,8 @@ class PointStream {
   PickedPoints next(std::size_t count);
 
  private:
-  /// A sorted piece in the file: blocks of k_block_points, the last one maybe shorter; of each the positions,
-  /// the rows, then the blobs.
+  /// A sorted piece in the file: blocks of k_block_points, except for the last one, which may be shorter. A
+  /// block has the positions, the rows, then the blobs.
   struct Run {
     std::uint64_t first_id = 0, count = 0;
     std::uint64_t offset = 0;  ///< of the first block in the file

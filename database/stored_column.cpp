@@ -167,7 +167,7 @@ std::vector<CloudColumn> cloud_columns(const PointColumns& cloud) {
     column.like.name = "xyz"[axis];
     column.axis = axis;
   }
-  // By the number that stored_columns() gives a blob.
+  // In the order in which stored_columns() numbers blobs.
   std::vector<std::span<const std::byte>> blobs(1);
   for_each_column(cloud.attributes, [&](Attribute, const auto& column) {
     if (column.empty()) return;

@@ -15,15 +15,16 @@
 
 namespace alidade::database {
 
-/// A column of a cloud's table, beside x, y, z, and where its values are in a pointcloud table: blob `blob`
-/// of every chunk has `size` bytes per point; the column's number begins at their byte `byte`.
+/// A column of a cloud's table other than x, y and z, and the location of its values in a pointcloud table:
+/// blob `blob` of every chunk has `size` bytes per point, and the column's number begins at byte `byte` of
+/// them.
 struct StoredColumn {
   std::string name;
   int blob = 0;
   int size = 0;  ///< bytes per point of the blob
-  int byte = 0;  ///< of the column's number, within these
+  int byte = 0;
   ScalarType type = ScalarType::uint8;
-  double scale = 1.0, offset = 0.0;  ///< value = offset + scale * number, unless 1 and 0
+  double scale = 1.0, offset = 0.0;  ///< value = offset + scale * number, or the number if 1 and 0
   /// The number that marks missing values, NULL in SQL. Widened to 8 bytes, as in ExtraDimension.
   std::optional<std::array<std::uint8_t, 8>> no_data{};
 };
@@ -55,25 +56,24 @@ void rename_earlier_columns(std::vector<StoredColumn>& columns);
 /// attribute of that name keeps it, and the column is "ray_dist".
 std::string line_column(const std::vector<StoredColumn>& columns, std::string name);
 
-/// The value of a number in a blob for SQL: nothing (NULL) if it marks a missing value; an
-/// integer, unsigned only if it exceeds the signed one; a real number, as all values of a column
-/// with scale or offset; or bytes.
+/// The value of a number in a blob for SQL: NULL (std::monostate) if it marks a missing value; an integer,
+/// unsigned only if it does not fit a signed one; a real number, as are all values of a column with scale or
+/// offset; or bytes.
 using ColumnValue =
     std::variant<std::monostate, std::int64_t, std::uint64_t, double, std::span<const std::byte>>;
 
 /// The value of the number, or of the column.size bytes, at `at`.
 ColumnValue stored_value(const StoredColumn& column, const std::byte* at);
 
-/// A column of a cloud with its name and values in SQL.
+/// A column of a cloud in memory, with its name and values in SQL.
 struct CloudColumn {
   StoredColumn like{};                ///< of a coordinate only the name
   const std::byte* values = nullptr;  ///< of the first row; null: a coordinate
   int axis = 0;                       ///< of a coordinate
 };
 
-/// x, y and z, then stored_columns() except for the number of the point. The cloud must outlive
-/// them and keep its rows. Requires colours of 16 bits (ColorColumn::deep()), which all clouds with
-/// a span of positions have.
+/// x, y and z, then stored_columns() except for the number of the point. The cloud must outlive them and keep
+/// its rows. Requires colours of 16 bits (ColorColumn::deep()), as all clouds with a span of positions have.
 std::vector<CloudColumn> cloud_columns(const PointColumns& cloud);
 
 /// The value of a row: a real number for coordinates, else as stored_value().

@@ -82,7 +82,7 @@ organisation : {'adaptive', 'layered'}
     layered: coarse levels are thinned clouds (max_level of queries).
 surfaces : bool
     Also fit the surface of every point, which render(), visible() and viewshed() otherwise do
-    anew for each call: 1 to 3 s per million points and core, 7 bytes per point.
+    again for each call: 1 to 3 s per million points and core, 7 bytes per point.
 
 Returns
 -------
@@ -109,7 +109,7 @@ files : str, path, or a list of them
     Files, folders, patterns such as 'tiles/*.laz', 'https://...', 'site.db?table=NAME',
     'postgresql://...'. Several are joined in their order.
 partial : bool
-    Read what is whole of damaged files, with a warning; otherwise damage raises Error.
+    Read the intact part of damaged files, with a warning; otherwise damage raises Error.
 
 Returns
 -------

@@ -40,7 +40,7 @@ struct ExtensionAccess {
   const void* (*functions)(Handle info, const char* version);
 };
 
-/// The beginning of DuckDB's table, copied when the extension is loaded, since DuckDB's own is valid only then.
+/// The beginning of DuckDB's table, copied when the extension is loaded: DuckDB's own is valid only then.
 constexpr std::size_t k_function_count = 274;
 static std::array<const void*, k_function_count> functions{};
 

@@ -45,8 +45,7 @@ struct Dictionary {
   std::vector<std::uint32_t> numbers;
 };
 
-/// Makes a dictionary; empty if more than half of the values are distinct. Values
-/// are equal if their bits are.
+/// Makes a dictionary of values with different bits; empty if more than half of all values are distinct.
 template <class Value>
 std::optional<Dictionary<Value>> find_dictionary(std::span<const Value> values) {
   using Bits = std::conditional_t<sizeof(Value) == 4, std::uint32_t, std::uint64_t>;

@@ -42,8 +42,8 @@ void write_parquet(const std::filesystem::path& file, const PointCloud& cloud,
 void write_parquet(const std::filesystem::path& file, const PointCloud& facts, std::uint64_t point_count,
                    const PointPieces& pieces, const ParquetOptions& options = {});
 
-/// Writes cloud files, without all points in memory. Memory: ParquetOptions::memory, two blocks of
-/// 1024 points for each time that memory was full, at most some 300 MB for points in process, and that of
+/// Writes cloud files, without all points in memory. Memory: ParquetOptions::memory, two blocks of 1024
+/// points for each time that memory was full, at most some 300 MB for points in process, and that of
 /// CloudReader::read_in_pieces().
 StoredFiles write_parquet(const std::filesystem::path& file, const CloudInputs& inputs,
                           const ReadOptions& reading, const ParquetOptions& options = {});

@@ -82,8 +82,8 @@ inline int compare_numbers(double a, double b) {
 /// Order along the z-order curve of cells (base/morton.h, without making keys, which would have 192 bits),
 /// within a cell by x, y and z. Zero only for equal coordinates.
 inline int compare_morton(const glm::dvec3& a, const glm::dvec3& b) {
-  // The axis with the highest bit in which the cells differ decides; of several such
-  // axes the last, as in the key.
+  // The axis with the highest bit in which the cells differ decides; of several such axes the last, as in the
+  // key.
   std::uint64_t highest = 0, first = 0, second = 0;
   for (int axis = 0; axis < 3; ++axis) {
     const std::uint64_t from = morton_cell(a[axis]), to = morton_cell(b[axis]), difference = from ^ to;

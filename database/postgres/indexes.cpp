@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// Indexes: the order of points for btree, boxes of points for BRIN (the paper's chunk statistics, section 4.2)
-// and GiST.
+// Indexes: the order of points for btree, and boxes of points for GiST and for BRIN (the paper's chunk
+// statistics, section 4.2).
 #include <algorithm>
 #include <limits>
 

@@ -46,10 +46,9 @@ Oid operator_in(Oid schema, const char* name, Oid left, Oid right) {
                          ObjectIdGetDatum(right), ObjectIdGetDatum(schema));
 }
 
-/// The functions, types and operators of the extension, in its current schema. If they were renamed,
-/// they are not found, and statements are not changed; neither if the user has no right to execute
-/// them. The USAGE right on the schema is not checked: it is not needed for views and CHECK
-/// constraints that use its functions.
+/// The functions, types and operators of the extension, in its current schema. If they were renamed, or the
+/// user has no right to execute them, they are not found, and statements are not changed. The USAGE right on
+/// the schema is not checked: views and CHECK constraints that use its functions do not require it.
 class OwnParts {
  public:
   /// `function`: one of the extension's, whose schema is searched.
@@ -182,8 +181,8 @@ Datum answer(FunctionCallInfo fcinfo, const Simplify& simplify) {
 /// Share without statistics, or for limits that are unknown at planning time: a thin cylinder or slab.
 constexpr double k_unknown_share = 0.001;
 
-/// Share of a limit that is unknown at planning time. One side of a plane has PostgreSQL's
-/// default for inequalities.
+/// Share of a limit that is unknown at planning time. One side of a plane has PostgreSQL's default for
+/// inequalities.
 double unknown_share(const Node* limit) {
   if (!IsA(limit, FuncExpr)) return k_unknown_share;
   const auto& made = *reinterpret_cast<const FuncExpr*>(limit);

@@ -39,8 +39,8 @@ void append_field(Number number, std::vector<std::byte>& bytes) {
   append_number(number, bytes);
 }
 
-/// numeric: digits to the base of 10,000 without zeros at the end, the power of the first one,
-/// sign, number of decimals.
+/// Appends a field of the type numeric: digits to the base of 10,000 without zeros at the end, the power of
+/// the first one, the sign, the number of decimals.
 void append_numeric(std::uint64_t number, std::vector<std::byte>& bytes) {
   constexpr std::uint64_t k_base = 10000;
   std::vector<std::int16_t> digits;  // lowest first

@@ -58,8 +58,8 @@ class CopyRows {
   /// Adds a row for the i-th of the points to `bytes`.
   void append(const EncodedChunks& points, std::size_t i, std::vector<std::byte>& bytes) const;
 
-  /// Writes the next `count` points of a cloud with `write` as a complete COPY, piece by
-  /// piece; returns their box.
+  /// Writes the next `count` points of a cloud with `write` as a complete COPY, piece by piece. Returns their
+  /// box.
   Bounds copy(OrderedCloud& cloud, std::uint64_t count,
               const std::function<void(std::span<const std::byte> bytes, std::size_t points)>& write) const;
 

@@ -36,9 +36,9 @@ class ServerRows {
   pg_result* result_;
 };
 
-/// A session on a server. If it ends inside a transaction, that is rolled back; a running statement
-/// is cancelled. Not thread safe. Errors of all functions: the server's message, with the name of the
-/// table; the connection is lost.
+/// A session on a server. If it ends inside a transaction, that is rolled back; a running statement is
+/// cancelled. Not thread safe. Errors of all functions: the server's message, with the name of the table; the
+/// connection is lost.
 class ServerConnection {
  public:
   /// Waits 10 s for the server, unless the name has another time. Errors: no server, wrong database or user.

@@ -59,8 +59,8 @@ CloudRow cloud_row(const PiecewiseCloud& whole, const Bounds& box);
 /// The statement that makes a table NAME_cloud.
 std::string cloud_row_table(const std::string& quoted_name);
 
-/// The statement that inserts its row. A WKT that PostgreSQL does not accept as text (UTF-8
-/// without NUL) is left out.
+/// The statement that inserts its row. A WKT that PostgreSQL does not accept as text (UTF-8 without NUL) is
+/// left out.
 std::string cloud_row_insert(const std::string& quoted_name, const CloudRow& row);
 
 /// A condition of SQL on x, y, z that holds if one of the filters does, and for few other points:

@@ -70,19 +70,18 @@ std::vector<ValueColumn> kept_columns(std::span<const ValueColumn> columns, Attr
 double number_of(const NumberColumn& column, CopyField field);
 std::int64_t whole_of(const NumberColumn& column, CopyField field);
 
-/// Copies rows into the columns of a cloud. NULL becomes 0 in integer attributes, NaN in others
-/// and in extra dimensions of real numbers, and in those of integers the least number, which is
-/// their mark for missing values.
+/// Copies rows into the columns of a cloud. NULL becomes 0 in integer attributes, NaN in others and in extra
+/// dimensions of real numbers, and in those of integers the least number, which marks missing values.
 class CloudValues {
  public:
-  /// Makes the columns, in a cloud whose extra dimensions must not change later. The cloud must outlive it.
+  /// Adds the columns to the cloud, whose extra dimensions must not change later. The cloud must outlive it.
   CloudValues(PointCloud& cloud, std::vector<ValueColumn> columns);
 
-  /// To be called after the number of rows has changed.
+  /// Must be called after the number of rows has changed.
   void find_columns();
 
-  /// Fills a row with fields in the order of the columns. Errors: a value out of the attribute's range;
-  /// location() is where, for the message.
+  /// Fills a row with fields in the order of the columns. Errors: a value out of the attribute's range, with
+  /// location() in the message.
   template <class Location>
   void put(std::size_t row, std::span<const CopyField> fields, const Location& location) {
     for (std::size_t i = 0; i < targets_.size(); ++i) {

@@ -38,8 +38,8 @@ bool is_plain(std::string_view name) {
 
 // The scripts for servers. They are for psql, and run completely or not at all.
 
-/// The beginning of every script: an error ends and rolls it back. Names and texts do not depend
-/// on the client's settings.
+/// The beginning of every script, which an error ends and rolls back. Names and texts do not depend on the
+/// client's settings.
 constexpr const char* k_script_head =
     "\\set ON_ERROR_STOP on\n\\set QUIET on\n\\encoding UTF8\nSET standard_conforming_strings = on;\n"
     "SET client_min_messages = warning;\nBEGIN;\n";

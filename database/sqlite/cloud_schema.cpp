@@ -40,10 +40,10 @@ void take_bytes(std::span<const std::byte> bytes, Values& values) {
   if (!values.empty()) std::memcpy(values.data(), bytes.data(), values.size() * sizeof values[0]);
 }
 
-/// The tables of one cloud, to be read.
-class Described {
+/// Reads the schema of one cloud.
+class SchemaReader {
  public:
-  Described(sqlite3* database, const std::string& schema, const std::string& table)
+  SchemaReader(sqlite3* database, const std::string& schema, const std::string& table)
       : database_(database), schema_(schema), table_(table) {}
 
   CloudSchema read() const {
@@ -78,7 +78,7 @@ class Described {
                fmt::format("scale {}, offset {}", cloud.lattice.scale[axis], cloud.lattice.offset[axis]));
       }
     }
-    // Every chunk has a point, and its number 32 bits.
+    // Every chunk has at least one point, and numbers of chunks have 32 bits.
     const std::int64_t points = row.whole(7), chunks = row.whole(8);
     if (row.type(7) != SQLITE_INTEGER || row.type(8) != SQLITE_INTEGER || chunks < 0 || chunks > UINT32_MAX ||
         points < chunks || points > chunks * k_most_chunk_points) {
@@ -99,7 +99,7 @@ class Described {
     Statement entry = statement(
         "column", "SELECT name, blob, size, place, type, scale, \"offset\", no_data FROM ", " ORDER BY id");
     while (entry.step()) {
-      // Numbers that are too large are invalid.
+      // Numbers out of range become -1, which is_possible() rejects.
       const auto small = [&](int index, std::int64_t most) {
         const std::int64_t number = entry.whole(index);
         return static_cast<int>(number >= 0 && number <= most ? number : -1);
@@ -188,7 +188,7 @@ void create_cloud_tables(sqlite3* database, const std::string& schema, const std
 }
 
 CloudSchema read_cloud_schema(sqlite3* database, const std::string& schema, const std::string& table) {
-  return Described(database, schema, table).read();
+  return SchemaReader(database, schema, table).read();
 }
 
 void drop_cloud_tables(sqlite3* database, const std::string& schema, const std::string& table) {

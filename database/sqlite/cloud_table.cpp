@@ -112,8 +112,8 @@ void declare(std::unique_ptr<Table> table, const std::string& columns, sqlite3_v
         result,
         {.file = file_of(database, table->schema), .location = columns, .problem = sqlite3_errmsg(database)});
   }
-  // A table over a cloud in the database only reads tables, whatever the file contains. Other files
-  // are read only for a statement of the user, not for a view or trigger.
+  // A table of a cloud in the database reads nothing but tables, whatever the file contains. Cloud files are
+  // read only for a statement of the user, not for a view or trigger.
   sqlite3_vtab_config(database, table->files ? SQLITE_VTAB_DIRECTONLY : SQLITE_VTAB_INNOCUOUS);
   *made = &table.release()->base;
 }
@@ -131,8 +131,8 @@ int connect(sqlite3* database, void* reads, int count, const char* const* words,
       [&](const char* text) { keep_message(message, text); });
 }
 
-/// Not connect() itself: a module with one function for both is an eponymous table,
-/// which exists without CREATE.
+/// Not connect() itself: a module whose xCreate is its xConnect has an eponymous table, which exists without
+/// CREATE VIRTUAL TABLE.
 int create(sqlite3* database, void* reads, int count, const char* const* words, sqlite3_vtab** made,
            char** message) {
   return connect(database, reads, count, words, made, message);
@@ -152,8 +152,8 @@ std::string literal_text(std::string_view literal) {
   return text;
 }
 
-/// Opening a database must not open files that its author chose: error unless a table over files belongs
-/// to this connection alone.
+/// Opening a database must not open files that its author chose. Errors: a table of files does not belong to
+/// this connection alone.
 void check_owner(sqlite3* database, const std::string& schema, const std::string& table, bool is_new) {
   if (schema == "temp") return;
   // A database in memory may come from elsewhere, too (sqlite3_deserialize()).
@@ -229,7 +229,7 @@ int destroy(sqlite3_vtab* base) {
   return result;
 }
 
-/// in_chunk(_chunk, limit) is a condition that plans see.
+/// Makes in_chunk(_chunk, limit) a constraint that best_index() gets.
 int find_function(sqlite3_vtab*, int count, const char* name,
                   void (**function)(sqlite3_context*, int, sqlite3_value**), void** context) {
   if (count != 2 || sqlite3_stricmp(name, "in_chunk") != 0) return 0;
@@ -238,7 +238,7 @@ int find_function(sqlite3_vtab*, int count, const char* name,
   return SQLITE_INDEX_CONSTRAINT_FUNCTION;
 }
 
-/// Shadow tables: only this module may write them if SQLite's defensive mode is on.
+/// Whether a table is a shadow table, which ordinary SQL cannot write in SQLite's defensive mode.
 int is_shadow(const char* name) {
   for (const char* const part : {"cloud", "column", "chunk", "value", "bounds"}) {
     if (sqlite3_stricmp(name, part) == 0) return 1;
@@ -258,7 +258,7 @@ const sqlite3_module k_module = [] {
   return module;
 }();
 
-/// Tables over files, without any data in the database.
+/// Tables of cloud files, which have no shadow tables.
 const sqlite3_module k_file_module = [] {
   sqlite3_module module = k_module;
   module.xCreate = create_files;

@@ -7,7 +7,7 @@
 namespace alidade::database {
 namespace {
 
-/// Waits a moment for the holder of a lock. Returns 0 if it has waited long enough.
+/// Waits a moment for the holder of a lock: SQLite's busy handler. Returns 0 to give up.
 int wait_for_others(void* is_given_up, int waits_before) {
   constexpr int k_milliseconds = 10, k_most_waits = 1000;
   const auto& stop = *static_cast<const std::function<bool()>*>(is_given_up);
@@ -19,7 +19,7 @@ int wait_for_others(void* is_given_up, int waits_before) {
 }  // namespace
 
 void Connection::set_up(const std::filesystem::path& file, int flags, const char* vfs) {
-  // Names such as ":memory:" are names of files here.
+  // A file may be called ":memory:".
   const std::filesystem::path path = file.empty() ? ":memory:" : file.is_absolute() ? file : "." / file;
   int result = sqlite3_open_v2(path.c_str(), &database_, flags | SQLITE_OPEN_NOMUTEX, vfs);
   if (result == SQLITE_OK) result = add_functions(database_);

@@ -34,12 +34,12 @@ struct ScanReads {
   }
 };
 
-/// Options of tables over files.
+/// Options of tables of cloud files.
 struct FileTables {
   ReadOptions reading{};
-  std::function<bool()> is_given_up{};                          ///< ends scans that read files, if true
+  std::function<bool()> is_given_up{};                          ///< if it returns true, scans end
   std::function<void(const std::vector<std::string>&)> warn{};  ///< called with PointCloud::warnings
-  ScanReads* reads = nullptr;                                   ///< scans add what they read
+  ScanReads* reads = nullptr;                                   ///< to which scans add their counts
 };
 
 /// The file of one of a connection's databases, for messages.
@@ -58,7 +58,7 @@ class SqliteError : public Error {
   int code_;
 };
 
-/// Throws the Error about tables of a cloud with invalid values.
+/// Throws the Error about invalid values in the tables of a cloud.
 [[noreturn]] inline void reject_stored(Error::Parts parts) {
   throw SqliteError(SQLITE_CORRUPT_VTAB, std::move(parts));
 }
@@ -66,8 +66,8 @@ class SqliteError : public Error {
 /// The tables that a statement may read.
 enum class Readable {
   everything,
-  /// No virtual tables and no views: otherwise a crafted file could make reading the tables of a
-  /// cloud read the cloud again.
+  /// No virtual tables and no views. Otherwise, in a crafted file, reading the tables of a cloud could read
+  /// the cloud again.
   plain_tables,
 };
 

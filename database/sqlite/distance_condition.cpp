@@ -10,7 +10,7 @@ namespace {
 
 constexpr std::size_t k_ray_arguments = 6, k_arguments = 9;
 
-/// Whether the tokens have the same value each time within a row: no function is called.
+/// Whether an expression has one value within a row, however often it is evaluated: it calls no function.
 bool is_steady(const TokenList& tokens, TokenRange range) {
   for (std::size_t i = range.begin; i < range.end; ++i) {
     // These words call functions of their name.
@@ -50,8 +50,8 @@ std::string comparison(const TokenList& tokens, std::size_t index, bool is_rever
   return {};
 }
 
-/// The tokens before the name of a coordinate, with the dot; empty if the argument is
-/// not a column of that name.
+/// The tokens before the name of a coordinate, with the dot; empty if the argument is not a column of that
+/// name.
 std::optional<TokenRange> table_of(const TokenList& tokens, TokenRange column, std::string_view name) {
   if (column.begin == column.end) return std::nullopt;
   for (std::size_t i = column.begin; i < column.end; ++i) {

@@ -20,8 +20,8 @@ struct DistanceCondition {
   std::optional<TokenRange> least, largest;  ///< limits on the distance, inclusive or not
 };
 
-/// The result of read_condition(): a condition, or why one on dist_ray or dist_plane
-/// cannot be used, or neither.
+/// The result of read_condition(): a condition, or the reason why one on dist_ray or dist_plane cannot be
+/// used, or neither.
 struct ConditionAnswer {
   std::optional<DistanceCondition> condition;
   std::string reason;

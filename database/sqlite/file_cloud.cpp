@@ -312,15 +312,15 @@ class CopcChunks final : public ChunkSource {
     return (node + 1 < first_chunks_.size() ? first_chunks_[node + 1] : chunk_count_) - first_chunks_[node];
   }
 
-  /// The node of a chunk: the last one with a first chunk not above it, since nodes without
-  /// chunks begin with the next.
+  /// The node of a chunk: the last one whose first chunk is not greater. Nodes without chunks have the first
+  /// chunk of the node after them.
   std::uint32_t node_of(std::uint64_t chunk) const {
     const auto behind = std::ranges::upper_bound(first_chunks_, chunk);
     return static_cast<std::uint32_t>(behind - first_chunks_.begin() - 1);
   }
 
-  /// Finds the nodes that may have wanted points, in the order of the hierarchy.
-  /// Returns their number of points.
+  /// Finds the nodes that may have wanted points, in the order of the hierarchy. Returns their number of
+  /// points.
   std::uint64_t find_nodes(const PointFilter& filter, std::vector<std::uint32_t>& wanted) const {
     std::uint64_t points = 0;
     std::vector<std::uint32_t> stack{0};
@@ -341,7 +341,7 @@ class CopcChunks final : public ChunkSource {
   void visit(const BoxedPoints& points, const PointFilter& filter, int level, std::size_t begin,
              std::size_t end, std::uint64_t first_chunk, std::vector<ChunkLocation>& found) const {
     const Lattice& lattice = file_.header().lattice;
-    if (level == 0) {  // no level has a box for each chunk, because there is but one
+    if (level == 0) {  // the node has a single chunk, and so no level with a box for each
       LatticeExtent all;
       for (const BoxedPoints::Box& box : points.boxes(0)) all.grow(box);
       found.push_back({first_chunk, {to_world(lattice, all.low), to_world(lattice, all.high)}});

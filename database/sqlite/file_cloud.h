@@ -32,8 +32,8 @@ class FileCloud {
   /// - Everything else by its octree, which is mapped from an index file or made of points that are read into
   ///   memory. Memory: 24 B per node; of files that are not indexed, also 11 B per point and the attributes.
   ///
-  /// Heights are in the unit of x and y (in_one_unit()). Errors: those of load_indexed_cloud() and CopcFile; a
-  /// file changes while it is read. Cancelled.
+  /// Heights are in the unit of x and y (in_one_unit()). Errors: those of load_indexed_cloud() and CopcFile;
+  /// a file changes while it is read. Cancelled.
   FileCloud(std::span<const std::filesystem::path> names, const FileTables& how);
 
   const CloudSchema& schema() const { return chunks_.schema; }

@@ -22,7 +22,7 @@ struct SqlFunction {
   void (*set_result)(sqlite3_context*, Values, const char* name);
 };
 
-/// Runs the function of the context.
+/// Calls the SqlFunction that is the user data of the context.
 void call(sqlite3_context* context, int count, sqlite3_value** values) {
   const auto& function = *static_cast<const SqlFunction*>(sqlite3_user_data(context));
   const int result = guarded(
@@ -63,7 +63,7 @@ void limit(sqlite3_context* context, Values values, const char* name) {
   if (given) {
     limit.numbers = *given;
   } else {
-    // The ray is checked also if a limit is NULL.
+    // An invalid ray is an error also if a limit is NULL.
     const auto ray = numbers<6>(values.first(6), name);
     if (!ray) return;
     std::ranges::copy(*ray, limit.numbers.begin());

@@ -16,12 +16,12 @@
 #include "database/sqlite/connection.h"
 #include "database/stored_column.h"
 
-// Values between SQLite and the functions and tables of the module.
+// The functions of SQL, and what they share with the virtual tables.
 
 namespace alidade::database {
 
-/// Runs `work`, which returns SQLite's code or nothing, for a callback of SQLite, through which no exception
-/// may pass; calls `fail` with the message as line_text() (base/shown_text.h).
+/// Runs `work`, which returns SQLite's code or nothing, in a callback of SQLite, through which no exception
+/// may pass: its message goes to `fail` as line_text() (base/shown_text.h). Returns SQLite's code.
 template <class Work, class Fail>
 int guarded(const Work& work, const Fail& fail) {
   try {
@@ -42,11 +42,11 @@ int guarded(const Work& work, const Fail& fail) {
   }
 }
 
-/// Sets the result of a function of SQL to the value of a column.
+/// Sets the result of a function of SQL, or the value of a virtual table's column.
 void set_result(sqlite3_context* context, const ColumnValue& value);
 
-/// The numbers of some arguments; empty if one of them is NULL. Errors: one is neither number nor NULL, named
-/// with `function` and counted from 1.
+/// The values of arguments that are numbers; empty if one of them is NULL. Errors: an argument is neither a
+/// number nor NULL; the message has `function` and its number, from 1.
 template <std::size_t count>
 std::optional<std::array<double, count>> numbers(std::span<sqlite3_value* const> values,
                                                  const char* function) {
@@ -68,7 +68,7 @@ std::optional<std::array<double, count>> numbers(std::span<sqlite3_value* const>
   return result;
 }
 
-/// A limit on dist_ray or dist_plane as one SQL value, the result of ray_limit() and plane_limit() and
+/// A limit on dist_ray or dist_plane as one value of SQL: the result of ray_limit() and plane_limit(), and
 /// the argument of in_chunk().
 struct DistanceLimit {
   enum class Kind : unsigned char { none, ray, plane };
@@ -82,24 +82,24 @@ std::vector<std::byte> encode(const DistanceLimit& limit);
 /// Errors: the bytes are not a result of encode().
 DistanceLimit decode_distance_limit(std::span<const std::byte> bytes);
 
-/// Adds the limit to the conditions of a filter; Kind::none adds nothing. Errors: as
-/// make_ray() and make_plane().
+/// Adds the limit to the conditions of a filter; Kind::none adds nothing. Errors: those of make_ray() and
+/// make_plane().
 void add(const DistanceLimit& limit, PointFilter& filter);
 
 /// Registers with a connection the functions
 ///   dist_ray(ox,oy,oz, dx,dy,dz, x,y,z)    distance of a point to the line through o along d (eq. 1)
 ///   dist_plane(px,py,pz, nx,ny,nz, x,y,z)  signed distance to the plane through p across n (eq. 2)
 ///   ray_limit(ox,..,dz, least, largest), plane_limit(px,..,nz, least, largest), in_chunk(_chunk, limit):
-///     in_chunk is 1 for every point; as a condition on a table of the module it may leave out points whose
-///     distance is not within the limit, and skips chunks without others. Which points it leaves out depends
-///     on the plan: it must be used together with the condition on the distance from which it is made.
-/// Lengths are in the unit of the coordinates; directions and normals of any length but zero. The result is
-/// NULL if an argument is NULL. Errors, in SQL: text or blobs for numbers, directions that are zero or not
-/// finite, positions of the ray or plane that are not finite; the distance to a point that is not finite is
-/// NULL or infinite. Returns SQLite's code.
+///     in_chunk is 1 for every point. As a condition on a table of the module it skips chunks without points
+///     within the limit, and may also skip other points beyond it. Which ones depends on the plan, so it must
+///     be used together with the condition on the distance that it repeats.
+/// Lengths are in the unit of the coordinates; directions and normals have any length but zero. The result is
+/// NULL if an argument is NULL. Errors of SQL: text or a blob in place of a number; a direction that is zero
+/// or not finite; a position of the ray or plane that is not finite. The distance of a point that is not
+/// finite is NULL or infinite. Returns SQLite's code.
 int add_functions(sqlite3* database);
 
-/// The implementation of in_chunk() for SQLite.
+/// in_chunk() as SQLite calls it.
 void in_chunk(sqlite3_context* context, int count, sqlite3_value** values);
 
 }  // namespace alidade::database

@@ -33,7 +33,7 @@ std::string reason_to_leave(const TokenList& tokens) {
   return {};
 }
 
-/// The join of an ON.
+/// The join to which an ON belongs.
 struct Join {
   bool is_left = false;
   std::string table;  ///< name of the joined table as written; empty if unclear
@@ -190,8 +190,8 @@ Parsed parse(sqlite3* database, std::string_view sql) {
   return {StatementHandle(made), static_cast<std::size_t>(tail - sql.data()), result};
 }
 
-/// Watches what a statement that is being prepared uses, including through names and views, and finds
-/// whether limits are of use.
+/// Watches, as SQLite's authorizer, which columns and functions a statement uses while it is prepared, also
+/// through views, and finds whether limits are of use.
 class UseWatch {
  public:
   explicit UseWatch(sqlite3* database) : database_(database) {

@@ -26,8 +26,8 @@ struct PrunedStatement {
 /// may be in WHERE and ON, below AND, OR, NOT and parentheses, as
 ///   dist_ray(ox,oy,oz, dx,dy,dz, x,y,z) <= R    and with <, =, ==, >, >=, or with R in front
 ///   dist_ray(...) BETWEEN A AND B
-/// with x, y, z columns of one table (p.x, p.y, p.z), R a number, parameter, column or
-/// something in parentheses.
+/// with x, y, z columns of one table (p.x, p.y, p.z), and R a number, parameter, column or an expression in
+/// parentheses.
 ///
 /// Not changed, because the rows might change: a statement with more than one SELECT, with VALUES or WITH,
 /// NATURAL, USING, RIGHT or FULL joins, or with both plain question marks and other parameters (plain ones

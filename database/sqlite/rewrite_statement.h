@@ -25,8 +25,8 @@ enum class SqlDialect {
 
 struct RewriteOptions {
   SqlDialect dialect = SqlDialect::duckdb;
-  /// Bounds of all points of the table, needed since rays have no end. Empty: no
-  /// conditions on boxes are added.
+  /// Bounds of all points of the table, required since rays have no end. If empty, no conditions on boxes are
+  /// added.
   std::optional<Bounds> bounds{};
   std::size_t box_count = 8;  ///< at most, 1 or more
 };

@@ -218,7 +218,7 @@ int choose_plan(const TableColumns& columns, std::uint64_t point_count, sqlite3_
   double share = 1.0, cost = 100.0;
   for (int i = 0; i < info.nConstraint; ++i) {
     const auto& constraint = info.aConstraint[i];
-    // Such rows are errors: a plan without them is better.
+    // Such rows are errors: any plan without them is better.
     if (!has_ray && needs_ray(columns, constraint.iColumn)) cost = 1e30;
     if (!constraint.usable) continue;
     const bool is_row = constraint.iColumn < 0;

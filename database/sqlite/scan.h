@@ -125,15 +125,15 @@ inline constexpr int k_row_bits = 20;
 /// Origin and direction of the form table(ox, oy, oz, dx, dy, dz), if it was used.
 using Arguments = std::optional<std::array<double, 6>>;
 
-/// Sets in `info` what a scan uses: conditions become the plan's text, which plan_filter() reads, and
-/// the plan's number is the RowOrder. Returns SQLite's code; SQLITE_CONSTRAINT if arguments come from
-/// a table that is not read before. Fewer arguments than six are conditions on columns that only a
-/// ray has. Errors: a seventh.
+/// Chooses the plan of a scan (xBestIndex). Its text, idxStr, has the conditions, which plan_filter() reads;
+/// its number, idxNum, is the RowOrder. If fewer than six arguments are given, they are conditions on columns
+/// that only the form with a ray has. Returns SQLite's code: SQLITE_CONSTRAINT if arguments come from a table
+/// that is read later. Errors: a number for _chunk beside a ray.
 int choose_plan(const TableColumns& columns, std::uint64_t point_count, sqlite3_index_info& info);
 
-/// The filter of a scan, and its arguments; empty if no row can be an answer. Limits are
-/// closed: SQLite checks each row once more. Errors: arguments that are not a ray; a value that
-/// is not a limit for in_chunk().
+/// The filter of a scan, and its arguments; empty if no row can be an answer. Limits are closed: SQLite
+/// checks each row once more. Errors: arguments that are not a ray; a value that is not a limit for
+/// in_chunk().
 std::optional<ScanFilter> plan_filter(const char* plan, std::span<sqlite3_value* const> values,
                                       Arguments& arguments);
 

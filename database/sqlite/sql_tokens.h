@@ -34,8 +34,8 @@ std::vector<SqlToken> sql_tokens(std::string_view sql);
 /// Line and column of a byte, counted from 1: "2:14".
 std::string text_location(std::string_view text, std::size_t byte);
 
-/// A name as SQL compares it: without its quotes, ASCII letters in lower case. `text` is that
-/// of a word or quoted name.
+/// A name as SQL compares it: without its quotes, ASCII letters in lower case. Requires the text of a word or
+/// quoted name.
 std::string plain_name(std::string_view text);
 
 /// Tokens [begin, end) of a list.

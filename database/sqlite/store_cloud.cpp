@@ -66,7 +66,7 @@ class ChunkWriter {
   std::vector<Bounds> boxes_;
 };
 
-/// Whether there is a cloud to replace. Errors: there is a table of that name that must not be replaced.
+/// Whether there is a cloud to replace. Errors: a table of that name exists and must not be replaced.
 bool check_table(sqlite3* database, const StoreOptions& options) {
   // A table of the module is recognised by its SQL, since its ordinary tables may be damaged.
   Statement found(database,
@@ -78,8 +78,8 @@ bool check_table(sqlite3* database, const StoreOptions& options) {
                    options.replace ? "a cloud" : "another name, or --overwrite");
 }
 
-/// Drops a cloud, also one that cannot be read: SQLite only drops tables that it can open, so the ordinary
-/// tables are replaced first.
+/// Drops a cloud, also one that cannot be read. SQLite drops only virtual tables that it can open, so the
+/// ordinary tables are replaced first.
 void drop_cloud(sqlite3* database, const std::string& table) {
   drop_cloud_tables(database, k_schema, table);
   CloudSchema empty;

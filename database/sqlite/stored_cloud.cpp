@@ -24,7 +24,7 @@ namespace {
 
 constexpr std::string_view k_table_word = "?table=";
 
-/// The parts of a name.
+/// The parts of a cloud's name.
 struct SqliteCloudName {
   std::string file, table;
 
@@ -65,7 +65,7 @@ bool is_dimension(const StoredBlob& blob) {
          (column.type == ScalarType::bytes || column.size == scalar_size(column.type));
 }
 
-/// All blobs but that of the ids, without those of unknown meaning.
+/// All blobs but that of the ids, with the attributes that they are.
 std::vector<StoredBlob> blobs_of(const std::vector<StoredColumn>& columns) {
   std::vector<StoredBlob> blobs;
   for (std::size_t i = 1; i < columns.size(); ++i) {
@@ -162,8 +162,8 @@ class StoredCloud {
   /// Copies attributes of stored points into rows of a cloud.
   class Columns {
    public:
-    /// `kept`: of attributes(). Requires that the cloud has columns for all of them. `first_row`
-    /// is the cloud's row for row 0.
+    /// `kept`: of attributes(); requires that the cloud has columns for all of them. `first_row`: the cloud's
+    /// row for row 0.
     Columns(const StoredCloud& stored, PointCloud& cloud, AttributeSet kept, std::size_t first_row) {
       for_each_column(cloud, [&](Attribute attribute, auto& column) {
         const auto blob = std::ranges::find(stored.blobs_, attribute, &StoredBlob::attribute);
@@ -207,7 +207,7 @@ class StoredCloud {
     return number;
   }
 
-  /// Throws the Error about a chunk, in which a number was found.
+  /// Throws the Error about a number in a chunk.
   [[noreturn]] void reject(std::uint64_t chunk, std::string problem, std::string expected,
                            std::uint64_t found) const {
     reject(fmt::format(", chunk {}", chunk), std::move(problem), std::move(expected), std::to_string(found));

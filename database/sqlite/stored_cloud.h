@@ -8,10 +8,9 @@
 #include "cloud/cloud_inputs.h"
 #include "database/point_filter.h"
 
-// Clouds that store_cloud() wrote. Their names: "site.db", a file, or "site.db?table=NAME", a table
-// in it; without a table it must have only one cloud. Errors when opened: the file is not a
-// database; it has no cloud, several, or none of the name; those of read_cloud_schema(); more points
-// than the size of the file allows.
+// Clouds that store_cloud() wrote. Their names are "site.db", a file that contains one cloud, or
+// "site.db?table=NAME", a cloud in it. Errors when opened: the file is not a database; it contains no cloud,
+// several, or none of that name; those of read_cloud_schema(); more points than the size of the file allows.
 
 namespace alidade::database {
 
@@ -21,8 +20,8 @@ namespace alidade::database {
 CloudPart read_cloud_part(const std::string& name, std::span<const PointFilter> any_of,
                           AttributeSet attributes, const Progress& progress = {});
 
-/// Points are in the rows that they had, with all attributes. Errors when read: ChunkStore's; ids
-/// that are not row numbers.
+/// Points have the rows and attributes that they had when they were stored. Errors when read: ChunkStore's;
+/// ids that are not row numbers.
 extern const CloudFormat k_sqlite_format;
 
 }  // namespace alidade::database

@@ -90,7 +90,7 @@ int connect_rows(sqlite3* database, void* rows, int, const char* const*, sqlite3
       [&](const char* text) { keep_message(message, text); });
 }
 
-/// Without xCreate the table exists without CREATE.
+/// A module without xCreate has a table of its name, which exists without CREATE VIRTUAL TABLE.
 const sqlite3_module k_row_module = [] {
   sqlite3_module module = reading_module<RowTable, RowCursor>();
   module.xConnect = connect_rows;

@@ -10,8 +10,8 @@
 
 namespace alidade::database {
 
-/// A condition on the attributes of points in SQLite's SQL, as after WHERE, such as
-/// "classification = 2 AND intensity > 100", "z BETWEEN 3 AND 5" or "return_number IN (1, 2)".
+/// A condition on the attributes of points in SQLite's SQL, as it follows WHERE: "classification = 2 AND
+/// intensity > 100", "z BETWEEN 3 AND 5" or "return_number IN (1, 2)".
 /// Columns are those of a cloud's table: x, y, z, and stored_columns() except for the number of the point
 /// (database/stored_column.h). Functions include dist_ray() and dist_plane() (database/sqlite/functions.h).
 /// A condition that is NULL does not hold.
@@ -24,10 +24,10 @@ class WhereClause {
 
   const std::string& text() const { return text_; }
 
-  /// Sets the marks of rows for which it does not hold to 0: one mark per row. Errors: a column that the
-  /// cloud lacks, with a list of its columns; those of SQLite's evaluation. Cancelled, if `is_given_up`
-  /// returns true, which is called by several threads, also while SQLite evaluates one row. Cost: some 0.2 us
-  /// per row, shared by the threads of the task arena (oneTBB).
+  /// Sets the mark of each row to 1 if the condition holds, else to 0. Errors: a column that the cloud lacks,
+  /// with a list of its columns; those of SQLite's evaluation. Cancelled, if `is_given_up` returns true;
+  /// several threads call it, also while SQLite evaluates one row. Cost: some 0.2 us per row, shared by the
+  /// threads of the task arena (oneTBB).
   void mark(const PointCloud& cloud, std::span<std::uint8_t> marks,
             const std::function<bool()>& is_given_up = {}) const;
 
