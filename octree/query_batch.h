@@ -24,15 +24,15 @@ void for_each_target(std::span<const Target> targets, std::size_t grain, const W
   });
 }
 
-/// Answers of all targets. ask(i, answers) appends those of target i. Errors: as for_each_target().
-template <class Answer, class Target, class Ask>
-Answers<Answer> answer_all(std::span<const Target> targets, std::size_t grain, const Ask& ask) {
+/// Answers of all targets. find_one(i, answers) appends those of target i. Errors: as for_each_target().
+template <class Answer, class Target, class FindOne>
+Answers<Answer> answer_all(std::span<const Target> targets, std::size_t grain, const FindOne& find_one) {
   Answers<Answer> result;
   result.begin.resize(targets.size() + 1);
   std::vector<std::vector<Answer>> parts((targets.size() + grain - 1) / grain);
   for_each_target(targets, grain, [&](std::size_t i) {
     std::vector<Answer>& part = parts[i / grain];
-    ask(i, part);
+    find_one(i, part);
     result.begin[i + 1] = part.size();
   });
   // So far `begin` counts from the start of each part.

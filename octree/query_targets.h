@@ -29,7 +29,8 @@ class OctreeAsTree {
     Leaf leaf{};    ///< otherwise
   };
 
-  /// Of a layered octree only the levels 0 to max_level; of points at one position, as a rule, only the first k.
+  /// Of a layered octree only the levels 0 to max_level; of points at one position, as a rule, only the
+  /// first k.
   explicit OctreeAsTree(const TreeView& view, int max_level = k_all_levels, std::size_t k = k_all)
       : view_(view), max_level_(max_level), k_(k) {}
 
@@ -269,7 +270,8 @@ typename TreeTarget<T>::type make_target(const T& target, const QueryOf<T>& quer
 }
 
 /// Calls use(tree, target) with an octree and a target as Algorithm 1 (octree/tree_query.h) takes them for
-/// this query. Points with radii of their own are passed by storage index. k: no more answers are of interest.
+/// this query. Points with radii of their own are passed by storage index. k: no more answers are of
+/// interest.
 template <class Target, class Query, class Use>
 auto with_tree_target(const TreeView& view, const Target& target, const Query& query, std::size_t query_index,
                       const Use& use, std::size_t k = k_all) {

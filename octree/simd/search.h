@@ -15,12 +15,12 @@ namespace alidade::simd {
 constexpr std::size_t k_most_in_turn = 64;
 
 /// Queries of one family, by any measure and with any conditions, compiled for one instruction set: of rays
-/// those that Traversal (simd/traversal.h) does not answer, of points, and of boxes. Lanes only discard what double arithmetic
-/// would discard too; what remains is decided by octree/candidate.h. So all sets give the same bits. World
-/// coordinates grow with lattice steps, so a box in the world is a box of lattice steps, and no test needs a
-/// number that is not whole: nodes are compared byte by byte, points 16 bits at a time, and what is
-/// wholly inside is not compared at all. Requires: checked query and target; a tree and a target that suit
-/// lanes.
+/// those that Traversal (octree/simd/traversal.h) does not answer, of points, and of boxes. Lanes only
+/// discard what double arithmetic would discard too; what remains is decided by octree/candidate.h. So all
+/// sets give the same bits. World coordinates grow with lattice steps, so a box in the world is a box of
+/// lattice steps, and no test needs a number that is not whole: nodes are compared byte by byte, points 16
+/// bits at a time, and what is wholly inside is not compared at all. Requires: checked query and target; a
+/// tree and a target that suit lanes.
 template <TargetGeometry T>
 struct Search {
   /// Appends the k first points in order.
