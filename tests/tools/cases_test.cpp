@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: MIT
 // Runs the folder of small inputs that once gave wrong answers in silence: a row for each, with the right
 // answer.
-#include "tests/tools/program_words.h"
 #include "tests/tools/run_program.h"
 
 namespace alidade::test {

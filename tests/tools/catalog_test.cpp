@@ -16,14 +16,9 @@ namespace alidade::test {
 namespace {
 
 using Json = nlohmann::json;
-using Words = std::vector<std::string>;
 namespace fs = std::filesystem;
 
 constexpr double k_side = 2 * k_copc_half_size;
-
-bool contains(const std::string& text, const std::string& part) {
-  return text.find(part) != std::string::npos;
-}
 
 class CatalogProgramTest : public ProgramTest {
  protected:

@@ -9,7 +9,6 @@
 #include "cloud/las/write_las.h"
 #include "cloud/read_cloud.h"
 #include "tests/cloud/e57/e57_builder.h"
-#include "tests/tools/program_words.h"
 #include "tests/tools/run_program.h"
 
 namespace alidade::test {

@@ -9,10 +9,6 @@ namespace alidade::test {
 
 using nlohmann::json;
 
-inline bool contains(const std::string& text, const std::string& part) {
-  return text.find(part) != std::string::npos;
-}
-
 /// `alidade compare` on pictures that the program itself renders, or that are written as text.
 class CompareTest : public ProgramTest {
  protected:

@@ -2,7 +2,6 @@
 #include "tools/console.h"
 
 #include "cloud/las/write_las.h"
-#include "tests/tools/program_words.h"
 #include "tests/tools/run_program.h"
 
 namespace alidade::test {

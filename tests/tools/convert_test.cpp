@@ -8,7 +8,6 @@
 #include "cloud/read_cloud.h"
 #include "octree/index_file/index_file.h"
 #include "tests/cloud/las/las_builder.h"
-#include "tests/tools/program_words.h"
 #include "tests/tools/run_program.h"
 
 namespace alidade::test {

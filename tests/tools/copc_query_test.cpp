@@ -10,12 +10,6 @@
 namespace alidade::test {
 namespace {
 
-using Words = std::vector<std::string>;
-
-bool contains(const std::string& text, const std::string& part) {
-  return text.find(part) != std::string::npos;
-}
-
 class CopcQueryTest : public ProgramTest {
  protected:
   void SetUp() override {

@@ -12,12 +12,6 @@
 namespace alidade::test {
 namespace {
 
-using Words = std::vector<std::string>;
-
-bool contains(const std::string& text, const std::string& part) {
-  return text.find(part) != std::string::npos;
-}
-
 class CopcRenderTest : public ProgramTest {
  protected:
   void write_copc(const CopcSample& sample) const {

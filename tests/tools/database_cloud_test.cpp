@@ -2,7 +2,6 @@
 // A cloud in a database is taken wherever cloud files are.
 #include <algorithm>
 
-#include "tests/tools/program_words.h"
 #include "tests/tools/run_program.h"
 
 namespace alidade::test {

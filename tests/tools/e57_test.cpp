@@ -12,10 +12,6 @@ using Json = nlohmann::json;
 
 const std::string k_jpeg = "\xFF\xD8\xFF" + std::string(3000, 'j');
 
-bool contains(const std::string& text, const std::string& part) {
-  return text.find(part) != std::string::npos;
-}
-
 class E57ProgramTest : public ProgramTest {
  protected:
   void SetUp() override {

@@ -3,9 +3,7 @@
 #include <algorithm>
 #include <cstdlib>
 
-#include "tests/tools/program_words.h"
 #include "tests/tools/run_program.h"
-#include "tests/tools/said_by.h"
 
 namespace alidade::test {
 namespace {
@@ -50,18 +48,19 @@ TEST_F(FilmTest, keyframes_may_be_a_table_of_positions_and_targets) {
 TEST_F(FilmTest, a_film_is_made_by_ffmpeg_or_the_command_is_printed) {
   const ProgramResult result = fly({"--orbit", "--frames", "6", "-o", "yard.mp4"});
   ASSERT_EQ(result.exit_code, 0) << result.err;
-  if (said_by("ffprobe -v error -count_frames -show_entries stream=width,height,nb_read_frames -of csv=p=0 "
-              "yard.mp4",
-              folder)
+  if (shell_output(
+          "ffprobe -v error -count_frames -show_entries stream=width,height,nb_read_frames -of csv=p=0 "
+          "yard.mp4",
+          folder)
           .empty()) {
     EXPECT_TRUE(contains(result.err, "the program ffmpeg is not installed")) << result.err;
     GTEST_SKIP() << "ffmpeg of Debian's ffmpeg is not there";
   }
-  EXPECT_EQ(
-      said_by("ffprobe -v error -count_frames -show_entries stream=width,height,nb_read_frames -of csv=p=0 "
-              "yard.mp4",
-              folder),
-      "24,16,6\n");
+  EXPECT_EQ(shell_output(
+                "ffprobe -v error -count_frames -show_entries stream=width,height,nb_read_frames -of csv=p=0 "
+                "yard.mp4",
+                folder),
+            "24,16,6\n");
   EXPECT_EQ(names(), (std::vector<std::string>{"square.xyz", "yard.mp4"}));
   EXPECT_TRUE(contains(fly({"--orbit", "-o", "yard.mp4"}).err, "yard.mp4")) << "replaced without --overwrite";
 }

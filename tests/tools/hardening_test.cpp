@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: MIT
 // What makes mistakes in reading untrusted files harder to use, in the program and its module.
-#include "tests/tools/program_words.h"
 #include "tests/tools/run_program.h"
-#include "tests/tools/said_by.h"
 
 namespace alidade::test {
 namespace {
@@ -16,14 +14,15 @@ TEST_F(HardeningTest, program_and_module_are_position_independent_bound_at_start
   const std::filesystem::path build = ALIDADE_BUILD_FOLDER;
   for (const char* const name : {"alidade", "alidade_images.so"}) {
     const std::string file = (build / name).string();
-    const std::string header = said_by("readelf -hldW '" + file + "'", folder);
+    const std::string header = shell_output("readelf -hldW '" + file + "'", folder);
     if (header.empty()) GTEST_SKIP() << "readelf of Debian's binutils is not there";
     EXPECT_TRUE(contains(header, "DYN (")) << name;
     EXPECT_TRUE(contains(header, "GNU_RELRO")) << name;
     EXPECT_TRUE(contains(header, "BIND_NOW") || contains(header, "Flags: NOW")) << name;
     // The stack is not executable.
-    EXPECT_FALSE(contains(said_by("readelf -lW '" + file + "' | grep GNU_STACK", folder), "RWE")) << name;
-    const std::string symbols = said_by("readelf --dyn-syms -W '" + file + "'", folder);
+    EXPECT_FALSE(contains(shell_output("readelf -lW '" + file + "' | grep GNU_STACK", folder), "RWE"))
+        << name;
+    const std::string symbols = shell_output("readelf --dyn-syms -W '" + file + "'", folder);
     EXPECT_TRUE(contains(symbols, "__stack_chk_fail")) << name;
   }
 }
@@ -40,7 +39,7 @@ TEST_F(HardeningTest, copies_into_buffers_of_known_size_are_checked_in_everythin
       if (entry.path().extension() == ".so" || entry.path().extension() == ".duckdb_extension")
         files.push_back(entry.path());
   for (const std::filesystem::path& file : files) {
-    const std::string symbols = said_by("readelf --dyn-syms -W '" + file.string() + "'", folder);
+    const std::string symbols = shell_output("readelf --dyn-syms -W '" + file.string() + "'", folder);
     if (symbols.empty()) GTEST_SKIP() << "readelf of Debian's binutils is not there";
     EXPECT_TRUE(contains(symbols, "__memcpy_chk")) << file;
   }

@@ -4,7 +4,6 @@
 #include "base/shown_text.h"
 #include "base/words.h"
 #include "cloud/las/write_las.h"
-#include "tests/tools/program_words.h"
 #include "tests/tools/run_program.h"
 
 namespace alidade::test {

@@ -10,8 +10,6 @@
 namespace alidade::test {
 namespace {
 
-using Words = std::vector<std::string>;
-
 class IndexMemoryTest : public ProgramTest {
  protected:
   void make_site() {

@@ -10,7 +10,6 @@
 #include <thread>
 
 #include "tests/support/random.h"
-#include "tests/tools/program_words.h"
 #include "tests/tools/run_program.h"
 
 namespace alidade::test {

@@ -8,11 +8,6 @@ namespace alidade::test {
 namespace {
 
 using Json = nlohmann::json;
-using Words = std::vector<std::string>;
-
-bool contains(const std::string& text, const std::string& part) {
-  return text.find(part) != std::string::npos;
-}
 
 class IndexTest : public ProgramTest {
  protected:

@@ -14,22 +14,11 @@
 namespace alidade::test {
 namespace {
 
-using Words = std::vector<std::string>;
-
-bool contains(const std::string& text, const std::string& part) {
-  return text.find(part) != std::string::npos;
-}
-
 class LongRenderTest : public ProgramTest {
  protected:
   void SetUp() override {
     ProgramTest::SetUp();
     write_square("square.xyz");
-  }
-
-  static Words with(Words words, const Words& more) {
-    words.insert(words.end(), more.begin(), more.end());
-    return words;
   }
 
   /// Waits until a file is there.

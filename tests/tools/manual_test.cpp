@@ -4,9 +4,7 @@
 #include <filesystem>
 #include <sstream>
 
-#include "tests/tools/program_words.h"
 #include "tests/tools/run_program.h"
-#include "tests/tools/said_by.h"
 
 namespace alidade::test {
 namespace {
@@ -25,13 +23,16 @@ class ManualTest : public ProgramTest {
     return files;
   }
 
-  bool is_installed(const std::string& program) { return !said_by("command -v " + program, folder).empty(); }
+  bool is_installed(const std::string& program) {
+    return !shell_output("command -v " + program, folder).empty();
+  }
 
   /// The completions that bash offers for the last word of a command line.
   std::string completed(const std::string& words) {
-    return said_by("bash -c 'source share/bash-completion/completions/alidade; COMP_WORDS=(alidade " + words +
-                       "); COMP_CWORD=$((${#COMP_WORDS[@]} - 1)); _alidade; echo \"${COMPREPLY[@]}\"'",
-                   folder);
+    return shell_output("bash -c 'source share/bash-completion/completions/alidade; COMP_WORDS=(alidade " +
+                            words +
+                            "); COMP_CWORD=$((${#COMP_WORDS[@]} - 1)); _alidade; echo \"${COMPREPLY[@]}\"'",
+                        folder);
   }
 };
 
@@ -65,8 +66,8 @@ TEST_F(ManualTest, lines_of_help_have_at_most_100_columns) {
 TEST_F(ManualTest, pages_have_no_mistake_that_mandoc_finds) {
   const auto files = written();
   if (!is_installed("mandoc")) GTEST_SKIP() << "mandoc of Debian's mandoc is not there";
-  EXPECT_EQ(said_by("{ mandoc -Tlint -Wwarning share/man/man1/*.1; true; }", folder), "");
-  const std::string page = said_by("mandoc -Tutf8 share/man/man1/alidade-convert.1 | col -b", folder);
+  EXPECT_EQ(shell_output("{ mandoc -Tlint -Wwarning share/man/man1/*.1; true; }", folder), "");
+  const std::string page = shell_output("mandoc -Tutf8 share/man/man1/alidade-convert.1 | col -b", folder);
   EXPECT_TRUE(contains(page, "--reproject SYSTEM|auto")) << page;
 }
 
@@ -83,10 +84,11 @@ TEST_F(ManualTest, bash_completes_commands_options_and_choices) {
 TEST_F(ManualTest, other_shells_read_their_completions) {
   written();
   if (is_installed("zsh"))
-    EXPECT_NE(said_by("zsh -n share/zsh/site-functions/_alidade && echo good", folder), "");
+    EXPECT_NE(shell_output("zsh -n share/zsh/site-functions/_alidade && echo good", folder), "");
   if (is_installed("fish"))
-    EXPECT_NE(said_by("fish --no-execute share/fish/vendor_completions.d/alidade.fish && echo good", folder),
-              "");
+    EXPECT_NE(
+        shell_output("fish --no-execute share/fish/vendor_completions.d/alidade.fish && echo good", folder),
+        "");
   const std::string fish = read("share/fish/vendor_completions.d/alidade.fish");
   EXPECT_TRUE(contains(fish, "complete -c alidade -n 'not __fish_seen_subcommand_from info "))
       << fish.substr(0, 400);

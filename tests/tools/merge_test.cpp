@@ -12,17 +12,6 @@
 namespace alidade::test {
 namespace {
 
-using Words = std::vector<std::string>;
-
-bool contains(const std::string& text, const std::string& part) {
-  return text.find(part) != std::string::npos;
-}
-
-Words with(Words words, const Words& more) {
-  words.insert(words.end(), more.begin(), more.end());
-  return words;
-}
-
 const Words k_render = {"render", "--cloud", "square.xyz", "--size=80x60", "--samples=4"};
 const std::string k_layers =
     "--layers=variance,color,depth,distance,normal,position,albedo,id,depth.sigma,coverage,support";

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: MIT
 // Mistakes of newcomers, and what the program replies: what was found, what was expected and what to type.
-#include "tests/tools/program_words.h"
 #include "tests/tools/run_program.h"
 
 namespace alidade::test {

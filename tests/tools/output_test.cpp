@@ -30,12 +30,6 @@ class OutputTest : public ProgramTest {
   }
 };
 
-bool contains(const std::string& text, const std::string& part) {
-  return text.find(part) != std::string::npos;
-}
-
-using Words = std::vector<std::string>;
-
 // So long that no machine ends it before the test does.
 const Words k_long_generate = {"generate", "courtyard", "--points", "1e9", "-o", "large.las"};
 

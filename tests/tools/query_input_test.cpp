@@ -3,6 +3,7 @@
 #include <signal.h>
 #include <sys/stat.h>
 
+#include <algorithm>
 #include <chrono>
 #include <fstream>
 #include <thread>
@@ -11,12 +12,6 @@
 
 namespace alidade::test {
 namespace {
-
-using Words = std::vector<std::string>;
-
-bool contains(const std::string& text, const std::string& part) {
-  return text.find(part) != std::string::npos;
-}
 
 constexpr const char* k_header = "ox,oy,oz,dx,dy,dz\n";
 constexpr const char* k_answer = "ray_id,count\n0,5\n1,1\n";

@@ -18,11 +18,6 @@ namespace alidade::test {
 namespace {
 
 using Json = nlohmann::json;
-using Words = std::vector<std::string>;
-
-bool contains(const std::string& text, const std::string& part) {
-  return text.find(part) != std::string::npos;
-}
 
 const ExtraDimension& dimension(const PointCloud& cloud, const std::string& name) {
   for (const ExtraDimension& dimension : cloud.extra_dimensions) {

@@ -8,10 +8,6 @@
 namespace alidade::test {
 namespace {
 
-bool contains(const std::string& text, const std::string& part) {
-  return text.find(part) != std::string::npos;
-}
-
 const std::string k_camera =
     R"({"version": 1, "model": "pinhole", "width": 24, "height": 16, "intrinsics": {"vertical_fov": 50},
   "pose": {"look_at": {"eye": [101, 201, 9], "target": [101, 201.1, 5]}}})";

@@ -6,12 +6,6 @@
 namespace alidade::test {
 namespace {
 
-using Words = std::vector<std::string>;
-
-bool contains(const std::string& text, const std::string& part) {
-  return text.find(part) != std::string::npos;
-}
-
 class RenderColorTest : public ProgramTest {
  protected:
   /// A small cloud with every attribute of LAS.

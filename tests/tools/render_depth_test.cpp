@@ -12,10 +12,6 @@
 namespace alidade::test {
 namespace {
 
-bool contains(const std::string& text, const std::string& part) {
-  return text.find(part) != std::string::npos;
-}
-
 class RenderDepthTest : public ProgramTest {
  protected:
   void SetUp() override {

@@ -3,7 +3,6 @@
 #include <fmt/format.h>
 
 #include "cloud/las/write_las.h"
-#include "tests/tools/program_words.h"
 #include "tests/tools/run_program.h"
 
 namespace alidade::test {

@@ -26,10 +26,6 @@ class RenderLightTest : public ProgramTest {
   }
 };
 
-bool contains(const std::string& text, const std::string& part) {
-  return text.find(part) != std::string::npos;
-}
-
 TEST_F(RenderLightTest, sun_by_time_and_position_is_printed_and_stored) {
   const ProgramResult result =
       render_square({"--sun-time", "2003-10-17T12:30:30-07:00", "--sun-place", "39.742476,-105.1786"});

@@ -8,9 +8,7 @@
 
 #include "cloud/las/write_las.h"
 #include "geo/raster_file.h"
-#include "tests/tools/program_words.h"
 #include "tests/tools/run_program.h"
-#include "tests/tools/said_by.h"
 
 namespace alidade::test {
 namespace {
@@ -215,7 +213,7 @@ TEST_F(RenderOverviewTest, rasters_of_the_ground_are_those_of_the_points) {
                 .exit_code,
             0);
   EXPECT_EQ(geo::read_heights(folder / "dsm.tif").heights.values.size(), heights.values.size());
-  const std::string info = said_by("gdalinfo site_classification.tif", folder);
+  const std::string info = shell_output("gdalinfo site_classification.tif", folder);
   if (!info.empty()) {
     EXPECT_TRUE(contains(info, "Type=Byte")) << info;
     EXPECT_TRUE(contains(info, "NoData Value=255")) << info;

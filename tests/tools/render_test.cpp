@@ -18,10 +18,6 @@ class RenderCommandTest : public ProgramTest {
   }
 };
 
-bool contains(const std::string& text, const std::string& part) {
-  return text.find(part) != std::string::npos;
-}
-
 TEST_F(RenderCommandTest, cloud_without_scene_gives_an_image_and_prints_what_was_assumed) {
   write_square("square.xyz");
   const ProgramResult result = run(small({"--cloud", "square.xyz", "-o", "out.png"}));

@@ -8,7 +8,6 @@
 #include <thread>
 
 #include "tests/support/random.h"
-#include "tests/tools/program_words.h"
 #include "tests/tools/run_program.h"
 
 namespace alidade::test {

@@ -175,6 +175,17 @@ void ProgramTest::write_square(const std::string& name) {
   write(name, text);
 }
 
+std::string shell_output(const std::string& command, const std::filesystem::path& folder) {
+  const std::string line = "cd '" + folder.string() + "' && " + command + " 2> /dev/null";
+  std::FILE* const pipe = ::popen(line.c_str(), "r");
+  if (pipe == nullptr) return "";
+  std::string output;
+  char bytes[4096];
+  for (std::size_t count = 0; (count = std::fread(bytes, 1, sizeof bytes, pipe)) > 0;)
+    output.append(bytes, count);
+  return ::pclose(pipe) == 0 ? output : "";
+}
+
 std::filesystem::path program_file() {
   return ALIDADE_PROGRAM;
 }

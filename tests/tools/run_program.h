@@ -12,7 +12,19 @@
 
 namespace alidade::test {
 
-/// How the program ended and what it said.
+/// The words of a command line.
+using Words = std::vector<std::string>;
+
+inline Words with(Words words, const Words& more) {
+  words.insert(words.end(), more.begin(), more.end());
+  return words;
+}
+
+inline bool contains(const std::string& text, const std::string& part) {
+  return text.find(part) != std::string::npos;
+}
+
+/// How the program ended and what it printed.
 struct ProgramResult {
   int exit_code = -1;  ///< -1 if a signal ended it
   int signal = 0;
@@ -69,6 +81,9 @@ class ProgramTest : public ::testing::Test {
 
   std::filesystem::path folder;
 };
+
+/// What another program prints to stdout, started by a shell in a folder; empty if it fails or is missing.
+std::string shell_output(const std::string& command, const std::filesystem::path& folder);
 
 /// The built program.
 std::filesystem::path program_file();

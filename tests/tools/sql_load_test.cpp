@@ -20,8 +20,6 @@ using namespace database;
 
 namespace {
 
-using Words = std::vector<std::string>;
-
 class SqlLoadTest : public ProgramTest {
  protected:
   ProgramResult load(Words files, const Words& options = {}) {
@@ -55,10 +53,6 @@ class SqlLoadTest : public ProgramTest {
     ASSERT_TRUE(program.running()) << "ended before it could be interrupted";
   }
 };
-
-bool contains(const std::string& text, const std::string& part) {
-  return text.find(part) != std::string::npos;
-}
 
 TEST_F(SqlLoadTest, a_file_becomes_a_table) {
   write_square("square.xyz");

@@ -18,10 +18,6 @@ using namespace database;
 
 namespace {
 
-bool contains(const std::string& text, const std::string& part) {
-  return text.find(part) != std::string::npos;
-}
-
 class SqlTest : public ProgramTest {
  protected:
   void SetUp() override {

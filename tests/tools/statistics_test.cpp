@@ -11,7 +11,6 @@
 
 #include "cloud/las/write_las.h"
 #include "tests/support/random.h"
-#include "tests/tools/program_words.h"
 #include "tests/tools/run_program.h"
 
 namespace alidade::test {

@@ -11,12 +11,7 @@ namespace alidade::test {
 namespace {
 
 using Json = nlohmann::json;
-using Words = std::vector<std::string>;
 namespace fs = std::filesystem;
-
-bool contains(const std::string& text, const std::string& part) {
-  return text.find(part) != std::string::npos;
-}
 
 class TilesProgramTest : public ProgramTest {
  protected:

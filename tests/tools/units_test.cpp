@@ -7,7 +7,6 @@
 #include "cloud/axis_units.h"
 #include "cloud/las/write_las.h"
 #include "cloud/read_cloud.h"
-#include "tests/tools/program_words.h"
 #include "tests/tools/run_program.h"
 
 namespace alidade::test {

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: MIT
 #include "tests/tools/run_program.h"
-#include "tests/tools/said_by.h"
 #include "tools/options.h"
 
 namespace alidade::test {
@@ -9,10 +8,6 @@ namespace {
 using ::testing::Test;
 
 class UsageTest : public ProgramTest {};
-
-bool contains(const std::string& text, const std::string& part) {
-  return text.find(part) != std::string::npos;
-}
 
 TEST_F(UsageTest, help_lists_the_finished_commands_and_the_exit_codes) {
   const ProgramResult result = run({"--help"});
@@ -155,8 +150,8 @@ TEST_F(UsageTest, program_itself_loads_neither_image_nor_map_libraries) {
 #ifdef ALIDADE_UNITY
   GTEST_SKIP() << "files that need these libraries are compiled together with others";
 #endif
-  if (said_by("command -v ldd", folder).empty()) GTEST_SKIP() << "ldd is not there";
-  const std::string libraries = said_by("ldd '" + program_file().string() + "'", folder);
+  if (shell_output("command -v ldd", folder).empty()) GTEST_SKIP() << "ldd is not there";
+  const std::string libraries = shell_output("ldd '" + program_file().string() + "'", folder);
   EXPECT_TRUE(contains(libraries, "libstdc++")) << libraries;
   for (const char* const name : {"libOpenImageIO", "libgdal", "libproj", "libfreetype"})
     EXPECT_FALSE(contains(libraries, name)) << name;

@@ -7,9 +7,7 @@
 #include "cloud/las/write_las.h"
 #include "cloud/read_cloud.h"
 #include "octree/index_file/index_file.h"
-#include "tests/tools/program_words.h"
 #include "tests/tools/run_program.h"
-#include "tests/tools/said_by.h"
 
 namespace alidade::test {
 namespace {
@@ -175,7 +173,7 @@ TEST_F(ViewOptionsTest, other_programs_read_the_system_that_is_written) {
                  "1", "--ground", "lowest", "-o", "map.tif"})
                 .exit_code,
             0);
-  const std::string said = said_by("gdalsrsinfo -o epsg map.tif", folder);
+  const std::string said = shell_output("gdalsrsinfo -o epsg map.tif", folder);
   if (said.empty()) GTEST_SKIP() << "gdalsrsinfo of Debian's gdal-bin is not there";
   EXPECT_TRUE(contains(said, "EPSG:25832")) << said;
 }

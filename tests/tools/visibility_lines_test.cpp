@@ -3,7 +3,6 @@
 #include <nlohmann/json.hpp>
 #include <sstream>
 
-#include "tests/tools/said_by.h"
 #include "tests/tools/wall_site.h"
 
 namespace alidade::test {
@@ -235,9 +234,9 @@ TEST_F(VisibilityLinesTest, ends_a_million_kilometres_away_take_no_time) {
 }
 
 TEST_F(VisibilityLinesTest, other_programs_open_the_features) {
-  if (said_by("command -v ogrinfo", folder).empty()) GTEST_SKIP() << "ogrinfo (gdal-bin) is not there";
+  if (shell_output("command -v ogrinfo", folder).empty()) GTEST_SKIP() << "ogrinfo (gdal-bin) is not there";
   const auto ogrinfo = [&](const std::string& file) {
-    return said_by("ogrinfo -al -so -ro " + file, folder);
+    return shell_output("ogrinfo -al -so -ro " + file, folder);
   };
   write("positions.csv", "x,y,z,name\n-4,0,1,west\n4,0,1,east\n-4,0,3,high\n");
   ASSERT_EQ(lines({"--places", "positions.csv", "-o", "lines.geojson"}).exit_code, 0);

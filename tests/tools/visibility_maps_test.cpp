@@ -11,12 +11,7 @@
 namespace alidade::test {
 namespace {
 
-using Words = std::vector<std::string>;
 using nlohmann::json;
-
-bool contains(const std::string& text, const std::string& part) {
-  return text.find(part) != std::string::npos;
-}
 
 /// The output of `gdalinfo -json` for a file; null if GDAL does not read it.
 json map_info(const std::filesystem::path& file) {
@@ -84,11 +79,6 @@ class VisibilityMapsTest : public ProgramTest {
 const Words k_cells = {"--resolution", "0.5", "--extent", "690000,5325000,690260,5325260"};
 const Words k_eye = {"--observer", "690110,5325100,602"};
 const Words k_day = {"--from", "2026-06-21", "--step", "240"};
-
-Words with(Words words, const Words& more) {
-  words.insert(words.end(), more.begin(), more.end());
-  return words;
-}
 
 /// What holds of every map of these cells.
 void expect_map(const json& info) {

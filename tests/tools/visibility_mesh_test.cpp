@@ -7,7 +7,6 @@
 #include <cstring>
 
 #include "cloud/read_cloud.h"
-#include "tests/tools/program_words.h"
 #include "tests/tools/resume_test.h"
 #include "tests/tools/wall_site.h"
 

@@ -12,7 +12,6 @@
 #include "cloud/read_cloud.h"
 #include "geo/gdal_reference.h"
 #include "tests/cloud/e57/e57_builder.h"
-#include "tests/tools/program_words.h"
 #include "tests/tools/wall_site.h"
 
 namespace alidade::test {

@@ -1,12 +1,75 @@
 // SPDX-License-Identifier: MIT
 #include <fmt/format.h>
+#include <signal.h>
 
+#include <chrono>
+#include <cstring>
 #include <fstream>
+#include <thread>
 
-#include "tests/tools/garden_site.h"
+#include "cloud/las/write_las.h"
+#include "cloud/read_cloud.h"
+#include "tests/tools/run_program.h"
 
 namespace alidade::test {
 namespace {
+
+/// A wall between two patches of ground, with attributes of all kinds: rows of the wall have class 6.
+PointCloud garden() {
+  PointCloud cloud;
+  cloud.lattice = {.scale = glm::dvec3(0.001), .offset = {690000, 5325000, 600}};
+  for (int x = 0; x <= 80; ++x) {
+    for (int y = 0; y <= 80; ++y) cloud.positions.emplace_back(250 * x, 250 * y, 0);
+  }
+  for (int y = 0; y <= 80; ++y) {
+    for (int z = 1; z <= 12; ++z) cloud.positions.emplace_back(10000, 250 * y, 250 * z);
+  }
+  ExtraDimension own;
+  own.name = "Own";
+  own.type = ScalarType::uint16;
+  own.byte_count = 2;
+  for (std::size_t id = 0; id < cloud.size(); ++id) {
+    cloud.classifications.push_back(cloud.positions[id].z > 0 ? 6 : 2);
+    cloud.intensities.push_back(static_cast<std::uint16_t>(7 * id));
+    cloud.gps_times.push_back(0.5 * static_cast<double>(id));
+    cloud.colors.emplace_back(static_cast<std::uint16_t>(id), 257, 65535);
+    own.values.push_back(static_cast<std::uint8_t>(id));
+    own.values.push_back(3);
+  }
+  cloud.extra_dimensions.push_back(own);
+  cloud.crs.wkt = R"(LOCAL_CS["garden",UNIT["metre",1]])";
+  cloud.records.push_back({.user_id = "garden", .record_id = 77, .description = "kept", .data = {1, 2, 3}});
+  return cloud;
+}
+
+const ExtraDimension* find_dimension(const PointCloud& cloud, const std::string& name) {
+  for (const ExtraDimension& dimension : cloud.extra_dimensions) {
+    if (dimension.name == name) return &dimension;
+  }
+  return nullptr;
+}
+
+template <class Value>
+std::vector<Value> values(const PointCloud& cloud, const std::string& name, ScalarType type) {
+  const ExtraDimension* const dimension = find_dimension(cloud, name);
+  if (dimension == nullptr || dimension->type != type) {
+    ADD_FAILURE() << name << " is missing, or of another type";
+    return std::vector<Value>(cloud.size());
+  }
+  std::vector<Value> all(cloud.size());
+  std::memcpy(all.data(), dimension->values.data(), all.size() * sizeof(Value));
+  return all;
+}
+
+/// A test of `visibility points`.
+class VisibilityPointsTest : public ProgramTest {
+ protected:
+  void write_garden() { write_las(folder / "garden.las", garden()); }
+  PointCloud read_output(const std::string& name) const { return read_cloud(folder / name); }
+};
+
+const Words k_points = {"visibility", "points", "garden.las"};
+const std::string k_eye = "690005,5325010,601.7";
 
 TEST_F(VisibilityPointsTest, output_is_the_cloud_itself_with_extra_bytes) {
   write_garden();
@@ -334,6 +397,68 @@ TEST_F(VisibilityPointsTest, help_names_units_columns_and_examples) {
   EXPECT_TRUE(contains(run({"visibility", "pionts"}).err, "did you mean 'points'?"));
   EXPECT_TRUE(
       contains(run({"visibility", "points", "--obsrver", "1,2"}).err, "alidade visibility points --help"));
+}
+
+TEST_F(VisibilityPointsTest, existing_output_is_kept_without_overwrite) {
+  write_garden();
+  for (const char* const name : {"seen.las", "who.csv"}) {
+    write(name, "precious");
+    const Words words = with(k_points, {"--observer", k_eye, "-o", "seen.las", "--lists", "who.csv"});
+    const ProgramResult rejected = run(words);
+    EXPECT_EQ(rejected.exit_code, 2);
+    EXPECT_TRUE(contains(rejected.err, std::string(name) + ": the file exists")) << rejected.err;
+    EXPECT_EQ(read(name), "precious");
+    EXPECT_EQ(run(with(words, {"--overwrite", "-q"})).exit_code, 0);
+    EXPECT_NE(read(name), "precious");
+    std::filesystem::remove(folder / "seen.las");
+    std::filesystem::remove(folder / "who.csv");
+  }
+}
+
+TEST_F(VisibilityPointsTest, what_is_no_regular_file_is_never_replaced) {
+  write_garden();
+  if (!std::filesystem::exists("/dev/full")) GTEST_SKIP() << "this system has no /dev/full";
+  const ProgramResult result =
+      run(with(k_points, {"--observer", k_eye, "-o", "seen.las", "--lists", "/dev/full", "--overwrite"}));
+  EXPECT_EQ(result.exit_code, 2);
+  EXPECT_TRUE(contains(result.err, "/dev/full: cannot replace the file: not a regular file")) << result.err;
+  EXPECT_EQ(names(), Words{"garden.las"});
+}
+
+TEST_F(VisibilityPointsTest, a_full_disk_is_an_error_that_leaves_nothing) {
+  write_garden();
+  const Words words = with(k_points, {"-q", "--observer", k_eye});
+  for (const std::string output : {"seen.las", "seen.ply", "who.csv"}) {
+    const bool is_list = output == "who.csv";
+    const Words whole =
+        with(words, is_list ? Words{"-o", "seen.las", "--lists", output} : Words{"-o", output});
+    ASSERT_EQ(run(whole).exit_code, 0);
+    const std::uintmax_t size = std::filesystem::file_size(folder / output);
+    std::filesystem::remove(folder / output);
+    std::filesystem::remove(folder / "seen.las");
+    // The beginning fits; all but the end fits. Of two files, the other one is as large.
+    for (const std::uintmax_t bytes : {std::uintmax_t{4096}, size - 1}) {
+      const ProgramResult full = run_on_full_disk(whole, bytes);
+      EXPECT_EQ(full.exit_code, 2) << output << " " << bytes;
+      EXPECT_TRUE(contains(full.err, ": cannot write the file")) << full.err;
+      EXPECT_EQ(names(), Words{"garden.las"}) << output << " " << bytes;
+    }
+  }
+}
+
+TEST_F(VisibilityPointsTest, interrupted_it_ends_with_130_and_leaves_nothing) {
+  write_garden();
+  // So many observers that no machine ends before it is interrupted.
+  Program program(with(k_points, {"--observer-grid", "0.05", "-o", "seen.las", "--lists", "who.csv"}),
+                  folder);
+  const auto limit = std::chrono::steady_clock::now() + std::chrono::minutes(5);
+  while (program.running() && !contains(program.errors_so_far(), "placing observers: ") &&
+         std::chrono::steady_clock::now() < limit)
+    std::this_thread::sleep_for(std::chrono::milliseconds(5));
+  program.send(SIGINT);
+  const ProgramResult result = program.wait();
+  EXPECT_EQ(result.exit_code, 130) << result.err;
+  EXPECT_EQ(names(), Words{"garden.las"});
 }
 
 }  // namespace

@@ -11,12 +11,6 @@
 namespace alidade::test {
 namespace {
 
-using Words = std::vector<std::string>;
-
-bool contains(const std::string& text, const std::string& part) {
-  return text.find(part) != std::string::npos;
-}
-
 /// A wall, 3 high, between two patches of ground, 20 x 20 in all.
 PointCloud garden(const std::string& wkt) {
   PointCloud cloud;
@@ -95,11 +89,6 @@ class VisibilityRasterTest : public ProgramTest {
 };
 
 const Words k_eye = {"--observer", "690005,5325010,601.7", "--resolution", "1", "-o", "seen.tif"};
-
-Words with(Words words, const Words& more) {
-  words.insert(words.end(), more.begin(), more.end());
-  return words;
-}
 
 TEST_F(VisibilityRasterTest, the_map_lies_on_the_cloud_and_ends_at_the_wall) {
   const ProgramResult result = raster(k_eye);

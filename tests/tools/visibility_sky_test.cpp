@@ -11,12 +11,6 @@
 namespace alidade::test {
 namespace {
 
-using Words = std::vector<std::string>;
-
-bool contains(const std::string& text, const std::string& part) {
-  return text.find(part) != std::string::npos;
-}
-
 class SkyTest : public WallSiteTest {
  protected:
   /// `alidade visibility COMMAND site.csv WORDS...`, quietly.

@@ -8,7 +8,6 @@ namespace alidade::test {
 namespace {
 
 using Json = nlohmann::json;
-using Words = std::vector<std::string>;
 
 class VisibilitySummaryTest : public WallSiteTest {
  protected:

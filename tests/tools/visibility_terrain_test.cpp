@@ -8,7 +8,6 @@
 
 #include "cloud/las/write_las.h"
 #include "geo/raster_file.h"
-#include "tests/tools/program_words.h"
 #include "tests/tools/resume_test.h"
 #include "tests/tools/wall_site.h"
 
