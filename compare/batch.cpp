@@ -77,16 +77,16 @@ std::size_t workers_for(const std::vector<ImagePair>& pairs) {
   return workers;
 }
 
-void add_thumbnails(PairOutcome& outcome, const ComparisonImages& pictures) {
-  const auto add = [&](const std::string& name, const image::ByteImage& picture) {
+void add_thumbnails(PairOutcome& outcome, const ComparisonImages& images) {
+  const auto add = [&](const std::string& name, const image::ByteImage& image) {
     outcome.thumbnails.emplace_back(
-        name, image::data_url(image::shrunk(picture, k_thumbnail_side), image::ImagePacking::jpeg));
+        name, image::data_url(image::shrunk(image, k_thumbnail_side), image::ImagePacking::jpeg));
   };
-  add("reference", pictures.reference);
-  add("test", pictures.test);
-  const std::vector<const DifferenceMap*> maps = pictures.maps();
+  add("reference", images.reference);
+  add("test", images.test);
+  const std::vector<const DifferenceMap*> maps = images.maps();
   if (maps.empty()) return;
-  const DifferenceMap& map = pictures.flip_map ? *pictures.flip_map : *maps.front();
+  const DifferenceMap& map = images.flip_map ? *images.flip_map : *maps.front();
   add(map.title, {map.width, map.height, paint_difference(map).bytes()});
 }
 
@@ -108,7 +108,7 @@ void compare_pair(PairOutcome& outcome, const BatchOptions& options, const std::
     outcome.warnings = judge(*outcome.comparison, options.warn_above);
     if (!options.reports.empty())
       page = report_page(*outcome.comparison, outcome.verdict, options.packing, outcome.warnings);
-    if (options.keep_thumbnails) add_thumbnails(outcome, *outcome.comparison->pictures);
+    if (options.keep_thumbnails) add_thumbnails(outcome, *outcome.comparison->images);
   } catch (const Error& error) {
     outcome.error = error.what();
     outcome.sizes_differ = dynamic_cast<const SizeMismatch*>(&error) != nullptr;
@@ -119,7 +119,7 @@ void compare_pair(PairOutcome& outcome, const BatchOptions& options, const std::
     outcome.comparison.reset();
     return;
   }
-  outcome.comparison->pictures.reset();
+  outcome.comparison->images.reset();
   // Swapped, since an assigned empty list would keep the memory.
   std::vector<std::uint32_t>().swap(outcome.comparison->reference.ids);
   std::vector<std::uint32_t>().swap(outcome.comparison->test.ids);

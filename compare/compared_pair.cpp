@@ -70,12 +70,12 @@ std::uint8_t code(float value) {
 
 /// Makes a picture of value(pixel, channel), which returns sRGB in 0 .. 1.
 template <typename Value>
-image::ByteImage picture_of(const ComparedImage& image, const Value& value) {
-  image::ByteImage picture{image.width, image.height, std::vector<std::uint8_t>(3 * image.pixels())};
+image::ByteImage byte_image(const ComparedImage& image, const Value& value) {
+  image::ByteImage shown{image.width, image.height, std::vector<std::uint8_t>(3 * image.pixels())};
   in_parallel(image.pixels(), 1 << 16, [&](std::size_t pixel) {
-    for (std::size_t c = 0; c < 3; ++c) picture.bytes[3 * pixel + c] = code(value(pixel, c));
+    for (std::size_t c = 0; c < 3; ++c) shown.bytes[3 * pixel + c] = code(value(pixel, c));
   });
-  return picture;
+  return shown;
 }
 
 /// The largest finite depth; 0 without any.
@@ -90,20 +90,20 @@ double farthest_depth(const ComparedImage& image) {
 constexpr std::size_t k_bins = 24;
 
 /// Lightness from black to white: Rec. 709's weights on sRGB values.
-std::vector<float> lightness_of(const image::ByteImage& picture) {
-  std::vector<float> lightness(picture.bytes.size() / 3);
+std::vector<float> lightness_of(const image::ByteImage& image) {
+  std::vector<float> lightness(image.bytes.size() / 3);
   for (std::size_t i = 0; i < lightness.size(); ++i) {
-    const std::uint8_t* const rgb = &picture.bytes[3 * i];
+    const std::uint8_t* const rgb = &image.bytes[3 * i];
     lightness[i] = (0.2126f * rgb[0] + 0.7152f * rgb[1] + 0.0722f * rgb[2]) / 255.0f;
   }
   return lightness;
 }
 
-void add_map(ComparisonImages& pictures, std::optional<DifferenceMap>& into, DifferenceMap map,
+void add_map(ComparisonImages& images, std::optional<DifferenceMap>& into, DifferenceMap map,
              const char* unit) {
   const double low = map.range.low, high = map.range.high;
   if (low < high)
-    pictures.histograms.push_back(
+    images.histograms.push_back(
         {map.title, unit, low, high, count_values(map.title, map.values, map.mask, low, high, k_bins)});
   into = std::move(map);
 }
@@ -139,20 +139,20 @@ ComparedPair read_compared_pair(const std::filesystem::path& reference, const st
 image::ByteImage displayed(const ComparedImage& image, double farthest) {
   if (!image.color.empty()) {
     if (image.encoding == ColorEncoding::display)
-      return picture_of(image, [&](std::size_t pixel, std::size_t c) { return image.color[3 * pixel + c]; });
+      return byte_image(image, [&](std::size_t pixel, std::size_t c) { return image.color[3 * pixel + c]; });
     const image::CurveTable& curve = image::srgb_from_linear_table();
-    return picture_of(image,
+    return byte_image(image,
                       [&](std::size_t pixel, std::size_t c) { return curve.at(image.color[3 * pixel + c]); });
   }
   if (!image.normals.empty())
-    return picture_of(
+    return byte_image(
         image, [&](std::size_t pixel, std::size_t c) { return 0.5f + 0.5f * image.normals[3 * pixel + c]; });
   if (!image.depth.empty()) {
     const float scale = farthest > 0.0 ? static_cast<float>(1.0 / farthest) : 0.0f;
-    return picture_of(image,
+    return byte_image(image,
                       [&](std::size_t pixel, std::size_t) { return 1.0f - image.depth[pixel] * scale; });
   }
-  return picture_of(image, [&](std::size_t pixel, std::size_t c) {
+  return byte_image(image, [&](std::size_t pixel, std::size_t c) {
     // Knuth's multiplicative hash spreads neighbouring ids over the colours.
     const std::uint32_t hash = image.ids[pixel] * 2654435761u;
     return image.ids[pixel] == 0 ? 0.0f : static_cast<float>(hash >> (8 * c) & 255u) / 255.0f;
@@ -168,34 +168,33 @@ std::vector<const DifferenceMap*> ComparisonImages::maps() const {
 
 ComparisonImages shown_images(const ComparedPair& pair) {
   const double farthest = std::max(farthest_depth(pair.reference), farthest_depth(pair.test));
-  ComparisonImages pictures;
-  pictures.reference = displayed(pair.reference, farthest);
-  pictures.test = displayed(pair.test, farthest);
-  return pictures;
+  ComparisonImages images;
+  images.reference = displayed(pair.reference, farthest);
+  images.test = displayed(pair.test, farthest);
+  return images;
 }
 
-void add_maps(ComparisonImages& pictures, const ComparedPair& pair, PairMaps made, std::vector<float> flip) {
+void add_maps(ComparisonImages& images, const ComparedPair& pair, PairMaps made, std::vector<float> flip) {
   const ImageMask& mask = pair.mask;
   if (pair.have_colors()) {
-    const char* const matched = pictures.matched ? ", colours matched" : "";
+    const char* const matched = images.matched ? ", colours matched" : "";
     const auto add_color_map = [&](std::optional<DifferenceMap>& into, DifferenceMap map) {
       map.title += matched;
-      add_map(pictures, into, std::move(map), "");
+      add_map(images, into, std::move(map), "");
     };
-    add_color_map(pictures.flip_map, flip_difference(std::move(flip), pair.reference.width, mask));
-    add_color_map(pictures.color_map,
+    add_color_map(images.flip_map, flip_difference(std::move(flip), pair.reference.width, mask));
+    add_color_map(images.color_map,
                   made.color ? std::move(*made.color) : color_difference(pair.reference, pair.test, mask));
-    const image::ByteImage& test = pictures.matched ? *pictures.matched : pictures.test;
-    pictures.histograms.push_back(
-        {"Lightness", "", 0.0, 1.0,
-         count_values("reference", lightness_of(pictures.reference), mask, 0.0, 1.0),
+    const image::ByteImage& test = images.matched ? *images.matched : images.test;
+    images.histograms.push_back(
+        {"Lightness", "", 0.0, 1.0, count_values("reference", lightness_of(images.reference), mask, 0.0, 1.0),
          count_values(std::string("test") + matched, lightness_of(test), mask, 0.0, 1.0)});
   }
   if (pair.have_depth())
-    add_map(pictures, pictures.depth_map,
+    add_map(images, images.depth_map,
             made.depth ? std::move(*made.depth) : depth_difference(pair.reference, pair.test, mask), "m");
   if (have_agreement(pair.reference, pair.test))
-    pictures.agreement_map = depth_agreement(pair.reference, pair.test, mask);
+    images.agreement_map = depth_agreement(pair.reference, pair.test, mask);
 }
 
 }  // namespace alidade::compare

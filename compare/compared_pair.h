@@ -40,6 +40,6 @@ struct PairMaps {
 
 /// Adds maps and histograms of the layers that the pair has, and uses those of `made`. `flip`: map of FLIP,
 /// if there are colours. If the test has matched colours (pictures.matched), titles mention it.
-void add_maps(ComparisonImages& pictures, const ComparedPair& pair, PairMaps made, std::vector<float> flip);
+void add_maps(ComparisonImages& images, const ComparedPair& pair, PairMaps made, std::vector<float> flip);
 
 }  // namespace alidade::compare

@@ -53,13 +53,13 @@ class ComparisonRun {
     done();
     compare_layers();
     if (pair_.have_colors()) comparison_.color = figures();
-    if (options_.keep_images) comparison_.pictures = shown_images(pair_);
+    if (options_.keep_images) comparison_.images = shown_images(pair_);
     if (options_.align) align_edges();
     done();
     if (options_.match) match_colors();
     if (options_.find_changes) find_changes();
     done();
-    if (comparison_.pictures) add_maps(*comparison_.pictures, pair_, std::move(maps_), std::move(flip_map()));
+    if (comparison_.images) add_maps(*comparison_.images, pair_, std::move(maps_), std::move(flip_map()));
     for (std::optional<ColorFigures>* const set : {&comparison_.color, &comparison_.matched})
       if (*set) give_back((*set)->flip.map);
     done();
@@ -154,7 +154,7 @@ class ComparisonRun {
     }
     apply_color_match(pair_.test, *comparison_.match);
     comparison_.matched = figures();
-    if (comparison_.pictures) comparison_.pictures->matched = displayed(pair_.test, 0.0);
+    if (comparison_.images) comparison_.images->matched = displayed(pair_.test, 0.0);
   }
 
   void find_changes() {
@@ -176,7 +176,7 @@ class ComparisonRun {
         find(flip_map());
       }
     }
-    if (!comparison_.pictures) maps_ = {};
+    if (!comparison_.images) maps_ = {};
     comparison_.reference.ids = std::move(pair_.reference.ids);
     comparison_.test.ids = std::move(pair_.test.ids);
   }

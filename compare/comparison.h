@@ -115,7 +115,7 @@ struct Comparison {
   std::optional<ColorFigures> matched;  ///< of the test with matched colours
   std::optional<Alignment> alignment;
   std::optional<ChangeRegions> changes;
-  std::optional<ComparisonImages> pictures;
+  std::optional<ComparisonImages> images;
 };
 
 /// Compares two files. Errors: those of read_compared_image(); SizeMismatch; masks of layers that neither

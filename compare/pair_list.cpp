@@ -29,15 +29,15 @@ std::map<std::string, fs::path> images_in(const fs::path& folder) {
   if (!fs::is_directory(folder, error))
     throw Error(
         {.file = folder.string(), .problem = "not a folder", .expected = "two folders or two images"});
-  std::map<std::string, fs::path> pictures;
+  std::map<std::string, fs::path> images;
   try {
     for (const fs::directory_entry& entry : fs::recursive_directory_iterator(folder))
       if (entry.is_regular_file() && is_image(entry.path()))
-        pictures.emplace(entry.path().lexically_relative(folder).generic_string(), entry.path());
+        images.emplace(entry.path().lexically_relative(folder).generic_string(), entry.path());
   } catch (const fs::filesystem_error& problem) {
     throw Error({.file = folder.string(), .problem = "cannot list the folder: " + problem.code().message()});
   }
-  return pictures;
+  return images;
 }
 
 std::string stem_of(const std::string& name) {
@@ -49,9 +49,9 @@ struct Stem {
   int count = 0;
   std::string name;
 };
-std::map<std::string, Stem> stems_of(const std::map<std::string, fs::path>& pictures) {
+std::map<std::string, Stem> stems_of(const std::map<std::string, fs::path>& images) {
   std::map<std::string, Stem> stems;
-  for (const auto& [name, file] : pictures) {
+  for (const auto& [name, file] : images) {
     Stem& stem = stems[stem_of(name)];
     ++stem.count;
     stem.name = name;

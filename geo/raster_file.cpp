@@ -37,16 +37,16 @@ void add_band(void* dataset, const RasterBand& band, const RasterGrid& grid,
 }
 
 /// Hands the picture over in rows of tiles, band by band, so that the copy of the image stays small.
-void write_rows(void* dataset, const GroundImage& picture, const FillRows& fill,
+void write_rows(void* dataset, const GroundImage& image, const FillRows& fill,
                 const std::filesystem::path& file) {
   constexpr int k_rows = 256;
-  const std::size_t row_size = 4 * static_cast<std::size_t>(picture.width);
-  std::vector<std::uint8_t> pixels(row_size * std::min(k_rows, picture.height));
-  for (int begin = 0; begin < picture.height; begin += k_rows) {
-    const int rows = std::min(k_rows, picture.height - begin);
+  const std::size_t row_size = 4 * static_cast<std::size_t>(image.width);
+  std::vector<std::uint8_t> pixels(row_size * std::min(k_rows, image.height));
+  for (int begin = 0; begin < image.height; begin += k_rows) {
+    const int rows = std::min(k_rows, image.height - begin);
     fill(begin, rows, std::span(pixels).first(row_size * rows));
-    if (GDALDatasetRasterIO(dataset, GF_Write, 0, begin, picture.width, rows, pixels.data(), picture.width,
-                            rows, GDT_Byte, 4, nullptr, 4, 4 * picture.width, 1) != CE_None)
+    if (GDALDatasetRasterIO(dataset, GF_Write, 0, begin, image.width, rows, pixels.data(), image.width, rows,
+                            GDT_Byte, 4, nullptr, 4, 4 * image.width, 1) != CE_None)
       fail_geotiff(file, "cannot write rows");
   }
 }
@@ -116,9 +116,9 @@ void write_raster(const std::filesystem::path& file, const RasterContents& conte
   output.commit();
 }
 
-void write_geotiff(const std::filesystem::path& name, const GroundImage& picture, const FillRows& fill,
+void write_geotiff(const std::filesystem::path& name, const GroundImage& image, const FillRows& fill,
                    OutputFile& file) {
-  const std::string wkt = wkt_of(picture.crs);
+  const std::string wkt = wkt_of(image.crs);
   const QuietGdal quiet;
   GDALRegister_GTiff();
   const GdalMemoryFile memory;
@@ -126,17 +126,17 @@ void write_geotiff(const std::filesystem::path& name, const GroundImage& picture
   if (driver == nullptr) fail_geotiff(name, "GDAL lacks the GTiff driver");
   const char* const options[] = {"COMPRESS=DEFLATE",   "PREDICTOR=2",      "TILED=YES",     "PHOTOMETRIC=RGB",
                                  "ALPHA=UNASSOCIATED", "BIGTIFF=IF_SAFER", "NUM_THREADS=1", nullptr};
-  GdalDataset dataset(GDALCreate(driver, memory.name(), picture.width, picture.height, 4, GDT_Byte, options));
+  GdalDataset dataset(GDALCreate(driver, memory.name(), image.width, image.height, 4, GDT_Byte, options));
   if (!dataset) fail_geotiff(name, "cannot create the file");
   GDALSetRasterColorInterpretation(GDALGetRasterBand(dataset.get(), 4), GCI_AlphaBand);
-  georeference(dataset.get(), picture.transform, wkt, name);
-  for (const auto& [key, text] : picture.texts) {
+  georeference(dataset.get(), image.transform, wkt, name);
+  for (const auto& [key, text] : image.texts) {
     // To GDAL a colon ends the name.
     std::string item = key == "Software" ? "TIFFTAG_SOFTWARE" : key;
     std::ranges::replace(item, ':', '_');
     GDALSetMetadataItem(dataset.get(), item.c_str(), text.c_str(), nullptr);
   }
-  write_rows(dataset.get(), picture, fill, name);
+  write_rows(dataset.get(), image, fill, name);
   GDALFlushCache(dataset.get());
   encode(dataset.get(), "AVERAGE", name, file);
 }

@@ -79,7 +79,7 @@ using FillRows = std::function<void(int first_row, int rows, std::span<std::uint
 
 /// Red, green, blue and alpha with 8 bits, as write_raster() writes rasters; the pixels of overviews are
 /// means. Equal pixels give equal bytes. `name` is the file's in messages. Memory: the file, encoded twice.
-void write_geotiff(const std::filesystem::path& name, const GroundImage& picture, const FillRows& fill,
+void write_geotiff(const std::filesystem::path& name, const GroundImage& image, const FillRows& fill,
                    OutputFile& file);
 
 }  // namespace alidade::geo

@@ -24,11 +24,11 @@ ImagePacking packing_for(ImagePacking wanted, std::size_t pixels) {
   return pixels <= k_most_lossless ? ImagePacking::png : ImagePacking::jpeg;
 }
 
-std::string data_url(const ByteImage& picture, ImagePacking packing) {
-  const std::size_t pixels = picture.bytes.size() / 3;
+std::string data_url(const ByteImage& image, ImagePacking packing) {
+  const std::size_t pixels = image.bytes.size() / 3;
   const bool is_png = packing_for(packing, pixels) == ImagePacking::png;
   const std::string format = is_png ? "png" : "jpeg";
-  OIIO::ImageSpec spec(picture.width, picture.height, 3, OIIO::TypeUInt8);
+  OIIO::ImageSpec spec(image.width, image.height, 3, OIIO::TypeUInt8);
   spec.attribute("oiio:ColorSpace", "sRGB");
   if (is_png) {
     // The last percents of size cost most of the time.
@@ -38,32 +38,32 @@ std::string data_url(const ByteImage& picture, ImagePacking packing) {
     spec.attribute("jpeg:subsampling", "4:4:4");
   }
   OIIO::Filesystem::IOVecOutput encoded;
-  const auto image = OIIO::ImageOutput::create(format);
-  if (!image) fail(OIIO::geterror());
-  if (!image->set_ioproxy(&encoded)) fail(format + " encoding failed");
-  if (!image->open("report." + format, spec) || !image->write_image(OIIO::TypeUInt8, picture.bytes.data()) ||
-      !image->close())
-    fail(image->geterror());
+  const auto output = OIIO::ImageOutput::create(format);
+  if (!output) fail(OIIO::geterror());
+  if (!output->set_ioproxy(&encoded)) fail(format + " encoding failed");
+  if (!output->open("report." + format, spec) || !output->write_image(OIIO::TypeUInt8, image.bytes.data()) ||
+      !output->close())
+    fail(output->geterror());
   return fmt::format("data:image/{};base64,", format) + base64(encoded.buffer());
 }
 
-ByteImage shrunk(const ByteImage& picture, int longest_side) {
-  const int step = std::max(1, (std::max(picture.width, picture.height) + longest_side - 1) / longest_side);
+ByteImage shrunk(const ByteImage& image, int longest_side) {
+  const int step = std::max(1, (std::max(image.width, image.height) + longest_side - 1) / longest_side);
   ByteImage small{
-      .width = (picture.width + step - 1) / step, .height = (picture.height + step - 1) / step, .bytes = {}};
+      .width = (image.width + step - 1) / step, .height = (image.height + step - 1) / step, .bytes = {}};
   small.bytes.reserve(static_cast<std::size_t>(small.width) * static_cast<std::size_t>(small.height) * 3);
-  for (int y = 0; y < picture.height; y += step) {
-    for (int x = 0; x < picture.width; x += step) {
-      const int right = std::min(x + step, picture.width), bottom = std::min(y + step, picture.height);
+  for (int y = 0; y < image.height; y += step) {
+    for (int x = 0; x < image.width; x += step) {
+      const int right = std::min(x + step, image.width), bottom = std::min(y + step, image.height);
       const int count = (right - x) * (bottom - y);
       for (int c = 0; c < 3; ++c) {
         int sum = count / 2;
         for (int row = y; row < bottom; ++row)
           for (int column = x; column < right; ++column)
-            sum += picture.bytes[(static_cast<std::size_t>(row) * static_cast<std::size_t>(picture.width) +
-                                  static_cast<std::size_t>(column)) *
-                                     3 +
-                                 static_cast<std::size_t>(c)];
+            sum += image.bytes[(static_cast<std::size_t>(row) * static_cast<std::size_t>(image.width) +
+                                static_cast<std::size_t>(column)) *
+                                   3 +
+                               static_cast<std::size_t>(c)];
         small.bytes.push_back(static_cast<std::uint8_t>(sum / count));
       }
     }

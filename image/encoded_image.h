@@ -26,11 +26,11 @@ ImagePacking packing_for(ImagePacking wanted, std::size_t pixels);
 
 /// "data:image/png;base64,...": the picture as an address that holds all of it. Cost: up to a second for 8
 /// million pixels. Errors: what OpenImageIO reports.
-std::string data_url(const ByteImage& picture, ImagePacking packing);
+std::string data_url(const ByteImage& image, ImagePacking packing);
 
 /// The picture with means of squares of pixels, at most `longest_side` wide and high. Requires longest_side
 /// >= 1.
-ByteImage shrunk(const ByteImage& picture, int longest_side);
+ByteImage shrunk(const ByteImage& image, int longest_side);
 
 /// RFC 4648, with padding.
 std::string base64(std::span<const unsigned char> bytes);

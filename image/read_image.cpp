@@ -67,16 +67,16 @@ OpenImage open_image(const std::filesystem::path& file, const ImageBytes& bytes,
   // Alpha is not examined, so it must not be multiplied in either.
   OIIO::ImageSpec hints;
   hints.attribute("oiio:UnassociatedAlpha", 1);
-  OpenImage picture;
+  OpenImage image;
   if (bytes) {
-    picture.memory = std::make_unique<OIIO::Filesystem::IOMemReader>(bytes->data(), bytes->size());
-    void* const proxy = picture.memory.get();
+    image.memory = std::make_unique<OIIO::Filesystem::IOMemReader>(bytes->data(), bytes->size());
+    void* const proxy = image.memory.get();
     hints.attribute("oiio:ioproxy", OIIO::TypeDesc::PTR, &proxy);
   }
-  picture.input = OIIO::ImageInput::open(file.string(), &hints);
-  if (!picture.input) throw file_error(file, "cannot read the image: " + image_trouble(OIIO::geterror()));
-  check(picture.spec(), byte_count, limits, file);
-  return picture;
+  image.input = OIIO::ImageInput::open(file.string(), &hints);
+  if (!image.input) throw file_error(file, "cannot read the image: " + image_trouble(OIIO::geterror()));
+  check(image.spec(), byte_count, limits, file);
+  return image;
 }
 
 /// The channels to read.
@@ -114,13 +114,13 @@ std::vector<float> linear_values() {
 
 OpenImage open_photo(const std::filesystem::path& file, const ImageBytes& bytes) {
   constexpr std::uint64_t k_most_pixels = 1u << 28;
-  OpenImage picture = open_image(
+  OpenImage image = open_image(
       file, bytes, {"photo", k_most_pixels, "at most " + std::to_string(k_most_pixels) + " pixels"});
-  if (picture.spec().format.is_floating_point()) {
+  if (image.spec().format.is_floating_point()) {
     throw file_error(file, "a photo with floating-point values",
                      "a photo of 8 or 16 bits per channel, such as JPEG, PNG or TIFF");
   }
-  return picture;
+  return image;
 }
 
 /// Converts a value to light; counts invalid ones.
@@ -159,16 +159,16 @@ std::uint64_t image_file_size(const std::filesystem::path& file) {
 }
 
 SkyPixels read_sky_image(const std::filesystem::path& file) {
-  const OpenImage picture =
+  const OpenImage image =
       open_image(file, {},
                  {"sky", k_most_sky_pixels,
                   "at most " + std::to_string(k_most_sky_pixels) + " pixels, as in 16384 x 8192"});
-  const OIIO::ImageSpec spec = picture.spec();
+  const OIIO::ImageSpec spec = image.spec();
 
   SkyPixels pixels{.width = spec.width, .height = spec.height};
   pixels.values.resize(static_cast<std::size_t>(spec.width) * static_cast<std::size_t>(spec.height));
   const Channels channels = color_channels(spec);
-  read_channels(*picture.input, channels, OIIO::TypeFloat, pixels.values.data(), sizeof(Rgb), file);
+  read_channels(*image.input, channels, OIIO::TypeFloat, pixels.values.data(), sizeof(Rgb), file);
   if (channels.count == 1)
     for (Rgb& value : pixels.values) value = Rgb(value.r);
 
@@ -192,17 +192,17 @@ SkyPixels read_sky_image(const std::filesystem::path& file) {
 }
 
 ImageSize photo_size(const std::filesystem::path& file, const ImageBytes& bytes) {
-  const OpenImage picture = open_photo(file, bytes);
-  return {picture.spec().width, picture.spec().height};
+  const OpenImage image = open_photo(file, bytes);
+  return {image.spec().width, image.spec().height};
 }
 
 PhotoPixels read_photo(const std::filesystem::path& file, const ImageBytes& bytes) {
-  const OpenImage picture = open_photo(file, bytes);
-  const OIIO::ImageSpec spec = picture.spec();
+  const OpenImage image = open_photo(file, bytes);
+  const OIIO::ImageSpec spec = image.spec();
   PhotoPixels pixels{.size = {spec.width, spec.height}};
   pixels.values.resize(static_cast<std::size_t>(spec.width) * static_cast<std::size_t>(spec.height));
   const Channels channels = color_channels(spec);
-  read_channels(*picture.input, channels, OIIO::TypeUInt8, pixels.values.data(), sizeof(pixels.values[0]),
+  read_channels(*image.input, channels, OIIO::TypeUInt8, pixels.values.data(), sizeof(pixels.values[0]),
                 file);
   if (channels.count == 1)
     for (std::array<std::uint8_t, 3>& value : pixels.values) value[1] = value[2] = value[0];

@@ -92,7 +92,7 @@ std::vector<image::Layer> layers_of(const std::vector<std::string>& words) {
 
 /// One value, or three, of every pixel: (height, width) or (height, width, 3).
 template <class Value, class Pixel>
-py::array picture_of(const image::Film& film, const std::vector<Pixel>& pixels) {
+py::array layer_array(const image::Film& film, const std::vector<Pixel>& pixels) {
   Shape shape{film.height, film.width};
   if (sizeof(Pixel) > sizeof(Value)) shape.push_back(sizeof(Pixel) / sizeof(Value));
   py::array_t<Value> array(shape);
@@ -149,14 +149,14 @@ py::dict render(const Index& index, const py::object& camera, const py::object& 
 
   if (!film.sees_anything() && PyErr_WarnEx(PyExc_UserWarning, "the camera sees nothing", 1) != 0)
     throw py::error_already_set();
-  py::dict picture;
+  py::dict arrays;
   if (is_seen) {
-    picture["image"] = image_of(film, scene.output);
-    picture["color"] = picture_of<float>(film, film.color);
-    picture["alpha"] = picture_of<float>(film, film.alpha);
+    arrays["image"] = image_of(film, scene.output);
+    arrays["color"] = layer_array<float>(film, film.color);
+    arrays["alpha"] = layer_array<float>(film, film.alpha);
   }
   const auto add = [&]<class Value>(image::Layer layer, const char* name, const auto& pixels, Value) {
-    if (std::ranges::count(layers, layer) > 0) picture[name] = picture_of<Value>(film, pixels);
+    if (std::ranges::count(layers, layer) > 0) arrays[name] = layer_array<Value>(film, pixels);
   };
   add(image::Layer::depth, "depth", film.depth, float{});
   add(image::Layer::distance, "distance", film.distance, float{});
@@ -168,7 +168,7 @@ py::dict render(const Index& index, const py::object& camera, const py::object& 
   add(image::Layer::depth_sigma, "depth.sigma", film.depth_sigma, float{});
   add(image::Layer::coverage, "coverage", film.coverage, float{});
   add(image::Layer::support, "support", film.support, std::uint32_t{});
-  return picture;
+  return arrays;
 }
 
 /// Observers at eyes (m, 3), or on the ground (m, 2).

@@ -372,7 +372,7 @@ CheckpointSummary read_checkpoint_summary(const std::filesystem::path& path) {
   const int parts = take_part(fingerprint, file.name()).count;
   // Parts differ by a tile at most.
   const double all = double{1} * head.width * head.height * head.samples / parts;
-  return {.picture = head.fingerprint.empty() ? "" : head.fingerprint.front().value,
+  return {.image = head.fingerprint.empty() ? "" : head.fingerprint.front().value,
           .samples_taken = head.samples_taken,
           .share = all > 0.0 ? std::clamp(static_cast<double>(head.samples_taken) / all, 0.0, 1.0) : 0.0,
           .seconds = head.seconds};

@@ -94,7 +94,7 @@ bool is_checkpoint(const std::filesystem::path& file);
 
 /// The progress that a checkpoint records.
 struct CheckpointSummary {
-  std::string picture;              ///< CheckpointOptions::picture
+  std::string image;                ///< CheckpointOptions::image
   std::uint64_t samples_taken = 0;  ///< camera samples
   double share = 0.0;               ///< of all camera samples, 0 to 1
   double seconds = 0.0;             ///< spent

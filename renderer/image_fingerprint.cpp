@@ -165,7 +165,7 @@ Fingerprint image_fingerprint(const Scene& scene, const LoadedCloud* cloud, cons
   // Taken apart as the scene is: a new setting must be written here, too.
   const auto& [samples, max_bounces, seed, mode, ao_distance] = scene.render;
   Fingerprint fingerprint{
-      {"picture", options.checkpoint ? options.checkpoint->picture : ""},
+      {"picture", options.checkpoint ? options.checkpoint->image : ""},
       {"part", part_text(options.part)},
       {"picture version", std::to_string(k_image_version)},
       {"seed", std::to_string(seed)},

@@ -22,9 +22,9 @@ double cap_height(const Sphere& sphere, const glm::dvec3& position) {
 
 Lights::Lights(const Scene& scene) : sky_(&scene.sky) {
   if (scene.sun_by_time) throw Error({.problem = "the position of the scene's sun has not been computed"});
-  if (const auto* picture = std::get_if<ImageSky>(&scene.sky)) {
-    if (!picture->image) throw file_error(picture->file, "the image of the sky has not been read");
-    if (!picture->image->is_black()) sky_image_ = picture->image.get();
+  if (const auto* image_sky = std::get_if<ImageSky>(&scene.sky)) {
+    if (!image_sky->image) throw file_error(image_sky->file, "the image of the sky has not been read");
+    if (!image_sky->image->is_black()) sky_image_ = image_sky->image.get();
   }
   if (scene.sun) sun_.emplace(*scene.sun);
   double total = 0.0;

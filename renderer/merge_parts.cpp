@@ -85,10 +85,10 @@ class ImageEntries {
     return Rgb(color[0], color[1], color[2]);
   }
 
-  image::OutputSettings output(const std::filesystem::path& picture) const {
+  image::OutputSettings output(const std::filesystem::path& image) const {
     const std::vector<double> exposure = numbers_of<double>(value(k_exposure), file_, k_exposure);
     if (exposure.size() != 1) throw file_error(file_, "corrupt part: invalid exposure");
-    return {.file = picture,
+    return {.file = image,
             .layers = layers(),
             .exposure = exposure[0],
             .transparent = value(k_sky) == "transparent",
@@ -231,18 +231,18 @@ Fingerprint image_entries(const image::OutputSettings& output, const ImageMetada
   return entries;
 }
 
-MergedImage merge_parts(std::span<const std::filesystem::path> files, const std::filesystem::path& picture) {
+MergedImage merge_parts(std::span<const std::filesystem::path> files, const std::filesystem::path& image) {
   const std::map<int, PartHead> parts = checked_parts(files);
   const PartHead& first = parts.begin()->second;
   const ImageEntries entries(first.fingerprint, first.file);
-  if (entries.value(k_kind) != kind_of(picture)) {
+  if (entries.value(k_kind) != kind_of(image)) {
     throw file_error(
-        picture, fmt::format("the parts were rendered for {}", entries.value(k_kind)),
+        image, fmt::format("the parts were rendered for {}", entries.value(k_kind)),
         entries.value(k_kind) == k_exr ? "the extension .exr" : "the extension .png, .jpg or .tif");
   }
   const camera::Camera camera = entries.camera();
   MergedImage merged;
-  merged.output = entries.output(picture);
+  merged.output = entries.output(image);
   merged.parts = static_cast<int>(parts.size());
   const std::vector<image::Layer>& layers = merged.output.layers;
   const bool with_variance = std::ranges::find(layers, image::Layer::variance) != layers.end();
@@ -251,7 +251,7 @@ MergedImage merge_parts(std::span<const std::filesystem::path> files, const std:
   check_bytes(parts);
 
   merged.facts = {.texts = entries.texts(), .position_offset = position_offset(camera), .crs = entries.crs()};
-  if (image::image_format(picture) == image::ImageFormat::geotiff)
+  if (image::image_format(image) == image::ImageFormat::geotiff)
     merged.facts.ground = camera::ground_transform(camera);
   std::vector<image::Layer> of_centers = layers;
   std::erase_if(of_centers, [](image::Layer layer) {

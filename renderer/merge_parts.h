@@ -40,6 +40,6 @@ struct MergedImage {
 /// differs; twice with other samples; parts that are missing, by number; a picture whose extension does not
 /// fit (.exr for parts of an EXR, else .png, .jpg or .tif); damaged, cut short or too long. Memory: as
 /// render(), and the heads of all parts.
-MergedImage merge_parts(std::span<const std::filesystem::path> files, const std::filesystem::path& picture);
+MergedImage merge_parts(std::span<const std::filesystem::path> files, const std::filesystem::path& image);
 
 }  // namespace alidade::renderer

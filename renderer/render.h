@@ -36,8 +36,8 @@ struct CheckpointOptions {
   std::filesystem::path file;  ///< replaced completely or not at all; never removed by render()
   /// Seconds from the end of one to the next, > 0; at least ten times what writing takes.
   double interval = 60.0;
-  bool resume = false;    ///< resume from the file; without it, start
-  std::string picture{};  ///< what the picture is called; a checkpoint of another one is rejected
+  bool resume = false;  ///< resume from the file; without it, start
+  std::string image{};  ///< name of the image; a checkpoint of another one is rejected
   /// Called once the render resumes from the file.
   std::function<void()> resumed{};
   /// Called when a checkpoint cannot be written (a full disk); the render continues. Without it, that ends

@@ -74,7 +74,7 @@ class SkyImage {
 /// must have been read.
 inline Rgb sky_radiance(const Sky& sky, const glm::dvec3& direction) {
   if (const auto* constant = std::get_if<ConstantSky>(&sky)) return constant->radiance;
-  if (const auto* picture = std::get_if<ImageSky>(&sky)) return picture->image->radiance(direction);
+  if (const auto* image_sky = std::get_if<ImageSky>(&sky)) return image_sky->image->radiance(direction);
   const auto& gradient = std::get<GradientSky>(sky);
   const double sine_of_elevation = glm::clamp(direction.z, 0.0, 1.0);
   return glm::mix(gradient.horizon, gradient.zenith, static_cast<float>(sine_of_elevation));

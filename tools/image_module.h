@@ -16,7 +16,6 @@
 #include "image/image_file.h"
 #include "image/legend.h"
 #include "image/read_image.h"
-#include "renderer/image_metadata.h"
 #include "visibility/horizon/skyline.h"
 #include "visibility/photos/photo_file.h"
 #include "visibility/points/placement.h"
@@ -33,8 +32,7 @@ namespace alidade::tools {
 struct ImageModule {
   decltype(&image::library_version) image_library = &image::library_version;
   decltype(&geo::library_versions) map_libraries = &geo::library_versions;
-  decltype(&renderer::write_image) write_image = &renderer::write_image;
-  decltype(&image::write_image) write_film = &image::write_image;
+  decltype(&image::write_image) write_image = &image::write_image;
   decltype(&image::write_legend) write_legend = &image::write_legend;
   decltype(&image::write_depth_map) write_depth_map = &image::write_depth_map;
   decltype(&image::write_depth_mask) write_depth_mask = &image::write_depth_mask;

@@ -25,9 +25,9 @@ void load(FlipTile& tile, const PairPixels& pixels, int left, int top, int width
     for (int column = 0; column < columns; ++column) {
       const int x = std::clamp(left - tile.margin() + column, 0, width - 1);
       const auto pair = pixels.at(pixel_index(x, y, width));
-      for (int picture = 0; picture < 2; ++picture)
+      for (int image = 0; image < 2; ++image)
         for (int channel = 0; channel < 3; ++channel)
-          tile.rgb(picture, channel)[line + static_cast<std::size_t>(column)] = pair.color[picture][channel];
+          tile.rgb(image, channel)[line + static_cast<std::size_t>(column)] = pair.color[image][channel];
     }
   }
 }

@@ -70,15 +70,15 @@ class FlipTile {
   int rows_with_margin() const { return height_ + 2 * margin_; }
 
   /// Linear light, with margin. picture: 0 reference, 1 test; channel 0 to 2.
-  float* rgb(int picture, int channel) { return wide(3 * picture + channel); }
+  float* rgb(int image, int channel) { return wide(3 * image + channel); }
   /// y, x - y, y - z of one picture, with margin.
   float* opponent(int channel) { return wide(6 + channel); }
   /// Filtered in x only, with a margin above and below, but no columns left and right.
   float* pass(int channel) { return wide(9 + channel); }
   /// Without margin: the filtered channels of a picture, then what becomes of them, and its features.
-  float* color(int picture, int channel) { return narrow(3 * picture + channel); }
-  float* edges(int picture) { return narrow(6 + picture); }
-  float* points(int picture) { return narrow(8 + picture); }
+  float* color(int image, int channel) { return narrow(3 * image + channel); }
+  float* edges(int image) { return narrow(6 + image); }
+  float* points(int image) { return narrow(8 + image); }
   /// The largest FLIP value of the exposures so far, without margin.
   float* map() { return narrow(10); }
 

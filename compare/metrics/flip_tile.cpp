@@ -51,13 +51,13 @@ HWY_INLINE Triple toned(const ToneCurve& curve, Triple rgb) {
   return clamped(Triple{hn::Div(rgb.x, divisor), hn::Div(rgb.y, divisor), hn::Div(rgb.z, divisor)});
 }
 
-void to_opponent(FlipTile& tile, int picture, const ToneCurve& curve) {
+void to_opponent(FlipTile& tile, int image, const ToneCurve& curve) {
   const FloatLanes d;
   const FlipColor& color = flip_color();
   const std::size_t count = tile.pitch() * static_cast<std::size_t>(tile.rows_with_margin());
-  const float* const red = tile.rgb(picture, 0);
-  const float* const green = tile.rgb(picture, 1);
-  const float* const blue = tile.rgb(picture, 2);
+  const float* const red = tile.rgb(image, 0);
+  const float* const green = tile.rgb(image, 1);
+  const float* const blue = tile.rgb(image, 2);
   for (std::size_t i = 0; i < count; i += hn::Lanes(d)) {
     const Triple rgb{hn::LoadU(d, red + i), hn::LoadU(d, green + i), hn::LoadU(d, blue + i)};
     const Triple xyz = product(color.xyz_from_rgb, toned(curve, rgb));
@@ -99,7 +99,7 @@ void filter_blue_yellow(FlipTile& tile, const FlipFilters& filters, float* to) {
   });
 }
 
-void find_features(FlipTile& tile, int picture, const FlipFilters& filters) {
+void find_features(FlipTile& tile, int image, const FlipFilters& filters) {
   const auto step = static_cast<std::ptrdiff_t>(tile.pitch());
   for (int y = 0; y < tile.rows_with_margin(); ++y) {
     const std::size_t row = tile.pitch() * static_cast<std::size_t>(y);
@@ -108,7 +108,7 @@ void find_features(FlipTile& tile, int picture, const FlipFilters& filters) {
   }
   for_each_row(tile, [&](std::size_t wide, std::size_t narrow) {
     feature_columns(tile.pass(0) + wide, tile.pass(1) + wide, tile.pass(2) + wide, step, tile.width(),
-                    filters, tile.edges(picture) + narrow, tile.points(picture) + narrow);
+                    filters, tile.edges(image) + narrow, tile.points(image) + narrow);
   });
 }
 
@@ -121,12 +121,12 @@ HWY_INLINE FloatVector lab_curve(FloatVector value) {
 }
 
 /// The filtered channels of a picture become colours as hunt_color() makes them.
-void to_hunt(FlipTile& tile, int picture) {
+void to_hunt(FlipTile& tile, int image) {
   const FloatLanes d;
   const FlipColor& color = flip_color();
-  float* const first = tile.color(picture, 0);
-  float* const second = tile.color(picture, 1);
-  float* const third = tile.color(picture, 2);
+  float* const first = tile.color(image, 0);
+  float* const second = tile.color(image, 1);
+  float* const third = tile.color(image, 2);
   const std::size_t count = tile.pitch() * static_cast<std::size_t>(tile.height());
   for (std::size_t i = 0; i < count; i += hn::Lanes(d)) {
     const auto y = hn::LoadU(d, first + i);
@@ -174,13 +174,13 @@ void raise_map(FlipTile& tile) {
 }
 
 void add_exposure(FlipTile& tile, const FlipFilters& filters, const ToneCurve& curve) {
-  for (int picture = 0; picture < 2; ++picture) {
-    to_opponent(tile, picture, curve);
-    filter_channel(tile, 0, filters.achromatic, tile.color(picture, 0));
-    filter_channel(tile, 1, filters.red_green, tile.color(picture, 1));
-    filter_blue_yellow(tile, filters, tile.color(picture, 2));
-    find_features(tile, picture, filters);
-    to_hunt(tile, picture);
+  for (int image = 0; image < 2; ++image) {
+    to_opponent(tile, image, curve);
+    filter_channel(tile, 0, filters.achromatic, tile.color(image, 0));
+    filter_channel(tile, 1, filters.red_green, tile.color(image, 1));
+    filter_blue_yellow(tile, filters, tile.color(image, 2));
+    find_features(tile, image, filters);
+    to_hunt(tile, image);
   }
   raise_map(tile);
 }

@@ -47,15 +47,13 @@ class PairPixels {
       return same;
     }
     Pair pair;
-    for (int picture = 0; picture < 2; ++picture)
-      for (int i = 0; i < 3; ++i) pair.color[picture][i] = converted(picture, from[picture][i]);
+    for (int image = 0; image < 2; ++image)
+      for (int i = 0; i < 3; ++i) pair.color[image][i] = converted(image, from[image][i]);
     return pair;
   }
 
  private:
-  float converted(int picture, float value) const {
-    return curves_[picture] ? curves_[picture]->at(value) : value;
-  }
+  float converted(int image, float value) const { return curves_[image] ? curves_[image]->at(value) : value; }
 
   const ImageMask& mask_;
   const float* colors_[2];

@@ -68,8 +68,8 @@ class SsimTile {
 
   /// Values of a row of a picture (0 reference, 1 test), with k_ssim_reach more on each side; row 0 is the
   /// highest above the tile.
-  double* values(int picture, int row) {
-    return values_[static_cast<std::size_t>(picture)].data() + static_cast<std::ptrdiff_t>(row) * k_pitch;
+  double* values(int image, int row) {
+    return values_[static_cast<std::size_t>(image)].data() + static_cast<std::ptrdiff_t>(row) * k_pitch;
   }
 
   /// Filters along the rows; to be called before similarities().
@@ -237,9 +237,9 @@ HalfImages halved(const Pixels& pixels, int width, int height, const ImageMask& 
         const std::size_t from =
             pixel_index(std::min(2 * x + part % 2, width - 1), std::min(2 * y + part / 2, height - 1), width);
         const auto pair = pixels.at(from);
-        for (int picture = 0; picture < 2; ++picture)
+        for (int image = 0; image < 2; ++image)
           for (int channel = 0; channel < 3; ++channel)
-            half.pairs[to].color[picture][channel] += 0.25f * pair.color[picture][channel];
+            half.pairs[to].color[image][channel] += 0.25f * pair.color[image][channel];
         if (!counted.at(from)) half.counted.counts[to] = 0;
       }
     }

@@ -12,7 +12,7 @@ namespace {
 /// A picture of the page.
 struct PageImage {
   std::string id, title;
-  const image::ByteImage* picture = nullptr;
+  const image::ByteImage* image = nullptr;
   const DifferenceMap* map = nullptr;  ///< that it shows
   std::string address{};
 };
@@ -60,10 +60,10 @@ Json colors_of(const DifferenceMap& map) {
   return colors;
 }
 
-Json map_json(const PageImage& picture, const DifferenceMap& map) {
+Json map_json(const PageImage& image, const DifferenceMap& map) {
   std::string note = map.title + ": " + map.label + ".";
   for (const std::string& line : map.notes) note += " " + line + ".";
-  Json json{{"id", picture.id}, {"kind", "map"}, {"title", map.title}, {"note", note}};
+  Json json{{"id", image.id}, {"kind", "map"}, {"title", map.title}, {"note", note}};
   if (!map.categories.empty()) {
     Json categories = Json::array();
     const auto add = [&](const std::string& label, const image::Rgb8& color) {
@@ -81,11 +81,11 @@ Json map_json(const PageImage& picture, const DifferenceMap& map) {
   return json;
 }
 
-Json views_json(const std::vector<PageImage>& pictures) {
-  const PageImage& reference = pictures.front();
+Json views_json(const std::vector<PageImage>& images) {
+  const PageImage& reference = images.front();
   // The matched test is behind the test as it is.
-  const bool is_matched = pictures.size() > 2 && pictures[2].id == "matched";
-  const PageImage& test = pictures[is_matched ? 2 : 1];
+  const bool is_matched = images.size() > 2 && images[2].id == "matched";
+  const PageImage& test = images[is_matched ? 2 : 1];
   const auto two = [&](const char* kind, const char* title, const char* note) {
     return Json{{"id", kind},          {"kind", kind},
                 {"title", title},      {"under", reference.id},
@@ -95,12 +95,12 @@ Json views_json(const std::vector<PageImage>& pictures) {
   Json views = {two("swipe", "Swipe", "The reference left of the divider, the test right of it."),
                 two("blink", "Blink",
                     "Reference and test in turn at the same position: what moves or flickers differs.")};
-  for (const PageImage& picture : pictures) {
-    views.push_back(picture.map != nullptr ? map_json(picture, *picture.map)
-                                           : Json{{"id", picture.id},
-                                                  {"kind", "picture"},
-                                                  {"title", picture.title},
-                                                  {"note", picture.title + "."}});
+  for (const PageImage& image : images) {
+    views.push_back(image.map != nullptr ? map_json(image, *image.map)
+                                         : Json{{"id", image.id},
+                                                {"kind", "picture"},
+                                                {"title", image.title},
+                                                {"note", image.title + "."}});
   }
   return views;
 }
@@ -123,16 +123,16 @@ std::string regions_note(const Comparison& comparison) {
   return note + ".";
 }
 
-Json histogram_json(const HistogramChart& picture) {
+Json histogram_json(const HistogramChart& chart) {
   const auto one = [](const Histogram& histogram) {
     return Json{{"name", histogram.name}, {"bins", histogram.bins}};
   };
-  Json json{{"title", picture.title},
-            {"unit", picture.unit},
-            {"low", picture.low},
-            {"high", picture.high},
-            {"first", one(picture.first)}};
-  if (picture.second) json["second"] = one(*picture.second);
+  Json json{{"title", chart.title},
+            {"unit", chart.unit},
+            {"low", chart.low},
+            {"high", chart.high},
+            {"first", one(chart.first)}};
+  if (chart.second) json["second"] = one(*chart.second);
   return json;
 }
 
@@ -151,10 +151,10 @@ Json lines_json(const std::vector<HowLine>& lines) {
 }
 
 Json page_json(const Comparison& comparison, const Verdict& verdict, const Verdict& warnings,
-               const std::vector<PageImage>& pictures) {
+               const std::vector<PageImage>& images) {
   Json histograms = Json::array();
-  for (const HistogramChart& picture : comparison.pictures->histograms)
-    histograms.push_back(histogram_json(picture));
+  for (const HistogramChart& chart : comparison.images->histograms)
+    histograms.push_back(histogram_json(chart));
   return {{"generator", "Alidade " ALIDADE_VERSION},
           {"reference", image_json(comparison.reference)},
           {"test", image_json(comparison.test)},
@@ -166,7 +166,7 @@ Json page_json(const Comparison& comparison, const Verdict& verdict, const Verdi
           {"rows", rows_json(comparison)},
           {"counted_note", counted_note(comparison)},
           {"how", lines_json(how_lines(comparison))},
-          {"views", views_json(pictures)},
+          {"views", views_json(images)},
           {"regions", comparison.changes ? regions_json(*comparison.changes) : Json::array()},
           {"regions_note", regions_note(comparison)},
           {"histograms", histograms}};
@@ -176,29 +176,28 @@ Json page_json(const Comparison& comparison, const Verdict& verdict, const Verdi
 
 std::string report_page(const Comparison& comparison, const Verdict& verdict, image::ImagePacking packing,
                         const Verdict& warnings) {
-  const ComparisonImages& shown = *comparison.pictures;
+  const ComparisonImages& shown = *comparison.images;
   std::vector<image::ByteImage> painted;
   const std::vector<const DifferenceMap*> maps = shown.maps();
   for (const DifferenceMap* map : maps)
     painted.push_back({map->width, map->height, paint_difference(*map).bytes()});
-  std::vector<PageImage> pictures{{"reference", "Reference", &shown.reference},
-                                  {"test", "Test", &shown.test}};
-  if (shown.matched) pictures.push_back({"matched", "Test, colours matched", &*shown.matched});
+  std::vector<PageImage> images{{"reference", "Reference", &shown.reference}, {"test", "Test", &shown.test}};
+  if (shown.matched) images.push_back({"matched", "Test, colours matched", &*shown.matched});
   for (std::size_t i = 0; i < painted.size(); ++i)
-    pictures.push_back({fmt::format("map-{}", i + 1), maps[i]->title, &painted[i], maps[i]});
-  in_parallel(pictures.size(), 1,
-              [&](std::size_t i) { pictures[i].address = image::data_url(*pictures[i].picture, packing); });
+    images.push_back({fmt::format("map-{}", i + 1), maps[i]->title, &painted[i], maps[i]});
+  in_parallel(images.size(), 1,
+              [&](std::size_t i) { images[i].address = image::data_url(*images[i].image, packing); });
 
-  std::string images;
-  for (const PageImage& picture : pictures)
-    images += fmt::format("<img id=\"picture-{}\" alt=\"{}\" src=\"{}\">\n", picture.id,
-                          html_text(picture.title), picture.address);
+  std::string elements;
+  for (const PageImage& image : images)
+    elements += fmt::format("<img id=\"picture-{}\" alt=\"{}\" src=\"{}\">\n", image.id,
+                            html_text(image.title), image.address);
   const std::string title = html_text(name_of(comparison.test) + " against " + name_of(comparison.reference));
-  const std::string data = script_json(json_text(page_json(comparison, verdict, warnings, pictures), -1));
+  const std::string data = script_json(json_text(page_json(comparison, verdict, warnings, images), -1));
   const std::string script = std::string(k_page_js) + std::string(k_tables_js) + std::string(k_viewer_js);
   return fill_page(
       k_report_html,
-      {{"title", title}, {"style", k_style_css}, {"pictures", images}, {"data", data}, {"script", script}});
+      {{"title", title}, {"style", k_style_css}, {"pictures", elements}, {"data", data}, {"script", script}});
 }
 
 }  // namespace alidade::compare

@@ -80,25 +80,24 @@ class Bench {
       rule.apply(*scene.cloud);
       renderer::choose_radius(*scene.cloud, cloud);
       double seconds = 0.0;
-      const image::Film picture = test::picture_of(scene, cloud, &seconds);
-      print_row(points, rule.name, test::fidelity(view.camera, truth, picture, scene.output.exposure),
-                seconds);
-      if (rule.on_sheet) shown.push_back(picture);
+      const image::Film film = test::image_of(scene, cloud, &seconds);
+      print_row(points, rule.name, test::fidelity(view.camera, truth, film, scene.output.exposure), seconds);
+      if (rule.on_sheet) shown.push_back(film);
     }
     write_sheet(shown, scene.output.exposure, fmt::format("{}_{}.png", sheet, points));
   }
 
  private:
   /// Pictures of one size beside each other.
-  void write_sheet(std::span<const image::Film> pictures, double exposure, const std::string& name) const {
-    const image::Film& first = pictures.front();
+  void write_sheet(std::span<const image::Film> films, double exposure, const std::string& name) const {
+    const image::Film& first = films.front();
     const std::vector<image::Layer> layers = {image::Layer::color};
-    image::Film sheet(first.width * static_cast<int>(pictures.size()), first.height, layers);
-    for (std::size_t i = 0; i < pictures.size(); ++i) {
+    image::Film sheet(first.width * static_cast<int>(films.size()), first.height, layers);
+    for (std::size_t i = 0; i < films.size(); ++i) {
       for (int y = 0; y < first.height; ++y) {
         for (int x = 0; x < first.width; ++x) {
           const std::size_t to = sheet.index(x + static_cast<int>(i) * first.width, y);
-          sheet.color[to] = pictures[i].color[first.index(x, y)];
+          sheet.color[to] = films[i].color[first.index(x, y)];
           sheet.alpha[to] = 1.0f;
         }
       }

@@ -47,7 +47,7 @@ std::map<std::size_t, glm::dvec2> middles(const Film& film) {
   return result;
 }
 
-Film picture_of(const Camera& camera, const std::vector<glm::dvec3>& targets, double radius) {
+Film image_of(const Camera& camera, const std::vector<glm::dvec3>& targets, double radius) {
   Scene scene;
   scene.sky = ConstantSky{};
   scene.render.samples = 1;
@@ -70,7 +70,7 @@ TEST(CameraTargets, every_lens_shows_a_ball_where_it_projects_it) {
     }
     // Balls of about three pixels, ten metres away.
     const double radius = (parallel ? 3.0 : 30.0) / camera.fx;
-    const auto found = middles(picture_of(camera, targets, radius));
+    const auto found = middles(image_of(camera, targets, radius));
     glm::dvec2 sum(0.0);
     int count = 0;
     for (const auto& [object, middle] : found) {
@@ -218,7 +218,7 @@ TEST(CameraTargets, cameras_of_every_format_show_a_ball_where_the_formula_says) 
     ASSERT_EQ(camera.height, 200) << name;
     glm::dvec2 sum(0.0);
     int count = 0;
-    for (const auto& [object, middle] : middles(picture_of(camera, targets, 0.08))) {
+    for (const auto& [object, middle] : middles(image_of(camera, targets, 0.08))) {
       const glm::dvec3 seen = w.rotation * (targets[object] - w.center);
       const glm::dvec2 expected(k_focal * seen.x / seen.z + k_cx, k_focal * seen.y / seen.z + k_cy);
       const bool alone = std::ranges::none_of(targets, [&](const glm::dvec3& other) {
@@ -246,7 +246,7 @@ TEST(CameraTargets, columns_of_a_panorama_are_azimuths) {
                       10.0 * glm::dvec3(std::sin(azimuth), std::cos(azimuth), 0.25 * (step % 3)));
   }
   const Camera camera = panorama_camera({690000, 5325000, 500}, 720, 360);
-  const auto found = middles(picture_of(camera, targets, 0.2));
+  const auto found = middles(image_of(camera, targets, 0.2));
   EXPECT_EQ(found.size(), 12u);
   for (const auto& [step, middle] : found) {
     const double azimuth = 15.0 + 30.0 * static_cast<double>(step);
@@ -264,7 +264,7 @@ TEST(CameraTargets, an_orthophoto_shows_everything_at_its_position_whatever_its_
   EXPECT_EQ(camera.height, 101);
   std::vector<glm::dvec3> targets;
   for (int i = 0; i < 12; ++i) targets.emplace_back(690001.5 + 1.5 * i, 5325001.0 + 0.7 * i, 400.0 + 4.0 * i);
-  const auto found = middles(picture_of(camera, targets, 0.35));
+  const auto found = middles(image_of(camera, targets, 0.35));
   EXPECT_EQ(found.size(), 12u);
   for (const auto& [object, middle] : found) {
     EXPECT_NEAR(690000.0 + 0.1 * middle.x, targets[object].x, 0.02);

@@ -144,9 +144,9 @@ TEST(DifferenceMap, is_written_as_png_with_a_legend_beside_it) {
   const DifferenceMap map = flip_difference(std::vector<float>(200 * 100, 0.5f), 200, {});
   EXPECT_EQ(map.range, (ValueRange{0.0, 1.0}));
   write_difference(map, file, true);
-  const OIIO::ImageBuf picture(file.string());
-  EXPECT_GT(picture.spec().width, 200 + 100);
-  EXPECT_GE(picture.spec().height, 100);
+  const OIIO::ImageBuf image(file.string());
+  EXPECT_GT(image.spec().width, 200 + 100);
+  EXPECT_GE(image.spec().height, 100);
   EXPECT_THROW(write_difference(map, file, false), Error);
   EXPECT_THROW(write_difference(map, std::filesystem::temp_directory_path() / "difference.jpg", true), Error);
 }

@@ -39,8 +39,8 @@ TEST(ErrorMetrics, figures_are_those_counted_by_hand) {
 
 TEST(ErrorMetrics, equal_images_have_no_error_and_an_infinite_psnr) {
   for (const ColorEncoding encoding : {ColorEncoding::display, ColorEncoding::linear}) {
-    const ComparedImage picture = patchy_image(20, 10, encoding, "same");
-    const ErrorMetrics metrics = error_metrics(picture, picture, ColorEncoding::display);
+    const ComparedImage image = patchy_image(20, 10, encoding, "same");
+    const ErrorMetrics metrics = error_metrics(image, image, ColorEncoding::display);
     EXPECT_EQ(metrics.values, 600u);
     EXPECT_EQ(metrics.rmse, 0.0);
     EXPECT_EQ(metrics.psnr, k_infinity);
@@ -64,18 +64,18 @@ TEST(ErrorMetrics, exchanging_the_images_changes_the_sign_of_the_mean_only) {
 
 // Codes 10 and 13 of 255: the difference is 3 / 255 without a rounding.
 TEST(ErrorMetrics, differences_of_codes_are_exact) {
-  const auto picture = [](int code) {
+  const auto grey = [](int code) {
     const float value = static_cast<float>(code) / 255.0f;
     ComparedImage image = uniform_image(7, 5, ColorEncoding::display, value, value, value);
     image.largest_code = 255;
     return image;
   };
-  const ErrorMetrics metrics = error_metrics(picture(10), picture(13), ColorEncoding::display);
+  const ErrorMetrics metrics = error_metrics(grey(10), grey(13), ColorEncoding::display);
   EXPECT_EQ(metrics.rmse, 3.0 / 255.0);
   EXPECT_EQ(metrics.mean, 3.0 / 255.0);
   EXPECT_EQ(metrics.percentile_95, 3.0 / 255.0);
   // Linear light of the straight part of the curve: divided by 12.92.
-  EXPECT_NEAR(error_metrics(picture(0), picture(10), ColorEncoding::linear).rmse, 10.0 / 255.0 / 12.92, 1e-9);
+  EXPECT_NEAR(error_metrics(grey(0), grey(10), ColorEncoding::linear).rmse, 10.0 / 255.0 / 12.92, 1e-9);
 }
 
 TEST(ErrorMetrics, two_grey_images_count_one_channel) {
@@ -157,14 +157,14 @@ TEST(ErrorMetrics, the_same_bytes_on_any_number_of_threads) {
 }
 
 TEST(ErrorMetrics, images_of_other_sizes_or_without_colour_are_errors) {
-  const ComparedImage picture = uniform_image(3, 2, ColorEncoding::display, 0, 0, 0);
+  const ComparedImage image = uniform_image(3, 2, ColorEncoding::display, 0, 0, 0);
   EXPECT_THROW(
-      error_metrics(picture, uniform_image(2, 3, ColorEncoding::display, 0, 0, 0), ColorEncoding::display),
+      error_metrics(image, uniform_image(2, 3, ColorEncoding::display, 0, 0, 0), ColorEncoding::display),
       SizeMismatch);
-  ComparedImage layers = picture;
+  ComparedImage layers = image;
   layers.color_channels = 0;
   layers.color.clear();
-  EXPECT_THROW(error_metrics(picture, layers, ColorEncoding::display), Error);
+  EXPECT_THROW(error_metrics(image, layers, ColorEncoding::display), Error);
 }
 
 }  // namespace

@@ -21,12 +21,12 @@ constexpr float k_nan = std::numeric_limits<float>::quiet_NaN();
 constexpr float k_infinity = std::numeric_limits<float>::infinity();
 
 double flip_of_uniform(ColorEncoding encoding, glm::vec3 one, glm::vec3 other) {
-  const auto picture = [&](glm::vec3 color) {
+  const auto image = [&](glm::vec3 color) {
     return uniform_image(23, 17, encoding, color.r, color.g, color.b);
   };
   FlipOptions options;
   options.range = FlipRange::display;
-  const FlipResult result = flip(picture(one), picture(other), {}, options);
+  const FlipResult result = flip(image(one), image(other), {}, options);
   EXPECT_NEAR(result.min, result.max, 1e-5);
   EXPECT_NEAR(result.weighted_median, result.mean, 1e-5);
   return result.mean;
@@ -49,8 +49,8 @@ TEST(Flip, images_of_one_colour_give_what_the_paper_says) {
 
 TEST(Flip, equal_images_give_exactly_zero) {
   for (const ColorEncoding encoding : {ColorEncoding::display, ColorEncoding::linear}) {
-    const ComparedImage picture = patchy_image(61, 47, encoding, "equal");
-    const FlipResult result = flip(picture, picture);
+    const ComparedImage image = patchy_image(61, 47, encoding, "equal");
+    const FlipResult result = flip(image, image);
     EXPECT_EQ(result.mean, 0.0);
     EXPECT_EQ(result.max, 0.0);
     EXPECT_EQ(result.weighted_third_quartile, 0.0);
@@ -179,16 +179,16 @@ TEST(Flip, pixels_that_are_not_finite_do_not_count_and_spoil_nothing) {
 
 TEST(HdrFlip, exposures_run_from_the_brightest_to_the_median_pixel) {
   // Luminances 0.5, 1, 2 and 8 in equal parts: the upper median is 2. ACES reaches 0.85 at 2.118872.
-  ComparedImage picture = uniform_image(4, 1, ColorEncoding::linear, 0.5f, 0.5f, 0.5f);
+  ComparedImage image = uniform_image(4, 1, ColorEncoding::linear, 0.5f, 0.5f, 0.5f);
   for (std::size_t i = 0; i < 3; ++i) {
-    picture.color[3 + i] = 1.0f;
-    picture.color[6 + i] = 2.0f;
-    picture.color[9 + i] = 8.0f;
+    image.color[3 + i] = 1.0f;
+    image.color[6 + i] = 2.0f;
+    image.color[9 + i] = 8.0f;
   }
   const auto range_of = [&](ToneMapper mapper) {
     FlipOptions options;
     options.tone_mapper = mapper;
-    return exposure_range(picture, picture, {}, options);
+    return exposure_range(image, image, {}, options);
   };
   const ExposureRange range = range_of(ToneMapper::aces);
   EXPECT_NEAR(range.start, std::log2(2.118872 / 8.0), 1e-6);
@@ -257,23 +257,23 @@ TEST(HdrFlip, black_and_mostly_black_images_come_to_an_end) {
 }
 
 TEST(HdrFlip, the_widest_range_of_light_that_floats_hold_comes_to_an_end) {
-  ComparedImage picture = uniform_image(8, 8, ColorEncoding::linear, 1e-38f, 1e-38f, 1e-38f);
-  picture.color[0] = picture.color[1] = picture.color[2] = 3e38f;
-  const FlipResult result = flip(picture, uniform_image(8, 8, ColorEncoding::linear, 0, 0, 0));
+  ComparedImage image = uniform_image(8, 8, ColorEncoding::linear, 1e-38f, 1e-38f, 1e-38f);
+  image.color[0] = image.color[1] = image.color[2] = 3e38f;
+  const FlipResult result = flip(image, uniform_image(8, 8, ColorEncoding::linear, 0, 0, 0));
   EXPECT_GT(result.exposures, 200);
   EXPECT_LE(result.exposures, k_most_exposures);
   for (const float value : result.map) EXPECT_TRUE(value >= 0.0f && value <= 1.0f);
 }
 
 TEST(Flip, what_cannot_be_compared_is_an_error) {
-  const ComparedImage picture = uniform_image(4, 4, ColorEncoding::linear, 1, 1, 1);
-  EXPECT_THROW(flip(picture, uniform_image(4, 5, ColorEncoding::linear, 1, 1, 1)), SizeMismatch);
-  ComparedImage layers = picture;
+  const ComparedImage image = uniform_image(4, 4, ColorEncoding::linear, 1, 1, 1);
+  EXPECT_THROW(flip(image, uniform_image(4, 5, ColorEncoding::linear, 1, 1, 1)), SizeMismatch);
+  ComparedImage layers = image;
   layers.color.clear();
   layers.color_channels = 0;
-  EXPECT_THROW(flip(picture, layers), Error);
+  EXPECT_THROW(flip(image, layers), Error);
   const auto fails = [&](const FlipOptions& options) {
-    EXPECT_THROW(flip(picture, picture, {}, options), Error);
+    EXPECT_THROW(flip(image, image, {}, options), Error);
   };
   for (const double pixels : {0.0, 0.9, 1000.5, static_cast<double>(k_nan)}) {
     FlipOptions options;
@@ -293,16 +293,16 @@ TEST(Flip, what_cannot_be_compared_is_an_error) {
 }
 
 TEST(Flip, a_progress_that_returns_false_stops_it) {
-  const ComparedImage picture = patchy_image(600, 300, ColorEncoding::display, "stop");
+  const ComparedImage image = patchy_image(600, 300, ColorEncoding::display, "stop");
   std::uint64_t last = 0, all = 0;
-  flip(picture, picture, {}, {}, [&](std::uint64_t done, std::uint64_t total) {
+  flip(image, image, {}, {}, [&](std::uint64_t done, std::uint64_t total) {
     last = done;
     all = total;
     return true;
   });
   EXPECT_GT(all, 1u);
   EXPECT_EQ(last, all);
-  EXPECT_THROW(flip(picture, picture, {}, {}, [](std::uint64_t, std::uint64_t) { return false; }), Cancelled);
+  EXPECT_THROW(flip(image, image, {}, {}, [](std::uint64_t, std::uint64_t) { return false; }), Cancelled);
 }
 
 TEST(Flip, the_default_viewing_distance_is_that_of_the_authors_tool) {

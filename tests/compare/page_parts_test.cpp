@@ -40,18 +40,18 @@ TEST(PagePartsTest, base64_is_that_of_rfc_4648) {
 }
 
 TEST(PagePartsTest, shrunk_images_have_means_of_squares) {
-  const ByteImage picture{3, 2, {10, 0, 0, 20, 0, 0, 7, 8, 9, 30, 0, 0, 40, 0, 0, 7, 8, 9}};
-  const ByteImage small = shrunk(picture, 2);
+  const ByteImage image{3, 2, {10, 0, 0, 20, 0, 0, 7, 8, 9, 30, 0, 0, 40, 0, 0, 7, 8, 9}};
+  const ByteImage small = shrunk(image, 2);
   EXPECT_EQ(small.width, 2);
   EXPECT_EQ(small.height, 1);
   EXPECT_EQ(small.bytes, (std::vector<std::uint8_t>{25, 0, 0, 7, 8, 9}));
-  EXPECT_EQ(shrunk(picture, 3).bytes, picture.bytes);
+  EXPECT_EQ(shrunk(image, 3).bytes, image.bytes);
 }
 
 TEST(PagePartsTest, images_are_packed_as_requested) {
-  const ByteImage picture{2, 1, {1, 2, 3, 250, 251, 252}};
-  EXPECT_TRUE(data_url(picture, ImagePacking::automatic).starts_with("data:image/png;base64,iVBORw0KGgo"));
-  EXPECT_TRUE(data_url(picture, ImagePacking::jpeg).starts_with("data:image/jpeg;base64,/9j/"));
+  const ByteImage image{2, 1, {1, 2, 3, 250, 251, 252}};
+  EXPECT_TRUE(data_url(image, ImagePacking::automatic).starts_with("data:image/png;base64,iVBORw0KGgo"));
+  EXPECT_TRUE(data_url(image, ImagePacking::jpeg).starts_with("data:image/jpeg;base64,/9j/"));
   EXPECT_EQ(packing_for(ImagePacking::automatic, 2'000'000), ImagePacking::png);
   EXPECT_EQ(packing_for(ImagePacking::automatic, 2'000'001), ImagePacking::jpeg);
 }

@@ -40,10 +40,10 @@ class ReportTest : public ImageFilesTest {
     paint(wave, {80, 50, 90, 60});
     write_image("<img src=x onerror=hacked()>'\".png", 120, 80, wave, {{"alidade:samples", "64"}});
   }
-  static void paint(std::vector<float>& picture, const PixelRectangle& box) {
+  static void paint(std::vector<float>& image, const PixelRectangle& box) {
     for (int y = box.top; y < box.bottom; ++y)
       for (int x = box.left; x < box.right; ++x)
-        for (int c = 0; c < 3; ++c) picture[static_cast<std::size_t>((y * 120 + x) * 3 + c)] = 1.0f;
+        for (int c = 0; c < 3; ++c) image[static_cast<std::size_t>((y * 120 + x) * 3 + c)] = 1.0f;
   }
 
   fs::path write_report() {

@@ -81,8 +81,8 @@ Plane half(const Plane& plane) {
 }
 
 TEST(Ssim, equal_images_give_one) {
-  const ComparedImage picture = patchy_image(171, 165, ColorEncoding::display, "equal");
-  const Similarity result = similarity(picture, picture);
+  const ComparedImage image = patchy_image(171, 165, ColorEncoding::display, "equal");
+  const Similarity result = similarity(image, image);
   EXPECT_NEAR(result.ssim, 1.0, 1e-12);
   EXPECT_NEAR(result.ms_ssim, 1.0, 1e-12);
 }
@@ -172,12 +172,12 @@ TEST(Ssim, pixels_that_do_not_count_make_no_difference) {
 }
 
 TEST(Ssim, a_pixel_of_half_size_counts_if_all_four_of_its_pixels_do) {
-  const ComparedImage picture = patchy_image(162, 162, ColorEncoding::display, "one of four");
+  const ComparedImage image = patchy_image(162, 162, ColorEncoding::display, "one of four");
   for (int part = 0; part < 4; ++part) {
     ImageMask mask;
-    for (int y = 0; y < picture.height; ++y)
-      for (int x = 0; x < picture.width; ++x) mask.counts.push_back(x % 2 != part % 2 || y % 2 != part / 2);
-    const Similarity result = similarity(picture, picture, mask);
+    for (int y = 0; y < image.height; ++y)
+      for (int x = 0; x < image.width; ++x) mask.counts.push_back(x % 2 != part % 2 || y % 2 != part / 2);
+    const Similarity result = similarity(image, image, mask);
     EXPECT_NEAR(result.ssim, 1.0, 1e-12) << part;
     EXPECT_TRUE(std::isnan(result.ms_ssim)) << part;
   }

@@ -28,8 +28,8 @@ std::vector<fs::path> small_clouds() {
 }
 
 /// The luminance that half of the pixels do not reach, 0 to 1 of display values; background does not count.
-double median_luminance(const fs::path& picture) {
-  const auto input = OIIO::ImageInput::open(picture.string());
+double median_luminance(const fs::path& image) {
+  const auto input = OIIO::ImageInput::open(image.string());
   if (!input) return -1.0;
   const OIIO::ImageSpec& spec = input->spec();
   const auto channels = static_cast<std::size_t>(spec.nchannels);

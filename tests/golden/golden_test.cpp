@@ -24,9 +24,9 @@ const fs::path k_sources = ALIDADE_SOURCE_FOLDER;
 
 class GoldenTest : public ProgramTest {
  protected:
-  void render(std::vector<std::string> words, const std::string& picture) {
+  void render(std::vector<std::string> words, const std::string& image) {
     words.insert(words.begin(), "render");
-    words.insert(words.end(), {"--seed", "1", "-q", "-o", picture});
+    words.insert(words.end(), {"--seed", "1", "-q", "-o", image});
     const ProgramResult result = run(words);
     ASSERT_EQ(result.exit_code, 0) << result.err;
   }
@@ -42,24 +42,24 @@ class GoldenTest : public ProgramTest {
 
   /// Judges a picture of the test's folder by the one of that name beside this file; where it fails, leaves a
   /// report to look at.
-  void expect_golden(const std::string& picture, const std::string& thresholds) const {
-    const fs::path golden = k_sources / "tests/golden" / picture;
+  void expect_golden(const std::string& image, const std::string& thresholds) const {
+    const fs::path golden = k_sources / "tests/golden" / image;
     if (std::getenv("ALIDADE_WRITE_GOLDEN") != nullptr) {
-      fs::copy_file(folder / picture, golden, fs::copy_options::overwrite_existing);
+      fs::copy_file(folder / image, golden, fs::copy_options::overwrite_existing);
       GTEST_SKIP() << golden << " was written again";
     }
     ComparisonOptions options;
     options.keep_images = true;
     options.find_changes = ChangeMap::color;
-    const Comparison comparison = compare_files(golden, folder / picture, options);
+    const Comparison comparison = compare_files(golden, folder / image, options);
     const Verdict verdict = judge(comparison, parse_thresholds(thresholds));
     if (verdict.pass()) return;
-    const fs::path report = std::filesystem::temp_directory_path() / ("golden_" + picture + ".html");
+    const fs::path report = std::filesystem::temp_directory_path() / ("golden_" + image + ".html");
     write_page(report_page(comparison, verdict, ImagePacking::png), report, true);
     std::string failures;
     for (const JudgedThreshold& judged : verdict.judged)
       if (judged.fails) failures += to_text(judged.threshold) + ": " + std::to_string(judged.value) + "\n";
-    ADD_FAILURE() << picture << " has changed:\n" << failures << "see " << report;
+    ADD_FAILURE() << image << " has changed:\n" << failures << "see " << report;
   }
 };
 

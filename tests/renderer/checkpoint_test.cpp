@@ -44,7 +44,7 @@ class CheckpointTest : public ::testing::Test {
 
   RenderOptions options(bool resume) const {
     RenderOptions options;
-    options.checkpoint = {.file = file_, .interval = 1e6, .resume = resume, .picture = "a.exr"};
+    options.checkpoint = {.file = file_, .interval = 1e6, .resume = resume, .image = "a.exr"};
     return options;
   }
 
@@ -200,7 +200,7 @@ TEST_F(CheckpointTest, says_what_it_is_of) {
   Scene scene = mixed_scene();
   render_in_part(scene, nullptr, options(false), 0);
   const CheckpointSummary summary = read_checkpoint_summary(file_);
-  EXPECT_EQ(summary.picture, "a.exr");
+  EXPECT_EQ(summary.image, "a.exr");
   EXPECT_GT(summary.samples_taken, 0u);
   EXPECT_DOUBLE_EQ(summary.share, static_cast<double>(summary.samples_taken) / (70.0 * 50 * 5));
   EXPECT_GE(summary.seconds, 0.0);
@@ -225,7 +225,7 @@ TEST_F(CheckpointTest, of_another_image_is_an_error_that_names_the_difference) {
   expect_rejection("it has number of bounces 6, this run has 7",
                    [](Scene& other, LoadedCloud&, RenderOptions&) { other.render.max_bounces = 7; });
   expect_rejection("it has picture a.exr, this run has b.exr",
-                   [](Scene&, LoadedCloud&, RenderOptions& asked) { asked.checkpoint->picture = "b.exr"; });
+                   [](Scene&, LoadedCloud&, RenderOptions& asked) { asked.checkpoint->image = "b.exr"; });
   expect_rejection("it has target noise none, this run has 0.01",
                    [](Scene&, LoadedCloud&, RenderOptions& asked) { asked.target_noise = 0.01; });
   expect_rejection("it has noise sums kept, this run has not kept",

@@ -33,7 +33,7 @@ Fidelity fidelity_of(PointShape shape, const image::Film& truth, LoadedCloud& cl
   Scene scene = flat_yard();
   scene.cloud.emplace().shape = shape;
   choose_radius(*scene.cloud, cloud);
-  return test::fidelity(*scene.camera, truth, test::picture_of(scene, cloud), 0.0);
+  return test::fidelity(*scene.camera, truth, test::image_of(scene, cloud), 0.0);
 }
 
 TEST(Fidelity, of_each_surface_stays_as_good_as_it_is) {
@@ -79,8 +79,7 @@ TEST(Fidelity, fewer_than_one_depth_in_a_hundred_is_wrong_by_more_than_three_sig
         index_cloud(test::courtyard_cloud({.points = points}), simulation::scan_attributes(), blend, "scan");
     for (std::size_t i = 0; i < views.size(); ++i) {
       scene.camera = views[i].camera;
-      const Fidelity measured =
-          test::fidelity(views[i].camera, truths[i], test::picture_of(scene, cloud), 0.0);
+      const Fidelity measured = test::fidelity(views[i].camera, truths[i], test::image_of(scene, cloud), 0.0);
       EXPECT_LT(measured.surprises, 0.0125) << views[i].name << " " << points;
       // Not by being unsure of everything.
       if (points == 500'000u) {

@@ -149,7 +149,7 @@ image::Film exact_image(renderer::Scene scene) {
   return renderer::render(scene, nullptr, {.layers = k_layers});
 }
 
-image::Film picture_of(renderer::Scene scene, const renderer::LoadedCloud& cloud, double* seconds) {
+image::Film image_of(renderer::Scene scene, const renderer::LoadedCloud& cloud, double* seconds) {
   const auto start = std::chrono::steady_clock::now();
   image::Film film = renderer::render(scene, &cloud, {.layers = k_layers});
   if (seconds) *seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
@@ -158,27 +158,27 @@ image::Film picture_of(renderer::Scene scene, const renderer::LoadedCloud& cloud
   return film;
 }
 
-Fidelity fidelity(const camera::Camera& camera, const image::Film& truth, const image::Film& picture,
+Fidelity fidelity(const camera::Camera& camera, const image::Film& truth, const image::Film& film,
                   double exposure) {
   std::vector<double> differences, interior_differences, angles, sigmas;
   const std::vector<std::uint8_t> interior = interior_of(truth);
   std::size_t true_pixels = 0, missing = 0, far_off = 0, surprises = 0;
   double grown_area = 0.0;
   for (std::size_t pixel = 0; pixel < truth.count(); ++pixel) {
-    const double true_depth = truth.depth[pixel], depth = picture.depth[pixel];
+    const double true_depth = truth.depth[pixel], depth = film.depth[pixel];
     true_pixels += sees(truth, pixel);
     missing += sees(truth, pixel) && depth > true_depth + k_jump;
     if (depth < true_depth - k_jump) grown_area += depth * depth / (camera.fx * camera.fy);
-    if (!sees(truth, pixel) || !sees(picture, pixel)) continue;
+    if (!sees(truth, pixel) || !sees(film, pixel)) continue;
     differences.push_back(std::fabs(depth - true_depth));
     far_off += differences.back() > k_far_off;
-    if (!picture.depth_sigma.empty()) {
-      sigmas.push_back(picture.depth_sigma[pixel]);
+    if (!film.depth_sigma.empty()) {
+      sigmas.push_back(film.depth_sigma[pixel]);
       surprises += differences.back() > 3.0 * sigmas.back();
     }
     if (interior[pixel] == 0) continue;
     interior_differences.push_back(differences.back());
-    const double cosine = glm::dot(glm::dvec3(truth.normal[pixel]), glm::dvec3(picture.normal[pixel]));
+    const double cosine = glm::dot(glm::dvec3(truth.normal[pixel]), glm::dvec3(film.normal[pixel]));
     angles.push_back(glm::degrees(std::acos(std::clamp(cosine, -1.0, 1.0))));
   }
   Fidelity result;
@@ -195,7 +195,7 @@ Fidelity fidelity(const camera::Camera& camera, const image::Film& truth, const 
   const double length = silhouette_length(truth, camera.fx);
   result.grown = length > 0.0 ? grown_area / length : 0.0;
   result.holes = share(missing, true_pixels);
-  const compare::ComparedImage reference = displayed(truth, exposure), test = displayed(picture, exposure);
+  const compare::ComparedImage reference = displayed(truth, exposure), test = displayed(film, exposure);
   result.flip = compare::flip(reference, test).mean;
   result.ssim = compare::similarity(reference, test).ssim;
   result.psnr = compare::error_metrics(reference, test, compare::ColorEncoding::display).psnr;

@@ -40,7 +40,7 @@ renderer::Scene courtyard_light();
 /// A picture of the site or of a scan: colour, depth, normals, positions, and sigma of the depth. `scene` has
 /// a camera. seconds: of rendering all but sigma.
 image::Film exact_image(renderer::Scene scene);
-image::Film picture_of(renderer::Scene scene, const renderer::LoadedCloud& cloud, double* seconds = nullptr);
+image::Film image_of(renderer::Scene scene, const renderer::LoadedCloud& cloud, double* seconds = nullptr);
 
 struct Fidelity {
   // Over the pixels whose centres see a surface in both pictures.
@@ -61,7 +61,7 @@ struct Fidelity {
 };
 
 /// exposure: stops. Requires: both films of `camera`, a pinhole.
-Fidelity fidelity(const camera::Camera& camera, const image::Film& truth, const image::Film& picture,
+Fidelity fidelity(const camera::Camera& camera, const image::Film& truth, const image::Film& film,
                   double exposure);
 
 }  // namespace alidade::test

@@ -20,8 +20,8 @@ class CopcRenderTest : public ProgramTest {
                static_cast<std::streamsize>(sample.bytes.size()));
   }
 
-  ProgramResult render(const std::string& picture, Words more = {}) {
-    Words words = {"render", "--cloud", "site", "--size=90x60", "--samples=4", "-o", picture};
+  ProgramResult render(const std::string& image, Words more = {}) {
+    Words words = {"render", "--cloud", "site", "--size=90x60", "--samples=4", "-o", image};
     words.insert(words.end(), more.begin(), more.end());
     return run(words);
   }

@@ -79,15 +79,15 @@ TEST_F(DatabaseCloudTest, images_of_what_the_camera_sees) {
   write("camera.json",
         R"({"version": 1, "model": "pinhole", "width": 60, "height": 40, "intrinsics": {"horizontal_fov": 40},
     "pose": {"look_at": {"eye": [689975, 5324975, 603], "target": [689985, 5324985, 601]}}})");
-  const auto picture = [&](const std::string& name, const Words& options) {
+  const auto image = [&](const std::string& name, const Words& options) {
     const ProgramResult result = run(with({"render", "--cloud", "yard.db", "--camera", "camera.json",
                                            "--radius", "0.2", "--color", "rgb", "--samples", "4", "-o", name},
                                           options));
     EXPECT_EQ(result.exit_code, 0) << result.err;
     return result.err;
   };
-  picture("whole.png", {"--mode", "flat"});
-  EXPECT_TRUE(contains(picture("part.png", {"--mode", "flat", "--in-view"}), "read "));
+  image("whole.png", {"--mode", "flat"});
+  EXPECT_TRUE(contains(image("part.png", {"--mode", "flat", "--in-view"}), "read "));
   const auto pixels = [&](const std::string& name) { return done({"compare", "whole.png", name, "--json"}); };
   EXPECT_TRUE(contains(pixels("part.png"), "\"max_abs\": 0.0")) << pixels("part.png");
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Flights: pictures of an orbit or through keyframes, and the films of them.
+// Flights: images of an orbit or through keyframes, and the videos of them.
 #include <algorithm>
 #include <cstdlib>
 
@@ -8,7 +8,7 @@
 namespace alidade::test {
 namespace {
 
-class FilmTest : public ProgramTest {
+class FlightTest : public ProgramTest {
  protected:
   void SetUp() override {
     ProgramTest::SetUp();
@@ -20,7 +20,7 @@ class FilmTest : public ProgramTest {
   }
 };
 
-TEST_F(FilmTest, an_orbit_is_numbered_images_from_all_sides) {
+TEST_F(FlightTest, an_orbit_is_numbered_images_from_all_sides) {
   const ProgramResult result = fly({"--orbit", "--frames", "4", "-o", "yard_%02d.png"});
   ASSERT_EQ(result.exit_code, 0) << result.err;
   EXPECT_EQ(names(), (std::vector<std::string>{"square.xyz", "yard_00.png", "yard_01.png", "yard_02.png",
@@ -33,7 +33,7 @@ TEST_F(FilmTest, an_orbit_is_numbered_images_from_all_sides) {
   EXPECT_EQ(read("yard_01.png"), second);
 }
 
-TEST_F(FilmTest, keyframes_may_be_a_table_of_positions_and_targets) {
+TEST_F(FlightTest, keyframes_may_be_a_table_of_positions_and_targets) {
   write(
       "way.csv",
       "x,y,z,look_at_x,look_at_y,look_at_z\n95,195,6,101,201,5\n108,195,8,101,201,5\n108,207,6,101,201,5\n");
@@ -45,7 +45,7 @@ TEST_F(FilmTest, keyframes_may_be_a_table_of_positions_and_targets) {
                        "one.csv: a flight requires two keyframes; expected more cameras"));
 }
 
-TEST_F(FilmTest, a_film_is_made_by_ffmpeg_or_the_command_is_printed) {
+TEST_F(FlightTest, a_video_is_made_by_ffmpeg_or_the_command_is_printed) {
   const ProgramResult result = fly({"--orbit", "--frames", "6", "-o", "yard.mp4"});
   ASSERT_EQ(result.exit_code, 0) << result.err;
   if (shell_output(
@@ -65,7 +65,7 @@ TEST_F(FilmTest, a_film_is_made_by_ffmpeg_or_the_command_is_printed) {
   EXPECT_TRUE(contains(fly({"--orbit", "-o", "yard.mp4"}).err, "yard.mp4")) << "replaced without --overwrite";
 }
 
-TEST_F(FilmTest, without_ffmpeg_the_images_and_the_command_stay) {
+TEST_F(FlightTest, without_ffmpeg_the_images_and_the_command_stay) {
   // Only the folder of the test is searched for programs.
   const std::string path = std::getenv("PATH");
   ::setenv("PATH", folder.c_str(), 1);
@@ -79,7 +79,7 @@ TEST_F(FilmTest, without_ffmpeg_the_images_and_the_command_stay) {
   EXPECT_TRUE(std::filesystem::exists(folder / "yard_frames/00001.png"));
 }
 
-TEST_F(FilmTest, wrong_flights_are_errors) {
+TEST_F(FlightTest, wrong_flights_are_errors) {
   EXPECT_TRUE(contains(fly({"-o", "yard.mp4"}).err, "yard.mp4: a film requires a flight; expected --orbit"));
   EXPECT_TRUE(contains(fly({"--orbit", "--panorama", "0,0,5", "-o", "a_%d.png"}).err,
                        "--orbit and --keyframes are cameras of their own"));

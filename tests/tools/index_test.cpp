@@ -88,27 +88,27 @@ TEST_F(IndexTest, info_for_people_names_sources_and_index_facts) {
 /// too.
 class IndexImageTest : public IndexTest {
  protected:
-  void expect_same_bytes(const std::string& picture, const std::string& organisation,
+  void expect_same_bytes(const std::string& image, const std::string& organisation,
                          const std::string& cloud) {
-    SCOPED_TRACE(organisation + " " + picture + " " + cloud);
+    SCOPED_TRACE(organisation + " " + image + " " + cloud);
     ASSERT_EQ(
         run({"generate", "courtyard", "--points", "5000", "-o", "cloud", "-q", "--overwrite"}).exit_code, 0);
     write("scene.json", R"({"version": 1, "cloud": {"files": ["cloud"], )" + cloud + "}}");
-    const std::string of_las = render(picture);
+    const std::string of_las = render(image);
     // A picture contains the name of its cloud; the index gets the name of its source.
     ASSERT_EQ(
         run({"index", "cloud", "-o", "cloud.alidade", "--overwrite", "-q", "--organisation", organisation})
             .exit_code,
         0);
     std::filesystem::rename(folder / "cloud.alidade", folder / "cloud");
-    EXPECT_TRUE(of_las == render(picture));
+    EXPECT_TRUE(of_las == render(image));
   }
 
-  std::string render(const std::string& picture) {
-    const ProgramResult result = run(
-        {"render", "scene.json", "-o", picture, "-q", "--size", "40x30", "--samples", "2", "--overwrite"});
+  std::string render(const std::string& image) {
+    const ProgramResult result =
+        run({"render", "scene.json", "-o", image, "-q", "--size", "40x30", "--samples", "2", "--overwrite"});
     EXPECT_EQ(result.exit_code, 0) << result.err;
-    return read(picture);
+    return read(image);
   }
 };
 

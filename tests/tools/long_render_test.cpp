@@ -59,20 +59,19 @@ class LongRenderTest : public ProgramTest {
 
   /// Starts the program again and again until it has been killed so often, and has resumed at least once;
   /// then lets it end. Whenever it ends before, its picture must be the expected one, too.
-  void kill_and_resume(const Words& words, const std::string& picture, const std::string& expected,
-                       int kills) {
-    Random random(picture);
+  void kill_and_resume(const Words& words, const std::string& image, const std::string& expected, int kills) {
+    Random random(image);
     resumed_ = 0;
     for (int kill = 0; kill < kills || (resumed_ == 0 && kill < 10 * kills);) {
       if (killed(words, random)) {
         ++kill;
       } else {
-        ASSERT_TRUE(!HasFailure() && read(picture) == expected);
+        ASSERT_TRUE(!HasFailure() && read(image) == expected);
       }
     }
     EXPECT_GT(resumed_, 0) << "no render lived long enough for a checkpoint";
     ASSERT_EQ(run(words).exit_code, 0);
-    EXPECT_TRUE(read(picture) == expected) << "another picture after " << kills << " kills";
+    EXPECT_TRUE(read(image) == expected) << "another picture after " << kills << " kills";
     EXPECT_FALSE(std::filesystem::exists(folder / "state"));
   }
 
@@ -313,8 +312,8 @@ TEST_F(LongRenderTest, preview_changes_nothing_and_ends_as_the_image) {
   ASSERT_EQ(run(with(words, {"-o", "whole.png"})).exit_code, 0);
   ASSERT_EQ(run(with(words, {"-o", "out.png", "--preview", "now.png"})).exit_code, 0);
   EXPECT_TRUE(read("out.png") == read("whole.png"));
-  const std::string picture = read("out.png"), preview = read("now.png");
-  EXPECT_EQ(picture.substr(picture.find("IDAT")), preview.substr(preview.find("IDAT")));
+  const std::string image = read("out.png"), preview = read("now.png");
+  EXPECT_EQ(image.substr(image.find("IDAT")), preview.substr(preview.find("IDAT")));
   const ProgramResult rejected = run(with(words, {"-o", "other.png", "--preview", "now.png"}));
   EXPECT_EQ(rejected.exit_code, 2);
   EXPECT_TRUE(contains(rejected.err, "now.png: the file exists")) << rejected.err;

@@ -29,15 +29,15 @@ class MergeTest : public ProgramTest {
   }
 
   /// Renders all parts of a picture.
-  void render_parts(const Words& words, const std::string& picture, int count) {
+  void render_parts(const Words& words, const std::string& image, int count) {
     for (int number = 1; number <= count; ++number)
-      ok(with(words, {"-o", picture, fmt::format("--part={}/{}", number, count)}));
+      ok(with(words, {"-o", image, fmt::format("--part={}/{}", number, count)}));
   }
 
-  static Words parts_of(const std::string& picture, int count) {
+  static Words parts_of(const std::string& image, int count) {
     Words names;
     for (int number = count; number >= 1; --number)  // in any order
-      names.push_back(fmt::format("{}.part{}of{}", picture, number, count));
+      names.push_back(fmt::format("{}.part{}of{}", image, number, count));
     return names;
   }
 
@@ -69,8 +69,8 @@ TEST_F(MergeTest, parts_hold_no_absolute_paths_and_those_of_other_folders_give_t
   for (const char* const machine : {"here", "there"}) {
     std::filesystem::create_directory(folder / machine);
     std::filesystem::copy_file(folder / "square.xyz", folder / machine / "square.xyz");
-    const std::string number = fmt::format("{}", parts.size() + 1), picture = folder / machine / "a.exr";
-    ok({"render", "--cloud", folder / machine / "square.xyz", "--size=80x60", "--samples=4", "-o", picture,
+    const std::string number = fmt::format("{}", parts.size() + 1), image = folder / machine / "a.exr";
+    ok({"render", "--cloud", folder / machine / "square.xyz", "--size=80x60", "--samples=4", "-o", image,
         "--part=" + number + "/2"});
     parts.push_back(std::string(machine) + "/a.exr.part" + number + "of2");
     EXPECT_FALSE(contains(read(parts.back()), folder.string()));

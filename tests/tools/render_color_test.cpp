@@ -24,19 +24,19 @@ class RenderColorTest : public ProgramTest {
 };
 
 TEST_F(RenderColorTest, every_way_to_colour_makes_its_own_image_and_a_legend) {
-  Words pictures;
+  Words images;
   for (const std::string by : {"intensity", "height", "classification", "normal", "gps_time", "scan_angle"}) {
     const ProgramResult result =
         render({"--color-by", by, "--legend", by + ".png", "-o", "out_" + by + ".png"});
     ASSERT_EQ(result.exit_code, 0) << result.err;
     EXPECT_TRUE(contains(result.err, "5000 points, coloured by " + by)) << result.err;
     EXPECT_EQ(read(by + ".png").substr(1, 3), "PNG");
-    const std::string picture = read("out_" + by + ".png");
-    EXPECT_TRUE(contains(picture, "alidade:color_by")) << by;
-    pictures.push_back(picture.substr(picture.find("IDAT")));
+    const std::string image = read("out_" + by + ".png");
+    EXPECT_TRUE(contains(image, "alidade:color_by")) << by;
+    images.push_back(image.substr(image.find("IDAT")));
   }
-  std::ranges::sort(pictures);
-  EXPECT_EQ(std::ranges::adjacent_find(pictures), pictures.end());
+  std::ranges::sort(images);
+  EXPECT_EQ(std::ranges::adjacent_find(images), images.end());
 }
 
 TEST_F(RenderColorTest, range_and_map_are_printed_and_stored) {
@@ -45,9 +45,9 @@ TEST_F(RenderColorTest, range_and_map_are_printed_and_stored) {
   ASSERT_EQ(result.exit_code, 0) << result.err;
   EXPECT_TRUE(contains(result.err, "height: 600 to 610.5 m (all 5")) << result.err;
   EXPECT_TRUE(contains(result.err, "colour map turbo")) << result.err;
-  const std::string picture = read("out.png");
-  EXPECT_TRUE(contains(picture, "600 610.5"));
-  EXPECT_TRUE(contains(picture, "turbo"));
+  const std::string image = read("out.png");
+  EXPECT_TRUE(contains(image, "600 610.5"));
+  EXPECT_TRUE(contains(image, "turbo"));
 }
 
 TEST_F(RenderColorTest, a_legend_changes_nothing_about_the_image) {

@@ -165,12 +165,12 @@ TEST_F(RenderDepthTest, a_map_has_the_values_of_the_layer_of_an_image) {
                 "--overwrite", "--layers", "color,depth", "-o", "a.exr", "--depth", "a.bin"});
     ASSERT_EQ(result.exit_code, 0) << result.err;
     const std::vector<float> depths = map("a.bin");
-    const compare::ComparedImage picture = compare::read_compared_image(folder / "a.exr");
-    ASSERT_EQ(picture.depth.size(), depths.size());
+    const compare::ComparedImage image = compare::read_compared_image(folder / "a.exr");
+    ASSERT_EQ(image.depth.size(), depths.size());
     std::size_t seen = 0;
     for (std::size_t pixel = 0; pixel < depths.size(); ++pixel) {
-      const bool sees = compare::is_depth(picture.depth[pixel]);
-      ASSERT_EQ(depths[pixel], sees ? picture.depth[pixel] : 0.0f) << surface;
+      const bool sees = compare::is_depth(image.depth[pixel]);
+      ASSERT_EQ(depths[pixel], sees ? image.depth[pixel] : 0.0f) << surface;
       seen += sees ? 1 : 0;
     }
     EXPECT_GT(seen, 80u);

@@ -156,10 +156,10 @@ TEST_F(RenderOverviewTest, a_given_exposure_and_other_modes_are_not_changed) {
 
 TEST_F(RenderOverviewTest, parts_and_threads_give_the_bytes_of_the_whole) {
   write_slope("slope.las", 30000);
-  const auto picture = [&](const Words& words) { ASSERT_EQ(render("slope.las", words).exit_code, 0); };
-  picture({"-o", "whole.png", "--threads", "1"});
-  picture({"-o", "parts.png", "--part", "1/2"});
-  picture({"-o", "parts.png", "--part", "2/2"});
+  const auto image = [&](const Words& words) { ASSERT_EQ(render("slope.las", words).exit_code, 0); };
+  image({"-o", "whole.png", "--threads", "1"});
+  image({"-o", "parts.png", "--part", "1/2"});
+  image({"-o", "parts.png", "--part", "2/2"});
   ASSERT_EQ(run({"merge", "parts.png.part1of2", "parts.png.part2of2", "-o", "merged.png"}).exit_code, 0);
   EXPECT_EQ(pixels_of("merged.png").values, pixels_of("whole.png").values);
 }

@@ -187,13 +187,13 @@ TEST_F(RenderCommandTest, names_that_are_not_ascii_and_hold_spaces_work) {
 TEST_F(RenderCommandTest, max_level_shows_a_thinned_cloud_of_a_layered_index) {
   ASSERT_EQ(run({"generate", "courtyard", "--points", "20000", "-o", "site.las", "-q"}).exit_code, 0);
   ASSERT_EQ(run({"index", "site.las", "--organisation", "layered", "-o", "site.alidade", "-q"}).exit_code, 0);
-  const auto render = [&](const std::string& picture, const std::vector<std::string>& options) {
-    std::vector<std::string> words = {"render", "--cloud", "site.alidade", "-o", picture,
+  const auto render = [&](const std::string& image, const std::vector<std::string>& options) {
+    std::vector<std::string> words = {"render", "--cloud", "site.alidade", "-o", image,
                                       "--size", "32x24",   "--samples",    "2"};
     words.insert(words.end(), options.begin(), options.end());
     const ProgramResult result = run(words);
     EXPECT_EQ(result.exit_code, 0) << result.err;
-    const std::string content = read(picture);
+    const std::string content = read(image);
     return content.substr(content.find("IDAT"));  // before that stands the command
   };
   const std::string whole = render("whole.png", {"--surface", "sphere"}),
@@ -206,14 +206,14 @@ TEST_F(RenderCommandTest, max_level_shows_a_thinned_cloud_of_a_layered_index) {
 TEST_F(RenderCommandTest, adapted_radii_are_measured_once_and_kept_in_an_index_file) {
   ASSERT_EQ(run({"generate", "courtyard", "--points", "20000", "-o", "site.las", "-q"}).exit_code, 0);
   ASSERT_EQ(run({"index", "site.las", "--spacings", "8", "-o", "site.alidade", "-q"}).exit_code, 0);
-  const auto render = [&](const std::string& cloud, const std::string& picture) {
+  const auto render = [&](const std::string& cloud, const std::string& image) {
     const ProgramResult result =
-        run({"render", "--cloud", cloud, "-o", picture, "--surface", "sphere", "--radius", "adapted",
+        run({"render", "--cloud", cloud, "-o", image, "--surface", "sphere", "--radius", "adapted",
              "--radius-max", "2", "--size", "32x24", "--samples", "2"});
     EXPECT_EQ(result.exit_code, 0) << result.err;
     EXPECT_TRUE(contains(result.err, "spheres of radius 0.75 times the distance to neighbour 8, at most 2"))
         << result.err;
-    const std::string content = read(picture);
+    const std::string content = read(image);
     return std::pair(content.substr(content.find("IDAT")), contains(result.err, "measuring spacings"));
   };
   const auto [measured, did_measure] = render("site.las", "measured.png");

@@ -144,9 +144,9 @@ TEST_F(ViewOptionsTest, degrees_become_metres_of_the_zone_they_lie_in) {
   EXPECT_NEAR(metres.world(19).x - metres.world(0).x, 19 * 0.7455, 0.02);
   EXPECT_NEAR(metres.world(0).z, 500.0, 1e-9);
   EXPECT_EQ(metres.intensities[399], 399);
-  const ProgramResult picture = run(
+  const ProgramResult image = run(
       {"render", "degrees.las", "--reproject", "auto", "--size", "16x16", "--samples", "1", "-o", "yes.png"});
-  EXPECT_EQ(picture.exit_code, 0) << picture.err;
+  EXPECT_EQ(image.exit_code, 0) << image.err;
 }
 
 TEST_F(ViewOptionsTest, a_stated_system_is_the_one_that_points_are_moved_from) {

@@ -38,7 +38,7 @@ Ground ground(const glm::dvec2& slope = {0.0, 0.0}) {
 }
 
 /// 1 in the three northern rows, 0 in the southern ones.
-MapImage picture() {
+MapImage image() {
   MapImage map{.title = "Test",
                .values = Raster<float>(grid(), 0.0f),
                .swatches = {{1.0f, k_north_color, "north"}, {0.0f, k_south_color, "south"}},
@@ -76,7 +76,7 @@ Canvas draw(const MapImage& map, const Ground& of = ground()) {
 }
 
 TEST(MapImageTest, cells_have_their_colours_and_north_is_up) {
-  const Canvas canvas = draw(picture());
+  const Canvas canvas = draw(image());
   const Found north = find_color(canvas, k_north_color), south = find_color(canvas, k_south_color);
   EXPECT_EQ(north.count, 100 * 30);
   EXPECT_EQ(south.count, 100 * 30);
@@ -84,7 +84,7 @@ TEST(MapImageTest, cells_have_their_colours_and_north_is_up) {
 }
 
 TEST(MapImageTest, values_without_a_swatch_have_colours_of_the_scale) {
-  MapImage map = picture();
+  MapImage map = image();
   map.swatches.pop_back();
   map.scale = {ColorMap::viridis, {0.0, 2.0}, "value"};
   const Canvas canvas = draw(map);
@@ -95,13 +95,13 @@ TEST(MapImageTest, values_without_a_swatch_have_colours_of_the_scale) {
 }
 
 TEST(MapImageTest, nothing_is_drawn_where_there_is_no_value) {
-  MapImage map = picture();
+  MapImage map = image();
   for (int column = 0; column < 10; ++column) map.values.at(column, 0) = k_nothing;
   EXPECT_EQ(find_color(draw(map), k_north_color).count, 100 * 20);
 }
 
 TEST(MapImageTest, observers_are_marked_at_their_position_unless_they_are_outside) {
-  MapImage map = picture();
+  MapImage map = image();
   map.marks = {{{1025, 1985}, ""}, {{1200, 1985}, "far away"}};
   const Found mark = find_color(draw(map), k_mark_color);
   EXPECT_GT(mark.count, 50);
@@ -121,16 +121,16 @@ TEST(MapImageTest, large_maps_are_drawn_smaller_and_small_ones_in_whole_pixels_p
 
 TEST(MapImageTest, the_same_map_gives_the_same_pixels) {
   const Ground slope = ground({0.1, -0.2});
-  EXPECT_TRUE(draw(picture(), slope).bytes() == draw(picture(), slope).bytes());
+  EXPECT_TRUE(draw(image(), slope).bytes() == draw(image(), slope).bytes());
 }
 
 TEST(MapImageTest, the_file_appears_completely_or_not_at_all) {
   const std::filesystem::path folder = std::filesystem::temp_directory_path() / "alidade_map_picture";
   std::filesystem::remove_all(folder);
   std::filesystem::create_directories(folder);
-  write_map_image(picture(), ground(), folder / "map.png", false);
-  EXPECT_THROW(write_map_image(picture(), ground(), folder / "map.png", false), Error);
-  EXPECT_THROW(write_map_image(picture(), ground(), folder / "map.gif", false), Error);
+  write_map_image(image(), ground(), folder / "map.png", false);
+  EXPECT_THROW(write_map_image(image(), ground(), folder / "map.png", false), Error);
+  EXPECT_THROW(write_map_image(image(), ground(), folder / "map.gif", false), Error);
   EXPECT_FALSE(std::filesystem::exists(folder / "map.gif"));
   std::string magic(4, ' ');
   std::ifstream(folder / "map.png", std::ios::binary).read(magic.data(), 4);

@@ -75,10 +75,10 @@ TEST(ViewshedImageTest, every_value_has_a_colour_and_the_scale_ends_at_the_large
 TEST(ViewshedImageTest, heights_begin_with_that_of_the_target) {
   const ViewshedOptions options{.mode = ViewshedMode::height, .target_height = 1.0, .highest = 200.0};
   const Observer observer;
-  const MapImage picture = viewshed_image(viewshed(), options, {&observer, 1}, "m");
-  EXPECT_EQ(picture.swatches.at(0).value, 1.0f);
-  EXPECT_EQ(picture.swatches.at(0).label, "visible at 1 m");
-  EXPECT_EQ(picture.scale->range, (ValueRange{1.0, 7.0}));
+  const MapImage image = viewshed_image(viewshed(), options, {&observer, 1}, "m");
+  EXPECT_EQ(image.swatches.at(0).value, 1.0f);
+  EXPECT_EQ(image.swatches.at(0).label, "visible at 1 m");
+  EXPECT_EQ(image.scale->range, (ValueRange{1.0, 7.0}));
 }
 
 TEST(SeenShareTest, is_of_the_cells_tested_and_of_heights_counts_the_lowest) {

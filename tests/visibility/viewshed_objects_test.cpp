@@ -168,9 +168,9 @@ TEST(ViewshedObjects, bands_have_the_unit_of_their_values) {
   EXPECT_EQ(unit(line, ViewshedMode::fraction), "");
   const Observer marked = at(0, 0, 4);
   const ViewshedOptions options{.mode = ViewshedMode::angle, .pieces = strip.pieces};
-  const MapImage picture = viewshed_image(seen(field, strip, options.mode), options, {&marked, 1}, "m");
-  EXPECT_EQ(picture.title, "Solid angle of one object");
-  ASSERT_TRUE(picture.scale);
+  const MapImage image = viewshed_image(seen(field, strip, options.mode), options, {&marked, 1}, "m");
+  EXPECT_EQ(image.title, "Solid angle of one object");
+  ASSERT_TRUE(image.scale);
 }
 
 }  // namespace

@@ -160,8 +160,7 @@ struct MapOutput {
 };
 
 /// Errors: the pictures have no such map.
-std::vector<MapOutput> maps_to_write(const CompareRequest& request,
-                                     const compare::ComparisonImages& pictures) {
+std::vector<MapOutput> maps_to_write(const CompareRequest& request, const compare::ComparisonImages& images) {
   std::vector<MapOutput> outputs;
   const auto add = [&](const fs::path& file, const std::optional<compare::DifferenceMap>& map,
                        const char* lacking) {
@@ -169,10 +168,10 @@ std::vector<MapOutput> maps_to_write(const CompareRequest& request,
     if (!map) throw file_error(file, "this map cannot be computed from these images", lacking);
     outputs.push_back({file, &*map});
   };
-  add(request.color_map, pictures.color_map, "two images with colours");
-  add(request.flip_map, pictures.flip_map, "two images with colours");
-  add(request.depth_map, pictures.depth_map, "two images with the layer Z");
-  add(request.agreement_map, pictures.agreement_map,
+  add(request.color_map, images.color_map, "two images with colours");
+  add(request.flip_map, images.flip_map, "two images with colours");
+  add(request.depth_map, images.depth_map, "two images with the layer Z");
+  add(request.agreement_map, images.agreement_map,
       "two images with the layer Z, at least one of them with depth.sigma (render --layers "
       "color,depth,depth.sigma)");
   return outputs;
@@ -186,7 +185,7 @@ void write_files(const CompareRequest& request, const compare::Comparison& compa
     page = image_module().report_page(comparison, verdict,
                                       request.packing.value_or(image::ImagePacking::automatic), warnings);
   std::vector<MapOutput> maps;
-  if (comparison.pictures) maps = maps_to_write(request, *comparison.pictures);
+  if (comparison.images) maps = maps_to_write(request, *comparison.images);
   std::vector<PointsOutput> points;
   if (comparison.changes) {
     find_points(points, request, request.reference_points, comparison.reference, *comparison.changes);

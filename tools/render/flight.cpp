@@ -20,7 +20,7 @@ extern char** environ;
 namespace alidade::tools {
 namespace {
 
-bool is_film(const std::filesystem::path& file) {
+bool is_video(const std::filesystem::path& file) {
   return has_extension(file, {".mp4", ".mkv", ".mov", ".webm"});
 }
 
@@ -48,7 +48,7 @@ std::string shell_word(const std::string& word) {
 
 }  // namespace
 
-void add_film_options(const Options& render, FilmRequest& request) {
+void add_flight_options(const Options& render, FlightRequest& request) {
   const Options group = render.group("Flights");
   const Option orbit = group.flag(
       "--orbit", "fly once around the whole cloud: pictures for -o yard_%04d.png, or a film for -o yard.mp4",
@@ -63,12 +63,12 @@ void add_film_options(const Options& render, FilmRequest& request) {
                240.0);
 }
 
-void take_film(FilmRequest& request, const CameraRequest& camera, std::filesystem::path& output,
-               bool overwrite) {
+void take_video(FlightRequest& request, const CameraRequest& camera, std::filesystem::path& output,
+                bool overwrite) {
   if (request.given() && (!camera.file.empty() || camera.panorama || camera.from_above))
     throw input_error("--orbit and --keyframes are cameras of their own",
                       "no --camera, --panorama and --orthographic beside them");
-  if (!is_film(output)) return;
+  if (!is_video(output)) return;
   if (!request.given()) throw file_error(output, "a film requires a flight", "--orbit, or --keyframes FILE");
   if (camera.size && (camera.size->width % 2 != 0 || camera.size->height % 2 != 0))
     throw file_error(output, "the size of a film must be even", "an even --size such as 1280x720",
@@ -82,7 +82,7 @@ void take_film(FilmRequest& request, const CameraRequest& camera, std::filesyste
   output = folder / "%05d.png";
 }
 
-std::vector<View> flight_views(const FilmRequest& request, std::span<const View> keyframes) {
+std::vector<View> flight_views(const FlightRequest& request, std::span<const View> keyframes) {
   if (keyframes.size() < 2)
     throw file_error(request.keyframes, "a flight requires two keyframes",
                      "more cameras, or --camera for pictures");
@@ -94,7 +94,7 @@ std::vector<View> flight_views(const FilmRequest& request, std::span<const View>
   return views;
 }
 
-std::vector<View> views_of_cloud(const CameraRequest& camera, const FilmRequest& request,
+std::vector<View> views_of_cloud(const CameraRequest& camera, const FlightRequest& request,
                                  const renderer::Scene& scene, const renderer::LoadedCloud* cloud,
                                  const std::filesystem::path& scene_file) {
   if (!request.orbits) return {view_of_cloud(camera, scene, cloud, scene_file)};
@@ -110,10 +110,10 @@ std::vector<View> views_of_cloud(const CameraRequest& camera, const FilmRequest&
   return views;
 }
 
-void write_film(const FilmRequest& request, std::span<const std::filesystem::path> pictures,
-                const std::filesystem::path& pattern, bool overwrite, Verbosity verbosity) {
+void write_video(const FlightRequest& request, std::span<const std::filesystem::path> images,
+                 const std::filesystem::path& pattern, bool overwrite, Verbosity verbosity) {
   if (request.file.empty()) return;
-  // Beside the film, which appears under its name only when it is complete.
+  // Beside the video, which appears under its name only when it is complete.
   const std::filesystem::path unfinished =
       pattern.parent_path() / ("film" + request.file.extension().string());
   std::vector<std::string> words = {
@@ -128,7 +128,7 @@ void write_film(const FilmRequest& request, std::span<const std::filesystem::pat
     for (std::string& word : words) word = shell_word(word);
     say_warning(fmt::format(
         "no film: the program ffmpeg is not installed; the {} pictures are {}, and this joins them: {}",
-        pictures.size(), pattern.string(), fmt::join(words, " ")));
+        images.size(), pattern.string(), fmt::join(words, " ")));
     return;
   }
   if (*code != 0)
@@ -136,11 +136,11 @@ void write_film(const FilmRequest& request, std::span<const std::filesystem::pat
                      fmt::format("ffmpeg ended with code {}; the pictures are {}", *code, pattern.string()));
   check_output(request.file, overwrite);
   std::filesystem::rename(unfinished, request.file);
-  for (const std::filesystem::path& picture : pictures) std::filesystem::remove(picture);
+  for (const std::filesystem::path& image : images) std::filesystem::remove(image);
   std::error_code not_empty;
   std::filesystem::remove(pattern.parent_path(), not_empty);
-  say_note(verbosity, fmt::format("wrote {}, {} pictures of {:.1f} s", request.file.string(), pictures.size(),
-                                  static_cast<double>(pictures.size()) / request.rate));
+  say_note(verbosity, fmt::format("wrote {}, {} pictures of {:.1f} s", request.file.string(), images.size(),
+                                  static_cast<double>(images.size()) / request.rate));
 }
 
 }  // namespace alidade::tools

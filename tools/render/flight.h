@@ -12,21 +12,21 @@
 
 namespace alidade::tools {
 
-/// A flight through the cloud, and the film that its pictures become.
-struct FilmRequest {
+/// A flight through the cloud, and the video that its images become.
+struct FlightRequest {
   bool orbits = false;              ///< around the cloud
   std::filesystem::path keyframes;  ///< camera file; empty: none
   int frames = 150;
-  double rate = 25.0;          ///< pictures per second
-  std::filesystem::path file;  ///< the film; empty: only pictures
+  double rate = 25.0;          ///< images per second
+  std::filesystem::path file;  ///< the video; empty: only images
 
   bool given() const { return orbits || !keyframes.empty(); }
 };
 
 /// Declares --orbit, --keyframes, --frames and --frame-rate.
-void add_film_options(const Options& render, FilmRequest& request);
+void add_flight_options(const Options& render, FlightRequest& request);
 
-/// Removes a folder at the end of its life if it is empty: that of a film's pictures, if none was made.
+/// Removes a folder at the end of its life if it is empty: that of a video's images, if none was made.
 struct EmptyFolder {
   std::filesystem::path folder;  ///< empty: none
 
@@ -40,24 +40,24 @@ struct EmptyFolder {
   EmptyFolder& operator=(const EmptyFolder&) = delete;
 };
 
-/// Checks the request. If the output is a film (.mp4, .mkv, .mov, .webm), moves it to `request` and replaces
-/// it by the pattern of its pictures, "yard_frames/%05d.png" for yard.mp4, whose folder is created. Errors: a
-/// flight beside other cameras; a film without a flight; the file exists; odd width or height, which players
+/// Checks the request. If the output is a video (.mp4, .mkv, .mov, .webm), moves it to `request` and replaces
+/// it by the pattern of its images, "yard_frames/%05d.png" for yard.mp4, whose folder is created. Errors: a
+/// flight beside other cameras; a video without a flight; the file exists; odd width or height, which players
 /// do not show.
-void take_film(FilmRequest& request, const CameraRequest& camera, std::filesystem::path& output,
-               bool overwrite);
+void take_video(FlightRequest& request, const CameraRequest& camera, std::filesystem::path& output,
+                bool overwrite);
 
-/// The pictures' cameras, through keyframes.
-std::vector<View> flight_views(const FilmRequest& request, std::span<const View> keyframes);
+/// The images' cameras, through keyframes.
+std::vector<View> flight_views(const FlightRequest& request, std::span<const View> keyframes);
 
 /// The cameras of an orbit around the whole cloud, or the one of view_of_cloud(). Errors: as there.
-std::vector<View> views_of_cloud(const CameraRequest& camera, const FilmRequest& request,
+std::vector<View> views_of_cloud(const CameraRequest& camera, const FlightRequest& request,
                                  const renderer::Scene& scene, const renderer::LoadedCloud* cloud,
                                  const std::filesystem::path& scene_file);
 
-/// Makes the film with the program ffmpeg and removes its pictures. If ffmpeg is not installed, the pictures
+/// Makes the video with the program ffmpeg and removes its images. If ffmpeg is not installed, the images
 /// stay and the command that joins them is printed. Errors: ffmpeg fails.
-void write_film(const FilmRequest& request, std::span<const std::filesystem::path> pictures,
-                const std::filesystem::path& pattern, bool overwrite, Verbosity verbosity);
+void write_video(const FlightRequest& request, std::span<const std::filesystem::path> images,
+                 const std::filesystem::path& pattern, bool overwrite, Verbosity verbosity);
 
 }  // namespace alidade::tools

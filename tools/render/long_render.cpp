@@ -17,13 +17,12 @@ constexpr double k_most_seconds = 1e9;
 constexpr std::string_view k_preview_mark = "alidade:preview";
 
 /// The name of a picture in a checkpoint, however it was typed.
-std::string image_in_checkpoint(const std::filesystem::path& picture) {
-  return name_in_checkpoint(std::filesystem::absolute(picture).lexically_normal());
+std::string image_in_checkpoint(const std::filesystem::path& image) {
+  return name_in_checkpoint(std::filesystem::absolute(image).lexically_normal());
 }
 
-bool is_of_one_of(const renderer::CheckpointSummary& summary,
-                  std::span<const std::filesystem::path> pictures) {
-  return std::ranges::find(pictures, summary.picture, image_in_checkpoint) != pictures.end();
+bool is_of_one_of(const renderer::CheckpointSummary& summary, std::span<const std::filesystem::path> images) {
+  return std::ranges::find(images, summary.image, image_in_checkpoint) != images.end();
 }
 
 /// Whether a file exists and was written as a preview. Formats store texts before the pixels.
@@ -60,7 +59,7 @@ class PreviewFile {
 
   void show(const image::Film& film) {
     try {
-      image_module().write_image(film, settings_, metadata_, true);
+      image_module().write_image(film, settings_, renderer::image_facts(metadata_, settings_), true);
     } catch (const Error& error) {
       if (!warned_) say_warning(std::string("no preview: ") + error.what());
       warned_ = true;
@@ -175,7 +174,7 @@ void check_long_render(const LongRenderRequest& request, Replaceable replaceable
 }
 
 std::optional<Resumption> find_resumption(const LongRenderRequest& request,
-                                          std::span<const std::filesystem::path> pictures,
+                                          std::span<const std::filesystem::path> images,
                                           std::span<const std::filesystem::path> finished,
                                           Verbosity verbosity) {
   if (!request.checkpoint.resume) return std::nullopt;
@@ -186,18 +185,18 @@ std::optional<Resumption> find_resumption(const LongRenderRequest& request,
     return std::nullopt;
   }
   const renderer::CheckpointSummary summary = renderer::read_checkpoint_summary(request.checkpoint.file);
-  const std::string picture = pictures.front().string();
-  if (summary.picture == image_in_checkpoint(picture)) {
+  const std::string image = images.front().string();
+  if (summary.image == image_in_checkpoint(image)) {
     return Resumption{summary.samples_taken,
-                      fmt::format("resuming from {}: {} has {:.0f} % of its samples after {}", file, picture,
+                      fmt::format("resuming from {}: {} has {:.0f} % of its samples after {}", file, image,
                                   100.0 * summary.share, clock_time(summary.seconds))};
   }
   if (!is_of_one_of(summary, finished)) {
-    throw file_error(file, "the checkpoint belongs to another image", fmt::format("one of {}", picture),
-                     summary.picture);
+    throw file_error(file, "the checkpoint belongs to another image", fmt::format("one of {}", image),
+                     summary.image);
   }
   say_note(verbosity, fmt::format("{} belongs to {}, which is finished: starting from the beginning", file,
-                                  summary.picture));
+                                  summary.image));
   return std::nullopt;
 }
 
@@ -219,7 +218,7 @@ renderer::RenderOptions render_options(const LongRenderRequest& request, const i
     options.checkpoint = {.file = request.checkpoint.file,
                           .interval = request.checkpoint.interval,
                           .resume = resume,
-                          .picture = image_in_checkpoint(output.file),
+                          .image = image_in_checkpoint(output.file),
                           .failed = checkpoint_warning()};
   }
   return options;
@@ -239,7 +238,7 @@ std::optional<image::Film> render_to_file(const LongRenderRequest& request, cons
   }
   image::Film film = renderer::render(scene, cloud, options, &statistics);
   for (auto& text : reached_texts(request, statistics)) metadata.further.push_back(std::move(text));
-  image_module().write_image(film, scene.output, metadata, overwrite);
+  image_module().write_image(film, scene.output, renderer::image_facts(metadata, scene.output), overwrite);
   return film;
 }
 

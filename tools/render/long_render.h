@@ -7,6 +7,7 @@
 #include <span>
 #include <vector>
 
+#include "renderer/image_metadata.h"
 #include "renderer/render.h"
 #include "tools/image_module.h"
 #include "tools/options.h"
@@ -55,7 +56,7 @@ struct Resumption {
 /// note, if the first picture starts from the beginning. Errors: those of the checkpoint's head; it belongs
 /// to a picture that is neither finished nor the first.
 std::optional<Resumption> find_resumption(const LongRenderRequest& request,
-                                          std::span<const std::filesystem::path> pictures,
+                                          std::span<const std::filesystem::path> images,
                                           std::span<const std::filesystem::path> finished,
                                           Verbosity verbosity);
 

@@ -22,7 +22,7 @@ ExitCode run(const MergeRequest& request) {
   image::check_image_name(request.output);
   check_writable(request.output, request.overwrite, request.parts);
   const renderer::MergedImage merged = renderer::merge_parts(request.parts, request.output);
-  image_module().write_film(merged.film, merged.output, merged.facts, request.overwrite);
+  image_module().write_image(merged.film, merged.output, merged.facts, request.overwrite);
   say_note(request.verbosity,
            fmt::format("{} parts, {} camera rays; wrote {}", merged.parts,
                        short_count(static_cast<double>(merged.samples_taken)), request.output.string()));

@@ -227,12 +227,12 @@ struct RequestedImage {
 
 /// The pictures to make, and existing ones that stay.
 struct ImageList {
-  std::vector<RequestedImage> pictures;
+  std::vector<RequestedImage> images;
   std::vector<std::filesystem::path> finished;
 
   std::vector<std::filesystem::path> files() const {
     std::vector<std::filesystem::path> names;
-    for (const RequestedImage& picture : pictures) names.push_back(picture.file);
+    for (const RequestedImage& image : images) names.push_back(image.file);
     return names;
   }
 };
@@ -240,9 +240,10 @@ struct ImageList {
 ImageList requested_images(const RenderCommand& command, const renderer::Scene& scene,
                            std::span<const View> views) {
   std::vector<std::filesystem::path> names{scene.output.file};
-  if (command.film.orbits)
-    names = image_names(scene.output.file, std::vector<View>(static_cast<std::size_t>(command.film.frames)));
-  else if (is_set(command.camera) || command.film.given())
+  if (command.flight.orbits)
+    names =
+        image_names(scene.output.file, std::vector<View>(static_cast<std::size_t>(command.flight.frames)));
+  else if (is_set(command.camera) || command.flight.given())
     names = image_names(scene.output.file, views);
   const std::vector<std::filesystem::path> inputs = input_files(command, scene);
   ImageList list;
@@ -256,7 +257,7 @@ ImageList requested_images(const RenderCommand& command, const renderer::Scene& 
     }
     if (command.ground.with_color) check_writable(outputs[i], command.overwrite, inputs);
     // A view that is missing is chosen once the cloud is loaded.
-    list.pictures.push_back({i < views.size() ? views[i] : View(), names[i], i});
+    list.images.push_back({i < views.size() ? views[i] : View(), names[i], i});
   }
   for (const std::filesystem::path& file : command.ground.files(scene.output.file))
     check_writable(file, command.overwrite, inputs);
@@ -280,11 +281,11 @@ bool is_wanted(const std::filesystem::path& legend, const RenderCommand& command
 
 /// Errors: as check_writable; the legend would be one of the pictures.
 void check_legend_file(const RenderCommand& command, const renderer::Scene& scene,
-                       std::span<const RequestedImage> pictures) {
+                       std::span<const RequestedImage> images) {
   check_writable(command.color.legend, command.overwrite, input_files(command, scene));
-  for (const RequestedImage& picture : pictures) {
-    if (picture.file.lexically_normal() == command.color.legend.lexically_normal())
-      throw file_error(picture.file, "image and legend have the same name");
+  for (const RequestedImage& image : images) {
+    if (image.file.lexically_normal() == command.color.legend.lexically_normal())
+      throw file_error(image.file, "image and legend have the same name");
   }
 }
 
@@ -311,17 +312,17 @@ DepthPlan requested_depth(const RenderCommand& command, const renderer::Scene& s
                          input_files(command, scene), others);
 }
 
-void check_views(std::span<const RequestedImage> pictures, const renderer::Scene& scene,
+void check_views(std::span<const RequestedImage> images, const renderer::Scene& scene,
                  const renderer::LoadedCloud* cloud) {
-  for (const RequestedImage& picture : pictures) {
+  for (const RequestedImage& image : images) {
     try {
-      if (image::image_format(picture.file) == image::ImageFormat::geotiff)
-        camera::ground_transform(picture.view.camera);
-      if (cloud != nullptr) renderer::check_camera_position(picture.view.camera, scene, *cloud);
+      if (image::image_format(image.file) == image::ImageFormat::geotiff)
+        camera::ground_transform(image.view.camera);
+      if (cloud != nullptr) renderer::check_camera_position(image.view.camera, scene, *cloud);
     } catch (const Error& error) {
       Error::Parts parts = error.parts();
-      if (!picture.view.name.empty())
-        parts.problem = fmt::format("camera '{}': {}", picture.view.name, parts.problem);
+      if (!image.view.name.empty())
+        parts.problem = fmt::format("camera '{}': {}", image.view.name, parts.problem);
       throw Error(parts);
     }
   }
@@ -358,26 +359,26 @@ renderer::ImageMetadata image_metadata(const renderer::Scene& scene, const View&
 
 /// Renders and writes one picture after the other under one progress line. `resumed`: what the first one
 /// resumes from. `empty` gets the views that see nothing.
-renderer::RenderStatistics render_all(std::span<const RequestedImage> pictures, renderer::Scene& scene,
+renderer::RenderStatistics render_all(std::span<const RequestedImage> images, renderer::Scene& scene,
                                       const renderer::LoadedCloud* cloud, const RenderCommand& command,
                                       const std::optional<Resumption>& resumed, EmptyViews& empty) {
   std::uint64_t total = 0, done = 0;
   const std::optional<renderer::ImagePart>& part = command.long_render.part;
-  for (const RequestedImage& picture : pictures) total += camera_rays(scene, picture.view.camera, part);
+  for (const RequestedImage& image : images) total += camera_rays(scene, image.view.camera, part);
   const Verbosity verbosity = command.verbosity;
-  ProgressLine line(pictures.size() == 1 ? "rendering" : fmt::format("rendering {} images", pictures.size()),
+  ProgressLine line(images.size() == 1 ? "rendering" : fmt::format("rendering {} images", images.size()),
                     "camera rays", verbosity);
   if (resumed) line.skip(resumed->samples);
   const Progress progress = line.callback();
   renderer::RenderStatistics statistics;
-  for (const RequestedImage& picture : pictures) {
-    scene.camera = picture.view.camera;
-    scene.output.file = picture.file;
-    total -= camera_rays(scene, picture.view.camera, part);
+  for (const RequestedImage& image : images) {
+    scene.camera = image.view.camera;
+    scene.output.file = image.file;
+    total -= camera_rays(scene, image.view.camera, part);
     std::uint64_t rays_of_image = 0;
-    renderer::ImageMetadata texts = image_metadata(scene, picture.view, cloud, command.words);
+    renderer::ImageMetadata texts = image_metadata(scene, image.view, cloud, command.words);
     renderer::RenderOptions options =
-        render_options(command.long_render, scene.output, resumed && &picture == &pictures.front(), texts);
+        render_options(command.long_render, scene.output, resumed && &image == &images.front(), texts);
     if (options.checkpoint && resumed && verbosity != Verbosity::quiet)
       options.checkpoint->resumed = [&] { line.interject(resumed->note); };
     options.progress = [&](std::uint64_t rays, std::uint64_t all_rays) {
@@ -387,11 +388,11 @@ renderer::RenderStatistics render_all(std::span<const RequestedImage> pictures, 
     renderer::RenderStatistics of_image;
     if (const auto film = render_to_file(command.long_render, scene, cloud, options, std::move(texts),
                                          command.overwrite, of_image))
-      empty.check(picture.view, film->sees_anything());
+      empty.check(image.view, film->sees_anything());
     remove_checkpoint(command.long_render);
     const std::string reached = describe_reached(command.long_render, of_image);
     if (!reached.empty() && verbosity != Verbosity::quiet)
-      line.interject(fmt::format("{}: {}", picture.file.string(), reached));
+      line.interject(fmt::format("{}: {}", image.file.string(), reached));
     done += rays_of_image;
     statistics.ray_count += of_image.ray_count;
     statistics.seconds += of_image.seconds;
@@ -403,24 +404,24 @@ renderer::RenderStatistics render_all(std::span<const RequestedImage> pictures, 
 /// requested_views(), or those of a flight.
 std::vector<View> chosen_views(const RenderCommand& command, const renderer::Scene& scene,
                                std::vector<std::string>& warnings) {
-  if (command.film.orbits) return {};
-  if (command.film.keyframes.empty()) return requested_views(command.camera, scene, warnings);
+  if (command.flight.orbits) return {};
+  if (command.flight.keyframes.empty()) return requested_views(command.camera, scene, warnings);
   CameraRequest keyframes = command.camera;
-  keyframes.file = command.film.keyframes;
+  keyframes.file = command.flight.keyframes;
   renderer::Scene with_lens = scene;
   if (!with_lens.camera) {
     // Trajectories have no lens: a plain one.
     const ImageSize size = command.camera.size.value_or(ImageSize{1280, 720});
     with_lens.camera = camera::pinhole_from_fov(size.width, size.height, 50.0, camera::CameraPose());
   }
-  return flight_views(command.film, requested_views(keyframes, with_lens, warnings));
+  return flight_views(command.flight, requested_views(keyframes, with_lens, warnings));
 }
 
 ExitCode run(const RenderCommand& given) {
   RenderCommand command = given;
   const Verbosity verbosity = command.verbosity;
-  take_film(command.film, command.camera, command.output, command.overwrite);
-  const EmptyFolder frames(command.film.file.empty() ? "" : command.output.parent_path());
+  take_video(command.flight, command.camera, command.output, command.overwrite);
+  const EmptyFolder frames(command.flight.file.empty() ? "" : command.output.parent_path());
   renderer::Scene scene = requested_scene(command);
   const bool has_image = !scene.output.file.empty();
   if (has_image) image::check_image_name(scene.output.file);
@@ -429,33 +430,32 @@ ExitCode run(const RenderCommand& given) {
   say_warnings(verbosity, warnings);
   ImageList list;
   if (has_image) list = requested_images(command, scene, views);
-  std::vector<RequestedImage>& pictures = list.pictures;
+  std::vector<RequestedImage>& images = list.images;
   DepthPlan depth = requested_depth(command, scene, views, list);
-  if (pictures.empty() && depth.empty()) {
-    write_film(command.film, list.finished, command.output, command.overwrite, verbosity);
+  if (images.empty() && depth.empty()) {
+    write_video(command.flight, list.finished, command.output, command.overwrite, verbosity);
     remove_finished_checkpoint(command.long_render, list.finished);
     say_note(verbosity, "all images exist");
     return ExitCode::done;
   }
   std::optional<Resumption> resumed;
-  if (!pictures.empty())
-    resumed = find_resumption(command.long_render, list.files(), list.finished, verbosity);
+  if (!images.empty()) resumed = find_resumption(command.long_render, list.files(), list.finished, verbosity);
   if (verbosity != Verbosity::quiet) warn_of_few_samples(command.long_render, scene.render.samples);
   // Before the work, so that a program that cannot write pictures does not render for hours first.
   image_module();
   const bool wants_legend = is_wanted(command.color.legend, command, resumed.has_value());
-  if (wants_legend) check_legend_file(command, scene, pictures);
+  if (wants_legend) check_legend_file(command, scene, images);
   if (verbosity == Verbosity::verbose)
     say_note(fmt::format("instruction set {}", name(best_instruction_set())));
-  if (!views.empty()) check_views(pictures, scene, nullptr);
-  if (!pictures.empty()) prepare_sky(scene, command.scene_file, verbosity);
+  if (!views.empty()) check_views(images, scene, nullptr);
+  if (!images.empty()) prepare_sky(scene, command.scene_file, verbosity);
   load_meshes(scene, verbosity);
 
   CloudInputs clouds = command.files;
   if (scene.cloud && clouds.empty())
     clouds = command.view->apply(resolve_clouds(scene.cloud->files, cloud_formats()));
-  if (scene.cloud && !command.long_render.preview.empty() && !resumed && !pictures.empty())
-    show_first_looks(command, scene, clouds, views.empty() ? nullptr : &pictures.front().view);
+  if (scene.cloud && !command.long_render.preview.empty() && !resumed && !images.empty())
+    show_first_looks(command, scene, clouds, views.empty() ? nullptr : &images.front().view);
   std::optional<renderer::LoadedCloud> loaded;
   if (scene.cloud) loaded = load(command, scene, clouds, views);
   const renderer::LoadedCloud* const cloud = loaded ? &*loaded : nullptr;
@@ -465,11 +465,11 @@ ExitCode run(const RenderCommand& given) {
         cloud == nullptr || command.camera.from_above ? 0 : renderer::stray_count(*cloud);
     if (strays > 0)
       say_note(verbosity, fmt::format("the view leaves out {} points far from all others", strays));
-    all_views = views_of_cloud(command.camera, command.film, scene, cloud, command.scene_file);
-    for (RequestedImage& picture : pictures) picture.view = all_views[picture.number];
+    all_views = views_of_cloud(command.camera, command.flight, scene, cloud, command.scene_file);
+    for (RequestedImage& image : images) image.view = all_views[image.number];
     for (DepthJob& job : depth.jobs) job.view = all_views.front();
   }
-  check_views(pictures, scene, cloud);
+  check_views(images, scene, cloud);
   for (const DepthJob& job : depth.jobs) check_views(std::array{RequestedImage{job.view, {}}}, scene, cloud);
   if (!depth.jobs.empty() && cloud != nullptr && !command.shape) warn_of_spheres(scene, *cloud, verbosity);
   EmptyViews empty;
@@ -482,14 +482,14 @@ ExitCode run(const RenderCommand& given) {
                         command.overwrite, empty, verbosity);
     if (!command.ground.with_color) return finish();
   }
-  if (pictures.empty()) return finish();
+  if (images.empty()) return finish();
   if (command.is_overview() && !command.light.sun && cloud != nullptr && all_views.size() == 1)
     renderer::light_from_scanners(scene, *cloud, all_views.front().camera);
   prepare_light(scene, cloud, verbosity);
   const bool is_lit = scene.render.mode == renderer::RenderMode::path;
   const bool is_automatic =
       command.exposure ? !command.exposure->has_value() : command.is_overview() && is_lit;
-  if (is_automatic && image::image_format(pictures.front().file) != image::ImageFormat::exr) {
+  if (is_automatic && image::image_format(images.front().file) != image::ImageFormat::exr) {
     // By the first picture of a set, whether or not it exists already.
     scene.output.exposure = renderer::automatic_exposure(scene, cloud, all_views.front().camera);
     say_note(verbosity, fmt::format("exposure {:+.2f} stops (--exposure)", scene.output.exposure));
@@ -500,25 +500,25 @@ ExitCode run(const RenderCommand& given) {
 
   renderer::RenderStatistics statistics;
   try {
-    statistics = render_all(pictures, scene, cloud, command, resumed, empty);
+    statistics = render_all(images, scene, cloud, command, resumed, empty);
   } catch (const Cancelled&) {
     const std::filesystem::path& checkpoint = command.long_render.checkpoint.file;
     if (!checkpoint.empty()) say_how_to_resume(verbosity, checkpoint.string());
     throw;
   }
-  const std::string first = written_file(command.long_render, pictures.front().file).string(),
-                    last = written_file(command.long_render, pictures.back().file).string(),
-                    written = pictures.size() == 1 ? first : fmt::format("{} to {}", first, last);
+  const std::string first = written_file(command.long_render, images.front().file).string(),
+                    last = written_file(command.long_render, images.back().file).string(),
+                    written = images.size() == 1 ? first : fmt::format("{} to {}", first, last);
   const std::string hint = fmt::format(" with {} samples per pixel (--samples)", scene.render.samples);
   say_note(verbosity, fmt::format("{} rays in {:.1f} s ({} rays/s); wrote {}{}",
                                   short_count(static_cast<double>(statistics.ray_count)), statistics.seconds,
                                   short_count(static_cast<double>(statistics.ray_count) / statistics.seconds),
                                   written, command.is_overview() && is_lit ? hint : ""));
 
-  if (!command.film.file.empty()) {
+  if (!command.flight.file.empty()) {
     std::vector<std::filesystem::path> all = list.finished;
-    for (const RequestedImage& picture : pictures) all.push_back(picture.file);
-    write_film(command.film, all, command.output, command.overwrite, verbosity);
+    for (const RequestedImage& image : images) all.push_back(image.file);
+    write_video(command.flight, all, command.output, command.overwrite, verbosity);
   }
   return finish();
 }

@@ -308,7 +308,7 @@ std::shared_ptr<RenderCommand> add_render_options(const Options& render) {
   render.flag("--skip-existing", "skip existing images, to continue an interrupted set",
               command->skip_existing);
   add_camera_options(render, command->camera);
-  add_film_options(render, command->film);
+  add_flight_options(render, command->flight);
   add_depth_options(render, command->depth);
   add_light_options(render, command->light);
   add_image_options(render, *command);

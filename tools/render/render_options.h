@@ -37,7 +37,7 @@ struct RenderCommand : CloudRequest {
   bool in_view = false;                       ///< of a cloud in a database, only what the cameras see is read
   std::filesystem::path output;
   CameraRequest camera;
-  FilmRequest film;
+  FlightRequest flight;
   DepthRequest depth;
   LightRequest light;
   std::optional<int> samples, max_bounces;
@@ -58,7 +58,7 @@ struct RenderCommand : CloudRequest {
 
   /// Whether the picture, or the flight, shows the whole cloud: neither a scene nor a camera is given.
   bool is_overview() const {
-    return scene_file.empty() && camera.file.empty() && film.keyframes.empty() && !camera.panorama &&
+    return scene_file.empty() && camera.file.empty() && flight.keyframes.empty() && !camera.panorama &&
            !camera.from_above;
   }
 };

@@ -7,6 +7,7 @@
 #include "base/output_file.h"
 #include "camera/camera.h"
 #include "geo/map_unit.h"
+#include "renderer/image_metadata.h"
 #include "tools/cloud/load_cloud.h"
 #include "tools/command.h"
 #include "tools/image_module.h"
@@ -157,7 +158,7 @@ void write_depth(const HorizonCommand& command, const VisibilityCloud& cloud, co
   for (const CloudFile& file : cloud.cloud.cloud.files) metadata.cloud_files.push_back(kept_name(file.path));
   metadata.cloud_offset = cloud.octree().lattice().offset;
   metadata.crs = cloud.cloud.cloud.crs;
-  image_module().write_image(film, output, metadata, command.overwrite);
+  image_module().write_image(film, output, renderer::image_facts(metadata, output), command.overwrite);
 }
 
 void say_findings(const HorizonCommand& command, const View& view) {

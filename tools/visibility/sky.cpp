@@ -144,12 +144,12 @@ Fingerprint sky_fingerprint(const SkyRequest& request, const SkySite& site) {
 }
 
 void write_sky_map(const SkyRequest& request, const SkySite& site, std::span<const SkyBand> bands,
-                   const MapMetadata& metadata, visibility::MapImage picture) {
+                   const MapMetadata& metadata, visibility::MapImage image) {
   const Crs& crs = site.cloud->cloud.cloud.crs;
   if (!request.map.preview.empty()) {
-    picture.values = bands.front().values;
-    picture.unit = site.unit;
-    image_module().write_map_image(picture, *site.ground, request.map.preview, request.overwrite);
+    image.values = bands.front().values;
+    image.unit = site.unit;
+    image_module().write_map_image(image, *site.ground, request.map.preview, request.overwrite);
   }
   geo::RasterContents contents;
   contents.grid = site.grid;

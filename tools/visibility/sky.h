@@ -56,7 +56,7 @@ struct SkyBand {
 /// Writes a map as GeoTIFF, and the picture of its first band if one is requested. `metadata`: beside that of
 /// all maps. `picture`: without values and unit. Replaces NaN in the bands by k_no_float.
 void write_sky_map(const SkyRequest& request, const SkySite& site, std::span<const SkyBand> bands,
-                   const MapMetadata& metadata, visibility::MapImage picture);
+                   const MapMetadata& metadata, visibility::MapImage image);
 
 /// "0.02 to 0.97, mean 0.61": of the values that are numbers.
 std::string range_and_mean(const std::function<float(std::size_t)>& value, std::size_t count);

@@ -74,8 +74,8 @@ struct MapLayout {
 
 class MapDrawer {
  public:
-  MapDrawer(const MapImage& picture, const Ground& ground, const image::Font& font, int longest_side)
-      : picture_(picture),
+  MapDrawer(const MapImage& image, const Ground& ground, const image::Font& font, int longest_side)
+      : image_(image),
         ground_(ground),
         font_(font),
         rows_(rows()),
@@ -83,11 +83,11 @@ class MapDrawer {
         canvas_(layout_.width, layout_.height, k_paper) {}
 
   image::Canvas draw() {
-    font_.draw(canvas_, k_margin, k_margin + k_title_size, picture_.title, k_title_size, k_text);
+    font_.draw(canvas_, k_margin, k_margin + k_title_size, image_.title, k_title_size, k_text);
     draw_cells();
     canvas_.frame({layout_.map.left - 1, layout_.map.top - 1, layout_.map.right + 1, layout_.map.bottom + 1},
                   k_line);
-    for (const MapMark& mark : picture_.marks) draw_mark(mark);
+    for (const MapMark& mark : image_.marks) draw_mark(mark);
     draw_scale_bar();
     draw_north();
     draw_legend();
@@ -95,21 +95,21 @@ class MapDrawer {
   }
 
  private:
-  const geo::RasterGrid& grid() const { return picture_.values.grid; }
+  const geo::RasterGrid& grid() const { return image_.values.grid; }
 
   /// The swatches that occur, with their shares.
   std::vector<MapSwatch> rows() const {
-    std::vector<std::uint64_t> counts(picture_.swatches.size(), 0);
+    std::vector<std::uint64_t> counts(image_.swatches.size(), 0);
     std::uint64_t total = 0;
-    for (const float value : picture_.values.values) {
+    for (const float value : image_.values.values) {
       if (std::isnan(value)) continue;
       ++total;
-      for (std::size_t i = 0; i < counts.size(); ++i) counts[i] += picture_.swatches[i].value == value;
+      for (std::size_t i = 0; i < counts.size(); ++i) counts[i] += image_.swatches[i].value == value;
     }
     std::vector<MapSwatch> rows;
     for (std::size_t i = 0; i < counts.size(); ++i) {
       if (counts[i] == 0) continue;
-      rows.push_back(picture_.swatches[i]);
+      rows.push_back(image_.swatches[i]);
       const double percent = 100.0 * static_cast<double>(counts[i]) / static_cast<double>(total);
       rows.back().label += percent < 0.1 ? "  < 0.1 %" : fmt::format("  {:.1f} %", percent);
     }
@@ -122,22 +122,22 @@ class MapDrawer {
       width = std::max(width, indent + font_.measure(text, size).width);
     };
     for (const MapSwatch& row : rows_) widen(row.label, k_font_size, k_row + 8);
-    for (const std::string& note : picture_.notes) widen(note, k_note_size, 0);
-    if (picture_.scale) {
-      widen(picture_.scale->label, k_font_size, 0);
+    for (const std::string& note : image_.notes) widen(note, k_note_size, 0);
+    if (image_.scale) {
+      widen(image_.scale->label, k_font_size, 0);
       for (const image::RoundTick& tick : ticks()) widen(tick.label, k_font_size, k_bar_width + 16);
     }
     return width;
   }
 
   int panel_height() const {
-    int height = 3 * k_row + k_row * static_cast<int>(rows_.size() + picture_.notes.size());
-    if (picture_.scale) height += k_bar_height + 3 * k_row;
+    int height = 3 * k_row + k_row * static_cast<int>(rows_.size() + image_.notes.size());
+    if (image_.scale) height += k_bar_height + 3 * k_row;
     return height;
   }
 
   std::vector<image::RoundTick> ticks() const {
-    return image::round_ticks(picture_.scale->range, std::max(2, picture_.scale->most_ticks));
+    return image::round_ticks(image_.scale->range, std::max(2, image_.scale->most_ticks));
   }
 
   MapLayout layout(int longest_side) const {
@@ -153,7 +153,7 @@ class MapDrawer {
     const int top = k_margin + k_title_size + k_margin / 2 + 4;
     layout.map = {k_margin, top, k_margin + pixels(grid().columns), top + pixels(grid().rows)};
     layout.panel = layout.map.right + k_margin;
-    const int title = k_margin + font_.measure(picture_.title, k_title_size).width;
+    const int title = k_margin + font_.measure(image_.title, k_title_size).width;
     layout.width = std::max(layout.panel + panel_width(), title) + k_margin;
     layout.height = std::max(layout.map.bottom + 3 * k_margin, top + panel_height() + k_margin);
     return layout;
@@ -162,13 +162,13 @@ class MapDrawer {
   double units_per_pixel() const { return layout_.cells_per_pixel * grid().cell_size; }
 
   image::Rgb8 color_of(float value) const {
-    for (const MapSwatch& swatch : picture_.swatches) {
+    for (const MapSwatch& swatch : image_.swatches) {
       if (swatch.value == value) return swatch.color;
     }
-    if (!picture_.scale) return k_paper;
-    const image::ValueRange& range = picture_.scale->range;
+    if (!image_.scale) return k_paper;
+    const image::ValueRange& range = image_.scale->range;
     const double extent = range.high - range.low;
-    return to_rgb8(image::map_color(picture_.scale->map, extent > 0.0 ? (value - range.low) / extent : 0.5));
+    return to_rgb8(image::map_color(image_.scale->map, extent > 0.0 ? (value - range.low) / extent : 0.5));
   }
 
   void draw_cells() {
@@ -180,7 +180,7 @@ class MapDrawer {
       for (int x = 0; x < map.width(); ++x) {
         const double east = (x + 0.5) * layout_.cells_per_pixel;
         const int column = std::min(static_cast<int>(east), grid().columns - 1);
-        const float value = picture_.values.at(column, row);
+        const float value = image_.values.at(column, row);
         if (std::isnan(value)) continue;
         const glm::dvec2 position = grid().north_west + grid().cell_size * glm::dvec2(east, -south);
         const int left = map.left + x, top = map.top + y;
@@ -216,7 +216,7 @@ class MapDrawer {
     const glm::dvec2 pixel(layout_.map.left + way.x / units_per_pixel(),
                            layout_.map.top - way.y / units_per_pixel());
     // Many observers are small dots.
-    const bool few = picture_.marks.size() <= k_longest_names;
+    const bool few = image_.marks.size() <= k_longest_names;
     dot(pixel, few ? 7.5 : 3.5, k_halo);
     dot(pixel, few ? 5.5 : 2.5, k_mark);
     if (!few || mark.name.empty()) return;
@@ -239,8 +239,7 @@ class MapDrawer {
     const int left = layout_.map.left, top = layout_.map.bottom + k_margin / 2;
     canvas_.fill({left, top, left + pixels, top + 6}, k_line);
     canvas_.fill({left + pixels / 2, top + 1, left + pixels - 1, top + 5}, k_paper);
-    const std::string label =
-        fmt::format("{:g}{}{}", length, picture_.unit.empty() ? "" : " ", picture_.unit);
+    const std::string label = fmt::format("{:g}{}{}", length, image_.unit.empty() ? "" : " ", image_.unit);
     font_.draw(canvas_, left + pixels + 10, top + 10, label, k_font_size, k_text);
   }
 
@@ -265,15 +264,15 @@ class MapDrawer {
       font_.draw(canvas_, box.right + 8, y + 16, row.label, k_font_size, k_text);
       y += k_row;
     }
-    if (picture_.scale) y = draw_color_bar(y + k_row / 2);
-    for (const std::string& note : picture_.notes) {
+    if (image_.scale) y = draw_color_bar(y + k_row / 2);
+    for (const std::string& note : image_.notes) {
       font_.draw(canvas_, left, y + 16, note, k_note_size, k_note);
       y += k_row - 6;
     }
   }
 
   int draw_color_bar(int y) {
-    const MapScale& scale = *picture_.scale;
+    const MapScale& scale = *image_.scale;
     const int left = layout_.panel;
     font_.draw(canvas_, left, y + 16, scale.label, k_font_size, k_text);
     y += k_row + 6;
@@ -292,7 +291,7 @@ class MapDrawer {
     return y + k_bar_height + k_row;
   }
 
-  const MapImage& picture_;
+  const MapImage& image_;
   const Ground& ground_;
   const image::Font& font_;
   std::vector<MapSwatch> rows_;
@@ -302,15 +301,15 @@ class MapDrawer {
 
 }  // namespace
 
-image::Canvas draw_map(const MapImage& picture, const Ground& ground, const image::Font& font,
+image::Canvas draw_map(const MapImage& image, const Ground& ground, const image::Font& font,
                        int longest_side) {
-  return MapDrawer(picture, ground, font, longest_side).draw();
+  return MapDrawer(image, ground, font, longest_side).draw();
 }
 
-void write_map_image(const MapImage& picture, const Ground& ground, const std::filesystem::path& file,
+void write_map_image(const MapImage& image, const Ground& ground, const std::filesystem::path& file,
                      bool overwrite) {
   const image::Font font(image::find_font());
-  image::write_png(draw_map(picture, ground, font), file, overwrite);
+  image::write_png(draw_map(image, ground, font), file, overwrite);
 }
 
 }  // namespace alidade::visibility

@@ -74,11 +74,11 @@ struct MapImage {
 /// there are more pixels than cells). The legend names the swatches that occur, with their share of the
 /// cells with a value. The same pixels for the same map, font and version of FreeType. Requires
 /// longest_side >= 1.
-image::Canvas draw_map(const MapImage& picture, const Ground& ground, const image::Font& font,
+image::Canvas draw_map(const MapImage& image, const Ground& ground, const image::Font& font,
                        int longest_side = 1000);
 
 /// Writes the picture of draw_map() as PNG. Errors: those of write_png() and find_font().
-void write_map_image(const MapImage& picture, const Ground& ground, const std::filesystem::path& file,
+void write_map_image(const MapImage& image, const Ground& ground, const std::filesystem::path& file,
                      bool overwrite);
 
 }  // namespace alidade::visibility

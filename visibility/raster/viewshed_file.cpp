@@ -144,12 +144,12 @@ MapImage viewshed_image(const Viewshed& viewshed, const ViewshedOptions& options
   const ViewshedMode mode = options.mode;
   const double lowest = options.target_height, highest = options.highest;
   const bool of_objects = !options.pieces.empty();
-  MapImage picture{
+  MapImage image{
       .title = of_objects ? title_of_objects(mode, observers.size()) : title_of(mode, observers.size()),
       .values = viewshed.values};
-  picture.unit = length_unit;
+  image.unit = length_unit;
   for (const Observer& observer : observers)
-    picture.marks.push_back({glm::dvec2(observer.position), observer.name});
+    image.marks.push_back({glm::dvec2(observer.position), observer.name});
   const MapSwatch beyond{k_out_of_range, k_beyond, "out of range"};
   const std::string unit_text = length_unit.empty() ? "" : " " + length_unit;
   float largest = 0.0f;
@@ -159,38 +159,38 @@ MapImage viewshed_image(const Viewshed& viewshed, const ViewshedOptions& options
   }
   switch (mode) {
     case ViewshedMode::visible:
-      picture.swatches = {{1.0f, k_seen, "seen"}, {0.0f, k_hidden, "not visible"}, beyond};
+      image.swatches = {{1.0f, k_seen, "seen"}, {0.0f, k_hidden, "not visible"}, beyond};
       break;
     case ViewshedMode::count:
-      picture.swatches = {{0.0f, k_hidden, "not visible"}, beyond};
-      picture.scale = {image::ColorMap::viridis,
-                       {1.0, std::max(1.0, static_cast<double>(largest))},
-                       of_objects ? "objects" : "observers",
-                       std::clamp(static_cast<int>(largest), 2, 7)};
+      image.swatches = {{0.0f, k_hidden, "not visible"}, beyond};
+      image.scale = {image::ColorMap::viridis,
+                     {1.0, std::max(1.0, static_cast<double>(largest))},
+                     of_objects ? "objects" : "observers",
+                     std::clamp(static_cast<int>(largest), 2, 7)};
       break;
     case ViewshedMode::height:
-      picture.swatches = {
+      image.swatches = {
           {static_cast<float>(lowest), k_seen,
            lowest > 0.0 ? fmt::format("visible at {:g}{}", lowest, unit_text) : "visible on the ground"},
           {static_cast<float>(highest), k_hidden, fmt::format("not up to {:g}{}", highest, unit_text)},
           beyond};
-      picture.scale = {image::ColorMap::viridis,
-                       {lowest, std::max(lowest + 0.01, static_cast<double>(largest))},
-                       length_unit.empty() ? "height" : "height, " + length_unit};
+      image.scale = {image::ColorMap::viridis,
+                     {lowest, std::max(lowest + 0.01, static_cast<double>(largest))},
+                     length_unit.empty() ? "height" : "height, " + length_unit};
       break;
     case ViewshedMode::fraction:
-      picture.swatches = {{0.0f, k_hidden, "not visible"}, beyond};
-      picture.scale = {image::ColorMap::viridis, {0.0, 1.0}, "share"};
+      image.swatches = {{0.0f, k_hidden, "not visible"}, beyond};
+      image.scale = {image::ColorMap::viridis, {0.0, 1.0}, "share"};
       break;
     case ViewshedMode::size:
     case ViewshedMode::angle:
-      picture.swatches = {{0.0f, k_hidden, "not visible"}, beyond};
-      picture.scale = {image::ColorMap::viridis,
-                       {0.0, largest > 0.0f ? static_cast<double>(largest) : 1.0},
-                       unit_of(options, length_unit)};
+      image.swatches = {{0.0f, k_hidden, "not visible"}, beyond};
+      image.scale = {image::ColorMap::viridis,
+                     {0.0, largest > 0.0f ? static_cast<double>(largest) : 1.0},
+                     unit_of(options, length_unit)};
       break;
   }
-  return picture;
+  return image;
 }
 
 SeenShare seen_share(const Viewshed& viewshed, const ViewshedOptions& options) {
