@@ -5,7 +5,7 @@
 
 namespace alidade::python {
 
-inline constexpr const char* k_module_doc = R"(Ray queries and pictures of raw point clouds.
+inline constexpr const char* k_module_doc = R"(Ray queries and images of raw point clouds.
 
 >>> import alidade
 >>> index = alidade.open("site.laz").index()
@@ -250,7 +250,7 @@ inline constexpr const char* k_render_doc =
     R"(exposure=None, seed=None, workers=-1, progress=None)
 --
 
-Path-trace a picture of the cloud.
+Path-trace an image of the cloud.
 
 Parameters
 ----------
@@ -311,7 +311,7 @@ Raster
 inline constexpr const char* k_compare_doc = R"(compare(reference, test, *, workers=-1)
 --
 
-Differences of two pictures (height, width, 3): uint8 or uint16 (sRGB) or floats (linear light).
+Differences of two images (height, width, 3): uint8 or uint16 (sRGB) or floats (linear light).
 
 Returns
 -------

@@ -21,7 +21,7 @@ py::array array_of(const py::handle& given, const char* name) {
   py::array array = py::array::ensure(given);
   if (!array) {
     PyErr_Clear();
-    throw input_error(fmt::format("{} is no array", name), "an array of numbers",
+    throw input_error(fmt::format("{} is not an array", name), "an array of numbers",
                       py::str(py::type::handle_of(given).attr("__name__")).cast<std::string>());
   }
   return array;
@@ -33,7 +33,7 @@ Doubles doubles_of(const py::array& array, const char* name) {
   const bool is_real = kind == 'f' || kind == 'i' || kind == 'u';
   Doubles numbers = is_real ? Doubles::ensure(array) : Doubles();
   if (!is_real || !numbers)
-    throw input_error(fmt::format("{} has no real numbers", name),
+    throw input_error(fmt::format("{} is not an array of real numbers", name),
                       "an array of floating-point or whole numbers",
                       fmt::format("dtype {} of shape {}", type_text(array), shape_text(array)));
   return numbers;

@@ -329,7 +329,7 @@ py::array require_rows(const py::handle& given, const std::string& name, std::si
                     array ? "shape " + shape_text(array) : "no array");
 }
 
-/// An array as another type. Errors: it is no array of numbers; a whole number does not fit.
+/// An array as another type. Errors: it has no numbers; a whole number does not fit.
 template <class T>
 py::array_t<T, py::array::c_style | py::array::forcecast> as(const py::array& array,
                                                              const std::string& name) {

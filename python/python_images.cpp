@@ -51,7 +51,7 @@ renderer::Scene scene_of(const py::object& given, const CloudData& data) {
     return std::holds_alternative<renderer::Model>(object);
   });
   if (has_mesh || scene.sun_by_time || std::holds_alternative<renderer::ImageSky>(scene.sky))
-    throw input_error("the scene has meshes, a sun by date and time, or a sky from a picture",
+    throw input_error("the scene has meshes, a sun by date and time, or a sky from an image",
                       "a scene without them; 'alidade render' draws all of them");
   return scene;
 }
@@ -100,7 +100,7 @@ py::array layer_array(const image::Film& film, const std::vector<Pixel>& pixels)
   return array;
 }
 
-/// The picture as PNG shows it: (height, width, 3) of 8 bits.
+/// The image as PNG shows it: (height, width, 3) of 8 bits.
 py::array image_of(const image::Film& film, const image::OutputSettings& output) {
   py::array_t<std::uint8_t> codes({py::ssize_t{film.height}, py::ssize_t{film.width}, py::ssize_t{3}});
   for (std::size_t pixel = 0; pixel < film.count(); ++pixel)
@@ -112,7 +112,7 @@ py::dict render(const Index& index, const py::object& camera, const py::object& 
                 std::array<int, 2> size, std::optional<int> samples,
                 const std::vector<std::string>& layer_words, std::optional<double> exposure,
                 std::optional<std::uint64_t> seed, int workers, const py::object& progress) {
-  if (index.octree().size() == 0) throw input_error("the cloud has no points to look at", "points");
+  if (index.octree().size() == 0) throw input_error("the cloud has no points to render", "points");
   renderer::Scene scene = scene_of(scene_parts, *index.data());
   if (!camera.is_none()) scene.camera = camera_of(camera);
   const bool is_overview = !scene.camera;
@@ -278,7 +278,7 @@ compare::ComparedImage compared(const py::handle& given, const char* name) {
   const bool is_code = type == "uint8" || type == "uint16";
   if (!fits || array.size() == 0 || !(is_code || array.dtype().kind() == 'f')) {
     PyErr_Clear();
-    throw input_error(fmt::format("{} is no picture", name),
+    throw input_error(fmt::format("{} is not an image", name),
                       "(height, width, 3) of uint8 or uint16 (sRGB), or floats (linear light)",
                       array ? fmt::format("{} of shape {}", type, shape_text(array)) : type);
   }
@@ -300,7 +300,7 @@ py::object compare_images(const py::handle& reference_array, const py::handle& t
   const compare::ComparedImage reference = compared(reference_array, "reference"),
                                test = compared(test_array, "test");
   if (reference.width != test.width || reference.height != test.height)
-    throw input_error("the pictures differ in size",
+    throw input_error("the images differ in size",
                       fmt::format("{} x {} pixels", reference.width, reference.height),
                       fmt::format("{} x {}", test.width, test.height));
   compare::FlipResult flip;

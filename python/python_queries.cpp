@@ -92,7 +92,7 @@ CandidateFilter filter_of(const Index& index, const Conditions& conditions, py::
         array.dtype().kind() != 'b') {
       PyErr_Clear();
       throw input_error(
-          "where is no mask of the points", fmt::format("bool of shape ({},)", count),
+          "where is not a mask of the points", fmt::format("bool of shape ({},)", count),
           array ? fmt::format("{} of shape {}", py::str(array.dtype()).cast<std::string>(), shape_text(array))
                 : "no array");
     }

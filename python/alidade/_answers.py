@@ -58,7 +58,7 @@ class Raster(NamedTuple):
 
 
 class Comparison(NamedTuple):
-    """Differences of two pictures."""
+    """Differences of two images."""
     flip: float
     ssim: float
     ms_ssim: float
