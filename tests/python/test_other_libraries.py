@@ -48,7 +48,7 @@ def test_attributes_are_columns_of_pandas(index):
     assert (met >= -1e-9).all() and (met <= 0.01 + 1e-9).all()
 
 
-def test_pictures_and_maps_are_shown_by_matplotlib(index, viewshed, tmp_path):
+def test_images_and_maps_are_shown_by_matplotlib(index, viewshed, tmp_path):
     matplotlib = library("matplotlib")
     matplotlib.use("Agg")
     import matplotlib.pyplot as plt

@@ -62,7 +62,7 @@ def test_observers_see_points_and_ground(index):
         alidade.viewshed(index, [EYE], 2.0, mode="seen")
 
 
-def test_pictures_are_compared():
+def test_images_are_compared():
     rng = np.random.default_rng(1)
     a = rng.integers(0, 255, size=(170, 180, 3), dtype=np.uint8)
     same = alidade.compare(a, a)
