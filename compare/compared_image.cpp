@@ -30,7 +30,7 @@ std::vector<float> through(const image::CurveTable& curve, const std::vector<flo
 }
 
 template <typename Value>
-std::vector<Value> part(const std::vector<Value>& values, int width, const PixelRectangle& rectangle,
+std::vector<Value> part(const std::vector<Value>& values, int width, const image::PixelBox& rectangle,
                         int components) {
   std::vector<Value> result;
   if (values.empty()) return result;
@@ -76,11 +76,11 @@ bool is_sky(const ComparedImage& image, std::size_t pixel) {
 }
 
 /// Leaves the pixels that are inside (1) of the rectangles or outside (0); all pixels without rectangles.
-void keep_covered(ImageMask& mask, const ComparedImage& image, std::span<const PixelRectangle> rectangles,
+void keep_covered(ImageMask& mask, const ComparedImage& image, std::span<const image::PixelBox> rectangles,
                   std::uint8_t kept) {
   if (rectangles.empty()) return;
   std::vector<std::uint8_t> covered(image.pixels(), 0);
-  for (const PixelRectangle& rectangle : rectangles) {
+  for (const image::PixelBox& rectangle : rectangles) {
     const int left = std::clamp(rectangle.left, 0, image.width);
     const int right = std::clamp(rectangle.right, left, image.width);
     for (int y = std::max(rectangle.top, 0); y < std::min(rectangle.bottom, image.height); ++y) {
@@ -138,7 +138,7 @@ void require_colors(const ComparedImage& reference, const ComparedImage& test, c
       throw Error({.file = image->file.string(), .problem = problem, .expected = "channels R G B"});
 }
 
-ComparedImage cropped(const ComparedImage& image, const PixelRectangle& rectangle) {
+ComparedImage cropped(const ComparedImage& image, const image::PixelBox& rectangle) {
   const bool is_inside = rectangle.left >= 0 && rectangle.top >= 0 && rectangle.right <= image.width &&
                          rectangle.bottom <= image.height;
   if (!is_inside || rectangle.left >= rectangle.right || rectangle.top >= rectangle.bottom) {
@@ -207,12 +207,12 @@ void ignore_sky(ImageMask& mask, const ComparedImage& reference, const ComparedI
 }
 
 void keep_rectangles(ImageMask& mask, const ComparedImage& image,
-                     std::span<const PixelRectangle> rectangles) {
+                     std::span<const image::PixelBox> rectangles) {
   keep_covered(mask, image, rectangles, 1);
 }
 
 void ignore_rectangles(ImageMask& mask, const ComparedImage& image,
-                       std::span<const PixelRectangle> rectangles) {
+                       std::span<const image::PixelBox> rectangles) {
   keep_covered(mask, image, rectangles, 0);
 }
 

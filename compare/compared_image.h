@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "base/error.h"
+#include "image/pixel_box.h"
 
 namespace alidade::compare {
 
@@ -46,11 +47,6 @@ ComparedImage in_size(const ComparedImage& image, int width, int height);
 inline std::size_t pixel_index(int x, int y, int width) {
   return static_cast<std::size_t>(y) * static_cast<std::size_t>(width) + static_cast<std::size_t>(x);
 }
-
-/// Columns left .. right - 1 and rows top .. bottom - 1.
-struct PixelRectangle {
-  int left = 0, top = 0, right = 0, bottom = 0;
-};
 
 /// The two images differ in size (or in position within their display windows).
 class SizeMismatch : public Error {
@@ -95,7 +91,7 @@ inline bool is_finite(const float* three) {
 }
 
 /// The part of all layers inside the rectangle. Errors: it is empty or reaches beyond the image.
-ComparedImage cropped(const ComparedImage& image, const PixelRectangle& rectangle);
+ComparedImage cropped(const ComparedImage& image, const image::PixelBox& rectangle);
 
 /// The image at another size: colour and alpha through OpenImageIO's resize (its default filter: Lanczos 3
 /// when shrinking, Blackman-Harris when growing), display colours clamped to 0 .. 1, linear ones to no less
@@ -135,10 +131,11 @@ void keep_valid_depth(ImageMask& mask, const ComparedImage& reference, const Com
 void ignore_sky(ImageMask& mask, const ComparedImage& reference, const ComparedImage& test);
 
 /// Leaves the pixels inside any of the rectangles, which may reach beyond the picture. None: all stay.
-void keep_rectangles(ImageMask& mask, const ComparedImage& image, std::span<const PixelRectangle> rectangles);
+void keep_rectangles(ImageMask& mask, const ComparedImage& image,
+                     std::span<const image::PixelBox> rectangles);
 /// Takes out the pixels inside any of them.
 void ignore_rectangles(ImageMask& mask, const ComparedImage& image,
-                       std::span<const PixelRectangle> rectangles);
+                       std::span<const image::PixelBox> rectangles);
 
 /// Takes out pixels with a NaN or infinite colour value in either picture; returns how many it took out.
 /// The metrics leave out such pixels by themselves.

@@ -13,7 +13,7 @@
 namespace alidade::compare {
 namespace {
 
-ImageMask cropped_mask(const ImageMask& mask, int width, const PixelRectangle& crop) {
+ImageMask cropped_mask(const ImageMask& mask, int width, const image::PixelBox& crop) {
   ImageMask part;
   if (mask.counts.empty()) return part;
   for (int y = crop.top; y < crop.bottom; ++y) {

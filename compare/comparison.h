@@ -54,11 +54,11 @@ enum class ChangeMap {
 struct ComparisonOptions {
   // Which pixels count: those that all of these options leave.
   /// The part of both pictures to compare; pixels in the result count from its top left corner.
-  std::optional<PixelRectangle> crop;
+  std::optional<image::PixelBox> crop;
   bool resize_to_reference = false;  ///< otherwise another size is SizeMismatch
   std::filesystem::path mask;        ///< keep_light(); of the size of the reference before cropping
   bool use_alpha = false, valid_depth = false, ignore_sky = false;
-  std::vector<PixelRectangle> keep, ignore;  ///< in pixels of the reference before cropping
+  std::vector<image::PixelBox> keep, ignore;  ///< in pixels of the reference before cropping
 
   FlipOptions flip;
 

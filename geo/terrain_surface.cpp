@@ -9,6 +9,7 @@
 #include <utility>
 
 #include "base/parallel.h"
+#include "base/ray_slabs.h"
 
 namespace alidade::geo {
 namespace {
@@ -17,17 +18,6 @@ constexpr double k_infinity = std::numeric_limits<double>::infinity();
 
 /// Levels halve, and a side has fewer than 2^31 cells.
 constexpr int k_most_levels = 31;
-
-/// Stretch of a ray within a box; empty if begin > end.
-struct Stretch {
-  double begin = -k_infinity, end = k_infinity;
-
-  void cut(const Stretch& other) {
-    begin = std::max(begin, other.begin);
-    end = std::min(end, other.end);
-  }
-  bool empty() const { return !(begin <= end); }
-};
 
 /// Where a ray may cross the surface of a patch, in order.
 struct Roots {
@@ -80,38 +70,22 @@ struct TerrainSurface::Square {
 };
 
 /// A ray on its way over the grid: x and y in cells from the centre of the north-western one, east and south.
-class TerrainSurface::Walk {
+class TerrainSurface::Walk : public RaySlabs {
  public:
   Walk(const Ray& ray, const RasterGrid& grid)
-      : t_min(ray.t_min),
+      : RaySlabs({(ray.origin.x - grid.north_west.x) / grid.cell_size - 0.5,
+                  (grid.north_west.y - ray.origin.y) / grid.cell_size - 0.5, ray.origin.z},
+                 {ray.direction.x / grid.cell_size, -ray.direction.y / grid.cell_size, ray.direction.z}),
+        t_min(ray.t_min),
         t_max(ray.t_max),
-        ray_(ray),
-        origin_((ray.origin.x - grid.north_west.x) / grid.cell_size - 0.5,
-                (grid.north_west.y - ray.origin.y) / grid.cell_size - 0.5, ray.origin.z),
-        direction_(ray.direction.x / grid.cell_size, -ray.direction.y / grid.cell_size, ray.direction.z) {
-    for (int axis = 0; axis < 3; ++axis) {
-      // The inverse of less would be infinite.
-      is_level_[axis] = std::fabs(direction_[axis]) < 1e-290;
-      inverse_[axis] = is_level_[axis] ? 0.0 : 1.0 / direction_[axis];
-    }
-  }
+        ray_(ray) {}
 
-  /// Between two values of one coordinate. Monotonic, rounding included: between values within these it lies
-  /// within. So a patch that is left out with its square would have been left out alone, too.
-  Stretch between(int axis, double low, double high) const {
-    const double to_low = low - origin_[axis], to_high = high - origin_[axis];
-    if (is_level_[axis]) return to_low > 0.0 || to_high < 0.0 ? Stretch{k_infinity, -k_infinity} : Stretch{};
-    const double a = to_low * inverse_[axis], b = to_high * inverse_[axis];
-    return {std::min(a, b), std::max(a, b)};
-  }
-
-  double at(int axis, double t) const { return origin_[axis] + t * direction_[axis]; }
-  const glm::dvec3& direction() const { return direction_; }
+  double at(int axis, double t) const { return origin()[axis] + t * direction()[axis]; }
   const Ray& ray() const { return ray_; }
 
   /// Children of a square, 0 to 3 by column + 2 row, in the order in which the ray meets them.
   std::array<int, 4> order() const {
-    const int first = (direction_.x < 0.0 ? 1 : 0) + (direction_.y < 0.0 ? 2 : 0);
+    const int first = (direction().x < 0.0 ? 1 : 0) + (direction().y < 0.0 ? 2 : 0);
     return {first, first ^ 1, first ^ 2, first ^ 3};
   }
 
@@ -119,8 +93,6 @@ class TerrainSurface::Walk {
 
  private:
   Ray ray_;
-  glm::dvec3 origin_, direction_, inverse_{0.0};
-  std::array<bool, 3> is_level_{};
 };
 
 TerrainSurface::TerrainSurface(Raster<float> heights) : heights_(std::move(heights)) {

@@ -6,19 +6,12 @@
 #include <cstdint>
 #include <vector>
 
+#include "image/pixel_box.h"
+
 namespace alidade::image {
 
 /// 8-bit red, green, blue; display-referred (sRGB).
 using Rgb8 = std::array<std::uint8_t, 3>;
-
-/// Pixels [left, right) x [top, bottom); row 0 is on top.
-struct PixelBox {
-  int left = 0, top = 0, right = 0, bottom = 0;
-
-  int width() const { return right - left; }
-  int height() const { return bottom - top; }
-  bool operator==(const PixelBox&) const = default;
-};
 
 /// A picture to draw on: legends, maps, reports. What is drawn outside of it is cut off.
 class Canvas {

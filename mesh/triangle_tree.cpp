@@ -12,6 +12,7 @@
 #include <utility>
 
 #include "base/parallel.h"
+#include "base/ray_slabs.h"
 
 namespace alidade {
 namespace {
@@ -22,14 +23,7 @@ constexpr std::uint32_t k_block = 4;
 /// Each level halves the ranges, and there are fewer than 2^32 triangles.
 constexpr int k_most_levels = 32;
 
-constexpr double k_infinity = std::numeric_limits<double>::infinity();
-
 using Box = std::array<glm::vec3, 2>;
-
-/// Stretch of a ray within a box; empty if begin > end.
-struct Stretch {
-  double begin = -k_infinity, end = k_infinity;
-};
 
 /// The value as a float, rounded towards `towards`, which is infinite.
 float rounded(double value, float towards) {
@@ -44,41 +38,28 @@ float rounded(double value, float towards) {
 class TriangleTree::Walk {
  public:
   Walk(const Ray& ray, const glm::dvec3& origin)
-      : t_min(ray.t_min), t_max(ray.t_max), origin_(origin), direction_(ray.direction) {
-    for (int axis = 0; axis < 3; ++axis) {
-      if (std::fabs(direction_[axis]) > std::fabs(direction_[z_])) z_ = axis;
-      // The inverse of smaller numbers would be infinite.
-      is_level_[axis] = std::fabs(direction_[axis]) < 1e-290;
-      inverse_[axis] = is_level_[axis] ? 0.0 : 1.0 / direction_[axis];
-    }
+      : t_min(ray.t_min), t_max(ray.t_max), slabs_(origin, ray.direction) {
+    const glm::dvec3& direction = ray.direction;
+    for (int axis = 0; axis < 3; ++axis)
+      if (std::fabs(direction[axis]) > std::fabs(direction[z_])) z_ = axis;
     x_ = (z_ + 1) % 3;
     y_ = (x_ + 1) % 3;
-    shear_ = glm::dvec3(direction_[x_], direction_[y_], 1.0) / direction_[z_];
+    shear_ = glm::dvec3(direction[x_], direction[y_], 1.0) / direction[z_];
   }
 
-  /// The stretch within a box. Monotonic, including rounding: the stretch within a box that is
-  /// inside another lies in that of the other. So a triangle that is skipped with a node would also
-  /// have been skipped by itself.
+  /// The stretch within a box.
   template <class Vector>
   Stretch within(const Vector& low, const Vector& high) const {
     Stretch stretch;
-    for (int axis = 0; axis < 3; ++axis) {
-      const double to_low = low[axis] - origin_[axis], to_high = high[axis] - origin_[axis];
-      if (is_level_[axis]) {
-        if (to_low > 0.0 || to_high < 0.0) return {k_infinity, -k_infinity};
-        continue;
-      }
-      const double a = to_low * inverse_[axis], b = to_high * inverse_[axis];
-      stretch.begin = std::max(stretch.begin, std::min(a, b));
-      stretch.end = std::min(stretch.end, std::max(a, b));
-    }
+    for (int axis = 0; axis < 3; ++axis) stretch.cut(slabs_.between(axis, low[axis], high[axis]));
     return stretch;
   }
 
   /// The stretch within a node's box and the remaining interval of the ray.
   Stretch left_within(const Box& box) const {
-    const Stretch stretch = within(box[0], box[1]);
-    return {std::max(stretch.begin, t_min), std::min(stretch.end, t_max)};
+    Stretch stretch = within(box[0], box[1]);
+    stretch.cut({t_min, t_max});
+    return stretch;
   }
 
   /// Where the ray meets a triangle, as t and the weights of a, b, c; empty if it passes by or lies in its
@@ -102,12 +83,12 @@ class TriangleTree::Walk {
  private:
   /// A vertex in coordinates along the ray: x and y across it, z in units of t.
   glm::dvec3 sheared(const glm::dvec3& vertex) const {
-    const glm::dvec3 offset = vertex - origin_;
+    const glm::dvec3 offset = vertex - slabs_.origin();
     return {offset[x_] - shear_.x * offset[z_], offset[y_] - shear_.y * offset[z_], shear_.z * offset[z_]};
   }
 
-  glm::dvec3 origin_, direction_, inverse_{0.0}, shear_{0.0};
-  std::array<bool, 3> is_level_{};
+  RaySlabs slabs_;
+  glm::dvec3 shear_{0.0};
   int x_ = 0, y_ = 0, z_ = 0;
 };
 
@@ -233,7 +214,7 @@ std::optional<TriangleHit> TriangleTree::meet(const Walk& walk, std::uint32_t sl
   const Stretch stretch =
       walk.within(glm::min(a, glm::min(b, c)) - slack_, glm::max(a, glm::max(b, c)) + slack_);
   const double t = std::min(std::max(met->first, stretch.begin), stretch.end);
-  if (!(stretch.begin <= stretch.end && t >= walk.t_min && t <= walk.t_max)) return std::nullopt;
+  if (stretch.empty() || !(t >= walk.t_min && t <= walk.t_max)) return std::nullopt;
   return TriangleHit{.t = t, .triangle = numbers_[slot], .vertices = triangle, .weights = met->second};
 }
 
@@ -261,7 +242,7 @@ void TriangleTree::for_blocks(Walk& walk, const Visit& visit) const {
     double entry;
   };
   const Stretch all = walk.left_within(nodes_[0].boxes[0]);
-  if (!(all.begin <= all.end)) return;
+  if (all.empty()) return;
   std::array<Range, k_most_levels + 1> waiting;
   int count = 0;
   waiting[count++] = {0, static_cast<std::uint32_t>(nodes_.size()), all.begin};
@@ -273,7 +254,7 @@ void TriangleTree::for_blocks(Walk& walk, const Visit& visit) const {
       const std::uint32_t middle = range.begin + (range.end - range.begin) / 2;
       const Node& node = nodes_[middle];
       const Stretch first = walk.left_within(node.boxes[0]), second = walk.left_within(node.boxes[1]);
-      const bool meets_first = first.begin <= first.end, meets_second = second.begin <= second.end;
+      const bool meets_first = !first.empty(), meets_second = !second.empty();
       const Range first_half{range.begin, middle, first.begin}, second_half{middle, range.end, second.begin};
       const bool first_is_nearer = first.begin <= second.begin;
       if (meets_first && meets_second) waiting[count++] = first_is_nearer ? second_half : first_half;

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
+#include <cmath>
+#include <glm/geometric.hpp>
 #include <glm/vec3.hpp>
 
 #include "octree/octree.h"
@@ -24,6 +26,19 @@ struct LocalPlane {
 
 /// A plane is a surface from this trust on.
 constexpr double k_least_surface_trust = 0.7;
+
+/// Two directions in a plane, of length 1 and at right angles.
+struct PlaneAxes {
+  glm::dvec3 first, second;
+};
+
+/// Those in the plane across a unit normal.
+inline PlaneAxes axes_across(const glm::dvec3& normal) {
+  const glm::dvec3 across =
+      std::fabs(normal.z) < 0.7 ? glm::dvec3(normal.y, -normal.x, 0.0) : glm::dvec3(0.0, normal.z, -normal.y);
+  const glm::dvec3 first = glm::normalize(across);
+  return {first, glm::cross(normal, first)};
+}
 
 /// Fits a plane to the points within `reach` metres of a position, nearer ones weighing more. Requires
 /// reach > 0. The same bits on every instruction set. Cost: 1 to 10 microseconds, grows with the number of

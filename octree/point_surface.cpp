@@ -32,18 +32,6 @@ constexpr double k_step = 0.1, k_gap = 0.2, k_reach = 2.5, k_least_support = 1.5
 /// points between the edge and the reach.
 constexpr double k_half_width = 1.2;
 
-struct Axes {
-  glm::dvec3 first, second;
-};
-
-/// Two directions in the plane across a normal, of length 1 and at right angles.
-Axes axes_across(const glm::dvec3& normal) {
-  const glm::dvec3 across =
-      std::fabs(normal.z) < 0.7 ? glm::dvec3(normal.y, -normal.x, 0.0) : glm::dvec3(0.0, normal.z, -normal.y);
-  const glm::dvec3 first = glm::normalize(across);
-  return {first, glm::cross(normal, first)};
-}
-
 /// All around in even steps. Made with roots alone, which are the same on every machine.
 const std::array<glm::dvec2, k_directions>& directions() {
   static const std::array<glm::dvec2, k_directions> all = [] {
@@ -225,7 +213,7 @@ PointSurface surface_beside(const PointsNear& points, double spacing, const Loca
 simd::Extents sheet_extents(const PointsNear& points, const PointSurface& surface) {
   const double reach = points.reach();
   const auto limit = static_cast<float>(sheet_limit(surface.thickness, reach / k_reach) / reach);
-  const Axes axes = axes_across(surface.normal);
+  const PlaneAxes axes = axes_across(surface.normal);
   simd::Extents extents = points.extents({points.level(surface.normal, surface.height), limit},
                                          {glm::vec3(axes.first), glm::vec3(axes.second), float_directions(),
                                           static_cast<float>(k_half_width / k_reach)});
@@ -370,7 +358,7 @@ class SurfaceFitter {
 SheetEdge unpack_edge(std::uint8_t packed, const glm::dvec3& normal) {
   const int level = packed / k_directions;
   if (level == 0) return {};
-  const Axes axes = axes_across(normal);
+  const PlaneAxes axes = axes_across(normal);
   const glm::dvec2& direction = directions()[packed % k_directions];
   return {direction.x * axes.first + direction.y * axes.second, k_gap + k_step * (level - 1)};
 }

@@ -91,13 +91,13 @@ std::vector<std::size_t> tiles_by_row(std::vector<std::size_t> tiles) {
 template <class Use>
 void for_each_run(const TileGrid& grid, std::span<const std::size_t> tiles, const Use& use) {
   if (tiles.empty()) return;
-  const TileBox band = grid.band(grid.row_of(tiles.front()));
+  const image::PixelBox band = grid.band(grid.row_of(tiles.front()));
   if (tiles.size() == static_cast<std::size_t>(grid.columns())) return use(std::size_t{0}, band.count());
   for (int y = 0; y < band.height(); ++y) {
     for (const std::size_t tile : tiles) {
-      const TileBox box = grid.box(tile);
+      const image::PixelBox box = grid.box(tile);
       use(static_cast<std::size_t>(y) * static_cast<std::size_t>(band.width()) +
-              static_cast<std::size_t>(box.x_begin),
+              static_cast<std::size_t>(box.left),
           static_cast<std::size_t>(box.width()));
     }
   }
@@ -134,7 +134,7 @@ void for_each_array(State& state, Film& film, std::span<const std::size_t> tiles
     use_row(in_row, 0, band.earlier);
   });
   for_each_row(state.grid, tiles, [&](int row, std::span<const std::size_t> in_row) {
-    const std::size_t start = film.index(0, state.grid.band(row).y_begin);
+    const std::size_t start = film.index(0, state.grid.band(row).top);
     use_row(in_row, start, film.depth);
     use_row(in_row, start, film.distance);
     use_row(in_row, start, film.normal);

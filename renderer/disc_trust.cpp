@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "octree/distance.h"
+#include "octree/local_plane.h"
 #include "renderer/disc_tracer.h"
 
 namespace alidade::renderer {
@@ -24,14 +25,12 @@ constexpr int k_most_rims = 32;   ///< one behind another
 
 /// The widest angle at a point of a plane in which no other point lies, in radians. offsets: of the others.
 double widest_gap(const glm::dvec3& normal, std::span<const glm::dvec3> offsets) {
-  const glm::dvec3 across =
-      std::fabs(normal.z) < 0.7 ? glm::dvec3(normal.y, -normal.x, 0.0) : glm::dvec3(0.0, normal.z, -normal.y);
-  const glm::dvec3 one = glm::normalize(across), other = glm::cross(normal, one);
+  const PlaneAxes axes = axes_across(normal);
   constexpr double k_turn = 2.0 * glm::pi<double>();
   if (offsets.empty()) return k_turn;
   std::vector<double> angles;
   for (const glm::dvec3& offset : offsets)
-    angles.push_back(std::atan2(glm::dot(offset, other), glm::dot(offset, one)));
+    angles.push_back(std::atan2(glm::dot(offset, axes.second), glm::dot(offset, axes.first)));
   std::ranges::sort(angles);
   double gap = k_turn - (angles.back() - angles.front());
   for (std::size_t i = 0; i + 1 < angles.size(); ++i) gap = std::max(gap, angles[i + 1] - angles[i]);

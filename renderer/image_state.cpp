@@ -18,9 +18,9 @@ double square_sum(const glm::vec3& v) {
 }
 
 /// First pixel of a tile's row in its band.
-std::size_t band_index(const ImageState& state, const TileBox& box, int y) {
-  return static_cast<std::size_t>(y - box.y_begin) * static_cast<std::size_t>(state.grid.width()) +
-         static_cast<std::size_t>(box.x_begin);
+std::size_t band_index(const ImageState& state, const image::PixelBox& box, int y) {
+  return static_cast<std::size_t>(y - box.top) * static_cast<std::size_t>(state.grid.width()) +
+         static_cast<std::size_t>(box.left);
 }
 
 }  // namespace
@@ -72,14 +72,14 @@ std::uint64_t ImageState::ray_count() const {
 }
 
 void add_samples(ImageState& state, std::size_t tile, std::span<const PathResult> results) {
-  const TileBox box = state.grid.box(tile);
+  const image::PixelBox box = state.grid.box(tile);
   assert(results.size() % box.count() == 0);
   TileState& reached = state.tiles[tile];
   SumBand& band = state.bands[static_cast<std::size_t>(state.grid.row_of(tile))];
   const std::uint32_t first = reached.samples,
                       last = first + static_cast<std::uint32_t>(results.size() / box.count());
   auto result = results.begin();
-  for (int y = box.y_begin; y < box.y_end; ++y) {
+  for (int y = box.top; y < box.bottom; ++y) {
     const std::size_t row = band_index(state, box, y);
     for (std::size_t pixel = row; pixel < row + static_cast<std::size_t>(box.width()); ++pixel) {
       glm::dvec3& mean = band.mean[pixel];
@@ -113,11 +113,11 @@ image::Film reduced(const ImageState& state, int longest_side) {
   for (std::size_t tile = 0; tile < state.tiles.size(); ++tile) {
     const std::uint32_t samples = state.tiles[tile].samples;
     if (samples == 0) continue;
-    const TileBox box = state.grid.box(tile);
+    const image::PixelBox box = state.grid.box(tile);
     const SumBand& band = state.bands[static_cast<std::size_t>(state.grid.row_of(tile))];
-    for (int y = box.y_begin; y < box.y_end; ++y) {
+    for (int y = box.top; y < box.bottom; ++y) {
       std::size_t pixel = band_index(state, box, y);
-      for (int x = box.x_begin; x < box.x_end; ++x, ++pixel) {
+      for (int x = box.left; x < box.right; ++x, ++pixel) {
         const std::size_t to = film.index(x / factor, y / factor);
         film.color[to] += Rgb(band.mean[pixel]);
         film.alpha[to] += static_cast<float>(band.met_count[pixel]) / static_cast<float>(samples);
@@ -147,9 +147,9 @@ void move_into_film(ImageState& state, bool with_variance, image::Film& film) {
       const std::uint32_t samples = state.tiles[tile].samples;
       if (samples >= 2) variance_scale[column] = mean_variance_scale(state.levels[tile], samples);
     }
-    const TileBox pixels = state.grid.band(row);
+    const image::PixelBox pixels = state.grid.band(row);
     std::size_t pixel = 0;
-    for (int y = pixels.y_begin; y < pixels.y_end; ++y) {
+    for (int y = pixels.top; y < pixels.bottom; ++y) {
       for (int column = 0; column < state.grid.columns(); ++column) {
         const std::size_t tile = state.grid.tile_at(column, row);
         const auto samples = static_cast<float>(state.tiles[tile].samples);

@@ -97,14 +97,14 @@ double Noise::error(double floor) const {
 
 Noise tile_noise(const ImageState& state, std::size_t tile) {
   constexpr double k_caution = 4.0;
-  const TileBox box = state.grid.box(tile);
+  const image::PixelBox box = state.grid.box(tile);
   const SumBand& band = state.bands[static_cast<std::size_t>(state.grid.row_of(tile))];
   double sum = 0.0, sum_of_squares = 0.0;
   Noise noise;
   noise.pixels = box.count();
   for (int y = 0; y < box.height(); ++y) {
     std::size_t pixel = static_cast<std::size_t>(y) * static_cast<std::size_t>(state.grid.width()) +
-                        static_cast<std::size_t>(box.x_begin);
+                        static_cast<std::size_t>(box.left);
     for (int x = 0; x < box.width(); ++x, ++pixel) {
       double deviation = 0.0;
       for (int channel = 0; channel < 3; ++channel) {

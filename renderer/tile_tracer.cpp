@@ -40,10 +40,10 @@ void fill_pixel(const camera::Camera& camera, const World& world, const Ray& ray
 /// What rays through the same point of each pixel of a box meet.
 struct PixelRays {
   /// in_pixel: from the pixel's corner, pixels.
-  PixelRays(const camera::Projection& projection, const World& world, const TileBox& box,
+  PixelRays(const camera::Projection& projection, const World& world, const image::PixelBox& box,
             const glm::dvec2& in_pixel, const image::Film& film) {
-    for (int y = box.y_begin; y < box.y_end; ++y) {
-      for (int x = box.x_begin; x < box.x_end; ++x) {
+    for (int y = box.top; y < box.bottom; ++y) {
+      for (int x = box.left; x < box.right; ++x) {
         const std::optional<Ray> ray = projection.ray(glm::dvec2(x, y) + in_pixel);
         if (!ray) continue;
         rays.push_back(*ray);
@@ -59,7 +59,7 @@ struct PixelRays {
   std::vector<std::optional<Intersection>> met;
 };
 
-void fill_coverage(const camera::Projection& projection, const World& world, const TileBox& box,
+void fill_coverage(const camera::Projection& projection, const World& world, const image::PixelBox& box,
                    image::Film& film) {
   constexpr int k_side = 4;
   for (int i = 0; i < k_side * k_side; ++i) {
@@ -82,8 +82,8 @@ std::vector<PathResult> sample_tiles(const RenderTask& task, std::span<const Til
   numbers.reserve(count);
   std::size_t number = 0;
   for (const TileSamples& tile : work) {
-    for (int y = tile.box.y_begin; y < tile.box.y_end; ++y) {
-      for (int x = tile.box.x_begin; x < tile.box.x_end; ++x) {
+    for (int y = tile.box.top; y < tile.box.bottom; ++y) {
+      for (int x = tile.box.left; x < tile.box.right; ++x) {
         for (std::uint32_t sample = tile.first; sample < tile.last; ++sample, ++number) {
           Sampler sampler(task.settings.seed, static_cast<std::uint32_t>(x), static_cast<std::uint32_t>(y),
                           sample);
@@ -104,7 +104,7 @@ std::vector<PathResult> sample_tiles(const RenderTask& task, std::span<const Til
   return results;
 }
 
-void fill_center_layers(const camera::Projection& projection, const World& world, const TileBox& box,
+void fill_center_layers(const camera::Projection& projection, const World& world, const image::PixelBox& box,
                         image::Film& film) {
   const PixelRays center(projection, world, box, glm::dvec2(0.5), film);
   std::vector<HitTrust> trust(center.rays.size());

@@ -9,18 +9,10 @@
 
 #include "camera/projection.h"
 #include "image/film.h"
+#include "image/pixel_box.h"
 #include "renderer/integrator.h"
 
 namespace alidade::renderer {
-
-/// The pixels [x_begin, x_end) of the rows [y_begin, y_end).
-struct TileBox {
-  int x_begin = 0, x_end = 0, y_begin = 0, y_end = 0;
-
-  int width() const { return x_end - x_begin; }
-  int height() const { return y_end - y_begin; }
-  std::size_t count() const { return static_cast<std::size_t>(width()) * static_cast<std::size_t>(height()); }
-};
 
 /// A picture cut evenly into tiles of about 16 x 16 pixels, 12 to 23 on a side where the picture is at least
 /// 12 wide and high, so that none is a sliver. Tiles are numbered row by row.
@@ -48,14 +40,16 @@ class TileGrid {
            static_cast<std::size_t>(column);
   }
 
-  TileBox box(std::size_t tile) const {
+  image::PixelBox box(std::size_t tile) const {
     const int column = column_of(tile), row = row_of(tile);
-    return {width_ * column / columns_, width_ * (column + 1) / columns_, height_ * row / rows_,
+    return {width_ * column / columns_, height_ * row / rows_, width_ * (column + 1) / columns_,
             height_ * (row + 1) / rows_};
   }
 
   /// All pixels of a row of tiles.
-  TileBox band(int row) const { return {0, width_, height_ * row / rows_, height_ * (row + 1) / rows_}; }
+  image::PixelBox band(int row) const {
+    return {0, height_ * row / rows_, width_, height_ * (row + 1) / rows_};
+  }
 
  private:
   static constexpr int k_side = 16;
@@ -80,7 +74,7 @@ inline constexpr std::size_t k_most_paths = 4096;
 
 /// The samples first .. last - 1 of every pixel of a box.
 struct TileSamples {
-  TileBox box;
+  image::PixelBox box;
   std::uint32_t first = 0, last = 0;
 
   std::size_t count() const { return box.count() * (last - first); }
@@ -92,7 +86,7 @@ std::vector<PathResult> sample_tiles(const RenderTask& task, std::span<const Til
 
 /// Gives the pixels of a box what their centres see, in the layers that the film holds (colour and variance
 /// are left alone).
-void fill_center_layers(const camera::Projection& projection, const World& world, const TileBox& box,
+void fill_center_layers(const camera::Projection& projection, const World& world, const image::PixelBox& box,
                         image::Film& film);
 
 }  // namespace alidade::renderer

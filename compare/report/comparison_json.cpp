@@ -43,13 +43,13 @@ const char* name_of(ChangeMap map) {
   return map == ChangeMap::flip ? "flip" : map == ChangeMap::color ? "color" : "depth";
 }
 
-std::string text_of(const PixelRectangle& box) {
+std::string text_of(const image::PixelBox& box) {
   return fmt::format("{},{},{},{}", box.left, box.top, box.right, box.bottom);
 }
 
-std::string text_of(const std::vector<PixelRectangle>& boxes) {
+std::string text_of(const std::vector<image::PixelBox>& boxes) {
   std::string text;
-  for (const PixelRectangle& box : boxes) text += fmt::format("{}{}", text.empty() ? "" : " ", text_of(box));
+  for (const image::PixelBox& box : boxes) text += fmt::format("{}{}", text.empty() ? "" : " ", text_of(box));
   return text;
 }
 
@@ -82,13 +82,13 @@ std::string alignment_text(const Alignment& found, int largest_shift) {
       hundredths(found.shift_x), hundredths(found.shift_y), found.score, found.score_unshifted);
 }
 
-Json json_of(const PixelRectangle& box) {
+Json json_of(const image::PixelBox& box) {
   return {box.left, box.top, box.right, box.bottom};
 }
 
-Json json_of(const std::vector<PixelRectangle>& boxes) {
+Json json_of(const std::vector<image::PixelBox>& boxes) {
   Json json = Json::array();
-  for (const PixelRectangle& box : boxes) json.push_back(json_of(box));
+  for (const image::PixelBox& box : boxes) json.push_back(json_of(box));
   return json;
 }
 

@@ -124,7 +124,7 @@ TEST_F(ComparisonTest, crops_rectangles_and_mask_files_leave_out_what_differs) {
   write("mask.png", mask);
   EXPECT_GT(compare("a.png", "b.png").color->stored.rmse, 0.05);
   ComparisonOptions cropped, ignored, kept, masked;
-  cropped.crop = PixelRectangle{20, 0, k_width, k_height};
+  cropped.crop = image::PixelBox{20, 0, k_width, k_height};
   ignored.ignore = {{0, 0, 20, 10}};
   kept.keep = {{0, 10, k_width, k_height}};
   masked.mask = folder / "mask.png";
@@ -144,7 +144,7 @@ TEST_F(ComparisonTest, the_result_contains_the_request) {
   write("a.exr", wave());
   write("b.exr", wave(0.5f));
   ComparisonOptions options;
-  options.crop = PixelRectangle{4, 2, 60, 44};
+  options.crop = image::PixelBox{4, 2, 60, 44};
   options.ignore = {{0, 0, 8, 8}, {9, 9, 10, 10}};
   options.match = ColorModel::affine;
   options.align = true;

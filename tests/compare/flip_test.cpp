@@ -147,7 +147,7 @@ TEST(Flip, pixels_that_do_not_count_make_no_difference) {
   const ComparedImage reference = patchy_image(60, 40, ColorEncoding::display, "mask", 0.2);
   ComparedImage test = patchy_image(60, 40, ColorEncoding::display, "hidden", 0.3);
   ImageMask mask;
-  const PixelRectangle hidden{20, 10, 45, 30};
+  const image::PixelBox hidden{20, 10, 45, 30};
   ignore_rectangles(mask, reference, std::span(&hidden, 1));
   const FlipResult before = flip(reference, test, mask);
   for (int y = hidden.top; y < hidden.bottom; ++y)

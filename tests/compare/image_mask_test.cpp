@@ -91,13 +91,13 @@ TEST(ImageMask, sky_is_ignored_only_where_every_image_with_sky_shows_it) {
 
 TEST(ImageMask, rectangles_are_cut_at_the_borders_and_joined) {
   const ComparedImage image = four_pixels();
-  const std::vector<PixelRectangle> rectangles{{-5, -5, 1, 9}, {3, 0, 4, 1}};
+  const std::vector<image::PixelBox> rectangles{{-5, -5, 1, 9}, {3, 0, 4, 1}};
   ImageMask mask;
   keep_rectangles(mask, image, {});
   EXPECT_TRUE(mask.counts.empty());
   keep_rectangles(mask, image, rectangles);
   EXPECT_EQ(mask.counts, (Counts{1, 0, 0, 1}));
-  ignore_rectangles(mask, image, std::vector<PixelRectangle>{{0, 0, 2, 1}});
+  ignore_rectangles(mask, image, std::vector<image::PixelBox>{{0, 0, 2, 1}});
   EXPECT_EQ(mask.counts, (Counts{0, 0, 0, 1}));
 }
 

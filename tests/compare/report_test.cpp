@@ -40,7 +40,7 @@ class ReportTest : public ImageFilesTest {
     paint(wave, {80, 50, 90, 60});
     write_image("<img src=x onerror=hacked()>'\".png", 120, 80, wave, {{"alidade:samples", "64"}});
   }
-  static void paint(std::vector<float>& image, const PixelRectangle& box) {
+  static void paint(std::vector<float>& image, const image::PixelBox& box) {
     for (int y = box.top; y < box.bottom; ++y)
       for (int x = box.left; x < box.right; ++x)
         for (int c = 0; c < 3; ++c) image[static_cast<std::size_t>((y * 120 + x) * 3 + c)] = 1.0f;
@@ -165,7 +165,7 @@ TEST_F(ReportTest, matched_colours_warnings_and_how_it_was_compared_are_reported
   write_images();
   ComparisonOptions options;
   options.match = ColorModel::exposure;
-  options.crop = PixelRectangle{0, 0, 120, 60};
+  options.crop = image::PixelBox{0, 0, 120, 60};
   options.keep_images = true;
   const Comparison comparison = compare_files(folder / "wave.png", folder / "wave.png", options);
   write_page(report_page(comparison, judge(comparison, parse_thresholds("flip=0.5")), ImagePacking::jpeg,

@@ -156,7 +156,7 @@ TEST(Ssim, pixels_that_do_not_count_make_no_difference) {
   ComparedImage test = patchy_image(170, 165, ColorEncoding::linear, "hidden", 0.4);
   ImageMask mask;
   // Not the middle, which the only window of the smallest scale is about.
-  const PixelRectangle hidden{100, 30, 150, 70};
+  const image::PixelBox hidden{100, 30, 150, 70};
   ignore_rectangles(mask, reference, std::span(&hidden, 1));
   const Similarity before = similarity(reference, test, mask);
   for (int y = hidden.top; y < hidden.bottom; ++y)

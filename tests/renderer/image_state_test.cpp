@@ -21,17 +21,17 @@ TEST(TileGrid, tiles_cover_every_pixel_once_and_none_is_a_sliver) {
       std::set<std::pair<int, int>> seen;
       std::size_t pixels = 0;
       for (std::size_t tile = 0; tile < grid.count(); ++tile) {
-        const TileBox box = grid.box(tile);
+        const image::PixelBox box = grid.box(tile);
         EXPECT_GE(box.width(), std::min(width, 12));
         EXPECT_LE(box.width(), 23);
         EXPECT_GE(box.height(), std::min(height, 12));
         EXPECT_LE(box.height(), 23);
         EXPECT_EQ(grid.tile_at(grid.column_of(tile), grid.row_of(tile)), tile);
-        EXPECT_EQ(grid.band(grid.row_of(tile)).y_begin, box.y_begin);
-        EXPECT_EQ(grid.band(grid.row_of(tile)).y_end, box.y_end);
+        EXPECT_EQ(grid.band(grid.row_of(tile)).top, box.top);
+        EXPECT_EQ(grid.band(grid.row_of(tile)).bottom, box.bottom);
         pixels += box.count();
-        for (int y = box.y_begin; y < box.y_end; ++y)
-          for (int x = box.x_begin; x < box.x_end; ++x) seen.emplace(x, y);
+        for (int y = box.top; y < box.bottom; ++y)
+          for (int x = box.left; x < box.right; ++x) seen.emplace(x, y);
       }
       EXPECT_EQ(pixels, static_cast<std::size_t>(width) * static_cast<std::size_t>(height));
       EXPECT_EQ(seen.size(), pixels);
@@ -108,12 +108,12 @@ TEST(ImageState, becomes_a_film_with_the_mean_of_each_pixel) {
   ImageState state(40, 30, true);
   Film expected(40, 30);
   for (std::size_t tile = 0; tile < state.tiles.size(); ++tile) {
-    const TileBox box = state.grid.box(tile);
+    const image::PixelBox box = state.grid.box(tile);
     const std::vector<PathResult> results = random_results(box.count(), 4, random);
     add_samples(state, tile, results);
     auto result = results.begin();
-    for (int y = box.y_begin; y < box.y_end; ++y) {
-      for (int x = box.x_begin; x < box.x_end; ++x) {
+    for (int y = box.top; y < box.bottom; ++y) {
+      for (int x = box.left; x < box.right; ++x) {
         for (int i = 0; i < 4; ++i, ++result) {
           expected.color[expected.index(x, y)] += result->radiance / 4.0f;
           expected.alpha[expected.index(x, y)] += result->met_surface ? 0.25f : 0.0f;
@@ -136,10 +136,10 @@ TEST(ImageState, becomes_a_film_with_the_mean_of_each_pixel) {
 TEST(ImageState, preview_is_the_mean_of_squares_of_pixels) {
   ImageState state(50, 20, false);
   for (std::size_t tile = 0; tile < state.tiles.size(); ++tile) {
-    const TileBox box = state.grid.box(tile);
+    const image::PixelBox box = state.grid.box(tile);
     std::vector<PathResult> results;
-    for (int y = box.y_begin; y < box.y_end; ++y)
-      for (int x = box.x_begin; x < box.x_end; ++x)
+    for (int y = box.top; y < box.bottom; ++y)
+      for (int x = box.left; x < box.right; ++x)
         results.push_back({Rgb(static_cast<float>(x), static_cast<float>(y), 1.0f), x < 25, 1});
     add_samples(state, tile, results);
   }

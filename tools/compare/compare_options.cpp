@@ -7,12 +7,12 @@ namespace {
 namespace fs = std::filesystem;
 
 /// "LEFT,TOP,RIGHT,BOTTOM" in pixels.
-compare::PixelRectangle parse_rectangle(const std::string& text) {
+image::PixelBox parse_rectangle(const std::string& text) {
   constexpr std::uint64_t k_farthest = 1 << 20;
   std::vector<int> numbers;
   for (const std::string& word : split_list(text, 4, "LEFT,TOP,RIGHT,BOTTOM in pixels, such as 0,0,600,400"))
     numbers.push_back(static_cast<int>(parse_count(word, 0, k_farthest)));
-  const compare::PixelRectangle rectangle{numbers[0], numbers[1], numbers[2], numbers[3]};
+  const image::PixelBox rectangle{numbers[0], numbers[1], numbers[2], numbers[3]};
   if (rectangle.left >= rectangle.right || rectangle.top >= rectangle.bottom)
     throw UsageError("limits out of order; expected LEFT < RIGHT and TOP < BOTTOM, found '" + text + "'");
   return rectangle;
@@ -32,7 +32,7 @@ void add_thresholds(const Options& group, const std::string& name, const std::st
 }
 
 void add_rectangles(const Options& group, const std::string& name, const std::string& help,
-                    std::vector<compare::PixelRectangle>& rectangles) {
+                    std::vector<image::PixelBox>& rectangles) {
   group.values(name, "L,T,R,B", help,
                [&rectangles](const std::string& text) { rectangles.push_back(parse_rectangle(text)); });
 }
