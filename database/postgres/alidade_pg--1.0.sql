@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: MIT */
 \echo Use "CREATE EXTENSION alidade_pg" to load this file. \quit
 
--- A distance: a double of its own type, so that comparisons with it can be told from all others. The planner turns
--- them into conditions on cloud_point(x,y,z), which indexes answer.
+-- A distance: a double of its own type, so that comparisons with it can be distinguished from all others. The planner
+-- turns them into conditions on cloud_point(x,y,z), which indexes support.
 CREATE TYPE cloud_distance;
 CREATE FUNCTION cloud_distance_in(cstring) RETURNS cloud_distance
   LANGUAGE internal IMMUTABLE STRICT PARALLEL SAFE AS 'float8in';
