@@ -64,12 +64,8 @@ void add_values(const Options& raster, RasterCommand& command) {
   const Options group = raster.group("Values");
   group.choice(
       "--mode",
-      "visible: whether any observer sees the cell's centre; count: number of observers that do; "
-      "height: lowest visible height above the ground, to 0.01; fraction: share of free lines over "
-      "observers and positions in the cell. With objects, visible: whether any part of one is visible; "
-      "count: number of visible objects; fraction: visible share; size: visible length, or area of walls "
-      "and objects with a width; solid-angle: of the visible parts, in steradians (default: visible, "
-      "with objects fraction)",
+      "value of the cells, see below; size and solid-angle require objects (default: visible, with objects "
+      "fraction)",
       command.given_mode,
       {{"visible", visibility::ViewshedMode::visible},
        {"count", visibility::ViewshedMode::count},
