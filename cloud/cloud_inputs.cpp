@@ -22,7 +22,6 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr std::size_t k_looked_at = 4096;
-constexpr const char* k_supported = "LAS, LAZ, PLY, PCD, E57, PTX, PTS, CSV, XYZ or an index file";
 
 std::string_view text_of(std::span<const std::byte> bytes) {
   return {reinterpret_cast<const char*>(bytes.data()), bytes.size()};
@@ -314,33 +313,6 @@ CloudInputs resolve_clouds(std::span<const fs::path> names, CloudFormats formats
 CloudInput cloud_in_memory(std::span<const std::byte> bytes, std::string name, CloudFormats formats) {
   const std::size_t looked_at = std::min(bytes.size(), k_looked_at);
   return {std::move(name), format_begun_by(bytes.first(looked_at), formats), bytes};
-}
-
-std::unique_ptr<CloudReader> open_stored_cloud(const CloudInput& input, InputFile file, Damage damage) {
-  if (input.format != nullptr) {
-    const std::vector<std::string> columns = input.view ? input.view->columns : std::vector<std::string>();
-    if (columns.empty()) return input.format->open(std::move(file), damage);
-    if (input.is(k_text_format)) return open_text(std::move(file), damage, columns);
-    throw file_error(file.name(), "--columns requires a text file", "XYZ, CSV or PTS",
-                     std::string(input.format->name));
-  }
-  if (file.size() == 0) throw Error({.file = file.name(), .problem = "empty file", .expected = k_supported});
-  reject_utf16(text_of(file.view_up_to(0, k_looked_at)), file.name());
-  throw Error(
-      {.file = file.name(), .problem = "unknown format", .expected = k_supported, .found = "binary data"});
-}
-
-std::unique_ptr<CloudReader> open_cloud(const CloudInput& input, InputFile file, Damage damage) {
-  std::unique_ptr<CloudReader> reader = open_stored_cloud(input, std::move(file), damage);
-  if (damage == Damage::reject) {
-    // An invalid box in the header is ignored.
-    const bool has_box = reader->facts().box.has_value();
-    check_stated(input, reader->point_count(), has_box ? reader->file().stated_bounds : std::nullopt);
-  }
-  if (!input.view) return reader;
-  ReferenceChange change = input.view->change_of(input, reader->facts());
-  if (!input.is_changed() && change.height_factor == 1.0) return reader;
-  return open_view(std::move(reader), input.view, std::move(change), damage);
 }
 
 }  // namespace alidade

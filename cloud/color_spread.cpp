@@ -1,11 +1,12 @@
 // SPDX-License-Identifier: MIT
+#include "cloud/color_spread.h"
+
 #include <fmt/format.h>
 #include <algorithm>
 #include <iterator>
 #include <utility>
 
 #include "cloud/joined_files.h"
-#include "cloud/read_in_pieces.h"
 
 namespace alidade {
 namespace {

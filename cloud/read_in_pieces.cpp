@@ -11,17 +11,39 @@
 
 #include "base/bounds.h"
 #include "base/parallel.h"
+#include "base/public_name.h"
 #include "cloud/catalog.h"
 #include "cloud/crs.h"
+#include "cloud/input_view.h"
 #include "cloud/joined_files.h"
 #include "cloud/rows.h"
-#include "cloud/unwanted_file.h"
 
 namespace alidade {
 namespace {
 
 /// Points that are read into pieces at once, or an eighth of all points if that is more.
 constexpr std::uint64_t k_few_points = 1 << 22;
+
+/// A reader of an unwanted file, which stays unopened: it has no points, and its survey is that of the
+/// catalog.
+class UnwantedFile final : public CloudReader {
+ public:
+  UnwantedFile(const CloudInput& input, bool is_left_out) : box_(input.stated->box) {
+    file_.path = public_name(input.name.string());
+    file_.format = input.format->name;
+    (is_left_out ? file_.left_out_count : count_) = input.stated->point_count;
+  }
+
+  const CloudFile& file() const override { return file_; }
+  AttributeSet attributes() const override { return {}; }
+  CoordinateSurvey survey(const Progress&) override { return {.bounds = box_, .finite_count = count_}; }
+  void read_in_pieces(PointCloud&, AttributeSet, const CloudPieces&, const Progress&) override {}
+
+ private:
+  CloudFile file_;
+  Bounds box_;
+  std::uint64_t count_ = 0;
+};
 
 /// Opens the files and marks those outside of the region as skipped.
 std::vector<CloudSource> open_sources(const CloudInputs& inputs, const ReadOptions& options) {
@@ -36,7 +58,7 @@ std::vector<CloudSource> open_sources(const CloudInputs& inputs, const ReadOptio
     CloudSource& source = sources[i];
     const Unwanted unwanted = what_is_unwanted(inputs.inputs[i], options);
     if (unwanted != Unwanted::no && i != 0 && i != first_with_points) {
-      source.reader = open_unwanted(inputs.inputs[i], unwanted);
+      source.reader = std::make_unique<UnwantedFile>(inputs.inputs[i], unwanted == Unwanted::left_out);
       source.is_skipped = unwanted == Unwanted::skipped;
       source.is_open = false;
       return;
@@ -218,31 +240,15 @@ void check_selection(const CloudInputs& inputs, const PiecewiseCloud& whole) {
 
 }  // namespace
 
-std::size_t room_in_piece(PointCloud& cloud, AttributeSet coming, std::uint64_t wanted,
-                          const CloudPieces& pieces) {
-  if (!pieces.take) return static_cast<std::size_t>(wanted);
-  const std::uint64_t bytes = bytes_per_point(cloud, cloud.attributes() | coming) + pieces.bytes_beside;
-  const std::uint64_t most = std::clamp<std::uint64_t>(pieces.most_bytes / bytes, 1, UINT32_MAX);
-  if (cloud.size() >= most) pieces.take(cloud);
-  return static_cast<std::size_t>(std::min(wanted, most - cloud.size()));
-}
-
-void RowsToFill::make_rows() {
-  const std::size_t count = room_in_piece(cloud_, filled_, left_, pieces_);
-  next_ = cloud_.size();
-  left_ -= count;
-  append_rows(cloud_, filled_, count);
-}
-
-std::optional<Bounds> widened_header_box(const Bounds& stated, const Lattice& lattice) {
-  constexpr double k_steps = 8, k_share = 1e-5;
-  if (stated.empty() || !to_lattice(lattice, stated.min) || !to_lattice(lattice, stated.max))
-    return std::nullopt;
-  const glm::dvec3 sides = stated.size();
-  const double longest = std::max({sides.x, sides.y, sides.z});
-  if (longest == 0.0) return std::nullopt;
-  const glm::dvec3 margin = glm::max(k_steps * lattice.scale, glm::dvec3(k_share * longest));
-  return Bounds{stated.min - margin, stated.max + margin};
+Unwanted what_is_unwanted(const CloudInput& input, const ReadOptions& options) {
+  const bool has_lattice = input.is(k_copc_format) || input.is(k_las_format);
+  if (!input.stated || !has_lattice || options.partial) return Unwanted::no;
+  if (input.is_changed()) {
+    const auto& box = input.view->selection.box;
+    const bool is_outside = box && !input.view->change_reference && !meet(input.stated->box, *box);
+    return is_outside ? Unwanted::left_out : Unwanted::no;
+  }
+  return options.region && !meet(input.stated->box, *options.region) ? Unwanted::skipped : Unwanted::no;
 }
 
 PiecewiseCloud read_in_pieces(const CloudInputs& inputs, const ReadOptions& options,
@@ -309,60 +315,6 @@ PiecewiseCloud read_in_pieces(const CloudInputs& inputs, const ReadOptions& opti
   check_selection(inputs, whole);
   warn_of_twins(inputs, cloud);
   return whole;
-}
-
-PointCloud read_cloud(const CloudInputs& inputs, const ReadOptions& options) {
-  PiecewiseCloud whole = read_in_pieces(inputs, options, {});
-  apply(whole.spread, whole.rest);
-  return std::move(whole.rest);
-}
-
-PointCloud read_cloud(std::span<const std::filesystem::path> files, const ReadOptions& options) {
-  return read_cloud(resolve_clouds(files), options);
-}
-
-PointCloud read_cloud(const std::filesystem::path& file, const ReadOptions& options) {
-  return read_cloud(std::span(&file, 1), options);
-}
-
-std::uint64_t StatedSize::bytes() const {
-  return point_count * bytes_per_point(PointCloud(), attributes) + uncounted_bytes;
-}
-
-Bounds stated_box(const CloudInputs& inputs) {
-  Bounds box;
-  CloudInputs others;
-  for (const CloudInput& input : inputs.inputs) {
-    if (input.stated && !input.is_changed()) {
-      box.grow(input.stated->box);
-    } else {
-      others.inputs.push_back(input);
-    }
-  }
-  box.grow(stated_size(others).box);
-  return box;
-}
-
-StatedSize stated_size(const CloudInputs& inputs) {
-  std::vector<StatedSize> sizes(inputs.size());
-  in_parallel(inputs.size(), 1, k_most_files_at_once, [&](std::size_t i) {
-    if (what_is_unwanted(inputs.inputs[i], {}) != Unwanted::no) return;
-    InputFile file = inputs.inputs[i].file();
-    const std::uint64_t bytes = file.size();
-    const auto reader = open_cloud(inputs.inputs[i], std::move(file), Damage::read_over);
-    const std::optional<std::uint64_t> points = reader->point_count();
-    // Packed points rarely take less than a byte each.
-    sizes[i] = {reader->facts().box.value_or(Bounds()), std::min(points.value_or(0), bytes),
-                reader->attributes(), points ? 0 : bytes};
-  });
-  StatedSize all;
-  for (const StatedSize& size : sizes) {
-    all.box.grow(size.box);
-    all.point_count += size.point_count;
-    all.attributes = all.attributes | size.attributes;
-    all.uncounted_bytes += size.uncounted_bytes;
-  }
-  return all;
 }
 
 }  // namespace alidade
