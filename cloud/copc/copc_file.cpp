@@ -15,7 +15,7 @@
 #include "base/error.h"
 #include "base/parallel.h"
 #include "cloud/input_view.h"
-#include "cloud/las/las_records.h"
+#include "cloud/las/las_columns.h"
 #include "cloud/laz/chunk_codec.h"
 #include "cloud/read_in_pieces.h"
 #include "cloud/rows.h"

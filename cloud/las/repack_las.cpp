@@ -1,4 +1,6 @@
 // SPDX-License-Identifier: MIT
+#include "cloud/las/repack_las.h"
+
 #include <fmt/format.h>
 #include <algorithm>
 #include <iterator>

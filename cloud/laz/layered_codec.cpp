@@ -10,6 +10,7 @@
 
 #include "base/bytes.h"
 #include "cloud/laz/layer.h"
+#include "cloud/laz/position_layer.h"
 
 namespace alidade {
 namespace {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "cloud/laz/layer.h"
+#include "cloud/laz/position_layer.h"
 
 #include <algorithm>
 

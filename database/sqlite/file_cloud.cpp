@@ -16,7 +16,7 @@
 #include "base/recently_used.h"
 #include "base/remote_map.h"
 #include "cloud/input_view.h"
-#include "cloud/las/las_records.h"
+#include "cloud/las/las_columns.h"
 #include "cloud/read_in_pieces.h"
 #include "database/point_stream.h"
 #include "octree/copc_tree.h"

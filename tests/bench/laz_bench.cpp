@@ -15,7 +15,7 @@
 #include "base/bytes.h"
 #include "base/output_file.h"
 #include "cloud/las/las_header.h"
-#include "cloud/las/write_las.h"
+#include "cloud/las/repack_las.h"
 #include "cloud/laz/chunk_codec.h"
 #include "cloud/read_cloud.h"
 #include "tests/bench/laz_records.h"

@@ -16,6 +16,7 @@
 #include "base/words.h"
 #include "cloud/axis_units.h"
 #include "cloud/cloud_reader.h"
+#include "cloud/las/repack_las.h"
 #include "cloud/las/write_las.h"
 #include "cloud/ply/write_ply.h"
 #include "cloud/point_cloud.h"

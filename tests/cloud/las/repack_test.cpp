@@ -8,6 +8,7 @@
 #include "base/bytes.h"
 #include "cloud/las/las_header.h"
 #include "cloud/las/las_records.h"
+#include "cloud/las/repack_las.h"
 #include "cloud/las/write_las.h"
 #include "cloud/laz/laz_points.h"
 #include "tests/cloud/cloud_test_support.h"

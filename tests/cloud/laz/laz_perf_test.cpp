@@ -6,6 +6,7 @@
 #include <cstdlib>
 
 #include "cloud/las/las_header.h"
+#include "cloud/las/repack_las.h"
 #include "cloud/las/write_las.h"
 #include "tests/cloud/chosen_points.h"
 #include "tests/cloud/las/las_builder.h"
