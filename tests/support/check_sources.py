@@ -28,9 +28,10 @@ WITHOUT_HEADER = {
     "tools/main.cpp": "the program",
     "tools/image_module_entry.cpp": "the function of the module that tools/image_module.cpp finds by its name",
 }
-# Headers whose functions are defined elsewhere: each function's name leads to its source.
-DEFINED_ELSEWHERE = {
-    "tools/command.h": "add_NAME of a command is defined in NAME.cpp, add_FOLDER_NAME in FOLDER/NAME.cpp",
+# Headers that declare a function for each source of a kind: the beginnings of the function's and the source's name.
+NAMED_BY_FUNCTION = {
+    "tools/command.h": ("add_", ""),  # a command: add_NAME() is in NAME.cpp, add_FOLDER_NAME() in FOLDER/NAME.cpp
+    "cloud/cloud_reader.h": ("open_", "read_"),  # a format of clouds: open_FORMAT() is in read_FORMAT.cpp
 }
 
 DEFINITION = re.compile(r"^(?=\S)(?!using|namespace|struct|class|enum|template|typedef|static_assert|extern|#|//|}|{|\)|HWY_|TEST|PG_)"
@@ -74,8 +75,10 @@ def main():
         for source in sorted(pathlib.Path(room).rglob("*.cpp")):
             own = [source.with_suffix(".h"), source.with_name(source.stem + "-inl.h")]
             own += map(pathlib.Path, re.findall(r"[\w/]+\.h\b", WITHOUT_HEADER.get(str(source), "")))
-            of_command = room == "tools" and re.search(rf"\badd_({source.parent.name}_)?{source.stem}\(", source.read_text())
-            if not any(header.exists() for header in own) and str(source) not in WITHOUT_HEADER and not of_command:
+            named = {pathlib.Path(header): function for header, (function, name) in NAMED_BY_FUNCTION.items()
+                     if header.startswith(f"{room}/") and source.stem.startswith(name) and
+                     re.search(rf"\b{function}(\w+_)?{source.stem.removeprefix(name)}\(", source.read_text())}
+            if not any(header.exists() for header in own) and str(source) not in WITHOUT_HEADER and not named:
                 problems.append(f"{source}: has no header {own[0].name} beside it")
                 continue
             text = code(source.read_text())
@@ -88,7 +91,7 @@ def main():
                     where = [header for header in headers if owner in headers[header][1]]
                 else:
                     where = [header for header in headers if function in headers[header][0]]
-                where = [header for header in where if str(header) not in DEFINED_ELSEWHERE]
+                where = [header for header in where if not (header in named and function.startswith(named[header]))]
                 if where and not any(header in own for header in where):
                     problems.append(f"{source}: defines {match.group(1)}, which {where[0]} declares")
     for problem in problems:
