@@ -3,7 +3,6 @@
 
 #include <algorithm>
 #include <array>
-#include <cmath>
 #include <glm/common.hpp>
 #include <iterator>
 #include <numeric>
@@ -11,16 +10,13 @@
 
 #include "base/error.h"
 #include "base/name_errors.h"
+#include "base/ray.h"
 #include "cloud/rows.h"
 
 namespace alidade {
 namespace {
 
 constexpr std::uint64_t k_piece_bytes = std::uint64_t{64} << 20;
-
-bool is_finite(const glm::dvec3& position) {
-  return std::isfinite(position.x) && std::isfinite(position.y) && std::isfinite(position.z);
-}
 
 /// Moves the rows out of a piece that a reader fills further: its columns stay, without values.
 PointCloud take_rows(PointCloud& piece, AttributeSet wanted) {

@@ -2,9 +2,10 @@
 #include "cloud/written_column.h"
 
 #include <array>
+#include <cassert>
 #include <charconv>
-#include <cstddef>
 #include <iterator>
+#include <span>
 #include <unordered_map>
 #include <unordered_set>
 
@@ -130,6 +131,29 @@ void append_number(std::string& text, ScalarType type, double number) {
   if (type == ScalarType::float64) return append(number);
   if (type == ScalarType::float32) return append(static_cast<float>(number));
   append(static_cast<std::int64_t>(number));
+}
+
+void write_rows(OutputFile& output, std::size_t point_count, const PointPieces& pieces,
+                const Progress& progress, const std::function<std::string(const PointCloud&, bool)>& begin,
+                const std::function<void(std::string&, std::size_t)>& append) {
+  constexpr std::size_t k_rows_per_write = 4096;
+  std::size_t done = 0;
+  do {
+    const PointCloud& piece = pieces(done);
+    std::string text = begin(piece, done == 0);
+    for (std::size_t row = 0; row < piece.size(); ++row) {
+      if (row % k_rows_per_write == 0) {
+        output.write(std::as_bytes(std::span(text)));
+        text.clear();
+        report(progress, done + row, point_count);
+      }
+      append(text, row);
+    }
+    output.write(std::as_bytes(std::span(text)));
+    assert(piece.size() > 0 || point_count == 0);
+    done += piece.size();
+  } while (done < point_count);
+  report(progress, point_count, point_count);
 }
 
 }  // namespace alidade

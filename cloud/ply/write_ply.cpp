@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: MIT
 #include "cloud/ply/write_ply.h"
 
-#include <cassert>
 #include <string>
 #include <vector>
 
@@ -11,10 +10,7 @@
 #include "cloud/written_column.h"
 
 namespace alidade {
-
 namespace {
-
-constexpr std::size_t k_points_per_write = 4096;
 
 const char* type_name(ScalarType type) {
   // In the order of the types; types that PLY lacks are written as double.
@@ -60,24 +56,14 @@ void append_point(std::string& text, const std::vector<WrittenColumn>& propertie
 void write_ply(const std::filesystem::path& path, std::size_t point_count, const PointPieces& pieces,
                const PlyWriteOptions& options) {
   OutputFile output(path, options.overwrite);
-  std::size_t done = 0;
-  do {
-    const PointCloud& piece = pieces(done);
-    const std::vector<WrittenColumn> properties = written_columns(piece, 8);
-    std::string text = done == 0 ? header(point_count, properties, options.encoding) : "";
-    for (std::size_t point = 0; point < piece.size(); ++point) {
-      if (point % k_points_per_write == 0) {
-        output.write(std::as_bytes(std::span(text)));
-        text.clear();
-        report(options.progress, done + point, point_count);
-      }
-      append_point(text, properties, options.encoding, point);
-    }
-    output.write(std::as_bytes(std::span(text)));
-    assert(piece.size() > 0 || point_count == 0);
-    done += piece.size();
-  } while (done < point_count);
-  report(options.progress, point_count, point_count);
+  std::vector<WrittenColumn> properties;
+  write_rows(
+      output, point_count, pieces, options.progress,
+      [&](const PointCloud& piece, bool is_first) {
+        properties = written_columns(piece, 8);
+        return is_first ? header(point_count, properties, options.encoding) : "";
+      },
+      [&](std::string& text, std::size_t row) { append_point(text, properties, options.encoding, row); });
   output.commit();
 }
 

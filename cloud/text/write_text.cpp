@@ -4,11 +4,9 @@
 #include <fmt/format.h>
 #include <algorithm>
 #include <array>
-#include <cassert>
 #include <cmath>
 #include <iterator>
 #include <optional>
-#include <span>
 #include <string>
 #include <vector>
 
@@ -58,32 +56,21 @@ void append_row(std::string& text, const std::vector<WrittenColumn>& columns,
 
 void write_text(const std::filesystem::path& path, std::size_t point_count, const PointPieces& pieces,
                 const TextWriteOptions& options) {
-  constexpr std::size_t k_points_per_write = 4096;
   OutputFile output(path, options.overwrite);
   const int bits = color_bits(point_count, pieces);
   const char separator = options.coordinates_alone ? ' ' : ',';
-  std::size_t done = 0;
-  do {
-    const PointCloud& piece = pieces(done);
-    std::vector<WrittenColumn> columns = written_columns(piece, bits);
-    if (options.coordinates_alone) columns.resize(3);
-    std::array<std::optional<int>, 3> decimals;
-    for (int axis = 0; axis < 3; ++axis)
-      decimals[static_cast<std::size_t>(axis)] = decimals_of(piece.lattice, axis);
-    std::string text = done == 0 && !options.coordinates_alone ? header(columns) : "";
-    for (std::size_t row = 0; row < piece.size(); ++row) {
-      if (row % k_points_per_write == 0) {
-        output.write(std::as_bytes(std::span(text)));
-        text.clear();
-        report(options.progress, done + row, point_count);
-      }
-      append_row(text, columns, decimals, separator, row);
-    }
-    output.write(std::as_bytes(std::span(text)));
-    assert(piece.size() > 0 || point_count == 0);
-    done += piece.size();
-  } while (done < point_count);
-  report(options.progress, point_count, point_count);
+  std::vector<WrittenColumn> columns;
+  std::array<std::optional<int>, 3> decimals;
+  write_rows(
+      output, point_count, pieces, options.progress,
+      [&](const PointCloud& piece, bool is_first) {
+        columns = written_columns(piece, bits);
+        if (options.coordinates_alone) columns.resize(3);
+        for (int axis = 0; axis < 3; ++axis)
+          decimals[static_cast<std::size_t>(axis)] = decimals_of(piece.lattice, axis);
+        return is_first && !options.coordinates_alone ? header(columns) : "";
+      },
+      [&](std::string& text, std::size_t row) { append_row(text, columns, decimals, separator, row); });
   output.commit();
 }
 
