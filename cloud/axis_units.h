@@ -38,14 +38,14 @@ struct AxisUnits {
 /// The units that WKT and GeoTIFF keys state themselves.
 AxisUnits stated_units(const Crs& crs);
 
-/// stated_units(), and for GeoTIFF keys that are codes without units those of the library of reference
-/// systems (CrsLibrary).
+/// stated_units(). For GeoTIFF keys that contain codes instead of units, the units are those that the
+/// CrsLibrary has for the codes.
 AxisUnits axis_units(const Crs& crs);
-/// axis_units() with the WKT that a library has made of GeoTIFF keys; empty: it does not support them.
+/// axis_units() with the WKT that a library made of GeoTIFF keys; empty if it does not support them.
 AxisUnits axis_units(const Crs& crs, const std::string& whole_wkt);
 
-/// The unit of a file's heights: that of its system, whose units are `units`, else `stated`, by the user
-/// (--vertical-unit). Empty if neither states it. Errors: the system has heights in an unknown unit, or
+/// The unit of a file's heights: that of its system, whose units are `units`, or else `stated`, the user's
+/// (--vertical-unit). Empty if neither is known. Errors: the system has heights in an unknown unit, or
 /// `stated` contradicts it.
 std::optional<LengthUnit> height_unit_of_file(const Crs& crs, const AxisUnits& units,
                                               const std::optional<LengthUnit>& stated,
@@ -58,14 +58,15 @@ struct HeightChange {
   std::string note;     ///< a clause on it for the user; empty: nothing changes
 };
 
-/// The change that gives all axes one unit; none if x and y are angles, for geocentric systems, and without a
-/// system. The new system keeps its datums, but its vertical part has no code any more. Errors: those of
+/// The change that gives all axes one unit. Nothing changes if x and y are angles, in geocentric systems, and
+/// without a system. The new system keeps its datums, but its vertical part loses its code. Errors: those of
 /// height_unit_of_file(); the unit of x and y is unknown and heights are not metres.
 HeightChange heights_in_plane_unit(const Crs& crs, const std::optional<LengthUnit>& stated,
                                    const std::filesystem::path& file);
 
-/// A system with its heights in this unit; unchanged if they are, or if it states none. GeoTIFF keys become
-/// WKT, by the library (CrsLibrary); without one, those of heights are left out.
+/// The system with its heights in this unit. A system without heights stays unchanged, as does one whose
+/// heights have this unit. GeoTIFF keys become WKT by the CrsLibrary; without a library, the keys of heights
+/// are left out.
 Crs with_height_unit(const Crs& crs, const LengthUnit& unit);
 
 }  // namespace alidade

@@ -27,19 +27,20 @@ struct StatedFile {
 /// Whether a name, up to a '?', ends in ".catalog.json" or ".catalog.json.gz".
 bool is_catalog_name(std::string_view name);
 
-/// Reads a catalog: the files of its items, in their order. Of each item it reads the href of the asset
-/// "data", or else of the first asset whose roles contain "data", and the properties proj:bbox, pc:count and
-/// pc:encoding. CloudInput::stated is set, unless proj:bbox or pc:count is missing or the box is flat (4
-/// numbers). The format is that of the encoding, or of the type of the asset; null if it is unknown.
+/// Reads a catalog and returns the files of its items, in their order. The file of an item is the href of its
+/// asset "data", or else of the first asset with the role "data". Its format follows from pc:encoding or the
+/// type of the asset; null if neither names a known one. CloudInput::stated has proj:bbox and pc:count; it is
+/// null if one of them is missing or the box has no heights (4 numbers).
 ///
-/// A relative href is resolved against the catalog's folder and must not leave it. An absolute one is an
-/// http(s) URL of a file below that folder, or of an allowed host (base/allowed_hosts.h), and requests for it
-/// are redirected to allowed hosts only. Everything else, such as "../a.laz", "/etc/a.laz", "file:" and
-/// "s3:", is an Error, so that a catalog from elsewhere makes Alidade read only files below it.
+/// Catalogs from elsewhere must not make Alidade read files outside of their folder. So a relative href is
+/// resolved against the folder of the catalog and must not leave it. An absolute href is an http(s) URL of a
+/// file in that folder, of one in a folder inside it, or of an allowed host (base/allowed_hosts.h); requests
+/// for it follow redirects to allowed hosts only. All others, such as "../a.laz", "/etc/a.laz", "file:" and
+/// "s3:", are errors.
 ///
-/// Errors: the file is missing; it is not JSON, or not a collection of items; more than 2 GiB; an item
-/// without a file, or whose file is a catalog; an invalid box or count. They name the item. Memory: the text,
-/// and about 300 B per item. Cost: some 10 microseconds per item.
+/// Errors: the file is missing, larger than 2 GiB, not JSON, or not a collection of items; an item without a
+/// file, or whose file is a catalog; an invalid box or count. Messages name the item. Memory: the text, and
+/// about 300 B per item. Cost: some 10 microseconds per item.
 std::vector<CloudInput> read_catalog(const std::filesystem::path& catalog);
 
 /// read_catalog() for the text of a catalog of this name.
@@ -48,8 +49,8 @@ std::vector<CloudInput> parse_catalog(std::string_view text, const std::string& 
 /// A name as an href: characters that a URL does not allow become %XX. Slashes stay.
 std::string href_of(std::string_view name);
 
-/// Checks an opened file against its catalog. Errors: another number of points than stated; a box (that of
-/// its header) that exceeds the stated one. Passes if nothing is stated.
+/// Checks an opened file, whose header states `box`, against its catalog. Without CloudInput::stated there is
+/// nothing to check. Errors: another number of points than stated; a box that exceeds the stated one.
 void check_stated(const CloudInput& input, std::optional<std::uint64_t> point_count,
                   const std::optional<Bounds>& box);
 

@@ -14,8 +14,8 @@
 
 namespace alidade {
 
-/// The coordinate reference system as stated by the file, which is written unchanged. All empty: the file
-/// states none.
+/// The coordinate reference system that a file states, in the file's notation; writers write it unchanged.
+/// All members are empty for a file that states no system.
 struct Crs {
   std::string wkt;                          ///< OGC WKT, without trailing NUL
   std::vector<std::uint16_t> geotiff_keys;  ///< GeoKeyDirectoryTag: groups of four
@@ -64,12 +64,9 @@ std::string alphanumeric(std::string_view name);
 /// Whether two systems are the same, as far as known.
 enum class CrsAgreement { same, unknown, different };
 
-/// Compares two systems that are not empty, in any notation, by a CrsLibrary if one is used. Without one, or
-/// if it does not support one of them, compares the stated units, then the EPSG codes if both have one, else
-/// WKT by the alphanumeric characters of its names and by its numbers, and GeoTIFF keys with GeoTIFF keys
-/// value by value. The result is `unknown` for WKT without a code beside keys, and for different names of the
-/// same numbers (same_definition()); and instead of `different` if a library is used that does not support
-/// one of them.
+/// Compares two systems, which must not be empty, in any notation. The CrsLibrary decides, if one is in use
+/// and supports both systems. Otherwise compare_crs_text() decides, except that beside a library its result
+/// `different` becomes `unknown`.
 CrsAgreement compare_crs(const Crs& a, const Crs& b);
 
 /// Whether two projected systems, WKT of version 1, are defined by the same numbers: ellipsoid, prime
@@ -80,37 +77,41 @@ CrsAgreement compare_crs(const Crs& a, const Crs& b);
 /// systems without parameters, or with different ones, such as WKT of version 2 beside that of version 1.
 bool same_definition(const std::string& wkt_a, const std::string& wkt_b);
 
-/// compare_crs() without a library.
+/// compare_crs() without a library. Different units make different systems. Then, if both systems have EPSG
+/// codes, the codes decide; else WKT is compared with WKT, by the alphanumeric characters of names and by
+/// numbers, and GeoTIFF keys with GeoTIFF keys, value by value. `unknown`: WKT without a code beside keys;
+/// different names of the same numbers (same_definition()).
 CrsAgreement compare_crs_text(const Crs& a, const Crs& b);
 
-/// Functions of a library of reference systems, on which this folder does not depend: PROJ
-/// (geo/crs_library.h).
+/// Functions of a library of reference systems. The one in use is PROJ (geo/crs_library.h), on which this
+/// folder does not depend.
 struct CrsLibrary {
-  /// Empty: it does not support one of them.
+  /// Empty if the library does not support one of the systems.
   std::optional<CrsAgreement> (*compare)(const Crs& a, const Crs& b) = nullptr;
-  /// All of a system as WKT, heights included; empty: it does not support it.
+  /// All of a system as WKT, heights included; empty if the library does not support it.
   std::string (*wkt)(const Crs& crs) = nullptr;
 };
 
-/// Sets the library. Call before clouds are read, in programs that have one.
+/// Sets the library. Call before clouds are read.
 void use_crs_library(const CrsLibrary& library);
-/// The library that is used; without functions if none is.
+/// The library in use; both functions are null before use_crs_library().
 const CrsLibrary& crs_library();
 
 /// The first value of a GeoTIFF key that is stored in the directory itself.
 std::optional<std::uint16_t> geotiff_value(const Crs& crs, std::uint16_t key);
 
-/// Whether the system's horizontal coordinates are longitude and latitude: WKT of a geographic system (also
-/// as part of a compound one), or, without WKT, a GeoTIFF model type of 2; without a model type, keys that
-/// name a geographic system and no projected one. False if unknown.
+/// Whether the system's horizontal coordinates are longitude and latitude. WKT: that of a geographic system,
+/// also as part of a compound one. GeoTIFF keys, if there is no WKT: model type 2 or, without a model type, a
+/// geographic system and no projected one. False if unknown.
 bool is_geographic(const Crs& crs);
 
-/// Whether the system's origin is the centre of the Earth: WKT of a geocentric system or, without WKT, a
-/// GeoTIFF model type of 3.
+/// Whether the system's origin is the centre of the Earth: WKT of a geocentric system or, if there is no WKT,
+/// the GeoTIFF model type 3.
 bool is_geocentric(const Crs& crs);
 
-/// A sentence if the points cannot lie in the system; else empty. Longitude and latitude: horizontal
-/// coordinates beyond 400 (a full circle in gradians, the smallest unit of angle in use) are not angles.
+/// A warning if points within `bounds` cannot belong to the system; else empty. Longitude and latitude:
+/// horizontal coordinates beyond 400 (a full circle in gradians, the smallest unit of angle in use) are not
+/// angles.
 /// Geocentric: the middle of the points must be 6300 to 6500 km from the centre of the Earth, whose radius is
 /// 6357 to 6378 km. Empty bounds are plausible.
 std::optional<std::string> implausible_crs(const Crs& crs, const Bounds& bounds);

@@ -61,8 +61,8 @@ struct DepthCameraAxes {
 struct ScannerPosition {
   std::string scan;          ///< name of the scan in the file; may be empty
   glm::dvec3 position{0.0};  ///< world coordinates
-  std::optional<DepthCameraAxes>
-      axes{};  ///< of a depth camera; empty for scanners that scan around themselves
+  /// Of a depth camera; empty for scanners that scan all around.
+  std::optional<DepthCameraAxes> axes{};
 
   bool operator==(const ScannerPosition&) const = default;
 };
@@ -91,8 +91,8 @@ struct PointCloud {
   bool gps_time_is_standard = false;          ///< LAS global encoding bit 0: adjusted standard GPS time
   std::array<std::uint8_t, 16> project_id{};  ///< LAS project GUID, first file's
   std::uint16_t file_source_id = 0;
-  std::vector<ScannerPosition>
-      scanner_positions;  ///< of scans with a pose (E57, PTX, PCD), in the files' order
+  /// Of scans with a pose (E57, PTX, PCD), in the order of the files.
+  std::vector<ScannerPosition> scanner_positions;
 
   std::vector<CloudFile> files;
   std::vector<std::string> warnings;  ///< on oddities of the files, one sentence each, naming the file

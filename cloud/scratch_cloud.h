@@ -83,8 +83,8 @@ class ScratchCloud {
   std::uint64_t size_ = 0;
   std::uint64_t recalled_;  ///< rows of an earlier run
   ScratchFile positions_;
-  std::vector<Column>
-      columns_;  ///< by number of the attribute's bit; extra dimensions from that of their bit on
+  /// By the number of the attribute's bit; extra dimensions follow from the number of their bit on.
+  std::vector<Column> columns_;
   PointCloud facts_;
 };
 

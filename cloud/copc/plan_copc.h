@@ -31,21 +31,22 @@ struct CopcPlan {
   std::vector<std::uint32_t> counts() const;
 };
 
-/// Plans the octree of points on a lattice, and their order. The root is the cube around `extent`, that of
-/// all points; a node of level L has a grid of 128 cells along each side of its cube. If the nodes above it
-/// leave more than `most_points` points in its cube, a node takes one of them in each cell of the grid, the
-/// middle one along Morton's curve, and its children take the others; otherwise, and on level 14, it takes
-/// all. So the levels 0 to L are a cloud with a spacing of about side / (128 * 2^L). The result is the same
-/// on any number of threads.
+/// Plans the octree of points on a lattice, and their order in the file. The root is the cube around
+/// `extent`, that of all points. A node whose cube has at most `most_points` points that the nodes above it
+/// have not taken, and every node of level 14, takes all of these. Other nodes divide their cube into 128
+/// cells along each side and take one point of each cell, the middle one along Morton's curve; their children
+/// take the others. So the levels 0 to L are a cloud with a spacing of about side / (128 * 2^L), where `side`
+/// is that of the root. The result does not depend on the number of threads.
 ///
-/// `positions` are those of a scratch file that is mapped into memory; their values are lost. Memory: that of
-/// `scratch`, and 4 B for each point that a grid takes. Disk: 12 to 28 B per point beside the positions.
-/// Cost: about 0.2 s of one thread per million points. Errors: more than 2^31 - 1 points; those of
+/// `positions` are in a scratch file that is mapped into memory; they are overwritten. Memory: that of
+/// `scratch`, and 4 B for each point that a node takes from a cell. Disk: 12 to 28 B per point beside the
+/// positions. Cost: about 0.2 s of one thread per million points. Errors: more than 2^31 - 1 points; those of
 /// ScratchFile.
 CopcPlan plan_copc(const Lattice& lattice, const LatticeExtent& extent, std::span<LatticePosition> positions,
                    const ScratchSpace& scratch, std::size_t most_points = 50000);
 
-/// The first record of the file: 160 bytes of data. `times`: GPS times of the points; empty if low > high.
+/// The first record of the file: 160 bytes of data. `times` are the GPS times of the points; if low > high,
+/// they have none.
 VariableLengthRecord copc_info_record(const CopcInfo& info, const Interval& times);
 
 /// The extended record with the hierarchy, whose first page begins at info.root_page of the plan; sets
