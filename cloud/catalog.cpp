@@ -22,9 +22,9 @@ namespace fs = std::filesystem;
 using Json = nlohmann::json;
 
 constexpr std::uint64_t k_largest_catalog = std::uint64_t{2} << 30;
-constexpr int k_deepest = 64;
+constexpr int k_deepest_nesting = 64;
 constexpr double k_largest_coordinate = 1e12;
-constexpr std::uint64_t k_most_points = std::uint64_t{1} << 62;  // of all items
+constexpr std::uint64_t k_most_listed_points = std::uint64_t{1} << 62;  // of all items
 constexpr std::array<std::string_view, 1> k_items = {"features"};
 constexpr const char* k_remedy = "make the catalog again with 'alidade catalog'";
 
@@ -81,7 +81,8 @@ class CatalogReader {
     // Items are read one by one: all of them would need ten times the memory of their text.
     bool is_feature = false;
     const auto take = [&](int depth, Json::parse_event_t event, Json& value) {
-      if (depth > k_deepest) fail("nested too deep", fmt::format("at most {} levels", k_deepest));
+      if (depth > k_deepest_nesting)
+        fail("nested too deep", fmt::format("at most {} levels", k_deepest_nesting));
       if (event == Json::parse_event_t::key && depth == 1) is_feature = value == "features";
       if (event == Json::parse_event_t::key && depth > 1)
         return !is_unread(value.get_ref<const std::string&>());
@@ -205,8 +206,8 @@ class CatalogReader {
     if (!count.is_number_unsigned())
       fail_item("invalid pc:count", "a number of points", count.dump().substr(0, 40));
     StatedFile stated{.catalog = name_, .box = {}, .point_count = count.get<std::uint64_t>()};
-    if (stated.point_count > k_most_points - points_)
-      fail_item("pc:count is too large", fmt::format("at most {} points in all", k_most_points),
+    if (stated.point_count > k_most_listed_points - points_)
+      fail_item("pc:count is too large", fmt::format("at most {} points in all", k_most_listed_points),
                 std::to_string(stated.point_count));
     points_ += stated.point_count;
     if (!box.is_array() || (box.size() != 6 && box.size() != 4))
