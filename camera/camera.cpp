@@ -20,15 +20,15 @@ namespace {
 /// The share of an image that an overview leaves empty on both sides together.
 constexpr double k_margin = 0.04;
 
-/// Length 1; scaled first so that tiny vectors do not underflow and huge ones do not overflow. Zero stays
-/// zero.
+/// The vector with length 1; zero stays zero. It is scaled first, so that neither tiny vectors underflow nor
+/// huge ones overflow.
 glm::dvec3 unit(const glm::dvec3& v) {
   const double largest = std::max({std::fabs(v.x), std::fabs(v.y), std::fabs(v.z)});
   return largest > 0.0 ? glm::normalize(v / largest) : v;
 }
 
-/// The smallest distance behind the middle from which all points lie within slopes of +-tangent on one
-/// film axis.
+/// The smallest distance behind the centre from which all points lie within slopes of +-tangent on one film
+/// axis.
 double distance_to_fit(std::span<const double> across, std::span<const double> ahead, double tangent) {
   double highest = -std::numeric_limits<double>::infinity(), lowest = -highest;
   for (std::size_t i = 0; i < across.size(); ++i) {
@@ -38,7 +38,7 @@ double distance_to_fit(std::span<const double> across, std::span<const double> a
   return (highest - lowest) / (2.0 * tangent);
 }
 
-/// How far aside the camera must be at this distance for equal margins on both sides of one film axis.
+/// The sideways offset of a camera at this distance that gives equal margins on both sides of one film axis.
 double offset_to_center(std::span<const double> across, std::span<const double> ahead, double distance) {
   double low = *std::min_element(across.begin(), across.end()),
          high = *std::max_element(across.begin(), across.end());
@@ -74,7 +74,7 @@ CameraPose look_at(const glm::dvec3& eye, const glm::dvec3& target, const glm::d
   if (up == glm::dvec3(0.0)) throw Error({.problem = "look_at: up is zero"});
   const glm::dvec3 forward = unit(view);
   const glm::dvec3 right = glm::cross(forward, unit(up));
-  // Less than this, and rounding decides where right is.
+  // Below this, rounding decides the direction of `right`.
   if (glm::dot(right, right) < 1e-20)
     throw Error({.problem = "look_at: up is parallel to the viewing direction"});
   CameraPose pose{.position = eye, .right = unit(right), .forward = forward};
@@ -148,7 +148,7 @@ Camera overview_camera(std::span<const glm::dvec3> positions, double radius, int
   for (const glm::dvec3& position : positions) bounds.grow(position);
   const glm::dvec3 center = bounds.empty() ? glm::dvec3(0.0) : bounds.center();
   const glm::dvec3 half = bounds.empty() ? glm::dvec3(0.0) : 0.5 * bounds.size();
-  // A lone point needs room around it: a little, but more than rounding at its coordinates.
+  // A single point needs a margin that exceeds the rounding of its coordinates.
   const double magnitude = std::max({std::fabs(center.x), std::fabs(center.y), std::fabs(center.z)});
   const double least = glm::length(half) > 0.0 ? 1e-3 * glm::length(half) : std::max(0.02, 1e-9 * magnitude);
   const double room = std::max(radius, least);
@@ -158,7 +158,7 @@ Camera overview_camera(std::span<const glm::dvec3> positions, double radius, int
   CameraPose pose = look_at(glm::dvec3(0.0), forward);
   Camera camera = pinhole_from_fov(width, height, k_vertical_fov, pose);
 
-  // Positions from the middle along the camera's axes, each as the corners of a box of this room.
+  // Offsets from the centre along the camera's axes, of each position and `room` to all sides of it.
   std::vector<double> right, down, ahead;
   const auto add = [&](const glm::dvec3& offset) {
     right.push_back(glm::dot(offset, pose.right));

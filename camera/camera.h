@@ -15,7 +15,7 @@
 
 namespace alidade::camera {
 
-/// Where the optical axis of a camera points and which axes its own frame has.
+/// The axes of a camera's own frame.
 enum class AxisConvention {
   opencv,  ///< +x right, +y down, +z forward
   opengl,  ///< +x right, +y up, +z backward
@@ -30,8 +30,8 @@ struct CameraPose {
   glm::dvec3 forward{0.0, 1.0, 0.0};
 };
 
-/// A camera. Pixel (0,0) is top left, its centre at (0.5, 0.5). The lens brings a direction to a film
-/// position (x, y), which is (cx + fx x, cy + fy y) in pixels; see camera/lens.h.
+/// A camera. Pixel (0,0) is top left, its centre at (0.5, 0.5). The lens maps a direction to a film position
+/// (x, y), which is (cx + fx x, cy + fy y) in pixels; see camera/lens.h.
 struct Camera {
   int width = 600, height = 400;
   double fx = 0.0, fy = 0.0;  ///< focal lengths in pixels; orthographic: pixels per metre; equirectangular:
@@ -77,25 +77,23 @@ std::optional<Camera> filled_camera(const CameraPose& pose, std::span<const glm:
 Camera overview_camera(const Bounds& bounds, int width, int height);
 
 /// A view of positions from above, 30 degrees down: they and what lies at most `radius` around them fill the
-/// image. It looks to this azimuth: degrees clockwise from north (+y).
+/// image. `azimuth`: of the viewing direction, degrees clockwise from north (+y).
 Camera overview_camera(std::span<const glm::dvec3> positions, double radius, int width, int height,
                        double azimuth = 45.0);
 
-/// Everything around a position: the whole sphere, the middle of the image looks north (+y), east (+x) is to
-/// the right of it. Column x of the image looks to azimuth 360 (x / width - 1/2) degrees, clockwise from
-/// north.
+/// A camera that sees the whole sphere around a position: the middle of the image faces north (+y), east (+x)
+/// is right of it. Column x of the image has the azimuth 360 (x / width - 1/2) degrees, clockwise from north.
 Camera panorama_camera(const glm::dvec3& position, int width, int height);
 
-/// The box from straight above through parallel rays: north up, the borders of pixels at whole multiples of
-/// the resolution (metres), the rays start just above the box. Errors: a resolution that is not above 0; more
+/// An orthographic camera straight above the box: north up, the borders of pixels at whole multiples of the
+/// resolution (metres), the rays start just above the box. Errors: a resolution that is not above 0; more
 /// pixels than an image may have; an empty box.
 Camera orthophoto_camera(const Bounds& bounds, double resolution);
 
-/// How far the columns are from length 1 at right angles: the largest entry of |R^T R - I|.
+/// Deviation of the columns from orthonormal ones: the largest entry of |R^T R - I|.
 double error_of_rotation(const glm::dmat3& rotation);
 
-/// A matrix that is nearly a rotation, made one: columns of length 1 at right angles. The third column keeps
-/// its direction.
+/// Makes a matrix that is nearly a rotation orthonormal. The third column keeps its direction.
 glm::dmat3 orthonormal(const glm::dmat3& rotation);
 
 /// Rotation by a quaternion w, x, y, z of any length (Hamilton's convention). Empty if its length is 0, not
@@ -109,7 +107,7 @@ glm::dmat3 rotation_from_axis_angle(const glm::dvec3& axis);
 /// From camera = rotation * world + translation, with camera axes right, down, forward.
 CameraPose pose_from_world_to_camera(const glm::dmat3& rotation, const glm::dvec3& translation);
 
-/// Where the pixels of a picture from straight above lie: world x = [0] + [1] column + [2] row, y = [3] + [4]
+/// The ground transform of an image taken from straight above: world x = [0] + [1] column + [2] row, y = [3] + [4]
 /// column + [5] row, with (0, 0) the outer corner of the first pixel. Errors: the camera's rays are not
 /// parallel, or do not point straight down.
 std::array<double, 6> ground_transform(const Camera& camera);

@@ -37,8 +37,8 @@ Knot knot_of(const Camera& camera) {
           {camera.cx, camera.cy}};
 }
 
-/// The distance of two keyframes: that of their positions, and a little of their directions, so that a camera
-/// that only turns takes some time.
+/// The distance between two keyframes: that of their positions, plus a share of the turn, so that a camera
+/// that only turns takes time, too.
 double step_between(const Knot& a, const Knot& b, double turning_length) {
   const double turn = glm::length(a.forward - b.forward) + glm::length(a.down - b.down);
   return glm::length(a.position - b.position) + turning_length * turn;
@@ -58,10 +58,10 @@ Knot spline(const Knot (&knots)[4], const double (&times)[4], double time) {
                  times[2]);
 }
 
-/// The way through all knots, by a parameter that grows from knot to knot.
-class Way {
+/// The path through all knots, by a time that grows from knot to knot.
+class Path {
  public:
-  explicit Way(std::span<const Camera> keyframes) {
+  explicit Path(std::span<const Camera> keyframes) {
     for (const Camera& camera : keyframes) knots_.push_back(knot_of(camera));
     double length = 0.0;
     for (std::size_t i = 1; i < knots_.size(); ++i)
@@ -80,7 +80,7 @@ class Way {
   Knot at(double time) const {
     const auto next = std::upper_bound(times_.begin() + 1, times_.end() - 1, time);
     const auto i = static_cast<std::size_t>(next - times_.begin());
-    // Beyond the ends the way continues straight on.
+    // Beyond its ends the path is straight.
     const std::size_t last = knots_.size() - 1;
     const Knot before = i >= 2 ? knots_[i - 2] : 2.0 * knots_[i - 1] + -1.0 * knots_[i];
     const Knot after = i < last ? knots_[i + 1] : 2.0 * knots_[i] + -1.0 * knots_[i - 1];
@@ -97,7 +97,7 @@ class Way {
  private:
   std::vector<Knot> knots_;
   std::vector<double> times_;
-  double turning_ = 0.0;  ///< metres that a turn by a radian counts as
+  double turning_ = 0.0;  ///< metres that count as much as a turn by one radian
 };
 
 Camera camera_at(const Knot& knot, const Camera& like) {
@@ -148,15 +148,15 @@ std::vector<Camera> cameras_between(std::span<const Camera> keyframes, int count
                    camera.lens.index() == like.lens.index(),
                "keyframes of different sizes or lenses", "one size and lens for all keyframes");
   }
-  const Way way(keyframes);
-  // Times at equal distances, from a table of the way's length.
+  const Path path(keyframes);
+  // Times at equal distances, from a table of lengths along the path.
   constexpr std::size_t k_steps_per_knot = 64;
-  const std::size_t steps = k_steps_per_knot * (way.size() - 1);
+  const std::size_t steps = k_steps_per_knot * (path.size() - 1);
   std::vector<double> lengths{0.0};
-  Knot before = way.at(0.0);
+  Knot before = path.at(0.0);
   for (std::size_t i = 1; i <= steps; ++i) {
-    const Knot next = way.at(way.end() * static_cast<double>(i) / static_cast<double>(steps));
-    lengths.push_back(lengths.back() + way.step(before, next));
+    const Knot next = path.at(path.end() * static_cast<double>(i) / static_cast<double>(steps));
+    lengths.push_back(lengths.back() + path.step(before, next));
     before = next;
   }
   std::vector<Camera> cameras;
@@ -166,8 +166,8 @@ std::vector<Camera> cameras_between(std::span<const Camera> keyframes, int count
     const auto step = static_cast<std::size_t>(next - lengths.begin());
     const double within = lengths[step] - lengths[step - 1];
     const double share = within > 0.0 ? std::min((wanted - lengths[step - 1]) / within, 1.0) : 0.0;
-    const double time = way.end() * (static_cast<double>(step - 1) + share) / static_cast<double>(steps);
-    cameras.push_back(camera_at(way.at(time), like));
+    const double time = path.end() * (static_cast<double>(step - 1) + share) / static_cast<double>(steps);
+    cameras.push_back(camera_at(path.at(time), like));
   }
   return cameras;
 }

@@ -1,4 +1,6 @@
 // SPDX-License-Identifier: MIT
+#include "camera/camera_set.h"
+
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -8,13 +10,14 @@
 #include "base/words.h"
 #include "camera/camera_json.h"
 #include "camera/formats/camera_file.h"
+#include "camera/formats/e57.h"
 
 namespace alidade::camera {
 namespace {
 
 namespace fs = std::filesystem;
 
-/// Keys of other programs' files beside those of cameras, which hold most of the bytes.
+/// Keys in files of other programs that are skipped: they hold most of the bytes, and no cameras.
 constexpr std::array<std::string_view, 4> k_unread{"points", "structure", "control_points", "biases"};
 
 /// Most programs write coefficients of 0 for cameras that do not distort.
@@ -23,7 +26,7 @@ Lens simplest(const Lens& lens) {
   return brown != nullptr && brown->distortion == Distortion{} ? Lens(PinholeLens{}) : lens;
 }
 
-/// Sorts the cameras, and does the checks that all formats have in common.
+/// Sorts the cameras and applies the checks common to all formats.
 CameraSet finished(CameraSet set, const std::string& file, bool sort) {
   if (set.cameras.empty()) {
     throw Error({.file = file,
@@ -63,7 +66,7 @@ bool is_there(const fs::path& file) {
 }
 
 CameraSet read_colmap_folder(const fs::path& folder) {
-  // Where a folder has both kinds, the binary ones are the newer.
+  // In a folder with both kinds the binary files are the newer ones.
   const fs::path cameras = folder / "cameras.bin", images = folder / "images.bin";
   if (is_there(cameras) && is_there(images)) return read_colmap_binary(InputFile(cameras), InputFile(images));
   const fs::path cameras_text = folder / "cameras.txt", images_text = folder / "images.txt";

@@ -11,8 +11,8 @@
 
 namespace alidade::camera {
 
-/// A distortion ready for use both ways. It holds from the middle of the film up to the radius where its
-/// radial part stops growing: there it folds over, and what lies beyond would be seen twice.
+/// A distortion prepared for both directions. It is valid from the middle of the film up to the radius where
+/// its radial part stops growing: there it folds over, and positions beyond would occur twice.
 /// undistort(distort(ideal)) is `ideal` to a few units in the last place.
 class DistortionMap {
  public:
@@ -21,7 +21,7 @@ class DistortionMap {
 
   /// Position on the real film; empty beyond the fold.
   std::optional<glm::dvec2> distort(const glm::dvec2& ideal) const;
-  /// Position on the ideal film; empty if none before the fold leads there. Method: the radial part by
+  /// Position on the ideal film; empty if none before the fold maps to this one. Method: the radial part by
   /// Newton's method inside a bracket, then Newton's method in the plane.
   std::optional<glm::dvec2> undistort(const glm::dvec2& film) const;
 
@@ -49,9 +49,9 @@ struct LensRay {
   glm::dvec3 direction{0.0, 0.0, 1.0};
 };
 
-/// A lens ready for use both ways: from points in the camera's axes to film positions (lens.h) and back.
-/// Results have equal bits on every machine. Cost: of unproject() some tens of operations, with distortion
-/// some hundreds.
+/// A lens prepared for both directions: from points in the camera's axes to film positions (lens.h) and back.
+/// Results have equal bits on every machine. Cost of unproject(): tens of operations, hundreds with
+/// distortion.
 class LensMap {
  public:
   explicit LensMap(const Lens& lens);
@@ -59,11 +59,11 @@ class LensMap {
   /// Film position of a point in the camera's axes. Empty if the lens does not see it: behind the camera or,
   /// with distortion, beyond the radius where the lens folds over.
   std::optional<glm::dvec2> project(const glm::dvec3& point) const;
-  /// The ray that project() brings to this film position; empty if there is none.
+  /// The ray that project() maps to this film position; empty if there is none.
   std::optional<LensRay> unproject(const glm::dvec2& film) const;
 
  private:
-  // A lens without distortion needs no preparation; those with carry it ready for use.
+  // Lenses without distortion are kept as they are, the others with their prepared distortion.
   struct Brown {
     DistortionMap distortion;
   };

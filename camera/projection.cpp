@@ -65,7 +65,7 @@ double angle_off_axis(const Projection& projection, const Ray& ray) {
   return std::acos(std::clamp(cosine, -1.0, 1.0)) * 180.0 / std::numbers::pi;
 }
 
-/// How far from the principal point towards a pixel the lens has a view, as a share of the way.
+/// The share of the distance from the principal point to a pixel up to which the lens has a view.
 double share_seen(const Projection& projection, const glm::dvec2& pixel) {
   const glm::dvec2 center(projection.camera().cx, projection.camera().cy);
   double seen = 0.0, unseen = 1.0;
@@ -83,7 +83,7 @@ void check_fold_towards(const Projection& projection, const glm::dvec2& pixel) {
   const double share = share_seen(projection, pixel), distance = std::hypot(way.x, way.y);
   const std::optional<Ray> last = projection.ray(center + share * way);
   const double angle = last ? angle_off_axis(projection, *last) : 0.0;
-  // A fisheye that has reached the end of the sphere shows nothing beyond its circle.
+  // A fisheye that covers the sphere has no view beyond its circle.
   if (std::holds_alternative<FisheyeLens>(camera.lens) && angle > 179.99) return;
   throw input_error(fmt::format("the distortion folds over at {:.6g} pixels from the principal point, {:.4g} "
                                 "degrees off the axis",
@@ -137,8 +137,8 @@ void check_camera(const Camera& camera) {
   check_camera_numbers(camera);
   if (!can_fold(camera.lens)) return;
 
-  // The view of a lens is a shape around the principal point, so testing the image's border is enough; the
-  // pixels inside are for principal points outside the image.
+  // The view of a lens surrounds the principal point, so testing the image's border is enough; pixels inside
+  // are tested for principal points outside the image.
   constexpr int k_steps = 64;
   const Projection projection(camera);
   for (int row = 0; row <= k_steps; ++row) {

@@ -11,8 +11,8 @@
 
 namespace alidade::camera {
 
-/// A camera ready for use: film positions, in pixels, to rays and back. Inside the image project() and ray()
-/// are inverse to each other within 1e-9 pixel.
+/// A camera prepared for use: maps film positions, in pixels, to rays and back. Inside the image project() and
+/// ray() are inverse to each other within 1e-9 pixel.
 class Projection {
  public:
   /// Cost: a microsecond. Nothing is checked; see check_camera().
@@ -35,10 +35,10 @@ class Projection {
 
 /// Errors: an invalid size; focal lengths not above 0; numbers that are not finite; parameters outside the
 /// lens's range; a distortion that folds over inside the image, with the radius in pixels up to which it can
-/// be inverted. Pixels that a lens merely does not see (outside a fisheye's circle) are no error.
+/// be inverted. Pixels outside the view of a lens (a fisheye's circle) are no error.
 void check_camera(const Camera& camera);
 
-/// As check_camera() without following the lens over the image: a fold is not found.
+/// As check_camera(), but does not search the image for folds.
 void check_camera_numbers(const Camera& camera);
 
 }  // namespace alidade::camera

@@ -1,12 +1,13 @@
 // SPDX-License-Identifier: MIT
+#include "camera/formats/camera_file.h"
 
 #include <algorithm>
+#include <array>
 #include <charconv>
 #include <cmath>
 #include <cstring>
 
 #include "base/words.h"
-#include "camera/formats/camera_file.h"
 
 namespace alidade::camera {
 namespace {
@@ -54,9 +55,9 @@ std::optional<ImageFileSize> jpeg_size(InputFile& file) {
     const std::uint64_t marker = number_at(bytes, 1, 1);
     if (is_frame(marker)) return ImageFileSize{number_at(bytes, 7, 2), number_at(bytes, 5, 2)};
     if (marker == 0xFF) {
-      offset += 1;  // a filling byte
+      offset += 1;  // a fill byte
     } else if (marker == 0xDA || marker == 0xD9) {
-      return std::nullopt;  // the picture or its end, without a frame before
+      return std::nullopt;  // image data or its end, without a frame before
     } else {
       offset += 2 + number_at(bytes, 2, 2);
     }
@@ -75,7 +76,53 @@ std::filesystem::path existing(const std::filesystem::path& file) {
                     "width and height, or the file " + file.string());
 }
 
+constexpr const char* k_colmap =
+    "a COLMAP model, transforms.json, or a trajectory with quaternions (docs/cameras.md)";
+constexpr const char* k_metashape =
+    "its export as COLMAP (File > Export > Export Cameras, type Colmap), or transforms.json by "
+    "'ns-process-data metashape'";
+
+/// An export that is not supported, by words that its first bytes contain.
+struct KnownExport {
+  std::array<std::string_view, 3> marks;  ///< maybe empty
+  const char* name;
+  const char* remedy;
+};
+
+constexpr KnownExport k_exports[] = {
+    {{"<document", "<chunk", "<sensor"}, "the XML of Agisoft Metashape", k_metashape},
+    {{"xcr:", "", ""}, "the XMP of RealityCapture", k_colmap},
+    {{"\"img_name\"", "\"rotation\"", "\"position\""},
+     "the cameras.json of 3D Gaussian Splatting",
+     "the COLMAP model that the splats were trained on, often in sparse/0"},
+    {{"PinholeCamera", "\"extrinsic\"", ""},
+     "the camera parameters of Open3D",
+     "a camera file of Alidade or transforms.json"},
+    {{"\"FeatureCollection\"", "\"translation\"", "\"rotation\""},
+     "the shots.geojson of OpenDroneMap",
+     "its opensfm/reconstruction.json"},
+    {{"# Bundle file", "", ""}, "a bundle of Bundler", k_colmap},
+    {{"NVM_V3", "", ""}, "a model of VisualSFM", k_colmap},
+    {{"imageName", "Omega", "Kappa"}, "the external camera parameters of Pix4D", k_colmap},
+    {{"PhotoID", "Omega", "Kappa"}, "the angles of Agisoft Metashape", k_metashape},
+    {{"#name", "alt", "heading"},
+     "the camera parameters of RealityCapture",
+     "transforms.json by 'ns-process-data realitycapture', or a COLMAP model"},
+    {{"yaw", "pitch", "roll"}, "a table of yaw, pitch and roll", k_colmap},
+    {{"heading", "pitch", "roll"}, "a table of heading, pitch and roll", k_colmap},
+};
+
 }  // namespace
+
+void set_size(Camera& camera, std::uint64_t width, std::uint64_t height) {
+  constexpr std::uint64_t k_side = k_max_image_side;
+  if (width < 1 || height < 1 || width > k_side || height > k_side || width * height > k_max_pixels) {
+    throw input_error("image size out of range", "1 to 65536 pixels in each direction, at most 2^28 in total",
+                      fmt::format("{} x {}", width, height));
+  }
+  camera.width = static_cast<int>(width);
+  camera.height = static_cast<int>(height);
+}
 
 bool LineWalk::next(std::string_view& line) {
   if (begin_ == text_.size()) return false;
@@ -89,7 +136,7 @@ bool LineWalk::next(std::string_view& line) {
 }
 
 double number_of(std::string_view text, const char* what) {
-  // A plus sign is written by some programs; from_chars does not take it.
+  // Some programs write a plus sign, which from_chars rejects.
   std::string_view digits = text;
   if (digits.starts_with('+')) digits.remove_prefix(1);
   double value = 0.0;
@@ -140,6 +187,17 @@ ImageFileSize image_file_size(InputFile& file) {
 ImageFileSize image_file_size(const std::filesystem::path& path) {
   InputFile file(existing(path));
   return image_file_size(file);
+}
+
+void reject_known_export(std::string_view start, const std::filesystem::path& file) {
+  // Errors in a file of a format that is read are reported by its reader.
+  for (const std::string_view own : {"qw", "look_at_x", "\"frames\"", "\"shots\"", "\"sfm_data_version\""})
+    if (start.find(own) != start.npos) return;
+  for (const KnownExport& known : k_exports) {
+    const bool is_one = std::ranges::all_of(
+        known.marks, [&](std::string_view mark) { return start.find(mark) != start.npos; });
+    if (is_one) throw file_error(file, "cannot read " + std::string(known.name), known.remedy);
+  }
 }
 
 }  // namespace alidade::camera

@@ -20,10 +20,10 @@ namespace alidade::camera {
 /// Largest camera file, without a COLMAP model's points: 1 GiB.
 inline constexpr std::uintmax_t k_largest_camera_file = std::uintmax_t{1} << 30;
 
-/// Error that rotations in files may have, for lack of digits.
+/// Tolerance for rotations in files, which often have few digits.
 inline constexpr double k_file_rotation_tolerance = 1e-3;
 
-/// Sets the image size from that of a file, in whole pixels. Errors: 0, or larger than pictures may be.
+/// Sets the image size from that of a file, in whole pixels. Errors: 0, or larger than images may be.
 void set_size(Camera& camera, std::uint64_t width, std::uint64_t height);
 
 CameraSet read_transforms(const JsonNode& top, const std::filesystem::path& file, bool original_world);
@@ -31,7 +31,7 @@ CameraSet read_opensfm(const JsonNode& top);
 CameraSet read_openmvg(const JsonNode& top);
 CameraSet read_trajectory(std::string_view text, const std::string& name, const std::optional<Camera>& lens);
 
-/// Errors: the first bytes of a file are those of an export that is not supported but known; they name the
+/// Errors: the first bytes of a file are those of a known export that is not supported; the error names the
 /// format to save instead.
 void reject_known_export(std::string_view start, const std::filesystem::path& file);
 
@@ -39,17 +39,6 @@ void reject_known_export(std::string_view start, const std::filesystem::path& fi
 CameraSet read_colmap_binary(InputFile cameras, InputFile images);
 CameraSet read_colmap_text(std::string_view cameras, const std::string& cameras_name, std::string_view images,
                            const std::string& images_name);
-
-/// The lens and focal lengths of a COLMAP model by the id in binary files, and how many parameters it has.
-struct ColmapModel {
-  std::string_view name;
-  int id;
-  std::size_t parameter_count;
-};
-std::span<const ColmapModel> colmap_models();
-/// Requires: as many parameters as the model has. Errors: as check_camera_numbers().
-Camera camera_of_colmap(const ColmapModel& model, std::uint64_t width, std::uint64_t height,
-                        std::span<const double> parameters);
 
 /// Runs `work` and adds file and location of a JSON node to errors without a file.
 template <typename Work>
@@ -62,7 +51,7 @@ auto at_node(const JsonNode& node, const Work& work) {
   }
 }
 
-/// Walks through a text line by line; LF, CR LF and CR end a line, the last one may lack its end.
+/// Iterates over the lines of a text. LF, CR LF and CR end a line, which the last one may lack.
 class LineWalk {
  public:
   explicit LineWalk(std::string_view text) : text_(text) {}
@@ -91,8 +80,7 @@ void at_line(const std::string& file, const LineWalk& lines, const Work& work) {
   }
 }
 
-/// Splits a line at blanks, tabs and commas. Errors, without file and location: a field that is missing or
-/// not what it should be.
+/// Splits a line at blanks, tabs and commas. Errors, without file and location: a missing or invalid field.
 class FieldWalk {
  public:
   explicit FieldWalk(std::string_view line) : rest_(line) {}
@@ -101,7 +89,7 @@ class FieldWalk {
   std::string_view word(const char* what);
   double number(const char* what);  ///< finite
   std::uint64_t whole_number(const char* what, std::uint64_t most);
-  /// All that is left, without blanks around it.
+  /// The rest of the line without blanks around it.
   std::string_view rest();
 
  private:
@@ -116,8 +104,8 @@ struct ImageFileSize {
 };
 
 /// Size in pixels of a PNG or JPEG file as it is stored: an EXIF orientation is not applied. A name without
-/// an extension also finds the file with .png, .jpg or .jpeg behind. Errors: no such file, another format,
-/// damage. Cost: some bytes at the beginning are read; of a JPEG, one small read for each of its segments.
+/// an extension also finds the file with .png, .jpg or .jpeg appended. Errors: no such file, another format,
+/// damage. Cost: reads some bytes at the beginning, of a JPEG at the beginning of each segment.
 ImageFileSize image_file_size(const std::filesystem::path& file);
 
 /// Size in pixels of a PNG or JPEG file that is open.

@@ -20,6 +20,13 @@
 namespace alidade::camera {
 namespace {
 
+/// A camera model of COLMAP.
+struct ColmapModel {
+  std::string_view name;
+  int id;  ///< in binary files
+  std::size_t parameter_count;
+};
+
 constexpr std::array<ColmapModel, 18> k_models = {{{"SIMPLE_PINHOLE", 0, 3},
                                                    {"PINHOLE", 1, 4},
                                                    {"SIMPLE_RADIAL", 2, 4},
@@ -44,7 +51,7 @@ bool has_one_focal_length(int id) {
   return id == 0 || id == 2 || id == 3 || id == 8 || id == 9 || id == 12 || id == 14;
 }
 
-/// `k`: the parameters behind focal lengths and principal point.
+/// `k`: the parameters after focal lengths and principal point.
 Lens lens_of(int id, std::span<const double> k) {
   switch (id) {
     case 0:
@@ -87,7 +94,31 @@ Lens lens_of(int id, std::span<const double> k) {
   }
 }
 
-/// An image of a COLMAP model, as both the binary and the text file have it.
+/// Requires: as many parameters as the model has. Errors: as check_camera_numbers().
+Camera camera_of_colmap(const ColmapModel& model, std::uint64_t width, std::uint64_t height,
+                        std::span<const double> parameters) {
+  assert(parameters.size() == model.parameter_count);
+  Camera camera;
+  set_size(camera, width, height);
+  if (model.id == 17) {
+    camera.fx = parameters[0] / (2.0 * std::numbers::pi);
+    camera.fy = parameters[1] / std::numbers::pi;
+    camera.cx = 0.5 * parameters[0];
+    camera.cy = 0.5 * parameters[1];
+    camera.lens = EquirectangularLens{};
+  } else {
+    const std::size_t first = has_one_focal_length(model.id) ? 0 : 1;
+    camera.fx = parameters[0];
+    camera.fy = parameters[first];
+    camera.cx = parameters[first + 1];
+    camera.cy = parameters[first + 2];
+    camera.lens = lens_of(model.id, parameters.subspan(first + 3));
+  }
+  check_camera_numbers(camera);
+  return camera;
+}
+
+/// An image of a COLMAP model, as binary and text files have it.
 struct ColmapImage {
   std::uint32_t id = 0;
   std::array<double, 4> quaternion{};   ///< w, x, y, z; world to camera
@@ -97,7 +128,7 @@ struct ColmapImage {
 };
 
 /// Joins the images of a COLMAP model with their cameras. Errors, without file and location: a duplicate id,
-/// an image of an absent camera, an invalid rotation or translation, an empty name.
+/// an image without its camera, an invalid rotation or translation, an empty name.
 class ColmapImages {
  public:
   void add_camera(std::uint32_t id, const Camera& camera) {
@@ -210,11 +241,11 @@ void read_camera(Reader& reader, ColmapImages& model) {
   const auto id = reader.take<std::uint32_t>();
   const auto model_id = reader.take<std::int32_t>();
   const auto width = reader.take<std::uint64_t>(), height = reader.take<std::uint64_t>();
-  const std::span<const ColmapModel> models = colmap_models();
-  const auto known = std::ranges::find(models, model_id, &ColmapModel::id);
-  if (known == models.end()) {
+  const auto known = std::ranges::find(k_models, model_id, &ColmapModel::id);
+  if (known == k_models.end()) {
     throw input_error(fmt::format("unknown model of camera {}", id),
-                      fmt::format("a model id from 0 to {}", models.size() - 1), fmt::format("{}", model_id));
+                      fmt::format("a model id from 0 to {}", k_models.size() - 1),
+                      fmt::format("{}", model_id));
   }
   std::vector<double> parameters;
   for (std::size_t i = 0; i < known->parameter_count; ++i) parameters.push_back(reader.take<double>());
@@ -242,9 +273,8 @@ void read_camera(std::string_view line, ColmapImages& model) {
   FieldWalk fields(line);
   const auto id = static_cast<std::uint32_t>(fields.whole_number("camera id", UINT32_MAX));
   const std::string_view name = fields.word("camera model");
-  const std::span<const ColmapModel> models = colmap_models();
-  const auto known = std::ranges::find(models, name, &ColmapModel::name);
-  if (known == models.end()) {
+  const auto known = std::ranges::find(k_models, name, &ColmapModel::name);
+  if (known == k_models.end()) {
     throw input_error(fmt::format("unknown model of camera {}", id),
                       "a COLMAP model such as PINHOLE or OPENCV", std::string(name.substr(0, 40)));
   }
@@ -271,7 +301,7 @@ void read_image(std::string_view line, ColmapImages& model) {
   model.add_image(image);
 }
 
-/// The second line of an image: x, y and point id by turns.
+/// The second line of an image: x, y and point id, repeated.
 bool is_observations(std::string_view line) {
   // The line of an image has nine numbers and a name; the third number is part of a quaternion.
   constexpr std::size_t k_looked_at = 12;
@@ -294,43 +324,6 @@ bool is_image(std::string_view line) {
 }
 
 }  // namespace
-
-std::span<const ColmapModel> colmap_models() {
-  return k_models;
-}
-
-void set_size(Camera& camera, std::uint64_t width, std::uint64_t height) {
-  constexpr std::uint64_t k_side = k_max_image_side;
-  if (width < 1 || height < 1 || width > k_side || height > k_side || width * height > k_max_pixels) {
-    throw input_error("image size out of range", "1 to 65536 pixels in each direction, at most 2^28 in total",
-                      fmt::format("{} x {}", width, height));
-  }
-  camera.width = static_cast<int>(width);
-  camera.height = static_cast<int>(height);
-}
-
-Camera camera_of_colmap(const ColmapModel& model, std::uint64_t width, std::uint64_t height,
-                        std::span<const double> parameters) {
-  assert(parameters.size() == model.parameter_count);
-  Camera camera;
-  set_size(camera, width, height);
-  if (model.id == 17) {
-    camera.fx = parameters[0] / (2.0 * std::numbers::pi);
-    camera.fy = parameters[1] / std::numbers::pi;
-    camera.cx = 0.5 * parameters[0];
-    camera.cy = 0.5 * parameters[1];
-    camera.lens = EquirectangularLens{};
-  } else {
-    const std::size_t first = has_one_focal_length(model.id) ? 0 : 1;
-    camera.fx = parameters[0];
-    camera.fy = parameters[first];
-    camera.cx = parameters[first + 1];
-    camera.cy = parameters[first + 2];
-    camera.lens = lens_of(model.id, parameters.subspan(first + 3));
-  }
-  check_camera_numbers(camera);
-  return camera;
-}
 
 CameraSet read_colmap_binary(InputFile cameras, InputFile images) {
   ColmapImages model;

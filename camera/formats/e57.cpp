@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "camera/camera_set.h"
+#include "camera/formats/e57.h"
 
 #include <fmt/format.h>
 
@@ -28,7 +28,7 @@ bool is_possible(const E57Picture& picture, const Camera& camera) {
   return std::abs(camera.cx) <= k_farthest_middle && std::abs(camera.cy) <= k_farthest_middle;
 }
 
-/// Angles of pixels are often rounded in files: a picture whose side covers a circle, or its half, to half a
+/// Files often round the angle of a pixel: a picture whose side covers a circle, or half of one, to half a
 /// pixel covers it without a gap at the seam.
 double pixels_per_radian(double pixel, std::uint64_t count, double whole) {
   const double side = static_cast<double>(count);

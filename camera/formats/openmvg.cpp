@@ -28,7 +28,7 @@ std::vector<JsonNode> entries(const JsonNode& top, std::string_view key) {
   return list ? list->elements(0, std::size_t(-1)) : std::vector<JsonNode>();
 }
 
-/// Follows the pointers of openMVG's writer: an object is written where it first occurs, later only its id.
+/// Resolves the pointers of openMVG's writer: an object is written at its first occurrence, later only its id.
 class Pointers {
  public:
   JsonNode object(const JsonNode& value) {
@@ -114,7 +114,7 @@ Camera read_intrinsics(const std::string& type, const JsonNode& value, const Jso
     camera.cx = center[0].number({-1e9, 1e9});
     camera.cy = center[1].number({-1e9, 1e9});
   }
-  // Its pixel centres lie at whole numbers.
+  // In openMVG the centres of pixels are whole numbers.
   camera.cx += 0.5;
   camera.cy += 0.5;
   check_camera_numbers(camera);
@@ -144,7 +144,7 @@ CameraSet read_openmvg(const JsonNode& top) {
   Pointers pointers;
   std::map<std::uint64_t, Camera> cameras;
   std::map<std::uint64_t, CameraPose> poses;
-  // The file's writer counts its pointers through views, intrinsics and extrinsics in this order.
+  // The writer numbers its pointers through views, intrinsics and extrinsics in this order.
   struct View {
     JsonNode node;
     std::string name;

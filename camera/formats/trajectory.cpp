@@ -17,7 +17,7 @@ constexpr std::array<std::string_view, 12> k_columns{
 constexpr std::size_t k_time = 0, k_position = 1, k_quaternion = 4, k_target = 8, k_name = 11;
 constexpr std::size_t k_not_there = std::size_t(-1);
 
-/// Conventions that the remarks above the table must state: axes are never guessed.
+/// Conventions that remarks above the table must give: axes are never guessed.
 struct Conventions {
   std::optional<AxisConvention> axes;
   std::optional<bool> camera_to_world;
@@ -41,7 +41,7 @@ void read_remark(std::string_view line, Conventions& conventions) {
 
 using Columns = std::array<std::size_t, k_columns.size()>;
 
-/// Whether the table has targets that cameras look at, instead of rotations.
+/// Whether the table has targets of the cameras instead of rotations.
 bool has_targets(const Columns& columns) {
   return columns[k_target] != k_not_there;
 }

@@ -59,7 +59,7 @@ double focal_length_of_angle(double extent, double angle) {
   return 0.5 * extent * half.cosine / half.sine;
 }
 
-/// One axis: fov in degrees before focal length before angle in radians.
+/// The focal length of one axis: from its fov in degrees, else its length, else its angle in radians.
 std::optional<double> focal_length(const FrameFields& fields, char axis, double extent) {
   if (const auto fov = fields.find(fmt::format("{}_fov", axis)))
     return focal_length_of_angle(extent, fov->number({0.0, 180.0, true, true}) * std::numbers::pi / 180.0);

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 // Small balls are rendered through cameras of every lens and every file format, and found where a formula
-// puts them: half pixels, axes and directions cannot be wrong together in a picture and in a formula written
+// puts them: half pixels, axes and directions cannot be wrong together in an image and in a formula written
 // without them.
 #include <fmt/format.h>
 #include <gtest/gtest.h>

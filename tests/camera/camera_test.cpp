@@ -84,7 +84,7 @@ TEST(Camera, resizing_keeps_the_vertical_field_of_view) {
 
 TEST(Camera, a_resized_panorama_keeps_its_whole_sphere) {
   const Camera narrow = resized(panorama_camera({1, 2, 3}, 400, 200), 100, 300);
-  // The middle of the picture looks north, its sides south, a quarter of it east; the rows run from zenith to
+  // The middle of the image looks north, its sides south, a quarter of it east; the rows run from zenith to
   // nadir.
   const std::pair<glm::dvec2, glm::dvec3> expected[] = {
       {{50, 150}, {0, 1, 0}},   {{75, 150}, {1, 0, 0}}, {{25, 150}, {-1, 0, 0}}, {{0, 150}, {0, -1, 0}},

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "camera/camera_set.h"
+#include "camera/formats/e57.h"
 
 #include <gtest/gtest.h>
 #include <unistd.h>

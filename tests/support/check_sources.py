@@ -11,6 +11,11 @@ ROOMS = ("base cloud octree mesh geo image camera renderer visibility compare da
 
 # Sources without a header of their own name, with the header that names them and the reason.
 WITHOUT_HEADER = {
+    "camera/formats/colmap.cpp": "camera/formats/camera_file.h names all readers of camera files, one source for each format",
+    "camera/formats/openmvg.cpp": "camera/formats/camera_file.h",
+    "camera/formats/opensfm.cpp": "camera/formats/camera_file.h",
+    "camera/formats/trajectory.cpp": "camera/formats/camera_file.h",
+    "camera/formats/transforms.cpp": "camera/formats/camera_file.h",
     "database/duckdb/extension.cpp": "the function that DuckDB calls",
     "database/postgres/indexes.cpp": "functions of SQL, declared in database/postgres/alidade_pg--1.0.sql",
     "database/postgres/planner_support.cpp": "functions of SQL, declared in database/postgres/alidade_pg--1.0.sql",

@@ -10,7 +10,7 @@
 #include "base/output_file.h"
 #include "base/shown_text.h"
 #include "camera/camera_json.h"
-#include "camera/camera_set.h"
+#include "camera/formats/e57.h"
 
 namespace alidade::tools {
 namespace {

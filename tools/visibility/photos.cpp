@@ -13,6 +13,7 @@
 #include "base/error.h"
 #include "base/name_errors.h"
 #include "camera/camera_json.h"
+#include "camera/formats/e57.h"
 #include "geo/geopackage.h"
 #include "tools/camera_file.h"
 #include "tools/cloud/load_cloud.h"
