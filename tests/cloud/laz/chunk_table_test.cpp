@@ -155,5 +155,31 @@ TEST(ChunkTableTest, chunks_are_at_least_a_record_and_the_start_of_a_stream) {
       << "90 bytes hold no record of 90 and a stream";
 }
 
+std::vector<std::byte> bytes(std::initializer_list<int> values) {
+  std::vector<std::byte> result;
+  for (const int value : values) result.push_back(static_cast<std::byte>(value));
+  return result;
+}
+
+// Tables that other programs wrote and read.
+
+TEST(ChunkTableTest, chunks_of_one_size_are_listed_by_their_bytes) {
+  const std::vector<LazChunk> chunks = {{.byte_count = 100, .point_count = 5},
+                                        {.byte_count = 90, .point_count = 3}};
+  EXPECT_EQ(encode_chunk_table(chunks, standard_laz_layout(0, 20, 5)),
+            bytes({0, 0, 0, 0, 2, 0, 0, 0, 0x3c, 0x4d, 0x95, 0, 0, 0}));
+}
+
+TEST(ChunkTableTest, chunks_of_different_sizes_are_listed_by_points_and_bytes) {
+  const std::vector<LazChunk> chunks = {{.byte_count = 100, .point_count = 5},
+                                        {.byte_count = 90, .point_count = 7}};
+  EXPECT_EQ(encode_chunk_table(chunks, standard_laz_layout(0, 20, 0)),
+            bytes({0, 0, 0, 0, 2, 0, 0, 0, 0x1b, 0x5f, 0x29, 0xc0, 0xc3, 0, 0, 0}));
+}
+
+TEST(ChunkTableTest, the_table_of_a_file_without_points_has_no_stream) {
+  EXPECT_EQ(encode_chunk_table({}, standard_laz_layout(6, 30)), bytes({0, 0, 0, 0, 0, 0, 0, 0}));
+}
+
 }  // namespace
 }  // namespace alidade

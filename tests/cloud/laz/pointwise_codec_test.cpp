@@ -3,22 +3,130 @@
 
 #include <gtest/gtest.h>
 
+#include <array>
+#include <bit>
+#include <cstring>
+#include <limits>
 #include <string>
+#include <vector>
 
 #include "cloud/las/las_header.h"
 #include "cloud/laz/laz_layout.h"
-#include "tests/cloud/laz/laz_points.h"
 #include "tests/cloud/laz/laz_test_support.h"
+#include "tests/support/random.h"
 
 namespace alidade {
 namespace {
 
 using test::Bytes;
 using test::from_hex;
-using test::LazPoints;
-using test::pointwise_records;
 using test::Random;
 using test::to_hex;
+
+/// How points of a test follow each other.
+enum class Sequence {
+  wild,  ///< every byte is random
+  near   ///< like scans: most attributes stay, coordinates move little, clocks tick, colours are alike
+};
+
+/// Puts a value into a record.
+template <class T>
+void put(std::byte* at, T value) {
+  std::memcpy(at, &value, sizeof(T));
+}
+
+/// Times of up to six clocks: steps of all multiples of a unit that GPS time codes know, jumps, and special
+/// values.
+class LazClocks {
+ public:
+  explicit LazClocks(Random& random) : random_(random) {
+    for (std::uint64_t& time : times_) time = random_.bits();
+  }
+
+  std::uint64_t next() {
+    constexpr std::array<double, 5> k_special = {0.0, -0.0, std::numeric_limits<double>::quiet_NaN(), -1e300,
+                                                 1e-320};
+    constexpr std::array<int, 14> k_factors = {0, 1, 1, 1, 1, 2, 9, 10, 499, 500, 800, -1, -9, -12};
+    if (random_.below(300) == 0) return std::bit_cast<std::uint64_t>(k_special[random_.below(5)]);
+    if (random_.below(40) == 0) clock_ = random_.below(times_.size());
+    std::uint64_t& time = times_[clock_];
+    if (random_.below(400) == 0) time = random_.bits();
+    const std::uint64_t unit = 1000 + 100000 * clock_ + random_.below(3);
+    time += unit * static_cast<std::uint64_t>(k_factors[random_.below(k_factors.size())]);
+    if (random_.below(200) == 0) time += random_.below(2) == 0 ? 0x7fffffff : std::uint64_t{0} - 0x80000000;
+    return time;
+  }
+
+ private:
+  Random& random_;
+  std::array<std::uint64_t, 6> times_{};
+  std::size_t clock_ = 0;
+};
+
+/// Changes a record of formats 0 to 5 into one that could follow it in a scan.
+void follow(Random& random, LazClocks& clocks, const LazLayout& layout, std::byte* record) {
+  const auto now_and_then = [&](std::size_t at, std::uint64_t one_in) {
+    if (random.below(one_in) == 0) record[at] = static_cast<std::byte>(random.bits());
+  };
+  for (const LazItem& item : layout.items) {
+    switch (item.kind) {
+      case LazItemKind::point10:
+        for (std::size_t axis = 0; axis < 3; ++axis) {
+          std::int32_t value;
+          std::memcpy(&value, record + 4 * axis, 4);
+          const std::uint64_t range = std::uint64_t{1} << random.below(12 + axis);
+          put(record + 4 * axis, static_cast<std::int32_t>(static_cast<std::uint32_t>(value) +
+                                                           static_cast<std::uint32_t>(random.below(range))));
+        }
+        for (std::size_t at = 12; at < 20; ++at) now_and_then(at, at < 15 ? 3 : 50);
+        break;
+      case LazItemKind::gps_time11:
+        put(record, clocks.next());
+        break;
+      case LazItemKind::wave_packet13: {
+        std::uint64_t offset;
+        std::uint32_t size;
+        std::memcpy(&offset, record + 1, 8);
+        std::memcpy(&size, record + 9, 4);
+        if (random.below(3) != 0) put(record + 1, random.below(9) == 0 ? random.bits() : offset + size);
+        if (random.below(9) == 0) put(record + 1, offset - random.below(5000));
+        for (std::size_t at = 9; at < item.size; ++at) now_and_then(at, 5);
+        break;
+      }
+      case LazItemKind::rgb12: {
+        const unsigned shift = static_cast<unsigned>(random.below(300));
+        const bool grey = random.below(4) == 0;
+        for (std::size_t at = 0; at < 6; at += 2) {
+          std::uint16_t value;
+          std::memcpy(&value, record + (grey ? 0 : at), 2);
+          put(record + at, static_cast<std::uint16_t>(value + (grey && at > 0 ? 0 : shift)));
+        }
+        break;
+      }
+      default:
+        for (std::size_t at = 0; at < item.size; ++at) now_and_then(at, 4);
+    }
+    record += item.size;
+  }
+}
+
+/// Point data records of formats 0 to 5, one after the other.
+std::vector<std::byte> pointwise_records(Random& random, const LazLayout& layout, std::size_t count,
+                                         Sequence sequence) {
+  const std::size_t size = layout.record_size();
+  std::vector<std::byte> records(count * size);
+  LazClocks clocks(random);
+  for (std::size_t i = 0; i < count; ++i) {
+    std::byte* const record = records.data() + i * size;
+    if (i == 0 || sequence == Sequence::wild) {
+      for (std::size_t at = 0; at < size; ++at) record[at] = static_cast<std::byte>(random.bits());
+    } else {
+      std::memcpy(record, record - size, size);
+      follow(random, clocks, layout, record);
+    }
+  }
+  return records;
+}
 
 LazLayout layout_of(int format, std::size_t extra_bytes) {
   return standard_laz_layout(
@@ -85,7 +193,7 @@ TEST_P(PointwiseCodecTest, records_come_back_from_chunks_of_all_sizes_with_coder
   PointwiseEncoder encoder(layout_);
   PointwiseDecoder decoder(layout_);
   Random random("round trip");
-  for (const LazPoints points : {LazPoints::near, LazPoints::wild}) {
+  for (const Sequence points : {Sequence::near, Sequence::wild}) {
     for (const std::size_t count : {1, 2, 256, 3000}) {
       const Bytes records = pointwise_records(random, layout_, count, points);
       const Bytes chunk = encoder.encode(records);
@@ -95,7 +203,7 @@ TEST_P(PointwiseCodecTest, records_come_back_from_chunks_of_all_sizes_with_coder
       decoder.decode(found);
       ASSERT_TRUE(found == records) << count << " points";
       EXPECT_EQ(decoder.consumed(), chunk.size());
-      if (points == LazPoints::near && count > 256) {
+      if (points == Sequence::near && count > 256) {
         EXPECT_LT(chunk.size(), records.size());
       }
     }
@@ -104,7 +212,7 @@ TEST_P(PointwiseCodecTest, records_come_back_from_chunks_of_all_sizes_with_coder
 
 TEST_P(PointwiseCodecTest, records_can_be_asked_for_in_parts) {
   Random random("parts");
-  const Bytes records = pointwise_records(random, layout_, 100, LazPoints::near);
+  const Bytes records = pointwise_records(random, layout_, 100, Sequence::near);
   const Bytes chunk = encoded(layout_, records);
   const std::size_t size = layout_.record_size();
   PointwiseDecoder decoder(layout_);
@@ -122,7 +230,7 @@ TEST_P(PointwiseCodecTest, records_can_be_asked_for_in_parts) {
 
 TEST_P(PointwiseCodecTest, bytes_behind_the_chunk_do_not_matter) {
   Random random("behind");
-  const Bytes records = pointwise_records(random, layout_, 50, LazPoints::near);
+  const Bytes records = pointwise_records(random, layout_, 50, Sequence::near);
   Bytes chunk = encoded(layout_, records);
   const std::size_t size = chunk.size();
   chunk.resize(size + 10, std::byte{0xaa});
@@ -148,7 +256,7 @@ bool is_rejected(PointwiseDecoder& decoder, std::span<const std::byte> chunk, By
 
 TEST_P(PointwiseCodecTest, chunks_cut_anywhere_are_rejected) {
   Random random("cut");
-  const Bytes records = pointwise_records(random, layout_, 20, LazPoints::near);
+  const Bytes records = pointwise_records(random, layout_, 20, Sequence::near);
   const Bytes chunk = encoded(layout_, records);
   Bytes found(records.size());
   PointwiseDecoder decoder(layout_);
@@ -163,7 +271,7 @@ TEST_P(PointwiseCodecTest, chunks_cut_anywhere_are_rejected) {
 
 TEST_P(PointwiseCodecTest, damaged_bytes_anywhere_are_rejected_or_give_other_points) {
   Random random("damage");
-  const Bytes records = pointwise_records(random, layout_, 20, LazPoints::near);
+  const Bytes records = pointwise_records(random, layout_, 20, Sequence::near);
   const Bytes chunk = encoded(layout_, records);
   Bytes found(records.size());
   PointwiseDecoder decoder(layout_);
@@ -214,7 +322,7 @@ INSTANTIATE_TEST_SUITE_P(, PointwiseCodecTest,
 TEST(PointwiseDecoderTest, rejections_name_the_point_and_what_was_expected) {
   const LazLayout layout = layout_of(0, 0);
   Random random;
-  const Bytes records = pointwise_records(random, layout, 100, LazPoints::wild);
+  const Bytes records = pointwise_records(random, layout, 100, Sequence::wild);
   Bytes chunk = encoded(layout, records);
   chunk.resize(chunk.size() / 2);
   PointwiseDecoder decoder(layout);
