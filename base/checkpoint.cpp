@@ -13,10 +13,10 @@
 #include <utility>
 
 #include "base/bytes.h"
+#include "base/error.h"
 #include "base/fingerprint.h"
 #include "base/input_file.h"
 #include "base/output_file.h"
-#include "base/public_name.h"
 
 namespace alidade {
 namespace {

@@ -2,15 +2,29 @@
 #pragma once
 
 #include <cerrno>
+#include <cstddef>
 #include <cstdint>
 #include <stdexcept>
 #include <string>
 #include <system_error>
 #include <utility>
 
-#include "base/public_name.h"
-
 namespace alidade {
+
+/// The name of a file without possible secrets: of a URL without user and password, and without what follows
+/// '?' or '#', such as signatures. Any other name as it is.
+inline std::string public_name(std::string name) {
+  std::size_t begin = name.find("https://");
+  if (begin == std::string::npos) begin = name.find("http://");
+  if (begin == std::string::npos) return name;
+  begin = name.find("//", begin) + 2;
+  const std::size_t parameters = name.find_first_of("?#", begin);
+  if (parameters != std::string::npos) name.resize(parameters);
+  const std::size_t host_end = name.find('/', begin);
+  const std::size_t user_end = name.rfind('@', host_end);
+  if (user_end != std::string::npos && user_end >= begin) name.erase(begin, user_end + 1 - begin);
+  return name;
+}
 
 /// The one exception of all libraries for invalid input: files, scenes and requests. Mistakes that a calling
 /// program can avoid are asserted instead; "no result" is an empty optional.
@@ -83,6 +97,19 @@ inline Error input_error(std::string problem, std::string expected, std::string 
 inline Error system_error(std::string file, const std::string& problem, int number = errno) {
   return Error(
       {.file = std::move(file), .problem = problem + ": " + std::generic_category().message(number)});
+}
+
+/// Returns work(). An Error of it without a file gets this one.
+template <class Work>
+auto with_file(const std::string& file, const Work& work) -> decltype(work()) {
+  try {
+    return work();
+  } catch (const Error& error) {
+    Error::Parts parts = error.parts();
+    if (!parts.file.empty()) throw;
+    parts.file = file;
+    throw Error(std::move(parts));
+  }
 }
 
 /// Thrown out of a long task whose Progress callback returned false (base/progress.h).

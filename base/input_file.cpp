@@ -16,7 +16,6 @@
 
 #include "base/error.h"
 #include "base/huge_memory.h"
-#include "base/public_name.h"
 #include "base/remote_map.h"
 #include "base/text_scanner.h"
 

@@ -19,7 +19,6 @@
 
 #include "base/error.h"
 #include "base/remote_map.h"
-#include "base/temporary_file.h"
 
 namespace alidade {
 namespace {

@@ -8,7 +8,6 @@
 
 #include "base/error.h"
 #include "base/parallel.h"
-#include "base/public_name.h"
 #include "base/text_scanner.h"
 #include "base/words.h"
 #include "cloud/catalog.h"

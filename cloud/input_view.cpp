@@ -9,7 +9,6 @@
 #include <utility>
 
 #include "base/error.h"
-#include "base/name_errors.h"
 #include "base/ray.h"
 #include "cloud/rows.h"
 

@@ -15,7 +15,6 @@
 #include <utility>
 
 #include "base/error.h"
-#include "base/name_errors.h"
 #include "cloud/crs.h"
 #include "cloud/lattice.h"
 

@@ -10,8 +10,8 @@
 #include <utility>
 
 #include "base/bounds.h"
+#include "base/error.h"
 #include "base/parallel.h"
-#include "base/public_name.h"
 #include "cloud/catalog.h"
 #include "cloud/crs.h"
 #include "cloud/input_view.h"

@@ -291,18 +291,6 @@ bool TriangleTree::occluded(const Ray& ray, const TriangleFilter& counts) const 
   return is_met;
 }
 
-std::optional<TriangleHit> TriangleTree::closest_by_brute_force(const Ray& ray,
-                                                                const TriangleFilter& counts) const {
-  const Walk walk = walk_of(ray);
-  std::optional<TriangleHit> best;
-  for (std::uint32_t slot = 0; slot < triangle_count(); ++slot) {
-    const auto hit = meet(walk, slot, ray, counts);
-    if (hit && (!best || std::pair(hit->t, hit->triangle) < std::pair(best->t, best->triangle))) best = hit;
-  }
-  if (best) best = finished(ray, *best);
-  return best;
-}
-
 bool TriangleTree::any(const std::function<bool(const Bounds&)>& box,
                        const std::function<bool(const std::array<glm::dvec3, 3>&)>& triangle) const {
   const auto accepts = [&](const Box& from_middle) {

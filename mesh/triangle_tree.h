@@ -46,8 +46,6 @@ class TriangleTree {
   std::optional<TriangleHit> closest(const Ray& ray, const TriangleFilter& counts = {}) const;
   /// Whether there is such a triangle: faster.
   bool occluded(const Ray& ray, const TriangleFilter& counts = {}) const;
-  /// closest() by a loop over all triangles, for tests.
-  std::optional<TriangleHit> closest_by_brute_force(const Ray& ray, const TriangleFilter& counts = {}) const;
 
   /// Whether `triangle` accepts the corners (world) of any triangle. Triangles in boxes (world) that `box`
   /// does not accept are skipped: it must accept every box with a triangle that `triangle` accepts.

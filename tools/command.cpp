@@ -12,9 +12,9 @@
 #include <system_error>
 
 #include "base/allowed_hosts.h"
+#include "base/error.h"
 #include "base/input_file.h"
 #include "base/instruction_set.h"
-#include "base/public_name.h"
 #include "base/words.h"
 #include "cloud/crs.h"
 #include "database/server/server_name.h"

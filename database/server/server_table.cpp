@@ -12,7 +12,6 @@
 #include <limits>
 
 #include "base/error.h"
-#include "base/name_errors.h"
 #include "cloud/point_table.h"
 #include "cloud/rows.h"
 #include "database/sql_name.h"

@@ -13,7 +13,7 @@
 #include <vector>
 
 #include "base/input_file.h"
-#include "base/temporary_file.h"
+#include "base/output_file.h"
 #include "base/words.h"
 #include "database/sqlite/chunk_store.h"
 #include "database/sqlite/cloud_schema.h"

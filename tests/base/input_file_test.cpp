@@ -11,7 +11,6 @@
 #include <utility>
 
 #include "base/error.h"
-#include "base/public_name.h"
 #include "tests/cloud/cloud_test_support.h"
 
 namespace alidade {

@@ -9,7 +9,6 @@
 #include <algorithm>
 
 #include "base/input_file.h"
-#include "base/temporary_file.h"
 #include "tests/cloud/cloud_test_support.h"
 
 namespace alidade {

@@ -4,7 +4,7 @@
 #include <span>
 
 #include "base/error.h"
-#include "mesh/mesh_builder.h"
+#include "mesh/mesh_files.h"
 
 /// Any bytes through both readers: an Error, or triangles of vertices that exist, no more than the bytes can
 /// name.

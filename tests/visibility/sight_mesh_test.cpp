@@ -10,6 +10,7 @@
 
 #include "geo/earth.h"
 #include "tests/support/random.h"
+#include "tests/support/triangle_oracle.h"
 #include "tests/visibility/checked_sight.h"
 #include "tests/visibility/viewshed_place.h"
 #include "tests/visibility/wall_cloud.h"
@@ -166,10 +167,10 @@ struct Jumble {
 
 /// Where a line meets the first triangle on whose plane none of its ends lies: a loop over all triangles,
 /// repeated behind each of those.
-std::optional<double> first_triangle(const TriangleTree& tree, const SightLine& line) {
+std::optional<double> first_triangle(const TriangleMesh& mesh, const SightLine& line) {
   constexpr double k_infinity = std::numeric_limits<double>::infinity();
   Ray ray{line.from.position, line.direction, 0.0, line.length};
-  while (const auto hit = tree.closest_by_brute_force(ray)) {
+  while (const auto hit = closest_by_brute_force(mesh, ray)) {
     const glm::dvec3 met = ray.position(hit->t);
     const auto plane_distance = [&](const SightEnd& end) {
       return std::fabs(glm::dot(end.position - met, hit->normal));
@@ -222,7 +223,7 @@ TEST(SightMesh, answers_are_those_of_a_loop_over_all_triangles_beside_those_of_t
     int meshes = 0, clouds = 0, free = 0, both_block = 0;
     for (std::size_t i = 0; i < lines.size(); ++i) {
       std::optional<Blocker> expected = by_points[i];
-      const std::optional<double> t = first_triangle(*tree, lines[i]);
+      const std::optional<double> t = first_triangle(jumble.mesh, lines[i]);
       both_block += t && expected ? 1 : 0;
       if (t && (!expected || *t < expected->distance))
         expected = Blocker{k_mesh_blocker, lines[i].from.position + *t * lines[i].direction, *t};
@@ -246,7 +247,7 @@ TEST(SightMesh, answers_are_those_of_a_loop_over_all_triangles_beside_those_of_t
       std::optional<Blocker> expected = of_points[line];
       for (std::size_t chord = 3 * line; chord < 3 * line + 3; ++chord) {
         const SightLine& one = lines[chord];
-        const std::optional<double> t = first_triangle(*tree, one);
+        const std::optional<double> t = first_triangle(jumble.mesh, one);
         if (!t) continue;
         const Blocker met{k_mesh_blocker, one.from.position + *t * one.direction, starts[chord] + *t};
         if (!expected || met.distance < expected->distance) expected = met;

@@ -10,7 +10,6 @@
 
 #include "base/error.h"
 #include "base/huge_memory.h"
-#include "base/name_errors.h"
 #include "base/parallel.h"
 #include "base/progress.h"
 #include "base/words.h"

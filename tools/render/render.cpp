@@ -7,7 +7,7 @@
 #include <memory>
 #include <utility>
 
-#include "base/public_name.h"
+#include "base/error.h"
 #include "image/color_points.h"
 #include "image/image_file.h"
 #include "renderer/cloud_in_view.h"

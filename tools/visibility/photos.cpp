@@ -11,7 +11,6 @@
 #include <vector>
 
 #include "base/error.h"
-#include "base/name_errors.h"
 #include "camera/camera_json.h"
 #include "camera/formats/e57.h"
 #include "geo/geopackage.h"

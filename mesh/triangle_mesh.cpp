@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: MIT
+#include "mesh/triangle_mesh.h"
+
 #include <fmt/format.h>
 #include <algorithm>
 #include <cmath>
-#include <fstream>
 #include <glm/geometric.hpp>
-#include <optional>
 #include <span>
 #include <string>
 #include <utility>
@@ -15,23 +15,12 @@
 #include "base/fingerprint.h"
 #include "base/ray.h"
 #include "base/words.h"
-#include "mesh/mesh_builder.h"
+#include "mesh/mesh_files.h"
 
 namespace alidade {
 namespace {
 
 constexpr double k_largest_coordinate = 1e12;
-
-/// Bytes of free memory; empty if the system does not report it.
-std::optional<std::uint64_t> free_memory() {
-  std::ifstream file("/proc/meminfo");
-  std::string word;
-  while (file >> word) {
-    std::uint64_t kibibytes = 0;
-    if (word == "MemAvailable:" && file >> kibibytes) return kibibytes * 1024;
-  }
-  return std::nullopt;
-}
 
 void place(const std::string& file, const MeshPlacement& placement, TriangleMesh& mesh) {
   const auto [sine, cosine] = sine_cosine_of_degrees(placement.rotate_z);
@@ -72,29 +61,6 @@ std::uint64_t leave_out_lines(TriangleMesh& mesh) {
 }
 
 }  // namespace
-
-void check_free_memory(const std::string& file, std::uint64_t byte_count) {
-  const std::optional<std::uint64_t> free = free_memory();
-  if (!free || byte_count <= *free) return;
-  const auto text = [](std::uint64_t bytes) {
-    return fmt::format("{:.1f} GB", static_cast<double>(bytes) / 1e9);
-  };
-  throw file_error(file, "too little memory for this mesh", text(byte_count), text(*free) + " free");
-}
-
-void add_fan(const std::string& file, std::span<const std::uint32_t> polygon, TriangleMesh& mesh,
-             std::uint64_t& left_out) {
-  if (polygon.size() < 3) ++left_out;
-  for (std::size_t i = 2; i < polygon.size(); ++i) {
-    if (mesh.triangles.size() >= k_most_mesh_parts)
-      throw file_error(file, "too many triangles", fmt::format("at most {}", k_most_mesh_parts));
-    const TriangleMesh::Triangle triangle{polygon[0], polygon[i - 1], polygon[i]};
-    if (triangle[0] == triangle[1] || triangle[1] == triangle[2] || triangle[0] == triangle[2])
-      ++left_out;
-    else
-      mesh.triangles.push_back(triangle);
-  }
-}
 
 std::uint64_t checksum(const TriangleMesh& mesh) {
   std::vector<std::uint64_t> sums;
