@@ -39,8 +39,8 @@ inline bool recalls(const CloudPieces& pieces, PointCloud& cloud, std::size_t co
   return pieces.recall && pieces.recall(cloud, cloud.size() - count, count);
 }
 
-/// For how many of `wanted` further points, with the attributes `coming` beside those of the cloud, the piece
-/// has room. Hands the piece over first if it is full. At least 1, unless `wanted` is 0.
+/// How many of `wanted` further points, which have the attributes `coming` beside those of the cloud, fit into
+/// the piece: at least 1, unless `wanted` is 0. A full piece is handed over first.
 std::size_t room_in_piece(PointCloud& cloud, AttributeSet coming, std::uint64_t wanted,
                           const CloudPieces& pieces);
 
@@ -102,7 +102,7 @@ struct LargestColors {
 std::optional<Bounds> widened_header_box(const Bounds& stated, const Lattice& lattice);
 
 /// An opened cloud file: its header is read, its points are not read yet. One class per format, made by
-/// `open_*` below; read_in_pieces.cpp joins them. Not thread safe.
+/// `open_*` below; read_in_pieces() joins them. Not thread safe.
 class CloudReader {
  public:
   virtual ~CloudReader() = default;
@@ -179,8 +179,8 @@ std::unique_ptr<CloudReader> open_stored_cloud(const CloudInput& input, InputFil
 std::unique_ptr<CloudReader> open_las(InputFile file, Damage damage = Damage::reject);
 std::unique_ptr<CloudReader> open_ply(InputFile file, Damage damage = Damage::reject);
 std::unique_ptr<CloudReader> open_pcd(InputFile file, Damage damage = Damage::reject);
-std::unique_ptr<CloudReader> open_text(InputFile file,
-                                       Damage damage = Damage::reject);  ///< XYZ, CSV with header names, PTS
+/// XYZ, CSV with header names, PTS.
+std::unique_ptr<CloudReader> open_text(InputFile file, Damage damage = Damage::reject);
 /// open_text() with these names for the columns of a file without titles (cloud/text/text_layout.h).
 std::unique_ptr<CloudReader> open_text(InputFile file, Damage damage, std::span<const std::string> columns);
 std::unique_ptr<CloudReader> open_ptx(InputFile file, Damage damage = Damage::reject);
