@@ -39,8 +39,8 @@ inline bool recalls(const CloudPieces& pieces, PointCloud& cloud, std::size_t co
   return pieces.recall && pieces.recall(cloud, cloud.size() - count, count);
 }
 
-/// How many of `wanted` further points, which have the attributes `coming` beside those of the cloud, fit into
-/// the piece: at least 1, unless `wanted` is 0. A full piece is handed over first.
+/// How many of `wanted` further points, which have the attributes `coming` beside those of the cloud, fit
+/// into the piece: at least 1, unless `wanted` is 0. A full piece is handed over first.
 std::size_t room_in_piece(PointCloud& cloud, AttributeSet coming, std::uint64_t wanted,
                           const CloudPieces& pieces);
 

@@ -91,17 +91,17 @@ struct LatticeSteps {
   bool operator==(const LatticeSteps&) const = default;
 };
 
-/// The conversion from one lattice to another; empty if some positions of `from` are not on `to`. They are if,
-/// on every axis, the step of `from` and the difference of the offsets are whole numbers of steps of `to`, up
-/// to 1e-5 steps over all of 32 bits. A difference of offsets may also be off by twice the distance from the
-/// larger offset to the next double, since offsets have no higher resolution. So all offsets agree if the
-/// scale is finer than that distance; world coordinates do not resolve such a scale either.
+/// The conversion from one lattice to another; empty if some positions of `from` are not on `to`. They are
+/// if, on every axis, the step of `from` and the difference of the offsets are whole numbers of steps of
+/// `to`, up to 1e-5 steps over all of 32 bits. A difference of offsets may also be off by twice the distance
+/// from the larger offset to the next double, since offsets have no higher resolution. So all offsets agree
+/// if the scale is finer than that distance; world coordinates do not resolve such a scale either.
 std::optional<LatticeSteps> steps_between(const Lattice& from, const Lattice& to);
 
-/// A lattice for the points of several lattices, within `bounds`. It has the offset of the first one. On every
-/// axis it has the first of these scales that holds all positions exactly: that of the first lattice; the
-/// finest scale of all, or a half, a fifth or a tenth of it, as far as 32 bits reach over `bounds`. Otherwise
-/// it has the finest scale, or 10, 100, ... times that, until 32 bits reach over `bounds`, and positions are
+/// A lattice for the points of several lattices, within `bounds`. It has the offset of the first one. On
+/// every axis it has the first of these scales that holds all positions exactly: that of the first lattice;
+/// the finest scale of all, or a half, a fifth or a tenth of it, if 32 bits reach over `bounds`. Otherwise it
+/// has the finest scale, or 10, 100, ... times that, so that 32 bits reach over `bounds`, and positions are
 /// rounded. Requires at least one lattice.
 Lattice joined_lattice(std::span<const Lattice> lattices, const Bounds& bounds);
 

@@ -32,9 +32,9 @@ std::vector<WrittenColumn> written_columns(const PointCloud& cloud, int color_bi
 /// Appends the shortest digits that restore a number of that type.
 void append_number(std::string& text, ScalarType type, double number);
 
-/// Writes `point_count` points in a few thousand rows at a time; at least one piece is requested, for the head
-/// of the file. `begin` takes each piece before its rows and returns what precedes them; `append` appends a
-/// row of the piece. `progress` is in points.
+/// Writes `point_count` points, a few thousand rows at a time. `begin` takes each piece before its rows and
+/// returns the text that precedes them; `append` appends a row of that piece. At least one piece is
+/// requested, for the head of the file. `progress` is in points.
 void write_rows(OutputFile& output, std::size_t point_count, const PointPieces& pieces,
                 const Progress& progress,
                 const std::function<std::string(const PointCloud& piece, bool is_first)>& begin,
