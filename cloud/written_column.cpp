@@ -9,6 +9,7 @@
 #include <unordered_map>
 #include <unordered_set>
 
+#include "base/output_file.h"
 #include "cloud/point_table.h"
 
 namespace alidade {

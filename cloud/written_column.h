@@ -6,11 +6,12 @@
 #include <string>
 #include <vector>
 
-#include "base/output_file.h"
 #include "base/progress.h"
 #include "cloud/point_cloud.h"
 
 namespace alidade {
+
+class OutputFile;
 
 /// Returns points from `first` on, at least one, in pieces of any size; all pieces have the same attributes.
 using PointPieces = std::function<const PointCloud&(std::size_t first)>;
