@@ -80,9 +80,10 @@ float display_value(const ComparedImage& image, const image::CurveTable& curve, 
   return image.encoding == ColorEncoding::display ? stored : curve.at(stored);
 }
 
-constexpr image::Rgb8 k_paper{255, 255, 255}, k_text{30, 30, 30}, k_note{95, 95, 95}, k_line{60, 60, 60};
-constexpr int k_margin = 24, k_font_size = 18, k_title_size = 24, k_note_size = 14, k_row = 28;
-constexpr int k_bar_width = 24, k_bar_height = 240, k_most_ticks = 7;
+using image::k_panel_bar_height, image::k_panel_bar_width, image::k_panel_font_size, image::k_panel_line;
+using image::k_panel_note, image::k_panel_note_size, image::k_panel_row, image::k_panel_text;
+constexpr image::Rgb8 k_paper{255, 255, 255};
+constexpr int k_margin = 24, k_title_size = 24, k_most_ticks = 7;
 
 /// Kinds of pixels without a number: indices into swatches_of(), before the map's categories.
 enum Absence : std::size_t { k_ignored, k_nothing, k_only_reference, k_only_test, k_absences };
@@ -94,13 +95,6 @@ std::vector<MapCategory> swatches_of(const DifferenceMap& map) {
                                        {{40, 150, 70}, "only in the test"}};
   swatches.insert(swatches.end(), map.categories.begin(), map.categories.end());
   return swatches;
-}
-
-image::Rgb8 to_rgb8(const glm::dvec3& display) {
-  const auto channel = [](double value) {
-    return static_cast<std::uint8_t>(std::lround(255.0 * std::clamp(value, 0.0, 1.0)));
-  };
-  return {channel(display.r), channel(display.g), channel(display.b)};
 }
 
 /// Dark blue, blue, light grey, red, dark red; linear between them.
@@ -119,15 +113,9 @@ glm::dvec3 balance_color(double position) {
 }
 
 image::Rgb8 color_at(const DifferenceMap& map, double position) {
-  return to_rgb8(map.colors == DifferenceColors::balance
-                     ? balance_color(position)
-                     : image::map_color(image::ColorMap::inferno, position));
-}
-
-/// Where a value is on the colour scale: 0 at the low end, 1 at the high one.
-double position_on_scale(const DifferenceMap& map, double value) {
-  const double extent = map.range.high - map.range.low;
-  return extent > 0.0 ? (value - map.range.low) / extent : 0.5;
+  return image::to_rgb8(map.colors == DifferenceColors::balance
+                            ? balance_color(position)
+                            : image::map_color(image::ColorMap::inferno, position));
 }
 
 /// A pixel that does not count is NaN with `is_ignored`.
@@ -158,7 +146,7 @@ std::optional<std::size_t> swatch_of(const DifferenceMap& map, const MapPixel& p
 image::Rgb8 color_of(const DifferenceMap& map, const std::vector<MapCategory>& swatches,
                      const MapPixel& pixel) {
   if (const std::optional<std::size_t> swatch = swatch_of(map, pixel)) return swatches[*swatch].color;
-  return color_at(map, position_on_scale(map, static_cast<double>(pixel.value)));
+  return color_at(map, map.range.share(static_cast<double>(pixel.value)));
 }
 
 class DifferenceDrawer {
@@ -180,9 +168,9 @@ class DifferenceDrawer {
     const int title = k_margin + font_.measure(map_.title, k_title_size).width;
     image::Canvas canvas(std::max(panel + panel_width(), title) + k_margin,
                          std::max(box_.bottom, box_.top + panel_height()) + k_margin, k_paper);
-    font_.draw(canvas, k_margin, k_margin + k_title_size, map_.title, k_title_size, k_text);
+    font_.draw(canvas, k_margin, k_margin + k_title_size, map_.title, k_title_size, k_panel_text);
     draw_pixels(canvas);
-    canvas.frame({box_.left - 1, box_.top - 1, box_.right + 1, box_.bottom + 1}, k_line);
+    canvas.frame({box_.left - 1, box_.top - 1, box_.right + 1, box_.bottom + 1}, k_panel_line);
     draw_legend(canvas, panel);
     return canvas;
   }
@@ -197,10 +185,8 @@ class DifferenceDrawer {
     std::vector<MapCategory> rows;
     for (std::size_t i = 0; i < counts.size(); ++i) {
       if (counts[i] == 0) continue;
-      const double percent = 100.0 * static_cast<double>(counts[i]) / static_cast<double>(map_.values.size());
       rows.push_back(
-          {swatches_[i].color,
-           swatches_[i].label + (percent < 0.1 ? "  < 0.1 %" : fmt::format("  {:.1f} %", percent))});
+          {swatches_[i].color, swatches_[i].label + image::share_label(counts[i], map_.values.size())});
     }
     // The strongest is on top, as in the bar of numbers.
     if (!map_.categories.empty()) std::ranges::reverse(rows);
@@ -208,20 +194,20 @@ class DifferenceDrawer {
   }
 
   int panel_width() const {
-    int width = font_.measure(map_.label, k_font_size).width;
+    int width = font_.measure(map_.label, k_panel_font_size).width;
     for (const image::RoundTick& tick : ticks_)
-      width = std::max(width, k_bar_width + 16 + font_.measure(tick.label, k_font_size).width);
+      width = std::max(width, k_panel_bar_width + 16 + font_.measure(tick.label, k_panel_font_size).width);
     for (const MapCategory& row : rows_)
-      width = std::max(width, k_row + 8 + font_.measure(row.label, k_font_size).width);
+      width = std::max(width, k_panel_row + 8 + font_.measure(row.label, k_panel_font_size).width);
     for (const std::string& note : map_.notes)
-      width = std::max(width, font_.measure(note, k_note_size).width);
+      width = std::max(width, font_.measure(note, k_panel_note_size).width);
     return width;
   }
 
   int panel_height() const {
     const auto rows = static_cast<int>(rows_.size()), notes = static_cast<int>(map_.notes.size());
-    const int bar = map_.categories.empty() ? k_bar_height + k_row : 0;
-    return k_row + bar + k_row * rows + (k_row - 6) * notes;
+    const int bar = map_.categories.empty() ? k_panel_bar_height + k_panel_row : 0;
+    return k_panel_row + bar + k_panel_row * rows + (k_panel_row - 6) * notes;
   }
 
   MapPixel shown(int column, int row) const {
@@ -245,36 +231,17 @@ class DifferenceDrawer {
 
   void draw_legend(image::Canvas& canvas, int left) const {
     int y = box_.top;
-    font_.draw(canvas, left, y + 16, map_.label, k_font_size, k_text);
-    y += k_row + 4;
-    if (map_.categories.empty()) y = draw_bar(canvas, left, y);
-    for (const MapCategory& row : rows_) {
-      const image::PixelBox box{left, y, left + k_row, y + k_row - 8};
-      canvas.fill(box, row.color);
-      canvas.frame(box, k_line);
-      font_.draw(canvas, box.right + 8, y + 16, row.label, k_font_size, k_text);
-      y += k_row;
+    font_.draw(canvas, left, y + 16, map_.label, k_panel_font_size, k_panel_text);
+    y += k_panel_row + 4;
+    if (map_.categories.empty()) {
+      y = image::draw_color_bar(canvas, font_, left, y, map_.range, ticks_,
+                                [&](double position) { return color_at(map_, position); });
     }
+    for (const MapCategory& row : rows_) y = image::draw_swatch(canvas, font_, left, y, row.color, row.label);
     for (const std::string& note : map_.notes) {
-      font_.draw(canvas, left, y + 14, note, k_note_size, k_note);
-      y += k_row - 6;
+      font_.draw(canvas, left, y + 14, note, k_panel_note_size, k_panel_note);
+      y += k_panel_row - 6;
     }
-  }
-
-  /// The colours of numbers, from `y` downwards; returns where the next row begins.
-  int draw_bar(image::Canvas& canvas, int left, int y) const {
-    for (int i = 0; i < k_bar_height; ++i) {
-      const double position = 1.0 - static_cast<double>(i) / (k_bar_height - 1);
-      canvas.fill({left, y + i, left + k_bar_width, y + i + 1}, color_at(map_, position));
-    }
-    canvas.frame({left - 1, y - 1, left + k_bar_width + 1, y + k_bar_height + 1}, k_line);
-    for (const image::RoundTick& tick : ticks_) {
-      const int at =
-          y + static_cast<int>(std::lround((1.0 - position_on_scale(map_, tick.value)) * (k_bar_height - 1)));
-      canvas.fill({left + k_bar_width + 1, at, left + k_bar_width + 7, at + 1}, k_line);
-      font_.draw(canvas, left + k_bar_width + 12, at + 6, tick.label, k_font_size, k_text);
-    }
-    return y + k_bar_height + k_row;
   }
 
   const DifferenceMap& map_;

@@ -3,8 +3,16 @@
 
 #include <algorithm>
 #include <cassert>
+#include <cmath>
 
 namespace alidade::image {
+
+Rgb8 to_rgb8(const glm::dvec3& display) {
+  const auto channel = [](double value) {
+    return static_cast<std::uint8_t>(std::lround(255.0 * std::clamp(value, 0.0, 1.0)));
+  };
+  return {channel(display.r), channel(display.g), channel(display.b)};
+}
 
 Canvas::Canvas(int width, int height, const Rgb8& background) : width_(width), height_(height) {
   assert(width > 0 && height > 0);

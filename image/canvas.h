@@ -4,6 +4,7 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <glm/vec3.hpp>
 #include <vector>
 
 #include "image/pixel_box.h"
@@ -12,6 +13,9 @@ namespace alidade::image {
 
 /// 8-bit red, green, blue; display-referred (sRGB).
 using Rgb8 = std::array<std::uint8_t, 3>;
+
+/// The nearest code of a display-referred colour, whose channels are clamped to 0 .. 1.
+Rgb8 to_rgb8(const glm::dvec3& display);
 
 /// A picture to draw on: legends, maps, reports. What is drawn outside of it is cut off.
 class Canvas {

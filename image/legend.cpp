@@ -274,6 +274,35 @@ Canvas draw_legend(const ColorKey& key, const LegendLayout& layout, const Font& 
   return canvas;
 }
 
+std::string share_label(std::uint64_t count, std::uint64_t total) {
+  const double percent = 100.0 * static_cast<double>(count) / static_cast<double>(total);
+  return percent < 0.1 ? "  < 0.1 %" : fmt::format("  {:.1f} %", percent);
+}
+
+int draw_swatch(Canvas& canvas, const Font& font, int left, int top, const Rgb8& color,
+                const std::string& label) {
+  const PixelBox box{left, top, left + k_panel_row, top + k_panel_row - 8};
+  canvas.fill(box, color);
+  canvas.frame(box, k_panel_line);
+  font.draw(canvas, box.right + 8, top + 16, label, k_panel_font_size, k_panel_text);
+  return top + k_panel_row;
+}
+
+int draw_color_bar(Canvas& canvas, const Font& font, int left, int top, const ValueRange& range,
+                   std::span<const RoundTick> ticks, const std::function<Rgb8(double share)>& color) {
+  constexpr int k_height = k_panel_bar_height;
+  const int right = left + k_panel_bar_width;
+  for (int i = 0; i < k_height; ++i)
+    canvas.fill({left, top + i, right, top + i + 1}, color(1.0 - static_cast<double>(i) / (k_height - 1)));
+  canvas.frame({left - 1, top - 1, right + 1, top + k_height + 1}, k_panel_line);
+  for (const RoundTick& tick : ticks) {
+    const int y = top + static_cast<int>(std::lround((1.0 - range.share(tick.value)) * (k_height - 1)));
+    canvas.fill({right + 1, y, right + 7, y + 1}, k_panel_line);
+    font.draw(canvas, right + 12, y + 6, tick.label, k_panel_font_size, k_panel_text);
+  }
+  return top + k_height + k_panel_row;
+}
+
 void write_legend(const ColorKey& key, const std::filesystem::path& file,
                   const std::optional<glm::ivec2>& size, bool overwrite) {
   const Font font(find_font());

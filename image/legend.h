@@ -1,9 +1,12 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
+#include <cstdint>
 #include <filesystem>
+#include <functional>
 #include <glm/vec2.hpp>
 #include <optional>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -68,6 +71,24 @@ LegendLayout lay_out_legend(const ColorKey& key, const Font& font,
 
 /// The legend as a picture.
 Canvas draw_legend(const ColorKey& key, const LegendLayout& layout, const Font& font);
+
+// The panel beside a map: swatches, a bar of colours and notes, one below the other.
+
+inline constexpr int k_panel_font_size = 18, k_panel_note_size = 14, k_panel_row = 28;
+inline constexpr int k_panel_bar_width = 24, k_panel_bar_height = 240;
+inline constexpr Rgb8 k_panel_text{30, 30, 30}, k_panel_note{95, 95, 95}, k_panel_line{60, 60, 60};
+
+/// The share of a swatch's pixels as its label shows it, behind two blanks: "  12.3 %", "  < 0.1 %".
+std::string share_label(std::uint64_t count, std::uint64_t total);
+
+/// Draws a swatch with its label. Returns where the next row begins.
+int draw_swatch(Canvas& canvas, const Font& font, int left, int top, const Rgb8& color,
+                const std::string& label);
+
+/// Draws the colours of a scale, color(share) for shares from 1 on top to 0, with ticks. Returns where the
+/// next row begins.
+int draw_color_bar(Canvas& canvas, const Font& font, int left, int top, const ValueRange& range,
+                   std::span<const RoundTick> ticks, const std::function<Rgb8(double share)>& color);
 
 /// Writes the legend as PNG, with the font of find_font(). The file is written completely or not at all.
 /// Equal bytes for equal key, size, font and version of FreeType. Errors: those of lay_out_legend(); a name

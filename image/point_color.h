@@ -50,6 +50,9 @@ inline constexpr std::array<NamedPointColor, 9> k_point_colors = {
 /// From low to high, both included.
 struct ValueRange {
   double low = 0.0, high = 0.0;
+
+  /// Where a value lies on a scale: 0 at the low end, 1 at the high one; 0.5 if they are equal.
+  double share(double value) const { return high > low ? (value - low) / (high - low) : 0.5; }
   bool operator==(const ValueRange&) const = default;
 };
 

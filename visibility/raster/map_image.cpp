@@ -45,23 +45,17 @@ double Relief::light(const glm::dvec2& position) const {
 
 namespace {
 
-constexpr image::Rgb8 k_paper{255, 255, 255}, k_text{30, 30, 30}, k_note{95, 95, 95}, k_line{60, 60, 60};
+using image::k_panel_bar_height, image::k_panel_bar_width, image::k_panel_font_size, image::k_panel_line;
+using image::k_panel_note, image::k_panel_note_size, image::k_panel_row, image::k_panel_text;
+constexpr image::Rgb8 k_paper{255, 255, 255};
 constexpr image::Rgb8 k_mark{220, 30, 40}, k_halo{255, 255, 255};
-constexpr int k_margin = 24, k_font_size = 18, k_title_size = 24, k_note_size = 14, k_row = 28;
-constexpr int k_bar_width = 24, k_bar_height = 240, k_longest_names = 20;
-
-image::Rgb8 to_rgb8(const glm::dvec3& display) {
-  const auto channel = [](double value) {
-    return static_cast<std::uint8_t>(std::lround(255.0 * std::clamp(value, 0.0, 1.0)));
-  };
-  return {channel(display.r), channel(display.g), channel(display.b)};
-}
+constexpr int k_margin = 24, k_title_size = 24, k_longest_names = 20;
 
 image::Rgb8 shaded(const image::Rgb8& color, double light) {
   // Shade is limited, so that colours remain distinguishable.
   constexpr double k_least = 0.35;
   const double factor = (k_least + (1.0 - k_least) * light) / 255.0;
-  return to_rgb8({factor * color[0], factor * color[1], factor * color[2]});
+  return image::to_rgb8({factor * color[0], factor * color[1], factor * color[2]});
 }
 
 /// The parts of the picture, in pixels.
@@ -83,10 +77,10 @@ class MapDrawer {
         canvas_(layout_.width, layout_.height, k_paper) {}
 
   image::Canvas draw() {
-    font_.draw(canvas_, k_margin, k_margin + k_title_size, image_.title, k_title_size, k_text);
+    font_.draw(canvas_, k_margin, k_margin + k_title_size, image_.title, k_title_size, k_panel_text);
     draw_cells();
     canvas_.frame({layout_.map.left - 1, layout_.map.top - 1, layout_.map.right + 1, layout_.map.bottom + 1},
-                  k_line);
+                  k_panel_line);
     for (const MapMark& mark : image_.marks) draw_mark(mark);
     draw_scale_bar();
     draw_north();
@@ -110,8 +104,7 @@ class MapDrawer {
     for (std::size_t i = 0; i < counts.size(); ++i) {
       if (counts[i] == 0) continue;
       rows.push_back(image_.swatches[i]);
-      const double percent = 100.0 * static_cast<double>(counts[i]) / static_cast<double>(total);
-      rows.back().label += percent < 0.1 ? "  < 0.1 %" : fmt::format("  {:.1f} %", percent);
+      rows.back().label += image::share_label(counts[i], total);
     }
     return rows;
   }
@@ -121,18 +114,19 @@ class MapDrawer {
     const auto widen = [&](const std::string& text, int size, int indent) {
       width = std::max(width, indent + font_.measure(text, size).width);
     };
-    for (const MapSwatch& row : rows_) widen(row.label, k_font_size, k_row + 8);
-    for (const std::string& note : image_.notes) widen(note, k_note_size, 0);
+    for (const MapSwatch& row : rows_) widen(row.label, k_panel_font_size, k_panel_row + 8);
+    for (const std::string& note : image_.notes) widen(note, k_panel_note_size, 0);
     if (image_.scale) {
-      widen(image_.scale->label, k_font_size, 0);
-      for (const image::RoundTick& tick : ticks()) widen(tick.label, k_font_size, k_bar_width + 16);
+      widen(image_.scale->label, k_panel_font_size, 0);
+      for (const image::RoundTick& tick : ticks())
+        widen(tick.label, k_panel_font_size, k_panel_bar_width + 16);
     }
     return width;
   }
 
   int panel_height() const {
-    int height = 3 * k_row + k_row * static_cast<int>(rows_.size() + image_.notes.size());
-    if (image_.scale) height += k_bar_height + 3 * k_row;
+    int height = 3 * k_panel_row + k_panel_row * static_cast<int>(rows_.size() + image_.notes.size());
+    if (image_.scale) height += k_panel_bar_height + 3 * k_panel_row;
     return height;
   }
 
@@ -166,9 +160,7 @@ class MapDrawer {
       if (swatch.value == value) return swatch.color;
     }
     if (!image_.scale) return k_paper;
-    const image::ValueRange& range = image_.scale->range;
-    const double extent = range.high - range.low;
-    return to_rgb8(image::map_color(image_.scale->map, extent > 0.0 ? (value - range.low) / extent : 0.5));
+    return image::to_rgb8(image::map_color(image_.scale->map, image_.scale->range.share(value)));
   }
 
   void draw_cells() {
@@ -207,7 +199,7 @@ class MapDrawer {
     for (const auto& [dx, dy] :
          {std::pair(-1, 0), {1, 0}, {0, -1}, {0, 1}, {-1, -1}, {1, 1}, {-1, 1}, {1, -1}})
       font_.draw(canvas_, x + dx, baseline + dy, text, size, k_halo);
-    font_.draw(canvas_, x, baseline, text, size, k_text);
+    font_.draw(canvas_, x, baseline, text, size, k_panel_text);
   }
 
   void draw_mark(const MapMark& mark) {
@@ -220,11 +212,11 @@ class MapDrawer {
     dot(pixel, few ? 7.5 : 3.5, k_halo);
     dot(pixel, few ? 5.5 : 2.5, k_mark);
     if (!few || mark.name.empty()) return;
-    const image::TextExtent extent = font_.measure(mark.name, k_note_size);
+    const image::TextExtent extent = font_.measure(mark.name, k_panel_note_size);
     const int right = static_cast<int>(pixel.x) + 11;
     const bool fits = right + extent.width <= layout_.map.right - 2;
     haloed(fits ? right : static_cast<int>(pixel.x) - 11 - extent.width,
-           static_cast<int>(pixel.y) + extent.ascent / 2, mark.name, k_note_size);
+           static_cast<int>(pixel.y) + extent.ascent / 2, mark.name, k_panel_note_size);
   }
 
   void draw_scale_bar() {
@@ -237,10 +229,10 @@ class MapDrawer {
       length *= 2.0;
     const int pixels = std::max(1, static_cast<int>(std::lround(length / units_per_pixel())));
     const int left = layout_.map.left, top = layout_.map.bottom + k_margin / 2;
-    canvas_.fill({left, top, left + pixels, top + 6}, k_line);
+    canvas_.fill({left, top, left + pixels, top + 6}, k_panel_line);
     canvas_.fill({left + pixels / 2, top + 1, left + pixels - 1, top + 5}, k_paper);
     const std::string label = fmt::format("{:g}{}{}", length, image_.unit.empty() ? "" : " ", image_.unit);
-    font_.draw(canvas_, left + pixels + 10, top + 10, label, k_font_size, k_text);
+    font_.draw(canvas_, left + pixels + 10, top + 10, label, k_panel_font_size, k_panel_text);
   }
 
   void draw_north() {
@@ -248,47 +240,31 @@ class MapDrawer {
     const int middle = layout_.map.right - 12, top = layout_.map.bottom + 8;
     for (int y = 0; y < k_arrow; ++y) {
       const int half = y / 3;
-      canvas_.fill({middle - half, top + y, middle + half + 1, top + y + 1}, k_line);
+      canvas_.fill({middle - half, top + y, middle + half + 1, top + y + 1}, k_panel_line);
     }
-    const image::TextExtent extent = font_.measure("N", k_font_size);
-    font_.draw(canvas_, middle - 14 - extent.width, top + k_arrow - 3, "N", k_font_size, k_text);
+    const image::TextExtent extent = font_.measure("N", k_panel_font_size);
+    font_.draw(canvas_, middle - 14 - extent.width, top + k_arrow - 3, "N", k_panel_font_size, k_panel_text);
   }
 
   void draw_legend() {
     const int left = layout_.panel;
     int y = layout_.map.top;
-    for (const MapSwatch& row : rows_) {
-      const image::PixelBox box{left, y, left + k_row, y + k_row - 8};
-      canvas_.fill(box, row.color);
-      canvas_.frame(box, k_line);
-      font_.draw(canvas_, box.right + 8, y + 16, row.label, k_font_size, k_text);
-      y += k_row;
-    }
-    if (image_.scale) y = draw_color_bar(y + k_row / 2);
+    for (const MapSwatch& row : rows_) y = image::draw_swatch(canvas_, font_, left, y, row.color, row.label);
+    if (image_.scale) y = draw_color_bar(y + k_panel_row / 2);
     for (const std::string& note : image_.notes) {
-      font_.draw(canvas_, left, y + 16, note, k_note_size, k_note);
-      y += k_row - 6;
+      font_.draw(canvas_, left, y + 16, note, k_panel_note_size, k_panel_note);
+      y += k_panel_row - 6;
     }
   }
 
   int draw_color_bar(int y) {
     const MapScale& scale = *image_.scale;
     const int left = layout_.panel;
-    font_.draw(canvas_, left, y + 16, scale.label, k_font_size, k_text);
-    y += k_row + 6;
-    for (int i = 0; i < k_bar_height; ++i) {
-      const double share = 1.0 - static_cast<double>(i) / (k_bar_height - 1);
-      canvas_.fill({left, y + i, left + k_bar_width, y + i + 1}, to_rgb8(image::map_color(scale.map, share)));
-    }
-    canvas_.frame({left - 1, y - 1, left + k_bar_width + 1, y + k_bar_height + 1}, k_line);
-    const double extent = scale.range.high - scale.range.low;
-    for (const image::RoundTick& tick : ticks()) {
-      const double share = extent > 0.0 ? (tick.value - scale.range.low) / extent : 0.5;
-      const int at = y + static_cast<int>(std::lround((1.0 - share) * (k_bar_height - 1)));
-      canvas_.fill({left + k_bar_width + 1, at, left + k_bar_width + 7, at + 1}, k_line);
-      font_.draw(canvas_, left + k_bar_width + 12, at + 6, tick.label, k_font_size, k_text);
-    }
-    return y + k_bar_height + k_row;
+    font_.draw(canvas_, left, y + 16, scale.label, k_panel_font_size, k_panel_text);
+    y += k_panel_row + 6;
+    return image::draw_color_bar(canvas_, font_, left, y, scale.range, ticks(), [&](double share) {
+      return image::to_rgb8(image::map_color(scale.map, share));
+    });
   }
 
   const MapImage& image_;
