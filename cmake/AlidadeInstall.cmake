@@ -5,15 +5,18 @@ get_property(ALIDADE_LIBRARIES GLOBAL PROPERTY ALIDADE_LIBRARIES)
 install(TARGETS ${ALIDADE_LIBRARIES} EXPORT AlidadeTargets ARCHIVE DESTINATION ${CMAKE_INSTALL_LIBDIR})
 install(EXPORT AlidadeTargets NAMESPACE alidade:: DESTINATION ${CMAKE_INSTALL_LIBDIR}/cmake/Alidade)
 
-set(ALIDADE_HEADER_FOLDERS base cloud octree mesh simulation)
-if(ALIDADE_BUILD_RENDERER)
-  list(APPEND ALIDADE_HEADER_FOLDERS geo image camera renderer visibility compare)
-endif()
-if(ALIDADE_BUILD_DATABASE)
-  list(APPEND ALIDADE_HEADER_FOLDERS database)
-endif()
-install(DIRECTORY ${ALIDADE_HEADER_FOLDERS} DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/alidade
-        FILES_MATCHING PATTERN "*.h")
+# Only the public headers, of the rooms that are built.
+set(ALIDADE_PUBLIC_HEADERS_LIST ${CMAKE_CURRENT_LIST_DIR}/public_headers.txt)
+set_property(DIRECTORY APPEND PROPERTY CMAKE_CONFIGURE_DEPENDS ${ALIDADE_PUBLIC_HEADERS_LIST})
+file(STRINGS ${ALIDADE_PUBLIC_HEADERS_LIST} ALIDADE_PUBLIC_HEADERS REGEX "^[a-z0-9_/]+\\.h \\|")
+foreach(LINE IN LISTS ALIDADE_PUBLIC_HEADERS)
+  string(REGEX REPLACE " .*" "" HEADER "${LINE}")
+  string(REGEX REPLACE "/.*" "" ROOM "${HEADER}")
+  if(TARGET alidade_${ROOM})
+    cmake_path(GET HEADER PARENT_PATH FOLDER)
+    install(FILES ${HEADER} DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/alidade/${FOLDER})
+  endif()
+endforeach()
 
 include(CMakePackageConfigHelpers)
 configure_package_config_file(

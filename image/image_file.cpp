@@ -16,6 +16,7 @@
 #include "base/error.h"
 #include "base/output_file.h"
 #include "geo/raster_file.h"
+#include "image/canvas.h"
 #include "image/srgb.h"
 
 namespace alidade::image {

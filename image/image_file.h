@@ -11,12 +11,13 @@
 #include <vector>
 
 #include "cloud/crs.h"
-#include "image/canvas.h"
 #include "image/depth_map.h"
 #include "image/film.h"
 #include "image/output_settings.h"
 
 namespace alidade::image {
+
+class Canvas;
 
 /// Metadata of an image file.
 struct ImageFacts {

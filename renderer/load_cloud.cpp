@@ -17,6 +17,7 @@
 #include "image/color_points.h"
 #include "octree/build.h"
 #include "octree/index_file/index_file.h"
+#include "octree/index_file/index_header.h"
 #include "octree/point_disc.h"
 #include "octree/query.h"
 #include "octree/spacing.h"

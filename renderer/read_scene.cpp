@@ -10,6 +10,7 @@
 #include "base/error.h"
 #include "base/input_file.h"
 #include "base/json.h"
+#include "camera/camera_json.h"
 #include "image/output_settings.h"
 #include "octree/point_surface.h"
 #include "octree/spacing.h"

@@ -4,7 +4,6 @@
 #include <filesystem>
 #include <string_view>
 
-#include "camera/camera_json.h"
 #include "renderer/scene.h"
 
 namespace alidade::renderer {

@@ -5,6 +5,8 @@
 
 #include "base/parallel.h"
 #include "compare/report/comparison_json.h"
+#include "image/canvas.h"
+#include "image/font.h"
 
 namespace alidade::compare {
 namespace {

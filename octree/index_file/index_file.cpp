@@ -18,7 +18,9 @@
 #include "cloud/cloud_reader.h"
 #include "cloud/lattice.h"
 #include "cloud/rows.h"
+#include "cloud/scratch_cloud.h"
 #include "octree/index_file/check_tree.h"
+#include "octree/index_file/index_header.h"
 #include "octree/index_file/index_metadata.h"
 #include "octree/index_file/index_sections.h"
 #include "octree/tree_walk.h"
@@ -357,6 +359,10 @@ const CloudFormat k_index_format{
 CloudFormats index_and_file_formats() {
   static const std::vector<const CloudFormat*> formats = with_file_formats({&k_index_format});
   return formats;
+}
+
+AttributeColumns IndexedCloud::columns() const {
+  return index ? index->columns() : scratch ? scratch->columns() : columns_of(cloud);
 }
 
 IndexedCloud load_indexed_cloud(const CloudInputs& inputs, const IndexCloudOptions& options) {

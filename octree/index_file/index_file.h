@@ -9,12 +9,11 @@
 
 #include "base/input_file.h"
 #include "base/progress.h"
+#include "base/scratch_file.h"
 #include "cloud/cloud_inputs.h"
 #include "cloud/point_cloud.h"
 #include "cloud/read_cloud.h"
-#include "cloud/scratch_cloud.h"
 #include "octree/build.h"
-#include "octree/index_file/index_header.h"
 #include "octree/octree.h"
 
 // Index files (.alidade): the octree over a cloud with all attributes of its points and the metadata of the
@@ -37,6 +36,9 @@
 //   reads them all. Without it, a damaged coordinate is a wrong answer.
 
 namespace alidade {
+
+struct IndexHeader;
+class ScratchCloud;
 
 /// An open index file. Copies share the map; safe to use from many threads.
 class IndexFile {
@@ -101,9 +103,7 @@ struct IndexedCloud {
   std::shared_ptr<ScratchCloud> scratch;  ///< or in here
 
   /// The attribute columns, wherever they are; valid as long as this object is neither moved nor changed.
-  AttributeColumns columns() const {
-    return index ? index->columns() : scratch ? scratch->columns() : columns_of(cloud);
-  }
+  AttributeColumns columns() const;
 };
 
 struct IndexCloudOptions {

@@ -19,6 +19,7 @@
 #include "cloud/read_cloud.h"
 #include "cloud/scratch_cloud.h"
 #include "octree/index_file/index_file.h"
+#include "octree/index_file/index_header.h"
 #include "tools/cloud/e57_images.h"
 #include "tools/cloud/load_cloud.h"
 #include "tools/cloud/statistics.h"

@@ -10,6 +10,7 @@
 #include <glm/geometric.hpp>
 #include <optional>
 
+#include "image/canvas.h"
 #include "image/color_map.h"
 #include "image/image_file.h"
 #include "image/legend.h"

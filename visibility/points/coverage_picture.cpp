@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "image/canvas.h"
 #include "image/image_file.h"
 #include "image/legend.h"
 

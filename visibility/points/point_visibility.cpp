@@ -9,6 +9,7 @@
 #include <limits>
 #include <utility>
 
+#include "base/checkpoint.h"
 #include "base/error.h"
 #include "base/exact_math.h"
 #include "base/huge_memory.h"

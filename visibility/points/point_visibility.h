@@ -6,7 +6,6 @@
 #include <span>
 #include <vector>
 
-#include "base/checkpoint.h"
 #include "base/progress.h"
 #include "visibility/observers.h"
 #include "visibility/sight_line.h"
@@ -16,6 +15,10 @@
 //   const Occluders occluders(octree, {});
 //   const PointVisibility seen = point_visibility(occluders, observers, {.with_blockers = true});
 //   if (seen.counts[id] == 0) use(seen.blockers[0][id]);
+
+namespace alidade {
+class PartCheckpoint;
+}
 
 namespace alidade::visibility {
 

@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "base/parallel.h"
+#include "image/canvas.h"
 #include "image/image_file.h"
 #include "image/legend.h"
 

@@ -7,6 +7,7 @@
 #include <optional>
 #include <vector>
 
+#include "base/checkpoint.h"
 #include "base/error.h"
 #include "base/huge_memory.h"
 #include "octree/spacing.h"

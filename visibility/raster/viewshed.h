@@ -5,7 +5,6 @@
 #include <limits>
 #include <span>
 
-#include "base/checkpoint.h"
 #include "base/progress.h"
 #include "geo/raster.h"
 #include "visibility/objects.h"
@@ -18,6 +17,10 @@
 //
 //   const Viewshed seen = viewshed(occluders, ground, observers, grid_over(octree.bounds(), 1.0), {});
 //   if (seen.values.at(column, row) > 0.0f) ...
+
+namespace alidade {
+class PartCheckpoint;
+}
 
 namespace alidade::visibility {
 

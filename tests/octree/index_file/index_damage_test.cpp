@@ -4,6 +4,7 @@
 #include <limits>
 
 #include "octree/index_file/index_file.h"
+#include "octree/index_file/index_header.h"
 #include "tests/octree/index_file/damaged_index.h"
 
 namespace alidade {

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
 #include "octree/index_file/index_file.h"
+#include "octree/index_file/index_header.h"
 
 #include <gtest/gtest.h>
 #include <tbb/global_control.h>

@@ -8,6 +8,7 @@
 
 #include "octree/index_file/check_tree.h"
 #include "octree/index_file/index_file.h"
+#include "octree/index_file/index_header.h"
 #include "octree/index_file/save_index.h"
 #include "octree/octree.h"
 #include "tests/octree/index_file/damaged_index.h"
