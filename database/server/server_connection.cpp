@@ -94,7 +94,7 @@ std::string one_line(const char* text) {
 }
 
 /// The server's message about a statement that failed.
-std::string words_of(const PGresult* result) {
+std::string message_of(const PGresult* result) {
   const ServerLibrary& library = server_library();
   std::string text = one_line(library.result_error_field(result, PG_DIAG_MESSAGE_PRIMARY));
   const std::string detail = one_line(library.result_error_field(result, PG_DIAG_MESSAGE_DETAIL));
@@ -103,9 +103,9 @@ std::string words_of(const PGresult* result) {
 
 /// The number of a text; 0 for text without a number.
 template <class Number>
-Number number_in(const std::string& word) {
+Number number_in(const std::string& text) {
   Number value = 0;
-  std::from_chars(word.data(), word.data() + word.size(), value);
+  std::from_chars(text.data(), text.data() + text.size(), value);
   return value;
 }
 
@@ -141,19 +141,19 @@ std::int64_t ServerRows::whole(std::size_t row, int column) const {
 
 ServerConnection::ServerConnection(const ServerName& name) : name_(name.shown()) {
   const ServerLibrary& library = server_library();
-  std::vector<const char*> words = {"connect_timeout", "fallback_application_name"};
+  std::vector<const char*> keywords = {"connect_timeout", "fallback_application_name"};
   std::vector<const char*> values = {"10", "alidade"};
-  for (const auto& [word, value] : name.parameters) {
-    words.push_back(word.c_str());
+  for (const auto& [keyword, value] : name.parameters) {
+    keywords.push_back(keyword.c_str());
     values.push_back(value.c_str());
   }
   // All texts are UTF-8, also if the name has another encoding.
-  words.push_back("client_encoding");
+  keywords.push_back("client_encoding");
   values.push_back("UTF8");
-  words.push_back(nullptr);
+  keywords.push_back(nullptr);
   values.push_back(nullptr);
   constexpr int k_expand_nothing = 0;
-  connection_ = library.connect(words.data(), values.data(), k_expand_nothing);
+  connection_ = library.connect(keywords.data(), values.data(), k_expand_nothing);
   if (connection_ == nullptr) throw std::bad_alloc();
   if (library.status(connection_) != CONNECTION_OK) {
     const std::string reason = one_line(library.error_message(connection_));
@@ -185,7 +185,7 @@ void ServerConnection::fail(std::string problem, std::string expected, std::stri
   throw Error(name_, std::move(location), std::move(problem), std::move(expected), std::move(found));
 }
 
-void ServerConnection::fail_as_told(const char* problem) const {
+void ServerConnection::fail_with_reason(const char* problem) const {
   const std::string reason = one_line(server_library().error_message(connection_));
   fail(reason.empty() ? std::string(problem) : problem + (": " + reason));
 }
@@ -225,13 +225,13 @@ ServerRows ServerConnection::result(int wanted, const ServerWait& wait) {
   const ServerLibrary& library = server_library();
   wait_while_busy(wait);
   PGresult* const answer = library.get_result(connection_);
-  if (answer == nullptr) fail_as_told("the server does not respond");
+  if (answer == nullptr) fail_with_reason("the server does not respond");
   ServerRows rows(answer);
   const ExecStatusType status = library.result_status(answer);
   if (status == wanted || (wanted == PGRES_TUPLES_OK && status == PGRES_COMMAND_OK)) return rows;
-  const std::string words = words_of(answer);
-  if (words.empty()) fail_as_told("unexpected response of the server");
-  fail("the server reports an error: " + words);
+  const std::string message = message_of(answer);
+  if (message.empty()) fail_with_reason("unexpected response of the server");
+  fail("the server reports an error: " + message);
 }
 
 /// Reads the end of a statement after its result. Errors: the statement failed after all.
@@ -242,7 +242,7 @@ void ServerConnection::finish_statement(const ServerWait& wait) {
     const ServerRows rows(answer);
     const ExecStatusType status = library.result_status(answer);
     if (status != PGRES_COMMAND_OK && status != PGRES_TUPLES_OK)
-      fail("the server reports an error: " + words_of(answer));
+      fail("the server reports an error: " + message_of(answer));
   }
 }
 

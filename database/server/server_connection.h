@@ -73,8 +73,9 @@ class ServerConnection {
   void wait_while_busy(const ServerWait& wait);
   ServerRows result(int wanted, const ServerWait& wait);
   void finish_statement(const ServerWait& wait);
-  [[noreturn]] void fail_as_told(const char* problem) const;
-  [[noreturn]] void fail_as_lost() const { fail_as_told("lost connection to the server"); }
+  /// Throws the Error about a problem, with libpq's message if it has one.
+  [[noreturn]] void fail_with_reason(const char* problem) const;
+  [[noreturn]] void fail_as_lost() const { fail_with_reason("lost connection to the server"); }
 
   std::string name_;
   pg_conn* connection_ = nullptr;

@@ -56,8 +56,8 @@ std::string encoded(std::string_view text) {
 }
 
 /// Whether a parameter is secret: "password", "sslpassword", and similar ones of newer versions.
-bool is_secret(const std::string& word) {
-  const std::string lower = lower_case(word);
+bool is_secret(const std::string& keyword) {
+  const std::string lower = lower_case(keyword);
   return lower.find("password") != std::string::npos || lower.find("secret") != std::string::npos;
 }
 
@@ -99,19 +99,19 @@ ServerName::ServerName(std::string_view text) {
   for (const std::string_view scheme : k_schemes) {
     if (text.starts_with(scheme)) text.remove_prefix(scheme.size());
   }
-  const auto take = [&](const char* word, std::string_view value) {
-    if (!value.empty()) parameters.emplace_back(word, decoded(value));
+  const auto take = [&](const char* keyword, std::string_view value) {
+    if (!value.empty()) parameters.emplace_back(keyword, decoded(value));
   };
-  std::string_view words = text;
+  std::string_view rest = text;
   // A password may have any mark, so it ends at the last @; an @ elsewhere in a name must be encoded.
   const std::size_t at = text.rfind('@', text.find("?"));
   if (at != std::string_view::npos) {
-    const std::string user(words.substr(0, at));
-    words.remove_prefix(at + 1);
+    const std::string user(rest.substr(0, at));
+    rest.remove_prefix(at + 1);
     if (decoded(user).find(':') != std::string::npos) reject_password();
     take("user", user);
   }
-  std::string_view server = split(words, '?');
+  std::string_view server = split(rest, '?');
   const auto [host, port, is_address] = split_host(split(server, '/'));
   if (port) {
     take("port", *port);
@@ -120,25 +120,25 @@ ServerName::ServerName(std::string_view text) {
   if (!is_address) reject_name("invalid server host");
   take("host", host);
   take("dbname", server);
-  while (!words.empty()) {
-    std::string_view value = split(words, '&');
-    const std::string word = decoded(split(value, '='));
-    if (is_secret(word)) reject_password();
+  while (!rest.empty()) {
+    std::string_view value = split(rest, '&');
+    const std::string keyword = decoded(split(value, '='));
+    if (is_secret(keyword)) reject_password();
     // This may be a part of a password with marks in it, which must not be in a message.
-    if (word.empty() || word.find_first_not_of("abcdefghijklmnopqrstuvwxyz_") != std::string::npos)
-      reject_name("the server name has a parameter that is not WORD=VALUE");
-    if (word == "table")
+    if (keyword.empty() || keyword.find_first_not_of("abcdefghijklmnopqrstuvwxyz_") != std::string::npos)
+      reject_name("the server name has a parameter that is not KEYWORD=VALUE");
+    if (keyword == "table")
       table = decoded(value);
-    else if (word == "schema")
+    else if (keyword == "schema")
       schema = decoded(value);
     else
-      parameters.emplace_back(word, decoded(value));
+      parameters.emplace_back(keyword, decoded(value));
   }
 }
 
-std::string ServerName::parameter(std::string_view word) const {
+std::string ServerName::parameter(std::string_view keyword) const {
   const auto found = std::find_if(parameters.rbegin(), parameters.rend(),
-                                  [&](const auto& pair) { return pair.first == word; });
+                                  [&](const auto& pair) { return pair.first == keyword; });
   return found == parameters.rend() ? std::string() : found->second;
 }
 

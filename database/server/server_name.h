@@ -10,11 +10,11 @@
 namespace alidade::database {
 
 /// A table of a PostgreSQL server, named as
-///   postgresql://[USER@][HOST][:PORT]/DATABASE?table=NAME[&schema=NAME][&WORD=VALUE]...
-/// or postgres://... Every part may be percent-encoded; other words than table and schema are parameters of
+///   postgresql://[USER@][HOST][:PORT]/DATABASE?table=NAME[&schema=NAME][&KEYWORD=VALUE]...
+/// or postgres://... Every part may be percent-encoded. Keywords other than table and schema are parameters of
 /// libpq ("host" may be a folder with a socket). Omitted parts have libpq's defaults (PGHOST and so on).
 struct ServerName {
-  /// Words and values for libpq, as given; of a word that is given twice, the later value counts.
+  /// Keywords and values for libpq, as given. If a keyword is repeated, the last value is used.
   std::vector<std::pair<std::string, std::string>> parameters;
   std::string schema;  ///< empty: the first one of the search path that has the table
   std::string table;   ///< may be empty
@@ -27,7 +27,7 @@ struct ServerName {
   std::string shown() const;
 
   /// A parameter's value; empty if it is not given.
-  std::string parameter(std::string_view word) const;
+  std::string parameter(std::string_view keyword) const;
 };
 
 /// The parts of "HOST", "HOST:PORT" or "[ADDRESS]:PORT".
