@@ -6,14 +6,14 @@
 #include <vector>
 
 #include "compare/compared_image.h"
+#include "image/canvas.h"
 #include "image/point_color.h"
 
 // Maps of the differences of two pictures, as pictures.
 
 namespace alidade::image {
-class Canvas;
 class Font;
-}  // namespace alidade::image
+}
 
 namespace alidade::compare {
 
