@@ -48,6 +48,12 @@ inline std::array<glm::dvec3, 8> corners(const Bounds& bounds) {
   return all;
 }
 
+/// The smallest box around both.
+inline Bounds joined(Bounds a, const Bounds& b) {
+  a.grow(b);
+  return a;
+}
+
 /// Whether two boxes have a point in common, faces included. False if one is empty or a face is not a
 /// number.
 inline bool meet(const Bounds& a, const Bounds& b) {

@@ -3,7 +3,6 @@
 
 #include <fcntl.h>
 #include <fmt/format.h>
-#include <sys/file.h>
 #include <unistd.h>
 
 #include <array>
@@ -15,7 +14,6 @@
 #include "base/bytes.h"
 #include "base/error.h"
 #include "base/fingerprint.h"
-#include "base/input_file.h"
 #include "base/output_file.h"
 
 namespace alidade {
@@ -112,30 +110,19 @@ PartCheckpoint::PartCheckpoint(PartsOptions options, Fingerprint fingerprint)
       written_(std::chrono::steady_clock::now()) {
   std::error_code error;
   if (!options_.resume || !std::filesystem::exists(options_.file, error)) return;
-  try {
-    open();
-    read();
-    // Cuts off the incomplete last record of a killed program.
-    if (::ftruncate(descriptor_, static_cast<::off_t>(size_)) != 0)
-      throw system_error(name(), "cannot write the file");
-  } catch (...) {
-    close();
-    throw;
-  }
+  open();
+  read();
+  // Cuts off the incomplete last record of a killed program.
+  if (::ftruncate(descriptor_.number(), static_cast<::off_t>(size_)) != 0)
+    throw system_error(name(), "cannot write the file");
 }
 
 PartCheckpoint::~PartCheckpoint() {
   flush();
-  close();
-}
-
-void PartCheckpoint::close() {
-  if (descriptor_ >= 0) ::close(descriptor_);
-  descriptor_ = -1;
 }
 
 void PartCheckpoint::flush() noexcept {
-  if (descriptor_ < 0) return;
+  if (!descriptor_.is_open()) return;
   try {
     write();
   } catch (const std::exception&) {
@@ -146,12 +133,10 @@ void PartCheckpoint::flush() noexcept {
 }
 
 void PartCheckpoint::open() {
-  descriptor_ = ::open(options_.file.c_str(), O_RDWR | O_CLOEXEC);
-  if (descriptor_ < 0) throw system_error(name(), "cannot write the file");
-  // Held until it is closed: two runs that append to one file would damage it.
-  if (::flock(descriptor_, LOCK_EX | LOCK_NB) == 0) return;
-  if (errno != EWOULDBLOCK) throw system_error(name(), "cannot lock the file");
-  throw Error({.file = name(), .problem = "another run is using this checkpoint"});
+  FileDescriptor descriptor(::open(options_.file.c_str(), O_RDWR | O_CLOEXEC));
+  if (!descriptor.is_open()) throw system_error(name(), "cannot write the file");
+  descriptor.lock_checkpoint(name());
+  descriptor_ = std::move(descriptor);
 }
 
 void PartCheckpoint::read() {
@@ -196,7 +181,7 @@ void PartCheckpoint::create() {
 }
 
 void PartCheckpoint::start(std::uint64_t count) {
-  if (descriptor_ < 0) {
+  if (!descriptor_.is_open()) {
     count_ = count;
     return create();
   }
@@ -213,15 +198,8 @@ std::optional<std::vector<std::byte>> PartCheckpoint::find(std::uint64_t part) {
   }
   const Entry& entry = found->second;
   std::vector<std::byte> answers(entry.size);
-  std::size_t done = 0;
-  while (done < answers.size()) {
-    const ::ssize_t count = ::pread(descriptor_, answers.data() + done, answers.size() - done,
-                                    static_cast<::off_t>(entry.begin + done));
-    if (count < 0 && errno == EINTR) continue;
-    if (count < 0) throw system_error(name(), "cannot read the file");
-    if (count == 0) break;
-    done += static_cast<std::size_t>(count);
-  }
+  if (descriptor_.read_at(entry.begin, answers) < answers.size() && errno != 0)
+    throw system_error(name(), "cannot read the file");
   if (const std::uint64_t sum = checksum(answers); sum != entry.checksum)
     fail_as_damaged(name(), entry.begin, part, entry.checksum, sum);
   return answers;
@@ -245,13 +223,13 @@ void PartCheckpoint::add(std::uint64_t part, std::span<const std::byte> answers)
 void PartCheckpoint::write() {
   if (!pending_.empty()) {
     try {
-      write_fully(name(), descriptor_, size_, pending_);
-      if (::fdatasync(descriptor_) != 0) throw system_error(name(), "cannot write the file");
+      write_fully(name(), descriptor_.number(), size_, pending_);
+      if (::fdatasync(descriptor_.number()) != 0) throw system_error(name(), "cannot write the file");
       size_ += pending_.size();
       entries_.merge(pending_entries_);
     } catch (const Error& error) {
       // Records after an incomplete one could not be read.
-      if (::ftruncate(descriptor_, static_cast<::off_t>(size_)) != 0) throw;
+      if (::ftruncate(descriptor_.number(), static_cast<::off_t>(size_)) != 0) throw;
       if (options_.failed) options_.failed(error);
     }
     pending_.clear();
@@ -263,7 +241,7 @@ void PartCheckpoint::write() {
 void PartCheckpoint::remove() {
   pending_.clear();
   pending_entries_.clear();
-  close();
+  descriptor_.close();
   std::error_code error;
   std::filesystem::remove(options_.file, error);
 }

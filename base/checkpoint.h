@@ -18,6 +18,7 @@
 
 #include "base/error.h"
 #include "base/fingerprint.h"
+#include "base/input_file.h"
 
 // Resumable runs. A run is cut into parts of a fixed order, whose answers do not depend on each other. A file
 // keeps the finished parts: a run that was interrupted or killed computes only the others, and ends with the
@@ -39,7 +40,6 @@
 namespace alidade {
 
 class HeaderFields;
-class InputFile;
 
 /// The name of a file in a checkpoint. Checkpoints go to other machines and people: of an absolute path they
 /// keep the file's name and a checksum of the folder's, of a URL what public_name() keeps, of any other name
@@ -96,7 +96,7 @@ class PartCheckpoint {
 
   std::string name() const { return options_.file.string(); }
   /// Whether the file exists.
-  bool is_kept() const { return descriptor_ >= 0; }
+  bool is_kept() const { return descriptor_.is_open(); }
   /// Parts that are finished, and all; 0 of 0 before start() of a new run.
   std::uint64_t finished() const { return entries_.size(); }
   std::uint64_t count() const { return count_; }
@@ -122,14 +122,13 @@ class PartCheckpoint {
   };
 
   void open();
-  void close();
   void read();
   void create();
   void write();
 
   PartsOptions options_;
   Fingerprint fingerprint_;
-  int descriptor_ = -1;
+  FileDescriptor descriptor_;
   std::uint64_t count_ = 0, size_ = 0;      ///< size_: bytes of the file that are whole records
   std::map<std::uint64_t, Entry> entries_;  ///< by part
   std::vector<std::byte> pending_;          ///< records still to be written

@@ -3,6 +3,7 @@
 
 #include <fcntl.h>
 #include <fmt/format.h>
+#include <sys/file.h>
 #include <sys/mman.h>
 #include <sys/stat.h>
 #include <unistd.h>
@@ -55,6 +56,25 @@ void FileDescriptor::close() {
   number_ = -1;
 }
 
+std::size_t FileDescriptor::read_at(std::uint64_t offset, std::span<std::byte> into) const noexcept {
+  std::size_t done = 0;
+  while (done < into.size()) {
+    const ::ssize_t count =
+        ::pread(number_, into.data() + done, into.size() - done, static_cast<::off_t>(offset + done));
+    if (count < 0 && errno == EINTR) continue;
+    if (count == 0) errno = 0;
+    if (count <= 0) break;
+    done += static_cast<std::size_t>(count);
+  }
+  return done;
+}
+
+void FileDescriptor::lock_checkpoint(const std::string& path) const {
+  if (::flock(number_, LOCK_EX | LOCK_NB) == 0) return;
+  if (errno == EWOULDBLOCK) throw file_error(path, "another run is using this checkpoint");
+  throw system_error(path, "cannot lock the checkpoint");
+}
+
 std::uint64_t FileDescriptor::size_of_regular(const std::string& path) const {
   struct stat status {};
   if (::fstat(number_, &status) != 0 || !S_ISREG(status.st_mode)) {
@@ -105,18 +125,11 @@ void InputFile::fill(std::uint64_t offset, std::span<std::byte> into) {
     return remote_->read(offset, into);
   }
   if (!descriptor_.is_open()) descriptor_ = FileDescriptor(address_, k_read_flags);
-  while (!into.empty()) {
-    const ::ssize_t count =
-        ::pread(descriptor_.number(), into.data(), into.size(), static_cast<::off_t>(offset));
-    if (count < 0 && errno == EINTR) continue;
-    if (count <= 0) {
-      fail_at_byte(name_, offset,
-                   count < 0 ? std::string("cannot read the file: ") + std::strerror(errno)
-                             : "the file was truncated while it was read");
-    }
-    into = into.subspan(static_cast<std::size_t>(count));
-    offset += static_cast<std::uint64_t>(count);
-  }
+  const std::size_t count = descriptor_.read_at(offset, into);
+  if (count == into.size()) return;
+  fail_at_byte(name_, offset + count,
+               errno != 0 ? std::string("cannot read the file: ") + std::strerror(errno)
+                          : "the file was truncated while it was read");
 }
 
 void InputFile::read_at(std::uint64_t offset, std::span<std::byte> into) {

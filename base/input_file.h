@@ -35,6 +35,12 @@ class FileDescriptor {
   void close();
   /// Bytes of the file. Errors, which name `path`: it is not a regular file.
   std::uint64_t size_of_regular(const std::string& path) const;
+  /// Reads bytes at an offset. Returns how many; if they are fewer, errno is 0 where the file ends, else the
+  /// reason.
+  std::size_t read_at(std::uint64_t offset, std::span<std::byte> into) const noexcept;
+  /// Locks a checkpoint, file or folder, until this is closed: two runs that write to one would damage it.
+  /// Errors, which name `path`: another run has locked it; it cannot be locked.
+  void lock_checkpoint(const std::string& path) const;
 
  private:
   int number_ = -1;

@@ -3,10 +3,8 @@
 
 #include <fcntl.h>
 #include <fmt/format.h>
-#include <sys/file.h>
 #include <unistd.h>
 
-#include <cerrno>
 #include <charconv>
 #include <string>
 #include <string_view>
@@ -85,11 +83,7 @@ ScratchCheckpoint::ScratchCheckpoint(PartsOptions options, Fingerprint fingerpri
   made_folder_ = std::filesystem::create_directory(folder(), error);
   if (error) throw system_error(name, "cannot create the folder", error.value());
   lock_ = FileDescriptor(name, O_RDONLY | O_DIRECTORY | O_CLOEXEC);
-  // Held until it is closed: two runs that append to one set of files would damage them.
-  if (::flock(lock_.number(), LOCK_EX | LOCK_NB) != 0) {
-    if (errno == EWOULDBLOCK) throw file_error(name, "another run is using this checkpoint");
-    throw system_error(name, "cannot lock the folder");
-  }
+  lock_.lock_checkpoint(name);
   if (!is_scratch_checkpoint(folder()))
     throw file_error(name, "not a checkpoint of kept rows",
                      "a checkpoint, or the name of a folder that does not exist");

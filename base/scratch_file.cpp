@@ -134,14 +134,7 @@ void ScratchFile::append_zeros(std::uint64_t count) {
 }
 
 void ScratchFile::read(std::uint64_t offset, std::span<std::byte> into) const {
-  while (!into.empty()) {
-    const ::ssize_t count =
-        ::pread(descriptor_.number(), into.data(), into.size(), static_cast<::off_t>(offset));
-    if (count < 0 && errno == EINTR) continue;
-    if (count <= 0) fail("cannot read a temporary file in this folder");
-    into = into.subspan(static_cast<std::size_t>(count));
-    offset += static_cast<std::uint64_t>(count);
-  }
+  if (descriptor_.read_at(offset, into) < into.size()) fail("cannot read a temporary file in this folder");
 }
 
 void ScratchFile::cut(std::uint64_t kept) {

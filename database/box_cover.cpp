@@ -39,12 +39,6 @@ void shrink(const MayHold& may_hold, Bounds& box) {
   }
 }
 
-Bounds joined(const Bounds& a, const Bounds& b) {
-  Bounds both = a;
-  both.grow(b);
-  return both;
-}
-
 /// Joins neighbours, those first whose join grows least, until there are `count` boxes, and then while joins
 /// hardly grow.
 void join_neighbours(std::vector<Bounds>& boxes, const Bounds& bounds, std::size_t count) {

@@ -23,12 +23,6 @@ constexpr double k_arc_second = k_degree / 3600.0;
 constexpr double k_astronomical_unit = 149597870700.0;  // metres
 constexpr double k_epoch_2000 = 2451545.0, k_days_per_century = 36525.0;
 
-/// In [0, 360).
-double wrapped(double degrees) {
-  const double rest = std::fmod(degrees, 360.0);
-  return rest < 0.0 ? rest + 360.0 : rest;
-}
-
 /// Ecliptic coordinates of date, radians, and the distance in astronomical units.
 struct Ecliptic {
   double longitude = 0.0, latitude = 0.0, distance = 0.0;
@@ -98,10 +92,6 @@ double haze_depth(double micrometres) {
   return 0.05 * std::pow(micrometres, -1.3);
 }
 
-double rounded(double degrees) {
-  return std::round(degrees * 1e6) / 1e6 + 0.0;
-}
-
 }  // namespace
 
 SunPosition sun_position(const Moment& moment, const SunObserver& observer,
@@ -135,7 +125,7 @@ SunPosition sun_position(const Moment& moment, const SunObserver& observer,
   const double sine = std::sin(observer.latitude * k_degree), cosine = std::cos(observer.latitude * k_degree);
   const double to_north = cosine * seen.z - sine * seen.x, upward = cosine * seen.x + sine * seen.z;
   SunPosition position;
-  position.azimuth = wrapped(std::atan2(seen.y, to_north) / k_degree);
+  position.azimuth = wrapped_degrees(std::atan2(seen.y, to_north) / k_degree);
   position.geometric_elevation = std::atan2(upward, std::hypot(seen.y, to_north)) / k_degree;
   position.elevation = position.geometric_elevation + refraction(position.geometric_elevation, observer);
   return position;
@@ -194,16 +184,16 @@ PlacedSun place_sun(const SunByTime& by_time, const std::optional<SceneMap>& map
   placed.latitude = by_time.latitude ? *by_time.latitude : ground->latitude;
   placed.longitude = by_time.longitude ? *by_time.longitude : ground->longitude;
   placed.is_map_known = ground.has_value();
-  placed.grid_north = ground ? rounded(ground->grid_north) : 0.0;
+  placed.grid_north = ground ? rounded_degrees(ground->grid_north) : 0.0;
   const SunPosition position = sun_position(by_time.moment, {.latitude = placed.latitude,
                                                              .longitude = placed.longitude,
                                                              .height = by_time.height,
                                                              .pressure = by_time.pressure,
                                                              .temperature = by_time.temperature});
-  placed.true_azimuth = wrapped(rounded(position.azimuth));
+  placed.true_azimuth = wrapped_degrees(rounded_degrees(position.azimuth));
   placed.is_up = position.elevation > 0.0;
-  placed.sun.azimuth = wrapped(rounded(placed.true_azimuth - placed.grid_north));
-  placed.sun.elevation = rounded(position.elevation);
+  placed.sun.azimuth = wrapped_degrees(rounded_degrees(placed.true_azimuth - placed.grid_north));
+  placed.sun.elevation = rounded_degrees(position.elevation);
   placed.sun.angular_diameter = by_time.angular_diameter;
   placed.sun.irradiance =
       by_time.irradiance ? *by_time.irradiance : clear_sky_irradiance(placed.sun.elevation, by_time.pressure);

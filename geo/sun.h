@@ -14,6 +14,17 @@
 
 namespace alidade::geo {
 
+/// An angle in [0, 360).
+inline double wrapped_degrees(double degrees) {
+  const double rest = std::fmod(degrees, 360.0);
+  return rest < 0.0 ? rest + 360.0 : rest;
+}
+
+/// To a millionth of a degree, so that the last bits of libraries do not matter; -0 becomes 0.
+inline double rounded_degrees(double degrees) {
+  return std::round(degrees * 1e6) / 1e6 + 0.0;
+}
+
 /// The sun: a disc of even radiance, infinitely far away.
 struct Sun {
   double azimuth = 135.0;            ///< degrees, clockwise from north (+y), so 90 is east (+x)

@@ -84,11 +84,6 @@ GISTENTRY& entry_in(FunctionCallInfo fcinfo, int argument) {
   return *reinterpret_cast<GISTENTRY*>(PG_GETARG_POINTER(argument));
 }
 
-Bounds joined(Bounds a, const Bounds& b) {
-  a.grow(b);
-  return a;
-}
-
 /// Half the sum of the sides. Not the volume, which is 0 for boxes around walls and ground.
 double size_of(const Bounds& box) {
   const glm::dvec3 sides = box.size();

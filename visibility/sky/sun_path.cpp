@@ -19,15 +19,6 @@ void require(const char* what, double value, double least, double most) {
              fmt::format("a number from {} to {}", least, most), fmt::format("{}", value));
 }
 
-double rounded(double degrees) {
-  return std::round(degrees * 1e6) / 1e6 + 0.0;
-}
-
-double wrapped(double degrees) {
-  const double rest = std::fmod(degrees, 360.0);
-  return rest < 0.0 ? rest + 360.0 : rest;
-}
-
 double seconds_between(const Moment& from, const Moment& to) {
   return static_cast<double>((to.day - from.day).count()) * k_seconds_per_day + (to.seconds - from.seconds);
 }
@@ -173,10 +164,10 @@ std::vector<SunStep> sun_steps(const SunSchedule& schedule, const Progress& prog
     const double begin = static_cast<double>(i) * step, end = std::fmin(begin + step, duration);
     const Moment middle = later(schedule.from, 0.5 * (begin + end));
     const geo::SunPosition sun = geo::sun_position(middle, observer);
-    const double elevation = rounded(sun.elevation);
+    const double elevation = geo::rounded_degrees(sun.elevation);
     whole_hours.enter(middle, (end - begin) / 3600.0, elevation > 0.0);
     if (!(elevation > 0.0)) continue;
-    SunStep one{.azimuth = wrapped(rounded(sun.azimuth - schedule.grid_north)),
+    SunStep one{.azimuth = geo::wrapped_degrees(geo::rounded_degrees(sun.azimuth - schedule.grid_north)),
                 .elevation = elevation,
                 .hours = (end - begin) / 3600.0,
                 .period = period_number(schedule, middle) - first_period};
@@ -198,7 +189,7 @@ bool place_schedule(const Crs& crs, const glm::dvec2& center,
       crs.empty() ? "a cloud without a reference system" : "a reference system without a location on Earth");
   schedule.latitude = latitude_longitude ? latitude_longitude->x : ground->latitude;
   schedule.longitude = latitude_longitude ? latitude_longitude->y : ground->longitude;
-  schedule.grid_north = ground ? rounded(ground->grid_north) : 0.0;
+  schedule.grid_north = ground ? geo::rounded_degrees(ground->grid_north) : 0.0;
   return ground.has_value();
 }
 
