@@ -17,7 +17,7 @@ using Rgb8 = std::array<std::uint8_t, 3>;
 /// The nearest code of a display-referred colour, whose channels are clamped to 0 .. 1.
 Rgb8 to_rgb8(const glm::dvec3& display);
 
-/// A picture to draw on: legends, maps, reports. What is drawn outside of it is cut off.
+/// An image to draw on: legends, maps, reports. What is drawn outside of it is cut off.
 class Canvas {
  public:
   /// Requires sides of at least 1 pixel.

@@ -2,16 +2,18 @@
 #include "image/color_points.h"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 #include <tbb/enumerable_thread_specific.h>
 #include <algorithm>
+#include <bit>
 #include <chrono>
 #include <cmath>
+#include <map>
 
 #include "base/shown_text.h"
 #include "base/words.h"
 #include "cloud/cloud_reader.h"
 #include "geo/map_unit.h"
-#include "image/value_categories.h"
 
 namespace alidade::image {
 namespace {
@@ -232,6 +234,94 @@ ColoredPoints by_returns(const PointColoring& coloring, const PointValues& value
   }
   points.key.missing_count = values.count - extent.count;
   return points;
+}
+
+/// One of the few values of a column, and how it is shown.
+struct ValueCategory {
+  double value = 0.0;
+  Swatch swatch{};
+};
+
+/// More different values than this are shown along a scale.
+constexpr std::size_t k_most_categories = 24;
+
+/// Values and how many points have them; `fits` turns false as soon as they are too many, or not whole
+/// numbers from 0 on.
+struct ValueCounts {
+  std::map<double, std::uint64_t> counts{};
+  bool fits = true;
+
+  void add(double value, std::uint64_t count) {
+    constexpr double k_largest_whole = 0x1p53;
+    if (!fits || std::isnan(value)) return;
+    fits = value >= 0.0 && value <= k_largest_whole && value == std::floor(value);
+    if (fits) counts[value] += count;
+    fits = fits && counts.size() <= k_most_categories;
+  }
+};
+
+ValueCounts value_counts(const PointValues& values) {
+  tbb::enumerable_thread_specific<ValueCounts> of_threads;
+  values.for_each_block([&](const ValueBlock& block) {
+    ValueCounts& counts = of_threads.local();
+    for (const double value : block.values) {
+      if (!counts.fits) return;
+      counts.add(value, 1);
+    }
+  });
+  ValueCounts sums;
+  for (const ValueCounts& each : of_threads) {
+    sums.fits = sums.fits && each.fits;
+    for (const auto& [value, count] : each.counts) sums.add(value, count);
+  }
+  return sums;
+}
+
+std::string label_of_mask(std::uint64_t mask) {
+  std::vector<int> bits;
+  for (int bit = 0; bit < 64; ++bit)
+    if (mask >> bit & 1) bits.push_back(bit + 1);
+  if (bits.empty()) return "none";
+  return fmt::format("{}", fmt::join(bits, ", "));
+}
+
+/// The different values of a column of numbers, in ascending order, with a colour each; empty if there are
+/// more than k_most_categories, or a value is not a whole number from 0 to 2^53. Numbers that count up from 0
+/// or 1 have colours along `map`, others (flight lines, objects) and masks those of distinct_color(), a
+/// mask without bits grey. The labels of masks list the bits that are set, the lowest being 1. NaN values are
+/// ignored. Cost: one pass, in parallel.
+std::vector<ValueCategory> categories_of(const PointValues& values, ColorMap map, bool are_masks) {
+  const ValueCounts found = value_counts(values);
+  if (!found.fits || found.counts.empty()) return {};
+  const double low = found.counts.begin()->first, high = found.counts.rbegin()->first;
+  const bool counts_up =
+      !are_masks && low <= 1.0 && high - low + 1.0 == static_cast<double>(found.counts.size());
+  std::vector<ValueCategory> categories;
+  for (const auto& [value, count] : found.counts) {
+    const auto number = static_cast<std::uint64_t>(value);
+    constexpr Color16 k_no_bit{0xb8b8};  // a light grey
+    const Color16 color = are_masks && number == 0 ? k_no_bit
+                          : counts_up ? to_color16(map_color(map, position_in({low, high}, value)))
+                                      : distinct_color(are_masks ? categories.size() : number);
+    categories.push_back({value,
+                          {.color = color,
+                           .number = are_masks ? "" : std::to_string(number),
+                           .label = are_masks ? label_of_mask(number) : "",
+                           .count = count}});
+  }
+  return categories;
+}
+
+/// How many bits are set in each whole number; of values that are whole numbers from 0 to 2^64.
+PointValues bit_counts(const PointValues& masks) {
+  return {masks.count, [masks](const VisitBlock& visit) {
+            masks.for_each_block([&](const ValueBlock& block) {
+              std::vector<double> counts(block.values.begin(), block.values.end());
+              for (double& value : counts)
+                if (value >= 0.0 && value < 0x1p64) value = std::popcount(static_cast<std::uint64_t>(value));
+              visit({counts, block.first_id, block.ids});
+            });
+          }};
 }
 
 /// Whether each bit of an extra dimension has a meaning by its description, as in VisibleBy of 'visibility

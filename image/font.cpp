@@ -2,10 +2,10 @@
 #include "image/font.h"
 
 #include <ft2build.h>
-#include FT_FREETYPE_H
-
 #include <algorithm>
 #include <cassert>
+#include FT_FREETYPE_H
+#include <system_error>
 
 #include "base/error.h"
 
@@ -38,6 +38,23 @@ std::vector<char32_t> characters_of(std::string_view text) {
 }
 
 }  // namespace
+
+std::span<const std::filesystem::path> font_files() {
+  static const std::array<std::filesystem::path, 5> files = {
+      "/usr/share/fonts/truetype/dejavu/DejaVuSans.ttf", "/usr/share/fonts/dejavu-sans-fonts/DejaVuSans.ttf",
+      "/usr/share/fonts/TTF/DejaVuSans.ttf", "/usr/share/fonts/dejavu/DejaVuSans.ttf",
+      "/usr/local/share/fonts/DejaVuSans.ttf"};
+  return files;
+}
+
+std::filesystem::path find_font(std::span<const std::filesystem::path> files) {
+  for (const std::filesystem::path& file : files) {
+    std::error_code error;
+    if (std::filesystem::is_regular_file(file, error)) return file;
+  }
+  throw file_error(files.empty() ? "" : files.front().string(), "missing font for the legend",
+                   "DejaVu Sans (Debian: fonts-dejavu-core)");
+}
 
 struct Font::Face {
   FT_Library library = nullptr;

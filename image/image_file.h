@@ -32,7 +32,7 @@ struct ImageFacts {
 /// `facts.ground`, which it requires. The film must hold colour and alpha, for EXR the layers. The file is
 /// written completely or not at all. Channel names and metadata keys: docs/scene_format.md.
 /// Errors: unknown extension, a layer that the film lacks, existing file without `overwrite`, a full disk and
-/// other write failures, anything OpenImageIO reports. Memory: the encoded picture.
+/// other write failures, anything OpenImageIO reports. Memory: the encoded image.
 void write_image(const Film& film, const OutputSettings& output, const ImageFacts& facts, bool overwrite);
 
 /// "OpenImageIO 2.4.7": the library that reads and writes images.

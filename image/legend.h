@@ -29,7 +29,7 @@ struct RoundTick {
 /// k_largest_value, most >= 2.
 std::vector<RoundTick> round_ticks(const ValueRange& range, int most);
 
-// Legends: the meaning of a picture's colours as a small picture for reports, a colour bar with round ticks
+// Legends: the meaning of an image's colours as a small image for reports, a colour bar with round ticks
 // or a list of swatches with names, numbers of points and shares. Black on white.
 
 struct LegendTick {
@@ -69,7 +69,7 @@ inline constexpr int k_legend_font_size = 20;
 LegendLayout lay_out_legend(const ColorKey& key, const Font& font,
                             const std::optional<glm::ivec2>& size = {});
 
-/// The legend as a picture.
+/// The legend as an image.
 Canvas draw_legend(const ColorKey& key, const LegendLayout& layout, const Font& font);
 
 // The panel beside a map: swatches, a bar of colours and notes, one below the other.

@@ -24,7 +24,7 @@ std::string size_text(int width, int height) {
   return std::to_string(width) + " x " + std::to_string(height);
 }
 
-/// Errors: not a flat picture, a cut-out, or more pixels than these or than the file can hold.
+/// Errors: not a flat image, a cut-out, or more pixels than these or than the file can hold.
 struct ImageLimits {
   std::string content;
   std::uint64_t pixels;
@@ -53,7 +53,7 @@ void check(const OIIO::ImageSpec& spec, std::uint64_t file_size, const ImageLimi
   }
 }
 
-/// A picture that is being read. Its bytes in memory must outlive it.
+/// An image that is being read. Its bytes in memory must outlive it.
 struct OpenImage {
   std::unique_ptr<OIIO::Filesystem::IOProxy> memory;  ///< what `input` reads from; null: the file
   std::unique_ptr<OIIO::ImageInput> input;
@@ -61,7 +61,7 @@ struct OpenImage {
   const OIIO::ImageSpec& spec() const { return input->spec(); }
 };
 
-/// An open picture that was checked.
+/// An open image that was checked.
 OpenImage open_image(const std::filesystem::path& file, const ImageBytes& bytes, const ImageLimits& limits) {
   const std::uint64_t byte_count = bytes ? bytes->size() : image_file_size(file);
   // Alpha is not examined, so it must not be multiplied in either.

@@ -75,7 +75,7 @@ std::string read_bytes(const std::filesystem::path& file) {
   return bytes.str();
 }
 
-/// All channels of a picture as floats; whole numbers as they are.
+/// All channels of an image as floats; whole numbers as they are.
 std::vector<float> read_pixels(const std::filesystem::path& file, OIIO::ImageSpec& spec) {
   const auto image = OIIO::ImageInput::open(file.string());
   if (!image) return {};
