@@ -9,7 +9,7 @@
 #include "renderer/image_state.h"
 #include "renderer/render.h"
 
-// Checkpoints: a picture under way in a file, so that a render which was interrupted or killed resumes and
+// Checkpoints: an image under way in a file, so that a render which was interrupted or killed resumes and
 // gives the same bytes. Little endian.
 //
 //   byte 0   8 B  "ALIDPART"             magic
@@ -38,28 +38,14 @@
 
 namespace alidade::renderer {
 
-// Parts of a scene as texts that are equal exactly if the parts are: numbers with 17 significant digits, no
-// field left out. They are for comparing, not for reading back.
-
-/// Of CloudSettings, std::vector<Object>, Sky or std::optional<geo::Sun>.
-template <class Part>
-std::string text_of(const Part& part);
-
-/// The fingerprint of what render() would make of these: all that the samples of an image depend on, in a fixed
-/// order: what others follow from comes before them, such as the cloud before a camera that shows it. Numbers
-/// are written so that different ones have different texts. `cloud` may be null. Cost: a cloud read from an
-/// index file is identified by the checksums in it; any other is summed up as fast as memory delivers, about
-/// 16 bytes per point.
-Fingerprint image_fingerprint(const Scene& scene, const LoadedCloud* cloud, const RenderOptions& options);
-
 /// Writes the state; the file is written completely or not at all, an earlier one stays until then. No
 /// thread may change the state meanwhile. Memory: 2 MiB. Errors: those of OutputFile, above all a full disk.
 void write_checkpoint(const std::filesystem::path& file, const Fingerprint& fingerprint, int samples,
                       const ImageState& state, double seconds);
 
-/// Reads a state back. `state` must have been made for the picture that is requested; it is only of use if
+/// Reads a state back. `state` must have been made for the image that is requested; it is only of use if
 /// nothing is thrown. `samples` is the requested number per pixel. Errors: not a checkpoint; another byte
-/// order, version or picture, naming the first thing that differs; a file cut short, too long or damaged.
+/// order, version or image, naming the first thing that differs; a file cut short, too long or damaged.
 /// Memory: the fingerprint, at most the file's size, and 1 MiB.
 void read_checkpoint(InputFile file, const Fingerprint& fingerprint, int samples, ImageState& state);
 
@@ -72,7 +58,7 @@ void write_part(const std::filesystem::path& file, const Fingerprint& fingerprin
 struct PartHead {
   std::string file;
   ImagePart part;
-  int width = 0, height = 0;  ///< of the picture, pixels
+  int width = 0, height = 0;  ///< of the image, pixels
   int samples = 0;            ///< per pixel, in the end
   bool with_noise = false;
   std::uint64_t samples_taken = 0;  ///< camera samples
@@ -81,11 +67,11 @@ struct PartHead {
   Fingerprint fingerprint{};        ///< "part" left out
 };
 
-/// Reads the head alone. Errors: no checkpoint of a picture; another byte order or version; damaged; cut
-/// short or too long; sizes that no picture has.
+/// Reads the head alone. Errors: no checkpoint of an image; another byte order or version; damaged; cut
+/// short or too long; sizes that no image has.
 PartHead read_part_head(const std::filesystem::path& file);
 
-/// Reads a finished part into the state and the film of the whole picture, which have its size and layers.
+/// Reads a finished part into the state and the film of the whole image, which have its size and layers.
 /// Errors: unfinished; damaged.
 void read_part(const PartHead& head, ImageState& state, image::Film& film);
 

@@ -29,7 +29,7 @@ std::optional<glm::dvec2> point_at_one(const Ray& ray, const camera::CameraPose&
   return beside / ahead;
 }
 
-/// Calls visit(ray) with rays along the border of the picture, empty where there is none, until it returns
+/// Calls visit(ray) with rays along the border of the image, empty where there is none, until it returns
 /// false. False if it did.
 template <class Visit>
 bool along_border(const camera::Camera& camera, int rays_per_side, const Visit& visit) {
@@ -81,7 +81,7 @@ double distance_to(const Bounds& box, const glm::dvec3& position) {
 }
 
 struct CandidateNode {
-  double spacing;  ///< of its points in the picture, in any unit
+  double spacing;  ///< of its points in the image, in any unit
   std::size_t file;
   std::uint32_t node;
 
@@ -186,7 +186,7 @@ LoadedCloud load_coarse_cloud(const CloudSettings& wanted, const CloudInputs& in
   for (const auto& file : files) widest = std::max(widest, file->info().spacing);
   settings.radius.reset();
   settings.adapted_radius = AdaptedRadius{.max = widest};
-  settings.shape = PointShape::sphere;  // measuring sheets would take longer than the picture
+  settings.shape = PointShape::sphere;  // measuring sheets would take longer than the image
   const AttributeSet attributes =
       image::check_color_of_files(settings.color, inputs, Damage::reject, inputs.first_name().string());
   const std::vector<ChosenNodes> nodes = nodes_in_view(files, camera, most_points);

@@ -13,13 +13,13 @@
 
 namespace alidade::renderer {
 
-/// Half-spaces that all have what a camera sees: nothing that lies outside one of them is in the picture.
+/// Half-spaces that all have what a camera sees: nothing that lies outside one of them is in the image.
 /// Tight for pinholes and parallel rays; a little wider for other lenses, whose borders are bent. None if the
 /// camera sees a right angle or more to one side of its axis.
 HalfSpaces view_planes(const camera::Camera& camera);
 
 /// Which nodes of COPC files to show if no more than `most_points` of their points are to be read: from the
-/// roots down always the node whose points are furthest apart in the picture (the spacing of its level,
+/// roots down always the node whose points are furthest apart in the image (the spacing of its level,
 /// divided by the distance from the camera to its cube). Nodes that would be too many are left out with those
 /// below them, and so are nodes outside the cone around all that the camera sees. Without a camera, or with
 /// one of parallel rays, it goes level by level. The roots of all files in view are always among them,

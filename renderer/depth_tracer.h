@@ -10,7 +10,7 @@
 
 namespace alidade::renderer {
 
-/// Depth without a picture: one ray through the centre of each pixel, up to the first surface, and no light.
+/// Depth without an image: one ray through the centre of each pixel, up to the first surface, and no light.
 /// The values are those of the layers that render() fills, bit for bit.
 class DepthTracer {
  public:

@@ -9,7 +9,6 @@
 
 #include "octree/enclosing_spheres.h"
 #include "octree/query.h"
-#include "renderer/disc_sheet.h"
 #include "renderer/load_cloud.h"
 #include "renderer/scene.h"
 
@@ -73,6 +72,7 @@ class DiscCloud {
 
  private:
   struct Rim;
+  struct SheetSums;
 
   /// For these rays, which must outlive it.
   RayQuery query_of(std::span<const Ray> rays, std::span<const SheetOrigin> origins) const;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "renderer/checkpoint.h"
+#include "renderer/image_fingerprint.h"
 
 #include <fmt/format.h>
 #include <span>
@@ -20,7 +20,7 @@ class Text {
   void add(double number) { add_word(fmt::format("{:.17g}", number)); }
   void add(int number) { add_word(std::to_string(number)); }
   void add(const std::string& text) { add_word(fmt::format("{}:{}", text.size(), text)); }
-  /// What is in a file counts by its checksum: parts of a picture come from machines with other folders.
+  /// What is in a file counts by its checksum: parts of an image come from machines with other folders.
   void add(const std::filesystem::path& path) { add(path.filename().string()); }
   void add(const Rgb& color) { add_all(double{color.r}, double{color.g}, double{color.b}); }
   void add(const glm::dvec3& position) { add_all(position.x, position.y, position.z); }
@@ -135,7 +135,7 @@ std::string bounds_text(const Bounds& bounds) {
                      bounds.min.z, bounds.max.x, bounds.max.y, bounds.max.z);
 }
 
-/// The noise requested; exposure determines how dark a picture may be before its noise does not matter.
+/// The noise requested; exposure determines how dark an image may be before its noise does not matter.
 std::string noise_text(const RenderOptions& options, const Scene& scene) {
   if (!options.target_noise) return "none";
   return fmt::format("{:.17g} at exposure {:.17g}", *options.target_noise, scene.output.exposure);

@@ -18,7 +18,7 @@ namespace alidade::renderer {
 /// thread adds samples when one of them is due does it; the others continue.
 class RenderWatch {
  public:
-  /// The options and the state must outlive it. `fingerprint` is that of the picture, for checkpoints;
+  /// The options and the state must outlive it. `fingerprint` is that of the image, for checkpoints;
   /// `samples` those per pixel. Time begins now.
   RenderWatch(const RenderOptions& options, const ImageState& state, int samples, Fingerprint fingerprint);
 
@@ -43,7 +43,7 @@ class RenderWatch {
   /// Writes a checkpoint, if any are requested. No thread may be at work.
   void save();
 
-  /// Spent on the picture, before a resumption included.
+  /// Spent on the image, before a resumption included.
   double seconds() const;
 
  private:
@@ -67,7 +67,7 @@ class RenderWatch {
   std::atomic<bool> stopped_{false};
 };
 
-/// Brings a picture under way to its end, pass by pass, in parallel. `floor`: see noise_floor(). `film` has
+/// Brings an image under way to its end, pass by pass, in parallel. `floor`: see noise_floor(). `film` has
 /// the layers of the pixels' centres that are requested. Throws Cancelled if the watch does; the state is
 /// intact then, too.
 void render_image(const RenderTask& task, const RenderOptions& options, double floor, ImageState& state,

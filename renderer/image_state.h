@@ -38,7 +38,7 @@ struct TileState {
 /// The tiles of a part, along Morton's curve: paths of neighbouring tiles meet the same part of the cloud.
 std::vector<std::size_t> tiles_of(const TileGrid& grid, ImagePart part);
 
-/// A picture under way, or a part of one: all that a resumed render needs. Memory beside the bands: about 1
+/// An image under way, or a part of one: all that a resumed render needs. Memory beside the bands: about 1
 /// byte per pixel. Different tiles may be worked on by different threads.
 struct ImageState {
   TileGrid grid;
@@ -61,7 +61,7 @@ struct ImageState {
 /// not depend on how the samples are dealt out over calls.
 void add_samples(ImageState& state, std::size_t tile, std::span<const PathResult> results);
 
-/// The picture so far, colour and alpha only: each pixel the mean of a square of pixels, as small as
+/// The image so far, colour and alpha only: each pixel the mean of a square of pixels, as small as
 /// keeps width and height at or below `longest_side`. Pixels without samples are black.
 image::Film reduced(const ImageState& state, int longest_side);
 

@@ -29,7 +29,7 @@ constexpr std::uint32_t k_first_path_dimension = 2;
 /// Roughness that metal has at least on a path which a diffuse surface has scattered.
 constexpr double k_diffuse_roughness = 0.5;
 
-/// Follows light backwards along paths from the camera: at each surface light of sun, sky picture and
+/// Follows light backwards along paths from the camera: at each surface light of sun, sky image and
 /// emissive spheres is gathered, then a path continues in a direction its material chooses, at most
 /// `max_bounces` + 1 times in all, the last time only to see whether sky or an emissive surface is there.
 /// After a few bounces weak paths end by Russian roulette. The mean over samples is the radiance along the
@@ -46,12 +46,12 @@ constexpr double k_diffuse_roughness = 0.5;
 void trace_paths(const World& world, const Lights& lights, std::span<const CameraPath> paths, int max_bounces,
                  std::span<PathResult> results);
 
-// Pictures without lights: one ray from the camera to the first surface, and for ambient occlusion one more.
+// Images without lights: one ray from the camera to the first surface, and for ambient occlusion one more.
 // They show a cloud's shape and colours at once, with little noise. A surface that shines by itself shows its
 // radiance in all of them; others show the albedo that image layers have. A ray that meets nothing brings the
 // sky as it is seen, but for trace_flat, which brings black.
 
-/// The metres that count as near in a picture of ambient occlusion: those of the settings, else a twentieth
+/// The metres that count as near in an image of ambient occlusion: those of the settings, else a twentieth
 /// of the diagonal of visible_bounds(), infinite without points. 0 in other modes.
 double ambient_occlusion_distance(const RenderSettings& settings, const LoadedCloud* cloud);
 

@@ -63,7 +63,7 @@ class SunDisc {
 
 // Where light comes from, prepared for sampling. The rules that count everything once:
 // - even sky (constant, gradient): found by rays that meet nothing;
-// - sun, sky from a picture and emissive spheres (lamps): sampled directly at every surface that is not
+// - sun, sky from an image and emissive spheres (lamps): sampled directly at every surface that is not
 //   specular, and found by rays. The two are weighted by multiple importance sampling (Veach and Guibas
 //   1995): power heuristic for sun and sky, balance heuristic for lamps;
 // - emissive ground and cloud: found by rays.
@@ -71,7 +71,7 @@ class SunDisc {
 // speckles. So sun and lamps found by way of mirrors and glass after scattering count only with the square of
 // the chance (at most 1) that the scattering direction had of meeting the light straight: its visible_share
 // times the density there over that of an even hemisphere. That leaves out the caustics of all small lights
-// on diffuse surfaces, and keeps lights all around and those seen in sharp metal. Of a sky from a picture the
+// on diffuse surfaces, and keeps lights all around and those seen in sharp metal. Of a sky from an image the
 // bright spots are such small lights: a direction that is sampled k_spot_density times as densely as an even
 // hemisphere, or less, counts in full, so broad skies lose nothing; beyond it the share falls with the
 // density.
@@ -90,11 +90,11 @@ inline constexpr double k_spot_density = 8.0;
 
 class Lights {
  public:
-  /// Errors: a sky from a picture that has not been read, a sun by time whose position has not been computed.
+  /// Errors: a sky from an image that has not been read, a sun by time whose position has not been computed.
   explicit Lights(const Scene& scene);
 
   const Sky& sky() const { return *sky_; }
-  /// The sky's picture if it has one that is not black: the part of the sky that is sampled.
+  /// The sky's image if it has one that is not black: the part of the sky that is sampled.
   const SkyImage* sky_image() const { return sky_image_; }
   const std::optional<SunDisc>& sun() const { return sun_; }
 

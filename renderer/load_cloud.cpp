@@ -30,7 +30,7 @@ namespace {
 /// that closes nearly all surfaces.
 constexpr double k_widest_over_automatic = 4.0;
 
-/// Points by which it is decided what of a cloud a picture shows.
+/// Points by which it is decided what of a cloud an image shows.
 constexpr std::size_t k_sample_count = 20000;
 
 void check_positive(double value, const std::string& what) {

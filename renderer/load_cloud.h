@@ -37,11 +37,11 @@ struct LoadedCloud {
   ColorColumn point_colors() const { return colors.empty() ? mapped_colors : ColorColumn(colors); }
 };
 
-/// Reads the clouds, whatever files the settings name, keeps only what the picture needs, builds the octree,
+/// Reads the clouds, whatever files the settings name, keeps only what the image needs, builds the octree,
 /// measures the radius if it is "auto". `progress` is in bytes read, as read_cloud's; while the octree is
 /// built it repeats the last numbers. Errors: as read_cloud. Peak memory: about 20 bytes per point, or 46 for
 /// clouds that span more than 2^21 lattice steps on an axis. A single index file is used where it lies:
-/// octree and rgb colours in its map, nothing is built, and the picture has the same bytes. It keeps the
+/// octree and rgb colours in its map, nothing is built, and the image has the same bytes. It keeps the
 /// colour depth it was made with. Other colours take 6 bytes per point (image/color_points.h). `measuring` is
 /// in points whose spacing was measured, if radii adapt to it and no index file has them.
 LoadedCloud load_cloud(const CloudSettings& settings, const CloudInputs& inputs,

@@ -124,7 +124,7 @@ void check_finished(const PartHead& head) {
                    "a finished part: resume the render with the same command and --resume");
 }
 
-/// Errors: the two are not of the same picture.
+/// Errors: the two are not of the same image.
 void check_same(const PartHead& head, const PartHead& first) {
   if (head.part.count != first.part.count) {
     throw file_error(head.file, "this part belongs to another division of the picture",
@@ -155,7 +155,7 @@ std::string ranges_text(const std::vector<int>& numbers) {
   return fmt::format("{}{}", fmt::join(ranges, ", "), is_long ? ", ..." : "");
 }
 
-/// The heads by number, each once. Errors: of different pictures, missing, or twice with other samples.
+/// The heads by number, each once. Errors: of different images, missing, or twice with other samples.
 std::map<int, PartHead> checked_parts(std::span<const std::filesystem::path> files) {
   std::map<int, PartHead> parts;
   std::optional<PartHead> first;
@@ -184,7 +184,7 @@ std::map<int, PartHead> checked_parts(std::span<const std::filesystem::path> fil
   return parts;
 }
 
-/// Errors: the files have fewer bytes than the picture, for which memory is taken next.
+/// Errors: the files have fewer bytes than the image, for which memory is taken next.
 void check_bytes(const std::map<int, PartHead>& parts) {
   const PartHead& first = parts.begin()->second;
   constexpr std::uint64_t k_least = sizeof(glm::dvec3) + 4, k_noise = 2 * sizeof(glm::vec3);

@@ -9,7 +9,7 @@
 #include "renderer/checkpoint.h"
 #include "renderer/image_metadata.h"
 
-// Parts of a picture that different machines have rendered, joined into the picture that one would have
+// Parts of an image that different machines have rendered, joined into the image that one would have
 // rendered. Merging reads neither the scene nor the cloud: a part has all that the image file needs.
 //
 //   machine i of 20:  render_part(scene, &cloud, {.layers = ..., .part = {i, 20}},
@@ -23,7 +23,7 @@ namespace alidade::renderer {
 /// and metadata. The camera must be set.
 Fingerprint image_entries(const image::OutputSettings& output, const ImageMetadata& metadata);
 
-/// A picture and all that write_image() needs.
+/// An image and all that write_image() needs.
 struct MergedImage {
   image::Film film;
   image::OutputSettings output;
@@ -32,12 +32,12 @@ struct MergedImage {
   int parts = 0;
 };
 
-/// Joins the parts of a picture, in any order, for an image file of this name: the film and the facts are
+/// Joins the parts of an image, in any order, for an image file of this name: the film and the facts are
 /// those of one run. A part may be given again if it has the same samples. The files may be of machines that
 /// use other folders for the image; all else that a fingerprint has must be equal.
 ///
-/// Errors: not a part; unfinished; of another picture than the first file, naming the first thing that
-/// differs; twice with other samples; parts that are missing, by number; a picture whose extension does not
+/// Errors: not a part; unfinished; of another image than the first file, naming the first thing that
+/// differs; twice with other samples; parts that are missing, by number; an image whose extension does not
 /// fit (.exr for parts of an EXR, else .png, .jpg or .tif); damaged, cut short or too long. Memory: as
 /// render(), and the heads of all parts.
 MergedImage merge_parts(std::span<const std::filesystem::path> files, const std::filesystem::path& image);

@@ -8,7 +8,7 @@
 #include "renderer/image_state.h"
 #include "renderer/render.h"
 
-// How noisy a picture under way still is.
+// How noisy an image under way still is.
 //
 // The samples of a pixel are a scrambled (0,2)-sequence (renderer/sampler.h): their mean is less noisy than
 // that of as many independent samples, the less so the more smoothly light depends on the numbers drawn. Let
@@ -66,8 +66,8 @@ Noise tile_noise(const ImageState& state, std::size_t tile);
 /// that a tile stops because its few samples happen to agree.
 ///
 /// That chance is the bias of every such rule: samples that are kept back are most often those that would
-/// have found rare light, so a picture made with a target is a little too dark where light is rare (lamps
-/// seen by few paths), by a part of the target error. Pictures that are to be averaged or measured are made
+/// have found rare light, so an image made with a target is a little too dark where light is rare (lamps
+/// seen by few paths), by a part of the target error. Images that are to be averaged or measured are made
 /// with a fixed number of samples.
 class StopRule {
  public:
@@ -88,7 +88,7 @@ class StopRule {
   std::vector<Noise> noise_;  ///< by tile
 };
 
-/// Luminance that errors are relative to is raised by this: a hundredth of what a picture of this exposure
+/// Luminance that errors are relative to is raised by this: a hundredth of what an image of this exposure
 /// shows as white.
 double noise_floor(double exposure);
 

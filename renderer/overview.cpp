@@ -29,7 +29,7 @@ Scene daylight_scene(std::vector<std::filesystem::path> files) {
 
 namespace {
 
-/// Whole degrees, by which the same picture comes from every C library.
+/// Whole degrees, by which the same image comes from every C library.
 double rounded_angle(double y, double x) {
   return std::round(std::atan2(y, x) * 180.0 / std::numbers::pi);
 }

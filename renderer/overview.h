@@ -8,11 +8,11 @@
 #include "renderer/load_cloud.h"
 #include "renderer/scene.h"
 
-// The default light, camera and brightness of pictures.
+// The default light, camera and brightness of images.
 
 namespace alidade::renderer {
 
-/// The background of such pictures, which no light comes from: a light blue.
+/// The background of such images, which no light comes from: a light blue.
 inline constexpr Rgb k_overview_background{0.87f, 0.91f, 0.95f};
 /// Enough samples for an overview.
 inline constexpr int k_overview_samples = 16;
@@ -30,9 +30,9 @@ camera::Camera overview_camera(const LoadedCloud& cloud, int width, int height);
 void light_from_scanners(Scene& scene, const LoadedCloud& cloud, const camera::Camera& view);
 
 /// The exposure, in stops, that gives the surfaces in a view a medium brightness: half of their pixels are
-/// darker than 0.47 of white as displayed, half brighter. It is that of a picture whose longer side has at
-/// most 96 pixels, so that it is the same for every part and size of a picture; within 4 stops of 0. 0 where
-/// the view has no surfaces. The scene's light is prepared. Cost: that of the small picture.
+/// darker than 0.47 of white as displayed, half brighter. It is that of an image whose longer side has at
+/// most 96 pixels, so that it is the same for every part and size of an image; within 4 stops of 0. 0 where
+/// the view has no surfaces. The scene's light is prepared. Cost: that of the small image.
 double automatic_exposure(const Scene& scene, const LoadedCloud* cloud, const camera::Camera& view);
 
 }  // namespace alidade::renderer

@@ -6,6 +6,7 @@
 #include <algorithm>
 
 #include "renderer/checkpoint.h"
+#include "renderer/image_fingerprint.h"
 #include "renderer/image_renderer.h"
 #include "renderer/integrator.h"
 #include "renderer/noise.h"
@@ -81,7 +82,7 @@ RenderStatistics statistics_of(const ImageState& state, const Scene& scene, cons
   return statistics;
 }
 
-/// What the rays through a picture's pixels have given.
+/// What the rays through an image's pixels have given.
 struct RenderedState {
   ImageState state;
   image::Film film;  ///< the layers of the pixels' centres
@@ -94,8 +95,7 @@ RenderedState render_state(const Scene& scene, const LoadedCloud* cloud, const R
   camera::check_camera(camera);
   if (cloud != nullptr) check_camera_position(camera, scene, *cloud);
   const camera::Projection projection(camera);
-  World world(scene, cloud);
-  world.watch_rays(options.watch_rays);
+  const World world(scene, cloud);
   const Lights lights(scene);
   const RenderTask task{projection,
                         scene.render,
@@ -128,7 +128,6 @@ RenderedState render_state(const Scene& scene, const LoadedCloud* cloud, const R
   if (statistics != nullptr) {
     *statistics = statistics_of(state, scene, options, floor);
     statistics->seconds = watch.seconds();
-    statistics->query_seconds = world.query_seconds();
     if (film.holds_any()) statistics->ray_count += pixel_count(state.grid, options.part);
   }
   return rendered;

@@ -13,7 +13,6 @@
 #include "image/film.h"
 #include "renderer/load_cloud.h"
 #include "renderer/scene.h"
-#include "renderer/world.h"
 
 namespace alidade::renderer {
 
@@ -21,10 +20,10 @@ namespace alidade::renderer {
 /// kind.
 inline constexpr int k_image_version = 4;
 
-/// Small pictures of the unfinished render.
+/// Small images of the unfinished render.
 struct PreviewOptions {
-  /// Gets colour and alpha, each pixel the mean of a square of the picture's. Called by one thread at a time,
-  /// while others continue; first when every pixel has a sample, last when the picture is finished. What it
+  /// Gets colour and alpha, each pixel the mean of a square of the image's. Called by one thread at a time,
+  /// while others continue; first when every pixel has a sample, last when the image is finished. What it
   /// throws ends the render.
   std::function<void(const image::Film& preview)> show;
   double interval = 3.0;    ///< seconds from the end of one to the next, >= 0
@@ -45,25 +44,25 @@ struct CheckpointOptions {
   std::function<void(const Error&)> failed{};
 };
 
-/// One of several parts of a picture, for a machine each: of its tiles of about 16 x 16 pixels, numbered
+/// One of several parts of an image, for a machine each: of its tiles of about 16 x 16 pixels, numbered
 /// along Morton's curve, every `count`-th from the `number`-th on. Tiles beside each other take about the
 /// same time, so parts that hold every n-th tile take about the same time, too; stripes of sky and of trees
 /// do not. Along the curve they are evenly spread in both directions for any `count`; along rows, a `count`
 /// that divides the number of columns would give stripes.
 struct ImagePart {
   int number = 1;  ///< from 1
-  int count = 1;   ///< 1: the whole picture
+  int count = 1;   ///< 1: the whole image
 
   bool operator==(const ImagePart&) const = default;
 };
 
-/// The most parts of a picture.
+/// The most parts of an image.
 inline constexpr int k_most_parts = 65536;
 
 /// "3/20".
 std::string part_text(ImagePart part);
 
-/// Pixels of a part of a picture.
+/// Pixels of a part of an image.
 std::uint64_t pixel_count(int width, int height, ImagePart part);
 
 struct RenderOptions {
@@ -71,7 +70,7 @@ struct RenderOptions {
   /// target the total is what may be expected.
   Progress progress{};
   std::optional<std::vector<image::Layer>> layers{};  ///< to be had in the film; empty = all
-  /// Seconds for one picture, time before a resumption included, >= 0. Every pixel gets one sample in any
+  /// Seconds for one image, time before a resumption included, >= 0. Every pixel gets one sample in any
   /// case; then samples are spread evenly, one tile at most having twice as many as another. Only tiles that
   /// were ahead when a render without limit was interrupted stay so. The bytes depend on the time.
   std::optional<double> time_limit{};
@@ -81,12 +80,11 @@ struct RenderOptions {
   std::optional<double> target_noise{};
   std::optional<PreviewOptions> preview{};
   std::optional<CheckpointOptions> checkpoint{};
-  /// What of the picture is rendered; pixels of other parts are as those without samples.
+  /// What of the image is rendered; pixels of other parts are as those without samples.
   ImagePart part{};
-  RayWatch watch_rays{};  ///< for measurements
 };
 
-/// Whether noise is added up along with the picture: for the variance layer or a target.
+/// Whether noise is added up along with the image: for the variance layer or a target.
 bool keeps_noise(const RenderOptions& options);
 
 /// Noise that is left, as relative error of a tile (renderer/noise.h); infinite if unknown, of one sample.
@@ -97,7 +95,6 @@ struct ReachedNoise {
 struct RenderStatistics {
   std::uint64_t ray_count = 0;              ///< rays traced, shadow rays included
   double seconds = 0.0;                     ///< time before a resumption included
-  double query_seconds = 0.0;               ///< of all threads, in queries of the octree; since a resumption
   int least_samples = 0, most_samples = 0;  ///< of any pixel
   double mean_samples = 0.0;
   std::optional<ReachedNoise> noise{};  ///< if it was added up
@@ -119,7 +116,7 @@ void check_camera_position(const camera::Camera& camera, const Scene& scene, con
 /// a few megabytes per thread.
 ///
 /// Errors: no camera; a model without surfaces; a number outside its range; a part with a time limit or a
-/// target, on which pixels of other parts depend; of checkpoints: damage, another picture, a failed write.
+/// target, on which pixels of other parts depend; of checkpoints: damage, another image, a failed write.
 /// Cancelled, if `progress` returns false; the checkpoint then holds all samples taken.
 image::Film render(const Scene& scene, const LoadedCloud* cloud, const RenderOptions& options = {},
                    RenderStatistics* statistics = nullptr);
@@ -132,7 +129,7 @@ struct PartOutput {
 };
 
 /// Renders a part as render() does, and writes it to a file for merge_parts(). The bytes depend on nothing
-/// else, as those of pictures. Memory: the sums and the layers of the whole picture. Errors: those of
+/// else, as those of images. Memory: the sums and the layers of the whole image. Errors: those of
 /// render() and OutputFile.
 void render_part(const Scene& scene, const LoadedCloud* cloud, const RenderOptions& options,
                  const PartOutput& output, RenderStatistics* statistics = nullptr);

@@ -140,11 +140,11 @@ struct GradientSky {
 
 class SkyImage;
 
-/// Sky from a picture of everything around, laid out like a panorama: its middle column is north if it is
+/// Sky from an image of everything around, laid out like a panorama: its middle column is north if it is
 /// not turned (renderer/sky.h).
 struct ImageSky {
   std::filesystem::path file;
-  double scale = 1.0;     ///< radiance is the picture's values times this, [0, 1e9]
+  double scale = 1.0;     ///< radiance is the image's values times this, [0, 1e9]
   double rotation = 0.0;  ///< degrees clockwise from north: azimuth of the middle column, [-360, 360]
   std::shared_ptr<const SkyImage> image;  ///< what was read from the file; nothing is rendered without it
 };
@@ -156,7 +156,7 @@ using Sky = std::variant<ConstantSky, GradientSky, ImageSky>;
 inline constexpr int k_max_samples = 1 << 24;  ///< paths per pixel
 inline constexpr int k_max_bounces = 1000;     ///< path vertices after the first
 
-/// What a picture shows.
+/// What an image shows.
 enum class RenderMode {
   path,               ///< light of sun, sky and lamps, scattered from surface to surface
   ambient_occlusion,  ///< colours, darkened where other surfaces are near; no light is needed
@@ -190,7 +190,7 @@ struct Scene {
   Sky sky = GradientSky{};
   std::optional<geo::Sun> sun;
   std::optional<geo::SunByTime> sun_by_time;  ///< replaces `sun`, which is made of it before rendering
-  std::string sun_origin;                     ///< how `sun` was made, for the metadata of pictures
+  std::string sun_origin;                     ///< how `sun` was made, for the metadata of images
   std::optional<camera::Camera> camera;       ///< empty = a view is chosen that shows the whole cloud
   RenderSettings render;
   image::OutputSettings output;

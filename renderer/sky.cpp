@@ -80,7 +80,7 @@ SkyImage::Position SkyImage::position_of(const glm::dvec3& direction) const {
   const double azimuth = angle_of(direction.x, direction.y) / (2.0 * k_pi);
   const double level = std::sqrt(direction.x * direction.x + direction.y * direction.y);
   const double elevation = angle_of(direction.z, level);
-  // In pixels, from the middle of the first column and half a pixel above the picture.
+  // In pixels, from the middle of the first column and half a pixel above the image.
   const double turn = azimuth - turns_ + 0.5 - 0.5 / pixels_.width;
   const double x = (turn - std::floor(turn)) * pixels_.width;
   const double y = (0.5 - elevation / k_pi) * pixels_.height + 0.5;

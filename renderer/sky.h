@@ -8,7 +8,7 @@
 #include "image/read_image.h"
 #include "renderer/scene.h"
 
-// A sky from a picture of everything around (lat-long, equirectangular): column x of it is azimuth
+// A sky from an image of everything around (lat-long, equirectangular): column x of it is azimuth
 // rotation + 360 (x / width - 1/2) degrees, clockwise from north (+y), row y is elevation 180 (1/2 - y /
 // height). Without rotation that is the panorama camera's layout, so a panorama rendered here is a sky.
 
@@ -70,7 +70,7 @@ class SkyImage {
   double total_ = 0.0;           ///< the last of them
 };
 
-/// Radiance that comes from the sky along a unit direction towards it, the sun left out. A sky from a picture
+/// Radiance that comes from the sky along a unit direction towards it, the sun left out. A sky from an image
 /// must have been read.
 inline Rgb sky_radiance(const Sky& sky, const glm::dvec3& direction) {
   if (const auto* constant = std::get_if<ConstantSky>(&sky)) return constant->radiance;

@@ -14,7 +14,7 @@
 
 namespace alidade::renderer {
 
-/// A picture cut evenly into tiles of about 16 x 16 pixels, 12 to 23 on a side where the picture is at least
+/// An image cut evenly into tiles of about 16 x 16 pixels, 12 to 23 on a side where the image is at least
 /// 12 wide and high, so that none is a sliver. Tiles are numbered row by row.
 class TileGrid {
  public:
@@ -22,8 +22,8 @@ class TileGrid {
   TileGrid(int width, int height)
       : width_(width), height_(height), columns_(tiles_along(width)), rows_(tiles_along(height)) {}
 
-  int width() const { return width_; }    ///< of the picture, pixels
-  int height() const { return height_; }  ///< of the picture, pixels
+  int width() const { return width_; }    ///< of the image, pixels
+  int height() const { return height_; }  ///< of the image, pixels
   std::uint64_t pixel_count() const {
     return static_cast<std::uint64_t>(width_) * static_cast<std::uint64_t>(height_);
   }

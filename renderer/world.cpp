@@ -4,7 +4,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <chrono>
 #include <cmath>
 #include <glm/common.hpp>
 #include <glm/geometric.hpp>
@@ -42,22 +41,6 @@ constexpr double k_normal_reach = 2.5;
 constexpr double k_departure_height = 1.25;
 
 constexpr double k_none = std::numeric_limits<double>::infinity();
-
-/// Adds the time it exists to a total.
-class AddedTime {
- public:
-  explicit AddedTime(std::atomic<std::int64_t>& nanoseconds) : nanoseconds_(nanoseconds) {}
-  ~AddedTime() {
-    const auto taken = std::chrono::steady_clock::now() - start_;
-    nanoseconds_ += std::chrono::duration_cast<std::chrono::nanoseconds>(taken).count();
-  }
-  AddedTime(const AddedTime&) = delete;
-  AddedTime& operator=(const AddedTime&) = delete;
-
- private:
-  std::atomic<std::int64_t>& nanoseconds_;
-  const std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
-};
 
 enum class Roots { first_ahead, far_one };
 
@@ -236,11 +219,7 @@ Ray World::interval(const Ray& ray, double t) const {
 void World::meet_spheres(std::span<const Ray> rays, std::span<const std::size_t> numbers,
                          std::span<std::optional<Intersection>> met) const {
   std::vector<std::optional<Hit>> hits(rays.size());
-  if (watch_) watch_(rays, false);
-  {
-    const AddedTime time(query_nanoseconds_);
-    closest(*cloud_->octree, rays, cloud_->query, hits);
-  }
+  closest(*cloud_->octree, rays, cloud_->query, hits);
   for (std::size_t i = 0; i < rays.size(); ++i) {
     const std::optional<Hit>& hit = hits[i];
     std::optional<Intersection>& best = met[numbers[i]];
@@ -258,10 +237,7 @@ void World::meet_discs(std::span<const Ray> rays, std::span<const SheetOrigin> s
                        std::span<const std::size_t> numbers,
                        std::span<std::optional<Intersection>> met) const {
   std::vector<std::optional<DiscHit>> hits(rays.size());
-  {
-    const AddedTime time(query_nanoseconds_);
-    discs_->closest(rays, sheets, hits);
-  }
+  discs_->closest(rays, sheets, hits);
   for (std::size_t i = 0; i < rays.size(); ++i) {
     const std::optional<DiscHit>& hit = hits[i];
     std::optional<Intersection>& best = met[numbers[i]];
@@ -314,14 +290,10 @@ void World::blocked(std::span<const Ray> rays, std::span<const RayOrigin> ray_or
   }
   if (asked.empty()) return;
   std::vector<std::uint8_t> occlusions(asked.size());
-  if (watch_) watch_(asked, true);
-  {
-    const AddedTime time(query_nanoseconds_);
-    if (discs_)
-      discs_->blocked(asked, sheets, occlusions);
-    else
-      occluded(*cloud_->octree, asked, cloud_->query, occlusions);
-  }
+  if (discs_)
+    discs_->blocked(asked, sheets, occlusions);
+  else
+    occluded(*cloud_->octree, asked, cloud_->query, occlusions);
   for (std::size_t a = 0; a < asked.size(); ++a) answers[numbers[a]] = occlusions[a];
 }
 

@@ -3,7 +3,6 @@
 
 #include <atomic>
 #include <cstdint>
-#include <functional>
 #include <glm/vec3.hpp>
 #include <limits>
 #include <optional>
@@ -21,7 +20,7 @@
 namespace alidade::renderer {
 
 /// Normals for `"normals": "smooth"`: of a plane through all points within a reach, nearer ones weighing
-/// more. Each is computed when it is first used and kept (4 bytes per point), so a picture pays for
+/// more. Each is computed when it is first used and kept (4 bytes per point), so an image pays for
 /// what it shows. The answer is a function of the cloud alone: safe and equal from any number of threads.
 class SmoothNormals {
  public:
@@ -35,10 +34,6 @@ class SmoothNormals {
   const Octree* octree_;
   mutable std::vector<std::atomic<std::uint32_t>> kept_;  ///< packed; 0 = not computed yet
 };
-
-/// Receives the rays that a render queries the octree with, in its batches: for the closest hit, or whether
-/// there is any. Called from many threads at once.
-using RayWatch = std::function<void(std::span<const Ray> rays, bool occlusion)>;
 
 // What rays meet: the spheres around the cloud's points, and the scene's objects. Everything here is in
 // double, since a micrometre at UTM coordinates is the tenth digit.
@@ -127,12 +122,6 @@ class World {
 
   const std::vector<Object>& objects() const { return *objects_; }
 
-  /// From now on `watch` receives all rays that an octree of spheres is queried with.
-  void watch_rays(RayWatch watch) { watch_ = std::move(watch); }
-
-  /// Seconds that all threads together have spent in queries of the octree.
-  double query_seconds() const { return 1e-9 * static_cast<double>(query_nanoseconds_.load()); }
-
  private:
   void smooth(const Ray& ray, const Intersection& intersection, Surface& surface) const;
   Intersection nearest_object(const Ray& ray, const RayOrigin& ray_origin) const;
@@ -150,8 +139,6 @@ class World {
   std::optional<CloudGeometry> cloud_;
   std::optional<SmoothNormals> smooth_normals_;
   std::optional<DiscCloud> discs_;
-  RayWatch watch_;
-  mutable std::atomic<std::int64_t> query_nanoseconds_{0};
   std::vector<float> linear_;  ///< linear value of each 16-bit display value
 };
 

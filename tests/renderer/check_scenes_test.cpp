@@ -12,7 +12,7 @@
 #include "renderer/read_scene.h"
 #include "renderer/render.h"
 
-// Scenes whose pictures are known on paper; the scene files contain the derivations.
+// Scenes whose images are known on paper; the scene files contain the derivations.
 
 namespace alidade::test {
 

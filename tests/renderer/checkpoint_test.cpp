@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
 #include "renderer/checkpoint.h"
+#include "renderer/image_fingerprint.h"
 
 #include <gtest/gtest.h>
 #include <filesystem>

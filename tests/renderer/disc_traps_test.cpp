@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Clouds without surfaces, and cameras and radii that do not fit the cloud: pictures have finite colours, and
+// Clouds without surfaces, and cameras and radii that do not fit the cloud: images have finite colours, and
 // layers have the values that image/film.h states.
 #include <gtest/gtest.h>
 
@@ -148,7 +148,7 @@ TEST_P(DiscTraps, images_of_hostile_clouds_are_finite) {
 
 struct MeshTrap {
   std::string name, text;
-  std::string problem{};  ///< empty: it gives a picture
+  std::string problem{};  ///< empty: it gives an image
 };
 
 const MeshTrap k_mesh_traps[] = {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Pictures of scans against pictures of the site that was scanned. docs/reports/fidelity.md has the whole
+// Images of scans against images of the site that was scanned. docs/reports/fidelity.md has the whole
 // table.
 #include "tests/support/fidelity.h"
 
@@ -10,6 +10,7 @@
 #include <glm/trigonometric.hpp>
 
 #include "renderer/render.h"
+#include "renderer/world.h"
 #include "simulation/scan.h"
 #include "tests/renderer/tracer_scenes.h"
 

@@ -18,7 +18,7 @@ using namespace renderer;
 
 namespace {
 
-/// Sums over a picture and many seeds.
+/// Sums over an image and many seeds.
 struct Spread {
   double mean = 0.0;      ///< of all colours
   double reported = 0.0;  ///< mean variance that the films report

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Real photographs' cameras: what a picture shows at a pixel is, by the formula, at this pixel; and photos
+// Real photographs' cameras: what an image shows at a pixel is, by the formula, at this pixel; and photos
 // have there the colour that their reconstruction's points have.
 #include <gtest/gtest.h>
 

@@ -1,0 +1,25 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <string>
+
+#include "base/fingerprint.h"
+#include "renderer/render.h"
+
+namespace alidade::renderer {
+
+// Parts of a scene as texts that are equal exactly if the parts are: numbers with 17 significant digits, no
+// field left out. They are for comparing, not for reading back.
+
+/// Of CloudSettings, std::vector<Object>, Sky or std::optional<geo::Sun>.
+template <class Part>
+std::string text_of(const Part& part);
+
+/// The fingerprint of what render() would make of these: all that the samples of an image depend on, in a fixed
+/// order: what others follow from comes before them, such as the cloud before a camera that shows it. Numbers
+/// are written so that different ones have different texts. `cloud` may be null. Cost: a cloud read from an
+/// index file is identified by the checksums in it; any other is summed up as fast as memory delivers, about
+/// 16 bytes per point.
+Fingerprint image_fingerprint(const Scene& scene, const LoadedCloud* cloud, const RenderOptions& options);
+
+}  // namespace alidade::renderer
